@@ -17,8 +17,8 @@ import numpy as np
 import psutil
 
 from live.app.launch_options import LaunchOptions
-from live.app.services.audience_service import AudiencePart
-from live.base.event_queue import Inbox
+from live.app.services.audience_service import AudienceService
+from live.base.event_queue import EventQueue
 from live.cli.bench import Row
 from live.clock.ticks import TICK
 from live.clock.time_source import SystemClock
@@ -60,13 +60,13 @@ class Stage:
 
     def __init__(self, network: Literal["own wifi", "behind nat"]) -> None:
         self.show, self.clock = load_show(DEFAULT_PATCH).start(), SystemClock()
-        inbox: Inbox[ControlEvent] = Inbox()
+        inbox: EventQueue[ControlEvent] = EventQueue()
         self.status = Status(self.show, rejected=lambda: self.part.refused(), memory=lambda: 0.0)
         self.engine = Engine(self.show, clock=self.clock, inbox=inbox, status=self.status)
-        self.engine.outward.append(self._hear)
+        self.engine.event_listeners.append(self._hear)
         options = LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"bench" * 7)
         venue = Venue(audience=VenueAudience(network=network))
-        self.part = AudiencePart(options, self.show, inbox.lane(), self.clock, venue)
+        self.part = AudienceService(options, self.show, inbox.add_queue(), self.clock, venue)
         self.found = Found()
         self.places: list[str] = []
         """Where voices gathered, each time that it was told."""
@@ -121,7 +121,7 @@ class Stage:
     def run(self, seconds: float) -> Found:
         """Storm and load."""
         pacer = self._open()
-        gateway = psutil.Process(self.part.process)
+        gateway = psutil.Process(self.part.pid)
         process = self.phones(PHONES, STORM, seconds, RATE, 1, 0, 0.7)
         lines: list[str] = []
         assert process.stdout is not None

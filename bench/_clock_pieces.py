@@ -11,7 +11,7 @@ import numpy.typing as npt
 from bench._beat_scores import Named, Truth, read_truth
 from live.clock.beat_estimate import BeatEstimate
 from live.clock.follower.timeline_follower import TimelineFollower
-from live.clock.tracking.beat_tracker import Tracker
+from live.clock.tracking.beat_tracker import BeatTracker
 from live.control.audio.analysis import TrackerName, make_tracker
 from live.control.audio.music_file import read_music
 
@@ -51,7 +51,7 @@ def listen(sound: Sound, name: TrackerName, truth: Truth | None = None) -> Heard
         for beat in found:
             _keep(beats, beat)
             if not tracker.silent:
-                follower.heard(
+                follower.observe(
                     beat.position,
                     beat.period,
                     beat.confidence,
@@ -61,7 +61,7 @@ def listen(sound: Sound, name: TrackerName, truth: Truth | None = None) -> Heard
                 )
     named = Named(
         np.array([beat.position for beat in beats]),
-        np.array([beat.heard for beat in beats]),
+        np.array([beat.fed for beat in beats]),
         np.array([beat.beat + 1 for beat in beats], np.int64),
     )
     return Heard(named, np.array(lines), costs)
@@ -123,15 +123,15 @@ def _seeds(truth: Truth) -> list[tuple[float, str, float]]:
 
 
 def _tell(tracker: object, follower: TimelineFollower, at: float, what: str, value: float) -> None:
-    if isinstance(tracker, Tracker):
-        tracker.tap(value) if what == "tap" else tracker.one(value)
+    if isinstance(tracker, BeatTracker):
+        tracker.tap(value) if what == "tap" else tracker.set_downbeat(value)
     if what == "one":
-        follower.one(at)
+        follower.set_downbeat(at)
 
 
 def _keep(beats: list[BeatEstimate], beat: BeatEstimate) -> None:
     """A beat that is named again before it comes replaces the first naming."""
-    if beats and beat.replaces == beats[-1].position and beat.heard < beat.replaces:
+    if beats and beat.replaces == beats[-1].position and beat.fed < beat.replaces:
         beats.pop()
     beats.append(beat)
 

@@ -4,31 +4,31 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion.partner.decoder import Reading
-from live.motion.partner.partner_synthesis import Search, tolls
+from live.motion.partner.partner_synthesis import SearchSettings, boundary_costs
 from live.motion.partner.point_clouds import Cloud
 from live.motion.partner.units import Units
 from live.motion.partner_live.live_partner import LIVE_RATE
-from live.motion.partner_live.online_decoder import LiveReader
+from live.motion.partner_live.online_decoder import OnlineDecoder
 
 Bool = npt.NDArray[np.bool_]
 
 
-class _Recalled(LiveReader):
+class _Recalled(OnlineDecoder):
     """A reader that keeps what ended at each boundary, so that the best way can be gone back."""
 
     def __init__(self, units: Units, **how: float) -> None:
-        super().__init__(units, ways=128, **how)
+        super().__init__(units, path_count=128, **how)
         self.ended: dict[int, tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]] = {}
 
-    def frame(self, *given: object, **more: object) -> None:
-        super().frame(*given, **more)  # type: ignore[arg-type]
-        slot = self.at % self._ring
+    def process_frame(self, *given: object, **more: object) -> None:
+        super().process_frame(*given, **more)  # type: ignore[arg-type]
+        slot = self.frame_index % self._ring
         if self._cell[slot, 0] >= 0:
-            self.ended[self.at] = self._cell[slot].copy(), self._before[slot].copy()
+            self.ended[self.frame_index] = self._cell[slot].copy(), self._before[slot].copy()
 
     def best_way(self) -> list[tuple[int, int]]:
         """(begin, unit) of what is danced by all that is seen by now, the latest first."""
-        guess = self.guess()
+        guess = self.best_hypothesis()
         if guess is None:
             return []
         found, begin = [(guess.begin, guess.unit)], guess.begin
@@ -46,12 +46,12 @@ class _Recalled(LiveReader):
 
 
 def agreement_by_lag(
-    x: Cloud, units: Units, search: Search, offline: Reading, lags: tuple[float, ...], alike: Bool
+    x: Cloud, units: Units, search: SearchSettings, offline: Reading, lags: tuple[float, ...], alike: Bool
 ) -> npt.NDArray[np.float64]:
     """For each lag [units after the middle of each unit] how many of `offline`'s units are known by then: the very
     same ones, and those `alike`, (n, 2)."""
     thin = x.resampled(LIVE_RATE)
-    toll = tolls(search, thin)
+    toll = boundary_costs(search, thin)
     assert toll is not None  # beats are known
     length = float(np.median(units.seconds)) * LIVE_RATE
     middles = [int((start + 0.5 * frames) / offline.rate * LIVE_RATE)
@@ -63,7 +63,7 @@ def agreement_by_lag(
             asked.setdefault(min(middle + round(lag * length), thin.count - 1), []).append((row, n))
     found = np.zeros((len(lags), 2))
     for at in range(thin.count):
-        reader.frame(thin.floor[at], thin.height[at], boundary=bool(toll[at] == 0.0), unit_frames=length)
+        reader.process_frame(thin.floor[at], thin.height[at], boundary=bool(toll[at] == 0.0), unit_frames=length)
         way = reader.best_way() if at in asked else []
         for row, n in asked.get(at, []):
             unit = next((one for begin, one in way if begin <= middles[n]), -1)

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bench._show import crowd
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.cli.bench import Row
 from live.clock.time_source import ManualClock
 from live.control.events import events
@@ -118,7 +118,7 @@ def rows(loaded: LoadedShow, seconds: float) -> list[Row]:
 def _measured(loaded: LoadedShow, scene: Scene, seconds: float) -> npt.NDArray[np.float64]:
     """CPU time of the frames [ms] but for the first WARM_S."""
     show = crowd(DANCERS, loaded)
-    clock, inbox = WorkingClock(), Inbox[ControlEvent]()
+    clock, inbox = WorkingClock(), EventQueue[ControlEvent]()
     engine = Engine(show, clock=clock, inbox=inbox, status=Status(show, rejected=Counter, memory=lambda: 0.0))
     first, count = int(WARM_S * FPS), int(seconds * FPS)
     spent = np.zeros(count)

@@ -10,7 +10,7 @@ from bench._locomotion_beats import DrawnBeats
 from live.base.stage_snapshot import StageView
 from live.graph.select.candidates import turn_vectors
 from live.graph.step_library import StepLibrary
-from live.show.journal.motion_report import FrameReport
+from live.show.journal.motion_report import MotionReport
 from live.show.show import Show
 
 Float64 = npt.NDArray[np.float64]
@@ -65,7 +65,7 @@ class Watch:
 
     def __init__(self, show: Show) -> None:
         self._show = show
-        self._report = FrameReport(show)
+        self._report = MotionReport(show)
         self._drawn = DrawnBeats(show)
         self._figures = Figures()
         self._near: Bool | None = None
@@ -79,14 +79,14 @@ class Watch:
         self._pictures = 0
         self._crowded = 0
         self._half = np.array([show.patch.stage.width, show.patch.stage.depth]) / 2
-        ahead = show.motion.ahead
+        ahead = show.motion.predicted_ends
 
         def listen() -> tuple[Float64, Bool, Float64]:
             answer = ahead()
             self._asked.append(answer[0].copy())
             return answer
 
-        show.motion.ahead = listen  # type: ignore[method-assign]  # what steering alone foresees, before all cutting
+        show.motion.predicted_ends = listen  # type: ignore[method-assign]  # what steering alone foresees, before all cutting
 
     def picture(self, view: StageView) -> None:
         """One picture, right after it was filled; 60 a second."""
@@ -98,7 +98,7 @@ class Watch:
         if self._show.span.number != self._measure:
             self._cross_line(view, hips)
         self._line = self._show.span.end
-        self._last = self._show.scheduler.carrying.predicted.copy()
+        self._last = self._show.scheduler.root_correction.predicted.copy()
         self._before = (view.beat, hips)
 
     def _distances(self, hips: Float64) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from bench._locomotion_figures import Figures, Watch
 from bench._locomotion_scenes import Take, changed, events_of, stage
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.base.stage_snapshot import StageView
 from live.clock.time_source import ManualClock
 from live.control.events.events import BeatHeard, ControlEvent
@@ -80,9 +80,9 @@ def dance(
     return figures.figures()
 
 
-def engine_of(show: Show) -> tuple[Engine, ManualClock, Inbox[ControlEvent]]:
+def engine_of(show: Show) -> tuple[Engine, ManualClock, EventQueue[ControlEvent]]:
     """The engine's own frame loop on a clock that is set by hand."""
-    clock, inbox = ManualClock(), Inbox[ControlEvent]()
+    clock, inbox = ManualClock(), EventQueue[ControlEvent]()
     status = Status(show, rejected=Counter, memory=lambda: 0.0)
     return Engine(show, clock=clock, inbox=inbox, status=status, stall=math.inf), clock, inbox
 

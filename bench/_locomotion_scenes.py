@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.control.events.events import Attract, ControlEvent, Evolve, PlaceElement, Spread
-from live.show.loader import LoadedShow, show_of
+from live.show.loader import LoadedShow, load_from_patch
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PATCHES
@@ -62,7 +62,7 @@ class Take:
 @cache
 def stage() -> LoadedShow:
     """The scenes' patch with its steps."""
-    return show_of(parse_patch(PATCH, "locomotion"), PATCHES / "locomotion.toml")
+    return load_from_patch(parse_patch(PATCH, "locomotion"), PATCHES / "locomotion.toml")
 
 
 def changed(patch: Patch, **sections: dict[str, object]) -> Patch:

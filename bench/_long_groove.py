@@ -8,7 +8,7 @@ import numpy as np
 from bench._beat_scores import TOLERANCE
 from bench._clock_pieces import BLOCK, RATE, Sound, add_beat
 from live.clock.follower.timeline_follower import TimelineFollower
-from live.clock.silence import Hearing, Pauses
+from live.clock.silence import PauseDetector, SoundState
 from live.control.audio.analysis import make_tracker
 
 BPM = 121.3
@@ -44,8 +44,8 @@ class Slips:
 def slips(minutes: float) -> Slips:
     """Stream so many minutes through tracker and follower."""
     tracker, _ = make_tracker("network", RATE)
-    follower, pauses = TimelineFollower(), Pauses()
-    hearing: Hearing = "sound"
+    follower, pauses = TimelineFollower(), PauseDetector()
+    hearing: SoundState = "sound"
     named: dict[int, float] = {}
     extra, places, errors, tick = 0, [], [], 0
     for block, part in enumerate(_blocks(60.0 * minutes)):
@@ -69,7 +69,7 @@ def slips(minutes: float) -> Slips:
             elif beat.position > LEFT_OUT:
                 extra += 1
             if hearing == "sound":
-                follower.heard(
+                follower.observe(
                     beat.position, beat.period, beat.confidence, now,
                     beat=beat.beat, beats_per_measure=beat.beats_per_measure,
                 )  # fmt: skip

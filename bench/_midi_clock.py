@@ -14,7 +14,7 @@ import numpy as np
 
 from live.cli.beats.clock_check import read_beats, read_stream
 from live.cli.bench import Row
-from live.clock.midi.clock_report import ClockErrors, NamedBeat, errors_of, replay
+from live.clock.midi.clock_report import ClockErrors, DecodedBeat, clock_errors, replay
 
 PHASE_BAR_MS = 3.0
 TEMPO_BAR_BPM = 0.1
@@ -49,7 +49,7 @@ def rows(full: bool, shared: Path | None) -> list[Row]:
         _row("tempo after 8 beats, jitter to 2 ms", calm, "bpm", TEMPO_BAR_BPM, lambda e: e.tempo_max_bpm),
         _row("tempo after 8 beats, jitter to 5 ms", noisy, "bpm", TEMPO_BAR_NOISY_BPM, lambda e: e.tempo_max_bpm),
         _row("beats until a tempo step is followed", results, "beats", 1.0, lambda e: float(e.step_beats)),
-        _row("number in the measure right", results, "share", 1.0, lambda e: e.measure_right, least=True),
+        _row("number in the measure right", results, "share", 1.0, lambda e: e.beat_number_accuracy, least=True),
         Row("MIDI clock: decoder", max((r.cpu for r in results), default=None), "cores"),
     ]
     if full:
@@ -87,8 +87,8 @@ def _results(shared: Path | None) -> list[Result]:
         begin = time.process_time()
         report = replay(messages)
         cpu = (time.process_time() - begin) / (messages[-1][0] - messages[0][0])
-        ours = errors_of(report.beats, truth)
-        peers = {name: errors_of(_peer(messages, fit), truth) for name, fit in PEERS.items()}
+        ours = clock_errors(report.beats, truth)
+        peers = {name: clock_errors(_peer(messages, fit), truth) for name, fit in PEERS.items()}
         if ours is None or any(errors is None for errors in peers.values()):
             continue
         one_tempo = len({true.bpm for true in truth}) == 1
@@ -118,7 +118,7 @@ PEERS: dict[str, Callable[[Sequence[float]], tuple[float, float]]] = {
 }
 
 
-def _peer(messages: Messages, fit: Callable[[Sequence[float]], tuple[float, float]]) -> list[NamedBeat]:
+def _peer(messages: Messages, fit: Callable[[Sequence[float]], tuple[float, float]]) -> list[DecodedBeat]:
     """The beats that a decoder names which predicts the next beat at each beat and counts pulses."""
     times: list[float] = []
     beats = []
@@ -130,7 +130,7 @@ def _peer(messages: Messages, fit: Callable[[Sequence[float]], tuple[float, floa
             if running and position % PULSES == 0 and len(times) > 2:
                 newest, period = fit(times)
                 number, due = position // PULSES + 1, newest + PULSES * period
-                beats.append(NamedBeat(due, at, 60.0 / (PULSES * period), number % 4, number // 4, due))
+                beats.append(DecodedBeat(due, at, 60.0 / (PULSES * period), number % 4, number // 4, due))
             position += running
         elif status in (0xFA, 0xFB):
             position, running = (0 if status == 0xFA else held), True

@@ -11,14 +11,14 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.cli.bench import Row
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from live.control.events.events import BeatHeard, ControlEvent, SourceChanged
-from live.control.midi.midi_decoder import MidiDecoding
-from live.control.midi.midi_streams import MidiTokens
-from live.show.sound.clock_commands import tell
+from live.control.midi.midi_decoder import MidiEventDecoder
+from live.control.midi.midi_streams import MidiTokenizer
+from live.show.sound.clock_commands import apply_clock_event
 
 PULSES: Final = 24
 JITTER: Final = 0.005
@@ -67,8 +67,8 @@ def _run(bpm: float, delayed: Callable[[np.random.Generator, Rows], Rows], seed:
     period = 60.0 / (bpm * PULSES)
     sent: Rows = 1.0 + period * np.arange(BEATS * PULSES, dtype=np.float64)
     arrived = np.maximum.accumulate(delayed(rng, sent))
-    inbox: Inbox[ControlEvent] = Inbox()
-    listens, tokens = MidiDecoding(inbox), MidiTokens()
+    inbox: EventQueue[ControlEvent] = EventQueue()
+    listens, tokens = MidiEventDecoder(inbox), MidiTokenizer()
     follower = TimelineFollower()
     begin = sent[0] + SETTLED * 60.0 / bpm
     at, tempo, offsets = 0, 0.0, []
@@ -79,10 +79,10 @@ def _run(bpm: float, delayed: Callable[[np.random.Generator, Rows], Rows], seed:
             for message in tokens.feed(data):
                 listens.decode(message, float(arrived[at]))
             at += 1
-        listens.look(now)
+        listens.advance(now)
         for event in inbox.drain():
             if isinstance(event, BeatHeard | SourceChanged):
-                tell(follower, event)
+                apply_clock_event(follower, event)
         timeline = follower.advance(now)
         if now < begin:
             continue

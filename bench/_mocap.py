@@ -18,7 +18,7 @@ from live.control.events.events import MocapFrame
 from live.control.registry.rejections import Tally
 from live.motion import quaternion
 from live.motion.skeleton import JOINT_COUNT
-from live.show.journal.journal import line_of
+from live.show.journal.journal import event_line
 from live.show.loader import LoadedShow
 from live.show.patch.section_io import MocapSection
 from live.show.show import Show
@@ -34,7 +34,7 @@ def mocap_rows(loaded: LoadedShow) -> list[Row]:
     """All of it."""
     frames, each = _heard()
     alone, one, four, canon = _frames(loaded, frames)
-    written = np.mean([len(line_of(100_000, frame)) + 1 for frame in frames])
+    written = np.mean([len(event_line(100_000, frame)) + 1 for frame in frames])
     without = {"without [ms]": 1e3 * float(np.median(alone))}
     return [
         Row(
@@ -65,7 +65,7 @@ def _heard() -> tuple[list[MocapFrame], float]:
         packets = list(vmc_packets(np.array([np.sin(at), 0.93, np.cos(at)]), rotation, at))
         begin = time.process_time()
         for packet in packets:
-            stream.hear(packet, at)
+            stream.handle(packet, at)
         taken.append(time.process_time() - begin)
     return given, float(np.median(taken))
 

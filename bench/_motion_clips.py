@@ -13,7 +13,7 @@ from live.library.motion_file import read_motion
 from live.motion import quaternion
 from live.motion.cleanup.glitch_detection import find_glitches
 from live.motion.cleanup.glitch_repair import repair
-from live.motion.cleanup.trim_start import find_beginning
+from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.clip import Clip
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.body_tracks import body_tracks
@@ -85,7 +85,7 @@ def _recording(mocap: Path, name: str) -> Material:
 def _mended(motion: SourceMotion, name: str, fps: float | None) -> Clip:
     """As `live steps add --repair` takes it: without T-pose and run-in, tracking faults bridged where that is safe."""
     tracks = body_tracks(motion, fps=fps)
-    drop = find_beginning(tracks).drop_frames
+    drop = find_recording_start(tracks).drop_frames
     mended, _ = repair(motion, find_glitches(tracks, motion.parents, start=drop), fps=fps)
     return retarget(mended, name=name, fps=fps, drop_frames=drop)
 

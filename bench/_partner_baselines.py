@@ -8,7 +8,7 @@ from live.motion.clip import Clip, read_clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.partner.answer import answer
 from live.motion.partner.decoder import Reading
-from live.motion.partner.point_clouds import Cloud, fit, stretched
+from live.motion.partner.point_clouds import Cloud, fit, time_scaled
 from live.motion.partner.units import Units
 
 Float64 = npt.NDArray[np.float64]
@@ -29,7 +29,7 @@ def nearest_units(x: Cloud, units: Units, beats: Float64) -> Clip:
         fits = []
         for unit in range(units.count):
             of = units.examples[int(units.example[unit])]
-            fits.append(fit(thin, stretched(of.control, float(units.start[unit]), float(units.length[unit]), 8)))
+            fits.append(fit(thin, time_scaled(of.control, float(units.start[unit]), float(units.length[unit]), 8)))
         best = int(np.argmin([one.distance for one in fits]))
         rows.append((best, begin, end - begin, fits[best].turn, fits[best].shift))
     chosen, start, duration, turn, shift = (np.array(column) for column in zip(*rows, strict=True))

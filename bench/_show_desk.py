@@ -15,7 +15,7 @@ from live.render.renderer import Renderer
 from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import PATCHES
 from live.show.show import Show
-from live.show.view.render_scene import scene_of
+from live.show.view.render_scene import make_scene
 
 SHOW: Final = PATCHES / "cues" / "show.toml"
 SIZE: Final = (1280, 720)
@@ -32,7 +32,7 @@ def rows(full: bool) -> list[Row]:
 def _call(show: Show, address: str, *values: object) -> None:
     event = REGISTRY.call(address, values, show.time, "bench")
     if not isinstance(event, ControlEvent) or not show.apply(event):
-        raise RuntimeError(f"{address} {values}: {event} {show.refusals.words}")
+        raise RuntimeError(f"{address} {values}: {event} {show.refusals.last_reason}")
 
 
 def _ticks(show: Show) -> list[Row]:
@@ -75,7 +75,7 @@ def _pictures(loaded: LoadedShow, full: bool) -> list[Row]:
     except NoOpenGL:
         return [Row("a picture while light moves", None, "x a standing one", 1.5)]
     show = crowd(24, loaded)
-    renderer, target = Renderer(ctx, scene_of(show.patch), size=SIZE), OffscreenTarget(ctx, SIZE)
+    renderer, target = Renderer(ctx, make_scene(show.patch), size=SIZE), OffscreenTarget(ctx, SIZE)
     view = show.view()
     row = view.picture
     assert row is not None

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from bench._show import crowd_patch
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.cli.bench import Row
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
@@ -21,11 +21,11 @@ from live.control.events.events import Attract, BeatHeard, ControlEvent, SetMoti
 from live.show.engine import Engine
 from live.show.journal.journal import Journal, JournalWriter, read_journal
 from live.show.journal.journal_writer import read_snapshots
-from live.show.journal.replay import Replaying, first_start
+from live.show.journal.replay import Replayer, first_start
 from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from live.show.show import Show
-from live.show.state.snapshot import Snapshots, restore
+from live.show.state.snapshot import Snapshotter, restore
 from live.show.status import Status
 
 DANCERS: Final = 50
@@ -93,7 +93,7 @@ def _events(frame: int) -> list[ControlEvent]:
 
 
 def _recorded(loaded: LoadedShow, path: Path, seconds: float) -> Night:
-    show, clock, inbox = loaded.start(), ManualClock(), Inbox[ControlEvent]()
+    show, clock, inbox = loaded.start(), ManualClock(), EventQueue[ControlEvent]()
     journal = JournalWriter(path, loaded.header(show, tempo=None))
     engine = Engine(
         show, clock=clock, inbox=inbox, status=Status(show, rejected=Counter, memory=lambda: 0.0), journal=journal,
@@ -113,18 +113,18 @@ def _recorded(loaded: LoadedShow, path: Path, seconds: float) -> Night:
 def _speed(night: Night) -> list[Row]:
     """How many times as fast as life a replay is, with hashes compared, on one processor."""
     show = first_start(night.journal, night.loaded).show
-    running, speeds = Replaying(show, night.journal.usable()), []
-    while not running.over:
+    running, speeds = Replayer(show, night.journal.lines_with_damage()), []
+    while not running.ended:
         before, begin = running.tick, time.thread_time()
         running.advance(running.tick + PART_S / TICK)
         spent = time.thread_time() - begin
         if running.tick - before >= 0.5 * PART_S / TICK:
             speeds.append((running.tick - before) * TICK / spent)
-    peers = {"slowest part": min(speeds), "measures": float(running.found.measures)}
+    peers = {"slowest part": min(speeds), "measures": float(running.result.measures)}
     name = f"replay without drawing, {DANCERS} dancers"
     return [
         Row(name, float(np.median(speeds)), "x real time", 20.0, "at least", peers),
-        Row(f"{name}: measures whose state differs", float(running.found.different), "", 0.0),
+        Row(f"{name}: measures whose state differs", float(running.result.different), "", 0.0),
     ]
 
 
@@ -133,12 +133,12 @@ def _hashes(night: Night) -> list[Row]:
     different, last = 0, set()
     for fps in RATES:
         show = first_start(night.journal, night.loaded).show
-        running, view, frame = Replaying(show, night.journal.usable()), show.view(), 0
-        while not running.over:
+        running, view, frame = Replayer(show, night.journal.lines_with_damage()), show.view(), 0
+        while not running.ended:
             frame += 1
             running.advance(math.floor(frame / fps / TICK))
             show.fill(view, max(frame / fps, running.tick * TICK))
-        different += running.found.different
+        different += running.result.different
         last.add(show.state_hash())
     return [
         Row("measures whose state differs at 25, 60 or 144 frames/s", float(different), "", 0.0),
@@ -165,12 +165,12 @@ def _sizes(night: Night) -> list[Row]:
 
 def _snapshot(loaded: LoadedShow) -> list[Row]:
     show = loaded.start()
-    source, spent, last = Snapshots(show), [], None
+    source, spent, last = Snapshotter(show), [], None
     tick = 0
     for tick in range(1, round(30.0 / TICK)):
         show.tick(tick * TICK)
         begin = time.thread_time()
-        taken = source.take(tick) if tick % 16 == 0 else None
+        taken = source.capture(tick) if tick % 16 == 0 else None
         if taken is not None:
             spent.append((time.thread_time() - begin) * 1e3)
             last = taken  # a show keeps none: they are sealed at once

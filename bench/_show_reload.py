@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.cli.bench import Row
 from live.clock.time_source import SystemClock
 from live.control.events.events import ControlEvent
-from live.rehearse.fault_injection import Edits
+from live.rehearse.fault_injection import PatchEditor
 from live.render.frame_stats import Pacer
 from live.show.engine import Engine
 from live.show.loader import load_show
@@ -61,9 +61,9 @@ def rows(full: bool) -> list[Row]:
 
 
 def _run(folder: Path, seconds: float, *, edited: bool) -> Run:
-    edits = Edits(DEFAULT_PATCH, folder, 1)
+    edits = PatchEditor(DEFAULT_PATCH, folder, 1)
     loaded = load_show(edits.path)
-    show, clock, inbox, run = loaded.start(), SystemClock(), Inbox[ControlEvent](), Run()
+    show, clock, inbox, run = loaded.start(), SystemClock(), EventQueue[ControlEvent](), Run()
     status = Status(show, rejected=Counter, memory=lambda: 0.0)
     engine = Engine(show, clock=clock, inbox=inbox, status=status)
     watch = PatchWatch(loaded, show, post=inbox.put, now=clock.now)
@@ -78,7 +78,7 @@ def _run(folder: Path, seconds: float, *, edited: bool) -> Run:
             started = pacer.wait()
             if edited and started >= following:
                 following += EVERY
-                edits.good()
+                edits.save_valid()
             before = time.thread_time()
             engine.frame(lambda view: None)
             gc.collect(0)
@@ -90,5 +90,5 @@ def _run(folder: Path, seconds: float, *, edited: bool) -> Run:
         gc.enable()
         gc.unfreeze()
         watch.stop()
-    run.taken = show.reloading.taken
+    run.taken = show.patch_updates.applied_count
     return run

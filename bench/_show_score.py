@@ -65,7 +65,7 @@ def _seconds(path: Path) -> tuple[float, Show]:
 
 def _frames(show: Show) -> np.ndarray:
     """Processor time that the score alone takes in each frame [ms]: at lines, with the planning, and at every beat."""
-    prompter, size = show.prompter, show.patch.clock.beats_per_measure
+    prompter, size = show.score_runner, show.patch.clock.beats_per_measure
     nodes = np.zeros(0, np.int32)
     taken = []
     for measure in range(1, RUN):
@@ -79,7 +79,7 @@ def _frames(show: Show) -> np.ndarray:
                 prompter.score.segments(measure + 1)
             if frame == FRAMES * 3 // 4:
                 for programme in show.scheduler.programmes:
-                    programme.wanted(measure + 1, nodes)
-            prompter.agenda.fire((measure + frame / FRAMES) * size)
+                    programme.step_for(measure + 1, nodes)
+            prompter.beat_scheduler.fire((measure + frame / FRAMES) * size)
             taken.append(1e3 * (time.process_time() - begin))
     return np.array(taken)

@@ -22,7 +22,7 @@ import psutil
 from bench import _midi_jitter
 from bench._audience import audience_rows
 from bench._mocap import mocap_rows
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.cli.bench import Row
 from live.clock.ticks import TICK
 from live.clock.time_source import SystemClock
@@ -71,28 +71,28 @@ class Stage:
         loaded = load_show(DEFAULT_PATCH)
         self.show = loaded.start()
         self.clock = SystemClock()
-        inbox: Inbox[ControlEvent] = Inbox()
+        inbox: EventQueue[ControlEvent] = EventQueue()
         self.osc: OscInput | OscRemote = (
-            OscRemote("127.0.0.1", 0, inbox.lane(), self.clock)
+            OscRemote("127.0.0.1", 0, inbox.add_queue(), self.clock)
             if own_process
-            else OscInput("127.0.0.1", 0, inbox.lane(), self.clock, more=inbox.lane)
+            else OscInput("127.0.0.1", 0, inbox.add_queue(), self.clock, make_lane=inbox.add_queue)
         )
         self.status = Status(self.show, rejected=lambda: Counter(self.osc.refused()), memory=lambda: 0.0)
         self.engine = Engine(self.show, clock=self.clock, inbox=inbox, status=self.status)
-        self.engine.forgiving = True
-        self.engine.outward.append(self._hear)
+        self.engine.refuse_failing = True
+        self.engine.event_listeners.append(self._hear)
         self._ways: list[float] = []
         self.operated = 0
 
     @property
     def received(self) -> int:
         """Datagrams that were read, a quarter of a second ago."""
-        return int(self.osc.facts().get("received", 0))
+        return int(self.osc.status().get("received", 0))
 
     def _cpu(self) -> float:
         """CPU time that the receiving process, or thread, has taken [s]."""
         if isinstance(self.osc, OscRemote):
-            times = psutil.Process(self.osc.process).cpu_times()
+            times = psutil.Process(self.osc.pid).cpu_times()
             return float(times.user + times.system)
         threads = {one.native_id for one in threading.enumerate() if one.name == "osc"}
         return float(sum(t.user_time + t.system_time for t in psutil.Process().threads() if t.id in threads))
@@ -175,7 +175,7 @@ def _flooded(seconds: float, own_process: bool) -> list[Row]:
         values = stage.phase(seconds, flood="values", rate=VALUES_PER_SECOND)
         again = stage.phase(seconds)
         garbage = stage.phase(seconds, flood="garbage", rate=GARBAGE_PER_SECOND)
-        facts = stage.osc.facts()
+        facts = stage.osc.status()
     finally:
         gc.enable()
         gc.unfreeze()

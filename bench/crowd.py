@@ -49,4 +49,4 @@ def _rvo2(name: str, horizon: float, seed: int) -> Metrics:
 
 def _scenario(name: str, seed: int) -> Scenario:
     scenario = SCENARIOS[name](seed)
-    return scenario.lasting(GAP_SECONDS) if name.startswith("bottleneck") else scenario
+    return scenario.with_duration(GAP_SECONDS) if name.startswith("bottleneck") else scenario

@@ -18,7 +18,7 @@ from live.motion.partner.point_clouds import Cloud
 from live.motion.partner.refinement import refine
 from live.motion.partner.time_scaled_units import make_stretches
 from live.motion.partner.units import Units
-from live.motion.partner_live.online_decoder import LiveReader
+from live.motion.partner_live.online_decoder import OnlineDecoder
 from live.motion.partner_live.online_player import LivePartner
 
 STRETCH = 0.15
@@ -97,17 +97,17 @@ def _live(units: Units, x: Cloud, full: bool) -> list[Row]:
     rate = 30.0
     thin = x.resampled(rate)
     offline = decode(x.resampled(7.5), make_stretches(units, 7.5, STRETCH), k=K)
-    partner = LivePartner(LiveReader(units, rate=rate, stretch=STRETCH, k=K * rate / 7.5))
+    partner = LivePartner(OnlineDecoder(units, rate=rate, stretch=STRETCH, k=K * rate / 7.5))
     count = thin.count if full else min(thin.count, 1500)
     spent, danced, seen = [], [], []
     for n in range(count):
         began = time.thread_time()
-        partner.frame(thin.floor[n], thin.height[n], boundary=True, unit_frames=None)
-        if partner.known:
+        partner.process_frame(thin.floor[n], thin.height[n], boundary=True, unit_frames=None)
+        if partner.has_pose:
             partner.pose()
         spent.append((time.thread_time() - began) * 1000.0)
         danced.append(partner.unit)
-        seen += [share for _, _, share in partner.seen]
+        seen += [share for _, _, share in partner.decisions]
     same, asked = 0, 0
     for unit, start, frames in zip(offline.unit, offline.start, offline.duration, strict=True):
         at = int((start + 0.6 * frames) / 7.5 * rate)

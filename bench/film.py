@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from live.cli.bench import Row
 from live.render.film.film_writer import FilmWriter, PictureWriter
-from live.render.film.image_sequence import PictureFolder
-from live.render.film.network_stream import SharedStream
-from live.render.film.shared_memory import SharedRing
+from live.render.film.image_sequence import ImageSequenceWriter
+from live.render.film.network_stream import NetworkStream
+from live.render.film.shared_memory import FrameRing
 from live.render.headless import OffscreenTarget, create_headless_context
 
 SIZE = (1280, 720)
@@ -60,8 +60,8 @@ def _read_back() -> Row:
 
 
 def _live(folder: Path, pictures: list[Picture], count: int) -> list[Row]:
-    ring = SharedRing("choreographics-bench", SIZE)
-    stream = SharedStream("udp://127.0.0.1:49151", size=SIZE, fps=FPS)
+    ring = FrameRing("choreographics-bench", SIZE)
+    stream = NetworkStream("udp://127.0.0.1:49151", size=SIZE, fps=FPS)
     film = FilmWriter(folder / "live.mp4", size=SIZE, fps=FPS, live=True)
     takers: list[tuple[str, Callable[[Picture, int], None]]] = [
         ("shared in memory", lambda picture, frame: ring.write(picture, frame / FPS)),
@@ -97,7 +97,7 @@ def _written(folder: Path, pictures: list[Picture], count: int) -> list[Row]:
         ("H.264", lambda: FilmWriter(folder / "a.mp4", size=SIZE, fps=FPS)),
         ("ProRes 4444 with alpha", lambda: FilmWriter(folder / "a.mov", size=SIZE, fps=FPS, alpha=True)),
         ("FFV1 with alpha", lambda: FilmWriter(folder / "a.mkv", size=SIZE, fps=FPS, alpha=True)),
-        ("PNG with alpha", lambda: PictureFolder(folder / "%05d.png", size=SIZE, fps=FPS, alpha=True)),
+        ("PNG with alpha", lambda: ImageSequenceWriter(folder / "%05d.png", size=SIZE, fps=FPS, alpha=True)),
     ]
     rows = []
     for name, make in makers:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from bench import _hostile as hostile
 from bench._show import crowd
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.cli.bench import Row
 from live.clock.time_source import ManualClock
 from live.control.events.events import Attract, ControlEvent, Spread
@@ -86,7 +86,7 @@ def _against(name: str, frames: Frames, which: npt.NDArray[np.bool_]) -> Row:
 def measured(dancers: int, loaded: LoadedShow, seconds: float) -> Frames:
     """The frames of a show with `dancers` dancers, but for the first WARM_S."""
     show = crowd(dancers, loaded)
-    clock, inbox = ManualClock(), Inbox[ControlEvent]()
+    clock, inbox = ManualClock(), EventQueue[ControlEvent]()
     engine = Engine(show, clock=clock, inbox=inbox, status=Status(show, rejected=Counter, memory=lambda: 0.0))
     count = int(seconds * FPS)
     spent, line, decision = np.zeros(count), np.zeros(count, np.bool_), np.zeros(count, np.bool_)
@@ -111,7 +111,7 @@ def measured(dancers: int, loaded: LoadedShow, seconds: float) -> Frames:
     return Frames(spent[kept], line[kept], decision[kept])
 
 
-def _throw(inbox: Inbox[ControlEvent], frame: int) -> None:
+def _throw(inbox: EventQueue[ControlEvent], frame: int) -> None:
     """An attractor and a spreader in turn, every three seconds."""
     now = frame / FPS
     if frame % (6 * FPS) == 0:

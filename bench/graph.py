@@ -12,12 +12,12 @@ import numpy as np
 import numpy.typing as npt
 
 from bench._show import crowd
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.base.jit import kernel
 from live.cli.bench import Row
 from live.clock.time_source import ManualClock
 from live.control.events.events import ControlEvent
-from live.graph.build.bridges import BASE_RATE, Recorded, find_bridges
+from live.graph.build.bridges import BASE_RATE, PosedRecording, find_bridges
 from live.graph.build.metric import FlatClouds, Metric
 from live.graph.build.nearest_pairs import near_pairs
 from live.graph.build.transitions import transition_windows
@@ -172,11 +172,11 @@ def _many(graph: MotionGraph, repeats: int) -> float:
 
 def _bridge(graph: MotionGraph, repeats: int) -> float:
     """Searching half an hour, here all measures of the library one after another, for a way between two steps."""
-    parts = [Recorded.of(clip.clip) for clip in graph.library.clips[:100]]
+    parts = [PosedRecording.of(clip.clip) for clip in graph.library.clips[:100]]
     times = math.ceil(30 * 60 * BASE_RATE / sum(len(part.floor) for part in parts))
     floor = np.concatenate([part.floor for part in parts] * times)
     height = np.concatenate([part.height for part in parts] * times)
-    whole = Recorded(parts[0].clip, floor, height)
+    whole = PosedRecording(parts[0].clip, floor, height)
     return _best(lambda: find_bridges(graph, [whole], 0, 1, measure_s=2.0), repeats)
 
 
@@ -184,7 +184,9 @@ def _decisions(dancers: int, measures: int) -> Float64:
     """CPU time [ms] of the planning for each measure line: looking ahead, paths, steps, edges, parting."""
     show = crowd(dancers, load_show(DEFAULT_PATCH))
     clock = ManualClock()
-    engine = Engine(show, clock=clock, inbox=Inbox[ControlEvent](), status=Status(show, rejected=Counter, memory=float))
+    engine = Engine(
+        show, clock=clock, inbox=EventQueue[ControlEvent](), status=Status(show, rejected=Counter, memory=float)
+    )
     spent = np.zeros(measures + 2)
     inside = False
 

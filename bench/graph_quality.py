@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 from bench._motion_clips import SALSA, SKETCHES, SOLO, WALKS, recordings
 from live.cli.bench import Row
-from live.graph.dance_metrics import DanceFigures, RawClips
+from live.graph.dance_metrics import DanceMetrics, RawClips
 from live.graph.motion_graph import MotionGraph, build_graph
-from live.graph.render_dance import Assembled, assemble
+from live.graph.render_dance import RenderedDance, render_dance
 from live.graph.search.path_following import follow_line, follow_path, smoothed
 from live.graph.select.candidates import find_candidates
 from live.graph.step_library import build_library
@@ -36,7 +36,7 @@ class Danced:
     """Random walks through the graph of one kind of recordings."""
 
     name: str
-    figures: list[DanceFigures]
+    figures: list[DanceMetrics]
     raw: RawClips
 
 
@@ -75,7 +75,7 @@ def _dance(name: str, shared: Path, files: tuple[str, ...], setting: tuple[float
         return None
     chance = np.random.default_rng(1)
     figures = [
-        DanceFigures(graph, assemble(graph, _random_walk(graph, chance), bpm=tempo)) for _ in range(walks)
+        DanceMetrics(graph, render_dance(graph, _random_walk(graph, chance), bpm=tempo)) for _ in range(walks)
     ]  # fmt: skip
     raw = RawClips(tuple(clips), float(figures[0].dance.line_time[1]), figures[0].dance.clip.sample_rate)
     return Danced(name, figures, raw)
@@ -130,11 +130,11 @@ def _foot_rows(name: str, danced: Danced | None) -> list[Row]:
     return [Row(f"{name}: foot slide", float(slide.mean()), "m/s", raw + MOST_SLIDE, peers=peers)]
 
 
-def _free_slide(figures: DanceFigures) -> Float64:
+def _free_slide(figures: DanceMetrics) -> Float64:
     """Slides [m/s] of the same dance without the foot lock."""
     dance = figures.dance
-    free = assemble(figures.graph, dance.node, bpm=dance.bpm, hold_feet=False)
-    return DanceFigures(figures.graph, free).slide
+    free = render_dance(figures.graph, dance.node, bpm=dance.bpm, hold_feet=False)
+    return DanceMetrics(figures.graph, free).slide
 
 
 def _beat_rows(name: str, danced: Danced | None) -> list[Row]:
@@ -149,7 +149,7 @@ def _beat_rows(name: str, danced: Danced | None) -> list[Row]:
         kinematic = motion_beats(mean_speed(each.position, rate), rate)
         motion.append(offsets(each.dance.beat_time, kinematic))
         music.append(alignment(each.dance.beat_time, kinematic) or 0.0)
-    for step, (position, _) in zip(danced.raw.steps, danced.raw.played, strict=True):
+    for step, (position, _) in zip(danced.raw.steps, danced.raw.sampled_clips, strict=True):
         begin = step.first / step.samples_per_measure * seconds
         beats = begin + np.arange(step.beats) * seconds / step.beats_per_measure
         raw.append(offsets(beats, motion_beats(mean_speed(position, rate), rate)))
@@ -162,7 +162,7 @@ def _beat_rows(name: str, danced: Danced | None) -> list[Row]:
     ]
 
 
-def _shown_beats(graph: MotionGraph, dance: Assembled) -> Float64:
+def _shown_beats(graph: MotionGraph, dance: RenderedDance) -> Float64:
     """When each clip's own beat is seen in the motion, minus the beat [s]: beats within blends are left out.
 
     Local rotations of all joints but the hips (whose heading is turned) and the legs (which hold the floor) are
@@ -220,7 +220,7 @@ def _path_rows(full: bool) -> list[Row]:
                     wanted=np.full(MEASURES, graph.library.steps.index(step)),
                     candidates=candidates,
                 )
-                dance = assemble(
+                dance = render_dance(
                     graph,
                     followed.node,
                     bpm=120.0,
@@ -228,7 +228,7 @@ def _path_rows(full: bool) -> list[Row]:
                     takes=(followed.take, followed.share),
                     start=(*targets.place[0], targets.heading[0]),
                 )
-                figures = DanceFigures(graph, dance, targets)
+                figures = DanceMetrics(graph, dance, targets)
                 values = figures.result()
                 errors = values["path_error_m"]["list"]
                 peers = {

@@ -15,7 +15,7 @@ from live.control.events.events import Performer, StepNow
 from live.graph.dance_metrics import RawClips
 from live.motion.editing.foot_correction import ANKLES, BALLS
 from live.motion.foot_contact import TOES_OVER_SOLE
-from live.motion.pose.inertialization_kernels import LONGEST
+from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
 from live.motion.quality.metrics import at_samples, slides
 from live.motion.skeleton import SOLE_BELOW_ANKLE
 from live.show.show import Show
@@ -25,7 +25,7 @@ Bool = npt.NDArray[np.bool_]
 
 RATE: Final = 1.0 / TICK
 STEPS: Final = ("samba", "side step", "walk", "kick", "reach")
-BEFORE, AFTER = 3, int(LONGEST * RATE) + 3
+BEFORE, AFTER = 3, int(MAX_FADE_TIME * RATE) + 3
 """Ticks before and after a cut that are looked at."""
 NEAR_FLOOR: Final = 0.03
 RUN: Final = 3.0
@@ -85,15 +85,15 @@ def danced(seed: int, seconds: float, *, hard: bool = False) -> Danced:
             name, measures = STEPS[int(chance.integers(len(STEPS)))], float(chance.integers(0, 3))
             show.apply(StepNow(time=now, source="bench", name=name, measures=measures))
             waiting, next_cue = show.timeline.beat_at(now), now + chance.uniform(1.5, 4.0)
-        cues, begun = show.interrupts.cues, time.process_time()
+        cues, begun = show.interrupts.cue_count, time.process_time()
         show.tick(now)
-        rows = np.flatnonzero(show.dancers.inertia.began == now)
+        rows = np.flatnonzero(show.dancers.inertia.cut_time == now)
         if len(rows):
             spent.append(1e3 * (time.process_time() - begun))
             cuts += [(number - 1, int(row)) for row in rows]
-            waits += [show.timeline.beat_at(now) - waiting] if show.interrupts.cues > cues else []
+            waits += [show.timeline.beat_at(now) - waiting] if show.interrupts.cue_count > cues else []
             if hard:
-                show.dancers.inertia.forget(rows)
+                show.dancers.inertia.clear(rows)
         show.fill(view, now)
         position.append(view.joint_position.copy())
         contact.append(show.dancers.contact(show.span.fraction(show.timeline.beat_at(now))).copy())
@@ -106,7 +106,7 @@ def run_through(*, careful: bool) -> tuple[float, float]:
     """How long dancers are within 0.5 m of somebody who runs to and fro among them [s], and how near [m]."""
     show = Show(stage().patch, stage().graph, seed=1)
     if not careful:
-        show.interrupts._avoiding.tick = lambda *arguments: None  # type: ignore[method-assign]
+        show.interrupts._collision_avoidance.tick = lambda *arguments: None  # type: ignore[method-assign]
     within, nearest = 0.0, np.inf
     for number in range(1, int(16.0 * RATE)):
         now = number * TICK
@@ -116,7 +116,7 @@ def run_through(*, careful: bool) -> tuple[float, float]:
             show.apply(Performer(time=now, source="bench", name="ann", x=float(place[0]), z=float(place[1])))
         show.tick(now)
         if now >= 3.1:
-            away = np.hypot(*(show.dancers.shown - place).T)
+            away = np.hypot(*(show.dancers.drawn_hips - place).T)
             within, nearest = within + float((away < 0.5).sum()) * TICK, min(nearest, float(away.min()))
     return within, nearest
 
@@ -171,7 +171,7 @@ def _planted(dances: list[Danced]) -> Float64:
     for dance in dances:
         for at, row in dance.cuts:
             for side in range(2):
-                until = at + int(LONGEST * RATE)
+                until = at + int(MAX_FADE_TIME * RATE)
                 if dance.held[at - 1, row, side] and dance.contact[at:until, row, side].all():
                     way = dance.position[at - 1 : until, row, BALLS[side]][:, (0, 2)]
                     found.append(float(np.hypot(*(way - way[0]).T).max()))

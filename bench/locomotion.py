@@ -17,7 +17,7 @@ from live.cli.bench import Row
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.motion.mirror import mirror_step
-from live.show.loader import RECORDED_M, for_recordings, with_steps_of
+from live.show.loader import RECORDING_THRESHOLDS_M, adapt_to_recordings, with_connected_steps
 
 Float64 = npt.NDArray[np.float64]
 
@@ -82,9 +82,9 @@ def walk_rows(shared: Path | None, seconds: float) -> list[Row]:
     if not clips:
         return [Row(f"recorded walks: {name} (no recordings here)", None, unit) for name, unit in named.items()]
     clips += [mirror_step(step) for step in clips]
-    patch = for_recordings(stage().patch, clips)
-    graph = build_graph(build_library(clips), window=0.25, threshold=max(RECORDED_M))
-    found = dance(Take("thrown", 1, seconds), patch=with_steps_of(patch, graph), graph=graph)
+    patch = adapt_to_recordings(stage().patch, clips)
+    graph = build_graph(build_library(clips), window=0.25, threshold=max(RECORDING_THRESHOLDS_M))
+    found = dance(Take("thrown", 1, seconds), patch=with_connected_steps(patch, graph), graph=graph)
     return [Row(f"recorded walks: {name}", figure(found, name), unit) for name, unit in named.items()]
 
 

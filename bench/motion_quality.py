@@ -22,7 +22,7 @@ from live.motion.mirror import mirror_step
 from live.motion.pose.foot_lock import lock_feet
 from live.motion.quality.metrics import StepFigures, pelvis_way
 from live.motion.skeleton import MIRROR
-from live.motion.step_clip import StepClip, samples_in
+from live.motion.step_clip import StepClip, corresponding_samples
 
 Float64 = npt.NDArray[np.float64]
 Tool = Callable[[StepClip, np.random.Generator], StepClip]
@@ -189,7 +189,7 @@ def _interpolation(groups: dict[str, list[Material]]) -> list[Row]:
 def _same_variation(groups: dict[str, list[Material]]) -> Iterator[tuple[StepClip, StepClip]]:
     for material in itertools.chain.from_iterable(groups.values()):
         for a, b in itertools.combinations(material.steps, 2):
-            _, rotation, contact = read_clip(b.clip, samples_in(b, a))
+            _, rotation, contact = read_clip(b.clip, corresponding_samples(b, a))
             apart = np.exp(1j * heading_of(rotation[:, 0])) / np.exp(1j * heading_of(a.clip.rotation[:, 0]))
             part = slice(round(a.first), round(a.first + a.measures * a.samples_per_measure))
             alike = (contact == a.clip.contact)[part].mean()

@@ -13,14 +13,14 @@ from bench import texture_quality
 from bench._fixed_lag import agreement_by_lag
 from bench._partner_baselines import constant_offset, nearest_frames, nearest_units
 from live.cli.bench import Row
-from live.library.partner_pairs import Examples, read_pairs
+from live.library.partner_pairs import PartnerExamples, read_pairs
 from live.motion.beats.dance_rhythm import rhythm_of
 from live.motion.beats.tempo_estimation import two_beat_lines
 from live.motion.clip import Clip
-from live.motion.partner.evaluation import Errors, errors, joints_of, slide
-from live.motion.partner.partner_synthesis import Search, beat_offsets, find_partner, shown_beats
+from live.motion.partner.evaluation import FollowerErrors, follower_errors, joint_positions, slide_metrics
+from live.motion.partner.partner_synthesis import SearchSettings, beat_offsets, find_partner, shown_beats
 from live.motion.partner.units import cut_units
-from live.motion.partner_live.live_partner import agreement_of, alike, find_live
+from live.motion.partner_live.live_partner import agreement_of, evaluate_live, similar_units
 from live.motion.quality.metrics import offsets
 
 DROPPED = 6
@@ -49,7 +49,7 @@ def _partners(full: bool, shared: Path | None) -> list[Row]:
     return [*rows_of(known, left_out), *followed_rows(followed, left_out)]
 
 
-def _read(pairs: str) -> Examples:
+def _read(pairs: str) -> PartnerExamples:
     with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
         file.write(pairs)
         file.flush()
@@ -82,7 +82,7 @@ class Tally:
     """Errors by follower, take by take."""
 
     def __init__(self) -> None:
-        self.errors: dict[str, list[Errors]] = {}
+        self.errors: dict[str, list[FollowerErrors]] = {}
         self.slides: dict[str, list[float]] = {}
         self.offsets: dict[str, list[float]] = {}
         self.live: list[dict[str, Any]] = []
@@ -92,9 +92,9 @@ class Tally:
 
     def add(self, name: str, clip: Clip, contact: Any, truth: Any, leader: Any) -> None:
         """A follower of one take."""
-        joints = joints_of(clip)
-        self.errors.setdefault(name, []).append(errors(joints, truth, leader, clip.sample_rate))
-        slid = slide(joints, contact, clip.sample_rate)["foot_slide_mean"]
+        joints = joint_positions(clip)
+        self.errors.setdefault(name, []).append(follower_errors(joints, truth, leader, clip.sample_rate))
+        slid = slide_metrics(joints, contact, clip.sample_rate)["foot_slide_mean"]
         self.slides.setdefault(name, []).append(0.0 if slid is None else slid)
 
     def mean(self, name: str, figure: str) -> float:
@@ -102,7 +102,7 @@ class Tally:
         return float(np.mean([getattr(one, figure) for one in self.errors[name]]))
 
 
-def rows_of(known: Examples, takes: tuple[int, ...]) -> list[Row]:
+def rows_of(known: PartnerExamples, takes: tuple[int, ...]) -> list[Row]:
     """All figures."""
     tally = Tally()
     for take in takes:
@@ -110,16 +110,16 @@ def rows_of(known: Examples, takes: tuple[int, ...]) -> list[Row]:
     return _rows(tally)
 
 
-def _one(known: Examples, take: int, tally: Tally) -> None:
+def _one(known: PartnerExamples, take: int, tally: Tally) -> None:
     examples = known.units.examples
     others = [one for n, one in enumerate(examples) if n != take]
     units = cut_units(others)
     lead, real = known.leaders[take], known.followers[take].clip
     assert lead is not None  # pairs with leaders
     leader, x = lead.clip, examples[take].control
-    truth, led = joints_of(real), joints_of(leader)
+    truth, led = joint_positions(real), joint_positions(leader)
     beats = examples[take].beats / leader.sample_rate
-    search = Search()
+    search = SearchSettings()
     found = find_partner(leader, x, units, search)
     tally.add("search", found.clip, found.answer.clip.contact, truth, led)
     on_beat = replace(search, beats=beats)
@@ -129,13 +129,13 @@ def _one(known: Examples, take: int, tally: Tally) -> None:
     for name, one in (("search", found), ("search, on the beat", locked)):
         away = beat_offsets(shown_beats(one.answer, one.reading, units), period, first)
         tally.offsets.setdefault(name, []).extend(np.abs(away).tolist())
-    live, told = find_live(leader, x, units, on_beat, time.thread_time)
+    live, told = evaluate_live(leader, x, units, on_beat, time.thread_time)
     tally.add("live", live.clip, live.answer.clip.contact, truth, led)
     tally.live.append(told["live"])
-    tally.apart.append([_nearest(one, led) for one in (truth, joints_of(found.clip), joints_of(live.clip))])
+    tally.apart.append([_nearest(one, led) for one in (truth, joint_positions(found.clip), joint_positions(live.clip))])
     landed = rhythm_of(real).plants
     tally.offsets.setdefault("the real one's feet", []).extend(np.abs(beat_offsets(landed, period, first)).tolist())
-    tally.lags.append(agreement_by_lag(x, units, on_beat, locked.reading, LAGS, alike(units)))
+    tally.lags.append(agreement_by_lag(x, units, on_beat, locked.reading, LAGS, similar_units(units)))
     scale = OTHER_RATE / search.rate
     again = find_partner(leader, x, units, replace(on_beat, rate=OTHER_RATE, k=search.k * scale))
     tally.itself.append(agreement_of(again.reading, locked.reading))
@@ -149,7 +149,7 @@ def _one(known: Examples, take: int, tally: Tally) -> None:
     tally.add("the real one", real, real.contact, truth, led)
 
 
-def followed_rows(known: Examples, takes: tuple[int, ...]) -> list[Row]:
+def followed_rows(known: PartnerExamples, takes: tuple[int, ...]) -> list[Row]:
     """No beats given: the examples' are found in both dancers' feet, the leader's in hers alone. What is shown is held
     against the take's own, of both dancers' feet, and against those of the real follower's feet alone."""
     tally, away, apart, real_apart = Tally(), [], [], []
@@ -163,11 +163,11 @@ def followed_rows(known: Examples, takes: tuple[int, ...]) -> list[Row]:
         assert lines is not None  # these recordings are long enough
         assert own is not None
         last = (real.sample_count - 1.0) / real.sample_rate
-        search = Search(beats=lines.beats(last))
-        x, truth, led = examples[take].control, joints_of(real), joints_of(lead.clip)
+        search = SearchSettings(beats=lines.beats(last))
+        x, truth, led = examples[take].control, joint_positions(real), joint_positions(lead.clip)
         found = find_partner(lead.clip, x, units, search)
         tally.add("search", found.clip, found.answer.clip.contact, truth, led)
-        live, told = find_live(lead.clip, x, units, search, time.thread_time)
+        live, told = evaluate_live(lead.clip, x, units, search, time.thread_time)
         tally.add("live", live.clip, live.answer.clip.contact, truth, led)
         tally.add("the real one", real, real.contact, truth, led)
         tally.live.append(told["live"])

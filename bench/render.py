@@ -1,7 +1,7 @@
 """Drawing: frames at 1280x720 in the step of quality that a live show settles in, styles, and what asking costs.
 
 Whole frames, finished before the clock is read, with what the graphics side needs by its own clock. Bars hold in the
-step that the ladder of a live show chooses: `Affordance` and `Pacer` as in a window, at a live show's rate, dancers
+step that the ladder of a live show chooses: `FrameBudget` and `Pacer` as in a window, at a live show's rate, dancers
 dancing until no step has been taken for `SETTLED` seconds. A busy machine chooses a lower step and may miss them all
 the same: `processor` is what all threads of this process computed for a frame, which other programs disturb less.
 """
@@ -17,24 +17,31 @@ import numpy as np
 
 from bench._show import crowd
 from live.app.live_recording import SOFTWARE_FPS
-from live.base.picture_parameters import AMOUNTS, BY_ADDRESS, STYLE_OF_GROUP, Float64, of_group, picture_of
+from live.base.picture_parameters import (
+    BY_ADDRESS,
+    STYLE_ADDRESS_PREFIX,
+    STYLE_NAMES,
+    Float64,
+    group_parameter,
+    picture_row,
+)
 from live.base.stage_snapshot import Scene, StageView
 from live.cli.bench import Row
 from live.clock.ticks import TICK
 from live.render.adaptive_quality import is_software
-from live.render.frame_budget import Affordance
+from live.render.frame_budget import FrameBudget
 from live.render.frame_stats import Pacer
 from live.render.gl_release import release_all
 from live.render.headless import OffscreenTarget, create_headless_context
 from live.render.outputs.output import Output, SoftEdge
 from live.render.outputs.output_pass import OutputPass
-from live.render.outputs.photosensitivity import FlashGuard
-from live.render.outputs.screen import Pictures
+from live.render.outputs.photosensitivity import FlashLimiter
+from live.render.outputs.screen import FrameBuffers
 from live.render.renderer import Renderer
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from live.show.show import Show
-from live.show.view.render_scene import scene_of
+from live.show.view.render_scene import make_scene
 
 SIZE = (1280, 720)
 LARGE = (1920, 1080)
@@ -55,10 +62,10 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     rows: list[Row] = []
     for dancers in (24, 50, 100, 200) if full else (50, 100):
         show = crowd(dancers, loaded)
-        rows += _settled(ctx, show, scene_of(show.patch), dancers, full)
+        rows += _settled(ctx, show, make_scene(show.patch), dancers, full)
     show = crowd(24, loaded)
-    rows += _styles(ctx, show, scene_of(show.patch), full)
-    view, scene = show.view(), scene_of(show.patch)
+    rows += _styles(ctx, show, make_scene(show.patch), full)
+    view, scene = show.view(), make_scene(show.patch)
     show.fill(view, show.time)
     rows += _many(ctx, scene, view, 30 if full else 12, software=is_software(ctx))
     ctx.release()
@@ -89,7 +96,7 @@ def _settled(ctx: moderngl.Context, show: Show, scene: Scene, dancers: int, full
         rows.append(Row(f"{dancers} dancers, passes left on there: {passes}", len(passes.split(", ")), "", peers=told))
         if full and dancers == 50:
             for number, one in enumerate(renderer.steps):
-                renderer.take_step(number)
+                renderer.set_step(number)
                 rows.append(
                     _row(f"{dancers} dancers held at {number}: {one.name}", _frames(ctx, show, view, draw, full))
                 )
@@ -136,7 +143,7 @@ def _settle(
 ) -> int:
     """Dance in real time as a live show does until the ladder has found its step; returns how often it changed."""
     now = time.perf_counter
-    pacer, watch = Pacer(fps, now, time.sleep), Affordance(renderer, now, 1.0 / fps)
+    pacer, watch = Pacer(fps, now, time.sleep), FrameBudget(renderer, now, 1.0 / fps)
     begun = previous = changed = now()
     step, ahead = renderer.step, show.time - begun
     while now() - changed < SETTLED and now() - begun < LONGEST:
@@ -155,42 +162,47 @@ def _settle(
         ctx.finish()  # as a window's swap does
         watch.times.mark("draw")
         watch.end()
-    return watch.ladder.changes
+    return watch.controller.changes
 
 
 def _styles(ctx: moderngl.Context, show: Show, scene: Scene, full: bool) -> list[Row]:
     """24 dancers in each style and with each picture pass, in the best step; then what outputs add."""
-    view, usual, groups = show.view(), picture_of(scene), range(len(show.patch.group))
+    view, usual, groups = show.view(), picture_row(scene), range(len(show.patch.group))
     rows = []
     with drawn(ctx, scene, SIZE) as (renderer, target):
 
         def draw() -> None:
             renderer.draw(view, target)
 
-        for name in AMOUNTS:
+        for name in STYLE_NAMES:
             row = usual.copy()
             for group in groups:
-                row[of_group(STYLE_OF_GROUP + "solid", group).where] = float(name in ("solid", "trails"))
-                row[of_group(STYLE_OF_GROUP + name, group).where] = 1.0
+                row[group_parameter(STYLE_ADDRESS_PREFIX + "solid", group).row_slice] = float(
+                    name in ("solid", "trails")
+                )
+                row[group_parameter(STYLE_ADDRESS_PREFIX + name, group).row_slice] = 1.0
             for _ in range(16 if name in ("ribbons", "trails") else 1):  # what leaves a trace has to be danced first
                 _dance(show, view, 16, row)
                 draw()
             rows.append(_row(f"24 dancers, {name}", _frames(ctx, show, view, draw, full, row)))
         for name in ("trails", "ink", "grade/contrast"):
             row = usual.copy()
-            row[BY_ADDRESS[f"/dance/pass/{name}"].where] = 1.1 if name == "grade/contrast" else 1.0
+            row[BY_ADDRESS[f"/dance/pass/{name}"].row_slice] = 1.1 if name == "grade/contrast" else 1.0
             rows.append(_row(f"24 dancers, pass {name}", _frames(ctx, show, view, draw, full, row)))
     return rows + _outputs(ctx, show, view, full)
 
 
 def _outputs(ctx: moderngl.Context, show: Show, view: StageView, full: bool) -> list[Row]:
     """What comes after a picture that is there: the limit on flashes, and a bent output with soft edges."""
-    pictures, target = Pictures(ctx, SIZE), OffscreenTarget(ctx, SIZE)
-    guard = FlashGuard(ctx)
+    pictures, target = FrameBuffers(ctx, SIZE), OffscreenTarget(ctx, SIZE)
+    guard = FlashLimiter(ctx)
     corners = ((0.02, 0.03), (0.98, 0.0), (1.0, 1.0), (0.0, 0.97))
     bent = OutputPass(ctx, Output("bench", corners=corners, edge=SoftEdge(left=0.1, right=0.1)))
     rows = [
-        _row("flash limit alone", _frames(ctx, show, view, lambda: guard.left(pictures.texture, show.time), full)),
+        _row(
+            "flash limit alone",
+            _frames(ctx, show, view, lambda: guard.allowed_light(pictures.texture, show.time), full),
+        ),
         _row(
             "bent output alone", _frames(ctx, show, view, lambda: bent.draw(pictures.texture, target.framebuffer), full)
         ),

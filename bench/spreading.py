@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from live.agents.agent_command import Wants
+from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
-from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
 from live.agents.elements.element import Element
 from live.agents.elements.element_field import ElementField
@@ -35,9 +35,9 @@ class Crowd:
         half = (size[0] / 2, size[1] / 2)
         steering = Steering(half_width=half[0], half_depth=half[1])
         model = AgentModel(np.full(count, RADIUS, np.float32), np.ones(count, np.float32), steering, seed)
-        self._advance, self._surroundings = Advance(model), Surroundings()
-        self.state, self._spare = AgentState.at(position), AgentState.at(position)
-        self.wants = Wants(count)
+        self._advance, self._surroundings = CrowdStepper(model), Surroundings()
+        self.state, self._spare = AgentState.at_rest(position), AgentState.at_rest(position)
+        self.wants = AgentCommand(count)
         self.wants.speed[:] = SPEED
         self._groups = np.zeros(count, np.uint64)
         self.field = ElementField(count, half_width=half[0], half_depth=half[1], seed=seed)
@@ -51,10 +51,10 @@ class Crowd:
         time = self.ticks * TICK
         if self.ticks % 16 == 0:
             self.kept.append(self.state.position.astype(np.float64))
-        self.wants.rest()
+        self.wants.clear()
         self.field.refresh(time * 2.0, self.wants, self.state, self._groups)
-        self.field.wish(self.wants, self.state, self._groups, time=time)
-        self._advance(self.state, self._spare, wants=self.wants, surroundings=self._surroundings, time=time, dt=TICK)
+        self.field.apply(self.wants, self.state, self._groups, time=time)
+        self._advance(self.state, self._spare, commands=self.wants, surroundings=self._surroundings, time=time, dt=TICK)
         self.state, self._spare = self._spare, self.state
         self.ticks += 1
 

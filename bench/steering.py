@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.agent_command import Wants
+from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
-from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
-from live.agents.goals.goal_kernels import ATTRACTOR
+from live.agents.goals.goal_kernels import ATTRACT
 from live.agents.goals.goals import Goals
 from live.cli.bench import Row
 
@@ -33,7 +33,7 @@ class Crowd:
     def __init__(self, agents: int) -> None:
         self._half = 0.5 * math.sqrt(agents / DENSITY)
         self._chance = np.random.default_rng(1)
-        self._advance = Advance(
+        self._advance = CrowdStepper(
             AgentModel(
                 np.full(agents, RADIUS, np.float32),
                 np.ones(agents, np.float32),
@@ -41,9 +41,9 @@ class Crowd:
                 seed=1,
             )
         )
-        self._state, self._spare = AgentState.at(self._places(agents)), AgentState(agents)
-        self._wants, self._surroundings = Wants(agents), Surroundings()
-        self._goals = Goals(self._places(agents), SPEED, law=ATTRACTOR, rate=1.0)
+        self._state, self._spare = AgentState.at_rest(self._places(agents)), AgentState(agents)
+        self._wants, self._surroundings = AgentCommand(agents), Surroundings()
+        self._goals = Goals(self._places(agents), SPEED, law=ATTRACT, rate=1.0)
         self._wants.speed[:] = SPEED
         self._wants.separation[:] = 1.5
         self._wants.alignment[:] = 0.3
@@ -59,7 +59,7 @@ class Crowd:
         if len(reached):
             self._goals.target[reached] = self._places(len(reached))
         self._advance(
-            self._state, self._spare, wants=self._wants, surroundings=self._surroundings, time=self._time, dt=TICK
+            self._state, self._spare, commands=self._wants, surroundings=self._surroundings, time=self._time, dt=TICK
         )
         self._state, self._spare = self._spare, self._state
         self._time += TICK

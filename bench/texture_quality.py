@@ -9,18 +9,18 @@ import numpy as np
 import numpy.typing as npt
 
 from live.cli.bench import Row
-from live.library.capture_material import UNBEATEN, read_material
+from live.library.capture_material import NO_BEAT_TAG, read_material
 from live.motion.clip import Clip, read_clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.quaternion import mean_rotation
 from live.motion.step_clip import StepClip
 from live.motion.texture.frequency_bands import columns_of, sample_clip, split_bands, tracks_of
-from live.motion.texture.live_bank import TextureBank, legs_of
+from live.motion.texture.live_bank import TextureBank, leg_positions
 from live.motion.texture.live_texture_kernels import DERIVATIVE, PER_BEAT, nearest_fragment
-from live.motion.texture.texture_corpus import material_of
-from live.motion.texture.texture_settings import UPPER, WORDS, Wish
-from live.motion.texture.texture_synthesis import textured
-from live.show.dancers.live_texture import JOIN
+from live.motion.texture.texture_corpus import make_corpus
+from live.motion.texture.texture_settings import JOINT_GROUPS, UPPER, TextureSettings
+from live.motion.texture.texture_synthesis import texture_sketch
+from live.show.dancers.live_texture import SWITCH_COST
 
 Float64 = npt.NDArray[np.float64]
 
@@ -44,7 +44,7 @@ BEAT_MOMENTS: Final = np.arange(-8, 17, 2)
 """Samples about a beat line, of 16 a beat, at which legs are compared: as on stage, and with the whole beat known."""
 FLOOR_DEG: Final = 0.01
 """A band with less is as good as still."""
-COORDINATED: Final = WORDS["shoulders"]
+COORDINATED: Final = JOINT_GROUPS["shoulders"]
 """Joints whose band is correlated with the real one's."""
 
 
@@ -77,7 +77,7 @@ def _ablations(band: int) -> Iterator[tuple[str, dict[str, object]]]:
         yield f"K {'1' if keep == 1.0 else f'{keep:.0%} of the fragments'}", {"keep": keep}
     for other in (2, 3, 4, 5, 6, 7):
         yield f"band {other}", {"match_band": other}
-    hips, knees = WORDS["hips"], WORDS["knees"]
+    hips, knees = JOINT_GROUPS["hips"], JOINT_GROUPS["knees"]
     drivers = {"hips": hips, "knees": knees, "left hip and knee": (hips[0], knees[0]), "hips and knees": hips + knees}
     for label, drive in drivers.items():
         yield f"driven by {label}", {"drive": drive}
@@ -103,17 +103,17 @@ def _held_out_steps(name: str, full: bool, shared: Path | None) -> Iterator[tupl
         yield clips[index], [clip for n, clip in enumerate(clips) if n != index]
 
 
-def _wish(name: str, **change: object) -> Wish:
-    return replace(Wish(texture=(), match_band=SETS[name][2]), **change)  # type: ignore[arg-type]
+def _wish(name: str, **change: object) -> TextureSettings:
+    return replace(TextureSettings(texture=(), match_band=SETS[name][2]), **change)  # type: ignore[arg-type]
 
 
 def _compared(name: str, full: bool, shared: Path | None) -> list[Row]:
     found: dict[str, list[Figures]] = {one: [] for one in ("made", "as published", "mean pose", "unmatched clip")}
     for real, data in _held_out(name, full, shared):
-        material = material_of(data, [sample_clip(real)])
+        material = make_corpus(data, [sample_clip(real)])
         clips = {
-            "made": textured(real, material, _wish(name, weigh=2.0))[0].clip,
-            "as published": textured(real, material, _wish(name))[0].clip,
+            "made": texture_sketch(real, material, _wish(name, weigh=2.0))[0].clip,
+            "as published": texture_sketch(real, material, _wish(name))[0].clip,
             "mean pose": _mean(real, data),
             "unmatched clip": _unmatched(real, data),
         }
@@ -127,16 +127,16 @@ def _live(name: str, full: bool, shared: Path | None) -> list[Row]:
     found: dict[str, list[Figures]] = {"made": [], "with the whole beat known": []}
     agreed: list[float] = []
     for real, data in _held_out_steps(name, full, shared):
-        if UNBEATEN in real.tags:
+        if NO_BEAT_TAG in real.tags:
             continue
         try:
-            bank = TextureBank.of([one for one in data if UNBEATEN not in one.tags])
+            bank = TextureBank.of([one for one in data if NO_BEAT_TAG not in one.tags])
         except ValueError:
             continue
         chosen = []
         for label, moments in (("made", PREFIX_MOMENTS), ("with the whole beat known", BEAT_MOMENTS)):
             clip, made, fragments = _beat_by_beat(real, data, bank, moments)
-            material = material_of([one.clip for one in data], [sample_clip(clip)])
+            material = make_corpus([one.clip for one in data], [sample_clip(clip)])
             found[label].append(_figures(clip, made, material, SETS[name][2]))
             chosen.append(fragments)
         agreed.append(float(np.mean(np.array(chosen[0]) == np.array(chosen[1]))))
@@ -155,23 +155,27 @@ def _beat_by_beat(
     `moments` are what is compared, in samples about the beat line.
     """
     beats = [_at_beats(one) for one in data]
-    legs = np.concatenate([legs_of(rotation) for rotation, _ in beats if len(rotation) > 3 * PER_BEAT])
-    theirs = _features(legs, bank.begin, bank.first, moments).astype(np.float32)
+    legs = np.concatenate([leg_positions(rotation) for rotation, _ in beats if len(rotation) > 3 * PER_BEAT])
+    theirs = _features(legs, bank.begin, bank.clip_first, moments).astype(np.float32)
     rotation, rate = _at_beats(real)
-    own = legs_of(rotation)
+    own = leg_positions(rotation)
     lines = np.arange(1, len(rotation) // PER_BEAT - 1)
     mine = _features(own, (lines * PER_BEAT).astype(np.int32), np.zeros(len(lines), np.int32), moments)
     made, last, fragments = rotation.copy(), -1, []
     far = np.empty(bank.count, np.float32)
-    join = JOIN * 2.0 * float(theirs.var(axis=1).sum())
+    join = SWITCH_COST * 2.0 * float(theirs.var(axis=1).sum())
     for row, line in enumerate(lines.tolist()):
-        going = last + 1 if last >= 0 and last + 1 < bank.count and bank.first[last + 1] == bank.first[last] else -1
+        going = (
+            last + 1
+            if last >= 0 and last + 1 < bank.count and bank.clip_first[last + 1] == bank.clip_first[last]
+            else -1
+        )
         prefix = np.ascontiguousarray(mine[:, row], np.float32)
         last = int(nearest_fragment(far, theirs, prefix, going, join, 0.0, 0, 0))
         fragments.append(last)
         first = line * PER_BEAT + PER_BEAT // 4
         at = np.arange(first, len(rotation))
-        taken = np.minimum(bank.begin[last] + at - line * PER_BEAT, bank.last[last])
+        taken = np.minimum(bank.begin[last] + at - line * PER_BEAT, bank.clip_last[last])
         made[first:, list(UPPER)] = bank.upper[taken]
     still, contact = np.zeros((len(rotation), 3), np.float32), np.zeros((len(rotation), 2), np.bool_)
     clips = [Clip("beats", still.copy(), one.astype(np.float32), rate, contact.copy()) for one in (rotation, made)]
@@ -198,8 +202,8 @@ def _features(
 def _ablated(name: str, label: str, change: dict[str, object], full: bool, shared: Path | None) -> list[Row]:
     figures = []
     for real, data in _held_out(name, full, shared):
-        material = material_of(data, [sample_clip(real)])
-        made = textured(real, material, _wish(name, **change))[0].clip
+        material = make_corpus(data, [sample_clip(real)])
+        made = texture_sketch(real, material, _wish(name, **change))[0].clip
         figures.append(_figures(real, made, material, SETS[name][2]))
     return _rows(f"{name}, {label}", {"made": figures})
 

@@ -18,10 +18,10 @@ from live.motion.skeleton import JOINT_COUNT, Skeleton
 from live.motion.step_clip import StepClip
 from live.motion.texture.frequency_bands import sample_clip
 from live.motion.texture.live_bank import TextureBank
-from live.motion.texture.texture_corpus import material_of
-from live.motion.texture.texture_settings import Wish
-from live.motion.texture.texture_synthesis import paths_of, prepare, textured
-from live.show.dancers.live_texture import Texturing
+from live.motion.texture.texture_corpus import make_corpus
+from live.motion.texture.texture_settings import TextureSettings
+from live.motion.texture.texture_synthesis import find_paths, prepare_sketch, texture_sketch
+from live.show.dancers.live_texture import LiveTexture
 
 RATE: Final = 60.0
 SKETCH_S: Final = 60.0
@@ -33,15 +33,15 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     chance = np.random.default_rng(1)
     sketch = _made(SKETCH_S, chance)
     data = [_made(seconds, chance) for seconds in DATA_S]
-    wish = Wish()
+    wish = TextureSettings()
     repeats = 5 if full else 3
-    whole = _best(lambda: textured(sketch, material_of(data, [sample_clip(sketch)]), wish), repeats)
-    material = material_of(data, [sample_clip(sketch)])
-    again = _best(lambda: textured(sketch, material, wish), repeats)
-    cutting = _best(lambda: material_of(data, [sample_clip(sketch)]), repeats)
-    matching = _best(lambda: prepare(sketch, replace(material, _driving={}), wish), repeats)
-    ready = prepare(sketch, material, wish)
-    finding = _best(lambda: paths_of(ready, wish), repeats)
+    whole = _best(lambda: texture_sketch(sketch, make_corpus(data, [sample_clip(sketch)]), wish), repeats)
+    material = make_corpus(data, [sample_clip(sketch)])
+    again = _best(lambda: texture_sketch(sketch, material, wish), repeats)
+    cutting = _best(lambda: make_corpus(data, [sample_clip(sketch)]), repeats)
+    matching = _best(lambda: prepare_sketch(sketch, replace(material, _driving_cache={}), wish), repeats)
+    ready = prepare_sketch(sketch, material, wish)
+    finding = _best(lambda: find_paths(ready, wish), repeats)
     naive = _naive(sketch, material, wish)
     return [
         Row("60 s textured and completed from 10 min, all of it", whole, "s", 1.0),
@@ -49,8 +49,8 @@ def run(full: bool, shared: Path | None) -> list[Row]:
         Row("cutting up 10 min of data", cutting, "s"),
         Row("bands, fragments and matching", matching, "s", peers={"one pair of fragments after the other": naive}),
         Row("paths", finding, "s"),
-        Row("fragments of the sketch", ready.parts.count, ""),
-        Row("fragments of the data", ready.driving.parts.count, ""),
+        Row("fragments of the sketch", ready.fragments.count, ""),
+        Row("fragments of the data", ready.driving.fragments.count, ""),
         *_live(data, full),
         Row("motion made in a second", SKETCH_S / whole, "s", 60.0, "at least"),
     ]
@@ -79,7 +79,7 @@ def _live_costs(bank: TextureBank, count: int) -> tuple[float, float]:
     position, rotation = (a.astype(np.float32) for a in forward_kinematics(walk.root_position, legs, skeleton))
     body, turned = (a.astype(np.float32) for a in forward_kinematics(walk.root_position, walk.rotation))
     variation = SimpleNamespace(texture=np.ones(count), textures=True, measure=0, head=np.zeros(count))
-    texturing = Texturing(bank, variation, count, seed=1, beats=4)  # type: ignore[arg-type]
+    texturing = LiveTexture(bank, variation, count, seed=1, beats=4)  # type: ignore[arg-type]
     offset = chance.integers(0, 200, count)
     rows = [(number + offset) % 1000 for number in range(64 * 10)]
     poses = [(np.ascontiguousarray(position[at]), np.ascontiguousarray(rotation[at])) for at in rows]
@@ -92,7 +92,7 @@ def _live_costs(bank: TextureBank, count: int) -> tuple[float, float]:
         texturing.tick(phases[number], *poses[number], 1.0 / 64.0)
     ticked = time.process_time()
     for number in range(128, len(rows)):
-        texturing.dress(phases[number], *bodies[number])
+        texturing.apply(phases[number], *bodies[number])
     drawn = time.process_time()
     each = 1000.0 / (len(rows) - 128)
     return (ticked - began) * each * 64.0 / 60.0, (drawn - ticked) * each
@@ -108,11 +108,11 @@ def _best(work: Callable[[], object], repeats: int) -> float:
     return float(least)
 
 
-def _naive(sketch: Clip, material: object, wish: Wish) -> float:
+def _naive(sketch: Clip, material: object, wish: TextureSettings) -> float:
     """Matching as the paper tells it, each pair by itself, measured for 5 fragments of the sketch, for all [s]."""
-    ready = prepare(sketch, material, wish)  # type: ignore[arg-type]
-    parts, driving = ready.parts, ready.driving
-    data = driving.parts
+    ready = prepare_sketch(sketch, material, wish)  # type: ignore[arg-type]
+    parts, driving = ready.fragments, ready.driving
+    data = driving.fragments
     began = time.process_time()
     for row in range(5):
         n = int(parts.length[row]) + 1

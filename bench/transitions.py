@@ -8,18 +8,18 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.agent_command import Wants
+from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
-from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
 from live.agents.evolutions import facing, paths
-from live.agents.evolutions.collision_check import Clearance, mended
-from live.agents.evolutions.incremental_assignment import DividedMatching
+from live.agents.evolutions.collision_check import Clearance, repair_collisions
+from live.agents.evolutions.incremental_assignment import IncrementalAssignment
 from live.agents.evolutions.intention import Evolve, Places, Repertoire, Segment
-from live.agents.evolutions.paths import divided
+from live.agents.evolutions.paths import bend_paths
 from live.agents.evolutions.running_plan import Plan
 from live.agents.evolutions.slot_assignment import Cost, assign, distances
-from live.agents.evolutions.start_delays import Order, Ripple, delays, times
+from live.agents.evolutions.start_delays import Ripple, StartOrder, delays, start_and_arrival
 from live.agents.evolutions.trajectory import Locomotion
 from live.agents.groups.roster import Roster
 from live.cli.bench import Row
@@ -64,14 +64,16 @@ def transitions() -> Iterator[tuple[Float64, Float64]]:
 
 def journey(start: Float64, goal: Float64, waits: Float64 | None = None) -> Locomotion:
     """Straight ways."""
-    own = times(0.0, BEATS, np.zeros(len(start)) if waits is None else waits)
-    return Locomotion(paths.straight(start, goal), own, facing.linear(own, np.zeros(len(start)), np.zeros(1)))
+    own = start_and_arrival(0.0, BEATS, np.zeros(len(start)) if waits is None else waits)
+    return Locomotion(
+        paths.straight_paths(start, goal), own, facing.linear_turns(own, np.zeros(len(start)), np.zeros(1))
+    )
 
 
 def nearest(locomotion: Locomotion) -> tuple[int, float]:
     """How many pairs overlap, and how near two centres come [m]."""
     clearance = Clearance(locomotion, RADIUS, 129)
-    clearance.look(0, locomotion.count)
+    clearance.compute_rows(0, locomotion.count)
     return len(clearance.approaches()), float(clearance.distance.min())
 
 
@@ -88,8 +90,8 @@ def _cost_rows(cost: Cost, pairs: list[tuple[Float64, Float64]]) -> list[Row]:
         least.append(distance)
         meeting["straight"] += overlaps > 0
         if overlaps:
-            once = divided(straight, 2 * RADIUS, seed=number, rounds=1, freedom=1.0)
-            often = divided(straight, 2 * RADIUS + 0.04, seed=number, half=(WIDTH / 2, DEPTH / 2))
+            once = bend_paths(straight, 2 * RADIUS, seed=number, rounds=1, randomness=1.0)
+            often = bend_paths(straight, 2 * RADIUS + 0.04, seed=number, half=(WIDTH / 2, DEPTH / 2))
             meeting["thesis"] += nearest(once)[0] > 0
             meeting["divided"] += nearest(often)[0] > 0
     share = {name: 100.0 * count / len(pairs) for name, count in meeting.items()}
@@ -109,10 +111,12 @@ def _ripple_rows(pairs: list[tuple[Float64, Float64]]) -> list[Row]:
     before = after = changed = 0
     for number, (start, goal) in enumerate(pairs):
         slot = assign(start, goal)
-        waits = delays(Ripple(3.0, Order.RANDOM), start, np.arange(len(start)))
+        waits = delays(Ripple(3.0, StartOrder.RANDOM), start, np.arange(len(start)))
         rippled = journey(start, goal[slot], waits)
         before += nearest(rippled)[0] > 0
-        result = mended(rippled, RADIUS, waits, begin=0.0, end=BEATS, seed=number, half=(WIDTH / 2, DEPTH / 2))
+        result = repair_collisions(
+            rippled, RADIUS, waits, begin=0.0, end=BEATS, seed=number, half=(WIDTH / 2, DEPTH / 2)
+        )
         after += nearest(result.locomotion)[0] > 0
         changed += result.retimed
     count = len(pairs)
@@ -143,29 +147,29 @@ def _danced(start: Float64, goal: Float64, heading: Float64, *, push: float) -> 
     """One transition through the plan and the real steering: metres off, radians off, ticks with new overlaps."""
     count = len(start)
     repertoire = Repertoire().with_formation(Places("goal", goal, heading))
-    plan = Plan(Roster.of(count), repertoire, [Segment(Evolve("goal"), measures=2)], half=(WIDTH / 2, DEPTH / 2))
+    plan = Plan(Roster.create(count), repertoire, [Segment(Evolve("goal"), measures=2)], half=(WIDTH / 2, DEPTH / 2))
     model = AgentModel(
         np.full(count, RADIUS, np.float32), np.ones(count, np.float32), Steering(WIDTH / 2, DEPTH / 2), 0
     )
-    advance, surroundings, wants = Advance(model), Surroundings(), Wants(count)
+    advance, surroundings, wants = CrowdStepper(model), Surroundings(), AgentCommand(count)
     wants.speed[:] = 1.8
-    state, spare = AgentState.at(start), AgentState.at(start)
+    state, spare = AgentState.at_rest(start), AgentState.at_rest(start)
     plan.begin_measure(0, state.position, np.zeros(count))
     touching, overlaps = np.zeros((count, count), np.bool_), 0
     ticks = round(BEATS / BEATS_PER_SECOND / TICK)
     for tick in range(ticks):
         if push and tick == ticks // 2:
             state.position[::5, 0] += push
-        wants.rest()
-        plan.write(wants, state, tick * TICK * BEATS_PER_SECOND, BEATS_PER_SECOND)
-        advance(state, spare, wants=wants, surroundings=surroundings, time=tick * TICK, dt=TICK)
+        wants.clear()
+        plan.write_commands(wants, state, tick * TICK * BEATS_PER_SECOND, BEATS_PER_SECOND)
+        advance(state, spare, commands=wants, surroundings=surroundings, time=tick * TICK, dt=TICK)
         state, spare = spare, state
         apart = np.hypot(*np.moveaxis(state.position[:, None] - state.position[None], -1, 0))
         now = np.triu(apart < 2 * RADIUS - 0.005, 1)
         overlaps += int((now & ~touching).sum())
         touching = now
-    target = plan.target(BEATS)
-    motion = plan.motions[0].journey
+    target = plan.predicted_state(BEATS)
+    motion = plan.motions[0].motion
     assert motion is not None  # an Evolve always has one
     off = float(np.hypot(*(state.position - goal[motion.slot]).T).max())
     angle = facing.shortest_turn(target.heading, heading[motion.slot])
@@ -181,7 +185,7 @@ def _time_rows(sizes: tuple[int, ...]) -> list[Row]:
         pieces: list[list[float]] = []
         cost = 0.0
         for _ in range(5):
-            matching, own = DividedMatching(), []
+            matching, own = IncrementalAssignment(), []
             began = time.perf_counter()
             matching.begin(start, goal)
             own.append(time.perf_counter() - began)

@@ -130,9 +130,9 @@ def flows(axes: Any) -> None:
     eight = tuple(map(tuple, np.stack([4 * np.sin(t[:-1]), 2 * np.sin(2 * t[:-1])], 1)))
     start = scattered(14, 6)
     shapes = [
-        ("flow: vortex", Element(FLOW, flow=VORTEX, strength=0.7, **ON), 5.0),
-        ("flow: radial, inwards (strength -1)", Element(FLOW, flow=RADIAL, strength=-1.0, **ON), 6.0),
-        ("flow: drawn", Element(FLOW, stroke, flow=DRAWN, **ON), 5.0),
+        ("flow: vortex", Element(FLOW, flow_kind=VORTEX, strength=0.7, **ON), 5.0),
+        ("flow: radial, inwards (strength -1)", Element(FLOW, flow_kind=RADIAL, strength=-1.0, **ON), 6.0),
+        ("flow: drawn", Element(FLOW, stroke, flow_kind=DRAWN, **ON), 5.0),
         ("path: a closed figure of eight", Element(PATH, eight, closed=True, **ON), 12.0),
     ]
     for place, (title, element, seconds) in enumerate(shapes):

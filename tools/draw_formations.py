@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from live.agents.evolutions.paths import straight
+from live.agents.evolutions.paths import straight_paths
 from live.agents.evolutions.slot_assignment import assign
 from live.agents.formations.formation import formation_of
 from live.agents.formations.formation_spec import spec_from_table
@@ -113,8 +113,8 @@ def _write_ways(to: Path) -> None:
     first = formation_of(spec_from_table({"shape": "rectangle", "pattern": "grid", "size": [8, 4]}), 24, 1)
     second = formation_of(spec_from_table({"shape": "star", "size": [9, 7], "name": "star"}), 24, 1)
     slot = assign(first.slots, second.slots)
-    ways = list(straight(first.slots, second.slots[slot]).astype(np.float64))
-    _sheet(to, [draw_formation(second, (12.0, 8.0), ways=ways, title="from a grid into a star (24)")], 1)
+    ways = list(straight_paths(first.slots, second.slots[slot]).astype(np.float64))
+    _sheet(to, [draw_formation(second, (12.0, 8.0), paths=ways, title="from a grid into a star (24)")], 1)
 
 
 def _sheet(to: Path, drawn: list[str], columns: int) -> None:

@@ -87,13 +87,13 @@ def film(asked: argparse.Namespace) -> None:
     from live.base.stage_snapshot import Camera
     from live.render.headless import OffscreenTarget, create_headless_context
     from live.render.renderer import Renderer
-    from live.show.view.render_scene import scene_of
+    from live.show.view.render_scene import make_scene
 
     ctx, size, file, every = create_headless_context(), tuple(asked.size), asked.file, asked.every
     target = OffscreenTarget(ctx, size)
     x, z = asked.look
     camera = Camera((x, 3.0, z + 11.0), (x, 0.8, z), asked.view)
-    renderer = Renderer(ctx, replace(scene_of(stage().patch), camera=camera), size=size)
+    renderer = Renderer(ctx, replace(make_scene(stage().patch), camera=camera), size=size)
     pictures: list[Image.Image] = []
     count = 0
 

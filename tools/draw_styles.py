@@ -9,16 +9,16 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from live.base.picture_parameters import BY_ADDRESS, STYLE_OF_GROUP, Float64, of_group, picture_of
+from live.base.picture_parameters import BY_ADDRESS, STYLE_ADDRESS_PREFIX, Float64, group_parameter, picture_row
 from live.base.stage_snapshot import Camera, Scene, StageView
 from live.clock.ticks import TICK
 from live.render.adaptive_quality import SOFTWARE
 from live.render.headless import OffscreenTarget, create_headless_context
 from live.render.renderer import Renderer
-from live.show.loader import show_of
+from live.show.loader import load_from_patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PATCHES
-from live.show.view.render_scene import scene_of
+from live.show.view.render_scene import make_scene
 
 PATCH = """
 name = "styles"
@@ -65,19 +65,19 @@ TILES: tuple[dict[str, float], ...] = (
 
 def row_of(scene: Scene, said: dict[str, float]) -> Float64:
     """The picture's row in which all groups are drawn so; silhouettes and ink before black."""
-    row = picture_of(scene)
+    row = picture_row(scene)
     for group in range(16):
         for name, value in said.items():
-            row[of_group(STYLE_OF_GROUP + name, group).where] = value
+            row[group_parameter(STYLE_ADDRESS_PREFIX + name, group).row_slice] = value
     if said.get("silhouette"):
         for address in ("/dance/light/background", "/dance/light/floor", "/dance/light/rim", "/dance/pass/mirror"):
-            row[BY_ADDRESS[address].where] = 0.0
+            row[BY_ADDRESS[address].row_slice] = 0.0
     return row
 
 
 def moments() -> tuple[Scene, list[StageView]]:
     """What is danced in the last `WATCHED` seconds, and a scene whose camera has all of it in the middle."""
-    show = show_of(parse_patch(PATCH, "styles"), PATCHES / "styles.toml").start()
+    show = load_from_patch(parse_patch(PATCH, "styles"), PATCHES / "styles.toml").start()
     kept, last = [], round(SECONDS / TICK)
     for tick in range(1, last + 1):
         show.tick(tick * TICK)
@@ -89,7 +89,7 @@ def moments() -> tuple[Scene, list[StageView]]:
     middle = 0.5 * (here.min(axis=0) + here.max(axis=0))
     x, z = float(middle[0]), float(middle[2])
     camera = Camera((x + 0.3, 1.75, z + 7.6), (x, 0.95, z), 24.0)
-    return replace(scene_of(show.patch), camera=camera, bodies=BODIES), kept
+    return replace(make_scene(show.patch), camera=camera, bodies=BODIES), kept
 
 
 def main(folder: Path) -> None:

@@ -3,18 +3,18 @@
 import sys
 from pathlib import Path
 
-from live.base.processing_budget import BURST, FLOOD, FLOODED_PER_SECOND, PER_SECOND
+from live.base.processing_budget import BURST, FLOOD_RATE, FLOODED_PER_SECOND, PER_SECOND
 from live.control.osc import osc_codec
 from live.control.osc import osc_scheduler as later
-from live.control.osc.osc_handler import MOST_LANES, OF_A_HOST, PATTERNS_PER_SECOND
-from live.control.osc.osc_output import OUT, SENT
-from live.control.osc.osc_pattern import MOST_CHARACTERS, MOST_CHOICES
-from live.control.osc.osc_subscriptions import EVERY, OWN
-from live.control.osc.osc_subscriptions import MOST as MOST_SUBSCRIBERS
+from live.control.osc.osc_handler import MAX_LANES, MAX_LANES_PER_HOST, PATTERNS_PER_SECOND
+from live.control.osc.osc_output import MESSAGES, PREFIX
+from live.control.osc.osc_pattern import MAX_CHARACTERS, MAX_CHOICES
+from live.control.osc.osc_subscriptions import ECHO_DELAY, UPDATE_INTERVAL
+from live.control.osc.osc_subscriptions import MAX_SUBSCRIBERS as MOST_SUBSCRIBERS
 from live.control.registry.control import NAME_LENGTH, TEXT_LENGTH, Argument, Control
 from live.control.registry.registry import READINGS, REGISTRY
 
-HORIZON, MOST_WAITING, RATE = later.HORIZON, later.MOST, 1 / EVERY
+HORIZON, MOST_WAITING, RATE = later.MAX_DELAY, later.MAX_ITEMS, 1 / UPDATE_INTERVAL
 
 PATH = Path(__file__).resolve().parent.parent / "docs" / "osc.md"
 TYPES = {"float": "number (f i d h)", "bool": "switch (T F, or 0 1 as i f d h)", "name": "text (s)", "text": "text (s)"}
@@ -40,20 +40,20 @@ RULES = f"""
 
 - Everybody who reaches the port may do everything: the default address is reachable from this machine only. At the
   port of `--osc-musicians HOST:PORT` only what musicians may is taken; both ports have lanes of their own, so that who
-  floods one does not keep the other waiting. Every sender has such a lane (there are {MOST_LANES}, {OF_A_HOST} \
+  floods one does not keep the other waiting. Every sender has such a lane (there are {MAX_LANES}, {MAX_LANES_PER_HOST} \
 of them for the ports
   of one host; others share one), and who has said little lately is served first; who sends rubbish alone is not read
   for a quarter of a second.
 - In a show with a supervisor ([alive.md](alive.md)) a process of its own receives (`--no-osc-process`: the show's), so
   that floods cost the picture little; it goes on while engines change, and what is sent meanwhile waits. It hands
   over {PER_SECOND:.0f} messages a second (after a pause {BURST:.0f} at once), {FLOODED_PER_SECOND:.0f} while more \
-than {FLOOD:.0f} a second come: values
+than {FLOOD_RATE:.0f} a second come: values
   that wait give way to later ones (`replaced`), events keep their order.
 - A *value* says what something is from now on: of several that arrive within a tick the last one counts. An *event*
   happens each time. Of the same value an operator's setting counts before a musician's, and a musician's before the
   audience's: for 0.3 s after each setting lower ones are left out, and counted as `outranked`.
 - Patterns (`* ? [ab] [!a-c] {{one,other}}`) stand for values only, never for events: a panic wants its own name. At
-  most {MOST_CHARACTERS} characters, {MOST_CHOICES} choices in the braces of a part, and {PATTERNS_PER_SECOND} new \
+  most {MAX_CHARACTERS} characters, {MAX_CHOICES} choices in the braces of a part, and {PATTERNS_PER_SECOND} new \
 patterns a second; they are matched in
   linear time. Where some of the values take what is sent, the others are not meant.
 - A whole number serves where a number is expected, and 0 and 1 for a switch. N (nil) and I (impulse) mean "no value":
@@ -81,7 +81,7 @@ means something (`/dance/clock/hold`), and for patterns, `/dance/get ADDRESS` as
 answered with `/dance/no_value ADDRESS`.
 
 `/dance/subscribe` sends all values under an address, then each that changes: never twice the same, at most
-{RATE:.0f} datagrams a second, and not to whoever has set it, unless after {OWN:g} s it is not what was set. Say it
+{RATE:.0f} datagrams a second, and not to whoever has set it, unless after {ECHO_DELAY:g} s it is not what was set. Say it
 again within `seconds`; there is room for {MOST_SUBSCRIBERS} subscribers in all, of this machine and private networks.
 
 ```
@@ -169,7 +169,7 @@ def reference() -> str:
     """The whole page."""
     parts = [HEAD, "## Controls\n", "| control | | what it does | who may |", "|---|---|---|---|"]
     parts += [
-        f"| `{_usage(control)}` | {KINDS[control.kind]} | {control.description} | {WHO[control.who]} |"
+        f"| `{_usage(control)}` | {KINDS[control.kind]} | {control.description} | {WHO[control.role]} |"
         for control in REGISTRY
     ]
     for control in REGISTRY:
@@ -179,7 +179,7 @@ def reference() -> str:
         if control.start:
             parts.append(f"\nWhere nobody says anything it is {' '.join(map(_shown, control.start))}.")
     figures = "\n".join(f"| `{r.address}` | {r.type} | {r.unit or '–'} | {r.description} |" for r in READINGS)
-    sent = "\n".join(f"| `{OUT}{name} {values}` | {tags} | {words} |" for name, tags, values, words in SENT)
+    sent = "\n".join(f"| `{PREFIX}{name} {values}` | {tags} | {words} |" for name, tags, values, words in MESSAGES)
     return "\n".join(parts) + "\n" + RULES.replace("{READINGS}", figures).replace("{SENT}", sent)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from live.clock.tracking.features import BASE_HOP, BASE_RATE, EARS, filters, window_length
+from live.clock.tracking.features import BASE_HOP, BASE_RATE, ANALYSIS_WINDOWS, filters, window_length
 
 LOG_FLOOR: Final = 1e-7
 """Added to magnitudes before the logarithm (-140 dB)."""
@@ -41,7 +41,7 @@ class Item:
 
 def band_matrix(ear_index: int) -> npt.NDArray[np.float32]:
     """An ear's filters at 44.1 kHz as a matrix, shape (bins, bands)."""
-    ear = EARS[ear_index]
+    ear = ANALYSIS_WINDOWS[ear_index]
     length = window_length(ear, BASE_RATE)
     kept = filters(ear, BASE_RATE, length)
     matrix = np.zeros((length // 2 + 1, kept.start.size), np.float32)
@@ -54,10 +54,10 @@ def band_matrix(ear_index: int) -> npt.NDArray[np.float32]:
 def bands_of(sound: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
     """Band magnitudes of a recording (n,) at 44.1 kHz as the engine's Spectrum gives them, shape (frames, bands)."""
     frames = sound.shape[0] // BASE_HOP
-    longest = max(ear.window for ear in EARS)
+    longest = max(ear.window for ear in ANALYSIS_WINDOWS)
     padded = np.concatenate([np.zeros(longest, np.float32), sound.astype(np.float32)])
     out = []
-    for index, ear in enumerate(EARS):
+    for index, ear in enumerate(ANALYSIS_WINDOWS):
         matrix = band_matrix(index)
         window = np.hanning(ear.window + 1)[:-1].astype(np.float32)
         first = longest + BASE_HOP - ear.window

@@ -15,8 +15,8 @@ import numpy.typing as npt
 import soundfile
 
 from live.clock.beat_estimate import BeatEstimate
-from live.clock.tracking.beat_network import Network, Weights
-from live.clock.tracking.beat_tracker import Tracker
+from live.clock.tracking.beat_network import BeatNetwork, NetworkWeights
+from live.clock.tracking.beat_tracker import BeatTracker
 from training.features import read_beats
 
 Times = npt.NDArray[np.float64]
@@ -27,21 +27,21 @@ FROM: Final = 5.0
 LOCK: Final = 4.0
 
 
-def read_weights(path: Path) -> Weights:
+def read_weights(path: Path) -> NetworkWeights:
     """Weights from a file that `training.train` wrote."""
     with np.load(path) as kept:
-        return Weights.of({name: kept[name] for name in kept.files if name != "recipe"})
+        return NetworkWeights.from_arrays({name: kept[name] for name in kept.files if name != "recipe"})
 
 
-def track(sound: npt.NDArray[np.float32], rate: float, weights: Weights) -> tuple[Times, Times]:
+def track(sound: npt.NDArray[np.float32], rate: float, weights: NetworkWeights) -> tuple[Times, Times]:
     """(beats, downbeats) at the later of the named moment and the naming [s], in the order of time."""
-    tracker = Tracker(rate, Network(weights))
+    tracker = BeatTracker(rate, BeatNetwork(weights))
     named: list[BeatEstimate] = []
     for start in range(0, sound.size, BLOCK):
         for beat in tracker.feed(sound[start : start + BLOCK]):
             named = [one for one in named if one.position != beat.replaces]
             named.append(beat)
-    times = np.array([max(beat.position, beat.heard) for beat in named])
+    times = np.array([max(beat.position, beat.fed) for beat in named])
     down = np.array([beat.beat == 0 for beat in named], bool)
     order = np.argsort(times)
     return times[order], times[order][down[order]]
@@ -59,7 +59,7 @@ def lock(beats: Times, found: Times) -> float:
     return float("nan")
 
 
-def score(sound: Path, weights: Weights) -> tuple[str, list[float]]:
+def score(sound: Path, weights: NetworkWeights) -> tuple[str, list[float]]:
     """(style, [F live, AMLt, F live of downbeats or NaN, lock]) of one recording."""
     import json
 

@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from live.clock.tracking.features import BAND_COUNT, BANDS
+from live.clock.tracking.features import BAND_COUNT, BANDS_PER_WINDOW
 
 Weights = dict[str, Any]
 
@@ -50,7 +50,7 @@ def initial(seed: int) -> Weights:
 
     weights: Weights = {}
     flat = 0
-    for ear, (bands, channels) in enumerate(zip(BANDS, CHANNELS, strict=True)):
+    for ear, (bands, channels) in enumerate(zip(BANDS_PER_WINDOW, CHANNELS, strict=True)):
         weights[f"ear{ear}_w"] = matrix(2 * SPAN, channels, 1.4)
         weights[f"ear{ear}_b"] = jnp.zeros(channels)
         flat += places(bands) * channels
@@ -81,7 +81,7 @@ def front(weights: Weights, look: jax.Array) -> jax.Array:
     """From what is seen of frames, shape (..., 2 bands), to the dense layer's output, shape (..., DENSE)."""
     level, rise = look[..., :BAND_COUNT], look[..., BAND_COUNT:]
     found, first = [], 0
-    for ear, bands in enumerate(BANDS):
+    for ear, bands in enumerate(BANDS_PER_WINDOW):
         index = first + np.arange(places(bands))[:, None] * STRIDE + np.arange(SPAN)[None, :]
         seen = jnp.concatenate([level[..., index], rise[..., index]], axis=-1)
         out = jax.nn.relu(seen @ weights[f"ear{ear}_w"] + weights[f"ear{ear}_b"])

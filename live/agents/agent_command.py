@@ -20,7 +20,7 @@ ALIGNMENT: Final = 4
 COHESION: Final = 5
 FIRM: Final = 6
 PRESENCE: Final = 7
-WANT_COLUMNS: Final = 8
+COMMAND_COLUMNS: Final = 8
 
 ABSENT: Final = 0.0
 """Not on the stage: the agent does not move and is not drawn."""
@@ -30,14 +30,14 @@ PASSING: Final = 2.0
 """The agent enters or leaves through wings or a gate and may cross the stage edges."""
 
 
-class Wants:
+class AgentCommand:
     """Steering commands of A agents; all array properties are views of `rows` (A, 8), which the kernels read."""
 
     def __init__(self, agent_count: int) -> None:
-        self.rows: Float32 = np.zeros((agent_count, WANT_COLUMNS), np.float32)
+        self.rows: Float32 = np.zeros((agent_count, COMMAND_COLUMNS), np.float32)
         self.rows[:, PRESENCE] = ON_STAGE
         self._bits = self.rows.reshape(-1).view(np.uint32)
-        kept = np.zeros((agent_count, WANT_COLUMNS), np.uint32)
+        kept = np.zeros((agent_count, COMMAND_COLUMNS), np.uint32)
         kept[:, [SPEED, PRESENCE]] = 0xFFFFFFFF
         self._kept = kept.reshape(-1)
 
@@ -69,7 +69,7 @@ class Wants:
         return self.rows[:, COHESION]
 
     @property
-    def firm(self) -> Float32:
+    def firmness(self) -> Float32:
         """Strictness of the preferred velocity, 0 to 1, shape (A,).
 
         At 1 (a planned evolution) separation, alignment and cohesion are ignored and the velocity applies at once; only
@@ -82,6 +82,6 @@ class Wants:
         """ABSENT, ON_STAGE or PASSING, shape (A,)."""
         return self.rows[:, PRESENCE]
 
-    def rest(self) -> None:
+    def clear(self) -> None:
         """Clear all commands; presence and speed limits stay."""
         np.bitwise_and(self._bits, self._kept, self._bits)  # one pass over all columns: four times as fast

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.agent_command import ALIGNMENT, COHESION, FIRM, PRESENCE, SEPARATION, SPEED, VX, VZ
-from live.agents.separation.separation_kernels import bind_agents
+from live.agents.separation.separation_kernels import tether_agents
 from live.base.jit import kernel
 
 Float32 = npt.NDArray[np.float32]
@@ -13,11 +13,11 @@ Int8 = npt.NDArray[np.int8]
 
 
 @kernel("void(f4[:,::1], f4[::1], f4)")
-def rest_wants(rows: Float32, speed: Float32, separation: float) -> None:
+def reset_commands(rows: Float32, speed: Float32, separation: float) -> None:
     """Reset all commands except presence; set the speed limit to `speed` (A,) [m/s] and the separation to `separation`
     [m].
 
-    `rows` (A, 8) as in `Wants`.
+    `rows` (A, 8) as in `AgentCommand`.
     """
     zero = np.float32(0.0)
     for n in range(rows.shape[0]):
@@ -26,34 +26,34 @@ def rest_wants(rows: Float32, speed: Float32, separation: float) -> None:
 
 
 @kernel("void(f4[:,::1], f4[::1], f4)")
-def hurry_firm(rows: Float32, speed: Float32, times: float) -> None:
+def raise_firm_speeds(rows: Float32, speed: Float32, factor: float) -> None:
     """Raise the speed limit of agents with a firm command to `times` times `speed` (A,) [m/s]."""
     for n in range(rows.shape[0]):
         if rows[n, FIRM] > 0.0:
-            rows[n, SPEED] = speed[n] * times
+            rows[n, SPEED] = speed[n] * factor
 
 
 @kernel("i8(f4[:,::1], i1[::1], f4[::1], f4)")
-def write_presence(rows: Float32, state: Int8, presence: Float32, passing: float) -> int:
+def write_presence(rows: Float32, state: Int8, presence: Float32, counted: float) -> int:
     """Write `presence` (S,) of each agent's `state` (A,) into `rows` (A, 8); return the number of `passing` ones."""
     count = 0
     for n in range(rows.shape[0]):
         rows[n, PRESENCE] = presence[state[n]]
-        count += rows[n, PRESENCE] == passing
+        count += rows[n, PRESENCE] == counted
     return count
 
 
 @kernel("b1(i4[::1], i4[::1])")
-def same_indices(one: Int32, other: Int32) -> bool:
+def same_indices(first: Int32, second: Int32) -> bool:
     """Whether two arrays (A,) are equal."""
     different = False
-    for n in range(one.shape[0]):
-        different |= one[n] != other[n]
+    for n in range(first.shape[0]):
+        different |= first[n] != second[n]
     return not different
 
 
 @kernel("b1(i1[::1], i8)")
-def any_in(state: Int8, wanted: int) -> bool:
+def any_agent_in(state: Int8, wanted: int) -> bool:
     """Whether any agent's `state` (A,) equals `wanted`."""
     found = False
     for n in range(state.shape[0]):
@@ -69,19 +69,19 @@ def hold_on_leash(
     pace: Float32,
     rows: Float32,
     state: Int8,
-    seen: int,
-    on: int,
+    first_visible: int,
+    on_stage: int,
     leash: float,
     long_leash: float,
-    most: Float32,
+    max_distance: Float32,
 ) -> None:
-    """Bind agents to their dancers as `bind_agents` does.
+    """Bind agents to their dancers as `tether_agents` does.
 
     Agents with state `on` use the distance `leash` [m], other visible agents (state >= `seen`) use `long_leash` [m].
     Agents with a firm command (`rows` (A, 8)) are not bound. `most` (A,) is scratch.
     """
     for n in range(state.shape[0]):
-        most[n] = np.inf
-        if state[n] >= seen and rows[n, FIRM] <= 0.0:
-            most[n] = leash if state[n] == on else long_leash
-    bind_agents(position, velocity, dancer, pace, most)
+        max_distance[n] = np.inf
+        if state[n] >= first_visible and rows[n, FIRM] <= 0.0:
+            max_distance[n] = leash if state[n] == on_stage else long_leash
+    tether_agents(position, velocity, dancer, pace, max_distance)

@@ -6,26 +6,33 @@ from typing import Final, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.agent_command import Wants
+from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentState
 from live.agents.crowd.obstacles import Surroundings
 
 Float32 = npt.NDArray[np.float32]
 
-Ask = Callable[[Wants, AgentState, float], None]
+CommandSource = Callable[[AgentCommand, AgentState, float], None]
 """Fills the commands of agents in a state at a time [s]; must have no other effect."""
 
 
-class Steer(Protocol):
+class CrowdAdvance(Protocol):
     """Callable that advances agents by one step, such as `Advance` or the pair simulation."""
 
     def __call__(
-        self, current: AgentState, out: AgentState, *, wants: Wants, surroundings: Surroundings, time: float, dt: float
+        self,
+        current: AgentState,
+        out: AgentState,
+        *,
+        commands: AgentCommand,
+        surroundings: Surroundings,
+        time: float,
+        dt: float,
     ) -> None:
         """Read `current`, write `out`, `dt` [s] later."""
 
 
-class LookAhead:
+class CrowdPrediction:
     """Incremental prediction of agent positions.
 
     One beat before a measure ends, the next step is chosen from the predicted positions at the end of the *next*
@@ -35,9 +42,11 @@ class LookAhead:
     STEP: Final = 1.0 / 16.0
     """Length of a coarse step [s]."""
 
-    def __init__(self, agent_count: int, advance: Steer, surroundings: Surroundings, ask: Ask) -> None:
-        self._advance, self._surroundings, self._ask = advance, surroundings, ask
-        self._wants = Wants(agent_count)
+    def __init__(
+        self, agent_count: int, advance: CrowdAdvance, surroundings: Surroundings, fill_commands: CommandSource
+    ) -> None:
+        self._advance, self._surroundings, self._fill_commands = advance, surroundings, fill_commands
+        self._commands = AgentCommand(agent_count)
         self._state = AgentState(agent_count)
         self._spare = AgentState(agent_count)
         self._stops: list[float] = []
@@ -57,7 +66,7 @@ class LookAhead:
         """Whether all requested moments are predicted."""
         return len(self.positions) == len(self._stops)
 
-    def work(self, steps: int) -> None:
+    def run(self, steps: int) -> None:
         """Run at most `steps` coarse steps. No leash applies: the dancers are assumed to keep up."""
         for _ in range(steps):
             while not self.done and self._stops[len(self.positions)] - self._time <= 1e-9:
@@ -65,11 +74,11 @@ class LookAhead:
             if self.done:
                 return
             dt = min(self.STEP, self._stops[len(self.positions)] - self._time)
-            self._ask(self._wants, self._state, self._time)
+            self._fill_commands(self._commands, self._state, self._time)
             self._advance(
                 self._state,
                 self._spare,
-                wants=self._wants,
+                commands=self._commands,
                 surroundings=self._surroundings,
                 time=self._time,
                 dt=dt,

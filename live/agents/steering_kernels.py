@@ -18,18 +18,18 @@ WANDER_RATE = 0.9
 """New random displacements of a wandering agent's direction per second."""
 WANDER_TURN = 1.1
 """The largest displacement of the direction [rad]."""
-LOOK = 0.4
+LOOK_AHEAD = 0.4
 """Look-ahead [s] at which a flow field or a path is sampled, since an agent cannot turn at once."""
-STRAIGHT_ON = 0.2
+CROSSING_PENALTY = 0.2
 """Cost [m²] added to a path segment perpendicular to the agent's heading; an opposing segment costs twice this."""
-LONGEST_PREDICTION = 1.5
+MAX_PREDICTION = 1.5
 """Longest look-ahead of pursuit and evasion [s]."""
 
 
 @kernel("f8(i8,i8,i8)")
-def hash_unit(seed: int, agent: int, turn: int) -> float:
+def hash_unit(seed: int, agent: int, index: int) -> float:
     """Return a pseudo-random number in [0, 1) that depends only on the arguments (mixing steps of murmur3)."""
-    h = (int(seed) * 0x9E3779B1 ^ int(agent) * 0x85EBCA77 ^ int(turn) * 0xC2B2AE3D) & 0xFFFFFFFF
+    h = (int(seed) * 0x9E3779B1 ^ int(agent) * 0x85EBCA77 ^ int(index) * 0xC2B2AE3D) & 0xFFFFFFFF
     h = ((h ^ (h >> 16)) * 0x85EBCA6B) & 0xFFFFFFFF
     h = ((h ^ (h >> 13)) * 0xC2B2AE35) & 0xFFFFFFFF
     h = h ^ (h >> 16)
@@ -68,8 +68,8 @@ def arrive(x: float, z: float, target_x: float, target_z: float, slowing: float)
 
 @kernel("f8(f8,f8,f8)")
 def prediction(dx: float, dz: float, speed: float) -> float:
-    """Return the time [s] to reach a point at offset (dx, dz) at `speed` [m/s], bounded by LONGEST_PREDICTION."""
-    return min(math.sqrt(dx * dx + dz * dz) / max(speed, 0.1), LONGEST_PREDICTION)
+    """Return the time [s] to reach a point at offset (dx, dz) at `speed` [m/s], bounded by MAX_PREDICTION."""
+    return min(math.sqrt(dx * dx + dz * dz) / max(speed, 0.1), MAX_PREDICTION)
 
 
 @kernel("UniTuple(f8,2)(f8,f8,f8,f8,f8,f8,f8)")
@@ -193,7 +193,7 @@ def nearest_on_line(
         d2 = (px - x) ** 2 + (pz - z) ** 2
         cost = d2
         if heading > 0.0 and length2 > 1e-12:
-            cost += STRAIGHT_ON * (heading - (hx * dx + hz * dz) / math.sqrt(length2))
+            cost += CROSSING_PENALTY * (heading - (hx * dx + hz * dz) / math.sqrt(length2))
         if cost < least:
             best, best_x, best_z, best_segment, best_t, least = d2, px, pz, s, t, cost
     return best, best_x, best_z, float(best_segment), best_t
@@ -251,10 +251,10 @@ def follow_path(
     The agent's predicted position is projected onto the path. Within the width the agent follows the tangent; outside
     it heads for a point farther along the path. At the end of an open path it arrives and stays.
     """
-    future_x, future_z = x + vx * LOOK, z + vz * LOOK
+    future_x, future_z = x + vx * LOOK_AHEAD, z + vz * LOOK_AHEAD
     going = max(math.sqrt(vx * vx + vz * vz), 0.3)
     d2, _, _, segment, t = nearest_on_line(vertices, line, count, closed, future_x, future_z, vx / going, vz / going)
-    ahead = max(0.5, speed * LOOK)
+    ahead = max(0.5, speed * LOOK_AHEAD)
     aim_x, aim_z, tx, tz = along_line(vertices, line, count, closed, int(segment), t, ahead)
     if not closed:
         end_x, end_z = float(vertices[line, count - 1, 0]), float(vertices[line, count - 1, 1])
@@ -276,7 +276,7 @@ def follow_behind(
 
 
 @kernel("UniTuple(f8,2)(f8,f8,f8,f8,f8,f8,f8,f8)")
-def follow_beside(
+def follow_in_wedge(
     x: float,
     z: float,
     before_x: float,
@@ -296,7 +296,7 @@ def follow_beside(
 
 
 @kernel("UniTuple(f8,2)(f8,f8,f8,f8,f8,f8)")
-def make_way(
+def clear_path(
     x: float, z: float, leader_x: float, leader_z: float, leader_vx: float, leader_vz: float
 ) -> tuple[float, float]:
     """Step aside from the leader's path if within 2 m ahead of it and 0.7 m of its line (Reynolds 1999)."""

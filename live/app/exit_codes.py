@@ -20,7 +20,7 @@ def show_person_error(error: PersonError) -> None:
         console.print(Text.assemble(("  try: ", "bold"), error.remedy))
 
 
-def end_cleanly() -> None:
+def install_signal_handlers() -> None:
     """Install signal handlers that end the process in order, so that film and journal are completed.
 
     They cover closed terminals, `kill` and a second Ctrl-C. Shells start background jobs with SIGINT ignored; here it

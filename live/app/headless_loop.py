@@ -14,19 +14,19 @@ from live.app.headless_picture import HeadlessPicture
 from live.app.kernel_warmup import warm_kernels
 from live.app.launch_options import LaunchOptions
 from live.app.session import Session
-from live.app.session_audio import Sound, choose_sound
+from live.app.session_audio import AudioChoice, choose_audio
 from live.base.errors import PersonError
 from live.base.fault_isolation import FAULTS
 from live.base.stage_snapshot import Scene, StageView
 from live.control.keyboard import help_lines
 from live.render.frame_stats import Pacer
-from live.render.window.monitors import Monitor, UnknownMonitor, find_place, list_monitors, screen_problem
+from live.render.window.monitors import Monitor, UnknownMonitor, list_monitors, resolve_monitor, screen_problem
 from live.show.loader import LoadedShow
 from live.show.patch.section_score import formation_names
-from live.supervisor.supervisor_link import Lifeline
+from live.supervisor.supervisor_link import SupervisorLink
 
 if TYPE_CHECKING:
-    from live.app.adaptive_quality import DrawingWatch
+    from live.app.adaptive_quality import QualityController
     from live.app.live_recording import LiveSharing
     from live.show.patch.patch import Patch
 
@@ -40,7 +40,7 @@ def play_headless(
     `picture`, `sharing`: already made by a standby; the caller releases them.
     """
     if session.lifeline is not None:
-        session.engine.on_error = lambda error: FAULTS.note("drawing", error)
+        session.engine.on_error = lambda error: FAULTS.record("drawing", error)
     if session.options.record is None and not session.options.share:
         with session.running():
             _loop(session, lambda view: None, session.options.film_fps)
@@ -54,31 +54,31 @@ def play_headless(
 
 
 def _draw(session: Session, picture: HeadlessPicture, console: Console, sharing: "LiveSharing | None") -> None:
-    from live.app.adaptive_quality import DrawingWatch, watch_passes, watch_shaders
-    from live.app.live_recording import live_rate
-    from live.app.window_loop import Takers
+    from live.app.adaptive_quality import QualityController, handle_pass_resets, watch_shaders
+    from live.app.live_recording import live_fps
+    from live.app.window_loop import FrameSinks
 
     options, renderer = session.options, picture.renderer
-    session.status.more["flashes_held"] = lambda: picture.flashes.held
-    rate = live_rate(options, picture.ctx)
-    watch = None if options.quality is None else DrawingWatch(session, renderer)  # without --quality: best
+    session.status.extra_figures["flashes_held"] = lambda: picture.flashes.dimmed_count
+    rate = live_fps(options, picture.ctx)
+    watch = None if options.quality is None else QualityController(session, renderer)  # without --quality: best
     if watch is not None:
         watch.period = 1.0 / rate
     if watch is None:
-        watch_passes(session, renderer)
-        session.status.notes.append(lambda: "; ".join(renderer.problems))
-    takers = Takers(session, picture.ctx, options.size, sharing=sharing)
-    shaders = watch_shaders(session, renderer.take_shaders)
+        handle_pass_resets(session, renderer)
+        session.status.notices.append(lambda: "; ".join(renderer.problems))
+    takers = FrameSinks(session, picture.ctx, options.size, sharing=sharing)
+    shaders = watch_shaders(session, renderer.reload_shaders)
 
-    def take_patch(patch: "Patch") -> None:
+    def update_patch(patch: "Patch") -> None:
         with contextlib.suppress(PersonError):  # compiled once before; else the last good one stays
-            renderer.take_own(patch.picture.own_passes)
+            renderer.set_custom_passes(patch.picture.own_passes)
 
-    session.engine.patched.append(take_patch if watch is None else watch.take_patch)
+    session.engine.patch_listeners.append(update_patch if watch is None else watch.update_patch)
 
     def draw(view: StageView) -> None:
         if shaders is not None:
-            shaders.look(session.clock.now())
+            shaders.check(session.clock.now())
         framebuffer = picture.draw(view, session.clock.now)
         takers.frame(framebuffer, session.clock.now())
 
@@ -90,7 +90,7 @@ def _draw(session: Session, picture: HeadlessPicture, console: Console, sharing:
 
 
 def _loop(
-    session: Session, draw: Callable[[StageView], None], rate: float, watch: "DrawingWatch | None" = None
+    session: Session, draw: Callable[[StageView], None], rate: float, watch: "QualityController | None" = None
 ) -> None:
     pacer = Pacer(rate, session.clock.now, time.sleep)
     previous = session.clock.now()
@@ -113,7 +113,7 @@ FILM_SECONDS = 20.0
 FILM_NAME = "first-show.mp4"
 
 
-def play_show(options: LaunchOptions, *, lifeline: Lifeline | None = None) -> None:
+def play_show(options: LaunchOptions, *, lifeline: SupervisorLink | None = None) -> None:
     """Play the show in a window, as a film or headless; raise PersonError if that is not possible.
 
     `lifeline`: the link to the supervisor, if there is one.
@@ -124,11 +124,11 @@ def play_show(options: LaunchOptions, *, lifeline: Lifeline | None = None) -> No
     for note in loaded.graph.missing:
         console.print(f"note: {note}", style="yellow", markup=False)
     if options.shaders is not None:
-        from live.app.adaptive_quality import begin_with
+        from live.app.adaptive_quality import use_shader_folder
 
-        begin_with(options.shaders, console)
+        use_shader_folder(options.shaders, console)
     venue = options.read_venue()
-    sound = choose_sound(options, loaded, venue)
+    sound = choose_audio(options, loaded, venue)
     chosen = find_screen(options.monitor)
     if options.headless:
         _headless(Session(options, loaded, sound, venue, lifeline=lifeline), console)
@@ -156,7 +156,7 @@ def find_screen(name: str | None) -> Monitor | None:
     if name is None:
         return None
     try:
-        return find_place(name)
+        return resolve_monitor(name)
     except UnknownMonitor as error:
         raise PersonError(f"--monitor: {error}") from None
 
@@ -167,7 +167,7 @@ def _headless(session: Session, console: Console) -> None:
     play_headless(session, session.loaded.scene(), console)
 
 
-def _film(options: LaunchOptions, loaded: LoadedShow, sound: Sound, console: Console) -> None:
+def _film(options: LaunchOptions, loaded: LoadedShow, sound: AudioChoice, console: Console) -> None:
     from pathlib import Path
 
     from live.app.offline.film import film_show

@@ -19,19 +19,19 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
-def _ready_mark() -> Path:
+def _marker_path() -> Path:
     from live.base import jit
 
     # numba drops a cache entry when its source file's time or size changes: the mark depends on the same values
     files = jit.kernel_files()
     state = [(str(path), path.stat().st_mtime_ns, path.stat().st_size, jit.cache_name(path)) for path in files]
     digest = hashlib.sha256(repr(state).encode()).hexdigest()
-    return jit.KERNELS / f"ready-{digest[:16]}"
+    return jit.KERNEL_CACHE_DIR / f"ready-{digest[:16]}"
 
 
 def is_warm() -> bool:
     """Whether `warm_kernels` has filled the cache for the present sources."""
-    return _ready_mark().exists()
+    return _marker_path().exists()
 
 
 def _kernel_modules(files: list[Path], package: Path) -> list[str]:
@@ -39,7 +39,7 @@ def _kernel_modules(files: list[Path], package: Path) -> list[str]:
 
 
 @contextlib.contextmanager
-def _from_the_other_end(names: list[str]) -> Iterator[None]:
+def _compile_in_reverse(names: list[str]) -> Iterator[None]:
     """Compile the same modules in reverse order in a second process meanwhile, if there is a second core.
 
     Both processes fill one cache, whose files are replaced atomically; the later process finds them there.
@@ -58,7 +58,7 @@ def _from_the_other_end(names: list[str]) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _ending_between_kernels() -> Iterator[Callable[[], None]]:
+def _defer_signals() -> Iterator[Callable[[], None]]:
     """Delay SIGINT, SIGTERM and SIGHUP until a kernel is ready; yield the function to call then.
 
     An exception raised by a signal handler while numba compiles would end in a long report of numba's own errors.
@@ -110,26 +110,26 @@ def warm_kernels(console: "Console") -> int:
     )
     total = jit.kernel_count()
     try:
-        with _ending_between_kernels() as end_if_asked, Progress(*columns, console=console) as progress:
+        with _defer_signals() as end_if_asked, Progress(*columns, console=console) as progress:
             task = progress.add_task("", total=total, kernel="")
 
             def advance(kernel: str) -> None:
                 progress.update(task, advance=1, kernel=kernel)
                 end_if_asked()
 
-            jit.kernel_compiled.append(advance)
+            jit.compile_listeners.append(advance)
             try:
-                with _from_the_other_end(names):
+                with _compile_in_reverse(names):
                     for name in names:
                         importlib.import_module(name)
             finally:
-                jit.kernel_compiled.remove(advance)
+                jit.compile_listeners.remove(advance)
             progress.update(task, completed=total, kernel="")  # modules imported earlier did not report
     except (KeyboardInterrupt, SystemExit):
         console.print("stopped; the next start compiles the remaining kernels", highlight=False)
         raise
     if not jit.JIT_DISABLED:
-        _ready_mark().touch()
+        _marker_path().touch()
     return total
 
 
@@ -147,4 +147,4 @@ def warm(
     count = warm_kernels(console)
     console.print(f"{count} kernels ready in {time.perf_counter() - start:.1f} s", highlight=False)
     if stamp is not None:
-        stamp.write_text(f"{_ready_mark()}\n", encoding="utf-8")
+        stamp.write_text(f"{_marker_path()}\n", encoding="utf-8")

@@ -11,18 +11,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from live.app.option_values import (
-    audience_address,
-    audience_web_address,
-    parse_choice,
+    add_default_port,
+    check_choice,
+    check_range,
+    check_writable,
+    parse_audience_address,
+    parse_audience_link,
     parse_endpoint,
     parse_measures,
-    parse_number,
     parse_size,
-    with_port,
-    writable_file,
 )
-from live.base.field_types import made_of
-from live.control.message_codec import packet_of, read_packet
+from live.base.field_types import build_dataclass
+from live.control.message_codec import decode_packet, encode_packet
 
 if TYPE_CHECKING:
     from live.show.loader import LoadedShow
@@ -65,14 +65,14 @@ def option(default: Any, help: str, panel: str | None = None, *, metavar: str | 
 
 def _within(low: float, high: float) -> Callable[[Any, str], Any]:
     def parse(value: Any, name: str) -> Any:
-        parse_number(value, name, low, high)
+        check_range(value, name, low, high)
         return value
 
     return parse
 
 
 def _writable(path: Path, name: str) -> Path:
-    writable_file(path, name)
+    check_writable(path, name)
     return path
 
 
@@ -111,7 +111,7 @@ class LaunchOptions:
     )
     link: str | None = option(
         None, "Ableton Link: follow others' tempo and beat, or lead them with the show's. Default: the patch's.",
-        MUSIC, metavar="follow|lead|off", parse=lambda text, name: parse_choice(text, name, "follow", "lead", "off"),
+        MUSIC, metavar="follow|lead|off", parse=lambda text, name: check_choice(text, name, "follow", "lead", "off"),
     )  # fmt: skip
     midi: str | None = option(
         None, "A MIDI port to listen to (see `live devices`): clock, time code, pedals and keys; tcp:HOST:PORT, "
@@ -192,7 +192,7 @@ class LaunchOptions:
     )  # fmt: skip
     vmc: tuple[tuple[str, int], ...] = option(
         (), "Listen there for a real dancer's body by the VMC protocol (usually 39539). May come several times.",
-        metavar="[HOST:]PORT|HOST", **_several(lambda text, name: parse_endpoint(with_port(text, VMC_PORT), name)),
+        metavar="[HOST:]PORT|HOST", **_several(lambda text, name: parse_endpoint(add_default_port(text, VMC_PORT), name)),
     )  # fmt: skip
     oscquery: tuple[str, int] | None = option(
         None, "Be found by ossia score, Chataigne, TouchOSC and others: OSCQuery over HTTP, and zeroconf.",
@@ -200,11 +200,11 @@ class LaunchOptions:
     )  # fmt: skip
     audience: tuple[str, int] | None = option(
         None, "Let the audience's phones play along, here: 127.0.0.1:8020 without a value; 0.0.0.0:8020 lets in the "
-        "whole network.", metavar="[[HOST:]PORT]", written=str, parse=lambda text, name: audience_address(text),
+        "whole network.", metavar="[[HOST:]PORT]", written=str, parse=lambda text, name: parse_audience_address(text),
     )  # fmt: skip
     audience_link: str | None = option(
         None, "The address that phones are given, if it is another one.", metavar="http://HOST[:PORT]",
-        parse=lambda text, name: audience_web_address(text),
+        parse=lambda text, name: parse_audience_link(text),
     )  # fmt: skip
     audience_tls: tuple[Path, Path] | None = option(
         None, "Serve phones over https, with this certificate and its key (PEM files, as Let's Encrypt makes them).",
@@ -287,16 +287,16 @@ class LaunchOptions:
 
         venue = self.read_venue()
         loaded = load_show(find_patch(self.patch), recordings=self.steps, whole=whole)
-        return loaded if venue is None else loaded.played_in(venue.projector)
+        return loaded if venue is None else loaded.with_projector(venue.projector)
 
     def encode(self) -> str:
         """As one word, for another process of this program."""
-        return base64.b64encode(packet_of(asdict(self))).decode()
+        return base64.b64encode(encode_packet(asdict(self))).decode()
 
     @classmethod
     def decode(cls, word: str) -> "LaunchOptions":
         """What `encode` made; ValueError for anything else."""
-        table = read_packet(base64.b64decode(word, validate=True))
+        table = decode_packet(base64.b64decode(word, validate=True))
         if not isinstance(table, dict):
             raise ValueError("launch options are a table")
-        return made_of(cls, table)
+        return build_dataclass(cls, table)

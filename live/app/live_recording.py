@@ -11,9 +11,9 @@ from live.app.launch_options import LaunchOptions
 from live.base.errors import PersonError
 from live.control.audio.music_file import Music
 from live.render.film.film_writer import FilmError, FilmWriter, PictureWriter
-from live.render.film.image_sequence import PictureFolder
-from live.render.film.network_stream import SharedStream
-from live.render.film.shared_memory import SharedRing
+from live.render.film.image_sequence import ImageSequenceWriter
+from live.render.film.network_stream import NetworkStream
+from live.render.film.shared_memory import FrameRing
 from live.render.film.streams import FilmSound
 from live.render.headless import FrameReader, is_software
 
@@ -22,7 +22,7 @@ SOFTWARE_FPS = 30.0
 
 def film_sound(music: Music | None) -> FilmSound | None:
     """Return the music as a film's sound, looped from its beginning; None without music."""
-    return None if music is None else FilmSound.of(music.samples, music.sample_rate, loop=True)
+    return None if music is None else FilmSound.from_samples(music.samples, music.sample_rate, loop=True)
 
 
 def film_writer(
@@ -31,13 +31,13 @@ def film_writer(
     """Open a film with sound, in the format of its file name; raise PersonError if that fails."""
     try:
         if path.suffix.lower() == ".png":
-            return PictureFolder(path, size=size, fps=fps, sound=sound, alpha=alpha)
+            return ImageSequenceWriter(path, size=size, fps=fps, sound=sound, alpha=alpha)
         return FilmWriter(path, size=size, fps=fps, sound=sound, alpha=alpha)
     except FilmError as error:
         raise PersonError(str(error)) from None
 
 
-def live_rate(options: LaunchOptions, ctx: moderngl.Context, refresh_hz: float = 0.0) -> float:
+def live_fps(options: LaunchOptions, ctx: moderngl.Context, refresh_hz: float = 0.0) -> float:
     """Return the frames per second of a live show: as in `options`, else the display's rate; 30 with software OpenGL.
 
     Software OpenGL at full rate would stutter and starve the threads for audio and film.
@@ -106,14 +106,14 @@ class LiveSharing:
         self, shares: tuple[str, ...], ctx: moderngl.Context, size: tuple[int, int], fps: float, music: Music | None
     ) -> None:
         """`shares`: as returned by `parse_shares`; raise PersonError if one cannot be opened."""
-        self._rings: list[SharedRing] = []
-        self._streams: list[SharedStream] = []
+        self._rings: list[FrameRing] = []
+        self._streams: list[NetworkStream] = []
         for share in shares:
             try:
                 if share.startswith("shm:"):
-                    self._rings.append(SharedRing(share[4:], size))
+                    self._rings.append(FrameRing(share[4:], size))
                 else:
-                    self._streams.append(SharedStream(share, size=size, fps=fps, sound=film_sound(music)))
+                    self._streams.append(NetworkStream(share, size=size, fps=fps, sound=film_sound(music)))
             except (ValueError, OSError) as error:
                 self._close()
                 raise PersonError(f"--share {share}: {error}") from None
@@ -134,17 +134,17 @@ class LiveSharing:
             for stream in self._streams:
                 stream.write(picture, frame)
 
-    def words(self) -> str:
+    def problem_text(self) -> str:
         """Return the streams that fail now and why, for the overlay; empty if there is none."""
-        return "; ".join(f"{stream.url}: {stream.trouble}" for stream in self._streams if stream.trouble)
+        return "; ".join(f"{stream.url}: {stream.error}" for stream in self._streams if stream.error)
 
     def facts(self) -> dict[str, dict[str, int | str]]:
         """Return pictures sent and dropped and the problem, by address, for the status."""
         told: dict[str, dict[str, int | str]] = {}
         for ring in self._rings:
-            told[f"shm:{ring.path.name}"] = {"sent": ring.pictures, "dropped": 0, "trouble": ""}
+            told[f"shm:{ring.path.name}"] = {"sent": ring.frames, "dropped": 0, "trouble": ""}
         for one in self._streams:
-            told[one.url] = {"sent": one.sent, "dropped": one.dropped, "trouble": one.trouble}
+            told[one.url] = {"sent": one.sent, "dropped": one.dropped, "trouble": one.error}
         return told
 
     def _close(self) -> None:
@@ -160,7 +160,7 @@ class LiveSharing:
         for stream in self._streams:
             told = f"{stream.url}: {stream.sent} pictures sent"
             told += f", {stream.dropped} dropped" if stream.dropped else ""
-            told += f" ({stream.trouble})" if stream.trouble else ""
+            told += f" ({stream.error})" if stream.error else ""
             console.print(told, style="dim", soft_wrap=True, markup=False)
 
 
@@ -193,9 +193,9 @@ def _check_address(text: str, rest: str) -> None:
         scheme = text.partition(":")[0]
         raise PersonError(f"--share {text}: HOST:PORT expected, port 1 to 65535", f"--share {scheme}://127.0.0.1:5000")
     if text.startswith("srt:"):
-        from live.render.film.network_stream import has_srt
+        from live.render.film.network_stream import is_srt_supported
 
-        if not has_srt():
+        if not is_srt_supported():
             raise PersonError(
                 f"--share {text}: this PyAV was built without SRT",
                 "--share udp://127.0.0.1:5000, and let ffmpeg forward it: "

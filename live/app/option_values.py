@@ -6,7 +6,7 @@ from pathlib import Path
 
 from live.base.errors import PersonError
 
-LARGEST_PICTURE = 8192
+MAX_PICTURE_SIZE = 8192
 EXPORT_ENDINGS = (".bvh", ".glb", ".vrma")
 """Motion files that can be written."""
 
@@ -14,9 +14,9 @@ EXPORT_ENDINGS = (".bvh", ".glb", ".vrma")
 def parse_size(text: str) -> tuple[int, int]:
     """Parse a picture size such as 1280x720; raise PersonError for anything else."""
     match = re.fullmatch(r"\s*(\d{2,5})\s*[xX×]\s*(\d{2,5})\s*", text)
-    if match is None or not all(16 <= int(n) <= LARGEST_PICTURE for n in match.groups()):
+    if match is None or not all(16 <= int(n) <= MAX_PICTURE_SIZE for n in match.groups()):
         raise PersonError(
-            f"--size {text!r}: width and height in pixels expected, 16 to {LARGEST_PICTURE}", "--size 1280x720"
+            f"--size {text!r}: width and height in pixels expected, 16 to {MAX_PICTURE_SIZE}", "--size 1280x720"
         )
     return int(match[1]), int(match[2])
 
@@ -34,7 +34,7 @@ AUDIENCE_PORT = 8020
 _AUDIENCE = re.compile(r"(?:(\[[0-9A-Fa-f:.%]+\]|[^\s:\[\]]+):)?(\d{1,5})")
 
 
-def audience_address(text: str) -> tuple[str, int]:
+def parse_audience_address(text: str) -> tuple[str, int]:
     """Parse [HOST:]PORT of the server for phones; raise PersonError for anything else."""
     match = _AUDIENCE.fullmatch(text.strip())
     if match is None or int(match[2]) > 65535:
@@ -42,14 +42,14 @@ def audience_address(text: str) -> tuple[str, int]:
     return (match[1] or "127.0.0.1").strip("[]"), int(match[2])
 
 
-def audience_web_address(text: str | None) -> str | None:
+def parse_audience_link(text: str | None) -> str | None:
     """Check and return the web address given to phones; raise PersonError if it is invalid."""
     if text is not None and re.fullmatch(r"https?://[A-Za-z0-9.\-\[\]:]{1,200}/?", text) is None:
         raise PersonError(f"--audience-link {text!r}: an address as in http://stage.local:8020 expected")
     return text
 
 
-def with_audience(words: list[str]) -> list[str]:
+def expand_audience_option(words: list[str]) -> list[str]:
     """Return the command line with `--audience` without a value expanded to the default port on localhost."""
     found = []
     for index, word in enumerate(words):
@@ -60,19 +60,19 @@ def with_audience(words: list[str]) -> list[str]:
     return found
 
 
-def with_port(text: str, port: int) -> str:
+def add_default_port(text: str, port: int) -> str:
     """Append the default port to a host without one; text that has a port already is returned unchanged."""
     host = text.strip()
     return host if ":" in host or host.isdecimal() or not host else f"{host}:{port}"
 
 
-def parse_number(value: float | None, name: str, low: float, high: float) -> None:
+def check_range(value: float | None, name: str, low: float, high: float) -> None:
     """Raise PersonError unless `value` is None or a number within [low, high]."""
     if value is not None and not low <= value <= high:  # NaN fails the comparison too
         raise PersonError(f"{name} {value:g}: {low:g} to {high:g} expected")
 
 
-def parse_choice(value: str | None, name: str, *choices: str) -> str | None:
+def check_choice(value: str | None, name: str, *choices: str) -> str | None:
     """Return `value`; raise PersonError unless it is None or one of `choices`."""
     if value is not None and value not in choices:
         raise PersonError(f"{name} {value}: one of {', '.join(choices)} expected", f"{name} {choices[0]}")
@@ -90,18 +90,18 @@ def parse_measures(text: str | None) -> tuple[int, int] | None:
     return first, last
 
 
-def film_file(path: Path | None, name: str, *, never: list[str | None]) -> None:
+def check_film_path(path: Path | None, name: str, *, inputs: list[str | None]) -> None:
     """Raise PersonError unless `path` is None or an mp4 file name that is not one of the input files in `never`."""
     if path is None:
         return
     if path.suffix.lower() != ".mp4":
         raise PersonError(f"{name} {path}: a film's name ends in .mp4", f"{name} {path.with_suffix('.mp4')}")
-    for other in never:
+    for other in inputs:
         if other is not None and path.exists() and Path(other).exists() and path.samefile(other):
             raise PersonError(f"{name} {path}: the show reads this file", "give the film another name")
 
 
-def writable_file(path: Path | None, name: str) -> None:
+def check_writable(path: Path | None, name: str) -> None:
     """Raise PersonError unless `path` is None or could be written: its folder exists and it is not a folder itself."""
     if path is None:
         return

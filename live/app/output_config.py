@@ -9,18 +9,18 @@ import numpy as np
 
 from live.app.launch_options import LaunchOptions
 from live.app.session import Session
-from live.base.errors import PersonError, named
+from live.base.errors import PersonError, error_context
 from live.base.fault_isolation import FAULTS
-from live.base.picture_parameters import camera_of, camera_values
-from live.base.projector_perspective import floor_corners, matched
+from live.base.picture_parameters import camera_from_row, camera_values
+from live.base.projector_perspective import camera_from_corners, floor_corners
 from live.base.stage_snapshot import Camera
 from live.control.events.event import ControlEvent
 from live.control.registry.registry import REGISTRY
-from live.render.camera import pixel_of
+from live.render.camera import project_points
 from live.render.outputs.output import Output, Point
 from live.render.outputs.output_pass import read_mask
-from live.render.outputs.projection import Places
-from live.render.window.monitors import Monitor, UnknownMonitor, find_place
+from live.render.outputs.projection import WindowLayout
+from live.render.window.monitors import Monitor, UnknownMonitor, resolve_monitor
 from live.show.venue.venue import Venue, venue_path
 
 
@@ -32,98 +32,98 @@ def outputs_of(venue: Venue | None, name: str | None) -> tuple[Output, ...]:
     return tuple(one.output(folder) for one in venue.output)
 
 
-def places_of(
+def window_placement(
     options: LaunchOptions, venue: Venue | None, *, monitor: Monitor | None, fullscreen: bool, hidden: bool
-) -> Places:
+) -> WindowLayout:
     """Return all windows and their monitors; raise PersonError for missing monitors.
 
     `--monitor` overrides the monitor of a venue with one output.
     """
     outputs = outputs_of(venue, options.venue)
     if hidden:  # a standby resumes the show without a mask whose file was lost
-        outputs = tuple(one if _mask_is_there(one) else replace(one, mask=None) for one in outputs)
+        outputs = tuple(one if _mask_exists(one) else replace(one, mask=None) for one in outputs)
     if len(outputs) == 1 and monitor is not None:
         outputs = (replace(outputs[0], monitor=None),)
     for number, output in enumerate(outputs):
         if output.monitor is not None:
-            found(output.monitor, f"venue {options.venue}: output.{number + 1}.monitor")
+            configured_monitor(output.monitor, f"venue {options.venue}: output.{number + 1}.monitor")
     of_venue = None if venue is None else venue.operator
     asked = options.operator or of_venue
     where = "--operator" if options.operator else f"venue {options.venue}: operator"
-    operator = None if asked is None else found(asked, where)
-    return Places(outputs, monitor, operator, options.size, fullscreen, hidden)
+    operator = None if asked is None else configured_monitor(asked, where)
+    return WindowLayout(outputs, monitor, operator, options.size, fullscreen, hidden)
 
 
-def _mask_is_there(output: Output) -> bool:
+def _mask_exists(output: Output) -> bool:
     try:
         return output.mask is None or read_mask(output) is not None
     except PersonError:
         return False
 
 
-def found(text: str, where: str) -> Monitor:
+def configured_monitor(text: str, setting: str) -> Monitor:
     """Return the monitor; raise PersonError, which begins with `where` and lists the monitors, if it is missing."""
-    with named(where):
+    with error_context(setting):
         try:
-            return find_place(text)
+            return resolve_monitor(text)
         except UnknownMonitor as error:
             raise PersonError(str(error), "connect it, or name another one") from None
 
 
-class OutputKeeping:
+class VenueWriter:
     """Saves outputs and values to the venue's file in a thread, in order. `keep`: call in the main thread."""
 
-    def __init__(self, venue: str | None, told: Callable[[str], None]) -> None:
+    def __init__(self, venue: str | None, report: Callable[[str], None]) -> None:
         """`venue`: its name; without one nothing is saved. `told` is called with the result in words, in any thread."""
-        self._venue, self._told = venue, told
-        self._turn = threading.Lock()
+        self._venue, self._report = venue, report
+        self._lock = threading.Lock()
         self._threads: list[threading.Thread] = []
 
-    def keep(self, output: Output) -> None:
+    def save_output(self, output: Output) -> None:
         """Save the output to the venue."""
 
         def text(path: Path, venue: str) -> str:
-            from live.show.venue.venue_output_writer import changed_output
+            from live.show.venue.venue_output_writer import updated_output_text
 
-            return changed_output(path, venue, output)
+            return updated_output_text(path, venue, output)
 
-        self._begin(text)
+        self._start_write(text)
 
-    def keep_values(self, values: Mapping[str, Mapping[str, object]]) -> None:
+    def save_values(self, values: Mapping[str, Mapping[str, object]]) -> None:
         """Save values, by table and key, to the venue."""
 
         def text(path: Path, venue: str) -> str:
-            from live.show.venue.venue import changed_venue
+            from live.show.venue.venue import updated_venue_text
 
-            return changed_venue(path, venue, values, "# pointed at on the projector")
+            return updated_venue_text(path, venue, values, "# pointed at on the projector")
 
-        self._begin(text)
+        self._start_write(text)
 
-    def _begin(self, text: Callable[[Path, str], str]) -> None:
+    def _start_write(self, text: Callable[[Path, str], str]) -> None:
         if self._venue is None:
-            self._told("not saved: start with --venue NAME")
+            self._report("not saved: start with --venue NAME")
             return
         self._threads = [one for one in self._threads if one.is_alive()]
         self._threads.append(threading.Thread(target=self._write, args=(text, self._venue), name="venue"))
         self._threads[-1].start()
 
     def _write(self, text_of: Callable[[Path, str], str], venue: str) -> None:
-        from live.app.whole_file import write_whole
+        from live.app.whole_file import write_atomically
         from live.show.venue.venue import venue_path
 
         path = venue_path(venue)
         try:
-            with self._turn:
+            with self._lock:
                 text = text_of(path, venue)
                 path.parent.mkdir(parents=True, exist_ok=True)
-                write_whole(text.encode(), path, "--venue")
+                write_atomically(text.encode(), path, "--venue")
         except (PersonError, OSError) as error:
-            self._told(f"NOT SAVED: {error}; Enter tries again")
+            self._report(f"NOT SAVED: {error}; Enter tries again")
         except Exception as error:
-            FAULTS.note("saving outputs", error)
-            self._told(f"NOT SAVED: {type(error).__name__}: {error}; Enter tries again")
+            FAULTS.record("saving outputs", error)
+            self._report(f"NOT SAVED: {type(error).__name__}: {error}; Enter tries again")
         else:
-            self._told(f"saved in {path}")
+            self._report(f"saved in {path}")
 
     def wait(self) -> None:
         """Wait until all changes are written."""
@@ -131,32 +131,32 @@ class OutputKeeping:
             thread.join()
 
 
-GUESS = ((0.25, 0.45), (0.75, 0.45), (0.95, 0.9), (0.05, 0.9))
+DEFAULT_CORNERS = ((0.25, 0.45), (0.75, 0.45), (0.95, 0.9), (0.05, 0.9))
 """Initial corners, as shares of the picture, if the camera does not see all of them."""
-WITHIN = 0.48
+MAX_CORNER_OFFSET = 0.48
 """Largest distance of seen corners from the picture's centre per axis, so that the pointer can reach them."""
-DIGITS = 5
+CORNER_DIGITS = 5
 
 
-class FloorKeeping:
+class FloorCorners:
     """The floor's corners in the picture: reading and saving. Call `corners` and `keep` in the main thread."""
 
-    def __init__(self, session: Session, keeping: OutputKeeping, size: Callable[[], tuple[int, int]]) -> None:
+    def __init__(self, session: Session, writer: VenueWriter, size: Callable[[], tuple[int, int]]) -> None:
         """`size` returns the picture's size [pixels]."""
-        self._session, self._keeping, self._size = session, keeping, size
-        self._kept: tuple[Point, ...] | None = None
+        self._session, self._writer, self._size = session, writer, size
+        self._saved: tuple[Point, ...] | None = None
 
     def corners(self) -> tuple[Point, ...]:
         """Return the floor's corners as saved last, or as the camera sees them now."""
         projector = None if self._session.venue is None else self._session.venue.projector
-        if self._kept is not None:
-            return self._kept
+        if self._saved is not None:
+            return self._saved
         if projector is not None and projector.corners is not None:
             return projector.corners
         row = self._session.engine.view.picture
-        return seen_corners(None if row is None else camera_of(row), self._stage, self._size())
+        return visible_corners(None if row is None else camera_from_row(row), self._stage, self._size())
 
-    def keep(self, corners: Sequence[Point]) -> str:
+    def save(self, corners: Sequence[Point]) -> str:
         """Match the camera to the projector and these floor corners, and save them to the venue.
 
         Return the reason in words if that fails, else an empty text.
@@ -166,17 +166,17 @@ class FloorKeeping:
             return "NOT SAVED: set the lens position in the venue's file: [projector] at = [x, y, z], in metres"
         width, height = self._size()
         try:
-            camera = matched(venue.projector.at, corners, self._stage, width / height)
+            camera = camera_from_corners(venue.projector.at, corners, self._stage, width / height)
         except PersonError as error:
             return f"NOT SAVED: {error}"
-        self._kept = tuple((float(x), float(y)) for x, y in corners)
+        self._saved = tuple((float(x), float(y)) for x, y in corners)
         for address, value in camera_values(camera).items():
             values = list(value) if isinstance(value, tuple) else [value]
             event = REGISTRY.call(address, values, self._session.clock.now(), "key")
             if isinstance(event, ControlEvent):
                 self._session.inbox.put(event)
-        rounded = [[round(x, DIGITS), round(y, DIGITS)] for x, y in self._kept]
-        self._keeping.keep_values({"projector": {"corners": rounded, "aspect": round(width / height, DIGITS)}})
+        rounded = [[round(x, CORNER_DIGITS), round(y, CORNER_DIGITS)] for x, y in self._saved]
+        self._writer.save_values({"projector": {"corners": rounded, "aspect": round(width / height, CORNER_DIGITS)}})
         return ""
 
     @property
@@ -185,15 +185,15 @@ class FloorKeeping:
         return stage.width, stage.depth
 
 
-def seen_corners(camera: Camera | None, stage: tuple[float, float], size: tuple[int, int]) -> tuple[Point, ...]:
+def visible_corners(camera: Camera | None, stage: tuple[float, float], size: tuple[int, int]) -> tuple[Point, ...]:
     """Return a floor's corners as shares of a camera's picture; `GUESS` if it does not see all of them."""
     if camera is None:
-        return GUESS
+        return DEFAULT_CORNERS
     floor = [(x, 0.0, z) for x, z in floor_corners(*stage)]
     forward = np.subtract(camera.target, camera.eye)
     if min(float(np.dot(np.subtract(corner, camera.eye), forward)) for corner in floor) <= 0.0:
-        return GUESS  # a corner is behind the camera
-    places = pixel_of(camera, size, floor) / size
-    if not (np.isfinite(places).all() and np.abs(places - 0.5).max() < WITHIN):
-        return GUESS
+        return DEFAULT_CORNERS  # a corner is behind the camera
+    places = project_points(camera, size, floor) / size
+    if not (np.isfinite(places).all() and np.abs(places - 0.5).max() < MAX_CORNER_OFFSET):
+        return DEFAULT_CORNERS
     return tuple((float(x), float(y)) for x, y in places)

@@ -26,7 +26,7 @@ def practice_events(options: LaunchOptions, show: Show) -> list[ControlEvent]:
         return []
     first, last = options.measures
     try:
-        show.playhead.of_written(first - 1), show.playhead.of_written(last - 1)
+        show.playhead.place_of_written(first - 1), show.playhead.place_of_written(last - 1)
     except ValueError as error:
         raise PersonError(f"--measures {first}-{last}: {error}", "live score shows them") from None
     return [Practice(time=0.0, source="practice", first=first, last=last)]

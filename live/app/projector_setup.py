@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, Protocol
 
-from live.app.output_config import FloorKeeping, OutputKeeping, outputs_of
+from live.app.output_config import FloorCorners, VenueWriter, outputs_of
 from live.app.session import Session
 from live.base.errors import PersonError
 from live.control.events.event import ControlEvent
@@ -13,8 +13,8 @@ from live.control.events.events import ShowCard
 from live.render.outputs.output import Output, Point
 from live.render.outputs.projection import Projection
 from live.render.outputs.screen import Screen
-from live.render.outputs.test_card import CARDS, JOIN, next_card
-from live.render.outputs.warp_editor import FloorEditing
+from live.render.outputs.test_card import CARDS, JOIN_CARD, next_card
+from live.render.outputs.warp_editor import FloorEditor
 from live.render.window.window_input import KeyPressed, PointerMoved, PointerPressed, PointerReleased, WindowInput
 
 CARD_KEY: Final = "f8"
@@ -34,13 +34,13 @@ _FLOOR_HELP: Final = (
 )
 
 
-class Floor(Protocol):
+class FloorStore(Protocol):
     """Source and store of the real floor's corners in the picture."""
 
     def corners(self) -> tuple[Point, ...]:
         """Return the corners as shares of the whole picture."""
 
-    def keep(self, corners: Sequence[Point]) -> str:
+    def save(self, corners: Sequence[Point]) -> str:
         """Save the corners; return the reason in words if that fails, else an empty text."""
 
 
@@ -50,28 +50,33 @@ class OutputSetup:
     def __init__(
         self,
         projection: Projection,
-        keep: Callable[[Output], None],
-        refuse: Callable[[str], None],
-        ask: Callable[[str, str], None],
-        floor: Floor | None = None,
+        save_output: Callable[[Output], None],
+        report_refusal: Callable[[str], None],
+        request_card: Callable[[str, str], None],
+        floor: FloorStore | None = None,
         *,
-        joins: bool = False,
+        has_audience: bool = False,
     ) -> None:
         """`keep` saves an output; `refuse` receives refusals in words; `floor`: corners of the real floor.
 
         `ask` receives the output and the test card chosen by a key. It sends an event, so that the show stores the
         card; the event then comes back to `hear`. `joins`: an audience may join, so there is a card with the link.
         """
-        self._projection, self._keep, self._refuse, self._ask = projection, keep, refuse, ask
+        self._projection, self._save_output, self._refuse, self._ask = (
+            projection,
+            save_output,
+            report_refusal,
+            request_card,
+        )
         self._floor = floor
         self._edited: Screen | None = None
-        self._joins = joins
-        self.kept = ""
+        self._joins = has_audience
+        self.save_result = ""
         """Result of the last save, in words; empty before the first."""
 
     # -- events ------------------------------------------------------------------------------------------------
 
-    def hear(self, event: ControlEvent) -> None:
+    def handle(self, event: ControlEvent) -> None:
         """Handle the event that shows a test card."""
         if not isinstance(event, ShowCard):
             return
@@ -80,7 +85,7 @@ class OutputSetup:
         known = next((each for each in CARDS if each == card), None)
         if known is None:
             self._refuse(f"{event.source}: there is no test card {event.card!r}; test cards: {', '.join(CARDS)}")
-        elif known == JOIN and not self._joins:
+        elif known == JOIN_CARD and not self._joins:
             self._refuse(f"{event.source}: no audience can join: start the show with --audience")
         elif not screens:
             names = ", ".join(one.output.name for one in self._projection.screens)
@@ -89,7 +94,7 @@ class OutputSetup:
             for screen in screens:
                 screen.card = known
 
-    def recall(self, cards: Mapping[str, str]) -> None:
+    def restore_cards(self, cards: Mapping[str, str]) -> None:
         """Show the cards that the engine before showed; ignore unknown ones, which that engine has reported."""
         for name, wanted in cards.items():
             card = next((each for each in CARDS if each == wanted), None)
@@ -106,7 +111,7 @@ class OutputSetup:
                 "name": screen.output.name,
                 "monitor": screen.window.monitor.name,
                 "size": list(screen.window.size),
-                "there": screen.window.is_home,
+                "there": screen.window.on_monitor,
                 "card": screen.card,
                 "edited": screen is self._edited,
             }
@@ -115,14 +120,14 @@ class OutputSetup:
 
     # -- window input ------------------------------------------------------------------------------------------
 
-    def act(self, screen: Screen, value: WindowInput) -> bool:
+    def handle_input(self, screen: Screen, value: WindowInput) -> bool:
         """Handle an input at a window; return whether it was for the setup and not for the show."""
         if isinstance(value, KeyPressed):
             taken = self._key(screen, value)
         else:
             taken = self._edited is screen and self._pointer(screen, value)
         if self._edited is not None:
-            self._tell(self._edited)
+            self._update_help(self._edited)
         return taken
 
     def _key(self, screen: Screen, key: KeyPressed) -> bool:
@@ -132,14 +137,14 @@ class OutputSetup:
                 self._ask(one.output.name, one.card)
             return True
         if key.name == EDIT_KEY:
-            self._choose(screen)
+            self._toggle_editing(screen)
             return True
         return self._edited is not None and self._edit(self._edited, key)
 
-    def _choose(self, screen: Screen) -> None:
+    def _toggle_editing(self, screen: Screen) -> None:
         """Edit the output in whose window the key was pressed; in the operator's window, each output in turn."""
         screens, before = self._projection.screens, self._edited
-        self.done()
+        self.stop_editing()
         if screen in screens:
             after = None if screen is before else screen
         else:
@@ -149,7 +154,7 @@ class OutputSetup:
             self._edited = after
             after.edit(True)
 
-    def done(self) -> None:
+    def stop_editing(self) -> None:
         """End editing and save the changes."""
         if self._edited is not None:
             self._save(self._edited)
@@ -169,27 +174,27 @@ class OutputSetup:
             self._point_at_floor(screen, self._floor)
             return True
         elif name == "m":
-            editing.switch()
+            editing.toggle_mesh()
         elif name in ("+", "=", "-"):
             editing.refine(-1 if name == "-" else 1)
         elif name == "r":
-            editing.straighten()
+            editing.reset()
         elif name == "u":
             editing.undo()
         elif name == "enter":
             self._save(screen)
         elif name == "escape":
-            self.done()
+            self.stop_editing()
             return True
         else:
             return False
         screen.set(editing.output)
         return True
 
-    def _point_at_floor(self, screen: Screen, floor: Floor) -> None:
+    def _point_at_floor(self, screen: Screen, floor: FloorStore) -> None:
         """Switch between warping and the real floor's corners; save changes before."""
         self._save(screen)
-        if isinstance(screen.editing, FloorEditing):
+        if isinstance(screen.editing, FloorEditor):
             screen.edit(True)
         else:
             screen.edit_floor(floor.corners())
@@ -199,13 +204,13 @@ class OutputSetup:
         assert editing is not None
         match value:
             case PointerPressed():
-                editing.take_hold((value.x / width, value.y / height), width / height)
+                editing.grab((value.x / width, value.y / height), width / height)
             case PointerMoved():
-                editing.pull((value.x / width, value.y / height))
+                editing.drag((value.x / width, value.y / height))
                 if editing.output is not screen.output:
                     screen.set(editing.output)
             case PointerReleased():
-                editing.let_go()
+                editing.release()
             case _:
                 return False
         return True
@@ -214,30 +219,35 @@ class OutputSetup:
         editing = screen.editing
         if editing is None or not editing.is_changed:
             return
-        if isinstance(editing, FloorEditing):
-            self.kept = self._floor.keep(editing.corners) if self._floor is not None else ""
-            editing.is_changed = bool(self.kept)
+        if isinstance(editing, FloorEditor):
+            self.save_result = self._floor.save(editing.corners) if self._floor is not None else ""
+            editing.is_changed = bool(self.save_result)
         else:
-            self._keep(screen.output)
+            self._save_output(screen.output)
             editing.is_changed = False
 
-    def _tell(self, screen: Screen) -> None:
+    def _update_help(self, screen: Screen) -> None:
         """Update the help text over the edited output."""
         editing = screen.editing
         if editing is None:
             return
-        if isinstance(editing, FloorEditing):
-            words = (f"{screen.output.name}: the {editing.what}", *_FLOOR_HELP, editing.problem, self.kept)
+        if isinstance(editing, FloorEditor):
+            words = (
+                f"{screen.output.name}: the {editing.corner_name}",
+                *_FLOOR_HELP,
+                editing.problem,
+                self.save_result,
+            )
             screen.lines = tuple(word for word in words if word)
             return
         what = "point" if editing.on_mesh else "corner"
         where = f"{screen.output.name}: {what} {editing.chosen + 1} of {len(editing.points)}"
-        screen.lines = (where, *_HELP, *(words for words in (editing.problem, self.kept) if words))
+        screen.lines = (where, *_HELP, *(words for words in (editing.problem, self.save_result) if words))
 
 
-def set_up(session: Session, picture: Projection, anew: bool) -> OutputSetup:
+def make_output_setup(session: Session, picture: Projection, reread: bool) -> OutputSetup:
     """Make the projector setup of a session; `anew`: read warps again, as they may have changed since opening."""
-    if anew:
+    if reread:
         with contextlib.suppress(PersonError):
             for screen, output in zip(
                 picture.screens, outputs_of(session.options.read_venue(), session.options.venue), strict=False
@@ -245,20 +255,20 @@ def set_up(session: Session, picture: Projection, anew: bool) -> OutputSetup:
                 screen.set(replace(screen.output, corners=output.corners, mesh=output.mesh))
 
     def told(words: str) -> None:
-        setup.kept = words
+        setup.save_result = words
 
-    keeping = OutputKeeping(session.options.venue, told)
+    keeping = VenueWriter(session.options.venue, told)
 
     def ask(output: str, card: str) -> None:
         session.inbox.put(ShowCard(time=session.clock.now(), source="key", output=output, card=card))
 
-    floor = FloorKeeping(session, keeping, lambda: picture.size)
+    floor = FloorCorners(session, keeping, lambda: picture.size)
     setup = OutputSetup(
-        picture, keeping.keep, session.show.refusals.add, ask, floor, joins=session.audience is not None
+        picture, keeping.save_output, session.show.refusals.add, ask, floor, has_audience=session.audience is not None
     )
-    setup.recall(session.show.desk.master.cards)
-    session.engine.outward.append(setup.hear)
-    session.status.more["outputs"] = setup.facts
-    session.status.more["flashes_held"] = lambda: picture.flashes.held
-    session.status.notes.append(lambda: setup.kept if setup.kept.startswith("NOT") else "")
+    setup.restore_cards(session.show.desk.master.cards)
+    session.engine.event_listeners.append(setup.handle)
+    session.status.extra_figures["outputs"] = setup.facts
+    session.status.extra_figures["flashes_held"] = lambda: picture.flash_limiter.dimmed_count
+    session.status.notices.append(lambda: setup.save_result if setup.save_result.startswith("NOT") else "")
     return setup

@@ -6,26 +6,26 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, Final, Protocol
 
-from live.app.services.audience_service import AudiencePart
+from live.app.services.audience_service import AudienceService
 from live.base.errors import PersonError
-from live.base.fault_isolation import FAULTS, Bulkhead, name_of, run_once
+from live.base.fault_isolation import FAULTS, Bulkhead, callback_name, run_once
 from live.control.events.events import ControlEvent
-from live.control.registry.control import Plain
+from live.control.registry.control import ArgumentValue
 from live.control.registry.registry import Changes
 from live.show.loader import LoadedShow
 from live.show.patch.hot_reload import PatchWatch
 from live.show.selection.graph_update import LibraryWatch
 from live.show.show import Show
 from live.show.status import Status
-from live.show.telemetry import Readable
+from live.show.telemetry import CurrentValues
 from live.show.venue.venue import Latencies
 
-FIRST_PAUSE: Final = 0.5
+FIRST_RETRY_DELAY: Final = 0.5
 """First pause [s] before a service that failed to start is tried again; each pause is twice the one before."""
-LONGEST_PAUSE: Final = 8.0
+MAX_RETRY_DELAY: Final = 8.0
 
 
-class Part(Protocol):
+class Service(Protocol):
     """Service of a show with its own device or network port."""
 
     def start(self) -> None:
@@ -45,122 +45,122 @@ class Part(Protocol):
         ...
 
 
-class Parts:
+class ServiceRegistry:
     """The services of one show, in the order in which they start. Thread: the show's."""
 
     def __init__(self) -> None:
-        self._parts: list[Part] = []
-        self._late: deque[Part] = deque()  # started later by the retry thread
-        self._over = threading.Event()
-        self._retry: threading.Thread | None = None
+        self._services: list[Service] = []
+        self._late_services: deque[Service] = deque()  # started later by the retry thread
+        self._stopped = threading.Event()
+        self._retry_thread: threading.Thread | None = None
         self.bulkhead = Bulkhead()
         """Isolates errors of each service from the frame and from the other services."""
-        self.refused: list[Callable[[], Counter[str]]] = []
+        self.refused_counts: list[Callable[[], Counter[str]]] = []
         """Functions that return the number of refused inputs by reason, one per service."""
-        self.early: list[Callable[[], None]] = []
+        self.before_frame_calls: list[Callable[[], None]] = []
         """Functions called before each frame, to receive input for it."""
-        self.audience: AudiencePart | None = None
+        self.audience: AudienceService | None = None
         """The service for phones, if there is one."""
         self.refusals: list[Callable[[], str]] = []
         """Functions that return the last refusal in words, one per service."""
 
-    def add(self, part: Part) -> None:
+    def add(self, service: Service) -> None:
         """Add a service; call before `start`."""
-        self._parts.append(part)
+        self._services.append(service)
 
-    def start(self, *, forgiving: bool = False) -> None:
+    def start(self, *, tolerant: bool = False) -> None:
         """Start all services; the first failure is raised.
 
         `forgiving`, for a resumed show: a service that fails is reported and left out. After a PersonError (a port or
         host that is not available) it is tried again in a thread.
         """
         refused = []
-        for part in list(self._parts):
-            name = f"the start of {name_of(part.start)}"
+        for part in list(self._services):
+            name = f"the start of {callback_name(part.start)}"
             try:
                 part.start()
             except Exception as error:
-                if not forgiving:
+                if not tolerant:
                     raise
-                FAULTS.note(name, error)
-                self._parts.remove(part)
-                run_once(f"the end of {name_of(part.stop)}", part.stop)
+                FAULTS.record(name, error)
+                self._services.remove(part)
+                run_once(f"the end of {callback_name(part.stop)}", part.stop)
                 if isinstance(error, PersonError):
-                    FAULTS.wait(name)
+                    FAULTS.record_retry(name)
                     refused.append((name, part))
         if refused:
-            self._retry = threading.Thread(target=self._start_late, args=(refused,), name="parts", daemon=True)
-            self._retry.start()
+            self._retry_thread = threading.Thread(target=self._retry_start, args=(refused,), name="parts", daemon=True)
+            self._retry_thread.start()
 
-    def _start_late(self, refused: list[tuple[str, Part]]) -> None:
+    def _retry_start(self, refused: list[tuple[str, Service]]) -> None:
         """Retry services whose port is still in use or whose host is not known yet. Thread: its own."""
-        pause = FIRST_PAUSE
-        while refused and not self._over.wait(pause):
-            pause = min(2.0 * pause, LONGEST_PAUSE)
+        pause = FIRST_RETRY_DELAY
+        while refused and not self._stopped.wait(pause):
+            pause = min(2.0 * pause, MAX_RETRY_DELAY)
             for name, part in list(refused):
                 try:
                     part.start()
                 except PersonError:
                     continue
                 except Exception as error:
-                    FAULTS.note(name, error)
+                    FAULTS.record(name, error)
                 else:
-                    self._late.append(part)
-                FAULTS.works(name)
+                    self._late_services.append(part)
+                FAULTS.record_recovery(name)
                 refused.remove((name, part))
 
     def before_frame(self) -> None:
         """Receive input, before each frame."""
-        for take in self.early:
-            self.bulkhead.call(f"{name_of(take)}, before a frame", take)
+        for take in self.before_frame_calls:
+            self.bulkhead.call(f"{callback_name(take)}, before a frame", take)
 
     def frame(self) -> None:
         """Update all services, after each frame."""
-        while self._late:
-            self._parts.append(self._late.popleft())
-        for part in self._parts:
-            self.bulkhead.call(name_of(part.frame), part.frame)
+        while self._late_services:
+            self._services.append(self._late_services.popleft())
+        for part in self._services:
+            self.bulkhead.call(callback_name(part.frame), part.frame)
 
     def stop(self) -> None:
         """Stop all services for good."""
-        self._over.set()
-        if self._retry is not None:
-            self._retry.join()
-        for part in (*self._parts, *self._late):
-            run_once(f"the end of {name_of(part.stop)}", part.stop)
-        self._parts.clear()
-        self.early.clear()
+        self._stopped.set()
+        if self._retry_thread is not None:
+            self._retry_thread.join()
+        for part in (*self._services, *self._late_services):
+            run_once(f"the end of {callback_name(part.stop)}", part.stop)
+        self._services.clear()
+        self.before_frame_calls.clear()
 
 
-EVERY: Final = 0.05
+PUBLISH_INTERVAL: Final = 0.05
 """Interval [s] between two readings of the values."""
 
 
-class Telling:
+class ValuePublisher:
     """Publishes changed values of the show to services, at a limited rate. Thread: the show's."""
 
     def __init__(self, show: Show, status: Status, latencies: Latencies) -> None:
-        self._readable = Readable(show, status)
+        self._readable = CurrentValues(show, status)
         self._next = 0.0
         self._calls = Bulkhead()
-        self.to: list[Callable[[Changes], None]] = []
+        self.subscribers: list[Callable[[Changes], None]] = []
         """Functions called with changed values."""
         for what in ("input", "output", "display", "projector"):
-            self._readable.more[f"/dance/latency/{what}"] = partial(_milliseconds, latencies, what)
+            self._readable.extra_values[f"/dance/latency/{what}"] = partial(_milliseconds, latencies, what)
 
-    def know(self, address: str, tell: Callable[[], Plain | None]) -> None:
+    def add_value(self, address: str, read: Callable[[], ArgumentValue | None]) -> None:
         """Register a function that returns the value at an address."""
-        self._readable.more[address] = tell
+        self._readable.extra_values[address] = read
 
     def frame(self, time: float) -> None:
         """Publish changed values, after each frame, at `time` [s]."""
         if time < self._next:
             return
-        self._next = time + EVERY
+        self._next = time + PUBLISH_INTERVAL
         changes = self._readable.changes()
         if changes:
-            for tell in self.to:
-                self._calls.call(f"{name_of(tell)}, publishing values", tell, changes)
+            for tell in self.subscribers:
+                self._calls.call(f"{callback_name(tell)}, publishing values", tell, changes)
 
 
 def _milliseconds(latencies: Latencies, what: str) -> float | None:
@@ -168,7 +168,7 @@ def _milliseconds(latencies: Latencies, what: str) -> float | None:
     return None if value is None else round(1000.0 * float(value), 2)
 
 
-def make_watches(
+def make_file_watches(
     loaded: LoadedShow, show: Show, *, post: Callable[[ControlEvent], None], now: Callable[[], float]
 ) -> tuple[PatchWatch, LibraryWatch | None]:
     """Return watches on the patch and, if its steps are in a folder, on the steps; start only the first.
@@ -177,5 +177,5 @@ def make_watches(
     """
     folder, library = loaded.steps_folder, None
     if folder is not None:
-        library = LibraryWatch(folder, show.graph, offer=show.offer, post=post, now=now, read=loaded.clips)
+        library = LibraryWatch(folder, show.graph, offer=show.offer_graph, post=post, now=now, read=loaded.clips)
     return PatchWatch(loaded, show, post=post, now=now, library=library), library

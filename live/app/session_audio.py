@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from live.app.launch_options import LaunchOptions
 from live.app.practice import FASTEST, SLOWEST, practice_tempo
-from live.app.processes.audio_client import RemoteAudio
-from live.app.processes.resume_state import Resumed
-from live.base.errors import PersonError, named
-from live.base.event_queue import Inbox
-from live.clock.follower.manual_control import Seed
+from live.app.processes.audio_client import AudioClient
+from live.app.processes.resume_state import ResumeState
+from live.base.errors import PersonError, error_context
+from live.base.event_queue import EventQueue
+from live.clock.follower.manual_control import TrackerHint
 from live.clock.time_source import Clock, SystemClock
-from live.control.audio.devices import device_refuses
+from live.control.audio.devices import device_error
 from live.control.audio.music_file import Music, MusicFileError, read_music
 from live.control.events.events import ControlEvent, RestartAudio, SetLatency
 from live.control.midi.midi_file import read_song
@@ -25,7 +25,7 @@ from live.show.loader import LoadedShow
 from live.show.patch.patch_search_path import is_file
 from live.show.show import Show
 from live.show.venue.venue import Latencies, Venue
-from live.supervisor.supervisor_link import Lifeline
+from live.supervisor.supervisor_link import SupervisorLink
 
 if TYPE_CHECKING:
     from live.app.launch_options import LaunchOptions
@@ -44,18 +44,18 @@ class AudioSource(Protocol):
         """Stop and free the device."""
         ...
 
-    def facts(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return the values for the status line."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
-class Sound:
+class AudioChoice:
     """Choice of audio source: a music file, an input device by name, or nothing (the internal clock)."""
 
     music: Music | None = None
     device: str | None = None
-    known: bool = False
+    from_patch: bool = False
     """True for the patch's own music, whose tempo and first downbeat are in the patch."""
     channels: str = "1,2"
     """Channels of the device."""
@@ -65,7 +65,7 @@ class Sound:
     """The music's file."""
 
 
-def choose_sound(options: "LaunchOptions", loaded: LoadedShow, venue: Venue | None = None) -> Sound:
+def choose_audio(options: "LaunchOptions", loaded: LoadedShow, venue: Venue | None = None) -> AudioChoice:
     """Choose the source of `--audio` and `--bpm`, else the venue's device, else the patch's music.
 
     Raise PersonError, which lists the devices, if the source does not exist.
@@ -74,7 +74,7 @@ def choose_sound(options: "LaunchOptions", loaded: LoadedShow, venue: Venue | No
     output = None if audio is None else audio.output
     own = "1,2" if audio is None or audio.channels is None else ",".join(map(str, audio.channels))
     channels = own if options.audio_channel is None else options.audio_channel
-    with named("--audio-channel"):
+    with error_context("--audio-channel"):
         _channels(channels)
     if options.audio is not None:
         if options.tempo_share is not None:
@@ -82,33 +82,37 @@ def choose_sound(options: "LaunchOptions", loaded: LoadedShow, venue: Venue | No
             raise PersonError(words, "leave out --audio or --tempo-share")
         path = Path(options.audio)
         if is_file(path):
-            return Sound(music=_music(path), output=output, path=path)
+            return AudioChoice(music=_music(path), output=output, path=path)
         what = "there is no such file, and " if path.suffix or "/" in options.audio else ""
-        return Sound(device=_device(options.audio, f"--audio {options.audio!r}", what), channels=channels)
+        return AudioChoice(device=_device(options.audio, f"--audio {options.audio!r}", what), channels=channels)
     if options.bpm is not None or options.is_practice:
-        return Sound()
+        return AudioChoice()
     if audio is not None and audio.device is not None:
-        return Sound(device=_device(audio.device, f"the venue's audio.device {audio.device!r}"), channels=channels)
+        return AudioChoice(
+            device=_device(audio.device, f"the venue's audio.device {audio.device!r}"), channels=channels
+        )
     music = loaded.music_path
-    return Sound() if music is None else Sound(music=_music(music), known=True, output=output, path=music)
+    return (
+        AudioChoice() if music is None else AudioChoice(music=_music(music), from_patch=True, output=output, path=music)
+    )
 
 
 def _channels(words: str) -> "Channels":
     from live.control.audio.channel_mixer import Channels
 
-    return Channels.of(words)
+    return Channels.parse(words)
 
 
-def _device(name: str, asked: str, what: str = "") -> str:
+def _device(name: str, option: str, hint: str = "") -> str:
     """Return the full name of a device."""
     from live.control.audio.devices import SoundUnavailable, UnknownDevice, find_device
 
     try:
         return find_device(name).name
     except UnknownDevice as error:
-        raise PersonError(f"{asked}: {what}{error}") from None
+        raise PersonError(f"{option}: {hint}{error}") from None
     except SoundUnavailable as error:
-        raise PersonError(f"{asked}: there is no such file, and {error}") from None
+        raise PersonError(f"{option}: there is no such file, and {error}") from None
 
 
 def _music(path: Path) -> Music:
@@ -118,18 +122,18 @@ def _music(path: Path) -> Music:
         raise PersonError(str(error)) from None
 
 
-def analysis_for(loaded: LoadedShow, show: Show) -> "MakeAnalysis":
+def make_show_analysis(loaded: LoadedShow, show: Show) -> "MakeAnalysis":
     """Return a factory of analyses with the patch's tracker and this show's manual settings of the beat.
 
     Each analysis replaces the one before (a device that came back, another sample rate, a failed analysis) and keeps
     the manual settings.
     """
-    seeds: deque[Seed] = deque(maxlen=64)
+    seeds: deque[TrackerHint] = deque(maxlen=64)
     show.seed_tracker(seeds.append)
-    return analyses(loaded.patch.clock.tracker, seeds)
+    return make_analysis_factory(loaded.patch.clock.tracker, seeds)
 
 
-def analyses(tracker: "TrackerName", seeds: deque[Seed]) -> "MakeAnalysis":
+def make_analysis_factory(tracker: "TrackerName", seeds: deque[TrackerHint]) -> "MakeAnalysis":
     """Return a factory of analyses with that tracker, each replacing the one before; `seeds`: manual settings."""
     from live.control.audio.analysis import AudioAnalysis
 
@@ -139,33 +143,38 @@ def analyses(tracker: "TrackerName", seeds: deque[Seed]) -> "MakeAnalysis":
         nonlocal former
         analysis = AudioAnalysis(rate, tracker=tracker, seeds=seeds, energy=True)
         if former is not None:
-            analysis.succeed(former)
+            analysis.take_over(former)
         former = analysis
         return analysis
 
     return make
 
 
-def sound_plan(sound: Sound, loaded: LoadedShow) -> dict[str, Any]:
+def audio_plan(sound: AudioChoice, loaded: LoadedShow) -> dict[str, Any]:
     """Return the settings with which another process listens or plays, as plain values."""
     return {
         "music": None if sound.path is None else str(sound.path.resolve()),
         "device": sound.device,
         "channels": sound.channels,
         "output": sound.output,
-        "one_at": loaded.patch.music.one_at_s if sound.known else None,
+        "one_at": loaded.patch.music.one_at_s if sound.from_patch else None,
         "tracker": loaded.patch.clock.tracker,
     }
 
 
 def make_audio(
-    sound: Sound, loaded: LoadedShow, show: Show, latencies: Latencies, inbox: Inbox[ControlEvent], clock: Clock
+    sound: AudioChoice,
+    loaded: LoadedShow,
+    show: Show,
+    latencies: Latencies,
+    inbox: EventQueue[ControlEvent],
+    clock: Clock,
 ) -> tuple[AudioSource | None, Callable[[ControlEvent], None]]:
     """Return the source of a show, and the handler for events that concern it."""
     if sound.music is not None:
         from live.control.audio.music_player import MusicPlayer
 
-        one_at = loaded.patch.music.one_at_s if sound.known else None
+        one_at = loaded.patch.music.one_at_s if sound.from_patch else None
         output: bool | str = sound.output or True
         try:
             player = MusicPlayer(
@@ -176,7 +185,7 @@ def make_audio(
                 output=output,
                 latency=latencies.output,
                 one_at=one_at,
-                analysis=analysis_for(loaded, show),
+                analysis=make_show_analysis(loaded, show),
             )
         except ValueError as error:  # the named output does not exist
             raise PersonError(f"the venue's audio.output: {error}") from None
@@ -196,16 +205,16 @@ def make_audio(
         clock,
         channels=_channels(sound.channels),
         latency=latencies.input,
-        analysis=analysis_for(loaded, show),
+        analysis=make_show_analysis(loaded, show),
     )
 
     def to_listener(event: ControlEvent) -> None:
         listener.latency = latencies.input
-        listener.act(event)
-        if isinstance(event, RestartAudio) and show.follower.on_seed is not None:
+        listener.handle(event)
+        if isinstance(event, RestartAudio) and show.follower.on_hint is not None:
             # a restart by hand discards manual settings; only those of the patch are sent again
-            show.follower.on_seed(Seed("forget", event.time))
-            show.seed_tracker(show.follower.on_seed)
+            show.follower.on_hint(TrackerHint("forget", event.time))
+            show.seed_tracker(show.follower.on_hint)
 
     return listener, to_listener
 
@@ -214,26 +223,26 @@ class SessionAudio:
     """Audio source of a running show, if there is one. Thread: the show's."""
 
     def __init__(
-        self, sound: Sound, loaded: LoadedShow, show: Show, latencies: Latencies, inbox: Inbox[ControlEvent],
-        clock: SystemClock, *, lifeline: Lifeline | None, resumed: Resumed | None,
+        self, sound: AudioChoice, loaded: LoadedShow, show: Show, latencies: Latencies, inbox: EventQueue[ControlEvent],
+        clock: SystemClock, *, lifeline: SupervisorLink | None, resumed: ResumeState | None,
     ) -> None:  # fmt: skip
         """Make the source without starting it; raise PersonError if that fails."""
         self._sound = sound
-        self._remote: RemoteAudio | None = None
+        self._remote: AudioClient | None = None
         self.source: AudioSource | None
         """The source; None for a show without audio."""
-        self.tell: Callable[[ControlEvent], None]
+        self.handle: Callable[[ControlEvent], None]
         """Handler for events that concern the audio."""
         there = None if lifeline is None else lifeline.sound
         if there is None or (sound.music is None and sound.device is None):
-            self.source, self.tell = make_audio(sound, loaded, show, latencies, inbox, clock)
+            self.source, self.handle = make_audio(sound, loaded, show, latencies, inbox, clock)
             return
-        plan = sound_plan(sound, loaded)
-        self._remote = RemoteAudio(there, plan, show, latencies, inbox, clock, resumed=resumed)
-        self.source, self.tell = self._remote, self._remote.act
+        plan = audio_plan(sound, loaded)
+        self._remote = AudioClient(there, plan, show, latencies, inbox, clock, resumed=resumed)
+        self.source, self.handle = self._remote, self._remote.handle
 
     @property
-    def listens(self) -> AudioSource | None:
+    def input_source(self) -> AudioSource | None:
         """The source if it is an input device, else None."""
         return self.source if self._sound.device is not None else None
 
@@ -243,9 +252,9 @@ class SessionAudio:
         return getattr(self.source, "level", None)
 
     @property
-    def begun(self) -> float | None:
+    def start_time(self) -> float | None:
         """Start time of the audio process [s of the show]; None for audio in this process."""
-        return None if self._remote is None else self._remote.begun
+        return None if self._remote is None else self._remote.start_time
 
     def start(self) -> None:
         """Start to listen or to play; raise PersonError if that fails."""
@@ -256,7 +265,7 @@ class SessionAudio:
         except PersonError:
             raise
         except Exception as error:  # PortAudioError; its class exists only with PortAudio installed
-            raise device_refuses(error, "--audio", self._sound.device) from None
+            raise device_error(error, "--audio", self._sound.device) from None
 
     def frame(self) -> None:
         """Receive the audio process' messages, before each frame."""
@@ -274,7 +283,7 @@ class SessionAudio:
             self.source.stop()
 
 
-def start_tempo(options: LaunchOptions, loaded: LoadedShow, sound: Sound) -> float | None:
+def start_tempo(options: LaunchOptions, loaded: LoadedShow, sound: AudioChoice) -> float | None:
     """Return the starting tempo [bpm]; None if the patch's music is options, which has its own tempo and downbeat."""
     if options.is_practice:
         return practice_tempo(options, loaded)
@@ -282,4 +291,4 @@ def start_tempo(options: LaunchOptions, loaded: LoadedShow, sound: Sound) -> flo
         return options.bpm
     if options.midi_file is not None:
         return min(max(read_song(options.midi_file).tempo, SLOWEST), FASTEST)
-    return None if sound.known else loaded.patch.clock.bpm
+    return None if sound.from_patch else loaded.patch.clock.bpm

@@ -7,28 +7,28 @@ import psutil
 from rich.console import Console
 
 from live.app.launch_options import LaunchOptions
-from live.app.processes.resume_state import Resumed
-from live.app.session_audio import Sound
+from live.app.processes.resume_state import ResumeState
+from live.app.session_audio import AudioChoice
 from live.base.errors import PersonError
 from live.show.engine import Engine
-from live.show.journal.journal import JournalError, JournalWriter, trouble_of
+from live.show.journal.journal import JournalError, JournalWriter, disk_problem
 from live.show.loader import LoadedShow
 from live.show.status import Status, StatusFile
 from live.supervisor.journal_relay import RelaySink
-from live.supervisor.supervisor_link import Lifeline
+from live.supervisor.supervisor_link import SupervisorLink
 
 
-class Records:
+class SessionRecords:
     """Journal and status file of a show. With a supervisor, the supervisor writes the journal. Thread: the show's."""
 
     def __init__(
         self,
         options: LaunchOptions,
         loaded: LoadedShow,
-        sound: Sound,
+        sound: AudioChoice,
         *,
-        lifeline: Lifeline | None,
-        resumed: Resumed | None,
+        lifeline: SupervisorLink | None,
+        resumed: ResumeState | None,
     ) -> None:
         """Write nothing yet. `resumed`: the show that is resumed and whose records already exist."""
         self._options, self._loaded, self._sound = options, loaded, sound
@@ -42,12 +42,12 @@ class Records:
         if self._options.status_json is None:
             return
         try:
-            self._status_file = StatusFile(self._options.status_json, status, more=self._resumed is not None)
+            self._status_file = StatusFile(self._options.status_json, status, append=self._resumed is not None)
         except OSError as error:
             raise PersonError(f"cannot write --status-json {self._options.status_json}: {error.strerror}") from None
 
     def open_journal(
-        self, engine: Engine, status: Status, *, tempo: float | None, origin: float, begun: float | None
+        self, engine: Engine, status: Status, *, tempo: float | None, origin: float, audio_start: float | None
     ) -> None:
         """Open the journal. Call this last, so that a failed start does not replace an older journal of that name.
 
@@ -57,7 +57,7 @@ class Records:
         header = self._loaded.header(engine.show, tempo=tempo, music=self._sound.path)
         if self._lifeline is not None:
             self._relay = RelaySink(self._lifeline, self._options.journal)
-            header |= {"origin": origin, "begun": begun}
+            header |= {"origin": origin, "begun": audio_start}
             self._journal = JournalWriter(Path(), None if self._resumed else header, sink=self._relay)
         elif self._options.journal is not None:
             try:
@@ -67,7 +67,7 @@ class Records:
         else:
             return
         self._journal.prepare(engine.show)
-        status.more["journal"] = self._journal.facts
+        status.extra_figures["journal"] = self._journal.facts
         engine.journal = self._journal
 
     def problem(self) -> str:
@@ -75,7 +75,7 @@ class Records:
         if self._journal is None:
             return ""
         disk = {} if self._lifeline is None else self._lifeline.facts.get("disk", {})
-        return self._journal.problem or trouble_of(disk)
+        return self._journal.problem or disk_problem(disk)
 
     def frame(self, time: float) -> None:
         """Write the status and flush the journal to the supervisor, after a frame that began at `time` [s]."""
@@ -94,15 +94,15 @@ class Records:
     def warnings(self) -> list[str]:
         """Return the problems that did not stop the show, in words."""
         told = []
-        if self._journal is not None and self._journal.kept is not None:
-            told.append(f"the older journal is now {self._journal.kept}")
+        if self._journal is not None and self._journal.older_journal is not None:
+            told.append(f"the older journal is now {self._journal.older_journal}")
         if self._journal is not None and self._journal.dropped:
             told.append(f"{self._journal.dropped} lines of the journal could not be written: a replay has a gap")
         if self._status_file is not None and self._status_file.dropped:
             told.append(f"{self._status_file.dropped} status lines could not be written")
         return told
 
-    def tell(self) -> None:
+    def print_warnings(self) -> None:
         """Print the warnings on the terminal."""
         console = Console(stderr=True, highlight=False)
         for warning in self.warnings():

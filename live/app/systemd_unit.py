@@ -11,9 +11,16 @@ from typing import Final
 from live.base.errors import PersonError
 
 NAME: Final = re.compile(r"[a-z0-9][a-z0-9_-]{0,39}")
-PLACES: Final = ("PYTHONPATH", "LIVE_CACHE_DIR", "LIVE_CONFIG_DIR", "XDG_CACHE_HOME", "XDG_CONFIG_HOME", "PULSE_SERVER")
+KEPT_ENVIRONMENT: Final = (
+    "PYTHONPATH",
+    "LIVE_CACHE_DIR",
+    "LIVE_CONFIG_DIR",
+    "XDG_CACHE_HOME",
+    "XDG_CONFIG_HOME",
+    "PULSE_SERVER",
+)
 """Environment variables copied into the unit when the service is installed."""
-SCREEN: Final = ("DISPLAY", "WAYLAND_DISPLAY", "XAUTHORITY")
+SCREEN_ENVIRONMENT: Final = ("DISPLAY", "WAYLAND_DISPLAY", "XAUTHORITY")
 """Further variables copied for a show with a window."""
 OWN_JOURNAL: Final = "--journal"
 
@@ -47,7 +54,7 @@ WantedBy={wanted_by}
 
 
 @dataclass(frozen=True, slots=True)
-class Service:
+class SystemdService:
     """A show that runs as a systemd user service."""
 
     name: str
@@ -73,16 +80,18 @@ class Service:
 
     def text(self, *, version: int) -> str:
         """Return the unit's text. `version`: of systemd, because some settings need a newer one."""
-        names = PLACES if self.headless else (*PLACES, *SCREEN)
+        names = KEPT_ENVIRONMENT if self.headless else (*KEPT_ENVIRONMENT, *SCREEN_ENVIRONMENT)
         kept = [
-            f"Environment={word(f'{name}={self.environment[name]}')}\n" for name in names if name in self.environment
+            f"Environment={quote_word(f'{name}={self.environment[name]}')}\n"
+            for name in names
+            if name in self.environment
         ]
         target = "default.target" if self.headless else "graphical-session.target"
         order = "" if self.headless else f"After={target}\nPartOf={target}\n"
         return UNIT.format(
             name=_plain(self.name),
             order=order,
-            command=" ".join(word(each, command=True) for each in self.command()),
+            command=" ".join(quote_word(each, command=True) for each in self.command()),
             folder=_plain(str(self.folder)).replace("%", "%%"),
             environment="".join(kept),
             steps="RestartSteps=10\nRestartMaxDelaySec=10s\n" if version >= 254 else "",
@@ -105,7 +114,7 @@ def check_name(name: str) -> str:
     return name
 
 
-def name_for(patch: str | None) -> str:
+def default_service_name(patch: str | None) -> str:
     """Return a default service name for a patch."""
     stem = "first-show" if patch is None else Path(patch).stem
     if stem == "show" and patch is not None:
@@ -113,7 +122,7 @@ def name_for(patch: str | None) -> str:
     return re.sub(r"[^a-z0-9_-]+", "-", stem.lower()).strip("-_")[:40] or "show"
 
 
-def word(text: str, *, command: bool = False) -> str:
+def quote_word(text: str, *, command: bool = False) -> str:
     """Quote one word for systemd; `command`: for a command line, where $ is special too."""
     text = _plain(text).replace("\\", "\\\\").replace('"', '\\"').replace("%", "%%")
     if command:

@@ -6,7 +6,7 @@ from pathlib import Path
 from live.base.errors import PersonError
 
 
-def write_whole(data: bytes, to: Path, option: str) -> int:
+def write_atomically(data: bytes, to: Path, option: str) -> int:
     """Write a temporary file next to `to` and rename it; return its size in bytes. PersonError names the option."""
     unfinished = to.with_name(f".{to.name}.{os.getpid()}.tmp")
     try:

@@ -4,15 +4,15 @@ import math
 from dataclasses import replace
 
 from live.app.session import Session
-from live.base.picture_parameters import camera_of
+from live.base.picture_parameters import camera_from_row
 from live.base.stage_snapshot import Scene
 from live.control.events.events import Attract, ControlEvent, LearnMidi, Repel, WalkOn
 from live.control.keyboard import FORMATION_KEYS, KEYS, event_for_formation, event_for_key
-from live.control.pointer import TOOLS, WALKED, event_for_place, event_for_stroke
+from live.control.pointer import TOOLS, WALK_TOOL, event_for_place, event_for_stroke
 from live.render.camera import floor_point
 from live.render.outputs.projection import Projection
-from live.render.outputs.test_card import JOIN
-from live.render.uniforms import CLOSEST
+from live.render.outputs.test_card import JOIN_CARD
+from live.render.uniforms import MIN_TARGET_DISTANCE
 from live.render.window.window_input import (
     CloseRequested,
     KeyPressed,
@@ -23,11 +23,11 @@ from live.render.window.window_input import (
 )
 from live.show.patch.section_score import formation_names
 
-LONGEST_STROKE = 4096
+MAX_STROKE_POINTS = 4096
 """Maximum number of points that a stroke keeps."""
 
 
-class Operator:
+class OperatorInput:
     """Converts window input of the operator to events, or changes the window itself."""
 
     def __init__(self, session: Session, window: Projection, scene: Scene) -> None:
@@ -38,10 +38,10 @@ class Operator:
         self._tool = next(iter(TOOLS))
         self._stroke: list[tuple[float, float]] = []
         self._shift = False
-        self.leaving = False
+        self.close_requested = False
         """Whether the window is to be closed."""
 
-    def act(self, value: WindowInput, now: float) -> None:
+    def handle(self, value: WindowInput, now: float) -> None:
         """Handle one input at `now` [s of the show]."""
         match value:
             case KeyPressed():
@@ -53,9 +53,9 @@ class Operator:
                 self._point(value, now, drag=True)
             case PointerReleased():
                 self._pressed = False
-                self._let_go(now)
+                self._finish_stroke(now)
             case CloseRequested():
-                self.leaving = True
+                self.close_requested = True
             case _:
                 pass
 
@@ -64,7 +64,7 @@ class Operator:
         if name == "Escape":
             self._escape(now)
             return
-        what = KEYS[name].what if name in KEYS else ""
+        what = KEYS[name].command if name in KEYS else ""
         if what == "window/fullscreen":
             self._window.toggle_fullscreen()
         elif what == "window/overlay":
@@ -83,7 +83,7 @@ class Operator:
             show_held_now=show.desk.held,
             frozen_now=show.desk.master.frozen,
             dark_now=show.desk.master.goal < 1.0,
-            code_now=JOIN in show.desk.master.cards.values(),
+            code_now=JOIN_CARD in show.desk.master.cards.values(),
         )
         if name in FORMATION_KEYS:
             event = self._formation(FORMATION_KEYS.index(name), now)
@@ -92,10 +92,10 @@ class Operator:
 
     def _escape(self, now: float) -> None:
         """Cancel MIDI learning; else close the window, except in full screen."""
-        if self._session.midi.learning.waits_for:
+        if self._session.midi.learning.pending_control:
             self._session.inbox.put(LearnMidi(time=now, source="key", address=""))
         else:
-            self.leaving = not self._window.fullscreen
+            self.close_requested = not self._window.fullscreen
 
     def _formation(self, number: int, now: float) -> ControlEvent | None:
         formations = formation_names(self._session.show.patch.formation)
@@ -103,15 +103,15 @@ class Operator:
 
     def _point(self, value: PointerPressed | PointerMoved, now: float, *, drag: bool) -> None:
         row = self._session.engine.view.picture
-        camera = self._scene.camera if row is None else camera_of(row)  # as the picture shows it now
-        if math.dist(camera.eye, camera.target) < CLOSEST:
+        camera = self._scene.camera if row is None else camera_from_row(row)  # as the picture shows it now
+        if math.dist(camera.eye, camera.target) < MIN_TARGET_DISTANCE:
             return
         place = floor_point(camera, self._window.size, (value.x, value.y))
         if not drag:
             self._stroke, self._shift = [], value.shift
         if place is None:
             return
-        if len(self._stroke) < LONGEST_STROKE:
+        if len(self._stroke) < MAX_STROKE_POINTS:
             self._stroke.append((float(place[0]), float(place[1])))
         event = event_for_place(self._tool, place[0], place[1], value.shift, now)
         if isinstance(event, Attract | Repel):
@@ -119,10 +119,10 @@ class Operator:
         elif isinstance(event, WalkOn):
             self._session.inbox.put(replace(event, anew=event.anew and not drag))
 
-    def _let_go(self, now: float) -> None:
+    def _finish_stroke(self, now: float) -> None:
         """Finish a stroke: send its event."""
         stroke, self._stroke = self._stroke, []
-        if self._tool in (next(iter(TOOLS)), WALKED):
+        if self._tool in (next(iter(TOOLS)), WALK_TOOL):
             return  # these tools have sent events during the stroke
         event = event_for_stroke(self._tool, stroke, self._shift, now)
         if event is not None:

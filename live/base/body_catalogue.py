@@ -6,18 +6,18 @@ All bodies share one skeleton and differ in their mesh.
 from dataclasses import dataclass
 from typing import Final
 
-USUAL: Final = "dancer"
+DEFAULT_BODY: Final = "dancer"
 """The default body."""
-BODIES: Final = (USUAL, "slim", "strong", "round", "child")
+BODIES: Final = (DEFAULT_BODY, "slim", "strong", "round", "child")
 """The built-in bodies. Joints are the same in each, so feet and hands reach the same places."""
 
 
-MOST: Final = 12
+MAX_CHARACTERS: Final = 12
 """Maximum number of characters in one show."""
 
 
 @dataclass(frozen=True, slots=True)
-class Worn:
+class MaterialOverride:
     """Overrides of a character's material; None: as in its file."""
 
     colour: tuple[float, float, float] | None = None
@@ -36,5 +36,5 @@ class CharacterFile:
     """An existing .glb, .gltf or .vrm file."""
     joints: tuple[tuple[str, str], ...] = ()
     """Engine joints and the nodes of the file that they map to, where the names differ."""
-    materials: tuple[tuple[str, Worn], ...] = ()
+    materials: tuple[tuple[str, MaterialOverride], ...] = ()
     """Materials of the file by name."""

@@ -8,39 +8,39 @@ import binascii
 import zlib
 from typing import Final
 
-LONG: Final = 4096
+COMPRESS_ABOVE: Final = 4096
 """Texts with more characters are packed."""
-MOST: Final = 16_000_000
+MAX_BYTES: Final = 16_000_000
 """Maximum size of an unpacked text [bytes]."""
-MOST_VALUES: Final = 500_000
+MAX_JSON_VALUES: Final = 500_000
 """Maximum number of JSON values in an unpacked text: limits the memory that a damaged or hostile text can take."""
 _MARK: Final = "zlib:"
 
 
-def packed(text: str) -> str:
-    """Return the text, compressed if it is long; `unpacked` reverses this."""
-    if len(text) <= LONG and not text.startswith(_MARK):
+def compress_text(text: str) -> str:
+    """Return the text, compressed if it is long; `decompress_text` reverses this."""
+    if len(text) <= COMPRESS_ABOVE and not text.startswith(_MARK):
         return text
     return _MARK + base64.b64encode(zlib.compress(text.encode(), 6)).decode("ascii")
 
 
-def unpacked(text: str) -> str:
+def decompress_text(text: str) -> str:
     """Return the original of a packed text; ValueError if it is damaged or would be too long."""
     if not text.startswith(_MARK):
         return text
     worker = zlib.decompressobj()
     try:
-        found = worker.decompress(base64.b64decode(text[len(_MARK) :], validate=True), MOST)
+        found = worker.decompress(base64.b64decode(text[len(_MARK) :], validate=True), MAX_BYTES)
         if not worker.eof:
             raise ValueError("a packed text is cut off or too long")
-        if values_in(found) > MOST_VALUES:
+        if json_value_bound(found) > MAX_JSON_VALUES:
             raise ValueError("a packed text holds too much")
         return found.decode()
     except (zlib.error, binascii.Error, UnicodeDecodeError) as error:
         raise ValueError(f"a packed text is damaged: {error}") from None
 
 
-def values_in(text: str | bytes) -> int:
+def json_value_bound(text: str | bytes) -> int:
     """Return an upper bound for the number of JSON values in a text: an estimate of the memory it takes to parse it."""
     if isinstance(text, bytes):
         return 1 + sum(text.count(mark) for mark in (b",", b"[", b"{", b":"))

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final
 
-_OBEYED: Final = re.compile(
+_UNPRINTABLE: Final = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]"
 )
 """Control characters except tab and line end, bidirectional marks, and surrogates."""
@@ -17,7 +17,7 @@ _OBEYED: Final = re.compile(
 def printable(text: str) -> str:
     """Return the text with those characters escaped as in a Python string: the escape character as the four of
     `\\x1b`."""
-    return _OBEYED.sub(lambda found: ascii(found.group())[1:-1], text)
+    return _UNPRINTABLE.sub(lambda found: ascii(found.group())[1:-1], text)
 
 
 class PersonError(Exception):
@@ -28,20 +28,20 @@ class PersonError(Exception):
     `place` are the keys that lead to the value, ("segment", 3, "formation"), from which callers can find its line.
     """
 
-    def __init__(self, message: str, remedy: str | None = None, place: tuple[str | int, ...] = ()) -> None:
+    def __init__(self, message: str, remedy: str | None = None, key_path: tuple[str | int, ...] = ()) -> None:
         super().__init__(message)
         self.message = printable(message)
         self.remedy = None if remedy is None else printable(remedy)
-        self.place = place
+        self.key_path = key_path
 
     def __str__(self) -> str:
         return self.message if self.remedy is None else f"{self.message} ({self.remedy})"
 
 
 @contextmanager
-def named(where: str, place: tuple[str | int, ...] = ()) -> Iterator[None]:
+def error_context(where: str, key_path: tuple[str | int, ...] = ()) -> Iterator[None]:
     """Prefix the messages of errors raised inside with `where`; `place` are the keys that lead there."""
     try:
         yield
     except PersonError as error:
-        raise PersonError(f"{where}: {error.message}", error.remedy, (*place, *error.place)) from None
+        raise PersonError(f"{where}: {error.message}", error.remedy, (*key_path, *error.key_path)) from None

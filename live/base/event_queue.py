@@ -13,24 +13,24 @@ from heapq import heapify, heappop, heapreplace
 from itertools import count
 from typing import Final, Generic, TypeVar
 
-MOST_KEYS: Final = 4096
-FLOOD: Final = 512.0
+MAX_OPEN_KEYS: Final = 4096
+FLOOD_RATE: Final = 512.0
 """Items a second of one sender above which it floods: as many as are processed of all senders."""
 
 Item = TypeVar("Item")
 
 
-class Place(Generic[Item]):
+class QueueSlot(Generic[Item]):
     """A slot for one waiting item. The writer reads `taken` after writing, the reader sets it before reading."""
 
-    __slots__ = ("item", "key", "taken")
+    __slots__ = ("is_read", "item", "key")
 
     def __init__(self, item: Item, key: Hashable) -> None:
         self.item, self.key = item, key
-        self.taken = False
+        self.is_read = False
 
 
-class Lane(Generic[Item]):
+class PriorityQueue(Generic[Item]):
     """Bounded queue with one writer and one reader; when full, the oldest item is dropped and counted.
 
     Thread: `put` from one thread, `take` from another. Single operations of a deque are atomic in the interpreter, so
@@ -41,85 +41,85 @@ class Lane(Generic[Item]):
     def __init__(self, capacity: int = 4096, rank: int = 0) -> None:
         """`rank`: if lanes set the same thing at once, the highest rank wins (`Precedence`)."""
         self.rank = rank
-        self.turn = 0
-        """The reader's round in which it is served next; used by the reader only (`Inbox`)."""
-        self._places: deque[Place[Item]] = deque(maxlen=capacity)
-        self._open: dict[Hashable, Place[Item]] = {}  # used by the writer only
+        self.next_round = 0
+        """The reader's round in which it is served next; used by the reader only (`EventQueue`)."""
+        self._slots: deque[QueueSlot[Item]] = deque(maxlen=capacity)
+        self._open: dict[Hashable, QueueSlot[Item]] = {}  # used by the writer only
         self._appended = 0
-        self._taken = 0
-        self.floods = False
+        self._popped = 0
+        self.is_flooding = False
         """Whether more items came lately than can be processed; used by the reader only."""
-        self._judged, self._judged_at = 0, 0.0
-        self.thinned = 0
+        self._measured, self._measured_at = 0, 0.0
+        self.coalesced = 0
         """Items that the writer replaced by later ones before putting them here."""
         self.replaced = 0
         """Items that were replaced by a later one of their key."""
 
-    def put(self, item: Item, key: Hashable = None, *, after: bool = False) -> None:
+    def put(self, item: Item, key: Hashable = None, *, ordered: bool = False) -> None:
         """Append one item; never blocks, never raises. `after`: its order relative to earlier items matters."""
-        if key is None or after:
+        if key is None or ordered:
             self._open.clear()
         if key is not None:
             place = self._open.get(key)
-            if place is not None and not place.taken:
+            if place is not None and not place.is_read:
                 place.item = item
-                if not place.taken:  # the reader may have read the old item: append this one too
+                if not place.is_read:  # the reader may have read the old item: append this one too
                     self.replaced += 1
                     return
-            if len(self._open) >= MOST_KEYS:
+            if len(self._open) >= MAX_OPEN_KEYS:
                 self._open.clear()
-        fresh = Place(item, key)
+        fresh = QueueSlot(item, key)
         if key is not None:
             self._open[key] = fresh
-        self._places.append(fresh)
+        self._slots.append(fresh)
         self._appended += 1
 
     @property
-    def offers_value(self) -> bool:
+    def head_has_key(self) -> bool:
         """Whether the oldest item has a key, so that a later one may replace it while it waits."""
         try:
-            return self._places[0].key is not None
+            return self._slots[0].key is not None
         except IndexError:
             return False
 
     @property
-    def offered(self) -> int:
+    def received_count(self) -> int:
         """Number of items sent to this lane since the start."""
-        return self._appended + self.replaced + self.thinned
+        return self._appended + self.replaced + self.coalesced
 
-    def judge(self, now: float) -> None:
-        """Update `floods` from the number of items since the last call."""
+    def update_flooding(self, now: float) -> None:
+        """Update `is_flooding` from the number of items since the last call."""
         came = self._appended + self.replaced
-        self.floods = came - self._judged > FLOOD * (now - self._judged_at)
-        self._judged, self._judged_at = came, now
+        self.is_flooding = came - self._measured > FLOOD_RATE * (now - self._measured_at)
+        self._measured, self._measured_at = came, now
 
-    def take(self) -> Item | None:
+    def pop(self) -> Item | None:
         """Remove and return the oldest item; None if there is none."""
-        place = self.take_place()
+        place = self.pop_slot()
         return None if place is None else place.item
 
-    def take_place(self) -> Place[Item] | None:
+    def pop_slot(self) -> QueueSlot[Item] | None:
         """Remove and return the oldest item with its key; None if there is none."""
         try:
-            place = self._places.popleft()
+            place = self._slots.popleft()
         except IndexError:
             return None
-        place.taken = True
-        self._taken += 1
+        place.is_read = True
+        self._popped += 1
         return place
 
     def __len__(self) -> int:
-        return len(self._places)
+        return len(self._slots)
 
     @property
     def dropped(self) -> int:
         """Number of items dropped unread since the start."""
-        return max(0, self._appended - self._taken - len(self._places))
+        return max(0, self._appended - self._popped - len(self._slots))
 
 
-HELD: Final = 0.3
+PRECEDENCE_HOLD: Final = 0.3
 """Seconds for which a value blocks lower ranks: longer than the pauses of a hand on a fader."""
-MOST: Final = 4096
+MAX_PRECEDENCE_KEYS: Final = 4096
 
 
 class Precedence:
@@ -130,24 +130,24 @@ class Precedence:
         self.outranked = 0
         """Number of rejected values."""
 
-    def admits(self, key: Hashable, rank: int, now: float) -> bool:
+    def accepts(self, key: Hashable, rank: int, now: float) -> bool:
         """Whether a value of `rank` for `key` is accepted at `now` [s]; if so, it blocks lower ranks from now on."""
         rank_before, at = self._set.get(key, (rank, now))
-        if rank < rank_before and now - at < HELD:
+        if rank < rank_before and now - at < PRECEDENCE_HOLD:
             self.outranked += 1
             return False
-        if key not in self._set and len(self._set) >= MOST:
+        if key not in self._set and len(self._set) >= MAX_PRECEDENCE_KEYS:
             self._set.clear()
         self._set[key] = (rank, now)
         return True
 
 
-JUDGE_EVERY: Final = 0.25
+FLOOD_WINDOW: Final = 0.25
 """Seconds over which floods are measured."""
-WEIGHT: Final = 8
+FLOOD_WEIGHT: Final = 8
 
 
-class Inbox(Generic[Item]):
+class EventQueue(Generic[Item]):
     """Bounded queue with many writers and one reader; when full, the oldest item is dropped and counted.
 
     Items put here are drained before the items in lanes.
@@ -161,18 +161,18 @@ class Inbox(Generic[Item]):
         self._put = count(1)
         self._put_total = 0
         self._drained = 0
-        self._lanes: list[Lane[Item]] = []
+        self._queues: list[PriorityQueue[Item]] = []
         self._round = 0
-        self._judged_at = 0.0
+        self._measured_at = 0.0
         self._precedence = Precedence()
 
-    def lane(self, capacity: int = 4096, rank: int = 0) -> Lane[Item]:
+    def add_queue(self, capacity: int = 4096, rank: int = 0) -> PriorityQueue[Item]:
         """Add a lane for one sender that might send very much, so that other senders are still served.
 
         `rank`: if several lanes set the same thing at the same time, the highest rank wins.
         """
-        self._lanes.append(Lane(capacity, rank))
-        return self._lanes[-1]
+        self._queues.append(PriorityQueue(capacity, rank))
+        return self._queues[-1]
 
     def put(self, item: Item) -> None:
         """Append one item; never blocks, never raises."""
@@ -195,11 +195,11 @@ class Inbox(Generic[Item]):
             except IndexError:  # another thread emptied the deque
                 break
         self._drained += len(taken)
-        if self._lanes:
-            self._drain_lanes(taken, limit, now, values)
+        if self._queues:
+            self._drain_queues(taken, limit, now, values)
         return taken
 
-    def _drain_lanes(
+    def _drain_queues(
         self, taken: list[tuple[Hashable, Item]], limit: int | None, now: float, values: int | None
     ) -> None:
         """Add items from the lanes, one of each in turn (start-time fair queuing).
@@ -208,41 +208,43 @@ class Inbox(Generic[Item]):
         less
         often.
         """
-        if now - self._judged_at >= JUDGE_EVERY:
-            self._judged_at = now
-            for lane in self._lanes:
-                lane.judge(now)
-        waiting = [(max(lane.turn, self._round - 1), at, lane) for at, lane in enumerate(self._lanes) if len(lane)]
+        if now - self._measured_at >= FLOOD_WINDOW:
+            self._measured_at = now
+            for lane in self._queues:
+                lane.update_flooding(now)
+        waiting = [
+            (max(lane.next_round, self._round - 1), at, lane) for at, lane in enumerate(self._queues) if len(lane)
+        ]
         heapify(waiting)
         while waiting and (limit is None or len(taken) < limit):
             turn, at, lane = waiting[0]
-            if values is not None and lane.offers_value:
+            if values is not None and lane.head_has_key:
                 if values <= 0:  # it waits, and so do the items put after it
                     heappop(waiting)
                     continue
                 values -= 1
-            place = lane.take_place()
+            place = lane.pop_slot()
             if place is None:
                 heappop(waiting)
                 continue
-            self._round, lane.turn = max(turn, self._round), turn + (WEIGHT if lane.floods else 1)
-            heapreplace(waiting, (lane.turn, at, lane))
-            if place.key is None or self._precedence.admits(place.key, lane.rank, now):
+            self._round, lane.next_round = max(turn, self._round), turn + (FLOOD_WEIGHT if lane.is_flooding else 1)
+            heapreplace(waiting, (lane.next_round, at, lane))
+            if place.key is None or self._precedence.accepts(place.key, lane.rank, now):
                 taken.append((place.key, place.item))
 
     def __len__(self) -> int:
-        return len(self._items) + sum(map(len, self._lanes))
+        return len(self._items) + sum(map(len, self._queues))
 
     @property
-    def offered(self) -> int:
+    def received_count(self) -> int:
         """Number of items sent to lanes since the start."""
-        return sum(lane.offered for lane in self._lanes)
+        return sum(lane.received_count for lane in self._queues)
 
     @property
     def dropped(self) -> int:
         """Number of items dropped unread since the start."""
         own = max(0, self._put_total - self._drained - len(self._items))
-        return own + sum(lane.dropped for lane in self._lanes)
+        return own + sum(lane.dropped for lane in self._queues)
 
     @property
     def outranked(self) -> int:

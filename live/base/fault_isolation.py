@@ -17,20 +17,20 @@ FIRST_PAUSE: Final = 0.05
 """First pause before work is restarted [s]."""
 LONGEST_PAUSE: Final = 1.0
 """Longest pause [s]; each pause is twice the last one."""
-IN_A_ROW: Final = 3
+FAILURES_BEFORE_SKIP: Final = 3
 """Number of consecutive failures after which a callback is skipped."""
-FIRST_REST: Final = 64
+FIRST_SKIP: Final = 64
 """Calls that are skipped at first: a second of frames."""
-LONGEST_REST: Final = 4096
+LONGEST_SKIP: Final = 4096
 """Maximum of calls skipped, a minute of frames; each time twice the last number."""
-KEPT: Final = 32
+MAX_PARTS: Final = 32
 """Maximum number of parts that are counted by name."""
 
 _CAMEL: Final = re.compile(r"(?<=[a-z])(?=[A-Z])")
 Result = TypeVar("Result")
 
 
-class PartFaults:
+class FaultLog:
     """Failures in this process. Thread: any; two failures at the same moment may be counted as one."""
 
     def __init__(self) -> None:
@@ -38,37 +38,39 @@ class PartFaults:
         """Failures by part."""
         self.last: dict[str, str] = {}
         """The last failure of each part, in words."""
-        self.resting: dict[str, str] = {}
+        self.skipped: dict[str, str] = {}
         """Parts that are skipped now, and why."""
-        self._news = ""
+        self._last_notice = ""
         self.traces: deque[BaseException] = deque(maxlen=4)
         """The last exceptions, for debugging."""
 
-    def note(self, part: str, error: BaseException) -> None:
+    def record(self, part: str, error: BaseException) -> None:
         """Record a failure of a part."""
-        if part not in self.counts and len(self.counts) >= KEPT:
+        if part not in self.counts and len(self.counts) >= MAX_PARTS:
             part = "other parts"
         count = self.counts[part] = self.counts.get(part, 0) + 1
         self.last[part] = words = f"{type(error).__name__}: {' '.join(str(error).split())}"[:200]
         self.traces.append(error)
         if count & (count - 1) == 0:  # at powers of two, so that a failure in each frame does not fill the terminal
             often = "" if count == 1 else f" ({count} times by now)"
-            self._news = f"{part} failed and continues{often}: {words}"
+            self._last_notice = f"{part} failed and continues{often}: {words}"
 
-    def rest(self, part: str) -> None:
+    def record_skip(self, part: str) -> None:
         """Record that a part is skipped for a while."""
-        self.resting[part] = self._news = f"{part} fails repeatedly and is skipped for a while: {self.last[part]}"
+        self.skipped[part] = self._last_notice = (
+            f"{part} fails repeatedly and is skipped for a while: {self.last[part]}"
+        )
 
-    def wait(self, part: str) -> None:
+    def record_retry(self, part: str) -> None:
         """Record that a part is not available yet and is retried."""
-        self.resting[part] = self._news = f"{part} is retried until it works: {self.last[part]}"
+        self.skipped[part] = self._last_notice = f"{part} is retried until it works: {self.last[part]}"
 
-    def works(self, part: str) -> None:
+    def record_recovery(self, part: str) -> None:
         """Record that a part works again."""
-        if self.resting.pop(part, None) is not None:
-            self._news = f"{part} works again"
+        if self.skipped.pop(part, None) is not None:
+            self._last_notice = f"{part} works again"
 
-    def since(self, counts: dict[str, int]) -> list[str]:
+    def failures_since(self, counts: dict[str, int]) -> list[str]:
         """Return the failures since `counts` was copied, in words."""
         return [
             f"{part} failed {count - counts.get(part, 0)} times: {self.last[part]}"
@@ -83,23 +85,23 @@ class PartFaults:
 
     def facts(self) -> dict[str, Any]:
         """Return the fields for the status message."""
-        return {"failed": dict(self.counts), "left_out": list(self.resting), "last": dict(self.last)}
+        return {"failed": dict(self.counts), "left_out": list(self.skipped), "last": dict(self.last)}
 
-    def news(self) -> str:
+    def last_notice(self) -> str:
         """Return the last notice; empty before the first."""
-        return self._news
+        return self._last_notice
 
     def problem(self) -> str:
         """Return the parts that are skipped now, for the overlay; empty: none."""
-        return "; ".join(list(self.resting.values())[:3])
+        return "; ".join(list(self.skipped.values())[:3])
 
 
-FAULTS: Final = PartFaults()
+FAULTS: Final = FaultLog()
 """The failures of this process, shared by all threads."""
 
 
 def keep_running(
-    part: str, work: Callable[[], None], wait: Callable[[float], bool], *, faults: PartFaults = FAULTS
+    part: str, work: Callable[[], None], wait: Callable[[float], bool], *, faults: FaultLog = FAULTS
 ) -> None:
     """Run `work` until it returns; after an exception, restart it after a pause.
 
@@ -111,7 +113,7 @@ def keep_running(
         try:
             work()
         except Exception as error:
-            faults.note(part, error)
+            faults.record(part, error)
         else:
             return
         if wait(pause):
@@ -119,12 +121,12 @@ def keep_running(
         pause = min(2.0 * pause, LONGEST_PAUSE)
 
 
-def run_once(part: str, work: Callable[[], None], *, faults: PartFaults = FAULTS) -> bool:
+def run_once(part: str, work: Callable[[], None], *, faults: FaultLog = FAULTS) -> bool:
     """Run `work` and return whether it succeeded. An exception is recorded."""
     try:
         work()
     except Exception as error:
-        faults.note(part, error)
+        faults.record(part, error)
         return False
     return True
 
@@ -132,7 +134,7 @@ def run_once(part: str, work: Callable[[], None], *, faults: PartFaults = FAULTS
 class Bulkhead:
     """Calls callbacks, with the failures of each kept apart. Thread: one."""
 
-    def __init__(self, faults: PartFaults = FAULTS) -> None:
+    def __init__(self, faults: FaultLog = FAULTS) -> None:
         self._faults = faults
         self._failed: dict[str, list[int]] = {}  # consecutive failures, calls still to skip, length of the next skip
 
@@ -145,23 +147,23 @@ class Bulkhead:
         try:
             result = act(*arguments)
         except Exception as error:
-            self._fail(part, error)
+            self._record_failure(part, error)
             return None
         if failed is not None:
             del self._failed[part]
-            self._faults.works(part)
+            self._faults.record_recovery(part)
         return result
 
-    def _fail(self, part: str, error: Exception) -> None:
-        failed = self._failed.setdefault(part, [0, 0, FIRST_REST])
+    def _record_failure(self, part: str, error: Exception) -> None:
+        failed = self._failed.setdefault(part, [0, 0, FIRST_SKIP])
         failed[0] += 1
-        self._faults.note(part, error)
-        if failed[0] >= IN_A_ROW:
-            failed[1], failed[2] = failed[2], min(2 * failed[2], LONGEST_REST)
-            self._faults.rest(part)
+        self._faults.record(part, error)
+        if failed[0] >= FAILURES_BEFORE_SKIP:
+            failed[1], failed[2] = failed[2], min(2 * failed[2], LONGEST_SKIP)
+            self._faults.record_skip(part)
 
 
-def name_of(act: Callable[..., Any]) -> str:
+def callback_name(act: Callable[..., Any]) -> str:
     """Return a readable name of a callback: its class, or its own name."""
     owner = getattr(act, "__self__", None)
     if owner is None:

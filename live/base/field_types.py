@@ -11,7 +11,7 @@ from typing import Any, Final, Literal, TypeVar, Union, get_args, get_origin, ge
 Kind = TypeVar("Kind")
 
 
-def made_of(cls: type[Kind], values: dict[str, Any]) -> Kind:
+def build_dataclass(cls: type[Kind], values: dict[str, Any]) -> Kind:
     """Return the dataclass `cls` with these fields; ValueError names a field that is unknown, missing or of a wrong
     type.
 
@@ -21,7 +21,7 @@ def made_of(cls: type[Kind], values: dict[str, Any]) -> Kind:
     unknown = sorted(map(str, set(values) - set(hints)))
     if unknown:
         raise ValueError(f"{cls.__name__}: there is no field {unknown[0]:.80}")
-    found = {name: field_value(hints[name], value, f"{cls.__name__}.{name}") for name, value in values.items()}
+    found = {name: convert_value(hints[name], value, f"{cls.__name__}.{name}") for name, value in values.items()}
     try:
         return cls(**found)
     except TypeError as error:
@@ -34,13 +34,13 @@ def _hints(cls: type) -> dict[str, Any]:
     return {each.name: hints[each.name] for each in fields(cls)}
 
 
-def field_value(hint: Any, value: Any, where: str) -> Any:
+def convert_value(hint: Any, value: Any, where: str) -> Any:
     """Return the value converted to the annotation `hint`; ValueError otherwise."""
     origin = get_origin(hint)
     if origin in (Union, types.UnionType):
         for each in get_args(hint):
             with contextlib.suppress(ValueError):
-                return field_value(each, value, where)
+                return convert_value(each, value, where)
     elif origin is Literal:
         if any(type(value) is type(each) and value == each for each in get_args(hint)):
             return value
@@ -49,7 +49,7 @@ def field_value(hint: Any, value: Any, where: str) -> Any:
             return _tuple(get_args(hint), value, where)
     elif isinstance(hint, type) and is_dataclass(hint):
         if isinstance(value, dict):
-            return made_of(hint, value)
+            return build_dataclass(hint, value)
     elif hint in _PLAIN and type(value) in _PLAIN[hint]:
         return hint(value) if hint in (float, Path) else value
     raise ValueError(f"{where} cannot be {value!r:.80}")
@@ -64,7 +64,7 @@ _PLAIN: Final = {
 
 def _tuple(inside: tuple[Any, ...], value: Sequence[Any], where: str) -> tuple[Any, ...]:
     if len(inside) == 2 and inside[1] is Ellipsis:
-        return tuple([field_value(inside[0], each, where) for each in value])
+        return tuple([convert_value(inside[0], each, where) for each in value])
     if len(value) != len(inside):
         raise ValueError(f"{where} cannot be {value!r:.80}: {len(inside)} values expected")
-    return tuple([field_value(each, part, where) for each, part in zip(inside, value, strict=True)])
+    return tuple([convert_value(each, part, where) for each, part in zip(inside, value, strict=True)])

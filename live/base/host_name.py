@@ -2,5 +2,5 @@
 
 from typing import Final
 
-HOST_NAME: Final = r"^[A-Za-z0-9]([A-Za-z0-9.-]{0,190}[A-Za-z0-9])?(:[0-9]{1,5})?$"
+HOST_NAME_PATTERN: Final = r"^[A-Za-z0-9]([A-Za-z0-9.-]{0,190}[A-Za-z0-9])?(:[0-9]{1,5})?$"
 """Regular expression for NAME or NAME:PORT, as in `show.example` or `show.example:443`."""

@@ -21,7 +21,7 @@ import platformdirs
 _PACKAGE = Path(__file__).resolve().parent.parent
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-kernel_compiled: list[Callable[[str], None]] = []
+compile_listeners: list[Callable[[str], None]] = []
 """Callbacks that receive each kernel's name once it is compiled (for progress bars)."""
 
 
@@ -86,10 +86,10 @@ def _writable_root() -> Path:
     return root
 
 
-KERNELS = _writable_root()
+KERNEL_CACHE_DIR = _writable_root()
 """The folder of this process's compiled kernels."""
 
-os.environ["NUMBA_CACHE_DIR"] = str(KERNELS)
+os.environ["NUMBA_CACHE_DIR"] = str(KERNEL_CACHE_DIR)
 import numba  # noqa: E402 - its cache directory has to be set first
 
 JIT_DISABLED = bool(numba.config.DISABLE_JIT)
@@ -106,16 +106,16 @@ def kernel(signature: str, **options: Any) -> Callable[[Function], Function]:
     """
 
     def compile_(function: Function) -> Function:
-        numba.config.CACHE_DIR = str(KERNELS / cache_name(Path(function.__code__.co_filename).resolve()))
+        numba.config.CACHE_DIR = str(KERNEL_CACHE_DIR / cache_name(Path(function.__code__.co_filename).resolve()))
         compiled: Function = numba.njit(signature, cache=True, nogil=True, error_model="numpy", **options)(function)
-        for listener in kernel_compiled:
+        for listener in compile_listeners:
             listener(function.__name__)
         return compiled
 
     return compile_
 
 
-def part(function: Function) -> Function:
+def inline_kernel(function: Function) -> Function:
     """Mark a function that is inlined into each kernel that calls it; only kernels may call it.
 
     It has no compiled form, so it needs no signature. Inlining also keeps the known lengths of arrays that a kernel

@@ -11,7 +11,7 @@ from typing import BinaryIO, cast
 
 
 @contextlib.contextmanager
-def quiet_stderr() -> Iterator[None]:
+def suppress_native_stderr() -> Iterator[None]:
     """Redirect file descriptor 2 to the null device; for short calls on the main thread (it affects the whole
     process)."""
     sys.stderr.flush()
@@ -26,7 +26,7 @@ def quiet_stderr() -> Iterator[None]:
         os.close(nowhere)
 
 
-class Forgiving(io.TextIOWrapper):
+class FaultTolerantStream(io.TextIOWrapper):
     """A stream that ignores write errors: after its terminal has closed, output is lost."""
 
     def write(self, text: str, /) -> int:
@@ -41,13 +41,13 @@ class Forgiving(io.TextIOWrapper):
             super().flush()
 
 
-def outlive_terminals() -> None:
+def survive_terminal_close() -> None:
     """Let this process run on after its terminal is closed, as a show without a supervisor does."""
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         with contextlib.suppress(OSError, ValueError, AttributeError):
             raw = io.FileIO(stream.fileno(), "w", closefd=False)
-            text = Forgiving(
+            text = FaultTolerantStream(
                 cast(BinaryIO, raw), encoding=stream.encoding, errors="backslashreplace", write_through=True
             )
             setattr(sys, name, text)

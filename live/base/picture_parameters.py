@@ -11,7 +11,7 @@ from typing import Final, Literal
 import numpy as np
 import numpy.typing as npt
 
-from live.base.custom_pass import MOST_PASSES, NUMBERS, own_numbers
+from live.base.custom_pass import MAX_PASSES, NUMBERS_PER_PASS, custom_pass_numbers
 from live.base.stage_snapshot import SPOT_CAPACITY, Camera, Look, Scene
 
 Kind = Literal["number", "colour", "place"]
@@ -48,9 +48,9 @@ CAMERA_LINES: Final[tuple[tuple[str, Kind, float, float, tuple[float, ...], str,
 """Camera: address, kind, minimum, maximum, start, unit, description."""
 
 
-AMOUNTS: Final = ("solid", "silhouette", "ink", "particles", "ribbons", "trails", "xray")
+STYLE_NAMES: Final = ("solid", "silhouette", "ink", "particles", "ribbons", "trails", "xray")
 """The styles; each group's amount of a style is at `/dance/draw/NAME`."""
-MOST_GHOSTS: Final = 8
+MAX_GHOSTS: Final = 8
 LONGEST_RIBBON: Final = 8.0
 """[beats]"""
 
@@ -67,7 +67,7 @@ STYLE_LINES: Final[tuple[tuple[str, Kind, float, float, tuple[float, ...], str, 
     ("ribbons", "number", 0, 1, (0.0,), "", "Amount of ribbons behind hands and feet."),
     ("ribbons/beats", "number", 0.25, LONGEST_RIBBON, (2.0,), "beats", "How long the ribbons stay."),
     ("trails", "number", 0, 1, (0.0,), "", "Amount of ghosts that dancers leave behind on the beat."),
-    ("trails/ghosts", "number", 1, MOST_GHOSTS, (4.0,), "", "How many ghosts each dancer leaves."),
+    ("trails/ghosts", "number", 1, MAX_GHOSTS, (4.0,), "", "How many ghosts each dancer leaves."),
     ("trails/spacing", "number", 0.25, 16, (1.0,), "beats", "How many beats lie between two ghosts."),
     ("xray", "number", 0, 1, (0.0,), "", "Amount of a glowing skeleton in a body of glass."),
     ("variety", "number", 0, 1, (0.2,), "", "How much the colours of a group's dancers differ."),
@@ -80,11 +80,11 @@ STYLE_LINES: Final[tuple[tuple[str, Kind, float, float, tuple[float, ...], str, 
 
 _Line = tuple[str, Kind, float, float, tuple[float, ...], str, str]
 
-SPOTS: Final = SPOT_CAPACITY
+SPOT_COUNT: Final = SPOT_CAPACITY
 """Number of follow spots."""
 
 
-BACKGROUNDS: Final = 8
+MAX_BACKGROUNDS: Final = 8
 """Maximum number of background images and videos of a patch."""
 
 
@@ -138,9 +138,9 @@ LIGHT_LINES: Final[tuple[_Line, ...]] = (
     ("/dance/background/bottom", "colour", 0, 1, (0.30, 0.07, 0.05), "", "Colour of that gradient below."),
     *(
         (f"/dance/background/{number}", "number", 0, 1, (0.0,), "", f"How much of [[background]] {number} is seen.")
-        for number in range(1, BACKGROUNDS + 1)
+        for number in range(1, MAX_BACKGROUNDS + 1)
     ),
-    *(line for number in range(1, SPOTS + 1) for line in _spot(number)),
+    *(line for number in range(1, SPOT_COUNT + 1) for line in _spot(number)),
 )  # fmt: skip
 """Light and backgrounds: address, kind, minimum, maximum, start, unit, description."""
 BACKDROP_PARAMETERS: Final = ("/dance/background/gradient", "/dance/background/top", "/dance/background/bottom")
@@ -149,9 +149,9 @@ BACKDROP_PARAMETERS: Final = ("/dance/background/gradient", "/dance/background/t
 
 Float64 = npt.NDArray[np.float64]
 
-GROUPS: Final = 16
+GROUP_COUNT: Final = 16
 """Number of groups with their own colour."""
-COLOUR_OF_GROUP: Final = "/dance/group/colour"
+GROUP_COLOUR_ADDRESS: Final = "/dance/group/colour"
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +165,7 @@ class PictureParameter:
     start: tuple[float, ...]
     """Value if neither patch nor scene sets it."""
     unit: str
-    words: str
+    description: str
     first: int
     """Index of its first number in the row."""
 
@@ -175,7 +175,7 @@ class PictureParameter:
         return 1 if self.kind == "number" else 3
 
     @property
-    def where(self) -> slice:
+    def row_slice(self) -> slice:
         """Slice of its numbers in the row."""
         return slice(self.first, self.first + self.size)
 
@@ -234,7 +234,7 @@ _LINES: Final[tuple[_Line, ...]] = (
 )  # fmt: skip
 
 
-def _laid_out() -> tuple[PictureParameter, ...]:
+def _build_parameters() -> tuple[PictureParameter, ...]:
     first, table = 0, []
     for address, kind, low, high, start, unit, words in _LINES:
         table.append(PictureParameter(address, kind, low, high, start, unit, words, first))
@@ -242,56 +242,57 @@ def _laid_out() -> tuple[PictureParameter, ...]:
     return tuple(table)
 
 
-PARAMETERS: Final = _laid_out()
+PARAMETERS: Final = _build_parameters()
 """All parameters except those of groups, in the order of the row."""
 BY_ADDRESS: Final = {parameter.address: parameter for parameter in PARAMETERS}
-OWN: Final = slice(
-    PARAMETERS[-1].first + PARAMETERS[-1].size, PARAMETERS[-1].first + PARAMETERS[-1].size + MOST_PASSES * NUMBERS
+CUSTOM_PASS_SLICE: Final = slice(
+    PARAMETERS[-1].first + PARAMETERS[-1].size,
+    PARAMETERS[-1].first + PARAMETERS[-1].size + MAX_PASSES * NUMBERS_PER_PASS,
 )
-"""The numbers of a patch's custom passes (`custom_pass.own_numbers`)."""
-COLOURS: Final = OWN.stop
+"""The numbers of a patch's custom passes (`custom_pass.custom_pass_numbers`)."""
+COLOURS_START: Final = CUSTOM_PASS_SLICE.stop
 """Index of the groups' colours, three numbers for each."""
-STYLES: Final = COLOURS + 3 * GROUPS
+STYLES_START: Final = COLOURS_START + 3 * GROUP_COUNT
 """Index of the groups' styles, `STYLE_SIZE` numbers for each."""
-STYLE_OF_GROUP: Final = "/dance/draw/"
+STYLE_ADDRESS_PREFIX: Final = "/dance/draw/"
 """Prefix of the addresses of all styles."""
 
 
-def colour_of_group(group: int) -> PictureParameter:
+def group_colour(group: int) -> PictureParameter:
     """Return the colour parameter of a group, by its index below `GROUPS`."""
     words = "Colour of the clothes of a group."
-    return PictureParameter(COLOUR_OF_GROUP, "colour", 0, 1, (0.8, 0.8, 0.8), "", words, COLOURS + 3 * group)
+    return PictureParameter(GROUP_COLOUR_ADDRESS, "colour", 0, 1, (0.8, 0.8, 0.8), "", words, COLOURS_START + 3 * group)
 
 
-def _styles() -> dict[str, PictureParameter]:
-    first, table = STYLES, {}
+def _build_styles() -> dict[str, PictureParameter]:
+    first, table = STYLES_START, {}
     for name, kind, low, high, start, unit, words in STYLE_LINES:
-        address = STYLE_OF_GROUP + name
+        address = STYLE_ADDRESS_PREFIX + name
         table[address] = PictureParameter(address, kind, low, high, start, unit, words, first)
         first += table[address].size
     return table
 
 
-OF_GROUPS: Final = {COLOUR_OF_GROUP: colour_of_group(0)} | _styles()
+GROUP_PARAMETERS: Final = {GROUP_COLOUR_ADDRESS: group_colour(0)} | _build_styles()
 """The parameters that every group has, by address, with the positions of the first group."""
-STYLE_SIZE: Final = sum(known.size for known in OF_GROUPS.values()) - 3
-SIZE: Final = STYLES + STYLE_SIZE * GROUPS
+STYLE_SIZE: Final = sum(known.size for known in GROUP_PARAMETERS.values()) - 3
+ROW_SIZE: Final = STYLES_START + STYLE_SIZE * GROUP_COUNT
 """Length of the row."""
 
 
-def of_group(address: str, group: int) -> PictureParameter:
-    """Return the parameter of `OF_GROUPS` at an address, for a group by its index below `GROUPS`."""
-    known = OF_GROUPS[address]
-    stride = 3 if address == COLOUR_OF_GROUP else STYLE_SIZE
+def group_parameter(address: str, group: int) -> PictureParameter:
+    """Return the parameter of `GROUP_PARAMETERS` at an address, for a group by its index below `GROUPS`."""
+    known = GROUP_PARAMETERS[address]
+    stride = 3 if address == GROUP_COLOUR_ADDRESS else STYLE_SIZE
     return replace(known, first=known.first + stride * group)
 
 
-def _where(*addresses: str) -> npt.NDArray[np.intp]:
-    return np.concatenate([np.arange(SIZE)[BY_ADDRESS[address].where] for address in addresses])
+def _row_indices(*addresses: str) -> npt.NDArray[np.intp]:
+    return np.concatenate([np.arange(ROW_SIZE)[BY_ADDRESS[address].row_slice] for address in addresses])
 
 
-EYE: Final = BY_ADDRESS["/dance/camera/eye"].where
-TARGET: Final = BY_ADDRESS["/dance/camera/target"].where
+EYE: Final = BY_ADDRESS["/dance/camera/eye"].row_slice
+TARGET: Final = BY_ADDRESS["/dance/camera/target"].row_slice
 FIELD_OF_VIEW: Final = BY_ADDRESS["/dance/camera/field_of_view"].first
 ROLL: Final = BY_ADDRESS["/dance/camera/roll"].first
 """Index of roll; lens shift to the right and upwards, stretch and skew follow."""
@@ -307,7 +308,7 @@ CAMERA: Final = slice(EYE.start, PLAN + 1)
 """The camera's numbers, which are contiguous."""
 LENS: Final = slice(EYE.start, ORBIT)
 """The camera's numbers that define the projection: position, direction and lens."""
-STANDING: Final = _where(
+BACKDROP_INDICES: Final = _row_indices(
     "/dance/light/key", "/dance/light/key/colour", "/dance/light/rim", "/dance/light/rim/colour",
     "/dance/light/haze", "/dance/light/background", "/dance/light/floor",
     *BACKDROP_PARAMETERS,
@@ -330,9 +331,9 @@ def camera_values(camera: Camera) -> dict[str, float | tuple[float, float, float
     }
 
 
-def picture_of(scene: Scene) -> Float64:
+def picture_row(scene: Scene) -> Float64:
     """Return the row of a scene's camera and look, shape (SIZE,): float64, so that the scene's values are exact."""
-    row = np.zeros(SIZE)
+    row = np.zeros(ROW_SIZE)
     look, camera = scene.look, scene.camera
     said: dict[str, float | tuple[float, ...]] = {
         "/dance/light/level": look.level,
@@ -350,29 +351,31 @@ def picture_of(scene: Scene) -> Float64:
         **camera_values(camera),
     }
     for parameter in PARAMETERS:
-        row[parameter.where] = said.get(parameter.address, parameter.start)
-    own = own_numbers(scene.own)
+        row[parameter.row_slice] = said.get(parameter.address, parameter.start)
+    own = custom_pass_numbers(scene.custom_passes)
     for number in own.values():
-        row[OWN.start + number.place] = number.start
-    for address, numbers in scene.start:
+        row[CUSTOM_PASS_SLICE.start + number.index] = number.start
+    for address, numbers in scene.start_values:
         if address in own:
-            row[OWN.start + own[address].place] = numbers[0]
+            row[CUSTOM_PASS_SLICE.start + own[address].index] = numbers[0]
         else:
-            row[BY_ADDRESS[address].where] = numbers
+            row[BY_ADDRESS[address].row_slice] = numbers
     colours = look.group_colours or ((0.8, 0.8, 0.8),)
-    row[COLOURS:STYLES] = [value for group in range(GROUPS) for value in colours[group % len(colours)]]
-    row[STYLES:] = [value for group in range(GROUPS) for value in _drawn(look, group)]
+    row[COLOURS_START:STYLES_START] = [value for group in range(GROUP_COUNT) for value in colours[group % len(colours)]]
+    row[STYLES_START:] = [value for group in range(GROUP_COUNT) for value in _style_values(look, group)]
     return row
 
 
-def _drawn(look: Look, group: int) -> Float64:
+def _style_values(look: Look, group: int) -> Float64:
     """Return the numbers of a group's styles, shape (STYLE_SIZE,): the table's start values, overridden by the look."""
     said = dict(look.group_styles[group]) if group < len(look.group_styles) else {}
-    numbers = [said.get(address, known.start) for address, known in OF_GROUPS.items() if address != COLOUR_OF_GROUP]
+    numbers = [
+        said.get(address, known.start) for address, known in GROUP_PARAMETERS.items() if address != GROUP_COLOUR_ADDRESS
+    ]
     return np.concatenate([np.atleast_1d(np.asarray(value, np.float64)) for value in numbers])
 
 
-def camera_of(row: Float64) -> Camera:
+def camera_from_row(row: Float64) -> Camera:
     """Return the camera of a row."""
     eye, target = row[EYE].tolist(), row[TARGET].tolist()
     roll, right, up, stretch, skew = row[ROLL : ROLL + 5].tolist()

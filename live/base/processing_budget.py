@@ -11,13 +11,13 @@ PER_SECOND: Final = 512.0
 """Values per second in the long run; after a pause `BURST` values at once."""
 FLOODED_PER_SECOND: Final = 128.0
 """Values per second during a flood ..."""
-FLOOD: Final = 4000.0
+FLOOD_RATE: Final = 4000.0
 """... which is more than this many values offered per second."""
-ROUND: Final = 0.25
+FLOOD_WINDOW: Final = 0.25
 """Seconds over which the offered values are counted."""
 
 
-class Allowance:
+class ProcessingBudget:
     """The limit of one consumer. Thread: one."""
 
     def __init__(self) -> None:
@@ -25,13 +25,13 @@ class Allowance:
         self._filled_at = self._counted_at = 0.0
         self._counted = 0
 
-    def left(self, now: float, offered: int) -> int:
+    def remaining(self, now: float, received_count: int) -> int:
         """Return how many values may be processed at `now` [s]; `offered`: values received since the start, processed
         or not."""
-        if now - self._counted_at >= ROUND:
-            flooded = offered - self._counted > FLOOD * (now - self._counted_at)
+        if now - self._counted_at >= FLOOD_WINDOW:
+            flooded = received_count - self._counted > FLOOD_RATE * (now - self._counted_at)
             self._rate = FLOODED_PER_SECOND if flooded else PER_SECOND
-            self._counted, self._counted_at = offered, now
+            self._counted, self._counted_at = received_count, now
         self._left = min(self._left + max(now - self._filled_at, 0.0) * self._rate, BURST)
         self._filled_at = now
         return int(self._left)

@@ -20,9 +20,9 @@ Float64 = npt.NDArray[np.float64]
 
 CORNERS: Final = ("back left", "back right", "front right", "front left")
 """The order of a stage's corners, as the audience sees them."""
-LEAST: Final = 1e-4
+MIN_CORNER_AREA: Final = 1e-4
 """Corners that span less than this share of the picture are degenerate."""
-ANGLES: Final = (5.0, 120.0)
+FIELD_OF_VIEW_RANGE: Final = (5.0, 120.0)
 """Vertical angles of view that a camera can have [degrees]."""
 
 
@@ -51,7 +51,7 @@ def check_corners(corners: Sequence[Sequence[float]]) -> None:
     order = ", ".join(CORNERS)
     if (turns > 0.0).any() and (turns < 0.0).any():
         raise PersonError("the corners' lines cross, or one corner lies within the others", f"in this order: {order}")
-    if np.abs(turns).min() < LEAST:
+    if np.abs(turns).min() < MIN_CORNER_AREA:
         raise PersonError("three of the corners lie on a line: they span no floor", f"in this order: {order}")
     if (turns < 0.0).all():
         raise PersonError(
@@ -59,7 +59,7 @@ def check_corners(corners: Sequence[Sequence[float]]) -> None:
         )
 
 
-def matched(
+def camera_from_corners(
     at: Sequence[float], corners: Sequence[Sequence[float]], stage: tuple[float, float], aspect: float
 ) -> Camera:
     """Return the camera at `at` (x, y, z) [m] whose picture has the floor's corners at `corners`.
@@ -76,10 +76,10 @@ def matched(
     device = np.asarray(corners, np.float64) * (2.0, -2.0) + (-1.0, 1.0)
     plane = np.array([[1.0, 0.0, -eye[0]], [0.0, 0.0, -eye[1]], [0.0, 1.0, -eye[2]]])
     whole = homography(floor, device) @ np.linalg.inv(plane)
-    return _apart(whole, eye, floor, aspect)
+    return _decompose(whole, eye, floor, aspect)
 
 
-def _apart(whole: Float64, eye: Float64, floor: Float64, aspect: float) -> Camera:
+def _decompose(whole: Float64, eye: Float64, floor: Float64, aspect: float) -> Camera:
     """Split a projection without its position, (3, 3), into a camera's numbers."""
     ways = np.stack([floor[:, 0] - eye[0], np.full(4, -eye[1]), floor[:, 1] - eye[2]], axis=1)
     whole = whole / np.linalg.norm(whole[2])
@@ -99,10 +99,10 @@ def _apart(whole: Float64, eye: Float64, floor: Float64, aspect: float) -> Camer
     if np.linalg.det(whole) > 0.0:
         raise PersonError("no projector there can see the floor so: only a mirrored one", "measure `at` again")
     angle = float(np.rad2deg(2.0 * np.arctan(1.0 / scale)))
-    if not ANGLES[0] <= angle <= ANGLES[1]:
+    if not FIELD_OF_VIEW_RANGE[0] <= angle <= FIELD_OF_VIEW_RANGE[1]:
         raise PersonError(
-            f"from there the picture would have an angle of view of {angle:.1f} degrees; allowed are {ANGLES[0]:g} to "
-            f"{ANGLES[1]:g}", "measure `at` and the corners again",
+            f"from there the picture would have an angle of view of {angle:.1f} degrees; allowed are {FIELD_OF_VIEW_RANGE[0]:g} to "
+            f"{FIELD_OF_VIEW_RANGE[1]:g}", "measure `at` and the corners again",
         )  # fmt: skip
     reach = float(depth.mean())
     level = np.cross(forward, (0.0, 1.0, 0.0) if abs(forward[1]) < 0.9999 else (0.0, 0.0, -1.0))

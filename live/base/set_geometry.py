@@ -16,7 +16,7 @@ SIDES: Final = 32
 
 
 @dataclass(frozen=True, slots=True)
-class Item:
+class SetItem:
     """One item: form, centre (x, z) [m], width, height and depth [m]."""
 
     form: Form
@@ -31,7 +31,7 @@ class Item:
     """Number of steps; they rise away from the audience."""
 
 
-def triangles_of(item: Item) -> tuple[Float32, Float32]:
+def item_triangles(item: SetItem) -> tuple[Float32, Float32]:
     """Return corners and normals of its triangles, each (T, 3, 3), counter-clockwise seen from outside."""
     if item.form == "cylinder":
         corners, normals = _cylinder()

@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.body_catalogue import CharacterFile
-from live.base.custom_pass import OwnPass
-from live.base.set_geometry import Item
+from live.base.custom_pass import CustomShader
+from live.base.set_geometry import SetItem
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -31,9 +31,9 @@ FOLLOW: Final = 7
 PURSUE: Final = 8
 EVADE: Final = 9
 PATH: Final = 10
-VOICE: Final = 11
+PARTICIPANT: Final = 11
 """The attractor of one audience member."""
-PHONE: Final = 12
+PHONE_LIGHT: Final = 12
 """The light of an audience member's phone, in its colour; drawn only."""
 UNIFORM: Final = 0
 RADIAL: Final = 1
@@ -94,7 +94,7 @@ class Look:
     saturation: float = 1.0
     group_colours: tuple[Colour, ...] = ((0.90, 0.42, 0.20), (0.16, 0.55, 0.75), (0.86, 0.74, 0.42))
     group_styles: tuple[tuple[tuple[str, tuple[float, ...]], ...], ...] = ()
-    """Style of each group: addresses of `picture_parameters.OF_GROUPS` with their numbers; the rest has its
+    """Style of each group: addresses of `picture_parameters.GROUP_PARAMETERS` with their numbers; the rest has its
     defaults."""
 
 
@@ -133,13 +133,13 @@ class Scene:
     joint_count: int
     backgrounds: tuple[Background, ...] = ()
     """Images and videos behind the dancers; `/dance/background/1` is the amount of the first one."""
-    items: tuple[Item, ...] = ()
+    items: tuple[SetItem, ...] = ()
     """Boxes, cylinders and steps that stand on the stage."""
     passes: tuple[str, ...] = PASSES
     """The passes in drawing order; passes left out are never drawn."""
-    own: tuple[OwnPass, ...] = ()
+    custom_passes: tuple[CustomShader, ...] = ()
     """The patch's custom passes; their names are listed in `passes`."""
-    start: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    start_values: tuple[tuple[str, tuple[float, ...]], ...] = ()
     """Picture parameters with a non-default start value: addresses and numbers."""
     bodies: tuple[str, ...] = ()
     """Name of each dancer's body (in `live.base.body_catalogue`, or a character's), from the first dancer on; the rest
@@ -200,7 +200,7 @@ class StageView:
     """Current width and depth of the stage [m]; 0: as in the scene."""
     brightness: float = 1.0
     """1 = full light, 0 = blackout."""
-    flashes: bool = False
+    flash_limit_lifted: bool = False
     """Whether the limit on flashes is lifted."""
     filled: bool = False
     """Whether it has been filled; a frozen picture keeps showing it."""

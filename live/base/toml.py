@@ -19,7 +19,7 @@ _ESCAPES: Final = {"b": "\b", "t": "\t", "n": "\n", "f": "\f", "r": "\r", "e": "
 _HEX_DIGITS: Final = {"x": 2, "u": 4, "U": 8}
 
 
-def toml_lines(text: str) -> dict[KeyPath, int]:
+def toml_line_numbers(text: str) -> dict[KeyPath, int]:
     """Return the line (from 1) of every key, table header and array element of a valid TOML text, by its path.
 
     Elements of an array of tables have the line of their own header. Of an invalid text, return the part understood.
@@ -221,11 +221,11 @@ def toml_remedy(message: str, text: str, line: int) -> str:
         key = "table" if found is None else found["key"].replace("', '", ".")
         return f"write [[{key}]] each time where there may be several, else all its keys under one [{key}]"
     if message.startswith("Invalid value"):
-        return _of_value(written)
+        return _value_remedy(written)
     return next((remedy for begins, remedy in _REMEDIES if message.startswith(begins)), "a line is key = value")
 
 
-def _of_value(written: str) -> str:
+def _value_remedy(written: str) -> str:
     """Return the remedy for a line with an invalid value."""
     found = _ASSIGNED.match(written)
     value = "" if found is None else found["value"].partition("#")[0].strip()
@@ -242,24 +242,24 @@ def _of_value(written: str) -> str:
     return "text stands in quotes, lists in [ ]; true and false are written small"
 
 
-MOST_KEYS: Final = 32
+MAX_DOTTED_KEYS: Final = 32
 """Maximum number of keys joined by dots: `tomllib` takes quadratic time, and code that walks the tables recurses as
 deep."""
 _JOINED: Final = re.compile(
-    r"""(?<![\w.'"-])(?:(?:"[^"\n]*"|'[^'\n]*'|[A-Za-z0-9_-]++)[ \t]*+\.[ \t]*+){""" + str(MOST_KEYS) + "}"
+    r"""(?<![\w.'"-])(?:(?:"[^"\n]*"|'[^'\n]*'|[A-Za-z0-9_-]++)[ \t]*+\.[ \t]*+){""" + str(MAX_DOTTED_KEYS) + "}"
 )
 _DIGITS: Final = re.compile(r"[0-9][0-9_]{3999}|0[xob][0-9A-Fa-f_]{17}")
 """A number with too many digits for `int`, or for conversion back to text."""
 
 
-def toml_values(text: str) -> dict[str, Any]:
+def parse_toml(text: str) -> dict[str, Any]:
     """Return the values of a text; tomllib.TOMLDecodeError, with the line in its message, for everything unusable.
 
     RecursionError for too deeply nested brackets.
     """
     joined = _JOINED.search(text)
     if joined is not None:
-        raise _error(f"More than {MOST_KEYS} keys joined by dots", text, joined)
+        raise _error(f"More than {MAX_DOTTED_KEYS} keys joined by dots", text, joined)
     number = _DIGITS.search(text)
     try:
         values = tomllib.loads(text)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 BENCH_FOLDER = Path(__file__).resolve().parent.parent.parent / "bench"
-Run = Callable[[bool, Path | None], "list[Row]"]
+BenchFunction = Callable[[bool, Path | None], "list[Row]"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +76,7 @@ def _bench_file(name: str, folder: Path) -> Path:
     return folder / f"{name.replace('-', '_')}.py"
 
 
-def load_bench(name: str, folder: Path = BENCH_FOLDER) -> Run:
+def load_bench(name: str, folder: Path = BENCH_FOLDER) -> BenchFunction:
     """Return the `run` of one benchmark file; raise PersonError with the known names if there is none."""
     names = bench_names(folder)
     if not names:
@@ -92,11 +92,11 @@ def load_bench(name: str, folder: Path = BENCH_FOLDER) -> Run:
     module = importlib.util.module_from_spec(specification)
     sys.modules[specification.name] = module  # dataclasses look up their module here
     specification.loader.exec_module(module)
-    run: Run = module.run
+    run: BenchFunction = module.run
     return run
 
 
-def machine() -> dict[str, Any]:
+def machine_info() -> dict[str, Any]:
     """Return this machine's {cpu, cores, python, gl}; gl is null without OpenGL."""
     from live.cli.venue.doctor import probe_opengl
 
@@ -148,7 +148,7 @@ def bench(
             console.print(f"[bold]{each}[/]  {bench_title(each)}", highlight=False, soft_wrap=True)
         return
     runs = {each: load_bench(each) for each in ([name] if name is not None else bench_names())}
-    this_machine = machine()
+    this_machine = machine_info()
     if not as_json:
         console.print(" · ".join(f"{key} {value}" for key, value in this_machine.items()), highlight=False)
     reports = []

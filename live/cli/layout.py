@@ -36,7 +36,7 @@ def layout(
 
     from live.app.option_values import parse_endpoint
     from live.base.errors import PersonError
-    from live.control.layouts.stage_control import session_of
+    from live.control.layouts.stage_control import session_text
     from live.control.layouts.surface import PAD_REACH, make_surface
     from live.control.layouts.touchosc import write_touchosc
     from live.control.registry.registry import REGISTRY
@@ -50,22 +50,22 @@ def layout(
     names: Mapping[str, Sequence[str]] = {}
     reach = PAD_REACH
     if patch is not None:
-        names, reach = _of_patch(patch, steps)
+        names, reach = _patch_names(patch, steps)
     surface = make_surface(REGISTRY, role=who, names=names, reach=reach)
     try:
         if kind == "touchosc":
             write_touchosc(surface, out)
         else:
-            out.write_text(session_of(surface, f"{host}:{port}"), encoding="utf-8")
+            out.write_text(session_text(surface, f"{host}:{port}"), encoding="utf-8")
     except OSError as error:
         raise PersonError(f"cannot write --out {out}: {error.strerror}") from None
     count = sum(len(page.widgets) for page in surface.pages)
     console = Console(highlight=False)
     console.print(f"{out}: {count} widgets on {len(surface.pages)} pages", soft_wrap=True, markup=False)
-    console.print(f"without a widget: {', '.join(surface.left_out)}", style="dim", soft_wrap=True, markup=False)
+    console.print(f"without a widget: {', '.join(surface.omitted)}", style="dim", soft_wrap=True, markup=False)
 
 
-def _of_patch(patch: str, steps: Path | None) -> tuple[Mapping[str, Sequence[str]], tuple[float, float]]:
+def _patch_names(patch: str, steps: Path | None) -> tuple[Mapping[str, Sequence[str]], tuple[float, float]]:
     from rich.console import Console
 
     from live.app.kernel_warmup import warm_kernels
@@ -74,11 +74,11 @@ def _of_patch(patch: str, steps: Path | None) -> tuple[Mapping[str, Sequence[str
     find_patch(patch)  # reports an unknown name before seconds of loading
     warm_kernels(Console(stderr=True))  # before modules with kernels are imported
     from live.app.launch_options import LaunchOptions
-    from live.show.desk.completions import names_of
+    from live.show.desk.completions import completion_names
 
     loaded = LaunchOptions(patch=patch, steps=steps).load()
     stage = loaded.patch.stage
-    return names_of(loaded.patch, loaded.graph.library.steps), (0.5 * stage.width, 0.5 * stage.depth)
+    return completion_names(loaded.patch, loaded.graph.library.steps), (0.5 * stage.width, 0.5 * stage.depth)
 
 
 def schema(

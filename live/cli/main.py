@@ -11,8 +11,8 @@ import typer
 
 from live import __version__
 from live.app import kernel_warmup as warm
-from live.app.exit_codes import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, end_cleanly, show_person_error
-from live.app.option_values import with_audience
+from live.app.exit_codes import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, install_signal_handlers, show_person_error
+from live.app.option_values import expand_audience_option
 from live.base.errors import PersonError
 from live.cli import bench, layout, pair, play, render, replay, service, simulate, soak
 from live.cli.beats import beats, clock_check
@@ -81,8 +81,8 @@ def _live(
 
 def main() -> None:
     """Run the command line and exit: 0 done, 1 a check failed, 2 a usage error, 130 Ctrl-C."""
-    end_cleanly()
-    sys.argv[1:] = with_audience(sys.argv[1:])
+    install_signal_handlers()
+    sys.argv[1:] = expand_audience_option(sys.argv[1:])
     try:
         app()
     except PersonError as error:

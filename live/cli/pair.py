@@ -7,7 +7,7 @@ import typer
 if TYPE_CHECKING:
     from live.supervisor.network.identity import Identity, Pairings
 
-MINUTES = 5
+PHRASE_MINUTES = 5
 
 
 def pair(
@@ -37,18 +37,18 @@ def pair(
         raise PersonError("one of HOST, --on, --list and --forget at a time", "live pair --help")
     pairings = Pairings()
     if names:
-        _list(pairings)
+        _print_peers(pairings)
     elif forget is not None:
         if not pairings.forget(forget):
             raise PersonError(f"--forget {forget}: this machine is not paired with it", "live pair --list")
         print(f"removed the pairing with {forget}")
     elif host is None:
-        asyncio.run(_show(pairings, on))
+        asyncio.run(_show_phrase(pairings, on))
     else:
-        _ask(pairings, host)
+        _enter_phrase(pairings, host)
 
 
-def _list(pairings: "Pairings") -> None:
+def _print_peers(pairings: "Pairings") -> None:
     print(f"this machine: {_identity().fingerprint[:16]}")
     peers = pairings.read()
     for peer in peers:
@@ -70,9 +70,9 @@ def _identity() -> "Identity":
     return renew_identity()
 
 
-async def _show(pairings: "Pairings", on: str | None) -> None:
+async def _show_phrase(pairings: "Pairings", on: str | None) -> None:
     from live.app.option_values import parse_endpoint
-    from live.supervisor.network.pairing import PORT, Shown, new_phrase
+    from live.supervisor.network.pairing import PORT, PairingServer, new_phrase
 
     host, port = (None, PORT) if on is None else parse_endpoint(on, "--on")
     phrase = new_phrase()
@@ -80,23 +80,25 @@ async def _show(pairings: "Pairings", on: str | None) -> None:
     def listening(port: int) -> None:
         there = "" if port == PORT else f":{port}"
         print(f"the phrase: {phrase}", flush=True)
-        print(f"type it on the other machine within {MINUTES} minutes, after: live pair ADDRESS{there}", flush=True)
+        print(
+            f"type it on the other machine within {PHRASE_MINUTES} minutes, after: live pair ADDRESS{there}", flush=True
+        )
 
-    shown = Shown(_identity(), pairings, phrase, listening=listening)
-    peer = await shown.run(host, port, within=60.0 * MINUTES)
+    shown = PairingServer(_identity(), pairings, phrase, on_listening=listening)
+    peer = await shown.run(host, port, timeout=60.0 * PHRASE_MINUTES)
     print(f"paired with {peer.name} ({peer.fingerprint[:16]})")
-    if shown.wrong:
-        print(f"note: wrong phrases were entered before ({shown.wrong})")
+    if shown.wrong_phrases:
+        print(f"note: wrong phrases were entered before ({shown.wrong_phrases})")
 
 
-def _ask(pairings: "Pairings", there: str) -> None:
+def _enter_phrase(pairings: "Pairings", address: str) -> None:
     import asyncio
 
-    from live.app.option_values import parse_endpoint, with_port
+    from live.app.option_values import add_default_port, parse_endpoint
     from live.base.errors import PersonError
     from live.supervisor.network.pairing import PORT, pair_with
 
-    host, port = parse_endpoint(with_port(there, PORT), "HOST")
+    host, port = parse_endpoint(add_default_port(address, PORT), "HOST")
     identity = _identity()
     phrase = typer.prompt("the phrase that the other machine shows")
     if not phrase.strip():

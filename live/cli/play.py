@@ -75,13 +75,13 @@ def play(*, new_web_key: NewWebKey = False, **written: Any) -> None:
     from rich.console import Console
 
     from live.app.kernel_warmup import warm_kernels
-    from live.app.option_values import film_file
+    from live.app.option_values import check_film_path
     from live.app.processes.engine_main import is_supervised, supervise
     from live.app.services.http_services import parse_web
     from live.show.patch.patch_search_path import find_patch
 
     values = parsed(written)
-    film_file(values["record"], "--record", never=[values["audio"], values["patch"]])
+    check_film_path(values["record"], "--record", inputs=[values["audio"], values["patch"]])
     find_patch(values["patch"])  # an unknown name is reported before seconds of loading
     console = Console(stderr=True, highlight=False)
     page = parse_web(

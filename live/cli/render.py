@@ -43,28 +43,28 @@ def render(
     from rich.console import Console
 
     from live.app.kernel_warmup import warm_kernels
-    from live.app.offline.film import film_name, parse_rate
-    from live.app.option_values import parse_number, parse_size, writable_file
+    from live.app.offline.film import parse_film_path, parse_rate
+    from live.app.option_values import check_range, check_writable, parse_size
     from live.base.errors import PersonError
 
-    parse_number(bpm, "--bpm", 20, 400)
-    parse_number(seconds, "--seconds", 0.02, 7 * 86400)
+    check_range(bpm, "--bpm", 20, 400)
+    check_range(seconds, "--seconds", 0.02, 7 * 86400)
     rate = parse_rate(fps)
     for path, name in ((journal, "--journal"), (report, "--report")):
-        writable_file(path, name)
-    film = film_name(out, "--out", alpha=alpha, never=[audio, patch])
+        check_writable(path, name)
+    film = parse_film_path(out, "--out", alpha=alpha, inputs=[audio, patch])
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)  # before modules with kernels are imported
     from live.app.launch_options import LaunchOptions
     from live.app.offline.film import film_show
-    from live.app.session_audio import choose_sound
+    from live.app.session_audio import choose_audio
 
     options = LaunchOptions(
         patch=patch, audio=audio, bpm=bpm, steps=steps, seed=seed, journal=journal, size=parse_size(size), fps=rate,
         midi_file=midi_file,
     )  # fmt: skip
     loaded = options.load()
-    sound = choose_sound(options, loaded)
+    sound = choose_audio(options, loaded)
     if sound.device is not None:
         raise PersonError(f"--audio {audio!r} is an input device: `live render` needs a music file")
     length = seconds or (60.0 if sound.music is None else sound.music.duration)

@@ -7,7 +7,7 @@ import typer
 
 if TYPE_CHECKING:
     from live.show.journal.journal_reader import Journal
-    from live.show.journal.replay import Replayed
+    from live.show.journal.replay import ReplayResult
 
 
 def replay(
@@ -40,25 +40,25 @@ def replay(
     from rich.console import Console
 
     from live.app.kernel_warmup import warm_kernels
-    from live.app.offline.film import film_name, parse_rate
+    from live.app.offline.film import parse_film_path, parse_rate
     from live.app.option_values import parse_size
     from live.base.errors import PersonError
 
     rate = parse_rate(fps) or 60.0
     picture = parse_size(size)
     if render is not None:
-        render = film_name(render, "--render", alpha=alpha, never=[str(journal)])
+        render = parse_film_path(render, "--render", alpha=alpha, inputs=[str(journal)])
     if last is not None and last < first:
         raise PersonError(f"--from {first} --to {last}: the first measure is after the last")
     warm_kernels(Console(stderr=True))  # before modules with kernels are imported
     from live.clock.ticks import TICK
     from live.show.journal.journal_reader import JournalError, read_journal
-    from live.show.journal.replay import ReplayError, loaded_by, run_from, start_before
+    from live.show.journal.replay import ReplayError, load_journal, run_from, start_before
 
     problems: list[str] = []
     try:
         recorded = read_journal(journal)
-        loaded = loaded_by(recorded)
+        loaded = load_journal(recorded)
         start = start_before(recorded, loaded, first, problems)
     except (JournalError, ReplayError) as error:
         raise PersonError(str(error)) from None
@@ -78,33 +78,33 @@ def replay(
     if as_json:
         print(json.dumps(_facts(recorded, result, seconds)))
     else:
-        _tell(recorded, result, (result.ticks - result.begun) * TICK / max(seconds, 1e-9))
+        _print_result(recorded, result, (result.ticks - result.first_tick) * TICK / max(seconds, 1e-9))
     if verify and not result.measures:
         raise PersonError(f"{journal}: nothing to compare: it has no complete measure")
     if verify and (result.different or result.problems):
         raise typer.Exit(1)
 
 
-def _facts(journal: "Journal", result: "Replayed", seconds: float) -> dict[str, Any]:
+def _facts(journal: "Journal", result: "ReplayResult", seconds: float) -> dict[str, Any]:
     from live.clock.ticks import TICK
 
-    length = (result.ticks - result.begun) * TICK
+    length = (result.ticks - result.first_tick) * TICK
     return {
         "journal": str(journal.path),
         "complete": journal.complete,
         "seconds": length,
-        "from_tick": result.begun,
+        "from_tick": result.first_tick,
         "measures": result.measures,
         "different": [{"measure": m, "tick": t, "then": then, "now": now} for m, t, then, now in result.differences],
         "measures_different": result.different,
-        "measures_lacking": result.lacking,
+        "measures_lacking": result.not_compared,
         "failed_events": result.failed,
         "problems": result.problems,
         "speed": length / seconds if seconds else None,
     }
 
 
-def _tell(journal: "Journal", result: "Replayed", speed: float) -> None:
+def _print_result(journal: "Journal", result: "ReplayResult", speed: float) -> None:
     from rich.console import Console
 
     from live.clock.ticks import TICK
@@ -112,12 +112,12 @@ def _tell(journal: "Journal", result: "Replayed", speed: float) -> None:
     console = Console(highlight=False)
     end = "" if journal.complete else " (the journal was cut off)"
     console.print(
-        f"{(result.ticks - result.begun) * TICK:.1f} s, {result.measures} measures compared, {result.different} "
+        f"{(result.ticks - result.first_tick) * TICK:.1f} s, {result.measures} measures compared, {result.different} "
         f"differ{end}; {speed:.{0 if speed >= 10 else 2}f} times real time"
     )
     for measure, tick, then, now in result.differences[:10]:
         console.print(f"  measure {measure}, tick {tick}: {then} recorded, {now} replayed")
-    for before, after in result.lacking[:10]:
+    for before, after in result.not_compared[:10]:
         console.print(f"  measures {before} to {after} are missing and were not compared", style="yellow")
     if result.failed:
         console.print(f"  {result.failed} events were rejected with an error, as in the show", style="yellow")

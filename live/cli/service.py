@@ -10,12 +10,12 @@ app = typer.Typer(
     no_args_is_help=True,
 )
 Name = Annotated[str, typer.Argument(help="The service's name, as `live service status` lists it.")]
-TAKES_ARGUMENTS = {"allow_extra_args": True, "ignore_unknown_options": True}
-REFUSED = ("--alone", "--record", "--shaders", "--service")
+PASS_THROUGH = {"allow_extra_args": True, "ignore_unknown_options": True}
+REFUSED_OPTIONS = ("--alone", "--record", "--shaders", "--service")
 """Options of `live play` that run a show without a supervisor."""
 
 
-@app.command("install", context_settings=TAKES_ARGUMENTS)
+@app.command("install", context_settings=PASS_THROUGH)
 def install(
     context: typer.Context,
     name: Annotated[str | None, typer.Option(help="The service's name. Default: the patch's.")] = None,
@@ -31,14 +31,18 @@ def install(
     import platformdirs
     from rich.console import Console
 
-    from live.app.option_values import with_audience
-    from live.app.systemd_unit import OWN_JOURNAL, Service, name_for, units_folder
-    from live.app.whole_file import write_whole
+    from live.app.option_values import expand_audience_option
+    from live.app.systemd_unit import OWN_JOURNAL, SystemdService, default_service_name, units_folder
+    from live.app.whole_file import write_atomically
 
-    arguments = with_audience(context.args)
-    asked = _read(arguments)
-    service = Service(
-        name or name_for(asked.get("patch")), arguments, Path.cwd(), bool(asked["headless"]), dict(os.environ)
+    arguments = expand_audience_option(context.args)
+    asked = _parse_play_arguments(arguments)
+    service = SystemdService(
+        name or default_service_name(asked.get("patch")),
+        arguments,
+        Path.cwd(),
+        bool(asked["headless"]),
+        dict(os.environ),
     )
     if asked["journal"] is None:
         folder = Path(platformdirs.user_state_dir("choreographics-live"))
@@ -46,8 +50,8 @@ def install(
         arguments += [OWN_JOURNAL, str(folder / f"{service.name}.jsonl")]
     folder = units_folder()
     folder.mkdir(parents=True, exist_ok=True)
-    text = service.text(version=_systemd())
-    write_whole(text.encode(), folder / service.unit, "the unit")
+    text = service.text(version=_systemd_version())
+    write_atomically(text.encode(), folder / service.unit, "the unit")
     console = Console(highlight=False)
     console.print(f"written: {folder / service.unit}", soft_wrap=True, markup=False)
     begin = ["enable", *(["--now"] if now else []), service.unit]
@@ -58,7 +62,7 @@ def install(
             )
     if not now:
         console.print(f"to start it now: systemctl --user start {service.unit}", soft_wrap=True, markup=False)
-    if not _lingers():
+    if not _linger_enabled():
         console.print(
             "it ends when you log out; to start it with the machine and keep it running: loginctl enable-linger",
             soft_wrap=True, markup=False,
@@ -76,7 +80,7 @@ def uninstall(name: Name) -> None:
     path = units_folder() / unit_name(name)
     if not path.is_file():
         raise PersonError(f"there is no service {name}: no {path}", "live service status")
-    _end(name)
+    _stop_service(name)
     _systemctl("disable", unit_name(name))
     path.unlink()
     _systemctl("daemon-reload")
@@ -90,7 +94,7 @@ def stop(name: Name) -> None:
 
     from live.app.systemd_unit import check_name
 
-    ended, problem = _end(check_name(name))
+    ended, problem = _stop_service(check_name(name))
     console = Console(highlight=False)
     for pid in ended:
         console.print(f"ended an engine without a supervisor (process {pid})")
@@ -112,11 +116,11 @@ def status() -> None:
         console.print(f"{name}: {_state(path.name)}", soft_wrap=True, markup=False)
     if not found:
         console.print(f"no service in {units_folder()}; live service install [PLAY ARGUMENTS]", markup=False)
-    lingers = "start with the machine and outlive a logout" if _lingers() else "end with the session"
+    lingers = "start with the machine and outlive a logout" if _linger_enabled() else "end with the session"
     console.print(f"services of this user {lingers} (loginctl enable-linger, disable-linger)", soft_wrap=True)
 
 
-def _read(arguments: list[str]) -> dict[str, Any]:
+def _parse_play_arguments(arguments: list[str]) -> dict[str, Any]:
     """Return the parameters that `live play` would parse from these arguments; raise PersonError if it would fail."""
     import click
 
@@ -125,7 +129,7 @@ def _read(arguments: list[str]) -> dict[str, Any]:
 
     one = typer.Typer(add_completion=False)
     one.command()(play)
-    for option in REFUSED:
+    for option in REFUSED_OPTIONS:
         if any(each == option or each.startswith(f"{option}=") for each in arguments):
             raise PersonError(f"{option} cannot be used with a service", "leave it out")
     try:
@@ -136,7 +140,7 @@ def _read(arguments: list[str]) -> dict[str, Any]:
         raise PersonError(f"live play rejects these arguments: {error.format_message()}", "live play --help") from None
 
 
-def _end(name: str) -> tuple[list[int], str | None]:
+def _stop_service(name: str) -> tuple[list[int], str | None]:
     """Stop the service, then any remaining engines; return their process ids, and systemd's error or None."""
     from live.app.processes.engine_main import service_label
     from live.app.systemd_unit import unit_name
@@ -176,7 +180,7 @@ def _state(unit: str) -> str:
     return f"{told['ActiveState']} ({told.get('SubState')}){process}, restarted {told.get('NRestarts', '0')} times"
 
 
-def _systemd() -> int:
+def _systemd_version() -> int:
     """Return the version of systemd; 0 if there is none."""
     import re
     import subprocess
@@ -189,7 +193,7 @@ def _systemd() -> int:
     return 0 if found is None else int(found[1])
 
 
-def _lingers() -> bool:
+def _linger_enabled() -> bool:
     import getpass
 
     try:

@@ -12,10 +12,10 @@ from live.base.errors import PersonError
 if TYPE_CHECKING:
     from live.agents.scenarios.metrics import Metrics
     from live.agents.scenarios.scenario import Scenario
-    from live.rehearse.simulated_band import FakeBand
+    from live.rehearse.simulated_band import SimulatedBand
 
 
-MOST_NUMBERS = 1 << 25
+MAX_COORDINATES = 1 << 25
 """Maximum number of coordinates of a run: a quarter of a gigabyte."""
 
 
@@ -38,45 +38,45 @@ def simulate(
     from live.agents.scenarios.metrics import measure
     from live.agents.scenarios.run import simulate as run
     from live.agents.scenarios.run import ticks_in
-    from live.app.pictures.simulate_svg import ways_picture
-    from live.app.whole_file import write_whole
+    from live.app.pictures.simulate_svg import paths_svg
+    from live.app.whole_file import write_atomically
 
-    wanted = read(scenario, seed)
+    wanted = load_scenario(scenario, seed)
     samples = ticks_in(wanted.duration) + 1
-    if 2 * samples * wanted.agent_count > MOST_NUMBERS:
+    if 2 * samples * wanted.agent_count > MAX_COORDINATES:
         what = f"{scenario}: duration: {wanted.agent_count:,} agents at {samples:,} ticks need too much memory"
-        raise PersonError(what, f"give at most {MOST_NUMBERS // (128 * wanted.agent_count)} s, or fewer agents")
+        raise PersonError(what, f"give at most {MAX_COORDINATES // (128 * wanted.agent_count)} s, or fewer agents")
     time, position, arrived = run(wanted, avoidance=avoidance, seed=seed)
     if out is not None:
         packed = io.BytesIO()
         np.savez(packed, time=time, position=position, arrived=arrived)
-        write_whole(packed.getvalue(), out, "--out")
+        write_atomically(packed.getvalue(), out, "--out")
     if svg is not None:
-        write_whole(ways_picture(wanted, time, position).encode(), svg, "--svg")
-    show(measure(wanted, time, position), as_json)
+        write_atomically(paths_svg(wanted, time, position).encode(), svg, "--svg")
+    print_metrics(measure(wanted, time, position), as_json)
 
 
-def read(path: Path, seed: int = 0) -> "Scenario":
+def load_scenario(path: Path, seed: int = 0) -> "Scenario":
     """Return the scenario in a file, or the built-in one of that name; raise PersonError if there is neither."""
     from live.agents.scenarios.generate import SCENARIOS
-    from live.agents.scenarios.reading import MOST_BYTES, read_scenario, unread_fields
+    from live.agents.scenarios.reading import MAX_BYTES, read_scenario, unknown_fields
 
     if str(path) in SCENARIOS and not path.exists():
         return SCENARIOS[str(path)](seed)
     try:
-        if path.is_file() and path.stat().st_size > MOST_BYTES:
-            raise PersonError(f"{path}: larger than {MOST_BYTES:,} bytes", "give a smaller scenario")
+        if path.is_file() and path.stat().st_size > MAX_BYTES:
+            raise PersonError(f"{path}: larger than {MAX_BYTES:,} bytes", "give a smaller scenario")
         text = path.read_bytes()
     except OSError as error:
         remedy = f"give a scenario (JSON), or one of {', '.join(SCENARIOS)}"
         raise PersonError(f"{path}: cannot be read: {error.strerror}", remedy) from None
     scenario = read_scenario(text, str(path))
-    for name in unread_fields(text):
+    for name in unknown_fields(text):
         typer.echo(f"{path}: unknown key {name!r} ignored", err=True)
     return scenario
 
 
-def show(metrics: "Metrics", as_json: bool) -> None:
+def print_metrics(metrics: "Metrics", as_json: bool) -> None:
     """Print the metrics of a run."""
     figures = metrics.as_json()
     if as_json:
@@ -117,40 +117,40 @@ def sim(
     from rich.console import Console
 
     from live.app.kernel_warmup import warm_kernels
-    from live.app.option_values import parse_choice, parse_endpoint, parse_number, writable_file
+    from live.app.option_values import check_choice, check_range, check_writable, parse_endpoint
     from live.base.errors import PersonError
     from live.show.patch.patch_search_path import find_patch
 
     find_patch(patch)  # reports an unknown name before seconds of loading
     warm_kernels(Console(stderr=True))  # before modules with kernels are imported
-    from live.rehearse.network_sender import Outlet, packets, pulses, send_all
-    from live.rehearse.simulated_players import FakePlayers, Words
+    from live.rehearse.network_sender import UdpSender, clock_pulses, osc_packets, send_all
+    from live.rehearse.simulated_players import ArgumentGenerator, SimulatedPlayers
     from live.show.loader import load_show
 
-    parse_number(rate, "--rate", 0.0, 6000.0)
-    parse_number(nonsense, "--nonsense", 0.0, 1.0)
-    parse_number(unruly, "--unruly", 0.0, 20.0)
-    parse_number(seconds, "--seconds", 0.1, 7 * 86400.0)
-    parse_number(bpm, "--bpm", 40.0, 240.0)
-    parse_choice(role, "--role", "audience", "musician", "operator")
-    writable_file(audio, "--audio")
+    check_range(rate, "--rate", 0.0, 6000.0)
+    check_range(nonsense, "--nonsense", 0.0, 1.0)
+    check_range(unruly, "--unruly", 0.0, 20.0)
+    check_range(seconds, "--seconds", 0.1, 7 * 86400.0)
+    check_range(bpm, "--bpm", 40.0, 240.0)
+    check_choice(role, "--role", "audience", "musician", "operator")
+    check_writable(audio, "--audio")
     loaded = load_show(find_patch(patch))
     console = Console(stderr=True, highlight=False)
     clock = loaded.patch.clock
-    band = _band(seed, bpm or clock.bpm, clock.beats_per_measure, unruly)
+    band = _make_band(seed, bpm or clock.bpm, clock.beats_per_measure, unruly)
     if audio is not None:
-        _write(audio, band, seconds, seed, console)
+        _write_band_audio(audio, band, seconds, seed, console)
         return
-    port = None if midi is None else _open(midi)
+    port = None if midi is None else _open_midi_output(midi)
     try:
-        outlet = Outlet(*parse_endpoint(osc))
+        outlet = UdpSender(*parse_endpoint(osc))
     except OSError as error:
         raise PersonError(f"--osc {osc}: {error}") from None
-    words = Words(loaded.patch, loaded.graph.library.steps)
-    players = FakePlayers(seed, words, count=phones, rate=rate, nonsense=nonsense, role=role)
-    streams: list[Any] = [(packets(players.calls()), outlet.send)]
+    words = ArgumentGenerator(loaded.patch, loaded.graph.library.steps)
+    players = SimulatedPlayers(seed, words, count=phones, rate=rate, invalid_share=nonsense, role=role)
+    streams: list[Any] = [(osc_packets(players.calls()), outlet.send)]
     if port is not None:
-        streams.append((pulses(band), port.send))
+        streams.append((clock_pulses(band), port.send))
     told = f"{phones} phones to {osc}" + ("" if midi is None else f", the band to {midi}")
     console.print(f"{told}; Ctrl-C ends it", style="dim", soft_wrap=True, markup=False)
     begin, ended = time.perf_counter(), threading.Event()
@@ -163,35 +163,35 @@ def sim(
         console.print(f"{outlet.sent} messages sent, {outlet.failed} failed", style="dim")
 
 
-def _band(seed: int, bpm: float, beats: int, unruly: float) -> "FakeBand":
-    from live.rehearse.simulated_band import DRIFT, FakeBand, Manners
+def _make_band(seed: int, bpm: float, beats: int, irregularity: float) -> "SimulatedBand":
+    from live.rehearse.simulated_band import DRIFT, Irregularities, SimulatedBand
 
-    usual = Manners()
-    manners = Manners(
-        stop=usual.stop * unruly,
-        fill=min(usual.fill * unruly, 1.0),
-        wrong_one=usual.wrong_one * unruly,
-        leap=usual.leap * unruly,
-        drift=DRIFT * min(unruly, 4.0),
+    usual = Irregularities()
+    manners = Irregularities(
+        stop=usual.stop * irregularity,
+        fill=min(usual.fill * irregularity, 1.0),
+        wrong_downbeat=usual.wrong_downbeat * irregularity,
+        tempo_jump=usual.tempo_jump * irregularity,
+        drift=DRIFT * min(irregularity, 4.0),
     )
-    return FakeBand(seed, bpm=bpm, beats_per_measure=beats, manners=manners)
+    return SimulatedBand(seed, bpm=bpm, beats_per_measure=beats, irregularities=manners)
 
 
-def _write(path: Path, band: "FakeBand", seconds: float, seed: int, console: Any) -> None:
+def _write_band_audio(path: Path, band: "SimulatedBand", seconds: float, seed: int, console: Any) -> None:
     from live.base.errors import PersonError
-    from live.rehearse.simulated_band import sound_of, write_sound
+    from live.rehearse.simulated_band import render_audio, write_sound
 
     if seconds > 7200.0:
         raise PersonError(f"--seconds {seconds:g}: a sound file has at most two hours", "--seconds 600")
     try:
-        write_sound(path, sound_of(band, seconds, seed=seed))
+        write_sound(path, render_audio(band, seconds, seed=seed))
     except OSError as error:
         raise PersonError(f"cannot write --audio {path}: {error.strerror}") from None
-    did = ", ".join(f"{count} × {what}" for what, count in band.did.items() if count) or "no irregularities"
+    did = ", ".join(f"{count} × {what}" for what, count in band.counts.items() if count) or "no irregularities"
     console.print(f"band written: {path.resolve()} ({did})", soft_wrap=True, markup=False)
 
 
-def _open(name: str) -> Any:
+def _open_midi_output(name: str) -> Any:
     from live.base.errors import PersonError
     from live.control.midi.midi_ports import MidiUnavailable, UnknownPort, open_port
 

@@ -60,24 +60,24 @@ def soak(
 
     from live.app.kernel_warmup import warm_kernels
     from live.app.offline.soak_run import (
-        Wanted,
+        RunOptions,
         minimise_journal,
         patches_of,
+        print_campaign,
+        print_run,
+        print_summary,
         run_all,
         run_one,
-        tell_campaign,
-        tell_lines,
-        tell_run,
     )
-    from live.app.option_values import parse_number, writable_file
+    from live.app.option_values import check_range, check_writable
     from live.base.errors import PersonError
-    from live.rehearse.soak_test import Plan
+    from live.rehearse.soak_test import SoakOptions
 
-    parse_number(hours, "--hours", 0.001, 1000.0)
-    parse_number(minutes, "--minutes", 0.05, 60000.0)
-    parse_number(faults, "--faults", 0.0, 100.0)
-    parse_number(fps, "--fps", 1.0, 480.0)
-    writable_file(report, "--report")
+    check_range(hours, "--hours", 0.001, 1000.0)
+    check_range(minutes, "--minutes", 0.05, 60000.0)
+    check_range(faults, "--faults", 0.0, 100.0)
+    check_range(fps, "--fps", 1.0, 480.0)
+    check_writable(report, "--report")
     if hours is not None and minutes is not None:
         raise PersonError("--hours and --minutes exclude each other", "give one of them")
     length = hours if hours is not None else 1.0 if minutes is None else minutes / 60.0
@@ -86,24 +86,24 @@ def soak(
     warm_kernels(console)
     if minimise is not None:
         facts = minimise_journal(minimise, to, length * 3600.0, console)
-        _end(facts, report, as_json, tell_lines)
+        _finish(facts, report, as_json, print_summary)
         return
     rate = fps or (16.0 if virtual or not (chaos or virtual is False) else 60.0)
-    plans: list[Plan] = [
-        Plan(path, seed=number, hours=length, fps=rate, players=players, faults=faults)
+    plans: list[SoakOptions] = [
+        SoakOptions(path, seed=number, hours=length, fps=rate, players=players, faults=faults)
         for path in paths
         for number in range(seed, seed + seeds)
     ]
-    wanted = Wanted(chaos=chaos, virtual=not chaos if virtual is None else virtual, replay=replay, sites=sites)
+    wanted = RunOptions(chaos=chaos, virtual=not chaos if virtual is None else virtual, replay=replay, sites=sites)
     if len(plans) == 1 and not chaos:
         facts = run_one(plans[0], folder, console, wanted)
-        _end(facts, report, as_json, tell_run)
+        _finish(facts, report, as_json, print_run)
     else:
         facts = run_all(plans, folder, console, wanted)
-        _end(facts, report, as_json, tell_campaign)
+        _finish(facts, report, as_json, print_campaign)
 
 
-def _end(facts: dict[str, Any], report: Path | None, as_json: bool, tell: Any) -> None:
+def _finish(facts: dict[str, Any], report: Path | None, as_json: bool, print_report: Any) -> None:
     """Write and print the report; exit 1 if the run failed."""
     import json
 
@@ -113,6 +113,6 @@ def _end(facts: dict[str, Any], report: Path | None, as_json: bool, tell: Any) -
     if as_json:
         print(text)
     else:
-        tell(facts)
+        print_report(facts)
     if not facts["ok"]:
         raise typer.Exit(1)

@@ -6,16 +6,16 @@ from typing import Final
 from live.clock.bar_pointer.bar_pointer import BarPointer
 from live.clock.beat_estimate import BeatEstimate
 
-LEAD: Final = 0.08
+LOOK_AHEAD: Final = 0.08
 """A beat is announced when it is this near [s]."""
 
-MOVED: Final = 0.008
+CORRECTION_THRESHOLD: Final = 0.008
 """A beat that is still ahead is announced again if its estimated time has moved this far [s]."""
 
-LATEST: Final = 0.045
+MAX_LATENESS: Final = 0.045
 """A beat that was missed (the grid jumped) is still announced until it is this long past [s]."""
 
-APART: Final = 0.5
+MIN_SPACING: Final = 0.5
 """Minimum distance of two beats in periods."""
 
 BIAS: Final = -0.005
@@ -26,14 +26,14 @@ reads 3 to 4 ms early.
 """
 
 
-class Announcer:
+class BeatAnnouncer:
     """Turns a bar pointer's grid into beats. All times are seconds of audio."""
 
     def __init__(self) -> None:
         self._last = -math.inf
 
     def beat(
-        self, pointer: BarPointer, moment: float, heard: float, hop: float, confidence: float
+        self, pointer: BarPointer, moment: float, fed: float, hop: float, confidence: float
     ) -> BeatEstimate | None:
         """Return the beat to be announced now, if any.
 
@@ -44,18 +44,18 @@ class Announcer:
             return None
         ahead = moment + pointer.to_next * hop + BIAS
         past = ahead - period
-        if past - self._last > APART * period and heard - past <= LATEST:
-            return self._named(pointer, past, period, heard, confidence, pointer.beat, math.nan)
+        if past - self._last > MIN_SPACING * period and fed - past <= MAX_LATENESS:
+            return self._announce(pointer, past, period, fed, confidence, pointer.beat, math.nan)
         coming = (pointer.beat + 1) % pointer.metre
-        if ahead - heard > LEAD:
+        if ahead - fed > LOOK_AHEAD:
             return None
-        if ahead - self._last > APART * period:
-            return self._named(pointer, ahead, period, heard, confidence, coming, math.nan)
-        if self._last > heard and abs(ahead - self._last) > MOVED and ahead > heard:
-            return self._named(pointer, ahead, period, heard, confidence, coming, self._last)
+        if ahead - self._last > MIN_SPACING * period:
+            return self._announce(pointer, ahead, period, fed, confidence, coming, math.nan)
+        if self._last > fed and abs(ahead - self._last) > CORRECTION_THRESHOLD and ahead > fed:
+            return self._announce(pointer, ahead, period, fed, confidence, coming, self._last)
         return None
 
-    def _named(
+    def _announce(
         self,
         pointer: BarPointer,
         position: float,
@@ -70,7 +70,7 @@ class Announcer:
             position=position,
             period=pointer.period / pointer.interval * period,
             confidence=confidence,
-            heard=heard,
+            fed=heard,
             beat=beat,
             beats_per_measure=pointer.metre,
             replaces=replaces,

@@ -24,7 +24,7 @@ class BeatEstimate:
     """Seconds to the next beat."""
     confidence: float
     """Confidence of the tracker, 0 to 1."""
-    heard: float
+    fed: float
     """Seconds of audio fed when the estimate was made."""
     beat: int = -1
     """Beat of its measure, from 0; -1 if unknown."""
@@ -50,17 +50,23 @@ PERIOD_TOLERANCE: Final = 0.06
 PHASE_TOLERANCE: Final = 0.12
 """Beats at this distance from a grid (in beats) support it with a weight of 1/e."""
 
-PREFERENCE_FLOOR: Final = 0.1
+PRIOR_FLOOR: Final = 0.1
 """Weight of the least expected tempo: enough to be used if there is no other."""
 
-METRICAL: Final = ((1.0, 1.0, 1.0), (2.0, 1.0, 0.4), (0.5, 0.5, 0.4), (3.0, 1.0, 0.2), (1.0 / 3.0, 1.0 / 3.0, 0.2))
+METRICAL_LEVELS: Final = (
+    (1.0, 1.0, 1.0),
+    (2.0, 1.0, 0.4),
+    (0.5, 0.5, 0.4),
+    (3.0, 1.0, 0.2),
+    (1.0 / 3.0, 1.0 / 3.0, 0.2),
+)
 """(estimate's period / grid's period, lines it may lie on [beats], weight): a tracker may report every second beat, or
 every half beat, and still be right about the positions of beats.
 """
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class WeightedBeat:
     """One estimate: a beat at `time` [s], `period` [s], `weight` 0 to 1."""
 
     time: float
@@ -69,41 +75,41 @@ class Heard:
 
 
 @dataclass(frozen=True, slots=True)
-class Preference:
+class TempoPrior:
     """Prior over tempi: a bell in octaves around `tempo` [bpm] over a floor, so that no tempo is excluded."""
 
     tempo: float = 118.0
     octaves: float = 0.8
 
-    def of(self, period: float) -> float:
-        """Return the weight of a period [s], `PREFERENCE_FLOOR` to 1."""
-        return max(math.exp(-0.5 * (math.log2(60.0 / period / self.tempo) / self.octaves) ** 2), PREFERENCE_FLOOR)
+    def weight(self, period: float) -> float:
+        """Return the weight of a period [s], `PRIOR_FLOOR` to 1."""
+        return max(math.exp(-0.5 * (math.log2(60.0 / period / self.tempo) / self.octaves) ** 2), PRIOR_FLOOR)
 
 
 class Consensus:
     """The estimates of the last seconds, and their agreement with grids."""
 
     def __init__(self) -> None:
-        self._heard: deque[Heard] = deque(maxlen=32)
+        self._estimates: deque[WeightedBeat] = deque(maxlen=32)
         self.half_beats = False
         """Whether beats half a beat off support a grid (after a tap has decided which of the two is the beat)."""
 
     def clear(self) -> None:
         """Remove all estimates."""
-        self._heard.clear()
+        self._estimates.clear()
 
-    def add(self, heard: Heard, now: float) -> None:
+    def add(self, estimate: WeightedBeat, now: float) -> None:
         """Add an estimate; drop those older than `MEMORY`."""
-        self._heard.append(heard)
-        while now - self._heard[0].time > MEMORY:
-            self._heard.popleft()
+        self._estimates.append(estimate)
+        while now - self._estimates[0].time > MEMORY:
+            self._estimates.popleft()
 
     def __len__(self) -> int:
-        return len(self._heard)
+        return len(self._estimates)
 
-    def _match(self, grid: Grid, heard: Heard) -> tuple[float, float]:
+    def _match(self, grid: Grid, heard: WeightedBeat) -> tuple[float, float]:
         """Return (how well one estimate's beat lies on a grid, weight of its metrical level), both 0 to 1."""
-        for ratio, division, worth in METRICAL:
+        for ratio, division, worth in METRICAL_LEVELS:
             if abs(math.log(heard.period / (grid.period * ratio))) < PERIOD_TOLERANCE:
                 if self.half_beats:
                     division = min(division, 0.5)
@@ -114,7 +120,7 @@ class Consensus:
         """Return (summed support of all estimates for a grid, share of them that agrees with it at any metrical
         level)."""
         total = agreed = support = 0.0
-        for heard in self._heard:
+        for heard in self._estimates:
             weight = heard.weight * math.exp((heard.time - now) / FADE)
             match, worth = self._match(grid, heard)
             total += weight
@@ -122,33 +128,33 @@ class Consensus:
             support += weight * match * worth
         return support, agreed / total if total > 0.0 else 0.0
 
-    def witnesses(self, grid: Grid) -> list[Heard]:
+    def supporting_estimates(self, grid: Grid) -> list[WeightedBeat]:
         """Return the estimates that clearly support a grid, oldest first."""
-        return [heard for heard in self._heard if self._match(grid, heard)[0] >= 0.4]
+        return [heard for heard in self._estimates if self._match(grid, heard)[0] >= 0.4]
 
     def candidates(self) -> list[Grid]:
         """Return the grids that the newest estimates propose, with their octaves."""
         grids: list[Grid] = []
-        for heard in list(self._heard)[-6:]:
+        for heard in list(self._estimates)[-6:]:
             for factor in (1.0, 0.5, 2.0):
                 if PERIOD_MIN <= heard.period * factor <= PERIOD_MAX:
-                    grids.append(self.fitted(Grid(heard.time, heard.period * factor), heard.time))
+                    grids.append(self.fit(Grid(heard.time, heard.period * factor), heard.time))
         return grids
 
-    def fitted(self, grid: Grid, now: float) -> Grid:
+    def fit(self, grid: Grid, now: float) -> Grid:
         """Return the grid fitted to the estimates that support it (weighted least squares).
 
         The periods of these estimates constrain the slope, weighted as four more beats.
         """
         rows: list[tuple[float, float, float]] = []
         weight_sum = period_sum = 0.0
-        for heard in self._heard:
+        for heard in self._estimates:
             match, worth = self._match(grid, heard)
             weight = match * worth * heard.weight * math.exp((heard.time - now) / FADE)
             if weight < 1e-6:
                 continue
             division = 0.5 if self.half_beats else 1.0
-            ratio = min(METRICAL, key=lambda row: abs(math.log(heard.period / (grid.period * row[0]))))
+            ratio = min(METRICAL_LEVELS, key=lambda row: abs(math.log(heard.period / (grid.period * row[0]))))
             division = min(division, ratio[1])
             late = grid.residual(heard.time, division)
             rows.append((weight, (heard.time - grid.time) / grid.period - late, late))

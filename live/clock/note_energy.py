@@ -9,21 +9,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-HALF: Final = 1.0
+ENERGY_HALF_LIFE: Final = 1.0
 """Half-life of a stroke's energy [beats]."""
-WINDOW: Final = 4.0
+DENSITY_WINDOW: Final = 4.0
 """Window of the stroke density [beats]: a stroke's weight falls to 1/e within it."""
-TOGETHER: Final = 0.03
+CHORD_SPAN: Final = 0.03
 """Strokes within this time [s] are one chord and count once."""
-EVERY: Final = 1.0 / 16.0
+REPORT_INTERVAL: Final = 1.0 / 16.0
 """Minimum time between two reports [s]."""
 LOWEST_KEY, HIGHEST_KEY = 21, 108
 """Range of a piano."""
-SAME: Final = 0.01
+MIN_CHANGE: Final = 0.01
 """Smaller changes are not reported, except a decay to 0."""
 NOTE_OFF, NOTE_ON, CONTROLLER = 0x8, 0x9, 0xB
 PEDAL: Final = 64
-SILENT: Final = (120, 123, 124, 125, 126, 127)
+NOTES_OFF_CONTROLLERS: Final = (120, 123, 124, 125, 126, 127)
 """Controllers that end all notes of their channel."""
 RESET: Final = 0xFF
 
@@ -57,11 +57,11 @@ class NoteEnergy:
         self._down: set[tuple[int, int]] = set()  # (channel, key)
         self._held: set[tuple[int, int]] = set()  # released while the pedal was down
         self._pedals: set[int] = set()
-        self._struck_at = -math.inf
+        self._last_stroke_at = -math.inf
         self._at = 0.0
-        self._told_at = -math.inf
+        self._reported_at = -math.inf
         self._beats = 0.0
-        self._told = (0.0, 0.0, 0, 0.5)
+        self._reported = (0.0, 0.0, 0, 0.5)
 
     def receive(self, message: Sequence[int], time: float) -> None:
         """Handle a message that arrived at `time` [s]; messages other than notes, pedals and resets change nothing."""
@@ -88,34 +88,34 @@ class NoteEnergy:
     def advance(self, now: float) -> NoteFigures | None:
         """Return the figures at `now` [s]; None if they have not changed or were reported just now."""
         self._age(now)
-        if now - self._told_at < EVERY:
+        if now - self._reported_at < REPORT_INTERVAL:
             return None
         sounding = self._down | self._held
         if sounding:
             mean = sum(key for _, key in sounding) / len(sounding)
             self._pitch = min(max((mean - LOWEST_KEY) / (HIGHEST_KEY - LOWEST_KEY), 0.0), 1.0)
-        energy = self._energy if self._energy >= SAME else 0.0
-        density = self._density if self._density >= SAME else 0.0
+        energy = self._energy if self._energy >= MIN_CHANGE else 0.0
+        density = self._density if self._density >= MIN_CHANGE else 0.0
         new = (energy, density, len(sounding), self._pitch)
-        if new[2] == self._told[2] and not any(_differs(a, b) for a, b in zip(new, self._told, strict=True)):
+        if new[2] == self._reported[2] and not any(_differs(a, b) for a, b in zip(new, self._reported, strict=True)):
             return None
         beats, self._beats = self._beats, 0.0
-        self._told, self._told_at = new, now
+        self._reported, self._reported_at = new, now
         return NoteFigures(now, beats, *new)
 
     def _age(self, now: float) -> None:
         beats = max(now - self._at, 0.0) * self.tempo / 60.0
         self._at = max(now, self._at)
         self._beats += beats
-        self._energy *= 2.0 ** (-beats / HALF)
-        self._density *= math.exp(-beats / WINDOW)
+        self._energy *= 2.0 ** (-beats / ENERGY_HALF_LIFE)
+        self._density *= math.exp(-beats / DENSITY_WINDOW)
 
     def _strike(self, channel: int, key: int, velocity: float, time: float) -> None:
         self._age(time)
         self._energy = max(self._energy, velocity)
-        if time - self._struck_at > TOGETHER:
-            self._struck_at = time
-            self._density += 1.0 / WINDOW
+        if time - self._last_stroke_at > CHORD_SPAN:
+            self._last_stroke_at = time
+            self._density += 1.0 / DENSITY_WINDOW
         self._down.add((channel, key))
         self._held.discard((channel, key))
 
@@ -126,10 +126,10 @@ class NoteEnergy:
             else:
                 self._pedals.discard(channel)
                 self._held = {note for note in self._held if note[0] != channel}
-        elif number in SILENT:
+        elif number in NOTES_OFF_CONTROLLERS:
             self._down = {note for note in self._down if note[0] != channel}
             self._held = {note for note in self._held if note[0] != channel}
 
 
 def _differs(now: float, before: float) -> bool:
-    return abs(now - before) >= SAME or (now == 0.0) != (before == 0.0)
+    return abs(now - before) >= MIN_CHANGE or (now == 0.0) != (before == 0.0)

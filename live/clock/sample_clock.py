@@ -16,13 +16,13 @@ BIN_SECONDS: Final = 0.15
 BIN_COUNT: Final = 4
 """A bin is full after this many seconds of samples, and at least this many observations."""
 
-BINS: Final = 80
+MAX_BINS: Final = 80
 """Full bins that are kept (12 s)."""
 
-RECENT: Final = 20
+RECENT_BINS: Final = 20
 """The newest of these set the line's present offset (3 s) ..."""
 
-LOW: Final = 0.25
+LINE_QUANTILE: Final = 0.25
 """... at this quantile of their earliest observations."""
 
 SLACK: Final = 0.003
@@ -45,9 +45,9 @@ class SampleClock:
         self.sample_rate = sample_rate
         self.jumps = 0
         """Number of times the line was moved because samples were lost, or had wrongly been taken for lost."""
-        self._frame = np.zeros(BINS)
-        self._late = np.zeros(BINS)
-        self._full = 0
+        self._frame = np.zeros(MAX_BINS)
+        self._late = np.zeros(MAX_BINS)
+        self._full_bins = 0
         self._rate_error = 0.0
         self._offset = 0.0
         self._middle = 0.0
@@ -66,7 +66,7 @@ class SampleClock:
             self._offset, self._middle, self._bin_from = late, frame, frame
         self._observed += 1
         over = late - self._lateness(frame)
-        if not self._full:
+        if not self._full_bins:
             self._offset += min(over, 0.0)
         elif over < -SLACK:
             self._shift(over)
@@ -97,14 +97,14 @@ class SampleClock:
         self.jumps += 1
 
     def _close_bin(self, frame: float) -> None:
-        slot = self._full % BINS
+        slot = self._full_bins % MAX_BINS
         self._frame[slot], self._late[slot] = self._bin_frame, self._bin_late
-        self._full += 1
+        self._full_bins += 1
         self._late_by[:-1] = self._late_by[1:]
         self._late_by[-1] = self._bin_over
         lost = float(self._late_by.min())
-        if lost > SLACK and self._full > LATE_BINS:
-            newest = [(self._full - 1 - back) % BINS for back in range(LATE_BINS)]
+        if lost > SLACK and self._full_bins > LATE_BINS:
+            newest = [(self._full_bins - 1 - back) % MAX_BINS for back in range(LATE_BINS)]
             kept = self._late[newest]
             self._shift(lost)
             self._late[newest] = kept
@@ -113,7 +113,7 @@ class SampleClock:
         self._fit()
 
     def _fit(self) -> None:
-        known = min(self._full, BINS)
+        known = min(self._full_bins, MAX_BINS)
         frame, late = self._frame[:known], self._late[:known]
         middle = float(np.median(frame))
         if float(np.ptp(frame)) >= SPAN_FOR_RATE * self.sample_rate:
@@ -121,9 +121,9 @@ class SampleClock:
             rise = float(np.median(late[newer]) - np.median(late[~newer]))
             run = float(np.median(frame[newer]) - np.median(frame[~newer])) / self.sample_rate
             self._rate_error = min(max(rise / run, -RATE_TOLERANCE), RATE_TOLERANCE)
-        recent = [(self._full - 1 - back) % BINS for back in range(min(known, RECENT))]
+        recent = [(self._full_bins - 1 - back) % MAX_BINS for back in range(min(known, RECENT_BINS))]
         level = self._late[recent] - self._rate_error * (self._frame[recent] - middle) / self.sample_rate
-        self._middle, self._offset = middle, float(np.quantile(level, LOW))
+        self._middle, self._offset = middle, float(np.quantile(level, LINE_QUANTILE))
 
 
 WINDOW: Final = 2.0
@@ -145,14 +145,14 @@ RATES: Final = np.array([
 """Usual sample rates of devices [Hz]."""
 
 
-class RateWatch:
+class RateEstimator:
     """Measures a device's sample rate, and reports it if it differs from the nominal one."""
 
     def __init__(self, sample_rate: float) -> None:
         self.sample_rate = sample_rate
         """The rate in use [Hz]."""
         self._since: tuple[float, float] | None = None
-        self._found: list[float] = []
+        self._rates: list[float] = []
 
     def observe(self, frame: float, time: float) -> float | None:
         """Record frame number `frame` at `time` [s]; return the true rate [Hz] if it differs from the present one, else
@@ -166,13 +166,13 @@ class RateWatch:
         self._since = (frame, time)
         rate = frames / seconds
         if seconds > 2.0 * WINDOW or abs(rate / self.sample_rate - 1.0) <= TOLERANCE:
-            self._found.clear()  # as expected, or the machine stalled, which gives no information
+            self._rates.clear()  # as expected, or the machine stalled, which gives no information
             return None
-        self._found = [*self._found[1 - WINDOWS :], rate]
-        low, high = min(self._found), max(self._found)
-        if len(self._found) < WINDOWS or high > low * (1.0 + AGREEMENT):
+        self._rates = [*self._rates[1 - WINDOWS :], rate]
+        low, high = min(self._rates), max(self._rates)
+        if len(self._rates) < WINDOWS or high > low * (1.0 + AGREEMENT):
             return None
-        self._found.clear()
+        self._rates.clear()
         rate = float(np.median([low, rate, high]))
         nearest = float(RATES[np.argmin(np.abs(np.log(RATES / rate)))])
         self.sample_rate = nearest if abs(nearest / rate - 1.0) <= TOLERANCE else rate

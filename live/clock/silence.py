@@ -13,7 +13,7 @@ RISE: Final = 2.0
 FALL: Final = 0.06
 """Rates at which the music's level is raised and lowered [1/s]."""
 
-BEATING: Final = 0.3
+BEAT_THRESHOLD: Final = 0.3
 """Beat probability above which there is music, however soft."""
 
 SILENT_AFTER: Final = 1.2
@@ -29,7 +29,7 @@ REST_FADE: Final = 0.1
 """Rate at which rests are forgotten [1/s]."""
 
 
-class Quiet:
+class SilenceDetector:
     """Detects silence from level and beat probability, frame by frame."""
 
     def __init__(self, hop: float) -> None:
@@ -38,7 +38,7 @@ class Quiet:
         self._music = 0.0
         self.duration = 0.0
         """Seconds since the last audible frame."""
-        self.heard = False
+        self.has_sound = False
         """Whether any frame was audible since the start."""
 
     def step(self, level: float, beat: float = 1.0) -> float:
@@ -46,12 +46,12 @@ class Quiet:
 
         Return the length [s] of the silence that this frame ends; 0 if none.
         """
-        audible = level >= SILENT_LEVEL and (level >= BELOW_MUSIC * self._music or beat >= BEATING)
+        audible = level >= SILENT_LEVEL and (level >= BELOW_MUSIC * self._music or beat >= BEAT_THRESHOLD)
         self._music += self._hop * (RISE if level > self._music else FALL) * (level - self._music)
         if not audible:
             self.duration += self._hop
             return 0.0
-        ended, self.duration, self.heard = self.duration, 0.0, True
+        ended, self.duration, self.has_sound = self.duration, 0.0, True
         self._rest *= 1.0 - REST_FADE * self._hop
         if ended <= 2.0 * SILENT_AFTER:
             self._rest = max(self._rest, ended)
@@ -63,12 +63,12 @@ class Quiet:
         return self.duration >= SILENT_AFTER
 
     @property
-    def listening(self) -> bool:
+    def expects_beats(self) -> bool:
         """Whether missing beats carry information: not in a silence longer than the rests before."""
         return self.duration <= max(PAUSE, REST_RATIO * self._rest)
 
 
-Hearing = Literal["sound", "pause", "silence"]
+SoundState = Literal["sound", "pause", "silence"]
 """sound: music plays, or rests as usual; pause: a longer rest, undecided yet; silence: the music has ended."""
 
 PAUSE_AFTER: Final = 0.8
@@ -77,28 +77,28 @@ PAUSE_AFTER: Final = 0.8
 SILENCE_AFTER: Final = 1.2
 """Seconds that count as silence."""
 
-LONGER: Final = 1.25
+REST_TOLERANCE: Final = 1.25
 """Recurring rests may be longer than usual by this factor (a click at 40 bpm rests 1.5 s)."""
 
 LONGEST_REST: Final = 2.4
 """A longer gap [s] is not a rest within music."""
 
-USUAL: Final = 3
-REMEMBERED: Final = 12.0
+USUAL_COUNT: Final = 3
+REST_MEMORY: Final = 12.0
 """A rest length is usual if this many as long, or longer, ended within this time [s]."""
 
 
-class Pauses:
+class PauseDetector:
     """Detects pauses and silence from the level of successive blocks."""
 
     def __init__(self) -> None:
         self._rests: deque[tuple[float, float]] = deque(maxlen=64)
         self._since: float | None = None
         self._usual = 0.0
-        self.state: Hearing = "sound"
+        self.state: SoundState = "sound"
         """The present state; "sound" until the first silence."""
 
-    def step(self, level: float, position: float) -> Hearing:
+    def step(self, level: float, position: float) -> SoundState:
         """Process the level (RMS, full scale = 1) of the audio up to `position` [s, never less than before]."""
         if level >= SILENT_LEVEL:
             if self._since is not None:
@@ -108,7 +108,7 @@ class Pauses:
         if self._since is None:
             self._since, self._usual = position, self._usual_rest(position)
         still = position - self._since
-        longest = LONGER * self._usual
+        longest = REST_TOLERANCE * self._usual
         if still >= max(SILENCE_AFTER, longest + SILENCE_AFTER - PAUSE_AFTER):
             self.state = "silence"
         elif still >= max(PAUSE_AFTER, longest):
@@ -117,5 +117,5 @@ class Pauses:
 
     def _usual_rest(self, position: float) -> float:
         """Return the usual length of recent rests [s]; 0 if there were none."""
-        lately = [rest for rest, end in self._rests if rest <= LONGEST_REST and end > position - REMEMBERED]
-        return sorted(lately)[-USUAL] if len(lately) >= USUAL else 0.0
+        lately = [rest for rest, end in self._rests if rest <= LONGEST_REST and end > position - REST_MEMORY]
+        return sorted(lately)[-USUAL_COUNT] if len(lately) >= USUAL_COUNT else 0.0

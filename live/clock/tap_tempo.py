@@ -5,14 +5,14 @@ from typing import Final
 
 from live.clock.timeline import Grid
 
-FORGET_AFTER: Final = 2.0
+SEQUENCE_TIMEOUT: Final = 2.0
 """Seconds without a tap after which a new sequence begins."""
 
 BOUNCE: Final = 0.15
 """Taps closer than this [s] (400 bpm) count as one: the key bounces."""
 
-TAPS_WANTED: Final = 3
-TAPS_KEPT: Final = 12
+MIN_TAPS: Final = 3
+MAX_TAPS: Final = 12
 
 
 class TapTempo:
@@ -32,12 +32,12 @@ class TapTempo:
         The period is the mean of the intervals within a quarter of their median, so that one missed or doubled tap
         changes nothing; the phase is the median over the taps.
         """
-        if self._taps and abs(time - self._taps[-1]) > FORGET_AFTER:
+        if self._taps and abs(time - self._taps[-1]) > SEQUENCE_TIMEOUT:
             self._taps.clear()
         if self._taps and time - self._taps[-1] < BOUNCE:
             return None
-        self._taps = [*self._taps[-(TAPS_KEPT - 1) :], time]
-        if len(self._taps) < TAPS_WANTED:
+        self._taps = [*self._taps[-(MAX_TAPS - 1) :], time]
+        if len(self._taps) < MIN_TAPS:
             return None
         intervals = [later - earlier for earlier, later in zip(self._taps, self._taps[1:], strict=False)]
         middle = median_low(intervals)  # one of them, so that at least one lies near it

@@ -15,7 +15,7 @@ STALL: Final = 0.25
 """After a gap longer than this [s] the missed ticks are skipped and counted, not run."""
 
 
-class Ticks:
+class TickCounter:
     """Counts ticks up to a target time; the tick with index n is at n/64 s.
 
     Thread: the show's only.

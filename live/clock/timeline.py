@@ -52,7 +52,7 @@ class Timeline:
         """Return a timeline with the same beat at `time` [s], and the tempo [bpm] from there on."""
         return Timeline(tempo, self.beat_at(time), time, self.beats_per_measure, self.measure_origin)
 
-    def with_one_at(self, time: float) -> "Timeline":
+    def with_downbeat_at(self, time: float) -> "Timeline":
         """Return a timeline in which the beat nearest to `time` [s] is a downbeat; beats stay, the measure lines move.
 
         The new measure takes the number of the nearest measure line of the old grid, so that numbers neither jump nor
@@ -62,7 +62,7 @@ class Timeline:
         number = math.floor((downbeat - self.measure_origin) / self.beats_per_measure + 0.5)
         return replace(self, measure_origin=float(downbeat - number * self.beats_per_measure))
 
-    def with_line(self, beat: float, time: float, *, beats_per_measure: int | None = None) -> "Timeline":
+    def with_measure_line(self, beat: float, time: float, *, beats_per_measure: int | None = None) -> "Timeline":
         """Return a timeline in which a measure begins at `beat` (optionally with another length); the beat position
         stays.
 

@@ -20,12 +20,16 @@ LEVEL: Final = "/dance/light/level"
 BLACKOUT: Final = "/dance/blackout"
 
 
-def widths_of(sends: str) -> int:
+def channel_count(sends: str) -> int:
     """Return the number of channels of this source when it is not 16-bit; 0 if there is no such source."""
     if sends in SENDS:
         return 4 if sends == "dancer" else 1
     control = REGISTRY.find(sends)
-    if control is None or control.named or any(argument.type in ("name", "text") for argument in control.valued):
+    if (
+        control is None
+        or control.named
+        or any(argument.type in ("name", "text") for argument in control.value_arguments)
+    ):
         return 0
     return control.value
 
@@ -42,7 +46,7 @@ class Channel:
     fine: bool = False
 
 
-USUAL: Final = (
+DEFAULT_CHANNELS: Final = (
     Channel(1, "beat"), Channel(2, "measure", beats=2.0), Channel(3, "tempo"), Channel(4, "steps"),
     Channel(5, "feet", beats=0.5), Channel(6, LEVEL), Channel(7, "/dance/light/key"),
     Channel(8, "/dance/light/key/colour"), Channel(11, "/dance/light/rim"), Channel(12, "/dance/light/rim/colour"),
@@ -52,7 +56,7 @@ USUAL: Final = (
 """The channel map of a patch without one."""
 
 
-class Chart:
+class DmxMapping:
     """Current values of all channels.
 
     `half` [m]: half the stage; at its edges a dancer's channels are 0 and full.
@@ -61,19 +65,19 @@ class Chart:
     def __init__(self, channels: Sequence[Channel], half: tuple[float, float]) -> None:
         self._channels, self._half = tuple(channels), half
         self._values: dict[str, tuple[float, ...]] = {}
-        self._places: Mapping[int, tuple[float, float]] = {}
+        self._positions: Mapping[int, tuple[float, float]] = {}
         self._flash: dict[str, tuple[float, float]] = {}
         self._row = np.zeros(CHANNELS, np.uint8)
 
-    def take_values(self, changes: Changes) -> None:
+    def update_values(self, changes: Changes) -> None:
         """Store new registry values. Of a value that differs between groups, the first counts."""
         for address, rows in changes.items():
             if rows and not any(isinstance(value, str) for value in rows[0][1]):
                 self._values[address] = tuple(float(value) for value in rows[0][1])
 
-    def take_places(self, rows: npt.NDArray[np.float32]) -> None:
+    def update_positions(self, rows: npt.NDArray[np.float32]) -> None:
         """Store the positions of all dancers on stage: rows (number from 1, x, z, heading)."""
-        self._places = {int(row[0]): (row[1], row[2]) for row in rows.tolist()}
+        self._positions = {int(row[0]): (row[1], row[2]) for row in rows.tolist()}
 
     def flash(self, what: str, beat: float, strength: float = 1.0) -> None:
         """Start a flash at this beat with this strength (0 to 1)."""
@@ -84,7 +88,7 @@ class Chart:
         beat = timeline.beat_at(now)
         self._row[:] = 0
         for channel in self._channels:
-            shares = self._shares(channel, timeline, beat)
+            shares = self._levels(channel, timeline, beat)
             at = channel.channel - 1
             if channel.fine or channel.sends == "dancer":
                 for share in shares:
@@ -95,26 +99,26 @@ class Chart:
                 self._row[at : at + len(shares)] = [round(255 * share) for share in shares]
         return self._row
 
-    def _shares(self, channel: Channel, timeline: Timeline, beat: float) -> list[float]:
+    def _levels(self, channel: Channel, timeline: Timeline, beat: float) -> list[float]:
         """Return the values of one source, 0 to 1."""
         match channel.sends:
             case "beat":
-                return [_fading(beat % 1.0, channel.beats)]
+                return [_fade_level(beat % 1.0, channel.beats)]
             case "measure":
-                return [_fading((beat - timeline.measure_origin) % timeline.beats_per_measure, channel.beats)]
+                return [_fade_level((beat - timeline.measure_origin) % timeline.beats_per_measure, channel.beats)]
             case "tempo":
                 return [min(timeline.tempo / 255.0, 1.0)]
             case "steps" | "feet":
                 begun, strength = self._flash.get(channel.sends, (-np.inf, 0.0))
-                return [strength * _fading(beat - begun, channel.beats)]
+                return [strength * _fade_level(beat - begun, channel.beats)]
             case "dancer":
-                x, z = self._places.get(channel.dancer, (0.0, 0.0))
+                x, z = self._positions.get(channel.dancer, (0.0, 0.0))
                 places = zip((x, z), self._half, strict=True)
                 return [min(max(0.5 + 0.5 * place / half, 0.0), 1.0) for place, half in places]
             case address:
-                return self._of_value(address)
+                return self._value_levels(address)
 
-    def _of_value(self, address: str) -> list[float]:
+    def _value_levels(self, address: str) -> list[float]:
         control = REGISTRY[address]
         values = self._values.get(address, (0.0,) * control.value)
         light = 0.0 if address == LEVEL and self._values.get(BLACKOUT, (0.0,))[0] else 1.0
@@ -125,5 +129,5 @@ class Chart:
         return shares
 
 
-def _fading(since: float, beats: float) -> float:
+def _fade_level(since: float, beats: float) -> float:
     return max(1.0 - since / beats, 0.0) if since >= 0.0 else 0.0

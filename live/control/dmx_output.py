@@ -1,6 +1,6 @@
 """DMX output over sACN (E1.31) or Art-Net at a fixed rate.
 
-Run as a module, it is a helper process (`Helper`). The packages sacn and stupidartnet build the packets.
+Run as a module, it is a helper process (`HelperProcess`). The packages sacn and stupidartnet build the packets.
 """
 
 import gc
@@ -17,12 +17,12 @@ import numpy.typing as npt
 
 from live.clock.time_source import SystemClock
 from live.clock.timeline import Timeline
-from live.control.dmx_mapping import Channel, Chart
-from live.control.helper_process import Told
+from live.control.dmx_mapping import Channel, DmxMapping
+from live.control.helper_process import HelperChannel
 
 RATE: Final = 40.0
 """Frames per second: close to DMX's maximum of 44."""
-FIGURES_EVERY: Final = 1.0
+STATUS_INTERVAL: Final = 1.0
 SACN_PORT: Final = 5568
 ARTNET_PORT: Final = 6454
 NAME: Final = "ChoreoGraphics Live"
@@ -96,28 +96,28 @@ class ArtnetSender:
         self._sender.close()
 
 
-def sender_of(to: Universe) -> Sender:
+def make_sender(universe: Universe) -> Sender:
     """Return a sender for a universe; OSError if there is no network."""
-    return SacnSender(to) if to.protocol == "sacn" else ArtnetSender(to)
+    return SacnSender(universe) if universe.protocol == "sacn" else ArtnetSender(universe)
 
 
-class DmxOut:
+class DmxOutput:
     """Scheduler of the DMX frames. Thread: one."""
 
-    def __init__(self, chart: Chart, senders: Sequence[Sender]) -> None:
+    def __init__(self, chart: DmxMapping, senders: Sequence[Sender]) -> None:
         self._chart, self._senders = chart, senders
         self._timeline: Timeline | None = None
         self.sent = self.failed = 0
 
-    def take(self, told: tuple[str, Any], now: float) -> None:
-        """Handle a packet from the show: the same kinds as `OscOut`, and `values`."""
-        what, value = told
+    def handle(self, packet: tuple[str, Any], now: float) -> None:
+        """Handle a packet from the show: the same kinds as `OscOutput`, and `values`."""
+        what, value = packet
         if what == "timeline":
             self._timeline = Timeline(*value)
         elif what == "values":
-            self._chart.take_values(value)
+            self._chart.update_values(value)
         elif what == "positions":
-            self._chart.take_places(np.frombuffer(value, np.float32).reshape(-1, 4))
+            self._chart.update_positions(np.frombuffer(value, np.float32).reshape(-1, 4))
         elif what == "news" and self._timeline is not None:
             beat = self._timeline.beat_at(now)
             for name, values in value:
@@ -126,7 +126,7 @@ class DmxOut:
                 elif name == "foot":
                     self._chart.flash("feet", beat, values[4])
 
-    def turn(self, now: float) -> None:
+    def send_frame(self, now: float) -> None:
         """Send one frame; frames that the network refuses are counted."""
         if self._timeline is None:
             return
@@ -141,26 +141,26 @@ class DmxOut:
 
 def main() -> None:
     """Send until the show ends."""
-    told = Told(int(sys.argv[1]))
+    told = HelperChannel(int(sys.argv[1]))
     gc.disable()
     plan = told.plan
-    senders = [sender_of(Universe(*each)) for each in plan["universes"]]
-    out = DmxOut(Chart([Channel(*each) for each in plan["channels"]], plan["half"]), senders)
+    senders = [make_sender(Universe(*each)) for each in plan["universes"]]
+    out = DmxOutput(DmxMapping([Channel(*each) for each in plan["channels"]], plan["half"]), senders)
     clock = SystemClock(plan["origin"])
     due = say_at = clock.now()
-    while not told.ended:
+    while not told.closed:
         select.select([told.socket], [], [], max(due - clock.now(), 0.0))
         for packet in told.packets():
-            out.take(packet, clock.now())
+            out.handle(packet, clock.now())
         now = clock.now()
         if now < due:
             continue
         due = max(due + 1.0 / RATE, now)
-        out.turn(now)
+        out.send_frame(now)
         if now >= say_at:
-            say_at = now + FIGURES_EVERY
+            say_at = now + STATUS_INTERVAL
             gc.collect(0)
-            told.say({"rows": out.sent, "failed": out.failed})
+            told.send_facts({"rows": out.sent, "failed": out.failed})
     for sender in senders:
         sender.close()
 

@@ -17,22 +17,22 @@ from typing import Any, Final
 
 from live.base.fault_isolation import run_once
 from live.clock.time_source import Clock
-from live.control.message_codec import PacketError, packet_of, read_packet
+from live.control.message_codec import PacketError, decode_packet, encode_packet
 
-LARGEST: Final = 1 << 16
+MAX_PACKET_BYTES: Final = 1 << 16
 RESTART_AFTER: Final = 2.0
-ENDS_WITHIN: Final = 2.0
-PER_FRAME: Final = 8
+STOP_TIMEOUT: Final = 2.0
+PACKETS_PER_FRAME: Final = 8
 HELLO: Final = {"hello": True}
 """First message of a process that the show did not start: it asks for the plan."""
 
 
-class Helper:
+class HelperProcess:
     """The show's end. Thread: the show's; a restart runs in a thread of its own."""
 
     def __init__(
-        self, module: str, clock: Clock, plan: dict[str, Any], anew: Callable[[], None], *inherit: int,
-        on: Callable[[Any], None] = lambda told: None, joined: int | None = None,
+        self, module: str, clock: Clock, plan: dict[str, Any], on_start: Callable[[], None], *inherit: int,
+        on_packet: Callable[[Any], None] = lambda told: None, descriptor: int | None = None,
     ) -> None:  # fmt: skip
         """Configure the child; nothing is started yet.
 
@@ -42,30 +42,30 @@ class Helper:
         another program starts and restarts; such a process sends `HELLO`. When the other end of that socket is closed,
         a child is started here.
         """
-        self._inherit, self._on, self._joined = inherit, on, joined
-        self._module, self._clock, self._plan, self._anew = module, clock, plan, anew
+        self._inherit, self._on_packet, self._descriptor = inherit, on_packet, descriptor
+        self._module, self._clock, self._plan, self._on_start = module, clock, plan, on_start
         self._socket: socket.socket | None = None
         self._process: subprocess.Popen[bytes] | None = None
         self._starting: threading.Thread | None = None
         self._started_at = 0.0
         self._facts: dict[str, Any] = {}
-        self.left_out = 0
+        self.dropped = 0
         """Packets dropped for lack of room."""
         self.restarts = 0
         self.damaged = 0
         """Packets from the child that could not be read."""
 
     @property
-    def process(self) -> int | None:
+    def pid(self) -> int | None:
         """The child's process id; None while there is none."""
         return None if self._process is None else self._process.pid
 
     def start(self) -> None:
         """Start the process. It is ready some tenths of a second later; packets sent meanwhile wait."""
-        if self._joined is not None:
-            self._socket = socket.socket(fileno=os.dup(self._joined))
+        if self._descriptor is not None:
+            self._socket = socket.socket(fileno=os.dup(self._descriptor))
             self._socket.setblocking(False)
-            self._tell_plan()
+            self._send_plan()
             return
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         ours.setblocking(False)
@@ -80,24 +80,24 @@ class Helper:
         if old is not None:
             old.close()
         self._started_at = self._clock.now()
-        self._tell_plan()
+        self._send_plan()
 
-    def _tell_plan(self) -> None:
+    def _send_plan(self) -> None:
         self.send(self._plan | {"origin": time.perf_counter() - self._clock.now()})
-        self._anew()
+        self._on_start()
 
-    def send(self, what: object) -> bool:
+    def send(self, packet: object) -> bool:
         """Send a packet; return whether there was room for it."""
         if self._socket is None:
             return False
         try:
-            self._socket.send(packet_of(what))
+            self._socket.send(encode_packet(packet))
         except OSError:
-            self.left_out += 1
+            self.dropped += 1
             return False
         return True
 
-    def frame(self, news: int = PER_FRAME) -> None:
+    def frame(self, most: int = PACKETS_PER_FRAME) -> None:
         """Receive the child's packets, and restart it if it has died; called once per frame.
 
         At most `news` packets other than facts are handled.
@@ -106,9 +106,9 @@ class Helper:
             if self._starting is not None and not self._starting.is_alive():
                 self._starting = None
             return
-        for _ in range(PER_FRAME):
+        for _ in range(PACKETS_PER_FRAME):
             try:
-                data = self._socket.recv(LARGEST)
+                data = self._socket.recv(MAX_PACKET_BYTES)
             except BlockingIOError:
                 return
             except OSError:
@@ -116,24 +116,24 @@ class Helper:
             if not data:
                 break
             try:
-                told = read_packet(data)
+                told = decode_packet(data)
             except PacketError:
                 self.damaged += 1
                 continue
             if told == HELLO:
-                self._tell_plan()
+                self._send_plan()
             elif isinstance(told, dict):
                 self._facts = told
             else:
-                self._on(told)
-                news -= 1
-                if not news:
+                self._on_packet(told)
+                most -= 1
+                if not most:
                     return
         else:
             return
-        lost = self._joined is not None  # that process has no keeper any more: replace it by a child
+        lost = self._descriptor is not None  # that process has no keeper any more: replace it by a child
         if lost or self._clock.now() - self._started_at > RESTART_AFTER:
-            self._joined = None
+            self._descriptor = None
             self.restarts += 1
             self._starting = threading.Thread(target=self._start_again, daemon=True)
             self._starting.start()
@@ -149,7 +149,7 @@ class Helper:
     def stop(self) -> None:
         """Stop the child and close the channel."""
         if self._starting is not None:
-            self._starting.join(ENDS_WITHIN)
+            self._starting.join(STOP_TIMEOUT)
         if self._socket is not None:
             self._socket.close()
             self._socket = None
@@ -160,17 +160,17 @@ class Helper:
         if process is None:
             return
         try:
-            process.wait(timeout=ENDS_WITHIN)
+            process.wait(timeout=STOP_TIMEOUT)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
 
-    def facts(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return the child's latest facts (about one second old), with dropped packets and restarts."""
-        return {**self._facts, "left_out": self.left_out, "restarts": self.restarts}
+        return {**self._facts, "left_out": self.dropped, "restarts": self.restarts}
 
 
-class Told:
+class HelperChannel:
     """The child's end of the channel. Thread: one."""
 
     def __init__(self, descriptor: int, plan: dict[str, Any] | None = None) -> None:
@@ -180,30 +180,30 @@ class Told:
         self.socket = socket.socket(fileno=descriptor)
         if plan is None:
             self.socket.setblocking(True)
-            plan = read_packet(self.socket.recv(LARGEST))
+            plan = decode_packet(self.socket.recv(MAX_PACKET_BYTES))
         self.plan: dict[str, Any] = plan
         self.socket.setblocking(False)
         with contextlib.suppress(OSError):
             os.nice(self.plan.get("nice", 2))  # the show's frames have priority
-        self.ended = False
+        self.closed = False
         """Whether the show has closed the channel."""
 
     def packets(self) -> Iterator[Any]:
         """Return the packets received so far."""
-        while not self.ended:
+        while not self.closed:
             try:
-                data = self.socket.recv(LARGEST)
+                data = self.socket.recv(MAX_PACKET_BYTES)
             except BlockingIOError:
                 return
             except OSError:
                 data = b""
             if not data:
-                self.ended = True
+                self.closed = True
                 return
             with contextlib.suppress(PacketError):
-                yield read_packet(data)
+                yield decode_packet(data)
 
-    def say(self, facts: dict[str, Any]) -> None:
+    def send_facts(self, facts: dict[str, Any]) -> None:
         """Send facts for the show's status."""
         with contextlib.suppress(OSError):
-            self.socket.send(packet_of(facts))
+            self.socket.send(encode_packet(facts))

@@ -20,7 +20,7 @@ class Key:
     """Command of a key: `what` is a control's address, or a command of the window."""
 
     description: str
-    what: Literal[
+    command: Literal[
         "/dance/clock/tap",
         "/dance/clock/one",
         "/dance/clock/nudge",
@@ -58,7 +58,7 @@ class Key:
     @property
     def is_control(self) -> bool:
         """Whether the key changes the show (and so makes an event), not only the window."""
-        return self.what.startswith("/")
+        return self.command.startswith("/")
 
 
 KEYS: Final[dict[str, Key]] = {
@@ -131,8 +131,8 @@ def event_for_key(
         "/dance/audience/qr": (not code_now,),
         "/dance/output/fade": (float(dark_now), FADE_BEATS),
     }
-    values = switches.get(key.what, key.values)
-    result = REGISTRY.call(key.what, values, time, SOURCE)
+    values = switches.get(key.command, key.values)
+    result = REGISTRY.call(key.command, values, time, SOURCE)
     return result if isinstance(result, ControlEvent) else None
 
 

@@ -11,7 +11,7 @@ from typing import Any, Final, TypeVar
 
 import msgpack
 
-from live.base.field_types import made_of
+from live.base.field_types import build_dataclass
 
 Kind = TypeVar("Kind")
 
@@ -33,7 +33,7 @@ def registered(name: str) -> Callable[[type[Kind]], type[Kind]]:
         names = [each.name for each in fields(cls)]  # type: ignore[arg-type]
 
         def make(values: tuple[Any, ...]) -> Any:
-            return made_of(cls, dict(zip(names, values, strict=True)))
+            return build_dataclass(cls, dict(zip(names, values, strict=True)))
 
         register_as(name, cls, make)
         return cls
@@ -47,30 +47,30 @@ def register_as(name: str, cls: type, make: Callable[[tuple[Any, ...]], Any]) ->
     _makers[name] = make
 
 
-def packet_of(value: object) -> bytes:
+def encode_packet(value: object) -> bytes:
     """Encode a value; PacketError for one that contains an unregistered type."""
     try:
-        found: bytes = msgpack.packb(value, default=_packed)
+        found: bytes = msgpack.packb(value, default=_encode_object)
     except (TypeError, ValueError, OverflowError) as error:
         raise PacketError(str(error)) from None
     return found
 
 
-def read_packet(data: bytes) -> Any:
+def decode_packet(data: bytes) -> Any:
     """Decode the bytes of `packet_of`; PacketError for anything else."""
     try:
-        return msgpack.unpackb(data, use_list=False, ext_hook=_read, strict_map_key=False)
+        return msgpack.unpackb(data, use_list=False, ext_hook=_decode_object, strict_map_key=False)
     except PacketError:
         raise
     except Exception as error:  # damaged bytes raise many kinds of errors
         raise PacketError(f"{type(error).__name__}: {error}"[:300]) from None
 
 
-def _packed(value: object) -> Any:
+def _encode_object(value: object) -> Any:
     name = _names.get(type(value))
     if name is not None:
         row = [name, *(getattr(value, each.name) for each in fields(value))]  # type: ignore[arg-type]
-        return msgpack.ExtType(_OBJECT, packet_of(row))
+        return msgpack.ExtType(_OBJECT, encode_packet(row))
     if type(value).__module__ == "numpy":  # a number; the supervisor, which also reads packets, has no arrays
         return value.item()  # type: ignore[attr-defined]
     if isinstance(value, PurePath):
@@ -80,8 +80,8 @@ def _packed(value: object) -> Any:
     raise TypeError(f"{type(value).__name__} cannot be put into a packet")
 
 
-def _read(code: int, data: bytes) -> Any:
-    found = read_packet(data) if code == _OBJECT else ()
+def _decode_object(code: int, data: bytes) -> Any:
+    found = decode_packet(data) if code == _OBJECT else ()
     make = _makers.get(found[0]) if isinstance(found, tuple) and found and isinstance(found[0], str) else None
     if make is None:
         raise PacketError(f"extension {code} is not a registered type")

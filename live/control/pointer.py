@@ -14,11 +14,11 @@ from live.control.registry.registry import REGISTRY
 
 SOURCE: Final = "pointer"
 Points = Sequence[tuple[float, float]]
-WALKED: Final = "0"
+WALK_TOOL: Final = "0"
 """The tool that draws a path while it is walked."""
-SHORTEST: Final = 0.3
+MIN_STROKE: Final = 0.3
 """Minimum length of a stroke [m]."""
-MOST_POINTS: Final = 14
+MAX_POINTS: Final = 14
 """Maximum points kept of a stroke: as many as fit into a text."""
 
 
@@ -59,13 +59,13 @@ def event_for_stroke(tool: str, points: Points, shift: bool, time: float) -> Con
         return None
     first, last = points[0], points[-1]
     if what.shape == "place":
-        return _event(address, last if tool == WALKED else first, time)
+        return _event(address, last if tool == WALK_TOOL else first, time)
     if what.shape == "region":
-        return _event(address, (*first, max(math.dist(first, last), SHORTEST)), time)
-    if _length(points) < SHORTEST:
+        return _event(address, (*first, max(math.dist(first, last), MIN_STROKE)), time)
+    if _length(points) < MIN_STROKE:
         return None
     if what.shape == "line":
-        return None if math.dist(first, last) < SHORTEST else _event(address, (*first, *last), time)
+        return None if math.dist(first, last) < MIN_STROKE else _event(address, (*first, *last), time)
     return _event(address, (", ".join(f"{x:.2f} {z:.2f}" for x, z in _thinned(points)),), time)
 
 
@@ -75,7 +75,7 @@ def event_for_place(tool: str, x: float, z: float, shift: bool, time: float) -> 
     None also where the floor is too far away or not hit (NaN).
     """
     what = TOOLS[tool]
-    if tool == WALKED:
+    if tool == WALK_TOOL:
         return _event(what.address, (float(x), float(z), "*", shift), time)
     if tool != "A":
         return None
@@ -93,5 +93,5 @@ def _length(points: Points) -> float:
 
 def _thinned(points: Points) -> list[tuple[float, float]]:
     """Return at most MOST_POINTS of the points, evenly chosen, including the first and the last."""
-    count = min(len(points), MOST_POINTS)
+    count = min(len(points), MAX_POINTS)
     return [points[round(k * (len(points) - 1) / (count - 1))] for k in range(count)]

@@ -14,7 +14,7 @@ PRIORITY: Final = 10
 NICE: Final = -15
 """Nice value where real-time priority is not allowed (limits.conf, nice)."""
 
-SLICE: Final = 100_000
+SLICE_NS: Final = 100_000
 """Requested time slice [ns].
 
 From Linux 6.12 on, a thread with a short slice is scheduled before one with a long slice. No privilege is needed
@@ -36,7 +36,7 @@ class _Attributes(ctypes.Structure):
     )  # fmt: skip
 
 
-def hurry() -> bool:
+def request_realtime() -> bool:
     """Give this thread real-time priority where allowed (Linux: limits.conf, rtprio); return whether it was.
 
     Otherwise all permitted means of waking on time are used.
@@ -48,12 +48,12 @@ def hurry() -> bool:
         with contextlib.suppress(AttributeError, OSError):  # not allowed: keep the default share
             os.setpriority(os.PRIO_PROCESS, thread, NICE)
         if sys.platform == "linux":
-            _ask_for_little(thread)
+            _request_short_slices(thread)
         return False
     return True
 
 
-def _ask_for_little(thread: int) -> None:
+def _request_short_slices(thread: int) -> None:
     """Request short slices and 1 µs timer slack (timers may otherwise be 50 µs late); refusals are ignored."""
     number = SCHED_SETATTR.get(platform.machine())
     with contextlib.suppress(AttributeError, OSError):
@@ -61,5 +61,5 @@ def _ask_for_little(thread: int) -> None:
         system.prctl(PR_SET_TIMERSLACK, 1, 0, 0, 0)
         if number is not None:
             nice = os.getpriority(os.PRIO_PROCESS, thread)
-            wish = _Attributes(size=ctypes.sizeof(_Attributes), nice=nice, runtime=SLICE)
+            wish = _Attributes(size=ctypes.sizeof(_Attributes), nice=nice, runtime=SLICE_NS)
             system.syscall(number, 0, ctypes.byref(wish), 0)

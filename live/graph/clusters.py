@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.build.metric import FlatClouds
-from live.graph.build.transitions import Boundaries, JoinRule, find_joins
+from live.graph.build.transitions import Boundaries, JoinSettings, find_joins
 from live.graph.motion_graph import MotionGraph, largest_component, strong_components
 from live.graph.step_library import StepLibrary
-from live.graph.transition_rules import begun_side, may_follow_between, plain_pose
+from live.graph.transition_rules import initial_side, may_follow_between, plain_pose
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -36,12 +36,12 @@ class Component:
 
 
 @dataclass(frozen=True, slots=True)
-class Lead:
+class JoinSummary:
     """Joins from the variations of one group (a step, a component) to those of another."""
 
     source: int
     target: int
-    joins: int
+    join_count: int
     nearest: float
     """Distance of the nearest join [m]."""
 
@@ -54,9 +54,9 @@ class Connectivity:
     """Strongly connected component of each node, shape (N,)."""
     alive: Bool
     """Whether a node is in the largest component that allows an endless dance, shape (N,)."""
-    leads_on: Bool
+    has_successor: Bool
     """Whether any node can follow it, shape (N,)."""
-    reached: Bool
+    has_predecessor: Bool
     """Whether it can follow any node, shape (N,)."""
 
 
@@ -65,12 +65,12 @@ def structural_components(library: StepLibrary) -> list[Component]:
     found: dict[tuple[int, str, str, str], list[int]] = {}
     for node in range(library.node_count):
         clip = library.clips[library.node_clip[node]]
-        key = (int(library.node_step[node]), begun_side(clip), plain_pose(clip.begin_pose), plain_pose(clip.end_pose))
+        key = (int(library.node_step[node]), initial_side(clip), plain_pose(clip.begin_pose), plain_pose(clip.end_pose))
         found.setdefault(key, []).append(node)
     return [Component(*key, tuple(nodes)) for key, nodes in sorted(found.items(), key=lambda one: one[0][0])]
 
 
-def leads(graph: MotionGraph, group: Int32, count: int) -> list[Lead]:
+def join_summaries(graph: MotionGraph, group: Int32, count: int) -> list[JoinSummary]:
     """Return the joins between groups of nodes, where one step ends and another begins; `group` (N,) below `count`.
 
     Joins of pruned nodes are included.
@@ -81,7 +81,9 @@ def leads(graph: MotionGraph, group: Int32, count: int) -> list[Lead]:
     nearest = np.full(count * count, np.inf)
     np.minimum.at(nearest, pair, joins.cost[between])
     number = np.bincount(pair, minlength=count * count)
-    return [Lead(int(p) // count, int(p) % count, int(number[p]), float(nearest[p])) for p in np.flatnonzero(number)]
+    return [
+        JoinSummary(int(p) // count, int(p) % count, int(number[p]), float(nearest[p])) for p in np.flatnonzero(number)
+    ]
 
 
 def connectivity(graph: MotionGraph) -> Connectivity:
@@ -93,8 +95,8 @@ def connectivity(graph: MotionGraph) -> Connectivity:
     return Connectivity(
         label=strong_components(count, source, target),
         alive=alive,
-        leads_on=np.bincount(source, minlength=count) > 0,
-        reached=np.bincount(target, minlength=count) > 0,
+        has_successor=np.bincount(source, minlength=count) > 0,
+        has_predecessor=np.bincount(target, minlength=count) > 0,
     )
 
 
@@ -106,11 +108,11 @@ def nearest_steps(graph: MotionGraph) -> Float64:
     library = graph.library
     leaves = np.flatnonzero(library.node_measure == library.node_measures - 1)
     enters = np.flatnonzero(library.node_measure == 0)
-    starts = graph.boundaries.starts.chosen(enters)
+    starts = graph.boundaries.starts.select(enters)
     nearest = np.full((len(library.steps), len(library.steps)), np.inf)
     for begin in range(0, len(leaves), _BLOCK):
         rows = leaves[begin : begin + _BLOCK]
-        squared = _squared(graph.boundaries.ends.chosen(rows), starts)
+        squared = _squared(graph.boundaries.ends.select(rows), starts)
         squared[~may_follow_between(library, rows, enters)] = np.inf
         for step in np.unique(library.node_step[rows]):
             best = squared[library.node_step[rows] == step].min(axis=0)
@@ -125,7 +127,7 @@ def _squared(a: FlatClouds, b: FlatClouds) -> Float64:
 
 
 @dataclass(frozen=True, slots=True)
-class Follower:
+class Successor:
     """A step that can come next."""
 
     step: str
@@ -135,9 +137,9 @@ class Follower:
     """Joins between variations of the two steps."""
 
 
-def followers(library: StepLibrary, step: int, *, window: float = 0.1875, threshold: float = 0.16) -> list[Follower]:
+def successors(library: StepLibrary, step: int, *, window: float = 0.1875, threshold: float = 0.16) -> list[Successor]:
     """Return the steps that can follow the step of that index within `threshold` [m], the nearest first."""
-    rule = JoinRule(window, threshold)
+    rule = JoinSettings(window, threshold)
     joins = find_joins(library, Boundaries.of(library, rule), rule)
     own = (library.node_step[joins.source] == step) & (library.node_measure[joins.target] == 0)
     follows, cost = library.node_step[joins.target[own]], joins.cost[own]
@@ -145,5 +147,5 @@ def followers(library: StepLibrary, step: int, *, window: float = 0.1875, thresh
     for index, name in enumerate(library.steps):
         distances = cost[follows == index]
         if len(distances):
-            found.append(Follower(name, float(distances.min()), len(distances)))
+            found.append(Successor(name, float(distances.min()), len(distances)))
     return sorted(found, key=lambda follower: (follower.distance_m, follower.step))

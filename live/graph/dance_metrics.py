@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.graph.render_dance import Assembled
+from live.graph.render_dance import RenderedDance
 from live.graph.search.path_following import Targets
-from live.graph.select.candidates import wrapped
+from live.graph.select.candidates import wrap_angle
 from live.motion import quaternion
 from live.motion.clip import read_clip
 from live.motion.forward_kinematics import forward_kinematics
@@ -43,26 +43,26 @@ class RawClips:
     rate: float
 
     @cached_property
-    def played(self) -> list[tuple[Float64, Bool]]:
+    def sampled_clips(self) -> list[tuple[Float64, Bool]]:
         """Return joints (T, J, 3) [m] and contacts (T, 2) of each whole clip, lead-in included."""
-        return [self._play(step) for step in self.steps]
+        return [self._sample(step) for step in self.steps]
 
     @cached_property
     def traces(self) -> list[tuple[Float64, Float64]]:
         """Return the largest velocity change and acceleration at every sample, (T,) each."""
-        return [at_samples(position, self.rate) for position, _ in self.played]
+        return [at_samples(position, self.rate) for position, _ in self.sampled_clips]
 
     @property
     def slide(self) -> Float64:
         """Return the speeds [m/s] of feet in contact, (n,)."""
-        return np.concatenate([slides(position, contact, self.rate) for position, contact in self.played])
+        return np.concatenate([slides(position, contact, self.rate) for position, contact in self.sampled_clips])
 
     def p99(self, half: float) -> tuple[float, float]:
         """Return p99 of the largest velocity change [m/s] and acceleration [m/s²] within `half` s of random samples."""
         change, acceleration = zip(*self.traces, strict=True)
         return p99_of_raw(change, half, self.rate), p99_of_raw(acceleration, half, self.rate)
 
-    def _play(self, step: StepClip) -> tuple[Float64, Bool]:
+    def _sample(self, step: StepClip) -> tuple[Float64, Bool]:
         stride = step.samples_per_measure / (self.seconds * self.rate)
         samples = np.arange(int((step.clip.sample_count - 1) / stride) + 1) * stride
         root, rotation, contact = read_clip(step.clip, samples)
@@ -71,11 +71,11 @@ class RawClips:
 
 
 @dataclass(frozen=True)
-class DanceFigures:
+class DanceMetrics:
     """Metrics of one dance and its source clips."""
 
     graph: MotionGraph
-    dance: Assembled
+    dance: RenderedDance
     targets: Targets | None = None
 
     @cached_property
@@ -157,7 +157,7 @@ class DanceFigures:
         dance = self.dance
         rows = np.minimum(np.round(dance.line_time[1:] * dance.clip.sample_rate).astype(int), len(self.position) - 1)
         place = np.hypot(*(self.position[rows, 0][:, (0, 2)] - self.targets.place[1:]).T)
-        heading = np.degrees(np.abs(wrapped(dance.end[:, 2] - self.targets.heading[1:])))
+        heading = np.degrees(np.abs(wrap_angle(dance.end[:, 2] - self.targets.heading[1:])))
         return place.tolist(), heading.tolist()
 
 

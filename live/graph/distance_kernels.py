@@ -29,7 +29,7 @@ def reverse_edges(edge_source: Int32, edge_target: Int32, in_start: Int32, in_so
 
 @kernel("void(i4[::1],b1[::1],i4[::1],i4[::1],i4,i4[::1],i4[:,::1])")
 def count_hops(
-    node_step: Int32, begins: Bool, in_start: Int32, in_source: Int32, never: int, queue: Int32, out: Int32
+    node_step: Int32, begins: Bool, in_start: Int32, in_source: Int32, unreachable: int, queue: Int32, out: Int32
 ) -> None:
     """Write the measures from each node to the first measure of each step into out (C, N); `never` if unreachable.
 
@@ -39,7 +39,7 @@ def count_hops(
     for step in range(out.shape[0]):
         last = 0
         for v in range(out.shape[1]):
-            out[step, v] = never
+            out[step, v] = unreachable
             if begins[v] and node_step[v] == step:
                 out[step, v] = 0
                 queue[last] = v
@@ -50,7 +50,7 @@ def count_hops(
             first += 1
             for e in range(in_start[v], in_start[v + 1]):
                 u = in_source[e]
-                if out[step, u] == never:
+                if out[step, u] == unreachable:
                     out[step, u] = out[step, v] + 1
                     queue[last] = u
                     last += 1
@@ -61,7 +61,7 @@ Int64 = npt.NDArray[np.int64]
 
 
 @kernel("void(f8[::1], i8[::1], i8[::1], i4[::1], f8[::1], f8[::1])")
-def cheapest_on(out: Float64, node: Int64, first: Int64, target: Int32, cost: Float64, value: Float64) -> None:
+def cheapest_successors(out: Float64, node: Int64, first: Int64, target: Int32, cost: Float64, value: Float64) -> None:
     """Write the least cost of an edge plus the cost after it into `out` (N,); infinite where no edge leaves.
 
     The edges of `node` (R,) begin at `first` (R,) and lead to `target` (E,) for `cost` (E,); the remaining dance from

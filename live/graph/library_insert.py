@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.build.transitions import Boundaries, joins_with
+from live.graph.build.transitions import Boundaries, extend_joins
 from live.graph.motion_graph import MotionGraph, graph_of
 from live.graph.node_features import NodeFacts, node_facts
 from live.graph.step_library import build_library, joined_library
@@ -31,7 +31,7 @@ def insert_clips(graph: MotionGraph, clips: Sequence[StepClip]) -> MotionGraph:
     part = build_library(clips)
     library = joined_library(graph.library, part)
     boundaries = graph.boundaries.joined(Boundaries.of(part, graph.rule))
-    joins = joins_with(library, boundaries, graph.joins, graph.library.node_count, graph.rule)
+    joins = extend_joins(library, boundaries, graph.joins, graph.library.node_count, graph.rule)
     facts = facts_of(graph).joined(node_facts(part, graph.window))
     leaving = np.concatenate([graph.leaving, np.zeros(part.node_count, np.bool_)])
     return graph_of(library, boundaries, joins, facts, graph.rule, leaving)
@@ -55,10 +55,10 @@ def facts_of(graph: MotionGraph) -> NodeFacts:
         facing_start=graph.node_facing_start,
         facing_mean=graph.node_facing_mean,
         turns=graph.node_turns,
-        quickest=graph.node_quickest,
-        rise=graph.node_rise,
-        gives=graph.node_gives,
-        holds=graph.node_holds,
+        peak_turn_rate=graph.node_peak_turn_rate,
+        warp_curve=graph.node_warp_curve,
+        reach_margins=graph.node_reach_margins,
+        lift_shares=graph.node_lift_shares,
         moments=graph.moments,
     )
 

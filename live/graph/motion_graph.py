@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.build.metric import Metric
-from live.graph.build.transitions import Boundaries, JoinRule, Joins, Transitions, find_joins, retimed
+from live.graph.build.transitions import Boundaries, Joins, JoinSettings, Transitions, find_joins, retime_library
 from live.graph.distance_kernels import count_hops, reverse_edges
 from live.graph.node_features import Moments, NodeFacts, node_facts
 from live.graph.step_library import StepLibrary
@@ -17,7 +17,7 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
-NEVER = 1 << 20
+UNREACHABLE = 1 << 20
 """Hops to a step that cannot be reached."""
 
 
@@ -48,14 +48,14 @@ class MotionGraph:
     node_turns: Float64
     """Where in each measure a dancer can turn on a supporting foot, shape (N, 8, 8): per segment start, stop, weight,
         x, z [m] of the foot at both ends, softness (T048-T050)."""
-    node_quickest: Float64
+    node_peak_turn_rate: Float64
     """Peak speed of a turn, in whole angles per measure, shape (N,)."""
-    node_rise: Float64
+    node_warp_curve: Float64
     """When in each measure a correction is applied: share and rate at its knots (root_warp), shape (N, 65, 2)."""
-    node_gives: Float64
+    node_reach_margins: Float64
     """How far a dancer can be displaced beyond each measure's own path [m] with planted feet, in 16 directions about
         clip's axes, shape (N, 16)."""
-    node_holds: Float64
+    node_lift_shares: Float64
     """Share of a correction that is applied before the left and the right foot are first lifted, (N, 2)."""
     moments: Moments
     """Poses and speeds of every measure at each quarter of a beat."""
@@ -71,7 +71,7 @@ class MotionGraph:
     """All pairs that may follow each other, those of pruned nodes included; used when the graph grows."""
     boundaries: Boundaries
     """The point clouds at both ends of each measure, kept for the same purpose."""
-    rule: JoinRule
+    rule: JoinSettings
     """The settings that the joins were made with."""
     leaving: Bool
     """Measures of removed clips: a dancer there finishes the step, but none begins it, shape (N,)."""
@@ -82,9 +82,9 @@ class MotionGraph:
         return len(self.edge_target)
 
     @property
-    def node_give(self) -> Float64:
+    def node_reach_margin(self) -> Float64:
         """Mean of `node_gives` over all directions [m], shape (N,)."""
-        return np.asarray(self.node_gives.mean(axis=1))
+        return np.asarray(self.node_reach_margins.mean(axis=1))
 
     def entries(self, step: int) -> Int32:
         """Return the alive nodes that begin the step."""
@@ -112,8 +112,8 @@ def build_graph(
     line (T140); the graph's library has the moved lines. ValueError if no two measures connect, unless nothing is
     pruned, or for more edges than fit into memory.
     """
-    rule = JoinRule(window, threshold, Metric.of() if metric is None else metric, prune)
-    library = retimed(library, rule, interval)
+    rule = JoinSettings(window, threshold, Metric.of() if metric is None else metric, prune)
+    library = retime_library(library, rule, interval)
     boundaries = Boundaries.of(library, rule)
     joins = find_joins(library, boundaries, rule)
     return graph_of(library, boundaries, joins, node_facts(library, window), rule)
@@ -124,7 +124,7 @@ def graph_of(
     boundaries: Boundaries,
     joins: Joins,
     facts: NodeFacts,
-    rule: JoinRule,
+    rule: JoinSettings,
     leaving: Bool | None = None,
 ) -> MotionGraph:
     """Build the graph of a library from known joins and facts; ValueError if it is pruned and nothing connects.
@@ -133,13 +133,13 @@ def graph_of(
     """
     alive = np.ones(library.node_count, np.bool_)
     leaving = np.zeros(library.node_count, np.bool_) if leaving is None else leaving
-    open_ = joins.chosen(~leaving[joins.target] | (library.node_measure[joins.target] > 0)) if leaving.any() else joins
+    open_ = joins.select(~leaving[joins.target] | (library.node_measure[joins.target] > 0)) if leaving.any() else joins
     if rule.prune:
         alive = largest_component(library.node_count, open_.source, open_.target)
     edges = joins.among(alive)
     if leaving.any():
         alive &= ~leaving
-        edges = open_.chosen((alive | leaving)[open_.source] & (alive | leaving)[open_.target])
+        edges = open_.select((alive | leaving)[open_.source] & (alive | leaving)[open_.target])
     if rule.prune and not len(edges.source):
         raise ValueError(
             f"no step of {', '.join(library.steps)} leads to another within {rule.threshold} m: "
@@ -159,10 +159,10 @@ def graph_of(
         node_facing_mean=facts.facing_mean,
         node_start=facts.start,
         node_turns=facts.turns,
-        node_quickest=facts.quickest,
-        node_rise=facts.rise,
-        node_gives=facts.gives,
-        node_holds=facts.holds,
+        node_peak_turn_rate=facts.peak_turn_rate,
+        node_warp_curve=facts.warp_curve,
+        node_reach_margins=facts.reach_margins,
+        node_lift_shares=facts.lift_shares,
         moments=facts.moments,
         takes=find_takes(library, leaving),
         alive=alive,
@@ -221,5 +221,5 @@ def _hops(library: StepLibrary, edges: Joins, alive: Bool) -> Int32:
     hops = np.empty((len(library.steps), count), np.int32)
     in_start, in_source = np.empty(count + 1, np.int32), np.empty(len(edges.source), np.int32)
     reverse_edges(edges.source, edges.target, in_start, in_source)
-    count_hops(library.node_step, begins, in_start, in_source, NEVER, np.empty(count, np.int32), hops)
+    count_hops(library.node_step, begins, in_start, in_source, UNREACHABLE, np.empty(count, np.int32), hops)
     return hops

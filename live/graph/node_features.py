@@ -17,7 +17,7 @@ from live.graph.step_library import StepLibrary, window_samples
 from live.motion.editing.foot_correction import ANKLES, BALLS, Feet
 from live.motion.editing.turn_insertion import support_turns
 from live.motion.pose.pose_pipeline import PosePipeline, PoseSkeleton
-from live.motion.pose.root_warp import give_of, holds_of, rise_of
+from live.motion.pose.root_warp import compute_reach_margin, compute_warp_curve, initial_hold_shares
 from live.motion.pose.root_warp_kernels import KNOTS
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
@@ -28,9 +28,9 @@ Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 Float = npt.NDArray[np.floating]
 
-PER_BEAT: Final = 4
+MOMENTS_PER_BEAT: Final = 4
 """Moments per beat."""
-LOOKED_AT: Final = (
+COMPARED_JOINTS: Final = (
     ("leftFoot", 1.5), ("rightFoot", 1.5), ("leftToes", 1.0), ("rightToes", 1.0), ("leftLowerLeg", 0.7),
     ("rightLowerLeg", 0.7), ("leftHand", 0.6), ("rightHand", 0.6), ("head", 0.7), ("chest", 0.7),
 )  # fmt: skip
@@ -38,12 +38,12 @@ LOOKED_AT: Final = (
 SPEED_SHARE: Final = 0.06
 """Metres of place that one metre per measure of speed counts as: how far a speed difference displaces a joint while it
 fades, 0.2 of 0.4 s, in measures of about 1.3 to 2 s."""
-FOOT: Final = 0.4
+CONTACT_WEIGHT: Final = 0.4
 """Metres that a foot which stands in one clip and swings in the other counts as."""
-BETWEEN: Final = 1.0 / 128.0
+SPEED_INTERVAL: Final = 1.0 / 128.0
 """Share of a measure over which speeds are measured."""
-_JOINTS = [SKELETON.index(name) for name, _ in LOOKED_AT]
-_WEIGHTS = np.array([weight for _, weight in LOOKED_AT])
+_JOINTS = [SKELETON.index(name) for name, _ in COMPARED_JOINTS]
+_WEIGHTS = np.array([weight for _, weight in COMPARED_JOINTS])
 _ACROSS = tuple(
     (SKELETON.index(left), SKELETON.index(right))
     for left, right in (("leftUpperLeg", "rightUpperLeg"), ("leftUpperArm", "rightUpperArm"))
@@ -87,12 +87,12 @@ class Moments:
 
 def moments_of(library: StepLibrary) -> Moments:
     """Return the moments of all nodes of a library."""
-    count = PER_BEAT * library.beats_per_measure + 1
-    size = ((library.node_last - library.node_first) * BETWEEN)[:, None]
+    count = MOMENTS_PER_BEAT * library.beats_per_measure + 1
+    size = ((library.node_last - library.node_first) * SPEED_INTERVAL)[:, None]
     sample = window_samples(library.node_first, library.node_last, count)
     back = np.where(np.arange(count)[None] > 0, -size, size)  # before the moment, but not before the measure begins
     now, then = clouds(library, sample), clouds(library, sample + back)
-    per_measure = np.where(np.arange(count) > 0, 1.0, -1.0)[None, :, None, None] / BETWEEN
+    per_measure = np.where(np.arange(count) > 0, 1.0, -1.0)[None, :, None, None] / SPEED_INTERVAL
     stands = library.clip_contact[np.rint(sample).astype(np.int64)]
     feature, hips, facing = body_features(now, (now - then) * per_measure, stands)
     return Moments(np.ascontiguousarray(feature, np.float32), hips, facing)
@@ -112,7 +112,7 @@ def body_features(position: Float, speed: Float, stands: Bool) -> tuple[Float64,
     speeds = SPEED_SHARE * _turned(moving, -facing[..., None])
     shape = (*facing.shape, -1)
     height = position[..., :1, 1]
-    parts = [places.reshape(shape), height, speeds.reshape(shape), FOOT * stands]
+    parts = [places.reshape(shape), height, speeds.reshape(shape), CONTACT_WEIGHT * stands]
     return np.concatenate(parts, axis=-1), hips, facing
 
 
@@ -147,10 +147,10 @@ class NodeFacts:
     facing_start: Float64
     facing_mean: Float64
     turns: Float64
-    quickest: Float64
-    rise: Float64
-    gives: Float64
-    holds: Float64
+    peak_turn_rate: Float64
+    warp_curve: Float64
+    reach_margins: Float64
+    lift_shares: Float64
     moments: Moments
 
     def joined(self, other: "NodeFacts") -> "NodeFacts":
@@ -166,7 +166,7 @@ def node_facts(library: StepLibrary, window: float) -> NodeFacts:
     """Measure all nodes; `window` is the length of a transition as a share of the measure (T036)."""
     facing_start, facing_end, facing_mean = _facing(library, window)
     turns, quickest = _turns(library, window)
-    rise, gives, holds = _rises(library, window)
+    rise, gives, holds = _warp_curves(library, window)
     return NodeFacts(
         start=_root_at(library, library.node_first),
         end=_root_at(library, library.node_last),
@@ -174,10 +174,10 @@ def node_facts(library: StepLibrary, window: float) -> NodeFacts:
         facing_start=facing_start,
         facing_mean=facing_mean,
         turns=turns,
-        quickest=quickest,
-        rise=rise,
-        gives=gives,
-        holds=holds,
+        peak_turn_rate=quickest,
+        warp_curve=rise,
+        reach_margins=gives,
+        lift_shares=holds,
         moments=moments_of(library),
     )
 
@@ -193,7 +193,7 @@ def _turns(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
     return rows, np.array([float(turn.quickest) for turn in turns])
 
 
-def _rises(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float64]:
+def _warp_curves(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float64]:
     """Return when each node's correction is applied, (N, KNOTS, 2), its reach per direction [m], (N, DIRECTIONS), and
     the share applied before each foot is first lifted, (N, 2)."""
     legs = _legs(library)
@@ -201,11 +201,11 @@ def _rises(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float
     for first, last in zip(library.node_first, library.node_last, strict=True):
         at = np.linspace(first, last, 4 * (KNOTS - 1) + 1).round().astype(np.int64)
         contact = library.clip_contact[at]
-        rise, follows = rise_of(contact, last=1.0 - min(window, 0.9))
+        rise, follows = compute_warp_curve(contact, last=1.0 - min(window, 0.9))
         rises.append(rise)
         hip, ankle = legs[at][:, (1, 5)], legs[at][:, (3, 7)]
-        gives.append(give_of(hip, ankle, contact, rise, follows=follows))
-        holds.append(holds_of(ankle, contact, rise))
+        gives.append(compute_reach_margin(hip, ankle, contact, rise, follows_feet=follows))
+        holds.append(initial_hold_shares(ankle, contact, rise))
     stacked = [np.ascontiguousarray(np.stack(rows)) for rows in (rises, gives, holds)]
     return stacked[0], stacked[1], stacked[2]
 

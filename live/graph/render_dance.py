@@ -12,10 +12,10 @@ import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import (
-    begun,
-    joined,
+    following_placement,
     next_axes,
     own_end,
+    starting_placement,
     take_placement,
     transition_weight,
     turn_vectors,
@@ -43,12 +43,12 @@ Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
 SAMPLE_RATE = 60.0
-LONGEST = 400_000
+MAX_SAMPLES = 400_000
 """Maximum samples of a dance: nearly two hours at 60 a second, about 1 GB during rendering."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Assembled:
+class RenderedDance:
     """A dance of M measures as one clip, with its measure data."""
 
     clip: Clip
@@ -78,7 +78,7 @@ class Assembled:
         return np.asarray(np.arange(len(self.node) * self.beats_per_measure + 1) * (60.0 / self.bpm), np.float64)
 
 
-def assemble(
+def render_dance(
     graph: MotionGraph,
     nodes: Sequence[int] | Int32,
     *,
@@ -90,7 +90,7 @@ def assemble(
     hold_feet: bool = True,
     sample_rate: float = SAMPLE_RATE,
     name: str = "dance",
-) -> Assembled:
+) -> RenderedDance:
     """Return the motion of a dancer through the M `nodes` at `bpm`.
 
     `turns` (M,) [rad] are inserted while one foot supports (T048-T050). `corrections` (M, 2) [m] displace the hips over
@@ -106,20 +106,20 @@ def assemble(
     seconds = graph.library.beats_per_measure * 60.0 / bpm if np.isfinite(bpm) and bpm > 0.0 else np.nan
     _check(graph, node, seconds, sample_rate)
     correction = np.zeros((count, 3))
-    correction[:, :2] = _given(corrections, (count, 2), "corrections")
-    correction[:, 2] = _given(turns, (count,), "turns")
+    correction[:, :2] = _checked_array(corrections, (count, 2), "corrections")
+    correction[:, 2] = _checked_array(turns, (count,), "turns")
     take = np.full(count, NO_TAKE, np.int32)
     share = np.zeros(count)
     if takes is not None:
-        take[:] = _given(takes[0], (count,), "takes")
-        share[:] = np.where(take != NO_TAKE, _given(takes[1], (count,), "shares of takes"), 0.0)
+        take[:] = _checked_array(takes[0], (count,), "takes")
+        share[:] = np.where(take != NO_TAKE, _checked_array(takes[1], (count,), "shares of takes"), 0.0)
     placement, end = _placements(graph, node, correction, take, share, start)
     dance = _Dance(graph, node, placement, correction, take, share)
     time = np.arange(int(count * seconds * sample_rate + 1e-6) + 1) / sample_rate
     clip = dance.clip(time / seconds, sample_rate, name)
     line_time = np.arange(count + 1, dtype=np.float64) * float(seconds)
     joins = np.flatnonzero(graph.library.node_measure[node[1:]] == 0)
-    return Assembled(
+    return RenderedDance(
         clip=lock_feet(clip) if hold_feet else clip,
         bpm=bpm,
         beats_per_measure=graph.library.beats_per_measure,
@@ -139,15 +139,15 @@ def _check(graph: MotionGraph, node: Int32, seconds: float, sample_rate: float) 
         raise ValueError(f"{seconds} s a measure, {sample_rate} samples/s: numbers above 0 expected")
     if len(node) == 0 or node.min() < 0 or node.max() >= graph.library.node_count:
         raise ValueError(f"a path of nodes 0 to {graph.library.node_count - 1} expected, at least one")
-    if len(node) * seconds * sample_rate > LONGEST:
-        most = LONGEST / sample_rate
+    if len(node) * seconds * sample_rate > MAX_SAMPLES:
+        most = MAX_SAMPLES / sample_rate
         raise ValueError(
             f"{len(node)} measures of {seconds:.3g} s are {len(node) * seconds / 60.0:.0f} minutes; "
             f"at most {most / 60.0:.0f} can be put together at once"
         )
 
 
-def _given(values: npt.ArrayLike | None, shape: tuple[int, ...], what: str) -> Float64:
+def _checked_array(values: npt.ArrayLike | None, shape: tuple[int, ...], what: str) -> Float64:
     if values is None:
         return np.zeros(shape)
     array = np.asarray(values, np.float64)
@@ -181,14 +181,14 @@ def _placements(
     for n in range(len(node)):
         row = slice(n, n + 1)
         if n == 0:
-            placement[row] = begun(graph, node[row], np.array([start[:2]]), np.array([start[2]]))
+            placement[row] = starting_placement(graph, node[row], np.array([start[:2]]), np.array([start[2]]))
         else:
             axes = next_axes(graph, node[n - 1 : n], end[n - 1 : n, :2], end[n - 1 : n, 2])
             edge = edge_between(graph, int(node[n - 1]), int(node[n]))
-            placement[row] = joined(axes, graph.edge_transform[edge : edge + 1])
+            placement[row] = following_placement(axes, graph.edge_transform[edge : edge + 1])
         place_dancers(
             placed, placement[row], correction[row], np.zeros((1, 3)), one, node[row],
-            graph.node_turns, graph.node_rise, one,
+            graph.node_turns, graph.node_warp_curve, one,
         )  # fmt: skip
         end[n, :2] = placed[0, :2] + turn_vectors(ends[n], placed[0, 2])
         end[n, 2] = placed[0, 3] + facings[n]
@@ -222,7 +222,7 @@ class _Dance:
         return Clip(
             name,
             np.ascontiguousarray(position[:, 0]),
-            np.ascontiguousarray(quaternion.continuous(local_rotations(rotation)), np.float32),
+            np.ascontiguousarray(quaternion.align_signs(local_rotations(rotation)), np.float32),
             sample_rate,
             contact,
         )
@@ -238,7 +238,7 @@ class _Dance:
         placed = np.empty((len(node), 4))
         place_dancers(
             placed, self.placement[measure], self.correction[measure] * corrected[:, None], np.zeros((len(node), 3)),
-            np.maximum(phase, 0.0), node, self.graph.node_turns, self.graph.node_rise, np.ones(len(node)),
+            np.maximum(phase, 0.0), node, self.graph.node_turns, self.graph.node_warp_curve, np.ones(len(node)),
         )  # fmt: skip
         other = np.where(take == NO_TAKE, node, take).astype(np.int32)
         for row, of in ((which, node), (which + 1, other)):

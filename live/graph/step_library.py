@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.mean_poses import mean_poses
-from live.graph.storage_kernels import one_sign
+from live.graph.storage_kernels import align_signs
 from live.motion.pose.foot_lock import LEG_JOINTS, foot_heights
 from live.motion.pose.pose_pipeline import ClipStore
 from live.motion.step_clip import StepClip
@@ -65,13 +65,13 @@ class StepLibrary:
 
     def step_index(self, name: str) -> int | None:
         """Return the index of the step called `name` (case and underscores do not matter), None if there is none."""
-        wanted = _plain(name)
+        wanted = _normalized(name)
         for index, step in enumerate(self.steps):
-            if _plain(step) == wanted:
+            if _normalized(step) == wanted:
                 return index
         return None
 
-    def reach(self, step: int) -> float:
+    def max_travel(self, step: int) -> float:
         """Return the longest distance [m] that one measure of the step travels."""
         ways = np.hypot(*self.node_travel[self.node_step == step].T)
         return float(ways.max()) if len(ways) else 0.0
@@ -89,7 +89,7 @@ class StepLibrary:
         return " ".join(parts)
 
 
-def _plain(name: str) -> str:
+def _normalized(name: str) -> str:
     return " ".join(name.replace("_", " ").replace("-", " ").casefold().split())
 
 
@@ -116,7 +116,7 @@ def build_library(clips: Sequence[StepClip]) -> StepLibrary:
     root = np.concatenate([clip.clip.root_position for clip in clips], dtype=np.float32)
     rotation = np.concatenate([clip.clip.rotation for clip in clips], dtype=np.float32)
     # sign-consistent quaternions: the pose pipeline interpolates linearly between samples and between clips
-    one_sign(rotation, starts)
+    align_signs(rotation, starts)
     node = np.array(rows, np.float64).T
     begins, ends = np.ascontiguousarray(node[4]), np.ascontiguousarray(node[5])
     legs = ClipStore.of(root, rotation[:, LEG_JOINTS])

@@ -13,7 +13,7 @@ Int64 = npt.NDArray[np.int64]
 
 
 @kernel("void(f4[:,:,::1], i8[::1])")
-def one_sign(rotation: Float32, clip_start: Int64) -> None:
+def align_signs(rotation: Float32, clip_start: Int64) -> None:
     """Make the signs of rotations (S, J, 4) consistent for interpolation, in place.
 
     Within a clip each quaternion is nearest to the one before; the sign of each joint's sequence is the one nearest to

@@ -27,10 +27,10 @@ class Takes:
         """Return the number of other takes of each of `nodes` (A,), (A,)."""
         return np.asarray(self.start[nodes + 1] - self.start[nodes], np.int32)
 
-    def draw(self, nodes: Int32, chance: Float64) -> Int32:
+    def draw(self, nodes: Int32, random: Float64) -> Int32:
         """Return one take for each of `nodes` (A,) by its `chance` in [0, 1), NO_TAKE if there is none, (A,)."""
         count = self.count(nodes)
-        place = self.start[nodes] + (chance * count).astype(np.int32)
+        place = self.start[nodes] + (random * count).astype(np.int32)
         found = (
             self.node[np.minimum(place, max(len(self.node) - 1, 0))] if len(self.node) else np.full_like(nodes, NO_TAKE)
         )

@@ -34,7 +34,7 @@ def structure_codes(library: StepLibrary) -> StructureCodes:
     sides: dict[tuple[str, str], int] = {}
     rows = []
     for clip in library.clips:
-        repeat = sides.setdefault((clip.step, begun_side(clip)), len(sides)) if clip.weight_transfer else -1
+        repeat = sides.setdefault((clip.step, initial_side(clip)), len(sides)) if clip.weight_transfer else -1
         rows.append((poses[plain[clip.end_pose]], poses[plain[clip.begin_pose]], repeat))
     codes = np.array(rows, np.int32)[library.node_clip]
     return StructureCodes(*(np.ascontiguousarray(codes[:, columns]) for columns in ((0, 2), (1, 2))))
@@ -59,7 +59,7 @@ def plain_pose(name: str) -> str:
     return " ".join(name.casefold().split())
 
 
-def begun_side(clip: StepClip) -> str:
+def initial_side(clip: StepClip) -> str:
     """Return the side on which a step begins: the leading foot; if not given, as danced or mirrored."""
     return clip.leading_foot or ("mirrored" if clip.mirrored else "as danced")
 

@@ -15,37 +15,37 @@ from typing import Any, Final
 from pydantic import ValidationError
 
 from live.base.errors import PersonError
-from live.library.beat_alignment import GUESS, guessed_fields
+from live.library.beat_alignment import GUESS_COMMENT, guessed_fields
 from live.library.cut_step import cut_step
-from live.library.motion_file import skeleton_beside
+from live.library.motion_file import find_skeleton
 from live.library.recording_file import (
     Problem,
     Recording,
     RecordingEntry,
     StepFiles,
-    error_of,
+    combine_problems,
     parse_step_file,
-    problem_words,
+    problem_text,
     read_step_files,
 )
 from live.library.recordings import RecordingReader
-from live.library.step_writer import with_step
+from live.library.step_writer import append_step
 from live.motion.formats.file_error import MotionFileError
 from live.motion.step_clip import DIRECTIONS, StepClip
 
-OPTIONS: Final = {
+OPTION_NAMES: Final = {
     "file": "FILE", "unit_m": "--unit", "first_beat_s": "--anchor", "start_measure": "--start",
     "distance_m": "--distance", "tags": "--tag",
 }  # fmt: skip
 """Options of `live steps add` whose names differ from the field's."""
-READING: Final = ("fps", "unit_m", "up")
-MUSIC: Final = frozenset(("bpm", "first_beat_s"))
-CUT: Final = (
-    "name", *READING, "drop_frames", "bpm", "first_beat_s", "beats_per_measure", "start_measure", "measures",
+READING_FIELDS: Final = ("fps", "unit_m", "up")
+MUSIC_FIELDS: Final = frozenset(("bpm", "first_beat_s"))
+CUT_FIELDS: Final = (
+    "name", *READING_FIELDS, "drop_frames", "bpm", "first_beat_s", "beats_per_measure", "start_measure", "measures",
 )  # fmt: skip
 
 
-class AskedEntry(RecordingEntry):
+class RequestedEntry(RecordingEntry):
     """A recording as requested on the command line; problems name the option."""
 
     @property
@@ -60,42 +60,42 @@ class AskedEntry(RecordingEntry):
 
     def problem(self, field: str, words: str) -> Problem:
         """Return a problem with one option."""
-        return asked_problem(self.path, field, words)
+        return option_problem(self.path, field, words)
 
 
-def asked_problem(path: Path, field: str, words: str) -> Problem:
+def option_problem(path: Path, field: str, words: str) -> Problem:
     """Return a problem with an option for the file at `path`."""
-    option = OPTIONS.get(field, "--" + field.replace("_", "-"))
+    option = OPTION_NAMES.get(field, "--" + field.replace("_", "-"))
     if field == "file":
         return Problem(path, None, "", words.removeprefix(str(path)).lstrip(" ,:"))
     return Problem(path, None, option, words)
 
 
-def asked_entry(source: Path, fields: Mapping[str, Any]) -> AskedEntry:
+def request_entry(source: Path, fields: Mapping[str, Any]) -> RequestedEntry:
     """Return the requested recording; RecordingError names the options that are wrong or missing."""
     try:
         recording = Recording.model_validate({"file": str(source), **fields})
     except ValidationError as error:
         problems = []
         for one in error.errors(include_url=False):
-            words = "must be given" if one["type"] == "missing" else problem_words(one)
-            problems.append(asked_problem(source, str(one["loc"][0]), words))
-        raise error_of(problems) from None
+            words = "must be given" if one["type"] == "missing" else problem_text(one)
+            problems.append(option_problem(source, str(one["loc"][0]), words))
+        raise combine_problems(problems) from None
     if recording.skeleton is None and source.suffix.lower() == ".amc" and source.is_file():
         try:  # the skeleton is copied into the library, too
             recording = Recording.model_validate(
-                {"file": str(source), **fields, "skeleton": str(skeleton_beside(source))}
+                {"file": str(source), **fields, "skeleton": str(find_skeleton(source))}
             )
         except MotionFileError as error:
-            raise error_of([asked_problem(source, "file", str(error))]) from None
-    entry = AskedEntry(recording, source, {}, ())
+            raise combine_problems([option_problem(source, "file", str(error))]) from None
+    entry = RequestedEntry(recording, source, {}, ())
     if recording.direction is not None and recording.direction not in DIRECTIONS:
         allowed = ", ".join(map(repr, DIRECTIONS))
         raise entry.error("direction", f"{recording.direction[:60]!r}; allowed are {allowed}")
     return entry
 
 
-def known_of(library: Path, source: Path, given: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
+def known_fields(library: Path, source: Path, given: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
     """Return what the library states about reading the recording `source` and about its music, for keys not in `given`.
 
     The second value holds the comments that mark tempo and first beat as guesses. Both are adopted together with
@@ -104,49 +104,61 @@ def known_of(library: Path, source: Path, given: Mapping[str, Any]) -> tuple[dic
     try:
         files = read_step_files(library)
         entries = [entry for group in files.recordings.values() for entry in group]
-        entry = next((entry for entry in entries if _is_same(entry.path, source)), None)
+        entry = next((entry for entry in entries if _same_file(entry.path, source)), None)
     except (OSError, ValueError, PersonError):
         return {}, {}
     known = None if entry is None else entry.recording
-    if entry is None or known is None or any(given.get(k, getattr(known, k)) != getattr(known, k) for k in READING):
+    if (
+        entry is None
+        or known is None
+        or any(given.get(k, getattr(known, k)) != getattr(known, k) for k in READING_FIELDS)
+    ):
         return {}, {}
-    keys = READING if MUSIC & given.keys() else (*READING, *MUSIC, "drop_frames", "beats_per_measure")
+    keys = (
+        READING_FIELDS
+        if MUSIC_FIELDS & given.keys()
+        else (*READING_FIELDS, *MUSIC_FIELDS, "drop_frames", "beats_per_measure")
+    )
     told = {key: getattr(known, key) for key in keys if key in known.model_fields_set and key not in given}
-    if told.keys() >= MUSIC and given.get("drop_frames", known.drop_frames) != known.drop_frames:
-        return {key: value for key, value in told.items() if key not in MUSIC}, {}
-    return told, {key: GUESS for key in guessed_fields(entry, files.texts[entry.toml]) if key in told}
+    if told.keys() >= MUSIC_FIELDS and given.get("drop_frames", known.drop_frames) != known.drop_frames:
+        return {key: value for key, value in told.items() if key not in MUSIC_FIELDS}, {}
+    return told, {key: GUESS_COMMENT for key in guessed_fields(entry, files.texts[entry.toml]) if key in told}
 
 
-def refuse_again(library: Path, asked: AskedEntry) -> None:
+def refuse_duplicate(library: Path, entry: RequestedEntry) -> None:
     """Raise PersonError if the library already has this cut of this recording under this name."""
     try:
         entries = [entry for group in read_step_files(library).recordings.values() for entry in group]
-        same = [entry for entry in entries if all(_said(entry, key) == _said(asked, key) for key in CUT)]
-        there = next((entry for entry in same if _is_same(entry.path, asked.path)), None)
+        same = [
+            entry
+            for entry in entries
+            if all(_field_value(entry, key) == _field_value(entry, key) for key in CUT_FIELDS)
+        ]
+        there = next((entry for entry in same if _same_file(entry.path, entry.path)), None)
     except (OSError, ValueError, PersonError):
         return
     if there is not None:
         raise PersonError(
-            f"the step {asked.recording.name!r} is there already: {there.problem('name', '').place}",
+            f"the step {entry.recording.name!r} is there already: {there.problem('name', '').location}",
             "change it there, or choose other measures or another name",
         )
 
 
-def _said(entry: RecordingEntry, key: str) -> object:
+def _field_value(entry: RecordingEntry, key: str) -> object:
     return getattr(entry.recording, key)
 
 
-def _is_same(path: Path, source: Path) -> bool:
+def _same_file(path: Path, source: Path) -> bool:
     if path.resolve() == source.resolve():
         return True
     return path.is_file() and path.stat().st_size == source.stat().st_size and path.read_bytes() == source.read_bytes()
 
 
-MOST_NAMES: Final = 1000
+MAX_NAMES: Final = 1000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Added:
+class AddedStep:
     """The step that was added, and its files."""
 
     step: StepClip
@@ -159,11 +171,11 @@ class Added:
 
 def add_step(
     library: Path,
-    entry: AskedEntry,
+    entry: RequestedEntry,
     *,
     comments: Mapping[str, str] | None = None,
     reader: RecordingReader | None = None,
-) -> Added:
+) -> AddedStep:
     """Cut the step, then add its recording and its description to the folder `library`, which may be new.
 
     A recording inside the library is used in place; any other is copied. The description goes to the TOML file with
@@ -172,29 +184,29 @@ def add_step(
     """
     step = cut_step(entry, (reader or RecordingReader()).clip(entry))
     if not entry.path.resolve().is_relative_to(library.resolve()):
-        _refuse_parts(entry)
+        _refuse_external_buffers(entry)
     try:
         library.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise PersonError(f"cannot make the library {library}: {error.strerror}", "--library DIR") from None
     made: list[Path] = []
     try:
-        file = _brought_in(library, entry.path, made)
+        file = _import_file(library, entry.path, made)
         fields = entry.recording.model_dump(exclude_unset=True, exclude_none=True)
         fields["file"] = file.relative_to(library.resolve()).as_posix()
         if entry.skeleton is not None:
-            fields["skeleton"] = _brought_in(library, entry.skeleton, made).relative_to(library.resolve()).as_posix()
-        toml = _described(library, Path(entry.path.name).stem, fields, comments, made)
+            fields["skeleton"] = _import_file(library, entry.skeleton, made).relative_to(library.resolve()).as_posix()
+        toml = _write_description(library, Path(entry.path.name).stem, fields, comments, made)
     except OSError as error:
-        _take_back(made)
+        _remove_files(made)
         raise PersonError(f"cannot write into the library {library}: {error.strerror}", "--library DIR") from None
     except BaseException:
-        _take_back(made)
+        _remove_files(made)
         raise
-    return Added(step, entry, toml, file, copied=file in made)
+    return AddedStep(step, entry, toml, file, copied=file in made)
 
 
-def _refuse_parts(entry: AskedEntry) -> None:
+def _refuse_external_buffers(entry: RequestedEntry) -> None:
     """Raise RecordingError for a .gltf file with its motion in other files, which would not be copied."""
     if entry.path.suffix.lower() != ".gltf":
         return
@@ -205,24 +217,24 @@ def _refuse_parts(entry: AskedEntry) -> None:
         raise entry.error("file", words)
 
 
-def _take_back(made: list[Path]) -> None:
+def _remove_files(made: list[Path]) -> None:
     for path in made:
         path.unlink(missing_ok=True)
 
 
-def _names(folder: Path, stem: str, ending: str) -> Iterator[Path]:
+def _candidate_paths(folder: Path, stem: str, ending: str) -> Iterator[Path]:
     yield folder / f"{stem}{ending}"
-    for number in range(2, MOST_NAMES):
+    for number in range(2, MAX_NAMES):
         yield folder / f"{stem}-{number}{ending}"
 
 
-def _brought_in(library: Path, source: Path, made: list[Path]) -> Path:
+def _import_file(library: Path, source: Path, made: list[Path]) -> Path:
     """Return the file for `source` in the library: itself, one with the same contents, or a copy with a free name."""
     inside, whole = library.resolve(), source.resolve()
     if whole.is_relative_to(inside):
         return whole
     contents = whole.read_bytes()
-    for path in _names(inside, source.stem, source.suffix):
+    for path in _candidate_paths(inside, source.stem, source.suffix):
         try:
             with path.open("xb") as file:
                 made.append(path)
@@ -231,38 +243,38 @@ def _brought_in(library: Path, source: Path, made: list[Path]) -> Path:
         except FileExistsError:
             if path.is_file() and path.stat().st_size == len(contents) and path.read_bytes() == contents:
                 return path
-    raise PersonError(f"{library} holds {MOST_NAMES} recordings called {source.name}", "give the file another name")
+    raise PersonError(f"{library} holds {MAX_NAMES} recordings called {source.name}", "give the file another name")
 
 
-def _described(
+def _write_description(
     library: Path, stem: str, fields: Mapping[str, Any], comments: Mapping[str, str] | None, made: list[Path]
 ) -> Path:
     """Write the description to the first of the stem's TOML files that can take it, and return that file."""
-    for path in _names(library, stem, ".toml"):
+    for path in _candidate_paths(library, stem, ".toml"):
         before = path.read_bytes().decode("utf-8", errors="replace") if path.is_file() else ""
         if path.exists() and ("\ufffd" in before or not path.is_file()):
             continue
-        text = with_step(before, fields, comments)
-        if text is None or not _is_good(text, path):
+        text = append_step(before, fields, comments)
+        if text is None or not _is_valid(text, path):
             continue
         if path.exists():
-            _replace(path.resolve(), text)
+            _replace_file(path.resolve(), text)
         else:
             with path.open("xb") as file:
                 made.append(path)
                 file.write(text.encode())
         return path
-    raise PersonError(f"{library} holds {MOST_NAMES} files called {stem}.toml", "give the recording another name")
+    raise PersonError(f"{library} holds {MAX_NAMES} files called {stem}.toml", "give the recording another name")
 
 
-def _is_good(text: str, path: Path) -> bool:
+def _is_valid(text: str, path: Path) -> bool:
     """Whether the file is valid with the step added; a file that was invalid before is left alone."""
     files = StepFiles()
     parse_step_file(text, path, files)
     return not files.problems and bool(files.recordings.get(path))
 
 
-def _replace(path: Path, text: str) -> None:
+def _replace_file(path: Path, text: str) -> None:
     """Replace the text atomically."""
     handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=".tmp", dir=path.parent)
     unfinished = Path(name)

@@ -26,28 +26,28 @@ from live.motion.beats.clap_sync import (
 )
 from live.motion.beats.music_reference import MusicReference, set_by_hand
 from live.motion.beats.tempo_estimation import guess_tempo
-from live.motion.cleanup.trim_start import find_beginning
+from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_motion import Float64, SourceMotion, UpAxis
 from live.motion.retarget.body_tracks import BodyTracks, body_tracks
 from live.motion.retarget.retarget import retarget
 
-BLOCK: Final = 65536
-EVEN: Final = 0.025
+BLOCK_SAMPLES: Final = 65536
+GRID_TOLERANCE: Final = 0.025
 """If most beats lie this near [s] to an even grid, the music keeps its tempo and the grid is used."""
-MOST: Final = 0.7
-PERIODS: Final = (0.25, 1.5)
+MIN_GRID_SHARE: Final = 0.7
+PERIOD_RANGE: Final = (0.25, 1.5)
 """Range of seconds per beat: 240 to 40 bpm."""
-LISTENED: Final = 240.0
+GRID_SECONDS: Final = 240.0
 """Seconds of beats from which the grid is fitted; claps are at the beginning."""
 SHARE_OF_BEST: Final = 0.6
 """Periods with a phase vector shorter than this share of the longest are not tried."""
-TRIED: Final = 12
-FEWEST_BEATS: Final = 6
+MAX_PERIODS_TRIED: Final = 12
+MIN_BEATS: Final = 6
 """Least number of beats of a song."""
-AUDIBLE: Final = 0.02
+ONSET_LEVEL: Final = 0.02
 """The song begins where its level first reaches this share of its loudest 10 ms."""
-EARLY: Final = 0.25
+MAX_LEAD_BEATS: Final = 0.25
 """A beat may lie this far [beats] before the first sound."""
 
 
@@ -56,7 +56,7 @@ class SongBeats:
     """The beats of a song [s from the start of its file], ascending."""
 
     beats: Float64
-    even: bool
+    steady: bool
     """True if the song keeps its tempo: the beats are then those of a fitted grid."""
 
     @property
@@ -75,23 +75,25 @@ def song_beats(path: Path) -> SongBeats:
         music = read_music(path)
     except MusicFileError as error:
         raise PersonError(str(error)) from None
-    heard, period = _heard(music)
-    if heard.size < FEWEST_BEATS:
+    heard, period = _tracked_beats(music)
+    if heard.size < MIN_BEATS:
         raise PersonError(f"{path}: no steady beat was heard in {music.duration:.0f} s", "give --click BPM instead")
-    grid = _even_grid(heard[heard < heard[0] + LISTENED], period)
+    grid = _even_grid(heard[heard < heard[0] + GRID_SECONDS], period)
     if grid is None:
         return SongBeats(heard, False)
     slope, offset = grid
     begin = _first_sound(music)
-    first, last = np.ceil((begin - offset) / slope - EARLY), np.floor((music.duration - offset) / slope)
+    first, last = np.ceil((begin - offset) / slope - MAX_LEAD_BEATS), np.floor((music.duration - offset) / slope)
     return SongBeats(offset + slope * np.arange(first, last + 1), True)
 
 
-def _heard(music: Music) -> tuple[Float64, float]:
+def _tracked_beats(music: Music) -> tuple[Float64, float]:
     """The tracker's beats, ascending and without doubles, and its median period [s]."""
     tracker = AubioTracker(float(music.sample_rate))
     mono = music.samples.mean(axis=1, dtype=np.float32)
-    estimates = [beat for at in range(0, mono.size, BLOCK) for beat in tracker.feed(mono[at : at + BLOCK])]
+    estimates = [
+        beat for at in range(0, mono.size, BLOCK_SAMPLES) for beat in tracker.feed(mono[at : at + BLOCK_SAMPLES])
+    ]
     if not estimates:
         return np.zeros(0), 0.5
     period = float(np.median([beat.period for beat in estimates]))
@@ -109,24 +111,24 @@ def _even_grid(heard: Float64, period: float) -> tuple[float, float] | None:
     tracker's period is taken.
     """
     step = 0.05 * period / max(float(heard[-1] - heard[0]), 1.0)
-    tries = PERIODS[0] * np.exp(np.arange(0.0, np.log(PERIODS[1] / PERIODS[0]), step))
+    tries = PERIOD_RANGE[0] * np.exp(np.arange(0.0, np.log(PERIOD_RANGE[1] / PERIOD_RANGE[0]), step))
     lengths = np.array([abs(np.mean(np.exp(2j * np.pi * heard / one))) for one in tries])
     peaks = 1 + np.flatnonzero((lengths[1:-1] >= lengths[:-2]) & (lengths[1:-1] > lengths[2:]))
     good = tries[peaks[lengths[peaks] >= SHARE_OF_BEST * lengths[peaks].max(initial=0.0)]]
-    for one in sorted(good, key=lambda p: abs(float(np.log(p / period))))[:TRIED]:
-        grid = _fitted(heard, float(one))
+    for one in sorted(good, key=lambda p: abs(float(np.log(p / period))))[:MAX_PERIODS_TRIED]:
+        grid = _refine_grid(heard, float(one))
         if grid is not None:
             return grid
     return None
 
 
-def _fitted(heard: Float64, slope: float) -> tuple[float, float] | None:
+def _refine_grid(heard: Float64, slope: float) -> tuple[float, float] | None:
     """Period and offset [s] refined over the beats near the grid; None if they are too few."""
     offset = float(np.angle(np.mean(np.exp(2j * np.pi * heard / slope)))) / (2.0 * np.pi) * slope
     for _ in range(4):
         numbers = np.round((heard - offset) / slope)
-        near = np.abs(heard - offset - numbers * slope) < EVEN
-        if near.mean() < MOST:
+        near = np.abs(heard - offset - numbers * slope) < GRID_TOLERANCE
+        if near.mean() < MIN_GRID_SHARE:
             return None
         slope, offset = (float(value) for value in np.polyfit(numbers[near], heard[near], 1))
     return slope, offset
@@ -139,19 +141,19 @@ def _first_sound(music: Music) -> float:
     if whole == 0:
         return 0.0
     peaks = np.abs(music.samples[:whole]).max(axis=1).reshape(-1, step).max(axis=1)
-    return float(np.argmax(peaks >= AUDIBLE * max(float(peaks.max()), 1e-9)) * step / music.sample_rate)
+    return float(np.argmax(peaks >= ONSET_LEVEL * max(float(peaks.max()), 1e-9)) * step / music.sample_rate)
 
 
-HEARD: Final = {"click": "from claps to the click", "song": "from claps to the song"}
+CONFIRMED_SOURCES: Final = {"click": "from claps to the click", "song": "from claps to the song"}
 """Sources that count as confirmed; claps alone may be other hand movements, so a person confirms them like a guess."""
-DOUBTED: Final = 0.3
+MIN_CONFIDENCE: Final = 0.3
 """Claps with less confidence contradict each other: their result counts as a guess."""
-GUESS: Final = "guess: confirm"
+GUESS_COMMENT: Final = "guess: confirm"
 """The comment behind an unconfirmed number in a TOML file."""
 
 
 @dataclass(frozen=True, slots=True)
-class SyncWish:
+class SyncRequest:
     """What the user gives about a recording and its music; None: to be found."""
 
     file: Path
@@ -170,7 +172,7 @@ class SyncWish:
 
 
 @dataclass(frozen=True, slots=True)
-class Sync:
+class SyncResult:
     """The music reference that was found, and the claps."""
 
     reference: MusicReference
@@ -183,64 +185,72 @@ class Sync:
     def guessed(self) -> bool:
         """Whether values not set by hand are guesses, not from at least four claps that fit a click or a song."""
         clapped = sum(one.beat is not None for one in self.claps)
-        return self.reference.source not in HEARD or self.reference.confidence < DOUBTED or clapped < FEWEST
+        return (
+            self.reference.source not in CONFIRMED_SOURCES
+            or self.reference.confidence < MIN_CONFIDENCE
+            or clapped < FEWEST
+        )
 
     @property
     def comment(self) -> str:
         """Comment for a TOML file behind tempo and first beat, if they were not set by hand."""
         if self.guessed:
-            return GUESS
-        return f"{HEARD[self.reference.source]}, confidence {self.reference.confidence:.2f}"
+            return GUESS_COMMENT
+        return f"{CONFIRMED_SOURCES[self.reference.source]}, confidence {self.reference.confidence:.2f}"
 
 
-def find_sync(wish: SyncWish) -> Sync:
+def find_sync(request: SyncRequest) -> SyncResult:
     """Return the music reference of a recording.
 
     Its sources in this order: values set by the user; claps to the beats of `song`; claps to a click of `click_bpm`;
     claps alone; the feet (with the tempo of the click, the song or `bpm`, if given). PersonError if the file cannot be
     read or nothing is found.
     """
-    beats = None if wish.song is None else song_beats(wish.song)
+    beats = None if request.song is None else song_beats(request.song)
     try:
-        motion = read_motion(wish.file, skeleton=wish.skeleton, up=wish.up)
-        tracks = body_tracks(motion, fps=wish.fps, up=wish.up)
+        motion = read_motion(request.file, skeleton=request.skeleton, up=request.up)
+        tracks = body_tracks(motion, fps=request.fps, up=request.up)
     except MotionFileError as error:
         raise PersonError(str(error)) from None
-    drop = wish.drop_frames
+    drop = request.drop_frames
     if drop is None:  # a given anchor counts from the file's first frame, unless drop_frames is given
-        drop = find_beginning(tracks).drop_frames if wish.anchor_s is None else 0
+        drop = find_recording_start(tracks).drop_frames if request.anchor_s is None else 0
     if drop >= tracks.frame_count:
         raise PersonError(f"--drop-frames {drop}: the recording has {tracks.frame_count} frames")
     lasts = (tracks.frame_count - drop) / tracks.rate
-    if wish.anchor_s is not None and wish.anchor_s >= lasts:
-        raise PersonError(f"--anchor {wish.anchor_s:g}: the recording lasts {lasts:.2f} s")
+    if request.anchor_s is not None and request.anchor_s >= lasts:
+        raise PersonError(f"--anchor {request.anchor_s:g}: the recording lasts {lasts:.2f} s")
     claps = find_claps(tracks, drop)
-    known = wish.click_bpm or wish.bpm
+    known = request.click_bpm or request.bpm
     if beats is not None:
-        found = sync_to_song(claps, beats.beats, wish.beats_per_measure)
+        found = sync_to_song(claps, beats.beats, request.beats_per_measure)
         known = known or beats.bpm
     elif known is not None:
-        found = sync_to_click(claps, known, wish.count)
-        if wish.click_bpm is None and found is not None and sum(one.beat is not None for one in found.claps) < FEWEST:
+        found = sync_to_click(claps, known, request.count)
+        if (
+            request.click_bpm is None
+            and found is not None
+            and sum(one.beat is not None for one in found.claps) < FEWEST
+        ):
             found = None  # no click was given: one or two touches of the hands on the beat belong to the dance
     else:
         found = sync_to_claps(claps)
     reference = None if found is None else found.reference
-    settled = wish.anchor_s is not None and wish.bpm is not None
+    settled = request.anchor_s is not None and request.bpm is not None
     if reference is None and not settled:
-        reference = _guess(wish, motion, tracks, drop, known)
-    reference = set_by_hand(reference, anchor_s=wish.anchor_s, bpm=wish.bpm)
+        reference = _guess_reference(request, motion, tracks, drop, known)
+    reference = set_by_hand(reference, anchor_s=request.anchor_s, bpm=request.bpm)
     if reference is None:
         raise PersonError(
-            f"{wish.file}: no claps were found, and {tracks.frame_count / tracks.rate:.1f} s of it are too short or "
+            f"{request.file}: no claps were found, and {tracks.frame_count / tracks.rate:.1f} s of it are too short or "
             "too still to guess a tempo",
             "give both: --anchor SECONDS --bpm BPM",
         )
-    return Sync(reference, _listed(claps, found), drop, tracks.rate)
+    return SyncResult(reference, _placed_claps(claps, found), drop, tracks.rate)
 
 
-def _guess(
-    wish: SyncWish, motion: SourceMotion, tracks: BodyTracks, drop: int, bpm: float | None
+def _guess_reference(
+    wish: SyncRequest, motion: SourceMotion, tracks: BodyTracks, drop: int, bpm: float | None
 ) -> MusicReference | None:
     try:
         clip = retarget(motion, name=wish.file.stem, fps=tracks.rate, up=wish.up, drop_frames=drop)
@@ -250,7 +260,7 @@ def _guess(
     return None if guess is None else guess.reference
 
 
-def _listed(claps: list[Clap], found: ClapSync | None) -> tuple[PlacedClap, ...]:
+def _placed_claps(claps: list[Clap], found: ClapSync | None) -> tuple[PlacedClap, ...]:
     return found.claps if found is not None else tuple(PlacedClap(clap, None, None) for clap in claps)
 
 
@@ -260,18 +270,18 @@ def guessed_fields(entry: RecordingEntry, text: str) -> list[str]:
     found = []
     for field in ("bpm", "first_beat_s"):
         line = entry.problem(field, "").line
-        if line is not None and line <= len(lines) and GUESS in lines[line - 1].partition("#")[2]:
+        if line is not None and line <= len(lines) and GUESS_COMMENT in lines[line - 1].partition("#")[2]:
             found.append(field)
     return found
 
 
-def guess_doubts(entry: RecordingEntry, text: str) -> list[tuple[str, str]]:
+def guess_warnings(entry: RecordingEntry, text: str) -> list[tuple[str, str]]:
     """Return field and message for each unconfirmed guess in the file."""
     return [
         (
             field,
             f"{getattr(entry.recording, field):g} is a guess; look at the step on the beat (live steps play), correct "
-            f"the number, and remove the comment {GUESS!r}",
+            f"the number, and remove the comment {GUESS_COMMENT!r}",
         )
         for field in guessed_fields(entry, text)
     ]

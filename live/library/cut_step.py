@@ -33,10 +33,10 @@ def cut_step(entry: RecordingEntry, clip: Clip) -> StepClip:
     start = recording.first_beat_s * clip.sample_rate + (recording.start_measure - 1) * measure
     end = start + recording.measures * measure
     if end > clip.sample_count - 1 + 1e-6:
-        raise _too_long(entry, clip, measure)
+        raise _length_error(entry, clip, measure)
     begin = math.floor(start) - math.ceil(measure)
     samples = np.clip(np.arange(begin, math.ceil(end) + TAIL_SAMPLES + 1), 0, clip.sample_count - 1)
-    root, rotation = _placed(clip, samples, start)
+    root, rotation = _align_to_origin(clip, samples, start)
     name = f"{recording.name}, {clip.name} from measure {recording.start_measure}"
     step = StepClip(
         step=recording.name,
@@ -61,7 +61,7 @@ def cut_step(entry: RecordingEntry, clip: Clip) -> StepClip:
     )
 
 
-def _too_long(entry: RecordingEntry, clip: Clip, measure: float) -> RecordingError:
+def _length_error(entry: RecordingEntry, clip: Clip, measure: float) -> RecordingError:
     recording = entry.recording
     whole = max(0, math.floor((clip.sample_count - 1 - recording.first_beat_s * clip.sample_rate) / measure + 1e-9))
     last = recording.start_measure + recording.measures - 1
@@ -74,7 +74,7 @@ def _too_long(entry: RecordingEntry, clip: Clip, measure: float) -> RecordingErr
     )
 
 
-def _placed(clip: Clip, samples: npt.NDArray[np.int64], at: float) -> tuple[Float32, Float32]:
+def _align_to_origin(clip: Clip, samples: npt.NDArray[np.int64], at: float) -> tuple[Float32, Float32]:
     """Root and rotations of `samples`, moved and turned about y so that the sample `at` is at the origin facing +z."""
     before = min(int(at), clip.sample_count - 2) if clip.sample_count > 1 else 0
     after, part = min(before + 1, clip.sample_count - 1), at - before

@@ -31,17 +31,17 @@ class ClipCache:
     """A cache of one kind: files `kind-KEY.npz`; the newest `kept` stay, with at most `max_bytes` together."""
 
     kind: str
-    kept: int
+    max_entries: int
     max_bytes: int = 4_000_000_000
 
-    def clips(self, sources: Iterable[bytes], build: Callable[[], list[StepClip]]) -> list[StepClip]:
+    def load_or_build(self, sources: Iterable[bytes], build: Callable[[], list[StepClip]]) -> list[StepClip]:
         """Return the clips for `sources` from the cache, or build and cache them.
 
         `sources` is all that the clips depend on besides the code, in a fixed order. An exception of `build` passes
         through, and nothing is cached.
         """
         path = self._path(sources)
-        clips = _read(path)
+        clips = _read_cached(path)
         if clips is None:
             clips = build()
             if clips:
@@ -49,7 +49,7 @@ class ClipCache:
         return clips
 
     def _path(self, sources: Iterable[bytes]) -> Path:
-        digest = hashlib.sha256(_code())
+        digest = hashlib.sha256(_code_digest())
         for source in sources:
             digest.update(len(source).to_bytes(8, "little"))
             digest.update(source)
@@ -62,22 +62,22 @@ class ClipCache:
             with unfinished.open("wb") as file:
                 write_clips(file, clips)
             unfinished.replace(path)
-            self._make_room(path.parent)
+            self._evict(path.parent)
         except OSError:
             with contextlib.suppress(OSError):
                 unfinished.unlink()
 
-    def _make_room(self, folder: Path) -> None:
+    def _evict(self, folder: Path) -> None:
         caches = [(cache.stat(), cache) for cache in folder.glob(f"{self.kind}-*.npz")]
         total = 0
         for number, (state, old) in enumerate(sorted(caches, key=lambda one: one[0].st_mtime_ns, reverse=True)):
             total += state.st_size
-            if number >= self.kept or (number > 0 and total > self.max_bytes):
+            if number >= self.max_entries or (number > 0 and total > self.max_bytes):
                 old.unlink(missing_ok=True)
 
 
 @cache
-def _code() -> bytes:
+def _code_digest() -> bytes:
     """Digest of the code that turns files into clips."""
     digest = hashlib.sha256()
     for package in ("motion", "library"):
@@ -86,7 +86,7 @@ def _code() -> bytes:
     return digest.digest()
 
 
-def _row(step: StepClip) -> dict[str, Any]:
+def _clip_header(step: StepClip) -> dict[str, Any]:
     return {
         "name": step.clip.name,
         "samples": step.clip.sample_count,
@@ -95,7 +95,7 @@ def _row(step: StepClip) -> dict[str, Any]:
     }
 
 
-def _read(path: Path) -> list[StepClip] | None:
+def _read_cached(path: Path) -> list[StepClip] | None:
     """Read the clips cached at `path`, None if they are missing or unreadable; reading renews the file's time."""
     try:
         if not path.is_file():
@@ -110,27 +110,27 @@ def _read(path: Path) -> list[StepClip] | None:
 
 def write_clips(file: IO[bytes], clips: Sequence[StepClip]) -> None:
     """Write clips losslessly as numpy's npz; at least one."""
-    np.savez(file, **arrays_of(clips))
+    np.savez(file, **clips_to_arrays(clips))
 
 
 def read_clips(file: IO[bytes]) -> list[StepClip]:
     """Read the clips that `write_clips` wrote; any exception for other data."""
     with np.load(file, allow_pickle=False) as data:
-        return clips_of(dict(data))
+        return clips_from_arrays(dict(data))
 
 
-def arrays_of(clips: Sequence[StepClip]) -> dict[str, Any]:
+def clips_to_arrays(clips: Sequence[StepClip]) -> dict[str, Any]:
     """Return all data of clips in four arrays; at least one clip."""
     return {
         "root": np.concatenate([c.clip.root_position for c in clips]),
         "rotation": np.concatenate([c.clip.rotation for c in clips]),
         "contact": np.concatenate([c.clip.contact for c in clips]),
-        "rows": np.frombuffer(json.dumps([_row(c) for c in clips]).encode(), np.uint8),
+        "rows": np.frombuffer(json.dumps([_clip_header(c) for c in clips]).encode(), np.uint8),
     }
 
 
-def clips_of(arrays: dict[str, Any]) -> list[StepClip]:
-    """Return the clips of the arrays from `arrays_of`."""
+def clips_from_arrays(arrays: dict[str, Any]) -> list[StepClip]:
+    """Return the clips of the arrays from `clips_to_arrays`."""
     root, rotation, contact = arrays["root"], arrays["rotation"], arrays["contact"]
     clips, at = [], 0
     for row in json.loads(arrays["rows"].tobytes()):
@@ -141,7 +141,7 @@ def clips_of(arrays: dict[str, Any]) -> list[StepClip]:
     return clips
 
 
-def read_plain(path: Path, most: int) -> bytes:
+def read_regular_file(path: Path, max_bytes: int) -> bytes:
     """Return the bytes of a regular file, at most one more than `most`, even if it grows meanwhile.
 
     OSError if it cannot be read, or is a folder, a pipe or a device.
@@ -153,4 +153,4 @@ def read_plain(path: Path, most: int) -> bytes:
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
         if not stat.S_ISREG(kind):
             raise OSError(errno.EINVAL, "a file expected, this is a pipe or a device", str(path))
-        return file.read(most + 1)
+        return file.read(max_bytes + 1)

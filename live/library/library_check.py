@@ -13,10 +13,10 @@ from live.base.errors import PersonError
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.graph.transition_rules import plain_pose
-from live.library.beat_alignment import guess_doubts
+from live.library.beat_alignment import guess_warnings
 from live.library.recording_file import Problem, RecordingEntry, RecordingError, read_step_files
 from live.library.recordings import RecordingReader, cut_recording
-from live.library.step_folder import StepsError, named_alike, sketched_steps
+from live.library.step_folder import StepsError, sketched_steps, unify_names
 from live.library.textured_steps import read_textured, stale_textures
 from live.motion.beats.tempo_estimation import guess_tempo
 from live.motion.cleanup.glitch_detection import Glitch
@@ -24,37 +24,37 @@ from live.motion.editing.facing import circular_mean, heading_of
 from live.motion.step_clip import StepClip, measured_direction, measured_distance, travel
 
 DISTANCE_SHARE = 0.25
-DISTANCE_LEAST = 0.1
+DISTANCE_MIN_M = 0.1
 """A written distance is accepted if it is off by less than this share of it, or by less than this many metres."""
-AXIS_OFF = math.radians(60.0)
+MAX_DIRECTION_ERROR = math.radians(60.0)
 """Largest angle between the measured and the written direction."""
 LEAD_IN_BEATS = 0.75
 """Beats that a transition needs before a step."""
-STANDS_LEAST = 0.1
+MIN_CONTACT_SHARE = 0.1
 """Least share of a step with a foot on the floor."""
-AWAY = math.radians(120.0)
+MAX_FACING_OFFSET = math.radians(120.0)
 """A step with its average heading farther than this from that at its first beat shows the back (T122)."""
 _BEARING = {"forward": 0.0, "left": math.pi / 2, "back": math.pi, "right": -math.pi / 2}
 
 
-def doubts_about(entry: RecordingEntry, step: StepClip) -> list[tuple[str, str]]:
+def step_warnings(entry: RecordingEntry, step: StepClip) -> list[tuple[str, str]]:
     """Return field and message for each doubt about one step of a recording."""
     doubts = []
     recording, measured = entry.recording, measured_distance(step)
-    if recording.direction is not None and not _goes(step, recording.direction):
+    if recording.direction is not None and not _direction_matches(step, recording.direction):
         doubts.append(
             ("direction", f"{recording.direction!r}, but it travels {measured_direction(step)}, {measured:.2f} m")
         )
     if recording.distance_m is not None:
         off = abs(recording.distance_m - measured)
-        if off > max(DISTANCE_LEAST, DISTANCE_SHARE * recording.distance_m):
+        if off > max(DISTANCE_MIN_M, DISTANCE_SHARE * recording.distance_m):
             doubts.append(("distance_m", f"{recording.distance_m:g}, but {measured:.2f} m are measured"))
     if recording.weight_transfer and recording.leading_foot is None:
         words = 'true, but leading_foot is not given, so no other side is known; write leading_foot = "left" or "right"'
         doubts.append(("weight_transfer", words))
     first, last = int(step.first), math.ceil(step.first + step.measures * step.samples_per_measure)
     stands = step.clip.contact[first : last + 1].any(axis=1).mean()
-    if stands < STANDS_LEAST:
+    if stands < MIN_CONTACT_SHARE:
         often = (
             "no foot touches the floor in this step"
             if stands == 0
@@ -62,7 +62,7 @@ def doubts_about(entry: RecordingEntry, step: StepClip) -> list[tuple[str, str]]
         )
         doubts.append(("file", f"{often}; check the floor, unit_m and up"))
     away = abs(circular_mean(heading_of(step.clip.rotation[first : last + 1, 0])))
-    if away > AWAY:
+    if away > MAX_FACING_OFFSET:
         words = (
             f"it faces the audience at the first beat, and on average {math.degrees(away):.0f} degrees away from it: "
             'the back is to the audience; begin the step a measure later, or write face = "average" under [motion] '
@@ -77,7 +77,7 @@ def doubts_about(entry: RecordingEntry, step: StepClip) -> list[tuple[str, str]]
     return doubts
 
 
-def _goes(step: StepClip, direction: str) -> bool:
+def _direction_matches(step: StepClip, direction: str) -> bool:
     """Whether the travel is roughly in the written direction, at any distance."""
     word = direction.split()[-1]
     if word not in _BEARING:
@@ -86,14 +86,14 @@ def _goes(step: StepClip, direction: str) -> bool:
     if measured_direction(step) == "in place":
         return False
     off = math.remainder(math.atan2(x, z) - _BEARING[word], 2 * math.pi)
-    return abs(off) <= AXIS_OFF
+    return abs(off) <= MAX_DIRECTION_ERROR
 
 
-BELIEVED: Final = 0.35
+MIN_TEMPO_CONFIDENCE: Final = 0.35
 """Least confidence of a tempo guessed from the feet to question the written one."""
-TEMPO_OFF: Final = 0.04
+TEMPO_TOLERANCE: Final = 0.04
 """Tempi that differ by less than this share are the same."""
-_RATIOS: Final = (0.25, 1 / 3, 0.5, 2 / 3, 0.75, 1.0, 4 / 3, 1.5, 2.0, 3.0, 4.0)
+_TEMPO_RATIOS: Final = (0.25, 1 / 3, 0.5, 2 / 3, 0.75, 1.0, 4 / 3, 1.5, 2.0, 3.0, 4.0)
 """Accepted ratios of tempi: feet may step on every second beat, or three times in two beats."""
 
 
@@ -106,7 +106,7 @@ class Finding:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Checked:
+class FolderCheck:
     """A folder's usable steps, and its problems."""
 
     steps: list[StepClip]
@@ -114,7 +114,7 @@ class Checked:
     findings: list[Finding]
 
 
-def check_folder(directory: Path) -> Checked:
+def check_folder(directory: Path) -> FolderCheck:
     """Read and cut every step of a folder; RecordingError only if the folder cannot be read."""
     files = read_step_files(directory)
     findings = [Finding("wrong", problem) for problem in files.problems]
@@ -124,7 +124,7 @@ def check_folder(directory: Path) -> Checked:
             steps += sketched_steps({file: text})
         except StepsError as error:
             findings.append(Finding("wrong", _sketch_problem(Path(file), str(error))))
-    textured, found = _textured(files.sketches)
+    textured, found = _textured_steps(files.sketches)
     steps += textured
     findings += found
     entries: list[RecordingEntry] = []
@@ -138,16 +138,16 @@ def check_folder(directory: Path) -> Checked:
                 continue
             steps += own
             entries.append(entry)
-            doubts = doubts_about(entry, own[0]) + guess_doubts(entry, files.texts[toml])
+            doubts = step_warnings(entry, own[0]) + guess_warnings(entry, files.texts[toml])
             doubts += _glitches_inside(entry, reader, _measures(own))
             if entry.path not in guessed:
                 guessed.add(entry.path)
-                doubts += _tempo(entry, reader)
+                doubts += _tempo_warnings(entry, reader)
             findings += [Finding("doubtful", entry.problem(field, words)) for field, words in doubts]
-    return Checked(named_alike(steps), entries, findings)
+    return FolderCheck(unify_names(steps), entries, findings)
 
 
-def _textured(sketches: Mapping[str, str]) -> tuple[list[StepClip], list[Finding]]:
+def _textured_steps(sketches: Mapping[str, str]) -> tuple[list[StepClip], list[Finding]]:
     """The textured versions of sketches, and findings on invalid or outdated ones."""
     words = "the sketch was changed since: make it again with live steps enrich, or remove it"
     try:
@@ -180,11 +180,11 @@ def _glitches_inside(entry: RecordingEntry, reader: RecordingReader, measures: i
     for glitch in reader.glitches(entry):
         first, last = ((frame - recording.drop_frames) / rate for frame in (glitch.first_frame, glitch.last_frame))
         if last >= begin and first <= end:
-            found.append(("file", _glitch_words(glitch, first, recording.repair)))
+            found.append(("file", _glitch_text(glitch, first, recording.repair)))
     return found
 
 
-def _glitch_words(glitch: Glitch, seconds: float, repaired: bool) -> str:
+def _glitch_text(glitch: Glitch, seconds: float, repaired: bool) -> str:
     frames = f"frame {glitch.first_frame}"
     if glitch.last_frame > glitch.first_frame:
         frames = f"frames {glitch.first_frame} to {glitch.last_frame}"
@@ -195,22 +195,22 @@ def _glitch_words(glitch: Glitch, seconds: float, repaired: bool) -> str:
     )
 
 
-def _tempo(entry: RecordingEntry, reader: RecordingReader) -> list[tuple[str, str]]:
+def _tempo_warnings(entry: RecordingEntry, reader: RecordingReader) -> list[tuple[str, str]]:
     guess = guess_tempo(reader.clip(entry), entry.recording.beats_per_measure)
-    if guess is None or guess.reference.confidence < BELIEVED:
+    if guess is None or guess.reference.confidence < MIN_TEMPO_CONFIDENCE:
         return []
     bpm, written = guess.reference.bpm, entry.recording.bpm
-    heard = [bpm * ratio for ratio in _RATIOS] + list(guess.other_bpm)
-    if min(abs(math.log(written / one)) for one in heard) <= math.log(1 + TEMPO_OFF):
+    heard = [bpm * ratio for ratio in _TEMPO_RATIOS] + list(guess.other_bpm)
+    if min(abs(math.log(written / one)) for one in heard) <= math.log(1 + TEMPO_TOLERANCE):
         return []
     return [("bpm", f"{written:g}, but the feet give {bpm:.1f} (confidence {guess.reference.confidence:.2f})")]
 
 
-def check_connections(checked: Sequence[Checked], folder: Path, threshold: float) -> list[Finding]:
+def check_connections(checked: Sequence[FolderCheck], folder: Path, threshold: float) -> list[Finding]:
     """Find steps without a transition to or from others within `threshold` [m], and unmatched pose names."""
     clips = [clip for one in checked for clip in one.steps]
     entries = [entry for one in checked for entry in one.entries]
-    findings = _lonely_poses(clips, entries)
+    findings = _unmatched_poses(clips, entries)
     for beats in sorted({clip.beats_per_measure for clip in clips}):
         fitting = [clip for clip in clips if clip.beats_per_measure == beats]
         try:
@@ -225,7 +225,7 @@ def check_connections(checked: Sequence[Checked], folder: Path, threshold: float
     return findings
 
 
-def _lonely_poses(clips: list[StepClip], entries: list[RecordingEntry]) -> list[Finding]:
+def _unmatched_poses(clips: list[StepClip], entries: list[RecordingEntry]) -> list[Finding]:
     """Pose names that occur only at beginnings or only at ends of steps: usually typing errors."""
     begins = {plain_pose(clip.begin_pose): clip.begin_pose for clip in clips if clip.begin_pose}
     ends = {plain_pose(clip.end_pose): clip.end_pose for clip in clips if clip.end_pose}

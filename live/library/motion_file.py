@@ -12,10 +12,10 @@ from live.motion.formats.gltf_reader import parse_gltf
 from live.motion.formats.source_motion import SourceMotion, UpAxis
 
 MAX_BYTES: Final = 256_000_000
-MOTION_ENDINGS: Final = (".bvh", ".amc", ".glb", ".gltf", ".vrm", ".vrma", ".npz")
+MOTION_SUFFIXES: Final = (".bvh", ".amc", ".glb", ".gltf", ".vrm", ".vrma", ".npz")
 """Suffixes of the files that `read_motion` reads."""
-_MARKERS: Final = "solve the markers onto a skeleton in the capture program and export BVH"
-_CONVERT: Final = "open it in Blender (File, Import, FBX) and export glTF 2.0 (.glb) with its animation"
+_MARKER_REMEDY: Final = "solve the markers onto a skeleton in the capture program and export BVH"
+_FBX_REMEDY: Final = "open it in Blender (File, Import, FBX) and export glTF 2.0 (.glb) with its animation"
 
 
 def read_motion(path: Path, *, skeleton: Path | None = None, up: UpAxis | None = None) -> SourceMotion:
@@ -32,7 +32,7 @@ def read_motion(path: Path, *, skeleton: Path | None = None, up: UpAxis | None =
         case "npz":
             return parse_amass(data, str(path))
         case "AMC":
-            asf = skeleton or skeleton_beside(path)
+            asf = skeleton or find_skeleton(path)
             return parse_amc(data, str(path), parse_asf(read_bytes(asf), str(asf)))
         case _:
             return source_of_bvh(parse_bvh(data, str(path)), up)
@@ -42,11 +42,13 @@ def read_bytes(path: Path) -> bytes:
     """Return all bytes of a file of at most 256 MB; MotionFileError if that fails."""
     try:
         if path.is_dir():
-            raise MotionFileError(str(path), None, "that is a folder", f"name a file in it: {_in(path)}")
+            raise MotionFileError(str(path), None, "that is a folder", f"name a file in it: {_motion_file_names(path)}")
         if path.exists() and not path.is_file():
             raise MotionFileError(str(path), None, "that is a device or a pipe, not a file", "name a motion file")
         if not path.is_file():
-            raise MotionFileError(str(path), None, "there is no such file", f"there are: {_in(path.parent)}")
+            raise MotionFileError(
+                str(path), None, "there is no such file", f"there are: {_motion_file_names(path.parent)}"
+            )
         if path.stat().st_size > MAX_BYTES:
             raise MotionFileError(str(path), None, f"more than {MAX_BYTES} bytes", "cut it into pieces")
         data = path.read_bytes()
@@ -59,9 +61,9 @@ def read_bytes(path: Path) -> bytes:
     return data
 
 
-def _in(folder: Path) -> str:
+def _motion_file_names(folder: Path) -> str:
     try:
-        names = sorted(p.name for p in folder.glob("*") if p.suffix.lower() in MOTION_ENDINGS)
+        names = sorted(p.name for p in folder.glob("*") if p.suffix.lower() in MOTION_SUFFIXES)
     except (OSError, ValueError):
         names = []
     return ", ".join(names[:12]) or "no motion files in that folder"
@@ -73,9 +75,9 @@ def _format_of(data: bytes, path: Path) -> str:
     if data[:4] == b"glTF" or ending in (".gltf", ".glb", ".vrm", ".vrma"):
         return "glTF"
     if data[:18] == b"Kaydara FBX Binary" or ending == ".fbx":
-        raise MotionFileError(str(path), None, "FBX files are not read", _CONVERT)
+        raise MotionFileError(str(path), None, "FBX files are not read", _FBX_REMEDY)
     if (ending == ".c3d" and start[:9].upper() != b"HIERARCHY") or (data[1:2] == b"\x50" and data[:1] in b"\2\3\4\5"):
-        raise MotionFileError(str(path), None, "C3D files hold markers and no skeleton", _MARKERS)
+        raise MotionFileError(str(path), None, "C3D files hold markers and no skeleton", _MARKER_REMEDY)
     if data[:4] == b"PK\3\4" or ending == ".npz":
         return "npz"
     if ending == ".asf":
@@ -85,7 +87,7 @@ def _format_of(data: bytes, path: Path) -> str:
     return "BVH"
 
 
-def skeleton_beside(path: Path) -> Path:
+def find_skeleton(path: Path) -> Path:
     """Return the .asf file next to an .amc file that is its skeleton; MotionFileError if there is none or several."""
     there = sorted(p for p in path.parent.glob("*") if p.suffix.lower() == ".asf")
     fitting = [p for p in there if path.stem == p.stem] or [p for p in there if path.stem.split("_")[0] == p.stem]

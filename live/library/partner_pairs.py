@@ -15,8 +15,8 @@ import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from live.base.errors import PersonError
-from live.base.toml import KeyPath, error_line, line_of, toml_lines, toml_values
-from live.library.disk_cache import read_plain
+from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_numbers
+from live.library.disk_cache import read_regular_file
 from live.library.motion_file import read_motion
 from live.library.recording_file import FileName, Word
 from live.motion.beats.tempo_estimation import CLEAR, guess_tempo, two_beat_lines
@@ -25,13 +25,13 @@ from live.motion.cleanup.glitch_repair import repair
 from live.motion.clip import Clip
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_motion import SourceMotion
-from live.motion.partner.evaluation import Near, found_holds
+from live.motion.partner.evaluation import HoldCriterion, detect_holds
 from live.motion.partner.point_clouds import ends_cloud, path_cloud
 from live.motion.partner.units import BEATS_OF_UNIT, Example, Hold, Units, beat_cuts, beat_samples, cut_units
 from live.motion.retarget.body_tracks import body_tracks
 from live.motion.retarget.retarget import retarget
 
-ELSEWHERE: Final = (
+IGNORED_KEYS: Final = (
     "start_measure", "measures", "beats_per_measure", "leading_foot", "begin_pose", "end_pose", "weight_transfer",
     "direction", "distance_m", "tags", "author", "style", "unstructured", "mirror",
 )  # fmt: skip
@@ -73,9 +73,9 @@ class Side(Beats):
 
     @model_validator(mode="before")
     @classmethod
-    def _pass_over(cls, values: Any) -> Any:
+    def _drop_ignored_keys(cls, values: Any) -> Any:
         if isinstance(values, dict):
-            return {key: value for key, value in values.items() if key not in ELSEWHERE}
+            return {key: value for key, value in values.items() if key not in IGNORED_KEYS}
         return values
 
 
@@ -104,15 +104,15 @@ class PairsFile(BaseModel):
 
 
 MAX_BYTES: Final = 1_000_000
-SHOWN: Final = 8
-SHORTEST: Final = 0.15
+SHOWN_PROBLEMS: Final = 8
+MIN_UNIT_SECONDS: Final = 0.15
 """Least length of a unit [s]."""
 
 Float64 = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Recorded:
+class RecordedSide:
     """One side of a pair on the engine's skeleton, at its recorded position."""
 
     clip: Clip
@@ -123,32 +123,32 @@ class Recorded:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Examples:
+class PartnerExamples:
     """The contents of a file of pairs."""
 
     file: Path
-    wanted: PairsFile
+    pairs_file: PairsFile
     units: Units
-    leaders: tuple[Recorded | None, ...]
-    followers: tuple[Recorded, ...]
-    guessed: tuple[bool, ...]
+    leaders: tuple[RecordedSide | None, ...]
+    followers: tuple[RecordedSide, ...]
+    guessed_beats: tuple[bool, ...]
     """For each pair whether its beats are a guess."""
 
 
-def read_pairs(toml: Path, progress: Callable[[str], None] | None = None) -> Examples:
+def read_pairs(toml: Path, progress: Callable[[str], None] | None = None) -> PartnerExamples:
     """Read all pairs of a file; PersonError with file, line and field for anything invalid."""
-    wanted, fail = _parsed(toml)
+    wanted, fail = _parse_pairs(toml)
     examples, leaders, followers, guessed = [], [], [], []
     for n, pair in enumerate(wanted.pair):
         where: KeyPath = ("pair", n)
         if progress is not None:
             progress(pair.follower.file)
-        follower = _side(pair.follower, toml, partial(fail, (*where, "follower")))
+        follower = _load_side(pair.follower, toml, partial(fail, (*where, "follower")))
         leader = None
         if pair.leader is not None:
-            leader = _side(pair.leader, toml, partial(fail, (*where, "leader")))
-            _agree(leader, follower, partial(fail, where))
-        example, guess = _example(wanted, pair, leader, follower, partial(fail, where))
+            leader = _load_side(pair.leader, toml, partial(fail, (*where, "leader")))
+            _check_synchronous(leader, follower, partial(fail, where))
+        example, guess = _build_example(wanted, pair, leader, follower, partial(fail, where))
         examples.append(example)
         leaders.append(leader)
         followers.append(follower)
@@ -158,12 +158,12 @@ def read_pairs(toml: Path, progress: Callable[[str], None] | None = None) -> Exa
     units = cut_units(examples)
     if units.count < 2:
         raise fail(("pair",), f"{units.count} unit in all of it; at least two are needed to choose from")
-    return Examples(toml, wanted, units, tuple(leaders), tuple(followers), tuple(guessed))
+    return PartnerExamples(toml, wanted, units, tuple(leaders), tuple(followers), tuple(guessed))
 
 
-def _parsed(toml: Path) -> tuple[PairsFile, Callable[[KeyPath, str], PersonError]]:
+def _parse_pairs(toml: Path) -> tuple[PairsFile, Callable[[KeyPath, str], PersonError]]:
     try:
-        held = read_plain(toml, MAX_BYTES)
+        held = read_regular_file(toml, MAX_BYTES)
         if len(held) > MAX_BYTES:
             raise PersonError(f"{toml}: more than {MAX_BYTES} bytes")
         text = held.decode("utf-8-sig")
@@ -172,12 +172,12 @@ def _parsed(toml: Path) -> tuple[PairsFile, Callable[[KeyPath, str], PersonError
     except UnicodeDecodeError as error:
         raise PersonError(f"{toml}: not a text in UTF-8 (byte {error.start})") from None
     try:
-        data = toml_values(text)
+        data = parse_toml(text)
     except tomllib.TOMLDecodeError as error:
         raise PersonError(f"{toml}, line {error_line(str(error), text)}: not valid TOML: {error}") from None
     except RecursionError:
         raise PersonError(f"{toml}: brackets in brackets too deep") from None
-    lines = toml_lines(text)
+    lines = toml_line_numbers(text)
 
     def fail(where: KeyPath, words: str) -> PersonError:
         name = ".".join(str(part + 1) if isinstance(part, int) else part for part in where)
@@ -186,11 +186,11 @@ def _parsed(toml: Path) -> tuple[PairsFile, Callable[[KeyPath, str], PersonError
     try:
         return PairsFile.model_validate(data), fail
     except ValidationError as error:
-        told = [fail(tuple(one["loc"]), _words(one)).message for one in error.errors(include_url=False)]
-        raise PersonError("; ".join(told[:SHOWN]), "docs/partner.md describes files of pairs") from None
+        told = [fail(tuple(one["loc"]), _problem_text(one)).message for one in error.errors(include_url=False)]
+        raise PersonError("; ".join(told[:SHOWN_PROBLEMS]), "docs/partner.md describes files of pairs") from None
 
 
-def _words(problem: Any) -> str:
+def _problem_text(problem: Any) -> str:
     if problem["type"] == "missing":
         return "missing; it must be given"
     if problem["type"] == "extra_forbidden":
@@ -198,13 +198,13 @@ def _words(problem: Any) -> str:
     return f"{problem['msg'][:1].lower()}{problem['msg'][1:]}, found {str(problem['input'])[:60]!r}"
 
 
-def read_side(path: Path, side: Side) -> Recorded:
+def read_side(path: Path, side: Side) -> RecordedSide:
     """Read one recording at its recorded position; MotionFileError or ValueError if it cannot be used."""
     motion = read_motion(path, skeleton=None if side.skeleton is None else path.parent / side.skeleton, up=side.up)
-    return recorded(motion, side)
+    return retarget_side(motion, side)
 
 
-def recorded(motion: SourceMotion, side: Side) -> Recorded:
+def retarget_side(motion: SourceMotion, side: Side) -> RecordedSide:
     """Return the same for a motion that was already read."""
     fps = side.fps or motion.header_fps
     if side.repair:
@@ -214,17 +214,17 @@ def recorded(motion: SourceMotion, side: Side) -> Recorded:
         motion, name=Path(side.file).stem, fps=fps, unit_m=side.unit_m, up=side.up,
         drop_frames=side.drop_frames, centred=False,
     )  # fmt: skip
-    return Recorded(clip, motion.frame_count - side.drop_frames, fps, motion.header_fps)
+    return RecordedSide(clip, motion.frame_count - side.drop_frames, fps, motion.header_fps)
 
 
-def _side(side: Side, toml: Path, fail: Callable[[str], PersonError]) -> Recorded:
+def _load_side(side: Side, toml: Path, fail: Callable[[str], PersonError]) -> RecordedSide:
     try:
         return read_side(toml.parent / side.file, side)
     except (MotionFileError, ValueError) as error:
         raise fail(str(error)) from None
 
 
-def _agree(leader: Recorded, follower: Recorded, fail: Callable[[str], PersonError]) -> None:
+def _check_synchronous(leader: RecordedSide, follower: RecordedSide, fail: Callable[[str], PersonError]) -> None:
     if abs(leader.fps / follower.fps - 1.0) > 1e-3:
         raise fail(
             f"the leader has {leader.fps:g} frames a second and the follower {follower.fps:g}; "
@@ -237,16 +237,20 @@ def _agree(leader: Recorded, follower: Recorded, fail: Callable[[str], PersonErr
         )
 
 
-def _example(
-    wanted: PairsFile, pair: Pair, leader: Recorded | None, follower: Recorded, fail: Callable[[str], PersonError]
+def _build_example(
+    wanted: PairsFile,
+    pair: Pair,
+    leader: RecordedSide | None,
+    follower: RecordedSide,
+    fail: Callable[[str], PersonError],
 ) -> tuple[Example, bool]:
     clip = follower.clip
     last, rate = clip.sample_count - 1.0, clip.sample_rate
-    cuts, beats, guessed = _cuts(wanted, pair, leader, follower, fail)
+    cuts, beats, guessed = _unit_cuts(wanted, pair, leader, follower, fail)
     if len(cuts) < 2:
         raise fail(f"{last / rate:.2f} s are too short for one unit")
-    if (np.diff(cuts) < SHORTEST * rate).any():
-        raise fail(f"a unit of {np.diff(cuts).min() / rate:.2f} s; {SHORTEST} s at least expected")
+    if (np.diff(cuts) < MIN_UNIT_SECONDS * rate).any():
+        raise fail(f"a unit of {np.diff(cuts).min() / rate:.2f} s; {MIN_UNIT_SECONDS} s at least expected")
     for _, _, begin, end in pair.holds:
         if not begin < end <= last / rate + 1e-6:
             raise fail(f"a hold from {begin:g} to {end:g} s; within 0 to {last / rate:.2f} s expected")
@@ -259,8 +263,12 @@ def _example(
     return Example(name, control, ends_cloud(clip), clip, cuts, beats, holds), guessed
 
 
-def _cuts(
-    wanted: PairsFile, pair: Pair, leader: Recorded | None, follower: Recorded, fail: Callable[[str], PersonError]
+def _unit_cuts(
+    wanted: PairsFile,
+    pair: Pair,
+    leader: RecordedSide | None,
+    follower: RecordedSide,
+    fail: Callable[[str], PersonError],
 ) -> tuple[Float64, Float64, bool]:
     """Limits of units and positions of beats [samples], and whether these are a guess."""
     clip = follower.clip
@@ -271,7 +279,7 @@ def _cuts(
     guessed = False
     if pair.cuts_s is None and (wanted.cut or ("steps" if leader is None else "beats")) == "steps":
         landed = np.flatnonzero((np.diff(clip.contact.astype(np.int8), axis=0) > 0).any(axis=1)) + 1.0
-        keep = np.concatenate(([True], np.diff(landed) >= 2.0 * SHORTEST * rate))
+        keep = np.concatenate(([True], np.diff(landed) >= 2.0 * MIN_UNIT_SECONDS * rate))
         return np.asarray(landed[keep], np.float64), np.zeros(0), False
     if first is None and pair.cuts_s is None and leader is not None and wanted.unit_beats == BEATS_OF_UNIT:
         followed = two_beat_lines([leader.clip, clip], None if period is None else 2.0 * period)
@@ -293,13 +301,13 @@ def _cuts(
     return beat_cuts(beats[before:], last, wanted.unit_beats), beats, guessed
 
 
-def with_holds(known: Examples, near: Near) -> Units:
+def add_found_holds(known: PartnerExamples, near: HoldCriterion) -> Units:
     """Return the units of `known`, with holds found in the recordings for pairs without `holds`."""
-    return replace(known.units, examples=tuple(_one(known, n, near) for n in range(len(known.leaders))))
+    return replace(known.units, examples=tuple(_with_found_holds(known, n, near) for n in range(len(known.leaders))))
 
 
-def _one(known: Examples, n: int, near: Near) -> Example:
+def _with_found_holds(known: PartnerExamples, n: int, near: HoldCriterion) -> Example:
     example, leader = known.units.examples[n], known.leaders[n]
-    if leader is None or "holds" in known.wanted.pair[n].model_fields_set:
+    if leader is None or "holds" in known.pairs_file.pair[n].model_fields_set:
         return example
-    return replace(example, holds=found_holds(leader.clip, example.follower, near))
+    return replace(example, holds=detect_holds(leader.clip, example.follower, near))

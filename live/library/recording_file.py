@@ -13,9 +13,9 @@ from typing import Annotated, Any, Final, Literal, Union, get_args, get_origin, 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from live.base.errors import PersonError
-from live.base.toml import KeyPath, error_line, line_of, toml_lines, toml_remedy, toml_values
-from live.library.disk_cache import read_plain
-from live.library.motion_file import MOTION_ENDINGS
+from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_numbers, toml_remedy
+from live.library.disk_cache import read_regular_file
+from live.library.motion_file import MOTION_SUFFIXES
 from live.motion.sketch.sketch_notation import PAIRS, PARTS
 from live.motion.step_clip import DIRECTIONS
 
@@ -82,15 +82,15 @@ class Problem:
     file: Path
     line: int | None
     field: str
-    words: str
+    message: str
 
     @property
-    def place(self) -> str:
+    def location(self) -> str:
         """File and line."""
         return str(self.file) if self.line is None else f"{self.file}, line {self.line}"
 
     def __str__(self) -> str:
-        return f"{self.place}: {self.field}: {self.words}" if self.field else f"{self.place}: {self.words}"
+        return f"{self.location}: {self.field}: {self.message}" if self.field else f"{self.location}: {self.message}"
 
 
 class RecordingError(PersonError):
@@ -101,7 +101,7 @@ class RecordingError(PersonError):
         self.problems = problems
 
 
-def error_of(problems: list[Problem]) -> RecordingError:
+def combine_problems(problems: list[Problem]) -> RecordingError:
     """Return one error for all problems, with the first eight different ones in its message."""
     words = list(dict.fromkeys(map(str, problems)))
     more = len(words) - SHOWN_PROBLEMS
@@ -116,7 +116,7 @@ class RecordingEntry:
     recording: Recording
     toml: Path
     lines: dict[KeyPath, int]
-    where: KeyPath
+    table_path: KeyPath
     """Path of the table: () or ("step", index)."""
 
     @property
@@ -131,11 +131,11 @@ class RecordingEntry:
 
     def problem(self, field: str, words: str) -> Problem:
         """Return a problem with one field."""
-        return problem_at(self.toml, self.lines, self.where, (field,), words)
+        return problem_at(self.toml, self.lines, self.table_path, (field,), words)
 
     def error(self, field: str, words: str) -> RecordingError:
         """Return the same as an error."""
-        return error_of([self.problem(field, words)])
+        return combine_problems([self.problem(field, words)])
 
 
 def problem_at(toml: Path, lines: dict[KeyPath, int], where: KeyPath, field: KeyPath, words: str) -> Problem:
@@ -146,10 +146,10 @@ def problem_at(toml: Path, lines: dict[KeyPath, int], where: KeyPath, field: Key
 
 
 EXAMPLE: Final = 'file = "walk.bvh", name = "walk", bpm = 120, first_beat_s = 0.5, measures = 2 (a line each)'
-_HINTS: Final = get_type_hints(Recording, include_extras=True)
+_TYPE_HINTS: Final = get_type_hints(Recording, include_extras=True)
 
 
-def problem_words(problem: Any) -> str:
+def problem_text(problem: Any) -> str:
     """Return the message for a problem that pydantic found in a Recording."""
     kind, read, field = problem["type"], problem["input"], str(problem["loc"][0]) if problem["loc"] else ""
     if kind == "extra_forbidden":
@@ -160,13 +160,11 @@ def problem_words(problem: Any) -> str:
     if kind == "missing":
         return f"missing; it must be given, as in {EXAMPLE}"
     if kind == "string_pattern_mismatch":
-        return (
-            f"a text that is not blank, without line breaks and other control characters, expected, found {found(read)}"
-        )
-    return f"{expected(field, inside=len(problem['loc']) > 1)} expected, found {found(read)}"
+        return f"a text that is not blank, without line breaks and other control characters, expected, found {value_text(read)}"
+    return f"{expected_text(field, inside=len(problem['loc']) > 1)} expected, found {value_text(read)}"
 
 
-def found(value: object) -> str:
+def value_text(value: object) -> str:
     """Return the value that was read, shortened for a message."""
     if isinstance(value, bool):
         return "true" if value else "false"
@@ -177,14 +175,14 @@ def found(value: object) -> str:
     )
 
 
-def expected(field: str, *, inside: bool = False) -> str:
+def expected_text(field: str, *, inside: bool = False) -> str:
     """Return a description of the values allowed for a field; `inside`: for one element of its list."""
-    return _described(_HINTS.get(field), inside)
+    return _type_text(_TYPE_HINTS.get(field), inside)
 
 
-def _described(hint: Any, inside: bool) -> str:
+def _type_text(hint: Any, inside: bool) -> str:
     if get_origin(hint) in (Union, UnionType):
-        return _described(next(one for one in get_args(hint) if one is not NoneType), inside)
+        return _type_text(next(one for one in get_args(hint) if one is not NoneType), inside)
     kind, low, high, above = hint, None, None, None
     if get_origin(hint) is Annotated:
         kind, *notes = get_args(hint)
@@ -195,7 +193,7 @@ def _described(hint: Any, inside: bool) -> str:
                 above = getattr(rule, "gt", above)
     if get_origin(kind) is list:
         if inside:
-            return _described(get_args(kind)[0], False)
+            return _type_text(get_args(kind)[0], False)
         return f'a list of at most {high} texts, like ["slow", "low"],'
     if get_origin(kind) is Literal:
         return " or ".join(f'"{value}"' for value in get_args(kind))
@@ -234,15 +232,15 @@ def read_recordings(directory: Path) -> list[RecordingEntry]:
     """
     files = read_step_files(directory)
     if files.problems:
-        raise error_of(files.problems)
+        raise combine_problems(files.problems)
     if not files.recordings:
-        raise nothing_in(directory)
+        raise no_steps_error(directory)
     return [entry for entries in files.recordings.values() for entry in entries]
 
 
-def nothing_in(directory: Path) -> RecordingError:
+def no_steps_error(directory: Path) -> RecordingError:
     """Return the error for a folder without a TOML file that describes steps."""
-    count = sum(1 for path in directory.iterdir() if path.suffix.lower() in MOTION_ENDINGS)
+    count = sum(1 for path in directory.iterdir() if path.suffix.lower() in MOTION_SUFFIXES)
     return RecordingError(
         f"no TOML file in {directory} describes steps in its {count} recordings",
         f"live steps add FILE --library {directory}; or write one next to them, like steps.toml with {EXAMPLE}",
@@ -259,15 +257,15 @@ def read_step_files(directory: Path) -> StepFiles:
         raise RecordingError(f"cannot read the folder {directory}: {error.strerror}") from None
     files = StepFiles()
     for toml in tomls:
-        text = _text_of(toml, files.problems)
+        text = _read_toml(toml, files.problems)
         if text is not None:
             parse_step_file(text, toml, files)
     return files
 
 
-def _text_of(toml: Path, problems: list[Problem]) -> str | None:
+def _read_toml(toml: Path, problems: list[Problem]) -> str | None:
     try:
-        data = read_plain(toml, MAX_BYTES) if toml.is_file() else None
+        data = read_regular_file(toml, MAX_BYTES) if toml.is_file() else None
         if data is None or len(data) > MAX_BYTES:  # the size is that of the data read, since the file may grow
             problems.append(Problem(toml, None, "", f"not a file of at most {MAX_BYTES} bytes"))
             return None
@@ -282,7 +280,7 @@ def _text_of(toml: Path, problems: list[Problem]) -> str | None:
 def parse_step_file(text: str, toml: Path, files: StepFiles) -> None:
     """Parse the text of one file and add its contents to `files`."""
     try:
-        data = toml_values(text)
+        data = parse_toml(text)
     except tomllib.TOMLDecodeError as error:
         line = error_line(str(error), text)
         words = f"not valid TOML: {str(error).split(' (at ')[0]}: {toml_remedy(str(error), text, line)}"
@@ -294,10 +292,10 @@ def parse_step_file(text: str, toml: Path, files: StepFiles) -> None:
             files.sketches[str(toml)] = text
         elif "pair" not in data or "step" in data or "file" in data:
             files.texts[toml] = text
-            files.recordings[toml] = _entries(toml, data, toml_lines(text), files.problems)
+            files.recordings[toml] = _parse_entries(toml, data, toml_line_numbers(text), files.problems)
 
 
-def _entries(
+def _parse_entries(
     toml: Path, data: dict[str, Any], lines: dict[KeyPath, int], problems: list[Problem]
 ) -> list[RecordingEntry]:
     tables: list[tuple[KeyPath, Any]] = [((), data)]
@@ -317,7 +315,7 @@ def _entries(
             recording = Recording.model_validate(table)
         except ValidationError as error:
             for one in error.errors(include_url=False):
-                problems.append(problem_at(toml, lines, where, tuple(one["loc"]), problem_words(one)))
+                problems.append(problem_at(toml, lines, where, tuple(one["loc"]), problem_text(one)))
             continue
         entry = RecordingEntry(recording, toml, lines, where)
         if recording.direction is not None and recording.direction not in DIRECTIONS:

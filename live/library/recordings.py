@@ -20,8 +20,8 @@ from live.library.recording_file import (
     RecordingEntry,
     RecordingError,
     StepFiles,
-    error_of,
-    nothing_in,
+    combine_problems,
+    no_steps_error,
     read_step_files,
 )
 from live.motion.cleanup.glitch_detection import Glitch, find_glitches
@@ -34,7 +34,7 @@ from live.motion.retarget.body_tracks import body_tracks
 from live.motion.retarget.retarget import retarget
 from live.motion.step_clip import StepClip
 
-FRAMES_OFF: Final = 1
+FRAME_COUNT_TOLERANCE: Final = 1
 """Tolerance for the frame count in a header, which some programs get wrong by one; with fewer the file is cut off."""
 
 
@@ -48,7 +48,7 @@ class RecordingReader:
 
     def clip(self, entry: RecordingEntry) -> Clip:
         """Return the whole recording on the engine's skeleton; RecordingError names file, line and field."""
-        key = _key(entry)
+        key = _reading_key(entry)
         if key not in self._clips:
             motion = self.motion(entry)
             if entry.recording.repair:
@@ -67,7 +67,7 @@ class RecordingReader:
         return [one.glitch for one in repairs if not one.done]
 
     def _faults(self, entry: RecordingEntry, motion: SourceMotion) -> list[Glitch]:
-        key = _key(entry)
+        key = _reading_key(entry)
         if key not in self._glitches:
             recording = entry.recording
             try:
@@ -87,7 +87,7 @@ class RecordingReader:
                 raise entry.error("file", str(error)) from None
             except ValueError as error:  # invalid file names
                 raise entry.error("file", f"cannot be read: {error}") from None
-            if motion.frame_count < motion.frames_declared - FRAMES_OFF:
+            if motion.frame_count < motion.frames_declared - FRAME_COUNT_TOLERANCE:
                 words = (
                     f"{entry.path} is cut off: it declares {motion.frames_declared} frames and has "
                     f"{motion.frame_count}; copy it again, or correct its line 'Frames:' if this is all"
@@ -97,7 +97,7 @@ class RecordingReader:
         return self._motions[key]
 
 
-def _key(entry: RecordingEntry) -> tuple[object, ...]:
+def _reading_key(entry: RecordingEntry) -> tuple[object, ...]:
     recording = entry.recording
     read = (recording.fps, recording.drop_frames, recording.unit_m, recording.up, recording.repair)
     return (entry.path, entry.skeleton, *read)
@@ -127,7 +127,7 @@ def _retarget(entry: RecordingEntry, motion: SourceMotion) -> Clip:
         raise entry.error("unit_m" if recording.unit_m is not None else "file", str(error)) from None
 
 
-OF_A_STEP: Final = ("leading_foot", "begin_pose", "end_pose", "weight_transfer", "direction", "distance_m")
+STEP_ONLY_FIELDS: Final = ("leading_foot", "begin_pose", "end_pose", "weight_transfer", "direction", "distance_m")
 """Fields of a step that do not apply to a stream."""
 
 
@@ -145,17 +145,20 @@ def cut_recording(entry: RecordingEntry, clip: Clip) -> list[StepClip]:
 def cut_stream(entry: RecordingEntry, clip: Clip) -> list[StepClip]:
     """Return the measures of a stream from `start_measure` on: the number in `measures`, else all whole ones."""
     recording = entry.recording
-    for field in OF_A_STEP:
+    for field in STEP_ONLY_FIELDS:
         if field in recording.model_fields_set:
             raise entry.error(field, "it belongs to a step, and an unstructured recording has none: leave it out")
-    count = recording.measures if "measures" in recording.model_fields_set else _whole(entry, clip)
+    count = recording.measures if "measures" in recording.model_fields_set else _whole_measures(entry, clip)
     cut_step(
-        _told(entry, recording.start_measure, count), clip
+        _with_measures(entry, recording.start_measure, count), clip
     )  # raises the error for a stream that is too long as a whole
-    return [replace(cut_step(_told(entry, recording.start_measure + n, 1), clip), in_stream=True) for n in range(count)]
+    return [
+        replace(cut_step(_with_measures(entry, recording.start_measure + n, 1), clip), in_stream=True)
+        for n in range(count)
+    ]
 
 
-def _whole(entry: RecordingEntry, clip: Clip) -> int:
+def _whole_measures(entry: RecordingEntry, clip: Clip) -> int:
     """Number of whole measures from the first one on, at least 1, so that cutting reports a short recording."""
     recording = entry.recording
     measure = recording.beats_per_measure * 60.0 / recording.bpm * clip.sample_rate
@@ -163,15 +166,15 @@ def _whole(entry: RecordingEntry, clip: Clip) -> int:
     return max(1, math.floor((clip.sample_count - 1 - start) / measure + 1e-9))
 
 
-def _told(entry: RecordingEntry, start: int, measures: int) -> RecordingEntry:
+def _with_measures(entry: RecordingEntry, start: int, measures: int) -> RecordingEntry:
     return replace(entry, recording=entry.recording.model_copy(update={"start_measure": start, "measures": measures}))
 
 
 __all__ = ["RecordingError", "cut_step", "load_recordings", "recorded_steps"]
 
-CACHE: Final = ClipCache("recordings", kept=1000)
+CACHE: Final = ClipCache("recordings", max_entries=1000)
 """One entry for each TOML file, so that a change in one leaves the others valid."""
-_BESIDE: Final = {".amc": ".asf", ".gltf": ".bin"}
+_COMPANION_SUFFIXES: Final = {".amc": ".asf", ".gltf": ".bin"}
 """Suffixes of files that a file with the given suffix may read in the same folder."""
 
 
@@ -182,7 +185,7 @@ def load_recordings(directory: Path) -> list[StepClip]:
     """
     files = read_step_files(directory)
     if not files.recordings and not files.problems:
-        raise nothing_in(directory)
+        raise no_steps_error(directory)
     return recorded_steps(files)
 
 
@@ -192,23 +195,23 @@ def recorded_steps(files: StepFiles) -> list[StepClip]:
     steps: list[StepClip] = []
     for toml, entries in files.recordings.items():
         try:
-            steps += _cut(files.texts[toml], entries)
+            steps += _cached_steps(files.texts[toml], entries)
         except RecordingError as error:
             problems += error.problems
     if problems:
-        raise error_of(problems)
+        raise combine_problems(problems)
     return steps
 
 
-def _cut(text: str, entries: list[RecordingEntry]) -> list[StepClip]:
+def _cached_steps(text: str, entries: list[RecordingEntry]) -> list[StepClip]:
     """The steps of one TOML file, from the cache if possible."""
     sources = _sources(text, entries)
     if sources is not None:
         try:
-            return CACHE.clips(sources, partial(_build, entries))
+            return CACHE.load_or_build(sources, partial(_build_steps, entries))
         except OSError:  # a file cannot be read: building the steps reports which, and why
             pass
-    return _build(entries)
+    return _build_steps(entries)
 
 
 def _sources(text: str, entries: list[RecordingEntry]) -> Iterator[bytes] | None:
@@ -218,24 +221,24 @@ def _sources(text: str, entries: list[RecordingEntry]) -> Iterator[bytes] | None
         paths.add(entry.path)
         if entry.skeleton is not None:
             paths.add(entry.skeleton)
-        for ending, other in _BESIDE.items():
+        for ending, other in _COMPANION_SUFFIXES.items():
             if entry.path.suffix.lower() == ending:
                 paths.update(path for path in entry.path.parent.iterdir() if path.suffix.lower() == other)
     try:
         if not all(path.is_file() and path.stat().st_size <= MAX_BYTES for path in paths):
             return None
-        return _contents(text, sorted(paths))
+        return _file_contents(text, sorted(paths))
     except (OSError, ValueError):
         return None
 
 
-def _contents(text: str, paths: list[Path]) -> Iterator[bytes]:
+def _file_contents(text: str, paths: list[Path]) -> Iterator[bytes]:
     yield text.encode()
     for path in paths:
         yield path.read_bytes()
 
 
-def _build(entries: list[RecordingEntry]) -> list[StepClip]:
+def _build_steps(entries: list[RecordingEntry]) -> list[StepClip]:
     reader = RecordingReader()
     steps: list[StepClip] = []
     problems: list[Problem] = []
@@ -245,5 +248,5 @@ def _build(entries: list[RecordingEntry]) -> list[StepClip]:
         except RecordingError as error:
             problems += error.problems
     if problems:
-        raise error_of(problems)
+        raise combine_problems(problems)
     return steps

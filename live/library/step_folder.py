@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Final
 
 from live.base.errors import PersonError
-from live.library.disk_cache import ClipCache, read_plain
-from live.library.recording_file import nothing_in, read_step_files
+from live.library.disk_cache import ClipCache, read_regular_file
+from live.library.recording_file import no_steps_error, read_step_files
 from live.library.recordings import recorded_steps
 from live.library.textured_steps import read_textured
 from live.motion.step_clip import StepClip
 
 MAX_STEP_BYTES: Final = 200_000
-CACHE: Final = ClipCache("steps", kept=8)
+CACHE: Final = ClipCache("steps", max_entries=8)
 """One entry for each of the latest sets of steps, in any checkout."""
 
 
@@ -26,7 +26,7 @@ def load_steps(folder: Path) -> list[StepClip]:
     texts: dict[str, str] = {}
     for path in sorted(folder.glob("*.toml")):
         try:
-            data = read_plain(path, MAX_STEP_BYTES)
+            data = read_regular_file(path, MAX_STEP_BYTES)
             if len(data) > MAX_STEP_BYTES:
                 raise StepsError(f"{path}: a step has at most {MAX_STEP_BYTES} bytes")
             texts[str(path)] = data.decode("utf-8")
@@ -42,10 +42,10 @@ def load_steps(folder: Path) -> list[StepClip]:
 def sketched_steps(texts: dict[str, str]) -> list[StepClip]:
     """Return the steps of sketches, `texts` by file name; StepsError if one is invalid."""
     sources = (part for name, text in texts.items() for part in (Path(name).name.encode(), text.encode()))
-    return CACHE.clips(sources, lambda: _build(texts))
+    return CACHE.load_or_build(sources, lambda: _build_sketches(texts))
 
 
-def _build(texts: dict[str, str]) -> list[StepClip]:
+def _build_sketches(texts: dict[str, str]) -> list[StepClip]:
     from live.motion.sketch.sketch_clips import step_clips
     from live.motion.sketch.sketch_file import SketchError, parse_sketch
 
@@ -71,9 +71,9 @@ def load_folder(directory: Path) -> list[StepClip]:
     """
     files = read_step_files(directory)
     if not files.sketches and not files.recordings and not files.problems:
-        raise nothing_in(directory)
+        raise no_steps_error(directory)
     sketched = sketched_steps(files.sketches) if files.sketches else []
-    return named_alike(sketched + read_textured(files.sketches) + recorded_steps(files))
+    return unify_names(sketched + read_textured(files.sketches) + recorded_steps(files))
 
 
 def plain_name(name: str) -> str:
@@ -81,7 +81,7 @@ def plain_name(name: str) -> str:
     return " ".join(name.replace("_", " ").replace("-", " ").casefold().split())
 
 
-def named_alike(steps: Sequence[StepClip]) -> list[StepClip]:
+def unify_names(steps: Sequence[StepClip]) -> list[StepClip]:
     """Return the steps, with one spelling of names that are equal as plain names: that of the first."""
     names: dict[str, str] = {}
     called = [names.setdefault(plain_name(step.step), step.step) for step in steps]

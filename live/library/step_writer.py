@@ -7,11 +7,11 @@ from typing import Any
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
-from live.base.toml import toml_lines
+from live.base.toml import toml_line_numbers
 from live.library.recording_file import Recording
 
 
-def with_step(text: str, table: Mapping[str, Any], comments: Mapping[str, str] | None = None) -> str | None:
+def append_step(text: str, table: Mapping[str, Any], comments: Mapping[str, str] | None = None) -> str | None:
     """Return the TOML `text` (empty for a new file) with one more `[[step]]` at its end; comments and blanks are kept.
 
     `table` has the step's values by the fields of Recording; those equal to the file's defaults are not written.
@@ -30,13 +30,13 @@ def with_step(text: str, table: Mapping[str, Any], comments: Mapping[str, str] |
     steps = old.get("step", [])
     if "pair" in old or not isinstance(steps, list) or (not steps and old) or not all(map(_is_table, steps)):
         return None
-    written = _beside_defaults({key: value for key, value in old.items() if key != "step"}, table)
+    written = _without_defaults({key: value for key, value in old.items() if key != "step"}, table)
     if written is None:
         return None
     step = tomlkit.table()
     for key in Recording.model_fields:
         if key in written:
-            step.add(key, _plain(written[key]))
+            step.add(key, _toml_value(written[key]))
             if comments and key in comments:
                 step[key].comment(comments[key])
     if steps:
@@ -49,18 +49,18 @@ def with_step(text: str, table: Mapping[str, Any], comments: Mapping[str, str] |
         array.append(step)
         document["step"] = array
         result = tomlkit.dumps(document)
-    expected = old | {"step": [*steps, {key: _plain(value) for key, value in written.items()}]}
+    expected = old | {"step": [*steps, {key: _toml_value(value) for key, value in written.items()}]}
     return result if tomllib.loads(result) == expected else None
 
 
 def _as_first_step(text: str) -> str:
     """Turn a recording at the top level into the first of a list: a header before its first key; comments stay."""
     lines = text.splitlines(keepends=True)
-    first = min(toml_lines(text).values()) - 1
+    first = min(toml_line_numbers(text).values()) - 1
     return "".join([*lines[:first], "[[step]]\n", *lines[first:]])
 
 
-def _beside_defaults(defaults: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, Any] | None:
+def _without_defaults(defaults: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, Any] | None:
     """The values of `table` that must be written given `defaults`; None if a default cannot be overridden."""
     written = {key: value for key, value in table.items() if key not in defaults or defaults[key] != value}
     for key in defaults.keys() - table.keys():
@@ -79,7 +79,7 @@ def _is_table(value: object) -> bool:
     return isinstance(value, dict)
 
 
-def _plain(value: Any) -> Any:
+def _toml_value(value: Any) -> Any:
     """Convert whole floats to integers, and tuples to lists."""
     if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
         return int(value)

@@ -22,45 +22,45 @@ from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_step
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
-from live.motion.texture.foot_constraints import tied
+from live.motion.texture.foot_constraints import blend_to_sketch
 from live.motion.texture.frequency_bands import sample_clip
-from live.motion.texture.texture_corpus import Material, material_of
-from live.motion.texture.texture_settings import UPPER, Wish
-from live.motion.texture.texture_synthesis import textured
+from live.motion.texture.texture_corpus import TextureCorpus, make_corpus
+from live.motion.texture.texture_settings import UPPER, TextureSettings
+from live.motion.texture.texture_synthesis import texture_sketch
 
-Upper = Literal["auto", "make", "texture"]
+UpperBodyMode = Literal["auto", "make", "texture"]
 """Treatment of upper bodies: `make` from the recordings alone, `texture`, or `auto` by the sketch."""
-RAISED_M: Final = 0.45
+HAND_RAISE_M: Final = 0.45
 """The arms of a sketch matter if a hand rises this far above the hips (to the shoulders) ..."""
-BENT: Final = np.radians(15.0)
+TRUNK_LEAN: Final = np.radians(15.0)
 """... and its trunk if the ribs lean this far to and fro: recordings then add only the finest detail."""
-STYLE: Final = "textured"
+TEXTURED_STYLE: Final = "textured"
 """The style of textured versions, followed by their number."""
 
 _HANDS: Final = (SKELETON.index("leftHand"), SKELETON.index("rightHand"))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Enriched:
+class EnrichedStep:
     """The textured versions of one step."""
 
     clips: tuple[StepClip, ...]
     distance: float
     """Mean over all versions of the root mean square error of matches [rad]."""
-    free: float
+    continuous_share: float
     """Mean share of joins that are continuous in the data."""
-    made: bool
+    replaced_upper: bool
     """Whether upper bodies were made from the recordings alone; else textured."""
-    kept: float
+    kept_share: float
     """Mean share of the texture that is left at measure lines."""
 
 
-def material_for(recordings: Sequence[Clip], steps: Sequence[StepClip]) -> Material:
+def build_material(recordings: Sequence[Clip], steps: Sequence[StepClip]) -> TextureCorpus:
     """Return the recordings, divided so that all of these steps can be textured."""
-    return material_of(recordings, [sample_clip(step.clip) for step in steps])
+    return make_corpus(recordings, [sample_clip(step.clip) for step in steps])
 
 
-def means_upper(step: StepClip) -> bool:
+def upper_body_matters(step: StepClip) -> bool:
     """Whether the sketch's upper body is essential to the step, so that it must not be replaced."""
     part = slice(int(step.first), int(np.ceil(step.first + step.measures * step.samples_per_measure)))
     rotation = step.clip.rotation[part].astype(np.float64)
@@ -68,10 +68,12 @@ def means_upper(step: StepClip) -> bool:
     position, world = forward_kinematics(np.zeros((len(rotation), 3)), rotation)
     up = quaternion.rotate(world[:, SKELETON.index("upperChest")], np.array((0.0, 1.0, 0.0)))
     bent = np.arccos(np.clip(up @ quaternion.unit(up.mean(axis=0)), -1.0, 1.0))
-    return bool(position[:, _HANDS, 1].max() > RAISED_M or bent.max() > BENT)
+    return bool(position[:, _HANDS, 1].max() > HAND_RAISE_M or bent.max() > TRUNK_LEAN)
 
 
-def enrich(steps: Sequence[StepClip], material: Material, wish: Wish, upper: Upper = "auto") -> Enriched:
+def enrich(
+    steps: Sequence[StepClip], material: TextureCorpus, settings: TextureSettings, upper: UpperBodyMode = "auto"
+) -> EnrichedStep:
     """Return textured versions of the variations `steps` of one step, path by path; mirrored ones are skipped.
 
     Textured versions have the attributes of their variation: they are takes of the same step. PersonError if nothing
@@ -81,37 +83,39 @@ def enrich(steps: Sequence[StepClip], material: Material, wish: Wish, upper: Upp
     distances: list[float] = []
     free: list[float] = []
     kept: list[float] = []
-    made = upper == "make" or (upper == "auto" and not means_upper(steps[0]))
+    made = upper == "make" or (upper == "auto" and not upper_body_matters(steps[0]))
     if not made:
         # essential arm motion is faster than that of legs: only the first band preserves it
-        wish = replace(wish, synthesize=(), texture=tuple(sorted({*wish.texture, *UPPER})), bands=(wish.bands[0],) * 2)
+        settings = replace(
+            settings, synthesize=(), texture=tuple(sorted({*settings.texture, *UPPER})), bands=(settings.bands[0],) * 2
+        )
     for step in steps:
         if step.mirrored:
             continue
-        for number, one in enumerate(textured(step.clip, material, wish), start=1):
-            clip, left = tied(step, one.clip)
-            name = f"{step.clip.name}, {STYLE} {number}"
-            style = " ".join(word for word in (step.style, STYLE, str(number)) if word)
+        for number, one in enumerate(texture_sketch(step.clip, material, settings), start=1):
+            clip, left = blend_to_sketch(step, one.clip)
+            name = f"{step.clip.name}, {TEXTURED_STYLE} {number}"
+            style = " ".join(word for word in (step.style, TEXTURED_STYLE, str(number)) if word)
             clips.append(replace(step, clip=replace(clip, name=name), style=style))
             distances.append(one.distance)
-            free.append(one.free / max(1, one.parts.count - 1))
+            free.append(one.consecutive_joins / max(1, one.fragments.count - 1))
             kept += left
     if not clips:
         raise PersonError("no variation of the step can be textured", "give other recordings")
-    return Enriched(tuple(clips), _mean(distances), _mean(free), made, _mean(kept))
+    return EnrichedStep(tuple(clips), _mean(distances), _mean(free), made, _mean(kept))
 
 
 def _mean(values: Sequence[float]) -> float:
     return sum(values) / len(values)
 
 
-ENDING: Final = ".textured"
+TEXTURED_SUFFIX: Final = ".textured"
 MAX_BYTES: Final = 100_000_000
 
 
-def textured_beside(sketch: Path) -> Path:
+def textured_path(sketch: Path) -> Path:
     """Return the file of the textured versions of the sketch in this file."""
-    return sketch.with_suffix(ENDING)
+    return sketch.with_suffix(TEXTURED_SUFFIX)
 
 
 def textured_text(clips: Sequence[StepClip], sketch: str, facts: Mapping[str, Any]) -> str:
@@ -130,7 +134,7 @@ def read_textured(sketches: Mapping[str, str]) -> list[StepClip]:
     """
     found: list[StepClip] = []
     for name, text in sketches.items():
-        path = textured_beside(Path(name))
+        path = textured_path(Path(name))
         if path.is_file():
             header, clips = _read(path)
             if header.get("sketch") == _digest(text):
@@ -142,7 +146,7 @@ def read_textured(sketches: Mapping[str, str]) -> list[StepClip]:
 
 def stale_textures(sketches: Mapping[str, str]) -> list[Path]:
     """Return the files of textured versions with a sketch that was changed since."""
-    paths = [(textured_beside(Path(name)), text) for name, text in sketches.items()]
+    paths = [(textured_path(Path(name)), text) for name, text in sketches.items()]
     return [path for path, text in paths if path.is_file() and _read(path)[0].get("sketch") != _digest(text)]
 
 

@@ -89,7 +89,7 @@ def resample(clip: Clip, rate: float, *, first: float = 0.0, last: float | None 
     return Clip(
         clip.name,
         np.ascontiguousarray(root, np.float32),
-        np.ascontiguousarray(quaternion.continuous(rotation), np.float32),
+        np.ascontiguousarray(quaternion.align_signs(rotation), np.float32),
         rate,
         np.ascontiguousarray(contact),
     )

@@ -28,14 +28,14 @@ def monotone_slopes(times: Float, values: Float) -> Float:
     return slopes
 
 
-def hermite(times: Float, values: Float, slopes: Float, at: Float) -> Float:
+def hermite(times: Float, values: Float, slopes: Float, at_times: Float) -> Float:
     """Evaluate the C1 cubic with `values` and `slopes` (K, ...) at increasing `times` (K,) `at` (T,); constant
     outside."""
     if len(times) == 1:
-        return np.broadcast_to(values[0], (*at.shape, *values.shape[1:])).copy()
-    left = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 2)
+        return np.broadcast_to(values[0], (*at_times.shape, *values.shape[1:])).copy()
+    left = np.clip(np.searchsorted(times, at_times, side="right") - 1, 0, len(times) - 2)
     span = times[left + 1] - times[left]
-    u = np.clip((at - times[left]) / span, 0.0, 1.0)
+    u = np.clip((at_times - times[left]) / span, 0.0, 1.0)
     shape = (-1, *([1] * (values.ndim - 1)))
     rise = u * u * (3.0 - 2.0 * u)
     leave, arrive = u * (1.0 - u) ** 2 * span, u * u * (u - 1.0) * span
@@ -47,44 +47,44 @@ def hermite(times: Float, values: Float, slopes: Float, at: Float) -> Float:
     )
 
 
-def through(times: Float, values: Float, at: Float) -> Float:
+def interpolate(times: Float, values: Float, at_times: Float) -> Float:
     """Evaluate the monotone curve through `values` (K, ...) at increasing `times` (K,) `at` (T,)."""
-    return hermite(times, values, monotone_slopes(times, values), at)
+    return hermite(times, values, monotone_slopes(times, values), at_times)
 
 
-def repeated(times: Float, values: Float, period: float, drift: float, at: Float) -> tuple[Float, Float]:
+def repeat_keys(times: Float, values: Float, period: float, drift: float, at_times: Float) -> tuple[Float, Float]:
     """Repeat keys (K,) every `period` so that they cover `at` with two cycles to spare at either end.
 
     Values increase by `drift` per cycle.
     """
-    first = int(np.floor((at[0] - times[-1]) / period)) - 2
-    last = int(np.ceil((at[-1] - times[0]) / period)) + 2
+    first = int(np.floor((at_times[0] - times[-1]) / period)) - 2
+    last = int(np.ceil((at_times[-1] - times[0]) / period)) + 2
     cycles = np.arange(first, last + 1)
     long_times = (times[None] + period * cycles[:, None]).ravel()
     long_values = (values[None] + drift * cycles[:, None]).ravel()
     return long_times, long_values
 
 
-def filtered(samples: Float, weights: Float, before: int) -> Float:
+def filter_samples(samples: Float, weights: Float, lead_count: int) -> Float:
     """Return `samples` (T, ...) averaged along time with `weights` (n,), `before` of which apply to earlier samples.
 
     End values are repeated. The filter is time-invariant, so exactly periodic input gives exactly periodic output.
     """
     flat = samples.reshape(len(samples), -1)
-    after = len(weights) - 1 - before
-    padded = np.concatenate((np.repeat(flat[:1], before, axis=0), flat, np.repeat(flat[-1:], after, axis=0)))
+    after = len(weights) - 1 - lead_count
+    padded = np.concatenate((np.repeat(flat[:1], lead_count, axis=0), flat, np.repeat(flat[-1:], after, axis=0)))
     windows = np.lib.stride_tricks.sliding_window_view(padded, len(weights), axis=0)
     return np.asarray(windows @ weights).reshape(samples.shape)
 
 
-def smoothed(samples: Float, sigma: float) -> Float:
+def gaussian_filter(samples: Float, sigma: float) -> Float:
     """Apply a zero-delay Gaussian low-pass to `samples` (T, ...) along time; `sigma` in samples."""
     half = max(int(np.ceil(3.0 * sigma)), 1)
     weights = np.exp(-0.5 * (np.arange(-half, half + 1) / sigma) ** 2)
-    return filtered(samples, weights / weights.sum(), half)
+    return filter_samples(samples, weights / weights.sum(), half)
 
 
-def followed(samples: Float, period: float, damping: float) -> Float:
+def spring_response(samples: Float, period: float, damping: float) -> Float:
     """Return the response of a damped spring of natural `period` [samples] that follows `samples` (T, ...).
 
     The result lags and overshoots.
@@ -92,7 +92,7 @@ def followed(samples: Float, period: float, damping: float) -> Float:
     count = int(np.ceil(1.5 * period))
     angle = np.arange(count) * (2.0 * np.pi / period)
     response = np.exp(-damping * angle) * np.sin(np.sqrt(1.0 - damping * damping) * angle)
-    return filtered(samples, (response / response.sum())[::-1], count - 1)
+    return filter_samples(samples, (response / response.sum())[::-1], count - 1)
 
 
 def soft_min(a: Float, b: Float, width: float) -> Float:

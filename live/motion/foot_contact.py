@@ -22,7 +22,7 @@ HEIGHT_OFF: Final = 0.09
 """Heights [m] of the lower of heel and toe for contact to start and to end."""
 SPEED_WINDOW: Final = 0.1
 """Length of the speed's median window [s]."""
-SHORTEST: Final = 0.08
+MIN_DURATION: Final = 0.08
 """Contacts and gaps shorter than this [s] are treated as flicker."""
 
 
@@ -39,10 +39,10 @@ def find_contacts(ankles: Float, toes: Float, sample_rate: float) -> Bool:
     speed = np.minimum(_speed(ankles, sample_rate), _speed(toes, sample_rate))
     lands = (height < HEIGHT_ON) & (speed < SPEED_ON)
     leaves = (height > HEIGHT_OFF) | (speed > SPEED_OFF)
-    shortest = max(1, round(SHORTEST * sample_rate))
+    shortest = max(1, round(MIN_DURATION * sample_rate))
     contact = np.zeros((samples, 2), np.bool_)
     for foot in range(2):
-        contact[:, foot] = _without_flicker(_hold(lands[:, foot], leaves[:, foot]), shortest)
+        contact[:, foot] = _remove_flicker(_hysteresis(lands[:, foot], leaves[:, foot]), shortest)
     return contact
 
 
@@ -58,7 +58,7 @@ def _speed(positions: Float, sample_rate: float) -> Float:
     return np.asarray(np.median(windows, axis=-1))
 
 
-def _hold(on: Bool, off: Bool) -> Bool:
+def _hysteresis(on: Bool, off: Bool) -> Bool:
     """True from each `on` until the next `off`, shape (T,)."""
     places = np.arange(on.size)
     last_on = np.maximum.accumulate(np.where(on, places, -1))
@@ -66,7 +66,7 @@ def _hold(on: Bool, off: Bool) -> Bool:
     return np.asarray(last_on > last_off)
 
 
-def _without_flicker(contact: Bool, shortest: int) -> Bool:
+def _remove_flicker(contact: Bool, shortest: int) -> Bool:
     """Fill short gaps, then drop contacts shorter than `shortest` samples; runs that touch an end are kept."""
     contact = contact.copy()
     for value in (False, True):

@@ -27,14 +27,14 @@ def mirror_clip(clip: Clip, name: str | None = None) -> Clip:
     )
 
 
-def other_side(words: str) -> str:
+def swap_sides(text: str) -> str:
     """Return the text with left and right exchanged: "left foot in front" becomes "right foot in front"."""
 
     def exchange(found: re.Match[str]) -> str:
         word = "right" if found[0].lower() == "left" else "left"
         return word.upper() if found[0].isupper() else word.capitalize() if found[0][0].isupper() else word
 
-    return _SIDE.sub(exchange, words)
+    return _SIDE.sub(exchange, text)
 
 
 def mirror_step(step: StepClip) -> StepClip:
@@ -48,9 +48,9 @@ def mirror_step(step: StepClip) -> StepClip:
     return replace(
         step,
         clip=mirror_clip(step.clip, name),
-        direction=other_side(step.direction),
+        direction=swap_sides(step.direction),
         mirrored=not step.mirrored,
         leading_foot=_OTHER_FOOT[step.leading_foot],
-        begin_pose=other_side(step.begin_pose),
-        end_pose=other_side(step.end_pose),
+        begin_pose=swap_sides(step.begin_pose),
+        end_pose=swap_sides(step.end_pose),
     )

@@ -12,17 +12,17 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.capture.capture_kernels import STEPS, read_rotations
+from live.motion.capture.capture_kernels import QUANTIZATION_STEPS, read_rotations
 from live.motion.skeleton import JOINT_COUNT
 
 Float32 = npt.NDArray[np.float32]
 
-LETTERS: Final = 192
+PACKED_LENGTH: Final = 192
 """Number of characters of a packed pose."""
-FARTHEST: Final = 1000.0
+MAX_COORDINATE: Final = 1000.0
 """Largest distance of the hips from the origin along an axis [m]."""
-_ROOT: Final = 12
-_OTHERS: Final = np.array([(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)], np.intp)
+_HIPS_BYTES: Final = 12
+_KEPT_COMPONENTS: Final = np.array([(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)], np.intp)
 """The components that are kept when the first, second, … is omitted."""
 _ROWS: Final = np.arange(JOINT_COUNT)
 
@@ -36,15 +36,17 @@ def pack_pose(hips: npt.ArrayLike, rotation: npt.ArrayLike) -> str:
     if root.shape != (3,) or turned.shape != (JOINT_COUNT, 4):
         raise ValueError(f"hips {root.shape} and rotation {turned.shape}: (3,) and ({JOINT_COUNT}, 4) expected")
     length = np.linalg.norm(turned, axis=1, keepdims=True)
-    if not (np.abs(root) <= FARTHEST).all() or not ((length > 1e-3) & (length < 1e3)).all():
+    if not (np.abs(root) <= MAX_COORDINATE).all() or not ((length > 1e-3) & (length < 1e3)).all():
         raise ValueError("the pose contains an invalid position or rotation")
     turned = turned / length
     left_out = np.abs(turned).argmax(axis=1)
     kept = (
-        np.take_along_axis(turned, _OTHERS[left_out], axis=1)
+        np.take_along_axis(turned, _KEPT_COMPONENTS[left_out], axis=1)
         * np.where(turned[_ROWS, left_out] < 0.0, -1.0, 1.0)[:, None]
     )
-    steps = (np.rint(kept * (np.sqrt(2.0) * STEPS)).astype(np.int64) + STEPS).astype(np.uint64)
+    steps = (np.rint(kept * (np.sqrt(2.0) * QUANTIZATION_STEPS)).astype(np.int64) + QUANTIZATION_STEPS).astype(
+        np.uint64
+    )
     bits = left_out.astype(np.uint64) << np.uint64(45)
     for place, shift in enumerate((30, 15, 0)):
         bits |= steps[:, place] << np.uint64(shift)
@@ -54,17 +56,17 @@ def pack_pose(hips: npt.ArrayLike, rotation: npt.ArrayLike) -> str:
 
 def unpack_pose(text: str) -> tuple[Float32, Float32]:
     """Return hips (3,) [m] and local unit quaternions (J, 4) of a packed pose; raises ValueError if it is invalid."""
-    if len(text) != LETTERS:
-        raise ValueError(f"a packed pose has {LETTERS} characters, this has {len(text)}")
+    if len(text) != PACKED_LENGTH:
+        raise ValueError(f"a packed pose has {PACKED_LENGTH} characters, this has {len(text)}")
     try:
         data = base64.b64decode(text, validate=True)
     except (binascii.Error, ValueError) as error:
         raise ValueError(f"a packed pose is damaged: {error}") from None
-    if len(data) != _ROOT + 6 * JOINT_COUNT:
+    if len(data) != _HIPS_BYTES + 6 * JOINT_COUNT:
         raise ValueError("a packed pose is damaged: bytes are missing")
     hips = np.frombuffer(data, "<f4", 3).astype(np.float32)
-    if not (np.abs(hips) <= FARTHEST).all():
+    if not (np.abs(hips) <= MAX_COORDINATE).all():
         raise ValueError("a packed pose has its hips out of range")
     rotation = np.empty((JOINT_COUNT, 4), np.float32)
-    read_rotations(rotation, np.frombuffer(bytearray(data[_ROOT:]), np.uint8))
+    read_rotations(rotation, np.frombuffer(bytearray(data[_HIPS_BYTES:]), np.uint8))
     return hips, rotation

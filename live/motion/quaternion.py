@@ -111,7 +111,7 @@ def from_columns(x: Float, y: Float, z: Float) -> Float:
     return unit(np.take_along_axis(candidates, best[..., None, None], axis=-2)[..., 0, :])
 
 
-def continuous(q: Float) -> Float:
+def align_signs(q: Float) -> Float:
     """The same rotations (T, ..., 4) with signs chosen so that each is nearest to its predecessor along axis 0."""
     q = np.asarray(q)
     flips = np.where(np.sum(q[1:] * q[:-1], axis=-1) < 0.0, -1.0, 1.0)
@@ -161,7 +161,7 @@ def mean_rotation(rotation: Float) -> Float:
     return np.asarray(mean * np.where(mean[..., :1] < 0.0, -1.0, 1.0))
 
 
-def scale_from(mean: Float, rotation: Float, factor: npt.ArrayLike) -> Float:
+def scale_about_mean(mean: Float, rotation: Float, factor: npt.ArrayLike) -> Float:
     """Return mean · (mean⁻¹ q) ^ factor for rotations q (..., 4) (T058); where `factor` (...) is 1, q is unchanged.
 
     The power scales the angle along the shorter arc from the mean. Between 150 and 180 degrees the factor fades to 1,

@@ -71,7 +71,7 @@ _LEG: Final = (
 )
 
 
-def _side(
+def _side_rows(
     rows: tuple[tuple[str, str, tuple[float, float, float]], ...], side: str, sign: float
 ) -> list[tuple[str, str, tuple[float, float, float]]]:
     own = {name for name, _, _ in rows}
@@ -82,8 +82,8 @@ def _side(
 
 def _build() -> Skeleton:
     rows = list(_SPINE)
-    rows += _side(_ARM, "left", 1.0) + _side(_ARM, "right", -1.0)
-    rows += _side(_LEG, "left", 1.0) + _side(_LEG, "right", -1.0)
+    rows += _side_rows(_ARM, "left", 1.0) + _side_rows(_ARM, "right", -1.0)
+    rows += _side_rows(_LEG, "left", 1.0) + _side_rows(_LEG, "right", -1.0)
     names = tuple(name for name, _, _ in rows)
     parents = np.array([names.index(parent) if parent else -1 for _, parent, _ in rows], np.int32)
     offsets = np.array([offset for _, _, offset in rows], np.float32)

@@ -87,9 +87,9 @@ class StepClip:
 
 Float64 = npt.NDArray[np.float64]
 
-IN_PLACE: Final = 0.15
+IN_PLACE_DISTANCE: Final = 0.15
 """A step that travels less than this per measure [m] counts as in place."""
-LONG: Final = 0.55
+LONG_DISTANCE: Final = 0.55
 """A step that travels farther than this per measure [m] counts as long (T131: sketches travel 0.35 or 0.75)."""
 _FEET: Final = tuple((SKELETON.index(f"{side}Foot"), SKELETON.index(f"{side}Toes")) for side in ("left", "right"))
 
@@ -115,9 +115,9 @@ def measured_direction(step: StepClip) -> str:
     """Return the DIRECTIONS entry (T131) nearest to the travel; clips begin facing +z, the dancer's left is +x."""
     x, z = travel(step)
     distance = math.hypot(x, z) / step.measures
-    if distance < IN_PLACE:
+    if distance < IN_PLACE_DISTANCE:
         return "in place"
-    size = "short" if distance < LONG else "long"
+    size = "short" if distance < LONG_DISTANCE else "long"
     if abs(z) >= abs(x):
         return f"{size} {'forward' if z > 0 else 'back'}"
     return f"{size} {'left' if x > 0 else 'right'}"
@@ -181,7 +181,7 @@ def check_same_structure(a: StepClip, b: StepClip) -> None:
             )
 
 
-def samples_in(other: StepClip, of: StepClip) -> Float:
+def corresponding_samples(other: StepClip, step: StepClip) -> Float:
     """For each sample of `of`, return the corresponding fractional sample of `other`, (T,)."""
-    own = np.arange(of.clip.sample_count) - of.first
-    return np.asarray(other.first + own * (other.samples_per_measure / of.samples_per_measure))
+    own = np.arange(step.clip.sample_count) - step.first
+    return np.asarray(other.first + own * (other.samples_per_measure / step.samples_per_measure))

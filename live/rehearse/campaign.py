@@ -14,9 +14,9 @@ from typing import Any, Final
 from live.base.errors import PersonError
 from live.rehearse.failure import Failure
 
-STATE: Final = "campaign.json"
+STATE_FILE: Final = "campaign.json"
 """The state file, in the campaign's folder."""
-PROBLEMS_TOLD: Final = 8
+MAX_LISTED_PROBLEMS: Final = 8
 """Maximum number of problems listed for one run; the JSON report has all that were kept."""
 
 Facts = dict[str, Any]
@@ -35,11 +35,11 @@ class Job:
 class Campaign:
     """Runs jobs. Thread: one."""
 
-    def __init__(self, folder: Path, plan: Facts, tell: Callable[[str], None] = lambda words: None) -> None:
+    def __init__(self, folder: Path, plan: Facts, report_progress: Callable[[str], None] = lambda words: None) -> None:
         """`plan`: the options, in plain values. Raises PersonError if `folder` holds the state of another plan."""
-        self._folder, self._plan, self._tell = folder, plan, tell
+        self._folder, self._plan, self._report_progress = folder, plan, report_progress
         folder.mkdir(parents=True, exist_ok=True)
-        self._path = folder / STATE
+        self._path = folder / STATE_FILE
         self.done: dict[str, Facts] = self._read()
         """Results of the completed runs, by name."""
 
@@ -47,10 +47,10 @@ class Campaign:
         """Run the jobs that are not done yet; return the report of all."""
         for number, job in enumerate(jobs, 1):
             if job.name in self.done:
-                self._tell(f"{job.name}: already done")
+                self._report_progress(f"{job.name}: already done")
                 continue
-            self._tell(f"{job.name} ({number} of {len(jobs)})")
-            self.done[job.name] = guarded(job, self._folder / job.name)
+            self._report_progress(f"{job.name} ({number} of {len(jobs)})")
+            self.done[job.name] = run_safely(job, self._folder / job.name)
             self._write()
         return self.report([job.name for job in jobs])
 
@@ -80,7 +80,7 @@ class Campaign:
         os.replace(beside, self._path)
 
 
-def guarded(job: Job, folder: Path) -> Facts:
+def run_safely(job: Job, folder: Path) -> Facts:
     """Run a job and return its result. An exception of the test harness becomes a problem in the result."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -88,12 +88,12 @@ def guarded(job: Job, folder: Path) -> Facts:
     except PersonError:
         raise
     except Exception as error:
-        failure = Failure.of(error)
+        failure = Failure.from_exception(error)
         words = f"the harness itself failed: {failure}"
         return {"ok": False, "problems": [words], "count": 1, "failures": [failure.facts()], "summary": []}
 
 
-def lines_of(report: Facts) -> Iterator[str]:
+def report_lines(report: Facts) -> Iterator[str]:
     """Yield a campaign's report for people: a line for each run, followed by its problems."""
     runs = report["runs"]
     for name, facts in runs.items():
@@ -110,7 +110,7 @@ def problem_lines(facts: Facts, indent: str = "     ") -> Iterator[str]:
     """Yield the first problems of one run, one line each."""
     problems = [" ".join(str(problem).split()) for problem in facts.get("problems", ())]
     problems += [" ".join(str(problem).split()) for problem in facts.get("replay", {}).get("problems", ())]
-    for problem in problems[:PROBLEMS_TOLD]:
+    for problem in problems[:MAX_LISTED_PROBLEMS]:
         yield indent + problem
-    if len(problems) > PROBLEMS_TOLD:
-        yield f"{indent}and {len(problems) - PROBLEMS_TOLD} more"
+    if len(problems) > MAX_LISTED_PROBLEMS:
+        yield f"{indent}and {len(problems) - MAX_LISTED_PROBLEMS} more"

@@ -6,9 +6,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Final
 
-OURS: Final = Path(__file__).parents[1]
+PROGRAM_FOLDER: Final = Path(__file__).parents[1]
 """The folder of the program: the deepest place of a traceback in it is reported."""
-DIFFERENT: Final = "different state"
+DIFFERENT_STATE: Final = "different state"
 """The kind of a failure without exception: the same events led to another state."""
 
 
@@ -18,7 +18,7 @@ class Failure:
 
     kind: str
     """Class of the exception, or DIFFERENT."""
-    words: str
+    message: str
     """The message."""
     place: str = ""
     """File (from the program's folder) and function of the deepest place in the program; unaffected by line numbers."""
@@ -29,9 +29,9 @@ class Failure:
     """The whole traceback, for the report's JSON."""
 
     @classmethod
-    def of(cls, error: BaseException, tick: int = -1) -> "Failure":
+    def from_exception(cls, error: BaseException, tick: int = -1) -> "Failure":
         """Return the failure for a caught exception."""
-        place, line = deepest(error.__traceback__)
+        place, line = deepest_place(error.__traceback__)
         text = "".join(traceback.format_exception(error))
         return cls(type(error).__name__, " ".join(str(error).split()), place, line, tick, text)
 
@@ -43,21 +43,21 @@ class Failure:
     def __str__(self) -> str:
         at = f"tick {self.tick}: " if self.tick >= 0 else ""
         where = f" in {self.place}, line {self.line}" if self.place else ""
-        return f"{at}{self.kind}{where}" + (f": {self.words}" if self.words else "")
+        return f"{at}{self.kind}{where}" + (f": {self.message}" if self.message else "")
 
     def facts(self) -> dict[str, Any]:
         """Return the fields for a report."""
-        return {"kind": self.kind, "words": self.words, "place": self.place, "line": self.line, "tick": self.tick,
+        return {"kind": self.kind, "words": self.message, "place": self.place, "line": self.line, "tick": self.tick,
                 "trace": self.trace}  # fmt: skip
 
 
-def deepest(trace: TracebackType | None) -> tuple[str, int]:
+def deepest_place(trace: TracebackType | None) -> tuple[str, int]:
     """Return the deepest place of a traceback in the program, as "show/show.py, tick", and its line."""
     place, line = "", 0
     while trace is not None:
         code = trace.tb_frame.f_code
         path = Path(code.co_filename)
-        if path.is_relative_to(OURS):
-            place, line = f"{path.relative_to(OURS).as_posix()}, {code.co_name}", trace.tb_lineno
+        if path.is_relative_to(PROGRAM_FOLDER):
+            place, line = f"{path.relative_to(PROGRAM_FOLDER).as_posix()}, {code.co_name}", trace.tb_lineno
         trace = trace.tb_next
     return place, line

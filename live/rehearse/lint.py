@@ -7,18 +7,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final
 
-from live.rehearse.score_lint import cue_doubts, formation_doubts, section_doubts, sequence_doubts
-from live.show.group.dry_run import rehearsal_notes
-from live.show.patch.call_response_check import answer_doubts
+from live.rehearse.score_lint import cue_warnings, formation_warnings, section_warnings, sequence_warnings
+from live.show.group.dry_run import dry_run_warnings
+from live.show.patch.call_response_check import call_response_warnings
 from live.show.patch.patch import Patch
 from live.show.patch.score_checks import calls_of
-from live.show.score.section_span import Stay, stay_of
+from live.show.score.section_span import SectionSpan, span_of
 from live.show.show import Show
 
-EYE: Final = "/dance/camera/eye"
+EYE_ADDRESS: Final = "/dance/camera/eye"
 
 
-def camera_doubts(patch: Patch) -> list[str]:
+def camera_warnings(patch: Patch) -> list[str]:
     """Return a warning for each camera of the patch, its scenes and its calls that is below the floor."""
     return [
         f"{where}: the camera's eye is {-height:g} m below the floor (y = {height:g}); the floor is at y = 0"
@@ -32,33 +32,33 @@ def _heights(patch: Patch) -> Iterator[tuple[str, float]]:
     for view in patch.view:
         yield f"view {view.name!r}", view.eye[1]
     for scene in patch.scene:
-        eye = scene.set.get(EYE)
+        eye = scene.set.get(EYE_ADDRESS)
         if isinstance(eye, tuple):
             yield f"scene {scene.name!r}", eye[1]
     for call, values, place in calls_of(patch):
-        if call == EYE and len(values) > 1 and isinstance(values[1], int | float):
+        if call == EYE_ADDRESS and len(values) > 1 and isinstance(values[1], int | float):
             yield f"{place[0]} {int(place[1]) + 1}, call {call}", float(values[1])
 
 
-TOLD: Final = 6
+MAX_WARNINGS: Final = 6
 """Maximum number of warnings of this kind."""
 
 
-def span_doubts(patch: Patch) -> list[str]:
+def span_warnings(patch: Patch) -> list[str]:
     """Return warnings for segments and elements that last longer than the rest of their section.
 
     They continue into the following section. There is no warning for an entry in measures of the whole score if the
     sections that it covers follow one another in the written order.
     """
-    notes = [*_longer(patch, "segment"), *_longer(patch, "element")]
-    more = len(notes) - TOLD
-    return notes if more <= 0 else [*notes[:TOLD], f"... and {more} more that are longer than their sections"]
+    notes = [*_overlong_entries(patch, "segment"), *_overlong_entries(patch, "element")]
+    more = len(notes) - MAX_WARNINGS
+    return notes if more <= 0 else [*notes[:MAX_WARNINGS], f"... and {more} more that are longer than their sections"]
 
 
-def _longer(patch: Patch, kind: str) -> Iterator[str]:
+def _overlong_entries(patch: Patch, kind: str) -> Iterator[str]:
     for index, entry in enumerate(getattr(patch, kind)):
-        stay = stay_of(patch, entry.section, entry.measure, entry.measures)
-        if stay.size is None or stay.begin + int(entry.measures) <= stay.size or _meant(patch, entry, stay):
+        stay = span_of(patch, entry.section, entry.measure, entry.measures)
+        if stay.size is None or stay.begin + int(entry.measures) <= stay.size or _is_intended(patch, entry, stay):
             continue
         before = 0 if entry.section is not None else stay.first
         end = f"section {patch.section[stay.section].name!r}" if patch.section else "the score"
@@ -71,7 +71,7 @@ def _longer(patch: Patch, kind: str) -> Iterator[str]:
         )
 
 
-def _meant(patch: Patch, entry: Any, stay: Stay) -> bool:
+def _is_intended(patch: Patch, entry: Any, stay: SectionSpan) -> bool:
     """Whether the entry is in measures of the whole score and its sections follow one another as written."""
     if entry.section is not None or not patch.section:
         return False
@@ -88,33 +88,35 @@ def _meant(patch: Patch, entry: Any, stay: Stay) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Doubts:
+class LintSection:
     """The warnings of one kind."""
 
     name: str
     """The kind, as in the table of `live check`."""
-    counted: str
+    count_text: str
     """Number of checked things, in words."""
-    words: list[str]
+    warnings: list[str]
     """The warnings, one line each; empty if there are none."""
     remedy: str
     """The general remedy."""
 
 
-def all_doubts(show: Show) -> list[Doubts]:
+def lint_show(show: Show) -> list[LintSection]:
     """Return all warnings for a fresh show. None is an error: the show starts anyway. The show cannot be used again."""
     patch = show.patch
     rows = (
-        ("sections", len(patch.section) or 1, section_doubts(patch),
+        ("sections", len(patch.section) or 1, section_warnings(patch),
          "then = its name, a cue with section = its name, or leave it out"),
-        ("sequences", len(patch.sequence), sequence_doubts(show), "give it more measures, or fewer steps"),
-        ("improvisations", len(patch.improvise), answer_doubts(patch), "see docs/score.md"),
-        ("cues", len(patch.cue), cue_doubts(patch),
+        ("sequences", len(patch.sequence), sequence_warnings(show), "give it more measures, or fewer steps"),
+        ("improvisations", len(patch.improvise), call_response_warnings(patch), "see docs/score.md"),
+        ("cues", len(patch.cue), cue_warnings(patch),
          "make the fade or the count-in shorter, or place them later"),
-        ("cameras", 1 + len(patch.view), camera_doubts(patch), "place it higher"),
-        ("formations", len(patch.formation), formation_doubts(show), "see `live formation`"),
-        ("ends", len(patch.segment) + len(patch.element), span_doubts(patch), "fewer measures, or begin earlier"),
-        ("ways", len(patch.segment), rehearsal_notes(show), "see docs/evolutions.md"),
+        ("cameras", 1 + len(patch.view), camera_warnings(patch), "place it higher"),
+        ("formations", len(patch.formation), formation_warnings(show), "see `live formation`"),
+        ("ends", len(patch.segment) + len(patch.element), span_warnings(patch), "fewer measures, or begin earlier"),
+        ("ways", len(patch.segment), dry_run_warnings(show), "see docs/evolutions.md"),
     )  # fmt: skip
     things = {"ways": "segments", "ends": "segments and elements"}
-    return [Doubts(name, f"{count} {things.get(name, name)}", words, remedy) for name, count, words, remedy in rows]
+    return [
+        LintSection(name, f"{count} {things.get(name, name)}", words, remedy) for name, count, words, remedy in rows
+    ]

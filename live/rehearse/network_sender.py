@@ -7,13 +7,13 @@ from typing import Any, Final
 
 from pythonosc.osc_message_builder import BuildError, OscMessageBuilder
 
-from live.rehearse.simulated_band import FakeBand
+from live.rehearse.simulated_band import SimulatedBand
 from live.rehearse.simulated_players import Call
 
-PULSES: Final = 24
+PULSES_PER_BEAT: Final = 24
 """MIDI clock pulses per beat."""
 CLOCK, START, STOP = b"\xf8", b"\xfa", b"\xfc"
-Timed = tuple[float, bytes]
+TimedPacket = tuple[float, bytes]
 
 
 def packet_of(call: Call) -> bytes | None:
@@ -30,20 +30,20 @@ def packet_of(call: Call) -> bytes | None:
         return None
 
 
-def pulses(band: FakeBand) -> Iterator[Timed]:
+def clock_pulses(band: SimulatedBand) -> Iterator[TimedPacket]:
     """Yield the MIDI clock of a band: 24 pulses a beat, start at the first beat, stop and start around rests."""
     last = None
-    for played in band.played():
-        if last is None or played.before > 0.0:
+    for played in band.beats():
+        if last is None or played.rest_before > 0.0:
             if last is not None:
                 yield last, STOP
             yield played.time, START
-        for number in range(PULSES):
-            yield played.time + number * played.period / PULSES, CLOCK
+        for number in range(PULSES_PER_BEAT):
+            yield played.time + number * played.period / PULSES_PER_BEAT, CLOCK
         last = played.time + played.period
 
 
-def packets(calls: Iterator[Call]) -> Iterator[Timed]:
+def osc_packets(calls: Iterator[Call]) -> Iterator[TimedPacket]:
     """Yield the OSC packets of calls with their send times."""
     for call in calls:
         packet = packet_of(call)
@@ -51,20 +51,20 @@ def packets(calls: Iterator[Call]) -> Iterator[Timed]:
             yield call.time, packet
 
 
-class Outlet:
+class UdpSender:
     """Sends packets to one address over UDP, and counts failures."""
 
     def __init__(self, host: str, port: int) -> None:
         """Raises OSError if the host has no address."""
         family, _, _, _, there = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
-        self._to: Any = there
+        self._address: Any = there
         self._socket = socket.socket(family, socket.SOCK_DGRAM)
         self.sent, self.failed = 0, 0
 
     def send(self, packet: bytes) -> None:
         """Send one packet; never waits, never raises."""
         try:
-            self._socket.sendto(packet, self._to)
+            self._socket.sendto(packet, self._address)
             self.sent += 1
         except OSError:
             self.failed += 1
@@ -75,7 +75,7 @@ class Outlet:
 
 
 def send_all(
-    streams: list[tuple[Iterator[Timed], Callable[[bytes], None]]],
+    streams: list[tuple[Iterator[TimedPacket], Callable[[bytes], None]]],
     *,
     now: Callable[[], float],
     wait: Callable[[float], bool],

@@ -16,35 +16,35 @@ from live.show.patch.cue_cycle_check import cue_loops
 from live.show.patch.patch import Patch
 from live.show.patch.section_cues import CueSection
 from live.show.score.playhead import END
-from live.show.score.score import stretches_of
+from live.show.score.score import section_timings
 from live.show.show import Show
 
-TO_SECTION: Final = "/dance/section"
-TO_SCENE: Final = "/dance/scene"
+SECTION_ADDRESS: Final = "/dance/section"
+SCENE_ADDRESS: Final = "/dance/scene"
 
 
-def section_doubts(patch: Patch) -> list[str]:
+def section_warnings(patch: Patch) -> list[str]:
     """Return a warning for each section that neither the order of sections nor a cue or call of the patch reaches."""
     if not patch.section:
         return []
-    stretches = stretches_of(patch)
+    stretches = section_timings(patch)
     names = {section.name.casefold().strip(): index for index, section in enumerate(patch.section)}
-    reached, coming = set(), [0, *_jumps(patch, names)]
+    reached, coming = set(), [0, *_jump_targets(patch, names)]
     while coming:
         index = coming.pop()
         if index in reached:
             continue
         reached.add(index)
-        if stretches[index].then != END:
-            coming.append(stretches[index].then)
+        if stretches[index].next_section != END:
+            coming.append(stretches[index].next_section)
     return [
-        f"section {section.name!r} is never reached: only {TO_SECTION} by hand leads there"
+        f"section {section.name!r} is never reached: only {SECTION_ADDRESS} by hand leads there"
         for index, section in enumerate(patch.section)
         if index not in reached
     ]
 
 
-def sequence_doubts(show: Show) -> list[str]:
+def sequence_warnings(show: Show) -> list[str]:
     """Return a warning for each sequence that ends before all of its steps have been danced."""
     library, notes = show.graph.library, []
     for section in show.patch.sequence:
@@ -63,19 +63,19 @@ def sequence_doubts(show: Show) -> list[str]:
     return notes
 
 
-def _jumps(patch: Patch, names: dict[str, int]) -> list[int]:
+def _jump_targets(patch: Patch, names: dict[str, int]) -> list[int]:
     """Return the sections that cues and calls of the patch lead to."""
     told = [cue.section for cue in patch.cue if cue.section is not None]
     calls = [call for cue in patch.cue for call in cue.calls]
     calls += [(at.call, *at.values) for at in patch.at if at.call is not None]
     calls += [(react.call, *react.values) for react in patch.react if react.call is not None]
-    told += [str(call[1]) for call in calls if call[0] == TO_SECTION and len(call) > 1]
+    told += [str(call[1]) for call in calls if call[0] == SECTION_ADDRESS and len(call) > 1]
     return [names[name] for word in told if (name := word.casefold().strip()) in names]
 
 
-def cue_doubts(patch: Patch) -> list[str]:
+def cue_warnings(patch: Patch) -> list[str]:
     """Return warnings for conflicting cues: an automatic cue with a longer count-in, or two fades of one parameter."""
-    notes = list(_repeating(patch))
+    notes = list(_looping_cues(patch))
     beats = patch.clock.beats_per_measure
     if patch.cue and patch.cue[-1].then == "auto":
         name = patch.cue[-1].name
@@ -89,20 +89,20 @@ def cue_doubts(patch: Patch) -> list[str]:
                 f"cue {following.name!r} comes automatically {after} measures after {cue.name!r}, but counts in for "
                 f"{following.count_in:g} beats: it comes later than that"
             )
-        shared = _faded(patch, cue) & _faded(patch, following)
+        shared = _faded_parameters(patch, cue) & _faded_parameters(patch, following)
         fade = _fade(patch, cue)
         if shared and fade > after:
             notes.append(
                 f"cue {cue.name!r} fades for {fade:g} measures, and {following.name!r} comes after {after} with "
                 f"{', '.join(sorted(shared))}: the first fade never ends"
             )
-    return notes + _scenes_at(patch)
+    return notes + _scene_conflicts(patch)
 
 
-def _repeating(patch: Patch) -> Iterator[str]:
+def _looping_cues(patch: Patch) -> Iterator[str]:
     """Yield a warning for each cue that calls itself again through other cues."""
     for loop in cue_loops(patch):
-        measures = loop.beats / patch.clock.beats_per_measure
+        measures = loop.min_beats / patch.clock.beats_per_measure
         yield (
             f"cue {patch.cue[loop.cue].name!r} calls itself again: it comes again every {measures:g} measures or so, "
             "and sets the standby cue, until /dance/back or /dance/panic"
@@ -117,24 +117,24 @@ def _fade(patch: Patch, cue: CueSection) -> float:
 
 
 def _scene_fade(patch: Patch, name: str | None) -> float:
-    scene = next((s for s in patch.scene if name is not None and _same(s.name, name)), None)
+    scene = next((s for s in patch.scene if name is not None and _is_same_name(s.name, name)), None)
     return 0.0 if scene is None else float(scene.measures)
 
 
-def _faded(patch: Patch, cue: CueSection) -> set[str]:
-    return _set_by(patch, cue.scene)
+def _faded_parameters(patch: Patch, cue: CueSection) -> set[str]:
+    return _scene_parameters(patch, cue.scene)
 
 
-def _set_by(patch: Patch, name: str | None) -> set[str]:
-    scene = next((s for s in patch.scene if name is not None and _same(s.name, name)), None)
+def _scene_parameters(patch: Patch, name: str | None) -> set[str]:
+    scene = next((s for s in patch.scene if name is not None and _is_same_name(s.name, name)), None)
     return set() if scene is None else set(scene.set)
 
 
-def _same(a: str, b: str) -> bool:
+def _is_same_name(a: str, b: str) -> bool:
     return a.casefold().strip() == b.casefold().strip()
 
 
-def _scenes_at(patch: Patch) -> list[str]:
+def _scene_conflicts(patch: Patch) -> list[str]:
     """Return warnings for scenes that are recalled while another one still fades the same parameters."""
     beats = patch.clock.beats_per_measure
     rows = sorted(
@@ -147,8 +147,8 @@ def _scenes_at(patch: Patch) -> list[str]:
         for other_section, other_begin, other in rows[number + 1 :]:
             if other_section != section or other_begin > end or (other_begin == end and end > begin):
                 break
-            shared = _set_by(patch, scene) & _set_by(patch, other)
-            if shared and not _same(scene, other):
+            shared = _scene_parameters(patch, scene) & _scene_parameters(patch, other)
+            if shared and not _is_same_name(scene, other):
                 where = f" of {section!r}" if section else ""
                 notes.append(
                     f"measure {int(other_begin) + 1}{where}: scene {other!r} comes while {scene!r} still fades "
@@ -157,7 +157,7 @@ def _scenes_at(patch: Patch) -> list[str]:
     return notes
 
 
-def formation_doubts(show: Show) -> list[str]:
+def formation_warnings(show: Show) -> list[str]:
     """Return warnings for formations of segments in which dancers are closer than their bodies are wide."""
     notes = []
     for section in show.patch.segment:

@@ -15,35 +15,35 @@ import numpy.typing as npt
 
 from live.control.events.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged
 
-SLOWEST: Final = 60.0
-FASTEST: Final = 180.0
+MIN_BPM: Final = 60.0
+MAX_BPM: Final = 180.0
 """Tempo range of the band [bpm]."""
 DRIFT: Final = 0.004
 """Standard deviation of the relative tempo change from one beat to the next."""
-HOME: Final = 0.02
+TEMPO_RETURN: Final = 0.02
 """Share of the difference to the nominal tempo that is corrected at each beat."""
-LATENESS: Final = 0.09
+TRACKER_DELAY: Final = 0.09
 """Delay of the tracker's events after a beat [s]."""
 SALT: Final = 0xBA4D
 
 
 @dataclass(frozen=True, slots=True)
-class Manners:
+class Irregularities:
     """Probabilities of the band's irregularities, per measure."""
 
     stop: float = 0.01
     """A rest of one to eight beats; the band resumes with a downbeat."""
     fill: float = 0.08
     """A measure with many onsets in which beats are hard to detect."""
-    wrong_one: float = 0.01
+    wrong_downbeat: float = 0.01
     """The tracker detects a wrong downbeat for one to twelve measures."""
-    leap: float = 0.006
+    tempo_jump: float = 0.006
     """A tempo jump by a factor of up to about 1.5."""
     drift: float = DRIFT
 
 
 @dataclass(frozen=True, slots=True)
-class Played:
+class PlayedBeat:
     """One played beat."""
 
     time: float
@@ -56,13 +56,13 @@ class Played:
     """Index of its measure, from 0."""
     fill: bool
     """Whether it belongs to a fill."""
-    heard_as: int
+    detected_as: int
     """Index in the measure as the tracker detects it."""
-    before: float
+    rest_before: float
     """Seconds of silence before it."""
 
 
-class FakeBand:
+class SimulatedBand:
     """Endless band: `played` yields the beats, `events` the tracker's events for them."""
 
     def __init__(
@@ -72,86 +72,94 @@ class FakeBand:
         bpm: float = 112.0,
         beats_per_measure: int = 4,
         source: str = "audio",
-        manners: Manners | None = None,
+        irregularities: Irregularities | None = None,
         start: float = 0.5,
     ) -> None:
-        self._chance = np.random.default_rng([seed, SALT])
-        self._home = self.bpm = bpm
+        self._rng = np.random.default_rng([seed, SALT])
+        self._nominal_bpm = self.bpm = bpm
         self._beats = beats_per_measure
         self._source = source
-        self._manners = manners or Manners()
+        self._irregularities = irregularities or Irregularities()
         self._time = start
         self._measure = 0
-        self._wrong, self._wrong_left = 0, 0
-        self.did = {"stop": 0, "fill": 0, "wrong one": 0, "leap": 0}
+        self._beat_offset, self._offset_measures_left = 0, 0
+        self.counts = {"stop": 0, "fill": 0, "wrong one": 0, "leap": 0}
         """Counts of irregularities by kind."""
 
-    def played(self) -> Iterator[Played]:
+    def beats(self) -> Iterator[PlayedBeat]:
         """Yield beats, endlessly."""
         while True:
             fill, silence = self._begin_measure()
             for beat in range(self._beats):
                 self._drift()
-                period = 60.0 / self.bpm * (1.0 + 0.01 * float(self._chance.standard_normal()))
+                period = 60.0 / self.bpm * (1.0 + 0.01 * float(self._rng.standard_normal()))
                 before, silence = silence, 0.0
                 self._time += before
-                heard_as = (beat + self._wrong) % self._beats
-                yield Played(self._time, period, beat, self._measure, fill, heard_as, before)
+                heard_as = (beat + self._beat_offset) % self._beats
+                yield PlayedBeat(self._time, period, beat, self._measure, fill, heard_as, before)
                 self._time += period
             self._measure += 1
 
     def _begin_measure(self) -> tuple[bool, float]:
         """Return whether a fill begins, and the rest before the downbeat [s]."""
-        manners, chance = self._manners, self._chance
-        stop, fill, wrong, leap = chance.random(4) < (manners.stop, manners.fill, manners.wrong_one, manners.leap)
+        manners, chance = self._irregularities, self._rng
+        stop, fill, wrong, leap = chance.random(4) < (
+            manners.stop,
+            manners.fill,
+            manners.wrong_downbeat,
+            manners.tempo_jump,
+        )
         if leap:
-            self.did["leap"] += 1
-            self._home = float(np.clip(self._home * np.exp2(chance.uniform(-0.6, 0.6)), SLOWEST, FASTEST))
-            self.bpm = self._home
-        if self._wrong_left:
-            self._wrong_left -= 1
-            if not self._wrong_left:
-                self._wrong = 0
+            self.counts["leap"] += 1
+            self._nominal_bpm = float(np.clip(self._nominal_bpm * np.exp2(chance.uniform(-0.6, 0.6)), MIN_BPM, MAX_BPM))
+            self.bpm = self._nominal_bpm
+        if self._offset_measures_left:
+            self._offset_measures_left -= 1
+            if not self._offset_measures_left:
+                self._beat_offset = 0
         elif wrong:
-            self.did["wrong one"] += 1
-            self._wrong, self._wrong_left = int(chance.integers(1, max(2, self._beats))), int(chance.integers(1, 13))
-        self.did["fill"] += int(fill)
-        self.did["stop"] += int(stop)
+            self.counts["wrong one"] += 1
+            self._beat_offset, self._offset_measures_left = (
+                int(chance.integers(1, max(2, self._beats))),
+                int(chance.integers(1, 13)),
+            )
+        self.counts["fill"] += int(fill)
+        self.counts["stop"] += int(stop)
         return bool(fill), int(chance.integers(1, 9)) * 60.0 / self.bpm if stop else 0.0
 
     def _drift(self) -> None:
-        step = self._manners.drift * float(self._chance.standard_normal())
-        tempo = self.bpm * (1.0 + step) + HOME * (self._home - self.bpm)
-        self.bpm = float(np.clip(tempo, SLOWEST, FASTEST))
+        step = self._irregularities.drift * float(self._rng.standard_normal())
+        tempo = self.bpm * (1.0 + step) + TEMPO_RETURN * (self._nominal_bpm - self.bpm)
+        self.bpm = float(np.clip(tempo, MIN_BPM, MAX_BPM))
 
     def events(self) -> Iterator[ControlEvent]:
         """Yield the tracker's events in order of time."""
         yield SourceChanged(time=0.0, source=self._source, state="found")
-        for played in self.played():
-            if played.before > 2.0:
-                since = played.time - played.before + 1.5
+        for played in self.beats():
+            if played.rest_before > 2.0:
+                since = played.time - played.rest_before + 1.5
                 yield SourceChanged(time=since, source=self._source, state="silent")
                 yield SourceChanged(time=played.time, source=self._source, state="found")
-            time = played.time + LATENESS
-            yield self._statement(played, time)
-            yield self._music(played, time)
+            time = played.time + TRACKER_DELAY
+            yield self._beat_event(played, time)
+            yield self._music_event(played, time)
 
-    def _statement(self, played: Played, time: float) -> BeatHeard:
-        chance = self._chance
-        sure = chance.uniform(0.15, 0.5) if played.fill or self._wrong else chance.uniform(0.7, 1.0)
+    def _beat_event(self, played: PlayedBeat, time: float) -> BeatHeard:
+        chance = self._rng
+        sure = chance.uniform(0.15, 0.5) if played.fill or self._beat_offset else chance.uniform(0.7, 1.0)
         return BeatHeard(
             time=time,
             source=self._source,
             beat_time=played.time + float(chance.normal(0.0, 0.03 if played.fill else 0.006)),
             period=played.period,
             confidence=float(sure),
-            beat=played.heard_as,
+            beat=played.detected_as,
             beats_per_measure=self._beats,
         )
 
-    def _music(self, played: Played, time: float) -> MusicHeard:
+    def _music_event(self, played: PlayedBeat, time: float) -> MusicHeard:
         """Return the music features: loudness in arcs of 16 measures, with a build-up and a drop at the next arc."""
-        chance = self._chance
+        chance = self._rng
         arc = (played.measure % 16 + played.beat / self._beats) / 16.0
         loud = float(np.clip(0.25 + 0.6 * arc + 0.08 * chance.standard_normal(), 0.0, 1.0))
         return MusicHeard(
@@ -172,12 +180,12 @@ Float32 = npt.NDArray[np.float32]
 RATE: Final = 44100
 
 
-def sound_of(band: FakeBand, seconds: float, *, seed: int = 0) -> Float32:
+def render_audio(band: SimulatedBand, seconds: float, *, seed: int = 0) -> Float32:
     """Return the audio of the band's first `seconds`, mono at RATE, shape (samples,), within [-1, 1]."""
     chance = np.random.default_rng([seed, 0x50BD])
     out = np.zeros(int(seconds * RATE), np.float32)
     kick, snare, hat = _kick(), _noise(chance, 0.16, 0.05), _noise(chance, 0.05, 0.012)
-    for played in takewhile(lambda beat: beat.time < seconds, band.played()):
+    for played in takewhile(lambda beat: beat.time < seconds, band.beats()):
         for when, sound, level in _strokes(played, chance, kick, snare, hat):
             begin = int(when * RATE)
             end = min(begin + len(sound), len(out))
@@ -188,7 +196,7 @@ def sound_of(band: FakeBand, seconds: float, *, seed: int = 0) -> Float32:
 
 
 def _strokes(
-    played: Played, chance: np.random.Generator, kick: Float32, snare: Float32, hat: Float32
+    played: PlayedBeat, chance: np.random.Generator, kick: Float32, snare: Float32, hat: Float32
 ) -> list[tuple[float, Float32, float]]:
     """Return the strokes of one beat: (time, sound, level).
 

@@ -5,29 +5,43 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from live.control.registry.control import Argument, Control, Plain
+from live.control.registry.control import Argument, ArgumentValue, Control
 from live.control.registry.registry import REGISTRY
-from live.control.registry.system_controls import ASKING_CONTROLS
+from live.control.registry.system_controls import QUERY_CONTROLS
 from live.show.patch.patch import Patch
 from live.show.patch.section_score import formation_names
 
 FORMATIONS: Final = ("circle", "line", "grid", "star:6", "block", "wedge", "arc", "two lines", "spiral", "heart")
 PLACES: Final = ("left", "right", "front", "back", "centre", "all", "*", "1-4", "2 + 5", "front - 1", "left & back")
 FACINGS: Final = ("public", "path", "centre", "attractor", "30", "-120", "dancer 3", "dancer 999")
-JUNK: Final = ("", " ", "nobody", "\x00", "Ω" * 40, "x" * 64, "1-", "& &", "9" * 60, "*", "-1", "nan", "left &")
-HOSTILE: Final = (
+INVALID_NAMES: Final = (
+    "",
+    " ",
+    "nobody",
+    "\x00",
+    "Ω" * 40,
+    "x" * 64,
+    "1-",
+    "& &",
+    "9" * 60,
+    "*",
+    "-1",
+    "nan",
+    "left &",
+)
+HOSTILE_VALUES: Final = (
     float("nan"), float("inf"), -float("inf"), 1e300, -1e9, 0.0, -0.0, 2**63, True, None, b"\xff\xfe", "", "x" * 300,
 )  # fmt: skip
 
 
-class Words:
+class ArgumentGenerator:
     """Generator of argument values for one show's controls, from the names in its patch. Every call takes its random
     generator."""
 
     def __init__(self, patch: Patch, steps: Sequence[str]) -> None:
         groups = [group.name for group in patch.group]
         formations = formation_names(patch.formation)
-        self._of: dict[str, list[str]] = {
+        self._pools: dict[str, list[str]] = {
             "group": ["*", *groups, *groups],
             "who": ["*", *groups, *PLACES, *(f"{name} & left" for name in groups)],
             "formation": [*formations, *formations, *FORMATIONS],
@@ -42,16 +56,16 @@ class Words:
             "thing": ["tree", "rope", "chair"],
         }
 
-    def values(self, control: Control, chance: np.random.Generator) -> list[Plain]:
+    def values(self, control: Control, chance: np.random.Generator) -> list[ArgumentValue]:
         """Return values that the control accepts (names may not exist); optional ones are sometimes left out."""
-        values: list[Plain] = []
+        values: list[ArgumentValue] = []
         for argument in control.arguments:
             if argument.default is not None and chance.random() < 0.3:
                 break
             values.append(self._value(control.address, argument, chance))
         return values
 
-    def _value(self, address: str, argument: Argument, chance: np.random.Generator) -> Plain:
+    def _value(self, address: str, argument: Argument, chance: np.random.Generator) -> ArgumentValue:
         if argument.type == "bool":
             return bool(chance.random() < 0.5)
         if argument.type == "float":
@@ -63,23 +77,23 @@ class Words:
         if name in ("points", "begins"):
             return points(chance, 1 if name == "begins" else int(chance.integers(2, 7)))
         if name == "facing":
-            return _one(FACINGS, chance)
+            return _pick(FACINGS, chance)
         if name == "steps":
-            return ", ".join(_one(self._of["step"], chance) for _ in range(int(chance.integers(1, 5))))
+            return ", ".join(_pick(self._pools["step"], chance) for _ in range(int(chance.integers(1, 5))))
         if name == "match":
-            return _one(("squared", "shortest", "equal", "both", "bottleneck", "number"), chance)
+            return _pick(("squared", "shortest", "equal", "both", "bottleneck", "number"), chance)
         if name == "when":
-            return _one(("measure", "section"), chance)
+            return _pick(("measure", "section"), chance)
         if name == "whom":
-            return _one((str(int(chance.integers(1, 12))), self._of["group"][-1]), chance)
-        return _one(self._of[self._kind(address, argument)], chance)
+            return _pick((str(int(chance.integers(1, 12))), self._pools["group"][-1]), chance)
+        return _pick(self._pools[self._kind(address, argument)], chance)
 
     def _kind(self, address: str, argument: Argument) -> str:
         """Return the kind of words for an argument: by its name, or if that is generic by its control's address."""
         name = argument.name
         if name == "dancers" or (name == "group" and argument.type == "text"):
             return "who"
-        if name in self._of:
+        if name in self._pools:
             return name
         for word, kind in (
             ("step", "step"), ("now", "step"), ("camera", "view"), ("look", "look"), ("scene", "scene"),
@@ -90,9 +104,9 @@ class Words:
         return "thing"
 
 
-def junk(chance: np.random.Generator) -> list[object]:
+def invalid_values(chance: np.random.Generator) -> list[object]:
     """Return invalid values of any type and number."""
-    pool: tuple[object, ...] = (*HOSTILE, *JUNK)
+    pool: tuple[object, ...] = (*HOSTILE_VALUES, *INVALID_NAMES)
     return [pool[int(chance.integers(len(pool)))] for _ in range(int(chance.integers(0, 9)))]
 
 
@@ -101,7 +115,7 @@ def points(chance: np.random.Generator, count: int) -> str:
     return ", ".join(f"{x:.2f} {z:.2f}" for x, z in chance.uniform((-4.5, -2.8), (4.5, 2.8), (count, 2)))
 
 
-def _one(pool: Sequence[str], chance: np.random.Generator) -> str:
+def _pick(pool: Sequence[str], chance: np.random.Generator) -> str:
     return pool[int(chance.integers(len(pool)))]
 
 
@@ -125,11 +139,11 @@ def _number(argument: Argument, chance: np.random.Generator) -> float:
 
 SALT: Final = 0xF0E5
 RANKS: Final = {"audience": 0, "musician": 1, "operator": 2}
-FOLLOWED: Final = ("/dance/attract", "/dance/voice", "/dance/performer")
+DRAG_CONTROLS: Final = ("/dance/attract", "/dance/voice", "/dance/performer")
 """Controls that a phone sends repeatedly while a finger moves."""
-SHARES: Final = {"/dance/go": 4.0, "/dance/section": 3.0, "/dance/signal": 3.0, "/dance/undo": 3.0}
+FREQUENCIES: Final = {"/dance/go": 4.0, "/dance/section": 3.0, "/dance/signal": 3.0, "/dance/undo": 3.0}
 """Relative frequencies of controls; 1 for all others."""
-RARE: Final = ("/dance/ping", "/dance/panic", "/dance/blackout", "/dance/clear", "/dance/stage", "/dance/hold",
+RARE_CONTROLS: Final = ("/dance/ping", "/dance/panic", "/dance/blackout", "/dance/clear", "/dance/stage", "/dance/hold",
                "/dance/hold/score", "/dance/practice", "/dance/clock/source", "/dance/clock/metre", "/dance/clock/hold",
                "/dance/clock/half", "/dance/clock/double", "/dance/clock/count_in", "/dance/output/fade",
                "/dance/output/freeze", "/dance/output/flashes", "/dance/output/card",
@@ -146,52 +160,52 @@ class Call(NamedTuple):
     source: str
 
 
-class FakePlayers:
+class SimulatedPlayers:
     """`count` people, each of whom sends about `rate` messages a minute."""
 
     def __init__(
-        self, seed: int, words: Words, *, count: int = 8, rate: float = 6.0, nonsense: float = 0.05,
+        self, seed: int, arguments: ArgumentGenerator, *, count: int = 8, rate: float = 6.0, invalid_share: float = 0.05,
         role: str = "operator", start: float = 0.0,
     ) -> None:  # fmt: skip
         """`rate` [1/min] of each; `nonsense`: share of invalid messages; `role`: highest role of controls used."""
-        self._chance = np.random.default_rng([seed, SALT])
-        self._words, self._nonsense = words, nonsense
+        self._rng = np.random.default_rng([seed, SALT])
+        self._arguments, self._invalid_share = arguments, invalid_share
         self._rate = count * rate / 60.0
         self._count, self._time = count, start
-        allowed = (control for control in REGISTRY if RANKS[control.who] <= RANKS[role])
-        self._controls = [control for control in allowed if control not in ASKING_CONTROLS]
-        weights = np.array([_share(control) for control in self._controls])
+        allowed = (control for control in REGISTRY if RANKS[control.role] <= RANKS[role])
+        self._controls = [control for control in allowed if control not in QUERY_CONTROLS]
+        weights = np.array([_frequency(control) for control in self._controls])
         self._shares = weights / weights.sum()
 
     def calls(self) -> Iterator[Call]:
         """Yield messages in order of time, endlessly."""
-        chance = self._chance
+        chance = self._rng
         while self._rate > 0.0:
             self._time += float(chance.exponential(1.0 / self._rate))
             source = f"phone {int(chance.integers(self._count)) + 1}"
             control = self._controls[int(chance.choice(len(self._controls), p=self._shares))]
-            if chance.random() < self._nonsense:
-                yield Call(self._time, control.address, junk(chance), source)
+            if chance.random() < self._invalid_share:
+                yield Call(self._time, control.address, invalid_values(chance), source)
                 continue
-            values: list[object] = list(self._words.values(control, chance))
+            values: list[object] = list(self._arguments.values(control, chance))
             yield Call(self._time, control.address, values, source)
-            if control.address in FOLLOWED and len(values) >= 2:
-                yield from self._finger(control, values, source)
+            if control.address in DRAG_CONTROLS and len(values) >= 2:
+                yield from self._finger_moves(control, values, source)
 
-    def _finger(self, control: Control, values: list[object], source: str) -> Iterator[Call]:
+    def _finger_moves(self, control: Control, values: list[object], source: str) -> Iterator[Call]:
         """Yield the messages of the same finger moving for up to a second."""
         at = [index for index, argument in enumerate(control.arguments) if argument.name in ("x", "z")]
         time = self._time
-        for _ in range(int(self._chance.integers(2, 20))):
+        for _ in range(int(self._rng.integers(2, 20))):
             time += 0.05
             values = list(values)
             for index in at:
-                values[index] = float(values[index]) + 0.1 * float(self._chance.standard_normal())  # type: ignore[arg-type]
+                values[index] = float(values[index]) + 0.1 * float(self._rng.standard_normal())  # type: ignore[arg-type]
             yield Call(time, control.address, values, source)
         self._time = time
 
 
-def _share(control: Control) -> float:
-    if control.address in RARE:
+def _frequency(control: Control) -> float:
+    if control.address in RARE_CONTROLS:
         return 0.15
-    return SHARES.get(control.address, 1.0)
+    return FREQUENCIES.get(control.address, 1.0)

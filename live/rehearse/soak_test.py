@@ -15,16 +15,16 @@ from typing import Any, Final
 import numpy as np
 import psutil
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.base.fault_isolation import FAULTS
 from live.clock.time_source import ManualClock
 from live.control.events.events import BeatHeard, ControlEvent, MusicHeard
 from live.control.registry.registry import REGISTRY
 from live.rehearse.failure import Failure
-from live.rehearse.fault_injection import Edits, Fault, Mishaps, faults
-from live.rehearse.invariants import Watching
-from live.rehearse.simulated_band import FakeBand
-from live.rehearse.simulated_players import Call, FakePlayers, Words
+from live.rehearse.fault_injection import Fault, FaultInjector, PatchEditor, fault_schedule
+from live.rehearse.invariants import CheckingJournalWriter
+from live.rehearse.simulated_band import SimulatedBand
+from live.rehearse.simulated_players import ArgumentGenerator, Call, SimulatedPlayers
 from live.show.engine import Engine
 from live.show.journal.journal import JournalSink
 from live.show.loader import LoadedShow, load_show
@@ -36,7 +36,7 @@ GROWTH_MB: Final = 20.0
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class SoakOptions:
     """The options of a run."""
 
     patch: Path
@@ -52,10 +52,10 @@ class Plan:
 
 
 @dataclass(slots=True)
-class Report:
+class SoakReport:
     """The result of a run."""
 
-    plan: Plan
+    plan: SoakOptions
     seconds: float = 0.0
     """Duration in show time."""
     took: float = 0.0
@@ -84,7 +84,7 @@ class Report:
     status: dict[str, Any] = field(default_factory=dict)
     """The last status of the show."""
 
-    def fail(self, failure: Failure, what: str = "") -> None:
+    def record_failure(self, failure: Failure, what: str = "") -> None:
         """Record an exception: one line in `problems`, all of it in `failures`."""
         self.count += 1
         self.problems.append(f"{what}{failure}")
@@ -113,60 +113,60 @@ class Report:
 
 
 SALT: Final = 0x50AC
-MEMORY_EVERY: Final = 60.0
+MEMORY_INTERVAL: Final = 60.0
 """Interval of memory measurements [s of the show]."""
 
 
-class Soak:
+class SoakTest:
     """One soak test run."""
 
-    def __init__(self, plan: Plan, folder: Path, *, sink: JournalSink | None = None) -> None:
+    def __init__(self, plan: SoakOptions, folder: Path, *, sink: JournalSink | None = None) -> None:
         """`folder`: for the copy of the patch and the journal; `sink`: writer of the journal. Raises PersonError for a
         patch that does not start."""
         self.plan = plan
-        self._chance = np.random.default_rng([plan.seed, SALT])
-        self.edits = Edits(plan.patch, folder / "patch", plan.seed)
+        self._rng = np.random.default_rng([plan.seed, SALT])
+        self.edits = PatchEditor(plan.patch, folder / "patch", plan.seed)
         self.loaded: LoadedShow = load_show(self.edits.path)
         self.show = self.loaded.start(seed=plan.seed)
-        self.clock, self.inbox = ManualClock(), Inbox[ControlEvent]()
+        self.clock, self.inbox = ManualClock(), EventQueue[ControlEvent]()
         process = psutil.Process()
         self._memory: Callable[[], float] = lambda: float(process.memory_info().rss / 1e6)
-        self.report = Report(plan)
+        self.report = SoakReport(plan)
         self._rejected: dict[str, int] = self.report.refused
         self.status = Status(self.show, rejected=lambda: self._rejected, memory=self._memory)  # type: ignore[arg-type,return-value]
         self.journal_path = folder / "journal.jsonl"
         header = self.loaded.header(self.show, tempo=None)
-        self.journal = Watching(self.journal_path, header, sink=sink)
+        self.journal = CheckingJournalWriter(self.journal_path, header, sink=sink)
         self.journal.prepare(self.show)
         self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=self.status, journal=self.journal)
-        self.watch = PatchWatch(self.loaded, self.show, post=self.inbox.put, now=self.clock.now)
-        self.status.more["journal"] = self.journal.facts
-        self.status.more["patch"] = self.watch.facts
+        self.patch_watch = PatchWatch(self.loaded, self.show, post=self.inbox.put, now=self.clock.now)
+        self.status.extra_figures["journal"] = self.journal.facts
+        self.status.extra_figures["patch"] = self.patch_watch.status
         patch = self.show.patch
-        words = Words(patch, self.loaded.graph.library.steps)
+        words = ArgumentGenerator(patch, self.loaded.graph.library.steps)
         beats = patch.clock.beats_per_measure
-        self.band = FakeBand(plan.seed, bpm=patch.clock.bpm, beats_per_measure=beats)
-        self.players = FakePlayers(plan.seed, words, count=plan.players, rate=plan.calls)
-        self._heard = self.band.events()
+        self.band = SimulatedBand(plan.seed, bpm=patch.clock.bpm, beats_per_measure=beats)
+        self.players = SimulatedPlayers(plan.seed, words, count=plan.players, rate=plan.calls)
+        self._band_events = self.band.events()
         self._calls: Iterator[Call] = self.players.calls()
-        self._faults: Iterator[Fault] = faults(plan.seed, rate=plan.faults)
-        self._next_heard = next(self._heard)
+        self._faults: Iterator[Fault] = fault_schedule(plan.seed, rate=plan.faults)
+        self._next_band_event = next(self._band_events)
         self._next_call = next(self._calls, None)
         self._next_fault = next(self._faults, None)
-        self.mishaps = Mishaps(
-            put=self.inbox.put, call=self.call, refuse=self._refuse, calls=self._calls, edits=self.edits,
-            band=self.band, beats_per_measure=beats, chance=self._chance,
+        self.fault_injector = FaultInjector(
+            put=self.inbox.put, call=self.call, refuse=self._count_rejection, calls=self._calls, edits=self.edits,
+            band=self.band, beats_per_measure=beats, chance=self._rng,
         )  # fmt: skip
-        self._look = 0.0
-        self._failed_before = dict(FAULTS.counts)
-        self.between: Callable[[], None] = lambda: None
+        self._next_patch_check = 0.0
+        self._fault_counts_before = dict(FAULTS.counts)
+        self.before_frame: Callable[[], None] = lambda: None
         """Called before each frame."""
-        self.until: Callable[[], bool] = lambda: False
+        self.should_stop: Callable[[], bool] = lambda: False
         """Returns True to end the run early."""
         self.failure: Failure | None = None
         """The failure that ended the run early."""
 
-    def run(self, tell: Callable[[float, Report], None] | None = None) -> Report:
+    def run(self, on_progress: Callable[[float, SoakReport], None] | None = None) -> SoakReport:
         """Run the whole test; `tell` is called once a minute of show time. An exception is recorded and ends the run.
         The report is completed however the run ends, also by Ctrl-C."""
         report, begin, end = self.report, _time.perf_counter(), self.plan.hours * 3600.0
@@ -175,37 +175,37 @@ class Soak:
         gc.disable()
         told = 0.0
         try:
-            while self.clock.now() < end and not self.until():
-                self.between()
+            while self.clock.now() < end and not self.should_stop():
+                self.before_frame()
                 self._frame()
                 if self.clock.now() >= told:
-                    told += MEMORY_EVERY
+                    told += MEMORY_INTERVAL
                     self._measure_memory()
                     report.took = _time.perf_counter() - begin
-                    if tell is not None:
-                        tell(self.clock.now(), report)
+                    if on_progress is not None:
+                        on_progress(self.clock.now(), report)
         except Exception as error:
-            self.failure = Failure.of(error, self.engine.ticks.index)
+            self.failure = Failure.from_exception(error, self.engine.ticks.index)
         finally:
             gc.enable()
             gc.unfreeze()
             self.journal.close(self.engine.ticks.index)
             report.took = _time.perf_counter() - begin
-            self._sum_up()
+            self._complete_report()
         return report
 
-    def _sum_up(self) -> None:
+    def _complete_report(self) -> None:
         report = self.report
         report.seconds = self.clock.now()
-        report.measures, report.leapt = self.journal.lines, self.journal.leapt
+        report.measures, report.leapt = self.journal.measure_count, self.journal.skipped_measures
         report.frames, report.skipped = self.status.frames, self.engine.ticks.skipped
-        report.problems, report.count = list(self.journal.problems), self.journal.count
+        report.problems, report.count = list(self.journal.problems), self.journal.problem_count
         if self.failure is not None:
-            report.fail(self.failure, "the show ends: ")
-        report.faults = self.mishaps.done
-        report.events, report.band, report.edits = self.journal.told, self.band.did, self.edits.saved
+            report.record_failure(self.failure, "the show ends: ")
+        report.faults = self.fault_injector.counts
+        report.events, report.band, report.edits = self.journal.event_counts, self.band.counts, self.edits.edit_counts
         report.journal = {**self.journal.facts(), "bytes_an_hour": self._bytes_an_hour()}
-        for words in FAULTS.since(self._failed_before):
+        for words in FAULTS.failures_since(self._fault_counts_before):
             report.count += 1
             report.problems.append(words)
         if report.journal["dropped"]:
@@ -226,27 +226,27 @@ class Soak:
 
     def _frame(self) -> None:
         """Deliver all inputs that are due, then run one frame."""
-        now = self.clock.now() + float(self._chance.uniform(0.5, 1.5)) / self.plan.fps + self.mishaps.stands_for
-        self.mishaps.stands_for = 0.0
-        while self._next_heard.time <= now:
-            self._hear(self._next_heard)
-            self._next_heard = next(self._heard)
+        now = self.clock.now() + float(self._rng.uniform(0.5, 1.5)) / self.plan.fps + self.fault_injector.stall_seconds
+        self.fault_injector.stall_seconds = 0.0
+        while self._next_band_event.time <= now:
+            self._deliver(self._next_band_event)
+            self._next_band_event = next(self._band_events)
         while self._next_call is not None and self._next_call.time <= now:
             self.call(self._next_call)
             self._next_call = next(self._calls, None)
         while self._next_fault is not None and self._next_fault.time <= now:
-            self.mishaps.do(self._next_fault)
+            self.fault_injector.execute(self._next_fault)
             self._next_fault = next(self._faults, None)
-        if now >= self._look:
-            self._look = now + 0.1
-            self.watch.look()
-            self.watch.tidy()
+        if now >= self._next_patch_check:
+            self._next_patch_check = now + 0.1
+            self.patch_watch.poll()
+            self.patch_watch.free_replaced()
         self.clock.set(now)
-        self.engine.frame(lambda view: self.journal.look(view, self.engine.ticks.index))
+        self.engine.frame(lambda view: self.journal.check_view(view, self.engine.ticks.index))
         gc.collect(0)
-        self._say(now)
+        self._check_status(now)
 
-    def _say(self, now: float) -> None:
+    def _check_status(self, now: float) -> None:
         """Check once a second that the status is valid JSON."""
         if self.status.frames % round(self.plan.fps):
             return
@@ -254,10 +254,10 @@ class Soak:
         try:
             json.dumps(self.report.status, allow_nan=False)
         except ValueError as error:
-            self.journal.add(f"tick {self.engine.ticks.index}: the status is not valid JSON: {error}")
+            self.journal.add_problem(f"tick {self.engine.ticks.index}: the status is not valid JSON: {error}")
 
-    def _hear(self, event: ControlEvent) -> None:
-        if event.time < self.mishaps.deaf_until and isinstance(event, (BeatHeard, MusicHeard)):
+    def _deliver(self, event: ControlEvent) -> None:
+        if event.time < self.fault_injector.deaf_until and isinstance(event, (BeatHeard, MusicHeard)):
             return
         self.inbox.put(event)
 
@@ -267,7 +267,7 @@ class Soak:
         if isinstance(event, ControlEvent):
             self.inbox.put(event)
         else:
-            self._refuse(type(event).__name__)
+            self._count_rejection(type(event).__name__)
 
-    def _refuse(self, reason: str) -> None:
+    def _count_rejection(self, reason: str) -> None:
         self._rejected[reason] = self._rejected.get(reason, 0) + 1

@@ -50,7 +50,7 @@ class Quality:
 
 SOFTWARE: Final = Quality(0, LIGHT, 12, DISTANT, 256, 3, ("bloom",))
 """Without a graphics card: 50 dancers at 1280x720 in real time on two cores."""
-CARD: Final = Quality(4, FINE, 120, LIGHT, 768, 2)
+HARDWARE: Final = Quality(4, FINE, 120, LIGHT, 768, 2)
 """For a graphics card, or for offline films."""
 
 
@@ -60,39 +60,39 @@ def is_software(ctx: moderngl.Context) -> bool:
     return any(word in name for word in _SOFTWARE)
 
 
-def choose(ctx: moderngl.Context, dancer_count: int, samples: int | None) -> Quality:
+def choose_quality(ctx: moderngl.Context, dancer_count: int, samples: int | None) -> Quality:
     """Return the tier for this driver; `samples` overrides its multisampling, limited to the driver's maximum.
 
     Raises ValueError if `samples` is negative.
     """
     if samples is not None and samples < 0:
         raise ValueError(f"samples {samples}: 0 or more")
-    quality = SOFTWARE if is_software(ctx) else CARD
-    if quality is CARD and dancer_count > _MEDIUM_ABOVE:
+    quality = SOFTWARE if is_software(ctx) else HARDWARE
+    if quality is HARDWARE and dancer_count > _MEDIUM_ABOVE:
         quality = replace(quality, near_level=LIGHT, near_count=400, far_level=DISTANT)
     wanted = quality.samples if samples is None else samples
     return replace(quality, samples=min(wanted, int(ctx.max_samples)))
 
 
-HALFLIFE: Final = 1.0
+HALF_LIFE_S: Final = 1.0
 """After so many seconds a late frame counts half. A step resets the count."""
-DOWN: Final = 0.06
+LATE_SHARE_DOWN: Final = 0.06
 """A larger share of late frames, weighted by time, takes the next step down."""
-SETTLE: Final = 1.0
+SETTLE_S: Final = 1.0
 """Seconds after a step down before the next one, so that the effect of the first can be measured."""
-BEGIN: Final = 2.0
+WARM_UP_S: Final = 2.0
 """Late frames in the first seconds of a show are ignored, because drivers still compile."""
-CALM: Final = 0.005
+LATE_SHARE_UP: Final = 0.005
 """A smaller share of late frames than this for `PATIENCE` seconds, with a load below `ROOM`, takes a step up."""
-PATIENCE: Final = 15.0
-ROOM: Final = 0.75
+PATIENCE_S: Final = 15.0
+MAX_LOAD_UP: Final = 0.75
 """Quality goes up only while frames need less than this share of their time."""
-LONGEST: Final = 300.0
+MAX_PATIENCE_S: Final = 300.0
 """Maximum patience [s]; it doubles with every step up that had to be reverted."""
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class QualityStep:
     """One quality level."""
 
     name: str
@@ -103,11 +103,11 @@ class Step:
     skipped."""
 
 
-SMALLER: Final = (("3/4 of the size", 0.75), ("3/5 of the size", 0.6), ("half the size", 0.5))
+RESOLUTION_STEPS: Final = (("3/4 of the size", 0.75), ("3/5 of the size", 0.6), ("half the size", 0.5))
 """The last steps: name, and the share of the picture's width and height that they draw."""
 
 
-def ladder_of(best: Quality) -> tuple[Step, ...]:
+def quality_steps(best: Quality) -> tuple[QualityStep, ...]:
     """Return the steps from `best` down, each with one more reduction; the resolution comes last."""
     changes: list[tuple[str, str, dict[str, object]]] = []
     left_out = best.left_out
@@ -121,17 +121,17 @@ def ladder_of(best: Quality) -> tuple[Step, ...]:
     changes.insert(-1, ("half the particles and ribbons", "styles", dict(fewer)))
     changes.append(("a coarse floor", "", {"floor_map": max(best.floor_map // 2, 128)}))
     changes.append(("lighter bodies", "", _lighter(best)))
-    for name, scale in SMALLER:
+    for name, scale in RESOLUTION_STEPS:
         change: dict[str, object] = {"scale": scale * best.scale}
         if (
             best.near_level == LIGHT
         ):  # pixels are wider then: the body's outline shifts by as many of them as it did farther away
             change["far_from"] = min(8.0, best.far_from * scale)
         changes.append((name, "", change))
-    steps, quality = [Step("all", best)], best
+    steps, quality = [QualityStep("all", best)], best
     for name, kind, change in changes:
         quality = replace(quality, **change)  # type: ignore[arg-type]
-        steps.append(Step(name, quality, kind))
+        steps.append(QualityStep(name, quality, kind))
     return tuple(steps)
 
 
@@ -141,12 +141,12 @@ def _lighter(best: Quality) -> dict[str, object]:
     return {"near_count": 8, "far_level": LIGHT, "far_from": 5.0}  # within 5 m no body changes
 
 
-class Ladder:
+class QualityController:
     """Controller that chooses the quality step from the timing of each frame. Thread: the show's."""
 
-    def __init__(self, steps: int, helps: Callable[[int], bool] = lambda step: True) -> None:
+    def __init__(self, steps: int, has_effect: Callable[[int], bool] = lambda step: True) -> None:
         """`steps`: their number; 0 is the best. `helps(step)`: whether that step would reduce the current picture."""
-        self._steps, self._helps = steps, helps
+        self._steps, self._has_effect = steps, has_effect
         self.step = 0
         """The current step."""
         self.changes = 0
@@ -154,18 +154,18 @@ class Ladder:
         self.held: int | None = None
         """The step held by the operator, or None."""
         self._share = self._calm = 0.0
-        self._since = SETTLE - BEGIN
-        self._patience = PATIENCE
+        self._since_step = SETTLE_S - WARM_UP_S
+        self._patience = PATIENCE_S
         self._raised = False
 
     def hold(self, step: int | None) -> None:
         """Hold this step (limited to the last one) until further notice; None: automatic again."""
         self.held = None if step is None else min(max(step, 0), self._steps - 1)
         if self.held is not None and self.held != self.step:
-            self._go(self.held, raised=False)
-        self._since = self._calm = self._share = 0.0
+            self._set_step(self.held, raised=False)
+        self._since_step = self._calm = self._share = 0.0
 
-    def frame(self, late: bool, seconds: float, load: float, overload: float = 0.0) -> int:
+    def update(self, late: bool, seconds: float, load: float, overload: float = 0.0) -> int:
         """Return the step for the next frame, after one that came `seconds` after the last one.
 
         `load`: the share of the frame period that was needed, waiting excluded. `overload`: overload of the whole
@@ -174,33 +174,35 @@ class Ladder:
         """
         if self.held is not None:
             return self.step
-        self._since += seconds
-        kept = 0.5 ** (max(seconds, 0.0) / HALFLIFE)
-        self._share = kept * self._share + (1.0 - kept) * (late and (self.changes > 0 or self._since > SETTLE))
-        if self._share > max(DOWN * (1.0 - overload), CALM):
+        self._since_step += seconds
+        kept = 0.5 ** (max(seconds, 0.0) / HALF_LIFE_S)
+        self._share = kept * self._share + (1.0 - kept) * (late and (self.changes > 0 or self._since_step > SETTLE_S))
+        if self._share > max(LATE_SHARE_DOWN * (1.0 - overload), LATE_SHARE_UP):
             self._calm = 0.0
-            if self._since > SETTLE and self.step < self._steps - 1:
-                if self._raised and self._since < 4.0 * PATIENCE:  # it was too early to go up
-                    self._patience = min(2.0 * self._patience, LONGEST)
-                self._go(self._below(), raised=False)
+            if self._since_step > SETTLE_S and self.step < self._steps - 1:
+                if self._raised and self._since_step < 4.0 * PATIENCE_S:  # it was too early to go up
+                    self._patience = min(2.0 * self._patience, MAX_PATIENCE_S)
+                self._set_step(self._next_down(), raised=False)
             return self.step
-        self._calm = self._calm + seconds if self._share < CALM and load < ROOM and not overload else 0.0
+        self._calm = (
+            self._calm + seconds if self._share < LATE_SHARE_UP and load < MAX_LOAD_UP and not overload else 0.0
+        )
         if self._calm >= self._patience and self.step > 0:
-            self._go(self._above(), raised=True)
+            self._set_step(self._next_up(), raised=True)
         return self.step
 
-    def _below(self) -> int:
+    def _next_down(self) -> int:
         """Return the next step down that reduces this picture, or the last one."""
-        return next((step for step in range(self.step + 1, self._steps) if self._helps(step)), self._steps - 1)
+        return next((step for step in range(self.step + 1, self._steps) if self._has_effect(step)), self._steps - 1)
 
-    def _above(self) -> int:
+    def _next_up(self) -> int:
         """Return the step above the lowest one that has an effect now."""
         felt = self.step
-        while felt > 1 and not self._helps(felt):
+        while felt > 1 and not self._has_effect(felt):
             felt -= 1
         return felt - 1
 
-    def _go(self, step: int, *, raised: bool) -> None:
+    def _set_step(self, step: int, *, raised: bool) -> None:
         self.step, self._raised = step, raised
-        self._since = self._calm = self._share = 0.0
+        self._since_step = self._calm = self._share = 0.0
         self.changes += 1

@@ -68,7 +68,7 @@ def projection(camera: Camera, aspect: float) -> Float64:
     return matrix
 
 
-def rays(camera: Camera, size: tuple[int, int]) -> tuple[Float64, Float64, Float64]:
+def view_rays(camera: Camera, size: tuple[int, int]) -> tuple[Float64, Float64, Float64]:
     """Return the ray from the eye through the lower left corner of a picture of `size` pixels, and the differences to
     the right and upper edges; each (3,), scaled to a depth of one metre.
 
@@ -86,7 +86,7 @@ def world_to_clip(camera: Camera, size: tuple[int, int]) -> Float64:
     return projection(camera, size[0] / size[1]) @ view_matrix(camera)
 
 
-def pixel_of(camera: Camera, size: tuple[int, int], points: npt.ArrayLike) -> Float64:
+def project_points(camera: Camera, size: tuple[int, int], points: npt.ArrayLike) -> Float64:
     """Return the pixels (N, 2) of world points (N, 3) [m] in front of the camera: x right, y down, from upper left."""
     world = np.atleast_2d(np.asarray(points, np.float64))
     clip = np.concatenate([world, np.ones((len(world), 1))], axis=1) @ world_to_clip(camera, size).T
@@ -94,7 +94,7 @@ def pixel_of(camera: Camera, size: tuple[int, int], points: npt.ArrayLike) -> Fl
     return np.stack([(device[:, 0] + 1.0) * 0.5 * size[0], (1.0 - device[:, 1]) * 0.5 * size[1]], axis=1)
 
 
-def covered(matrix: Float64, size: tuple[int, int], low: Float64, high: Float64) -> tuple[int, int, int, int]:
+def screen_bounds(matrix: Float64, size: tuple[int, int], low: Float64, high: Float64) -> tuple[int, int, int, int]:
     """Return the pixels (x, y, width, height; y up) that a box from `low` to `high` [m] may cover; all if too near."""
     corners = np.array(
         [(x, y, z, 1.0) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]

@@ -14,7 +14,7 @@ from typing import Any, Final
 
 import moderngl
 
-from live.base.custom_pass import OwnPass, read_own_pass
+from live.base.custom_pass import CustomShader, parse_custom_pass
 from live.base.errors import PersonError
 from live.render.camera import FAR, NEAR
 from live.render.shader import FRAME_BINDING, source
@@ -23,7 +23,7 @@ _LINE: Final = re.compile(r"\b0(?::(\d+)|\((\d+)\))")
 """A line number in a driver's log: 0:12(3) or 0(12)."""
 
 
-def compiled(ctx: moderngl.Context, own: OwnPass) -> moderngl.Program:
+def compile_pass(ctx: moderngl.Context, own: CustomShader) -> moderngl.Program:
     """Return the compiled program of a pass; PersonError with file and line if it does not compile."""
     ends = (("NEAR", NEAR), ("FAR", FAR))
     footer = source("own_footer.glsl").split("\n", 1)[1]
@@ -31,7 +31,7 @@ def compiled(ctx: moderngl.Context, own: OwnPass) -> moderngl.Program:
     try:
         linked = ctx.program(vertex_shader=source("full_vertex.glsl"), fragment_shader=text)
     except moderngl.Error as error:
-        raise PersonError(problem_of(own.name, str(error))) from None
+        raise PersonError(first_error(own.name, str(error))) from None
     if "Frame" in linked:
         block = linked["Frame"]
         assert isinstance(block, moderngl.UniformBlock)
@@ -39,7 +39,7 @@ def compiled(ctx: moderngl.Context, own: OwnPass) -> moderngl.Program:
     return linked
 
 
-def problem_of(name: str, log: str) -> str:
+def first_error(name: str, log: str) -> str:
     """Return the first error that a driver's log reports for the pass `name`, with file and line."""
     for line in log.splitlines():
         match = _LINE.search(line)
@@ -51,25 +51,25 @@ def problem_of(name: str, log: str) -> str:
     return f"passes/{name}.glsl: {words[:300]}"
 
 
-LIMIT_S: Final = 20.0
+TIME_LIMIT_S: Final = 20.0
 """Seconds allowed for drawing a small picture with the passes, including the start of the process."""
-SIZE: Final = (64, 36)
+TRIAL_SIZE: Final = (64, 36)
 _NO_OPENGL: Final = 3
 """Exit code where there is no headless OpenGL: the trial is inconclusive."""
 
 
-def try_passes(passes: tuple[OwnPass, ...], *, limit: float = LIMIT_S) -> None:
+def try_passes(passes: tuple[CustomShader, ...], *, limit: float = TIME_LIMIT_S) -> None:
     """Raise PersonError if one of the passes does not compile, does not end, or crashes its process.
 
     Thread: any; waits for the process. Results are cached.
     """
-    problem = _tried(passes, limit) if passes else ""
+    problem = _trial_error(passes, limit) if passes else ""
     if problem:
         raise PersonError(problem)
 
 
 @lru_cache(maxsize=64)
-def _tried(passes: tuple[OwnPass, ...], limit: float) -> str:
+def _trial_error(passes: tuple[CustomShader, ...], limit: float) -> str:
     order = json.dumps([[one.name, one.source] for one in passes])
     names = ", ".join(f"passes/{one.name}.glsl" for one in passes)
     command = [sys.executable, "-m", "live.render.custom_pass"]
@@ -95,24 +95,31 @@ def main() -> int:
         return _NO_OPENGL
     try:
         for name, text in given:
-            _draw(ctx, read_own_pass(name, text))
+            _draw(ctx, parse_custom_pass(name, text))
     except PersonError as error:
         print(error)
         return 1
     return 0
 
 
-def _draw(ctx: Any, own: OwnPass) -> None:
+def _draw(ctx: Any, own: CustomShader) -> None:
     from live.render.shader import set_uniform
 
-    program = compiled(ctx, own)
-    texture = ctx.texture(SIZE, 4, bytes(range(256)) * (SIZE[0] * SIZE[1] // 64))
-    target = ctx.simple_framebuffer(SIZE)
+    program = compile_pass(ctx, own)
+    texture = ctx.texture(TRIAL_SIZE, 4, bytes(range(256)) * (TRIAL_SIZE[0] * TRIAL_SIZE[1] // 64))
+    target = ctx.simple_framebuffer(TRIAL_SIZE)
     target.use()
     for unit, name in enumerate(("own_light_", "own_last_", "own_depth_", "own_shape_", "own_who_"), start=1):
         texture.use(unit)
         set_uniform(program, name, unit)
-    for name, value in {"amount": 1.0, "beat": 1.3, "tempo": 120.0, "energy": 0.5, "size": SIZE, "time": 2.0}.items():
+    for name, value in {
+        "amount": 1.0,
+        "beat": 1.3,
+        "tempo": 120.0,
+        "energy": 0.5,
+        "size": TRIAL_SIZE,
+        "time": 2.0,
+    }.items():
         set_uniform(program, name, value)
     for known in own.parameters:
         for value in (known.low, known.high, known.start):  # a loop may end with one value and not with another

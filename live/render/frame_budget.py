@@ -6,32 +6,32 @@ Every live picture uses it: in a window, headless, and in the benchmark.
 from collections.abc import Callable
 from typing import Any
 
-from live.render.adaptive_quality import Ladder
+from live.render.adaptive_quality import QualityController
 from live.render.frame_stats import FrameTimes
 from live.render.renderer import Renderer
 
 
-class Affordance:
+class FrameBudget:
     """Quality control of one renderer made with all its `steps`; called around every frame. Thread: the show's."""
 
     def __init__(self, renderer: Renderer, now: Callable[[], float], period: float = 0.0) -> None:
         """`now()`: monotonic time [s]; `period`: target time of a frame [s]."""
         self._renderer, self.period = renderer, period
         self.times = FrameTimes(now)
-        self.ladder = Ladder(len(renderer.steps), renderer.helps)
+        self.controller = QualityController(len(renderer.steps), renderer.has_effect)
         self.overload: Callable[[], float] = lambda: 0.0
         """Returns the overload of the whole machine, 0 to 1."""
-        self._late = 0
+        self._late_count = 0
         renderer.mark = self.times.mark
 
     def begin(self, late: int, seconds: float) -> None:
         """Begin a frame, `seconds` after the last one; `late`: number of late frames so far (`Pacer.late`)."""
-        was_late, self._late = late > self._late, late
-        self.times.judge(self.period, late=was_late)
-        step = self.ladder.frame(was_late, seconds, self.times.load(self.period), self.overload())
+        was_late, self._late_count = late > self._late_count, late
+        self.times.record_cause(self.period, late=was_late)
+        step = self.controller.update(was_late, seconds, self.times.load(self.period), self.overload())
         self.times.begin()
         if step != self._renderer.step:
-            self._renderer.take_step(step)
+            self._renderer.set_step(step)
 
     def end(self) -> None:
         """End the frame."""
@@ -42,10 +42,10 @@ class Affordance:
         """Return the status: current quality step, what it leaves out, and the step held by the operator."""
         steps, step = self._renderer.steps, self._renderer.step
         left_out = [one.name for one in steps[1 : step + 1]]
-        changes, held = self.ladder.changes, self.ladder.held
+        changes, held = self.controller.changes, self.controller.held
         return {"step": step, "of": len(steps), "left_out": left_out, "changes": changes, "held": held}
 
-    def words(self) -> str:
+    def overlay_text(self) -> str:
         """Return the overlay text: the step and what it leaves out; empty for the best step if it is not held."""
         told = self.facts()
         if not told["step"] and told["held"] is None:

@@ -12,30 +12,30 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
-_APART: Final = {
+_REPLACEMENTS: Final = {
     "ß": "ss", "ø": "o", "Ø": "O", "æ": "ae", "Æ": "AE", "œ": "oe", "Œ": "OE", "ł": "l", "Ł": "L",
 }  # fmt: skip
 """Letters that Unicode does not decompose, and their replacements."""
 
 
 @cache
-def has(letter: str) -> bool:
+def has_glyph(letter: str) -> bool:
     """Whether the font has this letter; a missing one would be drawn as a box."""
     font = ImageFont.load_default(size=20)
-    return letter.isprintable() and (letter == " " or _ink(font, letter) != _ink(font, "\uffff"))
+    return letter.isprintable() and (letter == " " or _glyph_mask(font, letter) != _glyph_mask(font, "\uffff"))
 
 
-def readable(words: str) -> str:
+def without_accents(words: str) -> str:
     """Return the text without the accents that the font lacks: `Dança` becomes `Danca`."""
-    return "".join(letter if has(letter) else _without_accent(letter) for letter in words)
+    return "".join(letter if has_glyph(letter) else _without_accent(letter) for letter in words)
 
 
 def _without_accent(letter: str) -> str:
-    plain = _APART.get(letter) or unicodedata.normalize("NFKD", letter)[0]
-    return plain if all(map(has, plain)) else "?"
+    plain = _REPLACEMENTS.get(letter) or unicodedata.normalize("NFKD", letter)[0]
+    return plain if all(map(has_glyph, plain)) else "?"
 
 
-def _ink(font: "ImageFont.FreeTypeFont | ImageFont.ImageFont", letter: str) -> tuple[tuple[int, int], bytes]:
+def _glyph_mask(font: "ImageFont.FreeTypeFont | ImageFont.ImageFont", letter: str) -> tuple[tuple[int, int], bytes]:
     mask = font.getmask(letter)
     return mask.size, bytes(mask)
 
@@ -48,10 +48,10 @@ _UNKNOWN: Final = "?"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lettering:
+class GlyphAtlas:
     """A glyph atlas of one font at one size."""
 
-    picture: npt.NDArray[np.uint8]
+    coverage: npt.NDArray[np.uint8]
     """Coverage, 0 to 255, top row first, shape (H, W)."""
     cell: tuple[int, int]
     """Width and height of each letter's cell [pixels]."""
@@ -69,7 +69,7 @@ class Lettering:
         rows: list[tuple[float, float, float, float]] = []
         for number, line in enumerate(lines):
             x, y = corner[0], corner[1] + number * self.cell[1]
-            for letter in readable(line):
+            for letter in without_accents(line):
                 known = letter if letter in self.index else _UNKNOWN
                 cell = self.index[known]
                 if known != " " and len(rows) < limit:
@@ -80,13 +80,13 @@ class Lettering:
 
     def width(self, line: str) -> float:
         """Return the length of a line of text [pixels]."""
-        return sum(self.advance[letter if letter in self.index else _UNKNOWN] for letter in readable(line))
+        return sum(self.advance[letter if letter in self.index else _UNKNOWN] for letter in without_accents(line))
 
 
-def letter(height: int) -> Lettering:
+def bake_atlas(height: int) -> GlyphAtlas:
     """Bake the atlas for letters `height` pixels high."""
     font = ImageFont.load_default(size=height)
-    letters = [chr(code) for code in _CODES if has(chr(code))]
+    letters = [chr(code) for code in _CODES if has_glyph(chr(code))]
     boxes = [font.getbbox(one) for one in letters]
     width = int(np.ceil(max(box[2] for box in boxes))) + 2
     tall = int(np.ceil(max(box[3] for box in boxes))) + 2
@@ -97,4 +97,4 @@ def letter(height: int) -> Lettering:
     advance = {one: float(font.getlength(one)) for one in letters}
     digit = max(advance[one] for one in "0123456789")
     advance.update(dict.fromkeys("0123456789", digit))  # changing numbers must not move the rest of the line
-    return Lettering(np.array(image, np.uint8), (width, tall), advance, {one: i for i, one in enumerate(letters)})
+    return GlyphAtlas(np.array(image, np.uint8), (width, tall), advance, {one: i for i, one in enumerate(letters)})

@@ -7,15 +7,15 @@ import moderngl
 
 from live.base.stage_snapshot import Scene, StageView
 from live.render.adaptive_quality import Quality
-from live.render.dancers.dancer_batch import Crowd
-from live.render.uniforms import FrameBlock
+from live.render.dancers.dancer_batch import DancerBatch
+from live.render.uniforms import FrameUniforms
 
 HDR: Final = "f2"
 """Texture format between passes: half floats, compressed (`finish.glsl`): x / (1 + its brightest colour)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Making:
+class PassSetup:
     """Construction data for passes."""
 
     ctx: moderngl.Context
@@ -23,9 +23,9 @@ class Making:
     quality: Quality
     size: tuple[int, int]
     """Width and height of the picture [pixels]."""
-    patient: bool = False
+    blocking_video: bool = False
     """Whether to wait for pictures of videos, as in an offline film."""
-    bare: bool = False
+    transparent: bool = False
     """Whether dancers are drawn without a stage, in pictures with alpha (`passes/alpha_pass.py`)."""
 
 
@@ -34,8 +34,8 @@ class Moment:
     """The frame to draw; one object, reused for every frame."""
 
     view: StageView
-    frame: FrameBlock
-    crowd: Crowd
+    uniforms: FrameUniforms
+    batch: DancerBatch
     floor: moderngl.Texture
     """The floor's map: light of the elements, and shadows."""
     beats: float = 0.0
@@ -43,9 +43,9 @@ class Moment:
     cut: bool = True
     """Whether this picture does not continue the previous one; passes must drop their history."""
 
-    def amount(self, place: int) -> float:
+    def parameter(self, place: int) -> float:
         """Return a value of the picture's parameter row, by index."""
-        return float(self.frame.row[place])
+        return float(self.uniforms.row[place])
 
 
 @dataclass(slots=True, eq=False)
@@ -56,7 +56,7 @@ class Surfaces:
     """OpenGL depth, 0 to 1; 1 where there is no dancer."""
     shape: moderngl.Texture
     """rgb: normal in world axes * 0.5 + 0.5, a: sheen."""
-    who: moderngl.Texture
+    identity: moderngl.Texture
     """r, g: low and high byte of the dancer's number from 1 on, 0 for none; b: the dancer's group."""
 
 
@@ -70,23 +70,23 @@ class ScenePass:
         """Whether the pass draws anything now."""
         return True
 
-    def over_active(self, moment: Moment) -> bool:
+    def light_active(self, moment: Moment) -> bool:
         """Whether `over` draws anything now; then a software picture uses half floats."""
         return False
 
-    def cast(self) -> None:
+    def draw_shadows(self) -> None:
         """Draw shadows into the bound layers of the floor; also called while inactive."""
 
     def prepare(self, moment: Moment) -> None:
         """Draw into the pass's own textures, before the picture."""
 
-    def surfaces(self, moment: Moment) -> None:
+    def draw_surfaces(self, moment: Moment) -> None:
         """Draw opaque surfaces with depth for deferred shading: cover and shape as in `gbuffer_fragment.glsl`."""
 
-    def lit(self, moment: Moment) -> None:
+    def draw_lit(self, moment: Moment) -> None:
         """Draw the same surfaces with depth and forward shading, compressed (multisampled pictures)."""
 
-    def over(self, moment: Moment) -> None:
+    def draw_light(self, moment: Moment) -> None:
         """Draw light over the lit scene, compressed; the pass sets blending, tests depth and writes none.
 
         Blending with ONE, ONE_MINUS_SRC_COLOR adds light: in the compressed range that is nearly a sum.

@@ -13,31 +13,31 @@ from typing import Final
 import moderngl
 import numpy as np
 
-from live.base.custom_pass import OwnPass
+from live.base.custom_pass import CustomShader
 from live.base.stage_snapshot import FLOOR_MARGIN, Camera
 from live.render.adaptive_quality import Quality
-from live.render.camera import covered, rays, world_to_clip
+from live.render.camera import screen_bounds, view_rays, world_to_clip
 from live.render.gl_release import Releasable, release_all
-from live.render.pass_context import HDR, Making, Moment, PicturePass, ScenePass, Surfaces
-from live.render.pass_faults import PassFaults, name_of
-from live.render.passes.alpha_pass import MattePass
-from live.render.passes.antialias_pass import SmoothPass
+from live.render.pass_context import HDR, Moment, PassSetup, PicturePass, ScenePass, Surfaces
+from live.render.pass_faults import PassFaults, pass_name
+from live.render.passes.alpha_pass import AlphaPass
+from live.render.passes.antialias_pass import AntialiasPass
 from live.render.passes.background_pass import BackgroundPass
 from live.render.passes.beam_pass import BeamPass
 from live.render.passes.bloom_pass import BloomPass
 from live.render.passes.colour_pass import FinalPass, GradePass, VignettePass
-from live.render.passes.custom_pass import OwnPicturePass
-from live.render.passes.dancer_pass import DancerPass, LitTarget, SurfacePass
-from live.render.passes.floor_pass import FloorPass, MirrorPass
+from live.render.passes.custom_pass import CustomPass
+from live.render.passes.dancer_pass import DancerPass, GBufferPass, MultisampleTarget
+from live.render.passes.floor_pass import FloorPass, ReflectionPass
 from live.render.passes.ink_pass import InkPass
 from live.render.passes.plan_pass import PlanPass
-from live.render.passes.set_pass import ItemPass, vertices_of
+from live.render.passes.set_pass import ItemPass, build_vertices
 from live.render.passes.stage_pass import BackdropPass, StagePass
 from live.render.passes.styled_pass import StylePasses
 from live.render.passes.trail_pass import TrailsPass
-from live.render.uniforms import WALL_BEHIND
+from live.render.uniforms import WALL_DISTANCE
 
-PICTURE_PASSES: Final[Mapping[str, Callable[[Making], PicturePass]]] = {
+PICTURE_PASSES: Final[Mapping[str, Callable[[PassSetup], PicturePass]]] = {
     "trails": TrailsPass,
     "bloom": BloomPass,
     "ink": InkPass,
@@ -49,27 +49,27 @@ AT_END: Final = "vignette"
 """This pass, if it is the last one, is done together with the film curve."""
 
 
-class Chain:
+class PassChain:
     """The picture passes of a show, and the two textures between them."""
 
-    def __init__(self, making: Making) -> None:
-        self._ctx = making.ctx
-        order = making.scene.passes
+    def __init__(self, setup: PassSetup) -> None:
+        self._ctx = setup.ctx
+        order = setup.scene.passes
         self.vignette_at_end = order[-1:] == (AT_END,)
-        own = {one.name: (one, slot) for slot, one in enumerate(making.scene.own)}
-        self._own: dict[str, OwnPicturePass] = {}
+        own = {one.name: (one, slot) for slot, one in enumerate(setup.scene.custom_passes)}
+        self._custom_passes: dict[str, CustomPass] = {}
         self._passes: list[tuple[str, PicturePass]] = []
         for name in order:
             if name in own:
-                self._own[name] = OwnPicturePass(making, *own[name])
-                self._passes.append((name, self._own[name]))
+                self._custom_passes[name] = CustomPass(setup, *own[name])
+                self._passes.append((name, self._custom_passes[name]))
             elif name in PICTURE_PASSES and not (name == AT_END and self.vignette_at_end):
-                self._passes.append((name, PICTURE_PASSES[name](making)))
+                self._passes.append((name, PICTURE_PASSES[name](setup)))
         self._names = {one: name for name, one in self._passes}
-        self._final = FinalPass(making.ctx)
-        self._make(making.size)
+        self._final = FinalPass(setup.ctx)
+        self._create_targets(setup.size)
 
-    def _make(self, size: tuple[int, int]) -> None:
+    def _create_targets(self, size: tuple[int, int]) -> None:
         count = 2 if self._passes else 0
         self._textures = [self._ctx.texture(size, 4, dtype=HDR) for _ in range(count)]
         for texture in self._textures:
@@ -77,18 +77,18 @@ class Chain:
             texture.repeat_x = texture.repeat_y = False
         self._targets = [self._ctx.framebuffer([texture]) for texture in self._textures]
 
-    def take_own(self, passes: tuple[OwnPass, ...]) -> None:
+    def set_custom_passes(self, passes: tuple[CustomShader, ...]) -> None:
         """Replace the source of custom passes; PersonError if one does not compile: its last version stays."""
         for one in passes:
-            there = self._own.get(one.name)
-            if there is not None and there.own != one:
-                there.take(one)
+            there = self._custom_passes.get(one.name)
+            if there is not None and there.definition != one:
+                there.replace_source(one)
 
     def active(self, moment: Moment, left_out: Sequence[str]) -> list[PicturePass]:
         """Return the passes that change something now, in order, without those in `left_out`."""
         return [one for name, one in self._passes if name not in left_out and one.active(moment)]
 
-    def has(self, name: str, moment: Moment) -> bool:
+    def would_change(self, name: str, moment: Moment) -> bool:
         """Whether a pass would change something now, even if it is left out."""
         return any(one.active(moment) for known, one in self._passes if known == name)
 
@@ -108,22 +108,22 @@ class Chain:
         bloom = last if isinstance(last, BloomPass) else None
         turn = 0
         for one in active if bloom is None else active[:-1]:
-            faults.may(self._names[one])
+            faults.begin(self._names[one])
             one.draw(source, self._targets[turn], surfaces, moment)
             source, turn = self._textures[turn], 1 - turn
         if bloom is None:
-            faults.essential()
+            faults.begin_essential()
             self._final.draw(source, target)
         else:
-            faults.may(self._names[bloom])
-            gathered, strength = bloom.gather(source), bloom.strength(moment)
-            faults.essential()
+            faults.begin(self._names[bloom])
+            gathered, strength = bloom.compute_glow(source), bloom.strength(moment)
+            faults.begin_essential()
             self._final.draw(source, target, gathered, strength)
 
     def resize(self, size: tuple[int, int]) -> None:
         """Set a new size of the picture [pixels]."""
         release_all(*self._targets, *self._textures)
-        self._make(size)
+        self._create_targets(size)
         for _, one in self._passes:
             one.resize(size)
 
@@ -132,103 +132,103 @@ class Chain:
         release_all(*self._targets, *self._textures, self._final, *(one for _, one in self._passes))
 
 
-SCENE_PASSES: Final[tuple[Callable[[Making], ScenePass], ...]] = (
+SCENE_PASSES: Final[tuple[Callable[[PassSetup], ScenePass], ...]] = (
     ItemPass, BackgroundPass, StylePasses, BeamPass, PlanPass,
 )  # fmt: skip
 """Scene passes, in drawing order."""
-_OF_STAGE: Final = (BackgroundPass, PlanPass)
+_STAGE_PASSES: Final = (BackgroundPass, PlanPass)
 """Scene passes behind or under the dancers, which pictures with alpha lack."""
-CRISP: Final = 0.6
+SHARPENING: Final = 0.6
 """Strength of sharpening for a scene that is drawn smaller than the picture and stretched."""
-_BODY_AROUND_JOINTS: Final = 0.25
+_BODY_REACH: Final = 0.25
 """The generated body reaches at most this far beyond its joints [m]."""
 
 
 class Pipeline:
     """All passes of one renderer with their targets; GL objects are created here and in `resize`."""
 
-    def __init__(self, making: Making) -> None:
-        ctx, scene, size, quality = making.ctx, making.scene, making.size, making.quality
+    def __init__(self, setup: PassSetup) -> None:
+        ctx, scene, size, quality = setup.ctx, setup.scene, setup.size, setup.quality
         self._ctx, self._scene, self._size, self._quality = ctx, scene, size, quality
         worn = bool(scene.characters)
         width, depth = scene.stage_size
         self.floor = FloorPass(ctx, quality, (width + 2 * FLOOR_MARGIN, depth + 2 * FLOOR_MARGIN))
-        self._mirror = MirrorPass(ctx, size, quality.mirror_divisor, worn=worn)
+        self._mirror = ReflectionPass(ctx, size, quality.mirror_divisor, characters=worn)
         self._backdrop = BackdropPass(ctx, size, coarse=quality.samples == 0)
-        self.chain = Chain(making)
+        self.chain = PassChain(setup)
         self.faults = PassFaults()
         """Circuit breakers of the passes."""
         self._lit = quality.samples > 0
-        self._surface = SurfacePass(ctx, quality, size, worn=worn)
+        self._surface = GBufferPass(ctx, quality, size, characters=worn)
         self._stages = {hdr: StagePass(ctx, hdr=hdr) for hdr in ((True,) if self._lit else (False, True))}
         if self._lit:
-            self._targets = {quality.samples: LitTarget(ctx, quality.samples, size)}
+            self._targets = {quality.samples: MultisampleTarget(ctx, quality.samples, size)}
             self._target = self._targets[quality.samples]
-            self._dancer = DancerPass(ctx, quality, worn=worn)
-            self._matte = MattePass(ctx, size) if making.bare else None
+            self._dancer = DancerPass(ctx, quality, characters=worn)
+            self._matte = AlphaPass(ctx, size) if setup.transparent else None
         else:
-            self._smooth = {hdr: SmoothPass(ctx, self._surface.depth, size, hdr=hdr) for hdr in (False, True)}
-        self._scene_passes = [make(making) for make in SCENE_PASSES if not (making.bare and make in _OF_STAGE)]
+            self._smooth = {hdr: AntialiasPass(ctx, self._surface.depth, size, hdr=hdr) for hdr in (False, True)}
+        self._scene_passes = [make(setup) for make in SCENE_PASSES if not (setup.transparent and make in _STAGE_PASSES)]
         if scene.items:
-            self.floor.casters = [one.cast for one in self._scene_passes]
-        items = vertices_of(scene.items)[:, :3]
-        self._standing = np.array([items.min(axis=0), items.max(axis=0)], np.float64) if len(items) else None
-        self.look_from(scene.camera)
+            self.floor.casters = [one.draw_shadows for one in self._scene_passes]
+        items = build_vertices(scene.items)[:, :3]
+        self._item_box = np.array([items.min(axis=0), items.max(axis=0)], np.float64) if len(items) else None
+        self.set_camera(scene.camera)
 
-    def take(self, quality: Quality) -> None:
+    def set_quality(self, quality: Quality) -> None:
         """Draw with another quality of the same tier; its GL objects are created once and kept."""
         self._quality = self._surface.quality = quality
-        self.floor.choose(quality.floor_map)
+        self.floor.select_resolution(quality.floor_map)
         if self._lit:
             if quality.samples not in self._targets:
-                self._targets[quality.samples] = LitTarget(self._ctx, quality.samples, self._size)
+                self._targets[quality.samples] = MultisampleTarget(self._ctx, quality.samples, self._size)
             self._target = self._targets[quality.samples]
             self._dancer.quality = quality
         else:
             for smooth in self._smooth.values():
-                smooth.crisp = CRISP if quality.scale < 1.0 else 0.0
+                smooth.sharpness = SHARPENING if quality.scale < 1.0 else 0.0
 
     @property
     def problems(self) -> list[str]:
         """Messages about failed files and passes; the last good state is drawn."""
         of_files = [words for one in self._scene_passes if isinstance(one, BackgroundPass) for words in one.problems]
-        return of_files + self.faults.words()
+        return of_files + self.faults.messages()
 
-    def look_from(self, camera: Camera) -> None:
+    def set_camera(self, camera: Camera) -> None:
         """Update everything that depends on the camera, except the uniform block."""
-        self._floor_rows = _rows_of_floor(camera, self._scene.stage_size, self._size)
+        self._floor_rows = _floor_row_count(camera, self._scene.stage_size, self._size)
         self._world_to_clip = world_to_clip(camera, self._size)
 
-    def helps(self, kind: str, moment: Moment) -> bool:
+    def has_effect(self, kind: str, moment: Moment) -> bool:
         """Whether leaving out a pass, or half of the particles and ribbons (`styles`), saves time now."""
         if kind == "mirror":
-            return kind in self._scene.passes and moment.frame.mirrors
+            return kind in self._scene.passes and moment.uniforms.mirrors
         if kind == "styles":
-            return any(moment.crowd.count(name) for name in ("particles", "ribbons", "trails", "xray"))
-        return not kind or self.chain.has(kind, moment)
+            return any(moment.batch.count(name) for name in ("particles", "ribbons", "trails", "xray"))
+        return not kind or self.chain.would_change(kind, moment)
 
-    def relit(self) -> None:
+    def invalidate_backdrop(self) -> None:
         """Invalidate the backdrop, because light or camera have changed."""
-        self._backdrop.forget()
+        self._backdrop.invalidate()
 
     def draw(self, moment: Moment, target: moderngl.Framebuffer) -> None:
         """Draw the finished picture of a moment into `target`; errors of passes are recorded and raised."""
         try:
             self._draw(moment, target)
         except Exception as error:
-            self.faults.failed(error)
+            self.faults.record_failure(error)
             raise
 
     def _draw(self, moment: Moment, target: moderngl.Framebuffer) -> None:
-        frame, crowd, faults = moment.frame, moment.crowd, self.faults
-        here = [one for one in self._scene_passes if faults.may(name_of(one)) and one.active(moment)]
-        faults.essential()
-        active = self.chain.active(moment, (*self._quality.left_out, *faults.out))
-        self._backdrop.draw(moving=frame.relit)
+        frame, crowd, faults = moment.uniforms, moment.batch, self.faults
+        here = [one for one in self._scene_passes if faults.begin(pass_name(one)) and one.active(moment)]
+        faults.begin_essential()
+        active = self.chain.active(moment, (*self._quality.left_out, *faults.disabled))
+        self._backdrop.draw(moving=frame.light_changed)
         self.floor.draw(crowd, moment.view, shadows=self._has("shadow") and frame.shadows)
-        seen = faults.may("mirror") and self._has("mirror") and frame.mirrors
-        self._mirror.draw(crowd, seen=seen, rows=self._floor_rows)
-        for one in faults.each(here):
+        seen = faults.begin("mirror") and self._has("mirror") and frame.mirrors
+        self._mirror.draw(crowd, visible=seen, rows=self._floor_rows)
+        for one in faults.iterate(here):
             one.prepare(moment)
         if self._lit:
             self._draw_lit(moment, here)
@@ -241,20 +241,20 @@ class Pipeline:
                 self.chain.draw(active, light, matte.target, surfaces, moment, faults)
                 matte.draw(target, moment.view.brightness)
             return
-        where = self._where_dancers_are(moment)
-        overs = [one for one in here if one.over_active(moment)]
+        where = self._dancer_rectangle(moment)
+        overs = [one for one in here if one.light_active(moment)]
         hdr = bool(active or overs)
         surfaces = self._draw_surfaces(moment, here, named=_needs_surfaces(active))
         smooth = self._smooth[hdr]
         into = smooth.target
         into.use()
         into.scissor = where
-        self._surface.shade(moment.floor, hdr=hdr, beside=moment.frame.beside)
+        self._surface.shade(moment.floor, hdr=hdr, extra_lamps=moment.uniforms.extra_lamps_lit)
         self._draw_stage(into, moment, hdr=hdr)
-        for one in faults.each(overs):
-            one.over(moment)
+        for one in faults.iterate(overs):
+            one.draw_light(moment)
         if hdr:
-            self.chain.draw(active, smooth.soften(where), target, surfaces, moment, faults)
+            self.chain.draw(active, smooth.smooth(where), target, surfaces, moment, faults)
         else:
             smooth.draw(target, where)
 
@@ -263,41 +263,41 @@ class Pipeline:
 
     def _draw_lit(self, moment: Moment, here: list[ScenePass]) -> None:
         into = self._target.begin()
-        self._dancer.draw(moment.crowd, moment.floor)
-        for one in self.faults.each(here):
-            one.lit(moment)
-        overs = [one for one in here if one.over_active(moment)]
+        self._dancer.draw(moment.batch, moment.floor)
+        for one in self.faults.iterate(here):
+            one.draw_lit(moment)
+        overs = [one for one in here if one.light_active(moment)]
         if self._matte is None:
             self._draw_stage(into, moment, hdr=True)
         else:
-            self._matte.keep(into)
+            self._matte.store_coverage(into)
             into.color_mask = (True, True, True, False)  # light covers nothing
-        for one in self.faults.each(overs):
-            one.over(moment)
+        for one in self.faults.iterate(overs):
+            one.draw_light(moment)
         into.color_mask = (True, True, True, True)
 
     def _draw_surfaces(self, moment: Moment, here: list[ScenePass], *, named: bool = True) -> Surfaces:
-        self._surface.draw(moment.crowd, named=named)
-        for one in self.faults.each(here):
-            one.surfaces(moment)
+        self._surface.draw(moment.batch, with_ids=named)
+        for one in self.faults.iterate(here):
+            one.draw_surfaces(moment)
         return self._surface.surfaces
 
     def _draw_stage(self, into: moderngl.Framebuffer, moment: Moment, *, hdr: bool) -> None:
-        frame = moment.frame
+        frame = moment.uniforms
         self._stages[hdr].draw(
             into, self._floor_rows, self._backdrop.texture, moment.floor, self._mirror.texture,
-            pools=frame.pools, resized=frame.resized,
+            pools=frame.floor_lit, resized=frame.stage_resized,
         )  # fmt: skip
 
-    def _where_dancers_are(self, moment: Moment) -> tuple[int, int, int, int]:
+    def _dancer_rectangle(self, moment: Moment) -> tuple[int, int, int, int]:
         """Return the rectangle that dancers and items may cover; other pixels need no lighting or smoothing."""
-        low, high = moment.crowd.box.astype(np.float64)
-        if self._standing is not None:
-            low, high = np.minimum(low, self._standing[0]), np.maximum(high, self._standing[1])
+        low, high = moment.batch.box.astype(np.float64)
+        if self._item_box is not None:
+            low, high = np.minimum(low, self._item_box[0]), np.maximum(high, self._item_box[1])
         if low[0] > high[0]:
             return 0, 0, 0, 0
-        reach = max(_BODY_AROUND_JOINTS, moment.crowd.reach)
-        return covered(self._world_to_clip, self._size, low - reach, high + reach)
+        reach = max(_BODY_REACH, moment.batch.reach)
+        return screen_bounds(self._world_to_clip, self._size, low - reach, high + reach)
 
     def resize(self, size: tuple[int, int], camera: Camera) -> None:
         """Set a new size of the picture [pixels], seen from this camera."""
@@ -316,7 +316,7 @@ class Pipeline:
                 smooth.resize(self._surface.depth, size)
         for one in self._scene_passes:
             one.resize(size)
-        self.look_from(camera)
+        self.set_camera(camera)
 
     def release(self) -> None:
         """Free everything."""
@@ -331,13 +331,13 @@ def _needs_surfaces(active: list[PicturePass]) -> bool:
     return any(one.needs_surfaces for one in active)
 
 
-def _rows_of_floor(camera: Camera, stage_size: tuple[float, float], size: tuple[int, int]) -> int:
+def _floor_row_count(camera: Camera, stage_size: tuple[float, float], size: tuple[int, int]) -> int:
     """Return how many pixel rows from below can show the floor; the rows above show only the back wall."""
-    corner, right, up = rays(camera, size)
+    corner, right, up = view_rays(camera, size)
     if abs(right[1]) > 1e-9:
         return size[1]  # the picture is tilted: the floor may be anywhere
     rows = (np.arange(size[1])[:, None] + 1.0) / size[1]
-    wall = -0.5 * stage_size[1] - WALL_BEHIND
+    wall = -0.5 * stage_size[1] - WALL_DISTANCE
     seen = 0
     for side in (0.0, 0.5, 1.0):
         ways = corner + side * right + rows * up

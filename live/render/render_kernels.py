@@ -3,13 +3,13 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 
-SEEN = 1
+VISIBLE = 1
 """Visibility bits of a dancer: may be in the picture, …"""
 MIRRORED = 2
 """… the mirror image in the floor may be, …"""
-SHADOWING = 4
+CASTING = 4
 """… the shadow may be, …"""
 NEAR = 8
 """… the dancer gets the near body, or the far one, …"""
@@ -93,7 +93,7 @@ def limb_tips(position: Float32, rotation: Float32, present: Bool, joint: Int32,
 
 
 @kernel("void(f4[:,:,::1], b1[::1], f4[:,::1], f4[::1], f4, u1[::1])")
-def sights(position: Float32, present: Bool, planes: Float32, light: Float32, radius: float, out: Uint8) -> None:
+def cull_dancers(position: Float32, present: Bool, planes: Float32, light: Float32, radius: float, out: Uint8) -> None:
     """Frustum culling of dancers, their mirror images and their shadows, with a sphere around each dancer's hips.
 
     position (A, J, 3), present (A,); planes (P, 4): a visible point p has n . p + d >= 0 for all of them, n unit
@@ -120,11 +120,11 @@ def sights(position: Float32, present: Bool, planes: Float32, light: Float32, ra
             seen = seen and level + planes[p, 1] * y >= -radius
             mirrored = mirrored and level - planes[p, 1] * y >= -radius
             shadowing = shadowing and planes[p, 0] * sx + planes[p, 2] * sz + planes[p, 3] >= -wide
-        out[a] = PRESENT | (SEEN if seen else 0) | (MIRRORED if mirrored else 0) | (SHADOWING if shadowing else 0)
+        out[a] = PRESENT | (VISIBLE if seen else 0) | (MIRRORED if mirrored else 0) | (CASTING if shadowing else 0)
 
 
-@part
-def _smallest(values: Float32, count: int, at: int) -> np.float32:
+@inline_kernel
+def _nth_smallest(values: Float32, count: int, at: int) -> np.float32:
     """Return the value at index `at` of the first `count` in sorted order; reorders them (Hoare 1961, FIND)."""
     low = 0
     high = count - 1
@@ -154,7 +154,9 @@ def _smallest(values: Float32, count: int, at: int) -> np.float32:
 
 
 @kernel("void(f4[:,:,::1], f4[::1], f4, i8, u1[::1], f4[::1])")
-def split(position: Float32, forward: Float32, near_to: float, near_count: int, sight: Uint8, scratch: Float32) -> None:
+def choose_detail(
+    position: Float32, forward: Float32, near_to: float, near_count: int, visibility: Uint8, scratch: Float32
+) -> None:
     """Choose the near or the far body for each dancer (bits NEAR and FAR of `sight`).
 
     Near are the `near_count` nearest along `forward` (3,), and all whose distance along it is less than `near_to` [m].
@@ -162,7 +164,7 @@ def split(position: Float32, forward: Float32, near_to: float, near_count: int, 
     """
     count = 0
     for a in range(position.shape[0]):
-        if sight[a] & SEEN:
+        if visibility[a] & VISIBLE:
             way = position[a, 0, 0] * forward[0] + position[a, 0, 1] * forward[1] + position[a, 0, 2] * forward[2]
             scratch[count] = way
             count += 1
@@ -170,15 +172,22 @@ def split(position: Float32, forward: Float32, near_to: float, near_count: int, 
     if near_count >= count:
         limit = np.float32(np.inf)
     elif near_count > 0:
-        limit = max(limit, np.nextafter(_smallest(scratch, count, near_count - 1), np.float32(np.inf)))
+        limit = max(limit, np.nextafter(_nth_smallest(scratch, count, near_count - 1), np.float32(np.inf)))
     for a in range(position.shape[0]):
         way = position[a, 0, 0] * forward[0] + position[a, 0, 1] * forward[1] + position[a, 0, 2] * forward[2]
-        sight[a] |= NEAR if way < limit else FAR
+        visibility[a] |= NEAR if way < limit else FAR
 
 
 @kernel("void(u1[::1], i4[::1], i4[::1], i4[::1], u1[::1], f4[:,:,::1], i4[:,::1], b1[::1])")
-def listed(
-    sight: Uint8, group: Int32, body: Int32, ways: Int32, needs: Uint8, out: Float32, counts: Int32, drawn: Bool
+def fill_lists(
+    visibility: Uint8,
+    group: Int32,
+    body: Int32,
+    list_bits: Int32,
+    needs: Uint8,
+    out: Float32,
+    counts: Int32,
+    drawn: Bool,
 ) -> None:
     """Fill the lists of dancers to draw, by body.
 
@@ -187,24 +196,24 @@ def listed(
     drawn (A or more,): whether a dancer is on any list.
     """
     counts[:] = 0
-    for a in range(sight.shape[0]):
-        lists = ways[group[a] % ways.shape[0]]
+    for a in range(visibility.shape[0]):
+        lists = list_bits[group[a] % list_bits.shape[0]]
         drawn[a] = False
         for k in range(needs.shape[0]):
-            if (lists >> k) & 1 and sight[a] & needs[k] == needs[k]:
+            if (lists >> k) & 1 and visibility[a] & needs[k] == needs[k]:
                 out[k, body[a], counts[k, body[a]]] = a
                 counts[k, body[a]] += 1
                 drawn[a] = True
 
 
 @kernel("void(f4[:,:,::1], u1[::1], f4[:,::1])")
-def bounds(position: Float32, sight: Uint8, out: Float32) -> None:
+def bounding_box(position: Float32, visibility: Uint8, out: Float32) -> None:
     """Compute the box around all joints of dancers that are SEEN: out (2, 3), lowest and highest x, y, z; lowest above
     highest if there are none. position (A, J, 3), sight (A,)."""
     out[0, :] = np.inf
     out[1, :] = -np.inf
     for a in range(position.shape[0]):
-        if sight[a] & SEEN:
+        if visibility[a] & VISIBLE:
             for j in range(position.shape[1]):
                 for k in range(3):
                     out[0, k] = min(out[0, k], position[a, j, k])

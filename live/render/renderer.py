@@ -6,19 +6,26 @@ from typing import Final
 
 import moderngl
 
-from live.base.custom_pass import OwnPass
-from live.base.picture_parameters import AMOUNTS, BY_ADDRESS, STYLE_OF_GROUP, Float64, of_group, picture_of
+from live.base.custom_pass import CustomShader
+from live.base.picture_parameters import (
+    BY_ADDRESS,
+    STYLE_ADDRESS_PREFIX,
+    STYLE_NAMES,
+    Float64,
+    group_parameter,
+    picture_row,
+)
 from live.base.stage_snapshot import PATH, Camera, Scene, StageView
-from live.render.adaptive_quality import CARD, Quality, Step, choose, ladder_of
-from live.render.dancers.dancer_batch import Crowd
+from live.render.adaptive_quality import HARDWARE, Quality, QualityStep, choose_quality, quality_steps
+from live.render.dancers.dancer_batch import DancerBatch
 from live.render.gl_release import release_all
-from live.render.pass_context import Making, Moment
-from live.render.passes.overlay_pass import GraphPass, GuidePass, OverlayPass
+from live.render.pass_context import Moment, PassSetup
+from live.render.passes.overlay_pass import FrameTimeGraphPass, GuidePass, OverlayPass
 from live.render.pipeline import Pipeline
-from live.render.shader import Full
-from live.render.uniforms import FrameBlock
+from live.render.shader import FullscreenShader
+from live.render.uniforms import FrameUniforms
 
-LEAP: Final = 64.0
+JUMP_BEATS: Final = 64.0
 """After a jump of more beats than this a picture does not continue the previous one."""
 
 
@@ -40,46 +47,48 @@ class Renderer:
         target: moderngl.Framebuffer | None = None,
         quality: Quality | None = None,
         steps: bool = False,
-        patient: bool = False,
-        bare: bool = False,
+        blocking_video: bool = False,
+        transparent: bool = False,
     ) -> None:
         """`steps`: also create what the lower quality steps need; see `take_step`.
         `bare`: without a stage, in pictures with alpha (needs samples)."""
-        self._ctx, self._scene, self._size = ctx, scene, _checked(size)
+        self._ctx, self._scene, self._size = ctx, scene, _clamped_size(size)
         if target is not None and tuple(target.size) != size:
             raise ValueError(f"renderer: the target is {target.size}, the size asked for {size}")
-        self.quality = quality or (_bare_quality(ctx) if bare else choose(ctx, scene.dancer_count, samples))
-        self._empty = 0.0 if bare else 1.0
-        self.steps = ladder_of(self.quality) if steps else (Step("all", self.quality),)
+        self.quality = quality or (
+            _transparent_quality(ctx) if transparent else choose_quality(ctx, scene.dancer_count, samples)
+        )
+        self._clear_alpha = 0.0 if transparent else 1.0
+        self.steps = quality_steps(self.quality) if steps else (QualityStep("all", self.quality),)
         """The quality steps, the best one first."""
         self.step = 0
         """The current quality step."""
-        self.mark: Callable[[str], None] = _nobody
+        self.mark: Callable[[str], None] = _ignore_mark
         """Callback after each part of a frame, for time measurement: "upload", "draw"."""
         self._drawn_size = self._size
-        self._frame = FrameBlock(ctx, scene, size)
-        self._crowd = Crowd(ctx, scene, self.quality, self._size)
-        self._crowd.restyle(self._frame.row)
-        self._making = Making(ctx, scene, self.quality, self._size, patient, bare)
-        self._own: tuple[OwnPass, ...] = ()  # custom passes whose source was replaced
-        self._pipeline = Pipeline(self._making)
-        self._frame.vignette_at_end = self._pipeline.chain.vignette_at_end
+        self._uniforms = FrameUniforms(ctx, scene, size)
+        self._batch = DancerBatch(ctx, scene, self.quality, self._size)
+        self._batch.set_styles(self._uniforms.row)
+        self._setup = PassSetup(ctx, scene, self.quality, self._size, blocking_video, transparent)
+        self._custom_passes: tuple[CustomShader, ...] = ()  # custom passes whose source was replaced
+        self._pipeline = Pipeline(self._setup)
+        self._uniforms.vignette_at_end = self._pipeline.chain.vignette_at_end
         self._guide = GuidePass(ctx)
         self._overlay = OverlayPass(ctx)
-        self.graph = GraphPass(ctx)
+        self.graph = FrameTimeGraphPass(ctx)
         """The overlay's graph of frame times."""
-        self._stretch = Full(ctx, "stretch_fragment.glsl")
-        self._small: tuple[moderngl.Texture, moderngl.Framebuffer] | None = None
-        self._beat = 0.0  # of the last picture
-        self._moment = Moment(StageView.allocate(0, 1), self._frame, self._crowd, self._pipeline.floor.texture)
-        self._draw_once()
+        self._stretch = FullscreenShader(ctx, "stretch_fragment.glsl")
+        self._scaled_target: tuple[moderngl.Texture, moderngl.Framebuffer] | None = None
+        self._last_beat = 0.0  # of the last picture
+        self._moment = Moment(StageView.allocate(0, 1), self._uniforms, self._batch, self._pipeline.floor.texture)
+        self._warm_up()
 
-    def _look_from(self, camera: Camera) -> None:
+    def _set_camera(self, camera: Camera) -> None:
         """Update everything that depends on the camera, except the uniform block."""
-        self._pipeline.look_from(camera)
-        self._crowd.look_from(camera, self._size)
+        self._pipeline.set_camera(camera)
+        self._batch.set_camera(camera, self._size)
 
-    def _draw_once(self) -> None:
+    def _warm_up(self) -> None:
         """Draw with every step and style once, because drivers compile a program when it first draws."""
         size = self._size
         scratch = self._ctx.texture(size, 4)
@@ -90,8 +99,8 @@ class Renderer:
         view.element_kind[2], view.element_corners[2] = PATH, 2
         view.guide_count = 1
         for step in (*reversed(range(len(self.steps))), 0) if len(self.steps) > 1 else (0,):
-            self.take_step(step)
-            for styles in (_everything(self._scene, passes=len(self.steps) > 1), None) if step == 0 else (None,):
+            self.set_step(step)
+            for styles in (_warm_up_row(self._scene, passes=len(self.steps) > 1), None) if step == 0 else (None,):
                 view.picture = styles
                 self.draw(view, framebuffer)
         self._moment.cut = True
@@ -104,56 +113,56 @@ class Renderer:
 
     def draw(self, view: StageView, target: moderngl.Framebuffer) -> None:
         """Draw one moment into `target` (the screen's framebuffer, or another one of this size)."""
-        frame, moment = self._frame, self._moment
+        frame, moment = self._uniforms, self._moment
         frame.write(view)
-        if frame.moved:
-            self._look_from(frame.camera)
-        if frame.relit:
-            self._pipeline.relit()
-        if frame.recoloured:
-            self._crowd.recolour(frame.group_colours)
-        if frame.restyled:
-            self._crowd.restyle(frame.row)
-        passed = 0.0 if moment.cut else view.beat - self._beat
-        moment.view, moment.cut = view, moment.cut or not 0.0 <= passed <= LEAP
-        moment.beats, self._beat = 0.0 if moment.cut else passed, view.beat
+        if frame.camera_changed:
+            self._set_camera(frame.camera)
+        if frame.light_changed:
+            self._pipeline.invalidate_backdrop()
+        if frame.colours_changed:
+            self._batch.set_colours(frame.group_colours)
+        if frame.styles_changed:
+            self._batch.set_styles(frame.row)
+        passed = 0.0 if moment.cut else view.beat - self._last_beat
+        moment.view, moment.cut = view, moment.cut or not 0.0 <= passed <= JUMP_BEATS
+        moment.beats, self._last_beat = 0.0 if moment.cut else passed, view.beat
         if frame.level <= 0.0:
             target.use()
-            target.clear(0.0, 0.0, 0.0, self._empty)
+            target.clear(0.0, 0.0, 0.0, self._clear_alpha)
         else:
-            self._crowd.update(view, frame.light)
+            self._batch.update(view, frame.light)
             self.mark("upload")
-            if self._small is None:
+            if self._scaled_target is None:
                 self._pipeline.draw(moment, target)
             else:
-                self._draw_small(moment, target, self._small)
+                self._draw_scaled(moment, target, self._scaled_target)
         moment.cut = frame.level <= 0.0
         self.annotate(view, target)
-        self._pipeline.faults.drawn()
+        self._pipeline.faults.record_success()
 
     def annotate(self, view: StageView, target: moderngl.Framebuffer) -> None:
         """Draw what only the operator sees over a finished picture: guides and overlay, if shown."""
         faults = self._pipeline.faults
         try:
-            if view.overlay and faults.may("graph"):
+            if view.overlay and faults.begin("graph"):
                 self.graph.draw(target, self._size)
-            if faults.may("guide"):
+            if faults.begin("guide"):
                 self._guide.draw(view, target, self._size)
-            if faults.may("overlay"):
+            if faults.begin("overlay"):
                 self._overlay.draw(view.overlay, target, self._size)
         except Exception as error:
-            faults.failed(error)
+            faults.record_failure(error)
             raise
 
     def resize(self, size: tuple[int, int]) -> None:
         """Set a new size of the picture [pixels]; (0, 0) of a minimised window becomes 1 x 1."""
-        size = _checked(size)
+        size = _clamped_size(size)
         if size == self._size:
             return
         self._size, self._moment.cut = size, True
-        self._frame.resize(size)
-        self._fit()
-        self._crowd.look_from(self._frame.camera, size)
+        self._uniforms.resize(size)
+        self._resize_targets()
+        self._batch.set_camera(self._uniforms.camera, size)
 
     @property
     def problems(self) -> list[str]:
@@ -164,100 +173,105 @@ class Renderer:
         """Enable a pass again that was left out after failures; empty: all."""
         self._pipeline.faults.reset(name)
 
-    def take_own(self, passes: tuple[OwnPass, ...]) -> None:
+    def set_custom_passes(self, passes: tuple[CustomShader, ...]) -> None:
         """Replace the source of custom passes; PersonError if one does not compile: its last version stays."""
-        self._pipeline.chain.take_own(passes)
-        self._own = passes
+        self._pipeline.chain.set_custom_passes(passes)
+        self._custom_passes = passes
 
-    def take_shaders(self) -> None:
+    def reload_shaders(self) -> None:
         """Rebuild all programs from the current shader files; PersonError if one does not compile: the old ones stay
         (new ones compiled before the error are freed with the context).
 
         For developers of looks: this takes seconds, in which nothing is drawn, and passes lose their history.
         """
         ctx = self._ctx
-        made = Pipeline(replace(self._making, size=self._drawn_size))
-        others = GuidePass(ctx), OverlayPass(ctx), GraphPass(ctx), Full(ctx, "stretch_fragment.glsl")
-        made.chain.take_own(self._own)
+        made = Pipeline(replace(self._setup, size=self._drawn_size))
+        others = (
+            GuidePass(ctx),
+            OverlayPass(ctx),
+            FrameTimeGraphPass(ctx),
+            FullscreenShader(ctx, "stretch_fragment.glsl"),
+        )
+        made.chain.set_custom_passes(self._custom_passes)
         release_all(self._pipeline, self._guide, self._overlay, self.graph, self._stretch)
         self._pipeline, (self._guide, self._overlay, self.graph, self._stretch) = made, others
-        made.take(self.quality)
-        made.look_from(self._frame.camera)
-        made.relit()
+        made.set_quality(self.quality)
+        made.set_camera(self._uniforms.camera)
+        made.invalidate_backdrop()
         self._moment.floor, self._moment.cut = made.floor.texture, True
 
-    def take_step(self, step: int) -> None:
+    def set_step(self, step: int) -> None:
         """Draw with another quality step; one with another size resizes the pipeline."""
         if step == self.step and self.quality is self.steps[step].quality:
             return
         self.step, self.quality = step, self.steps[step].quality
-        self._crowd.quality = self.quality
-        self._pipeline.take(self.quality)
+        self._batch.quality = self.quality
+        self._pipeline.set_quality(self.quality)
         self._moment.floor = self._pipeline.floor.texture
-        self._fit()
+        self._resize_targets()
 
-    def helps(self, step: int) -> bool:
+    def has_effect(self, step: int) -> bool:
         """Whether that quality step would reduce the current picture."""
-        return self._pipeline.helps(self.steps[step].kind, self._moment)
+        return self._pipeline.has_effect(self.steps[step].kind, self._moment)
 
-    def _fit(self) -> None:
+    def _resize_targets(self) -> None:
         """Resize the scene's targets to the size and scale of the current quality."""
         scale = self.quality.scale
-        width, height = _checked((round(self._size[0] * scale), round(self._size[1] * scale)))
+        width, height = _clamped_size((round(self._size[0] * scale), round(self._size[1] * scale)))
         if (width, height) != self._drawn_size:
             self._drawn_size = width, height
             self._moment.cut = True
-            self._pipeline.resize((width, height), self._frame.camera)
-        if self._small is not None and self._small[0].size != (width, height):
-            release_all(*reversed(self._small))
-            self._small = None
-        if scale != 1.0 and self._small is None:
+            self._pipeline.resize((width, height), self._uniforms.camera)
+        if self._scaled_target is not None and self._scaled_target[0].size != (width, height):
+            release_all(*reversed(self._scaled_target))
+            self._scaled_target = None
+        if scale != 1.0 and self._scaled_target is None:
             texture = self._ctx.texture((width, height), 4)
             texture.repeat_x = texture.repeat_y = False
-            self._small = texture, self._ctx.framebuffer([texture])
+            self._scaled_target = texture, self._ctx.framebuffer([texture])
 
-    def _draw_small(
+    def _draw_scaled(
         self, moment: Moment, target: moderngl.Framebuffer, small: tuple[moderngl.Texture, moderngl.Framebuffer]
     ) -> None:
         """Draw the picture smaller than `target` and stretch it; text is drawn later and stays sharp."""
         texture, framebuffer = small
-        self._frame.resize(texture.size)
-        self._frame.upload()
+        self._uniforms.resize(texture.size)
+        self._uniforms.upload()
         self._pipeline.draw(moment, framebuffer)
-        self._frame.resize(self._size)
-        self._frame.upload()
+        self._uniforms.resize(self._size)
+        self._uniforms.upload()
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         self._stretch.draw(target, small=texture)
 
     def release(self) -> None:
         """Free everything; the renderer must not be used afterwards."""
-        release_all(self._frame, self._crowd, self._pipeline, self._guide, self._overlay, self.graph, self._stretch)
-        if self._small is not None:
-            release_all(*reversed(self._small))
+        release_all(self._uniforms, self._batch, self._pipeline, self._guide, self._overlay, self.graph, self._stretch)
+        if self._scaled_target is not None:
+            release_all(*reversed(self._scaled_target))
 
 
-def _nobody(part: str) -> None:
+def _ignore_mark(part: str) -> None:
     """Default of `Renderer.mark`: do nothing."""
 
 
-def _everything(scene: Scene, *, passes: bool) -> Float64:
+def _warm_up_row(scene: Scene, *, passes: bool) -> Float64:
     """Return a parameter row that draws the first group in all styles at once, with all `passes` if set."""
-    row = picture_of(scene)
+    row = picture_row(scene)
     if passes:
         for name in ("trails", "ink", "vignette", "bloom"):
             row[BY_ADDRESS[f"/dance/pass/{name}"].first] = 0.5
         row[BY_ADDRESS["/dance/pass/grade/contrast"].first] = 1.1
-    for name in AMOUNTS:
-        row[of_group(STYLE_OF_GROUP + name, 0).where] = 0.5
+    for name in STYLE_NAMES:
+        row[group_parameter(STYLE_ADDRESS_PREFIX + name, 0).row_slice] = 0.5
     return row
 
 
-def _bare_quality(ctx: moderngl.Context) -> Quality:
+def _transparent_quality(ctx: moderngl.Context) -> Quality:
     """Return the quality for pictures with alpha, whose edges need multisampling. ValueError if there is none."""
     if ctx.max_samples < 1:
         raise ValueError("this driver has no multisampling, which pictures with alpha need")
-    return replace(CARD, samples=min(CARD.samples, int(ctx.max_samples)))
+    return replace(HARDWARE, samples=min(HARDWARE.samples, int(ctx.max_samples)))
 
 
-def _checked(size: tuple[int, int]) -> tuple[int, int]:
+def _clamped_size(size: tuple[int, int]) -> tuple[int, int]:
     return max(int(size[0]), 1), max(int(size[1]), 1)

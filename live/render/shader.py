@@ -1,6 +1,6 @@
 """Shader loader: sources with `#include "name.glsl"` and constants, compiled with errors reported by file and line.
 
-Sources come from the folders of `shaders/`. A developer may replace some with files of another folder (`read_from`).
+Sources come from the folders of `shaders/`. A developer may replace some with files of another folder (`set_override_folder`).
 """
 
 import re
@@ -23,12 +23,12 @@ FRAME_BINDING: Final = 0
 """Binding of the uniform block that all programs share."""
 STYLES_BINDING: Final = 1
 """Binding of the uniform block with the groups' styles."""
-LONGEST: Final = 1_000_000
+MAX_FILE_BYTES: Final = 1_000_000
 """Maximum size of a shader file [bytes]."""
 _LINE: Final = re.compile(r"\b0(?::(\d+)|\((\d+)\))")
 """A line number in a driver's log: 0:12(3) (Mesa), 0(12) (NVIDIA), ERROR: 0:12 (Apple, AMD)."""
 
-_instead: list[Path] = []  # a developer's folder, if there is one
+_override_folders: list[Path] = []  # a developer's folder, if there is one
 
 
 @cache
@@ -38,12 +38,12 @@ def _files() -> dict[str, Traversable]:
     return {file.name: file for folder in folders if folder.is_dir() for file in folder.iterdir()}
 
 
-def names() -> list[str]:
+def shader_names() -> list[str]:
     """Return the names of all shaders."""
     return sorted(_files())
 
 
-def own_text(name: str) -> str:
+def builtin_text(name: str) -> str:
     """Return the text of a built-in file. Raises FileNotFoundError for an unknown name."""
     file = _files().get(name)
     if file is None:
@@ -51,26 +51,26 @@ def own_text(name: str) -> str:
     return file.read_text(encoding="utf-8")
 
 
-def read_from(folder: Path | None) -> None:
+def set_override_folder(folder: Path | None) -> None:
     """Prefer files in `folder` to the built-in ones from now on, and read them again; None: built-in ones only.
 
     Compiled programs do not change.
     """
-    _instead[:] = [] if folder is None else [folder]
+    _override_folders[:] = [] if folder is None else [folder]
     _read.cache_clear()
 
 
 @cache
 def _read(name: str) -> str:
-    for folder in _instead:
+    for folder in _override_folders:
         try:
-            if (folder / name).stat().st_size <= LONGEST:
+            if (folder / name).stat().st_size <= MAX_FILE_BYTES:
                 return (folder / name).read_text(encoding="utf-8", errors="replace")
         except FileNotFoundError:
             continue
         except OSError as error:
             raise PersonError(f"{folder / name}: {error.strerror}") from None
-    return own_text(name)
+    return builtin_text(name)
 
 
 def source(name: str, constants: tuple[tuple[str, int | float], ...] = ()) -> str:
@@ -78,10 +78,10 @@ def source(name: str, constants: tuple[tuple[str, int | float], ...] = ()) -> st
 
     Raises FileNotFoundError for an unknown name.
     """
-    return _put_together(name, constants)[0]
+    return _assemble(name, constants)[0]
 
 
-def _put_together(name: str, constants: tuple[tuple[str, int | float], ...]) -> tuple[str, list[str]]:
+def _assemble(name: str, constants: tuple[tuple[str, int | float], ...]) -> tuple[str, list[str]]:
     """Return the text, and the origin of each line (#line is not enough, because drivers drop its file)."""
     lines = [VERSION] + [f"#define {key} {value}" for key, value in constants]
     places = [f"shaders/{name}"] * len(lines)
@@ -93,7 +93,7 @@ def _put_together(name: str, constants: tuple[tuple[str, int | float], ...]) -> 
         seen.add(file)
         for number, line in enumerate(_read(file).splitlines(), start=1):
             if line.startswith("#include"):
-                add(_included(line, file, number))
+                add(_include_name(line, file, number))
             else:
                 lines.append(line)
                 places.append(f"shaders/{file}, line {number}")
@@ -102,26 +102,26 @@ def _put_together(name: str, constants: tuple[tuple[str, int | float], ...]) -> 
     return "\n".join(lines) + "\n", places
 
 
-def _included(line: str, file: str, place: int) -> str:
+def _include_name(line: str, file: str, place: int) -> str:
     parts = line.split('"')
-    if len(parts) < 3 or parts[1] not in names():
+    if len(parts) < 3 or parts[1] not in shader_names():
         raise PersonError(f"shaders/{file}, line {place}: there is no such file to include: {line.strip()}")
     return parts[1]
 
 
-def program(
+def compile_program(
     ctx: moderngl.Context, vertex: str, fragment: str, constants: tuple[tuple[str, int | float], ...] = ()
 ) -> moderngl.Program:
     """Compile and link two shader files; binds the shared blocks `Frame` and `Styles` where the program uses them.
 
     Raises PersonError, with file and line if the driver reports them.
     """
-    (above, above_places), (below, below_places) = (_put_together(name, constants) for name in (vertex, fragment))
+    (above, above_places), (below, below_places) = (_assemble(name, constants) for name in (vertex, fragment))
     try:
         linked = ctx.program(vertex_shader=above, fragment_shader=below)
     except moderngl.Error as error:
         log = str(error)
-        raise PersonError(_problem(log, above_places if "vertex_shader" in log else below_places)) from None
+        raise PersonError(_first_error(log, above_places if "vertex_shader" in log else below_places)) from None
     for name, binding in (("Frame", FRAME_BINDING), ("Styles", STYLES_BINDING)):
         if name in linked:
             block = linked[name]
@@ -130,7 +130,7 @@ def program(
     return linked
 
 
-def _problem(log: str, places: list[str]) -> str:
+def _first_error(log: str, places: list[str]) -> str:
     """Return the first error of a driver's log; `places`: the origin of each line of the text."""
     for line in log.splitlines():
         match = _LINE.search(line)
@@ -150,13 +150,13 @@ def set_uniform(linked: moderngl.Program, name: str, value: object) -> None:
         uniform.value = value
 
 
-class Full:
+class FullscreenShader:
     """A fragment shader drawn over a whole target with one triangle."""
 
     def __init__(
         self, ctx: moderngl.Context, fragment: str, constants: tuple[tuple[str, int | float], ...] = ()
     ) -> None:
-        self._program = program(ctx, "full_vertex.glsl", fragment, constants)
+        self._program = compile_program(ctx, "full_vertex.glsl", fragment, constants)
         self._triangle = ctx.vertex_array(self._program, [])
 
     def set(self, name: str, value: object) -> None:

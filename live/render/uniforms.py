@@ -7,27 +7,27 @@ import moderngl
 import numpy as np
 
 from live.base.picture_parameters import (
+    BACKDROP_INDICES,
     BY_ADDRESS,
-    COLOURS,
+    COLOURS_START,
     LENS,
     LEVEL,
     MIRROR,
     SHADOW,
-    SPOTS,
-    STANDING,
-    STYLES,
+    SPOT_COUNT,
+    STYLES_START,
     VIGNETTE,
     Float64,
-    camera_of,
-    picture_of,
+    camera_from_row,
+    picture_row,
 )
 from live.base.stage_snapshot import FLOOR_MARGIN, Camera, Scene, StageView
-from live.render.camera import rays, world_to_clip
+from live.render.camera import view_rays, world_to_clip
 from live.render.shader import FRAME_BINDING
 
-BORDER_SHOWN: Final = 0.4
+BORDER_FADE: Final = 0.4
 """The border of a resized stage reaches full strength at this difference [m]."""
-WALL_BEHIND: Final = 3.0
+WALL_DISTANCE: Final = 3.0
 """Distance of the back wall from the stage [m]."""
 
 _BLOCK: Final = np.dtype(
@@ -52,48 +52,48 @@ _BLOCK: Final = np.dtype(
         ("back_light", "f4", 4),
         ("beam_light", "f4", 4),
         ("beam_form", "f4", 4),
-        ("spot_place", "f4", (SPOTS, 4)),
-        ("spot_light", "f4", (SPOTS, 4)),
+        ("spot_place", "f4", (SPOT_COUNT, 4)),
+        ("spot_light", "f4", (SPOT_COUNT, 4)),
         ("gradient_top", "f4", 4),
         ("gradient_bottom", "f4", 4),
     ]
 )
 
 
-VIGNETTING: Final = 0.6
+VIGNETTE_STRENGTH: Final = 0.6
 """Darkening of the corners, by the square of the distance from the middle."""
-ENERGETIC: Final = 1.3
+ENERGY_RANGE: Final = 1.3
 """Range of the light that follows the music's energy, from silence to maximum, relative to the usual light."""
-BEATS_KEPT: Final = 64.0
+SWING_PERIOD: Final = 64.0
 """Period of swinging and drifting light [beats]."""
 _SPOT_ROWS: Final = tuple(
-    (BY_ADDRESS[at].first, BY_ADDRESS[f"{at}/colour"].where, BY_ADDRESS[f"{at}/radius"].first)
-    for at in (f"/dance/spot/{number}" for number in range(1, SPOTS + 1))
+    (BY_ADDRESS[at].first, BY_ADDRESS[f"{at}/colour"].row_slice, BY_ADDRESS[f"{at}/radius"].first)
+    for at in (f"/dance/spot/{number}" for number in range(1, SPOT_COUNT + 1))
 )
 _GRADIENT: Final = ("gradient", "top", "bottom")
 _SIDE, _BACK, _BEAMS = (BY_ADDRESS[f"/dance/light/{name}"].first for name in ("side", "back", "beams"))
 ENERGY: Final = BY_ADDRESS["/dance/light/energy"].first
-CLOSEST: Final = 1e-3
+MIN_TARGET_DISTANCE: Final = 1e-3
 """A camera nearer to its target than this [m] is ignored; the last one stays."""
 
 
-class FrameBlock:
+class FrameUniforms:
     """The block and its buffer; call `resize` if the picture's size changes, `write` every frame."""
 
     def __init__(self, ctx: moderngl.Context, scene: Scene, size: tuple[int, int]) -> None:
         """Raises ValueError for a light without direction."""
         self._data = data = np.zeros((), _BLOCK)
         self._buffer = ctx.buffer(reserve=_BLOCK.itemsize, dynamic=True)
-        self._start = picture_of(scene)
-        if not np.abs(self._start[BY_ADDRESS["/dance/light/key/direction"].where]).max() > 0.0:
+        self._initial_row = picture_row(scene)
+        if not np.abs(self._initial_row[BY_ADDRESS["/dance/light/key/direction"].row_slice]).max() > 0.0:
             raise ValueError("look: key_direction must not be zero")
         width, depth = self._stage_size = scene.stage_size
         margin = FLOOR_MARGIN
         data["stage"] = (0.5 * width, 0.5 * depth, 0.5 * width + margin, 0.5 * depth + margin)
-        self.moved = self.relit = self.recoloured = self.restyled = False
+        self.camera_changed = self.light_changed = self.colours_changed = self.styles_changed = False
         """What has changed in the last written frame: the camera, anything that the cached backdrop shows, the groups'
         colours, their colours or styles."""
-        self._row = self._start.copy()
+        self._row = self._initial_row.copy()
         self.vignette_at_end = True
         """Whether the film curve includes the vignette; otherwise a pass draws it."""
         self.camera = scene.camera
@@ -101,28 +101,28 @@ class FrameBlock:
         self.light = data["key_direction"][:3]
         """Direction towards the key light, a unit vector, shape (3,)."""
         self.resize(size)
-        self._light(self._row)
+        self._set_light(self._row)
 
     def resize(self, size: tuple[int, int]) -> None:
         """Set a new size of the picture [pixels]."""
         self._size = size
         self._data["picture"] = (size[0], size[1], 1.0 / size[0], 1.0 / size[1])
-        self._place(self.camera)
+        self._set_camera(self.camera)
 
-    def _place(self, camera: Camera) -> None:
+    def _set_camera(self, camera: Camera) -> None:
         """Set the camera."""
         data, self.camera = self._data, camera
         data["world_to_clip"] = world_to_clip(camera, self._size).T  # GLSL reads columns
-        for name, ray in zip(("ray_corner", "ray_right", "ray_up"), rays(camera, self._size), strict=True):
+        for name, ray in zip(("ray_corner", "ray_right", "ray_up"), view_rays(camera, self._size), strict=True):
             data[name][:3] = ray
         front = max(float(np.hypot(camera.eye[1], camera.eye[2] - 0.5 * self._stage_size[1])) - 0.5, 0.0)
         data["eye"] = (*camera.eye, front)
 
-    def _light(self, row: Float64) -> None:
+    def _set_light(self, row: Float64) -> None:
         """Set the light from a parameter row."""
 
         def of(address: str) -> Float64:
-            return row[BY_ADDRESS[f"/dance/light/{address}"].where]
+            return row[BY_ADDRESS[f"/dance/light/{address}"].row_slice]
 
         data, direction = self._data, of("key/direction")
         length = float(np.linalg.norm(direction))
@@ -140,27 +140,27 @@ class FrameBlock:
         data["back_light"][:3] = of("back/colour") * of("back")
         data["beam_light"][:3] = of("beams/colour") * of("beams")
         data["beam_form"] = (*of("beams/width"), *of("beams/fan"), *of("beams/sway"), *of("beams"))
-        gradient, top, bottom = (row[BY_ADDRESS[f"/dance/background/{name}"].where] for name in _GRADIENT)
+        gradient, top, bottom = (row[BY_ADDRESS[f"/dance/background/{name}"].row_slice] for name in _GRADIENT)
         data["gradient_top"] = (*top, *gradient)
         data["gradient_bottom"][:3] = bottom
 
     def write(self, view: StageView) -> None:
         """Write the values of a moment (parameter row, brightness, pulse of the beat), upload and bind the block."""
-        self._take(self._start if view.picture is None else view.picture)
+        self._apply_row(self._initial_row if view.picture is None else view.picture)
         phase = view.beat - float(np.floor(view.beat))
         pulse = (1.0 - phase) ** 3
         downbeat = 1.0 if view.phase < 1.0 else 0.55
         self._data["key_direction"][3] = pulse * downbeat
-        answers = 1.0 + self._row[ENERGY] * ENERGETIC * (min(max(view.energy, 0.0), 1.0) - 0.5)
+        answers = 1.0 + self._row[ENERGY] * ENERGY_RANGE * (min(max(view.energy, 0.0), 1.0) - 0.5)
         self._data["key_light"][3] = min(max(view.brightness, 0.0), 1.0) * self._row[LEVEL] * answers
-        self._data["beam_light"][3] = view.beat % BEATS_KEPT
-        self._spots(view)
+        self._data["beam_light"][3] = view.beat % SWING_PERIOD
+        self._write_spots(view)
         self._data["floor_colour"][3] = phase
         width, depth = view.stage_size if view.stage_size[0] > 0.0 else self._stage_size
         changed = max(abs(width - self._stage_size[0]), abs(depth - self._stage_size[1]))
-        self._data["edge"] = (0.5 * width, 0.5 * depth, min(changed / BORDER_SHOWN, 1.0), 0.0)
+        self._data["edge"] = (0.5 * width, 0.5 * depth, min(changed / BORDER_FADE, 1.0), 0.0)
         self._data["finish"][:3] = (
-            VIGNETTING * self._row[VIGNETTE] * self.vignette_at_end,
+            VIGNETTE_STRENGTH * self._row[VIGNETTE] * self.vignette_at_end,
             self._row[SHADOW],
             self._row[MIRROR],
         )
@@ -171,7 +171,7 @@ class FrameBlock:
         self._buffer.write(self._data)
         self._buffer.bind_to_uniform_block(FRAME_BINDING)
 
-    def _spots(self, view: StageView) -> None:
+    def _write_spots(self, view: StageView) -> None:
         """Write the follow spots; w of the first one's light is 1 if any is lit."""
         data, lit = self._data, False
         for number, (level, colour, radius) in enumerate(_SPOT_ROWS):
@@ -181,21 +181,21 @@ class FrameBlock:
             lit = lit or strength > 0.0
         data["spot_light"][0, 3] = float(lit)
 
-    def _take(self, row: Float64) -> None:
+    def _apply_row(self, row: Float64) -> None:
         """Apply a parameter row, and set the flags of what has changed."""
         last = self._row
-        self.moved = self.relit = self.recoloured = self.restyled = False
+        self.camera_changed = self.light_changed = self.colours_changed = self.styles_changed = False
         if np.array_equal(row, last):
             return
-        self.moved = not np.array_equal(row[LENS], last[LENS])
-        self.relit = not np.array_equal(row[STANDING], last[STANDING])
-        self.recoloured = not np.array_equal(row[COLOURS:STYLES], last[COLOURS:STYLES])
-        self.restyled = self.recoloured or not np.array_equal(row[STYLES:], last[STYLES:])
+        self.camera_changed = not np.array_equal(row[LENS], last[LENS])
+        self.light_changed = not np.array_equal(row[BACKDROP_INDICES], last[BACKDROP_INDICES])
+        self.colours_changed = not np.array_equal(row[COLOURS_START:STYLES_START], last[COLOURS_START:STYLES_START])
+        self.styles_changed = self.colours_changed or not np.array_equal(row[STYLES_START:], last[STYLES_START:])
         last[:] = row
-        camera = camera_of(row)
-        if self.moved and math.dist(camera.eye, camera.target) > CLOSEST:
-            self._place(camera)
-        self._light(row)
+        camera = camera_from_row(row)
+        if self.camera_changed and math.dist(camera.eye, camera.target) > MIN_TARGET_DISTANCE:
+            self._set_camera(camera)
+        self._set_light(row)
 
     @property
     def row(self) -> Float64:
@@ -203,23 +203,23 @@ class FrameBlock:
         return self._row
 
     @property
-    def spots(self) -> bool:
+    def spots_lit(self) -> bool:
         """Whether any follow spot is lit."""
         return bool(self._data["spot_light"][0, 3] > 0.0)
 
     @property
-    def beside(self) -> bool:
+    def extra_lamps_lit(self) -> bool:
         """Whether any lamp is lit that is off in the usual light, beams excluded."""
         row = self._row
-        return self.spots or bool(row[_SIDE] > 0.0 or row[_BACK] > 0.0)
+        return self.spots_lit or bool(row[_SIDE] > 0.0 or row[_BACK] > 0.0)
 
     @property
-    def pools(self) -> bool:
+    def floor_lit(self) -> bool:
         """Whether spots or beams light the floor."""
-        return self.spots or bool(self._row[_BEAMS] > 0.0)
+        return self.spots_lit or bool(self._row[_BEAMS] > 0.0)
 
     @property
-    def resized(self) -> bool:
+    def stage_resized(self) -> bool:
         """Whether the stage size differs from the scene's, so that its border may be visible."""
         return bool(self._data["edge"][2] > 0.0)
 
@@ -236,7 +236,7 @@ class FrameBlock:
     @property
     def group_colours(self) -> Float64:
         """Colours of the groups in the last written frame, shape (16, 3)."""
-        return self._row[COLOURS:STYLES].reshape(-1, 3)
+        return self._row[COLOURS_START:STYLES_START].reshape(-1, 3)
 
     @property
     def level(self) -> float:

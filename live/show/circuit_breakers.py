@@ -12,7 +12,7 @@ from live.control.events.events import EVENT_TYPES
 
 
 class Stage(IntEnum):
-    """The stages of a tick. Another process reads these numbers, see `Breakers.publish`."""
+    """The stages of a tick. Another process reads these numbers, see `CircuitBreakers.publish`."""
 
     OUTSIDE = 0
     """No tick is running."""
@@ -38,7 +38,7 @@ class Stage(IntEnum):
     """A frame is drawn and no tick is running. The supervisor handles failures here."""
 
 
-WORDS: Final = {
+EFFECTS: Final = {
     Stage.CLOCK: "the clock runs on at its tempo and follows nothing",
     Stage.MEASURE: "measures are as long as the last one",
     Stage.SCORE: "the score triggers nothing",
@@ -59,39 +59,39 @@ WORDS: Final = {
 }
 """The visible effect while a stage is out of service."""
 
-CALL: Final = "call "
+CALL_PREFIX: Final = "call "
 """Name prefix for events issued by the score, a cue or a reaction; each event type has its own breaker."""
-PASS: Final = "pass "
+PASS_PREFIX: Final = "pass "
 """Name prefix for render passes, which have breakers of their own (`live/render/pass_faults.py`)."""
-FIRST_CALL: Final = 64
+FIRST_CALL_NUMBER: Final = 64
 KINDS: Final = tuple(sorted(EVENT_TYPES))
-NAMES: Final = {stage.name.lower(): int(stage) for stage in WORDS} | {
-    CALL + kind: FIRST_CALL + index for index, kind in enumerate(KINDS)
+NAMES: Final = {stage.name.lower(): int(stage) for stage in EFFECTS} | {
+    CALL_PREFIX + kind: FIRST_CALL_NUMBER + index for index, kind in enumerate(KINDS)
 }
 """The number of every breaker, by name."""
 _NUMBERS: Final = {number: name for name, number in NAMES.items()}
-_CALLS: Final = {kind: FIRST_CALL + index for index, kind in enumerate(KINDS)}
-SIMPLER: Final = 1
-NOTHING: Final = 2
+_CALLS: Final = {kind: FIRST_CALL_NUMBER + index for index, kind in enumerate(KINDS)}
+FALLBACK: Final = 1
+SKIPPED: Final = 2
 
 
-def name_of(number: int) -> str:
+def breaker_name(number: int) -> str:
     """Return the name of a breaker by its published number; empty outside of a tick."""
     return _NUMBERS.get(number, "")
 
 
 def escalation(stage: int) -> tuple[str, ...]:
     """Return the breakers to trip, in order, if `stage` fails: its own, then the one of the whole tick."""
-    name = name_of(stage)
-    own = () if not name else (name,) if stage >= FIRST_CALL else (name, name)
+    name = breaker_name(stage)
+    own = () if not name else (name,) if stage >= FIRST_CALL_NUMBER else (name, name)
     return (*own, Stage.TICK.name.lower())
 
 
-class Breakers:
+class CircuitBreakers:
     """The breakers of one show. They are part of its state; only events change them. Thread: the show's."""
 
     def __init__(self) -> None:
-        self.why: dict[str, str] = {}
+        self.reasons: dict[str, str] = {}
         """Reason of each tripped breaker, by name."""
         self.running = int(Stage.OUTSIDE)
         """The running stage, or the stage in which a tick failed."""
@@ -102,7 +102,7 @@ class Breakers:
         """Write the number of the running stage into `page` from now on, a 64-bit word that another process reads."""
         self._page = page
 
-    def level(self, stage: int) -> int:
+    def enter(self, stage: int) -> int:
         """Begin a stage. Returns 0 if it is in service, else SIMPLER or NOTHING."""
         self.running = stage
         if self._page is not None:
@@ -111,19 +111,19 @@ class Breakers:
 
     def closed(self, stage: int) -> bool:
         """Begin a stage that has no fallback. Returns whether it is in service."""
-        return not self.level(stage)
+        return not self.enter(stage)
 
-    def calls(self, kind: str) -> bool:
+    def may_issue(self, kind: str) -> bool:
         """Whether the show itself may issue an event of this type."""
-        return not self.level(_CALLS.get(kind, int(Stage.TICK)))
+        return not self.enter(_CALLS.get(kind, int(Stage.TICK)))
 
     def leave(self) -> None:
         """End the tick."""
-        self.level(Stage.OUTSIDE)
+        self.enter(Stage.OUTSIDE)
 
     # -- tripping and resetting ----------------------------------------------------------------------------------
 
-    def tripped(self, stage: int) -> int:
+    def trip_count(self, stage: int) -> int:
         """Return how often a stage was tripped; 0 if it is in service."""
         return self._level.get(stage, 0)
 
@@ -131,33 +131,37 @@ class Breakers:
         """Take a stage out of service; a stage tripped before loses its fallback, too. ValueError for an unknown
         name."""
         stage = _number(name)
-        self._level[stage] = min(self._level.get(stage, 0) + 1, NOTHING)
-        self.why[name] = why
+        self._level[stage] = min(self._level.get(stage, 0) + 1, SKIPPED)
+        self.reasons[name] = why
 
     def reset(self, name: str) -> None:
         """Put a stage back into service; an empty name resets all. ValueError for an unknown name."""
         if not name:
             self._level.clear()
-            self.why.clear()
+            self.reasons.clear()
             return
-        if name.startswith(PASS):  # the renderer handles the same event for its passes
+        if name.startswith(PASS_PREFIX):  # the renderer handles the same event for its passes
             return
         self._level.pop(_number(name), None)
-        self.why.pop(name, None)
+        self.reasons.pop(name, None)
 
-    def words(self) -> tuple[str, ...]:
+    def status_lines(self) -> tuple[str, ...]:
         """Return a line for the operator about each stage out of service."""
-        return tuple(out_of_service(name, why) for name, why in self.why.items())
+        return tuple(describe_tripped(name, why) for name, why in self.reasons.items())
 
 
 def _number(name: str) -> int:
     if name not in NAMES:
-        raise ValueError(f"there is no breaker {name!r}; there are {', '.join(stage.name.lower() for stage in WORDS)}")
+        raise ValueError(
+            f"there is no breaker {name!r}; there are {', '.join(stage.name.lower() for stage in EFFECTS)}"
+        )
     return NAMES[name]
 
 
-def out_of_service(name: str, why: str) -> str:
+def describe_tripped(name: str, why: str) -> str:
     """Return a line for the operator about a tripped breaker."""
     number = NAMES.get(name, 0)
-    effect = WORDS[Stage(number)] if number in WORDS else f"the show itself issues no {name.removeprefix(CALL)}"
+    effect = (
+        EFFECTS[Stage(number)] if number in EFFECTS else f"the show itself issues no {name.removeprefix(CALL_PREFIX)}"
+    )
     return f'{name} is out of service: {effect} ({why}); /dance/breaker/reset "{name}" puts it back'

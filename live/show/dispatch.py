@@ -6,21 +6,21 @@ from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.show.assembly import Changeover
+from live.show.assembly import HotSwap
 from live.show.audience.audience import AUDIENCE_EVENTS
 from live.show.capture.capture_manager import MOCAP_EVENTS
-from live.show.circuit_breakers import Stage, out_of_service
-from live.show.dancers.step_requests import DIRECTIONS
+from live.show.circuit_breakers import Stage, describe_tripped
+from live.show.dancers.step_requests import STEP_REQUEST_EVENTS
 from live.show.desk.light_desk import DESK_EVENTS
 from live.show.group.group_commands import GROUP_EVENTS
 from live.show.score.score_runner import SCORE_EVENTS
-from live.show.sound.clock_commands import CLOCK_EVENTS, tell
+from live.show.sound.clock_commands import CLOCK_EVENTS, apply_clock_event
 
 FLOOR_AND_DESK = (*GROUP_EVENTS, *DESK_EVENTS)
 """Events that `_control` handles."""
 
 
-class Dispatch(Changeover):
+class EventDispatcher(HotSwap):
     """Event dispatcher: `apply` for events from outside, `_act_on` for the show's own. Refused events are counted."""
 
     def apply(self, event: ControlEvent) -> bool:
@@ -28,33 +28,33 @@ class Dispatch(Changeover):
         exist."""
         before = self.refusals.count + self.follower.rejected
         if isinstance(event, events.MusicHeard):
-            self._hear(event)
+            self._handle_music(event)
         elif isinstance(event, events.NotesHeard):
-            self._hear_notes(event)
+            self._handle_notes(event)
         else:
-            self.desk.edits.before(event)
-            self._act_on(event)
-            self.desk.edits.after(event)
+            self.desk.undo_history.begin_edit(event)
+            self._handle(event)
+            self.desk.undo_history.end_edit(event)
         return self.refusals.count + self.follower.rejected == before
 
-    def _hear(self, event: events.MusicHeard) -> None:
+    def _handle_music(self, event: events.MusicHeard) -> None:
         """Apply the patch's reactions to the music."""
-        for change in self.reactions.hear(event):
-            self._act_on(change)
-        for signal in self.prompter.hear(event):
-            self._act_on(signal)
-        self.prompter.take_reactions(self.danced, self.time)
+        for change in self.reactions.handle_music(event):
+            self._handle(change)
+        for signal in self.score_runner.handle_music(event):
+            self._handle(signal)
+        self.score_runner.schedule_reactions(self.danced_beats, self.time)
         self.motion.elements.gain = self.reactions.strength
 
-    def _hear_notes(self, event: events.NotesHeard) -> None:
+    def _handle_notes(self, event: events.NotesHeard) -> None:
         """Apply the patch's reactions to MIDI notes."""
-        self.prompter.hear_notes(event)
-        for change in self.reactions.hear_notes(event):
-            self._act_on(change)
+        self.score_runner.handle_notes(event)
+        for change in self.reactions.handle_notes(event):
+            self._handle(change)
         self.motion.elements.gain = self.reactions.strength
 
-    def _act_on(self, event: ControlEvent) -> None:
-        act = self._ACTS.get(type(event))
+    def _handle(self, event: ControlEvent) -> None:
+        act = self._HANDLERS.get(type(event))
         if act is not None:
             act(self, event)
             return
@@ -65,9 +65,9 @@ class Dispatch(Changeover):
                 for programme in self.scheduler.programmes:
                     programme.release()
             case events.StepsAdded() | events.StepsChanged():
-                self._new_steps.hear(event, self.graph)
+                self._new_steps.handle(event, self.graph)
             case events.PatchChanged():
-                self.reloading.ask(event, self.another, self.patch, self.latest_graph)
+                self.patch_updates.request(event, self.make_show, self.patch, self.latest_graph)
             case events.Blackout():
                 self.blackout = event.on
             case events.TicksSkipped():
@@ -85,20 +85,20 @@ class Dispatch(Changeover):
         except ValueError as error:
             self.refusals.add(f"{event.source}: {error}")
             return
-        self.refusals.add(out_of_service(event.name, event.why))
-        self._drop_begun()
+        self.refusals.add(describe_tripped(event.name, event.why))
+        self._drop_unfinished()
 
-    def _drop_begun(self) -> None:
+    def _drop_unfinished(self) -> None:
         """Drop the unfinished work of stages out of service. Nothing would finish it, and it would block snapshots.
         Called at each measure line, because events can begin new work."""
-        tripped = self.breakers.tripped
+        tripped = self.breakers.trip_count
         stands = tripped(Stage.TICK)
         if stands or tripped(Stage.SELECTION):
             self.scheduler.drop_plan()
         if stands or tripped(Stage.STEERING):
-            self.motion.evolutions.drop_begun()
+            self.motion.evolutions.drop_incomplete()
         if stands or tripped(Stage.EDITS):
-            self.reloading.drop()
+            self.patch_updates.discard()
             self._new_steps.drop()
 
     def _reset(self, event: events.ResetBreaker) -> None:
@@ -107,27 +107,27 @@ class Dispatch(Changeover):
         except ValueError as error:
             self.refusals.add(f"{event.source}: {error}")
 
-    def _control(self, event: ControlEvent) -> None:
+    def _handle_control(self, event: ControlEvent) -> None:
         """Handle an event for the groups' motion or the desk."""
         changes: list[ControlEvent] = []
         try:
             if isinstance(event, DESK_EVENTS):
-                changes = self.desk.act(event, timeline=self.timeline, danced=self.danced)
+                changes = self.desk.handle(event, timeline=self.timeline, danced_beats=self.danced_beats)
             else:
-                self._controls.act(event, time=self.time, timeline=self.timeline, span=self.span)
+                self._controls.handle(event, time=self.time, timeline=self.timeline, span=self.span)
         except PersonError as error:
             self.refusals.add(f"{event.source}: {error}")
         if isinstance(event, events.FreezePicture):
-            self._seen.keep(self.time, self.timeline, self.span, tempo=self.follower.tempo)
+            self._view_builder.update_frozen_view(self.time, self.timeline, self.span, tempo=self.follower.tempo)
         for change in changes:
-            self._act_on(change)
+            self._handle(change)
 
-    def _direct(self, event: ControlEvent) -> None:
+    def _handle_direction(self, event: ControlEvent) -> None:
         """Handle an event that directs steps or motion of groups."""
-        self.desk.notice(event)
-        self.directions.act(event)
+        self.desk.observe(event)
+        self.directions.handle(event)
 
-    def _tell_audience(self, event: ControlEvent) -> None:
+    def _handle_audience(self, event: ControlEvent) -> None:
         """Handle an event from the audience's phones, or the operator's settings for them."""
         known: dict[str, tuple[str, ...]] = {}
         if isinstance(event, events.AskVote):
@@ -135,43 +135,43 @@ class Dispatch(Changeover):
                      "look": tuple(look.name for look in self.patch.looks),
                      "cue": tuple(cue.name for cue in self.patch.cue)}  # fmt: skip
         try:
-            self.audience.act(
+            self.audience.handle(
                 event, self.motion.elements, beat=self.timeline.beat_at(self.time), measure=self.span.number,
                 beats_per_measure=self.timeline.beats_per_measure, position=self.state.position, known=known,
             )  # fmt: skip
         except PersonError as error:
             self.refusals.add(f"{event.source}: {error}")
 
-    def _tell_prompter(self, event: ControlEvent) -> None:
+    def _handle_score(self, event: ControlEvent) -> None:
         """Handle a signal or a jump in the score; the next measure is planned again if there is still time."""
         try:
-            moved = self.prompter.act(event)
+            moved = self.score_runner.handle(event)
         except PersonError as error:
             self.refusals.add(f"{event.source}: {error}")
             return
-        self.prompter.take_reactions(self.danced, self.time)
+        self.score_runner.schedule_reactions(self.danced_beats, self.time)
         if moved:
             self.motion.withdraw(self.span.number + 1)
-            if not self.scheduler.plan_anew(self.span, self.timeline, self.time):
-                self.prompter.came_late()
+            if not self.scheduler.replan(self.span, self.timeline, self.time):
+                self.score_runner.record_late_jump()
 
-    def _tell_mocap(self, event: ControlEvent) -> None:
+    def _handle_mocap(self, event: ControlEvent) -> None:
         """Handle a pose or a setting of a captured performer."""
-        beat = self.span.danced(self.timeline.beat_at(event.time), self.patch.clock.beats_per_measure)
+        beat = self.span.danced_beats(self.timeline.beat_at(event.time), self.patch.clock.beats_per_measure)
         try:
-            self.mocap.act(event, beat=beat)
+            self.mocap.handle(event, beat=beat)
         except PersonError as error:
             self.refusals.add(f"{event.source}: {error}")
 
-    def _tell_clock(self, event: ControlEvent) -> None:
-        words = tell(self.follower, event)
+    def _handle_clock(self, event: ControlEvent) -> None:
+        words = apply_clock_event(self.follower, event)
         if words:
             self.refusals.add(f"{event.source}: {words}")
 
-    _TOLD: ClassVar = (
-        (FLOOR_AND_DESK, _control), (CLOCK_EVENTS, _tell_clock), (MOCAP_EVENTS, _tell_mocap), (DIRECTIONS, _direct),
-        (SCORE_EVENTS, _tell_prompter), (AUDIENCE_EVENTS, _tell_audience),
+    _HANDLER_GROUPS: ClassVar = (
+        (FLOOR_AND_DESK, _handle_control), (CLOCK_EVENTS, _handle_clock), (MOCAP_EVENTS, _handle_mocap), (STEP_REQUEST_EVENTS, _handle_direction),
+        (SCORE_EVENTS, _handle_score), (AUDIENCE_EVENTS, _handle_audience),
     )  # fmt: skip
     """The handler of each group of events."""
-    _ACTS: ClassVar = {kind: act for kinds, act in reversed(_TOLD) for kind in kinds}
+    _HANDLERS: ClassVar = {kind: act for kinds, act in reversed(_HANDLER_GROUPS) for kind in kinds}
     """The handler by event type: one dictionary look-up per event, which matters in a flood."""

@@ -3,11 +3,11 @@
 from collections.abc import Callable, Iterable
 from typing import Any, Protocol, TypeVar
 
-from live.base.event_queue import Inbox
-from live.base.fault_isolation import Bulkhead, name_of
-from live.base.processing_budget import Allowance
+from live.base.event_queue import EventQueue
+from live.base.fault_isolation import Bulkhead, callback_name
+from live.base.processing_budget import ProcessingBudget
 from live.base.stage_snapshot import StageView
-from live.clock.ticks import STALL, TICK, Ticks
+from live.clock.ticks import STALL, TICK, TickCounter
 from live.clock.time_source import Clock
 from live.control.events.event_json import is_finite
 from live.control.events.events import (
@@ -24,30 +24,39 @@ from live.control.events.events import (
 from live.show.circuit_breakers import Stage
 from live.show.journal.journal import JournalWriter
 from live.show.patch.patch import Patch
-from live.show.show import Show, act
+from live.show.show import Show, apply_safely
 from live.show.status import Status
 from live.show.view.debug_overlay import draw_guides
 
 EVENTS_PER_FRAME = 512
 """Maximum number of events taken from the inbox in one frame."""
-EVENTS_AT_ONCE = 8
-EVENT_SECONDS = 0.003
+EVENT_BATCH = 8
+EVENT_TIME_LIMIT = 0.003
 """Time limit for taking events in a frame [s], so that a flood waits and does not stall the frame."""
 
-UNDRAWN = 30
+MAX_UNDRAWN = 30
 """After this many failed frames in a row the driver counts as lost."""
 
-FROM_SOURCES = (TicksSkipped, BeatHeard, SourceChanged, MusicHeard, NotesHeard, MocapFrame, TrackerMoved, AudienceHeard)
+AUTOMATIC_EVENTS = (
+    TicksSkipped,
+    BeatHeard,
+    SourceChanged,
+    MusicHeard,
+    NotesHeard,
+    MocapFrame,
+    TrackerMoved,
+    AudienceHeard,
+)
 """Events from automatic sources; they do not count as accepted."""
 _MEASURED = (BeatHeard, MusicHeard, NotesHeard, MocapFrame, TrackerMoved)
 """Events with values measured by a device; these may be NaN or infinite."""
 
 Result = TypeVar("Result")
-Picture = Callable[[StageView], None]
+DrawFunction = Callable[[StageView], None]
 """Function that draws a snapshot: the renderer on its target, or a stub."""
 
 
-def _nobody(part: str) -> None:
+def _no_mark(part: str) -> None:
     """Default mark: does nothing."""
 
 
@@ -70,7 +79,7 @@ class Engine:
         show: Show,
         *,
         clock: Clock,
-        inbox: Inbox[ControlEvent],
+        inbox: EventQueue[ControlEvent],
         status: Status,
         journal: JournalWriter | None = None,
         lead: float = TICK,
@@ -83,57 +92,57 @@ class Engine:
         self.show = show
         self._clock = clock
         self._inbox = inbox
-        self._allowance = Allowance()
+        self._allowance = ProcessingBudget()
         self._status = status
         self.journal = journal
         """Journal for events and measures; None: no journal."""
         self.lead = lead
         """How far the picture is ahead of the clock [s]; may change while the show runs."""
-        self.outward: list[Callable[[ControlEvent], None]] = []
+        self.event_listeners: list[Callable[[ControlEvent], None]] = []
         """Called with every event after the show has handled it: for devices."""
-        self.timed: list[Callable[[float], Iterable[ControlEvent]]] = []
+        self.event_sources: list[Callable[[float], Iterable[ControlEvent]]] = []
         """Called after each tick with the time of the next one [s]; they return the events until then. For events
         known in advance, such as the notes of a file, which must not depend on frame times."""
-        self.patched: list[Callable[[Patch], None]] = []
+        self.patch_listeners: list[Callable[[Patch], None]] = []
         """Called with the patch when it was swapped: for devices that depend on it."""
         self._patch = show.patch
-        self.ticks = Ticks(stall=stall)
+        self.ticks = TickCounter(stall=stall)
         self.view = show.view()
         self.overlay = False
         """Whether the operator's overlay is shown."""
-        self.dark = False
+        self.blanked = False
         """Whether the picture is black because another machine leads."""
         self.guides = False
         """Whether the operator's guides are drawn: agents, predictions, locked feet."""
-        self.forgiving = False
+        self.refuse_failing = False
         """Whether an event that raises is refused, as in a replay and in a standby; else the error is raised."""
         self.bulkhead: Bulkhead | None = None
         """Isolates the show from errors in callbacks of devices; None (in tests and offline): errors are raised."""
-        self.failed = 0
+        self.failed_events = 0
         """Events that raised an error, since the start."""
         self.progress: Progress | None = None
         """Notified of each tick before it runs."""
-        self.mark: Callable[[str], None] = _nobody
+        self.mark: Callable[[str], None] = _no_mark
         """Called with the part of the frame just done, for profiling: "events", "simulation", "poses"."""
         self.on_error: Callable[[Exception], None] | None = None
         """Called once when drawing fails; the show continues. None (in tests and offline): the error is raised."""
-        self.gives_up = False
+        self.raise_when_undrawn = False
         """Whether the error is raised after UNDRAWN failed frames, so that another engine takes over."""
         self._undrawn = 0
 
-    def frame(self, picture: Picture, *, at: float | None = None) -> None:
+    def frame(self, draw: DrawFunction, *, at: float | None = None) -> None:
         """Run one frame: events, due ticks, drawing.
 
         `at` [s]: start of the frame for the simulation, close to the clock's time, on the regular grid of the display.
         """
         now = self._clock.now()
-        for _ in range(0, EVENTS_PER_FRAME, EVENTS_AT_ONCE):
-            values = self._allowance.left(now, self._inbox.offered)
-            events = self._inbox.drain_keyed(EVENTS_AT_ONCE, now, values)
+        for _ in range(0, EVENTS_PER_FRAME, EVENT_BATCH):
+            values = self._allowance.remaining(now, self._inbox.received_count)
+            events = self._inbox.drain_keyed(EVENT_BATCH, now, values)
             self._allowance.spend(sum(key is not None for key, _ in events))
             for _, event in events:
                 self.apply(event)
-            if len(events) < EVENTS_AT_ONCE or self._clock.now() - now > EVENT_SECONDS:
+            if len(events) < EVENT_BATCH or self._clock.now() - now > EVENT_TIME_LIMIT:
                 break
         self._status.dropped_events, self._status.outranked = self._inbox.dropped, self._inbox.outranked
         self.mark("events")
@@ -141,13 +150,13 @@ class Engine:
         self._run_ticks(now, target)
         if self.show.patch is not self._patch:
             self._patch = self.show.patch
-            for tell in self.patched:
+            for tell in self.patch_listeners:
                 self._call(tell, self._patch)
         self.mark("simulation")
         self._fill(max(target, self.ticks.time), now)
         self.mark("poses")
         self._status.frames += 1
-        self._draw(picture)
+        self._draw(draw)
 
     def _fill(self, time: float, now: float) -> None:
         """Fill the view for `time` [s]; on an error it keeps the last picture."""
@@ -159,17 +168,17 @@ class Engine:
             self.view.overlay = (self._call(self._status.overlay, now) or ()) if self.overlay else ()
         except Exception as error:
             self._fail(error)
-        if self.dark:
+        if self.blanked:
             self.view.brightness = 0.0
 
-    def _draw(self, picture: Picture) -> None:
-        self.show.breakers.level(Stage.DRAWING)
+    def _draw(self, draw: DrawFunction) -> None:
+        self.show.breakers.enter(Stage.DRAWING)
         try:
-            picture(self.view)
+            draw(self.view)
         except Exception as error:
             self._fail(error)
             self._undrawn += 1
-            if self.gives_up and self._undrawn >= UNDRAWN:
+            if self.raise_when_undrawn and self._undrawn >= MAX_UNDRAWN:
                 raise
         else:
             self._undrawn = 0
@@ -189,20 +198,20 @@ class Engine:
         A measurement with NaN or infinity is counted and dropped: it would make the journal unreadable.
         """
         if isinstance(event, _MEASURED) and not is_finite(event):
-            self._status.impossible += 1
+            self._status.invalid += 1
             return
         if self.journal is not None:
-            self.journal.event(self.ticks.index, event)
-        acted = act(self.show, event) if self.forgiving else self.show.apply(event)
-        self.failed += acted is None
-        if acted and not isinstance(event, FROM_SOURCES):
+            self.journal.record_event(self.ticks.index, event)
+        acted = apply_safely(self.show, event) if self.refuse_failing else self.show.apply(event)
+        self.failed_events += acted is None
+        if acted and not isinstance(event, AUTOMATIC_EVENTS):
             self._status.events_accepted += 1
-        for told in self.outward:
+        for told in self.event_listeners:
             self._call(told, event)
 
     def _call(self, act: Callable[..., Result], *arguments: Any) -> Result | None:
         """Call a callback outside the show."""
-        return act(*arguments) if self.bulkhead is None else self.bulkhead.call(name_of(act), act, *arguments)
+        return act(*arguments) if self.bulkhead is None else self.bulkhead.call(callback_name(act), act, *arguments)
 
     def _run_ticks(self, now: float, target: float) -> None:
         lost = self.ticks.stalled(target)
@@ -221,12 +230,12 @@ class Engine:
             self._status.ticks += 1
             if self.journal is not None:
                 if crossed:
-                    self.journal.measure(self.ticks.index, self.show.span.number + 1, self.show.state_hash())
-                self.journal.keep(self.show, self.ticks.index, begins=crossed)
-            for tell in self.timed:
+                    self.journal.record_measure(self.ticks.index, self.show.span.number + 1, self.show.state_hash())
+                self.journal.take_snapshot(self.show, self.ticks.index, begins=crossed)
+            for tell in self.event_sources:
                 for event in self._call(_all_of, tell, time + TICK) or ():
                     self.apply(event)
 
 
-def _all_of(tell: Callable[[float], Iterable[ControlEvent]], until: float) -> list[ControlEvent]:
-    return list(tell(until))
+def _all_of(source: Callable[[float], Iterable[ControlEvent]], until: float) -> list[ControlEvent]:
+    return list(source(until))

@@ -19,22 +19,22 @@ from live.library.step_folder import load_folder
 from live.motion.step_clip import StepClip
 from live.motion.texture.live_bank import TextureBank
 from live.render.custom_pass import try_passes
-from live.show.dancers.character_casting import check_characters, drawable, files_of
-from live.show.dancers.live_texture import bank_of
-from live.show.partner.partner_sources import AnswerBank, answer_bank
+from live.show.dancers.character_casting import character_files, check_characters, drawable_characters
+from live.show.dancers.live_texture import load_texture_bank
+from live.show.partner.partner_sources import ExampleBank, load_example_bank
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import TomlSources, field_words, find_beside, read_sources
+from live.show.patch.patch_reader import TomlSources, find_resource, key_text, read_sources
 from live.show.patch.patch_search_path import PATCHES
-from live.show.patch.score_conflicts import refuse_unknown, steps_called
+from live.show.patch.score_conflicts import check_step_call, step_calls
 from live.show.patch.section_motion import parse_entry
 from live.show.score.step_names import UnknownStep
 from live.show.selection.graph_update import clip_key, library_hash
 from live.show.show import Show
-from live.show.venue.venue_output import VenueProjector, in_hall
-from live.show.view.render_scene import scene_of as scene_of
+from live.show.venue.venue_output import VenueProjector, with_venue_projector
+from live.show.view.render_scene import make_scene as make_scene
 
 
-def for_recordings(patch: Patch, clips: list[StepClip]) -> Patch:
+def adapt_to_recordings(patch: Patch, clips: list[StepClip]) -> Patch:
     """Return the patch with the most frequent metre of the recordings and blends of one beat. Recordings differ more
     than sketches, and a short blend would move hands faster than they move in the clips."""
     metres = [clip.beats_per_measure for clip in clips]
@@ -42,7 +42,7 @@ def for_recordings(patch: Patch, clips: list[StepClip]) -> Patch:
     return with_locomotion(patch.model_copy(update={"clock": clock}), transition_beats=1.0)
 
 
-def with_steps_of(patch: Patch, graph: MotionGraph) -> Patch:
+def with_connected_steps(patch: Patch, graph: MotionGraph) -> Patch:
     """Return the patch with every group choosing at random from all connected steps (`--steps`); echoes stay echoes.
 
     Reactions and MIDI mappings that call a missing step are removed.
@@ -53,19 +53,19 @@ def with_steps_of(patch: Patch, graph: MotionGraph) -> Patch:
         group.model_copy(update={"travel_step": None} | ({} if group.like else {"steps": names, "choose": "random"}))
         for group in patch.group
     )
-    react, keys = _unknown(patch, graph)
+    react, keys = _unknown_calls(patch, graph)
     kept = tuple(reaction for index, reaction in enumerate(patch.react) if index not in react)
     midi = patch.midi.model_copy(update={"map": tuple(k for i, k in enumerate(patch.midi.map) if i not in keys)})
     return patch.model_copy(update={"group": groups, "react": kept, "midi": midi})
 
 
-def _unknown(patch: Patch, graph: MotionGraph) -> tuple[set[int], set[int]]:
+def _unknown_calls(patch: Patch, graph: MotionGraph) -> tuple[set[int], set[int]]:
     """Return the indices of reactions and of `[[midi.map]]` entries that call steps missing in the recordings."""
     react, keys = set(), set()
-    for called in steps_called(patch):
+    for called in step_calls(patch):
         place = called[2]
         try:
-            refuse_unknown(graph, called)
+            check_step_call(graph, called)
         except PersonError:
             if place[0] == "react":
                 react.add(int(place[1]))
@@ -74,14 +74,14 @@ def _unknown(patch: Patch, graph: MotionGraph) -> tuple[set[int], set[int]]:
     return react, keys
 
 
-def patch_for(patch: Patch, graph: MotionGraph, running: Patch, *, recordings: bool) -> Patch:
+def adapt_edited_patch(patch: Patch, graph: MotionGraph, running: Patch, *, recordings: bool) -> Patch:
     """Return a patch edited during the show, adapted like at the start if `recordings` replaced its steps."""
     if not recordings:
         return patch
     limits, clock = running.locomotion, running.clock.beats_per_measure
     patch = with_locomotion(patch, threshold_m=limits.threshold_m, transition_beats=limits.transition_beats)
     patch = patch.model_copy(update={"clock": patch.clock.model_copy(update={"beats_per_measure": clock})})
-    return with_steps_of(patch, graph)
+    return with_connected_steps(patch, graph)
 
 
 def with_locomotion(patch: Patch, **changes: float) -> Patch:
@@ -89,7 +89,7 @@ def with_locomotion(patch: Patch, **changes: float) -> Patch:
     return patch.model_copy(update={"locomotion": patch.locomotion.model_copy(update=changes)})
 
 
-RECORDED_M: Final = (0.25, 0.35)
+RECORDING_THRESHOLDS_M: Final = (0.25, 0.35)
 """Thresholds on the pose distance for transitions between recordings [m]: preferred, and used if the preferred one
 leaves a step without transitions."""
 
@@ -106,16 +106,16 @@ class LoadedShow:
     """Clips not in the graph at the start, for events that add them, by `clip_key`."""
     bank: TextureBank | None = None
     """Motion for texturing upper bodies, if the patch names recordings."""
-    answers: AnswerBank | None = None
+    answers: ExampleBank | None = None
     """Examples for partner responses, if the patch has any."""
     sources: TomlSources | None = None
     """File and line of each key of the patch; None if it was not read from files."""
     projector: VenueProjector | None = None
-    """The venue's projector, if the patch is adapted to it; see `played_in`."""
+    """The venue's projector, if the patch is adapted to it; see `with_projector`."""
 
-    def played_in(self, projector: VenueProjector | None) -> "LoadedShow":
+    def with_projector(self, projector: VenueProjector | None) -> "LoadedShow":
         """Return the show adapted to a venue's projector; PersonError if its picture cannot match this stage."""
-        return replace(self, patch=in_hall(self.patch, projector), projector=projector)
+        return replace(self, patch=with_venue_projector(self.patch, projector), projector=projector)
 
     def start(self, *, seed: int | None = None, tempo: float | None = None, begin: bool = True) -> Show:
         """Return a fresh show at time 0; PersonError for a missing step. `begin`: see `Assembly`."""
@@ -127,31 +127,31 @@ class LoadedShow:
         except UnknownStep as error:
             raise PersonError(f"{self._where(error.place)}: {error}") from None
         except PersonError as error:
-            raise PersonError(f"{self._where(error.place)}: {error.message}", error.remedy, error.place) from None
+            raise PersonError(f"{self._where(error.key_path)}: {error.message}", error.remedy, error.key_path) from None
 
     def scene(self, *, whole: bool = True) -> Scene:
         """Return the renderer's initial scene; PersonError for a file that cannot be shown. Unless `whole`, a character
         that cannot be drawn is replaced by the default body, and a background that cannot be shown is left out."""
         try:
-            found = files_of(self.patch, self.path) if whole else drawable(self.patch, self.path)
-            return scene_of(self.patch, self.path, found, whole=whole)
+            found = character_files(self.patch, self.path) if whole else drawable_characters(self.patch, self.path)
+            return make_scene(self.patch, self.path, found, whole=whole)
         except PersonError as error:
-            raise PersonError(f"{self._where(error.place)}: {error.message}", error.remedy, error.place) from None
+            raise PersonError(f"{self._where(error.key_path)}: {error.message}", error.remedy, error.key_path) from None
 
     def _where(self, place: tuple[str | int, ...]) -> str:
         """Return file, line (if known) and key of an entry of the patch."""
         if self.sources is None or not place:
             return str(self.path)
-        return f"{self.sources.told(place)}: {field_words(place)}"
+        return f"{self.sources.location_text(place)}: {key_text(place)}"
 
     def clips(self) -> list[StepClip]:
         """Read all clips again, as at a start."""
-        return clips_of(self.patch, self.path, self.recordings)
+        return read_clips(self.patch, self.path, self.recordings)
 
     @property
     def steps_folder(self) -> Path | None:
         """The folder of this show's own steps; None if it uses the project's."""
-        folder = self.recordings or find_beside(self.patch.steps, self.path)
+        folder = self.recordings or find_resource(self.patch.steps, self.path)
         common = PATCHES / "steps"
         own = folder is not None and folder.is_dir() and not (common.is_dir() and common.samefile(folder))
         return folder if own else None
@@ -162,7 +162,7 @@ class LoadedShow:
         name = self.patch.music.file
         if name is None:
             return None
-        found = find_beside(name, self.path)
+        found = find_resource(name, self.path)
         if found is None:
             raise PersonError(f"{self.path}: the music {name!r} is not there", "correct music.file in the patch")
         return found
@@ -171,7 +171,7 @@ class LoadedShow:
         """Return the journal header with all that a replay needs; `music`: the file that is played."""
         return {
             "patch_path": str(self.path.resolve()),
-            "patch": self.patch.written(),
+            "patch": self.patch.to_json_values(),
             "recordings": None if self.recordings is None else str(self.recordings.resolve()),
             "seed": show.seed,
             "tempo": tempo,
@@ -184,7 +184,7 @@ class LoadedShow:
 
 
 @contextlib.contextmanager
-def _no_collection() -> Iterator[None]:
+def _gc_disabled() -> Iterator[None]:
     """Disable automatic garbage collection, which takes a third of the load time of a score of 20,000 entries.
 
     Thread: the main one, before the show runs.
@@ -201,62 +201,62 @@ def _no_collection() -> Iterator[None]:
 def load_show(path: Path, *, recordings: Path | None = None, whole: bool = True) -> LoadedShow:
     """Read the patch at `path` and its steps, or a folder of recordings in their place. Unless `whole`, custom passes
     and characters are not tested: for processes that continue a show in which they were."""
-    with _no_collection():
+    with _gc_disabled():
         patch, sources = read_sources(path)
     if whole:
         try_passes(patch.picture.own_passes)
-        with told_with_place(sources):
+        with locate_errors(sources):
             check_characters(patch, path)
     try:
-        return replace(show_of(patch, path, recordings=recordings), sources=sources)
+        return replace(load_from_patch(patch, path, recordings=recordings), sources=sources)
     except PersonError as error:
-        if not error.place:
+        if not error.key_path:
             raise
-        with told_with_place(sources):
+        with locate_errors(sources):
             raise
 
 
 @contextlib.contextmanager
-def told_with_place(sources: TomlSources) -> Iterator[None]:
+def locate_errors(sources: TomlSources) -> Iterator[None]:
     """Prefix every PersonError raised in the block with file, line and keys of its place."""
     try:
         yield
     except PersonError as error:
-        where = f"{sources.told(error.place)}: {field_words(error.place)}"
-        raise PersonError(f"{where}: {error.message}", error.remedy, error.place) from None
+        where = f"{sources.location_text(error.key_path)}: {key_text(error.key_path)}"
+        raise PersonError(f"{where}: {error.message}", error.remedy, error.key_path) from None
 
 
-def clips_of(patch: Patch, path: Path, recordings: Path | None) -> list[StepClip]:
+def read_clips(patch: Patch, path: Path, recordings: Path | None) -> list[StepClip]:
     """Return the clips with which a show of the patch begins, in order."""
-    return _sketched(patch, path) if recordings is None else load_folder(recordings)
+    return _read_own_steps(patch, path) if recordings is None else load_folder(recordings)
 
 
-def as_they_were(clips: list[StepClip], names: Sequence[str], was: Mapping[str, StepClip]) -> list[StepClip]:
+def replace_clips(clips: list[StepClip], names: Sequence[str], former: Mapping[str, StepClip]) -> list[StepClip]:
     """Return the clips called `names`, in that order; clips in `was` replace those of the same key."""
-    there = {clip_key(clip): clip for clip in clips} | dict(was)
+    there = {clip_key(clip): clip for clip in clips} | dict(former)
     return [there[name] for name in names if name in there]
 
 
-def show_of(
+def load_from_patch(
     patch: Patch,
     path: Path,
     *,
     recordings: Path | None = None,
-    later: frozenset[str] = frozenset(),
+    reserved: frozenset[str] = frozenset(),
     names: Sequence[str] = (),
-    was: Mapping[str, StepClip] | None = None,
+    former: Mapping[str, StepClip] | None = None,
 ) -> LoadedShow:
     """Load the show of a patch that was read already; file names are resolved relative to `path`.
 
     Clips whose `clip_key` is in `later` are kept in reserve. For a replay: `names` lists the initial clips (later
     files are ignored), and `was` holds the former content of changed files.
     """
-    found = clips_of(patch, path, recordings)
-    there = {clip_key(clip): clip for clip in found} | dict(was or {})
-    reserve = {key: there[key] for key in sorted(later) if key in there}
-    clips = as_they_were(found, names, was or {}) if names else [c for c in found if clip_key(c) not in reserve]
+    found = read_clips(patch, path, recordings)
+    there = {clip_key(clip): clip for clip in found} | dict(former or {})
+    reserve = {key: there[key] for key in sorted(reserved) if key in there}
+    clips = replace_clips(found, names, former or {}) if names else [c for c in found if clip_key(c) not in reserve]
     if recordings is not None:
-        patch = for_recordings(patch, clips)
+        patch = adapt_to_recordings(patch, clips)
     fitting = [clip for clip in clips if clip.beats_per_measure == patch.clock.beats_per_measure]
     if not fitting:
         metres = ", ".join(str(beats) for beats in sorted({clip.beats_per_measure for clip in clips}))
@@ -267,15 +267,15 @@ def show_of(
     try:
         library = build_library(fitting)
         if recordings is not None:
-            patch = _nearest_joins(library, patch)
+            patch = _choose_threshold(library, patch)
         graph = _graph_of(library, patch)
     except ValueError as error:
         remedy = "[locomotion] in the patch" if recordings is None else "fps, drop_frames and bpm in the TOML"
         raise PersonError(f"{path}: {error}", f"look at {remedy}") from None
     if recordings is not None:
-        patch = with_steps_of(patch, graph)
+        patch = with_connected_steps(patch, graph)
     _refuse_other_metres(patch, path, clips)
-    bank, answers = bank_of(patch, path), answer_bank(patch, path, library)
+    bank, answers = load_texture_bank(patch, path), load_example_bank(patch, path, library)
     return LoadedShow(path, patch, graph, recordings, reserve, bank, answers)
 
 
@@ -286,9 +286,9 @@ def _graph_of(library: StepLibrary, patch: Patch) -> MotionGraph:
     return build_graph(library, window=window, threshold=limits.threshold_m, metric=metric)
 
 
-def _nearest_joins(library: StepLibrary, patch: Patch) -> Patch:
+def _choose_threshold(library: StepLibrary, patch: Patch) -> Patch:
     """Return the patch with the smaller threshold for recordings if it connects all steps, else with the larger."""
-    least, most = (max(patch.locomotion.threshold_m, threshold) for threshold in RECORDED_M)
+    least, most = (max(patch.locomotion.threshold_m, threshold) for threshold in RECORDING_THRESHOLDS_M)
     for threshold in (least, most):
         patch = with_locomotion(patch, threshold_m=threshold)
         with contextlib.suppress(ValueError):  # raised by the caller if the larger threshold fails, too
@@ -311,9 +311,9 @@ def _refuse_other_metres(patch: Patch, path: Path, clips: list[StepClip]) -> Non
                 )
 
 
-def _sketched(patch: Patch, path: Path) -> list[StepClip]:
+def _read_own_steps(patch: Patch, path: Path) -> list[StepClip]:
     """Return the steps of the patch's own folder, and the project's steps for all other names."""
-    folder = find_beside(patch.steps, path)
+    folder = find_resource(patch.steps, path)
     if folder is None or not folder.is_dir():
         raise PersonError(f"{path}: there is no folder {patch.steps!r} of steps", "correct 'steps' in the patch")
     clips = load_folder(folder)

@@ -5,7 +5,7 @@ from typing import Final
 
 from live.clock.timeline import Timeline, next_phase_match
 
-BEHIND: Final = 0.25
+STALL_BEATS: Final = 0.25
 """If a measure is overdue by more than this [beats] (longer than a tick), a stall has skipped several measures."""
 
 
@@ -40,7 +40,7 @@ class MeasureSpan:
         share = (beat - self._anchor_beat) / left if left > 0.0 else 1.0
         return min(max(self._anchor_fraction + (1.0 - self._anchor_fraction) * share, 0.0), 1.0)
 
-    def danced(self, beat: float, size: int) -> float:
+    def danced_beats(self, beat: float, size: int) -> float:
         """Return the beats danced at `beat` since measure 0, with `size` beats per measure. It extends beyond the end
         of this measure, so that danced beats never decrease when several lines are crossed after a stall.
 
@@ -59,7 +59,7 @@ class MeasureSpan:
         size = timeline.beats_per_measure
         offset = math.fmod(abs(self.end - timeline.measure_origin), size)
         aligned = min(offset, size - offset) < 1e-6
-        if beat > self.end + BEHIND:
+        if beat > self.end + STALL_BEATS:
             if not aligned or size != self._beats:
                 self._catch_up(timeline, beat, beat)
             return not aligned
@@ -69,9 +69,9 @@ class MeasureSpan:
         self._retime(timeline, beat, self.fraction(beat), shortest)
         return True
 
-    def leap(self, timeline: Timeline, before: float, after: float, *, shortest: float) -> None:
+    def jump(self, timeline: Timeline, before: float, after: float, *, shortest: float) -> None:
         """Handle a jump of the beat from `before` to `after`: the fraction stays, the rest is re-timed."""
-        if before > self.end + BEHIND:
+        if before > self.end + STALL_BEATS:
             self._catch_up(timeline, before, after)
         elif before >= self.end:  # this tick crosses the line
             self.end = after

@@ -9,13 +9,13 @@ from typing import Any, Final
 
 import numpy as np
 
-from live.base.fault_isolation import Bulkhead, name_of
+from live.base.fault_isolation import Bulkhead, callback_name
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.show.journal.journal_writer import LineWriter
-from live.show.selection.choices import why_in_words
+from live.show.selection.choices import explanation_lines
 from live.show.show import Show
 
-KEPT = 4096
+FRAME_TIMES_KEPT = 4096
 """Number of frame times kept for the percentiles: about the last minute."""
 
 
@@ -23,19 +23,19 @@ class FrameTimes:
     """Ring buffer of the last frame times [ms]."""
 
     def __init__(self) -> None:
-        self._ring = np.zeros(KEPT)
+        self._ring = np.zeros(FRAME_TIMES_KEPT)
         self._count = 0
 
     def add(self, seconds: float) -> None:
         """Record one frame that took `seconds`."""
-        self._ring[self._count % KEPT] = seconds * 1e3
+        self._ring[self._count % FRAME_TIMES_KEPT] = seconds * 1e3
         self._count += 1
 
     def percentiles(self, *shares: float) -> list[float]:
         """Return percentiles of the kept frame times [ms]; zeros before the first frame."""
         if not self._count:
             return [0.0] * len(shares)
-        return [round(float(v), 3) for v in np.percentile(self._ring[: min(self._count, KEPT)], shares)]
+        return [round(float(v), 3) for v in np.percentile(self._ring[: min(self._count, FRAME_TIMES_KEPT)], shares)]
 
 
 class Status:
@@ -76,19 +76,19 @@ class Status:
         self.dropped_events = 0
         self.outranked = 0
         """Values displaced by a source of higher rank (an operator or a musician)."""
-        self.impossible = 0
+        self.invalid = 0
         """Measurements with NaN or infinity."""
-        self.more: dict[str, Callable[[], Any]] = {}
+        self.extra_figures: dict[str, Callable[[], Any]] = {}
         """Figures of other parts, by key in the snapshot."""
         self.tool = ""
         """The pointer's tool, for the overlay; empty until the operator chooses one."""
         self._calls = Bulkhead()
-        self.notes: list[Callable[[], str]] = []
+        self.notices: list[Callable[[], str]] = []
         """Current problems, for the overlay: each returns a line, or an empty string."""
         self.faults = 0
         """Frames in which drawing failed and the show continued."""
 
-    def _refused(self) -> Counter[str]:
+    def _refused_by_reason(self) -> Counter[str]:
         """Return the refused events by reason."""
         rejected, show = Counter(self._rejected()), self._show
         if self.dropped_events:
@@ -97,13 +97,13 @@ class Status:
             rejected["outranked"] += self.outranked
         if show.refusals.count:
             rejected["not in this show"] += show.refusals.count
-        if impossible := show.follower.rejected + self.impossible:
+        if impossible := show.follower.rejected + self.invalid:
             rejected["impossible beat"] += impossible
         return rejected
 
-    def refused(self) -> int:
+    def refused_count(self) -> int:
         """Return the number of all refused events."""
-        return self._refused().total()
+        return self._refused_by_reason().total()
 
     def snapshot(self, time: float) -> dict[str, Any]:
         """Return all figures at `time` [s]; counters are totals since the start. Measures and beats count from 1."""
@@ -131,19 +131,23 @@ class Status:
             "cpu_ms": {"p50": cpu50, "p99": cpu99},
             "dancers": int(show.motion.present.sum()),
             "events_accepted": self.events_accepted,
-            "events_rejected": dict(self._refused()),
+            "events_rejected": dict(self._refused_by_reason()),
             "phones": show.audience.phones,
             "rss_mb": round(self._memory(), 1),
             "faults": self.faults,
-            "behind": show.scheduler.behind(),
-            "carried": show.scheduler.carrying.figures(),
-            "interrupts": show.interrupts.figures(),
-            **({} if show.dancers.answering is None else {"hands": show.dancers.answering.holding.figures()}),
-            "why": show.why(),
-            **show.prompter.facts(),
-            "agenda": show.prompter.agenda.figures(),
-            **show.desk.facts(show.danced),
-            **{key: self._calls.call(f"the figures of {key}", tell) for key, tell in self.more.items()},
+            "behind": show.scheduler.reachability_report(),
+            "carried": show.scheduler.root_correction.statistics(),
+            "interrupts": show.interrupts.statistics(),
+            **(
+                {}
+                if show.dancers.partner_response is None
+                else {"hands": show.dancers.partner_response.hand_holds.statistics()}
+            ),
+            "why": show.explain_choice(),
+            **show.score_runner.facts(),
+            "agenda": show.score_runner.beat_scheduler.counters(),
+            **show.desk.facts(show.danced_beats),
+            **{key: self._calls.call(f"the figures of {key}", tell) for key, tell in self.extra_figures.items()},
         }
 
     def overlay(self, time: float) -> tuple[str, ...]:
@@ -151,13 +155,13 @@ class Status:
         if time >= self._overlay_until:
             self._overlay_until = time + 0.25
             self._overlay = self._overlay_lines(time)
-        return (*self._show.desk.words(self._show.danced), *self._overlay)
+        return (*self._show.desk.status_lines(self._show.danced_beats), *self._overlay)
 
     def _overlay_lines(self, time: float) -> tuple[str, ...]:
         s = self.snapshot(time)
         beats = self._show.timeline.beats_per_measure
         frame, cpu = s["frame_ms"], s["cpu_ms"]["p50"]
-        level, refusal = self._level(), self._refusal() or self._show.refusals.words
+        level, refusal = self._level(), self._refusal() or self._show.refusals.last_reason
         heard = "" if level is None else f"   input {20.0 * math.log10(max(level, 1e-5)):.0f} dB"
         lines = (
             f"{s['bpm']:.1f} bpm   measure {s['measure']}   beat {s['beat']} of {beats}",
@@ -167,11 +171,11 @@ class Status:
             f"dancers {s['dancers']}   events {s['events_accepted']}   refused {sum(s['events_rejected'].values())}   "
             f"phones {s['phones']}   memory {s['rss_mb']:.0f} MB",
         )
-        more = self._show.prompter.words()
+        more = self._show.score_runner.status_lines()
         more = (*more, f"pointer: {self.tool}") if self.tool else more
         record = [f"{name}: {told['record']}" for name, told in s["behind"].items() if told["record"]]
-        more = (*more, *record[:1], *(why_in_words(s["why"]) if s["why"] else ()))
-        more = (*more, *(note for tell in self.notes if (note := self._calls.call(name_of(tell), tell))))
+        more = (*more, *record[:1], *(explanation_lines(s["why"]) if s["why"] else ()))
+        more = (*more, *(note for tell in self.notices if (note := self._calls.call(callback_name(tell), tell))))
         return (*lines, *more, f"last refused: {refusal}") if refusal else (*lines, *more)
 
 
@@ -208,9 +212,9 @@ def clock_in_words(figures: dict[str, Any]) -> str:
 class StatusFile:
     """Writes a status line once a second in a thread of its own; lines lost to a full disk are counted."""
 
-    def __init__(self, path: Path, status: Status, *, more: bool = False) -> None:
+    def __init__(self, path: Path, status: Status, *, append: bool = False) -> None:
         """Raises OSError if the file cannot be made; `more`: append to an existing file."""
-        self._writer = LineWriter(path, name="status", more=more)
+        self._writer = LineWriter(path, name="status", append=append)
         self._status = status
         self._next = 1.0
 
@@ -235,7 +239,7 @@ class StatusFile:
 
 HALFLIFE: Final = 2.0
 """Half-life of a late frame's weight [s]."""
-FULL: Final = 0.1
+FULL_PRESSURE_SHARE: Final = 0.1
 """Share of late frames that counts as full pressure: visible stutter."""
 
 
@@ -253,7 +257,7 @@ class Pressure:
     @property
     def value(self) -> float:
         """0 to 1."""
-        return max(min(self._share / FULL, 1.0), self._overload)
+        return max(min(self._share / FULL_PRESSURE_SHARE, 1.0), self._overload)
 
     def frame(self, late: int, seconds: float, overload: float = 0.0) -> None:
         """Update after each frame. `late`: late frames since the start; `seconds`: time since the last frame.

@@ -10,33 +10,33 @@ import numpy.typing as npt
 from live.base.stage_snapshot import StageView
 from live.clock.timeline import Timeline
 from live.control.events.events import NotesHeard
-from live.control.registry.control import Plain
+from live.control.registry.control import ArgumentValue
 from live.control.registry.motion_controls import MOTION_PARAMETERS
 from live.control.registry.registry import STATUS, Rows
-from live.show.capture.capture_manager import SAID
-from live.show.dancers.footfalls import Footfalls
+from live.show.capture.capture_manager import SETTINGS
+from live.show.dancers.footfalls import FootfallDetector
 from live.show.desk.parameter_table import Parameter, addresses
-from live.show.partner.partner_pairs import Asked
+from live.show.partner.partner_pairs import PartnerSettings
 from live.show.show import Show
 from live.show.status import Status
 
-NEWS_AT_ONCE: Final = 64
+NOTICES_PER_FRAME: Final = 64
 """Maximum number of step and foot notices sent per frame; the rest follows in the next frames."""
-CLOSE: Final = 1e-6
+BEAT_TOLERANCE: Final = 1e-6
 """Tolerance for two Timelines to count as equal [beats]."""
-ROWS_AT_ONCE: Final = 1000
+MAX_ROWS: Final = 1000
 _SIDES: Final = ("left", "right")
 
-Told = tuple[str, Any]
+Notice = tuple[str, Any]
 
 
-class Outgoing:
+class Telemetry:
     """Collects notices about one show after each frame; read-only. Thread: the show's."""
 
     def __init__(self, show: Show, *, positions: float = 10.0, feet: bool = True) -> None:
         """`positions`: how often positions are sent [1/s]; 0: never."""
         self._show, self._positions = show, positions
-        self._feet = Footfalls(show) if feet else None
+        self._feet = FootfallDetector(show) if feet else None
         self._timeline: Timeline | None = None
         self._measure = (-1, 0.0)
         self._step: npt.NDArray[np.int32] = np.full(len(show.group), -1, np.int32)
@@ -45,55 +45,55 @@ class Outgoing:
         self._time = -1.0
         self._due = 0.0
         self._units = 0
-        self.left_out = 0
+        self.dropped = 0
         """Step and foot notices dropped because there were too many."""
 
-    def anew(self) -> None:
+    def reset(self) -> None:
         """Send Timeline and measure again, for a new receiver."""
         self._timeline = None
         self._measure = (-1, 0.0)
 
-    def frame(self, view: StageView) -> list[Told]:
+    def frame(self, view: StageView) -> list[Notice]:
         """Return the notices after the frame for which `view` was filled."""
         show = self._show
-        told: list[Told] = []
+        told: list[Notice] = []
         measure = (show.span.number, show.span.end)
         if measure != self._measure:
             self._measure = measure
             told.append(("measure", measure))
         timeline = show.timeline
-        if self._timeline is None or not _alike(timeline, self._timeline, show.time):
+        if self._timeline is None or not _same_timeline(timeline, self._timeline, show.time):
             self._timeline = timeline
             told.append(("timeline", (timeline.tempo, timeline.beat_origin, timeline.time_origin,
                                       timeline.beats_per_measure, timeline.measure_origin)))  # fmt: skip
-        self._note_steps(view)
-        self._note_units()
+        self._add_steps(view)
+        self._add_units()
         if self._feet is not None and view.filled and view.time > self._time:
-            for fall in self._feet.frame(view):
+            for fall in self._feet.detect(view):
                 values = (fall.dancer + 1, _SIDES[fall.foot], *fall.place, fall.strength, fall.part)
                 self._waiting.append(("foot", values))
         self._time = view.time
         if self._waiting:
-            told.append(("news", self._waiting[:NEWS_AT_ONCE]))
-            rest = self._waiting[NEWS_AT_ONCE:]
-            self.left_out += max(len(rest) - ROWS_AT_ONCE, 0)
-            self._waiting = rest[:ROWS_AT_ONCE]
+            told.append(("news", self._waiting[:NOTICES_PER_FRAME]))
+            rest = self._waiting[NOTICES_PER_FRAME:]
+            self.dropped += max(len(rest) - MAX_ROWS, 0)
+            self._waiting = rest[:MAX_ROWS]
         if self._positions and view.time >= self._due:
             self._due = view.time + 1.0 / self._positions
-            told.append(("positions", places(view)))
+            told.append(("positions", position_rows(view)))
         return told
 
-    def _note_units(self) -> None:
+    def _add_units(self) -> None:
         """Add notices of the units that responding partners dance."""
-        answering = self._show.dancers.answering
-        if answering is None or answering.leaders.told == self._units:
+        answering = self._show.dancers.partner_response
+        if answering is None or answering.leaders.unit_count == self._units:
             return
-        for number, partner, label in answering.leaders.news:
+        for number, partner, label in answering.leaders.recent_units:
             if number > self._units:
                 self._waiting.append(("unit", (partner, label, label.rpartition("/")[0])))
-        self._units = answering.leaders.told
+        self._units = answering.leaders.unit_count
 
-    def _note_steps(self, view: StageView) -> None:
+    def _add_steps(self, view: StageView) -> None:
         """Add notices of dancers that begin another step."""
         library = self._show.graph.library
         step = library.node_step[self._show.dancers.node]
@@ -108,47 +108,47 @@ class Outgoing:
             self._waiting.append(("step", values))
 
 
-def _alike(one: Timeline, other: Timeline, time: float) -> bool:
+def _same_timeline(one: Timeline, other: Timeline, time: float) -> bool:
     """Whether two Timelines are equal from `time` [s] on, for a listener to the beats."""
     same_lines = one.beats_per_measure == other.beats_per_measure and one.measure_origin == other.measure_origin
-    return same_lines and one.tempo == other.tempo and abs(one.beat_at(time) - other.beat_at(time)) < CLOSE
+    return same_lines and one.tempo == other.tempo and abs(one.beat_at(time) - other.beat_at(time)) < BEAT_TOLERANCE
 
 
-def places(view: StageView) -> bytes:
+def position_rows(view: StageView) -> bytes:
     """Return rows (number from 1, x, z [m], heading [rad]) of the dancers on the stage, as float32 bytes."""
-    there = np.flatnonzero(view.present)[:ROWS_AT_ONCE]
+    there = np.flatnonzero(view.present)[:MAX_ROWS]
     w, x, y, z = view.joint_rotation[there, 0].T
     hips = view.joint_position[there, 0]
     heading = np.arctan2(2.0 * (x * z + w * y), 1.0 - 2.0 * (x * x + y * y))
     return np.column_stack((there + 1, hips[:, 0], hips[:, 2], heading)).astype(np.float32).tobytes()
 
 
-FINEST: Final = 6
+SIGNIFICANT_DIGITS: Final = 6
 """Significant digits of a value. More are of no use to a person, and would make every value a change."""
 _SWITCHES: Final = frozenset(address for address, (_, known) in MOTION_PARAMETERS.items() if known.type == "bool")
-FIGURES_EVERY: Final = 16
+PERCENTILE_INTERVAL: Final = 16
 """The frame percentile is recomputed once in this many calls."""
 
 
-class Readable:
+class CurrentValues:
     """Current values of one show, by address; read-only. Thread: the show's."""
 
     def __init__(self, show: Show, status: Status) -> None:
         self._show, self._status = show, status
-        self.more: dict[str, Callable[[], Plain | None]] = {}
+        self.extra_values: dict[str, Callable[[], ArgumentValue | None]] = {}
         """Values of other parts, by address; None: no value now."""
         table = show.desk.parameters.table
         self._found: list[tuple[str, list[Parameter]]] = [(address, table.find(address)) for address in addresses()]
         self._row: npt.NDArray[np.float64] = np.zeros(0)
         self._names: tuple[str, ...] = ()
         self._rows: dict[str, Rows] = {}
-        self._looks = 0
+        self._call_count = 0
         self._frame_ms = 0.0
 
     def changes(self) -> dict[str, Rows]:
         """Return the values that have changed since the last call; all at the first call."""
         found = self._parameters()
-        for address, values in self._singles().items():
+        for address, values in self._show_values().items():
             found[address] = (("", values),)
         found |= self._partners() | self._mocap()
         new = {address: rows for address, rows in found.items() if self._rows.get(address) != rows}
@@ -158,7 +158,7 @@ class Readable:
     def _parameters(self) -> dict[str, Rows]:
         """Return the parameters with a changed value."""
         parameters = self._show.desk.parameters
-        row, names = parameters.present(), parameters.table.names
+        row, names = parameters.snapshot(), parameters.table.group_names
         if len(row) == len(self._row) and names == self._names:
             moved = set(np.flatnonzero(row != self._row).tolist())
             if not moved:
@@ -169,12 +169,12 @@ class Readable:
         found: dict[str, Rows] = {}
         for address, those in self._found:
             if any(place in moved for one in those for place in one.numbers):
-                found[address] = self._of(those)
+                found[address] = self._parameter_rows(those)
         return found
 
-    def _of(self, those: list[Parameter]) -> Rows:
+    def _parameter_rows(self, those: list[Parameter]) -> Rows:
         """Return one value if all groups have the same, else one per group."""
-        as_said: Callable[[float], Plain] = bool if those[0].address in _SWITCHES else _plain
+        as_said: Callable[[float], ArgumentValue] = bool if those[0].address in _SWITCHES else _round
         values = [tuple(as_said(self._row[place]) for place in one.numbers) for one in those]
         if all(value == values[0] for value in values):
             return (("", values[0]),)
@@ -182,13 +182,13 @@ class Readable:
 
     def _partners(self) -> dict[str, Rows]:
         """Return the settings of partner responses; defaults if there are none."""
-        answering = self._show.dancers.answering
-        asked = [] if answering is None else answering.asked
-        keys: dict[str, Callable[[Asked], Plain]] = {
-            "on": lambda one: one.on, "amount": lambda one: _plain(one.amount),
-            "stretch": lambda one: _plain(one.window), "hands": lambda one: _plain(one.hands),
+        answering = self._show.dancers.partner_response
+        asked = [] if answering is None else answering.settings
+        keys: dict[str, Callable[[PartnerSettings], ArgumentValue]] = {
+            "on": lambda one: one.on, "amount": lambda one: _round(one.amount),
+            "stretch": lambda one: _round(one.window), "hands": lambda one: _round(one.hands),
         }  # fmt: skip
-        nobody: dict[str, Plain] = {"on": False, "amount": 0.0, "stretch": 0.0, "hands": 0.0}
+        nobody: dict[str, ArgumentValue] = {"on": False, "amount": 0.0, "stretch": 0.0, "hands": 0.0}
         return {
             f"/dance/partner/{key}": tuple((one.name, (tell(one),)) for one in asked) or (("", (nobody[key],)),)
             for key, tell in keys.items()
@@ -196,27 +196,27 @@ class Readable:
 
     def _mocap(self) -> dict[str, Rows]:
         """Return the settings of captured performers; empty if there are none."""
-        said = {name: captured.said for name, captured in self._show.mocap.performers.items()}
+        said = {name: captured.current_settings for name, captured in self._show.mocap.performers.items()}
         return {
-            f"/dance/mocap/{what}": tuple((name, tuple(map(_as_told, now[what]))) for name, now in said.items())
-            for what in (SAID if said else ())
+            f"/dance/mocap/{what}": tuple((name, tuple(map(_rounded, now[what]))) for name, now in said.items())
+            for what in (SETTINGS if said else ())
         }
 
-    def _singles(self) -> dict[str, tuple[Plain, ...]]:
+    def _show_values(self) -> dict[str, tuple[ArgumentValue, ...]]:
         """Return the values of the whole show."""
         show, status = self._show, self._status
-        follower, desk, prompter = show.follower, show.desk, show.prompter
-        width, depth = (2.0 * show.motion.floor.half).tolist()
+        follower, desk, prompter = show.follower, show.desk, show.score_runner
+        width, depth = (2.0 * show.motion.stage_area.half).tolist()
         beats = show.timeline.beats_per_measure
-        count_in = desk.cues.count_in(show.danced)
+        count_in = desk.cues.count_in(show.danced_beats)
         playhead = prompter.playhead
         place = playhead.place(playhead.measure)
-        if self._looks % FIGURES_EVERY == 0:
+        if self._call_count % PERCENTILE_INTERVAL == 0:
             (self._frame_ms,) = status.frame_times.percentiles(99)
-        self._looks += 1
+        self._call_count += 1
         standby = desk.cues.standby_name
         singles: dict[str, Any] = {
-            "/dance/clock/tempo": _plain(follower.tempo),
+            "/dance/clock/tempo": _round(follower.tempo),
             "/dance/clock/hold": follower.held,
             "/dance/clock/metre": float(beats),
             "/dance/clock/source": follower.choice,
@@ -224,10 +224,10 @@ class Readable:
             "/dance/hold": desk.held,
             "/dance/hold/score": playhead.held,
             "/dance/audience/open": show.audience.open,
-            "/dance/audience/gain": _plain(show.audience.gain),
+            "/dance/audience/gain": _round(show.audience.gain),
             "/dance/audience/mute": show.audience.muted,
             "/dance/audience/shake": show.audience.shaking,
-            "/dance/output/fade": _plain(desk.master.level),
+            "/dance/output/fade": _round(desk.master.level),
             "/dance/output/freeze": desk.master.frozen,
             "/dance/output/flashes": desk.master.flashes,
             STATUS + "measure": show.span.number + 1,
@@ -245,11 +245,11 @@ class Readable:
             STATUS + "frame_ms": self._frame_ms,
             STATUS + "late_frames": status.late_frames,
             STATUS + "accepted": status.events_accepted,
-            STATUS + "refused": status.refused(),
+            STATUS + "refused": status.refused_count(),
         }
-        told: dict[str, tuple[Plain, ...]] = {address: (value,) for address, value in singles.items()}
-        told["/dance/stage"] = (_plain(width), _plain(depth))
-        for address, tell in self.more.items():
+        told: dict[str, tuple[ArgumentValue, ...]] = {address: (value,) for address, value in singles.items()}
+        told["/dance/stage"] = (_round(width), _round(depth))
+        for address, tell in self.extra_values.items():
             value = tell()
             if value is not None:
                 told[address] = (value,)
@@ -266,9 +266,9 @@ def _notes(played: NotesHeard | None) -> dict[str, Any]:
     }
 
 
-def _as_told(value: Plain) -> Plain:
-    return _plain(value) if type(value) is float else value
+def _rounded(value: ArgumentValue) -> ArgumentValue:
+    return _round(value) if type(value) is float else value
 
 
-def _plain(value: float) -> float:
-    return float(f"{value:.{FINEST}g}")
+def _round(value: float) -> float:
+    return float(f"{value:.{SIGNIFICANT_DIGITS}g}")

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from live.supervisor.restart_policy import RestartLimit
 
-IN_A_ROW: Final = 3
+MAX_IN_A_ROW: Final = 3
 """Number of engines that end in one stage within `SECONDS`, in any tick, before it is put out of service."""
 SECONDS: Final = 30.0
 DRAWING: Final = 32
@@ -18,7 +18,7 @@ DRAWING: Final = 32
 
 
 @dataclass(slots=True)
-class Lesson:
+class DeathReport:
     """Advice for an engine that resumes, from the deaths of its predecessors."""
 
     tick: int = 0
@@ -33,12 +33,12 @@ class Lesson:
     plain: bool = False
     """Whether pictures are drawn in the simplest way from now on."""
 
-    def told(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, Any]:
         """Return it as plain values."""
         return asdict(self)
 
 
-class Deaths:
+class DeathHistory:
     """Records and judges the deaths of one show's engines. Thread: the supervisor's."""
 
     def __init__(self) -> None:
@@ -47,10 +47,10 @@ class Deaths:
         self._outside = RestartLimit()
         self._last: tuple[int, int] | None = None
         self._times = 0
-        self._stages: deque[tuple[float, int]] = deque(maxlen=IN_A_ROW - 1)
+        self._stages: deque[tuple[float, int]] = deque(maxlen=MAX_IN_A_ROW - 1)
         self._calm = self._plain = False
 
-    def note(self, now: float, tick: int, stage: int, *, blamed: bool = True) -> Lesson:
+    def record(self, now: float, tick: int, stage: int, *, blamed: bool = True) -> DeathReport:
         """Record that an engine ended at `now` [s] in `stage` of `tick`, outside of all ticks (0), or while drawing.
 
         Not `blamed`: it was killed on an overloaded machine and may only have been slow. That counts only if the next
@@ -58,17 +58,17 @@ class Deaths:
         """
         self.count += 1
         if not stage and blamed:
-            self._calm = self._outside.note(now) or self._calm
+            self._calm = self._outside.record(now) or self._calm
         again = bool(stage) and blamed and self._ended_often(now, stage)
         self._plain = self._plain or (again and stage == DRAWING)
         if stage in (0, DRAWING):
             self._last, self._times = None, 0
-            return Lesson(tick, calm=self._calm, plain=self._plain)
+            return DeathReport(tick, calm=self._calm, plain=self._plain)
         self._times = self._times + 1 if self._last == (tick, stage) else 1
         self._last = tick, stage
-        return Lesson(tick, stage, self._times, again, self._calm, self._plain)
+        return DeathReport(tick, stage, self._times, again, self._calm, self._plain)
 
     def _ended_often(self, now: float, stage: int) -> bool:
         before = [one for when, one in self._stages if now - when < SECONDS]
         self._stages.append((now, stage))
-        return len(before) == IN_A_ROW - 1 and all(one == stage for one in before)
+        return len(before) == MAX_IN_A_ROW - 1 and all(one == stage for one in before)

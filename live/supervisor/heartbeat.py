@@ -63,7 +63,7 @@ class Heartbeat:
 
     @property
     def stage(self) -> memoryview:
-        """The word of the running stage, written by the show (`Breakers.publish`)."""
+        """The word of the running stage, written by the show (`CircuitBreakers.publish`)."""
         return self._stage
 
     def begin_tick(self, tick: int) -> None:

@@ -9,15 +9,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from live.show.journal.journal_writer import SNAPSHOTS, JournalFile, Unwritten, Written, with_gap
-from live.supervisor.recovery_log import Sealed
-from live.supervisor.supervisor_link import Lifeline
+from live.show.journal.journal_writer import SNAPSHOT_SUFFIX, JournalFile, UnfinishedFile, WriteProgress, with_gap
+from live.supervisor.recovery_log import SealedSnapshot
+from live.supervisor.supervisor_link import SupervisorLink
 
 if TYPE_CHECKING:
-    from live.show.state.snapshot import Taken
+    from live.show.state.snapshot import CapturedSnapshot
 
 
-MOST: Final = 65536
+MAX_KEPT_LINES: Final = 65536
 """Most lines kept until they are confirmed as written; beyond that the oldest are dropped."""
 
 
@@ -29,67 +29,67 @@ class RelaySink:
     sealed by a thread and sent with the next `flush`. Thread: the show's.
     """
 
-    def __init__(self, lifeline: Lifeline, path: Path | None = None) -> None:
+    def __init__(self, lifeline: SupervisorLink, path: Path | None = None) -> None:
         """`path`: file to which the supervisor writes the journal; None: none."""
-        self._lifeline, self._wire, self._path = lifeline, lifeline.wire, path
-        self._lines = self._snapshots = self._lost = self._missing = self._given_up = 0
+        self._link, self._channel, self._path = lifeline, lifeline.channel, path
+        self._lines = self._snapshots = self._lost = self._missing = self._lines_lost = 0
         self._unwritten: deque[tuple[int, str]] = deque()
         self._file: JournalFile | None = None
-        self._ends: JournalFile | None = None
-        self._adoption = False  # the new supervisor waits until this process has stopped writing
+        self._ending_file: JournalFile | None = None
+        self._adoption_pending = False  # the new supervisor waits until this process has stopped writing
         self._number = 0
-        self._taken: queue.Queue[Taken | None] = queue.Queue(2)
+        self._snapshot_queue: queue.Queue[CapturedSnapshot | None] = queue.Queue(2)
         self._sealed: deque[tuple[str, bytes]] = deque(maxlen=4)
         self._thread = threading.Thread(target=self._seal, name="snapshots", daemon=True)
         self._thread.start()
-        lifeline.on_adopted = self._adopted
+        lifeline.on_adopted = self._on_adopted
 
     def put(self, line: str) -> None:
         """Send one line, without its line end."""
         self._lines += 1
-        self._lifeline.log.note(line)
-        if self._wire.ended:
+        self._link.log.add_own_line(line)
+        if self._channel.ended:
             self._write(line)
             return
-        before = self._wire.dropped
+        before = self._channel.dropped
         text = with_gap(line, self._missing) if self._missing else line
-        self._wire.put(text)
-        if self._wire.dropped != before:
+        self._channel.send_line(text)
+        if self._channel.dropped != before:
             self._missing += 1
             return
         self._missing = 0
-        self._keep(self._wire.taken, text)
+        self._keep(self._channel.sent, text)
 
-    def snapshot(self, taken: "Taken") -> None:
+    def snapshot(self, taken: "CapturedSnapshot") -> None:
         """Queue a snapshot for sealing; it is dropped if the queue is full."""
         try:
-            self._taken.put_nowait(taken)
+            self._snapshot_queue.put_nowait(taken)
         except queue.Full:
             self._lost += 1
 
     def flush(self) -> None:
         """Send the snapshots that are sealed by now and drop the lines that are written. Called once per frame."""
-        if self._wire.ended:
+        if self._channel.ended:
             self._begin_file()
-        elif self._adoption and (self._ends is None or self._ends.end()):
-            self._adoption, self._ends = False, None
-            self._wire.tell(alive="journal")
-        self._forget()
+        elif self._adoption_pending and (self._ending_file is None or self._ending_file.request_close()):
+            self._adoption_pending, self._ending_file = False, None
+            self._channel.send_json(alive="journal")
+        self._drop_written()
         while self._sealed:
             line, data = self._sealed.popleft()
-            self._lifeline.log.note(line)
+            self._link.log.add_own_line(line)
             if self._file is not None:
-                self._file.snapshot(Sealed(data))
-            elif not self._wire.ended:
-                self._wire.put(line)
+                self._file.snapshot(SealedSnapshot(data))
+            elif not self._channel.ended:
+                self._channel.send_line(line)
             self._snapshots += 1
 
     def facts(self) -> dict[str, int]:
         """Return figures for the status. If there is a supervisor, it counts the lines on disk."""
         facts = {
             "lines": self._lines,
-            "dropped": self._wire.dropped,
-            "behind": self._wire.behind,
+            "dropped": self._channel.dropped,
+            "behind": self._channel.pending_bytes,
             "missing": self._missing,
             "snapshots": self._snapshots,
             "snapshots_dropped": self._lost,
@@ -98,36 +98,36 @@ class RelaySink:
             return facts
         there = self._file.facts()
         return facts | {
-            "dropped": facts["dropped"] + there["dropped"] + self._given_up,
+            "dropped": facts["dropped"] + there["dropped"] + self._lines_lost,
             "behind": there["behind"],
             "missing": there["missing"],
         }
 
     def close(self) -> None:
         """Send everything pending."""
-        self._taken.put(None)
+        self._snapshot_queue.put(None)
         self._thread.join(1.0)
         self.flush()
-        for file in (self._file, self._ends):
+        for file in (self._file, self._ending_file):
             if file is not None:
                 file.close()
-        self._wire.flush()
+        self._channel.flush()
 
     # -- lines the supervisor has not written yet ------------------------------------------------------------------
 
     def _keep(self, number: int, line: str) -> None:
         if self._path is None:
             return
-        if len(self._unwritten) >= MOST:
+        if len(self._unwritten) >= MAX_KEPT_LINES:
             self._unwritten.popleft()
-            self._given_up += 1
+            self._lines_lost += 1
         self._unwritten.append((number, line))
 
-    def _forget(self) -> None:
+    def _drop_written(self) -> None:
         """Drop the lines that are written."""
         if self._file is not None and (there := self._file.written) is not None:
-            self._lifeline.written, self._lifeline.snapshots_kept = there
-        done = self._lifeline.written
+            self._link.written, self._link.snapshots_kept = there
+        done = self._link.written
         while done is not None and self._unwritten and self._unwritten[0][0] <= done.number:
             self._unwritten.popleft()
 
@@ -137,37 +137,37 @@ class RelaySink:
         """Continue the journal where the supervisor stopped, however much of it has reached the disk."""
         if self._file is not None or self._path is None:
             return
-        if self._ends is not None and not self._ends.end():
+        if self._ending_file is not None and not self._ending_file.request_close():
             return  # tried again with the next frame or line
-        self._ends = None
-        beside = self._path.with_name(self._path.name + SNAPSHOTS)
-        kept = self._lifeline.snapshots_kept
-        self._file = JournalFile(self._path, beside, unwritten=self._rest(), kept=kept)
+        self._ending_file = None
+        beside = self._path.with_name(self._path.name + SNAPSHOT_SUFFIX)
+        kept = self._link.snapshots_kept
+        self._file = JournalFile(self._path, beside, unwritten=self._unwritten_rest(), kept=kept)
 
-    def _rest(self) -> Unwritten:
-        self._forget()  # use the supervisor's last confirmation
-        return Unwritten(self._lifeline.log.header, self._lifeline.written or Written(), list(self._unwritten))
+    def _unwritten_rest(self) -> UnfinishedFile:
+        self._drop_written()  # use the supervisor's last confirmation
+        return UnfinishedFile(self._link.log.header, self._link.written or WriteProgress(), list(self._unwritten))
 
     def _write(self, line: str) -> None:
-        self._number = max(self._number, self._wire.taken) + 1
+        self._number = max(self._number, self._channel.sent) + 1
         self._keep(self._number, line)
         if self._file is not None:
             self._file.put(line, self._number)
         else:
             self._begin_file()
 
-    def _adopted(self) -> Unwritten:
+    def _on_adopted(self) -> UnfinishedFile:
         """Return the lines that the new supervisor has to write; some may reach the disk before this process stops
         writing."""
-        rest = self._rest()
-        self._adoption = True
-        self._ends, self._file = self._file or self._ends, None
+        rest = self._unwritten_rest()
+        self._adoption_pending = True
+        self._ending_file, self._file = self._file or self._ending_file, None
         self._unwritten = deque((0, line) for _, line in self._unwritten)
-        self._lifeline.written = replace(rest.written, number=-1)
+        self._link.written = replace(rest.written, number=-1)
         return rest
 
     def _seal(self) -> None:
-        while (taken := self._taken.get()) is not None:
+        while (taken := self._snapshot_queue.get()) is not None:
             try:
                 data = taken.seal()
             except Exception:  # drop this snapshot

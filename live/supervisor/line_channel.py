@@ -11,16 +11,16 @@ BUFFER: Final = 4 * 1024 * 1024
 """Requested size of the socket's buffers."""
 BACKLOG: Final = 256 * 1024 * 1024
 """Most bytes waiting to be sent before lines are dropped, because the peer has stopped reading."""
-LONGEST: Final = 64 * 1024 * 1024
+MAX_LINE_BYTES: Final = 64 * 1024 * 1024
 """Most bytes of a received line; a longer one violates the protocol."""
-PIECE: Final = 1 << 18
+CHUNK_BYTES: Final = 1 << 18
 
 
-class WireBroken(Exception):
+class ChannelError(Exception):
     """Received data violates the protocol."""
 
 
-class Wire:
+class LineChannel:
     """One end of a stream socket that carries lines.
 
     The peer receives a line once the system has accepted it, even if this process is killed at the next instruction.
@@ -29,61 +29,61 @@ class Wire:
 
     def __init__(self, sock: socket.socket, *, backlog: int = BACKLOG, longest: int | None = None) -> None:
         """`backlog`: most bytes waiting to be sent; `longest`: most bytes of a received line."""
-        _make_room(sock)
+        _prepare_socket(sock)
         self.socket = sock
         self.dropped = 0
         """Lines dropped because the peer is gone or has stopped reading."""
         self.ended = False
         """Whether the peer is gone."""
-        self.taken, self.heard = 0, 0
+        self.sent, self.received = 0, 0
         """Lines accepted for sending, and lines received and handed on: both ends use these counts to identify a line.
         """
-        self._waiting: deque[bytes] = deque()
-        self._waiting_bytes = 0
-        self._most, self._longest = backlog, LONGEST if longest is None else longest
-        self._part = bytearray()
+        self._pending: deque[bytes] = deque()
+        self._pending_bytes = 0
+        self._most, self._longest = backlog, MAX_LINE_BYTES if longest is None else longest
+        self._partial = bytearray()
 
-    def renew(self, sock: socket.socket) -> None:
+    def reconnect(self, sock: socket.socket) -> None:
         """Continue with another peer over another socket; everything not sent or read yet is dropped."""
         self.socket.close()
-        _make_room(sock)
+        _prepare_socket(sock)
         self.socket = sock
         self.ended = False
-        self.taken = self.heard = 0
-        self._waiting.clear()
-        self._waiting_bytes = 0
-        self._part.clear()
+        self.sent = self.received = 0
+        self._pending.clear()
+        self._pending_bytes = 0
+        self._partial.clear()
 
     @property
-    def behind(self) -> int:
+    def pending_bytes(self) -> int:
         """Bytes waiting to be sent."""
-        return self._waiting_bytes
+        return self._pending_bytes
 
     def fileno(self) -> int:
         """Return the socket's descriptor, for selectors."""
         return self.socket.fileno()
 
-    def put(self, line: str) -> None:
+    def send_line(self, line: str) -> None:
         """Send one line, without its line end; the part the system does not accept at once waits for `flush`."""
-        self._put((line + "\n").encode())
+        self._send_data((line + "\n").encode())
 
-    def tell(self, **values: Any) -> None:
+    def send_json(self, **values: Any) -> None:
         """Send one JSON object."""
-        self.put(json.dumps(values, separators=(",", ":")))
+        self.send_line(json.dumps(values, separators=(",", ":")))
 
     def flush(self) -> bool:
         """Send pending data as far as possible; return whether nothing is pending any more."""
-        while self._waiting and not self.ended:
-            data = self._waiting[0]
+        while self._pending and not self.ended:
+            data = self._pending[0]
             sent = self._send(data)
-            self._waiting_bytes -= sent
+            self._pending_bytes -= sent
             if sent < len(data):
-                self._waiting[0] = data[sent:]
+                self._pending[0] = data[sent:]
                 break
-            self._waiting.popleft()
-        return not self._waiting
+            self._pending.popleft()
+        return not self._pending
 
-    def lines(self) -> list[str]:
+    def read_lines(self) -> list[str]:
         """Return the complete lines that have arrived; never waits. After the last one `ended` may be true."""
         found: list[str] = []
         got = 0
@@ -92,16 +92,16 @@ class Wire:
                 self.ended = True
                 break
             got += len(data)
-            self._part += data
+            self._partial += data
             if b"\n" in data:
-                *whole, rest = bytes(self._part).split(b"\n")
-                self._part = bytearray(rest)
+                *whole, rest = bytes(self._partial).split(b"\n")
+                self._partial = bytearray(rest)
                 found += [line.decode("utf-8", "replace") for line in whole]
-            if len(self._part) > self._longest:
-                raise WireBroken(f"a line of more than {self._longest} bytes")
+            if len(self._partial) > self._longest:
+                raise ChannelError(f"a line of more than {self._longest} bytes")
         return found
 
-    def part(self, seconds: float) -> None:
+    def drain_and_close(self, seconds: float) -> None:
         """Send pending data, wait until the peer has read it, at most `seconds`, and close this end.
 
         Closing at once would reset the connection of a peer that still sends, and it would lose unread lines.
@@ -112,7 +112,7 @@ class Wire:
             self.socket.shutdown(socket.SHUT_WR)
             while (left := deadline - time.monotonic()) > 0.0:
                 self.socket.settimeout(left)
-                if not self.socket.recv(PIECE):
+                if not self.socket.recv(CHUNK_BYTES):
                     break
         self.close()
 
@@ -121,25 +121,25 @@ class Wire:
         self.ended = True
         self.socket.close()
 
-    def _put(self, data: bytes) -> None:
-        if self.ended or self._waiting_bytes + len(data) > self._most:
+    def _send_data(self, data: bytes) -> None:
+        if self.ended or self._pending_bytes + len(data) > self._most:
             self.dropped += 1
             return
-        self.taken += 1
+        self.sent += 1
         if self.flush():
             sent = self._send(data)
             data = data[sent:]
         if data and not self.ended:
-            self._waiting.append(data)
-            self._waiting_bytes += len(data)
+            self._pending.append(data)
+            self._pending_bytes += len(data)
 
     def _receive(self, got: int) -> bytes | None:
         """Return received data; None if nothing is pending, empty if the peer is gone. `got`: bytes so far in this
         call."""
-        if got % PIECE:
+        if got % CHUNK_BYTES:
             return None
         try:
-            return self.socket.recv(PIECE)
+            return self.socket.recv(CHUNK_BYTES)
         except (BlockingIOError, InterruptedError):
             return None
         except OSError:
@@ -155,7 +155,7 @@ class Wire:
             return 0
 
 
-def _make_room(sock: socket.socket) -> None:
+def _prepare_socket(sock: socket.socket) -> None:
     sock.setblocking(False)
     for which in (socket.SO_SNDBUF, socket.SO_RCVBUF):
         with contextlib.suppress(OSError):

@@ -17,28 +17,28 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from live.supervisor.heartbeat import Heartbeat, Phase
-from live.supervisor.line_channel import Wire
-from live.supervisor.process import Child, Starter
+from live.supervisor.line_channel import LineChannel
+from live.supervisor.process import Child, ProcessManager
 from live.supervisor.restart_policy import Backoff
-from live.supervisor.supervisor_link import Lifeline, nobody_left
+from live.supervisor.supervisor_link import SupervisorLink, is_abandoned
 
-ADOPT: Final = 36
+PR_SET_CHILD_SUBREAPER: Final = 36
 """PR_SET_CHILD_SUBREAPER."""
-WITHIN: Final = 1.0
+FORK_TIMEOUT: Final = 1.0
 """Seconds for a fork on a quiet machine; a fork takes some hundredths. The limit grows with the slow-down ..."""
-WITHIN_MOST: Final = 4.0
+MAX_FORK_TIMEOUT: Final = 4.0
 """... up to this one, because the supervisor waits for it."""
-ROOM: Final = 2.5
+MEMORY_FACTOR: Final = 2.5
 """Free memory required to start it, as a multiple of an engine's memory: it needs about as much as an engine."""
 PAUSE: Final = 0.002
-TIRED: Final = 3
+MAX_DEATHS: Final = 3
 """Number of its own deaths after which engines start without it."""
 
 
-def adopts() -> bool:
+def become_subreaper() -> bool:
     """Make this process the parent of descendants that lose their own; False if the system does not support it."""
     with contextlib.suppress(OSError, AttributeError):
-        return bool(ctypes.CDLL(None).prctl(ADOPT, 1, 0, 0, 0) == 0)
+        return bool(ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0) == 0)
     return False
 
 
@@ -51,7 +51,7 @@ def free_memory() -> int:
     return 0
 
 
-class Born:
+class ForkedProcess:
     """Adopted child process with the interface of `subprocess.Popen`."""
 
     def __init__(self, pid: int) -> None:
@@ -84,18 +84,18 @@ class Born:
             os.kill(self.pid, number)
 
 
-class Nursery:
+class PreforkProcess:
     """The supervisor's handle on the prefork process. Thread: the supervisor's."""
 
-    def __init__(self, starter: Starter) -> None:
+    def __init__(self, starter: ProcessManager) -> None:
         self._starter = starter
-        self._able = adopts()
+        self._able = become_subreaper()
         self._stopped: list[Child] = []
         self._deaths = 0
-        self._backoff, self._begin_at = Backoff(first=5.0), 0.0
+        self._backoff, self._next_start = Backoff(first=5.0), 0.0
         self.child: Child | None = None
 
-    def begin(
+    def ensure_started(
         self, command: Sequence[str], brief: dict[str, Any], inherit: dict[str, int], engine: Callable[[], int]
     ) -> bool:
         """Start it if none runs and there is memory for it next to an engine; return whether one runs.
@@ -104,15 +104,15 @@ class Nursery:
         """
         if self.child is not None:
             return True
-        early = time.monotonic() < self._begin_at
-        if early or not self._able or self._deaths >= TIRED or free_memory() < ROOM * engine():
+        early = time.monotonic() < self._next_start
+        if early or not self._able or self._deaths >= MAX_DEATHS or free_memory() < MEMORY_FACTOR * engine():
             return False
         try:
             self.child = self._starter.start("nursery", command, lambda line: None, *inherit.values())
         except OSError:  # no resources for one now
-            self._stand_back()
+            self._postpone()
             return False
-        self.child.wire.tell(alive="nursery", **brief, **inherit)
+        self.child.channel.send_json(alive="nursery", **brief, **inherit)
         return True
 
     @property
@@ -121,37 +121,37 @@ class Nursery:
         child = self.child
         return child is not None and child.phase is Phase.WAITING and child.process.poll() is None
 
-    def look(self) -> None:
+    def update(self) -> None:
         """Clean up after it if it has died."""
         for child in (*self._stopped, *([] if self.child is None else [self.child])):
-            child.wire.flush()
+            child.channel.flush()
             if child.process.poll() is not None:
-                self._starter.forget(child.wire)
+                self._starter.unregister(child.channel)
                 child.end()
                 self._stopped = [other for other in self._stopped if other is not child]
                 if child is self.child:
                     self.child, self._deaths = None, self._deaths + 1
-                    self._stand_back()
+                    self._postpone()
 
-    def _stand_back(self) -> None:
+    def _postpone(self) -> None:
         """Postpone the next start."""
         now = time.monotonic()
-        self._begin_at = now + self._backoff.after(now)
+        self._next_start = now + self._backoff.next_delay(now)
 
-    def bear(self, wire: int, heart: int) -> Born:
+    def fork_engine(self, wire: int, heart: int) -> ForkedProcess:
         """Fork another engine, which inherits these two descriptors; OSError if none starts."""
         child = self.child
         if child is None:
             raise OSError("there is no prefork process")
         try:
-            socket.send_fds(child.wire.socket, [b"+"], [wire, heart])
-            patience = min(WITHIN * self._starter.load.slowdown, WITHIN_MOST)
-            select.select([child.wire.socket], [], [], patience)
-            lines = child.wire.lines()
-            return Born(int(lines[0]))
+            socket.send_fds(child.channel.socket, [b"+"], [wire, heart])
+            patience = min(FORK_TIMEOUT * self._starter.load.slowdown, MAX_FORK_TIMEOUT)
+            select.select([child.channel.socket], [], [], patience)
+            lines = child.channel.read_lines()
+            return ForkedProcess(int(lines[0]))
         except (OSError, ValueError, IndexError):
             self.stop()
-            self._stand_back()
+            self._postpone()
             raise OSError("the prefork process does not answer") from None
 
     def stop(self) -> None:
@@ -169,28 +169,28 @@ class Nursery:
         self._stopped.clear()
 
 
-def wait_to_be_born(nursery: Lifeline) -> Lifeline | None:
+def serve_forks(link: SupervisorLink) -> SupervisorLink | None:
     """Wait in the prefork process and fork whenever the supervisor asks.
 
     Returns in each forked engine with that engine's own supervisor link, and in the prefork process itself with None
     once supervisor and parent have gone.
     """
-    sock = nursery.wire.socket
-    while not nobody_left(nursery):
-        nursery.beat(0, Phase.WAITING)
-        if not select.select([sock], [], [], WITHIN)[0]:
+    sock = link.channel.socket
+    while not is_abandoned(link):
+        link.beat(0, Phase.WAITING)
+        if not select.select([sock], [], [], FORK_TIMEOUT)[0]:
             continue
         word, descriptors, _, _ = socket.recv_fds(sock, 1, 2)
         if not word or len(descriptors) != 2:
             return None
         pid = _fork_twice()
         if not pid:
-            nursery.wire.close()
-            nursery.heart.close()
-            return Lifeline(Wire(socket.socket(fileno=descriptors[0])), Heartbeat(descriptors[1]))
+            link.channel.close()
+            link.heartbeat.close()
+            return SupervisorLink(LineChannel(socket.socket(fileno=descriptors[0])), Heartbeat(descriptors[1]))
         for descriptor in descriptors:
             os.close(descriptor)
-        nursery.wire.put(str(pid))
+        link.channel.send_line(str(pid))
     return None
 
 

@@ -12,12 +12,12 @@ from dataclasses import dataclass, field
 from typing import Final, Protocol
 
 from live.supervisor.heartbeat import Heartbeat, Phase
-from live.supervisor.line_channel import Wire, WireBroken
-from live.supervisor.process_stats import machine, stat_of, usage_of
+from live.supervisor.line_channel import ChannelError, LineChannel
+from live.supervisor.process_stats import read_machine, stat_of, usage_of
 from live.supervisor.restart_policy import Backoff
 from live.supervisor.watchdog import MachineLoad, Verdict, Watchdog
 
-CODE: Final = 49
+EXIT_CODE_INDEX: Final = 49
 """Index of the exit code among the words of /proc/PID/stat after the name: field 52 of proc(5)."""
 
 
@@ -52,7 +52,7 @@ class Child:
         command: Sequence[str],
         *,
         inherit: Sequence[int] = (),
-        born: Callable[[int, int], Process] | None = None,
+        spawn: Callable[[int, int], Process] | None = None,
     ) -> None:
         """Start `command`, with the descriptors of its channel and its heartbeat as two more arguments.
 
@@ -60,28 +60,28 @@ class Child:
         those two descriptors. OSError if it cannot be started.
         """
         self.role = role
-        self.heart = Heartbeat()
-        self.watch = Watchdog()
+        self.heartbeat = Heartbeat()
+        self.watchdog = Watchdog()
         try:
             mine, theirs = socket.socketpair()
         except OSError:
-            self.heart.close()
+            self.heartbeat.close()
             raise
-        self.wire = Wire(mine)
+        self.channel = LineChannel(mine)
         self.process: Process
         try:
-            if born is not None:
-                self.process = born(theirs.fileno(), self.heart.descriptor)
+            if spawn is not None:
+                self.process = spawn(theirs.fileno(), self.heartbeat.descriptor)
             else:
                 self.process = subprocess.Popen(
-                    [*command, str(theirs.fileno()), str(self.heart.descriptor)],
+                    [*command, str(theirs.fileno()), str(self.heartbeat.descriptor)],
                     stdin=subprocess.DEVNULL,
-                    pass_fds=(theirs.fileno(), self.heart.descriptor, *inherit),
+                    pass_fds=(theirs.fileno(), self.heartbeat.descriptor, *inherit),
                     start_new_session=True,
                 )
         except OSError:
-            self.wire.close()
-            self.heart.close()
+            self.channel.close()
+            self.heartbeat.close()
             raise
         finally:
             theirs.close()
@@ -90,27 +90,27 @@ class Child:
         """Whether it was killed, even if it has not ended yet."""
 
     @classmethod
-    def adopted(cls, role: str, wire: Wire, heart: Heartbeat, process: Process) -> "Child":
+    def adopted(cls, role: str, channel: LineChannel, heartbeat: Heartbeat, process: Process) -> "Child":
         """Make one for a process that already runs and that another supervisor started."""
         child = cls.__new__(cls)
-        child.role, child.wire, child.heart, child.process = role, wire, heart, process
-        child.watch, child.started, child.killed = Watchdog(), time.monotonic(), False
+        child.role, child.channel, child.heartbeat, child.process = role, channel, heartbeat, process
+        child.watchdog, child.started, child.killed = Watchdog(), time.monotonic(), False
         return child
 
     @property
     def phase(self) -> Phase:
         """The phase it reports."""
-        return self.heart.phase
+        return self.heartbeat.phase
 
     def hangs(self, now: float, slowdown: float) -> bool:
         """Whether it has given no sign of life for too long; `slowdown`: of the machine.
 
         A process that starts or waits need not send heartbeats, but every process must within a tick.
         """
-        if self.phase is not Phase.RUNNING and not self.heart.running[1]:
+        if self.phase is not Phase.RUNNING and not self.heartbeat.running[1]:
             return False
         process = self.process.pid
-        return self.watch.look(now, self.heart.last, lambda: usage_of(process), slowdown) is Verdict.HUNG
+        return self.watchdog.update(now, self.heartbeat.last, lambda: usage_of(process), slowdown) is Verdict.HUNG
 
     def memory(self) -> int:
         """Return its resident bytes; 0 if the system does not report them."""
@@ -120,7 +120,7 @@ class Child:
         except (OSError, ValueError, IndexError):
             return 0
 
-    def gone(self) -> int | None:
+    def exit_code(self) -> int | None:
         """Return its exit code (negative: the signal) once its main thread is dead; None before.
 
         A killed process is not over for the system until all its threads have ended: a driver's thread of low priority
@@ -132,10 +132,10 @@ class Child:
         with contextlib.suppress(ValueError, IndexError):
             words = stat_of(self.process.pid)
             if words and words[0] == "Z":
-                return os.waitstatus_to_exitcode(int(words[CODE]))
+                return os.waitstatus_to_exitcode(int(words[EXIT_CODE_INDEX]))
         return None
 
-    def ends(self, within: float) -> bool:
+    def wait_for_end(self, within: float) -> bool:
         """Wait up to `within` seconds for its end; return whether it ended."""
         try:
             self.process.wait(within)
@@ -159,7 +159,7 @@ class Child:
 
     def end(self, *, within: float = 2.0) -> int:
         """Close its channel, wait, and kill it if needed; return its exit code (negative: the signal)."""
-        self.wire.close()
+        self.channel.close()
         try:
             code = self.process.wait(within)
         except subprocess.TimeoutExpired:
@@ -169,12 +169,12 @@ class Child:
             except subprocess.TimeoutExpired:
                 code = -signal.SIGKILL
         with contextlib.suppress(ValueError, OSError):
-            self.heart.close()
+            self.heartbeat.close()
         return code
 
 
 @dataclass(slots=True)
-class Side:
+class AuxiliaryProcess:
     """An auxiliary process (audio, OSC reader or fallback window) that is restarted when it dies, with back-off.
 
     Thread: the supervisor's.
@@ -188,7 +188,7 @@ class Side:
     _backoff: Backoff = field(default_factory=lambda: Backoff(free=3, first=5.0, settled=30.0))
     _start_at: float | None = None
 
-    def look(self, now: float, slowdown: float) -> None:
+    def update(self, now: float, slowdown: float) -> None:
         """Restart it if it has died or hangs. One that ended with code 0 is not restarted: it has nothing to do here.
 
         `slowdown`: of the machine.
@@ -202,12 +202,12 @@ class Side:
         if not child.killed and child.hangs(now, slowdown):
             child.kill()
         if child.process.poll() is None:
-            child.wire.flush()
+            child.channel.flush()
             return
         role, code, self.child = child.role, child.end(), None
         if code == 0:
             return
-        wait = self._backoff.after(now)
+        wait = self._backoff.next_delay(now)
         self._start_at = now + wait
         when = f" again; it is started once more in {wait:.0f} s" if wait else "; it is started again"
         self.say(f"the {role} process ended{when}")
@@ -218,7 +218,7 @@ class Side:
         try:
             self.child = self.start()
         except OSError:
-            self._start_at = now + max(self._backoff.after(now), 1.0)
+            self._start_at = now + max(self._backoff.next_delay(now), 1.0)
 
     def close(self) -> None:
         """End it."""
@@ -231,88 +231,90 @@ class Side:
 
 ROUND: Final = 0.02
 """Seconds of a round: between two checks of the heartbeats."""
-SLEPT: Final = 0.5
+MAX_ROUND: Final = 0.5
 """In a round longer than this [s] this process itself did not run."""
 
 READ_EVERY: Final = 0.25
 """Seconds between two readings of the machine's load."""
 
-Hear = Callable[[str], None]
+LineHandler = Callable[[str], None]
 
 
-class Starter:
+class ProcessManager:
     """Starts processes and reads all channels in one selector. Thread: the supervisor's."""
 
     def __init__(self) -> None:
         self.selector = selectors.DefaultSelector()
-        self.awake = time.monotonic()
+        self.last_stall = time.monotonic()
         """When this process itself last stalled: silence before that does not mean death."""
         self.load = MachineLoad(ROUND)
         """Load of the machine."""
         self._read_at = 0.0
-        self.meanwhile: Callable[[float], None] = lambda now: None
+        self.on_drain: Callable[[float], None] = lambda now: None
         """Called while a channel is drained, so that other machines do not take the wait for silence."""
 
-    def turn(self) -> float:
+    def poll(self) -> float:
         """Read what arrives within a round; return the time [s, monotonic]."""
         before = time.monotonic()
         ready = self.selector.select(ROUND)
         woken = time.monotonic()
-        self.load.woke(max(woken - before - ROUND, 0.0), woken - before)
+        self.load.record_wakeup(max(woken - before - ROUND, 0.0), woken - before)
         for key, _ in ready:
             key.data()
         now = time.monotonic()
-        if now - before > SLEPT:
-            self.awake = now
+        if now - before > MAX_ROUND:
+            self.last_stall = now
         if now >= self._read_at:
             self._read_at = now + READ_EVERY
-            self.load.read(now, machine())
+            self.load.record_reading(now, read_machine())
         return now
 
     def start(
         self,
         role: str,
         command: Sequence[str],
-        hear: Hear,
+        on_line: LineHandler,
         *inherit: int,
-        born: Callable[[int, int], Process] | None = None,
+        spawn: Callable[[int, int], Process] | None = None,
     ) -> Child:
         """Start a process (see `Child`); `hear` gets every line it sends."""
-        child = Child(role, command, inherit=inherit, born=born)
-        self.listen(child.wire, hear, child.kill)
+        child = Child(role, command, inherit=inherit, spawn=spawn)
+        self.register(child.channel, on_line, child.kill)
         return child
 
-    def listen(self, wire: Wire, hear: Hear, broken: Callable[[], None] = lambda: None) -> None:
+    def register(
+        self, channel: LineChannel, on_line: LineHandler, on_broken: Callable[[], None] = lambda: None
+    ) -> None:
         """Read a channel until it ends; `broken` is called if the data violates the protocol."""
 
         def read() -> None:
             try:
-                lines = wire.lines()
-            except WireBroken:
-                lines, wire.ended = [], True
-                broken()
-            if wire.ended:
-                self.forget(wire)
+                lines = channel.read_lines()
+            except ChannelError:
+                lines, channel.ended = [], True
+                on_broken()
+            if channel.ended:
+                self.unregister(channel)
             for line in lines:
-                wire.heard += 1
-                hear(line)
+                channel.received += 1
+                on_line(line)
 
-        self.selector.register(wire.socket, selectors.EVENT_READ, read)
+        self.selector.register(channel.socket, selectors.EVENT_READ, read)
 
-    def forget(self, wire: Wire) -> None:
+    def unregister(self, channel: LineChannel) -> None:
         """Stop reading a channel; harmless if it is not read."""
-        if wire.fileno() >= 0 and wire.socket in self.selector.get_map():
-            self.selector.unregister(wire.socket)
+        if channel.fileno() >= 0 and channel.socket in self.selector.get_map():
+            self.selector.unregister(channel.socket)
 
-    def hear_rest(self, wire: Wire, within: float, *, dead: bool = False) -> None:
+    def drain(self, channel: LineChannel, within: float, *, dead: bool = False) -> None:
         """Read a channel to its end, because the last lines count however the process ended. `dead`: the process has
         ended, so one round reads all there is."""
         if dead:
-            self.turn()
+            self.poll()
             return
         deadline = time.monotonic() + within
-        while not wire.ended and time.monotonic() < deadline:
-            self.meanwhile(self.turn())
+        while not channel.ended and time.monotonic() < deadline:
+            self.on_drain(self.poll())
 
     def close(self) -> None:
         """Close the selector."""

@@ -51,7 +51,7 @@ def _run_and_delay(process: int, thread: int) -> tuple[float, float] | None:
     return None
 
 
-def machine() -> MachineReading:
+def read_machine() -> MachineReading:
     """Return the machine's runnable threads and its stalls for processors, memory and disks."""
     runnable = None
     with contextlib.suppress(OSError, ValueError, IndexError), open("/proc/loadavg", encoding="ascii") as file:
@@ -91,11 +91,11 @@ class Reaper:
 
     def __init__(self) -> None:
         self._look_at = 0.0
-        self._seen: dict[int, float] = {}
+        self._dead_since: dict[int, float] = {}
         self.count = 0
         """Processes reaped here."""
 
-    def look(self, now: float) -> None:
+    def update(self, now: float) -> None:
         """Reap children that have been dead for longer than `GRACE`; `now` [s]."""
         if now < self._look_at:
             return
@@ -104,8 +104,8 @@ class Reaper:
             dead = os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
         except ChildProcessError:
             dead = False
-        self._seen = {process: self._seen.get(process, now) for process in zombies()} if dead else {}
-        for process, since in self._seen.items():
+        self._dead_since = {process: self._dead_since.get(process, now) for process in zombies()} if dead else {}
+        for process, since in self._dead_since.items():
             if now - since > GRACE:
                 with contextlib.suppress(ChildProcessError):
                     self.count += os.waitpid(process, os.WNOHANG)[0] == process

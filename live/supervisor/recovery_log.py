@@ -10,19 +10,19 @@ from pathlib import Path
 from typing import Any, Final
 
 from live.base.fault_isolation import run_once
-from live.show.journal.journal_writer import SNAPSHOTS, JournalFile, Unwritten, Written, keep_aside
-from live.show.journal.skipped_events import LEFT_OUT, SINCE, without_the_last
+from live.show.journal.journal_writer import SNAPSHOT_SUFFIX, JournalFile, UnfinishedFile, WriteProgress, move_aside
+from live.show.journal.skipped_events import SINCE_KEY, SKIPPED_KEY, drop_last_events
 
-CHANGES: Final = ("PatchChanged", "StepsAdded", "StepsChanged")
+PATCH_EVENTS: Final = ("PatchChanged", "StepsAdded", "StepsChanged")
 """Events after which a snapshot can be read only by a process that has applied them."""
 TICK: Final = '{"tick":'
-FRONT: Final = 48
+KEY_WITHIN: Final = 48
 """The second key of a line begins within this many characters."""
-READ: Final = (*CHANGES, '"snapshot"', f'"{LEFT_OUT}"', '"end"')
+PARSED_WORDS: Final = (*PATCH_EVENTS, '"snapshot"', f'"{SKIPPED_KEY}"', '"end"')
 """Lines that contain one of these are parsed."""
 
 
-class Log:
+class RecoveryLog:
     """Keeps the journal lines of a running show that are needed to resume it, and no more.
 
     Without snapshots these are all lines (about 3 MB an hour). Once patch or steps have changed, the last snapshot from
@@ -41,7 +41,7 @@ class Log:
         self._changed = False
         self._lines: list[tuple[int, str]] = []
 
-    def take(self, line: str) -> bool:
+    def add_line(self, line: str) -> bool:
         """Add one line of the show; return whether it belongs into the journal on disk. Lines that are no JSON are
         refused."""
         try:
@@ -58,9 +58,9 @@ class Log:
         tick = value.get("tick")
         if not isinstance(tick, int):
             return False
-        return self._take(value, tick, line)
+        return self._add_value(value, tick, line)
 
-    def note(self, line: str) -> None:
+    def add_own_line(self, line: str) -> None:
         """Add one line written by this process, compact and in order, without parsing it.
 
         A line that holds only a tick is not passed here: set `tick` instead.
@@ -69,44 +69,48 @@ class Log:
             self.header = self.header or line
             return
         end = line.find(",", len(TICK))
-        if not line.startswith(TICK) or not line[len(TICK) : end].isdigit() or any(name in line for name in READ):
-            self.take(line)
+        if (
+            not line.startswith(TICK)
+            or not line[len(TICK) : end].isdigit()
+            or any(name in line for name in PARSED_WORDS)
+        ):
+            self.add_line(line)
             return
         tick = int(line[len(TICK) : end])
         self.tick = max(self.tick, tick)
-        event = line.find('"event"', 0, FRONT) >= 0
+        event = line.find('"event"', 0, KEY_WITHIN) >= 0
         self.events += event
-        self.measures += not event and '"measure"' in line[:FRONT]
+        self.measures += not event and '"measure"' in line[:KEY_WITHIN]
         self._lines.append((tick, line))
 
-    def _take(self, value: dict[str, Any], tick: int, line: str) -> bool:
+    def _add_value(self, value: dict[str, Any], tick: int, line: str) -> bool:
         if "snapshot" in value:
             if not self._changed:
                 self._snapshot = line
                 self._lines = [one for one in self._lines if one[0] > tick or (one[0] == tick and '"event"' in one[1])]
             return True
         self.tick = max(self.tick, tick)
-        if isinstance(since := value.get(SINCE), int):  # a show resumed from here reruns everything since
+        if isinstance(since := value.get(SINCE_KEY), int):  # a show resumed from here reruns everything since
             self._lines = [one for one in self._lines if one[0] <= since or '"measure"' not in one[1]]
-            value = {key: each for key, each in value.items() if key != SINCE} | {"tick": since}
+            value = {key: each for key, each in value.items() if key != SINCE_KEY} | {"tick": since}
             place = sum(one[0] <= since for one in self._lines)
             self._lines.insert(place, (since, json.dumps(value, separators=(",", ":"))))
             return True
-        if LEFT_OUT in value:  # a show resumed from here skips them, too
-            self._lines = without_the_last(self._lines, value[LEFT_OUT])
+        if SKIPPED_KEY in value:  # a show resumed from here skips them, too
+            self._lines = drop_last_events(self._lines, value[SKIPPED_KEY])
             return True
         if len(value) == 1:
             return False
         if "event" in value:
             self.events += 1
             event = value["event"]
-            self._changed = self._changed or (isinstance(event, dict) and event.get("type") in CHANGES)
+            self._changed = self._changed or (isinstance(event, dict) and event.get("type") in PATCH_EVENTS)
         self.measures += "measure" in value
         if not value.get("end"):
             self._lines.append((tick, line))
         return True
 
-    def since(self) -> Iterator[str]:
+    def replay_lines(self) -> Iterator[str]:
         """Yield all lines that a follower needs, in order; the last one holds the current tick."""
         if not self.header:
             return
@@ -117,12 +121,12 @@ class Log:
         yield json.dumps({"tick": self.tick})
 
 
-HELD: Final = 65536
+MAX_HELD_LINES: Final = 65536
 """Most lines that wait while an engine still writes the journal itself; more are dropped and counted."""
 
 
 @dataclass(frozen=True, slots=True)
-class Sealed:
+class SealedSnapshot:
     """A snapshot received from the engine."""
 
     data: bytes
@@ -132,49 +136,49 @@ class Sealed:
         return self.data
 
 
-class Disk:
+class JournalDisk:
     """Writes the journal. Its file is opened with the first line, so a start that fails keeps an old journal."""
 
     def __init__(self, path: Path | None, say: Callable[[str], None] = lambda line: None) -> None:
         """`path`: the journal; None: none. `say`: prints what the person has to know at once."""
         self._path, self._say = path, say
-        self._place = path
+        self._first_path = path
         self._refused = 0
         self._wanted = path is not None
         self._file: JournalFile | None = None
         self._notes: list[str] = []
-        self._due: Unwritten | None = None
+        self._to_resume: UnfinishedFile | None = None
         self._held: list[tuple[int, str]] = []
         self._kept = 0
 
-    def go_on(self, unwritten: Unwritten, kept: int) -> None:
+    def prepare_resume(self, unwritten: UnfinishedFile, kept: int) -> None:
         """Prepare to continue an existing journal once `resume` is called; until then an engine may still write it.
 
         `kept`: bytes of the snapshot file that stay.
         """
-        self._due, self._kept = unwritten, kept
+        self._to_resume, self._kept = unwritten, kept
 
     def resume(self) -> None:
         """Start writing: no other process writes the journal any more."""
-        due, self._due = self._due, None
+        due, self._to_resume = self._to_resume, None
         if due is None or self._path is None:
             return
         path, self._path = self._path, None
         lines = [*due.lines, *((number, line) for number, line in self._held if not _is_snapshot(line))]
         self._file = JournalFile(
-            path, path.with_name(path.name + SNAPSHOTS), unwritten=replace(due, lines=lines), kept=self._kept
+            path, path.with_name(path.name + SNAPSHOT_SUFFIX), unwritten=replace(due, lines=lines), kept=self._kept
         )
         for _, line in self._held:
             if _is_snapshot(line):
-                self.put(line)
+                self.write(line)
         self._held = []
 
-    def put(self, line: str, number: int = 0) -> None:
+    def write(self, line: str, number: int = 0) -> None:
         """Write one line, without its line end; never waits. `number`: identifies the line in `written`."""
         if self._file is not None and line.startswith('{"journal"'):
-            self._begin_anew(self._file)
-        if self._due is not None and self._path is not None:
-            if len(self._held) < HELD:
+            self._begin_next(self._file)
+        if self._to_resume is not None and self._path is not None:
+            if len(self._held) < MAX_HELD_LINES:
                 self._held.append((number, line))
             else:
                 self._refused += 1
@@ -185,12 +189,12 @@ class Disk:
             self._refused += self._wanted
             return
         if _is_snapshot(line):
-            self._file.snapshot(Sealed(base64.b64decode(json.loads(line)["snapshot"])))
+            self._file.snapshot(SealedSnapshot(base64.b64decode(json.loads(line)["snapshot"])))
         else:
             self._file.put(line, number)
 
     @property
-    def written(self) -> tuple[Written, int] | None:
+    def written(self) -> tuple[WriteProgress, int] | None:
         """The last line written and the bytes of snapshots that stay; None until that is known."""
         return None if self._file is None else self._file.written
 
@@ -210,18 +214,18 @@ class Disk:
                 self._notes.append(f"{dropped} lines of the journal could not be written: a replay leaves a gap")
         return self._notes
 
-    def _begin_anew(self, file: JournalFile) -> None:
+    def _begin_next(self, file: JournalFile) -> None:
         """Start the journal of another show, which this machine follows; the previous journal is kept under another
         name."""
-        self._file, self._path = None, self._place
+        self._file, self._path = None, self._first_path
         ending = partial(run_once, "the end of the journal before", file.close)
         threading.Thread(target=ending, name="journal", daemon=True).start()  # it may wait for the disk
 
     def _open(self, path: Path) -> None:
         self._path = None
         try:
-            kept = keep_aside(path)
-            self._file = JournalFile(path, path.with_name(path.name + SNAPSHOTS))
+            kept = move_aside(path)
+            self._file = JournalFile(path, path.with_name(path.name + SNAPSHOT_SUFFIX))
         except OSError as error:
             self._say(f"the journal {path} cannot be written: {error.strerror}; the show goes on without it")
             return

@@ -7,7 +7,7 @@ LATE_AFTER: Final = 0.5
 """Seconds without a heartbeat after which a process counts as late."""
 HANGS_AFTER: Final = 2.0
 """Seconds of its own without a heartbeat after which a process is killed and replaced; see `watchdog.py`."""
-CEILING: Final = 20.0
+MAX_SILENCE: Final = 20.0
 """Seconds without a heartbeat after which it is killed, however slow the machine is."""
 SETTLED: Final = 60.0
 """A process that has run for so many seconds has got over any problem at its start."""
@@ -24,7 +24,7 @@ class RestartLimit:
         self.count = 0
         """Restarts since the start."""
 
-    def note(self, now: float) -> bool:
+    def record(self, now: float) -> bool:
         """Record a restart at `now` [s]; return True if the limit had been reached before it."""
         full = len(self._last) == self._last.maxlen and now - self._last[0] < self._seconds
         self._last.append(now)
@@ -44,7 +44,7 @@ class Backoff:
         self._count = 0
         self._due: float | None = None
 
-    def after(self, now: float) -> float:
+    def next_delay(self, now: float) -> float:
         """Record an end at `now` [s]; return the seconds until the next start."""
         if self._due is not None and now - self._due > self._settled:
             self._count = 0

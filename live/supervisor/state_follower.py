@@ -10,22 +10,22 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
-from live.base.compression import unpacked
+from live.base.compression import decompress_text
 from live.clock.ticks import TICK
 from live.control.events.event_json import event_from_json
 from live.control.events.events import ControlEvent, PatchChanged, SetLatency, StepsAdded, StepsChanged, TicksSkipped
-from live.show.journal.replay import ReplayError, loaded_of
-from live.show.journal.skipped_events import LEFT_OUT, can_be_left_out
+from live.show.journal.replay import ReplayError, load_from_header
+from live.show.journal.skipped_events import SKIPPED_KEY, can_be_skipped
 from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
 from live.show.selection.graph_update import library_hash
-from live.show.show import Show, act
+from live.show.show import Show, apply_safely
 from live.show.state.snapshot import SnapshotError, restore
 from live.supervisor.heartbeat import Heartbeat
-from live.supervisor.recovery_log import Log
-from live.supervisor.supervisor_link import in_words
+from live.supervisor.recovery_log import RecoveryLog
+from live.supervisor.supervisor_link import describe_error
 
-ARRIVALS: Final = 256
+MAX_ARRIVALS: Final = 256
 """Ticks whose arrival is remembered: some seconds, in which clocks do not drift apart."""
 Line = dict[str, Any]
 
@@ -34,24 +34,24 @@ class TickFailed(Exception):
     """A tick ended in an error: the show's state is no longer valid."""
 
     def __init__(self, tick: int, stage: int, error: Exception) -> None:
-        super().__init__(f"tick {tick}: {in_words(error)}")
-        self.tick, self.stage, self.why = tick, stage, in_words(error)
+        super().__init__(f"tick {tick}: {describe_error(error)}")
+        self.tick, self.stage, self.why = tick, stage, describe_error(error)
 
 
-class Following:
-    """Replays the lines of a show (`Log.since` and later ones).
+class StateFollower:
+    """Replays the lines of a show (`RecoveryLog.since` and later ones).
 
     `advance` leaves the lines after the last measure line to `recover` (`recovery.py`), so that an event that kills one
     engine does not kill the spare as well. A state that differs from the original's is counted, and the next snapshot
     corrects it. Thread: one.
     """
 
-    def __init__(self, loaded: LoadedShow, *, heart: Heartbeat | None = None) -> None:
+    def __init__(self, loaded: LoadedShow, *, heartbeat: Heartbeat | None = None) -> None:
         """`heart`: of this process; shows beats and the running tick and stage during long runs."""
         self._first = self._loaded = loaded
-        self._heart, self._log = heart, Log()
-        self._waiting: deque[Line] = deque()
-        self._since: deque[Line] = deque()  # lines since the last snapshot, for a repair
+        self._heartbeat, self._log = heartbeat, RecoveryLog()
+        self._pending: deque[Line] = deque()
+        self._since_snapshot: deque[Line] = deque()  # lines since the last snapshot, for a repair
         self._measures = 0
         self.header: Line = {}
         self.show: Show | None = None
@@ -63,14 +63,14 @@ class Following:
         """Why the last snapshot could not be used; empty if it could."""
         self.latencies: dict[str, float] = {}
         """Latencies that were changed by hand [s]."""
-        self._arrivals: deque[float] = deque(maxlen=ARRIVALS)
-        self._hash: tuple[int, str] = (0, "")
-        self._astray = self._stuck = False
+        self._arrivals: deque[float] = deque(maxlen=MAX_ARRIVALS)
+        self._last_measure: tuple[int, str] = (0, "")
+        self._diverged = self._stuck = False
 
     @property
     def ready(self) -> bool:
         """Whether this show is verified: a state was compared, and the last comparison found no difference."""
-        return self.show is not None and self.compared > 0 and not (self._astray or self._stuck or self._waiting)
+        return self.show is not None and self.compared > 0 and not (self._diverged or self._stuck or self._pending)
 
     @property
     def origin(self) -> float:
@@ -78,12 +78,12 @@ class Following:
         return float(self.header["origin"])
 
     @property
-    def begun(self) -> float | None:
+    def music_start(self) -> float | None:
         """When the music began [s of the show]; None if none plays or the show listens."""
         begun = self.header.get("begun")
         return float(begun) if isinstance(begun, int | float) else None
 
-    def origin_here(self, lead: float) -> float:
+    def local_origin(self, lead: float) -> float:
         """Return the origin of the clock for another machine, from the recent tick that arrived with the least delay.
 
         `lead` [s]: how far ahead of the clock ticks are run.
@@ -94,33 +94,33 @@ class Following:
         """Return figures on how well it follows."""
         return {"compared": self.compared, "different": self.differences, "repaired": self.repaired}
 
-    def take(self, line: str, *, arrived: float | None = None) -> None:
+    def add_line(self, line: str, *, arrived: float | None = None) -> None:
         """Add a line without running it. `arrived` [s of perf_counter]: when it came from another machine."""
         value = json.loads(line)
-        self._log.take(line)
+        self._log.add_line(line)
         if "journal" in value:
             self.header = value
             return
         if len(value) == 1:
             if arrived is not None:
                 self._arrivals.append(arrived - value["tick"] * TICK)
-            if self._waiting and len(self._waiting[-1]) == 1:
-                self._waiting[-1] = value
+            if self._pending and len(self._pending[-1]) == 1:
+                self._pending[-1] = value
                 return
-        if LEFT_OUT in value:
-            self._leave_out(value[LEFT_OUT])
+        if SKIPPED_KEY in value:
+            self._remove_events(value[SKIPPED_KEY])
         self._measures += "measure" in value
-        self._waiting.append(value)
+        self._pending.append(value)
         if self._stuck and "snapshot" in value:
-            self._begin_again(stuck=False)
+            self._restart_from_snapshot(stuck=False)
 
-    def _leave_out(self, count: int) -> None:
+    def _remove_events(self, count: int) -> None:
         """Remove the last `count` events, which are in quarantine. If one has been applied already, the state counts as
         different until the next snapshot."""
-        for value in [value for value in reversed(self._waiting) if is_event(value)][:count]:
-            self._waiting.remove(value)
+        for value in [value for value in reversed(self._pending) if is_event(value)][:count]:
+            self._pending.remove(value)
             count -= 1
-        self._astray = self._astray or count > 0
+        self._diverged = self._diverged or count > 0
 
     @property
     def loaded(self) -> LoadedShow:
@@ -130,9 +130,9 @@ class Following:
         return replace(self._loaded, patch=self.show.patch, graph=self.show.graph)
 
     @property
-    def waiting(self) -> list[Line]:
+    def pending(self) -> list[Line]:
         """Lines received but not run yet, in order."""
-        return list(self._waiting)
+        return list(self._pending)
 
     def advance(self, *, lines: int = 64) -> bool:
         """Run at most `lines` lines, not beyond the last measure line; return whether more can be run."""
@@ -140,17 +140,17 @@ class Following:
             for _ in range(lines):
                 if not self._measures or self._stuck:
                     return False
-                self._run(self._waiting.popleft())
+                self._run(self._pending.popleft())
         except TickFailed:  # it ran on the original, but not here: `recover` finds out why
-            self._begin_again(stuck=True)
+            self._restart_from_snapshot(stuck=True)
             return False
         return self._measures > 0
 
-    def _begin_again(self, *, stuck: bool) -> None:
+    def _restart_from_snapshot(self, *, stuck: bool) -> None:
         """Return to the last snapshot, with all lines since then pending."""
-        self.stand(None, 0)
-        self._waiting = deque(self.whole())
-        self._measures = sum("measure" in value for value in self._waiting)
+        self.reset_to(None, 0)
+        self._pending = deque(self.lines_from_snapshot())
+        self._measures = sum("measure" in value for value in self._pending)
         self._stuck = stuck
 
     def run(self, lines: Iterable[Line], until: int) -> None:
@@ -158,123 +158,123 @@ class Following:
 
         No line is pending afterwards.
         """
-        self._waiting.clear()
+        self._pending.clear()
         self._measures = 0
         for value in lines:
             self._measures += "measure" in value
             self._run(value)
-        self._run_to(self._begun(), until)
+        self._run_to(self._ensure_started(), until)
 
-    def stand(self, show: Show | None, tick: int) -> None:
+    def reset_to(self, show: Show | None, tick: int) -> None:
         """Continue from `show` as it was after `tick`; None: nothing of it has been run."""
-        self._take_show(show)
+        self._set_show(show)
         self.tick = tick
-        self._astray = False
-        self._since.clear()
+        self._diverged = False
+        self._since_snapshot.clear()
         if show is None:
             self._loaded = self._first
 
-    def whole(self) -> list[Line]:
+    def lines_from_snapshot(self) -> list[Line]:
         """Return all lines needed to run the show again from its last snapshot."""
-        again = Following(self._first)
-        for line in self._log.since():
-            again.take(line)
-        return again.waiting
+        again = StateFollower(self._first)
+        for line in self._log.replay_lines():
+            again.add_line(line)
+        return again.pending
 
     @property
-    def crossed(self) -> tuple[int, str]:
+    def last_measure(self) -> tuple[int, str]:
         """Tick of the last measure line, and the hash of the state there."""
-        return self._hash
+        return self._last_measure
 
-    def follow(self) -> None:
+    def run_pending(self) -> None:
         """Run all pending lines in lockstep with the sender; if one fails, wait for a snapshot."""
-        while self._waiting and not self._stuck:
+        while self._pending and not self._stuck:
             try:
-                self._run(self._waiting.popleft())
+                self._run(self._pending.popleft())
             except TickFailed:
-                self._begin_again(stuck=True)
+                self._restart_from_snapshot(stuck=True)
 
     def _run(self, value: Line) -> None:
         self._measures -= "measure" in value
         if "snapshot" in value:
-            self._take_snapshot(value)
+            self._apply_snapshot(value)
             return
-        show = self._begun()
+        show = self._ensure_started()
         self._run_to(show, value["tick"])
         if len(value) > 1:
-            self._since.append(value)
+            self._since_snapshot.append(value)
         if "event" in value:
-            self._act(show, value["event"])
+            self._apply_json(show, value["event"])
         elif "measure" in value:
             self.compared += 1
-            self._astray = self._hash != (self.tick, value["hash"])
-            self.differences += self._astray
+            self._diverged = self._last_measure != (self.tick, value["hash"])
+            self.differences += self._diverged
 
     def _run_to(self, show: Show, until: int) -> None:
         while self.tick < until:
             self.tick += 1
-            if self._heart is not None:
-                self._heart.begin_tick(self.tick)
+            if self._heartbeat is not None:
+                self._heartbeat.begin_tick(self.tick)
             try:
                 if show.tick(self.tick * TICK):
-                    self._hash = (self.tick, show.state_hash())
+                    self._last_measure = (self.tick, show.state_hash())
             except Exception as error:
                 raise TickFailed(self.tick, show.breakers.running, error) from error
 
-    def _act(self, show: Show, told: Line) -> None:
+    def _apply_json(self, show: Show, value: Line) -> None:
         """Apply an event; one that is unknown to this version is counted, as in a replay."""
         try:
-            event = event_from_json(told)
+            event = event_from_json(value)
         except (ValueError, TypeError):
             self.refused += 1
             return
         self._apply(show, event)
 
     def _apply(self, show: Show, event: ControlEvent) -> None:
-        self.refused += act(show, event) is None
+        self.refused += apply_safely(show, event) is None
         if isinstance(event, TicksSkipped):
             self.tick += event.count
         elif isinstance(event, SetLatency):
             self.latencies[event.what] = event.seconds
 
-    def _take_snapshot(self, value: Line) -> None:
+    def _apply_snapshot(self, value: Line) -> None:
         """Start from a snapshot or correct the state with it. If the state is right, only older lines are dropped."""
         tick = value["tick"]
-        self._since = deque(kept for kept in self._since if belongs_after(kept, tick))
-        if self.show is not None and not self._astray:
+        self._since_snapshot = deque(kept for kept in self._since_snapshot if is_after(kept, tick))
+        if self.show is not None and not self._diverged:
             return
         try:
-            self._began_with(self._needed())
-            self._take_show(restore(self._loaded, base64.b64decode(value["snapshot"])))
+            self._load_initial(self._later_step_changes())
+            self._set_show(restore(self._loaded, base64.b64decode(value["snapshot"])))
         except (SnapshotError, ReplayError, ValueError) as error:
             self.problem = str(error)
             return
         assert self.show is not None
-        self.repaired += self._astray
-        stood, self.tick, self._astray = self.tick, tick, False
-        for kept in self._since:
+        self.repaired += self._diverged
+        stood, self.tick, self._diverged = self.tick, tick, False
+        for kept in self._since_snapshot:
             self._run_to(self.show, kept["tick"])
             if "event" in kept:
-                self._act(self.show, kept["event"])
+                self._apply_json(self.show, kept["event"])
         self._run_to(self.show, stood)
 
-    def _begun(self) -> Show:
+    def _ensure_started(self) -> Show:
         if self.show is None:
-            self._began_with(self._needed())
+            self._load_initial(self._later_step_changes())
             try:
                 show = self._loaded.start(seed=self.header["seed"], tempo=self.header["tempo"])
             except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
-                raise ReplayError(f"its first line does not say how it began: {in_words(error)}") from None
-            self._take_show(show)
+                raise ReplayError(f"its first line does not say how it began: {describe_error(error)}") from None
+            self._set_show(show)
         assert self.show is not None
         return self.show
 
-    def _take_show(self, show: Show | None) -> None:
+    def _set_show(self, show: Show | None) -> None:
         self.show = show
-        if show is not None and self._heart is not None:
-            show.breakers.publish(self._heart.stage)
+        if show is not None and self._heartbeat is not None:
+            show.breakers.publish(self._heartbeat.stage)
 
-    def other_show(self) -> str | None:
+    def show_mismatch(self) -> str | None:
         """Return how the received show differs from the one loaded here; None if it is the same, or before the header.
 
         A patch that was edited during the show may be loaded as it is now.
@@ -295,16 +295,16 @@ class Following:
 
     def _patches(self) -> Iterator[Patch]:
         """Yield the later versions of the patch."""
-        for value in self._waiting:
+        for value in self._pending:
             event = value.get("event")
             if isinstance(event, dict) and event.get("type") == PatchChanged.__name__:
                 changed = event_from_json(event)
                 assert isinstance(changed, PatchChanged)
-                yield Patch.model_validate_json(unpacked(changed.patch))
+                yield Patch.model_validate_json(decompress_text(changed.patch))
 
-    def _needed(self) -> list[StepsAdded | StepsChanged]:
+    def _later_step_changes(self) -> list[StepsAdded | StepsChanged]:
         """Return the later changes of the steps, which must not be loaded from the start."""
-        events = (value["event"] for value in self._waiting if "event" in value)
+        events = (value["event"] for value in self._pending if "event" in value)
         kinds = (StepsAdded.__name__, StepsChanged.__name__)
         found = []
         for told in events:
@@ -314,24 +314,24 @@ class Following:
                     found.append(event)
         return found
 
-    def _began_with(self, later: list[StepsAdded | StepsChanged]) -> None:
+    def _load_initial(self, later: list[StepsAdded | StepsChanged]) -> None:
         """Load the patch and steps with which the show began."""
         header, loaded = self.header, self._loaded
         if not isinstance(header.get("patch"), dict) or not isinstance(header.get("steps_hash"), str):
             raise ReplayError("its first line does not hold a whole show")
         same = header["steps_hash"] == library_hash(loaded.graph.library)
-        if same and not later and header["patch"] == loaded.patch.written():
+        if same and not later and header["patch"] == loaded.patch.to_json_values():
             return
         added = (event.clips.split("\n") for event in later if isinstance(event, StepsAdded))
         changed = (event for event in later if isinstance(event, StepsChanged))
-        self._loaded = loaded_of(header | {"patch_path": str(loaded.path)}, added, changed)
+        self._loaded = load_from_header(header | {"patch_path": str(loaded.path)}, added, changed)
 
 
 def is_event(value: Line) -> bool:
     """Return whether a line holds an event that can be left out."""
-    return "event" in value and can_be_left_out(value["event"])
+    return "event" in value and can_be_skipped(value["event"])
 
 
-def belongs_after(value: Line, tick: int) -> bool:
+def is_after(value: Line, tick: int) -> bool:
     """Return whether a line comes after the state of a snapshot that was taken after `tick` was run."""
     return bool(value["tick"] > tick or (value["tick"] == tick and "event" in value))

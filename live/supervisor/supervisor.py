@@ -12,22 +12,22 @@ import time
 from collections.abc import Callable
 from typing import Any, Final
 
-from live.show.journal.journal_writer import Written
+from live.show.journal.journal_writer import WriteProgress
 from live.supervisor.adoption.adoption import Adoption
-from live.supervisor.adoption.audio_adoption import adopt_sound
-from live.supervisor.adoption.journal_resume import CutOff
-from live.supervisor.adoption.rendezvous import Meeting
-from live.supervisor.engine_failover import Engines
-from live.supervisor.line_channel import Wire
-from live.supervisor.network.remote_standby import Remote
-from live.supervisor.process import Child, Side, Starter
+from live.supervisor.adoption.audio_adoption import adopt_audio
+from live.supervisor.adoption.journal_resume import InterruptedShow
+from live.supervisor.adoption.rendezvous import RendezvousListener
+from live.supervisor.engine_failover import EngineFailover
+from live.supervisor.line_channel import LineChannel
+from live.supervisor.network.remote_standby import RemoteStandby
+from live.supervisor.process import AuxiliaryProcess, Child, ProcessManager
 from live.supervisor.process_stats import Reaper
-from live.supervisor.recovery_log import Disk
-from live.supervisor.supervisor_config import Orders, Report
+from live.supervisor.recovery_log import JournalDisk
+from live.supervisor.supervisor_config import Report, SupervisorConfig
 
-TELL_EVERY: Final = 1.0
+REPORT_INTERVAL: Final = 1.0
 CONFIRM_EVERY: Final = 0.2
-WIRES: Final = 40
+CHANNEL_SHIFT: Final = 40
 """Bits of a line's number for its count on its channel; the bits above count the channels."""
 SETTLED: Final = 30.0
 """Seconds that an engine has run before its memory is judged."""
@@ -37,56 +37,63 @@ class Supervisor:
     """Runs a show until it ends. Thread: the one that made it."""
 
     def __init__(
-        self, orders: Orders, say: Callable[[str], None], adoption: Adoption | None = None, left: CutOff | None = None
+        self,
+        config: SupervisorConfig,
+        say: Callable[[str], None],
+        adoption: Adoption | None = None,
+        interrupted: InterruptedShow | None = None,
     ) -> None:
         """`say`: prints a line for the person; `adoption`: a running engine whose supervisor has died; `left`: an
         interrupted show of which no process is left."""
-        self._orders, self._say = orders, say
+        self._config, self._say = config, say
         self.report = Report()
-        self._starter = Starter()
+        self._starter = ProcessManager()
         self._reaper = Reaper()
-        self._disk = Disk(orders.journal, say)
+        self._disk = JournalDisk(config.journal, say)
         there = {} if adoption is None else adoption.descriptors
-        self._sound = self._sound_pair(there) if orders.audio else None
-        self._meeting = self._meet(adoption)
-        self._heard = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) if orders.osc_reader else None
-        inherit = {} if orders.osc is None else {"osc": orders.osc.fileno()}
-        if self._heard is not None:
-            inherit["osc_reader"] = self._heard[0].fileno()
+        self._sound = self._sound_pair(there) if config.audio else None
+        self._rendezvous = self._open_rendezvous(adoption)
+        self._osc_pair = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) if config.osc_reader else None
+        inherit = {} if config.osc is None else {"osc": config.osc.fileno()}
+        if self._osc_pair is not None:
+            inherit["osc_reader"] = self._osc_pair[0].fileno()
         if self._sound is not None:
             inherit |= {"sound": self._sound[0].fileno(), "sound_peer": self._sound[1].fileno()}
-        if self._meeting is not None:
-            inherit["rendezvous"] = self._meeting.socket.fileno()
-        self.engines = Engines(orders, self._starter, self.report, say, inherit)
-        self.engines.on_line, self.engines.on_asked = self._pass_on, self._obey
-        fullscreen, monitor = orders.screen
+        if self._rendezvous is not None:
+            inherit["rendezvous"] = self._rendezvous.socket.fileno()
+        self.engines = EngineFailover(config, self._starter, self.report, say, inherit)
+        self.engines.on_line, self.engines.on_request = self._broadcast, self._handle_request
+        fullscreen, monitor = config.screen
         self.engines.screen = {"alive": "screen", "fullscreen": fullscreen, "monitor": monitor}
-        self.audio, self.guard = Side(self._start_audio, say), Side(self._start_guard, say)
-        self.osc_reader = Side(self._start_osc_reader, say)
-        self._remote = Remote(orders, self._starter, self.engines, self.report, say)
+        self.audio, self.fallback_window = (
+            AuxiliaryProcess(self._start_audio, say),
+            AuxiliaryProcess(self._start_fallback_window, say),
+        )
+        self.osc_reader = AuxiliaryProcess(self._start_osc_reader, say)
+        self._remote = RemoteStandby(config, self._starter, self.engines, self.report, say)
         self._tell_at = self._confirm_at = 0.0
-        self._wire: Wire | None = None
-        self._wires = 0  # number of channels that have carried lines of the show
-        self._confirmed: tuple[Wire, Written, int] | None = None
-        self._writes: Child | None = None
-        self._reads: Child | None = None  # an adopted engine that still has its own OSC reader process
+        self._last_channel: LineChannel | None = None
+        self._channel_count = 0  # number of channels that have carried lines of the show
+        self._confirmed: tuple[LineChannel, WriteProgress, int] | None = None
+        self._writing_engine: Child | None = None
+        self._osc_reading_engine: Child | None = None  # an adopted engine that still has its own OSC reader process
         if adoption is not None:
             self._adopt(adoption)
-        elif left is not None:
-            self.engines.resume(left)
-            self._disk.go_on(left.unwritten, left.snapshots_kept)
+        elif interrupted is not None:
+            self.engines.resume(interrupted)
+            self._disk.prepare_resume(interrupted.unwritten, interrupted.snapshots_kept)
             self._disk.resume()
-        self._starter.meanwhile = self._remote.look
+        self._starter.on_drain = self._remote.update
 
     def run(self) -> int:
         """Start everything, keep it running, and return the exit code of the last engine."""
         try:
             now = time.monotonic()
-            if self._orders.audio and self.audio.child is None:
+            if self._config.audio and self.audio.child is None:
                 self.audio.begin(now)
-            if self._orders.guard:
-                self.guard.begin(now)
-            if self._orders.osc_reader and self._reads is None:
+            if self._config.fallback_window:
+                self.fallback_window.begin(now)
+            if self._config.osc_reader and self._osc_reading_engine is None:
                 self.osc_reader.begin(now)
             while self.engines.code is None:
                 self._turn()
@@ -98,61 +105,61 @@ class Supervisor:
             self._close()
 
     def _turn(self) -> None:
-        now = self._starter.turn()
-        self.engines.look(now)
+        now = self._starter.poll()
+        self.engines.update(now)
         slowdown = self._starter.load.slowdown
-        self.audio.look(now, slowdown)
-        self.guard.look(now, slowdown)
-        self.osc_reader.look(now, slowdown)
-        self._reaper.look(now)
-        self._remote.look(now)
-        if self._writes is not None and self._writes is not self.engines.engine:
-            self._write_on()
-        if self._reads is not None and self._reads is not self.engines.engine:
-            self._reads = None
+        self.audio.update(now, slowdown)
+        self.fallback_window.update(now, slowdown)
+        self.osc_reader.update(now, slowdown)
+        self._reaper.update(now)
+        self._remote.update(now)
+        if self._writing_engine is not None and self._writing_engine is not self.engines.engine:
+            self._resume_journal()
+        if self._osc_reading_engine is not None and self._osc_reading_engine is not self.engines.engine:
+            self._osc_reading_engine = None
             self.osc_reader.begin(now)
         if now >= self._confirm_at:
             self._confirm_at = now + CONFIRM_EVERY
             self._confirm()
         if now >= self._tell_at:
-            self._tell_at = now + TELL_EVERY
-            self._tell(now)
+            self._tell_at = now + REPORT_INTERVAL
+            self._send_report(now)
 
-    def _pass_on(self, line: str, kept: bool) -> None:
-        self._remote.pass_on(line)
+    def _broadcast(self, line: str, kept: bool) -> None:
+        self._remote.broadcast(line)
         if kept:
-            wire, count = self.engines.mark
-            if wire is not self._wire:
-                self._wire, self._wires = wire, self._wires + 1
-            self._disk.put(line, self._wires << WIRES | count)
+            wire, count = self.engines.line_position
+            if wire is not self._last_channel:
+                self._last_channel, self._channel_count = wire, self._channel_count + 1
+            self._disk.write(line, self._channel_count << CHANNEL_SHIFT | count)
 
     def _confirm(self) -> None:
         """Report to the engine which of its lines are on disk: it keeps them until then."""
         engine, done = self.engines.engine, self._disk.written
-        if engine is None or done is None or self._confirmed == (engine.wire, *done):
+        if engine is None or done is None or self._confirmed == (engine.channel, *done):
             return
-        self._confirmed = (engine.wire, *done)
+        self._confirmed = (engine.channel, *done)
         written, kept = done
-        own = engine.wire is self._wire and written.number >> WIRES == self._wires
-        number = written.number & ((1 << WIRES) - 1) if own else 0
-        engine.wire.tell(alive="written", line=number, end=written.end, missing=written.missing, snapshots=kept)
+        own = engine.channel is self._last_channel and written.number >> CHANNEL_SHIFT == self._channel_count
+        number = written.number & ((1 << CHANNEL_SHIFT) - 1) if own else 0
+        engine.channel.send_json(alive="written", line=number, end=written.end, missing=written.missing, snapshots=kept)
 
-    def _obey(self, asked: dict[str, Any]) -> None:
+    def _handle_request(self, asked: dict[str, Any]) -> None:
         """Handle a request of an engine to other parts."""
         if asked["alive"] == "screen":
             self.engines.screen = asked
-            if self.guard.child is not None:
-                self.guard.child.wire.tell(**asked)
+            if self.fallback_window.child is not None:
+                self.fallback_window.child.channel.send_json(**asked)
         elif asked["alive"] == "takeover":
-            self._remote.take_over("on command")
+            self._remote.promote("on command")
         elif asked["alive"] == "cannot":
-            self._remote.cannot(asked["why"])
+            self._remote.report_cannot_follow(asked["why"])
         elif asked["alive"] == "journal":
-            self._write_on()
+            self._resume_journal()
         elif asked["alive"] == "following":
             self.report.compared, self.report.different = asked["compared"], asked["different"]
             self.report.repaired = asked["repaired"]
-            self._remote.told_following(bool(asked["ready"]))
+            self._remote.set_ready(bool(asked["ready"]))
 
     # -- adoption of a running engine -----------------------------------------------------------------------------
 
@@ -161,15 +168,15 @@ class Supervisor:
             return socket.socket(fileno=there["sound"]), socket.socket(fileno=there["sound_peer"])
         return socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
 
-    def _meet(self, adoption: Adoption | None) -> Meeting | None:
+    def _open_rendezvous(self, adoption: Adoption | None) -> RendezvousListener | None:
         """Return the socket where another supervisor finds the engine; None if there is none, which matters only if
         this process dies."""
         meeting = None
         if adoption is not None:
-            meeting = Meeting.inherited(adoption.descriptors["rendezvous"], adoption.name)
-        elif self._orders.label:
+            meeting = RendezvousListener.inherited(adoption.descriptors["rendezvous"], adoption.name)
+        elif self._config.label:
             try:
-                meeting = Meeting(self._orders.label)
+                meeting = RendezvousListener(self._config.label)
             except OSError as error:
                 self._say(f"if this process dies, no other one can adopt the engine: {error.strerror}")
         if meeting is not None:
@@ -179,48 +186,48 @@ class Supervisor:
     def _adopt(self, adoption: Adoption) -> None:
         self.report.restore(adoption.facts)
         self.report.adopted += 1
-        self._disk.go_on(adoption.unwritten, adoption.snapshots_kept)
+        self._disk.prepare_resume(adoption.unwritten, adoption.snapshots_kept)
         self.engines.adopt(adoption)
-        self._writes = self.engines.engine
-        self._reads = self.engines.engine if self._orders.osc_reader else None
+        self._writing_engine = self.engines.engine
+        self._osc_reading_engine = self.engines.engine if self._config.osc_reader else None
         if self._sound is not None:
-            self.audio.child = adopt_sound(self._starter, self._sound[0])
+            self.audio.child = adopt_audio(self._starter, self._sound[0])
 
-    def _write_on(self) -> None:
+    def _resume_journal(self) -> None:
         """Resume the journal: the adopted engine has stopped writing it."""
-        self._writes = None
+        self._writing_engine = None
         self._disk.resume()
 
     def _start_audio(self) -> Child:
         assert self._sound is not None
         theirs = self._sound[1].fileno()
-        return self._starter.start("audio", [*self._orders.audio, str(theirs)], lambda line: None, theirs)
+        return self._starter.start("audio", [*self._config.audio, str(theirs)], lambda line: None, theirs)
 
-    def _start_guard(self) -> Child:
-        child = self._starter.start("guard", self._orders.guard, lambda line: None)
-        child.wire.tell(**self.engines.screen)
+    def _start_fallback_window(self) -> Child:
+        child = self._starter.start("guard", self._config.fallback_window, lambda line: None)
+        child.channel.send_json(**self.engines.screen)
         return child
 
     def _start_osc_reader(self) -> Child:
-        assert self._heard is not None
-        assert self._orders.osc is not None
-        theirs = (self._heard[1].fileno(), self._orders.osc.fileno())
-        return self._starter.start("OSC", [*self._orders.osc_reader, *map(str, theirs)], lambda line: None, *theirs)
+        assert self._osc_pair is not None
+        assert self._config.osc is not None
+        theirs = (self._osc_pair[1].fileno(), self._config.osc.fileno())
+        return self._starter.start("OSC", [*self._config.osc_reader, *map(str, theirs)], lambda line: None, *theirs)
 
-    def _tell(self, now: float) -> None:
+    def _send_report(self, now: float) -> None:
         """Send the report to the engine, and check its memory."""
-        engine, since = self.engines.engine, self.engines.since
-        children = (engine, self.engines.spare, self.engines.nursery.child, self.audio.child, self.guard.child,
+        engine, since = self.engines.engine, self.engines.running_since
+        children = (engine, self.engines.spare, self.engines.prefork.child, self.audio.child, self.fallback_window.child,
                     self.osc_reader.child)  # fmt: skip
         self.report.memory_mb = {one.role: round(one.memory() / 1e6, 1) for one in children if one is not None}
         self.report.disk = self._disk.facts()
         self.report.slowdown, self.report.reaped = round(self._starter.load.slowdown, 2), self._reaper.count
-        self.report.audio_restarts, self.report.guard = self.audio.restarts, self.guard.child is not None
+        self.report.audio_restarts, self.report.guard = self.audio.restarts, self.fallback_window.child is not None
         self.report.osc_restarts = self.osc_reader.restarts
         if engine is None or since is None:
             return
-        engine.wire.tell(alive="facts", facts=self.engines.facts())
-        if 0 < self._orders.budget < engine.memory() and self.report.spare and now - since > SETTLED:
+        engine.channel.send_json(alive="facts", facts=self.engines.facts())
+        if 0 < self._config.memory_budget < engine.memory() and self.report.spare and now - since > SETTLED:
             self._say("the engine uses more memory than allowed: the spare engine replaces it")
             engine.kill()
 
@@ -228,14 +235,14 @@ class Supervisor:
         self._remote.close()
         self.engines.close()
         self.audio.close()
-        self.guard.close()
+        self.fallback_window.close()
         self.osc_reader.close()
-        for one in (*(self._sound or ()), *(self._heard or ())):
+        for one in (*(self._sound or ()), *(self._osc_pair or ())):
             one.close()
-        if self._meeting is not None:
-            self._meeting.close()
-        if self._orders.osc is not None:
-            self._orders.osc.close()
+        if self._rendezvous is not None:
+            self._rendezvous.close()
+        if self._config.osc is not None:
+            self._config.osc.close()
         self._starter.close()
         for note in self._disk.close():
             self._say(note)

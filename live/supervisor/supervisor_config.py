@@ -10,7 +10,7 @@ from live.supervisor.network.identity import Identity, Pairings
 
 
 @dataclass(frozen=True, slots=True)
-class Orders:
+class SupervisorConfig:
     """Processes and sockets of a show. A command gets two more descriptors as its last arguments."""
 
     engine: Sequence[str]
@@ -19,7 +19,7 @@ class Orders:
     """The show, in the engine's format; opaque to the supervisor."""
     audio: Sequence[str] = ()
     """The audio process; empty: the engine handles audio itself."""
-    guard: Sequence[str] = ()
+    fallback_window: Sequence[str] = ()
     """The process with the fallback window; empty: none."""
     screen: tuple[bool, str | None] = (False, None)
     """Whether the picture starts in full screen, and on which monitor."""
@@ -43,7 +43,7 @@ class Orders:
     """... and the machines it is paired with."""
     follow: tuple[str, int] | None = None
     """The machine whose show is followed; this one takes over from it."""
-    budget: int = 0
+    memory_budget: int = 0
     """Memory limit of an engine [bytes], above which the spare takes over; 0: none."""
 
 

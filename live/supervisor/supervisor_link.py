@@ -11,15 +11,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
-from live.show.journal.journal_writer import Unwritten, Written
-from live.supervisor.adoption.rendezvous import Rendezvous, hand_over, tell_the_rest
+from live.show.journal.journal_writer import UnfinishedFile, WriteProgress
+from live.supervisor.adoption.rendezvous import EngineRendezvous, send_engine, send_unwritten
 from live.supervisor.heartbeat import Heartbeat, Phase
-from live.supervisor.line_channel import Wire
-from live.supervisor.recovery_log import Log
+from live.supervisor.line_channel import LineChannel
+from live.supervisor.recovery_log import RecoveryLog
 
-LONGEST: Final = 200
+MAX_ERROR_LENGTH: Final = 200
 """Most characters of an error's message."""
-CRASHED: Final = 70
+CRASH_EXIT_CODE: Final = 70
 """Exit code of an engine that ended with a program error (EX_SOFTWARE of sysexits.h)."""
 
 
@@ -32,20 +32,20 @@ class Brief:
     show: str
 
 
-class Lifeline:
+class SupervisorLink:
     """Channel and heartbeat of an engine. Thread: the one that runs the show.
 
     If the supervisor dies, the show goes on. There is no failover until another supervisor adopts this engine
     (`live.supervisor.adoption.rendezvous`).
     """
 
-    def __init__(self, wire: Wire, heart: Heartbeat) -> None:
-        self.wire = wire
-        self.heart = heart
+    def __init__(self, channel: LineChannel, heartbeat: Heartbeat) -> None:
+        self.channel = channel
+        self.heartbeat = heartbeat
         self.phase = Phase.STARTING
         self.facts: dict[str, Any] = {}
         """The supervisor's last report on itself and the other processes."""
-        self.orders: list[dict[str, Any]] = []
+        self.requests: list[dict[str, Any]] = []
         """Requests of the supervisor that have not been handled yet."""
         self.lines: list[str] = []
         """Lines of the show from the supervisor that have not been read yet."""
@@ -57,172 +57,174 @@ class Lifeline:
         """Descriptor of the socket to the audio process."""
         self.sound_peer: int | None = None
         """Descriptor of the audio process' own end, for another supervisor."""
-        self.log = Log()
+        self.log = RecoveryLog()
         """The show so far, for another supervisor. An engine that resumes a show adds the lines it has received."""
-        self.written: Written | None = None
+        self.written: WriteProgress | None = None
         """The last line of this channel that the supervisor has confirmed as written."""
         self.snapshots_kept = 0
         """Bytes of the snapshot file that stay."""
-        self.on_adopted: Callable[[], Unwritten] = lambda: Unwritten(self.log.header, Written(), ())
+        self.on_adopted: Callable[[], UnfinishedFile] = lambda: UnfinishedFile(self.log.header, WriteProgress(), ())
         """Returns the lines that a new supervisor has to write."""
-        self._rendezvous: Rendezvous | None = None
+        self._rendezvous: EngineRendezvous | None = None
         self._screen: dict[str, Any] = {}
         self._show = ""
-        self._told_tick = -1
-        self._told_following: dict[str, int] = {}
+        self._sent_tick = -1
+        self._sent_following: dict[str, int] = {}
 
     @classmethod
-    def inherited(cls, wire: int, heart: int) -> "Lifeline":
+    def inherited(cls, channel: int, heartbeat: int) -> "SupervisorLink":
         """Make one from the descriptors inherited from the supervisor."""
-        return cls(Wire(socket.socket(fileno=wire)), Heartbeat(heart))
+        return cls(LineChannel(socket.socket(fileno=channel)), Heartbeat(heartbeat))
 
     @property
-    def alone(self) -> bool:
+    def orphaned(self) -> bool:
         """Whether the supervisor has gone."""
-        return self.wire.ended
+        return self.channel.ended
 
-    def brief(self) -> Brief:
+    def receive_brief(self) -> Brief:
         """Return the role of this process; waits for the first line."""
-        self.wire.socket.setblocking(True)
+        self.channel.socket.setblocking(True)
         line = b""
         while not line.endswith(b"\n"):
-            piece = self.wire.socket.recv(1)
+            piece = self.channel.socket.recv(1)
             if not piece:
                 raise SystemExit(1)  # the supervisor has gone before its first line
             line += piece
-        self.wire.socket.setblocking(False)
+        self.channel.socket.setblocking(False)
         told = json.loads(line)
         self.osc, self.sound, self.sound_peer = told.get("osc"), told.get("sound"), told.get("sound_peer")
         self.osc_reader = told.get("osc_reader")
         self._show = told["show"]
         if told.get("rendezvous") is not None:
-            self._rendezvous = Rendezvous(told["rendezvous"])
+            self._rendezvous = EngineRendezvous(told["rendezvous"])
         return Brief(told["alive"], told["show"])
 
-    def listen(self) -> None:
+    def receive(self) -> None:
         """Read all pending lines: store the report, queue requests and show lines."""
-        for line in self.wire.lines():
+        for line in self.channel.read_lines():
             if not line.startswith('{"alive"'):
                 self.lines.append(line)
                 continue
             told = json.loads(line)
             if told["alive"] == "written":
-                self.written = Written(told["line"], told["end"], told["missing"])
+                self.written = WriteProgress(told["line"], told["end"], told["missing"])
                 self.snapshots_kept = told["snapshots"]
                 continue
             self.facts = told.get("facts", self.facts)
             if told["alive"] == "anew":
                 self.lines.clear()  # of another show
             if told["alive"] != "facts":
-                self.orders.append(told)
+                self.requests.append(told)
 
     def wait(self, seconds: float) -> None:
         """Wait until a line arrives, at most `seconds`."""
         import select
 
-        select.select([self.wire.socket], [], [], seconds)
+        select.select([self.channel.socket], [], [], seconds)
 
-    def order(self, name: str) -> dict[str, Any] | None:
+    def pop_request(self, name: str) -> dict[str, Any] | None:
         """Remove and return the first request with that name, if there is one."""
-        found = next((order for order in self.orders if order["alive"] == name), None)
+        found = next((order for order in self.requests if order["alive"] == name), None)
         if found is not None:
-            self.orders.remove(found)
+            self.requests.remove(found)
         return found
 
     def beat(self, tick: int, phase: Phase | None = None) -> None:
         """Send a heartbeat."""
         self.phase = self.phase if phase is None else phase
-        self.heart.beat(tick, self.phase)
+        self.heartbeat.beat(tick, self.phase)
 
-    def frame(self, tick: int) -> None:
+    def end_frame(self, tick: int) -> None:
         """Report the tick to the supervisor and read its messages. Called after each frame."""
         self.log.tick = tick
-        if self.alone:
+        if self.orphaned:
             self.beat(tick, Phase.RUNNING)
-            self._look_for_a_supervisor()
+            self._hand_over_if_asked()
             return
-        if tick != self._told_tick:
-            self._told_tick = tick
-            self.wire.put(f'{{"tick":{tick}}}')
-        self.wire.flush()
+        if tick != self._sent_tick:
+            self._sent_tick = tick
+            self.channel.send_line(f'{{"tick":{tick}}}')
+        self.channel.flush()
         self.beat(tick, Phase.RUNNING)
-        self.listen()
+        self.receive()
 
-    def _look_for_a_supervisor(self) -> None:
+    def _hand_over_if_asked(self) -> None:
         """Hand over to the first supervisor that asks."""
-        sock = None if self._rendezvous is None else self._rendezvous.look()
+        sock = None if self._rendezvous is None else self._rendezvous.poll()
         if sock is None or self._rendezvous is None:
             return
         names = {"osc": self.osc, "sound": self.sound, "sound_peer": self.sound_peer}
         descriptors = {name: number for name, number in names.items() if number is not None}
-        descriptors |= {"heart": self.heart.descriptor, "rendezvous": self._rendezvous.fileno()}
+        descriptors |= {"heart": self.heartbeat.descriptor, "rendezvous": self._rendezvous.fileno()}
         told = {"facts": self.facts, "screen": self._screen, "show": self._show}
-        if not hand_over(sock, told, descriptors):
+        if not send_engine(sock, told, descriptors):
             return
-        self.wire.renew(sock)
-        tell_the_rest(self.wire, self.on_adopted(), self.snapshots_kept, self.log)
+        self.channel.reconnect(sock)
+        send_unwritten(self.channel, self.on_adopted(), self.snapshots_kept, self.log)
 
-    def say(self, line: str) -> None:
+    def send_line(self, line: str) -> None:
         """Send a line of the show that its journal writer does not send."""
-        self.log.take(line)
-        self.wire.put(line)
+        self.log.add_line(line)
+        self.channel.send_line(line)
 
-    def tell_screen(self, fullscreen: bool, monitor: str, *others: str) -> None:
+    def send_screen(self, fullscreen: bool, monitor: str, *others: str) -> None:
         """Report whether the picture is full screen, and on which monitor."""
         self._screen = {"alive": "screen", "fullscreen": fullscreen, "monitor": monitor, "others": list(others)}
-        self.wire.tell(**self._screen)
+        self.channel.send_json(**self._screen)
 
-    def tell_following(self, facts: dict[str, int]) -> None:
+    def send_following(self, facts: dict[str, int]) -> None:
         """Report how well this machine follows another, if that has changed."""
-        if facts != self._told_following:
-            self._told_following = facts
-            self.wire.tell(alive="following", **facts)
+        if facts != self._sent_following:
+            self._sent_following = facts
+            self.channel.send_json(alive="following", **facts)
 
-    def tell_end(self, code: int) -> None:
+    def send_end(self, code: int) -> None:
         """Report that the show ends on request with this exit code. Without this message the end counts as a crash."""
-        self.wire.tell(alive="end", code=code)
-        self.wire.flush()
+        self.channel.send_json(alive="end", code=code)
+        self.channel.flush()
 
     def crash(self, error: BaseException) -> NoReturn:
         """End this process at once because of a program error: another engine takes over."""
-        self.wire.tell(alive="crash", why=in_words(error))
+        self.channel.send_json(alive="crash", why=describe_error(error))
         traceback.print_exception(error)
         with contextlib.suppress(OSError, ValueError):
-            self.wire.flush()
+            self.channel.flush()
             sys.stderr.flush()
-        os._exit(CRASHED)
+        os._exit(CRASH_EXIT_CODE)
 
-    def tell_note(self, words: str) -> None:
+    def send_note(self, words: str) -> None:
         """Send a note for the person."""
-        self.wire.tell(alive="note", words=words)
+        self.channel.send_json(alive="note", words=words)
 
     @property
     def may_leave(self) -> bool:
         """Whether a termination signal concerns the show and not only this process: the supervisor has confirmed it, or
         there is no supervisor."""
-        self.listen()
-        return self.alone or self.order("leave") is not None
+        self.receive()
+        return self.orphaned or self.pop_request("leave") is not None
 
     @property
     def fenced(self) -> bool:
         """Whether this machine must stay dark because another one leads: the supervisor reports it, or the supervisor
         has gone while a ready standby machine existed, which then takes over."""
-        return bool(self.facts.get("fenced")) or (self.alone and bool(self.facts.get("deputy")))
+        return bool(self.facts.get("fenced")) or (self.orphaned and bool(self.facts.get("deputy")))
 
     def status(self) -> dict[str, Any]:
         """Return figures for the status line."""
-        there = {"supervised": not self.alone, "dropped": self.wire.dropped, **self.facts}
-        return there | {"spare": False, "guard": False} if self.alone else there
+        there = {"supervised": not self.orphaned, "dropped": self.channel.dropped, **self.facts}
+        return there | {"spare": False, "guard": False} if self.orphaned else there
 
 
-def in_words(error: BaseException) -> str:
+def describe_error(error: BaseException) -> str:
     """Return a program error as one short line, with its place in the code."""
     place = traceback.extract_tb(error.__traceback__)[-1:]
     where = "".join(f" in {'/'.join(Path(frame.filename).parts[-2:])}, line {frame.lineno}" for frame in place)
     words = " ".join(str(error).split())
-    return "".join(mark if mark.isprintable() else " " for mark in f"{type(error).__name__}: {words[:LONGEST]}{where}")
+    return "".join(
+        mark if mark.isprintable() else " " for mark in f"{type(error).__name__}: {words[:MAX_ERROR_LENGTH]}{where}"
+    )
 
 
-def nobody_left(lifeline: Lifeline) -> bool:
+def is_abandoned(link: SupervisorLink) -> bool:
     """Return whether supervisor and parent have gone, so that a waiting process has to end."""
-    return lifeline.alone or os.getppid() == 1
+    return link.orphaned or os.getppid() == 1

@@ -3,7 +3,7 @@
 A process hangs when `HANGS_AFTER` seconds *of its own* pass without a heartbeat. Time in which it ran, or could have
 run, is its own. Time in which it waited for a processor is not. Time in which it waited for something else counts less
 the slower the machine is, because the other process or device is slowed down too. The limit therefore grows with the
-overload, stays short on a quiet machine, and is bounded by `CEILING`. Nothing here reads a clock or a file: see
+overload, stays short on a quiet machine, and is bounded by `MAX_SILENCE`. Nothing here reads a clock or a file: see
 `live.supervisor.process_stats`.
 """
 
@@ -13,31 +13,31 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
-from live.supervisor.restart_policy import CEILING, HANGS_AFTER, LATE_AFTER
+from live.supervisor.restart_policy import HANGS_AFTER, LATE_AFTER, MAX_SILENCE
 
-MOST_OWN: Final = 0.1
+MAX_OWN_STEP: Final = 0.1
 """Most seconds between two updates that count as a process' own: a watcher that updates less often is starved itself.
 """
-MOST_SEEN: Final = 0.5
+MAX_COUNTED_STEP: Final = 0.5
 """Most seconds between two updates that count at all: in a longer gap the machine was asleep."""
 READ_EVERY: Final = 0.1
 """Seconds between two readings of a silent process. The first one is made after it has been silent for this long."""
 COMPARE_EVERY: Final = 1.0
 """Seconds between two readings of a process that is not silent."""
-WAITS_SHARE: Final = 0.25
+MIN_WAIT_SHARE: Final = 0.25
 """Least share of non-processor waiting time that counts as a process' own: a process that sleeps for long hangs. The
 same share counts for an uninterruptible wait in the kernel (state D: a disk, a driver)."""
-ACTIVE: Final = 0.5
+ACTIVE_SHARE: Final = 0.5
 """Threads that run or wait for a processor for at least this share of the time count as active."""
 HALFLIFE: Final = 2.0
 """Half-life of the running averages [s]."""
-SLOWEST: Final = CEILING / HANGS_AFTER
+MAX_SLOWDOWN: Final = MAX_SILENCE / HANGS_AFTER
 """Largest slow-down that is measured."""
-FELT: Final = 0.1
+NOTICEABLE_GAP: Final = 0.1
 """Gap between two heartbeats, or lateness of the supervisor [s], from which an overload is noticeable."""
-HEAVY: Final = 2.0
+OVERLOAD_SLOWDOWN: Final = 2.0
 """Slow-down from which a noticeable gap counts as an overload."""
-FULL: Final = 4.0
+FULL_OVERLOAD_SLOWDOWN: Final = 4.0
 """Slow-down that counts as full overload."""
 
 
@@ -92,27 +92,27 @@ class MachineLoad:
     def __init__(self, round_s: float) -> None:
         """`round_s` [s]: duration of a watcher's round that is not late."""
         self._round = round_s
-        self._late = self._crowd = self._stalled = 1.0
+        self._late = self._contention = self._stalled = 1.0
         self._lateness = 0.0
         self._last: tuple[float, MachineReading] | None = None
 
     @property
     def slowdown(self) -> float:
         """1 on a quiet machine, `SLOWEST` at most."""
-        return min(max(self._late, self._crowd, self._stalled), SLOWEST)
+        return min(max(self._late, self._contention, self._stalled), MAX_SLOWDOWN)
 
     @property
     def lateness(self) -> float:
         """Recent lateness of the watcher's wake-ups [s]."""
         return self._lateness
 
-    def woke(self, late: float, took: float) -> None:
+    def record_wakeup(self, late: float, took: float) -> None:
         """Record a round of the watcher that was `late` [s] and `took` [s] in all."""
         kept = 0.5 ** (took / HALFLIFE)
         self._late = kept * self._late + (1.0 - kept) * (1.0 + late / self._round)
         self._lateness = max(late, kept * self._lateness)
 
-    def read(self, now: float, reading: MachineReading) -> None:
+    def record_reading(self, now: float, reading: MachineReading) -> None:
         """Record a reading of the machine, some tenths of a second after the last one."""
         before, self._last = self._last, (now, reading)
         if before is None or now <= before[0]:
@@ -128,10 +128,10 @@ class MachineLoad:
         crowd = 1.0
         if reading.runnable is not None:
             crowd += (1.0 if waits is None else waits) * max(reading.runnable - 1.0, 0.0)
-        self._crowd = kept * self._crowd + (1.0 - kept) * crowd
+        self._contention = kept * self._contention + (1.0 - kept) * crowd
         full = max(share(reading.memory_full, was.memory_full) or 0.0, share(reading.io_full, was.io_full) or 0.0)
         stalled = max(full, 0.5 * (share(reading.memory_stall, was.memory_stall) or 0.0))
-        self._stalled = kept * self._stalled + (1.0 - kept) / max(1.0 - stalled, 1.0 / SLOWEST)
+        self._stalled = kept * self._stalled + (1.0 - kept) / max(1.0 - stalled, 1.0 / MAX_SLOWDOWN)
 
 
 class Watchdog:
@@ -140,16 +140,16 @@ class Watchdog:
     def __init__(self) -> None:
         self.late = 0
         """How often it was silent for more than `LATE_AFTER`, since the start."""
-        self.spared = 0
+        self.overload_silences = 0
         """How often it was silent for more than `HANGS_AFTER` because of an overload."""
         self.slowdown = 1.0
         """Slow-down of its main thread by waiting for a processor, over the last second."""
         self.verdict = Verdict.FINE
-        self.patience = 1.0
+        self.limit_factor = 1.0
         """Factor on the usual limits for silence."""
-        self._looked: float | None = None
+        self._updated_at: float | None = None
         self._beat = 0.0
-        self._seen = self._own = self._due = 0.0  # seconds of silence: total, its own, not judged yet
+        self._silence = self._own_silence = self._unjudged = 0.0  # seconds of silence: total, its own, not judged yet
         self._gap = 0.0
         self._usage: Usage | None = None
         self._read_at = -math.inf
@@ -158,47 +158,47 @@ class Watchdog:
     @property
     def silent(self) -> float:
         """Counted seconds without a heartbeat."""
-        return self._seen
+        return self._silence
 
     @property
-    def own(self) -> float:
+    def own_silence(self) -> float:
         """Seconds of that silence that were its own."""
-        return self._own
+        return self._own_silence
 
     @property
     def gap(self) -> float:
         """The longest recent silence [s]."""
-        return max(self._gap, self._seen)
+        return max(self._gap, self._silence)
 
-    def look(self, now: float, last: float, usage: Callable[[], Usage | None], slowdown: float) -> Verdict:
+    def update(self, now: float, last_beat: float, usage: Callable[[], Usage | None], slowdown: float) -> Verdict:
         """Return the verdict at `now` [s] on a process whose last beat was at `last` [s].
 
         `usage`: reads the usage counters (None: not available); called seldom. `slowdown`: of the machine.
         """
-        step = 0.0 if self._looked is None else max(now - self._looked, 0.0)
-        self._looked = now
+        step = 0.0 if self._updated_at is None else max(now - self._updated_at, 0.0)
+        self._updated_at = now
         self._compare(now, usage)
         self._gap *= 0.5 ** (step / HALFLIFE)
-        if last != self._beat:
-            self._gap = max(self._gap, self._seen)
-            self._beat, self._seen, self._own, self._due, self._usage = last, 0.0, 0.0, 0.0, None
-            step = min(step, max(now - last, 0.0))
-        was = self._seen
-        self._seen += min(step, MOST_SEEN)
-        self._due += min(step, MOST_OWN)
-        if self._seen > READ_EVERY and now - self._read_at >= READ_EVERY:
+        if last_beat != self._beat:
+            self._gap = max(self._gap, self._silence)
+            self._beat, self._silence, self._own_silence, self._unjudged, self._usage = last_beat, 0.0, 0.0, 0.0, None
+            step = min(step, max(now - last_beat, 0.0))
+        was = self._silence
+        self._silence += min(step, MAX_COUNTED_STEP)
+        self._unjudged += min(step, MAX_OWN_STEP)
+        if self._silence > READ_EVERY and now - self._read_at >= READ_EVERY:
             self._judge(now, usage(), slowdown)
-        self.late += was <= LATE_AFTER < self._seen
-        self.verdict = self._found()
-        self.spared += was <= HANGS_AFTER < self._seen and self.verdict is not Verdict.HUNG
+        self.late += was <= LATE_AFTER < self._silence
+        self.verdict = self._current_verdict()
+        self.overload_silences += was <= HANGS_AFTER < self._silence and self.verdict is not Verdict.HUNG
         return self.verdict
 
-    def _found(self) -> Verdict:
-        if self._own > HANGS_AFTER * self.patience or self._seen > CEILING * self.patience:
+    def _current_verdict(self) -> Verdict:
+        if self._own_silence > HANGS_AFTER * self.limit_factor or self._silence > MAX_SILENCE * self.limit_factor:
             return Verdict.HUNG
-        if self._seen <= LATE_AFTER:
+        if self._silence <= LATE_AFTER:
             return Verdict.FINE
-        return Verdict.OVERLOADED if self._own < 0.5 * self._seen else Verdict.LATE
+        return Verdict.OVERLOADED if self._own_silence < 0.5 * self._silence else Verdict.LATE
 
     def _judge(self, now: float, usage: Usage | None, slowdown: float) -> None:
         """Add the process' own part of the time since the last reading."""
@@ -207,8 +207,8 @@ class Watchdog:
             share = own_share(self._usage, usage, now - self._read_at, slowdown)
         elif usage is not None and usage.state in ("T", "t"):
             share = 1.0
-        self._own += share * self._due
-        self._due, self._usage, self._read_at = 0.0, usage, now
+        self._own_silence += share * self._unjudged
+        self._unjudged, self._usage, self._read_at = 0.0, usage, now
 
     def _compare(self, now: float, usage: Callable[[], Usage | None]) -> None:
         """Measure once a second how much slower it runs than it would alone."""
@@ -219,7 +219,7 @@ class Watchdog:
         if before is None or told is None or told.delay is None or before[1].delay is None:
             return
         run, delay = told.run - before[1].run, told.delay - before[1].delay
-        self.slowdown = min((run + delay) / run, SLOWEST) if run > 0.0 and delay >= 0.0 else 1.0
+        self.slowdown = min((run + delay) / run, MAX_SLOWDOWN) if run > 0.0 and delay >= 0.0 else 1.0
 
 
 def own_share(before: Usage, after: Usage, seconds: float, slowdown: float) -> float:
@@ -232,17 +232,17 @@ def own_share(before: Usage, after: Usage, seconds: float, slowdown: float) -> f
             return min(run / seconds, 1.0)
     else:
         delay = max(after.delay - before.delay, 0.0)
-        if after.state == "R" and run + delay < ACTIVE * seconds:  # `delay` grows only once it runs
+        if after.state == "R" and run + delay < ACTIVE_SHARE * seconds:  # `delay` grows only once it runs
             return min(run / seconds, 1.0)
-        if run + delay >= ACTIVE * seconds:
+        if run + delay >= ACTIVE_SHARE * seconds:
             return max(1.0 - delay / seconds, 0.0)
     if after.state == "D":
-        return WAITS_SHARE
+        return MIN_WAIT_SHARE
     # asleep, perhaps waiting for its own threads, which may get no processor
     run = max(after.others_run - before.others_run, 0.0)
     delay = max(after.others_delay - before.others_delay, 0.0)
-    others = run / (run + delay) if run + delay >= ACTIVE * seconds else 1.0
-    return min(others, max(1.0 / max(slowdown, 1.0), WAITS_SHARE))
+    others = run / (run + delay) if run + delay >= ACTIVE_SHARE * seconds else 1.0
+    return min(others, max(1.0 / max(slowdown, 1.0), MIN_WAIT_SHARE))
 
 
 def overload(load: MachineLoad, watched: Watchdog | None) -> float:
@@ -250,6 +250,6 @@ def overload(load: MachineLoad, watched: Watchdog | None) -> float:
     slowdown, gap = load.slowdown, load.lateness
     if watched is not None:
         slowdown, gap = max(slowdown, watched.slowdown), max(gap, watched.gap)
-    if gap < FELT or slowdown < HEAVY:
+    if gap < NOTICEABLE_GAP or slowdown < OVERLOAD_SLOWDOWN:
         return 0.0
-    return min((slowdown - 1.0) / (FULL - 1.0), 1.0)
+    return min((slowdown - 1.0) / (FULL_OVERLOAD_SLOWDOWN - 1.0), 1.0)

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from live.agents.agent_command import ABSENT, FIRM, ON_STAGE, PASSING, PRESENCE, SEPARATION, SPEED, Wants
+from live.agents.agent_command import ABSENT, FIRM, ON_STAGE, PASSING, PRESENCE, SEPARATION, SPEED, AgentCommand
 from live.agents.agent_command_kernels import (
-    any_in,
+    any_agent_in,
     hold_on_leash,
-    hurry_firm,
-    rest_wants,
+    raise_firm_speeds,
+    reset_commands,
     same_indices,
     write_presence,
 )
@@ -17,7 +17,7 @@ COUNT = 40
 
 def drawn(seed=1):
     chance = np.random.default_rng(seed)
-    wants = Wants(COUNT)
+    wants = AgentCommand(COUNT)
     wants.rows[:] = chance.uniform(-1.0, 1.0, wants.rows.shape)
     return chance, wants
 
@@ -25,7 +25,7 @@ def drawn(seed=1):
 def test_nobody_wants_anything_but_room_and_her_speed():
     chance, wants = drawn()
     before, speed = wants.rows.copy(), chance.uniform(0.5, 2.0, COUNT).astype(np.float32)
-    rest_wants(wants.rows, speed, 0.9)
+    reset_commands(wants.rows, speed, 0.9)
     expected = np.zeros_like(before)
     expected[:, PRESENCE], expected[:, SPEED], expected[:, SEPARATION] = before[:, PRESENCE], speed, np.float32(0.9)
     np.testing.assert_array_equal(wants.rows, expected)
@@ -34,7 +34,7 @@ def test_nobody_wants_anything_but_room_and_her_speed():
 def test_only_the_firm_hurry():
     chance, wants = drawn()
     before, speed = wants.rows.copy(), chance.uniform(0.5, 2.0, COUNT).astype(np.float32)
-    hurry_firm(wants.rows, speed, 1.6)
+    raise_firm_speeds(wants.rows, speed, 1.6)
     firm = before[:, FIRM] > 0.0
     assert 0 < firm.sum() < COUNT
     np.testing.assert_array_equal(wants.speed, np.where(firm, speed * np.float32(1.6), before[:, SPEED]))
@@ -46,7 +46,7 @@ def test_presence_follows_the_state_and_who_passes_is_counted():
     state = chance.integers(0, 5, COUNT).astype(np.int8)
     assert write_presence(wants.rows, state, presence, PASSING) == np.isin(state, (2, 4)).sum()
     np.testing.assert_array_equal(wants.presence, presence[state])
-    assert [any_in(state, k) for k in range(6)] == [bool((state == k).any()) for k in range(6)]
+    assert [any_agent_in(state, k) for k in range(6)] == [bool((state == k).any()) for k in range(6)]
 
 
 def test_arrays_are_the_same_or_not():

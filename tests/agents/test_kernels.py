@@ -151,11 +151,11 @@ def test_a_follower_stays_behind_and_out_of_the_way():
     assert abs(fz) < 1e-9
     assert b.follow_behind(2.1, 0.0, 3.0, 0.0, 1.0, 0.0, 0.9) == pytest.approx((0.0, 0.0), abs=1e-9)
     # towards the audience, a side of +1 is at +x: back by the gap and to the right by the gap
-    assert np.allclose(b.follow_beside(1.0, -1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0), (0.0, 0.0))
-    ahead = np.array(b.make_way(1.0, 0.2, 0.0, 0.0, 1.0, 0.0))
+    assert np.allclose(b.follow_in_wedge(1.0, -1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0), (0.0, 0.0))
+    ahead = np.array(b.clear_path(1.0, 0.2, 0.0, 0.0, 1.0, 0.0))
     assert ahead[1] > 0.2  # aside, to the side on which she stands
-    assert b.make_way(-1.0, 0.2, 0.0, 0.0, 1.0, 0.0) == (0.0, 0.0)
-    assert b.make_way(1.0, 0.9, 0.0, 0.0, 1.0, 0.0) == (0.0, 0.0)
+    assert b.clear_path(-1.0, 0.2, 0.0, 0.0, 1.0, 0.0) == (0.0, 0.0)
+    assert b.clear_path(1.0, 0.9, 0.0, 0.0, 1.0, 0.0) == (0.0, 0.0)
 
 
 @given(st.integers(0, 2**31), st.integers(0, 4000), st.integers(0, 2**31))

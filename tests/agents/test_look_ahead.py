@@ -1,12 +1,12 @@
-"""LookAhead: the same motion as the advance it copies, however it is cut into pieces."""
+"""CrowdPrediction: the same motion as the advance it copies, however it is cut into pieces."""
 
 import numpy as np
 
-from live.agents.agent_command import Wants
+from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
-from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
-from live.agents.prediction import LookAhead
+from live.agents.prediction import CrowdPrediction
 
 
 def ask(wants, state, time):
@@ -22,19 +22,19 @@ def scene(count=15):
     model = AgentModel(np.full(count, 0.25, np.float32), np.ones(count, np.float32), Steering(), 1)
     chance = np.random.default_rng(2)
     surroundings = Surroundings()
-    surroundings.put_obstacle("box", 0.5, 0.0, 0.4)
-    state = AgentState.at(chance.uniform(-3, 3, (count, 2)))
-    return state, Advance(model), surroundings
+    surroundings.set_obstacle("box", 0.5, 0.0, 0.4)
+    state = AgentState.at_rest(chance.uniform(-3, 3, (count, 2)))
+    return state, CrowdStepper(model), surroundings
 
 
 def test_pieces_of_any_size_give_the_same_prediction():
     results = []
     for piece in (1, 3, 1000):
         state, advance, surroundings = scene()
-        look = LookAhead(15, advance, surroundings, ask)
+        look = CrowdPrediction(15, advance, surroundings, ask)
         look.begin(state, time=0.0, seconds=[1.3, 2.6])
         while not look.done:
-            look.work(piece)
+            look.run(piece)
         results.append(np.array(look.positions))
     assert (results[0] == results[1]).all()
     assert (results[0] == results[2]).all()
@@ -44,11 +44,11 @@ def test_pieces_of_any_size_give_the_same_prediction():
 def test_the_prediction_is_near_what_happens_and_leaves_the_agents_alone():
     state, advance, surroundings = scene()
     before = state.flat.copy()
-    look = LookAhead(15, advance, surroundings, ask)
+    look = CrowdPrediction(15, advance, surroundings, ask)
     look.begin(state, time=0.0, seconds=[2.5])
-    look.work(10**6)
+    look.run(10**6)
     assert (state.flat == before).all()
-    spare, wants = AgentState.at(state.position), Wants(15)
+    spare, wants = AgentState.at_rest(state.position), AgentCommand(15)
     for tick in range(160):
         ask(wants, state, tick / 64)
         advance(state, spare, wants=wants, surroundings=surroundings, time=tick / 64, dt=1 / 64)
@@ -58,7 +58,7 @@ def test_the_prediction_is_near_what_happens_and_leaves_the_agents_alone():
 
 def test_nobody_is_no_problem():
     state, advance, surroundings = scene(0)
-    look = LookAhead(0, advance, surroundings, ask)
+    look = CrowdPrediction(0, advance, surroundings, ask)
     look.begin(state, time=0.0, seconds=[1.0])
-    look.work(100)
+    look.run(100)
     assert look.done

@@ -4,9 +4,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from live.app.adaptive_quality import DrawingWatch
+from live.app.adaptive_quality import QualityController
 from live.control.events.events import HoldQuality, Tap
-from live.render.adaptive_quality import SOFTWARE, ladder_of
+from live.render.adaptive_quality import SOFTWARE, quality_steps
 
 PERIOD = 1.0 / 30.0
 
@@ -15,7 +15,7 @@ class Drawn:
     """A renderer that draws nothing; frames of the upper steps take too long."""
 
     def __init__(self):
-        self.steps, self.step, self.mark = ladder_of(SOFTWARE), 0, None
+        self.steps, self.step, self.mark = quality_steps(SOFTWARE), 0, None
 
     def helps(self, step):
         return self.steps[step].kind not in ("trails", "styles")
@@ -37,7 +37,7 @@ def watched():
             status=SimpleNamespace(more={}, notes=[]),
             overload=0.0,
         )
-        watch = DrawingWatch(session, Drawn())
+        watch = QualityController(session, Drawn())
         watch.period, late = PERIOD, [0]
 
         def run(seconds):
@@ -51,7 +51,7 @@ def watched():
                 watch.end()
 
         def hear(step):
-            for told in session.engine.outward:
+            for told in session.engine.event_listeners:
                 told(HoldQuality(time=0.0, source="osc", step=step))
 
         return watch, session, run, hear
@@ -62,17 +62,17 @@ def watched():
 def test_the_machine_chooses_until_the_operator_does(watched):
     watch, session, run, hear = watched()
     run(15.0)
-    told = session.status.more["quality"]()
+    told = session.status.extra_figures["quality"]()
     assert (told["step"], told["held"], told["changes"]) == (5, None, 3)  # 1 and 2 take nothing from this picture
     hear(0.0)
     run(10.0)
-    assert session.status.more["quality"]() | {"changes": 0} == {
-        "step": 0, "of": len(ladder_of(SOFTWARE)), "left_out": [], "held": 0, "changes": 0,
+    assert session.status.extra_figures["quality"]() | {"changes": 0} == {
+        "step": 0, "of": len(quality_steps(SOFTWARE)), "left_out": [], "held": 0, "changes": 0,
     }  # fmt: skip
     hear(-1.0)
     run(15.0)
     assert watch._renderer.step == 5
-    for told in session.engine.outward:
+    for told in session.engine.event_listeners:
         told(Tap(time=0.0, source="osc"))
     assert watch.ladder.held is None
 
@@ -80,7 +80,7 @@ def test_the_machine_chooses_until_the_operator_does(watched):
 def test_a_command_line_begins_with_a_held_step_and_the_overlay_says_so(watched):
     watch, session, run, hear = watched(quality=15)
     run(5.0)
-    last = len(ladder_of(SOFTWARE)) - 1
+    last = len(quality_steps(SOFTWARE)) - 1
     assert watch._renderer.step == last
     words = session.status.notes[0]()
     assert words.startswith(f"quality {last} of {last} (held): no trails,")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from live.app.offline.film import film_name, parse_rate
+from live.app.offline.film import parse_film_path, parse_rate
 from live.base.errors import PersonError
 
 
@@ -32,10 +32,10 @@ def test_what_is_no_rate(text: str) -> None:
 
 def test_names(tmp_path: Path) -> None:
     for name in ("film.mp4", "film.mov", "FILM.MKV"):
-        assert film_name(tmp_path / name, "--out", never=[None]) == tmp_path / name
-    assert film_name(tmp_path, "--out", never=[]) == tmp_path / "%05d.png"
-    assert film_name(tmp_path / "take", "--out", alpha=True, never=[]) == tmp_path / "take" / "%05d.png"
-    assert film_name(tmp_path / "take" / "a%d.png", "--out", never=[]) == tmp_path / "take" / "a%d.png"
+        assert parse_film_path(tmp_path / name, "--out", inputs=[None]) == tmp_path / name
+    assert parse_film_path(tmp_path, "--out", inputs=[]) == tmp_path / "%05d.png"
+    assert parse_film_path(tmp_path / "take", "--out", alpha=True, inputs=[]) == tmp_path / "take" / "%05d.png"
+    assert parse_film_path(tmp_path / "take" / "a%d.png", "--out", inputs=[]) == tmp_path / "take" / "a%d.png"
 
 
 @pytest.mark.parametrize(
@@ -48,15 +48,15 @@ def test_names(tmp_path: Path) -> None:
 )  # fmt: skip
 def test_names_that_are_refused(tmp_path: Path, name: str, told: str) -> None:
     with pytest.raises(PersonError) as error:
-        film_name(tmp_path / name, "--out", never=[])
+        parse_film_path(tmp_path / name, "--out", inputs=[])
     assert told in str(error.value.message) + str(error.value.remedy)
 
 
 def test_alpha_and_what_is_read(tmp_path: Path) -> None:
     with pytest.raises(PersonError, match="no alpha") as error:
-        film_name(tmp_path / "film.mp4", "--out", alpha=True, never=[])
+        parse_film_path(tmp_path / "film.mp4", "--out", alpha=True, inputs=[])
     assert "film.mov" in str(error.value.remedy)
     song = tmp_path / "song.mp4"
     song.write_bytes(b"")
     with pytest.raises(PersonError, match="the show reads this file"):
-        film_name(song, "--out", never=[str(song)])
+        parse_film_path(song, "--out", inputs=[str(song)])

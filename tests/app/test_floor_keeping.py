@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from live.app.output_config import GUESS, FloorKeeping, OutputKeeping, seen_corners
-from live.base.picture_parameters import camera_of
+from live.app.output_config import DEFAULT_CORNERS, FloorCorners, VenueWriter, visible_corners
+from live.base.picture_parameters import camera_from_row
 from live.base.stage_snapshot import Camera
-from live.render.camera import pixel_of
+from live.render.camera import project_points
 from live.show.patch.patch_reader import parse_model
 from live.show.venue.venue import Venue, venue_path
 from tests.show.desk.desk_show import Hands
@@ -34,15 +34,15 @@ def kept(tmp_path, monkeypatch):
             clock=SimpleNamespace(now=lambda: 0.0), inbox=SimpleNamespace(put=hands.show.apply),
         )  # fmt: skip
         told = []
-        keeping = OutputKeeping("hall", told.append)
-        floor = FloorKeeping(session, keeping, lambda: (1600, 900))
+        keeping = VenueWriter("hall", told.append)
+        floor = FloorCorners(session, keeping, lambda: (1600, 900))
         seen = floor.corners()
-        words = floor.keep(corners or seen)
+        words = floor.save(corners or seen)
         keeping.wait()
         hands.run(ticks=1)
         hands.show.fill(view, hands.show.time)
         return SimpleNamespace(
-            words=words, seen=seen, camera=camera_of(view.picture), text=path.read_text(), floor=floor
+            words=words, seen=seen, camera=camera_from_row(view.picture), text=path.read_text(), floor=floor
         )
 
     return keep
@@ -50,7 +50,7 @@ def kept(tmp_path, monkeypatch):
 
 def floor_of(camera, stage):
     x, z = 0.5 * stage[0], 0.5 * stage[1]
-    return pixel_of(camera, (1600, 900), [(-x, 0, -z), (x, 0, -z), (x, 0, z), (-x, 0, z)]) / (1600, 900)
+    return project_points(camera, (1600, 900), [(-x, 0, -z), (x, 0, -z), (x, 0, z), (-x, 0, z)]) / (1600, 900)
 
 
 def test_the_picture_follows_at_once_and_the_file_has_it(kept):
@@ -76,7 +76,7 @@ def test_what_cannot_be_is_told_and_nothing_is_written(kept, text):
 
 def test_it_begins_where_the_camera_sees_the_floor():
     camera = Camera()
-    np.testing.assert_allclose(seen_corners(camera, (6.0, 5.0), (1600, 900)), floor_of(camera, (6.0, 5.0)))
-    assert seen_corners(camera, (14.0, 8.0), (1600, 900)) == GUESS
-    assert seen_corners(Camera((0.0, 1.0, 1.0), (0.0, 1.0, -5.0)), (10.0, 8.0), (1600, 900)) == GUESS
-    assert seen_corners(None, (10.0, 8.0), (1600, 900)) == GUESS
+    np.testing.assert_allclose(visible_corners(camera, (6.0, 5.0), (1600, 900)), floor_of(camera, (6.0, 5.0)))
+    assert visible_corners(camera, (14.0, 8.0), (1600, 900)) == DEFAULT_CORNERS
+    assert visible_corners(Camera((0.0, 1.0, 1.0), (0.0, 1.0, -5.0)), (10.0, 8.0), (1600, 900)) == DEFAULT_CORNERS
+    assert visible_corners(None, (10.0, 8.0), (1600, 900)) == DEFAULT_CORNERS

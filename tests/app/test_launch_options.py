@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from live.app.launch_options import OPTION, LaunchOptions
 from live.base.errors import PersonError
 from live.cli.play import parsed, with_launch_options
-from live.control.message_codec import packet_of
+from live.control.message_codec import encode_packet
 
 USUAL = LaunchOptions()
 ALL = LaunchOptions(
@@ -96,7 +96,7 @@ def test_every_option_has_a_text_for_people():
 
 
 def word(value):
-    return base64.b64encode(packet_of(value)).decode()
+    return base64.b64encode(encode_packet(value)).decode()
 
 
 class Calls:

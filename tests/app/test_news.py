@@ -2,7 +2,7 @@
 
 import threading
 
-from live.app.session import News
+from live.app.session import Notifier
 
 
 class Part:
@@ -17,19 +17,19 @@ class Part:
 
 def made_news():
     osc, show, library, said = Part(), Part(), Part(), []
-    return News([osc, show], [library], said.append), osc, show, library, said
+    return Notifier([osc, show], [library], said.append), osc, show, library, said
 
 
 def test_each_change_is_said_once():
     news, osc, show, library, said = made_news()
-    news.look()
+    news.check()
     assert said == []
     show.words, library.words = "there is no step 'sambaa'", "new steps: bow can be danced"
-    news.look()
-    news.look()
+    news.check()
+    news.check()
     assert said == ["refused: there is no step 'sambaa'", "new steps: bow can be danced"]
     osc.words, show.words = "unknown address", "no group is called 'b'"
-    news.look()
+    news.check()
     assert said[2:] == ["refused: unknown address", "refused: no group is called 'b'"]
 
 
@@ -38,16 +38,16 @@ def test_the_last_refusal_is_the_newest_of_all_parts():
     news, osc, show, library, _ = made_news()
     for part, words in ((osc, "first"), (show, "second"), (osc, "third"), (show, "fourth")):
         part.words = words
-        news.look()
+        news.check()
         assert news.refused == words
     library.words = "new steps: bow can be danced"
-    news.look()
+    news.check()
     assert news.refused == "fourth"
     osc.words = ""
-    news.look()
+    news.check()
     assert news.refused == "fourth"
     show.words = ""
-    news.look()
+    news.check()
     assert news.refused == ""
 
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from live.app.option_values import parse_endpoint, parse_number, parse_size, writable_file
+from live.app.option_values import check_range, check_writable, parse_endpoint, parse_size
 from live.base.errors import PersonError
 
 
@@ -43,15 +43,15 @@ def test_wrong_endpoints(text):
 @pytest.mark.parametrize("value", [math.nan, math.inf, 0.0, 1e9])
 def test_numbers_out_of_range(value):
     with pytest.raises(PersonError, match="20 to 400"):
-        parse_number(value, "--bpm", 20, 400)
-    parse_number(None, "--bpm", 20, 400)
-    parse_number(120.0, "--bpm", 20, 400)
+        check_range(value, "--bpm", 20, 400)
+    check_range(None, "--bpm", 20, 400)
+    check_range(120.0, "--bpm", 20, 400)
 
 
 def test_files_that_cannot_be_written(tmp_path):
     with pytest.raises(PersonError, match="no folder"):
-        writable_file(tmp_path / "a" / "b.mp4", "--record")
+        check_writable(tmp_path / "a" / "b.mp4", "--record")
     with pytest.raises(PersonError, match="that is a folder"):
-        writable_file(tmp_path, "--record")
-    writable_file(tmp_path / "b.mp4", "--record")
-    writable_file(None, "--record")
+        check_writable(tmp_path, "--record")
+    check_writable(tmp_path / "b.mp4", "--record")
+    check_writable(None, "--record")

@@ -4,11 +4,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from live.app.output_config import OutputKeeping
+from live.app.output_config import VenueWriter
 from live.app.projector_setup import OutputSetup
 from live.control.events.events import ShowCard
-from live.render.outputs.output import UNBENT, Output
-from live.render.outputs.warp_editor import Editing, FloorEditing
+from live.render.outputs.output import FULL_WINDOW, Output
+from live.render.outputs.warp_editor import FloorEditor, WarpEditor
 from live.render.window.window_input import KeyPressed, PointerMoved, PointerPressed, PointerReleased
 from live.show.venue.venue import read_venue
 
@@ -25,10 +25,10 @@ class FakeScreen:
         self.output = output
 
     def edit(self, on):
-        self.editing = Editing(self.output) if on else None
+        self.editing = WarpEditor(self.output) if on else None
 
     def edit_floor(self, corners):
-        self.editing = FloorEditing(self.output, corners)
+        self.editing = FloorEditor(self.output, corners)
 
 
 class FakeFloor:
@@ -40,7 +40,7 @@ class FakeFloor:
     def corners(self):
         return (0.2, 0.4), (0.8, 0.4), (0.9, 0.9), (0.1, 0.9)
 
-    def keep(self, corners):
+    def save(self, corners):
         self.kept.append(corners)
         return self.words
 
@@ -88,9 +88,9 @@ def test_the_mouse_moves_what_is_edited_and_nothing_else(hall):
     assert [hall.setup.act(hall.right, value) for value in drag] == [False] * 3
     assert [hall.setup.act(hall.left, value) for value in drag] == [True] * 3
     assert hall.left.output.corners[0] == (0.1, 0.1)
-    assert hall.right.output.corners == UNBENT
+    assert hall.right.output.corners == FULL_WINDOW
     press(hall, hall.left, "u")
-    assert hall.left.output.corners == UNBENT
+    assert hall.left.output.corners == FULL_WINDOW
 
 
 def test_at_the_operators_window_one_output_after_the_other(hall):
@@ -118,7 +118,7 @@ def test_the_real_floors_corners_are_pointed_at_on_the_projector(hall):
     assert corners[2:] == [(0.9, 0.9), (0.1, 0.9)]
     assert hall.left.lines[0] == "left: the floor's back right corner"
     press(hall, hall.left, "p")  # back, with nothing new to keep
-    assert isinstance(hall.left.editing, Editing)
+    assert isinstance(hall.left.editing, WarpEditor)
     assert len(hall.floor.kept) == 1
     assert hall.kept == []
     assert hall.left.output.mesh == ()
@@ -180,8 +180,8 @@ def test_what_there_is_not_is_told(hall, output, card, words):
 def test_what_is_kept_is_in_the_venue_next_time(tmp_path, monkeypatch):
     monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
     told = []
-    keeping = OutputKeeping("hall", told.append)
-    keeping.keep(Output("left", corners=((0.1, 0.1), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))))
+    keeping = VenueWriter("hall", told.append)
+    keeping.save_output(Output("left", corners=((0.1, 0.1), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))))
     keeping.wait()
     assert told == [f"saved in {tmp_path / 'venues' / 'hall.toml'}"]
     assert read_venue("hall").output[0].corners[0] == (0.1, 0.1)
@@ -194,11 +194,11 @@ def test_what_cannot_be_kept_is_told_and_the_file_stays(tmp_path, monkeypatch):
     path = tmp_path / "venues" / "hall.toml"
     path.write_text("name = 3\n")
     told = []
-    keeping = OutputKeeping("hall", told.append)
-    keeping.keep(Output("left"))
+    keeping = VenueWriter("hall", told.append)
+    keeping.save_output(Output("left"))
     keeping.wait()
     assert told[0].startswith("NOT SAVED: ")
     assert "line 1: name" in told[0]
     assert path.read_text() == "name = 3\n"
-    OutputKeeping(None, told.append).keep(Output())
+    VenueWriter(None, told.append).save_output(Output())
     assert told[1] == "not saved: start with --venue NAME"

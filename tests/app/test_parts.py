@@ -2,7 +2,7 @@
 
 import pytest
 
-from live.app.service_registry import Parts
+from live.app.service_registry import ServiceRegistry
 from live.base.errors import PersonError
 from live.base.fault_isolation import FAULTS
 from tests.control.waiting import wait_for
@@ -43,16 +43,16 @@ class Lamp(Device):
 def alone():
     """What is left out here is of no other test."""
     yield
-    FAULTS.resting.clear()
+    FAULTS.skipped.clear()
 
 
 @pytest.fixture
 def parts():
-    made = Parts()
-    made.bad, made.good = Device("frame", "early", "stop"), Lamp()
-    for part in (made.bad, made.good):
+    made = ServiceRegistry()
+    made.save_invalid, made.save_valid = Device("frame", "early", "stop"), Lamp()
+    for part in (made.save_invalid, made.save_valid):
         made.add(part)
-        made.early.append(part.early)
+        made.before_frame_calls.append(part.early)
     return made
 
 
@@ -61,27 +61,27 @@ def test_a_part_that_fails_in_each_frame_is_left_out_and_the_others_are_not(part
     for _ in range(300):
         parts.before_frame()
         parts.frame()
-    assert parts.good.done.count("frame") == parts.good.done.count("early") == 300
-    assert 3 <= parts.bad.done.count("frame") < 10
-    assert FAULTS.total - before == parts.bad.done.count("frame") + parts.bad.done.count("early")
+    assert parts.save_valid.done.count("frame") == parts.save_valid.done.count("early") == 300
+    assert 3 <= parts.save_invalid.done.count("frame") < 10
+    assert FAULTS.total - before == parts.save_invalid.done.count("frame") + parts.save_invalid.done.count("early")
     assert "device" in FAULTS.problem()
 
 
 def test_one_that_cannot_end_keeps_nobody_else_from_it(parts):
     parts.stop()
-    assert parts.good.done == ["stop"]
+    assert parts.save_valid.done == ["stop"]
 
 
 def test_one_that_cannot_start_ends_a_start_but_not_a_show_that_is_gone_on_with():
     for forgiving in (False, True):
-        parts, bad, good = Parts(), Device("start"), Lamp()
+        parts, bad, good = ServiceRegistry(), Device("start"), Lamp()
         parts.add(bad)
         parts.add(good)
         if not forgiving:
             with pytest.raises(IndexError):
                 parts.start()
             continue
-        parts.start(forgiving=True)
+        parts.start(tolerant=True)
         parts.frame()
         assert bad.done == ["start", "stop"]
         assert good.done == ["start", "frame"]
@@ -101,11 +101,11 @@ class Page(Device):
 
 
 def test_one_whose_port_is_taken_starts_as_soon_as_it_is_free(monkeypatch):
-    monkeypatch.setattr("live.app.service_registry.FIRST_PAUSE", 0.01)
-    parts, page, good = Parts(), Page(4), Lamp()
+    monkeypatch.setattr("live.app.service_registry.FIRST_RETRY_DELAY", 0.01)
+    parts, page, good = ServiceRegistry(), Page(4), Lamp()
     parts.add(page)
     parts.add(good)
-    parts.start(forgiving=True)
+    parts.start(tolerant=True)
     assert "tried again" in FAULTS.problem()
     assert wait_for(lambda: page.done.count("start") == 4 and not FAULTS.problem(), 10.0)
     parts.frame()
@@ -115,8 +115,8 @@ def test_one_whose_port_is_taken_starts_as_soon_as_it_is_free(monkeypatch):
 
 
 def test_one_that_never_starts_keeps_no_show_from_its_end():
-    parts, page = Parts(), Page(10**9)
+    parts, page = ServiceRegistry(), Page(10**9)
     parts.add(page)
-    parts.start(forgiving=True)
+    parts.start(tolerant=True)
     parts.stop()
     assert "frame" not in page.done

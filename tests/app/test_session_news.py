@@ -5,7 +5,7 @@ from typing import Any, cast
 
 import pytest
 
-from live.app.session import session_news
+from live.app.session import make_notifier
 
 
 def test_refusals_and_problems_of_all_parts_are_told_once(capsys: pytest.CaptureFixture[str]) -> None:
@@ -15,13 +15,13 @@ def test_refusals_and_problems_of_all_parts_are_told_once(capsys: pytest.Capture
     listens = SimpleNamespace(facts=lambda: {"problem": problem})
     problem = ""
     watch = SimpleNamespace(problem="", told="")
-    news = session_news(cast(Any, show), cast(Any, osc), cast(Any, listens), None, cast(Any, watch), None)
-    news.look()
+    news = make_notifier(cast(Any, show), cast(Any, osc), cast(Any, listens), None, cast(Any, watch), None)
+    news.check()
     assert capsys.readouterr().err == ""
     problem = "stage box is not there"
     refused = "an OSC packet: too long"
-    news.look()
-    news.look()
+    news.check()
+    news.check()
     told = capsys.readouterr().err
     assert told.count("sound: stage box is not there") == 1
     assert told.count("an OSC packet: too long") == 1

@@ -6,10 +6,10 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from live.app.session_audio import Sound, analysis_for, make_audio
-from live.base.event_queue import Inbox
-from live.clock.follower.manual_control import Seed
-from live.clock.tracking.beat_tracker import Tracker
+from live.app.session_audio import AudioChoice, make_audio, make_show_analysis
+from live.base.event_queue import EventQueue
+from live.clock.follower.manual_control import TrackerHint
+from live.clock.tracking.beat_tracker import BeatTracker
 from live.control.audio.analysis import AudioAnalysis
 from live.control.audio.audio_input import AudioInput
 from live.control.events.events import ControlEvent, RestartAudio
@@ -26,23 +26,23 @@ class Shown:
         self.follower = SimpleNamespace(on_seed=None)
 
     def seed_tracker(self, told: Any) -> None:
-        told(Seed("metre", 0.0, 3.0))
-        self.follower.on_seed = told
+        told(TrackerHint("metre", 0.0, 3.0))
+        self.follower.on_hint = told
 
 
 def told(analysis: AudioAnalysis) -> tuple[float, int]:
     """The interval [frames] and the metre that were set by hand, as the next samples find them."""
     analysis.feed(np.zeros((1, 1), np.float32), lambda position: position)
-    assert isinstance(analysis.tracker, Tracker)
-    hand = analysis.tracker.pointer._hand
+    assert isinstance(analysis.tracker, BeatTracker)
+    hand = analysis.tracker.pointer._manual
     return hand.held_interval, hand.held_metre
 
 
 def test_the_next_analysis_knows_what_the_last_one_was_told() -> None:
     show = Shown()
-    make = analysis_for(LOADED, cast(Any, show))
+    make = make_show_analysis(LOADED, cast(Any, show))
     first = make(44_100.0)
-    show.follower.on_seed(Seed("tempo", 1.0, 60.0))
+    show.follower.on_hint(TrackerHint("tempo", 1.0, 60.0))
     assert told(first) == (pytest.approx(86.13, abs=0.01), 3)
     make(96_000.0)  # refused at this rate: it never hears anything
     assert told(make(48_000.0)) == (pytest.approx(86.13, abs=0.01), 3)
@@ -50,13 +50,15 @@ def test_the_next_analysis_knows_what_the_last_one_was_told() -> None:
 
 def test_a_restart_by_hand_lets_go_but_for_what_the_patch_says(monkeypatch: pytest.MonkeyPatch) -> None:
     system = fake_sound_system(monkeypatch)
-    show, inbox = Shown(), cast("Inbox[ControlEvent]", Inbox())
-    source, tell = make_audio(Sound(device="stage box"), LOADED, cast(Any, show), Latencies(), inbox, system.clock)
+    show, inbox = Shown(), cast("EventQueue[ControlEvent]", EventQueue())
+    source, tell = make_audio(
+        AudioChoice(device="stage box"), LOADED, cast(Any, show), Latencies(), inbox, system.clock
+    )
     assert isinstance(source, AudioInput)
-    source._open(source._rounds.mine)
-    assert source._listening is not None
-    show.follower.on_seed(Seed("tempo", 1.0, 60.0))
-    assert told(source._listening.analysis)[0] > 0.0
+    source._open(source._watchdog.stop_event)
+    assert source._open_stream is not None
+    show.follower.on_hint(TrackerHint("tempo", 1.0, 60.0))
+    assert told(source._open_stream.analysis)[0] > 0.0
     tell(RestartAudio(time=2.0, source="key"))
-    source.turn()
-    assert told(source._listening.analysis) == (0.0, 3)
+    source.poll()
+    assert told(source._open_stream.analysis) == (0.0, 3)

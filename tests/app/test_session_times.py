@@ -6,18 +6,18 @@ from pathlib import Path
 
 from live.app.launch_options import LaunchOptions
 from live.app.session import Session
-from live.app.session_audio import Sound
+from live.app.session_audio import AudioChoice
 from live.supervisor.heartbeat import Heartbeat
-from live.supervisor.line_channel import Wire
-from live.supervisor.supervisor_link import Lifeline
+from live.supervisor.line_channel import LineChannel
+from live.supervisor.supervisor_link import SupervisorLink
 from tests.end_to_end.conftest import PATCH
 
 
-def made_session(folder: Path, lifeline: Lifeline | None = None) -> Session:
+def made_session(folder: Path, lifeline: SupervisorLink | None = None) -> Session:
     patch = folder / "show.toml"
     patch.write_text(PATCH)
     options = LaunchOptions(patch=str(patch), seed=1, osc=("127.0.0.1", 0))
-    return Session(options, options.load(), Sound(), lifeline=lifeline)
+    return Session(options, options.load(), AudioChoice(), lifeline=lifeline)
 
 
 def frame(session: Session, seconds: float) -> None:
@@ -41,15 +41,15 @@ def test_a_frame_that_waits_takes_time_but_none_of_the_processor(tmp_path):
 def test_what_the_supervisor_says_of_the_machine_is_pressure(tmp_path):
     """From its facts on the wire to the status and to whoever draws."""
     ours, theirs = socket.socketpair()
-    supervisor, lifeline = Wire(ours), Lifeline(Wire(theirs), Heartbeat())
+    supervisor, lifeline = LineChannel(ours), SupervisorLink(LineChannel(theirs), Heartbeat())
     session = made_session(tmp_path, lifeline)
     with session.running():
         assert session.overload == 0.0
-        supervisor.tell(alive="facts", facts={"overload": 0.8})
+        supervisor.send_json(alive="facts", facts={"overload": 0.8})
         frame(session, 0.0)
         frame(session, 0.0)
         told = session.status.snapshot(session.clock.now())
     assert session.overload == told["pressure"] == 0.8
     supervisor.close()
-    lifeline.wire.close()
-    lifeline.heart.close()
+    lifeline.channel.close()
+    lifeline.heartbeat.close()

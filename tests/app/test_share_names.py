@@ -25,9 +25,9 @@ def test_what_is_neither(text: str) -> None:
 def test_without_srt_it_is_told_what_carries_it_on(monkeypatch: pytest.MonkeyPatch) -> None:
     import live.render.film.network_stream as stream
 
-    monkeypatch.setattr(stream, "has_srt", lambda: False)
+    monkeypatch.setattr(stream, "is_srt_supported", lambda: False)
     with pytest.raises(PersonError, match="built without SRT") as error:
         live_recording.parse_shares(["srt://127.0.0.1:5000"])
     assert "ffmpeg -i udp://" in str(error.value.remedy)
-    monkeypatch.setattr(stream, "has_srt", lambda: True)
+    monkeypatch.setattr(stream, "is_srt_supported", lambda: True)
     assert live_recording.parse_shares(["srt://127.0.0.1:5000"]) == ("srt://127.0.0.1:5000",)

@@ -4,11 +4,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from live.app.window_operator import Operator
-from live.base.event_queue import Inbox
+from live.app.window_operator import OperatorInput
+from live.base.event_queue import EventQueue
 from live.base.stage_snapshot import Camera, Look, Scene
 from live.control.events import events
-from live.render.camera import pixel_of
+from live.render.camera import project_points
 from live.render.window.window_input import (
     CloseRequested,
     KeyPressed,
@@ -34,7 +34,7 @@ class FakeWindow:
 
 @pytest.fixture
 def desk():
-    inbox = Inbox()
+    inbox = EventQueue()
     patch = SimpleNamespace(formation=({"name": "wedge"}, {"name": "star"}))
     desk_ = SimpleNamespace(held=False, master=SimpleNamespace(frozen=False, goal=1.0, cards={}))
     session = SimpleNamespace(
@@ -45,7 +45,7 @@ def desk():
         midi=SimpleNamespace(learning=SimpleNamespace(waits_for="")),
     )
     window = FakeWindow()
-    return SimpleNamespace(operator=Operator(session, window, SCENE), inbox=inbox, session=session, window=window)
+    return SimpleNamespace(operator=OperatorInput(session, window, SCENE), inbox=inbox, session=session, window=window)
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_a_closed_window_ends_the_show(desk):
 
 def test_click_and_drag_are_an_attractor_on_the_floor_and_shift_a_repulsor(desk):
     def pixel(x, z):
-        return pixel_of(SCENE.camera, SIZE, [[x, 0.0, z]])[0]
+        return project_points(SCENE.camera, SIZE, [[x, 0.0, z]])[0]
 
     desk.operator.act(PointerMoved(*pixel(0, 0)), 1.0)  # not pressed: nothing
     desk.operator.act(PointerPressed(*pixel(1.5, -0.5)), 1.1)
@@ -128,7 +128,7 @@ def test_click_and_drag_are_an_attractor_on_the_floor_and_shift_a_repulsor(desk)
 
 def test_a_key_chooses_what_a_stroke_places_when_it_is_let_go(desk):
     def pixel(x, z):
-        return pixel_of(SCENE.camera, SIZE, [[x, 0.0, z]])[0]
+        return project_points(SCENE.camera, SIZE, [[x, 0.0, z]])[0]
 
     desk.operator.act(KeyPressed("x"), 1.0)
     desk.operator.act(PointerPressed(*pixel(-1.0, 0.0)), 1.1)

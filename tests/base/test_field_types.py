@@ -6,7 +6,7 @@ from typing import Literal
 
 import pytest
 
-from live.base.field_types import made_of
+from live.base.field_types import build_dataclass
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,9 @@ class Row:
 
 def test_values_become_what_the_annotations_say():
     values = {"name": "a", "size": [3, 4], "many": [["b", 1]], "path": "x/y", "side": "right", "at": {"x": 1}}
-    assert made_of(Row, values) == Row("a", 0, False, (3, 4), (("b", 1.0),), Path("x/y"), "right", b"", Point(1.0))
+    assert build_dataclass(Row, values) == Row(
+        "a", 0, False, (3, 4), (("b", 1.0),), Path("x/y"), "right", b"", Point(1.0)
+    )
 
 
 @pytest.mark.parametrize(
@@ -57,9 +59,9 @@ def test_values_become_what_the_annotations_say():
 )
 def test_what_is_of_another_type_is_named(name, value):
     with pytest.raises(ValueError, match=f"{name}|Point"):
-        made_of(Row, {"name": "a"} | {name: value})
+        build_dataclass(Row, {"name": "a"} | {name: value})
 
 
 def test_a_field_that_is_missing_is_named():
     with pytest.raises(ValueError, match="name"):
-        made_of(Row, {})
+        build_dataclass(Row, {})

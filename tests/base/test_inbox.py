@@ -5,13 +5,13 @@ import threading
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 
 
 @given(st.lists(st.one_of(st.integers(0, 99), st.none()), max_size=60), st.integers(1, 8))
 def test_nothing_is_lost_uncounted(actions, capacity):
     """None drains, a number is put: whatever happens, put = drained + waiting + dropped, and order is kept."""
-    inbox = Inbox(capacity)
+    inbox = EventQueue(capacity)
     put, drained = 0, []
     for action in actions:
         if action is None:
@@ -25,7 +25,7 @@ def test_nothing_is_lost_uncounted(actions, capacity):
 
 
 def test_a_limit_leaves_the_rest_for_later():
-    inbox = Inbox(10)
+    inbox = EventQueue(10)
     for number in range(5):
         inbox.put(number)
     assert inbox.drain(2) == [0, 1]
@@ -34,8 +34,8 @@ def test_a_limit_leaves_the_rest_for_later():
 
 
 def test_who_has_said_little_comes_before_all_who_have_much_waiting():
-    inbox = Inbox()
-    lanes, quiet = [inbox.lane() for _ in range(40)], inbox.lane()
+    inbox = EventQueue()
+    lanes, quiet = [inbox.add_queue() for _ in range(40)], inbox.add_queue()
     for number in range(30):
         for lane in lanes:
             lane.put(number)
@@ -48,8 +48,8 @@ def test_who_has_said_little_comes_before_all_who_have_much_waiting():
 
 
 def test_so_many_values_at_most_and_what_is_no_value_goes_on():
-    inbox = Inbox()
-    flooded, taps = inbox.lane(), inbox.lane()
+    inbox = EventQueue()
+    flooded, taps = inbox.add_queue(), inbox.add_queue()
     for number in range(5):
         flooded.put(number, key=number)
         taps.put(f"tap {number}")
@@ -57,11 +57,11 @@ def test_so_many_values_at_most_and_what_is_no_value_goes_on():
     assert [item for _, item in inbox.drain_keyed(None, 0.0, 2)] == [0, "tap 0", 1, "tap 1", "tap 2", "tap 3", "tap 4"]
     assert [item for _, item in inbox.drain_keyed(None, 0.0, 0)] == []
     assert [item for _, item in inbox.drain_keyed(None, 0.0, 9)] == [2, 3, 4, "after the values"]
-    assert inbox.offered == 11
+    assert inbox.received_count == 11
 
 
 def test_many_writers_and_a_reader():
-    inbox = Inbox(1000)
+    inbox = EventQueue(1000)
     writers = [threading.Thread(target=lambda w=w: [inbox.put((w, k)) for k in range(5000)]) for w in range(4)]
     taken = []
     for writer in writers:

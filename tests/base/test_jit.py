@@ -11,7 +11,7 @@ import pytest
 
 from live.base import jit
 from live.base import scalar_kernels as kernels
-from live.motion.pose.foot_lock_kernels import follow_feet
+from live.motion.pose.foot_lock_kernels import update_lock
 
 
 def test_the_name_of_the_cache_follows_a_file_and_what_it_takes_from_others(tmp_path, monkeypatch):
@@ -43,7 +43,7 @@ def test_the_name_of_the_cache_follows_a_file_and_what_it_takes_from_others(tmp_
 
 
 def test_kernels_are_kept_in_the_folder_of_their_file():
-    folder = jit.KERNELS / jit.cache_name(Path(kernels.__file__).resolve())
+    folder = jit.KERNEL_CACHE_DIR / jit.cache_name(Path(kernels.__file__).resolve())
     assert jit.JIT_DISABLED or list(folder.rglob("*.nbi"))
 
 
@@ -56,14 +56,14 @@ def test_every_kernel_file_is_counted():
 def test_a_wrong_array_is_a_type_error_and_compiles_nothing():
     good, contact = np.zeros((1, 2, 8), np.float32), np.ones((1, 2), np.bool_)
     with pytest.raises(TypeError):
-        follow_feet(good, np.zeros((1, 9, 3)), contact, 0.1, 0.1, 0.01)
+        update_lock(good, np.zeros((1, 9, 3)), contact, 0.1, 0.1, 0.01)
 
 
 def test_a_cache_that_cannot_be_written_does_not_stop_the_start(tmp_path):
     blocked = tmp_path / "file"
     blocked.write_text("not a folder")
     environment = {**os.environ, "LIVE_CACHE_DIR": str(blocked), "TMPDIR": str(tmp_path), "NUMBA_DISABLE_JIT": "1"}
-    code = "import live.base.jit; print(live.base.jit.KERNELS)"
+    code = "import live.base.jit; print(live.base.jit.KERNEL_CACHE_DIR)"
     result = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
     assert Path(result.stdout.strip()).parent == tmp_path
 

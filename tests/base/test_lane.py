@@ -5,7 +5,7 @@ import threading
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.base.event_queue import Inbox, Lane
+from live.base.event_queue import EventQueue, PriorityQueue
 
 actions_of_two = st.lists(st.one_of(st.none(), st.sampled_from("abcx")), max_size=60)
 
@@ -13,14 +13,14 @@ actions_of_two = st.lists(st.one_of(st.none(), st.sampled_from("abcx")), max_siz
 @given(actions_of_two, st.integers(4, 9))
 def test_what_is_taken_ends_where_taking_everything_would(actions, capacity):
     """None takes one; x has no key. Where nothing was pushed out, a reader ends with the same values of all keys."""
-    lane, taken, put = Lane(capacity), [], []
+    lane, taken, put = PriorityQueue(capacity), [], []
     for number, action in enumerate(actions):
         if action is None:
-            taken.append(lane.take())
+            taken.append(lane.pop())
         else:
             put.append((action, number))
             lane.put(put[-1], None if action == "x" else action)
-    while (item := lane.take()) is not None:
+    while (item := lane.pop()) is not None:
         taken.append(item)
     taken = [item for item in taken if item is not None]
     assert len(taken) + lane.dropped + lane.replaced == len(put)
@@ -35,20 +35,20 @@ def test_what_is_taken_ends_where_taking_everything_would(actions, capacity):
 
 
 def test_a_value_does_not_overtake_what_was_put_between():
-    lane = Lane()
+    lane = PriorityQueue()
     for item, key in (("light 0", "light"), ("scene", None), ("light 1", "light"), ("light 2", "light")):
         lane.put(item, key)
-    assert [lane.take() for _ in range(4)] == ["light 0", "scene", "light 2", None]
+    assert [lane.pop() for _ in range(4)] == ["light 0", "scene", "light 2", None]
     assert lane.replaced == 1
 
 
 def test_a_writer_and_a_reader_never_lose_the_last_value():
-    lane, last = Lane(), 30_000
+    lane, last = PriorityQueue(), 30_000
     writer = threading.Thread(target=lambda: [lane.put((key, k), key) for k in range(last + 1) for key in "ab"])
     writer.start()
     seen, counts = {}, 0
     while writer.is_alive() or len(lane):
-        item = lane.take()
+        item = lane.pop()
         if item is not None:
             counts += 1
             assert item[1] >= seen.get(item[0], 0)
@@ -60,8 +60,8 @@ def test_a_writer_and_a_reader_never_lose_the_last_value():
 
 
 def test_who_floods_starves_nobody():
-    inbox = Inbox()
-    flood, quiet = inbox.lane(100), inbox.lane(100)
+    inbox = EventQueue()
+    flood, quiet = inbox.add_queue(100), inbox.add_queue(100)
     for number in range(1000):
         flood.put(("flood", number))
     quiet.put("quiet")

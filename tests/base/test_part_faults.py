@@ -2,7 +2,15 @@
 
 import pytest
 
-from live.base.fault_isolation import FIRST_REST, IN_A_ROW, Bulkhead, PartFaults, keep_running, name_of, run_once
+from live.base.fault_isolation import (
+    FAILURES_BEFORE_SKIP,
+    FIRST_SKIP,
+    Bulkhead,
+    FaultLog,
+    callback_name,
+    keep_running,
+    run_once,
+)
 
 
 class Breaks:
@@ -20,7 +28,7 @@ class Breaks:
 
 
 def test_work_is_begun_again_after_pauses_that_grow_and_ends_when_it_returns():
-    faults, work, pauses = PartFaults(), Breaks(8), []
+    faults, work, pauses = FaultLog(), Breaks(8), []
 
     def wait(seconds):
         pauses.append(seconds)
@@ -30,12 +38,15 @@ def test_work_is_begun_again_after_pauses_that_grow_and_ends_when_it_returns():
     assert work.calls == 9
     assert pauses == [0.05, 0.1, 0.2, 0.4, 0.8, 1.0, 1.0, 1.0]
     assert faults.facts()["failed"] == {"the OSC port": 8}
-    assert faults.news() == "the OSC port failed and continues (8 times by now): IndexError: list index out of range"
+    assert (
+        faults.last_notice()
+        == "the OSC port failed and continues (8 times by now): IndexError: list index out of range"
+    )
 
 
 def test_a_thread_that_is_to_end_is_not_begun_again():
     work = Breaks(8)
-    keep_running("", work, lambda seconds: True, faults=PartFaults())
+    keep_running("", work, lambda seconds: True, faults=FaultLog())
     assert work.calls == 1
 
 
@@ -44,11 +55,11 @@ def test_what_is_no_fault_of_the_work_ends_it():
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        keep_running("", stop, lambda seconds: False, faults=PartFaults())
+        keep_running("", stop, lambda seconds: False, faults=FaultLog())
 
 
 def test_a_callback_that_fails_once_is_called_again_at_once():
-    faults = PartFaults()
+    faults = FaultLog()
     calls, act = Bulkhead(faults), Breaks(1)
     assert calls.call("click", act, 1) is None
     assert calls.call("click", act, 1) == (1,)
@@ -57,29 +68,29 @@ def test_a_callback_that_fails_once_is_called_again_at_once():
 
 
 def test_one_that_fails_again_and_again_rests_and_comes_back_and_others_never_do():
-    faults = PartFaults()
-    calls, bad, good = Bulkhead(faults), Breaks(IN_A_ROW + 1), Breaks(0)
+    faults = FaultLog()
+    calls, bad, good = Bulkhead(faults), Breaks(FAILURES_BEFORE_SKIP + 1), Breaks(0)
     frames = 0
     while bad.left:
         calls.call("click", bad)
         calls.call("link", good)
         frames += 1
-    assert frames == IN_A_ROW + FIRST_REST + 1
+    assert frames == FAILURES_BEFORE_SKIP + FIRST_SKIP + 1
     assert good.calls == frames
     assert "click fails repeatedly and is skipped" in faults.problem()
-    for _ in range(2 * FIRST_REST):
+    for _ in range(2 * FIRST_SKIP):
         assert calls.call("click", bad) is None
     assert calls.call("click", bad) == "done"
     assert faults.problem() == ""
-    assert faults.news() == "click works again"
+    assert faults.last_notice() == "click works again"
 
 
 def test_a_part_that_fails_in_every_call_costs_little_and_fills_no_terminal():
-    faults, told = PartFaults(), set()
+    faults, told = FaultLog(), set()
     calls, bad = Bulkhead(faults), Breaks(1 << 30)
     for _ in range(100_000):
         calls.call("click", bad)
-        told.add(faults.news())
+        told.add(faults.last_notice())
     assert bad.calls < 50
     assert len(told) < 60
     for number in range(100):
@@ -88,7 +99,7 @@ def test_a_part_that_fails_in_every_call_costs_little_and_fills_no_terminal():
 
 
 def test_run_once_says_whether_it_went_well():
-    faults = PartFaults()
+    faults = FaultLog()
     assert run_once("a", Breaks(0), faults=faults)
     assert not run_once("a", Breaks(1), faults=faults)
     assert faults.total == 1
@@ -99,5 +110,5 @@ def test_names_are_for_people():
         def frame(self):
             """Nothing."""
 
-    assert name_of(WebPart().frame) == "web part"
-    assert name_of(lambda: None) == "test names are for people"
+    assert callback_name(WebPart().frame) == "web part"
+    assert callback_name(lambda: None) == "test names are for people"

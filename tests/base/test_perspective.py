@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.base.projector_perspective import check_corners, floor_corners, matched
+from live.base.projector_perspective import camera_from_corners, check_corners, floor_corners
 from live.base.stage_snapshot import Camera
-from live.render.camera import pixel_of
+from live.render.camera import project_points
 
 SIZE, STAGE = (1920, 1080), (12.0, 8.0)
 ASPECT = SIZE[0] / SIZE[1]
@@ -15,7 +15,7 @@ ASPECT = SIZE[0] / SIZE[1]
 def seen(camera, stage=STAGE):
     """Where the floor's corners lie in the picture of a camera, 0..1 (4, 2)."""
     floor = floor_corners(*stage)
-    return pixel_of(camera, SIZE, np.stack([floor[:, 0], np.zeros(4), floor[:, 1]], axis=1)) / SIZE
+    return project_points(camera, SIZE, np.stack([floor[:, 0], np.zeros(4), floor[:, 1]], axis=1)) / SIZE
 
 
 @pytest.mark.parametrize(
@@ -29,7 +29,7 @@ def seen(camera, stage=STAGE):
     ],
 )
 def test_a_true_projector_comes_back_from_its_place_and_its_corners(camera):
-    found = matched(camera.eye, seen(camera), STAGE, ASPECT)
+    found = camera_from_corners(camera.eye, seen(camera), STAGE, ASPECT)
     assert found.eye == camera.eye
     assert found.field_of_view_deg == pytest.approx(camera.field_of_view_deg, abs=1e-6)
     assert found.roll_deg == pytest.approx(camera.roll_deg, abs=1e-6)
@@ -38,7 +38,7 @@ def test_a_true_projector_comes_back_from_its_place_and_its_corners(camera):
     way, true = (np.subtract(one.target, one.eye) for one in (found, camera))
     assert np.allclose(way / np.linalg.norm(way), true / np.linalg.norm(true), atol=1e-8)
     body = np.random.default_rng(3).uniform((-5, 0, -4), (5, 2, 4), (40, 3))  # what stands on the floor, too
-    assert np.abs(pixel_of(found, SIZE, body) - pixel_of(camera, SIZE, body)).max() < 1e-4
+    assert np.abs(project_points(found, SIZE, body) - project_points(camera, SIZE, body)).max() < 1e-4
 
 
 def test_corners_set_by_hand_are_met_within_a_pixel():
@@ -47,9 +47,9 @@ def test_corners_set_by_hand_are_met_within_a_pixel():
     for _ in range(60):
         camera = Camera(tuple(chance.uniform((-4, 3, 8), (4, 9, 16))), (0.0, 0.0, 0.0), float(chance.uniform(30, 60)))
         corners = seen(camera) + chance.normal(0.0, 0.01, (4, 2))
-        found = matched(camera.eye, corners, STAGE, ASPECT)
+        found = camera_from_corners(camera.eye, corners, STAGE, ASPECT)
         assert np.abs(seen(found) - corners).max() * SIZE[0] < 1e-6
-        middle = pixel_of(found, SIZE, [(0.0, 0.0, 0.0)])[0] / SIZE  # where the diagonals meet
+        middle = project_points(found, SIZE, [(0.0, 0.0, 0.0)])[0] / SIZE  # where the diagonals meet
         a, b, c, d = corners
         across = np.linalg.solve(np.stack([c - a, b - d], axis=1), b - a)
         assert np.allclose(a + across[0] * (c - a), middle, atol=1e-9)
@@ -70,7 +70,7 @@ def test_corners_set_by_hand_are_met_within_a_pixel():
 )
 def test_what_cannot_be_is_named(at, corners, words):
     with pytest.raises(PersonError, match=words):
-        matched(at, corners, STAGE, ASPECT)
+        camera_from_corners(at, corners, STAGE, ASPECT)
 
 
 def test_corners_of_a_picture_are_fine_in_their_order():

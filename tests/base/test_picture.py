@@ -11,50 +11,56 @@ SCENE = Scene((10.0, 8.0), Camera((0.1, 3.4, 11.7), (0.3, 0.9, -0.2), 37.3), Loo
 
 
 def test_the_numbers_of_all_parameters_lie_side_by_side():
-    places = [place for known in picture_parameters.PARAMETERS for place in range(picture_parameters.SIZE)[known.where]]
+    places = [
+        place
+        for known in picture_parameters.PARAMETERS
+        for place in range(picture_parameters.ROW_SIZE)[known.row_slice]
+    ]
     groups = [
         place
-        for n in range(picture_parameters.GROUPS)
-        for place in range(picture_parameters.SIZE)[picture_parameters.colour_of_group(n).where]
+        for n in range(picture_parameters.GROUP_COUNT)
+        for place in range(picture_parameters.ROW_SIZE)[picture_parameters.group_colour(n).row_slice]
     ]
-    own = [address for address in picture_parameters.OF_GROUPS if address != picture_parameters.COLOUR_OF_GROUP]
+    own = [
+        address for address in picture_parameters.GROUP_PARAMETERS if address != picture_parameters.GROUP_COLOUR_ADDRESS
+    ]
     styles = [
         place
-        for n in range(picture_parameters.GROUPS)
+        for n in range(picture_parameters.GROUP_COUNT)
         for address in own
-        for place in range(picture_parameters.SIZE)[picture_parameters.of_group(address, n).where]
+        for place in range(picture_parameters.ROW_SIZE)[picture_parameters.group_parameter(address, n).row_slice]
     ]
-    passes = list(range(picture_parameters.SIZE))[picture_parameters.OWN]
-    assert places + passes + groups + styles == list(range(picture_parameters.SIZE))
+    passes = list(range(picture_parameters.ROW_SIZE))[picture_parameters.CUSTOM_PASS_SLICE]
+    assert places + passes + groups + styles == list(range(picture_parameters.ROW_SIZE))
 
 
 def test_every_parameter_starts_within_its_range_and_has_words():
-    for known in (*picture_parameters.PARAMETERS, *picture_parameters.OF_GROUPS.values()):
+    for known in (*picture_parameters.PARAMETERS, *picture_parameters.GROUP_PARAMETERS.values()):
         assert len(known.start) == known.size
         assert all(known.low <= value <= known.high for value in known.start)
-        assert known.words.endswith(".")
+        assert known.description.endswith(".")
         assert known.address.startswith("/dance/")
 
 
 def test_a_scene_comes_back_from_its_row_bit_by_bit():
-    row = picture_parameters.picture_of(SCENE)
-    assert picture_parameters.camera_of(row) == SCENE.camera
+    row = picture_parameters.picture_row(SCENE)
+    assert picture_parameters.camera_from_row(row) == SCENE.camera
     assert row[picture_parameters.BY_ADDRESS["/dance/light/ambient"].first] == 0.3
     for address, value in (("/dance/light/floor", SCENE.look.floor), ("/dance/light/rim/colour", SCENE.look.rim_light)):
-        assert tuple(row[picture_parameters.BY_ADDRESS[address].where]) == value
+        assert tuple(row[picture_parameters.BY_ADDRESS[address].row_slice]) == value
 
 
 def test_the_row_of_a_default_scene_is_the_table_s():
-    row = picture_parameters.picture_of(Scene((10.0, 8.0), Camera(), Look(), 3, 22))
+    row = picture_parameters.picture_row(Scene((10.0, 8.0), Camera(), Look(), 3, 22))
     for known in picture_parameters.PARAMETERS:
-        assert tuple(row[known.where]) == known.start
+        assert tuple(row[known.row_slice]) == known.start
 
 
 def test_groups_beyond_the_colours_begin_with_the_first_again():
     colours = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
-    row = picture_parameters.picture_of(replace(SCENE, look=replace(SCENE.look, group_colours=colours)))
-    rows = row[picture_parameters.COLOURS : picture_parameters.STYLES].reshape(-1, 3)
-    assert len(rows) == picture_parameters.GROUPS
+    row = picture_parameters.picture_row(replace(SCENE, look=replace(SCENE.look, group_colours=colours)))
+    rows = row[picture_parameters.COLOURS_START : picture_parameters.STYLES_START].reshape(-1, 3)
+    assert len(rows) == picture_parameters.GROUP_COUNT
     assert np.array_equal(rows[0], rows[2])
     assert np.array_equal(rows[1], rows[5])
 
@@ -63,15 +69,17 @@ def test_styles_of_a_look_are_those_of_their_groups_and_all_others_are_as_usual(
     look = replace(
         SCENE.look, group_styles=((), (("/dance/draw/ink", (1.0,)), ("/dance/draw/ink/colour", (0.1, 0.2, 0.3))))
     )
-    row, usual = picture_parameters.picture_of(replace(SCENE, look=look)), picture_parameters.picture_of(SCENE)
-    assert row[picture_parameters.of_group("/dance/draw/ink", 1).first] == 1.0
-    assert tuple(row[picture_parameters.of_group("/dance/draw/ink/colour", 1).where]) == (0.1, 0.2, 0.3)
+    row, usual = picture_parameters.picture_row(replace(SCENE, look=look)), picture_parameters.picture_row(SCENE)
+    assert row[picture_parameters.group_parameter("/dance/draw/ink", 1).first] == 1.0
+    assert tuple(row[picture_parameters.group_parameter("/dance/draw/ink/colour", 1).row_slice]) == (0.1, 0.2, 0.3)
     assert sorted(np.flatnonzero(row != usual)) == sorted(
         [
-            picture_parameters.of_group("/dance/draw/ink", 1).first,
-            *range(picture_parameters.SIZE)[picture_parameters.of_group("/dance/draw/ink/colour", 1).where],
+            picture_parameters.group_parameter("/dance/draw/ink", 1).first,
+            *range(picture_parameters.ROW_SIZE)[
+                picture_parameters.group_parameter("/dance/draw/ink/colour", 1).row_slice
+            ],
         ]
     )
-    for address, known in picture_parameters.OF_GROUPS.items():
-        if address != picture_parameters.COLOUR_OF_GROUP:
-            assert tuple(usual[picture_parameters.of_group(address, 15).where]) == known.start
+    for address, known in picture_parameters.GROUP_PARAMETERS.items():
+        if address != picture_parameters.GROUP_COLOUR_ADDRESS:
+            assert tuple(usual[picture_parameters.group_parameter(address, 15).row_slice]) == known.start

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.base.event_queue import HELD, Inbox, Precedence
+from live.base.event_queue import PRECEDENCE_HOLD, EventQueue, Precedence
 
 SET = st.lists(st.tuples(st.sampled_from("ab"), st.integers(0, 2), st.floats(0.0, 0.2)), max_size=40)
 
@@ -15,8 +15,8 @@ def test_a_value_gives_way_exactly_where_a_higher_rank_was_the_last_and_lately(s
     for key, rank, pause in sets:
         now += pause
         last = next((item for item in reversed(history) if item[0] == key), None)
-        counts = last is None or rank >= last[1] or now - last[2] >= HELD
-        assert precedence.admits(key, rank, now) == counts
+        counts = last is None or rank >= last[1] or now - last[2] >= PRECEDENCE_HOLD
+        assert precedence.accepts(key, rank, now) == counts
         outranked += not counts
         if counts:
             history.append((key, rank, now))
@@ -25,8 +25,8 @@ def test_a_value_gives_way_exactly_where_a_higher_rank_was_the_last_and_lately(s
 
 def test_the_operator_s_value_counts_whoever_was_heard_first():
     for operator_first in (True, False):
-        inbox = Inbox()
-        lanes = [inbox.lane(rank=rank) for rank in ((2, 1) if operator_first else (1, 2))]
+        inbox = EventQueue()
+        lanes = [inbox.add_queue(rank=rank) for rank in ((2, 1) if operator_first else (1, 2))]
         for lane in lanes:
             lane.put(f"{lane.rank}", "level")
             lane.put(f"other {lane.rank}", ("level", lane.rank))
@@ -36,13 +36,13 @@ def test_the_operator_s_value_counts_whoever_was_heard_first():
         assert {"other 1", "other 2", "once 1", "once 2"} <= set(taken), "nothing else gives way"
         assert inbox.outranked == operator_first
         lanes[operator_first].put("1 again", "level")
-        assert inbox.drain(now=5.0 + HELD * 0.9) == []
+        assert inbox.drain(now=5.0 + PRECEDENCE_HOLD * 0.9) == []
         lanes[operator_first].put("1 again", "level")
-        assert inbox.drain(now=5.0 + HELD * 1.1) == ["1 again"]
+        assert inbox.drain(now=5.0 + PRECEDENCE_HOLD * 1.1) == ["1 again"]
 
 
 def test_what_is_remembered_is_bounded():
     precedence = Precedence()
     for number in range(20_000):
-        assert precedence.admits(number, 2, 1.0)
+        assert precedence.accepts(number, 2, 1.0)
     assert len(precedence._set) <= 4096

@@ -10,8 +10,8 @@ from tests.control.waiting import wait_for
 SAYS = """
 import sys, time
 from pathlib import Path
-from live.base.native_stderr import outlive_terminals
-outlive_terminals()
+from live.base.native_stderr import survive_terminal_close
+survive_terminal_close()
 print("begun", flush=True)
 while not Path(sys.argv[1]).exists():
     time.sleep(0.01)

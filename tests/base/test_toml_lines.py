@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.base.toml import KeyPath, error_line, line_of, toml_lines
+from live.base.toml import KeyPath, error_line, line_of, toml_line_numbers
 
 TEXT = '''# a show
 title = "first"          # line 2
@@ -63,11 +63,11 @@ at = 2
     ],
 )
 def test_every_key_has_its_line(path: KeyPath, line: int) -> None:
-    assert toml_lines(TEXT)[path] == line
+    assert toml_line_numbers(TEXT)[path] == line
 
 
 def test_a_missing_key_is_looked_for_in_what_surrounds_it() -> None:
-    lines = toml_lines(TEXT)
+    lines = toml_line_numbers(TEXT)
     assert line_of(lines, ("group", 1, "steps")) == 20
     assert line_of(lines, ("nowhere", "at", "all")) == 1
 
@@ -84,7 +84,7 @@ def paths_of(value: object, path: KeyPath = ()) -> set[KeyPath]:
 
 
 def test_it_finds_the_same_keys_as_tomllib() -> None:
-    assert set(toml_lines(TEXT)) == paths_of(tomllib.loads(TEXT))
+    assert set(toml_line_numbers(TEXT)) == paths_of(tomllib.loads(TEXT))
 
 
 words = st.text(st.sampled_from("ab c=\"[]{}#\\\n\t,'.&é"), max_size=8)
@@ -121,19 +121,19 @@ def test_any_document_is_followed_to_its_end(table: dict[str, Any]) -> None:
         expected[(key,)] = text.count("\n") + 1
         text += f"{quoted(key)} = {written(value)}\n\n"
     assert tomllib.loads(text) == table
-    lines = toml_lines(text)
+    lines = toml_line_numbers(text)
     assert set(lines) == paths_of(table)
     assert {path: lines[path] for path in expected} == expected
 
 
 @given(st.text(st.sampled_from("ab[]{}=\"'\n#,.\\ 1"), max_size=40))
 def test_what_is_not_toml_raises_nothing(text: str) -> None:
-    assert all(line >= 1 for line in toml_lines(text).values())
+    assert all(line >= 1 for line in toml_line_numbers(text).values())
 
 
 @pytest.mark.parametrize("text", ["a=[}", "a=[,]", "a={]", "a=[[}", "a=]", "a=[1}", "a={b=}", "a=[\n#}\n}"])
 def test_wrong_brackets_come_to_an_end(text: str) -> None:
-    assert toml_lines(text)[("a",)] == 1
+    assert toml_line_numbers(text)[("a",)] == 1
 
 
 def test_the_line_of_a_syntax_error() -> None:

@@ -5,7 +5,7 @@ from typing import Any, cast
 
 import pytest
 
-from live.cli.replay import _tell
+from live.cli.replay import _print_result
 
 
 @pytest.mark.parametrize(("speed", "words"), [(0.048, "0.05 times"), (3.96, "3.96 times"), (38.2, "38 times")])
@@ -14,5 +14,5 @@ def test_a_film_that_takes_longer_than_the_night_is_not_0_times_as_fast(capsys, 
     result = SimpleNamespace(
         ticks=640, begun=0, measures=5, different=0, differences=(), failed=0, problems=(), lacking=()
     )
-    _tell(journal, cast(Any, result), speed)
+    _print_result(journal, cast(Any, result), speed)
     assert f"; {words} real time" in " ".join(capsys.readouterr().out.split())

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.app.systemd_unit import Service, name_for, unit_name, word
+from live.app.systemd_unit import SystemdService, default_service_name, quote_word, unit_name
 from live.base.errors import PersonError
 from tests.cli.command import run_live
 
@@ -39,7 +39,7 @@ TEXTS = st.text(st.characters(min_codepoint=32, blacklist_categories=("Cs", "Cc"
 
 @given(st.lists(TEXTS, max_size=5))
 def test_whatever_the_arguments_are_systemd_reads_them_as_they_were(arguments):
-    service = Service("a", arguments, Path("/tmp"), True, {})
+    service = SystemdService("a", arguments, Path("/tmp"), True, {})
     line = unit(service.text(version=252))["ExecStart"][0]
     assert words(line) == service.command()
 
@@ -47,9 +47,9 @@ def test_whatever_the_arguments_are_systemd_reads_them_as_they_were(arguments):
 @pytest.mark.parametrize("text", ["a\nExecStartPre=/bin/evil", "a\0b", "a\x7fb", "\udcff"])
 def test_what_no_line_of_a_unit_can_hold_is_refused(text):
     with pytest.raises(PersonError):
-        word(text)
+        quote_word(text)
     with pytest.raises(PersonError):
-        Service("a", [text], Path("/tmp"), True, {}).text(version=252)
+        SystemdService("a", [text], Path("/tmp"), True, {}).text(version=252)
 
 
 @pytest.mark.parametrize("name", ["", "../x", "A", "a b", "a%n", "a" * 41, "-a"])
@@ -60,18 +60,18 @@ def test_a_name_is_a_few_plain_letters(name):
 
 def test_names_come_from_patches(tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert [name_for(patch) for patch in (None, "Contemporary", "a/b c.toml", "x/show.toml", "ü")] == [
+    assert [default_service_name(patch) for patch in (None, "Contemporary", "a/b c.toml", "x/show.toml", "ü")] == [
         "first-show", "contemporary", "b-c", "x", "show",
     ]  # fmt: skip
 
 
 def test_a_show_with_a_window_follows_the_session_and_one_without_the_machine():
     there = {"DISPLAY": ":0", "XAUTHORITY": "/run/x y", "HOME": "/h", "PULSE_SERVER": "unix:/p"}
-    window = unit(Service("a", [], Path("/tmp"), False, there).text(version=254))
+    window = unit(SystemdService("a", [], Path("/tmp"), False, there).text(version=254))
     assert window["WantedBy"] == window["PartOf"] == ["graphical-session.target"]
     assert window["Environment"] == ["PULSE_SERVER=unix:/p", "DISPLAY=:0", '"XAUTHORITY=/run/x y"']
     assert window["RestartMaxDelaySec"] == ["10s"]
-    bare = unit(Service("a", [], Path("/tmp"), True, there).text(version=252))
+    bare = unit(SystemdService("a", [], Path("/tmp"), True, there).text(version=252))
     assert bare["WantedBy"] == ["default.target"]
     assert "PartOf" not in bare
     assert bare["Environment"] == ["PULSE_SERVER=unix:/p"]
@@ -81,7 +81,7 @@ def test_a_show_with_a_window_follows_the_session_and_one_without_the_machine():
 def test_engines_outlive_a_crash_and_a_stop_ends_all_in_order():
     """KillMode=process: of a service that failed systemd kills no more than the supervisor, which is dead then; on a
     stop it gets SIGTERM and ends the others."""
-    found = unit(Service("a", [], Path("/tmp"), True, {}).text(version=252))
+    found = unit(SystemdService("a", [], Path("/tmp"), True, {}).text(version=252))
     assert (found["KillMode"], found["Restart"], found["OOMPolicy"]) == (["process"], ["on-failure"], ["continue"])
     assert set(found["SuccessExitStatus"][0].split()) == {"129", "130", "143"}
     assert found["RestartPreventExitStatus"] == ["2"]
@@ -91,7 +91,7 @@ def test_engines_outlive_a_crash_and_a_stop_ends_all_in_order():
 @pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="needs systemd-analyze")
 @pytest.mark.parametrize("headless", [True, False])
 def test_systemd_finds_nothing_wrong_with_it(tmp_path: Path, headless):
-    service = Service("a", ["my show.toml", "--bpm", "100%", "$HOME"], tmp_path, headless, dict(os.environ))
+    service = SystemdService("a", ["my show.toml", "--bpm", "100%", "$HOME"], tmp_path, headless, dict(os.environ))
     path = tmp_path / service.unit
     path.write_text(service.text(version=252))
     done = subprocess.run(

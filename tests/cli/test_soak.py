@@ -8,7 +8,7 @@ import wave
 
 import pytest
 
-from live.app.offline.soak_run import EACH_S, Figures
+from live.app.offline.soak_run import ROW_SECONDS, FrameTimeStats
 from tests.cli.command import run_live
 
 
@@ -67,19 +67,19 @@ def test_the_band_is_written_as_a_sound(tmp_path):
 
 
 def test_growing_frame_times_are_seen_and_noise_is_not():
-    rising, even = Figures(), Figures()
+    rising, even = FrameTimeStats(), FrameTimeStats()
     for row in range(9):
         for number in range(100):
-            time = (row + (number + 1) / 100.0) * EACH_S
+            time = (row + (number + 1) / 100.0) * ROW_SECONDS
             rising.add(time, 0.001 * (1 + row), late=row, memory=300.0)
             even.add(time, 0.001 * (1 + number % 3), late=row, memory=300.0)
     assert len(rising.rows) == len(even.rows) == 9
-    first, last = rising.grown()
+    first, last = rising.growth()
     assert last > 3.0 * first
-    first, last = even.grown()
+    first, last = even.growth()
     assert first == pytest.approx(last)
     assert [row["late"] for row in rising.rows] == [0, *([1] * 8)]
-    assert Figures().grown() is None
+    assert FrameTimeStats().growth() is None
 
 
 @pytest.mark.long

@@ -5,7 +5,7 @@ from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
-from live.clock.beat_announcer import BIAS, LATEST, LEAD, Announcer
+from live.clock.beat_announcer import BIAS, LOOK_AHEAD, MAX_LATENESS, BeatAnnouncer
 from live.clock.beat_estimate import BeatEstimate
 
 HOP = 0.0116
@@ -14,7 +14,7 @@ DELAY = 3 * HOP
 
 def run(beats_at: Any, seconds: float = 10.0, period: float = 0.5, metre: int = 4) -> list[BeatEstimate]:
     """What is named while a pointer believes at each time t [s] in beats at beats_at(t) + k · period."""
-    announcer, found = Announcer(), []
+    announcer, found = BeatAnnouncer(), []
     for frame in range(int(seconds / HOP)):
         moment = frame * HOP
         past = (moment - beats_at(moment)) % period
@@ -33,7 +33,7 @@ def test_each_beat_is_named_once_and_ahead_with_its_number() -> None:
     assert len(found) == 20
     for number, beat in enumerate(found[1:]):
         assert abs(beat.position - (0.7 + 0.5 * number + BIAS)) < 1e-6
-        assert LEAD - 2 * HOP < beat.position - beat.heard <= LEAD
+        assert LOOK_AHEAD - 2 * HOP < beat.position - beat.fed <= LOOK_AHEAD
         assert beat.beat == (number + 1) % 4
         assert (beat.beats_per_measure, beat.replaces) == (4, beat.replaces)
         assert math.isnan(beat.replaces)
@@ -42,7 +42,7 @@ def test_each_beat_is_named_once_and_ahead_with_its_number() -> None:
 def test_a_beat_that_moves_while_it_is_ahead_is_corrected() -> None:
     found = run(lambda t: 0.2 if t < 4.62 else 0.215)  # the beat at 4.7 s has just been named
     (beat,) = (beat for beat in found if not math.isnan(beat.replaces))
-    assert beat.heard < beat.replaces
+    assert beat.fed < beat.replaces
     assert abs(beat.replaces - (4.7 + BIAS)) < 1e-6
     assert abs(beat.position - beat.replaces - 0.015) < 1e-6
 
@@ -56,8 +56,8 @@ def test_beats_never_come_too_near_whatever_the_grid_does() -> None:
 
 def test_a_beat_that_was_overlooked_is_still_named_if_it_has_just_passed() -> None:
     found = run(lambda t: 0.2 if t < 2.957 else -0.045)  # beats at 2.7, 3.2 become beats at 2.955, 3.455
-    (late,) = (beat for beat in found if beat.heard > beat.position)
+    (late,) = (beat for beat in found if beat.fed > beat.position)
     assert abs(late.position - (2.955 + BIAS)) < 1e-6
-    assert late.heard - late.position <= LATEST
+    assert late.fed - late.position <= MAX_LATENESS
     gone = run(lambda t: 0.2 if t < 3.0 else -0.045)  # here it is too long past
-    assert all(beat.heard < beat.position for beat in gone)
+    assert all(beat.fed < beat.position for beat in gone)

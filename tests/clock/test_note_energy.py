@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from live.clock.note_energy import EVERY, HALF, WINDOW, NoteEnergy, NoteFigures
+from live.clock.note_energy import DENSITY_WINDOW, ENERGY_HALF_LIFE, REPORT_INTERVAL, NoteEnergy, NoteFigures
 
 
 def played(notes: list[tuple[float, tuple[int, ...]]], end: float, *, tempo: float = 120.0) -> list[NoteFigures]:
@@ -35,10 +35,10 @@ def test_energy_and_density_are_those_of_the_strokes(tempo: float) -> None:
     for figures in told:
         beats = (figures.time - times[times <= figures.time]) * tempo / 60.0
         shares = velocities[: len(beats)] / 127.0
-        assert figures.energy == pytest.approx(max(shares * 0.5 ** (beats / HALF), default=0.0), abs=1e-9)
-        assert figures.density == pytest.approx(sum(np.exp(-beats / WINDOW)) / WINDOW, abs=1e-9)
+        assert figures.energy == pytest.approx(max(shares * 0.5 ** (beats / ENERGY_HALF_LIFE), default=0.0), abs=1e-9)
+        assert figures.density == pytest.approx(sum(np.exp(-beats / DENSITY_WINDOW)) / DENSITY_WINDOW, abs=1e-9)
         assert figures.chord == len(set(keys[: len(beats)].tolist()))
-    assert np.diff([figures.time for figures in told]).min() >= EVERY - 1e-9
+    assert np.diff([figures.time for figures in told]).min() >= REPORT_INTERVAL - 1e-9
     assert sum(figures.beats for figures in told) == pytest.approx(told[-1].time * tempo / 60.0)
 
 
@@ -53,7 +53,7 @@ def test_all_dies_away_and_then_nothing_is_told() -> None:
     told = played([(1.0, (0x90, 60, 127)), (1.5, (0x80, 60, 0))], 60.0)
     last = told[-1]
     assert (last.energy, last.density, last.chord) == (0.0, 0.0, 0)
-    assert last.time < 1.0 + 0.5 * WINDOW * math.log(1.0 / WINDOW / 0.01) + 0.2
+    assert last.time < 1.0 + 0.5 * DENSITY_WINDOW * math.log(1.0 / DENSITY_WINDOW / 0.01) + 0.2
     assert len(told) < 150
 
 

@@ -2,14 +2,14 @@
 
 import pytest
 
-from live.clock.silence import Pauses
+from live.clock.silence import PauseDetector
 
 HOP = 0.0116
 
 
 def told(pieces: list[tuple[float, float]]) -> list[tuple[str, float]]:
     """(state, when [s]) of each change, for pieces of (seconds, level)."""
-    pauses, found, position, before = Pauses(), [], 0.0, "sound"
+    pauses, found, position, before = PauseDetector(), [], 0.0, "sound"
     for seconds, level in pieces:
         end = position + seconds
         while position < end - 0.5 * HOP:

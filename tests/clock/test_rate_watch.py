@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from live.clock.sample_clock import RateWatch
+from live.clock.sample_clock import RateEstimator
 
 
 def told(says: float, rate: float, *, jitter: float = 0.02, block: int = 512, lost: float = 0.0) -> list[float]:
     rng = np.random.default_rng(5)
-    watch, found = RateWatch(says), []
+    watch, found = RateEstimator(says), []
     frames = 0.0
     for n in range(int(40.0 * rate / block)):
         if rng.uniform() >= lost:
@@ -39,6 +39,6 @@ def test_lost_blocks_are_no_rate() -> None:
 
 
 def test_a_machine_that_stood_still_says_nothing() -> None:
-    watch = RateWatch(48_000.0)
+    watch = RateEstimator(48_000.0)
     for n in range(12):
         assert watch.observe(n * 4800.0, n * 30.0) is None

@@ -43,12 +43,12 @@ def test_another_tempo_starts_at_the_same_beat(timeline: Timeline, tempo: float,
 
 @given(timelines, times)
 def test_the_one_is_the_nearest_beat(timeline: Timeline, time: float) -> None:
-    told = timeline.with_one_at(time)
+    told = timeline.with_downbeat_at(time)
     off = told.phase_at(time)
     assert min(off, told.beats_per_measure - off) <= 0.5 + 1e-6
     assert told.beat_at(time) == timeline.beat_at(time)
     assert abs(told.measure_origin - timeline.measure_origin) <= timeline.beats_per_measure / 2 + 0.5 + 1e-9
-    assert told.with_one_at(time) == told
+    assert told.with_downbeat_at(time) == told
 
 
 @given(beats, st.sampled_from([1.0, 2.0, 3.0, 4.0, 7.0, 0.5]))

@@ -8,9 +8,9 @@ import pytest
 
 from live.clock.time_source import ManualClock, SystemClock
 from live.clock.timeline import Timeline
-from live.control.dmx_mapping import LEVEL, USUAL, Channel, Chart, widths_of
-from live.control.dmx_output import ArtnetSender, DmxOut, SacnSender, Universe
-from live.control.helper_process import Helper
+from live.control.dmx_mapping import DEFAULT_CHANNELS, LEVEL, Channel, DmxMapping, channel_count
+from live.control.dmx_output import ArtnetSender, DmxOutput, SacnSender, Universe
+from live.control.helper_process import HelperProcess
 from live.control.registry.registry import REGISTRY
 from tests.control.waiting import wait_for
 
@@ -18,7 +18,7 @@ TIMELINE = Timeline(120.0, beats_per_measure=4)  # a beat is half a second
 
 
 def rows_of(*channels, half=(6.0, 4.0)):
-    chart = Chart(channels, half)
+    chart = DmxMapping(channels, half)
     return chart, lambda now: chart.row(TIMELINE, now).tolist()
 
 
@@ -35,31 +35,31 @@ def test_flashes_are_full_on_the_beat_and_fade_in_a_straight_line():
 def test_values_take_their_whole_range_and_blackout_takes_the_level():
     control = REGISTRY[LEVEL].arguments[0]
     chart, row = rows_of(Channel(1, LEVEL), Channel(10, "/dance/light/key/colour"), Channel(20, LEVEL, fine=True))
-    chart.take_values({LEVEL: (("", (control.maximum,)),), "/dance/light/key/colour": (("", (1.0, 0.0, 0.5)),)})
+    chart.update_values({LEVEL: (("", (control.maximum,)),), "/dance/light/key/colour": (("", (1.0, 0.0, 0.5)),)})
     top = REGISTRY["/dance/light/key/colour"].arguments[0].maximum
     assert row(0.0)[0] == 255
     assert row(0.0)[9:12] == [round(255 / top), 0, round(127.5 / top)]
-    chart.take_values({LEVEL: (("", (0.3,)),)})
+    chart.update_values({LEVEL: (("", (0.3,)),)})
     coarse, fine = row(0.0)[19:21]
     assert 256 * coarse + fine == round(65535 * 0.3 / control.maximum)
-    chart.take_values({"/dance/blackout": (("", (True,)),)})
+    chart.update_values({"/dance/blackout": (("", (True,)),)})
     assert row(0.0)[0] == 0 == row(0.0)[19]
-    chart.take_values({"/dance/blackout": (("", (False,)),)})
+    chart.update_values({"/dance/blackout": (("", (False,)),)})
     assert row(0.0)[0] > 0
 
 
 def test_a_dancer_is_where_she_is_over_the_whole_stage():
     chart, row = rows_of(Channel(101, "dancer", dancer=3))
     for place, wanted in (((-6.0, -4.0), (0, 0)), ((6.0, 4.0), (65535, 65535)), ((99.0, 0.0), (65535, 32768))):
-        chart.take_places(np.array([(1, 2.0, 2.0, 0.0), (3, *place, 0.0)], np.float32))
+        chart.update_positions(np.array([(1, 2.0, 2.0, 0.0), (3, *place, 0.0)], np.float32))
         assert struct.unpack(">HH", bytes(row(0.0)[100:104])) == wanted
 
 
 def test_only_what_is_a_number_can_be_sent():
-    assert widths_of("/dance/light/key/colour") == 3
-    assert [widths_of(each) for each in ("/dance/go", "/dance/clock/source", "/nobody", "", "dancers")] == [0] * 5
+    assert channel_count("/dance/light/key/colour") == 3
+    assert [channel_count(each) for each in ("/dance/go", "/dance/clock/source", "/nobody", "", "dancers")] == [0] * 5
     taken = [
-        channel.channel + n for channel in USUAL for n in range(widths_of(channel.sends))
+        channel.channel + n for channel in DEFAULT_CHANNELS for n in range(channel_count(channel.sends))
     ]  # the chart of who has none
     assert len(set(taken)) == len(taken)
     assert max(taken) <= 512
@@ -118,7 +118,7 @@ def test_the_process_sends_rows_until_the_show_has_gone(lamp):
         "channels": [(1, "tempo", 1, 1.0, False), (2, "feet", 1, 1e3, False)],
         "half": (6, 4),
     }
-    helper = Helper("live.control.dmx_output", SystemClock(), plan, lambda: None)
+    helper = HelperProcess("live.control.dmx_output", SystemClock(), plan, lambda: None)
     helper.start()
     try:
         helper.send(("timeline", (90.0, 0.0, 0.0, 4, 0.0)))
@@ -127,7 +127,7 @@ def test_the_process_sends_rows_until_the_show_has_gone(lamp):
         assert [row[1] for row in rows] == list(range(5))
         assert rows[-1][4][0] == 90
         assert rows[-1][4][1] > 250
-        assert wait_for(lambda: helper.frame() or helper.facts().get("rows", 0) > 5, 10.0)
+        assert wait_for(lambda: helper.frame() or helper.status().get("rows", 0) > 5, 10.0)
     finally:
         helper.stop()
     assert wait_for(lambda: read_sacn(lamp.recv(2000))[3], 10.0), "the stream says that it ends"
@@ -149,10 +149,10 @@ def test_a_network_that_refuses_is_counted_and_hurts_nobody_else():
             sent.append(row.copy())
 
     clock = ManualClock(1.0)
-    out = DmxOut(Chart([Channel(1, "beat")], (6.0, 4.0)), [Broken(), Fine()])
-    out.turn(clock.now())
+    out = DmxOutput(DmxMapping([Channel(1, "beat")], (6.0, 4.0)), [Broken(), Fine()])
+    out.send_frame(clock.now())
     assert (out.sent, out.failed) == (0, 0), "nothing before there is a beat"
-    out.take(("timeline", (120.0, 0.0, 0.0, 4, 0.0)), clock.now())
+    out.handle(("timeline", (120.0, 0.0, 0.0, 4, 0.0)), clock.now())
     for _ in range(3):
-        out.turn(clock.now())
+        out.send_frame(clock.now())
     assert (out.sent, out.failed, len(sent)) == (3, 3, 3)

@@ -31,7 +31,7 @@ def test_esc_is_not_a_key_of_the_show():
 def test_every_key_of_the_show_uses_a_control_and_makes_an_event():
     addresses = {control.address for control in REGISTRY}
     for name, key in KEYS.items():
-        assert key.is_control == (key.what in addresses)
+        assert key.is_control == (key.command in addresses)
         assert (event_for_key(name, time=0.0, blackout_now=True) is not None) == key.is_control
 
 

@@ -6,10 +6,10 @@ import time
 import numpy as np
 import pytest
 
-from live.control.audience.session_state import Beat, Rules
+from live.control.audience.session_state import BeatClock, Rules
 from live.control.events import events
 from live.control.events.event_json import register_events
-from live.control.message_codec import PacketError, packet_of, read_packet
+from live.control.message_codec import PacketError, decode_packet, encode_packet
 
 register_events()
 
@@ -29,17 +29,17 @@ RULES = Rules(
             (None, events.Tap(time=1.0, source="key")),
         ),
         RULES,
-        Beat(1.0, 2.0, 90.0, 3, 1.5),
+        BeatClock(1.0, 2.0, 90.0, 3, 1.5),
         7,
         {"/dance/a": (("", (1.0, 2)), ("ember", (True, "x")))},
     ],
 )
 def test_what_goes_in_comes_out(value):
-    assert read_packet(packet_of(value)) == value
+    assert decode_packet(encode_packet(value)) == value
 
 
 def test_numbers_of_arrays_are_numbers():
-    assert read_packet(packet_of({"a": np.float32(0.5), "b": np.int64(3), "c": np.bool_(True)})) == {
+    assert decode_packet(encode_packet({"a": np.float32(0.5), "b": np.int64(3), "c": np.bool_(True)})) == {
         "a": 0.5,
         "b": 3,
         "c": True,
@@ -48,9 +48,9 @@ def test_numbers_of_arrays_are_numbers():
 
 def test_what_is_not_registered_is_no_packet():
     with pytest.raises(PacketError, match="complex"):
-        packet_of({"a": 1j})
+        encode_packet({"a": 1j})
     with pytest.raises(PacketError, match="object"):
-        packet_of(object())
+        encode_packet(object())
 
 
 def _named(name, *values):
@@ -89,19 +89,19 @@ class Calls:
 )
 def test_bytes_that_are_no_packet_are_refused_and_call_nothing(data):
     with pytest.raises(PacketError):
-        read_packet(data)
+        decode_packet(data)
     assert ran == []
 
 
 def test_damaged_packets_are_refused_or_plain():
     chance = np.random.default_rng(4)
-    whole = packet_of((("a", events.Attract(time=1.5, source="osc", x=1.0, z=0.0)), RULES, {"a": (1.0, "b")}))
+    whole = encode_packet((("a", events.Attract(time=1.5, source="osc", x=1.0, z=0.0)), RULES, {"a": (1.0, "b")}))
     for _ in range(5000):
         data = bytearray(whole)
         for place in chance.integers(len(data), size=int(chance.integers(1, 5))):
             data[place] = chance.integers(256)
         try:
-            read_packet(bytes(data))
+            decode_packet(bytes(data))
         except PacketError:
             continue
     assert ran == []
@@ -119,4 +119,4 @@ def test_a_packet_of_events_is_not_slower_than_a_pickle_by_much():
             spent.append(time.perf_counter() - begin)
         return min(spent)
 
-    assert fastest(packet_of, read_packet) < 6.0 * fastest(pickle.dumps, pickle.loads)
+    assert fastest(encode_packet, decode_packet) < 6.0 * fastest(pickle.dumps, pickle.loads)

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.control.events import events
-from live.control.pointer import MOST_POINTS, SHORTEST, TOOLS, event_for_place, event_for_stroke
+from live.control.pointer import MAX_POINTS, MIN_STROKE, TOOLS, event_for_place, event_for_stroke
 
 STAMP = {"time": 4.0, "source": "pointer"}
 STROKE = [(0.0, 0.0), (0.5, 0.5), (2.0, 0.0)]
@@ -67,7 +67,7 @@ def test_what_strokes_place(tool, shift, event):
 def test_a_click_is_no_line_but_a_small_region():
     assert event_for_stroke("L", [(1.0, 1.0)], False, 4.0) is None
     assert event_for_stroke("P", [(1.0, 1.0)] * 9, False, 4.0) is None
-    assert event_for_stroke("R", [(1.0, 1.0)], False, 4.0).radius == SHORTEST
+    assert event_for_stroke("R", [(1.0, 1.0)], False, 4.0).radius == MIN_STROKE
     assert event_for_stroke("R", [], False, 4.0) is None
 
 
@@ -75,6 +75,6 @@ def test_a_click_is_no_line_but_a_small_region():
 def test_a_long_stroke_is_thinned_to_a_text_that_is_taken(points):
     event = event_for_stroke("D", points, False, 4.0)
     far = sum(math.dist(a, b) for a, b in itertools.pairwise(points))
-    assert (event is not None) == (far >= SHORTEST)
+    assert (event is not None) == (far >= MIN_STROKE)
     if event is not None:
-        assert 2 <= len(event.points.split(",")) <= MOST_POINTS
+        assert 2 <= len(event.points.split(",")) <= MAX_POINTS

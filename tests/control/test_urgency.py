@@ -33,7 +33,7 @@ def test_without_any_right_timers_are_exact_and_slices_short(monkeypatch: pytest
 
     def hurried() -> tuple[bool, int, int, int]:
         before = os.getpriority(os.PRIO_PROCESS, 0)
-        done = urgency.hurry()
+        done = urgency.request_realtime()
         slack = ctypes.CDLL(None).prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0)
         return done, slack, os.sched_getscheduler(0), os.getpriority(os.PRIO_PROCESS, 0) - before
 
@@ -44,4 +44,4 @@ def test_a_system_that_has_none_of_it_is_no_error(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(os, "sched_setscheduler", refused)
     monkeypatch.setattr(os, "setpriority", refused)
     monkeypatch.setattr(sys, "platform", "darwin")
-    assert in_a_thread(urgency.hurry) is False
+    assert in_a_thread(urgency.request_realtime) is False

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from live.app.systemd_unit import Service
+from live.app.systemd_unit import SystemdService
 from live.render.film.shared_memory import ring_path
 from live.show.patch.patch_search_path import PATCHES
 from tests.cli.command import run_live
@@ -126,7 +126,7 @@ def test_a_show_outlives_its_supervisor_and_the_next_one_takes_it_over(play, pat
         port = free.getsockname()[1]
     music = ("--audio", str(PATCHES / "music" / "first_show.ogg"))
     how = (str(patch), *music, "--headless", "--osc", f"127.0.0.1:{port}", "--journal", str(journal))
-    service = Service("evening", how, tmp_path, True, {}).command()  # what systemd runs, and runs again
+    service = SystemdService("evening", how, tmp_path, True, {}).command()  # what systemd runs, and runs again
     assert service[:4] == [sys.executable, "-m", "live", "play"]
     own = {"XDG_RUNTIME_DIR": str(tmp_path)}
     running = play(*service[4:], env=own)
@@ -165,7 +165,7 @@ def test_a_service_of_which_no_process_is_left_goes_on_from_its_journal(play, pa
     """All are killed at once; what systemd starts then stands in the measure where the show would be."""
     journal = tmp_path / "j.jsonl"
     how = (str(patch), "--bpm", "240", "--headless", "--osc", "127.0.0.1:0", "--journal", str(journal))
-    service = Service("evening", how, tmp_path, True, {}).command()
+    service = SystemdService("evening", how, tmp_path, True, {}).command()
     own = {"XDG_RUNTIME_DIR": str(tmp_path)}
     running = play(*service[4:], env=own)
     running.wait_for(lambda line: line["measure"] > 12, 60)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from live.app.launch_options import LaunchOptions
-from live.app.services.audience_service import AudiencePart
-from live.base.event_queue import Inbox
+from live.app.services.audience_service import AudienceService
+from live.base.event_queue import EventQueue
 from live.base.stage_snapshot import Camera, Look, Scene
 from live.clock.time_source import SystemClock
 from live.control.events import events
@@ -31,11 +31,11 @@ class Stage:
 
     def __init__(self, audience='regions = ["stalls", "balcony"]\nvote_measures = 1\n', **wished):
         self.show = made_show(f"[audience]\n{audience}")
-        self.clock, self.inbox, self.lock = SystemClock(), Inbox(), threading.Lock()
+        self.clock, self.inbox, self.lock = SystemClock(), EventQueue(), threading.Lock()
         status = Status(self.show, rejected=dict, memory=lambda: 1.0)
         self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=status)
         options = LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, **wished)
-        self.part = AudiencePart(options, self.show, self.inbox.lane(), self.clock)
+        self.part = AudienceService(options, self.show, self.inbox.add_queue(), self.clock)
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._run)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from live.graph.search.sequence_spec import Specification, Wanted
+from live.graph.search.sequence_spec import SequenceEntry, SequenceSpec
 from live.graph.search.viterbi import Edges
 
 
@@ -49,21 +49,21 @@ def made_edges(rows: list[list[int]], chance: np.random.Generator | None = None)
     return Edges(np.cumsum([0, *map(len, rows)]).astype(np.int32), target, cost)
 
 
-def made_specification(graph: MadeGraph, names: Sequence[int | None]) -> Specification:
+def made_specification(graph: MadeGraph, names: Sequence[int | None]) -> SequenceSpec:
     """One entry for each step named, None: a measure of anything."""
     step, measure = np.array(graph.step), np.array(graph.measure)
     leaves = measure == np.array(graph.length) - 1
     wanted, fits, entry = [], [], []
     for number, name in enumerate(names):
         count = 1 if name is None else graph.length[graph.step.index(name)]
-        wanted.append(Wanted(name, count))
+        wanted.append(SequenceEntry(name, count))
         for m in range(count):
             fits.append(np.ones(len(step), bool) if name is None else (step == name) & (measure == m))
             entry.append(number)
     if names[-1] is None:
         fits[-1] = fits[-1] & leaves  # whatever is danced last ends with the dance
     kind = np.arange(len(fits), dtype=np.int32)
-    return Specification(tuple(wanted), np.array(fits), kind, np.array(entry, np.int32), measure == 0, leaves, False)
+    return SequenceSpec(tuple(wanted), np.array(fits), kind, np.array(entry, np.int32), measure == 0, leaves, False)
 
 
 def every_dance(graph: MadeGraph, measures: int, *, start: int | None = None):

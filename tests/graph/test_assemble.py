@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from live.graph.motion_graph import build_graph
-from live.graph.render_dance import LONGEST, assemble, edge_between
+from live.graph.render_dance import MAX_SAMPLES, edge_between, render_dance
 from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE
 from live.motion.forward_kinematics import forward_kinematics, local_rotations
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.variation import Variation, Variety
+from live.show.dancers.variation import Variation, VariationSettings
 from tests.fixtures.made_steps import made_steps
 from tests.fixtures.steps_of_the_project import project_steps
 
@@ -44,7 +44,7 @@ def drawn(graph, path, seed):
 def danced_live(graph, path, turns, corrections, takes, shares, start, seconds, rate):
     """The same path in the live show's own code, sample by sample: world joints (T, J, 3)."""
     variation = Variation(
-        [Variety(lock=0.0)], np.zeros(1, np.int32), seed=1, beats_per_measure=4, window=graph.window
+        [VariationSettings(lock=0.0)], np.zeros(1, np.int32), seed=1, beats_per_measure=4, window=graph.window
     )  # fmt: skip
     dancers = Dancers(graph, variation, 1)
 
@@ -78,7 +78,7 @@ def test_what_is_put_together_is_what_the_live_show_dances(graph):
     turns, corrections, takes, shares = drawn(graph, path, 4)
     assert (takes != NO_TAKE).sum() >= 3
     start = (0.4, -1.0, 0.7)
-    made = assemble(
+    made = render_dance(
         graph,
         path,
         bpm=110.0,
@@ -96,7 +96,7 @@ def test_what_is_put_together_is_what_the_live_show_dances(graph):
 
 def test_outside_the_blends_it_is_the_source_clip_laid_down_rigidly(graph):
     path, library = wander(graph, 4, 5), graph.library
-    made = assemble(graph, path, bpm=97.0, hold_feet=False)
+    made = render_dance(graph, path, bpm=97.0, hold_feet=False)
     seconds = 240.0 / 97.0
     for n, node in enumerate(path):
         phase = np.linspace(0.0, 0.78, 9)
@@ -120,8 +120,8 @@ def test_outside_the_blends_it_is_the_source_clip_laid_down_rigidly(graph):
 
 def test_planned_ends_are_where_the_last_measure_ends_and_turns_turn_the_heading(graph):
     path = wander(graph, 5, 8)
-    straight = assemble(graph, path, bpm=120.0, hold_feet=False)
-    made = assemble(graph, path, bpm=120.0, turns=[0.0, 0.0, 0.0, 0.0, 0.9], hold_feet=False)
+    straight = render_dance(graph, path, bpm=120.0, hold_feet=False)
+    made = render_dance(graph, path, bpm=120.0, turns=[0.0, 0.0, 0.0, 0.0, 0.9], hold_feet=False)
     np.testing.assert_allclose(made.clip.root_position[-1, [0, 2]], made.end[-1, :2], atol=1e-3)
     np.testing.assert_allclose(straight.clip.root_position[-1, [0, 2]], straight.end[-1, :2], atol=1e-3)
     assert made.end[-1, 2] - straight.end[-1, 2] == pytest.approx(0.9)
@@ -134,7 +134,7 @@ def test_a_step_of_two_measures_has_no_join_inside():
     library = graph.library
     first, second = np.flatnonzero(library.node_step == library.steps.index("phrase"))
     sway = int(np.flatnonzero(library.node_step == 0)[0])
-    made = assemble(graph, [sway, first, second, sway], bpm=120.0)
+    made = render_dance(graph, [sway, first, second, sway], bpm=120.0)
     seconds = 2.0
     np.testing.assert_allclose(made.join[:, 1], [seconds, 3 * seconds])
     np.testing.assert_allclose(made.join[:, 0], made.join[:, 1] - graph.window * seconds)
@@ -146,7 +146,7 @@ def test_a_step_of_two_measures_has_no_join_inside():
 def test_held_feet_stand_still_and_the_rest_stays(graph):
     path = wander(graph, 6, 11)
     turns = drawn(graph, path, 12)[0]
-    free, held = (assemble(graph, path, bpm=120.0, turns=turns, hold_feet=hold).clip for hold in (False, True))
+    free, held = (render_dance(graph, path, bpm=120.0, turns=turns, hold_feet=hold).clip for hold in (False, True))
     np.testing.assert_array_equal(free.contact, held.contact)
     np.testing.assert_allclose(free.root_position[:, [0, 2]], held.root_position[:, [0, 2]], atol=1e-5)
 
@@ -162,7 +162,9 @@ def test_held_feet_stand_still_and_the_rest_stays(graph):
 
 def test_the_rate_of_samples_does_not_change_the_dance(graph):
     path = wander(graph, 3, 2)
-    coarse, fine = (assemble(graph, path, bpm=120.0, sample_rate=rate, hold_feet=False).clip for rate in (30.0, 120.0))
+    coarse, fine = (
+        render_dance(graph, path, bpm=120.0, sample_rate=rate, hold_feet=False).clip for rate in (30.0, 120.0)
+    )
     np.testing.assert_allclose(coarse.root_position, fine.root_position[::4], atol=1e-5)
     same = np.abs(np.sum(coarse.rotation * fine.rotation[::4], axis=-1))
     assert same.min() > 1.0 - 1e-5
@@ -171,21 +173,21 @@ def test_the_rate_of_samples_does_not_change_the_dance(graph):
 @pytest.mark.parametrize("bpm", [0.0, -3.0, math.nan, math.inf])
 def test_no_tempo_is_refused(graph, bpm):
     with pytest.raises(ValueError, match="above 0"):
-        assemble(graph, wander(graph, 2, 0), bpm=bpm)
+        render_dance(graph, wander(graph, 2, 0), bpm=bpm)
 
 
 def test_what_does_not_fit_is_refused(graph):
     path = wander(graph, 3, 0)
     with pytest.raises(ValueError, match="turns"):
-        assemble(graph, path, bpm=120.0, turns=[0.0])
+        render_dance(graph, path, bpm=120.0, turns=[0.0])
     with pytest.raises(ValueError, match="corrections"):
-        assemble(graph, path, bpm=120.0, corrections=np.full((3, 2), math.nan))
+        render_dance(graph, path, bpm=120.0, corrections=np.full((3, 2), math.nan))
     with pytest.raises(ValueError, match="at least one"):
-        assemble(graph, [], bpm=120.0)
+        render_dance(graph, [], bpm=120.0)
     with pytest.raises(ValueError, match="at least one"):
-        assemble(graph, [graph.library.node_count], bpm=120.0)
+        render_dance(graph, [graph.library.node_count], bpm=120.0)
     with pytest.raises(ValueError, match="minutes"):
-        assemble(graph, path * LONGEST, bpm=120.0)
+        render_dance(graph, path * MAX_SAMPLES, bpm=120.0)
 
 
 def test_a_missing_edge_is_named():
@@ -193,11 +195,11 @@ def test_a_missing_edge_is_named():
     library = graph.library
     first, second = np.flatnonzero(library.node_step == library.steps.index("phrase"))
     with pytest.raises(ValueError, match=r"'sway'.*'phrase 2/2'"):
-        assemble(graph, [0, second], bpm=120.0)
+        render_dance(graph, [0, second], bpm=120.0)
     assert graph.edge_target[edge_between(graph, first, second)] == second
 
 
 def test_local_rotations_undo_forward_kinematics(graph):
-    clip = assemble(graph, wander(graph, 2, 1), bpm=120.0).clip
+    clip = render_dance(graph, wander(graph, 2, 1), bpm=120.0).clip
     _, world = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
     assert np.abs(np.abs(np.sum(local_rotations(world) * clip.rotation, axis=-1)) - 1.0).max() < 1e-6

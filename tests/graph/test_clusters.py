@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from live.graph.build.transitions import all_pairs, transition_windows
-from live.graph.clusters import connectivity, leads, nearest_steps, structural_components
+from live.graph.clusters import connectivity, join_summaries, nearest_steps, structural_components
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.graph.transition_rules import may_follow
@@ -44,8 +44,8 @@ def test_leads_count_every_join_between_steps(graph):
         if library.node_measure[target] == 0:
             pair = (int(library.node_step[source]), int(library.node_step[target]))
             counted.setdefault(pair, []).append(float(cost))
-    found = leads(graph, library.node_step, len(library.steps))
-    assert {(one.source, one.target): (one.joins, one.nearest) for one in found} == {
+    found = join_summaries(graph, library.node_step, len(library.steps))
+    assert {(one.source, one.target): (one.join_count, one.nearest) for one in found} == {
         pair: (len(costs), min(costs)) for pair, costs in counted.items()
     }
 
@@ -72,8 +72,8 @@ def test_dead_ends_are_told_apart(graph):
     arms_up = int(np.flatnonzero(library.node_step == library.steps.index("arms up"))[0])
     assert (whole.label == whole.label[arms_up]).sum() == 1
     for node in range(library.node_count):
-        assert whole.leads_on[node] == (node in graph.joins.source)
-        assert whole.reached[node] == (node in graph.joins.target)
+        assert whole.has_successor[node] == (node in graph.joins.source)
+        assert whole.has_predecessor[node] == (node in graph.joins.target)
 
 
 def test_without_any_edge_nothing_is_alive():

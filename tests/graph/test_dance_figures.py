@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.graph.dance_metrics import DanceFigures, RawClips, list_and_p95, median_and_p95, ratio
+from live.graph.dance_metrics import DanceMetrics, RawClips, list_and_p95, median_and_p95, ratio
 from live.graph.motion_graph import build_graph
-from live.graph.render_dance import assemble
+from live.graph.render_dance import render_dance
 from live.graph.search.path_following import Targets
 from live.graph.step_library import build_library
 from live.motion.forward_kinematics import forward_kinematics
@@ -33,28 +33,28 @@ def dance(graph):
     path = [int(np.flatnonzero(graph.alive)[0])]
     while len(path) < 8:
         path.append(int(chance.choice(graph.edge_target[graph.edge_start[path[-1]] : graph.edge_start[path[-1] + 1]])))
-    return assemble(graph, path, bpm=117.0)
+    return render_dance(graph, path, bpm=117.0)
 
 
 def test_all_keys_of_the_contract_and_json(graph, dance):
     targets = Targets(np.vstack([[0.0, 0.0], dance.end[:, :2]]), np.concatenate([[0.0], dance.end[:, 2]]))
-    values = DanceFigures(graph, dance, targets).result()
+    values = DanceMetrics(graph, dance, targets).result()
     assert set(values) == KEYS
     json.dumps(values, allow_nan=False)
     assert values["foot_slide_mean"] < 0.02
     assert 0.1 < values["join_velocity_ratio"] < 2.0
     assert len(values["path_error_m"]["list"]) == 8
     assert values["heading_error_deg"]["p95"] == pytest.approx(0.0, abs=1e-6)
-    assert DanceFigures(graph, dance).result()["path_error_m"] == {"list": [], "p95": None}
+    assert DanceMetrics(graph, dance).result()["path_error_m"] == {"list": [], "p95": None}
 
 
 def test_a_jump_at_a_join_is_seen_and_one_elsewhere_is_not(graph, dance):
-    whole = DanceFigures(graph, dance).joins
+    whole = DanceMetrics(graph, dance).joins
 
     def jumped(seconds):
         root = dance.clip.root_position.copy()
         root[round(seconds * 60.0), 0] += 0.2  # one sample beside the others: 12 m/s to and fro
-        return DanceFigures(graph, replace(dance, clip=replace(dance.clip, root_position=root))).joins
+        return DanceMetrics(graph, replace(dance, clip=replace(dance.clip, root_position=root))).joins
 
     join = dance.join[2]
     seen = jumped(join.mean())
@@ -73,13 +73,15 @@ def test_raw_clips_are_played_at_the_tempo_of_the_dance(graph):
     step = steps[0]
     position, _ = forward_kinematics(step.clip.root_position.astype(float), step.clip.rotation.astype(float))
     own = step.samples_per_measure / step.clip.sample_rate
-    np.testing.assert_allclose(RawClips((step,), own, step.clip.sample_rate).played[0][0], position, atol=1e-5)
-    assert at_samples(fast.played[0][0], 60.0)[1].max() > 2.5 * at_samples(slow.played[0][0], 60.0)[1].max()
+    np.testing.assert_allclose(RawClips((step,), own, step.clip.sample_rate).sampled_clips[0][0], position, atol=1e-5)
+    assert (
+        at_samples(fast.sampled_clips[0][0], 60.0)[1].max() > 2.5 * at_samples(slow.sampled_clips[0][0], 60.0)[1].max()
+    )
 
 
 def test_annotated_beats_are_shown_on_the_beat(graph, dance):
     """As planned, and found again in the motion: when the arms are as the clip has them on its beat."""
-    figures = DanceFigures(graph, dance)
+    figures = DanceMetrics(graph, dance)
     np.testing.assert_allclose(figures.annotated_offsets, 0.0, atol=1e-9)
     library, clip = graph.library, dance.clip
     off = []
@@ -102,10 +104,10 @@ def test_a_clip_whose_beats_are_annotated_wrong_is_found_late():
     last = graph.library.node_last.copy()
     last[0] -= 4.0  # of 32 samples
     late = replace(graph, library=replace(graph.library, node_last=last))
-    dance = assemble(late, [0, 0], bpm=120.0)
-    offsets = DanceFigures(late, dance).annotated_offsets
+    dance = render_dance(late, [0, 0], bpm=120.0)
+    offsets = DanceMetrics(late, dance).annotated_offsets
     np.testing.assert_allclose(offsets[0], np.arange(4) * 0.5 * (32.0 / 28.0 - 1.0))
-    assert DanceFigures(late, dance).result()["beat_offset_ms"]["annotated"]["p95"] > 100.0
+    assert DanceMetrics(late, dance).result()["beat_offset_ms"]["annotated"]["p95"] > 100.0
 
 
 def test_small_forms():

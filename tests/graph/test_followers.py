@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from live.graph.clusters import followers
+from live.graph.clusters import successors
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from tests.fixtures.made_steps import made_clip, made_steps
@@ -21,7 +21,7 @@ def test_followers_are_those_of_the_graph_with_their_best_cost():
                 if library.node_measure[target] == 0:
                     name = library.steps[library.node_step[target]]
                     costs.setdefault(name, []).append(graph.edge_cost[edge])
-        found = {f.step: f for f in followers(library, step, threshold=0.2)}
+        found = {f.step: f for f in successors(library, step, threshold=0.2)}
         if costs:  # what is alive in the graph
             assert found.keys() == costs.keys()
             for name, own in costs.items():
@@ -31,10 +31,10 @@ def test_followers_are_those_of_the_graph_with_their_best_cost():
 
 def test_the_nearest_comes_first_and_structure_is_kept():
     library = build_library([made_clip("a"), made_clip("b", arm=1.3), replace(made_clip("c"), begin_pose="x")])
-    names = [f.step for f in followers(library, 0, threshold=0.2)]
+    names = [f.step for f in successors(library, 0, threshold=0.2)]
     assert names == ["a", "c", "b"]
     ends = build_library(
         [replace(made_clip("a"), end_pose="y"), made_clip("b"), replace(made_clip("c"), begin_pose="x")]
     )
-    assert [f.step for f in followers(ends, 0, threshold=0.2)] == ["a", "b"]
-    assert followers(library, 0, threshold=-1.0) == []
+    assert [f.step for f in successors(ends, 0, threshold=0.2)] == ["a", "b"]
+    assert successors(library, 0, threshold=-1.0) == []

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.graph.distance_kernels import cheapest_on
+from live.graph.distance_kernels import cheapest_successors
 
 
 def test_a_layer_is_the_least_of_every_row_of_edges():
@@ -11,7 +11,7 @@ def test_a_layer_is_the_least_of_every_row_of_edges():
     target, cost = chance.integers(0, 9, 20).astype(np.int32), chance.uniform(size=20)
     value = np.where(chance.uniform(size=9) < 0.3, np.inf, chance.uniform(size=9))
     out = np.zeros(9)
-    cheapest_on(out, node, first, target, cost, value)
+    cheapest_successors(out, node, first, target, cost, value)
     expected = np.full(9, np.inf)
     expected[node] = np.minimum.reduceat(cost + value[target], first)
     np.testing.assert_array_equal(out, expected)
@@ -20,5 +20,5 @@ def test_a_layer_is_the_least_of_every_row_of_edges():
 
 def test_without_edges_nothing_goes_on():
     out, none = np.zeros(3), np.zeros(0)
-    cheapest_on(out, np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.int32), none, np.ones(3))
+    cheapest_successors(out, np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.int32), none, np.ones(3))
     assert np.isinf(out).all()

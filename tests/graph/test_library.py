@@ -13,8 +13,8 @@ def test_every_measure_is_a_node_with_its_way():
     assert (library.node_last - library.node_first).tolist() == [per_measure] * 9
     assert library.node_first[0] == per_measure
     assert library.node_travel[2] == pytest.approx((0.0, 0.8))
-    assert library.reach(library.steps.index("glide")) == pytest.approx(0.8)
-    assert library.reach(library.steps.index("sway")) == 0.0
+    assert library.max_travel(library.steps.index("glide")) == pytest.approx(0.8)
+    assert library.max_travel(library.steps.index("sway")) == 0.0
     assert (library.node_lead <= library.node_first - per_measure + 1e-9)[:7].all()
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from live.graph.build.metric import Metric
 from live.graph.build.transitions import all_pairs, transition_windows
-from live.graph.motion_graph import NEVER, allowed_edges, build_graph, largest_component
+from live.graph.motion_graph import UNREACHABLE, allowed_edges, build_graph, largest_component
 from live.graph.step_library import build_library
 from tests.fixtures.made_steps import made_clip, made_steps
 
@@ -112,7 +112,7 @@ def test_hops_count_measures_to_a_step(graph):
                 } - seen
                 seen |= front
                 distance += 1
-            assert graph.hops[step, node] == (distance if front else NEVER)
+            assert graph.hops[step, node] == (distance if front else UNREACHABLE)
 
 
 def test_facing_is_that_of_the_body(graph):

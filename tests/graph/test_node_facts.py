@@ -33,5 +33,5 @@ def test_what_is_remembered_is_of_that_library_and_window_alone():
 def test_who_changes_what_was_remembered_changes_it_for_nobody_else():
     library = build_library(made_steps())
     mine = remembered(library, WINDOW)
-    mine.rise[:] = 7.0
+    mine.warp_curve[:] = 7.0
     assert_same(remembered(library, WINDOW), node_facts(library, WINDOW))

@@ -5,7 +5,7 @@ import pytest
 
 from live.graph.mean_poses import mean_poses
 from live.graph.step_library import build_library, joined_library
-from live.graph.storage_kernels import one_sign
+from live.graph.storage_kernels import align_signs
 from live.motion import quaternion
 from live.motion.pose.pose_pipeline import mean_pose
 from tests.fixtures.made_steps import made_clip, made_steps
@@ -31,11 +31,11 @@ def test_signs_follow_each_clip_and_are_those_nearest_to_the_rest_pose():
     chance = np.random.default_rng(4)
     flipped = [clip * chance.choice([-1, 1], clip.shape[:2])[..., None].astype(np.float32) for clip in clips]
     together = np.concatenate(flipped)
-    one_sign(together, np.array([0, 40, 80, 120]))
+    align_signs(together, np.array([0, 40, 80, 120]))
     for n, clip in enumerate(flipped):
         found = together[40 * n : 40 * n + 40]
         assert np.abs(found) == pytest.approx(np.abs(clip))
-        assert np.array_equal(found, quaternion.continuous(found).astype(np.float32))
+        assert np.array_equal(found, quaternion.align_signs(found).astype(np.float32))
         nearest = np.argmax(np.abs(found[..., 0]), axis=0)
         assert (np.take_along_axis(found[..., 0], nearest[None], axis=0) > 0).all()
 

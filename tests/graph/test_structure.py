@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
-from live.graph.transition_rules import begun_side, may_follow, plain_pose, unmatched_poses
+from live.graph.transition_rules import initial_side, may_follow, plain_pose, unmatched_poses
 from live.motion.mirror import mirror_step
 from tests.fixtures.made_steps import made_clip
 
@@ -96,4 +96,4 @@ def test_against_a_plain_reading_of_the_rules(seed):
             end, begin = plain_pose(first.end_pose), plain_pose(second.begin_pose)
             fits = not end or not begin or end == begin
             repeat = first.step == second.step and first.weight_transfer and second.weight_transfer
-            assert table[u, v] == (fits and not (repeat and begun_side(first) == begun_side(second)))
+            assert table[u, v] == (fits and not (repeat and initial_side(first) == initial_side(second)))

@@ -7,7 +7,7 @@ import pytest
 
 from live.base.errors import PersonError
 from live.library import add_step as add_step_module
-from live.library.add_step import Added, add_step, asked_entry, known_of, refuse_again
+from live.library.add_step import AddedStep, add_step, known_fields, refuse_duplicate, request_entry
 from live.library.recording_file import RecordingError
 from live.library.recordings import RecordingReader
 from live.library.step_folder import load_folder
@@ -29,8 +29,8 @@ def take(tmp_path: Path) -> Path:
     return path
 
 
-def add(library: Path, take: Path, **fields: object) -> Added:
-    return add_step(library, asked_entry(take, FIELDS | fields))
+def add(library: Path, take: Path, **fields: object) -> AddedStep:
+    return add_step(library, request_entry(take, FIELDS | fields))
 
 
 def test_a_new_library_holds_recording_and_description(tmp_path: Path, take: Path) -> None:
@@ -119,7 +119,7 @@ def test_what_is_wrong_is_named_by_its_option_and_nothing_is_written(
 
 def test_missing_options_and_files_are_named(tmp_path: Path, take: Path) -> None:
     with pytest.raises(RecordingError, match=r"--bpm: must be given.*--anchor: must be given"):
-        asked_entry(take, {"name": "x"})
+        request_entry(take, {"name": "x"})
     with pytest.raises(RecordingError, match=r"gone\.bvh: there is no such file"):
         add(tmp_path / "library", tmp_path / "gone.bvh")
     (tmp_path / "broken.bvh").write_text(take.read_text()[:5000])
@@ -165,19 +165,19 @@ def test_a_library_that_cannot_be_made(tmp_path: Path, take: Path) -> None:
 def test_a_skeleton_comes_along(tmp_path: Path) -> None:
     source = mocap_file("asfamc/49_10.amc")
     library = tmp_path / "library"
-    add_step(library, asked_entry(source, {"name": "fold", "bpm": 90.0, "first_beat_s": 0.5}))
+    add_step(library, request_entry(source, {"name": "fold", "bpm": 90.0, "first_beat_s": 0.5}))
     assert sorted(path.name for path in library.iterdir()) == ["49.asf", "49_10.amc", "49_10.toml"]
     assert load_folder(library)[0].step == "fold"
     lonely = tmp_path / "lonely.amc"
     lonely.write_bytes(source.read_bytes())
     with pytest.raises(RecordingError, match=r"lonely\.amc: its skeleton is not known"):
-        asked_entry(lonely, {"name": "fold", "bpm": 90.0, "first_beat_s": 0.5})
+        request_entry(lonely, {"name": "fold", "bpm": 90.0, "first_beat_s": 0.5})
 
 
 def test_a_recording_in_several_files_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, take: Path) -> None:
     path = tmp_path / "parts.gltf"
     path.write_text('{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 4, "uri": "parts.bin"}]}')
-    clip = RecordingReader().clip(asked_entry(take, FIELDS))
+    clip = RecordingReader().clip(request_entry(take, FIELDS))
     monkeypatch.setattr(RecordingReader, "clip", lambda self, entry: clip)
     with pytest.raises(RecordingError, match=r"parts\.gltf: its motion lies in parts\.bin; export it as one file"):
         add(tmp_path / "library", path)
@@ -187,45 +187,45 @@ def test_a_recording_in_several_files_is_refused(tmp_path: Path, monkeypatch: py
 
 def test_what_the_library_knows_of_a_recording_need_not_be_said_again(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
-    assert known_of(tmp_path / "nowhere", take, {}) == ({}, {})
+    assert known_fields(tmp_path / "nowhere", take, {}) == ({}, {})
     add(library, take, fps=30.0, drop_frames=5, bpm=96.0, tags=["slow"])
     music = {"bpm": 96, "first_beat_s": 2.5, "drop_frames": 5}
-    assert known_of(library, take, {})[0] == {"fps": 30, **music}
-    assert known_of(library, take, {"fps": 30.0})[0] == music
-    assert known_of(library, take, {"fps": 60.0})[0] == {}  # at another rate all times are others
-    assert known_of(library, take, {"drop_frames": 9})[0] == {"fps": 30}
-    assert known_of(library, take, {"bpm": 100.0})[0] == {"fps": 30}
+    assert known_fields(library, take, {})[0] == {"fps": 30, **music}
+    assert known_fields(library, take, {"fps": 30.0})[0] == music
+    assert known_fields(library, take, {"fps": 60.0})[0] == {}  # at another rate all times are others
+    assert known_fields(library, take, {"drop_frames": 9})[0] == {"fps": 30}
+    assert known_fields(library, take, {"bpm": 100.0})[0] == {"fps": 30}
     other = tmp_path / "other.bvh"
     other.write_text(body_bvh(danced(601, seed=3)))
-    assert known_of(library, other, {})[0] == {}
+    assert known_fields(library, other, {})[0] == {}
     (library / "broken.toml").write_text("x = ")
-    assert known_of(library, take, {})[0] == {"fps": 30, **music}
+    assert known_fields(library, take, {})[0] == {"fps": 30, **music}
 
 
 def test_a_guess_stays_one_until_somebody_takes_the_comment_away(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     marks = {"bpm": "guess: confirm", "first_beat_s": "guess: confirm"}
-    add_step(library, asked_entry(take, FIELDS), comments=marks)
-    assert known_of(library, take, {})[1] == marks
-    assert known_of(library, take, {"bpm": 100.0})[1] == {}
+    add_step(library, request_entry(take, FIELDS), comments=marks)
+    assert known_fields(library, take, {})[1] == marks
+    assert known_fields(library, take, {"bpm": 100.0})[1] == {}
     toml = library / "take one.toml"
     toml.write_text(toml.read_text().replace(" # guess: confirm", "", 1))
-    assert known_of(library, take, {})[1] == {"first_beat_s": "guess: confirm"}
+    assert known_fields(library, take, {})[1] == {"first_beat_s": "guess: confirm"}
     toml.write_text(toml.read_text().replace(" # guess: confirm", ""))
-    assert known_of(library, take, {})[1] == {}
+    assert known_fields(library, take, {})[1] == {}
 
 
 def test_the_same_cut_is_not_added_twice(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
-    refuse_again(library, asked_entry(take, FIELDS))  # there is no library yet
+    refuse_duplicate(library, request_entry(take, FIELDS))  # there is no library yet
     add(library, take)
     with pytest.raises(PersonError, match=r"the step 'sway' is there already: .*take one\.toml, line 3"):
-        refuse_again(library, asked_entry(take, FIELDS | {"tags": ["other words"]}))
+        refuse_duplicate(library, request_entry(take, FIELDS | {"tags": ["other words"]}))
     for other in ({"name": "swing"}, {"start_measure": 2}, {"bpm": 96.0}, {"fps": 30.0}):
-        refuse_again(library, asked_entry(take, FIELDS | other))
+        refuse_duplicate(library, request_entry(take, FIELDS | other))
     another = tmp_path / "another.bvh"
     another.write_text(body_bvh(danced(601, seed=3)))
-    refuse_again(library, asked_entry(another, FIELDS))
+    refuse_duplicate(library, request_entry(another, FIELDS))
 
 
 def test_a_name_is_one_line(tmp_path: Path, take: Path) -> None:

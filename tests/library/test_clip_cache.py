@@ -10,7 +10,7 @@ from live.library.disk_cache import ClipCache
 from live.motion.step_clip import StepClip
 from tests.fixtures.made_steps import made_clip, made_steps
 
-CACHE = ClipCache("made", kept=3)
+CACHE = ClipCache("made", max_entries=3)
 
 
 @pytest.fixture(autouse=True)
@@ -38,8 +38,8 @@ def test_every_field_comes_back_bit_by_bit():
         mirrored=True,
     )
     steps = [told, *made_steps()]
-    assert CACHE.clips([b"a"], lambda: steps) is steps
-    again = CACHE.clips([b"a"], never)
+    assert CACHE.load_or_build([b"a"], lambda: steps) is steps
+    again = CACHE.load_or_build([b"a"], never)
     assert len(again) == len(steps)
     for a, b in zip(steps, again, strict=True):
         for field in fields(StepClip):
@@ -53,55 +53,55 @@ def test_every_field_comes_back_bit_by_bit():
 
 
 def test_other_sources_other_clips():
-    CACHE.clips([b"a", b"b"], lambda: made_steps()[:1])
-    assert len(CACHE.clips([b"ab"], lambda: made_steps()[:2])) == 2  # where one source ends matters
-    assert len(CACHE.clips([b"a", b"b"], never)) == 1
+    CACHE.load_or_build([b"a", b"b"], lambda: made_steps()[:1])
+    assert len(CACHE.load_or_build([b"ab"], lambda: made_steps()[:2])) == 2  # where one source ends matters
+    assert len(CACHE.load_or_build([b"a", b"b"], never)) == 1
 
 
 def test_other_code_other_clips(monkeypatch):
-    CACHE.clips([b"a"], lambda: made_steps()[:1])
+    CACHE.load_or_build([b"a"], lambda: made_steps()[:1])
     monkeypatch.setattr(disk_cache, "_code", lambda: b"changed")
-    assert len(CACHE.clips([b"a"], lambda: made_steps()[:2])) == 2
+    assert len(CACHE.load_or_build([b"a"], lambda: made_steps()[:2])) == 2
 
 
 @pytest.mark.parametrize("damage", [b"", b"PK broken", None])
 def test_a_broken_cache_is_built_anew(folder, damage):
-    CACHE.clips([b"a"], made_steps)
+    CACHE.load_or_build([b"a"], made_steps)
     (path,) = folder.glob("made-*.npz")
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2] if damage is None else damage)
-    assert len(CACHE.clips([b"a"], made_steps)) == len(made_steps())
-    assert len(CACHE.clips([b"a"], never)) == len(made_steps())
+    assert len(CACHE.load_or_build([b"a"], made_steps)) == len(made_steps())
+    assert len(CACHE.load_or_build([b"a"], never)) == len(made_steps())
 
 
 def test_any_damaged_byte_gives_the_clips_or_builds_anew(folder):
     steps = made_steps()[:1]
-    CACHE.clips([b"a"], lambda: steps)
+    CACHE.load_or_build([b"a"], lambda: steps)
     (path,) = folder.glob("made-*.npz")
     whole = path.read_bytes()
     chance = np.random.default_rng(3)
     for at in chance.integers(0, len(whole), 60):
         path.write_bytes(whole[:at] + bytes([whole[at] ^ int(chance.integers(1, 256))]) + whole[at + 1 :])
-        (step,) = CACHE.clips([b"a"], lambda: steps)
+        (step,) = CACHE.load_or_build([b"a"], lambda: steps)
         np.testing.assert_array_equal(step.clip.rotation, steps[0].clip.rotation)
         assert step.step == "sway"
 
 
 def test_the_newest_are_kept_and_one_that_is_read_counts_as_new(folder):
     for key in (b"a", b"b", b"c"):
-        CACHE.clips([key], made_steps)
-    CACHE.clips([b"a"], never)
-    CACHE.clips([b"d"], made_steps)
+        CACHE.load_or_build([key], made_steps)
+    CACHE.load_or_build([b"a"], never)
+    CACHE.load_or_build([b"d"], made_steps)
     assert len(list(folder.glob("made-*.npz"))) == 3
-    CACHE.clips([b"a"], never)
-    assert len(CACHE.clips([b"b"], lambda: made_steps()[:1])) == 1
+    CACHE.load_or_build([b"a"], never)
+    assert len(CACHE.load_or_build([b"b"], lambda: made_steps()[:1])) == 1
 
 
 def test_they_stay_within_their_size_and_leave_others_alone(folder):
     (folder / "other-1.npz").write_bytes(b"x" * 100)
-    small = ClipCache("made", kept=3, max_bytes=1)
+    small = ClipCache("made", max_entries=3, max_bytes=1)
     for key in (b"a", b"b"):
-        small.clips([key], made_steps)
+        small.load_or_build([key], made_steps)
     assert len(list(folder.glob("made-*.npz"))) == 1
     assert (folder / "other-1.npz").exists()
 
@@ -109,8 +109,8 @@ def test_they_stay_within_their_size_and_leave_others_alone(folder):
 def test_without_a_folder_to_write_in_it_builds_every_time(folder, monkeypatch):
     (folder / "file").write_text("no folder")
     monkeypatch.setenv("LIVE_CACHE_DIR", str(folder / "file"))
-    assert len(CACHE.clips([b"a"], made_steps)) == len(made_steps())
-    assert len(CACHE.clips([b"a"], lambda: made_steps()[:1])) == 1
+    assert len(CACHE.load_or_build([b"a"], made_steps)) == len(made_steps())
+    assert len(CACHE.load_or_build([b"a"], lambda: made_steps()[:1])) == 1
 
 
 @pytest.mark.parametrize("package", ["motion", "library"])
@@ -121,6 +121,6 @@ def test_clips_are_made_again_when_the_code_that_makes_them_has_changed(tmp_path
         (tmp_path / name).mkdir()
         (tmp_path / name / "a.py").write_text("x = 1\n")
     monkeypatch.setattr(disk_cache, "_PACKAGE", tmp_path)
-    before = disk_cache._code.__wrapped__()
+    before = disk_cache._code_digest.__wrapped__()
     (tmp_path / package / "a.py").write_text("x = 2\n")
-    assert disk_cache._code.__wrapped__() != before
+    assert disk_cache._code_digest.__wrapped__() != before

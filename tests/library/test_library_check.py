@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.library.library_check import Finding, check_connections, check_folder, doubts_about
+from live.library.library_check import Finding, check_connections, check_folder, step_warnings
 from live.library.recordings import RecordingReader
 from live.motion.editing.facing import turn_clip
 from tests.motion.formats.made_bvh import body_bvh, column, danced, still
@@ -66,12 +66,12 @@ def test_no_lead_in_and_no_contact_are_told(folder: Path) -> None:
 def test_a_step_without_a_foot_on_the_floor_is_told(folder: Path) -> None:
     checked = check_folder(folder)
     entry, step = checked.entries[0], checked.steps[0]
-    assert doubts_about(entry, step) == []
+    assert step_warnings(entry, step) == []
     flying = replace(step, clip=replace(step.clip, contact=np.zeros_like(step.clip.contact)))
-    assert [field for field, words in doubts_about(entry, flying) if "no foot touches" in words] == ["file"]
+    assert [field for field, words in step_warnings(entry, flying) if "no foot touches" in words] == ["file"]
     hopping = flying.clip.contact.copy()
     hopping[int(step.first) + 5 : int(step.first) + 10] = True
-    (doubt,) = doubts_about(entry, replace(step, clip=replace(step.clip, contact=hopping)))
+    (doubt,) = step_warnings(entry, replace(step, clip=replace(step.clip, contact=hopping)))
     assert doubt == ("file", "a foot is on the floor in 4 % of this step only; check the floor, unit_m and up")
 
 
@@ -79,10 +79,10 @@ def test_a_step_with_the_back_to_the_public_is_told(folder: Path) -> None:
     checked = check_folder(folder)
     entry, step = checked.entries[0], checked.steps[0]
     back = turn_clip(step.clip, math.radians(170.0))
-    (doubt,) = doubts_about(entry, replace(step, clip=back))
+    (doubt,) = step_warnings(entry, replace(step, clip=back))
     assert doubt[0] == "start_measure"
     assert "the back is to the audience" in doubt[1]
-    assert doubts_about(entry, replace(step, clip=turn_clip(step.clip, math.radians(90.0)))) == []
+    assert step_warnings(entry, replace(step, clip=turn_clip(step.clip, math.radians(90.0)))) == []
 
 
 def test_a_guess_is_told_until_it_is_confirmed(folder: Path) -> None:

@@ -5,33 +5,33 @@ from typing import Any
 
 import numpy as np
 
-from live.library.partner_pairs import Examples, PairsFile, Recorded, with_holds
-from live.motion.partner.evaluation import Near
+from live.library.partner_pairs import PairsFile, PartnerExamples, RecordedSide, add_found_holds
+from live.motion.partner.evaluation import HoldCriterion
 from live.motion.partner.point_clouds import ends_cloud
 from live.motion.partner.units import Example, Hold, cut_units
 from tests.motion.partner.made_examples import standing
 
 WRITTEN = (Hold(0, 0, 10.0, 20.0),)
-NEAR = Near(0.1, 0.4)
+NEAR = HoldCriterion(0.1, 0.4)
 
 
-def made(known: tuple[Hold, ...], **said: Any) -> Examples:
+def made(known: tuple[Hold, ...], **said: Any) -> PartnerExamples:
     """One pair of two who stand in one another, so that left holds left and right holds right."""
     clip = standing(120, 60.0)
     cloud = ends_cloud(clip)
     units = cut_units([Example("one", cloud, cloud, clip, np.array((0.0, 60.0, 119.0)), np.zeros(0), known)])
     side = {"file": "a.bvh"}
     wanted = PairsFile.model_validate({"pair": [{"leader": side, "follower": side, **said}]})
-    one = Recorded(clip, 120, 60.0, 60.0)
-    return Examples(Path("a.toml"), wanted, units, (one,), (one,), (False,))
+    one = RecordedSide(clip, 120, 60.0, 60.0)
+    return PartnerExamples(Path("a.toml"), wanted, units, (one,), (one,), (False,))
 
 
 def test_holds_are_found_where_nothing_is_said() -> None:
-    units = with_holds(made(()), NEAR)
+    units = add_found_holds(made(()), NEAR)
     assert units.examples[0].holds == (Hold(0, 0, 0.0, 119.0), Hold(1, 1, 0.0, 119.0))
     assert units.count == 2
 
 
 def test_what_is_written_stays_and_none_is_none() -> None:
-    assert with_holds(made(WRITTEN, holds=[("left", "left", 0.1, 0.3)]), NEAR).examples[0].holds == WRITTEN
-    assert with_holds(made((), holds=[]), NEAR).examples[0].holds == ()
+    assert add_found_holds(made(WRITTEN, holds=[("left", "left", 0.1, 0.3)]), NEAR).examples[0].holds == WRITTEN
+    assert add_found_holds(made((), holds=[]), NEAR).examples[0].holds == ()

@@ -6,15 +6,15 @@ from pathlib import Path
 import pytest
 
 from live.base.errors import PersonError
-from live.library.disk_cache import read_plain
+from live.library.disk_cache import read_regular_file
 from live.library.step_folder import load_steps
 from live.show.patch.patch_reader import read_text
 
 
 def test_no_more_is_read_than_asked(tmp_path):
     (tmp_path / "long").write_bytes(b"abcdef")
-    assert read_plain(tmp_path / "long", 3) == b"abcd"
-    assert read_plain(tmp_path / "long", 6) == b"abcdef"
+    assert read_regular_file(tmp_path / "long", 3) == b"abcd"
+    assert read_regular_file(tmp_path / "long", 6) == b"abcdef"
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names here")

@@ -5,7 +5,7 @@ import re
 import pytest
 from pydantic import ValidationError
 
-from live.library.recording_file import Recording, expected, problem_words
+from live.library.recording_file import Recording, expected_text, problem_text
 
 RIGHT = {"file": "a.bvh", "name": "a", "bpm": 120, "first_beat_s": 0}
 WRONG = (None, "", "x" * 2000, 0, -1, 10**12, 1.5, float("nan"), float("inf"), True, [], [1], ["a"] * 100, {}, {"a": 1})
@@ -20,7 +20,7 @@ def test_every_wrong_value_is_told_in_our_words(field: str) -> None:
             Recording.model_validate(RIGHT | {field: value})
         except ValidationError as error:
             for problem in error.errors(include_url=False):
-                words = problem_words(problem)
+                words = problem_text(problem)
                 assert not FOREIGN.search(words.replace("NoneType", "")), words
                 assert " expected, found " in words
                 assert len(words) < 250
@@ -31,7 +31,7 @@ def test_every_wrong_value_is_told_in_our_words(field: str) -> None:
 @pytest.mark.parametrize("field", list(Recording.model_fields))
 def test_the_bounds_that_are_told_are_those_that_hold(field: str) -> None:
     """What is said to be allowed is allowed, and what lies beside it is not."""
-    bounds = re.fullmatch(r"a (?:whole )?number from ([\d,]+) to ([\d,]+)", expected(field))
+    bounds = re.fullmatch(r"a (?:whole )?number from ([\d,]+) to ([\d,]+)", expected_text(field))
     if bounds is None:
         return  # a text, a switch, or a number with an open bound: see below
     low, high = (int(number.replace(",", "")) for number in bounds.groups())
@@ -57,12 +57,12 @@ def test_the_bounds_that_are_told_are_those_that_hold(field: str) -> None:
     ],
 )
 def test_what_is_expected(field: str, words: str) -> None:
-    assert expected(field) == words
+    assert expected_text(field) == words
 
 
 def test_unknown_and_missing_keys() -> None:
     with pytest.raises(ValidationError) as caught:
         Recording.model_validate({"file": "a.bvh", "name": "a", "bmp": 120})
-    words = {problem["loc"][0]: problem_words(problem) for problem in caught.value.errors()}
+    words = {problem["loc"][0]: problem_text(problem) for problem in caught.value.errors()}
     assert words["bmp"].startswith("unknown key; did you mean 'bpm'? allowed are file, name")
     assert words["bpm"].startswith("missing; it must be given, as in file =")

@@ -11,7 +11,7 @@ from live.library import recordings
 from live.library.recording_file import RecordingError, read_recordings
 from live.library.recordings import load_recordings
 from live.motion import quaternion
-from live.motion.mirror import mirror_step, other_side
+from live.motion.mirror import mirror_step, swap_sides
 from live.motion.step_clip import StepClip, measured_direction, measured_distance
 from tests.motion.formats.made_bvh import body_bvh, column, danced, still
 from tests.motion.mocap import MOCAP, mocap_file
@@ -156,7 +156,7 @@ mirror = true
     assert (two.direction, two.distance_m, two.leading_foot, two.begin_pose) == ("long left", 0.4, "left", "plie")
     assert (two.weight_transfer, two.tags, two.author, two.style) == (True, ("slow", "low"), "Ana", "soft")
     assert (steps[0].weight_transfer, steps[0].tags, steps[0].leading_foot) == (False, (), "")
-    assert steps[3].direction == other_side(measured_direction(steps[2]))
+    assert steps[3].direction == swap_sides(measured_direction(steps[2]))
     np.testing.assert_array_equal(steps[3].clip.rotation, mirror_step(steps[2]).clip.rotation)
 
 
@@ -283,7 +283,7 @@ def test_what_was_cut_comes_out_of_the_cache_and_follows_every_file(
         assert (a.first, a.direction, a.distance_m, a.mirrored) == (b.first, b.direction, b.distance_m, b.mirrored)
 
     built: list[str] = []
-    build = recordings._build
+    build = recordings._build_steps
     monkeypatch.setattr(recordings, "_build", lambda entries: built.append(entries[0].recording.name) or build(entries))
     (directory / "dance.bvh").write_text(body_bvh(danced(601, seed=9)))
     changed = load_recordings(directory)

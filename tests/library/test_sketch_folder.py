@@ -54,7 +54,7 @@ def test_a_broken_cache_is_no_problem(folder, tmp_path):
 
 
 def test_old_caches_are_removed(folder, tmp_path, monkeypatch):
-    monkeypatch.setattr(step_folder, "CACHE", ClipCache("steps", kept=2))
+    monkeypatch.setattr(step_folder, "CACHE", ClipCache("steps", max_entries=2))
     for size in (3, 4, 5, 6):
         (folder / "sway.toml").write_text(SWAY.replace("left 4", f"left {size}"))
         load_steps(folder)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.library.step_writer import with_step
+from live.library.step_writer import append_step
 
 NEW = {"file": "b.bvh", "name": "two", "bpm": 96.5, "first_beat_s": 1.0, "measures": 2, "tags": ["slow"]}
 
@@ -36,14 +36,14 @@ def lines_of(text: str) -> list[str]:
 
 
 def test_a_new_file_is_written_as_a_person_would() -> None:
-    assert with_step("", NEW, {"bpm": "guess: confirm"}) == (
+    assert append_step("", NEW, {"bpm": "guess: confirm"}) == (
         '[[step]]\nfile = "b.bvh"\nname = "two"\nbpm = 96.5 # guess: confirm\nfirst_beat_s = 1\nmeasures = 2\n'
         'tags = ["slow"]\n'
     )
 
 
 def test_a_list_gets_one_more_and_keeps_every_line() -> None:
-    text = with_step(LIST, NEW | {"fps": 60})
+    text = append_step(LIST, NEW | {"fps": 60})
     assert text is not None
     assert text.startswith(LIST.rstrip("\n"))
     steps = tomllib.loads(text)["step"]
@@ -53,7 +53,7 @@ def test_a_list_gets_one_more_and_keeps_every_line() -> None:
 
 
 def test_one_recording_at_the_top_becomes_the_first_of_two() -> None:
-    text = with_step(SINGLE, NEW)
+    text = append_step(SINGLE, NEW)
     assert text is not None
     assert tomllib.loads(text)["step"] == [tomllib.loads(SINGLE), NEW]
     assert lines_of(text)[: len(lines_of(SINGLE)) + 1] == [
@@ -70,7 +70,7 @@ def test_one_recording_at_the_top_becomes_the_first_of_two() -> None:
 )
 def test_defaults_that_are_not_meant_are_taken_back(text: str, left: dict[str, object]) -> None:
     table = NEW if left else {key: value for key, value in NEW.items() if key not in ("tags", "measures")}
-    written = with_step(text + LIST.partition("\n\n")[2], table)
+    written = append_step(text + LIST.partition("\n\n")[2], table)
     assert written is not None
     read = tomllib.loads(written)
     effective = {key: value for key, value in read.items() if key != "step"} | read["step"][1]
@@ -90,18 +90,18 @@ def test_defaults_that_are_not_meant_are_taken_back(text: str, left: dict[str, o
     ],
 )
 def test_what_cannot_take_the_step_is_left_alone(text: str) -> None:
-    assert with_step(text, NEW) is None
+    assert append_step(text, NEW) is None
 
 
 def test_a_file_of_comments_keeps_them() -> None:
-    text = with_step("# nothing yet\n", NEW)
+    text = append_step("# nothing yet\n", NEW)
     assert text is not None
     assert text.startswith("# nothing yet\n")
     assert tomllib.loads(text)["step"] == [NEW]
 
 
 def test_windows_line_ends_are_kept() -> None:
-    text = with_step(LIST.replace("\n", "\r\n"), NEW | {"fps": 60})
+    text = append_step(LIST.replace("\n", "\r\n"), NEW | {"fps": 60})
     assert text is not None
     assert text.startswith(LIST.rstrip("\n").replace("\n", "\r\n"))
     assert tomllib.loads(text)["step"][1] == NEW
@@ -127,6 +127,6 @@ def test_whatever_is_written_is_read_back(tables: list[dict[str, object]]) -> No
     text: str | None = ""
     for table in tables:
         assert text is not None
-        text = with_step(text, table)
+        text = append_step(text, table)
     assert text is not None
     assert tomllib.loads(text)["step"] == tables

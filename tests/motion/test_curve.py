@@ -6,7 +6,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from live.motion.curve import filtered, followed, hermite, monotone_slopes, repeated, smoothed, soft_min, through
+from live.motion.curve import (
+    filter_samples,
+    gaussian_filter,
+    hermite,
+    interpolate,
+    monotone_slopes,
+    repeat_keys,
+    soft_min,
+    spring_response,
+)
 
 keys = st.lists(st.tuples(st.floats(0.1, 2.0), st.floats(-3.0, 3.0)), min_size=2, max_size=8)
 
@@ -15,9 +24,9 @@ keys = st.lists(st.tuples(st.floats(0.1, 2.0), st.floats(-3.0, 3.0)), min_size=2
 def test_a_curve_meets_its_keys_and_never_leaves_the_span_between_two(pairs: list[tuple[float, float]]) -> None:
     times = np.cumsum([gap for gap, _ in pairs])
     values = np.array([value for _, value in pairs])
-    assert np.allclose(through(times, values, times), values)
+    assert np.allclose(interpolate(times, values, times), values)
     for left in range(len(times) - 1):
-        between = through(times, values, np.linspace(times[left], times[left + 1], 30))
+        between = interpolate(times, values, np.linspace(times[left], times[left + 1], 30))
         low, high = sorted(values[left : left + 2])
         assert (between >= low - 1e-9).all()
         assert (between <= high + 1e-9).all()
@@ -39,18 +48,18 @@ def test_a_cubic_with_slopes_of_a_throw_is_the_parabola_of_the_throw() -> None:
 
 def test_one_key_and_times_outside_hold_still() -> None:
     at = np.linspace(-5.0, 5.0, 11)
-    assert np.allclose(through(np.array((1.0,)), np.array((2.0,)), at), 2.0)
-    assert np.allclose(through(np.array((0.0, 1.0)), np.array((2.0, 3.0)), at)[[0, -1]], (2.0, 3.0))
+    assert np.allclose(interpolate(np.array((1.0,)), np.array((2.0,)), at), 2.0)
+    assert np.allclose(interpolate(np.array((0.0, 1.0)), np.array((2.0, 3.0)), at)[[0, -1]], (2.0, 3.0))
 
 
 def test_repeated_keys_give_the_same_curve_every_time() -> None:
     at = np.linspace(-4.0, 8.0, 12 * 32 + 1)
-    times, values = repeated(np.array((0.5, 1.0, 3.0)), np.array((0.0, 1.0, -1.0)), 4.0, 0.25, at)
-    curve = through(times, values, at)
+    times, values = repeat_keys(np.array((0.5, 1.0, 3.0)), np.array((0.0, 1.0, -1.0)), 4.0, 0.25, at)
+    curve = interpolate(times, values, at)
     assert np.allclose(curve[128:] - curve[:-128], 0.25)
 
 
-@pytest.mark.parametrize("soften", [lambda x: smoothed(x, 5.0), lambda x: followed(x, 16.0, 0.5)])
+@pytest.mark.parametrize("soften", [lambda x: gaussian_filter(x, 5.0), lambda x: spring_response(x, 16.0, 0.5)])
 def test_filters_keep_constants_lines_and_repetition(soften) -> None:  # type: ignore[no-untyped-def]
     time = np.arange(400.0)
     assert np.allclose(soften(np.full((400, 2), 3.0)), 3.0)
@@ -62,15 +71,21 @@ def test_filters_keep_constants_lines_and_repetition(soften) -> None:  # type: i
 
 def test_smoothing_has_no_delay_and_following_has() -> None:
     step = (np.arange(200) >= 100).astype(float)
-    assert smoothed(step, 4.0)[99:101].mean() == pytest.approx(0.5)
-    late = followed(step, 16.0, 0.4)
+    assert gaussian_filter(step, 4.0)[99:101].mean() == pytest.approx(0.5)
+    late = spring_response(step, 16.0, 0.4)
     assert np.allclose(late[:100], 0.0)
     assert late.max() > 1.05, "it swings through"
     assert late[-1] == pytest.approx(1.0, abs=1e-6)
 
 
 def test_a_filter_weighs_the_past_as_told() -> None:
-    assert filtered(np.array((0.0, 0.0, 1.0, 0.0, 0.0)), np.array((0.25, 0.75)), 1).tolist() == [0, 0, 0.75, 0.25, 0]
+    assert filter_samples(np.array((0.0, 0.0, 1.0, 0.0, 0.0)), np.array((0.25, 0.75)), 1).tolist() == [
+        0,
+        0,
+        0.75,
+        0.25,
+        0,
+    ]
 
 
 @given(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(0.001, 1.0))

@@ -7,7 +7,7 @@ import pytest
 
 from live.control.events.event_json import event_from_json, event_to_row
 from live.control.events.events import MocapFrame
-from live.motion.packed_pose import LETTERS, pack_pose, unpack_pose
+from live.motion.packed_pose import PACKED_LENGTH, pack_pose, unpack_pose
 from live.motion.skeleton import JOINT_COUNT
 
 
@@ -21,7 +21,7 @@ def test_rotations_come_back_within_a_hundredth_of_a_degree() -> None:
         rotation, hips = _rotations(seed), np.array([1.25, 0.875, -3.5])
         packed = pack_pose(hips, rotation)
         root, turned = unpack_pose(packed)
-        assert len(packed) == LETTERS
+        assert len(packed) == PACKED_LENGTH
         assert root.tolist() == hips.tolist()
         apart = np.minimum(np.linalg.norm(turned - rotation, axis=1), np.linalg.norm(turned + rotation, axis=1))
         assert np.degrees(4.0 * np.arcsin(apart.max() / 2.0)) < 0.009
@@ -53,7 +53,7 @@ def test_what_is_no_pose_is_not_packed(hips: list[float], rotation: np.ndarray) 
 
 def test_damaged_letters_are_no_pose_or_a_pose_of_unit_rotations() -> None:
     packed = pack_pose([0.0, 1.0, 0.0], _rotations(3))
-    for text in ("", packed[:-4], packed + "AAAA", "!" * LETTERS, "é" * LETTERS, packed[:-1] + "="):
+    for text in ("", packed[:-4], packed + "AAAA", "!" * PACKED_LENGTH, "é" * PACKED_LENGTH, packed[:-1] + "="):
         with pytest.raises(ValueError, match=r"pose|expected"):
             unpack_pose(text)
     nowhere = base64.b64encode(np.array([np.inf, 0.0, 0.0], "<f4").tobytes() + b"\xff" * 132).decode()

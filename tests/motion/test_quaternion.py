@@ -66,7 +66,7 @@ def test_the_rotation_between_two_directions(random: np.random.Generator) -> Non
 def test_signs_become_continuous_and_rotations_stay() -> None:
     turn = Rotation.from_rotvec(np.linspace(0.0, 12.0, 60)[:, None] * (0.0, 0.0, 1.0))
     jumping = wxyz(turn) * np.where(np.arange(60) % 3 == 1, -1.0, 1.0)[:, None]
-    smooth = quaternion.continuous(jumping)
+    smooth = quaternion.align_signs(jumping)
     assert same(smooth, jumping)
     assert (np.sum(smooth[1:] * smooth[:-1], axis=1) > 0.9).all()
 

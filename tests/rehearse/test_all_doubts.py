@@ -2,8 +2,8 @@
 
 import pytest
 
-from live.rehearse.lint import TOLD, all_doubts, camera_doubts, span_doubts
-from live.show.patch.call_response_check import answer_doubts
+from live.rehearse.lint import MAX_WARNINGS, camera_warnings, lint_show, span_warnings
+from live.show.patch.call_response_check import call_response_warnings
 from live.show.patch.patch_reader import parse_patch, read_patch
 from tests.show.made_show import PATCH, made_show
 
@@ -34,21 +34,22 @@ def told(notes, words):
 @pytest.mark.parametrize("kind", ["[[segment]]", '[[element]]\nkind = "spread"'])
 def test_who_is_longer_than_the_rest_of_her_section_goes_on(kind, entry, words):
     sections = SECTIONS.replace('name = "b"', 'name = "b"\nrepeat = 2').format('then = "end"')
-    told(span_doubts(patch_of(f"{sections}{kind}\n{entry}\n")), words)
+    told(span_warnings(patch_of(f"{sections}{kind}\n{entry}\n")), words)
 
 
 def test_without_sections_the_loop_counts_and_without_loop_nothing_does():
     entry = '[[element]]\nkind = "spread"\nmeasure = 7\nmeasures = 4\n'
     told(
-        span_doubts(parse_patch("loop_measures = 8\n" + PATCH + entry, "made.toml")), "but the score ends with measure"
+        span_warnings(parse_patch("loop_measures = 8\n" + PATCH + entry, "made.toml")),
+        "but the score ends with measure",
     )
-    told(span_doubts(patch_of(entry)), None)
+    told(span_warnings(patch_of(entry)), None)
 
 
 def test_no_more_than_a_few_ends_are_told():
-    many = '[[element]]\nkind = "spread"\nsection = "b"\nmeasure = 4\n' * (TOLD + 3)
-    notes = span_doubts(patch_of(SECTIONS.format("") + many))
-    assert len(notes) == TOLD + 1
+    many = '[[element]]\nkind = "spread"\nsection = "b"\nmeasure = 4\n' * (MAX_WARNINGS + 3)
+    notes = span_warnings(patch_of(SECTIONS.format("") + many))
+    assert len(notes) == MAX_WARNINGS + 1
     assert notes[-1].startswith("... and 3 more")
 
 
@@ -63,7 +64,7 @@ def test_no_more_than_a_few_ends_are_told():
     ],
 )
 def test_a_camera_below_the_floor_is_told(extra, words):
-    told(camera_doubts(patch_of(extra)), words)
+    told(camera_warnings(patch_of(extra)), words)
 
 
 def improvise(front, back):
@@ -84,7 +85,7 @@ def improvise(front, back):
     ],
 )
 def test_calls_and_answers_that_do_not_fit(extra, words):
-    told(answer_doubts(patch_of(extra)), words)
+    told(call_response_warnings(patch_of(extra)), words)
 
 
 @pytest.mark.parametrize("name", ["score", "cues", "formations", "pairs"])
@@ -92,12 +93,12 @@ def test_the_shows_that_come_along_give_no_reason_for_doubt(name):
     from live.show.patch.patch_search_path import find_patch
 
     patch = read_patch(find_patch(name))
-    assert [*span_doubts(patch), *camera_doubts(patch), *answer_doubts(patch)] == []
+    assert [*span_warnings(patch), *camera_warnings(patch), *call_response_warnings(patch)] == []
 
 
 def test_all_of_it_is_told_by_kind():
     show = made_show('[camera]\neye = [0, -2, 9]\n[[cue]]\nname = "x"\nthen = "auto"\n')
-    doubts = {one.name: one for one in all_doubts(show)}
-    assert [name for name, one in doubts.items() if one.words] == ["cues", "cameras"]
-    assert doubts["cues"].counted == "1 cues"
-    assert doubts["ways"].counted == "0 segments"
+    doubts = {one.name: one for one in lint_show(show)}
+    assert [name for name, one in doubts.items() if one.warnings] == ["cues", "cameras"]
+    assert doubts["cues"].count_text == "1 cues"
+    assert doubts["ways"].count_text == "0 segments"

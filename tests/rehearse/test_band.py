@@ -6,46 +6,46 @@ import numpy as np
 import pytest
 
 from live.control.events.events import BeatHeard, SourceChanged
-from live.rehearse.simulated_band import FASTEST, SLOWEST, FakeBand, Manners
+from live.rehearse.simulated_band import MAX_BPM, MIN_BPM, Irregularities, SimulatedBand
 
-CALM = Manners(stop=0.0, fill=0.0, wrong_one=0.0, leap=0.0, drift=0.0)
+CALM = Irregularities(stop=0.0, fill=0.0, wrong_downbeat=0.0, tempo_jump=0.0, drift=0.0)
 
 
 def test_the_same_seed_plays_the_same_and_another_one_does_not():
-    first, again, other = (list(islice(FakeBand(seed).events(), 400)) for seed in (5, 5, 6))
+    first, again, other = (list(islice(SimulatedBand(seed).events(), 400)) for seed in (5, 5, 6))
     assert first == again
     assert first != other
 
 
 def test_a_calm_band_keeps_its_tempo_and_counts_its_beats():
-    beats = list(islice(FakeBand(1, bpm=120.0, beats_per_measure=3, manners=CALM).played(), 300))
+    beats = list(islice(SimulatedBand(1, bpm=120.0, beats_per_measure=3, irregularities=CALM).beats(), 300))
     assert [beat.beat for beat in beats] == [0, 1, 2] * 100
-    assert all(beat.heard_as == beat.beat and not beat.fill and beat.before == 0.0 for beat in beats)
+    assert all(beat.detected_as == beat.beat and not beat.fill and beat.rest_before == 0.0 for beat in beats)
     assert np.diff([beat.time for beat in beats]).mean() == pytest.approx(0.5, rel=0.005)
 
 
 def test_what_it_says_comes_in_order_and_stays_possible():
-    events = list(islice(FakeBand(2, manners=Manners(0.1, 0.2, 0.1, 0.1)).events(), 4000))
+    events = list(islice(SimulatedBand(2, irregularities=Irregularities(0.1, 0.2, 0.1, 0.1)).events(), 4000))
     times = [event.time for event in events]
     assert times == sorted(times)
     beats = [event for event in events if isinstance(event, BeatHeard)]
-    assert all(60.0 / FASTEST * 0.9 < beat.period < 60.0 / SLOWEST * 1.1 for beat in beats)
+    assert all(60.0 / MAX_BPM * 0.9 < beat.period < 60.0 / MIN_BPM * 1.1 for beat in beats)
     assert all(0.0 <= beat.confidence <= 1.0 for beat in beats)
 
 
 def test_it_stops_fills_leaps_and_loses_the_one_as_often_as_its_manners_say():
-    band = FakeBand(3, manners=Manners(stop=0.1, fill=0.2, wrong_one=0.1, leap=0.05))
-    beats = list(islice(band.played(), 4 * 2000))
-    assert 150 < band.did["stop"] < 250
-    assert 330 < band.did["fill"] < 470
-    assert 70 < band.did["leap"] < 130
-    wrong = np.mean([beat.heard_as != beat.beat for beat in beats])
+    band = SimulatedBand(3, irregularities=Irregularities(stop=0.1, fill=0.2, wrong_downbeat=0.1, tempo_jump=0.05))
+    beats = list(islice(band.beats(), 4 * 2000))
+    assert 150 < band.counts["stop"] < 250
+    assert 330 < band.counts["fill"] < 470
+    assert 70 < band.counts["leap"] < 130
+    wrong = np.mean([beat.detected_as != beat.beat for beat in beats])
     assert 0.2 < wrong < 0.7
-    assert sum(beat.before > 0.0 for beat in beats) == pytest.approx(band.did["stop"], abs=1)
+    assert sum(beat.rest_before > 0.0 for beat in beats) == pytest.approx(band.counts["stop"], abs=1)
 
 
 def test_silence_is_told_and_ends():
-    events = list(islice(FakeBand(4, manners=Manners(stop=0.3)).events(), 3000))
+    events = list(islice(SimulatedBand(4, irregularities=Irregularities(stop=0.3)).events(), 3000))
     states = [event.state for event in events if isinstance(event, SourceChanged)]
     assert states[0] == "found"
     assert states.count("silent") > 5

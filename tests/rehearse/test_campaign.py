@@ -5,7 +5,7 @@ import json
 import pytest
 
 from live.base.errors import PersonError
-from live.rehearse.campaign import STATE, Campaign, Job, guarded, lines_of
+from live.rehearse.campaign import STATE_FILE, Campaign, Job, report_lines, run_safely
 
 
 def _job(name, done, **facts):
@@ -25,14 +25,14 @@ def test_what_is_done_is_not_run_again(tmp_path):
     assert done == ["a-0", "b-0"]
     assert facts["ok"]
     assert list(facts["runs"]) == ["a-0", "b-0"]
-    assert json.loads((tmp_path / STATE).read_text())["done"].keys() == {"a-0", "b-0"}
+    assert json.loads((tmp_path / STATE_FILE).read_text())["done"].keys() == {"a-0", "b-0"}
 
 
 def test_a_folder_of_another_campaign_is_refused(tmp_path):
     Campaign(tmp_path, {"hours": 1.0}).run([_job("a-0", [])])
     with pytest.raises(PersonError, match="other options"):
         Campaign(tmp_path, {"hours": 2.0})
-    (tmp_path / STATE).write_text("[1")
+    (tmp_path / STATE_FILE).write_text("[1")
     with pytest.raises(PersonError, match="no state"):
         Campaign(tmp_path, {"hours": 1.0})
 
@@ -45,7 +45,7 @@ def test_an_exception_of_the_harness_is_a_problem_and_the_campaign_goes_on(tmp_p
     facts = Campaign(tmp_path, {}).run([Job("a-0", breaks), _job("b-0", done)])
     assert done == ["b-0"]
     assert not facts["ok"]
-    told = list(lines_of(facts))
+    told = list(report_lines(facts))
     assert told[0].startswith("FAIL a-0")
     assert "the harness itself failed: KeyError" in told[1]
     assert told[-1] == "1 of 2 runs went well"
@@ -62,13 +62,13 @@ def test_what_was_interrupted_says_what_was_not_run(tmp_path):
     facts = campaign.report(["a-0", "b-0"])
     assert facts["not_run"] == ["b-0"]
     assert not facts["ok"]
-    assert any("not run: b-0" in line for line in lines_of(facts))
+    assert any("not run: b-0" in line for line in report_lines(facts))
 
 
 def test_long_problems_are_cut_in_lines_and_whole_in_the_report(tmp_path):
-    facts = guarded(_job("a", [], ok=False, problems=[f"first\n  line {n}" for n in range(30)]), tmp_path / "a")
+    facts = run_safely(_job("a", [], ok=False, problems=[f"first\n  line {n}" for n in range(30)]), tmp_path / "a")
     report = {"runs": {"a": facts}, "not_run": []}
-    told = list(lines_of(report))
+    told = list(report_lines(report))
     assert told[1].strip() == "first line 0"
     assert "and 22 more" in told[9]
     assert len(facts["problems"]) == 30

@@ -2,7 +2,7 @@
 
 import pytest
 
-from live.rehearse.journal_minimiser import Trial, entries_of, loaded_for
+from live.rehearse.journal_minimiser import Trial, entries_of, load_for_journal
 from live.show.journal.journal_reader import read_journal
 from tests.places import ROOT
 
@@ -18,6 +18,6 @@ def test_what_ended_a_show_once_does_not_again(path, snapshots):
     entries, end = entries_of(journal)
     assert entries
     assert end > 0
-    trial = Trial(loaded_for(journal), journal.header, snapshots=snapshots)
+    trial = Trial(load_for_journal(journal), journal.header, snapshots=snapshots)
     assert trial.run(entries, end + MORE) is None
-    assert len(trial.lines) >= 2
+    assert len(trial.measure_ticks) >= 2

@@ -6,9 +6,9 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.control.events.events import Attract, Blackout, ControlEvent
-from live.rehearse.failure import DIFFERENT, Failure
-from live.rehearse.journal_minimiser import Minimiser, Trial, entries_of, minimise, running
-from live.show.journal.journal import line_of
+from live.rehearse.failure import DIFFERENT_STATE, Failure
+from live.rehearse.journal_minimiser import Minimiser, Trial, entries_of, minimise, run_entries
+from live.show.journal.journal import event_line
 from live.show.journal.journal_reader import read_journal
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import find_patch
@@ -20,11 +20,11 @@ class _Trial(Trial):
     """Fails 10 ticks after a blackout that was said in the measure of an attractor with x = 2."""
 
     def __init__(self):
-        self.count, self.lines = 0, []
+        self.count, self.measure_ticks = 0, []
 
     def run(self, entries, end):
         self.count += 1
-        self.lines = list(range(MEASURE, end, MEASURE))
+        self.measure_ticks = list(range(MEASURE, end, MEASURE))
         drawn = {tick // MEASURE for tick, event in entries if isinstance(event, Attract) and event.x == 2.0}
         for tick, event in entries:
             if isinstance(event, Blackout) and tick // MEASURE in drawn and tick + 10 <= end:
@@ -47,7 +47,7 @@ def test_only_the_events_that_count_stay_and_move_to_the_beginning():
     assert [type(event) for _, event in found.entries] == [Attract, Blackout]
     assert found.end < 3 * MEASURE
     assert found.failure.key == ("IndexError", "show/made.py, tick")
-    assert found.before == (503, 5000)
+    assert found.original_size == (503, 5000)
     for tick, event in found.entries:
         assert event.time == tick * TICK
     assert trial.count < 200
@@ -75,7 +75,7 @@ def test_a_journal_that_fails_becomes_a_short_one_that_can_be_kept(tmp_path, loa
     path = tmp_path / "long.jsonl"
     header = {"journal": 2, **loaded.header(show, tempo=None)}
     path.write_text(
-        "\n".join([json.dumps(header), *(line_of(*entry) for entry in said), '{"tick":700,"end":true}', ""])
+        "\n".join([json.dumps(header), *(event_line(*entry) for entry in said), '{"tick":700,"end":true}', ""])
     )
 
     was = type(show).tick
@@ -105,11 +105,11 @@ def test_a_snapshot_that_leads_to_another_state_is_a_failure(loaded, monkeypatch
     assert trial.run([_said(20, 1.0)], 500) is None
 
     def other(show, entries, end, *, begin=0):
-        for tick, begins in running(show, entries, end, begin=begin):
+        for tick, begins in run_entries(show, entries, end, begin=begin):
             if begin and tick == begin + 5:
                 show.state.position[0, 0] += 0.001
             yield tick, begins
 
-    monkeypatch.setattr("live.rehearse.journal_minimiser.running", other)
+    monkeypatch.setattr("live.rehearse.journal_minimiser.run_entries", other)
     failure = trial.run([_said(20, 1.0)], 500)
-    assert failure.kind == DIFFERENT
+    assert failure.kind == DIFFERENT_STATE

@@ -7,7 +7,7 @@ import pytest
 
 from live.control.events.events import ControlEvent
 from live.control.registry.registry import REGISTRY
-from live.rehearse.simulated_players import FakePlayers, Words
+from live.rehearse.simulated_players import ArgumentGenerator, SimulatedPlayers
 from live.show.patch.patch_reader import parse_patch
 from tests.show.desk.desk_show import DESK
 from tests.show.made_show import PATCH
@@ -15,7 +15,7 @@ from tests.show.made_show import PATCH
 
 @pytest.fixture(scope="module")
 def words():
-    return Words(parse_patch(PATCH + DESK, "made.toml"), ("sway", "glide", "spin"))
+    return ArgumentGenerator(parse_patch(PATCH + DESK, "made.toml"), ("sway", "glide", "spin"))
 
 
 def test_what_makes_sense_is_taken_by_every_control(words):
@@ -27,24 +27,24 @@ def test_what_makes_sense_is_taken_by_every_control(words):
 
 
 def test_nonsense_never_raises_and_is_mostly_refused(words):
-    calls = list(islice(FakePlayers(1, words, nonsense=1.0).calls(), 3000))
+    calls = list(islice(SimulatedPlayers(1, words, invalid_share=1.0).calls(), 3000))
     made = [REGISTRY.call(call.address, call.values, call.time, call.source) for call in calls]
     assert np.mean([isinstance(event, ControlEvent) for event in made]) < 0.1
 
 
 def test_they_come_as_often_as_asked_and_in_order(words):
-    players = FakePlayers(2, words, count=10, rate=6.0, role="musician")
+    players = SimulatedPlayers(2, words, count=10, rate=6.0, role="musician")
     calls = list(takewhile(lambda call: call.time < 3600.0, players.calls()))
     assert all(a.time <= b.time for a, b in pairwise(calls))
     assert len({call.source for call in calls}) == 10
     assert len(calls) > 3600 * 0.8  # once a second, and fingers that move
-    assert all(REGISTRY[call.address].who != "operator" for call in calls)
+    assert all(REGISTRY[call.address].role != "operator" for call in calls)
 
 
 def test_the_same_seed_says_the_same(words):
-    first, again = (list(islice(FakePlayers(3, words, nonsense=0.0).calls(), 500)) for _ in range(2))
+    first, again = (list(islice(SimulatedPlayers(3, words, invalid_share=0.0).calls(), 500)) for _ in range(2))
     assert first == again
 
 
 def test_nobody_says_nothing(words):
-    assert list(FakePlayers(1, words, count=0).calls()) == []
+    assert list(SimulatedPlayers(1, words, count=0).calls()) == []

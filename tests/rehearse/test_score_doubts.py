@@ -2,7 +2,7 @@
 
 import pytest
 
-from live.rehearse.score_lint import cue_doubts, formation_doubts, section_doubts, sequence_doubts
+from live.rehearse.score_lint import cue_warnings, formation_warnings, section_warnings, sequence_warnings
 from live.show.patch.patch_reader import parse_patch
 from tests.show.desk.desk_show import DESK
 from tests.show.made_show import PATCH, made_show
@@ -42,9 +42,9 @@ def patch_of(extra):
 
 
 def test_a_section_that_nothing_leads_to_is_named():
-    assert [note.split("'")[1] for note in section_doubts(patch_of(SECTIONS))] == ["b"]
-    assert section_doubts(patch_of("")) == []
-    assert section_doubts(patch_of(DESK)) == []
+    assert [note.split("'")[1] for note in section_warnings(patch_of(SECTIONS))] == ["b"]
+    assert section_warnings(patch_of("")) == []
+    assert section_warnings(patch_of(DESK)) == []
 
 
 def sequence_of(measures, steps):
@@ -58,9 +58,9 @@ steps = {steps}
 
 
 def test_a_sequence_that_ends_before_its_last_step_is_named():
-    assert sequence_doubts(sequence_of(3, '["glide", "spin x2"]')) == []
-    assert sequence_doubts(sequence_of(4, '["glide", "spin"]')) == []  # danced again: nothing is left out
-    assert "before 'spin'" in sequence_doubts(sequence_of(2, '["glide", "spin x2"]'))[0]
+    assert sequence_warnings(sequence_of(3, '["glide", "spin x2"]')) == []
+    assert sequence_warnings(sequence_of(4, '["glide", "spin"]')) == []  # danced again: nothing is left out
+    assert "before 'spin'" in sequence_warnings(sequence_of(2, '["glide", "spin x2"]'))[0]
 
 
 @pytest.mark.parametrize(
@@ -73,7 +73,7 @@ def test_a_sequence_that_ends_before_its_last_step_is_named():
     ],
 )
 def test_cues_and_calls_lead_to_sections(leads):
-    assert section_doubts(patch_of(SECTIONS + leads)) == []
+    assert section_warnings(patch_of(SECTIONS + leads)) == []
 
 
 def cues(first, second):
@@ -95,7 +95,7 @@ def cues(first, second):
     ],
 )
 def test_cues_that_collide(first, second, words):
-    notes = cue_doubts(patch_of(cues(first, second)))
+    notes = cue_warnings(patch_of(cues(first, second)))
     assert len(notes) == (words is not None)
     assert words is None or words in notes[0]
 
@@ -114,14 +114,14 @@ def at(measure, scene, beat=1):
     ],
 )
 def test_scenes_of_the_score_that_meet(entries, count):
-    assert len(cue_doubts(patch_of(SCENES + entries))) == count
+    assert len(cue_warnings(patch_of(SCENES + entries))) == count
 
 
 def test_a_formation_too_tight_for_its_dancers_is_named_with_its_distance():
     tight = '[[formation]]\nname = "dot"\nshape = "line"\nsize = [1.0, 1.0]\n'
     wide = tight.replace("[1.0, 1.0]", "[8.0, 1.0]").replace("dot", "row")
     segments = '[[segment]]\nmeasure = {}\nmeasures = 2\nformation = "{}"\n'
-    notes = formation_doubts(made_show(tight + wide + segments.format(1, "dot") + segments.format(5, "row")))
+    notes = formation_warnings(made_show(tight + wide + segments.format(1, "dot") + segments.format(5, "row")))
     assert len(notes) == 1
     assert "dot for 9 dancers" in notes[0]
     assert "0.12 m apart" in notes[0]

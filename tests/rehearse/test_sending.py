@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from live.control.osc.osc_codec import decode
-from live.rehearse.network_sender import CLOCK, START, STOP, Outlet, packet_of, pulses, send_all
-from live.rehearse.simulated_band import RATE, FakeBand, Manners, sound_of, write_sound
+from live.rehearse.network_sender import CLOCK, START, STOP, UdpSender, clock_pulses, packet_of, send_all
+from live.rehearse.simulated_band import RATE, Irregularities, SimulatedBand, render_audio, write_sound
 from live.rehearse.simulated_players import Call
 
-CALM = Manners(stop=0.0, fill=0.0, wrong_one=0.0, leap=0.0, drift=0.0)
+CALM = Irregularities(stop=0.0, fill=0.0, wrong_downbeat=0.0, tempo_jump=0.0, drift=0.0)
 
 
 def test_a_call_comes_through_as_it_was():
@@ -27,7 +27,7 @@ def test_what_osc_cannot_say_is_not_sent():
 
 
 def test_the_band_as_midi_clock_has_24_pulses_a_beat():
-    coming = list(islice(pulses(FakeBand(1, bpm=120.0, manners=CALM)), 1 + 24 * 40))
+    coming = list(islice(clock_pulses(SimulatedBand(1, bpm=120.0, irregularities=CALM)), 1 + 24 * 40))
     assert coming[0] == (0.5, START)
     times = [time for time, what in coming if what == CLOCK]
     assert len(times) == 24 * 40
@@ -35,7 +35,7 @@ def test_the_band_as_midi_clock_has_24_pulses_a_beat():
 
 
 def test_a_band_that_rests_stops_its_clock_and_starts_again():
-    coming = list(islice(pulses(FakeBand(2, manners=Manners(stop=0.5))), 5000))
+    coming = list(islice(clock_pulses(SimulatedBand(2, irregularities=Irregularities(stop=0.5))), 5000))
     kinds = [what for _, what in coming if what != CLOCK]
     assert kinds[0] == START
     assert len(kinds) > 10
@@ -67,7 +67,7 @@ def test_packets_reach_the_address():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as there:
         there.bind(("127.0.0.1", 0))
         there.settimeout(5.0)
-        outlet = Outlet("127.0.0.1", there.getsockname()[1])
+        outlet = UdpSender("127.0.0.1", there.getsockname()[1])
         outlet.send(b"abcd")
         assert there.recv(100) == b"abcd"
         outlet.close()
@@ -76,10 +76,10 @@ def test_packets_reach_the_address():
 
 
 def test_the_sound_has_its_strokes_where_the_band_plays(tmp_path):
-    sound = sound_of(FakeBand(3, bpm=120.0, manners=CALM), 8.0)
+    sound = render_audio(SimulatedBand(3, bpm=120.0, irregularities=CALM), 8.0)
     assert np.abs(sound).max() < 1.0
     energy = np.square(sound[: len(sound) // 441 * 441]).reshape(-1, 441).mean(axis=1)  # in hundredths of a second
-    played = [beat.time for beat in islice(FakeBand(3, bpm=120.0, manners=CALM).played(), 14)]
+    played = [beat.time for beat in islice(SimulatedBand(3, bpm=120.0, irregularities=CALM).beats(), 14)]
     for time in played:
         at = round(time * 100)
         assert energy[at : at + 6].max() > 20.0 * energy[at - 6 : at - 1].mean()

@@ -8,19 +8,19 @@ import pytest
 
 from live.base.stage_snapshot import StageView
 from live.control.events.events import TicksSkipped
-from live.rehearse.fault_injection import FAULTS, KINDS, Fault, faults
-from live.rehearse.invariants import Watching, prove
-from live.rehearse.soak_test import Plan, Soak
+from live.rehearse.fault_injection import FAULT_HANDLERS, FAULT_RATES, Fault, fault_schedule
+from live.rehearse.invariants import CheckingJournalWriter, check_replay
+from live.rehearse.soak_test import SoakOptions, SoakTest
 from live.show.patch.patch_search_path import find_patch
 
 
 @pytest.fixture(scope="module")
 def soaked(tmp_path_factory):
     """Half a minute, in which every kind of fault happens."""
-    soak = Soak(
-        Plan(find_patch("score"), seed=4, hours=30.0 / 3600.0, fps=8.0, faults=0.0), tmp_path_factory.mktemp("s")
+    soak = SoakTest(
+        SoakOptions(find_patch("score"), seed=4, hours=30.0 / 3600.0, fps=8.0, faults=0.0), tmp_path_factory.mktemp("s")
     )
-    coming = iter([Fault(2.0 + 2.0 * number, kind, 0.3) for number, kind in enumerate(KINDS)])
+    coming = iter([Fault(2.0 + 2.0 * number, kind, 0.3) for number, kind in enumerate(FAULT_RATES)])
     soak._faults = coming
     soak._next_fault = next(coming)
     return soak, soak.run()
@@ -30,7 +30,7 @@ def soaked(tmp_path_factory):
 def test_half_a_minute_with_every_fault_goes_well(soaked):
     _, report = soaked
     assert report.problems == []
-    assert report.faults == dict.fromkeys(KINDS, 1)
+    assert report.faults == dict.fromkeys(FAULT_RATES, 1)
     assert report.measures >= 8
     assert report.skipped > 0
     assert report.edits == {"good": 1, "bad": 1, "back": 1}
@@ -41,7 +41,7 @@ def test_half_a_minute_with_every_fault_goes_well(soaked):
 @pytest.mark.long
 def test_its_journal_replays_to_the_same_states(soaked):
     soak, report = soaked
-    found = prove(soak.journal_path, seed=1, stretches=2)
+    found = check_replay(soak.journal_path, seed=1, parts=2)
     assert found["problems"] == []
     assert found["different"] == 0
     assert found["measures"] > report.measures
@@ -49,17 +49,17 @@ def test_its_journal_replays_to_the_same_states(soaked):
 
 
 def test_every_fault_can_happen_and_comes_as_often_as_it_should():
-    assert set(FAULTS) == set(KINDS)
+    assert set(FAULT_HANDLERS) == set(FAULT_RATES)
     times, kinds = [], []
-    for fault in faults(1, rate=2.0, start=0.0):
+    for fault in fault_schedule(1, rate=2.0, start=0.0):
         if fault.time > 36000.0:
             break
         times.append(fault.time)
         kinds.append(fault.kind)
     assert times == sorted(times)
-    assert len(times) == pytest.approx(2.0 * sum(KINDS.values()) * 600.0, rel=0.1)
-    assert kinds.count("flood") == pytest.approx(2.0 * KINDS["flood"] * 600.0, rel=0.4)
-    assert list(faults(1, rate=0.0)) == []
+    assert len(times) == pytest.approx(2.0 * sum(FAULT_RATES.values()) * 600.0, rel=0.1)
+    assert kinds.count("flood") == pytest.approx(2.0 * FAULT_RATES["flood"] * 600.0, rel=0.4)
+    assert list(fault_schedule(1, rate=0.0)) == []
 
 
 class _Show:
@@ -76,9 +76,9 @@ class _Show:
 
 @pytest.fixture
 def watched(tmp_path):
-    watching = Watching(tmp_path / "j", {}, snapshots=False)
+    watching = CheckingJournalWriter(tmp_path / "j", {}, snapshots=False)
     show = _Show()
-    watching.keep(show, 1, begins=False)
+    watching.take_snapshot(show, 1, begins=False)
     yield watching, show
     watching.close(9)
 
@@ -130,7 +130,7 @@ def test_a_picture_that_is_no_number_names_its_dancers_and_its_moment(watched):
 
 
 def test_a_show_that_ends_in_an_exception_is_told_in_a_line_and_its_replay_in_another(tmp_path, monkeypatch):
-    soak = Soak(Plan(find_patch("score"), seed=4, hours=20.0 / 3600.0, fps=8.0, faults=0.0), tmp_path)
+    soak = SoakTest(SoakOptions(find_patch("score"), seed=4, hours=20.0 / 3600.0, fps=8.0, faults=0.0), tmp_path)
     show = type(soak.show)
     was = show.tick
 
@@ -147,7 +147,7 @@ def test_a_show_that_ends_in_an_exception_is_told_in_a_line_and_its_replay_in_an
     assert "IndexError" in report.problems[0]
     assert "\n" not in report.problems[0]
     assert "Traceback" in report.failures[0]["trace"]
-    report.replay = prove(soak.journal_path, seed=1)
+    report.replay = check_replay(soak.journal_path, seed=1)
     assert len(report.replay["problems"]) == 1
     assert "the replay ends in an exception: IndexError" in report.replay["problems"][0]
     json.dumps(report.as_json(), allow_nan=False)

@@ -8,7 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.base.stage_snapshot import Camera
-from live.render.camera import FAR, NEAR, covered, floor_point, pixel_of, projection, view_matrix, world_to_clip
+from live.render.camera import (
+    FAR,
+    NEAR,
+    floor_point,
+    project_points,
+    projection,
+    screen_bounds,
+    view_matrix,
+    world_to_clip,
+)
 
 SIZE = (1280, 720)
 
@@ -34,7 +43,7 @@ def test_projection_reaches_from_near_to_far_and_has_the_vertical_field_of_view(
 
 
 def test_stage_right_of_the_audience_is_right_in_the_picture_and_the_back_is_higher() -> None:
-    centre, right, back, head = pixel_of(Camera(), SIZE, [[0, 0, 0], [2, 0, 0], [0, 0, -2], [0, 1.7, 0]])
+    centre, right, back, head = project_points(Camera(), SIZE, [[0, 0, 0], [2, 0, 0], [0, 0, -2], [0, 1.7, 0]])
     assert right[0] > centre[0]
     assert back[1] < centre[1]
     assert head[1] < centre[1]
@@ -49,7 +58,7 @@ def test_stage_right_of_the_audience_is_right_in_the_picture_and_the_back_is_hig
 )
 def test_a_floor_point_comes_back_from_its_pixel(x: float, z: float, eye_x: float, eye_y: float, field: float) -> None:
     camera = Camera(eye=(eye_x, eye_y, 11.5), target=(0.0, 0.9, 0.0), field_of_view_deg=field)
-    pixel = pixel_of(camera, SIZE, [[x, 0.0, z]])[0]
+    pixel = project_points(camera, SIZE, [[x, 0.0, z]])[0]
     point = floor_point(camera, SIZE, (float(pixel[0]), float(pixel[1])))
     assert point is not None
     assert point == pytest.approx((x, z), abs=1e-6)
@@ -80,9 +89,9 @@ def test_impossible_cameras_are_refused_by_name() -> None:
 def test_the_covered_pixels_hold_every_point_of_the_box() -> None:
     camera = Camera(eye=(2.0, 2.5, 9.0))
     low, high = np.array([-1.0, 0.0, -2.0]), np.array([1.5, 1.8, 1.0])
-    x, y, width, height = covered(world_to_clip(camera, SIZE), SIZE, low, high)
+    x, y, width, height = screen_bounds(world_to_clip(camera, SIZE), SIZE, low, high)
     inside = low + np.random.default_rng(1).random((500, 3)) * (high - low)
-    pixels = pixel_of(camera, SIZE, inside)
+    pixels = project_points(camera, SIZE, inside)
     assert ((pixels[:, 0] >= x) & (pixels[:, 0] <= x + width)).all()
     from_below = SIZE[1] - pixels[:, 1]
     assert ((from_below >= y) & (from_below <= y + height)).all()
@@ -91,4 +100,4 @@ def test_the_covered_pixels_hold_every_point_of_the_box() -> None:
 
 def test_a_box_around_the_camera_may_cover_everything() -> None:
     matrix = world_to_clip(Camera(), SIZE)
-    assert covered(matrix, SIZE, np.array([-1.0, 0.0, 5.0]), np.array([1.0, 4.0, 20.0])) == (0, 0, *SIZE)
+    assert screen_bounds(matrix, SIZE, np.array([-1.0, 0.0, 5.0]), np.array([1.0, 4.0, 20.0])) == (0, 0, *SIZE)

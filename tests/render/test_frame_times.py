@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.render.frame_stats import KEPT, PARTS, SHOWN, WAITING, FrameTimes
+from live.render.frame_stats import GRAPH_FRAMES, HISTORY_FRAMES, PARTS, WAITING, FrameTimes
 
 USUAL = {"events": 0.2, "simulation": 3.0, "poses": 1.0, "upload": 0.3, "draw": 4.0, "rest": 0.5, "swap": 6.0}
 
@@ -26,7 +26,7 @@ class World:
     def usual(self, count=200):
         """So many usual frames, in time."""
         for _ in range(count):
-            self.frame().judge(1.0 / 50.0, late=False)
+            self.frame().record_cause(1.0 / 50.0, late=False)
         return self
 
 
@@ -37,8 +37,8 @@ def test_parts_and_whole_frames_are_what_they_took():
     facts = world.times.facts()
     for part, took in USUAL.items():
         assert facts["parts"][part] == [pytest.approx(took, abs=0.002)] * 3
-    out = np.zeros(SHOWN, np.float32)
-    assert world.times.recent(out) == 99
+    out = np.zeros(GRAPH_FRAMES, np.float32)
+    assert world.times.copy_recent(out) == 99
     assert out[:99] == pytest.approx(np.full(99, sum(USUAL.values()) + 1.0), abs=0.01)
     assert world.times.load(1.0 / 50.0) == pytest.approx((sum(USUAL.values()) - USUAL["swap"]) / 20.0, abs=0.001)
 
@@ -53,32 +53,32 @@ def test_percentiles_tell_the_rare_from_the_usual():
 @pytest.mark.parametrize("part", PARTS)
 def test_who_took_longer_than_usual_is_blamed(part):
     world = World().usual()
-    assert world.frame(**{part: USUAL[part] + 15.0}).judge(1.0 / 60.0, late=True) == part
+    assert world.frame(**{part: USUAL[part] + 15.0}).record_cause(1.0 / 60.0, late=True) == part
     assert world.times.facts()["late_by"] == {part: 1}
 
 
 def test_a_machine_that_woke_the_show_too_late_is_blamed_itself():
     world = World().usual()
-    assert world.frame(wait=20.0).judge(1.0 / 50.0, late=True) == WAITING
+    assert world.frame(wait=20.0).record_cause(1.0 / 50.0, late=True) == WAITING
 
 
 def test_a_part_that_is_always_too_long_is_blamed_where_it_grew():
     world = World().usual(300)
-    blamed = {world.frame(draw=30.0).judge(1.0 / 60.0, late=True) for _ in range(20)}
+    blamed = {world.frame(draw=30.0).record_cause(1.0 / 60.0, late=True) for _ in range(20)}
     assert blamed == {"draw"}
 
 
 def test_the_ring_goes_round():
     world = World()
-    for number in range(KEPT + 300):
+    for number in range(HISTORY_FRAMES + 300):
         world.frame(draw=float(number % 7))
-    out = np.zeros(SHOWN, np.float32)
-    assert world.times.recent(out) == SHOWN
-    assert out[-1] == pytest.approx(sum(USUAL.values()) - 4.0 + (KEPT + 298) % 7, abs=0.01)
-    assert FrameTimes(lambda: 0.0).recent(out) == 0
-    assert FrameTimes(lambda: 0.0).judge(0.02, late=True) == ""
+    out = np.zeros(GRAPH_FRAMES, np.float32)
+    assert world.times.copy_recent(out) == GRAPH_FRAMES
+    assert out[-1] == pytest.approx(sum(USUAL.values()) - 4.0 + (HISTORY_FRAMES + 298) % 7, abs=0.01)
+    assert FrameTimes(lambda: 0.0).copy_recent(out) == 0
+    assert FrameTimes(lambda: 0.0).record_cause(0.02, late=True) == ""
 
 
 def test_where_no_frame_was_ever_in_time_the_longest_part_is_blamed():
     world = World()
-    assert {world.frame(draw=90.0, simulation=20.0).judge(0.02, late=True) for _ in range(50)} == {"draw"}
+    assert {world.frame(draw=90.0, simulation=20.0).record_cause(0.02, late=True) for _ in range(50)} == {"draw"}

@@ -11,15 +11,24 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from live.base.picture_parameters import ALONG, BY_ADDRESS, EYE, FOLLOWING, TARGET, camera_of, camera_values, picture_of
-from live.base.projector_perspective import floor_corners, matched
-from live.base.set_geometry import Item
+from live.base.picture_parameters import (
+    ALONG,
+    BY_ADDRESS,
+    EYE,
+    FOLLOWING,
+    TARGET,
+    camera_from_row,
+    camera_values,
+    picture_row,
+)
+from live.base.projector_perspective import camera_from_corners, floor_corners
+from live.base.set_geometry import SetItem
 from live.base.stage_snapshot import Background, Camera
 from live.render.adaptive_quality import SOFTWARE
-from live.render.camera import pixel_of
+from live.render.camera import project_points
 from live.render.renderer import Renderer
 from live.show.desk.camera_rig import CameraRig
-from live.show.desk.parameters import turned
+from live.show.desk.parameters import turn_eye
 from live.show.desk.scenes import view_settings
 from live.show.patch.patch import Patch
 from tests.render.media import write_image, write_video
@@ -29,8 +38,8 @@ pytestmark = pytest.mark.gl
 SIZE = (192, 108)
 BODIES = ("dancer", "slim", "strong", "round", "child")
 SET = (
-    Item("steps", (-2.8, -3.0), (2.4, 1.0, 1.4), colour=(0.2, 0.2, 0.22)),
-    Item("cylinder", (3.2, -2.6), (0.7, 2.4, 0.7)),
+    SetItem("steps", (-2.8, -3.0), (2.4, 1.0, 1.4), colour=(0.2, 0.2, 0.22)),
+    SetItem("cylinder", (3.2, -2.6), (0.7, 2.4, 0.7)),
 )
 NEAR = Camera((0.0, 2.6, 8.5), (0.0, 1.0, 0.0), 34.0)
 DIM = {"light/key": 0.15, "light/rim": 0.3, "light/ambient": 0.05}
@@ -49,15 +58,15 @@ def made(headless_context, tmp_path_factory):
     def draw(said, row=None):
         with headless_context:
             if not kept:
-                kept.append(Renderer(headless_context, of, size=SIZE, quality=SOFTWARE, patient=True))
+                kept.append(Renderer(headless_context, of, size=SIZE, quality=SOFTWARE, blocking_video=True))
                 kept.append(headless_context.simple_framebuffer(SIZE))
             renderer, target = kept
             view = crowd()
             view.beat = view.phase = 2.25
             view.spot[:2] = view.joint_position[[4, 2], 0][:, [0, 2]]
-            view.picture = picture_of(of) if row is None else row
+            view.picture = picture_row(of) if row is None else row
             for name, value in said.items():
-                view.picture[BY_ADDRESS["/dance/" + name].where] = value
+                view.picture[BY_ADDRESS["/dance/" + name].row_slice] = value
             for _ in range(2):  # in the second frame light stands
                 renderer.draw(view, target)
             return read(target)
@@ -117,29 +126,34 @@ PATCH = Patch.model_validate(
 )  # fmt: skip
 LENS = (2.5, 5.0, 11.0)
 FLOOR = [(x, 0.0, z) for x, z in floor_corners(10.0, 8.0)]
-THROWN = pixel_of(Camera(LENS, (0.3, 0.4, 0.0), 38.0), SIZE, FLOOR) / SIZE + ((0.012, 0), (0, 0), (0, 0.015), (0, 0))
+THROWN = project_points(Camera(LENS, (0.3, 0.4, 0.0), 38.0), SIZE, FLOOR) / SIZE + (
+    (0.012, 0),
+    (0, 0),
+    (0, 0.015),
+    (0, 0),
+)
 """Where somebody has measured the floor's corners in the projector's picture, not quite exactly, (4, 2)."""
 
 
 def view_of(name):
     """The picture's row of a view as the show has it: `around` after an eighth of its way, `follow` turned to a dancer,
     who stands aside."""
-    row = picture_of(scene(12))
+    row = picture_row(scene(12))
     for address, value in view_settings(PATCH)["front" if name in ("projector", "follow") else name][0].items():
-        row[BY_ADDRESS[address].where] = value
+        row[BY_ADDRESS[address].row_slice] = value
     if name == "around":
-        row[EYE] = turned(row[EYE], row[TARGET], math.tau / 8)
+        row[EYE] = turn_eye(row[EYE], row[TARGET], math.tau / 8)
     elif name == "follow":
         whom = crowd().joint_position[3, 0, [0, 2]]
         row[[FOLLOWING, ALONG]] = 1.0, 0.5
         rig = CameraRig(SimpleNamespace(held=False), SimpleNamespace(), None, beats=4)
-        rig.chase = SimpleNamespace(running=True, at=lambda seconds: whom)
+        rig.follower = SimpleNamespace(running=True, at=lambda seconds: whom)
         rig.place(row, 0.0, 0.0)
         row[BY_ADDRESS["/dance/camera/field_of_view"].first] = 16.0
     elif name == "projector":
-        seen = matched(LENS, THROWN, (10.0, 8.0), SIZE[0] / SIZE[1])
+        seen = camera_from_corners(LENS, THROWN, (10.0, 8.0), SIZE[0] / SIZE[1])
         for address, value in camera_values(seen).items():
-            row[BY_ADDRESS[address].where] = value
+            row[BY_ADDRESS[address].row_slice] = value
     return row
 
 
@@ -147,7 +161,7 @@ def view_of(name):
 def test_cameras(made, golden, name):
     """Whoever is far from the others is seen where the camera has her."""
     row, view = view_of(name), crowd()
-    hips = pixel_of(camera_of(row), SIZE, view.joint_position[:, 0])
+    hips = project_points(camera_from_row(row), SIZE, view.joint_position[:, 0])
     within = [(x, y) for x, y in hips.astype(int) if 4 <= x < SIZE[0] - 4 and 4 <= y < SIZE[1] - 4]
     assert len(within) >= (1 if name == "follow" else 12)
     seen = made({}, row)
@@ -157,5 +171,5 @@ def test_cameras(made, golden, name):
 
 def test_the_projectors_floor_is_the_real_one():
     """The floor's corners are drawn where they were measured."""
-    found = pixel_of(camera_of(view_of("projector")), SIZE, FLOOR)
+    found = project_points(camera_from_row(view_of("projector")), SIZE, FLOOR)
     assert found / SIZE == pytest.approx(THROWN, abs=1e-9)

@@ -5,18 +5,18 @@ import numpy as np
 from live.base.stage_snapshot import Camera
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.camera import world_to_clip
-from live.render.dancers.instance_lists import AROUND_JOINTS, FROM_HIPS, Sight
+from live.render.dancers.instance_lists import BODY_REACH, HIP_REACH, ViewVolume
 from live.render.render_kernels import (
+    CASTING,
     FAR,
     MIRRORED,
     NEAR,
     PRESENT,
-    SEEN,
-    SHADOWING,
-    listed,
+    VISIBLE,
+    choose_detail,
+    cull_dancers,
+    fill_lists,
     pose_texels,
-    sights,
-    split,
 )
 from tests.render.poses import ARABESQUE, LUNGE, pose
 
@@ -54,18 +54,18 @@ def test_texels_carry_each_rest_joint_to_its_place_and_turn_around_it() -> None:
 
 def test_nobody_who_is_seen_is_left_out_and_most_who_are_not_are() -> None:
     camera, size = Camera(), (1280, 720)
-    sight = Sight.of(camera, size)
+    sight = ViewVolume.of(camera, size)
     random = np.random.default_rng(4)
     joints = np.array(pose(LUNGE)[0])
     place = random.uniform((-30.0, 0.0, -30.0), (30.0, 0.0, 30.0), (2000, 3))
     position = np.ascontiguousarray((joints - joints[0] * (1.0, 0.0, 1.0))[None] + place[:, None], np.float32)
     bits, light = np.zeros(2000, np.uint8), np.array([0.3, 0.8, 0.52], np.float32)
-    sights(position, place[:, 0] < 29.0, sight.planes, light, FROM_HIPS + AROUND_JOINTS, bits)
+    cull_dancers(position, place[:, 0] < 29.0, sight.planes, light, HIP_REACH + BODY_REACH, bits)
     matrix = world_to_clip(camera, size)
     for bit, points in (
-        (SEEN, position),
+        (VISIBLE, position),
         (MIRRORED, position * np.array([1, -1, 1])),
-        (SHADOWING, (position - position[..., 1:2] * (light / light[1])) * np.array([1, 0, 1])),
+        (CASTING, (position - position[..., 1:2] * (light / light[1])) * np.array([1, 0, 1])),
     ):
         clip = np.concatenate([points, np.ones((*points.shape[:2], 1))], axis=2) @ matrix.T
         inside = ((np.abs(clip[..., :2]) <= clip[..., 3:]).all(axis=2) & (clip[..., 3] > 0.1)).any(axis=1)
@@ -78,13 +78,13 @@ def test_nobody_who_is_seen_is_left_out_and_most_who_are_not_are() -> None:
 def test_the_nearest_get_the_near_body_and_all_who_stand_near() -> None:
     random = np.random.default_rng(5)
     position = random.uniform(-20.0, 20.0, (300, 22, 3)).astype(np.float32)
-    bits = np.where(random.random(300) < 0.7, SEEN | PRESENT, PRESENT).astype(np.uint8)
+    bits = np.where(random.random(300) < 0.7, VISIBLE | PRESENT, PRESENT).astype(np.uint8)
     forward, scratch = np.array([0.0, 0.6, 0.8], np.float32), np.zeros(300, np.float32)
-    seen = np.flatnonzero(bits & SEEN)
+    seen = np.flatnonzero(bits & VISIBLE)
     way = position[:, 0] @ forward
     for near_to, count in ((-100.0, 40), (-100.0, 0), (5.0, 10), (-100.0, 1000), (-100.0, 1)):
         here = bits.copy()
-        split(position, forward, near_to, count, here, scratch)
+        choose_detail(position, forward, near_to, count, here, scratch)
         near = {int(who) for who in seen if here[who] & NEAR}
         nearest = {int(who) for who in seen[np.argsort(way[seen])][:count]}
         assert near == nearest | {int(who) for who in seen if way[who] < near_to}
@@ -92,12 +92,12 @@ def test_the_nearest_get_the_near_body_and_all_who_stand_near() -> None:
 
 
 def test_lists_hold_who_belongs_on_them_by_body() -> None:
-    sight = np.array([SEEN, SEEN | NEAR, 0, SEEN | NEAR, NEAR], np.uint8)
+    sight = np.array([VISIBLE, VISIBLE | NEAR, 0, VISIBLE | NEAR, NEAR], np.uint8)
     group, body = np.array([0, 1, 0, 17, 1], np.int32), np.array([0, 1, 0, 1, 0], np.int32)
     ways = np.zeros(16, np.int32)
     ways[0], ways[1] = 0b01, 0b11
     out, counts, drawn = np.zeros((2, 2, 5), np.float32), np.zeros((2, 2), np.int32), np.ones(5, np.bool_)
-    listed(sight, group, body, ways, np.array([SEEN, NEAR], np.uint8), out, counts, drawn)
+    fill_lists(sight, group, body, ways, np.array([VISIBLE, NEAR], np.uint8), out, counts, drawn)
     assert counts.tolist() == [[1, 2], [1, 2]]
     assert [out[0, 0, :1].tolist(), out[0, 1, :2].tolist()] == [[0.0], [1.0, 3.0]]
     assert [out[1, 0, :1].tolist(), out[1, 1, :2].tolist()] == [[4.0], [1.0, 3.0]]

@@ -4,7 +4,15 @@ from itertools import pairwise
 
 import pytest
 
-from live.render.adaptive_quality import BEGIN, CARD, PATIENCE, SETTLE, SOFTWARE, Ladder, ladder_of
+from live.render.adaptive_quality import (
+    HARDWARE,
+    PATIENCE_S,
+    SETTLE_S,
+    SOFTWARE,
+    WARM_UP_S,
+    QualityController,
+    quality_steps,
+)
 
 PERIOD = 1.0 / 60.0
 
@@ -13,7 +21,7 @@ class Machine:
     """Draws frames whose time depends on the step, with a pacer that waits for the next display's picture."""
 
     def __init__(self, costs):
-        self.ladder = Ladder(len(costs))
+        self.ladder = QualityController(len(costs))
         self.costs, self.late, self.time, self.overload = costs, 0, 0.0, 0.0
         self.steps = []
 
@@ -25,14 +33,14 @@ class Machine:
             late = took > 1.5 * PERIOD
             self.late += late
             self.time += took
-            self.steps.append(self.ladder.frame(late, took, cost / PERIOD, self.overload))
+            self.steps.append(self.ladder.update(late, took, cost / PERIOD, self.overload))
         return self
 
 
 @pytest.mark.parametrize("holds", range(5))
 def test_it_goes_down_to_the_first_step_that_can_be_held_and_stays(holds):
     costs = [0.03] * holds + [0.010] * (5 - holds)
-    machine = Machine(costs).run(BEGIN + holds * (SETTLE + 0.5) + 1.0)
+    machine = Machine(costs).run(WARM_UP_S + holds * (SETTLE_S + 0.5) + 1.0)
     assert machine.ladder.step == holds
     late = machine.late
     machine.run(10.0)
@@ -41,7 +49,7 @@ def test_it_goes_down_to_the_first_step_that_can_be_held_and_stays(holds):
 
 
 def test_the_first_step_down_comes_within_a_moment_but_not_while_drivers_compile():
-    machine = Machine([0.03, 0.01]).run(BEGIN)
+    machine = Machine([0.03, 0.01]).run(WARM_UP_S)
     assert machine.ladder.step == 0
     assert machine.run(0.3).ladder.step == 1
 
@@ -50,11 +58,11 @@ def test_it_comes_back_slowly_step_by_step_when_there_is_room():
     machine = Machine([0.03, 0.03, 0.0155]).run(30.0)
     assert machine.ladder.step == 2
     machine.costs = [0.004, 0.004, 0.004]
-    machine.run(PATIENCE - 1.0)
+    machine.run(PATIENCE_S - 1.0)
     assert machine.ladder.step == 2
     machine.run(5.0)
     assert machine.ladder.step == 1
-    machine.run(PATIENCE + 2.0)
+    machine.run(PATIENCE_S + 2.0)
     assert machine.ladder.step == 0
 
 
@@ -80,9 +88,9 @@ def test_a_single_late_frame_changes_nothing():
     assert machine.ladder.changes == 0
 
 
-@pytest.mark.parametrize("best", [SOFTWARE, CARD], ids=["software", "card"])
+@pytest.mark.parametrize("best", [SOFTWARE, HARDWARE], ids=["software", "card"])
 def test_each_step_draws_less_than_the_one_above_and_the_resolution_comes_last(best):
-    steps = ladder_of(best)
+    steps = quality_steps(best)
     assert steps[0].quality == best
     names = [step.name for step in steps]
     assert len(set(names)) == len(names)
@@ -97,14 +105,14 @@ def test_each_step_draws_less_than_the_one_above_and_the_resolution_comes_last(b
 
 def test_steps_that_take_nothing_from_this_picture_are_passed_over_both_ways():
     machine = Machine([0.03, 0.03, 0.03, 0.01, 0.01])
-    machine.ladder = Ladder(5, lambda step: step not in (1, 2))
-    machine.run(BEGIN + 0.5)
+    machine.ladder = QualityController(5, lambda step: step not in (1, 2))
+    machine.run(WARM_UP_S + 0.5)
     assert machine.steps[-1] == 3
     assert machine.ladder.changes == 1
     machine.costs = [0.001] * 5
-    machine.run(PATIENCE + 1.0)
+    machine.run(PATIENCE_S + 1.0)
     assert machine.ladder.step == 2  # without what step 3 takes; what 1 and 2 take is not there
-    machine.run(PATIENCE + 1.0)
+    machine.run(PATIENCE_S + 1.0)
     assert machine.ladder.step == 0
 
 
@@ -131,5 +139,5 @@ def test_on_an_overloaded_machine_a_single_late_frame_takes_a_step_down_and_none
     machine.run(100.0)
     assert (machine.ladder.step, machine.ladder.changes) == (1, 1)
     machine.overload = 0.0
-    machine.run(PATIENCE + 5.0)
+    machine.run(PATIENCE_S + 5.0)
     assert machine.ladder.step == 0

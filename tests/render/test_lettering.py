@@ -3,28 +3,28 @@
 import numpy as np
 from PIL import ImageFont
 
-from live.render.lettering import letter, readable
+from live.render.lettering import bake_atlas, without_accents
 
 
 def test_every_letter_but_the_space_leaves_ink_within_its_own_cell() -> None:
-    lettering = letter(16)
+    lettering = bake_atlas(16)
     width, tall = lettering.cell
-    columns = lettering.picture.shape[1] // width
+    columns = lettering.coverage.shape[1] // width
     for one, cell in lettering.index.items():
         x, y = cell % columns * width, cell // columns * tall
-        ink = lettering.picture[y : y + tall, x : x + width]
+        ink = lettering.coverage[y : y + tall, x : x + width]
         if one.isspace() or one == "\xad":
             continue
         assert ink.max() > 100, one
 
 
 def test_digits_are_equally_wide_so_that_numbers_do_not_dance() -> None:
-    lettering = letter(18)
+    lettering = bake_atlas(18)
     assert len({lettering.advance[digit] for digit in "0123456789"}) == 1
 
 
 def test_lines_run_right_and_down_and_spaces_cost_nothing() -> None:
-    lettering = letter(14)
+    lettering = bake_atlas(14)
     laid = lettering.lay_out(("ab", "c d"), (10.0, 20.0), 100)
     assert laid.shape == (4, 4)
     assert laid[1, 0] > laid[0, 0]
@@ -32,7 +32,7 @@ def test_lines_run_right_and_down_and_spaces_cost_nothing() -> None:
 
 
 def test_unknown_letters_become_question_marks_and_length_is_limited() -> None:
-    lettering = letter(14)
+    lettering = bake_atlas(14)
     strange = lettering.lay_out(("\u6f22",), (0.0, 0.0), 10)
     known = lettering.lay_out(("?",), (0.0, 0.0), 10)
     np.testing.assert_array_equal(strange, known)
@@ -41,17 +41,17 @@ def test_unknown_letters_become_question_marks_and_length_is_limited() -> None:
 
 
 def test_words_with_accents_stay_readable() -> None:
-    lettering = letter(14)
+    lettering = bake_atlas(14)
     laid = lettering.lay_out(("Dan\u00e7a S\u00e3o, \u00c9lan",), (3.0, 4.0), 100)
     np.testing.assert_array_equal(laid, lettering.lay_out(("Danca Sao, Elan",), (3.0, 4.0), 100))
-    assert readable("Stra\u00dfe \u00d8rsted") == "Strasse Orsted"
-    assert readable("plain, 1-2") == "plain, 1-2"
-    assert readable("\u6f22") == "?"
+    assert without_accents("Stra\u00dfe \u00d8rsted") == "Strasse Orsted"
+    assert without_accents("plain, 1-2") == "plain, 1-2"
+    assert without_accents("\u6f22") == "?"
 
 
 def test_no_letter_that_is_drawn_is_the_box_of_those_that_are_missing() -> None:
     font = ImageFont.load_default(size=20)
     missing = bytes(font.getmask("\uffff"))
-    for one in letter(20).index:
+    for one in bake_atlas(20).index:
         if one.strip():
             assert bytes(font.getmask(one)) != missing, one

@@ -5,13 +5,13 @@ from typing import Any
 import moderngl
 import pytest
 
-from live.render.adaptive_quality import CARD
+from live.render.adaptive_quality import HARDWARE
 from live.render.passes.background_pass import BackgroundPass
 from live.render.passes.bloom_pass import BloomPass
-from live.render.passes.floor_pass import MirrorPass
+from live.render.passes.floor_pass import ReflectionPass
 from live.render.passes.overlay_pass import OverlayPass
 from live.render.renderer import Renderer
-from live.render.uniforms import FrameBlock
+from live.render.uniforms import FrameUniforms
 from tests.render.poses import ARMS_DOWN, stage_view
 from tests.render.test_renderer import read, scene
 
@@ -23,7 +23,7 @@ SIZE = (96, 64)
     ("kind", "method", "name"),
     [
         (BloomPass, "gather", "bloom"),
-        (MirrorPass, "draw", "mirror"),
+        (ReflectionPass, "draw", "mirror"),
         (OverlayPass, "draw", "overlay"),
         (BackgroundPass, "prepare", "background"),
     ],
@@ -31,7 +31,7 @@ SIZE = (96, 64)
 def test_a_pass_that_fails_costs_two_frames_and_is_left_out_until_it_is_reset(
     gl_context: moderngl.Context, monkeypatch: pytest.MonkeyPatch, kind: type, method: str, name: str
 ) -> None:
-    renderer = Renderer(gl_context, scene(1), size=SIZE, quality=CARD)
+    renderer = Renderer(gl_context, scene(1), size=SIZE, quality=HARDWARE)
     target = gl_context.simple_framebuffer(SIZE)
     view = stage_view([(ARMS_DOWN, (0.0, 0.0), 0.0, 0)])
     view.overlay = ("overlay",)
@@ -45,7 +45,7 @@ def test_a_pass_that_fails_costs_two_frames_and_is_left_out_until_it_is_reset(
         return usual(*arguments, **options)
 
     monkeypatch.setattr(kind, method, broken)
-    monkeypatch.setattr(FrameBlock, "mirrors", True)
+    monkeypatch.setattr(FrameUniforms, "mirrors", True)
     if kind in (BackgroundPass, BloomPass):
         monkeypatch.setattr(kind, "active", lambda self, moment: True)
     for _ in range(2):

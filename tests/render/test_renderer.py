@@ -10,8 +10,8 @@ import pytest
 
 from live.base.stage_snapshot import ATTRACTOR, REPULSOR, SPREADER, Camera, Look, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-from live.render.adaptive_quality import CARD, SOFTWARE, Quality, choose, is_software
-from live.render.camera import pixel_of
+from live.render.adaptive_quality import HARDWARE, SOFTWARE, Quality, choose_quality, is_software
+from live.render.camera import project_points
 from live.render.renderer import Renderer
 from tests.render.poses import ARABESQUE, ARMS_DOWN, LUNGE, PLIE, REACH, STEP, stage_view
 
@@ -68,19 +68,19 @@ def empty() -> StageView:
     return StageView.allocate(0, JOINT_COUNT)
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
 def test_dancers_cover_the_pixels_of_their_joints(draw: Draw, quality: Quality) -> None:
     view = stage_view([(LUNGE, (-0.8, 0.0), 20.0, 0), (REACH, (0.8, 0.0), -20.0, 1)])
     with_dancers = draw(view, camera=NEAR_CAMERA, quality=quality).astype(int)
     without = draw(empty(), camera=NEAR_CAMERA, quality=quality).astype(int)
     inner = [SKELETON.index(name) for name in ("hips", "spine", "chest", "head", "leftLowerLeg", "rightLowerLeg")]
     for dancer in range(2):
-        pixels = pixel_of(NEAR_CAMERA, SIZE, view.joint_position[dancer, inner])
+        pixels = project_points(NEAR_CAMERA, SIZE, view.joint_position[dancer, inner])
         for x, y in pixels.astype(int):
             assert np.abs(with_dancers[y, x] - without[y, x]).max() > 12
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
 def test_the_stage_is_neither_black_nor_burnt_out(draw: Draw, quality: Quality) -> None:
     picture = draw(crowd(), quality=quality)
     assert 8.0 < picture.mean() < 110.0
@@ -89,12 +89,12 @@ def test_the_stage_is_neither_black_nor_burnt_out(draw: Draw, quality: Quality) 
 
 
 def test_both_tiers_show_the_same_stage(draw: Draw) -> None:
-    plain, film = draw(crowd(), quality=SOFTWARE).astype(int), draw(crowd(), quality=CARD).astype(int)
+    plain, film = draw(crowd(), quality=SOFTWARE).astype(int), draw(crowd(), quality=HARDWARE).astype(int)
     assert np.abs(plain - film).mean() < 3.0
 
 
 def test_groups_have_their_colours(draw: Draw) -> None:
-    x, y = pixel_of(NEAR_CAMERA, SIZE, standing().joint_position[0, [SKELETON.index("chest")]])[0].astype(int)
+    x, y = project_points(NEAR_CAMERA, SIZE, standing().joint_position[0, [SKELETON.index("chest")]])[0].astype(int)
     orange, blue = (draw(standing(group), camera=NEAR_CAMERA)[y, x].astype(int) for group in (0, 1))
     assert orange[0] > orange[2] + 20
     assert blue[2] > blue[0] + 20
@@ -115,10 +115,10 @@ def test_shadows_darken_the_floor_on_the_side_away_from_the_light(draw: Draw) ->
     lit, shaded = draw(empty(), camera=top).astype(int), draw(standing(), camera=top).astype(int)
     toward = np.array(Look().key_direction)
     spot = np.array([0.0, 0.0]) + 0.9 * toward[[0, 2]] / -toward[1]  # shadow of the chest
-    x, y = pixel_of(top, SIZE, [[spot[0], 0.0, spot[1]]])[0].astype(int)
+    x, y = project_points(top, SIZE, [[spot[0], 0.0, spot[1]]])[0].astype(int)
     here = np.s_[y - 2 : y + 3, x - 2 : x + 3]
     assert shaded[here].mean() < 0.85 * lit[here].mean()
-    x, y = pixel_of(top, SIZE, [[-spot[0] * 1.5, 0.0, -spot[1] * 1.5]])[0].astype(int)
+    x, y = project_points(top, SIZE, [[-spot[0] * 1.5, 0.0, -spot[1] * 1.5]])[0].astype(int)
     there = np.s_[y - 2 : y + 3, x - 2 : x + 3]
     assert shaded[there].mean() == pytest.approx(lit[there].mean(), rel=0.05)
 
@@ -131,8 +131,8 @@ def test_elements_light_the_floor_where_they_act(draw: Draw, kind: int, warm: bo
     view.element_kind[0], view.element_position[0], view.element_level[0] = kind, (1.5, 1.0), 1.0
     light = draw(view).astype(int) - dark
     ring = [[1.5 + 0.9 * np.cos(a), 0.0, 1.0 + 0.9 * np.sin(a)] for a in np.linspace(0.0, 6.0, 12)]
-    near = np.array([light[y, x] for x, y in pixel_of(Camera(), SIZE, ring).astype(int)])
-    far = light[pixel_of(Camera(), SIZE, [[-3.0, 0.0, 1.0]])[0].astype(int)[1]][:40]
+    near = np.array([light[y, x] for x, y in project_points(Camera(), SIZE, ring).astype(int)])
+    far = light[project_points(Camera(), SIZE, [[-3.0, 0.0, 1.0]])[0].astype(int)[1]][:40]
     assert near.mean() > 4.0
     assert np.abs(far).mean() < 1.0
     if warm is not None:
@@ -192,7 +192,7 @@ def test_a_view_with_more_dancers_than_the_scene_said_is_drawn(gl_context: moder
     target.release()
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
 def test_the_same_moment_twice_is_the_same_picture(gl_context: moderngl.Context, quality: Quality) -> None:
     renderer = Renderer(gl_context, scene(12), size=SIZE, quality=quality)
     target = gl_context.simple_framebuffer(SIZE)
@@ -208,7 +208,7 @@ def test_the_same_moment_twice_is_the_same_picture(gl_context: moderngl.Context,
     target.release()
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
 def test_resizing_gives_what_a_new_renderer_gives(gl_context: moderngl.Context, draw: Draw, quality: Quality) -> None:
     renderer = Renderer(gl_context, scene(12), size=(200, 200), quality=quality)
     view = crowd()
@@ -231,7 +231,7 @@ def test_the_near_dancers_get_the_finer_body(draw: Draw) -> None:
     both, one = (draw(view, quality=replace(SOFTWARE, near_count=count)).astype(int) for count in (2, 1))
     changed = np.abs(both - one).max(axis=2) > 0
     assert changed[:, : SIZE[0] // 2].sum() > 20
-    x = int(pixel_of(Camera(), SIZE, view.joint_position[1, :1])[0, 0])
+    x = int(project_points(Camera(), SIZE, view.joint_position[1, :1])[0, 0])
     assert not changed[: SIZE[1] // 2 + 20, x - 3 : x + 4].any()
 
 
@@ -246,14 +246,14 @@ def test_a_scene_of_another_skeleton_or_target_of_another_size_is_refused(gl_con
 
 def test_the_tier_follows_the_driver_and_the_crowd(gl_context: moderngl.Context) -> None:
     with pytest.raises(ValueError, match="samples -1"):
-        choose(gl_context, 50, -1)
-    assert choose(gl_context, 50, 2).samples == 2
+        choose_quality(gl_context, 50, -1)
+    assert choose_quality(gl_context, 50, 2).samples == 2
     if is_software(gl_context):
-        assert choose(gl_context, 50, None) == SOFTWARE
-    assert choose(gl_context, 50, 64).samples <= gl_context.max_samples
+        assert choose_quality(gl_context, 50, None) == SOFTWARE
+    assert choose_quality(gl_context, 50, 64).samples <= gl_context.max_samples
 
 
-@pytest.mark.parametrize(("quality", "name"), [(SOFTWARE, "stage_plain"), (CARD, "stage_film")])
+@pytest.mark.parametrize(("quality", "name"), [(SOFTWARE, "stage_plain"), (HARDWARE, "stage_film")])
 def test_golden(draw: Draw, golden: Callable[..., None], quality: Quality, name: str) -> None:
     view = crowd()
     view.element_count = 3
@@ -264,7 +264,7 @@ def test_golden(draw: Draw, golden: Callable[..., None], quality: Quality, name:
     golden(draw(view, quality=quality), name, law=lambda seen: 8.0 < seen.mean() < 110.0 < seen.max())
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
 def test_a_stage_that_became_smaller_is_dark_beyond_its_border(draw: Draw, quality: Quality) -> None:
     """And lighter than it was where it grew; the scene's own size is as if nothing had been said."""
     plain = draw(empty(), quality=quality).astype(int)
@@ -275,7 +275,7 @@ def test_a_stage_that_became_smaller_is_dark_beyond_its_border(draw: Draw, quali
         "inside": np.array([[0.0, 0.0, 0.5], [1.2, 0.0, 1.0], [-1.2, 0.0, 0.0]]),
         "left out": np.array([[3.2, 0.0, 0.0], [-3.2, 0.0, 1.0], [0.3, 0.0, 3.2]]),
     }
-    at = {name: pixel_of(Camera(), SIZE, place).astype(int) for name, place in floor.items()}
+    at = {name: project_points(Camera(), SIZE, place).astype(int) for name, place in floor.items()}
     view.stage_size = (5.0, 4.0)
     small = draw(view, quality=quality).astype(int)
     view.stage_size = (12.0, 11.0)

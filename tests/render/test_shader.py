@@ -10,11 +10,11 @@ import numpy.typing as npt
 import pytest
 from rich.console import Console
 
-from live.app.adaptive_quality import ShaderWatch, begin_with
+from live.app.adaptive_quality import ShaderWatch, use_shader_folder
 from live.base.errors import PersonError
 from live.render.adaptive_quality import SOFTWARE
 from live.render.renderer import Renderer
-from live.render.shader import _problem, names, own_text, read_from, source
+from live.render.shader import _first_error, builtin_text, set_override_folder, shader_names, source
 from tests.render.test_renderer import read, scene, standing
 
 
@@ -35,9 +35,9 @@ def test_an_unknown_shader_is_an_error() -> None:
 @pytest.fixture
 def own_folder(tmp_path: Path) -> Iterator[Path]:
     """A folder whose shaders are taken instead of the program's."""
-    read_from(tmp_path)
+    set_override_folder(tmp_path)
     yield tmp_path
-    read_from(None)
+    set_override_folder(None)
 
 
 @pytest.mark.parametrize(
@@ -50,7 +50,7 @@ def own_folder(tmp_path: Path) -> Iterator[Path]:
     ],
 )
 def test_every_driver_s_words_give_file_and_line(log: str, told: str) -> None:
-    assert _problem(log, ["a.glsl", "b.glsl, line 1", "c.glsl, line 7"]).startswith(told)
+    assert _first_error(log, ["a.glsl", "b.glsl, line 1", "c.glsl, line 7"]).startswith(told)
 
 
 def test_an_include_that_is_not_there_is_told_with_its_place(own_folder: Path) -> None:
@@ -71,19 +71,19 @@ def test_edited_shaders_are_drawn_with_and_a_wrong_one_leaves_the_last_good_one(
             renderer.draw(view, target)
         return read(target)
 
-    watch = ShaderWatch(own_folder, renderer.take_shaders)
+    watch = ShaderWatch(own_folder, renderer.reload_shaders)
 
     def edit(name: str, text: str) -> None:
         (own_folder / name).write_text(text)
         for _ in range(3):
             watched.append(None)
-            watch.look(float(len(watched)))
+            watch.check(float(len(watched)))
 
     usual = drawn()
-    finish = own_text("finish.glsl")
+    finish = builtin_text("finish.glsl")
     edit("finish.glsl", finish.replace("return film(", "return 0.3 * film("))
     dark = drawn()
-    assert watch.taken == 1
+    assert watch.reloads == 1
     assert 0.1 < dark.mean() / usual.mean() < 0.9
     edit("finish.glsl", finish.replace("vec3 film(vec3 light) {", "vec3 film(vec3 light) { lihgt *= 2.0;"))
     line = finish[: finish.index("vec3 film")].count("\n") + 1
@@ -92,7 +92,7 @@ def test_edited_shaders_are_drawn_with_and_a_wrong_one_leaves_the_last_good_one(
     assert watch.problem.endswith("the last good one stays in use")
     np.testing.assert_array_equal(drawn(), dark)
     edit("finish.glsl", finish)
-    assert (watch.taken, watch.problem) == (2, "")
+    assert (watch.reloads, watch.problem) == (2, "")
     np.testing.assert_array_equal(drawn(), usual)
     renderer.release()
     target.release()
@@ -101,13 +101,13 @@ def test_edited_shaders_are_drawn_with_and_a_wrong_one_leaves_the_last_good_one(
 def test_a_folder_that_is_not_there_is_made_with_all_shaders(tmp_path: Path) -> None:
     console, folder = Console(file=io.StringIO()), tmp_path / "looks" / "mine"
     try:
-        begin_with(folder, console)
-        assert sorted(each.name for each in folder.iterdir()) == names()
+        use_shader_folder(folder, console)
+        assert sorted(each.name for each in folder.iterdir()) == shader_names()
         (folder / "shwon.glsl").write_text("")
-        begin_with(folder, console)
+        use_shader_folder(folder, console)
         assert "shwon.glsl is none of the program's shaders" in console.file.getvalue()
     finally:
-        read_from(None)
+        set_override_folder(None)
     (tmp_path / "empty").mkdir()
     with pytest.raises(PersonError, match="none of the program's shaders is there"):
-        begin_with(tmp_path / "empty", console)
+        use_shader_folder(tmp_path / "empty", console)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.base.picture_parameters import BY_ADDRESS, picture_of
-from live.render.adaptive_quality import CARD, SOFTWARE
+from live.base.picture_parameters import BY_ADDRESS, picture_row
+from live.render.adaptive_quality import HARDWARE, SOFTWARE
 from live.render.renderer import Renderer
 from tests.render.passes.test_passes import CAMERA, SCENE, many, row_with, three
 from tests.render.test_renderer import read, scene
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.gl
 SIZE = (256, 144)
 
 
-@pytest.fixture(scope="module", params=[SOFTWARE, CARD], ids=["software", "card"])
+@pytest.fixture(scope="module", params=[SOFTWARE, HARDWARE], ids=["software", "card"])
 def stepped(request, headless_context):
     """A renderer with all its steps, and a function that draws a view with it."""
     with headless_context:
@@ -26,7 +26,7 @@ def stepped(request, headless_context):
         with headless_context:
             view = view or three()
             view.picture = row
-            renderer.take_step(step)
+            renderer.set_step(step)
             _ = headless_context.error  # moderngl provokes one for each framebuffer that it makes
             renderer.draw(view, target)
             assert headless_context.error == "GL_NO_ERROR"
@@ -57,7 +57,7 @@ def test_the_best_step_after_all_others_is_what_it_was_before(stepped):
 def test_what_a_step_leaves_out_is_not_drawn(stepped):
     renderer, draw = stepped
     names = [step.name for step in renderer.steps]
-    dull = picture_of(SCENE)
+    dull = picture_row(SCENE)
     dull[BY_ADDRESS["/dance/pass/mirror"].first] = 0.0
     step = names.index("no mirror")
     assert np.array_equal(draw(step=step), draw(step=step, row=dull))

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.time_source import ManualClock
 from live.control.events import events
 from live.control.events.event import ControlEvent
@@ -14,7 +14,7 @@ from live.show.journal.replay import first_start, run_from
 from live.show.show import Show
 from live.show.status import Status
 from live.supervisor.recovery import Recovery
-from live.supervisor.state_follower import Following
+from live.supervisor.state_follower import StateFollower
 from tests.show.journal.test_replay import MADE
 
 BAD = events.SetMotion(time=2.0, source="osc", parameter="warp_beats", value=0.4, group="*")
@@ -36,11 +36,11 @@ def poison(monkeypatch):
 
 
 def engine_with(path, *, forgiving):
-    show, clock, inbox = MADE.start(), ManualClock(), Inbox()
+    show, clock, inbox = MADE.start(), ManualClock(), EventQueue()
     writer = JournalWriter(path, {"origin": 0.0, **MADE.header(show, tempo=None)})
     status = Status(show, rejected=dict, memory=lambda: 0.0)
     engine = Engine(show, clock=clock, inbox=inbox, status=status, journal=writer)
-    engine.forgiving = forgiving
+    engine.refuse_failing = forgiving
     return engine, clock, inbox, writer
 
 
@@ -52,21 +52,21 @@ def test_the_show_its_replay_and_its_heir_refuse_it_alike(poison, tmp_path):
             inbox.put(BAD)
         engine.frame(lambda view: None)
     writer.close(engine.ticks.index)
-    assert engine.failed == 1
-    assert "ZeroDivisionError: half way" in engine.show.refusals.words
+    assert engine.failed_events == 1
+    assert "ZeroDivisionError: half way" in engine.show.refusals.last_reason
     journal = read_journal(tmp_path / "a.jsonl")
     start = first_start(journal, MADE)
     found = run_from(start, journal, loaded=MADE)
     assert (found.different, found.failed, found.problems) == (0, 1, [])
     assert found.measures >= 3
-    following = Following(MADE)
+    following = StateFollower(MADE)
     for row in (tmp_path / "a.jsonl").read_text().splitlines():
         if not json.loads(row).get("end"):
-            following.take(row)
+            following.add_line(row)
     heir = Recovery(following).run().show
     assert following.refused == 1
     assert engine.show.state_hash() == start.show.state_hash()
-    assert (following.differences, heir.refusals.words) == (0, engine.show.refusals.words)
+    assert (following.differences, heir.refusals.last_reason) == (0, engine.show.refusals.last_reason)
 
 
 def test_who_looks_for_errors_is_not_spared_them(poison, tmp_path):

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from live.base.event_queue import Inbox
-from live.base.fault_isolation import Bulkhead, PartFaults
+from live.base.event_queue import EventQueue
+from live.base.fault_isolation import Bulkhead, FaultLog
 from live.base.processing_budget import FLOODED_PER_SECOND
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
@@ -16,7 +16,7 @@ from tests.show.made_show import made_show
 
 
 def made_engine(**options):
-    show, clock, inbox = made_show(), ManualClock(), Inbox()
+    show, clock, inbox = made_show(), ManualClock(), EventQueue()
     status = Status(show, rejected=dict, memory=lambda: 1.0)
     return Engine(show, clock=clock, inbox=inbox, status=status, **options), clock, inbox, status
 
@@ -28,9 +28,9 @@ def nothing(view):
 def test_of_a_flood_of_values_few_act_in_a_frame_and_events_all_the_same():
     """A thread of the show's own that reads a flood: what each value costs is the frame's."""
     engine, clock, inbox, _ = made_engine()
-    lane, musician = inbox.lane(), inbox.lane()
+    lane, musician = inbox.add_queue(), inbox.add_queue()
     acted = []
-    engine.outward.append(lambda event: acted.append((type(event).__name__, clock.now())))
+    engine.event_listeners.append(lambda event: acted.append((type(event).__name__, clock.now())))
     for frame in range(300):
         clock.set(frame / 60)
         for number in range(120):
@@ -167,7 +167,7 @@ def test_errors_of_what_is_beside_the_show_end_no_frame_and_change_no_state():
     """Devices that are told events or the patch, files that are asked what happens next, figures for the overlay."""
     engine, clock, inbox, status = made_engine()
     plain, plain_clock, plain_inbox, _ = made_engine()
-    engine.bulkhead = Bulkhead(faults := PartFaults())
+    engine.bulkhead = Bulkhead(faults := FaultLog())
     told = []
 
     def fails(*values):
@@ -177,13 +177,13 @@ def test_errors_of_what_is_beside_the_show_end_no_frame_and_change_no_state():
         yield from ()
         fails()
 
-    for row in (engine.outward, engine.timed, engine.patched):
+    for row in (engine.event_listeners, engine.event_sources, engine.patch_listeners):
         row.append(fails)
-    engine.timed.append(fails_late)
-    engine.outward.append(told.append)
+    engine.event_sources.append(fails_late)
+    engine.event_listeners.append(told.append)
     engine.overlay = engine.guides = True
-    status.notes.append(fails)
-    status.more["made"] = fails
+    status.notices.append(fails)
+    status.extra_figures["made"] = fails
     for frame in range(1, 60):
         for inbox_of in (inbox, plain_inbox):
             if frame == 20:
@@ -199,7 +199,7 @@ def test_errors_of_what_is_beside_the_show_end_no_frame_and_change_no_state():
 
 def test_offline_and_in_tests_an_error_of_what_is_beside_the_show_is_raised():
     engine, clock, _, _ = made_engine()
-    engine.timed.append(lambda time: [][1])
+    engine.event_sources.append(lambda time: [][1])
     clock.set(0.1)
     with pytest.raises(IndexError):
         engine.frame(nothing)

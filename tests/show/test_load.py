@@ -8,7 +8,7 @@ import pytest
 
 from live.base.errors import PersonError
 from live.show import loader
-from live.show.loader import load_show, show_of
+from live.show.loader import load_from_patch, load_show
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from tests.fixtures.made_steps import made_clip, made_steps
@@ -19,7 +19,7 @@ HERE = Path("show.toml")
 
 def loaded(monkeypatch, clips, patch=PATCH, recordings=Path("recordings")):
     monkeypatch.setattr(loader, "load_folder", lambda folder: clips)
-    return show_of(parse_patch(patch, "show.toml"), HERE, recordings=recordings)
+    return load_from_patch(parse_patch(patch, "show.toml"), HERE, recordings=recordings)
 
 
 def test_recordings_take_the_place_of_every_groups_steps(monkeypatch):

@@ -47,7 +47,7 @@ def test_a_leap_of_the_beat_leaves_what_is_danced_where_it_is(beat, leap, shift,
     span = MeasureSpan.at(timeline, beat)
     before, number, after = span.fraction(beat), span.number, beat + leap
     moved = Timeline(tempo=120, beats_per_measure=size, measure_origin=float(shift))
-    span.leap(moved, beat, after, shortest=0.5)
+    span.jump(moved, beat, after, shortest=0.5)
     span.follow(moved, after, shortest=0.5)
     assert span.number == number
     assert span.fraction(after) == pytest.approx(before, abs=1e-9)
@@ -58,7 +58,7 @@ def test_a_leap_of_the_beat_leaves_what_is_danced_where_it_is(beat, leap, shift,
 def test_a_leap_over_the_line_ends_the_measure_there():
     timeline = Timeline(tempo=120)
     span = MeasureSpan.at(timeline, 3.9)
-    span.leap(timeline, 4.05, 4.6, shortest=0.5)
+    span.jump(timeline, 4.05, 4.6, shortest=0.5)
     assert span.fraction(4.6) == 1.0
     following = span.next(timeline)
     assert following.fraction(4.6) == 0.0
@@ -70,10 +70,10 @@ def test_after_a_stall_lines_are_crossed_and_nothing_danced_goes_back(begin, far
     """The music's measures may have other beats than the dance's: seven are danced in the time of four."""
     timeline = Timeline(tempo=120, beats_per_measure=metre)
     span, beat = MeasureSpan.at(timeline, begin), begin + far
-    danced = span.danced(begin, size)
+    danced = span.danced_beats(begin, size)
     while True:
-        assert span.danced(beat, size) >= danced - 1e-9
-        danced = span.danced(beat, size)
+        assert span.danced_beats(beat, size) >= danced - 1e-9
+        danced = span.danced_beats(beat, size)
         if beat < span.end:
             break
         span = span.next(timeline)
@@ -87,11 +87,11 @@ def test_after_a_stall_lines_are_crossed_and_nothing_danced_goes_back(begin, far
 def test_nothing_danced_goes_back_when_beats_leap_while_a_stall_is_made_up_for(late, leap, origin, size, other):
     span = MeasureSpan.at(Timeline(tempo=120, beats_per_measure=size), 0.0)
     before, after = size + late, size + late + leap
-    danced = span.danced(before, 4)
+    danced = span.danced_beats(before, 4)
     moved = Timeline(tempo=120, beats_per_measure=other, measure_origin=origin)
-    span.leap(moved, before, after, shortest=0.5)
+    span.jump(moved, before, after, shortest=0.5)
     span.follow(moved, after, shortest=0.5)
-    assert danced - 1e-6 <= span.danced(after, 4) <= danced + 4 + 1e-6
+    assert danced - 1e-6 <= span.danced_beats(after, 4) <= danced + 4 + 1e-6
     while span.end < after:
-        now, span = span.danced(after, 4), span.next(moved)
-        assert span.danced(after, 4) == pytest.approx(now, abs=1e-4)
+        now, span = span.danced_beats(after, 4), span.next(moved)
+        assert span.danced_beats(after, 4) == pytest.approx(now, abs=1e-4)

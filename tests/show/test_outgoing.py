@@ -5,8 +5,8 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.motion.skeleton import SKELETON
-from live.show.dancers.footfalls import Footfalls
-from live.show.telemetry import Outgoing
+from live.show.dancers.footfalls import FootfallDetector
+from live.show.telemetry import Telemetry
 from tests.show.made_show import made_show
 
 
@@ -14,8 +14,8 @@ from tests.show.made_show import made_show
 def told():
     """Four measures of a show: (time, what, value) of all that was told, with the show's own steps and places."""
     show = made_show(reserve=2)
-    view, outgoing, rows, seen = show.view(), Outgoing(show, positions=8.0), [], []
-    footfalls = Footfalls(show)
+    view, outgoing, rows, seen = show.view(), Telemetry(show, positions=8.0), [], []
+    footfalls = FootfallDetector(show)
     for tick in range(1, 16 * 32 + 1):
         time = tick * TICK
         show.tick(time)
@@ -25,7 +25,7 @@ def told():
         rows += [(time, *one) for one in outgoing.frame(view)]
         library = show.graph.library
         names = [library.steps[k] for k in library.node_step[show.dancers.node]]
-        seen.append((time, names, footfalls.frame(view), view.joint_position.copy()))
+        seen.append((time, names, footfalls.detect(view), view.joint_position.copy()))
     return show, rows, seen
 
 

@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from live.show.background_work import LETS_IN_S, polite
+from live.show.background_work import SWITCH_INTERVAL_S, short_switch_interval
 
 
 def test_others_are_let_in_soon_until_the_last_one_is_done():
@@ -13,16 +13,16 @@ def test_others_are_let_in_soon_until_the_last_one_is_done():
     inside, leave = threading.Event(), threading.Event()
 
     def other():
-        with polite():
+        with short_switch_interval():
             inside.set()
             leave.wait(10.0)
 
     thread = threading.Thread(target=other)
-    with polite():
-        assert sys.getswitchinterval() == pytest.approx(LETS_IN_S)
+    with short_switch_interval():
+        assert sys.getswitchinterval() == pytest.approx(SWITCH_INTERVAL_S)
         thread.start()
         assert inside.wait(10.0)
-    assert sys.getswitchinterval() == pytest.approx(LETS_IN_S)
+    assert sys.getswitchinterval() == pytest.approx(SWITCH_INTERVAL_S)
     leave.set()
     thread.join()
     assert sys.getswitchinterval() == before
@@ -30,6 +30,6 @@ def test_others_are_let_in_soon_until_the_last_one_is_done():
 
 def test_an_error_passes():
     before = sys.getswitchinterval()
-    with pytest.raises(KeyError), polite():
+    with pytest.raises(KeyError), short_switch_interval():
         raise KeyError("x")
     assert sys.getswitchinterval() == before

@@ -6,7 +6,7 @@ from live.control.registry.control import Control
 from live.control.registry.registry import READABLE, REGISTRY, Values
 from live.control.registry.rejections import Rejection
 from live.show.status import Status
-from live.show.telemetry import Readable
+from live.show.telemetry import CurrentValues
 from tests.show.desk.desk_show import DESK, Hands
 
 ELSEWHERE = {"/dance/click", "/dance/latency/input", "/dance/latency/output", "/dance/latency/display",
@@ -19,7 +19,7 @@ REFUSED |= {f"/dance/partner/{key}" for key in ("on", "amount", "stretch", "hand
 def another(control: Control, now: tuple) -> tuple:
     """A value that a control does not have now."""
     values = []
-    for argument, value in zip(control.valued, now, strict=False):
+    for argument, value in zip(control.value_arguments, now, strict=False):
         if argument.type == "bool":
             values.append(not value)
         elif argument.type in ("name", "text"):
@@ -36,7 +36,7 @@ def show():
 
 
 def readable_of(show):
-    return Readable(show, Status(show, rejected=dict, memory=lambda: 1.0))
+    return CurrentValues(show, Status(show, rejected=dict, memory=lambda: 1.0))
 
 
 def test_everything_readable_has_a_value_and_only_that(show):
@@ -47,7 +47,7 @@ def test_everything_readable_has_a_value_and_only_that(show):
 def test_what_is_set_is_read_back_once(show):
     readable = readable_of(show)
     values = Values()
-    values.take(readable.changes())
+    values.update(readable.changes())
     before = show.state_hash()
     assert readable.changes() == {}
     assert show.state_hash() == before
@@ -63,7 +63,7 @@ def test_what_is_set_is_read_back_once(show):
             show.desk.tick(show.timeline)
         changes = readable.changes()
         assert control.address in changes, control.address
-        values.take(changes)
+        values.update(changes)
         (got,) = {row[: control.value] for _, row in values.messages(control.address)}
         for one, other in zip(got, wanted, strict=True):
             assert one == (other if isinstance(other, str) else pytest.approx(other, rel=1e-5)), control.address
@@ -77,7 +77,7 @@ def test_groups_that_differ_are_told_by_name(show):
     assert others
     show.apply(REGISTRY.call("/dance/motion/larger", (0.25, first), 0.0, "test"))
     values = Values()
-    values.take(readable.changes())
+    values.update(readable.changes())
     told = list(values.messages("/dance/motion/larger"))
     assert ("/dance/motion/larger", (0.25, first)) in told
     assert len(told) == 1 + len(others)
@@ -88,7 +88,7 @@ def test_groups_that_differ_are_told_by_name(show):
 def test_of_performers_who_differ_each_is_told_at_her_own_address():
     show = Hands(DESK + '[[mocap]]\nname = "anna"\n[[mocap]]\nname = "ben b"\nmirrored = true\ncanon = "back"\n').show
     readable, values = readable_of(show), Values()
-    values.take(readable.changes())
+    values.update(readable.changes())
     mirrored = list(values.messages("/dance/mocap/mirrored"))
     assert mirrored == [("/dance/mocap/anna/mirrored", (False,)), ("/dance/mocap/mirrored", ("ben b", True))]
     assert list(values.messages("/dance/mocap/anna/place")) == [("/dance/mocap/anna/place", (0.0, 0.0, 0.0, 1.0))]

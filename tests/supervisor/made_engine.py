@@ -3,7 +3,7 @@
 The brief's `show` is a JSON object: `ends` (exit code when it has counted to `ticks`), `kills` (ticks at which engines
 that began or took over kill themselves, one after another), `crashes` (tick and exit code of one engine after the
 other, in the stage of the tick that `stage` says), `hangs` (tick at which it stops beating), `hangs_again` (so does the
-first one that goes on), `cannot` (why it cannot stand by), `burns` (seconds of the processor that each tick takes),
+first one that goes on), `report_cannot_follow` (why it cannot stand by), `burns` (seconds of the processor that each tick takes),
 `cuts` (tick at which the first one's wire is cut while it dances on),
 `loops` (tick at which it goes into a loop without end), `helpers` (so many processes of its own that end when it does),
 `journal` (where it goes on with the journal when it is alone), `alone` (seconds that it dances so at most; without it,
@@ -22,56 +22,56 @@ from typing import Any
 
 from live.supervisor.heartbeat import Phase
 from live.supervisor.journal_relay import RelaySink
-from live.supervisor.prefork import wait_to_be_born
-from live.supervisor.supervisor_link import Brief, Lifeline, nobody_left
+from live.supervisor.prefork import serve_forks
+from live.supervisor.supervisor_link import Brief, SupervisorLink, is_abandoned
 
 
-def follow(lifeline: Lifeline, role: str, nursery: int | None, plan: dict[str, Any]) -> int:
+def follow(lifeline: SupervisorLink, role: str, nursery: int | None, plan: dict[str, Any]) -> int:
     """Take lines until the word comes; the tick from which to go on. `nursery`: the process out of which it came."""
     tick = 0
-    while not nobody_left(lifeline):
-        lifeline.listen()
-        if lifeline.order("anew") is not None:
+    while not is_abandoned(lifeline):
+        lifeline.receive()
+        if lifeline.pop_request("anew") is not None:
             tick = 0
         for line in lifeline.lines:
             told = json.loads(line)
             tick = max(tick, told.get("tick", 0))
-            lifeline.log.take(line)
+            lifeline.log.add_line(line)
         if role == "standby" and "cannot" in plan and lifeline.lines:
-            lifeline.wire.tell(alive="cannot", why=plan["cannot"])
-            lifeline.tell_end(2)
+            lifeline.channel.send_json(alive="cannot", why=plan["cannot"])
+            lifeline.send_end(2)
             sys.exit(2)
         lifeline.lines.clear()
-        if (order := lifeline.order("go")) is not None:
+        if (order := lifeline.pop_request("go")) is not None:
             origin = {"parent": os.getppid(), "nursery": nursery}
             went = {"tick": tick, "went": role, "calm": order["calm"], "death": order["death"], **origin}
-            lifeline.say(compact(went))
+            lifeline.send_line(compact(went))
             if plan.get("hangs_again") and order["death"]["times"] == 1:
-                lifeline.heart.stage[0] = plan["stage"]
-                lifeline.heart.begin_tick(tick + 1)
+                lifeline.heartbeat.stage[0] = plan["stage"]
+                lifeline.heartbeat.begin_tick(tick + 1)
                 time.sleep(600)
             return tick
         lifeline.beat(tick, Phase.RUNNING if role == "standby" else Phase.WAITING)
         if role == "standby":
             ready = int(tick > 20 and not plan.get("never_ready"))
-            lifeline.tell_following({"compared": 1, "different": 0, "repaired": 0, "ready": ready})
+            lifeline.send_following({"compared": 1, "different": 0, "repaired": 0, "ready": ready})
         lifeline.wait(0.02)
     sys.exit(0)
 
 
-def begun() -> tuple[Lifeline, Brief, int | None]:
+def begun() -> tuple[SupervisorLink, Brief, int | None]:
     """The lifeline, what this process is for, and the nursery that it came out of."""
-    lifeline = Lifeline.inherited(int(sys.argv[1]), int(sys.argv[2]))
-    brief = lifeline.brief()
+    lifeline = SupervisorLink.inherited(int(sys.argv[1]), int(sys.argv[2]))
+    brief = lifeline.receive_brief()
     if brief.role != "nursery":
         return lifeline, brief, None
     if json.loads(brief.show).get("nursery_dies"):
         lifeline.beat(0, Phase.WAITING)
         os.kill(os.getpid(), signal.SIGKILL)
-    nursery, born = os.getpid(), wait_to_be_born(lifeline)
+    nursery, born = os.getpid(), serve_forks(lifeline)
     if born is None:
         sys.exit(0)
-    return born, born.brief(), nursery
+    return born, born.receive_brief(), nursery
 
 
 def burn(seconds: float) -> None:
@@ -131,31 +131,31 @@ def main() -> None:
     kills = [at for at in plan.get("kills", []) if at > tick]
     while True:
         tick += 1
-        lifeline.heart.begin_tick(tick)
+        lifeline.heartbeat.begin_tick(tick)
         if crashes and tick == crashes[0][0]:
-            lifeline.heart.stage[0] = plan.get("stage", 0)
+            lifeline.heartbeat.stage[0] = plan.get("stage", 0)
             os._exit(crashes[0][1])
         sink.put(compact({"tick": tick, "event": {"type": "made", "number": tick}}))
         if kills and tick >= kills[0]:
             os.kill(os.getpid(), signal.SIGKILL)
-        work(plan, tick, first=brief.role == "engine", wire=lifeline.wire.socket)
+        work(plan, tick, first=brief.role == "engine", wire=lifeline.channel.socket)
         sink.flush()
-        lifeline.frame(tick)
+        lifeline.end_frame(tick)
         if lifeline.fenced:
-            lifeline.wire.put(json.dumps({"tick": tick, "event": {"type": "dark"}}))
-            while not lifeline.alone:  # dark, until the supervisor ends it
+            lifeline.channel.send_line(json.dumps({"tick": tick, "event": {"type": "dark"}}))
+            while not lifeline.orphaned:  # dark, until the supervisor ends it
                 lifeline.wait(0.1)
-                lifeline.frame(tick)
+                lifeline.end_frame(tick)
             sys.exit(0)
         if tick >= plan.get("ticks", 1 << 40):
             lifeline.beat(tick, Phase.LEAVING)
             sink.put(compact({"tick": tick, "end": True}))
             sink.close()
-            lifeline.tell_end(plan.get("ends", 0))
+            lifeline.send_end(plan.get("ends", 0))
             for helper in helpers:
                 helper.communicate()
             sys.exit(plan.get("ends", 0))
-        if lifeline.alone and (not plan.get("alone") or time.monotonic() - begun_at > plan["alone"]):
+        if lifeline.orphaned and (not plan.get("alone") or time.monotonic() - begun_at > plan["alone"]):
             sys.exit(0)  # the test that began this has gone
         time.sleep(plan.get("pace", 0.005))
 

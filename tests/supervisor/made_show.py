@@ -7,22 +7,22 @@ import json
 import sys
 from pathlib import Path
 
-from live.app.exit_codes import end_cleanly
+from live.app.exit_codes import install_signal_handlers
 from live.supervisor.adoption.adoption import find_engine
-from live.supervisor.adoption.journal_resume import cut_off
+from live.supervisor.adoption.journal_resume import read_interrupted
 from live.supervisor.supervisor import Supervisor
-from live.supervisor.supervisor_config import Orders
+from live.supervisor.supervisor_config import SupervisorConfig
 
 LABEL = "made"
 
 
 def main() -> None:
-    end_cleanly()
+    install_signal_handlers()
     path, plan = Path(sys.argv[1]), sys.argv[2]
     found = find_engine(LABEL)
-    left = cut_off(path) if found is None else None
+    left = read_interrupted(path) if found is None else None
     print("adopted" if found else "resumed" if left else "begun", flush=True)
-    orders = Orders(
+    orders = SupervisorConfig(
         engine=[sys.executable, "-m", "tests.supervisor.made_engine"],
         show=plan if found is None else found.show,
         journal=path,

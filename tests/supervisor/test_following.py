@@ -8,14 +8,14 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.control.events.events import Attract, ControlEvent, SetLatency, SetTempo, TicksSkipped
-from live.show.journal.journal import line_of
+from live.show.journal.journal import event_line
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
 from live.show.show import Show
 from live.show.state.snapshot import snapshot
 from live.supervisor.recovery import Recovery
-from live.supervisor.recovery_log import Log
-from live.supervisor.state_follower import Following
+from live.supervisor.recovery_log import RecoveryLog
+from live.supervisor.state_follower import StateFollower
 from tests.show.made_show import GRAPH, PATCH
 
 LAST = 1500
@@ -54,7 +54,7 @@ class Leading:
                 self.lines.append(json.dumps({"tick": tick, "snapshot": state}))
             self.lines.append(json.dumps({"tick": tick}))
             if (event := EVENTS.get(tick)) is not None:
-                self.lines.append(line_of(tick, event))
+                self.lines.append(event_line(tick, event))
                 self.show.apply(event)
                 if isinstance(event, TicksSkipped):
                     tick += event.count
@@ -65,10 +65,10 @@ def leading(loaded: LoadedShow) -> Leading:
     return Leading(loaded, (650, 1250))
 
 
-def follow(loaded: LoadedShow, lines: list[str]) -> tuple[Following, Show]:
-    following = Following(loaded)
+def follow(loaded: LoadedShow, lines: list[str]) -> tuple[StateFollower, Show]:
+    following = StateFollower(loaded)
     for line in lines:
-        following.take(line)
+        following.add_line(line)
     return following, Recovery(following).run().show
 
 
@@ -82,10 +82,10 @@ def test_it_stands_where_the_other_one_was_killed_in_the_middle(loaded, leading,
 
 
 def test_who_comes_late_begins_with_the_snapshot_and_stands_in_the_same_place(loaded, leading):
-    log = Log()
+    log = RecoveryLog()
     for line in leading.lines:
-        log.take(line)
-    lines = list(log.since())
+        log.add_line(line)
+    lines = list(log.replay_lines())
     assert len(lines) < 20  # header, snapshot, and what came since
     following, show = follow(loaded, lines)
     assert following.tick == LAST
@@ -95,9 +95,9 @@ def test_who_comes_late_begins_with_the_snapshot_and_stands_in_the_same_place(lo
 
 
 def test_the_one_that_waits_stays_behind_the_last_measure_line_until_it_is_needed(loaded, leading):
-    following = Following(loaded)
+    following = StateFollower(loaded)
     for line in leading.lines[:600]:
-        following.take(line)
+        following.add_line(line)
     while following.advance():
         pass
     measures = [json.loads(line)["tick"] for line in leading.lines[:600] if "hash" in json.loads(line) and "me" in line]
@@ -107,12 +107,12 @@ def test_the_one_that_waits_stays_behind_the_last_measure_line_until_it_is_neede
 
 
 def test_a_state_that_differs_is_counted_and_the_next_snapshot_puts_it_right(loaded, leading):
-    following = Following(loaded)
+    following = StateFollower(loaded)
     for line in leading.lines[1:]:
         if not following.header:
-            following.take(leading.lines[0])
-        following.take(line)
-        following.follow()
+            following.add_line(leading.lines[0])
+        following.add_line(line)
+        following.run_pending()
         if following.tick == 300 and following.show is not None:  # something this machine does differently
             following.show.apply(Attract(time=4.7, source="osc", x=-4.0, z=2.0, strength=1.0))
     assert following.differences >= 1
@@ -138,7 +138,7 @@ def test_an_event_that_ends_one_engine_does_not_end_the_next(loaded, leading, mo
 
 
 def test_the_clock_of_another_machine_is_that_of_the_tick_that_came_soonest(loaded):
-    following = Following(loaded)
+    following = StateFollower(loaded)
     for tick, late in ((640, 0.030), (641, 0.004), (642, 0.011)):
-        following.take(json.dumps({"tick": tick}), arrived=1000.0 + tick * TICK + late)
-    assert following.origin_here(lead=TICK) == pytest.approx(1000.0 + 0.004 + TICK)
+        following.add_line(json.dumps({"tick": tick}), arrived=1000.0 + tick * TICK + late)
+    assert following.local_origin(lead=TICK) == pytest.approx(1000.0 + 0.004 + TICK)

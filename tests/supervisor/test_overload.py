@@ -16,9 +16,9 @@ import psutil
 import pytest
 
 from live.clock.time_source import ManualClock
-from live.supervisor.process import Side
+from live.supervisor.process import AuxiliaryProcess
 from live.supervisor.process_stats import GRACE, Reaper, zombies
-from live.supervisor.restart_policy import CEILING, HANGS_AFTER
+from live.supervisor.restart_policy import HANGS_AFTER, MAX_SILENCE
 from tests.control.waiting import wait_for
 from tests.supervisor.test_supervisor import ENGINE, numbers, supervised
 
@@ -58,7 +58,7 @@ def test_an_engine_that_hangs_on_a_busy_machine_is_killed_all_the_same(tmp_path,
     assert numbers(lines) == list(range(1, 31))
     after = float(said[0].partition(" for ")[2].split()[0])
     assert "no sign of life" in said[0]
-    assert HANGS_AFTER <= after < CEILING + 5.0  # a loop has two seconds of a processor, a sleep lasts eight
+    assert HANGS_AFTER <= after < MAX_SILENCE + 5.0  # a loop has two seconds of a processor, a sleep lasts eight
 
 
 def test_an_engine_in_a_loop_is_killed_and_replaced(tmp_path):
@@ -79,7 +79,7 @@ def test_nobody_is_prepared_while_there_is_too_much_to_do(tmp_path, monkeypatch)
 
 def test_an_overload_that_lasts_keeps_the_next_engine_waiting_only_for_so_long(tmp_path, monkeypatch):
     monkeypatch.setattr("live.supervisor.engine_failover.overload", lambda load, watched: 1.0)
-    monkeypatch.setattr("live.supervisor.engine_failover.STANDS_BACK", 0.1)
+    monkeypatch.setattr("live.supervisor.engine_failover.MAX_SPARE_DELAY", 0.1)
     _, lines, _, _ = supervised(tmp_path, {"kills": [300], "ticks": 320})
     assert [line["went"] for line in lines if "went" in line] == ["spare"]
 
@@ -149,12 +149,12 @@ def test_a_child_that_somebody_waits_for_keeps_its_exit_code():
     asked = subprocess.Popen([sys.executable, "-S", "-c", "raise SystemExit(7)"])
     forgotten = os.posix_spawn(sys.executable, [sys.executable, "-S", "-c", ""], {})
     assert wait_for(lambda: {asked.pid, forgotten} <= set(zombies()), 10)
-    reaper.look(clock.now())
+    reaper.update(clock.now())
     clock.advance(0.9 * GRACE)
-    reaper.look(clock.now())
+    reaper.update(clock.now())
     assert asked.wait() == 7
     clock.advance(0.3 * GRACE)
-    reaper.look(clock.now())
+    reaper.update(clock.now())
     assert forgotten not in set(zombies())
     assert reaper.count > 0
 
@@ -187,10 +187,10 @@ def test_a_process_beside_the_engine_that_cannot_live_is_started_less_and_less_o
         return MadeChild()
 
     said: list[str] = []
-    side = Side(start, said.append, child=start())
+    side = AuxiliaryProcess(start, said.append, child=start())
     while clock.now() < 1100.0:
         clock.advance(1.0)
-        side.look(clock.now(), 1.0)
+        side.update(clock.now(), 1.0)
     gaps = [b - a for a, b in itertools.pairwise(starts)]
     assert gaps[:3] == [2.0, 2.0, 2.0]  # it is found dead in one second, and started in the next
     assert gaps[4:7] == [10.0, 21.0, 41.0]

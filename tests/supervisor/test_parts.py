@@ -12,11 +12,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.show.status import FULL, HALFLIFE, Pressure
-from live.supervisor.engine_deaths import Deaths
+from live.show.status import FULL_PRESSURE_SHARE, HALFLIFE, Pressure
+from live.supervisor.engine_deaths import DeathHistory
 from live.supervisor.heartbeat import Heartbeat, Phase
-from live.supervisor.line_channel import Wire, WireBroken
-from live.supervisor.recovery_log import Log
+from live.supervisor.line_channel import ChannelError, LineChannel
+from live.supervisor.recovery_log import RecoveryLog
 from live.supervisor.restart_policy import SETTLED, Backoff, RestartLimit
 from tests.control.waiting import wait_for
 
@@ -38,21 +38,21 @@ def test_a_restart_is_one_too_many_exactly_if_three_others_lie_within_thirty_sec
     limit, times = RestartLimit(), []
     for gap in gaps:
         now = (times[-1] if times else 100.0) + gap
-        assert limit.note(now) == (sum(now - earlier < 30.0 for earlier in times) >= 3)
+        assert limit.record(now) == (sum(now - earlier < 30.0 for earlier in times) >= 3)
         times.append(now)
     assert limit.count == len(times)
 
 
 def test_who_was_ended_on_an_overloaded_machine_counts_for_nothing_but_twice_in_the_same_tick():
-    deaths = Deaths()
+    deaths = DeathHistory()
     for now in range(10):
-        outside = deaths.note(now, 100 + now, 0, blamed=False)
-        within = deaths.note(now, 100 + now, 5, blamed=False)
+        outside = deaths.record(now, 100 + now, 0, blamed=False)
+        within = deaths.record(now, 100 + now, 5, blamed=False)
         assert (outside.calm, within.trip) == (False, False)
         assert (outside.stage, within.stage, within.times) == (0, 5, 1)
     assert deaths.count == 20
-    assert deaths.note(10, 109, 5, blamed=False).times == 2
-    assert [deaths.note(now, 200, 0).calm for now in range(11, 15)] == [False, False, False, True]
+    assert deaths.record(10, 109, 5, blamed=False).times == 2
+    assert [deaths.record(now, 200, 0).calm for now in range(11, 15)] == [False, False, False, True]
 
 
 @given(st.lists(st.floats(0.0, 50.0), min_size=1, max_size=40))
@@ -60,26 +60,26 @@ def test_starts_back_off_up_to_a_ceiling_and_begin_anew_once_one_has_settled(liv
     backoff, now, waits = Backoff(free=2, first=1.0, most=30.0), 0.0, []
     for seconds in lives:
         now += seconds  # it ran for so long
-        waits.append(backoff.after(now))
+        waits.append(backoff.next_delay(now))
         now += waits[-1]
     assert waits == [0.0, 0.0, 1.0, 2.0, 4.0, 8.0, 16.0, *[30.0] * len(lives)][: len(lives)]
-    assert backoff.after(now + SETTLED + 1.0) == 0.0
+    assert backoff.next_delay(now + SETTLED + 1.0) == 0.0
 
 
-def _wires(**how: int) -> tuple[Wire, Wire]:
+def _wires(**how: int) -> tuple[LineChannel, LineChannel]:
     mine, theirs = socket.socketpair()
-    return Wire(mine, **how), Wire(theirs)
+    return LineChannel(mine, **how), LineChannel(theirs)
 
 
 @given(st.lists(st.text(st.characters(blacklist_characters="\n", blacklist_categories=("Cs",)), max_size=200)))
 def test_lines_arrive_whole_and_in_order_and_what_was_sent_before_an_end_is_read_after_it(lines):
     here, there = _wires()
     for line in lines:
-        here.put(line)
+        here.send_line(line)
     here.close()
     found = []
     while not there.ended:
-        found += there.lines()
+        found += there.read_lines()
     assert found == lines
     there.close()
 
@@ -88,16 +88,16 @@ def test_who_reads_no_more_is_never_waited_for_and_what_is_lost_is_counted():
     here, there = _wires(backlog=100_000)
     line = "x" * 9_999
     for _ in range(2_000):  # 20 MB: more than the system holds and the backlog together
-        here.put(line)
+        here.send_line(line)
     assert here.dropped > 0
-    assert here.behind <= 100_000
+    assert here.pending_bytes <= 100_000
     read = 0
     while not here.flush() or not read:
-        read += len(there.lines())
-    read += len(there.lines())
+        read += len(there.read_lines())
+    read += len(there.read_lines())
     assert read + here.dropped == 2_000
     there.close()
-    here.put("to nobody")
+    here.send_line("to nobody")
     assert here.ended
     here.close()
 
@@ -105,45 +105,45 @@ def test_who_reads_no_more_is_never_waited_for_and_what_is_lost_is_counted():
 def test_last_words_are_read_though_the_peer_goes_on_sending():
     """Over TCP: who sends to a stream that is closed finds it broken, and looks no more for what came before."""
     with socket.create_server(("127.0.0.1", 0)) as there:
-        mine = Wire(socket.create_connection(there.getsockname()))
-        theirs = Wire(there.accept()[0])
-    theirs.put("a line of the show")
-    mine.put("I cannot")
-    parting = threading.Thread(target=mine.part, args=(20.0,))
+        mine = LineChannel(socket.create_connection(there.getsockname()))
+        theirs = LineChannel(there.accept()[0])
+    theirs.send_line("a line of the show")
+    mine.send_line("I cannot")
+    parting = threading.Thread(target=mine.drain_and_close, args=(20.0,))
     parting.start()
     assert wait_for(lambda: bool(select.select([theirs], [], [], 0)[0]), 5)
     for _ in range(100):
-        theirs.put("a line of the show")
+        theirs.send_line("a line of the show")
     assert not theirs.ended
-    assert theirs.lines()[:1] == ["I cannot"]
+    assert theirs.read_lines()[:1] == ["I cannot"]
     theirs.close()
     parting.join(5)
     assert not parting.is_alive()
 
 
 def test_a_line_without_end_is_no_protocol(monkeypatch):
-    monkeypatch.setattr("live.supervisor.line_channel.LONGEST", 100)
+    monkeypatch.setattr("live.supervisor.line_channel.MAX_LINE_BYTES", 100)
     here, there = _wires()
-    here._put(b"y" * 200)
-    with pytest.raises(WireBroken):
-        there.lines()
+    here._send_data(b"y" * 200)
+    with pytest.raises(ChannelError):
+        there.read_lines()
     here.close()
     there.close()
 
 
 def test_the_log_keeps_what_came_after_the_snapshot_and_no_more():
-    log = Log()
+    log = RecoveryLog()
     header = '{"journal": 2}'
     event = '{"tick": %d, "event": {"type": "Tap"}}'
-    assert log.take(header)
-    assert not log.take(header)  # of the engine that went on
+    assert log.add_line(header)
+    assert not log.add_line(header)  # of the engine that went on
     for tick in (5, 9, 10, 10):
-        assert log.take(event % tick)
-    assert log.take('{"tick": 10, "measure": 2, "hash": "aa"}')
-    assert not log.take('{"tick": 14}')
-    assert log.take('{"tick": 10, "snapshot": "c3RhdGU="}')
-    log.take(event % 15)
-    assert [json.loads(line) for line in log.since()] == [
+        assert log.add_line(event % tick)
+    assert log.add_line('{"tick": 10, "measure": 2, "hash": "aa"}')
+    assert not log.add_line('{"tick": 14}')
+    assert log.add_line('{"tick": 10, "snapshot": "c3RhdGU="}')
+    log.add_line(event % 15)
+    assert [json.loads(line) for line in log.replay_lines()] == [
         {"journal": 2},
         {"tick": 10, "snapshot": "c3RhdGU="},
         *[{"tick": 10, "event": {"type": "Tap"}}] * 2,
@@ -153,22 +153,22 @@ def test_the_log_keeps_what_came_after_the_snapshot_and_no_more():
 
 
 def test_after_the_patch_has_changed_the_snapshot_from_before_and_all_since_are_kept():
-    log = Log()
+    log = RecoveryLog()
     for line in (
         '{"journal": 2}',
         '{"tick": 10, "snapshot": "b2xk"}',
         '{"tick": 11, "event": {"type": "PatchChanged"}}',
     ):
-        log.take(line)
-    log.take('{"tick": 20, "snapshot": "bmV3"}')
-    assert [json.loads(line).get("snapshot", "") for line in log.since()] == ["", "b2xk", "", ""]
+        log.add_line(line)
+    log.add_line('{"tick": 20, "snapshot": "bmV3"}')
+    assert [json.loads(line).get("snapshot", "") for line in log.replay_lines()] == ["", "b2xk", "", ""]
 
 
 @pytest.mark.parametrize("line", ["", "nonsense", "[]", "7", '{"tick": "x"}', '{"no": 1}', '{"tick": null}'])
 def test_what_is_no_line_of_a_show_is_refused(line):
-    log = Log()
-    assert not log.take(line)
-    assert list(log.since()) == []
+    log = RecoveryLog()
+    assert not log.add_line(line)
+    assert list(log.replay_lines()) == []
 
 
 def test_pressure_is_the_share_of_late_frames_of_the_last_seconds():
@@ -176,16 +176,16 @@ def test_pressure_is_the_share_of_late_frames_of_the_last_seconds():
     for frame in range(600):  # one of twenty is late
         late += frame % 20 == 0
         pressure.frame(late, 1 / 60)
-    assert pressure.value == pytest.approx(0.05 / FULL, rel=0.1)
+    assert pressure.value == pytest.approx(0.05 / FULL_PRESSURE_SHARE, rel=0.1)
     for _ in range(60):
         late += 1
         pressure.frame(late, 1 / 60)
     assert pressure.value == 1.0
     share = 1.0
-    for _ in range(int(60 * HALFLIFE * math.log2(10 / FULL))):  # until even that is forgotten
+    for _ in range(int(60 * HALFLIFE * math.log2(10 / FULL_PRESSURE_SHARE))):  # until even that is forgotten
         pressure.frame(late, 1 / 60)
         share *= 0.5 ** (1 / 60 / HALFLIFE)
-    assert pressure.value <= share / FULL * 1.01
+    assert pressure.value <= share / FULL_PRESSURE_SHARE * 1.01
 
 
 def test_a_machine_that_has_too_much_to_do_is_pressure_before_a_frame_is_late():

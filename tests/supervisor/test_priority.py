@@ -10,21 +10,21 @@ import pytest
 GROUPS = Path("/proc/self/autogroup")
 
 STEPS = """
-from live.supervisor.cpu_priority import BACK_NICE, bring_forward, come_forward, stand_back
+from live.supervisor.cpu_priority import BACKGROUND_NICE, restore_priority, raise_priority, lower_priority
 import ctypes, os, sys
 if sys.argv[1:]:
     os.setresuid(65534, 65534, 65534)
     ctypes.CDLL(None).prctl(4, 1)  # PR_SET_DUMPABLE: its files in /proc are its own again
 def weight():
     return int(open("/proc/self/autogroup").read().split()[-1])
-processors = stand_back()
-assert weight() == BACK_NICE, weight()
-come_forward(0, processors)
+processors = lower_priority()
+assert weight() == BACKGROUND_NICE, weight()
+raise_priority(0, processors)
 assert weight() == 0, weight()
-stand_back()
-bring_forward(os.getpid())
+lower_priority()
+restore_priority(os.getpid())
 assert weight() == 0, weight()
-come_forward(-5)
+raise_priority(-5)
 assert weight() in (0, -5), weight()
 """
 

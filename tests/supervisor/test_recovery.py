@@ -10,18 +10,18 @@ from typing import Any
 import pytest
 
 from live.agents.evolutions.running_plan import Plan
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events.events import Attract, BreakerTripped, ControlEvent, ResetBreaker, SetTempo
 from live.show.audience.audience import Audience
-from live.show.capture.capture_manager import Mocap
+from live.show.capture.capture_manager import CaptureManager
 from live.show.circuit_breakers import NAMES, Stage
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.root_correction_control import Carrying
+from live.show.dancers.root_correction_control import RootCorrectionControl
 from live.show.dancers.variation import Variation
-from live.show.desk.light_desk import Desk
+from live.show.desk.light_desk import LightDesk
 from live.show.engine import Engine
 from live.show.group.group_motion import GroupMotion
 from live.show.journal.journal import JournalWriter, read_journal
@@ -29,19 +29,19 @@ from live.show.journal.replay import replay
 from live.show.loader import LoadedShow
 from live.show.measure_span import MeasureSpan
 from live.show.patch.patch_reader import parse_patch
-from live.show.patch.patch_update import Reloading
-from live.show.score.beat_scheduler import Agenda
+from live.show.patch.patch_update import PatchUpdates
+from live.show.score.beat_scheduler import BeatScheduler
 from live.show.score.music_reactions import Reactions
-from live.show.score.score_runner import Prompter
+from live.show.score.score_runner import ScoreRunner
 from live.show.selection.interrupts import Interrupts
 from live.show.selection.scheduler import Scheduler
 from live.show.show import Show
-from live.show.state.snapshot import Taken
+from live.show.state.snapshot import CapturedSnapshot
 from live.show.status import Status
 from live.supervisor.heartbeat import Heartbeat
 from live.supervisor.recovery import Death, Recovery
-from live.supervisor.recovery_log import Log
-from live.supervisor.state_follower import Following
+from live.supervisor.recovery_log import RecoveryLog
+from live.supervisor.state_follower import StateFollower
 from tests.show.made_show import GRAPH, PATCH
 
 EVENTS: dict[int, ControlEvent] = {
@@ -60,7 +60,7 @@ class Lines:
     def put(self, line: str) -> None:
         self.lines.append(line)
 
-    def snapshot(self, taken: Taken) -> None:
+    def snapshot(self, taken: CapturedSnapshot) -> None:
         state = base64.b64encode(taken.seal()).decode()
         self.lines.append(json.dumps({"tick": taken.tick, "snapshot": state}))
 
@@ -96,7 +96,7 @@ class Night:
     def _dance(self, until: int) -> None:
         journal = JournalWriter(Path(), None, sink=self.sink)
         status = Status(self.show, rejected=Counter, memory=lambda: 0.0)
-        engine = Engine(self.show, clock=ManualClock(), inbox=Inbox(), status=status, journal=journal)
+        engine = Engine(self.show, clock=ManualClock(), inbox=EventQueue(), status=status, journal=journal)
         engine.ticks.index, engine.progress = self.tick, self.heart
         self.show.breakers.publish(self.heart.stage)
         while self.tick < until:
@@ -109,12 +109,12 @@ class Night:
     def _recover(self) -> None:
         times = 1 + self.deaths[-1:].count(running := self.heart.running)
         self.deaths.append(running)
-        log = Log()
+        log = RecoveryLog()
         for line in self.sink.lines:
-            log.take(line)
-        following = Following(self.loaded, heart=self.heart)
-        for line in log.since():
-            following.take(line)
+            log.add_line(line)
+        following = StateFollower(self.loaded, heartbeat=self.heart)
+        for line in log.replay_lines():
+            following.add_line(line)
         while following.advance():
             pass
         recovered = Recovery(following, Death(*running, times)).run()
@@ -201,14 +201,14 @@ def test_an_error_without_an_event_puts_its_stage_out_of_service_until_a_person_
     night.play(500)
     assert (len(night.deaths), raised) == (1, [2])  # tried once more by who goes on, and not a third time
     assert [(event["name"], "injected" in event["why"]) for event in night.told(BreakerTripped)] == [("steering", True)]
-    assert "the group stays where it is" in night.show.breakers.words()[0]
-    assert "steering is out of service" in night.show.refusals.words
+    assert "the group stays where it is" in night.show.breakers.status_lines()[0]
+    assert "steering is out of service" in night.show.refusals.last_reason
     before = night.show.state.position.copy()
     night.play(520)
     assert (night.show.state.position == before).all()
     night.events[520] = ResetBreaker(time=8.1, source="osc", name="steering")
     night.play(LAST)
-    assert night.show.breakers.words() == ()
+    assert night.show.breakers.status_lines() == ()
     assert (night.show.state.position != before).any()
     monkeypatch.undo()
     found = night.replayed(tmp_path)
@@ -226,16 +226,20 @@ def test_who_resets_what_is_not_there_is_told_what_there_is(loaded):
 STAGES: dict[str, list[tuple[type, str]]] = {
     "clock": [(TimelineFollower, "advance")],
     "measure": [(MeasureSpan, "follow"), (MeasureSpan, "next")],
-    "score": [(Prompter, "begin_measure"), (Agenda, "fire")],
-    "desk": [(Desk, "tick"), (Desk, "fire"), (Desk, "begin_measure")],
+    "score": [(ScoreRunner, "begin_measure"), (BeatScheduler, "fire")],
+    "desk": [(LightDesk, "tick"), (LightDesk, "fire"), (LightDesk, "begin_measure")],
     "audience": [(Audience, "tick"), (Audience, "begin_measure")],
-    "edits": [(Reloading, "due"), (Reloading, "take")],
+    "edits": [(PatchUpdates, "due"), (PatchUpdates, "take")],
     "selection": [(Scheduler, "work"), (Scheduler, "decide"), (Scheduler, "set_speed")],
     "interrupts": [(Interrupts, "tick")],
     "steering": [(GroupMotion, "tick"), (GroupMotion, "begin_measure"), (Plan, "work")],
-    "correction": [(Carrying, "tick"), (Carrying, "cross_measure_line"), (Carrying, "begin_measure")],
+    "correction": [
+        (RootCorrectionControl, "tick"),
+        (RootCorrectionControl, "cross_measure_line"),
+        (RootCorrectionControl, "begin_measure"),
+    ],
     "dancers": [(Dancers, "tick"), (Dancers, "cross_measure_line")],
-    "capture": [(Mocap, "tick")],
+    "capture": [(CaptureManager, "tick")],
     "partners": [(GroupMotion, "go_along")],
     "variation": [(Variation, "begin_measure"), (Variation, "delay")],
     "reactions": [(Reactions, "cross_measure_line")],
@@ -295,9 +299,9 @@ def test_what_ends_engines_without_a_word_is_left_out_after_two_and_after_three(
         '{"tick":301,"event":{"type":"SetMotion","time":4.7,"source":"osc","parameter":"larger","value":1.1}}'
     )
     for times, left_out, tripped in ((1, 0, []), (2, 1, []), (3, 1, ["steering"]), (4, 1, ["steering"] * 2)):
-        following = Following(loaded)
+        following = StateFollower(loaded)
         for line in night.sink.lines:
-            following.take(line)
+            following.add_line(line)
         recovered = Recovery(following, Death(302, int(Stage.STEERING), times)).run()
         lines = [json.loads(line) for line in recovered.lines]
         assert sum(line.get("left_out", 0) for line in lines) == left_out
@@ -319,16 +323,16 @@ def test_a_tick_that_another_engine_ran_well_is_tried_again(loaded, monkeypatch)
         usual(*arguments)
 
     monkeypatch.setattr(Interrupts, "tick", tick)
-    following = Following(loaded)
+    following = StateFollower(loaded)
     for line in night.sink.lines:
-        following.take(line)
+        following.add_line(line)
     recovered = Recovery(following).run()
     assert (recovered.lines, recovered.show.state_hash(), raised) == ((), night.show.state_hash(), [3])
 
 
 def test_what_the_supervisor_says_of_a_death_may_make_no_sense():
-    assert Death.of(None) == Death.of({"tick": "x"}) == Death.of({}) == Death()
-    assert Death.of({"tick": 3, "stage": 9, "times": 2, "trip": True}) == Death(3, 9, 2, trip=True)
+    assert Death.from_message(None) == Death.from_message({"tick": "x"}) == Death.from_message({}) == Death()
+    assert Death.from_message({"tick": 3, "stage": 9, "times": 2, "trip": True}) == Death(3, 9, 2, trip=True)
 
 
 def test_a_stage_that_fails_sooner_here_than_it_was_foreseen_to_is_out_of_service_before_that(
@@ -353,19 +357,19 @@ def test_a_stage_that_fails_sooner_here_than_it_was_foreseen_to_is_out_of_servic
 
     monkeypatch.setattr(Audience, "tick", fails)
     monkeypatch.setattr(Show, "tick", ticked)
-    log = Log()
+    log = RecoveryLog()
     for line in night.sink.lines:
-        log.take(line)
-    following = Following(loaded)
-    for line in log.since():
-        following.take(line)
+        log.add_line(line)
+    following = StateFollower(loaded)
+    for line in log.replay_lines():
+        following.add_line(line)
     while following.advance():
         pass
     recovered = Recovery(following, Death(403, int(Stage.AUDIENCE), 1, trip=True)).run()
     ticks = [json.loads(line)["tick"] for line in recovered.lines]
     assert ticks == sorted(ticks)
     assert ticks[0] == 400
-    assert "audience" in recovered.show.breakers.why
+    assert "audience" in recovered.show.breakers.reasons
     night.sink.lines += recovered.lines
     night.show, night.tick = recovered.show, following.tick
     night.play(700)
@@ -381,7 +385,7 @@ def test_a_breaker_that_was_reset_a_moment_ago_does_not_keep_the_next_trip_from_
     night.play(720)
     assert len(night.deaths) == 1
     assert {event["name"] for event in night.told(BreakerTripped)} == {"steering"}
-    assert "steering" in night.show.breakers.why
+    assert "steering" in night.show.breakers.reasons
     monkeypatch.undo()
     found = night.replayed(tmp_path)
     assert (found.different, found.problems) == (0, [])
@@ -390,9 +394,9 @@ def test_a_breaker_that_was_reset_a_moment_ago_does_not_keep_the_next_trip_from_
 def test_what_fails_before_the_first_line_that_was_told_is_out_of_service_from_the_beginning(loaded, monkeypatch):
     """A journal without a snapshot, whose first line comes after ticks that ran well: here none of them can run."""
     raised = broken(monkeypatch, GroupMotion, "tick", lambda *_: True)
-    following = Following(loaded)
+    following = StateFollower(loaded)
     for line in (*Night(loaded).sink.lines, json.dumps({"tick": 60})):
-        following.take(line)
+        following.add_line(line)
     recovered = Recovery(following).run()
     assert following.tick == 60
     lines = [json.loads(line) for line in recovered.lines]
@@ -417,9 +421,9 @@ def test_a_trip_that_was_foreseen_is_danced_as_it_is_journalled_where_the_stage_
 
     broken(monkeypatch, Scheduler, "work", lambda *_: True)
     monkeypatch.setattr(Show, "apply", apply)
-    following = Following(loaded)
+    following = StateFollower(loaded)
     for line in night.sink.lines:
-        following.take(line)
+        following.add_line(line)
     recovered = Recovery(following, Death(401, int(Stage.SELECTION), 1, trip=True)).run()
     journalled = [json.loads(line)["event"] for line in recovered.lines if '"event"' in line]
     assert len(journalled) == 2

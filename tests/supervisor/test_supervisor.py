@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
-from live.supervisor.process import Starter
+from live.supervisor.process import ProcessManager
 from live.supervisor.restart_policy import RestartLimit
 from live.supervisor.supervisor import Supervisor
-from live.supervisor.supervisor_config import Orders
+from live.supervisor.supervisor_config import SupervisorConfig
 
 ENGINE = [sys.executable, "-m", "tests.supervisor.made_engine"]
 
@@ -24,7 +24,9 @@ def supervised(
 ) -> tuple[int, list[dict[str, Any]], Supervisor, list[str]]:
     """Exit code, lines of the journal, the supervisor, and what it said."""
     said: list[str] = []
-    orders = Orders(engine=ENGINE, show=json.dumps(plan), journal=tmp_path / "j", **{"spare_after": 0.1, **how})
+    orders = SupervisorConfig(
+        engine=ENGINE, show=json.dumps(plan), journal=tmp_path / "j", **{"spare_after": 0.1, **how}
+    )
     supervisor = Supervisor(orders, said.append)
     code = supervisor.run()
     path = tmp_path / "j"
@@ -116,7 +118,7 @@ def test_without_a_spare_another_engine_is_started_and_goes_on(tmp_path):
 
 def test_where_the_system_has_no_room_for_an_engine_the_next_begins_as_soon_as_there_is(tmp_path, monkeypatch):
     """Without descriptors it was tried again after five seconds, then ten."""
-    started, refused = Starter.start, []
+    started, refused = ProcessManager.start, []
 
     def start(self, role, *arguments, **how):
         if role == "heir" and len(refused) < 5:
@@ -124,7 +126,7 @@ def test_where_the_system_has_no_room_for_an_engine_the_next_begins_as_soon_as_t
             raise OSError(errno.EMFILE, "Too many open files")
         return started(self, role, *arguments, **how)
 
-    monkeypatch.setattr(Starter, "start", start)
+    monkeypatch.setattr(ProcessManager, "start", start)
     code, lines, supervisor, _ = supervised(tmp_path, {"crashes": [[20, 1]], "ticks": 40}, spare=False)
     assert code == 0
     assert numbers(lines) == list(range(1, 41))
@@ -134,7 +136,7 @@ def test_where_the_system_has_no_room_for_an_engine_the_next_begins_as_soon_as_t
 
 def test_where_the_system_has_no_room_for_the_other_processes_the_show_runs_and_they_come_later(tmp_path, monkeypatch):
     """One start of the OSC reader without descriptors ended the supervisor."""
-    started, refused = Starter.start, []
+    started, refused = ProcessManager.start, []
 
     def start(self, role, *arguments, **how):
         if role != "engine" and role not in refused:
@@ -142,7 +144,7 @@ def test_where_the_system_has_no_room_for_the_other_processes_the_show_runs_and_
             raise OSError(errno.EMFILE, "Too many open files")
         return started(self, role, *arguments, **how)
 
-    monkeypatch.setattr(Starter, "start", start)
+    monkeypatch.setattr(ProcessManager, "start", start)
     sleeper = [sys.executable, "-c", "import time; time.sleep(60)"]
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as port:
         reader = {"osc": port, "osc_reader": sleeper}
@@ -151,7 +153,7 @@ def test_where_the_system_has_no_room_for_the_other_processes_the_show_runs_and_
     assert code == 0
     assert numbers(lines) == list(range(1, 151))
     assert sorted(refused) == ["OSC", "audio", "guard"]
-    assert (supervisor.audio.restarts, supervisor.guard.restarts, supervisor.osc_reader.restarts) == (1, 1, 1)
+    assert (supervisor.audio.restarts, supervisor.fallback_window.restarts, supervisor.osc_reader.restarts) == (1, 1, 1)
 
 
 def test_an_engine_that_gives_no_sign_of_life_is_killed_and_replaced(tmp_path):
@@ -163,7 +165,7 @@ def test_an_engine_that_gives_no_sign_of_life_is_killed_and_replaced(tmp_path):
 
 
 def test_after_three_restarts_in_thirty_seconds_the_show_is_calmer(tmp_path, monkeypatch):
-    monkeypatch.setattr("live.supervisor.engine_failover.CALM_APART", 0.0)
+    monkeypatch.setattr("live.supervisor.engine_failover.CALM_RESTART_DELAY", 0.0)
     code, lines, supervisor, _ = supervised(tmp_path, {"kills": [10, 20, 30, 40], "ticks": 50}, spare=False)
     assert code == 0
     assert numbers(lines) == list(range(1, 51))
@@ -174,7 +176,7 @@ def test_after_three_restarts_in_thirty_seconds_the_show_is_calmer(tmp_path, mon
 @pytest.mark.long
 def test_engines_that_begin_slowly_and_crash_at_once_make_a_show_calmer_too(tmp_path, monkeypatch):
     """Only seconds in which somebody danced count: four crashes lie nearly two seconds apart here."""
-    monkeypatch.setattr("live.supervisor.engine_failover.CALM_APART", 0.0)
+    monkeypatch.setattr("live.supervisor.engine_failover.CALM_RESTART_DELAY", 0.0)
     monkeypatch.setattr("live.supervisor.engine_deaths.RestartLimit", lambda: RestartLimit(3, 2.0))
     plan = {"kills": [5, 10, 15, 20], "ticks": 25, "slow": 1.5}
     _, lines, _, _ = supervised(tmp_path, plan, spare=False)
@@ -203,7 +205,7 @@ def test_engines_killed_again_and_again_before_a_spare_is_ready_come_out_of_the_
 def test_a_show_that_becomes_calmer_is_not_dark_for_longer(tmp_path, monkeypatch):
     """The first calm engine comes out of the nursery like those before it, and is not waited for; a spare waits for it,
     too. Only where calm engines crash as well does one begin without the nursery, some seconds after the last."""
-    monkeypatch.setattr("live.supervisor.engine_failover.CALM_APART", 0.2)
+    monkeypatch.setattr("live.supervisor.engine_failover.CALM_RESTART_DELAY", 0.2)
     kills = [300, 302, 304, 306, 700, 702, 704]
     code, lines, supervisor, _ = supervised(tmp_path, {"kills": kills, "ticks": 720})
     assert code == 0

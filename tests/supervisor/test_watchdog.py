@@ -11,9 +11,18 @@ from hypothesis import strategies as st
 
 from live.clock.time_source import ManualClock
 from live.supervisor.process import ROUND
-from live.supervisor.process_stats import machine, usage_of
-from live.supervisor.restart_policy import CEILING, HANGS_AFTER
-from live.supervisor.watchdog import FELT, SLOWEST, MachineLoad, MachineReading, Usage, Verdict, Watchdog, overload
+from live.supervisor.process_stats import read_machine, usage_of
+from live.supervisor.restart_policy import HANGS_AFTER, MAX_SILENCE
+from live.supervisor.watchdog import (
+    MAX_SLOWDOWN,
+    NOTICEABLE_GAP,
+    MachineLoad,
+    MachineReading,
+    Usage,
+    Verdict,
+    Watchdog,
+    overload,
+)
 
 BLIND = Usage("S", 0.0, None)
 """What a system says that counts no waiting."""
@@ -60,7 +69,7 @@ class MadeHang:
         """How long it lived [s]."""
         watchdog = watchdog or Watchdog()
         while self.clock.now() - self.beat < 1000.0:
-            if watchdog.look(self.clock.now(), self.beat, self.usage, slowdown) is Verdict.HUNG:
+            if watchdog.update(self.clock.now(), self.beat, self.usage, slowdown) is Verdict.HUNG:
                 return self.clock.now() - self.beat
             self.clock.advance(look_every)
         return math.inf
@@ -80,9 +89,9 @@ def test_who_is_starved_is_never_ended_before_the_ceiling(seed, work, share, thr
         steps = [(ROUND, 0.0)] * int(pause / ROUND) or [(ROUND + chance.expovariate(20.0), share)]
         for seconds, given_share in steps:
             process.step(seconds, given_share)
-            load.woke(seconds - ROUND, seconds)
-            verdict = watchdog.look(process.clock.now(), process.beat, process.usage, load.slowdown)
-            assert verdict is not Verdict.HUNG or process.clock.now() - process.beat > CEILING
+            load.record_wakeup(seconds - ROUND, seconds)
+            verdict = watchdog.update(process.clock.now(), process.beat, process.usage, load.slowdown)
+            assert verdict is not Verdict.HUNG or process.clock.now() - process.beat > MAX_SILENCE
 
 
 @pytest.mark.parametrize("process", [MadeHang("S"), MadeHang("R", share=1.0), MadeHang("S", told=False),
@@ -97,7 +106,7 @@ def test_who_hangs_where_the_system_says_nothing_is_ended_as_soon():
     found: list[float] = []
     while not found:
         process.clock.advance(ROUND)
-        if watchdog.look(process.clock.now(), process.beat, lambda: None, 1.0) is Verdict.HUNG:
+        if watchdog.update(process.clock.now(), process.beat, lambda: None, 1.0) is Verdict.HUNG:
             found.append(process.clock.now() - process.beat)
     assert HANGS_AFTER <= found[0] <= HANGS_AFTER + 0.5
 
@@ -108,10 +117,10 @@ def test_who_hangs_on_an_overloaded_machine_is_ended_within_the_grown_bound(crow
     """`crowd` processes want each processor: a loop gets its part of one, who sleeps waits for others that do."""
     process = MadeHang(state, share=1.0 / crowd if state == "R" else 0.0)
     load = MachineLoad(ROUND)
-    load.read(0.0, MachineReading(crowd, 0.0))
-    load.read(100.0, MachineReading(crowd, 100.0))  # some thread waited all the time
+    load.record_reading(0.0, MachineReading(crowd, 0.0))
+    load.record_reading(100.0, MachineReading(crowd, 100.0))  # some thread waited all the time
     grown = {"R": load.slowdown, "S": min(load.slowdown, 4.0), "D": 4.0}[state]
-    bound = min(HANGS_AFTER * grown * max(look_every / 0.1, 1.0), CEILING)
+    bound = min(HANGS_AFTER * grown * max(look_every / 0.1, 1.0), MAX_SILENCE)
     lived = process.ended_after(load.slowdown, look_every=look_every)
     assert HANGS_AFTER <= lived <= bound + 0.6 + 2 * look_every
 
@@ -120,11 +129,11 @@ def test_who_wakes_after_a_night_ends_nobody_for_it():
     process, watchdog = MadeProcess(0.01), Watchdog()
     for _ in range(50):
         process.step(ROUND, 1.0)
-        watchdog.look(process.clock.now(), process.beat, process.usage, 1.0)
+        watchdog.update(process.clock.now(), process.beat, process.usage, 1.0)
     process.clock.advance(8 * 3600.0)
-    assert watchdog.look(process.clock.now(), process.beat, process.usage, 1.0) is Verdict.FINE
+    assert watchdog.update(process.clock.now(), process.beat, process.usage, 1.0) is Verdict.FINE
     process.clock.advance(ROUND)
-    assert watchdog.look(process.clock.now(), process.beat, process.usage, 1.0) is not Verdict.HUNG
+    assert watchdog.update(process.clock.now(), process.beat, process.usage, 1.0) is not Verdict.HUNG
 
 
 def test_a_slow_frame_and_a_loop_are_told_apart_by_the_processor_they_used():
@@ -134,9 +143,9 @@ def test_a_slow_frame_and_a_loop_are_told_apart_by_the_processor_they_used():
     verdicts = []
     for _ in range(1000):
         slow.step(ROUND, 0.25)
-        verdicts.append(watchdog.look(slow.clock.now(), slow.beat, slow.usage, 4.0))
+        verdicts.append(watchdog.update(slow.clock.now(), slow.beat, slow.usage, 4.0))
     assert set(verdicts) == {Verdict.FINE, Verdict.OVERLOADED}
-    assert (watchdog.late, watchdog.spared) == (4, 3)  # the fourth frame is not over yet
+    assert (watchdog.late, watchdog.overload_silences) == (4, 3)  # the fourth frame is not over yet
     assert watchdog.slowdown == pytest.approx(4.0)
     assert MadeHang("R", share=0.25).ended_after(4.0) == pytest.approx(4.0 * HANGS_AFTER, abs=0.5)
 
@@ -147,23 +156,23 @@ def test_a_heart_is_late_once_however_often_it_is_looked_at():
         beat = clock.now()
         while clock.now() - beat < silence:
             clock.advance(ROUND)
-            assert watchdog.look(clock.now(), beat, lambda: BLIND, 1.0) is not Verdict.HUNG
+            assert watchdog.update(clock.now(), beat, lambda: BLIND, 1.0) is not Verdict.HUNG
     assert watchdog.late == 3
 
 
 def test_who_was_ended_on_an_overloaded_machine_gives_the_next_one_longer():
     watchdog = Watchdog()
-    watchdog.patience = 4.0
+    watchdog.limit_factor = 4.0
     assert MadeHang("S").ended_after(1.0, watchdog=watchdog) == pytest.approx(4.0 * HANGS_AFTER, abs=0.5)
     starved = MadeHang("R", share=0.001)
     watchdog = Watchdog()
-    watchdog.patience = 4.0
-    assert starved.ended_after(1000.0, watchdog=watchdog) == pytest.approx(4.0 * CEILING, abs=0.5)
+    watchdog.limit_factor = 4.0
+    assert starved.ended_after(1000.0, watchdog=watchdog) == pytest.approx(4.0 * MAX_SILENCE, abs=0.5)
 
 
 def _read(load: MachineLoad, seconds: float, reading: Callable[[float], MachineReading]) -> None:
     for quarter in range(int(seconds * 4)):
-        load.read(quarter / 4, reading(quarter / 4))
+        load.record_reading(quarter / 4, reading(quarter / 4))
 
 
 @pytest.mark.parametrize(("reading", "slowdown"), [
@@ -174,7 +183,7 @@ def _read(load: MachineLoad, seconds: float, reading: Callable[[float], MachineR
     (lambda at: MachineReading(4.0, 0.5 * at), 2.5),
     (lambda at: MachineReading(0.5, 0.0, at, 0.75 * at, 0.0), 4.0),  # it swaps
     (lambda at: MachineReading(0.5, 0.0, 0.0, 0.0, 0.5 * at), 2.0),
-    (lambda at: MachineReading(1e9, at, at, at, at), SLOWEST),
+    (lambda at: MachineReading(1e9, at, at, at, at), MAX_SLOWDOWN),
 ])  # fmt: skip
 def test_what_a_machine_is_slowed_down_by_is_measured(reading, slowdown):
     load = MachineLoad(ROUND)
@@ -185,11 +194,11 @@ def test_what_a_machine_is_slowed_down_by_is_measured(reading, slowdown):
 def test_a_watcher_that_wakes_late_knows_it_and_forgets_it():
     load = MachineLoad(ROUND)
     for _ in range(200):
-        load.woke(0.08, 0.1)
+        load.record_wakeup(0.08, 0.1)
     assert load.slowdown == pytest.approx(5.0, rel=0.01)
     assert load.lateness == 0.08
     for _ in range(2000):
-        load.woke(0.0, ROUND)
+        load.record_wakeup(0.0, ROUND)
     assert load.slowdown == pytest.approx(1.0, abs=0.01)
     assert load.lateness < 0.001
 
@@ -200,13 +209,13 @@ def test_an_overload_that_nobody_feels_is_none():
     _read(load, 60.0, lambda at: MachineReading(4.0, at))
     for _ in range(100):
         clock.advance(ROUND)
-        watchdog.look(clock.now(), clock.now(), lambda: BLIND, load.slowdown)
+        watchdog.update(clock.now(), clock.now(), lambda: BLIND, load.slowdown)
     assert overload(load, watchdog) == 0.0
     beat = clock.now()
     for _ in range(10):
         clock.advance(ROUND)
-        watchdog.look(clock.now(), beat, lambda: BLIND, load.slowdown)
-    assert watchdog.gap > FELT
+        watchdog.update(clock.now(), beat, lambda: BLIND, load.slowdown)
+    assert watchdog.gap > NOTICEABLE_GAP
     assert overload(load, watchdog) == pytest.approx(1.0, rel=0.01)
     assert overload(MachineLoad(ROUND), watchdog) == 0.0  # late by itself
 
@@ -218,4 +227,4 @@ def test_this_system_says_what_it_is_asked():
     assert usage.state in "RS"
     assert usage.run > 0.0
     assert usage_of(1 << 30) is None
-    assert machine().runnable is not None
+    assert read_machine().runnable is not None

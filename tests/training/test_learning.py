@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.clock.tracking.beat_network import DELAY, Network, Weights
+from live.clock.tracking.beat_network import DELAY, BeatNetwork, NetworkWeights
 from live.clock.tracking.features import BAND_COUNT, HOP, Spectrum
 from tests.clock.clicks import groove
 from training.examples import Stream
@@ -23,9 +23,9 @@ def made_item(seconds: float = 12.0, bpm: float = 120.0, **facts: object) -> Ite
 def heard(sound: np.ndarray) -> np.ndarray:
     spectrum, out, start = Spectrum(RATE), [], 0
     while start < sound.size:
-        start += spectrum.take(sound, start)
+        start += spectrum.feed(sound, start)
         if spectrum.wanted == 0:
-            spectrum.read()
+            spectrum.analyse()
             out.append(spectrum.bands.copy())
     return np.array(out)
 
@@ -112,7 +112,7 @@ def test_jax_and_the_engine_say_the_same() -> None:
     looks = np.random.default_rng(5).gamma(1.0, 1.0, (40, 1, 2 * BAND_COUNT)).astype(np.float32)
     logits = np.asarray(network.forward(weights, looks, network.state(1))[0], np.float64)[:, 0]
     expected = np.exp(logits) / np.exp(logits).sum(axis=1, keepdims=True)
-    engine = Network(Weights.of({name: np.asarray(value) for name, value in weights.items()}))
+    engine = BeatNetwork(NetworkWeights.from_arrays({name: np.asarray(value) for name, value in weights.items()}))
     got = []
     for look in looks[:, 0]:
         count = engine.step(look)

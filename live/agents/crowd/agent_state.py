@@ -103,7 +103,7 @@ class AgentModel:
 class AgentState:
     """State of A agents at one tick; the arrays are contiguous views of `flat`, which the kernels read."""
 
-    __slots__ = ("acceleration", "flat", "heed", "position", "rest", "velocity")
+    __slots__ = ("acceleration", "flat", "position", "rest", "rest_separation", "velocity")
 
     def __init__(self, agent_count: int) -> None:
         a = agent_count
@@ -117,11 +117,11 @@ class AgentState:
         """Low-pass filtered acceleration [m/s²], shape (A, 2)."""
         self.rest: Float32 = self.flat[6 * a : 7 * a]
         """Time without motion [s], shape (A,); the agent sleeps from SLEEP on."""
-        self.heed: Float32 = self.flat[7 * a :]
+        self.rest_separation: Float32 = self.flat[7 * a :]
         """Separation [m] at which the agent came to rest, shape (A,); a different value wakes it."""
 
     @staticmethod
-    def at(position: npt.NDArray[np.floating]) -> "AgentState":
+    def at_rest(position: npt.NDArray[np.floating]) -> "AgentState":
         """Return agents at rest at `position` [m], shape (A, 2)."""
         state = AgentState(len(position))
         state.position[:] = position

@@ -9,51 +9,53 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.crowd.spatial_grid_kernels import RADIUS, X, Z
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 
 CAPACITY = 64
 """Largest number of walls, and of obstacles."""
-AHEAD = 1.5
+AVOID_DISTANCE = 1.5
 """Distance [m] at which avoidance of an obstacle or wall begins."""
-CLOSE = 0.1
+TOUCH_GAP = 0.1
 SWERVE = 0.5
 """Sideways share of the approach speed towards a round obstacle; fades in between AHEAD and a gap of `CLOSE` [m]."""
-SOFT_LANDING = 0.25
+EDGE_TIME = 0.25
 """Minimum time [s] to reach an edge, wall or obstacle; limits the speed towards it."""
 
 
 @kernel("f8(f8,f8,f8,f8)")
-def _within(v: float, at: float, half: float, most: float) -> float:
+def clamp_axis_velocity(v: float, at: float, half: float, most: float) -> float:
     """Clamp a velocity along one axis [m/s] at an edge `half` [m] from the middle; steer back if beyond it."""
     if at > half:
-        return min(v, -min(most, (at - half) / SOFT_LANDING))
+        return min(v, -min(most, (at - half) / EDGE_TIME))
     if at < -half:
-        return max(v, min(most, (-half - at) / SOFT_LANDING))
-    return min(max(v, -(half + at) / SOFT_LANDING), (half - at) / SOFT_LANDING)
+        return max(v, min(most, (-half - at) / EDGE_TIME))
+    return min(max(v, -(half + at) / EDGE_TIME), (half - at) / EDGE_TIME)
 
 
 @kernel("void(f4[:,::1], f4[:,::1], f4[::1], i4[::1], i8, f4[::1])")
-def keep_on_stage(moved: Float32, sorted_: Float32, wants: Float32, slot_agent: Int32, n: int, params: Float32) -> None:
+def clamp_to_stage(
+    moved: Float32, sorted_: Float32, commands: Float32, slot_agent: Int32, n: int, params: Float32
+) -> None:
     """Clamp the velocities in `moved` at the stage edges, except for passing agents. wants (8 A,): Wants.rows."""
     half_width, half_depth = float(params[0]), float(params[1])
-    soon = np.float32(SOFT_LANDING)
+    soon = np.float32(EDGE_TIME)
     if math.isinf(half_width) and math.isinf(half_depth):
         return
     for s in range(n):
         i = slot_agent[s]
         x, z = abs(sorted_[0, s]) + soon * abs(moved[0, s]), abs(sorted_[1, s]) + soon * abs(moved[1, s])
-        if (x <= params[0] and z <= params[1]) or wants[8 * i + 7] >= np.float32(2.0):
+        if (x <= params[0] and z <= params[1]) or commands[8 * i + 7] >= np.float32(2.0):
             continue
-        most = max(float(wants[8 * i + 2]), 0.1)
-        moved[0, s] = _within(moved[0, s], sorted_[0, s], half_width, most)
-        moved[1, s] = _within(moved[1, s], sorted_[1, s], half_depth, most)
+        most = max(float(commands[8 * i + 2]), 0.1)
+        moved[0, s] = clamp_axis_velocity(moved[0, s], sorted_[0, s], half_width, most)
+        moved[1, s] = clamp_axis_velocity(moved[1, s], sorted_[1, s], half_depth, most)
 
 
 @kernel("UniTuple(f8,2)(f8,f8,f4[:,::1],i8)")
-def wall_way(x: float, z: float, walls: Float32, w: int) -> tuple[float, float]:
+def wall_offset(x: float, z: float, walls: Float32, w: int) -> tuple[float, float]:
     """Return the vector from the nearest point of wall w to (x, z) [m]."""
     ax, az = float(walls[w, 0]), float(walls[w, 1])
     ex, ez = float(walls[w, 2]) - ax, float(walls[w, 3]) - az
@@ -63,7 +65,7 @@ def wall_way(x: float, z: float, walls: Float32, w: int) -> tuple[float, float]:
 
 
 @kernel("void(f4[:,::1], f4[:,::1], i8, f4[:,::1], i8, f4[:,::1], i8)")
-def bend_at_surroundings(
+def deflect_velocities(
     moved: Float32, sorted_: Float32, n: int, walls: Float32, wall_count: int, obstacles: Float32, obstacle_count: int
 ) -> None:
     """Deflect the velocities in `moved` around walls and obstacles (obstacle avoidance, T082).
@@ -78,21 +80,21 @@ def bend_at_surroundings(
         for w in range(wall_count + obstacle_count):
             ux, uz, reach = 0.0, 0.0, radius
             if w < wall_count:
-                dx, dz = wall_way(x, z, walls, w)
+                dx, dz = wall_offset(x, z, walls, w)
             else:
                 o = w - wall_count
                 dx, dz = x - obstacles[o, 0], z - obstacles[o, 1]
                 ux, uz, reach = float(obstacles[o, 3]), float(obstacles[o, 4]), radius + obstacles[o, 2]
             d = math.sqrt(dx * dx + dz * dz)
-            if d < 1e-9 or d > reach + AHEAD:
+            if d < 1e-9 or d > reach + AVOID_DISTANCE:
                 continue
             nx, nz = dx / d, dz / d
             at, gap = (vx - ux) * nx + (vz - uz) * nz, d - reach
-            inward = gap / SOFT_LANDING + at
+            inward = gap / EDGE_TIME + at
             if inward < 0.0:
                 vx, vz = vx - inward * nx, vz - inward * nz
-            if w >= wall_count and at < 0.0 and gap > CLOSE:
-                along, least = vx * nz - vz * nx, -SWERVE * at * (1.0 - gap / AHEAD)
+            if w >= wall_count and at < 0.0 and gap > TOUCH_GAP:
+                along, least = vx * nz - vz * nx, -SWERVE * at * (1.0 - gap / AVOID_DISTANCE)
                 if abs(along) < least:
                     more = math.copysign(least, along) - along
                     vx, vz = vx + more * nz, vz - more * nx
@@ -100,7 +102,7 @@ def bend_at_surroundings(
 
 
 @kernel("UniTuple(f8,2)(f8,f8,f8,f8,f8,f4[:,::1],i8,f4[:,::1],i8)")
-def outside_surroundings(
+def project_outside(
     x: float,
     z: float,
     old_x: float,
@@ -115,8 +117,8 @@ def outside_surroundings(
     for w in range(wall_count + obstacle_count):
         reach = radius
         if w < wall_count:
-            dx, dz = wall_way(x, z, walls, w)
-            bx, bz = wall_way(old_x, old_z, walls, w)
+            dx, dz = wall_offset(x, z, walls, w)
+            bx, bz = wall_offset(old_x, old_z, walls, w)
         else:
             o = w - wall_count
             dx, dz = x - obstacles[o, 0], z - obstacles[o, 1]
@@ -140,18 +142,18 @@ def outside_surroundings(
 
 CONTACT_MARGIN = 0.3
 """Gap [m] below which two bodies are tracked as a contact pair."""
-LANDING = 0.15
+CONTACT_TIME = 0.15
 """Minimum time [s] to contact of two bodies; limits their closing speed."""
-ROUNDS = 12
-PARTING_ROUNDS = 24
-SPARE = 0.001
+VELOCITY_ITERATIONS = 12
+POSITION_ITERATIONS = 24
+MIN_GAP = 0.001
 """Smallest gap kept between two bodies [m]."""
-LEAST_SHARE = 0.02
+MIN_MOBILITY = 0.02
 """Mobility of a soloist; above 0, so that two soloists can separate."""
 
 
-@part
-def note_pairs(sorted_: Float32, i: int, touches: Int32, count: int, pairs: Int32, pair_count: int) -> int:
+@inline_kernel
+def append_contact_pairs(sorted_: Float32, i: int, touches: Int32, count: int, pairs: Int32, pair_count: int) -> int:
     """Append the contact pairs of agent i with later agents of `touches`; return the new number of pairs."""
     for m in range(count):
         k = touches[m]
@@ -164,11 +166,11 @@ def note_pairs(sorted_: Float32, i: int, touches: Int32, count: int, pairs: Int3
 
 
 @kernel("void(f4[:,::1], f4[:,::1], i4[::1], i8, f4[:,::1], i8, f8)")
-def land_softly(
+def limit_closing_speeds(
     moved: Float32, sorted_: Float32, pairs: Int32, pair_count: int, change: Float32, n: int, dt: float
 ) -> None:
     """Reduce closing velocities in `moved` until no pair approaches faster than LANDING allows."""
-    for _ in range(ROUNDS):
+    for _ in range(VELOCITY_ITERATIONS):
         for s in range(n):
             change[0, s], change[1, s], change[2, s] = 0.0, 0.0, 0.0
         worst = 0.0
@@ -178,10 +180,10 @@ def land_softly(
             d = math.sqrt(dx * dx + dz * dz)
             nx, nz = (dx / d, dz / d) if d > 1e-6 else (1.0, 0.0)
             gap = d - float(sorted_[4, i]) - float(sorted_[4, j])
-            inward = max(gap, 0.0) / max(LANDING, dt) + (float(moved[0, i]) - moved[0, j]) * nx
+            inward = max(gap, 0.0) / max(CONTACT_TIME, dt) + (float(moved[0, i]) - moved[0, j]) * nx
             inward += (float(moved[1, i]) - moved[1, j]) * nz
             if inward < 0.0:
-                mi, mj = max(2.0 - sorted_[5, i], LEAST_SHARE), max(2.0 - sorted_[5, j], LEAST_SHARE)
+                mi, mj = max(2.0 - sorted_[5, i], MIN_MOBILITY), max(2.0 - sorted_[5, j], MIN_MOBILITY)
                 worst = min(worst, inward)
                 share = -inward * mi / (mi + mj)
                 change[0, i] += share * nx
@@ -201,18 +203,18 @@ def land_softly(
 
 
 @kernel("f8(f4[:,::1], f4[:,::1], i4[::1], i8, f4[:,::1])")
-def _push_apart(moved: Float32, sorted_: Float32, pairs: Int32, pair_count: int, change: Float32) -> float:
+def sum_overlap_corrections(moved: Float32, sorted_: Float32, pairs: Int32, pair_count: int, change: Float32) -> float:
     """Sum in `change` the correction of each overlapping body; return the deepest overlap [m]."""
     worst = 0.0
     for p in range(pair_count):
         i, j = pairs[2 * p], pairs[2 * p + 1]
         dx, dz = float(moved[2, i]) - moved[2, j], float(moved[3, i]) - moved[3, j]
         d = math.sqrt(dx * dx + dz * dz)
-        over = float(sorted_[4, i]) + float(sorted_[4, j]) + SPARE - d
+        over = float(sorted_[4, i]) + float(sorted_[4, j]) + MIN_GAP - d
         if over > 0.0:
             nx, nz = (dx / d, dz / d) if d > 1e-6 else (1.0, 0.0)
             worst = max(worst, over)
-            mi, mj = max(2.0 - sorted_[5, i], LEAST_SHARE), max(2.0 - sorted_[5, j], LEAST_SHARE)
+            mi, mj = max(2.0 - sorted_[5, i], MIN_MOBILITY), max(2.0 - sorted_[5, j], MIN_MOBILITY)
             share = over * mi / (mi + mj)
             change[0, i] += share * nx
             change[1, i] += share * nz
@@ -225,7 +227,7 @@ def _push_apart(moved: Float32, sorted_: Float32, pairs: Int32, pair_count: int,
 
 
 @kernel("void(f4[:,::1], f4[:,::1], i4[::1], i8, f4[:,::1], i8, f4[:,::1], i8, f4[:,::1], i8)")
-def part_bodies(
+def resolve_overlaps(
     moved: Float32,
     sorted_: Float32,
     pairs: Int32,
@@ -238,17 +240,17 @@ def part_bodies(
     obstacle_count: int,
 ) -> None:
     """Separate the new positions in `moved` (rows 2, 3) until no bodies, walls or obstacles overlap."""
-    for turn in range(PARTING_ROUNDS):
+    for turn in range(POSITION_ITERATIONS):
         for s in range(n):
             change[0, s], change[1, s], change[2, s] = 0.0, 0.0, 0.0
-        worst = _push_apart(moved, sorted_, pairs, pair_count, change)
+        worst = sum_overlap_corrections(moved, sorted_, pairs, pair_count, change)
         if worst < 1e-4 and (turn > 0 or wall_count + obstacle_count == 0):
             return
         for s in range(n):
             scale = 1.0 if change[2, s] < 1.5 else 1.5 / change[2, s]
             x, z = moved[2, s] + change[0, s] * scale, moved[3, s] + change[1, s] * scale
             if wall_count + obstacle_count > 0:
-                x, z = outside_surroundings(
+                x, z = project_outside(
                     x, z, sorted_[0, s], sorted_[1, s], sorted_[4, s], walls, wall_count, obstacles, obstacle_count
                 )
             moved[2, s], moved[3, s] = x, z

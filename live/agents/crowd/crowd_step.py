@@ -3,13 +3,13 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.agent_command import Wants
+from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
 from live.agents.crowd.obstacles import Surroundings
 from live.agents.crowd.step_kernels import CELL_ROWS, NUMBERS, ROWS, SPARE_COLUMNS, advance_crowd
 
 
-class Advance:
+class CrowdStepper:
     """Advances states of the agents of `model`; holds parameters and scratch arrays, no agent state."""
 
     def __init__(self, model: AgentModel) -> None:
@@ -25,12 +25,12 @@ class Advance:
         begin = 2 * self._agent_count
         self._fixed[begin : begin + 2] = half_width, half_depth
 
-    def steer(self, steering: Steering) -> None:
+    def set_steering(self, steering: Steering) -> None:
         """Replace the steering parameters except the stage size."""
         begin = 2 * self._agent_count
         self._fixed[begin + 2 :] = steering.vector()[2:]
 
-    def yield_to(self, rows: npt.NDArray[np.integer], responsibility: npt.NDArray[np.floating]) -> None:
+    def set_responsibility(self, rows: npt.NDArray[np.integer], responsibility: npt.NDArray[np.floating]) -> None:
         """Set the responsibility (n,) of the agents `rows` (n,)."""
         self._fixed[2 * rows + 1] = responsibility
 
@@ -39,7 +39,7 @@ class Advance:
         current: AgentState,
         out: AgentState,
         *,
-        wants: Wants,
+        commands: AgentCommand,
         surroundings: Surroundings,
         time: float,
         dt: float,
@@ -48,4 +48,6 @@ class Advance:
 
         The kernel has few arguments, since each costs as much as one agent.
         """
-        advance_crowd(out.flat, current.flat, self._fixed, wants.rows, surroundings.flat, dt, self._rows, self._numbers)
+        advance_crowd(
+            out.flat, current.flat, self._fixed, commands.rows, surroundings.flat, dt, self._rows, self._numbers
+        )

@@ -16,25 +16,25 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.contact_kernels import CONTACT_MARGIN, note_pairs
+from live.agents.crowd.contact_kernels import CONTACT_MARGIN, append_contact_pairs
 from live.agents.crowd.spatial_grid_kernels import (
     ALIGNMENT,
-    ASKED,
     AVOID_X,
     AVOID_Z,
     BLOCK_ROWS,
     COHESION,
     FLOCK_X,
     FLOCK_Z,
-    GIVE,
     LANE,
     LANES,
-    LATEST,
+    MOBILITY,
     NEIGHBOUR_RANGE,
+    PER_HORIZON,
     PER_SEPARATION2,
     PUSH_X,
     PUSH_Z,
     RADIUS,
+    REQUESTS,
     SUM_ROWS,
     SUMS,
     VX,
@@ -45,10 +45,10 @@ from live.agents.crowd.spatial_grid_kernels import (
     all_sleep,
     copy_lanes,
     fill_block,
-    find_near,
-    leave_asleep,
+    find_candidates,
+    zero_sleeping_sums,
 )
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -59,17 +59,19 @@ _ZERO: Any = _F(0.0)
 _ONE: Any = _F(1.0)
 _TWO: Any = _F(2.0)
 _FOUR: Any = _F(4.0)
-_GRAZE: Any = _F(0.05)
+_GRAZING: Any = _F(0.05)
 _MARGIN: Any = _F(CONTACT_MARGIN)
 _CAP: Any = _F(40.0)
 _PER_RANGE2: Any = _F(1.0 / NEIGHBOUR_RANGE**2)
 _MOST_W: Any = _F(1.0 / 0.15)
 _LEAST_C: Any = _F(1e-3)
 _TINY: Any = _F(1e-9)
-_SAFELY: Any = _F(1.002)  # exceeds the rounding error, so that the first loop misses no candidate of the second
+_ROUNDING_MARGIN: Any = _F(
+    1.002
+)  # exceeds the rounding error, so that the first loop misses no candidate of the second
 
 
-@part
+@inline_kernel
 def _sum_all_but_avoidance(
     sorted_: Float32, block: Float32, first: int, near: Int32, count: int, side: Any, meets: Int32, touches: Int32
 ) -> tuple[int, int]:
@@ -88,21 +90,21 @@ def _sum_all_but_avoidance(
             dx, dz = xk - block[X, j], zk - block[Z, j]
             ux, uz = vxk - block[VX, j], vzk - block[VZ, j]
             d2 = dx * dx + dz * dz
-            q = max(_ONE - d2 * block[ASKED + PER_SEPARATION2, j], _ZERO)
+            q = max(_ONE - d2 * block[REQUESTS + PER_SEPARATION2, j], _ZERO)
             w = q * q
             block[SUMS + PUSH_X, j] -= w * dx
             block[SUMS + PUSH_Z, j] -= w * dz
             seen = max(_ONE - d2 * _PER_RANGE2, _ZERO)
             w = seen * seen
             block[SUMS + WEIGHT, j] += w
-            block[SUMS + FLOCK_X, j] += w * (block[ASKED + ALIGNMENT, j] * ux + block[ASKED + COHESION, j] * dx)
-            block[SUMS + FLOCK_Z, j] += w * (block[ASKED + ALIGNMENT, j] * uz + block[ASKED + COHESION, j] * dz)
+            block[SUMS + FLOCK_X, j] += w * (block[REQUESTS + ALIGNMENT, j] * ux + block[REQUESTS + COHESION, j] * dx)
+            block[SUMS + FLOCK_Z, j] += w * (block[REQUESTS + ALIGNMENT, j] * uz + block[REQUESTS + COHESION, j] * dz)
             tx, tz = dx + side * dz, dz - side * dx
-            closing = -_SAFELY * (tx * ux + tz * uz)
+            closing = -_ROUNDING_MARGIN * (tx * ux + tz * uz)
             reach = block[RADIUS, j] + rk
             c = max(d2 - reach * reach, _LEAST_C)
             disc = closing * closing - (ux * ux + uz * uz) * c
-            soon = _TWO * closing - block[ASKED + LATEST, j] * c
+            soon = _TWO * closing - block[REQUESTS + PER_HORIZON, j] * c
             meet = np.int32(meet | np.int32(min(min(disc, soon), seen) > _ZERO))
             reach = reach + _MARGIN
             touch = np.int32(touch | np.int32(min(reach * reach - d2, later - block[LANE, j]) > _ZERO))
@@ -113,13 +115,13 @@ def _sum_all_but_avoidance(
     return meet_count, touch_count
 
 
-@part
+@inline_kernel
 def _sum_avoidance(sorted_: Float32, block: Float32, meets: Int32, count: int, side: Any, per_tau: Any) -> None:
     """Sum AVOID of the block over all `meets`."""
     for m in range(count):
         k: Any = np.uint64(meets[np.uint64(m)])
         xk, zk, vxk, vzk, rk = sorted_[X, k], sorted_[Z, k], sorted_[VX, k], sorted_[VZ, k], sorted_[RADIUS, k]
-        gk = sorted_[GIVE, k]
+        gk = sorted_[MOBILITY, k]
         for j in range(LANES):
             dx, dz = block[X, j] - xk, block[Z, j] - zk
             ux, uz = block[VX, j] - vxk, block[VZ, j] - vzk
@@ -133,11 +135,11 @@ def _sum_avoidance(sorted_: Float32, block: Float32, meets: Int32, count: int, s
             c = max(d2 - reach2, _LEAST_C)
             disc = max(closing * closing - u2 * c, _ZERO)
             root = math.sqrt(disc)
-            blunt = disc + _GRAZE * (u2 * reach2) + _TINY
+            blunt = disc + _GRAZING * (u2 * reach2) + _TINY
             inverse = _ONE / (c * blunt)
             w = min((closing + root) * (blunt * inverse), _MOST_W)  # 1 / time to the collision
             gate = (gk * min(_FOUR * seen, _ONE)) * ((c * inverse) * root)
-            h = max(w - block[ASKED + LATEST, j], _ZERO)
+            h = max(w - block[REQUESTS + PER_HORIZON, j], _ZERO)
             force = min((_TWO * h + per_tau) * h * gate, _CAP)
             block[SUMS + AVOID_X, j] += force * (tx * w + ux)
             block[SUMS + AVOID_Z, j] += force * (tz * w + uz)
@@ -151,7 +153,7 @@ def sum_neighbours(
     sorted_: Float32,
     start: Int32,
     grid: Float64,
-    asks: Float32,
+    requests: Float32,
     sums: Float32,
     params: Float32,
     awake: Int32,
@@ -162,7 +164,7 @@ def sum_neighbours(
 ) -> int:
     """Compute all sums (SUM_ROWS, n) of all sorted agents; return the number of contact pairs written into `pairs`.
 
-    asks (ASK_ROWS, n): the square of 1 / separation distance [1/m²], 1 / horizon [1/s], weights of alignment and
+    asks (REQUEST_ROWS, n): the square of 1 / separation distance [1/m²], 1 / horizon [1/s], weights of alignment and
     cohesion of each sorted agent. awake (cells + 1,): number of awake agents in the preceding cells; if all agents
     around a cell sleep, its sums are 0. Scratch: near, meets, touches (n + 1,). All rows of agents have LANES spare
     entries.
@@ -187,18 +189,18 @@ def sum_neighbours(
                 for f in range(SUM_ROWS):
                     sums[f, first:last] = _ZERO
                 continue
-            count = find_near(sorted_, start, columns, rows, row, first_column, column, first, last, near, meets)
-            fill_block(sorted_, asks, first, block)
+            count = find_candidates(sorted_, start, columns, rows, row, first_column, column, first, last, near, meets)
+            fill_block(sorted_, requests, first, block)
             meet_count, touch_count = _sum_all_but_avoidance(sorted_, block, first, near, count, side, meets, touches)
             _sum_avoidance(sorted_, block, meets, meet_count, side, per_tau)
             for f in range(SUM_ROWS):
                 copy_lanes(block, SUMS + f, 0, sums, f, first)
             if sleepers:
-                leave_asleep(sums, start, awake, columns, rows, row, first_column, column, first, last)
+                zero_sleeping_sums(sums, start, awake, columns, rows, row, first_column, column, first, last)
             for i in range(first, last):
-                mine = (_TWO - sorted_[GIVE, i]) * strength
+                mine = (_TWO - sorted_[MOBILITY, i]) * strength
                 sums[AVOID_X, i] *= mine
                 sums[AVOID_Z, i] *= mine
                 if touch_count > 0 and sums[WEIGHT, i] > _ZERO:
-                    pair_count = note_pairs(sorted_, i, touches, touch_count, pairs, pair_count)
+                    pair_count = append_contact_pairs(sorted_, i, touches, touch_count, pairs, pair_count)
     return pair_count

@@ -18,7 +18,7 @@ class _Rows:
         self.names: list[str] = []
         self._place: dict[str, int] = {}
 
-    def put(self, name: str, values: tuple[float, ...]) -> bool:
+    def set(self, name: str, values: tuple[float, ...]) -> bool:
         if not all(math.isfinite(value) and abs(value) < 1e4 for value in values):
             return False
         place = self._place.get(name)
@@ -57,28 +57,28 @@ class Surroundings:
         walls, obstacles = self.flat[: 4 * CAPACITY], self.flat[4 * CAPACITY : 9 * CAPACITY]
         self._walls = _Rows(walls.reshape(CAPACITY, 4), self.flat[9 * CAPACITY :])
         self._obstacles = _Rows(obstacles.reshape(CAPACITY, 5), self.flat[9 * CAPACITY + 1 :])
-        self.refused = 0
+        self.refused_count = 0
         """Number of walls and obstacles refused."""
 
-    def put_wall(self, name: str, x1: float, z1: float, x2: float, z2: float) -> bool:
+    def set_wall(self, name: str, x1: float, z1: float, x2: float, z2: float) -> bool:
         """Add a wall from (x1, z1) to (x2, z2) [m], or move the wall of this name; False: refused."""
-        return self._counted(self._walls.put(name, (x1, z1, x2, z2)))
+        return self._count_refused(self._walls.set(name, (x1, z1, x2, z2)))
 
-    def put_obstacle(self, name: str, x: float, z: float, radius: float, vx: float = 0.0, vz: float = 0.0) -> bool:
+    def set_obstacle(self, name: str, x: float, z: float, radius: float, vx: float = 0.0, vz: float = 0.0) -> bool:
         """Add a round obstacle of `radius` [m] at (x, z) [m] with velocity (vx, vz) [m/s], or update the one of this
         name.
 
         It stays at the given position; a tracker updates it with every measurement. False: refused.
         """
-        return self._counted(radius > 0.0 and self._obstacles.put(name, (x, z, radius, vx, vz)))
+        return self._count_refused(radius > 0.0 and self._obstacles.set(name, (x, z, radius, vx, vz)))
 
     def remove(self, name: str) -> bool:
         """Remove the wall and the obstacle of this name; False: there is none."""
         wall = self._walls.remove(name)
         return self._obstacles.remove(name) or wall
 
-    def _counted(self, taken: bool) -> bool:
-        self.refused += not taken
+    def _count_refused(self, taken: bool) -> bool:
+        self.refused_count += not taken
         return taken
 
     @property

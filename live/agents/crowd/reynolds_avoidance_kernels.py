@@ -8,11 +8,11 @@ import numpy.typing as npt
 from live.agents.crowd.spatial_grid_kernels import (
     AVOID_X,
     AVOID_Z,
-    COLUMNS_ROUND,
-    GIVE,
+    COLUMN_REACH,
+    MOBILITY,
     NEIGHBOUR_RANGE,
     RADIUS,
-    ROWS_ROUND,
+    ROW_REACH,
     VX,
     VZ,
     X,
@@ -24,7 +24,7 @@ Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
-AHEAD = 2.0
+MAX_TIME_TO_COLLISION = 2.0
 """Latest time to collision [s] that is avoided."""
 CLEARANCE = 0.2
 """Gap [m] that the nearest approach must leave."""
@@ -41,7 +41,7 @@ def dodge(dx: float, dz: float, ux: float, uz: float, reach: float) -> tuple[flo
     two agents of a pair get mirrored results; head on, both go to their right.
     """
     closing, u2 = -(dx * ux + dz * uz), ux * ux + uz * uz
-    if closing <= 0.0 or u2 < 1e-6 or closing > AHEAD * u2:
+    if closing <= 0.0 or u2 < 1e-6 or closing > MAX_TIME_TO_COLLISION * u2:
         return 0.0, 0.0
     when = closing / u2
     nx, nz = dx + ux * when, dz + uz * when
@@ -51,19 +51,19 @@ def dodge(dx: float, dz: float, ux: float, uz: float, reach: float) -> tuple[flo
     if gap < 0.1 * reach:
         nx, nz = -uz, ux
         gap = math.sqrt(u2)
-    urgency = 1.0 - when / AHEAD
+    urgency = 1.0 - when / MAX_TIME_TO_COLLISION
     return urgency * nx / gap, urgency * nz / gap
 
 
 @kernel("UniTuple(f8,3)(f4[:,::1], i4[::1], i8, i8, i8, i8, f8)")
-def nearest_threat(
+def sum_dodges(
     sorted_: Float32, start: Int32, columns: int, rows: int, cell: int, i: int, d_f: float
 ) -> tuple[float, float, float]:
     """Return the distance [m] of the nearest approaching neighbour (1e9: none within d_f) and the sum of all dodges."""
     nearest, sum_x, sum_z = 1e9, 0.0, 0.0
-    for r in range(max(cell // columns - ROWS_ROUND, 0), min(cell // columns + ROWS_ROUND + 1, rows)):
-        first = start[r * columns + max(cell % columns - COLUMNS_ROUND, 0)]
-        last = start[r * columns + min(cell % columns + COLUMNS_ROUND, columns - 1) + 1]
+    for r in range(max(cell // columns - ROW_REACH, 0), min(cell // columns + ROW_REACH + 1, rows)):
+        first = start[r * columns + max(cell % columns - COLUMN_REACH, 0)]
+        last = start[r * columns + min(cell % columns + COLUMN_REACH, columns - 1) + 1]
         for s in range(first, last):
             dx, dz = float(sorted_[X, i] - sorted_[X, s]), float(sorted_[Z, i] - sorted_[Z, s])
             d = math.sqrt(dx * dx + dz * dz)
@@ -73,8 +73,8 @@ def nearest_threat(
             if dx * ux + dz * uz < -1e-3 * d:
                 nearest = min(nearest, d)
             x, z = dodge(dx, dz, ux, uz, sorted_[RADIUS, i] + sorted_[RADIUS, s] + CLEARANCE)
-            sum_x += x * sorted_[GIVE, s]
-            sum_z += z * sorted_[GIVE, s]
+            sum_x += x * sorted_[MOBILITY, s]
+            sum_z += z * sorted_[MOBILITY, s]
     return nearest, sum_x, sum_z
 
 
@@ -83,7 +83,7 @@ def avoid_by_distance(
     sorted_: Float32,
     start: Int32,
     grid: Float64,
-    wants: Float32,
+    commands: Float32,
     sums: Float32,
     slot_agent: Int32,
     params: Float32,
@@ -97,15 +97,15 @@ def avoid_by_distance(
     most, d_s, d_f = float(params[3]), float(params[9]), float(params[10])
     for cell in range(columns * rows):
         for i in range(start[cell], start[cell + 1]):
-            nearest, x, z = nearest_threat(sorted_, start, columns, rows, cell, i, d_f)
+            nearest, x, z = sum_dodges(sorted_, start, columns, rows, cell, i, d_f)
             size = math.sqrt(x * x + z * z)
-            scale = most * (2.0 - sorted_[GIVE, i]) / max(size, 1.0)
+            scale = most * (2.0 - sorted_[MOBILITY, i]) / max(size, 1.0)
             sums[AVOID_X, i] = x * scale
             sums[AVOID_Z, i] = z * scale
-            if nearest < d_s and sorted_[GIVE, i] < 2.0:
+            if nearest < d_s and sorted_[MOBILITY, i] < 2.0:
                 k = 8 * slot_agent[i]
-                firm = wants[k + 6]
-                wants[k] = firm * wants[k] + (np.float32(1.0) - firm) * sorted_[VX, i]
-                wants[k + 1] = firm * wants[k + 1] + (np.float32(1.0) - firm) * sorted_[VZ, i]
-                wants[k + 2] *= np.float32(SLOW_SHARE) + firm * np.float32(1.0 - SLOW_SHARE)
+                firm = commands[k + 6]
+                commands[k] = firm * commands[k] + (np.float32(1.0) - firm) * sorted_[VX, i]
+                commands[k + 1] = firm * commands[k + 1] + (np.float32(1.0) - firm) * sorted_[VZ, i]
+                commands[k + 2] *= np.float32(SLOW_SHARE) + firm * np.float32(1.0 - SLOW_SHARE)
                 sums[2, i], sums[3, i], sums[4, i] = 0.0, 0.0, 0.0

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
@@ -23,13 +23,13 @@ NEIGHBOUR_RANGE = 3.0
 """Range of neighbour interaction [m]."""
 CELL_X, CELL_Z = 1.0, 3.0
 """Size of a cell [m]."""
-COLUMNS_ROUND, ROWS_ROUND = 3, 1
+COLUMN_REACH, ROW_REACH = 3, 1
 """Columns and rows of cells on each side that contain all neighbours."""
 
 # rows of the sorted agents
-X, Z, VX, VZ, RADIUS, GIVE, SORTED_ROWS = 0, 1, 2, 3, 4, 5, 6
+X, Z, VX, VZ, RADIUS, MOBILITY, SORTED_ROWS = 0, 1, 2, 3, 4, 5, 6
 _PRESENCE = 7  # column of Wants.rows
-SLEEP = 0.5
+SLEEP_TIME = 0.5
 """Time [s] without motion after which an agent sleeps."""
 _LIMIT = 1e6
 _NEXT: Any = np.uint64(1)
@@ -40,18 +40,18 @@ _PER_X: Any = np.float32(1.0 / CELL_X)
 _PER_Z: Any = np.float32(1.0 / CELL_Z)
 _BRISK2: Any = np.float32(0.7**2)
 _SLOWEST2: Any = np.float32(0.01)
-_IDLE_GIVES: Any = np.float32(0.9)
+_IDLE_MOBILITY: Any = np.float32(0.9)
 """Extra share of avoidance taken by an agent without a command: at its goal it lets others pass."""
 
 
-@part
-def asked_of(separation: Any, cohesion: Any) -> Any:
+@inline_kernel
+def neighbour_command_key(separation: Any, cohesion: Any) -> Any:
     """Return a number that identifies the neighbour commands of a standing agent; a change wakes it."""
     return separation + np.float32(1000.0) * cohesion
 
 
 @kernel("i8(f4[::1], f4[::1], i4[::1], f8[::1], i8)")
-def _lay_grid(state: Float32, wants: Float32, order: Int32, grid: Any, capacity: int) -> int:
+def _fit_grid(state: Float32, commands: Float32, order: Int32, grid: Any, capacity: int) -> int:
     """Lay the grid over the present agents, at most `capacity` cells; return their number n, `order` lists them first.
 
     grid (4,): x and z of its corner [m], columns, rows. If the agents are too far apart for the capacity, the grid
@@ -59,8 +59,8 @@ def _lay_grid(state: Float32, wants: Float32, order: Int32, grid: Any, capacity:
     """
     left, right, back, front = _LIMIT, -_LIMIT, _LIMIT, -_LIMIT
     n = 0
-    for i in range(wants.shape[0] // 8):
-        if wants[8 * i + _PRESENCE] > 0.0:
+    for i in range(commands.shape[0] // 8):
+        if commands[8 * i + _PRESENCE] > 0.0:
             x, z = float(state[2 * i]), float(state[2 * i + 1])
             left, right, back, front = min(left, x), max(right, x), min(back, z), max(front, z)
             order[n] = i
@@ -83,16 +83,16 @@ def _lay_grid(state: Float32, wants: Float32, order: Int32, grid: Any, capacity:
     return n
 
 
-@part
-def _is_awake(state: Float32, wants: Float32, i: int, a: int) -> Any:
+@inline_kernel
+def _is_awake(state: Float32, commands: Float32, i: int, a: int) -> Any:
     """Return 1 for an awake agent, 0 for a sleeping one: no command, and no motion for SLEEP seconds."""
-    wish = wants[8 * i] * wants[8 * i] + wants[8 * i + 1] * wants[8 * i + 1]
-    asked = asked_of(wants[8 * i + 3], wants[8 * i + 5])
-    asleep = state[6 * a + i] >= np.float32(SLEEP) and wish <= np.float32(0.0) and state[7 * a + i] == asked
+    wish = commands[8 * i] * commands[8 * i] + commands[8 * i + 1] * commands[8 * i + 1]
+    asked = neighbour_command_key(commands[8 * i + 3], commands[8 * i + 5])
+    asleep = state[6 * a + i] >= np.float32(SLEEP_TIME) and wish <= np.float32(0.0) and state[7 * a + i] == asked
     return np.int32(0) if asleep else np.int32(1)
 
 
-@part
+@inline_kernel
 def _find_cells(state: Float32, cell_of: Int32, grid: Any, a: int) -> None:
     """Write the cells of all agents, absent ones included, into cell_of[a:]; branch-free, so that it is vectorised.
 
@@ -107,44 +107,46 @@ def _find_cells(state: Float32, cell_of: Int32, grid: Any, a: int) -> None:
         cell_of[a + i] = np.int32(row * columns) + column
 
 
-@part
+@inline_kernel
 def _count_awake(
-    state: Float32, wants: Float32, cell_of: Int32, start: Int32, awake: Int32, n: int, cell_count: int
+    state: Float32, commands: Float32, cell_of: Int32, start: Int32, awake: Int32, n: int, cell_count: int
 ) -> None:
     """Count the awake agents in the preceding cells; returns early if no agent rests, the usual case."""
-    a = wants.shape[0] // 8
+    a = commands.shape[0] // 8
     resting: Any = np.int32(0)
     for i in range(a):
-        resting = np.int32(resting | np.int32(state[6 * a + i] >= np.float32(SLEEP)))
+        resting = np.int32(resting | np.int32(state[6 * a + i] >= np.float32(SLEEP_TIME)))
     for c in range(cell_count + 1):
         awake[c] = 0 if resting != 0 else start[c + 1]
     if resting != 0:
         for k in range(n):
             i = cell_of[k]
-            awake[cell_of[a + i] + 1] += _is_awake(state, wants, i, a)
+            awake[cell_of[a + i] + 1] += _is_awake(state, commands, i, a)
         for c in range(1, cell_count):
             awake[c + 1] += awake[c]
 
 
-@part
-def _copy_agents(state: Float32, wants: Float32, model: Float32, slot_agent: Int32, sorted_: Float32, n: int) -> None:
+@inline_kernel
+def _copy_agents(
+    state: Float32, commands: Float32, model: Float32, slot_agent: Int32, sorted_: Float32, n: int
+) -> None:
     """Copy the agents' data in slot order; unsigned indices avoid the check for negative ones."""
-    velocity = np.uint64(2 * (wants.shape[0] // 8))
+    velocity = np.uint64(2 * (commands.shape[0] // 8))
     for s in range(n):
         two, eight = np.uint64(2 * slot_agent[s]), np.uint64(8 * slot_agent[s])
         sorted_[X, s], sorted_[Z, s] = state[two], state[two + _NEXT]
         sorted_[VX, s], sorted_[VZ, s] = state[velocity + two], state[velocity + two + _NEXT]
-        wish2 = wants[eight] * wants[eight] + wants[eight + _NEXT] * wants[eight + _NEXT]
-        speed = wants[eight + _NEXT + _NEXT]
+        wish2 = commands[eight] * commands[eight] + commands[eight + _NEXT] * commands[eight + _NEXT]
+        speed = commands[eight + _NEXT + _NEXT]
         idle = max(_ONE - wish2 / max(_BRISK2 * speed * speed, _SLOWEST2), _ZERO)
         sorted_[RADIUS, s] = model[two]
-        sorted_[GIVE, s] = _TWO - model[two + _NEXT] * (_ONE + _IDLE_GIVES * idle)
+        sorted_[MOBILITY, s] = _TWO - model[two + _NEXT] * (_ONE + _IDLE_MOBILITY * idle)
 
 
 @kernel("i8(f4[::1], f4[::1], f4[::1], f4[:,::1], i4[::1], i4[::1], i4[:,::1], f8[::1])")
 def sort_agents(
     state: Float32,
-    wants: Float32,
+    commands: Float32,
     model: Float32,
     sorted_: Float32,
     slot_agent: Int32,
@@ -159,9 +161,9 @@ def sort_agents(
     values; cell_of (2 A,) is scratch. state (8 A,), wants (8 A,), model (2 A,). grid (4,): x, z of the corner, columns,
     rows.
     """
-    a = wants.shape[0] // 8
+    a = commands.shape[0] // 8
     start, awake = cells[0], cells[1]
-    n = _lay_grid(state, wants, cell_of, grid, start.shape[0] - 2)
+    n = _fit_grid(state, commands, cell_of, grid, start.shape[0] - 2)
     cell_count = int(grid[2]) * int(grid[3])
     for c in range(cell_count + 2):
         start[c] = 0
@@ -170,21 +172,21 @@ def sort_agents(
         start[np.uint64(cell_of[np.uint64(a) + np.uint64(cell_of[k])] + 2)] += 1
     for c in range(1, cell_count):
         start[c + 2] += start[c + 1]
-    _count_awake(state, wants, cell_of, start, awake, n, cell_count)
+    _count_awake(state, commands, cell_of, start, awake, n, cell_count)
     for k in range(n):
         i: Any = np.uint64(cell_of[k])
         c_next: Any = np.uint64(cell_of[np.uint64(a) + i] + 1)
         s = start[c_next]
         start[c_next] = s + 1
         slot_agent[np.uint64(s)] = i
-    _copy_agents(state, wants, model, slot_agent, sorted_, n)
+    _copy_agents(state, commands, model, slot_agent, sorted_, n)
     return n
 
 
 LANES = 8
 
 # rows of an agent's request to the neighbour pass
-PER_SEPARATION2, LATEST, ALIGNMENT, COHESION, ASK_ROWS = 0, 1, 2, 3, 4
+PER_SEPARATION2, PER_HORIZON, ALIGNMENT, COHESION, REQUEST_ROWS = 0, 1, 2, 3, 4
 
 # rows of the sums of an agent
 PUSH_X, PUSH_Z = 0, 1
@@ -198,24 +200,24 @@ AVOID_X, AVOID_Z = 5, 6
 SUM_ROWS = 7
 
 # rows of a block: X to RADIUS, the lane number, the requests, the sums
-LANE, ASKED, SUMS, BLOCK_ROWS = 5, 6, 10, 17
+LANE, REQUESTS, SUMS, BLOCK_ROWS = 5, 6, 10, 17
 
 _RANGE2: Any = np.float32(NEIGHBOUR_RANGE**2 * 1.0001)
 _1, _2, _3, _4, _5, _6, _7 = (np.uint64(j) for j in range(1, LANES))  # unsigned: no check for negative indices
 
 
-@part
+@inline_kernel
 def all_sleep(awake: Int32, columns: int, rows: int, row: int, first: int, last: int) -> bool:
     """Whether all agents within range of columns first to last of `row` sleep."""
-    left, right = max(first - COLUMNS_ROUND, 0), min(last + COLUMNS_ROUND + 1, columns)
+    left, right = max(first - COLUMN_REACH, 0), min(last + COLUMN_REACH + 1, columns)
     count = 0
-    for r in range(max(row - ROWS_ROUND, 0), min(row + ROWS_ROUND + 1, rows)):
+    for r in range(max(row - ROW_REACH, 0), min(row + ROW_REACH + 1, rows)):
         count += awake[r * columns + right] - awake[r * columns + left]
     return count == 0
 
 
-@part
-def leave_asleep(
+@inline_kernel
+def zero_sleeping_sums(
     sums: Float32,
     start: Int32,
     awake: Int32,
@@ -235,8 +237,8 @@ def leave_asleep(
                     sums[f, i] = _ZERO
 
 
-@part
-def find_near(
+@inline_kernel
+def find_candidates(
     sorted_: Float32,
     start: Int32,
     columns: int,
@@ -256,9 +258,9 @@ def find_near(
     for s in range(first + 1, last):
         x0, x1 = min(x0, sorted_[X, s]), max(x1, sorted_[X, s])
         z0, z1 = min(z0, sorted_[Z, s]), max(z1, sorted_[Z, s])
-    left, right = max(first_column - COLUMNS_ROUND, 0), min(last_column + COLUMNS_ROUND + 1, columns)
+    left, right = max(first_column - COLUMN_REACH, 0), min(last_column + COLUMN_REACH + 1, columns)
     count = 0
-    for r in range(max(row - ROWS_ROUND, 0), min(row + ROWS_ROUND + 1, rows)):
+    for r in range(max(row - ROW_REACH, 0), min(row + ROW_REACH + 1, rows)):
         begin, end = start[r * columns + left], start[r * columns + right]
         for t in range(end - begin):
             k: Any = np.uint64(begin + t)
@@ -271,7 +273,7 @@ def find_near(
     return count
 
 
-@part
+@inline_kernel
 def copy_lanes(source: Float32, f: int, first: int, to: Float32, g: int, begin: int) -> None:
     """Copy LANES numbers of row f from `first` on to row g from `begin` on; all are read first, in one load."""
     s: Any = np.uint64(first)
@@ -282,13 +284,13 @@ def copy_lanes(source: Float32, f: int, first: int, to: Float32, g: int, begin: 
     to[g, t + _4], to[g, t + _5], to[g, t + _6], to[g, t + _7] = a4, a5, a6, a7
 
 
-@part
-def fill_block(sorted_: Float32, asks: Float32, first: int, block: Float32) -> None:
+@inline_kernel
+def fill_block(sorted_: Float32, requests: Float32, first: int, block: Float32) -> None:
     """Fill a block with the agents from slot `first` on and zero sums."""
     for f in range(5):
         copy_lanes(sorted_, f, first, block, f, 0)
-    for f in range(ASK_ROWS):
-        copy_lanes(asks, f, first, block, ASKED + f, 0)
+    for f in range(REQUEST_ROWS):
+        copy_lanes(requests, f, first, block, REQUESTS + f, 0)
     for f in range(SUM_ROWS):
         for j in range(LANES):
             block[SUMS + f, j] = _ZERO

@@ -12,7 +12,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.contact_kernels import CAPACITY, bend_at_surroundings, keep_on_stage, land_softly, part_bodies
+from live.agents.crowd.contact_kernels import (
+    CAPACITY,
+    clamp_to_stage,
+    deflect_velocities,
+    limit_closing_speeds,
+    resolve_overlaps,
+)
 from live.agents.crowd.neighbour_kernels import sum_neighbours
 from live.agents.crowd.reynolds_avoidance_kernels import avoid_by_distance
 from live.agents.crowd.spatial_grid_kernels import (
@@ -22,19 +28,19 @@ from live.agents.crowd.spatial_grid_kernels import (
     COHESION,
     FLOCK_X,
     FLOCK_Z,
-    LATEST,
     NEIGHBOUR_RANGE,
+    PER_HORIZON,
     PER_SEPARATION2,
     PUSH_X,
     PUSH_Z,
-    SLEEP,
+    SLEEP_TIME,
     WEIGHT,
     X,
     Z,
-    asked_of,
+    neighbour_command_key,
     sort_agents,
 )
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
@@ -44,7 +50,7 @@ SEPARATION_PEAK = 25.0 * math.sqrt(5.0) / 16.0
 """1 over the largest value of s (1 - s²)², which is at s = 1/√5."""
 FIRM_HORIZON = 0.4
 """Look-ahead [s] of an agent with a firm command, whose path is planned."""
-FIRM_SWERVE = 0.25
+FIRM_AVOIDANCE_TIME = 0.25
 """Time [s] by which the avoidance acceleration of a firm agent is turned into velocity."""
 # rows of a block: commands in the order of Wants.rows, sums in the order of the neighbour pass
 _WANTS, _SUMS, _OLD, _AX, _AZ, _NEW_X, _NEW_Z, _BLOCK_ROWS = 0, 7, 14, 16, 17, 18, 19, 20
@@ -57,35 +63,35 @@ _TINY: Any = _F(1e-6)
 _STILL: Any = _F(1e-3)
 _SLOW: Any = _F(0.1)
 _PEAK: Any = _F(SEPARATION_PEAK)
-_SWERVE: Any = _F(FIRM_SWERVE)
+_FIRM_AVOIDANCE_TIME: Any = _F(FIRM_AVOIDANCE_TIME)
 _LEAST: Any = _F(1e-3)
 _MOST: Any = _F(NEIGHBOUR_RANGE)
 
 
 @kernel("void(f4[:,::1], f4[::1], i4[::1], i8, f4[::1])")
-def ask_agents(asks: Float32, wants: Float32, slot_agent: Int32, n: int, params: Float32) -> None:
+def fill_requests(requests: Float32, commands: Float32, slot_agent: Int32, n: int, params: Float32) -> None:
     """Fill `asks`, the request of each sorted agent to the neighbour pass. wants (8 A,): Wants.rows."""
     horizon, firm_horizon = params[6], _F(FIRM_HORIZON)
     for s in range(n):
         i = 8 * slot_agent[s]
-        separation = min(max(wants[i + _SEPARATION], _LEAST), _MOST)
-        ahead = horizon + wants[i + _FIRM] * (firm_horizon - horizon)
-        asks[PER_SEPARATION2, s] = _ONE / (separation * separation)
-        asks[LATEST, s] = _ONE / ahead
-        asks[ALIGNMENT, s], asks[COHESION, s] = wants[i + 4], wants[i + 5]
+        separation = min(max(commands[i + _SEPARATION], _LEAST), _MOST)
+        ahead = horizon + commands[i + _FIRM] * (firm_horizon - horizon)
+        requests[PER_SEPARATION2, s] = _ONE / (separation * separation)
+        requests[PER_HORIZON, s] = _ONE / ahead
+        requests[ALIGNMENT, s], requests[COHESION, s] = commands[i + 4], commands[i + 5]
 
 
-@part
+@inline_kernel
 def _gather_block(
-    block: Float32, state: Float32, wants: Float32, sums: Float32, slot_agent: Int32, start: int, n: int
+    block: Float32, state: Float32, commands: Float32, sums: Float32, slot_agent: Int32, start: int, n: int
 ) -> None:
     """Copy the sorted agents from `start` on into the block; lanes beyond the last agent repeat it."""
-    a = wants.shape[0] // 8
+    a = commands.shape[0] // 8
     for j in range(BLOCK):
         s = min(start + j, n - 1)
         i = slot_agent[s]
         for c in range(7):
-            block[_WANTS + c, j] = wants[8 * i + c]
+            block[_WANTS + c, j] = commands[8 * i + c]
         for c in range(7):
             block[_SUMS + c, j] = sums[c, s]
         for c in range(2):
@@ -93,7 +99,7 @@ def _gather_block(
             block[_AX + c, j] = state[4 * a + 2 * i + c]
 
 
-@part
+@inline_kernel
 def _accelerate(block: Float32, most: Any, per_relaxation: Any, catch_up: Any) -> None:
     """Compute accelerations: (desired - current velocity) (T081) over the relaxation time, plus avoidance."""
     for j in range(BLOCK):
@@ -120,8 +126,8 @@ def _accelerate(block: Float32, most: Any, per_relaxation: Any, catch_up: Any) -
         block[_WISH_X, j], block[_WISH_Z, j] = wish_x, wish_z
 
 
-@part
-def _speed_up(block: Float32, most: Any, turn: Any, dt: Any) -> None:
+@inline_kernel
+def _integrate_velocity(block: Float32, most: Any, turn: Any, dt: Any) -> None:
     """Compute new velocities within top speed and turn rate; firm agents take the preferred velocity at once.
 
     `turn`: tangent of the largest turn. An agent brakes instead of turning further.
@@ -146,15 +152,15 @@ def _speed_up(block: Float32, most: Any, turn: Any, dt: Any) -> None:
         asleep = resting and new_x * new_x + new_z * new_z < _STILL * _STILL and abs(block[_AX, j]) < _STILL
         keep = _ZERO if asleep else _ONE - block[_FIRM, j]
         firm = block[_FIRM, j]
-        block[_NEW_X, j] = keep * new_x + firm * (block[_WISH_X, j] + _SWERVE * block[_AX, j])
-        block[_NEW_Z, j] = keep * new_z + firm * (block[_WISH_Z, j] + _SWERVE * block[_AZ, j])
+        block[_NEW_X, j] = keep * new_x + firm * (block[_WISH_X, j] + _FIRM_AVOIDANCE_TIME * block[_AX, j])
+        block[_NEW_Z, j] = keep * new_z + firm * (block[_WISH_Z, j] + _FIRM_AVOIDANCE_TIME * block[_AZ, j])
 
 
 @kernel("void(f4[::1], f4[::1], f4[::1], f4[:,::1], f4[:,::1], i4[::1], i8, f4[::1], f8)")
 def steer_agents(
     out: Float32,
     state: Float32,
-    wants: Float32,
+    commands: Float32,
     sums: Float32,
     moved: Float32,
     slot_agent: Int32,
@@ -167,14 +173,14 @@ def steer_agents(
     wants (8 A,): Wants.rows.
     """
     block = np.empty((_BLOCK_ROWS, BLOCK), np.float32)
-    a = wants.shape[0] // 8
+    a = commands.shape[0] // 8
     most, per_relaxation = params[3], _F(1.0 / max(float(params[5]), dt))
     turn = _F(math.tan(min(float(params[4]) * dt, 1.5)))
     catch_up = _F(1.0 - math.exp(-dt / max(float(params[12]), 1e-6)))
     for start in range(0, n, BLOCK):
-        _gather_block(block, state, wants, sums, slot_agent, start, n)
+        _gather_block(block, state, commands, sums, slot_agent, start, n)
         _accelerate(block, most, per_relaxation, catch_up)
-        _speed_up(block, most, turn, _F(dt))
+        _integrate_velocity(block, most, turn, _F(dt))
         for j in range(min(BLOCK, n - start)):
             s = start + j
             i = 4 * a + 2 * slot_agent[s]
@@ -184,14 +190,14 @@ def steer_agents(
 
 ROWS, NUMBERS, CELL_ROWS, SPARE_COLUMNS = 32, 16, 2, 32
 """Rows of the scratch arrays `rows`, `numbers` and `cells`, and their spare columns beyond the agents."""
-_VELOCITY, _ACCELERATION, _REST, _HEED = 2, 4, 6, 7
+_VELOCITY, _ACCELERATION, _REST, _REST_SEPARATION = 2, 4, 6, 7
 
 
 @kernel("void(f4[::1], f4[::1], f4[::1], f4[:,::1], f4[:,::1], i4[::1], i8, f4[::1], f8)")
 def finish_tick(
     out: Float32,
     state: Float32,
-    wants: Float32,
+    commands: Float32,
     sorted_: Float32,
     moved: Float32,
     slot_agent: Int32,
@@ -203,28 +209,28 @@ def finish_tick(
 
     wants (8 A,): Wants.rows. Absent agents keep their position, with zero velocity.
     """
-    a = wants.shape[0] // 8
+    a = commands.shape[0] // 8
     v, acc, zero = _VELOCITY * a, _ACCELERATION * a, np.float32(0.0)
-    tick, longest = np.float32(dt), np.float32(2.0 * SLEEP)
+    tick, longest = np.float32(dt), np.float32(2.0 * SLEEP_TIME)
     for i in range(a if n < a else 0):
-        if wants[8 * i + 7] <= zero:
+        if commands[8 * i + 7] <= zero:
             out[2 * i], out[2 * i + 1] = state[2 * i], state[2 * i + 1]
             out[v + 2 * i], out[v + 2 * i + 1], out[acc + 2 * i], out[acc + 2 * i + 1] = zero, zero, zero, zero
-            out[_REST * a + i], out[_HEED * a + i] = zero, zero
+            out[_REST * a + i], out[_REST_SEPARATION * a + i] = zero, zero
     for s in range(n):
         i = slot_agent[s]
         x, z, vx, vz = moved[2, s], moved[3, s], moved[0, s], moved[1, s]
-        if wants[8 * i + 7] < np.float32(2.0):
+        if commands[8 * i + 7] < np.float32(2.0):
             limit_x, limit_z = max(params[0], abs(sorted_[X, s])), max(params[1], abs(sorted_[Z, s]))
             x, z = min(max(x, -limit_x), limit_x), min(max(z, -limit_z), limit_z)
         out[2 * i], out[2 * i + 1], out[v + 2 * i], out[v + 2 * i + 1] = x, z, vx, vz
-        heed = asked_of(wants[8 * i + 3], wants[8 * i + 5])
+        heed = neighbour_command_key(commands[8 * i + 3], commands[8 * i + 5])
         rested = zero
-        if wants[8 * i] == zero and wants[8 * i + 1] == zero and state[_HEED * a + i] == heed:
+        if commands[8 * i] == zero and commands[8 * i + 1] == zero and state[_REST_SEPARATION * a + i] == heed:
             motion = abs(vx) + abs(vz) + abs(x - sorted_[X, s]) + abs(z - sorted_[Z, s])
             motion += abs(out[acc + 2 * i]) + abs(out[acc + 2 * i + 1])
             rested = min(state[_REST * a + i] + tick, longest) if motion == zero else zero
-        out[_REST * a + i], out[_HEED * a + i] = rested, heed
+        out[_REST * a + i], out[_REST_SEPARATION * a + i] = rested, heed
 
 
 @kernel("void(f4[::1], f4[::1], f4[::1], f4[:,::1], f4[::1], f8, f4[:,::1], i4[::1])")
@@ -232,7 +238,7 @@ def advance_crowd(
     out: Float32,
     state: Float32,
     fixed: Float32,
-    wants: Float32,
+    commands: Float32,
     surroundings: Float32,
     dt: float,
     rows: Float32,
@@ -244,7 +250,7 @@ def advance_crowd(
     surroundings: Surroundings.flat; scratch: rows (ROWS, A + SPARE_COLUMNS), integers: NUMBERS rows as long, then
     CELL_ROWS rows of the number of cells + 2.
     """
-    a, width = wants.shape[0], rows.shape[1]
+    a, width = commands.shape[0], rows.shape[1]
     numbers = integers[: NUMBERS * width].reshape(NUMBERS, width)
     cells = integers[NUMBERS * width :].reshape(CELL_ROWS, (integers.shape[0] - NUMBERS * width) // CELL_ROWS)
     params = fixed[2 * a :]
@@ -252,13 +258,13 @@ def advance_crowd(
     obstacles = surroundings[4 * CAPACITY : 9 * CAPACITY].reshape(CAPACITY, 5)
     wall_count, obstacle_count = int(surroundings[9 * CAPACITY]), int(surroundings[9 * CAPACITY + 1])
     grid = np.empty(4)
-    wanted = wants.reshape(8 * a)
+    wanted = commands.reshape(8 * a)
     sorted_, sums, moved, change = rows[0:6], rows[6:13], rows[13:17], rows[17:20]
     asks, asked = rows[20:24], rows[24:32].reshape(8 * width)[: 8 * a]
     slot_agent = numbers[0]
     pairs = numbers[4:16].reshape(12 * width)
     n = sort_agents(state, wanted, fixed[: 2 * a], sorted_, slot_agent, numbers[1:3].reshape(2 * width), cells, grid)
-    ask_agents(asks, wanted, slot_agent, n, params)
+    fill_requests(asks, wanted, slot_agent, n, params)
     pair_count = sum_neighbours(
         sorted_, cells[0], grid, asks, sums, params, cells[1], numbers[1], numbers[2], numbers[3], pairs
     )
@@ -268,12 +274,12 @@ def advance_crowd(
         steer_agents(out, state, asked, sums, moved, slot_agent, n, params, dt)
     else:
         steer_agents(out, state, wanted, sums, moved, slot_agent, n, params, dt)
-    land_softly(moved, sorted_, pairs, pair_count, change, n, dt)
+    limit_closing_speeds(moved, sorted_, pairs, pair_count, change, n, dt)
     if wall_count + obstacle_count > 0:
-        bend_at_surroundings(moved, sorted_, n, walls, wall_count, obstacles, obstacle_count)
-    keep_on_stage(moved, sorted_, wanted, slot_agent, n, params)
+        deflect_velocities(moved, sorted_, n, walls, wall_count, obstacles, obstacle_count)
+    clamp_to_stage(moved, sorted_, wanted, slot_agent, n, params)
     for s in range(n):
         moved[2, s] = sorted_[X, s] + moved[0, s] * np.float32(dt)
         moved[3, s] = sorted_[Z, s] + moved[1, s] * np.float32(dt)
-    part_bodies(moved, sorted_, pairs, pair_count, change, n, walls, wall_count, obstacles, obstacle_count)
+    resolve_overlaps(moved, sorted_, pairs, pair_count, change, n, walls, wall_count, obstacles, obstacle_count)
     finish_tick(out, state, wanted, sorted_, moved, slot_agent, n, params, dt)

@@ -10,18 +10,18 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.elements.element_kinds import VOICE
+from live.agents.elements.element_kinds import PARTICIPANT
 from live.agents.elements.element_table_kernels import (
-    HEARD,
+    ACTIVE_START,
+    ADDRESSED_LEVEL,
     LEVEL,
     PLACE_COUNT,
-    ROWS,
     STRENGTH,
     SWITCHED,
     X,
     Z,
+    add_velocity,
     addresses,
-    take,
 )
 from live.base.jit import kernel
 
@@ -33,29 +33,29 @@ UInt64 = npt.NDArray[np.uint64]
 # columns of a place (P, 5)
 PLACE_X, PLACE_Z, SHARE, PULL, DECAY = 0, 1, 2, 3, 4
 PLACE_COLUMNS = 5
-PLACES = 8
+MAX_PLACES = 8
 """Largest number of places per audience; voices elsewhere are ignored."""
-AUDIENCES = 8
+MAX_AUDIENCES = 8
 """Largest number of different group masks addressed at a time."""
 BANDWIDTH = 1.2
 """Voices within this distance [m] of each other form one place."""
 SHARPNESS = 4.0
 """Exponent of the share: a place with half the voices pulls less by a factor of 2 to the power of this."""
-NEARNESS = 8.0
+NEAR_DISTANCE = 8.0
 """Distance [m] over which nearness counts as much as a factor e in voices."""
 QUORUM = 4.0
 """Number of voices that pull with full strength; fewer pull in proportion."""
 
 
 @kernel("f8(f8,f8,f8,f8)")
-def closeness(ax: float, az: float, bx: float, bz: float) -> float:
+def kernel_weight(ax: float, az: float, bx: float, bz: float) -> float:
     """Return the kernel weight of two voices: 1 at the same point, 0 from the bandwidth on (biweight kernel)."""
     t = 1.0 - ((ax - bx) ** 2 + (az - bz) ** 2) / (BANDWIDTH * BANDWIDTH)
     return t * t if t > 0.0 else 0.0
 
 
 @kernel("b1(f8[:,::1],u8[::1],i4[::1],f8[:,::1],u8[::1],f8[::1],u8,f8,i8)")
-def next_place(
+def find_densest_place(
     table: Float64,
     masks: UInt64,
     active: Int32,
@@ -70,7 +70,7 @@ def next_place(
 
     The place is the mean of its voices. Return False if no voice is left.
     """
-    first, end = ROWS + active[VOICE], ROWS + active[VOICE + 1]
+    first, end = ACTIVE_START + active[PARTICIPANT], ACTIVE_START + active[PARTICIPANT + 1]
     best = -1
     for k in range(first, end):
         a = active[k]
@@ -84,7 +84,7 @@ def next_place(
         for k in range(first, end):
             a = active[k]
             if masks[a] == mask and density[a] > 0.0:
-                near = closeness(x, z, table[a, X], table[a, Z]) * table[a, LEVEL] * max(table[a, STRENGTH], 0.0)
+                near = kernel_weight(x, z, table[a, X], table[a, Z]) * table[a, LEVEL] * max(table[a, STRENGTH], 0.0)
                 sum_x += near * table[a, X]
                 sum_z += near * table[a, Z]
                 near_sum += near
@@ -111,19 +111,19 @@ def next_place(
 @kernel("void(f8[:,::1],u8[::1],i4[::1],f8[::1])")
 def weigh_voices(table: Float64, masks: UInt64, active: Int32, density: Float64) -> None:
     """Write the weight of the voices around each voice, itself included, into density (E,)."""
-    first, end = ROWS + active[VOICE], ROWS + active[VOICE + 1]
+    first, end = ACTIVE_START + active[PARTICIPANT], ACTIVE_START + active[PARTICIPANT + 1]
     for k in range(first, end):
         a = active[k]
         density[a] = 0.0
         for n in range(first, end):
             b = active[n]
             if masks[a] == masks[b]:
-                near = closeness(table[a, X], table[a, Z], table[b, X], table[b, Z])
+                near = kernel_weight(table[a, X], table[a, Z], table[b, X], table[b, Z])
                 density[a] += near * table[b, LEVEL] * max(table[b, STRENGTH], 0.0)
 
 
 @kernel("i8(f8[:,::1],u8[::1],i4[::1],f8[:,::1],u8[::1],f8[::1],u8,i8)")
-def places_of(
+def find_mask_places(
     table: Float64,
     masks: UInt64,
     active: Int32,
@@ -134,13 +134,13 @@ def places_of(
     begin: int,
 ) -> int:
     """Find the places of the voices of one group mask, from row `begin` on; return the row after the last one."""
-    first, end = ROWS + active[VOICE], ROWS + active[VOICE + 1]
+    first, end = ACTIVE_START + active[PARTICIPANT], ACTIVE_START + active[PARTICIPANT + 1]
     total, most, count = 0.0, 0.0, begin
     for k in range(first, end):
         if masks[active[k]] == mask:
             total += table[active[k], LEVEL] * max(table[active[k], STRENGTH], 0.0)
-    for _ in range(PLACES):
-        if not next_place(table, masks, active, places, audience, density, mask, total, count):
+    for _ in range(MAX_PLACES):
+        if not find_densest_place(table, masks, active, places, audience, density, mask, total, count):
             break
         most = max(most, places[count, SHARE])
         count += 1
@@ -153,7 +153,9 @@ def places_of(
 
 
 @kernel("i8(f8[:,::1],u8[::1],i4[::1],f8[:,::1],u8[::1],f8[::1])")
-def gather(table: Float64, masks: UInt64, active: Int32, places: Float64, audience: UInt64, density: Float64) -> int:
+def find_places(
+    table: Float64, masks: UInt64, active: Int32, places: Float64, audience: UInt64, density: Float64
+) -> int:
     """Find the places of the acting voices; return their number.
 
     Writes places (PLACES * AUDIENCES, 5) and audience (PLACES * AUDIENCES,), the group mask of each place. density (E,)
@@ -161,15 +163,15 @@ def gather(table: Float64, masks: UInt64, active: Int32, places: Float64, audien
     """
     weigh_voices(table, masks, active, density)
     count = 0
-    for _ in range(AUDIENCES):
+    for _ in range(MAX_AUDIENCES):
         of = -1
-        for k in range(ROWS + active[VOICE], ROWS + active[VOICE + 1]):
+        for k in range(ACTIVE_START + active[PARTICIPANT], ACTIVE_START + active[PARTICIPANT + 1]):
             if density[active[k]] >= 0.0:
                 of = active[k]
                 break
         if of < 0:
             break
-        count = places_of(table, masks, active, places, audience, density, masks[of], count)
+        count = find_mask_places(table, masks, active, places, audience, density, masks[of], count)
     return count
 
 
@@ -183,7 +185,7 @@ def fair_attraction(
     between two equal places, and so sharp that a place with few voices does not count next to one with many.
     """
     for i in range(position.shape[0]):
-        if sums[i, HEARD] <= 0.0:
+        if sums[i, ADDRESSED_LEVEL] <= 0.0:
             continue
         wish_x, wish_z, pull, total = 0.0, 0.0, 0.0, 0.0
         for p in range(int(numbers[PLACE_COUNT])):
@@ -191,11 +193,11 @@ def fair_attraction(
                 continue
             dx, dz = places[p, PLACE_X] - position[i, 0], places[p, PLACE_Z] - position[i, 1]
             d = math.sqrt(dx * dx + dz * dz)
-            weight = places[p, SHARE] * math.exp(-SHARPNESS * d / NEARNESS)
+            weight = places[p, SHARE] * math.exp(-SHARPNESS * d / NEAR_DISTANCE)
             size = weight * places[p, PULL] * (1.0 - math.exp(-d / places[p, DECAY])) / max(d, 1e-9)
             wish_x += size * dx
             wish_z += size * dz
             pull += weight * places[p, PULL]
             total += weight
         if total > 0.0:
-            take(sums, i, wish_x / total, wish_z / total, pull / total, numbers[SWITCHED] > 0.0)
+            add_velocity(sums, i, wish_x / total, wish_z / total, pull / total, numbers[SWITCHED] > 0.0)

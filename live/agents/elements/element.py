@@ -16,19 +16,19 @@ from live.agents.elements.element_kinds import (
     FOLLOW,
     GRID,
     KIND_NAMES,
+    MAX_POINTS,
+    PARTICIPANT,
     PATH,
-    POINT_LIMIT,
     PURSUE,
     REPULSOR,
     UNIFORM,
-    VOICE,
 )
-from live.agents.elements.element_table_kernels import faded_in
+from live.agents.elements.element_table_kernels import fade_in_level
 from live.base.errors import PersonError
 
 FADE_BEATS: Final = 1.0
 """Fade time in beats: ease-out after the start, linear before the end."""
-FARTHEST: Final = 1000.0
+MAX_DISTANCE: Final = 1000.0
 """Largest distance of an element from the middle of the stage [m]."""
 Points = tuple[tuple[float, float], ...]
 _DECAY: Final = {ATTRACTOR: 1.2, REPULSOR: 1.6, EVADE: 2.5, FLOW: 1.2}
@@ -58,7 +58,7 @@ class Element:
     fair: bool = False
     """One vote of an audience: attractors are clustered, places with many votes win, a single one captures no dancer.
     """
-    flow: int = UNIFORM
+    flow_kind: int = UNIFORM
     decay: float | None = None
     """Decay length [m] of f(d) = exp(-d / decay); None: the default of its kind."""
     target: int = -1
@@ -82,10 +82,12 @@ class Element:
         numbers += [self.separation or 0.0, *(value for point in self.points for value in point)]
         if not all(map(math.isfinite, numbers)) or math.isnan(self.end_beat):
             raise PersonError(f"{name}: every place, strength and beat must be a finite number")
-        if not 1 <= len(self.points) <= POINT_LIMIT:
-            raise PersonError(f"{name}: {len(self.points)} points", f"give 1 to {POINT_LIMIT}")
-        if max(abs(value) for point in self.points for value in point) > FARTHEST:
-            raise PersonError(f"{name}: a place more than {FARTHEST:.0f} m away", "places are metres from the middle")
+        if not 1 <= len(self.points) <= MAX_POINTS:
+            raise PersonError(f"{name}: {len(self.points)} points", f"give 1 to {MAX_POINTS}")
+        if max(abs(value) for point in self.points for value in point) > MAX_DISTANCE:
+            raise PersonError(
+                f"{name}: a place more than {MAX_DISTANCE:.0f} m away", "places are metres from the middle"
+            )
         if self.radius < 0.0 or (self.decay is not None and self.decay <= 0.0) or (self.separation or 0.0) < 0.0:
             raise PersonError(
                 f"{name}: radius, decay and separation must not be negative, decay must be above 0",
@@ -96,7 +98,7 @@ class Element:
         self._check_place(name)
 
     def _check_place(self, name: str) -> None:
-        needs_line = self.kind in (CROSSING, PATH) or (self.kind == FLOW and self.flow in (UNIFORM, DRAWN))
+        needs_line = self.kind in (CROSSING, PATH) or (self.kind == FLOW and self.flow_kind in (UNIFORM, DRAWN))
         if needs_line and line_length(self.points) < 1e-3:
             raise PersonError(f"{name}: its line has no length", "give two points that lie apart")
         if self.kind == CROSSING and math.dist(self.points[0], self.points[1]) < 1e-3:
@@ -105,8 +107,8 @@ class Element:
             raise PersonError(f"{name}: target missing or ambiguous", "give either a dancer or a group")
         if not -1 <= self.target_group <= 63 or self.target < -1:
             raise PersonError(f"{name}: no such dancer or group", "dancers count from 0, groups have bits 0 to 63")
-        if self.kind == FLOW and not UNIFORM <= self.flow <= GRID:
-            raise PersonError(f"{name}: no flow has the number {self.flow}", "use the names of FLOW_NAMES")
+        if self.kind == FLOW and not UNIFORM <= self.flow_kind <= GRID:
+            raise PersonError(f"{name}: no flow has the number {self.flow_kind}", "use the names of FLOW_NAMES")
         if self.fair and self.kind != ATTRACTOR:
             raise PersonError(f"{name}: only attractors can be fair")
 
@@ -123,7 +125,7 @@ class Element:
     @property
     def table_kind(self) -> int:
         """Kind in the kernels' arrays; fair attractors are voices."""
-        return VOICE if self.fair else self.kind
+        return PARTICIPANT if self.fair else self.kind
 
     @property
     def decay_length(self) -> float:
@@ -135,13 +137,13 @@ class Element:
         into, left = beat - self.start_beat, self.end_beat - beat
         if into < 0.0 or left <= 0.0:
             return 0.0
-        return float(min(faded_in(into / FADE_BEATS), left / FADE_BEATS))
+        return float(min(fade_in_level(into / FADE_BEATS), left / FADE_BEATS))
 
-    def moved(self, dx: float, dz: float) -> "Element":
+    def translated(self, dx: float, dz: float) -> "Element":
         """Return a copy moved by (dx, dz) [m]."""
         return replace(self, points=tuple((x + dx, z + dz) for x, z in self.points))
 
-    def ending(self, beat: float) -> "Element":
+    def faded_out(self, beat: float) -> "Element":
         """Return a copy that fades out from `beat` on, from its current level; unchanged if it ends sooner."""
         end = beat + self.level(beat) * FADE_BEATS
         if end >= self.end_beat:

@@ -5,33 +5,33 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from live.agents.agent_command import Wants
-from live.agents.elements.audience_attractor_kernels import AUDIENCES, PLACE_COLUMNS, PLACES, gather
-from live.agents.elements.crossing_kernels import MEMORY_COLUMNS, claim
+from live.agents.agent_command import AgentCommand
+from live.agents.elements.audience_attractor_kernels import MAX_AUDIENCES, MAX_PLACES, PLACE_COLUMNS, find_places
+from live.agents.elements.crossing_kernels import MEMORY_COLUMNS, assign_goals
 from live.agents.elements.element import Element
-from live.agents.elements.element_kinds import CROSSING, ELEMENT_CAPACITY, FLOW, GRID, VOICE
+from live.agents.elements.element_kinds import CROSSING, ELEMENT_CAPACITY, FLOW, GRID, PARTICIPANT
 from live.agents.elements.element_table import ElementTable, Float32, Float64, UInt64
 from live.agents.elements.element_table_kernels import (
     HALF_DEPTH,
     HALF_WIDTH,
     LEVEL,
-    NUMBERS,
+    PARAMETER_COUNT,
     PLACE_COUNT,
     SEED,
     SUM_COLUMNS,
     SWITCHED,
     TIME,
-    show_elements,
+    copy_active_elements,
 )
-from live.agents.elements.field_kernels import wish_of_all
+from live.agents.elements.field_kernels import apply_elements
 from live.agents.elements.polyline_flow import GRID_COLUMNS, GRID_ROWS
 from live.agents.elements.shape_kernels import NEAR_COLUMNS
-from live.agents.elements.spread_kernels import CELLS, MESH, fill_cosines
+from live.agents.elements.spread_kernels import MAX_CELLS, MAX_MESH_NODES, fill_cosines
 from live.base.errors import PersonError
 from live.base.stage_snapshot import StageView
 
 
-class Moving(Protocol):
+class Kinematics(Protocol):
     """State read by the field: position [m] and velocity [m/s] of the agents, each (A, 2)."""
 
     @property
@@ -70,20 +70,20 @@ class ElementField:
         """Influence of the elements on each agent in the last `wish`, 0 to 1, shape (A,)."""
         self._memory: Float64 = np.zeros((agent_count, MEMORY_COLUMNS))
         self._sums: Float64 = np.zeros((agent_count, SUM_COLUMNS))
-        self._near: Float64 = np.zeros((agent_count, NEAR_COLUMNS))
+        self._nearest: Float64 = np.zeros((agent_count, NEAR_COLUMNS))
         self._spreading: Float64 = np.zeros((agent_count, 2))
-        self._places: Float64 = np.zeros((PLACES * AUDIENCES, PLACE_COLUMNS))
-        self._audience: UInt64 = np.zeros(PLACES * AUDIENCES, np.uint64)
+        self._places: Float64 = np.zeros((MAX_PLACES * MAX_AUDIENCES, PLACE_COLUMNS))
+        self._audience: UInt64 = np.zeros(MAX_PLACES * MAX_AUDIENCES, np.uint64)
         self._density: Float64 = np.zeros(capacity)
-        self._numbers: Float64 = np.zeros(NUMBERS)
+        self._numbers: Float64 = np.zeros(PARAMETER_COUNT)
         self._numbers[SEED] = seed
         self._numbers[SWITCHED] = combine == "switched"
         self._area: Float64 = np.zeros(4)
         self.resize(half_width, half_depth)
-        self._mesh: Float32 = np.zeros((3, MESH, MESH), np.float32)
-        self._cosines: Float32 = np.zeros((2, MESH + 1, MESH, MESH), np.float32)
+        self._mesh: Float32 = np.zeros((3, MAX_MESH_NODES, MAX_MESH_NODES), np.float32)
+        self._cosines: Float32 = np.zeros((2, MAX_MESH_NODES + 1, MAX_MESH_NODES, MAX_MESH_NODES), np.float32)
         fill_cosines(self._cosines)
-        self._start = np.zeros(CELLS * CELLS + 1, np.int32)
+        self._start = np.zeros(MAX_CELLS * MAX_CELLS + 1, np.int32)
         self._order = np.zeros((2, agent_count), np.int32)
 
     def resize(self, half_width: float, half_depth: float) -> None:
@@ -107,7 +107,7 @@ class ElementField:
         another shape.
         """
         good = grid is not None and grid.shape == (GRID_ROWS, GRID_COLUMNS, 2) and bool(np.isfinite(grid).all())
-        if element.kind == FLOW and element.flow == GRID and not good:
+        if element.kind == FLOW and element.flow_kind == GRID and not good:
             raise PersonError("flow: its grid is missing or has another form", "give 24 rows of 32 finite (x, z)")
         return self._table.add(element, grid)
 
@@ -145,7 +145,7 @@ class ElementField:
                 continue
             count += 1
             if element.level(beat) > 0.0:
-                self._table.replace(row, element.ending(beat))
+                self._table.replace(row, element.faded_out(beat))
             else:
                 self._table.remove(row)
         return count
@@ -156,30 +156,36 @@ class ElementField:
 
     # -- each tick ---------------------------------------------------------------------------------------------
 
-    def refresh(self, beat: float, wants: Wants, state: Moving, groups: UInt64) -> None:
+    def refresh(self, beat: float, commands: AgentCommand, state: Kinematics, groups: UInt64) -> None:
         """Update the acting elements at `beat` and assign targets of crossings; call once per tick, first.
 
         `groups` (A,) uint64: the bits of the groups each agent belongs to.
         """
         table, numbers = self._table, self._numbers
         table.refresh(beat)
-        if table.acts(CROSSING):
-            claim(
-                table.rows, table.masks, table.vertices, table.active, state.position, wants.rows, groups,
+        if table.is_active(CROSSING):
+            assign_goals(
+                table.rows, table.masks, table.vertices, table.active, state.position, commands.rows, groups,
                 self._memory, numbers[HALF_WIDTH], numbers[HALF_DEPTH], int(numbers[SEED]),
             )  # fmt: skip
         numbers[PLACE_COUNT] = 0.0
-        if table.acts(VOICE):
-            numbers[PLACE_COUNT] = gather(
+        if table.is_active(PARTICIPANT):
+            numbers[PLACE_COUNT] = find_places(
                 table.rows, table.masks, table.active, self._places, self._audience, self._density
             )
 
-    def foresee(self, beat: float) -> None:
+    def preview(self, beat: float) -> None:
         """Set the elements expected to act at `beat`, before `wish` on a copy; the next `refresh` undoes it."""
-        self._table.foresee(beat)
+        self._table.preview(beat)
 
-    def wish(
-        self, wants: Wants, state: Moving, groups: UInt64, *, time: float, influence: Float32 | None = None
+    def apply(
+        self,
+        commands: AgentCommand,
+        state: Kinematics,
+        groups: UInt64,
+        *,
+        time: float,
+        influence: Float32 | None = None,
     ) -> Float32:
         """Blend the elements into `wants`: (1 - influence) of the planned velocity and firmness, plus the elements'
         velocity.
@@ -190,32 +196,32 @@ class ElementField:
         """
         out = self.influence if influence is None else influence
         table = self._table
-        if not len(table.acting):
+        if not len(table.active_rows):
             out[:] = 0.0
             return out
         self._numbers[TIME] = time
-        wish_of_all(
-            state.position, state.velocity, wants.rows, groups, table.rows, table.masks, table.vertices, table.active,
+        apply_elements(
+            state.position, state.velocity, commands.rows, groups, table.rows, table.masks, table.vertices, table.active,
             table.grids, self._places, self._audience, self._memory, self._area, self._mesh, self._cosines, self._start,
-            self._order, self._spreading, self._numbers, self._sums, self._near, out,
+            self._order, self._spreading, self._numbers, self._sums, self._nearest, out,
         )  # fmt: skip
         return out
 
     # -- drawing -----------------------------------------------------------------------------------------------
 
-    def show(self, view: StageView) -> None:
+    def write_view(self, view: StageView) -> None:
         """Copy the acting elements into the drawing snapshot: kind, place, level, and the corners of lines and regions.
 
         Audience votes have kind VOICE. Corners that exceed the capacity are dropped, together with the line of their
         element.
         """
         table = self._table
-        view.element_count = show_elements(
+        view.element_count = copy_active_elements(
             table.rows, table.active, table.vertices,
             view.element_kind, view.element_position, view.element_level, view.element_radius, view.element_strength,
             view.element_flow, view.element_first, view.element_corners, view.element_corner,
         )  # fmt: skip
 
-    def shown(self) -> list[tuple[Element, float]]:
+    def active_levels(self) -> list[tuple[Element, float]]:
         """Return the acting elements with their levels, for pictures that draw lines and regions."""
-        return [(self._table.elements[row], float(self._table.rows[row, LEVEL])) for row in self._table.acting]
+        return [(self._table.elements[row], float(self._table.rows[row, LEVEL])) for row in self._table.active_rows]

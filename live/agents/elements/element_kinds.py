@@ -12,13 +12,13 @@ from live.base.stage_snapshot import (
     FLOW,
     FOLLOW,
     GRID,
+    PARTICIPANT,
     PATH,
     PURSUE,
     RADIAL,
     REPULSOR,
     SPREADER,
     UNIFORM,
-    VOICE,
     VORTEX,
     WANDER,
 )
@@ -44,9 +44,9 @@ FLOW_NAMES: Final = {"uniform": UNIFORM, "radial": RADIAL, "vortex": VORTEX, "dr
 
 EVERYBODY: Final = (1 << 64) - 1
 """Group mask that addresses all dancers, including those of no group."""
-VERTEX_COUNT: Final = 64
+MAX_VERTICES: Final = 64
 """Largest number of vertices kept for a drawn line; longer lines are simplified."""
-POINT_LIMIT: Final = 4096
+MAX_POINTS: Final = 4096
 """Largest number of points of a drawn line."""
 
 __all__ = [
@@ -63,15 +63,15 @@ __all__ = [
     "GRID",
     "KIND_COUNT",
     "KIND_NAMES",
+    "MAX_POINTS",
+    "MAX_VERTICES",
+    "PARTICIPANT",
     "PATH",
-    "POINT_LIMIT",
     "PURSUE",
     "RADIAL",
     "REPULSOR",
     "SPREADER",
     "UNIFORM",
-    "VERTEX_COUNT",
-    "VOICE",
     "VORTEX",
     "WANDER",
 ]

@@ -7,15 +7,15 @@ import numpy.typing as npt
 
 from live.agents.elements import element_table_kernels
 from live.agents.elements.element import FADE_BEATS, Element
-from live.agents.elements.element_kinds import CROSSING, DRAWN, FLOCK, FLOW, GRID, KIND_COUNT, VERTEX_COUNT
-from live.agents.elements.polyline_flow import GRID_COLUMNS, GRID_ROWS, corners_of, grid_along
+from live.agents.elements.element_kinds import CROSSING, DRAWN, FLOCK, FLOW, GRID, KIND_COUNT, MAX_VERTICES
+from live.agents.elements.polyline_flow import GRID_COLUMNS, GRID_ROWS, flow_grid_along, simplified_vertices
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 UInt64 = npt.NDArray[np.uint64]
 
-SLOTS: Final = 8
+GRID_SLOTS: Final = 8
 """Largest number of drawn flows; the oldest is replaced."""
 CROSSING_SEPARATION: Final = 0.7
 """Separation of crossing dancers [m]; more would keep the two streams apart."""
@@ -30,18 +30,18 @@ class ElementTable:
         # twice the capacity: the window of rows slides over it, so that dropping the oldest row moves no other
         self._all_rows: Float64 = np.zeros((2 * capacity, element_table_kernels.COLUMNS))
         self._all_masks: UInt64 = np.zeros(2 * capacity, np.uint64)
-        self._all_vertices: Float32 = np.zeros((2 * capacity, VERTEX_COUNT, 2), np.float32)
+        self._all_vertices: Float32 = np.zeros((2 * capacity, MAX_VERTICES, 2), np.float32)
         self._first = 0
         self._serials: dict[int, int] = {}  # by id() of the element
-        self._fair = 0
-        self.grids: Float32 = np.zeros((SLOTS, GRID_ROWS, GRID_COLUMNS, 2), np.float32)
+        self._voice_count = 0
+        self.grids: Float32 = np.zeros((GRID_SLOTS, GRID_ROWS, GRID_COLUMNS, 2), np.float32)
         self.active: Int32 = np.zeros(KIND_COUNT + 1 + capacity, np.int32)
         """Start index of each kind, then the acting rows sorted by kind: see `refresh_table`."""
-        self._half = (half_width, half_depth)
+        self._half_size = (half_width, half_depth)
         self._separation = separation
         self._capacity = capacity
         self._serial = 0
-        self._slot_use: list[int] = [0] * SLOTS
+        self._slot_use: list[int] = [0] * GRID_SLOTS
         self._slide(0)
 
     def _slide(self, first: int) -> None:
@@ -50,7 +50,7 @@ class ElementTable:
         self.masks: UInt64 = self._all_masks[window]
         self.vertices: Float32 = self._all_vertices[window]
 
-    def number_again(self) -> None:
+    def rebuild_index(self) -> None:
         """Rebuild the identity index after unpickling, which creates new element objects."""
         serials = self.rows[: len(self.elements), element_table_kernels.SERIAL]
         self._serials = {id(each): int(serial) for each, serial in zip(self.elements, serials, strict=True)}
@@ -66,10 +66,16 @@ class ElementTable:
 
     def resize(self, half_width: float, half_depth: float) -> None:
         """Set the stage's half sizes [m] and recompute drawn flows."""
-        self._half = (half_width, half_depth)
+        self._half_size = (half_width, half_depth)
         for row, element in enumerate(self.elements):
-            if element.kind == FLOW and element.flow == DRAWN and self.rows[row, element_table_kernels.SLOT] >= 0.0:
-                self.grids[int(self.rows[row, element_table_kernels.SLOT])] = grid_along(element.points, *self._half)
+            if (
+                element.kind == FLOW
+                and element.flow_kind == DRAWN
+                and self.rows[row, element_table_kernels.SLOT] >= 0.0
+            ):
+                self.grids[int(self.rows[row, element_table_kernels.SLOT])] = flow_grid_along(
+                    element.points, *self._half_size
+                )
 
     def __len__(self) -> int:
         return len(self.elements)
@@ -81,7 +87,9 @@ class ElementTable:
         Return False if a voice finds only elements of the show, which it does not displace.
         """
         if len(self.elements) >= self._capacity:
-            place = next((row for row, old in enumerate(self.elements) if old.fair), None) if self._fair else None
+            place = (
+                next((row for row, old in enumerate(self.elements) if old.fair), None) if self._voice_count else None
+            )
             if place is None and element.fair:
                 return False
             self.remove(place or 0)
@@ -89,12 +97,12 @@ class ElementTable:
         self.elements.append(element)
         self._serial += 1
         self._serials[id(element)] = self._serial
-        self._fair += element.fair
+        self._voice_count += element.fair
         self.rows[row, element_table_kernels.SERIAL] = self._serial
         self.rows[row, element_table_kernels.SLOT] = -1.0
-        self._write(row, element)
-        if element.kind == FLOW and element.flow in (DRAWN, GRID):
-            self._take_slot(row, grid_along(element.points, *self._half) if grid is None else grid)
+        self._write_row(row, element)
+        if element.kind == FLOW and element.flow_kind in (DRAWN, GRID):
+            self._assign_slot(row, flow_grid_along(element.points, *self._half_size) if grid is None else grid)
         return True
 
     def replace(self, row: int, element: Element) -> None:
@@ -102,13 +110,13 @@ class ElementTable:
         old = self.elements[row]
         self.elements[row] = element
         self._serials[id(element)] = self._serials.pop(id(old))
-        self._fair += element.fair - old.fair
-        self._write(row, element)
-        if element.kind == FLOW and element.flow == DRAWN and element.points != old.points:
-            self._take_slot(row, grid_along(element.points, *self._half))
+        self._voice_count += element.fair - old.fair
+        self._write_row(row, element)
+        if element.kind == FLOW and element.flow_kind == DRAWN and element.points != old.points:
+            self._assign_slot(row, flow_grid_along(element.points, *self._half_size))
 
-    def _write(self, row: int, element: Element) -> None:
-        corners = corners_of(element.points)
+    def _write_row(self, row: int, element: Element) -> None:
+        corners = simplified_vertices(element.points)
         self.vertices[row, : len(corners)] = corners
         usual = CROSSING_SEPARATION if element.kind == CROSSING else self._separation
         flock = element.kind == FLOCK
@@ -124,7 +132,7 @@ class ElementTable:
             element_table_kernels.SEPARATION: usual if element.separation is None else element.separation,
             element_table_kernels.ALIGNMENT: element.alignment if flock else 0.0,
             element_table_kernels.COHESION: element.cohesion if flock else 0.0,
-            element_table_kernels.FLOW_KIND: element.flow,
+            element_table_kernels.FLOW_KIND: element.flow_kind,
             element_table_kernels.TARGET: element.target,
             element_table_kernels.TARGET_GROUP: element.target_group,
             element_table_kernels.WEDGE: element.wedge,
@@ -136,11 +144,11 @@ class ElementTable:
             own[place] = value
         self.masks[row] = element.groups
 
-    def _take_slot(self, row: int, grid: Float32) -> None:
+    def _assign_slot(self, row: int, grid: Float32) -> None:
         slot = int(self.rows[row, element_table_kernels.SLOT])
         serial = int(self.rows[row, element_table_kernels.SERIAL])
         if slot < 0 or self._slot_use[slot] != serial:
-            slot = min(range(SLOTS), key=self._slot_use.__getitem__)
+            slot = min(range(GRID_SLOTS), key=self._slot_use.__getitem__)
         for other in range(len(self.elements)):
             if other != row and self.rows[other, element_table_kernels.SLOT] == slot:  # its flow is replaced
                 self.rows[other, element_table_kernels.STRENGTH], self.rows[other, element_table_kernels.SLOT] = (
@@ -156,7 +164,7 @@ class ElementTable:
         if self.rows[row, element_table_kernels.SLOT] >= 0.0:
             self._slot_use[int(self.rows[row, element_table_kernels.SLOT])] = 0
         last = len(self.elements)
-        self._fair -= self.elements[row].fair
+        self._voice_count -= self.elements[row].fair
         del self._serials[id(self.elements[row])]
         del self.elements[row]
         if row == 0 and self._first < self._capacity:
@@ -177,16 +185,16 @@ class ElementTable:
                     self.remove(row)
             element_table_kernels.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active)
 
-    def foresee(self, beat: float) -> None:
+    def preview(self, beat: float) -> None:
         """Set levels and the list of acting rows for `beat`; no row is removed before the next `refresh`."""
         element_table_kernels.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active)
 
     @property
-    def acting(self) -> Int32:
+    def active_rows(self) -> Int32:
         """Acting rows, sorted by kind."""
         first = KIND_COUNT + 1
         return self.active[first : first + int(self.active[KIND_COUNT])]
 
-    def acts(self, kind: int) -> bool:
+    def is_active(self, kind: int) -> bool:
         """Whether an element of this kind acts."""
         return bool(self.active[kind] < self.active[kind + 1])

@@ -10,7 +10,7 @@ from live.agents.agent_command import COHESION as WANTS_COHESION
 from live.agents.agent_command import PRESENCE
 from live.agents.agent_command import SEPARATION as WANTS_SEPARATION
 from live.agents.elements.element_kinds import KIND_COUNT
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -25,59 +25,69 @@ TARGET_GROUP, WEDGE, SERIAL, X, Z = 15, 16, 17, 18, 19
 COLUMNS = 20
 
 # columns of the sums that the passes over the agents share (A, SUM_COLUMNS), float64
-SUM_X, SUM_Z, LEFT, MOST, HEARD = 0, 1, 2, 3, 4
+SUM_X, SUM_Z, REMAINING_SPEED, INFLUENCE, ADDRESSED_LEVEL = 0, 1, 2, 3, 4
 SUM_COLUMNS = 5
 # indices of the parameters of a call
 TIME, SEED, HALF_WIDTH, HALF_DEPTH, SWITCHED, PLACE_COUNT = 0, 1, 2, 3, 4, 5
-NUMBERS = 6
-ROWS = KIND_COUNT + 1
+PARAMETER_COUNT = 6
+ACTIVE_START = KIND_COUNT + 1
 """Start of the list of acting rows in `active`."""
 
 ALL_BITS = np.uint64(0xFFFFFFFFFFFFFFFF)
 _NONE = np.uint64(0)
 
 
-@part
+@inline_kernel
 def addresses(mask: np.uint64, groups: np.uint64) -> bool:
     """Whether a group mask addresses a dancer of `groups`; ALL_BITS addresses every dancer."""
     return bool(mask == ALL_BITS or (mask & groups) != _NONE)
 
 
-@part
+@inline_kernel
 def newest(table: Float64, masks: UInt64, active: Int32, kind: int, groups: np.uint64) -> int:
     """Return the newest acting element of a kind that addresses these groups, or -1."""
     found = -1
-    for k in range(ROWS + active[kind], ROWS + active[kind + 1]):
+    for k in range(ACTIVE_START + active[kind], ACTIVE_START + active[kind + 1]):
         if addresses(masks[active[k]], groups):
             found = active[k]
     return found
 
 
-@part
-def take(sums: Float64, i: int, x: float, z: float, influence: float, switched: bool) -> None:
+@inline_kernel
+def add_velocity(sums: Float64, i: int, x: float, z: float, influence: float, switched: bool) -> None:
     """Add a preferred velocity to an agent's sum: in full (blended), or up to the remaining speed (switched)."""
     if switched:
         size = math.sqrt(x * x + z * z)
-        if size > sums[i, LEFT]:
-            x, z, size = x * sums[i, LEFT] / size, z * sums[i, LEFT] / size, sums[i, LEFT]
-        sums[i, LEFT] -= size
+        if size > sums[i, REMAINING_SPEED]:
+            x, z, size = (
+                x * sums[i, REMAINING_SPEED] / size,
+                z * sums[i, REMAINING_SPEED] / size,
+                sums[i, REMAINING_SPEED],
+            )
+        sums[i, REMAINING_SPEED] -= size
     sums[i, SUM_X] += x
     sums[i, SUM_Z] += z
-    sums[i, MOST] = max(sums[i, MOST], influence)
+    sums[i, INFLUENCE] = max(sums[i, INFLUENCE], influence)
 
 
 @kernel("void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],u8[::1],f8[:,::1])")
-def company(table: Float64, masks: UInt64, active: Int32, wants: Float32, groups: UInt64, sums: Float64) -> None:
+def reset_sums(table: Float64, masks: UInt64, active: Int32, commands: Float32, groups: UInt64, sums: Float64) -> None:
     """Reset the sums (A, 5) and raise the neighbour weights in `wants` (A, 8) to those of the acting elements.
 
     sums[:, HEARD] becomes the largest level of the elements that address a present agent; 0: none does.
     """
-    for i in range(wants.shape[0]):
-        sums[i, SUM_X], sums[i, SUM_Z], sums[i, LEFT], sums[i, MOST], sums[i, HEARD] = 0.0, 0.0, 1.0, 0.0, 0.0
-        if wants[i, PRESENCE] <= 0.0:
+    for i in range(commands.shape[0]):
+        sums[i, SUM_X], sums[i, SUM_Z], sums[i, REMAINING_SPEED], sums[i, INFLUENCE], sums[i, ADDRESSED_LEVEL] = (
+            0.0,
+            0.0,
+            1.0,
+            0.0,
+            0.0,
+        )
+        if commands[i, PRESENCE] <= 0.0:
             continue
         heard, apart, align, cohere = 0.0, 0.0, 0.0, 0.0
-        for k in range(ROWS, ROWS + active[KIND_COUNT]):
+        for k in range(ACTIVE_START, ACTIVE_START + active[KIND_COUNT]):
             row = active[k]
             if addresses(masks[row], groups[i]):
                 level = table[row, LEVEL]
@@ -85,14 +95,14 @@ def company(table: Float64, masks: UInt64, active: Int32, wants: Float32, groups
                 apart = max(apart, level * table[row, SEPARATION])
                 align = max(align, level * table[row, ALIGNMENT])
                 cohere = max(cohere, level * table[row, COHESION])
-        sums[i, HEARD] = heard
-        wants[i, WANTS_SEPARATION] = max(wants[i, WANTS_SEPARATION], apart)
-        wants[i, WANTS_ALIGNMENT] = max(wants[i, WANTS_ALIGNMENT], align)
-        wants[i, WANTS_COHESION] = max(wants[i, WANTS_COHESION], cohere)
+        sums[i, ADDRESSED_LEVEL] = heard
+        commands[i, WANTS_SEPARATION] = max(commands[i, WANTS_SEPARATION], apart)
+        commands[i, WANTS_ALIGNMENT] = max(commands[i, WANTS_ALIGNMENT], align)
+        commands[i, WANTS_COHESION] = max(commands[i, WANTS_COHESION], cohere)
 
 
 @kernel("f8(f8)")
-def faded_in(share: float) -> float:
+def fade_in_level(share: float) -> float:
     """Return the fade-in level, 0 to 1, at this fraction of the fade.
 
     The slope is steepest at the start, so that agents react within two frames, and 0 at the end. The lag of the
@@ -118,7 +128,7 @@ def refresh_table(table: Float64, count: int, beat: float, fade: float, active: 
         if left <= 0.0:
             ended += 1
         elif into > 0.0:
-            level = min(faded_in(into / fade), left / fade)
+            level = min(fade_in_level(into / fade), left / fade)
         table[row, LEVEL] = level
         if level > 0.0:
             active[int(table[row, KIND]) + 1] += 1
@@ -144,7 +154,7 @@ def refresh_table(table: Float64, count: int, beat: float, fade: float, active: 
     "i8(f8[:,::1], i4[::1], f4[:,:,::1], i4[::1], f4[:,::1], f4[::1], f4[::1], f4[::1], i4[::1], i4[::1], i4[::1],"
     " f4[:,::1])"
 )
-def show_elements(
+def copy_active_elements(
     table: Float64, active: Int32, vertices: Float32,
     kind: Int32, position: Float32, level: Float32, radius: Float32, strength: Float32, flow: Int32,
     first: Int32, corners: Int32, corner: Float32,
@@ -157,7 +167,7 @@ def show_elements(
     count: int = min(active[KIND_COUNT], kind.shape[0])
     used = 0
     for k in range(count):
-        row = active[ROWS + k]
+        row = active[ACTIVE_START + k]
         kind[k], flow[k] = int(table[row, KIND]), int(table[row, FLOW_KIND])
         position[k, 0], position[k, 1] = table[row, X], table[row, Z]
         level[k], radius[k], strength[k] = table[row, LEVEL], table[row, RADIUS], table[row, STRENGTH]

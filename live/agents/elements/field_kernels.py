@@ -21,26 +21,26 @@ from live.agents.elements.element_kinds import (
     FLOCK,
     FLOW,
     FOLLOW,
+    PARTICIPANT,
     PATH,
     PURSUE,
     RADIAL,
     REPULSOR,
     SPREADER,
     UNIFORM,
-    VOICE,
     VORTEX,
     WANDER,
 )
 from live.agents.elements.element_table_kernels import (
+    ACTIVE_START,
+    ADDRESSED_LEVEL,
     DECAY,
     FLOW_KIND,
     HALF_DEPTH,
     HALF_WIDTH,
-    HEARD,
+    INFLUENCE,
     LEVEL,
-    MOST,
     RADIUS,
-    ROWS,
     SLOT,
     STRENGTH,
     SUM_X,
@@ -48,15 +48,15 @@ from live.agents.elements.element_table_kernels import (
     SWITCHED,
     X,
     Z,
+    add_velocity,
     addresses,
-    company,
-    take,
+    reset_sums,
 )
-from live.agents.elements.leader_kernels import follow_leaders, hunt
-from live.agents.elements.shape_kernels import nearest_sources, seen_from
-from live.agents.elements.wander_kernels import drift, follow_paths, spread_out
-from live.agents.steering_kernels import LOOK, flow_grid, flow_radial, flow_vortex, unit
-from live.base.jit import kernel, part
+from live.agents.elements.leader_kernels import follow_leaders, pursue_or_evade
+from live.agents.elements.shape_kernels import nearest_sources, signed_distance
+from live.agents.elements.wander_kernels import follow_paths, spread_agents, wander_agents
+from live.agents.steering_kernels import LOOK_AHEAD, flow_grid, flow_radial, flow_vortex, unit
+from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -64,7 +64,7 @@ Int32 = npt.NDArray[np.int32]
 UInt64 = npt.NDArray[np.uint64]
 
 
-@part
+@inline_kernel
 def flow_at(
     table: Float64, vertices: Float32, grids: Float32, row: int, x: float, z: float, numbers: Float64
 ) -> tuple[float, float]:
@@ -100,44 +100,44 @@ def flow_fields(
     """Add the sum of all flows at each agent's predicted position; a radius limits a flow, with a soft border."""
     switched = numbers[SWITCHED] > 0.0
     for i in range(position.shape[0]):
-        if sums[i, HEARD] <= 0.0:
+        if sums[i, ADDRESSED_LEVEL] <= 0.0:
             continue
-        x, z = position[i, 0] + velocity[i, 0] * LOOK, position[i, 1] + velocity[i, 1] * LOOK
+        x, z = position[i, 0] + velocity[i, 0] * LOOK_AHEAD, position[i, 1] + velocity[i, 1] * LOOK_AHEAD
         wish_x, wish_z, influence = 0.0, 0.0, 0.0
-        for k in range(ROWS + active[FLOW], ROWS + active[FLOW + 1]):
+        for k in range(ACTIVE_START + active[FLOW], ACTIVE_START + active[FLOW + 1]):
             row = active[k]
             if not addresses(masks[row], groups[i]):
                 continue
             fx, fz = flow_at(table, vertices, grids, row, x, z, numbers)
             level = table[row, LEVEL]
             if table[row, RADIUS] > 0.0:
-                d, _, _ = seen_from(table, vertices, row, x, z)
+                d, _, _ = signed_distance(table, vertices, row, x, z)
                 level *= min(max(0.5 - d, 0.0), 1.0)
             wish_x += level * table[row, STRENGTH] * fx
             wish_z += level * table[row, STRENGTH] * fz
             influence = max(influence, level)
-        take(sums, i, wish_x, wish_z, influence, switched)
+        add_velocity(sums, i, wish_x, wish_z, influence, switched)
 
 
-@part
-def acts(active: Int32, kind: int) -> bool:
+@inline_kernel
+def is_active(active: Int32, kind: int) -> bool:
     """Whether an element of a kind acts."""
     return bool(active[kind] < active[kind + 1])
 
 
 @kernel("void(f4[:,::1],f8[:,::1],f4[::1])")
-def blend(wants: Float32, sums: Float64, influence: Float32) -> None:
+def blend_sums(commands: Float32, sums: Float64, influence: Float32) -> None:
     """Blend the sums over the plan: (1 - influence) of the plan plus the elements' velocity, at most the top speed."""
-    for i in range(wants.shape[0]):
+    for i in range(commands.shape[0]):
         influence[i] = 0.0
-        if sums[i, HEARD] <= 0.0:
+        if sums[i, ADDRESSED_LEVEL] <= 0.0:
             continue
         size = math.sqrt(sums[i, SUM_X] ** 2 + sums[i, SUM_Z] ** 2)
-        scale, keep = wants[i, SPEED] / max(size, 1.0), 1.0 - sums[i, MOST]
-        wants[i, VX] = keep * wants[i, VX] + scale * sums[i, SUM_X]
-        wants[i, VZ] = keep * wants[i, VZ] + scale * sums[i, SUM_Z]
-        wants[i, FIRM] *= keep
-        influence[i] = sums[i, MOST]
+        scale, keep = commands[i, SPEED] / max(size, 1.0), 1.0 - sums[i, INFLUENCE]
+        commands[i, VX] = keep * commands[i, VX] + scale * sums[i, SUM_X]
+        commands[i, VZ] = keep * commands[i, VZ] + scale * sums[i, SUM_Z]
+        commands[i, FIRM] *= keep
+        influence[i] = sums[i, INFLUENCE]
 
 
 @kernel(
@@ -145,10 +145,10 @@ def blend(wants: Float32, sums: Float64, influence: Float32) -> None:
     "f8[:,::1],u8[::1],f8[:,::1],f8[::1],f4[:,:,::1],f4[:,:,:,::1],i4[::1],i4[:,::1],f8[:,::1],f8[::1],"
     "f8[:,::1],f8[:,::1],f4[::1])"
 )
-def wish_of_all(
+def apply_elements(
     position: Float32,
     velocity: Float32,
-    wants: Float32,
+    commands: Float32,
     groups: UInt64,
     table: Float64,
     masks: UInt64,
@@ -175,29 +175,42 @@ def wish_of_all(
     ElementField; memory (A, 3): targets of crossings; area, mesh, cosines, start, order, spreading (A, 2), sums (A, 5),
     near (A, 4): scratch; numbers (6,); influence (A,), 0 to 1: 0 keeps the plan, 1 replaces it by the elements.
     """
-    company(table, masks, active, wants, groups, sums)
-    if acts(active, REPULSOR):
+    reset_sums(table, masks, active, commands, groups, sums)
+    if is_active(active, REPULSOR):
         nearest_sources(table, masks, vertices, active, REPULSOR, True, position, groups, numbers, sums, near)
-    if acts(active, EVADE):
-        hunt(table, masks, active, True, position, velocity, wants, groups, numbers, sums)
-    if acts(active, CROSSING):
+    if is_active(active, EVADE):
+        pursue_or_evade(table, masks, active, True, position, velocity, commands, groups, numbers, sums)
+    if is_active(active, CROSSING):
         cross_over(table, masks, active, position, groups, memory, numbers, sums)
-    if acts(active, FOLLOW):
-        follow_leaders(table, masks, active, position, velocity, wants, groups, numbers, sums)
-    if acts(active, PURSUE):
-        hunt(table, masks, active, False, position, velocity, wants, groups, numbers, sums)
-    if acts(active, PATH):
-        follow_paths(table, masks, vertices, active, position, velocity, wants, groups, numbers, sums)
-    if acts(active, ATTRACTOR):
+    if is_active(active, FOLLOW):
+        follow_leaders(table, masks, active, position, velocity, commands, groups, numbers, sums)
+    if is_active(active, PURSUE):
+        pursue_or_evade(table, masks, active, False, position, velocity, commands, groups, numbers, sums)
+    if is_active(active, PATH):
+        follow_paths(table, masks, vertices, active, position, velocity, commands, groups, numbers, sums)
+    if is_active(active, ATTRACTOR):
         nearest_sources(table, masks, vertices, active, ATTRACTOR, False, position, groups, numbers, sums, near)
-    if acts(active, VOICE):
+    if is_active(active, PARTICIPANT):
         fair_attraction(places, audience, position, groups, numbers, sums)
-    if acts(active, FLOW):
+    if is_active(active, FLOW):
         flow_fields(table, masks, vertices, active, grids, position, velocity, groups, numbers, sums)
-    if acts(active, SPREADER):
-        spread_out(
-            table, masks, active, position, wants, groups, area, mesh, cosines, start, order, spreading, numbers, sums
+    if is_active(active, SPREADER):
+        spread_agents(
+            table,
+            masks,
+            active,
+            position,
+            commands,
+            groups,
+            area,
+            mesh,
+            cosines,
+            start,
+            order,
+            spreading,
+            numbers,
+            sums,
         )
-    if acts(active, WANDER) or acts(active, FLOCK) or acts(active, SPREADER):
-        drift(table, masks, active, position, velocity, groups, numbers, sums)
-    blend(wants, sums, influence)
+    if is_active(active, WANDER) or is_active(active, FLOCK) or is_active(active, SPREADER):
+        wander_agents(table, masks, active, position, velocity, groups, numbers, sums)
+    blend_sums(commands, sums, influence)

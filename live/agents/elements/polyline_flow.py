@@ -7,34 +7,34 @@ import numpy.typing as npt
 from shapely import LineString, simplify
 
 from live.agents.elements.element import Points
-from live.agents.elements.element_kinds import VERTEX_COUNT
+from live.agents.elements.element_kinds import MAX_VERTICES
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 
 GRID_ROWS: Final = 24
 GRID_COLUMNS: Final = 32
-REACH: Final = 1.0
+FLOW_REACH: Final = 1.0
 """Distance [m] within which the flow follows the line; farther away it leads back to the line."""
 
 
-def corners_of(points: Points) -> Float32:
+def simplified_vertices(points: Points) -> Float32:
     """Return at most 64 vertices that approximate the drawn points, shape (V, 2) (Douglas & Peucker 1973)."""
     corners: Float64 = np.array(points, np.float64)
     tolerance = 0.002
-    while len(corners) > VERTEX_COUNT:
+    while len(corners) > MAX_VERTICES:
         corners = np.array(simplify(LineString(points), tolerance, preserve_topology=False).coords)
         tolerance *= 1.5
     return corners.astype(np.float32)
 
 
-def grid_along(points: Points, half_width: float, half_depth: float) -> Float32:
+def flow_grid_along(points: Points, half_width: float, half_depth: float) -> Float32:
     """Return the flow along a drawn line at the nodes of a grid over the stage, shape (24, 32, 2), lengths at most 1.
 
     On the line it is the tangent; with distance it increasingly leads towards the line. Where the line crosses itself
     the tangents of near segments are blended by distance.
     """
-    corners = corners_of(points).astype(np.float64)
+    corners = simplified_vertices(points).astype(np.float64)
     start, way = corners[:-1], np.diff(corners, axis=0)
     length = np.hypot(*way.T)
     start, way, length = start[length > 1e-6], way[length > 1e-6], length[length > 1e-6]
@@ -50,7 +50,7 @@ def grid_along(points: Points, half_width: float, half_depth: float) -> Float32:
     tangent = (weight[..., np.newaxis] * (way / length[:, np.newaxis])).sum(2)
     tangent /= np.maximum(np.hypot(tangent[..., 0], tangent[..., 1]), 1e-9)[..., np.newaxis]
     index = distance.argmin(-1)[..., np.newaxis, np.newaxis]
-    back = np.take_along_axis(to_line, index, axis=2)[:, :, 0] / REACH
+    back = np.take_along_axis(to_line, index, axis=2)[:, :, 0] / FLOW_REACH
     flow = tangent + back
     flow /= np.maximum(np.hypot(flow[..., 0], flow[..., 1]), 1.0)[..., np.newaxis]
     return np.ascontiguousarray(flow, np.float32)

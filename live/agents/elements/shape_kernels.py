@@ -6,23 +6,23 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.elements.element_table_kernels import (
+    ACTIVE_START,
+    ADDRESSED_LEVEL,
     CLOSED,
     CORNERS,
     DECAY,
-    HEARD,
     LEVEL,
     RADIUS,
-    ROWS,
     SEED,
     STRENGTH,
     SWITCHED,
     X,
     Z,
+    add_velocity,
     addresses,
-    take,
 )
 from live.agents.steering_kernels import hash_unit, nearest_on_line
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -30,7 +30,7 @@ Int32 = npt.NDArray[np.int32]
 UInt64 = npt.NDArray[np.uint64]
 
 
-INSET = 0.35
+REGION_INSET = 0.35
 """Depth [m] to which regions attract dancers, so that they do not stop on the border."""
 
 # columns of the nearest source of an agent (A, 4)
@@ -39,7 +39,7 @@ NEAR_COLUMNS = 4
 
 
 @kernel("b1(f4[:,:,::1],i8,i8,f8,f8)")
-def inside(vertices: Float32, row: int, count: int, x: float, z: float) -> bool:
+def in_polygon(vertices: Float32, row: int, count: int, x: float, z: float) -> bool:
     """Whether (x, z) lies in the polygon of a row of `vertices` (E, V, 2), by the even-odd rule."""
     within = False
     before = count - 1
@@ -53,7 +53,7 @@ def inside(vertices: Float32, row: int, count: int, x: float, z: float) -> bool:
 
 
 @kernel("UniTuple(f8,3)(f8[:,::1],f4[:,:,::1],i8,f8,f8)")
-def seen_from(table: Float64, vertices: Float32, row: int, x: float, z: float) -> tuple[float, float, float]:
+def signed_distance(table: Float64, vertices: Float32, row: int, x: float, z: float) -> tuple[float, float, float]:
     """Return the signed distance [m] from (x, z) to an element's shape, negative inside, and the unit vector to its
     border.
 
@@ -69,7 +69,7 @@ def seen_from(table: Float64, vertices: Float32, row: int, x: float, z: float) -
         closed = table[row, CLOSED] > 0.0
         d2, px, pz, _, _ = nearest_on_line(vertices, row, corners, closed, x, z, 0.0, 0.0)
         dx, dz, d = px - x, pz - z, math.sqrt(d2)
-        within = closed and inside(vertices, row, corners, x, z)
+        within = closed and in_polygon(vertices, row, corners, x, z)
     if d < 1e-6:
         dx, dz = 0.0, 0.0
     else:
@@ -110,7 +110,7 @@ def repulsion(d: float, to_x: float, to_z: float, strength: float, decay: float)
     return -size * to_x, -size * to_z, min(abs(size), 1.0)
 
 
-@part
+@inline_kernel
 def next_source(
     table: Float64,
     masks: UInt64,
@@ -125,7 +125,7 @@ def next_source(
 ) -> tuple[float, int, float, float]:
     """Return the nearest source of a kind beyond distance `after`: distance, row (-1: none) and unit vector to it."""
     best, best_row, to_x, to_z = 1e30, -1, 0.0, 0.0
-    for k in range(ROWS + active[kind], ROWS + active[kind + 1]):
+    for k in range(ACTIVE_START + active[kind], ACTIVE_START + active[kind + 1]):
         row = int(active[k])
         if not addresses(masks[row], groups):
             continue
@@ -135,14 +135,14 @@ def next_source(
             scale = 1.0 / d if d > 1e-6 else 0.0
             ux, uz = ux * scale, uz * scale
         else:
-            d, ux, uz = seen_from(table, vertices, row, x, z)
+            d, ux, uz = signed_distance(table, vertices, row, x, z)
         if d < best and (d > after or (d == after and row > after_row)):
             best, best_row, to_x, to_z = d, row, ux, uz
     return best, best_row, to_x, to_z
 
 
-@part
-def pulled(
+@inline_kernel
+def source_velocity(
     table: Float64, row: int, repels: bool, d: float, to_x: float, to_z: float, seed: int, agent: int
 ) -> tuple[float, float, float]:
     """Return velocity and influence of one source at distance `d`, before its level."""
@@ -152,7 +152,7 @@ def pulled(
     if repels:
         fx, fz, asked = repulsion(d, to_x, to_z, table[row, STRENGTH], table[row, DECAY])
     else:
-        inset = min(INSET, table[row, RADIUS] if table[row, CLOSED] == 0.0 else INSET)
+        inset = min(REGION_INSET, table[row, RADIUS] if table[row, CLOSED] == 0.0 else REGION_INSET)
         fx, fz, asked = attraction(d, to_x, to_z, inset, table[row, STRENGTH], table[row, DECAY])
     return fx, fz, asked
 
@@ -182,7 +182,7 @@ def fading_sources(
         if row < 0 or left < 1e-3:
             break
         share = left * table[row, LEVEL]
-        fx, fz, asked = pulled(table, row, repels, d, to_x, to_z, seed, agent)
+        fx, fz, asked = source_velocity(table, row, repels, d, to_x, to_z, seed, agent)
         wish_x += share * fx
         wish_z += share * fz
         influence = max(influence, table[row, LEVEL] * asked)
@@ -192,7 +192,7 @@ def fading_sources(
 
 
 @kernel("void(f8[:,::1],u8[::1],f4[:,:,::1],i8,f4[:,::1],u8[::1],f8[:,::1],f8[:,::1])")
-def measure_source(
+def update_nearest(
     table: Float64,
     masks: UInt64,
     vertices: Float32,
@@ -207,10 +207,10 @@ def measure_source(
     point = table[row, CORNERS] == 1.0 and table[row, RADIUS] == 0.0
     mask = masks[row]
     for i in range(position.shape[0]):
-        if sums[i, HEARD] <= 0.0 or not addresses(mask, groups[i]):
+        if sums[i, ADDRESSED_LEVEL] <= 0.0 or not addresses(mask, groups[i]):
             continue
         if not point:
-            d, ux, uz = seen_from(table, vertices, row, float(position[i, 0]), float(position[i, 1]))
+            d, ux, uz = signed_distance(table, vertices, row, float(position[i, 0]), float(position[i, 1]))
         else:
             ux, uz = x - position[i, 0], z - position[i, 1]
             d = math.sqrt(ux * ux + uz * uz)
@@ -240,8 +240,8 @@ def nearest_sources(
     seed, switched = int(numbers[SEED]), numbers[SWITCHED] > 0.0
     for i in range(position.shape[0]):
         near[i, NEAR_DISTANCE], near[i, NEAR_ROW] = 1e30, -1.0
-    for k in range(ROWS + active[kind], ROWS + active[kind + 1]):
-        measure_source(table, masks, vertices, active[k], position, groups, sums, near)
+    for k in range(ACTIVE_START + active[kind], ACTIVE_START + active[kind + 1]):
+        update_nearest(table, masks, vertices, active[k], position, groups, sums, near)
     for i in range(position.shape[0]):
         row = int(near[i, NEAR_ROW])
         if row < 0:
@@ -251,5 +251,5 @@ def nearest_sources(
             fx, fz, asked = fading_sources(table, masks, vertices, active, kind, repels, x, z, groups[i], seed, i)
         else:
             d, to_x, to_z = near[i, NEAR_DISTANCE], near[i, NEAR_X], near[i, NEAR_Z]
-            fx, fz, asked = pulled(table, row, repels, d, to_x, to_z, seed, i)
-        take(sums, i, fx, fz, asked, switched)
+            fx, fz, asked = source_velocity(table, row, repels, d, to_x, to_z, seed, i)
+        add_velocity(sums, i, fx, fz, asked, switched)

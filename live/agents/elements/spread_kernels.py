@@ -19,15 +19,15 @@ Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
-MESH = 64
+MAX_MESH_NODES = 64
 """Largest number of mesh nodes along an axis."""
-CELLS = 64
+MAX_CELLS = 64
 """Largest number of neighbour cells along an axis."""
-PACE = 0.6
+TIME_CONSTANT = 0.6
 """Time constant [s] of evening out at unlimited speed."""
 SMOOTHING = 0.62
 """Width of the Gaussian as a share of the mean distance between dancers."""
-REACH = 2.6
+REPULSION_REACH = 2.6
 """Range of the neighbour repulsion in widths of the Gaussian."""
 
 
@@ -37,7 +37,7 @@ def fill_cosines(cosines: Float32) -> None:
 
     cosines (2, MESH + 1, MESH, MESH).
     """
-    for n in range(1, MESH + 1):
+    for n in range(1, MAX_MESH_NODES + 1):
         for k in range(n):
             for j in range(n):
                 cosines[0, n, k, j] = math.cos(math.pi * k * (j + 0.5) / n)
@@ -45,7 +45,7 @@ def fill_cosines(cosines: Float32) -> None:
 
 
 @kernel("void(f4[:,::1],f4[:,::1],f4[:,::1],i8,i8,i8)")
-def product(out: Float32, a: Float32, b: Float32, rows: int, inner: int, columns: int) -> None:
+def matrix_product(out: Float32, a: Float32, b: Float32, rows: int, inner: int, columns: int) -> None:
     """Write the matrix product of the upper left corners of `a` (rows, inner) and `b` (inner, columns) into `out`."""
     for r in range(rows):
         for c in range(columns):
@@ -57,15 +57,15 @@ def product(out: Float32, a: Float32, b: Float32, rows: int, inner: int, columns
 
 
 @kernel("void(f4[:,:,::1],i8,i8,f4[:,:,:,::1],f8,f8,f8)")
-def solve(mesh: Float32, nx: int, nz: int, cosines: Float32, step_x: float, step_z: float, s: float) -> None:
+def solve_poisson(mesh: Float32, nx: int, nz: int, cosines: Float32, step_x: float, step_z: float, s: float) -> None:
     """Solve for the potential whose -laplace is mesh[0] (nz, nx), with reflecting edges, smoothed by a Gaussian of `s`
     [m].
 
     In place: cosine transform along both axes, divide by the squared wave number, inverse transform. mesh[1] and
     mesh[2] are overwritten.
     """
-    product(mesh[1], mesh[0], cosines[1, nx], nz, nx, nx)
-    product(mesh[2], cosines[0, nz], mesh[1], nz, nz, nx)
+    matrix_product(mesh[1], mesh[0], cosines[1, nx], nz, nx, nx)
+    matrix_product(mesh[2], cosines[0, nz], mesh[1], nz, nz, nx)
     for m in range(nz):
         wz = math.pi * m / (nz * step_z)
         for k in range(nx):
@@ -73,12 +73,12 @@ def solve(mesh: Float32, nx: int, nz: int, cosines: Float32, step_x: float, step
             w2 = wx * wx + wz * wz
             scale = (1.0 if k == 0 else 2.0) * (1.0 if m == 0 else 2.0) / (nx * nz)
             mesh[2, m, k] *= scale * math.exp(-0.5 * s * s * w2) / w2 if w2 > 0.0 else 0.0
-    product(mesh[1], mesh[2], cosines[0, nx], nz, nx, nx)
-    product(mesh[0], cosines[1, nz], mesh[1], nz, nz, nx)
+    matrix_product(mesh[1], mesh[2], cosines[0, nx], nz, nx, nx)
+    matrix_product(mesh[0], cosines[1, nz], mesh[1], nz, nz, nx)
 
 
 @kernel("UniTuple(f8,3)(f8,f8,i8)")
-def node_of(place: float, step: float, nodes: int) -> tuple[float, float, float]:
+def bracketing_nodes(place: float, step: float, nodes: int) -> tuple[float, float, float]:
     """Return the nodes on both sides of a position (from the edge, [m]) and the fraction between them."""
     u = place / step - 0.5
     low = math.floor(u)
@@ -106,8 +106,8 @@ def deposit(
             mesh[0, r, c] = -mean
     for k in range(members):
         i = member[k]
-        c0, c1, u = node_of(position[i, 0] - left, step_x, nx)
-        r0, r1, v = node_of(position[i, 1] - back, step_z, nz)
+        c0, c1, u = bracketing_nodes(position[i, 0] - left, step_x, nx)
+        r0, r1, v = bracketing_nodes(position[i, 1] - back, step_z, nz)
         a, b, e, f = int(c0), int(c1), int(r0), int(r1)
         mesh[0, e, a] += scale * (1.0 - u) * (1.0 - v)
         mesh[0, e, b] += scale * u * (1.0 - v)
@@ -116,7 +116,7 @@ def deposit(
 
 
 @kernel("void(f4[:,:,::1],i8,i8,f8,f8)")
-def slope(mesh: Float32, nx: int, nz: int, step_x: float, step_z: float) -> None:
+def gradient(mesh: Float32, nx: int, nz: int, step_x: float, step_z: float) -> None:
     """Write the downhill gradient of the potential mesh[0] into mesh[1] (along x) and mesh[2] (along z); zero at the
     edges.
     """
@@ -129,10 +129,12 @@ def slope(mesh: Float32, nx: int, nz: int, step_x: float, step_z: float) -> None
 
 
 @kernel("UniTuple(f8,2)(f4[:,:,::1],i8,i8,f8,f8,f8,f8)")
-def slope_at(mesh: Float32, nx: int, nz: int, x: float, z: float, step_x: float, step_z: float) -> tuple[float, float]:
+def gradient_at(
+    mesh: Float32, nx: int, nz: int, x: float, z: float, step_x: float, step_z: float
+) -> tuple[float, float]:
     """Return the gradient at a position (from the left and back edge, [m]), bilinear; mirrored beyond the edges."""
-    c0, c1, u = node_of(x, step_x, nx)
-    r0, r1, v = node_of(z, step_z, nz)
+    c0, c1, u = bracketing_nodes(x, step_x, nx)
+    r0, r1, v = bracketing_nodes(z, step_z, nz)
     a, b, e, f = int(c0), int(c1), int(r0), int(r1)
     # between the outermost nodes and the edge the slope towards the edge falls to zero
     edge_x = min(max(min(x, nx * step_x - x) / (0.5 * step_x), 0.0), 1.0)
@@ -147,7 +149,7 @@ def slope_at(mesh: Float32, nx: int, nz: int, x: float, z: float, step_x: float,
 
 
 @kernel("i8(f8,f8,i8)")
-def cell_along(place: float, size: float, cells: int) -> int:
+def axis_cell(place: float, size: float, cells: int) -> int:
     """Return the cell of a position (from the edge, [m]) along one axis, clamped to the outermost cells."""
     return int(min(max(math.floor(place / size), 0), cells - 1))
 
@@ -171,14 +173,14 @@ def sort_members(
         start[c] = 0
     for k in range(members):
         i = member[k]
-        row = cell_along(position[i, 1] - back, size_z, rows)
-        start[row * columns + cell_along(position[i, 0] - left, size_x, columns) + 1] += 1
+        row = axis_cell(position[i, 1] - back, size_z, rows)
+        start[row * columns + axis_cell(position[i, 0] - left, size_x, columns) + 1] += 1
     for c in range(columns * rows):
         start[c + 1] += start[c]
     for k in range(members - 1, -1, -1):
         i = member[k]
-        row = cell_along(position[i, 1] - back, size_z, rows)
-        c = row * columns + cell_along(position[i, 0] - left, size_x, columns) + 1
+        row = axis_cell(position[i, 1] - back, size_z, rows)
+        c = row * columns + axis_cell(position[i, 0] - left, size_x, columns) + 1
         start[c] -= 1
         order[start[c]] = i
     for c in range(columns * rows):
@@ -187,7 +189,7 @@ def sort_members(
 
 
 @kernel("f8(f8,f8)")
-def push(d: float, reach: float) -> float:
+def pair_repulsion(d: float, reach: float) -> float:
     """Return the repulsion of a neighbour at `d` [m]: the part of 1 / d lost by smoothing; zero from `reach` [m] on."""
     if d >= reach:
         return 0.0
@@ -215,26 +217,28 @@ def spread(
     left, right, back, front = area[0], area[1], area[2], area[3]
     width, depth = right - left, front - back
     spacing = math.sqrt(width * depth / max(members, 1))
-    s = max(SMOOTHING * spacing, width / MESH, depth / MESH)
-    nx = int(min(max(math.ceil(width / s), 2), MESH))
-    nz = int(min(max(math.ceil(depth / s), 2), MESH))
+    s = max(SMOOTHING * spacing, width / MAX_MESH_NODES, depth / MAX_MESH_NODES)
+    nx = int(min(max(math.ceil(width / s), 2), MAX_MESH_NODES))
+    nz = int(min(max(math.ceil(depth / s), 2), MAX_MESH_NODES))
     step_x, step_z = width / nx, depth / nz
     # units in which an even population is 1: the area per dancer over the area of a mesh cell
     share = width * depth / max(members, 1)
     deposit(mesh, nx, nz, left, back, step_x, step_z, position, member, members, share / (step_x * step_z))
-    solve(mesh, nx, nz, cosines, step_x, step_z, s)
-    slope(mesh, nx, nz, step_x, step_z)
-    reach = REACH * s
-    columns = int(min(max(math.floor(width / reach), 1), CELLS))
-    rows = int(min(max(math.floor(depth / reach), 1), CELLS))
+    solve_poisson(mesh, nx, nz, cosines, step_x, step_z, s)
+    gradient(mesh, nx, nz, step_x, step_z)
+    reach = REPULSION_REACH * s
+    columns = int(min(max(math.floor(width / reach), 1), MAX_CELLS))
+    rows = int(min(max(math.floor(depth / reach), 1), MAX_CELLS))
     size_x, size_z = width / columns, depth / rows
     sort_members(position, member, members, left, back, size_x, size_z, columns, rows, start, order)
     for k in range(members):
         i = member[k]
         x, z = float(position[i, 0]), float(position[i, 1])
-        gx, gz = slope_at(mesh, nx, nz, min(max(x - left, 0.0), width), min(max(z - back, 0.0), depth), step_x, step_z)
+        gx, gz = gradient_at(
+            mesh, nx, nz, min(max(x - left, 0.0), width), min(max(z - back, 0.0), depth), step_x, step_z
+        )
         px, pz = 0.0, 0.0
-        column, row = cell_along(x - left, size_x, columns), cell_along(z - back, size_z, rows)
+        column, row = axis_cell(x - left, size_x, columns), axis_cell(z - back, size_z, rows)
         for r in range(max(row - 1, 0), min(row + 2, rows)):
             for c in range(max(column - 1, 0), min(column + 2, columns)):
                 for n in range(start[r * columns + c], start[r * columns + c + 1]):
@@ -243,12 +247,16 @@ def spread(
                     d2 = dx * dx + dz * dz
                     if d2 < reach * reach and j != i:
                         d = math.sqrt(d2)
-                        f = push(d, reach) / max(d, 1e-6)
+                        f = pair_repulsion(d, reach) / max(d, 1e-6)
                         px += f * dx
                         pz += f * dz
         # the agent's mirror images: without them the outermost dancers would stand on the edge itself
-        px += push(2.0 * max(x - left, 0.0), reach) - push(2.0 * max(right - x, 0.0), reach)
-        pz += push(2.0 * max(z - back, 0.0), reach) - push(2.0 * max(front - z, 0.0), reach)
+        px += pair_repulsion(2.0 * max(x - left, 0.0), reach) - pair_repulsion(2.0 * max(right - x, 0.0), reach)
+        pz += pair_repulsion(2.0 * max(z - back, 0.0), reach) - pair_repulsion(2.0 * max(front - z, 0.0), reach)
         near = share / (2.0 * math.pi)
-        wish[i, 0] = (gx + near * px + min(max(left - x, 0.0), 1.0) * 2.0 - min(max(x - right, 0.0), 1.0) * 2.0) / PACE
-        wish[i, 1] = (gz + near * pz + min(max(back - z, 0.0), 1.0) * 2.0 - min(max(z - front, 0.0), 1.0) * 2.0) / PACE
+        wish[i, 0] = (
+            gx + near * px + min(max(left - x, 0.0), 1.0) * 2.0 - min(max(x - right, 0.0), 1.0) * 2.0
+        ) / TIME_CONSTANT
+        wish[i, 1] = (
+            gz + near * pz + min(max(back - z, 0.0), 1.0) * 2.0 - min(max(z - front, 0.0), 1.0) * 2.0
+        ) / TIME_CONSTANT

@@ -8,20 +8,20 @@ import numpy.typing as npt
 from live.agents.agent_command import PRESENCE, SPEED
 from live.agents.elements.element_kinds import FLOCK, PATH, SPREADER, WANDER
 from live.agents.elements.element_table_kernels import (
+    ACTIVE_START,
+    ADDRESSED_LEVEL,
     CLOSED,
     CORNERS,
     HALF_DEPTH,
     HALF_WIDTH,
-    HEARD,
     LEVEL,
     RADIUS,
-    ROWS,
     SEED,
     STRENGTH,
     SWITCHED,
     TIME,
+    add_velocity,
     newest,
-    take,
 )
 from live.agents.elements.spread_kernels import spread
 from live.agents.steering_kernels import follow_path, wander
@@ -46,14 +46,14 @@ def follow_paths(
     active: Int32,
     position: Float32,
     velocity: Float32,
-    wants: Float32,
+    commands: Float32,
     groups: UInt64,
     numbers: Float64,
     sums: Float64,
 ) -> None:
     """Add the velocity of dancers that follow the newest path that addresses them."""
     for i in range(position.shape[0]):
-        if sums[i, HEARD] <= 0.0:
+        if sums[i, ADDRESSED_LEVEL] <= 0.0:
             continue
         row = newest(table, masks, active, PATH, groups[i])
         if row < 0:
@@ -61,21 +61,21 @@ def follow_paths(
         width = table[row, RADIUS] if table[row, RADIUS] > 0.0 else PATH_WIDTH
         x, z, vx, vz = position[i, 0], position[i, 1], velocity[i, 0], velocity[i, 1]
         corners, closed = int(table[row, CORNERS]), table[row, CLOSED] > 0.0
-        fx, fz = follow_path(vertices, row, corners, closed, width, x, z, vx, vz, wants[i, SPEED])
+        fx, fz = follow_path(vertices, row, corners, closed, width, x, z, vx, vz, commands[i, SPEED])
         size = table[row, LEVEL] * table[row, STRENGTH]
-        take(sums, i, size * fx, size * fz, table[row, LEVEL], numbers[SWITCHED] > 0.0)
+        add_velocity(sums, i, size * fx, size * fz, table[row, LEVEL], numbers[SWITCHED] > 0.0)
 
 
 @kernel(
     "void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],f4[:,::1],u8[::1],f8[::1],"
     "f4[:,:,::1],f4[:,:,:,::1],i4[::1],i4[:,::1],f8[:,::1],f8[::1],f8[:,::1])"
 )
-def spread_out(
+def spread_agents(
     table: Float64,
     masks: UInt64,
     active: Int32,
     position: Float32,
-    wants: Float32,
+    commands: Float32,
     groups: UInt64,
     area: Float64,
     mesh: Float32,
@@ -87,11 +87,11 @@ def spread_out(
     sums: Float64,
 ) -> None:
     """Add the velocity of spreading dancers, each even among all dancers of the same newest spreader."""
-    for k in range(ROWS + active[SPREADER], ROWS + active[SPREADER + 1]):
+    for k in range(ACTIVE_START + active[SPREADER], ACTIVE_START + active[SPREADER + 1]):
         row = active[k]
         members = 0
         for i in range(groups.shape[0]):
-            if wants[i, PRESENCE] > 0.0 and newest(table, masks, active, SPREADER, groups[i]) == row:
+            if commands[i, PRESENCE] > 0.0 and newest(table, masks, active, SPREADER, groups[i]) == row:
                 order[0, members] = i
                 members += 1
         if members == 0:
@@ -102,12 +102,12 @@ def spread_out(
             fx, fz = wish[i, 0], wish[i, 1]
             # from m/s to a fraction of the top speed, at most 1
             size = table[row, LEVEL] * max(table[row, STRENGTH], 0.0)
-            size /= max(math.sqrt(fx * fx + fz * fz), wants[i, SPEED], 1e-6)
-            take(sums, i, size * fx, size * fz, table[row, LEVEL], numbers[SWITCHED] > 0.0)
+            size /= max(math.sqrt(fx * fx + fz * fz), commands[i, SPEED], 1e-6)
+            add_velocity(sums, i, size * fx, size * fz, table[row, LEVEL], numbers[SWITCHED] > 0.0)
 
 
 @kernel("void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],f4[:,::1],u8[::1],f8[::1],f8[:,::1])")
-def drift(
+def wander_agents(
     table: Float64,
     masks: UInt64,
     active: Int32,
@@ -120,7 +120,7 @@ def drift(
     """Add the wander velocity of wandering, flocking and (reduced) spreading dancers."""
     seed, half_width, half_depth = int(numbers[SEED]), numbers[HALF_WIDTH], numbers[HALF_DEPTH]
     for i in range(position.shape[0]):
-        if sums[i, HEARD] <= 0.0:
+        if sums[i, ADDRESSED_LEVEL] <= 0.0:
             continue
         size, influence = 0.0, 0.0
         row = newest(table, masks, active, WANDER, groups[i])
@@ -136,4 +136,4 @@ def drift(
         if size > 0.0:
             x, z, vx, vz = position[i, 0], position[i, 1], velocity[i, 0], velocity[i, 1]
             fx, fz = wander(x, z, vx, vz, half_width, half_depth, seed, i, numbers[TIME])
-            take(sums, i, size * fx, size * fz, influence, numbers[SWITCHED] > 0.0)
+            add_velocity(sums, i, size * fx, size * fz, influence, numbers[SWITCHED] > 0.0)

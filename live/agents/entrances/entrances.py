@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.agent_command import ABSENT, ON_STAGE, PASSING, Wants
-from live.agents.agent_command_kernels import any_in, write_presence
+from live.agents.agent_command import ABSENT, ON_STAGE, PASSING, AgentCommand
+from live.agents.agent_command_kernels import any_agent_in, write_presence
 from live.agents.entrances.gate import Gate
 
 Float32 = npt.NDArray[np.float32]
@@ -18,7 +18,7 @@ Rows = npt.NDArray[np.intp]
 
 WAITING, CALLED, ENTERING, ON, LEAVING = range(5)
 """In the wings; enters at the next measure line; on the way in; on the stage; on the way out."""
-NEAR: Final = 0.35
+ARRIVAL_DISTANCE: Final = 0.35
 """An entering dancer has arrived within this distance of the goal [m]."""
 _PRESENCE: Final = np.array([ABSENT, ABSENT, PASSING, ON_STAGE, PASSING], np.float32)
 ARRIVAL_S: Final = 0.8
@@ -39,7 +39,7 @@ class Entrances:
         """Goals of entering and leaving dancers [m], shape (A, 2)."""
         self._gate = np.zeros(agent_count, np.int32)
         self._size = size
-        self._beyond = np.tile(np.array(size, np.float32), (agent_count, 1))  # of leaving dancers
+        self._exit_bounds = np.tile(np.array(size, np.float32), (agent_count, 1))  # of leaving dancers
 
     def resize(self, gates: tuple[Gate, ...], size: tuple[float, float]) -> None:
         """Set the stage's half sizes [m] and its gates, in the same order.
@@ -68,11 +68,11 @@ class Entrances:
         """Whether each dancer is on the way in or out, shape (A,)."""
         return np.asarray((self.state == ENTERING) | (self.state == LEAVING))
 
-    def gate_named(self, name: str) -> int | None:
+    def gate_index(self, name: str) -> int | None:
         """Return the index of a gate, or None if there is none of that name."""
         return next((i for i, gate in enumerate(self.gates) if gate.name.casefold() == name.casefold()), None)
 
-    def call(self, count: int, gate: int | None) -> Rows:
+    def call_in(self, count: int, gate: int | None) -> Rows:
         """Let at most `count` waiting dancers enter at the next measure line; `gate` None: spread over all gates.
 
         Return their indices; fewer than `count` if fewer wait.
@@ -82,18 +82,18 @@ class Entrances:
         self._gate[rows] = np.arange(len(rows)) % len(self.gates) if gate is None else gate
         return rows
 
-    def send_off(self, who: Bool, gate: int | None, position: Float32) -> int:
+    def send_off(self, mask: Bool, gate: int | None, position: Float32) -> int:
         """Let the dancers `who` (A,) leave through `gate` or (None) the gate nearest to each; return how many leave."""
-        self.state[who & (self.state == CALLED)] = WAITING
-        rows = np.flatnonzero(who & ((self.state == ON) | (self.state == ENTERING)))
+        self.state[mask & (self.state == CALLED)] = WAITING
+        rows = np.flatnonzero(mask & ((self.state == ON) | (self.state == ENTERING)))
         for row in rows:
             away = [math.hypot(g.x - position[row, 0], g.z - position[row, 1]) for g in self.gates]
             self._gate[row] = int(np.argmin(away)) if gate is None else gate
         self.state[rows] = LEAVING
-        self._beyond[rows] = self._size
+        self._exit_bounds[rows] = self._size
         for index, gate_ in enumerate(self.gates):
             through = rows[self._gate[rows] == index]
-            self.goal[through] = gate_.places(len(through))
+            self.goal[through] = gate_.waiting_places(len(through))
         return len(rows)
 
     def cross_measure_line(self, position: Float32) -> Rows:
@@ -101,43 +101,43 @@ class Entrances:
 
         `position` (A, 2) [m] of the agents: entering ones are moved to their waiting places, the others are only read.
         """
-        if any_in(self.state, LEAVING):
+        if any_agent_in(self.state, LEAVING):
             self.state[(self.state == LEAVING) & self._outside(position)] = WAITING
-        if not any_in(self.state, CALLED):
+        if not any_agent_in(self.state, CALLED):
             return np.zeros(0, np.intp)
         rows = np.flatnonzero(self.state == CALLED)
         for index, gate in enumerate(self.gates):
             through = rows[self._gate[rows] == index]
-            position[through] = gate.places(len(through))
+            position[through] = gate.waiting_places(len(through))
         for row in rows.tolist():
-            self.goal[row] = self._open_place(row, position)
+            self.goal[row] = self._free_place(row, position)
             self.state[row] = ENTERING  # from now on this goal counts as taken, too
         return rows
 
-    def settle(self, position: Float32) -> None:
+    def update_arrivals(self, position: Float32) -> None:
         """Mark entering dancers that have reached their goals as on the stage; agents at `position` (A, 2) [m]."""
-        if not any_in(self.state, ENTERING):
+        if not any_agent_in(self.state, ENTERING):
             return
         rows = np.flatnonzero(self.state == ENTERING)
         way, half = self.goal[rows] - position[rows], self._size
         inside = (np.abs(position[rows]) <= half).all(axis=1)
-        self.state[rows[inside & (np.hypot(*way.T) < NEAR)]] = ON
+        self.state[rows[inside & (np.hypot(*way.T) < ARRIVAL_DISTANCE)]] = ON
 
-    def write(self, wants: Wants, position: Float32) -> None:
+    def write(self, commands: AgentCommand, position: Float32) -> None:
         """Write the presence of all dancers and the motion of entering and leaving ones (arrive, T082) into `wants`."""
-        if not write_presence(wants.rows, self.state, _PRESENCE, PASSING):
+        if not write_presence(commands.rows, self.state, _PRESENCE, PASSING):
             return
-        rows = np.flatnonzero(wants.presence == PASSING)
+        rows = np.flatnonzero(commands.presence == PASSING)
         way = self.goal[rows] - position[rows]
         far = np.maximum(np.hypot(*way.T), 1e-6)
-        speed = np.minimum(wants.speed[rows], far / ARRIVAL_S)
-        wants.velocity[rows] = way * (speed / far)[:, None]
-        wants.firm[rows] = 0.5
+        speed = np.minimum(commands.speed[rows], far / ARRIVAL_S)
+        commands.velocity[rows] = way * (speed / far)[:, None]
+        commands.firmness[rows] = 0.5
 
     def _outside(self, position: Float32) -> Bool:
-        return np.asarray((np.abs(position) > self._beyond).any(axis=1))
+        return np.asarray((np.abs(position) > self._exit_bounds).any(axis=1))
 
-    def _open_place(self, row: int, position: Float32) -> tuple[float, float]:
+    def _free_place(self, row: int, position: Float32) -> tuple[float, float]:
         """Return the candidate with the most free space, preferring nearer ones; positions and goals count as taken."""
         taken = np.concatenate([position[self.state == ON], self.goal[self.state == ENTERING]])
         index = np.arange(1, CANDIDATES + 1)

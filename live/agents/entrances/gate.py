@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 Float64 = npt.NDArray[np.float64]
 
-OUTSIDE: Final = 0.7
+WAITING_DISTANCE: Final = 0.7
 """Distance [m] outside the edge at which the first dancer waits, out of sight."""
-APART: Final = 0.8
+WAITING_SPACING: Final = 0.8
 """Distance [m] of waiting dancers within and between rows."""
 
 
@@ -43,23 +43,23 @@ class Gate:
         room = half_width - width / 2.0
         return Gate(name, min(max(x, -room), room), side * half_depth, width, 0.0, side)
 
-    def places(self, count: int) -> Float64:
+    def waiting_places(self, count: int) -> Float64:
         """Return waiting places outside for `count` dancers, in rows from the stage outwards, (count, 2) [m]."""
-        across = max(1, math.floor(self.width / APART))
+        across = max(1, math.floor(self.width / WAITING_SPACING))
         row, column = np.divmod(np.arange(count), across)
         in_row = np.minimum(count - row * across, across)
-        aside = (column - (in_row - 1) / 2.0) * APART
-        out = OUTSIDE + row * APART
+        aside = (column - (in_row - 1) / 2.0) * WAITING_SPACING
+        out = WAITING_DISTANCE + row * WAITING_SPACING
         return np.stack(
             [self.x + self.out_x * out - self.out_z * aside, self.z + self.out_z * out + self.out_x * aside], 1
         )
 
-    def inside(self, metres: float) -> tuple[float, float]:
+    def inner_point(self, metres: float) -> tuple[float, float]:
         """Return the place `metres` [m] inside the stage, straight in from the gate's middle."""
         return self.x - self.out_x * metres, self.z - self.out_z * metres
 
 
-def wings(half_width: float, half_depth: float) -> tuple[Gate, ...]:
+def default_gates(half_width: float, half_depth: float) -> tuple[Gate, ...]:
     """Return the default gates: left, right (as the audience sees it) and back, each half an edge wide."""
     return tuple(
         Gate.at_edge(name, at, width, half_width=half_width, half_depth=half_depth)

@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.evolutions.evolution_kernels import nearest_approach, sample_ways
-from live.agents.evolutions.incremental_assignment import Pieces, at_once
-from live.agents.evolutions.paths import dividing
-from live.agents.evolutions.start_delays import Arrive, times
+from live.agents.evolutions.evolution_kernels import nearest_approach, sample_paths
+from live.agents.evolutions.incremental_assignment import Pieces, run_to_end
+from live.agents.evolutions.paths import bend_paths_in_pieces
+from live.agents.evolutions.start_delays import Arrival, start_and_arrival
 from live.agents.evolutions.trajectory import Float32, Float64, Locomotion
 
-PIECE = 200_000
+PAIRS_PER_PIECE = 200_000
 """Pair checks in one piece of work: about a millisecond."""
 SAMPLES = 65
 """Times at which paths are sampled; between them dancers are assumed to move straight."""
@@ -41,45 +41,45 @@ class Clearance:
     def __init__(self, locomotion: Locomotion, radius: npt.ArrayLike, samples: int = SAMPLES) -> None:
         """`radius` is the body radius [m], shape (D,) or one for all."""
         count = locomotion.count
-        self.ways, self.soft = locomotion.ways, locomotion.soft
+        self.path_knots, self.soft = locomotion.path_knots, locomotion.ramp
         self.times = locomotion.times.copy()
         self.beats = np.linspace(locomotion.begin, locomotion.end, samples)
         self.sample: Float32 = np.zeros((samples, count, 2), np.float32)
         bodies = np.broadcast_to(np.asarray(radius, np.float64), (count,))
-        self.least: Float64 = bodies[:, None] + bodies[None, :] - TOLERANCE
+        self.min_distance: Float64 = bodies[:, None] + bodies[None, :] - TOLERANCE
         """Minimum allowed distance [m], shape (D, D)."""
         self.distance: Float32 = np.full((count, count), np.inf, np.float32)
         """Smallest distance on the paths [m], shape (D, D)."""
         self._when: Float32 = np.zeros((count, count), np.float32)
-        sample_ways(self.beats, self.ways, self.times, self.soft, 0, count, self.sample)
+        sample_paths(self.beats, self.path_knots, self.times, self.soft, 0, count, self.sample)
 
-    def look(self, first: int, last: int) -> None:
+    def compute_rows(self, first: int, last: int) -> None:
         """Compute the rows `first` to `last` (not included)."""
         nearest_approach(self.sample, first, last, self.distance, self._when)
 
-    def looking(self) -> Pieces[None]:
+    def compute_all(self) -> Pieces[None]:
         """Compute all rows, in pieces."""
-        count = len(self.ways)
-        rows = max(1, PIECE // max(1, count * len(self.beats)))
+        count = len(self.path_knots)
+        rows = max(1, PAIRS_PER_PIECE // max(1, count * len(self.beats)))
         for first in range(0, count, rows):
-            self.look(first, min(first + rows, count))
+            self.compute_rows(first, min(first + rows, count))
             yield
 
     def retime(self, dancer: int, begin: float, end: float) -> None:
         """Change the times of one dancer and recompute their row and column."""
         self.times[dancer] = begin, end
-        sample_ways(self.beats, self.ways, self.times, self.soft, dancer, dancer + 1, self.sample)
-        self.look(dancer, dancer + 1)
+        sample_paths(self.beats, self.path_knots, self.times, self.soft, dancer, dancer + 1, self.sample)
+        self.compute_rows(dancer, dancer + 1)
         self.distance[:, dancer] = self.distance[dancer]
         self._when[:, dancer] = self._when[dancer]
 
-    def near(self) -> npt.NDArray[np.bool_]:
+    def too_near(self) -> npt.NDArray[np.bool_]:
         """Return which pairs are too near at some time, shape (D, D)."""
-        return np.asarray(self.distance < self.least)
+        return np.asarray(self.distance < self.min_distance)
 
     def approaches(self) -> list[Approach]:
         """Return all pairs that come too near, the nearest first."""
-        first, second = np.nonzero(np.triu(self.near(), 1))
+        first, second = np.nonzero(np.triu(self.too_near(), 1))
         order = np.lexsort((second, first, self.distance[first, second]))
         step = (self.beats[-1] - self.beats[0]) / (len(self.beats) - 1)
         return [
@@ -91,7 +91,7 @@ class Clearance:
 def approaches(locomotion: Locomotion, radius: npt.ArrayLike, samples: int = SAMPLES) -> list[Approach]:
     """Return all pairs of dancers whose bodies would touch on these paths, the nearest first."""
     clearance = Clearance(locomotion, radius, samples)
-    clearance.look(0, locomotion.count)
+    clearance.compute_rows(0, locomotion.count)
     return clearance.approaches()
 
 
@@ -100,7 +100,7 @@ MARGIN = 0.045
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Mended:
+class RepairResult:
     """A locomotion after collision repair."""
 
     locomotion: Locomotion
@@ -114,16 +114,16 @@ class Mended:
     """Pairs that still come too near: left to steering."""
 
 
-class WaitMending:
+class WaitRepair:
     """Changes waits one at a time until there are no collisions; call `work` until `done`."""
 
-    def __init__(self, clearance: Clearance, begin: float, end: float, waits: Float64, arrive: Arrive) -> None:
+    def __init__(self, clearance: Clearance, begin: float, end: float, waits: Float64, arrive: Arrival) -> None:
         """`clearance` is fully computed; `waits` (D,) [beats] are those of its times."""
         self.waits = waits.copy()
         self._clearance = clearance
         self._begin, self._end, self._arrive = begin, end, arrive
         self._longest = float(waits.max(initial=0.0))
-        self._tied = np.arange(len(waits))
+        self._tie_group = np.arange(len(waits))
         self._given_up = np.zeros((len(waits), len(waits)), np.bool_)
         self._left = 6 * len(waits)
         self.done = self._worst() is None
@@ -144,7 +144,7 @@ class WaitMending:
         for new_i, new_j in ((wj, wi), (wj, wj), (wi, wi)):
             self._set(i, new_i)
             self._set(j, new_j)
-            if self._count() < before and self._tied[i] != self._tied[j]:
+            if self._count() < before and self._tie_group[i] != self._tie_group[j]:
                 return
         self._set(i, wi)
         self._set(j, wj)
@@ -152,22 +152,22 @@ class WaitMending:
 
     def _tie(self, i: int, j: int) -> None:
         """Let both start together from now on, with all dancers tied to either, at the wait of the larger party."""
-        first, second = self._tied == self._tied[i], self._tied == self._tied[j]
+        first, second = self._tie_group == self._tie_group[i], self._tie_group == self._tie_group[j]
         wait = self.waits[i] if first.sum() >= second.sum() else self.waits[j]
         both = first | second
-        self._tied[both] = min(self._tied[i], self._tied[j])
+        self._tie_group[both] = min(self._tie_group[i], self._tie_group[j])
         for dancer in np.flatnonzero(both):
             if self.waits[dancer] != wait:
                 self._set(int(dancer), float(wait))
 
     def _set(self, dancer: int, wait: float) -> None:
         self.waits[dancer] = wait
-        own = times(self._begin, self._end, np.array([wait]), self._arrive, self._longest)[0]
+        own = start_and_arrival(self._begin, self._end, np.array([wait]), self._arrive, self._longest)[0]
         self._clearance.retime(dancer, float(own[0]), float(own[1]))
 
     def _worst(self) -> tuple[int, int] | None:
         """Return the pair that comes nearest and that retiming may still separate."""
-        near = self._clearance.near() & ~self._given_up
+        near = self._clearance.too_near() & ~self._given_up
         if not near.any():
             return None
         distance = np.where(near, self._clearance.distance, np.inf)
@@ -175,44 +175,46 @@ class WaitMending:
         return (int(i), int(j)) if i < j else (int(j), int(i))
 
     def _count(self) -> int:
-        return int(self._clearance.near().sum())
+        return int(self._clearance.too_near().sum())
 
 
-def mended(
+def repair_collisions(
     locomotion: Locomotion,
     radius: npt.ArrayLike,
     waits: Float64,
     *,
     begin: float,
     end: float,
-    arrive: Arrive = Arrive.TOGETHER,
+    arrive: Arrival = Arrival.TOGETHER,
     bend: bool = True,
     seed: int = 0,
     half: tuple[float, float] | None = None,
-) -> Mended:
+) -> RepairResult:
     """Check, change waits, bend paths (if `bend`), check again. `radius` (D,) or one [m]."""
-    return at_once(
-        mending(locomotion, radius, waits, begin=begin, end=end, arrive=arrive, bend=bend, seed=seed, half=half)
+    return run_to_end(
+        repair_in_pieces(
+            locomotion, radius, waits, begin=begin, end=end, arrive=arrive, bend=bend, seed=seed, half=half
+        )
     )
 
 
-def mending(
+def repair_in_pieces(
     locomotion: Locomotion,
     radius: npt.ArrayLike,
     waits: Float64,
     *,
     begin: float,
     end: float,
-    arrive: Arrive = Arrive.TOGETHER,
+    arrive: Arrival = Arrival.TOGETHER,
     retime: bool = True,
     bend: bool = True,
     seed: int = 0,
     half: tuple[float, float] | None = None,
-) -> Pieces[Mended]:
+) -> Pieces[RepairResult]:
     """The same as `mended`, in pieces. Without `retime` waits stay, without `bend` paths stay."""
     clearance = Clearance(locomotion, radius)
-    yield from clearance.looking()
-    wait_mending = WaitMending(clearance, begin, end, waits, arrive)
+    yield from clearance.compute_all()
+    wait_mending = WaitRepair(clearance, begin, end, waits, arrive)
     while retime and not wait_mending.done:
         wait_mending.work()
         yield
@@ -221,11 +223,11 @@ def mending(
     remaining = clearance.approaches()
     bent = False
     if remaining and bend:
-        clear = float(np.max(clearance.least)) + MARGIN
-        candidate = yield from dividing(result, clear, seed=seed, half=half)
+        clear = float(np.max(clearance.min_distance)) + MARGIN
+        candidate = yield from bend_paths_in_pieces(result, clear, seed=seed, half=half)
         again = Clearance(candidate, radius)
-        yield from again.looking()
+        yield from again.compute_all()
         after = again.approaches()
         if len(after) < len(remaining):
             result, remaining, bent = candidate, after, True
-    return Mended(result, wait_mending.waits, retimed, bent, tuple(remaining))
+    return RepairResult(result, wait_mending.waits, retimed, bent, tuple(remaining))

@@ -10,11 +10,11 @@ from live.agents.evolutions.collision_check import TOLERANCE
 from live.agents.evolutions.evolution_kernels import nearest_approach
 from live.agents.evolutions.intention import Repertoire, Segment
 from live.agents.evolutions.running_plan import Plan
-from live.agents.evolutions.timeline import Link, Span, linked
+from live.agents.evolutions.timeline import Link, Span, link_timeline
 from live.agents.evolutions.trajectory import Float32, Float64
 from live.agents.groups.roster import Roster
 
-PER_MEASURE = 32
+SAMPLES_PER_MEASURE = 32
 """Samples per measure."""
 
 
@@ -24,7 +24,7 @@ class TooFar:
 
     dancer: int
     measure: int
-    way: float
+    distance: float
     """Metres."""
     reach: float
     """Metres."""
@@ -42,7 +42,7 @@ class TooNear:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rehearsal:
+class DryRunResult:
     """Result of a dry run for A dancers and M measures."""
 
     places: Float32
@@ -57,7 +57,7 @@ class Rehearsal:
     """The linked timeline (T089)."""
 
     @property
-    def ways(self) -> Float64:
+    def distances(self) -> Float64:
         """Return the distance between the places at both ends of each measure [m], shape (M, A)."""
         steps = np.diff(self.places.astype(np.float64), axis=0)
         return np.asarray(np.hypot(steps[..., 0], steps[..., 1]))
@@ -65,14 +65,14 @@ class Rehearsal:
     def too_far(self, reach: npt.ArrayLike) -> tuple[TooFar, ...]:
         """Return the dancers who would be late; `reach` [m]: how far steps travel in a measure, (A,) or one for all."""
         most = np.broadcast_to(np.asarray(reach, np.float64), self.under.shape)
-        ways = np.where(self.under, self.ways, 0.0)
+        ways = np.where(self.under, self.distances, 0.0)
         return tuple(
             TooFar(int(dancer), int(measure), float(ways[measure, dancer]), float(most[measure, dancer]))
             for measure, dancer in np.argwhere(ways > most + 1e-9)
         )
 
 
-def rehearse(
+def simulate_plan(
     roster: Roster,
     repertoire: Repertoire,
     segments: Sequence[Segment],
@@ -84,7 +84,7 @@ def rehearse(
     half: tuple[float, float] = (6.0, 4.0),
     radius: npt.ArrayLike = 0.25,
     seed: int = 0,
-) -> Rehearsal:
+) -> DryRunResult:
     """Run `measures` measures from `positions` (A, 2) [m]; dancers moved by elements are assumed to stay."""
     plan = Plan(roster, repertoire, segments, measure_beats=measure_beats, half=half, radius=radius, seed=seed)
     place = np.array(positions, np.float32)
@@ -96,24 +96,24 @@ def rehearse(
     for measure in range(measures):
         for motion in plan.begin_measure(measure, place, facing):
             dancers = np.zeros(roster.count, np.bool_)
-            dancers[motion.who] = True
+            dancers[motion.dancers] = True
             spans[plan.segments.index(motion.segment)] = Span(motion.begin, motion.departure.end, dancers)
         plan.finish()
         near += _too_near(plan, measure, measure_beats, place, bodies)
-        there = plan.target((measure + 1) * measure_beats)
-        under = there.under == 1
+        there = plan.predicted_state((measure + 1) * measure_beats)
+        under = there.controlled == 1
         place, facing = np.where(under[:, None], there.position, place), np.where(under, there.heading, facing)
         places.append(place.copy())
         faced.append(facing.copy())
         held.append(under)
     links = _links(spans, roster.count, measures * measure_beats)
-    return Rehearsal(np.array(places), np.array(faced), np.array(held), tuple(near), links)
+    return DryRunResult(np.array(places), np.array(faced), np.array(held), tuple(near), links)
 
 
 def _links(spans: dict[int, Span], dancers: int, length: float) -> tuple[Link, ...]:
     """Return the linked timeline; its sources are indices of the plan's segments."""
     order = sorted(spans)
-    links = linked([spans[index] for index in order], dancers, length)
+    links = link_timeline([spans[index] for index in order], dancers, length)
     return tuple(
         Link(link.begin, link.end, link.dancers, order[link.source] if link.source >= 0 else link.source,
              link.before, link.after)
@@ -123,11 +123,11 @@ def _links(spans: dict[int, Span], dancers: int, length: float) -> tuple[Link, .
 
 def _too_near(plan: Plan, measure: int, measure_beats: float, place: Float32, bodies: Float64) -> list[TooNear]:
     count = len(place)
-    sample = np.empty((PER_MEASURE + 1, count, 2), np.float32)
+    sample = np.empty((SAMPLES_PER_MEASURE + 1, count, 2), np.float32)
     under = np.zeros(count, np.bool_)
-    for row in range(PER_MEASURE + 1):
-        there = plan.at((measure + row / PER_MEASURE) * measure_beats)
-        under = there.under == 1
+    for row in range(SAMPLES_PER_MEASURE + 1):
+        there = plan.state_at((measure + row / SAMPLES_PER_MEASURE) * measure_beats)
+        under = there.controlled == 1
         sample[row] = np.where(under[:, None], there.position, place)
     distance, when = np.empty((count, count), np.float32), np.empty((count, count), np.float32)
     nearest_approach(sample, 0, count, distance, when)

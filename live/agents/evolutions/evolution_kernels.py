@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -15,7 +15,7 @@ Bytes = npt.NDArray[np.uint8]
 _VX, _VZ, _FIRM = 0, 1, 6  # columns of Wants.rows
 
 
-@part
+@inline_kernel
 def _chance(seed: int, first: int, second: int) -> float:
     """Return a seeded random number in [0, 1) that depends only on its three arguments (mixing steps of murmur3)."""
     h = (int(seed) * 0x9E3779B1 ^ int(first) * 0x85EBCA77 ^ int(second) * 0xC2B2AE3D) & 0xFFFFFFFF
@@ -25,7 +25,7 @@ def _chance(seed: int, first: int, second: int) -> float:
     return h / 4294967296.0
 
 
-@part
+@inline_kernel
 def _share(t: float, soft: float) -> float:
     """Return the share of the path covered after the share `t` of the time."""
     if soft <= 0.0:
@@ -38,7 +38,7 @@ def _share(t: float, soft: float) -> float:
     return ramp if t < 0.5 else 1.0 - ramp
 
 
-@part
+@inline_kernel
 def _rate(t: float, soft: float) -> float:
     """Return the derivative of `_share`: speed as a multiple of the average speed."""
     if soft <= 0.0:
@@ -57,7 +57,7 @@ def profile(t: float, soft: float) -> float:
     return _share(min(max(t, 0.0), 1.0), min(max(soft, 0.0), 0.5))
 
 
-@part
+@inline_kernel
 def _turn_at(turns: Float64, d: int, beat: float) -> float:
     """Return the heading [rad] of the knots turns[d] (H, 2: beat, heading) at `beat`: linear, held beyond the ends."""
     low, high = 0, turns.shape[1] - 1
@@ -78,7 +78,7 @@ def _turn_at(turns: Float64, d: int, beat: float) -> float:
 
 
 @kernel("void(f8, f4[:,:,::1], f8[:,::1], f8, f8[:,:,::1], i4[::1], u1[::1], f4[:,::1], f4[:,::1], f4[::1], u1[::1])")
-def places_at(
+def evaluate_paths(
     beat: float,
     ways: Float32,
     times: Float64,
@@ -131,7 +131,7 @@ def places_at(
 
 
 @kernel("void(f8[::1], f4[:,:,::1], f8[:,::1], f8, i8, i8, f4[:,:,::1])")
-def sample_ways(
+def sample_paths(
     beats: Float64, ways: Float32, times: Float64, soft: float, first: int, last: int, sample: Float32
 ) -> None:
     """Write places of the dancers `first` to `last` (not included) at T `beats` into `sample` (T, D, 2) [m].
@@ -240,7 +240,7 @@ def _locate(place: Float64, sample: Float32, offset: Float32, d: int, k: int) ->
 
 
 @kernel("i8(f4[:,:,::1], f4[:,:,::1], f8, f8, f8, i8)")
-def part_ways(sample: Float32, offset: Float32, clear: float, excess: float, freedom: float, seed: int) -> int:
+def separate_paths(sample: Float32, offset: Float32, clear: float, excess: float, randomness: float, seed: int) -> int:
     """Compute offsets (D, K, 2) that separate colliding paths, by divide and conquer (T101, Schulz 2011, 4.3.2).
 
     `sample` (D, K, 2) are places at K = 2^L + 1 even times; times 1/2, then 1/4 and 3/4, and so on are examined.
@@ -278,8 +278,8 @@ def part_ways(sample: Float32, offset: Float32, clear: float, excess: float, fre
                     dx = float(sample[j, k + 1, 0]) - sample[i, k + 1, 0] - sample[j, k - 1, 0] + sample[i, k - 1, 0]
                     dz = float(sample[j, k + 1, 1]) - sample[i, k + 1, 1] - sample[j, k - 1, 1] + sample[i, k - 1, 1]
                     square_to = 2.0 * _chance(seed, i * 65537 + j, k) - 1.0  # its sign is the side
-                    angle = math.atan2(dx, dz) + 0.5 * math.pi * (math.copysign(1.0 - freedom, square_to))
-                    angle += math.pi * freedom * square_to
+                    angle = math.atan2(dx, dz) + 0.5 * math.pi * (math.copysign(1.0 - randomness, square_to))
+                    angle += math.pi * randomness * square_to
                     ux, uz = math.sin(angle), math.cos(angle)
                     along = x * ux + z * uz
                     if along < 0.0:  # choose the direction that separates them
@@ -297,7 +297,7 @@ def part_ways(sample: Float32, offset: Float32, clear: float, excess: float, fre
 
 
 @kernel("void(f4[:,:,::1])")
-def smooth_ways(offset: Float32) -> None:
+def smooth_paths(offset: Float32) -> None:
     """Do one pass of the filter 1/4, 1/2, 1/4 along axis 1 of (D, K, 2); the ends stay."""
     for d in range(offset.shape[0]):
         for axis in range(2):
@@ -308,7 +308,7 @@ def smooth_ways(offset: Float32) -> None:
                 before = here
 
 
-APART = 0.01
+ROUNDING_MARGIN = 0.01
 """Safety margin [m] against rounding: a pair farther apart than the clearance plus this has not met."""
 
 
@@ -324,7 +324,7 @@ def longest_steps(ways: Float32, step: Float64) -> None:
 
 
 @kernel("b1(f4[:,:,::1], i8, i8, f4, f8)")
-def meet(ways: Float32, i: int, j: int, clear: float, step: float) -> bool:
+def pair_collides(ways: Float32, i: int, j: int, clear: float, step: float) -> bool:
     """Whether two of the dancers on `ways` (D, T, 2) [m], at even times and linear between, come nearer than `clear`.
 
     The measure is that of `nearest_approach`, but the search stops at the first time found. The two approach each other
@@ -333,10 +333,10 @@ def meet(ways: Float32, i: int, j: int, clear: float, step: float) -> bool:
     x0, z0 = float(ways[j, 0, 0]) - ways[i, 0, 0], float(ways[j, 0, 1]) - ways[i, 0, 1]
     if np.float32(math.sqrt(x0 * x0 + z0 * z0)) < clear:
         return True
-    surely = (float(clear) + APART) ** 2  # skips the square root except near the bound
+    surely = (float(clear) + ROUNDING_MARGIN) ** 2  # skips the square root except near the bound
     k = 1
     while k < ways.shape[1]:
-        away = math.sqrt(x0 * x0 + z0 * z0) - clear - APART
+        away = math.sqrt(x0 * x0 + z0 * z0) - clear - ROUNDING_MARGIN
         if away > step:
             k += int(min(away / max(step, 1e-9), float(ways.shape[1])))
             if k >= ways.shape[1]:
@@ -358,7 +358,7 @@ def meet(ways: Float32, i: int, j: int, clear: float, step: float) -> bool:
 
 
 @kernel("i8(f4[:,:,::1], f8[::1], i8, i8, f4)")
-def count_meetings(ways: Float32, step: Float64, first: int, last: int, clear: float) -> int:
+def count_collisions(ways: Float32, step: Float64, first: int, last: int, clear: float) -> int:
     """Count the pairs of a dancer `first` to `last` (not included) and a later one that come nearer than `clear` [m].
 
     `ways` as in `meet`, `step` (D,) [m] by `longest_steps`.
@@ -366,5 +366,5 @@ def count_meetings(ways: Float32, step: Float64, first: int, last: int, clear: f
     meeting = 0
     for i in range(first, last):
         for j in range(i + 1, ways.shape[0]):
-            meeting += meet(ways, i, j, clear, step[i] + step[j])
+            meeting += pair_collides(ways, i, j, clear, step[i] + step[j])
     return meeting

@@ -7,14 +7,14 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.evolutions.evolution_kernels import profile
-from live.agents.evolutions.segment_start import Departure, Journey
+from live.agents.evolutions.segment_start import PlannedMotion, SegmentStart
 from live.agents.evolutions.trajectory import Locomotion
 
 Float64 = npt.NDArray[np.float64]
 
 TURN_KNOTS = 5
 """Knots of a turn on the spot."""
-STILL = 1e-3
+MIN_PATH_LENGTH = 1e-3
 """A path shorter than this [m] has no direction."""
 
 
@@ -75,21 +75,21 @@ def rotations(headings: npt.ArrayLike) -> Float64:
     return np.diff(unwrap(headings), axis=-1)
 
 
-def linear(times: Float64, before: npt.ArrayLike, after: npt.ArrayLike) -> Float64:
+def linear_turns(times: Float64, before: npt.ArrayLike, after: npt.ArrayLike) -> Float64:
     """Return knots (D, 2, 2) of an even turn in the shorter direction, over each dancer's `times` (D, 2) [beats]."""
     first = np.asarray(before, np.float64)
     heading = np.stack([first, first + shortest_turn(first, after)], axis=1)
     return np.ascontiguousarray(np.stack([times, heading], axis=-1))
 
 
-def by_measure(begin: float, measure_beats: float, before: npt.ArrayLike, headings: npt.ArrayLike) -> Float64:
+def turns_by_measure(begin: float, measure_beats: float, before: npt.ArrayLike, headings: npt.ArrayLike) -> Float64:
     """Return knots (D, N + 1, 2) that reach heading n of `headings` (D, N) at the end of measure n after `begin`."""
     series = unwrap(np.concatenate([np.asarray(before, np.float64)[:, None], np.asarray(headings, np.float64)], axis=1))
     lines = begin + measure_beats * np.arange(series.shape[1])
     return np.ascontiguousarray(np.stack([np.broadcast_to(lines, series.shape), series], axis=-1))
 
 
-def tangent(
+def tangent_turns(
     ways: npt.NDArray[np.floating], shares: npt.ArrayLike, times: Float64, turn: float,
     before: npt.ArrayLike, after: npt.ArrayLike,
 ) -> Float64:  # fmt: skip
@@ -119,7 +119,7 @@ def tangent(
     return np.ascontiguousarray(np.stack([beats, facing], axis=-1))
 
 
-def travelled(places: npt.NDArray[np.floating], rest: npt.ArrayLike, still: float = 0.1) -> Float64:
+def travel_headings(places: npt.NDArray[np.floating], rest: npt.ArrayLike, min_distance: float = 0.1) -> Float64:
     """Return the heading of each measure (D, N) from places at the measure lines (N + 1, D, 2) (T126).
 
     It is the travel direction, or `rest` (D,), usually towards the audience, if a dancer moves less than `still` [m].
@@ -127,7 +127,7 @@ def travelled(places: npt.NDArray[np.floating], rest: npt.ArrayLike, still: floa
     steps = np.diff(np.asarray(places, np.float64), axis=0).transpose(1, 0, 2)
     heading = np.arctan2(steps[..., 0], steps[..., 1])
     resting = np.broadcast_to(np.asarray(rest, np.float64)[:, None], heading.shape)
-    return np.where(np.hypot(steps[..., 0], steps[..., 1]) < still, resting, heading)
+    return np.where(np.hypot(steps[..., 0], steps[..., 1]) < min_distance, resting, heading)
 
 
 def final_direction(ways: npt.NDArray[np.floating], rest: npt.ArrayLike) -> Float64:
@@ -141,7 +141,7 @@ def _directions(knots: Float64) -> tuple[npt.NDArray[np.bool_], Float64]:
     steps = np.diff(knots, axis=1)
     length = np.hypot(steps[..., 0], steps[..., 1])
     direction = np.arctan2(steps[..., 0], steps[..., 1])
-    goes = length > STILL / max(length.shape[1], 1)
+    goes = length > MIN_PATH_LENGTH / max(length.shape[1], 1)
     moving = goes.any(axis=1)
     piece = np.where(goes, np.arange(length.shape[1]), -1)
     piece = np.maximum.accumulate(piece, axis=1)
@@ -149,37 +149,37 @@ def _directions(knots: Float64) -> tuple[npt.NDArray[np.bool_], Float64]:
     return moving, np.take_along_axis(direction, piece, axis=1)
 
 
-def turn_beats(facing: Orientation, departure: Departure) -> float:
+def turn_beats(facing: Orientation, departure: SegmentStart) -> float:
     """Return the beats of each turn on the spot, which the path has to leave free."""
     if facing.facing is not Facing.TANGENT:
         return 0.0
     return min(max(facing.turn_beats, 0.0), (departure.end - departure.begin) / 8.0)
 
 
-def turned(
-    journey: Journey, facing: Orientation, departure: Departure, after: npt.ArrayLike, *, closing: bool
-) -> Journey:
+def with_turns(
+    journey: PlannedMotion, facing: Orientation, departure: SegmentStart, after: npt.ArrayLike, *, exact_end: bool
+) -> PlannedMotion:
     """Return the journey with the headings of `facing`; `closing`: the last heading must be met exactly."""
     moved, before, last = journey.locomotion, departure.heading, np.asarray(after, np.float64)
     if facing.facing is Facing.LINEAR:
-        turns = linear(moved.times, before, last)
+        turns = linear_turns(moved.times, before, last)
     elif facing.facing is Facing.TANGENT:
         shares = _knot_shares(moved)
-        turns = tangent(moved.ways, shares, moved.times, turn_beats(facing, departure), before, last)
+        turns = tangent_turns(moved.path_knots, shares, moved.times, turn_beats(facing, departure), before, last)
     else:
-        turns = _measure_turns(moved, facing, departure, last, closing)
+        turns = _measure_turns(moved, facing, departure, last, exact_end)
     return replace(journey, locomotion=replace(moved, turns=turns))
 
 
 def _knot_shares(moved: Locomotion) -> Float64:
     """Return the share of the time at which each knot of a path is passed, shape (K,)."""
     fine = np.linspace(0.0, 1.0, 513)
-    gone = np.array([profile(float(t), moved.soft) for t in fine])
-    return np.interp(np.linspace(0.0, 1.0, moved.ways.shape[1]), gone, fine)
+    gone = np.array([profile(float(t), moved.ramp) for t in fine])
+    return np.interp(np.linspace(0.0, 1.0, moved.path_knots.shape[1]), gone, fine)
 
 
 def _measure_turns(
-    moved: Locomotion, facing: Orientation, departure: Departure, last: Float64, closing: bool
+    moved: Locomotion, facing: Orientation, departure: SegmentStart, last: Float64, exact_end: bool
 ) -> Float64:
     measures = max(1, round((departure.end - departure.begin) / departure.measure_beats))
     lines = departure.begin + departure.measure_beats * np.arange(measures + 1)
@@ -187,12 +187,12 @@ def _measure_turns(
         declared = facing.headings or (0.0,)
         series = np.array([declared[min(n, len(declared) - 1)] for n in range(measures)])
         headings = np.broadcast_to(series, (moved.count, measures))
-        last, closing = headings[:, -1], False
+        last, exact_end = headings[:, -1], False
     else:
-        headings = travelled(moved.sampled(lines)[0], last)
+        headings = travel_headings(moved.sample(lines)[0], last)
     if facing.smooth:
         around = np.concatenate([departure.heading[:, None], headings, last[:, None]], axis=1)
         headings = smoothed(around)[:, 1:-1]
-    if closing:
+    if exact_end:
         headings = np.concatenate([headings[:, :-1], last[:, None]], axis=1)
-    return by_measure(departure.begin, departure.measure_beats, departure.heading, headings)
+    return turns_by_measure(departure.begin, departure.measure_beats, departure.heading, headings)

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.evolutions.evolution_kernels import swap_pairs
-from live.agents.evolutions.slot_assignment import ANYBODY, Cost, Fill, assign
+from live.agents.evolutions.slot_assignment import UNRESERVED, Cost, Fill, assign
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -23,15 +23,15 @@ Index = npt.NDArray[np.intp]
 
 LEAF = 64
 """Dancers of a part that is assigned at once."""
-EXACT = 128
+MAX_EXACT = 128
 """Up to this many dancers of one section are assigned at once and exactly: at most about a millisecond."""
-PAIRS = 60_000
+PAIRS_PER_PIECE = 60_000
 """Pairs examined in one piece."""
 SWEEPS = 40
 """Maximum sweeps over all pairs; five to ten are usually needed."""
 
 
-class DividedMatching:
+class IncrementalAssignment:
     """One assignment, done in pieces: ``begin``, then ``work`` until ``done``; then `slot` holds the result."""
 
     def __init__(self) -> None:
@@ -49,7 +49,7 @@ class DividedMatching:
         fill: Fill = Fill.NEAREST,
         dancer_section: Int32 | None = None,
         slot_section: Int32 | None = None,
-        exact: int = EXACT,
+        exact: int = MAX_EXACT,
     ) -> None:
         """Match dancers at `start` (D, 2) with `slots` (S, 2) [m]; sections as in `sections`, by default one for all.
 
@@ -64,9 +64,9 @@ class DividedMatching:
         self.slot = np.full(dancers, -1, np.int32)
         self._sweep, self._row, self._swapped = 0, 0, 0
         self._pieces = []
-        named = [int(s) for s in np.unique(self._dancer_section) if s != ANYBODY]
+        named = [int(s) for s in np.unique(self._dancer_section) if s != UNRESERVED]
         # the list is a stack: named sections are done first, then the remaining dancers with the unmarked slots
-        self._pieces.append(self._divide_the_rest)
+        self._pieces.append(self._divide_remaining)
         for section in reversed(named):
             who, where = self._dancer_section == section, self._slot_section == section
             if where.any():
@@ -88,12 +88,12 @@ class DividedMatching:
             self.work()
         return self.slot
 
-    def _divide_the_rest(self) -> None:
+    def _divide_remaining(self) -> None:
         large = len(self._start) > self._exact
         if large and self._cost is Cost.SQUARED and len(self._slots):
             self._pieces.append(self._swap)
         left = np.flatnonzero(self.slot < 0)
-        places = np.flatnonzero(self._slot_section == ANYBODY)
+        places = np.flatnonzero(self._slot_section == UNRESERVED)
         if len(left) and len(places):
             self._divide(left, places)
 
@@ -104,7 +104,7 @@ class DividedMatching:
             self._pieces.append(lambda: self._assign(who, where))
             return
         if len(who) != len(where):
-            who, where = self._same_number(who, where)
+            who, where = self._equalize(who, where)
         self._pieces.append(lambda: self._halve(who, where))
 
     def _assign(self, who: Index, where: Index) -> None:
@@ -112,7 +112,7 @@ class DividedMatching:
         found = slot >= 0
         self.slot[who[found]] = where[slot[found]]
 
-    def _same_number(self, who: Index, where: Index) -> tuple[Index, Index]:
+    def _equalize(self, who: Index, where: Index) -> tuple[Index, Index]:
         """Reduce to equal numbers: those nearest to the centre of the others, or the first slots in order."""
         if len(who) > len(where):
             return _nearest(who, self._start, self._slots[where].mean(axis=0), len(where)), where
@@ -126,7 +126,7 @@ class DividedMatching:
             return
         both = np.concatenate([self._start[who], self._slots[where]])
         axis = int(np.argmax(np.ptp(both, axis=0)))
-        first, second = _by(who, self._start, axis), _by(where, self._slots, axis)
+        first, second = _sorted_by(who, self._start, axis), _sorted_by(where, self._slots, axis)
         half = len(first) // 2
         self._pieces.append(lambda: self._halve(first[half:], second[half:]))
         self._pieces.append(lambda: self._halve(first[:half], second[:half]))
@@ -135,10 +135,12 @@ class DividedMatching:
         """Do one piece of a sweep over all pairs and push the next piece, until a whole sweep changes nothing."""
         count = len(self._start)
         last, pairs = self._row, 0
-        while last < count and (pairs == 0 or pairs + count - last <= PAIRS):
+        while last < count and (pairs == 0 or pairs + count - last <= PAIRS_PER_PIECE):
             pairs += count - last
             last += 1
-        section = np.where(self._slot_section[self.slot] == ANYBODY, ANYBODY, self._dancer_section).astype(np.int32)
+        section = np.where(self._slot_section[self.slot] == UNRESERVED, UNRESERVED, self._dancer_section).astype(
+            np.int32
+        )
         self._swapped += swap_pairs(self._start, self._slots, self.slot, section, self._row, last)
         self._row = last
         if last >= count:
@@ -154,7 +156,7 @@ def _nearest(index: Index, places: Float64, middle: npt.NDArray[np.float64], cou
     return np.sort(index[np.lexsort((index, distance))[:count]])
 
 
-def _by(index: Index, places: Float64, axis: int) -> Index:
+def _sorted_by(index: Index, places: Float64, axis: int) -> Index:
     """Return `index` sorted by one coordinate, ties by the other one, then by number."""
     return index[np.lexsort((index, places[index, 1 - axis], places[index, axis]))]
 
@@ -163,7 +165,7 @@ Result = TypeVar("Result")
 Pieces = Generator[None, None, Result]
 
 
-def at_once(pieces: Pieces[Result]) -> Result:
+def run_to_end(pieces: Pieces[Result]) -> Result:
     """Run all pieces and return the result."""
     while True:
         try:

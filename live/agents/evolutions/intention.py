@@ -11,12 +11,12 @@ import numpy.typing as npt
 from live.agents.evolutions.facing import Facing, Orientation
 from live.agents.evolutions.slot_assignment import Cost, Fill
 from live.agents.evolutions.start_delays import TOGETHER, Ripple
-from live.agents.groups.roster import Line, canon
+from live.agents.groups.roster import Line, canon_delays
 from live.base.errors import PersonError
 
-EVENLY: Final = Orientation()
+EVEN_TURN: Final = Orientation()
 """Turn evenly from the first heading to the last."""
-ALONG_THE_WAY: Final = Orientation(Facing.TANGENT)
+ALONG_PATH: Final = Orientation(Facing.TANGENT)
 """Face along the path."""
 
 
@@ -39,7 +39,7 @@ class FormationMaker(Protocol):
 
     @property
     def name(self) -> str: ...
-    def made(self, count: int) -> FormationLike:
+    def places_for(self, count: int) -> FormationLike:
         """Return the places for `count` dancers."""
 
 
@@ -56,7 +56,7 @@ class Places:
     """A required attribute for each place ("": any dancer); may be empty."""
 
 
-class By(StrEnum):
+class AssignmentMethod(StrEnum):
     """How dancers are assigned to places."""
 
     COST = "cost"
@@ -65,7 +65,7 @@ class By(StrEnum):
     """The first dancer of the group to the first place, and so on (T097)."""
 
 
-class Way(StrEnum):
+class PathMode(StrEnum):
     """How paths of dancers who would collide are treated."""
 
     MENDED = "mended"
@@ -80,7 +80,7 @@ class Way(StrEnum):
 class Matching:
     """How dancers are assigned to places (T097-T100)."""
 
-    by: By = By.COST
+    by: AssignmentMethod = AssignmentMethod.COST
     cost: Cost = Cost.SQUARED
     equal_weight: float = 0.5
     """Weight of equal path lengths against short ones in `Cost.BOTH`."""
@@ -101,8 +101,8 @@ class Evolve:
 
     formation: str
     matching: Matching = Matching()
-    way: Way = Way.MENDED
-    orientation: Orientation = EVENLY
+    path_mode: PathMode = PathMode.MENDED
+    orientation: Orientation = EVEN_TURN
     soft: float = 0.25
     """Share of the time used to accelerate, and to decelerate; 0: constant speed."""
 
@@ -112,7 +112,7 @@ class Pause:
     """Initial condition: keep the places in which the last motion ended (T103)."""
 
 
-class Follow(StrEnum):
+class FollowMode(StrEnum):
     """How a group follows a drawn path."""
 
     SHIFTED = "shifted"
@@ -126,10 +126,10 @@ class Trajectory:
     """Initial condition: follow a drawn path (T103)."""
 
     path: str
-    follow: Follow = Follow.SHIFTED
+    follow: FollowMode = FollowMode.SHIFTED
     gap: float = 0.8
     """Metres between two dancers in single file."""
-    orientation: Orientation = ALONG_THE_WAY
+    orientation: Orientation = ALONG_PATH
     soft: float = 0.25
 
 
@@ -170,7 +170,7 @@ class Repertoire:
         if name not in self.formations:
             raise PersonError(f"no formation is called {name!r}", _there_are(self.formations))
         formation = self.formations[name]
-        return formation.made(count) if isinstance(formation, FormationMaker) else formation
+        return formation.places_for(count) if isinstance(formation, FormationMaker) else formation
 
     def path(self, name: str) -> npt.NDArray[np.floating]:
         """Return the drawn path of this name, or raise a PersonError."""
@@ -211,7 +211,7 @@ class Segment:
     """Delays of the individual dancers' starts."""
     mirror: Line | None = None
     """Line about which the formation or path is mirrored."""
-    later: float = 0.0
+    delay: float = 0.0
     """Beats by which it begins and ends later than its measures (canon)."""
 
     def __post_init__(self) -> None:
@@ -220,23 +220,23 @@ class Segment:
                 f"a segment of {self.measures} measures from measure {self.start + 1} on",
                 "measures count from 1, and a segment lasts at least one",
             )
-        if not 0.0 <= self.later < 1e6:
-            raise PersonError(f"a segment that begins {self.later} beats later", "it can only be later, not earlier")
+        if not 0.0 <= self.delay < 1e6:
+            raise PersonError(f"a segment that begins {self.delay} beats later", "it can only be later, not earlier")
 
     def begin_beat(self, measure_beats: float) -> float:
         """Return the beat (from the first measure line) at which the segment begins."""
-        return self.start * measure_beats + self.later
+        return self.start * measure_beats + self.delay
 
     def end_beat(self, measure_beats: float) -> float:
         """Return the beat at which all dancers have arrived."""
-        return (self.start + self.measures) * measure_beats + self.later
+        return (self.start + self.measures) * measure_beats + self.delay
 
 
 def in_canon(segment: Segment, groups: Sequence[str], beats: float) -> tuple[Segment, ...]:
     """Return the same motion for several groups, each `beats` later than the one before (T147)."""
     return tuple(
-        replace(segment, group=group, later=segment.later + delay)
-        for group, delay in zip(groups, canon(len(groups), beats), strict=True)
+        replace(segment, group=group, delay=segment.delay + delay)
+        for group, delay in zip(groups, canon_delays(len(groups), beats), strict=True)
     )
 
 

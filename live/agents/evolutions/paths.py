@@ -8,8 +8,14 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.evolutions.evolution_kernels import count_meetings, longest_steps, part_ways, sample_ways, smooth_ways
-from live.agents.evolutions.incremental_assignment import Pieces, at_once
+from live.agents.evolutions.evolution_kernels import (
+    count_collisions,
+    longest_steps,
+    sample_paths,
+    separate_paths,
+    smooth_paths,
+)
+from live.agents.evolutions.incremental_assignment import Pieces, run_to_end
 from live.agents.evolutions.trajectory import Locomotion
 from live.base.errors import PersonError
 
@@ -20,13 +26,13 @@ KNOTS = 65
 """Knots of a drawn path."""
 
 
-def straight(start: npt.ArrayLike, goal: npt.ArrayLike) -> Float32:
+def straight_paths(start: npt.ArrayLike, goal: npt.ArrayLike) -> Float32:
     """Return straight paths from `start` to `goal`, both (D, 2) [m]: knots of shape (D, 2, 2)."""
     ends = np.stack([np.asarray(start, np.float64), np.asarray(goal, np.float64)], axis=1)
     return np.ascontiguousarray(ends, np.float32)
 
 
-def even(polyline: npt.ArrayLike, knots: int = KNOTS) -> Float64:
+def resample_polyline(polyline: npt.ArrayLike, knots: int = KNOTS) -> Float64:
     """Return `knots` points at equal arc lengths along a polyline (N, 2) [m], including both ends."""
     points = np.asarray(polyline, np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or len(points) == 0 or not np.isfinite(points).all():
@@ -59,12 +65,12 @@ def svg_path(data: str, *, metres_per_unit: float = 1.0, knots: int = 257) -> Fl
     return flat
 
 
-def shifted(polyline: npt.ArrayLike, start: npt.ArrayLike, knots: int = KNOTS) -> Float32:
+def parallel_paths(polyline: npt.ArrayLike, start: npt.ArrayLike, knots: int = KNOTS) -> Float32:
     """Return paths on which each dancer follows the drawn path from their own place, shape (D, knots, 2).
 
     The formation keeps its shape. Only the displacement from the first point of `polyline` (N, 2) matters.
     """
-    way = even(polyline, knots)
+    way = resample_polyline(polyline, knots)
     places = np.asarray(start, np.float64)
     return np.ascontiguousarray(places[:, None, :] + (way - way[0])[None], np.float32)
 
@@ -77,7 +83,7 @@ def single_file(polyline: npt.ArrayLike, start: npt.ArrayLike, *, gap: float = 0
     equal lengths of the *first* dancer's path, so all dancers must travel with the same times.
     """
     places = np.asarray(start, np.float64).reshape(-1, 2)
-    way = even(polyline, max(knots, 257))
+    way = resample_polyline(polyline, max(knots, 257))
     at = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(way, axis=0).T))])
     order = np.argsort(np.hypot(*(places - way[0]).T), kind="stable")
     ways = np.empty((len(places), knots, 2), np.float32)
@@ -106,21 +112,21 @@ SMOOTHING = 6
 """Passes of the filter 1/4, 1/2, 1/4 after paths have been separated."""
 ROUNDS = 24
 """Maximum rounds of separating and smoothing. The thesis does one; smoothing can bring dancers together again."""
-FREEDOM = 0.0
+DIRECTION_RANDOMNESS = 0.0
 """How random the direction of a shift is: 1 is any direction, as in the thesis; 0 is perpendicular to the relative
 motion with a random side. With 0, ten dancers who swap places through one point get past each other; with 1 not."""
-PIECE = 200_000
+PAIRS_PER_PIECE = 200_000
 """Pair checks in one piece of work: about a millisecond."""
 
 
-def divided(
+def bend_paths(
     locomotion: Locomotion,
     clear: float,
     *,
     seed: int = 0,
     rounds: int = ROUNDS,
     smoothing: int = SMOOTHING,
-    freedom: float = FREEDOM,
+    randomness: float = DIRECTION_RANDOMNESS,
     half: tuple[float, float] | None = None,
 ) -> Locomotion:
     """Bend paths so that dancers keep `clear` [m] between their centres where possible; same seed, same paths.
@@ -128,55 +134,57 @@ def divided(
     The round with the fewest colliding pairs is kept (the earliest of equals). The knots of the result lie at even
     *times* and include the speeds of the input. `half` keeps paths on the stage [m]. Starts and goals stay.
     """
-    return at_once(
-        dividing(locomotion, clear, seed=seed, rounds=rounds, smoothing=smoothing, freedom=freedom, half=half)
+    return run_to_end(
+        bend_paths_in_pieces(
+            locomotion, clear, seed=seed, rounds=rounds, smoothing=smoothing, randomness=randomness, half=half
+        )
     )
 
 
-def dividing(
+def bend_paths_in_pieces(
     locomotion: Locomotion,
     clear: float,
     *,
     seed: int = 0,
     rounds: int = ROUNDS,
     smoothing: int = SMOOTHING,
-    freedom: float = FREEDOM,
+    randomness: float = DIRECTION_RANDOMNESS,
     half: tuple[float, float] | None = None,
 ) -> Pieces[Locomotion]:
-    """The same as `divided`, in pieces."""
+    """The same as `bend_paths`, in pieces."""
     begin, end = locomotion.begin, locomotion.end
     beats = np.linspace(begin, end, 2**LEVELS + 1)
     count = locomotion.count
     sample = np.zeros((len(beats), count, 2), np.float32)
-    sample_ways(beats, locomotion.ways, locomotion.times, locomotion.soft, 0, count, sample)
+    sample_paths(beats, locomotion.path_knots, locomotion.times, locomotion.ramp, 0, count, sample)
     ways = np.ascontiguousarray(sample.transpose(1, 0, 2))
     offset = np.zeros_like(ways)
     low = -np.array(half if half is not None else (np.inf, np.inf), np.float32)
-    best, fewest = ways.copy(), (yield from _meeting(ways, clear))
+    best, fewest = ways.copy(), (yield from _count_collisions(ways, clear))
     for turn in range(rounds):
         if fewest == 0:
             break
-        part_ways(ways, offset, clear, 1.15 + 0.05 * turn, freedom, seed + turn)
+        separate_paths(ways, offset, clear, 1.15 + 0.05 * turn, randomness, seed + turn)
         yield
         for _ in range(smoothing):
-            smooth_ways(offset)
+            smooth_paths(offset)
         ways += offset
         if half is not None:
             np.clip(ways[:, 1:-1], low, -low, out=ways[:, 1:-1])
-        meeting = yield from _meeting(ways, clear)
+        meeting = yield from _count_collisions(ways, clear)
         if meeting < fewest:
             best, fewest = ways.copy(), meeting
     times = np.repeat(np.array([[begin, end]]), count, axis=0)
-    return replace(locomotion, ways=best, times=times, soft=0.0)
+    return replace(locomotion, path_knots=best, times=times, ramp=0.0)
 
 
-def _meeting(ways: Float32, clear: float) -> Pieces[int]:
+def _count_collisions(ways: Float32, clear: float) -> Pieces[int]:
     """Count the pairs that come nearer than `clear` [m]."""
     count, times = ways.shape[:2]
-    rows, meeting = max(1, PIECE // max(1, count * times)), 0
+    rows, meeting = max(1, PAIRS_PER_PIECE // max(1, count * times)), 0
     step = np.zeros(count)
     longest_steps(ways, step)
     for first in range(0, count, rows):
-        meeting += count_meetings(ways, step, first, min(first + rows, count), clear)
+        meeting += count_collisions(ways, step, first, min(first + rows, count), clear)
         yield
     return meeting

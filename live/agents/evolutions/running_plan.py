@@ -11,26 +11,26 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.agent_command import Wants
+from live.agents.agent_command import AgentCommand
 from live.agents.evolutions.evolution_kernels import track
 from live.agents.evolutions.intention import Repertoire, Segment
-from live.agents.evolutions.planned_segment import Motion
-from live.agents.evolutions.segment_start import Departure
-from live.agents.evolutions.trajectory import Float32, Setting
-from live.agents.groups.group_expression import selection
+from live.agents.evolutions.planned_segment import PlannedSegment
+from live.agents.evolutions.segment_start import SegmentStart
+from live.agents.evolutions.trajectory import Float32, GroupState
+from live.agents.groups.group_expression import select_dancers
 from live.agents.groups.roster import Mask, Roster
 
 
-class Standing(Protocol):
+class HasPosition(Protocol):
     """An agent state with positions."""
 
     position: Float32
     """Places [m], shape (A, 2)."""
 
 
-WITHIN = 0.3
+CATCH_UP_TIME = 0.3
 """Seconds within which a displaced dancer returns to the planned path."""
-AT_ONCE = 100
+MAX_IMMEDIATE_DANCERS = 100
 """Segments that begin now are planned at once for up to this many dancers, otherwise over the next ticks."""
 
 
@@ -39,7 +39,7 @@ class _Entry:
     """A segment of the plan and the dancers removed from it."""
 
     segment: Segment
-    without: Mask
+    excluded: Mask
 
 
 class Plan:
@@ -66,12 +66,12 @@ class Plan:
         self._radius = np.broadcast_to(np.asarray(radius, np.float64), (roster.count,))
         self._seed = seed
         self._entries: list[_Entry] = []
-        self._motions: list[Motion] = []
-        self._coming: dict[int, list[Motion]] = {}
-        self._at_work: list[Motion] = []
-        self._now = Setting(roster.count)
-        self._target = Setting(roster.count)
-        self._boundary = Setting(roster.count)
+        self._motions: list[PlannedSegment] = []
+        self._prepared: dict[int, list[PlannedSegment]] = {}
+        self._in_progress: list[PlannedSegment] = []
+        self._now = GroupState(roster.count)
+        self._target = GroupState(roster.count)
+        self._boundary = GroupState(roster.count)
         for segment in segments:
             self.add(segment)
 
@@ -90,34 +90,34 @@ class Plan:
     @repertoire.setter
     def repertoire(self, repertoire: Repertoire) -> None:
         self._repertoire = repertoire
-        self._coming.clear()
+        self._prepared.clear()
 
-    def add(self, segment: Segment, *, instead: bool = False) -> None:
+    def add(self, segment: Segment, *, replace: bool = False) -> None:
         """Plan one more segment for its measure; it replaces what its dancers have then.
 
-        `instead`: replace the segments of the same group expression and measure. PersonError: a name is unknown.
+        `replace`: replace the segments of the same group expression and measure. PersonError: a name is unknown.
         """
-        if instead:
+        if replace:
             self._entries = [
                 e for e in self._entries if (e.segment.start, e.segment.group) != (segment.start, segment.group)
             ]
         self._repertoire.intention(segment.intention)
-        selection(segment.group, self.roster, np.zeros((self.roster.count, 2)), self._half)
+        select_dancers(segment.group, self.roster, np.zeros((self.roster.count, 2)), self._half)
         self._entries.append(_Entry(segment, np.zeros(self.roster.count, np.bool_)))
-        self._coming.pop(segment.start, None)
+        self._prepared.pop(segment.start, None)
 
-    def withdraw(self, segments: Iterable[Segment]) -> None:
+    def remove(self, segments: Iterable[Segment]) -> None:
         """Remove these segment objects, which have not begun."""
         gone = {id(segment) for segment in segments}
         for entry in self._entries:
             if id(entry.segment) in gone:
-                self._coming.pop(entry.segment.start, None)
+                self._prepared.pop(entry.segment.start, None)
         self._entries = [entry for entry in self._entries if id(entry.segment) not in gone]
 
     def resize(self, half: tuple[float, float]) -> None:
         """Set half the stage's width and depth [m] for all segments that begin from now on."""
         self._half = half
-        self._coming.clear()
+        self._prepared.clear()
 
     def forget(self, measure: int) -> None:
         """Remove the segments of measures before `measure`, so that the list does not grow in a long show."""
@@ -127,39 +127,39 @@ class Plan:
         """Remove these dancers (A,) from all segments, now and later; until a new one is added elements move them."""
         self.release(dancers)
         for entry in self._entries:
-            entry.without |= dancers
-        self._coming.clear()
+            entry.excluded |= dancers
+        self._prepared.clear()
 
     def release(self, dancers: Mask) -> None:
         """End the current segments of these dancers (A,): elements move them; later segments stay planned."""
-        for motion in (*self._motions, *self._at_work):
-            motion.keep[dancers[motion.who]] = 0
+        for motion in (*self._motions, *self._in_progress):
+            motion.controlled[dancers[motion.dancers]] = 0
 
     # running
 
     @property
     def running(self) -> bool:
         """Whether a segment that has begun, or is still being planned late, may control a dancer."""
-        return bool(self._motions or self._at_work)
+        return bool(self._motions or self._in_progress)
 
     def prepare(
-        self, measure: int, positions: npt.ArrayLike, headings: npt.ArrayLike, *, if_known: bool = False
+        self, measure: int, positions: npt.ArrayLike, headings: npt.ArrayLike, *, if_controlled: bool = False
     ) -> None:
         """Start to plan the segments of `measure` ahead of time; `target` includes them as soon as they are usable.
 
         `positions` (A, 2) [m] and `headings` (A,) [rad] are the predictions for its line, for dancers without a segment
-        then. `if_known`: only if segments control every dancer who takes part. Measures without segments cost nothing.
+        then. `if_controlled`: only if segments control every dancer who takes part. Measures without segments cost nothing.
         """
-        if measure not in self._coming:
-            if if_known and not self._all_known(measure, positions):
+        if measure not in self._prepared:
+            if if_controlled and not self._all_controlled(measure, positions):
                 return
             entries = [entry for entry in self._entries if entry.segment.start == measure]
-            self._coming[measure] = self._begun(entries, None, np.asarray(positions), np.asarray(headings))
+            self._prepared[measure] = self._start_segments(entries, None, np.asarray(positions), np.asarray(headings))
 
     def work(self) -> None:
         """Do one piece (about a millisecond at most) of pending planning, if there is any."""
-        if self._at_work:
-            motion = self._at_work[0]
+        if self._in_progress:
+            motion = self._in_progress[0]
             if motion in self._motions:
                 motion.work_some(late=True)
             else:
@@ -167,33 +167,33 @@ class Plan:
                 if motion.usable:
                     self._motions.append(motion)
             if motion.done:
-                self._at_work.remove(motion)
+                self._in_progress.remove(motion)
             return
-        waiting = (motion for coming in self._coming.values() for motion in coming)
+        waiting = (motion for coming in self._prepared.values() for motion in coming)
         motion_ahead = next((motion for motion in waiting if not motion.done), None)
         if motion_ahead is not None:
             motion_ahead.work_some()
 
     def finish(self) -> None:
         """Complete the planning of all segments that have begun. Takes unbounded time: not for use during a show."""
-        for motion in self._at_work:
+        for motion in self._in_progress:
             motion.finish()
             if motion not in self._motions:
                 self._motions.append(motion)
-        self._at_work.clear()
+        self._in_progress.clear()
 
-    def drop_begun(self) -> None:
+    def drop_incomplete(self) -> None:
         """Drop segments whose planning is incomplete: their dancers are free, and later segments are prepared again."""
-        self._motions = [motion for motion in self._motions if motion not in self._at_work]
-        self._at_work.clear()
-        self._coming.clear()
+        self._motions = [motion for motion in self._motions if motion not in self._in_progress]
+        self._in_progress.clear()
+        self._prepared.clear()
 
     @property
     def idle(self) -> bool:
         """Whether no planning is pending."""
-        return not self._at_work and all(motion.done for coming in self._coming.values() for motion in coming)
+        return not self._in_progress and all(motion.done for coming in self._prepared.values() for motion in coming)
 
-    def begin_measure(self, measure: int, positions: npt.ArrayLike, headings: npt.ArrayLike) -> list[Motion]:
+    def begin_measure(self, measure: int, positions: npt.ArrayLike, headings: npt.ArrayLike) -> list[PlannedSegment]:
         """Begin the segments of `measure` from where the dancers are now, and return them.
 
         `positions` (A, 2) [m] and `headings` (A,) [rad] are the actual ones. Planning that `prepare` left incomplete is
@@ -201,24 +201,24 @@ class Plan:
         """
         where = np.asarray(positions, np.float64)
         self.prepare(measure, where, headings)
-        coming = self._coming.pop(measure)
-        if not (coming or self._coming or self._motions):
+        coming = self._prepared.pop(measure)
+        if not (coming or self._prepared or self._motions):
             return coming
         line = measure * self.measure_beats
         for motion in coming:
             motion.make_usable()
             if motion.begin <= line:
-                motion.start_from(where[motion.who])
+                motion.start_from(where[motion.dancers])
             if not motion.done:
-                self._at_work.append(motion)
-        self._coming = {number: motions for number, motions in self._coming.items() if number > measure}
+                self._in_progress.append(motion)
+        self._prepared = {number: motions for number, motions in self._prepared.items() if number > measure}
         self._motions.extend(coming)
         self._forget(line)
         return coming
 
     def start_now(
         self, segment: Segment, beat: float, positions: npt.ArrayLike, headings: npt.ArrayLike
-    ) -> list[Motion]:
+    ) -> list[PlannedSegment]:
         """Begin `segment` at `beat`, regardless of its measure; it ends on a measure line, after its `measures`.
 
         The current measure counts as one if at least half of it is left. A large group's segment begins some ticks
@@ -226,28 +226,36 @@ class Plan:
         """
         self._repertoire.intention(segment.intention)
         entry = _Entry(segment, np.zeros(self.roster.count, np.bool_))
-        motions = self._begun([entry], beat + segment.later, np.asarray(positions), np.asarray(headings))
+        motions = self._start_segments([entry], beat + segment.delay, np.asarray(positions), np.asarray(headings))
         for motion in motions:
-            if len(motion.who) <= AT_ONCE:
+            if len(motion.dancers) <= MAX_IMMEDIATE_DANCERS:
                 motion.make_usable()
             if motion.usable:
                 self._motions.append(motion)
             if not motion.done:
-                self._at_work.append(motion)
-        self._coming.clear()
+                self._in_progress.append(motion)
+        self._prepared.clear()
         self._forget(beat)
         return motions
 
-    def write(self, wants: Wants, state: Standing, beat: float, beats_per_second: float) -> None:
+    def write_commands(self, commands: AgentCommand, state: HasPosition, beat: float, beats_per_second: float) -> None:
         """Command the dancers under a segment to be at its places at `beat`: desired velocity with full firmness."""
-        setting = self.at(beat)
-        track(state.position, setting.position, setting.velocity, setting.under, beats_per_second, WITHIN, wants.rows)
+        setting = self.state_at(beat)
+        track(
+            state.position,
+            setting.position,
+            setting.velocity,
+            setting.controlled,
+            beats_per_second,
+            CATCH_UP_TIME,
+            commands.rows,
+        )
 
-    def at(self, beat: float) -> Setting:
+    def state_at(self, beat: float) -> GroupState:
         """Return the planned state of the dancers at `beat`; an array of the plan, overwritten by the next call."""
         return self._fill(beat, self._now, False)
 
-    def target(self, beat: float) -> Setting:
+    def predicted_state(self, beat: float) -> GroupState:
         """Return the planned state at a future beat, including prepared segments: exact where `under` is 1.
 
         The array is not that of `at`; the next call of `target` overwrites it.
@@ -255,38 +263,38 @@ class Plan:
         return self._fill(beat, self._target, True)
 
     @property
-    def motions(self) -> tuple[Motion, ...]:
+    def motions(self) -> tuple[PlannedSegment, ...]:
         """The segments that have begun and still control a dancer, in order of precedence."""
         return tuple(self._motions)
 
     # implementation
 
-    def _fill(self, beat: float, out: Setting, ahead: bool) -> Setting:
-        out.under[:] = 0
+    def _fill(self, beat: float, out: GroupState, ahead: bool) -> GroupState:
+        out.controlled[:] = 0
         for motion in self._motions:
             if motion.begin <= beat:
                 motion.write(beat, out)
         if ahead:
-            for measure in sorted(self._coming):
-                for motion in self._coming[measure]:
+            for measure in sorted(self._prepared):
+                for motion in self._prepared[measure]:
                     if motion.usable and motion.begin <= beat:
                         motion.write(beat, out)
         return out
 
-    def _begun(
+    def _start_segments(
         self, entries: list[_Entry], now: float | None, positions: npt.NDArray[np.floating], headings: Float32
-    ) -> list[Motion]:
+    ) -> list[PlannedSegment]:
         motions = []
         for entry in entries:
             segment = entry.segment
             begin = segment.begin_beat(self.measure_beats) if now is None else now
             end = segment.end_beat(self.measure_beats) if now is None else self._end_of(segment, now)
-            where, facing = self._setting_left(begin, positions, headings)
-            dancers = selection(segment.group, self.roster, where, self._half) & self.available & ~entry.without
+            where, facing = self._boundary_state(begin, positions, headings)
+            dancers = select_dancers(segment.group, self.roster, where, self._half) & self.available & ~entry.excluded
             who = np.flatnonzero(dancers).astype(np.int32)
             if not len(who):
                 continue
-            departure = Departure(
+            departure = SegmentStart(
                 who,
                 where[who],
                 facing[who],
@@ -299,17 +307,21 @@ class Plan:
                 self._seed,
             )
             intention = self._repertoire.intention(segment.intention)
-            motions.append(Motion(segment, intention, self._repertoire, departure))
+            motions.append(PlannedSegment(segment, intention, self._repertoire, departure))
         motions.sort(key=lambda motion: motion.begin)
         return motions
 
-    def _all_known(self, measure: int, positions: npt.ArrayLike) -> bool:
+    def _all_controlled(self, measure: int, positions: npt.ArrayLike) -> bool:
         """Whether segments determine the places of all dancers who take part in those of `measure`."""
-        under = self._fill(measure * self.measure_beats, self._boundary, True).under == 1
+        under = self._fill(measure * self.measure_beats, self._boundary, True).controlled == 1
         for entry in self._entries:
             if entry.segment.start == measure:
                 where = np.asarray(positions, np.float64)
-                who = selection(entry.segment.group, self.roster, where, self._half) & self.available & ~entry.without
+                who = (
+                    select_dancers(entry.segment.group, self.roster, where, self._half)
+                    & self.available
+                    & ~entry.excluded
+                )
                 if (who & ~under).any():
                     return False
         return True
@@ -318,24 +330,24 @@ class Plan:
         line = np.floor(begin / self.measure_beats + 0.5) * self.measure_beats
         return float(line + segment.measures * self.measure_beats)
 
-    def _setting_left(
+    def _boundary_state(
         self, beat: float, positions: npt.NDArray[np.floating], headings: npt.NDArray[np.floating]
     ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """The setting that other segments leave at `beat`; given places where none holds the dancer."""
         left = self._fill(beat, self._boundary, True)
-        under = left.under == 1
+        under = left.controlled == 1
         where = np.where(under[:, None], left.position, np.asarray(positions, np.float64))
         return where, np.where(under, left.heading, np.asarray(headings, np.float64))
 
     def _forget(self, beat: float) -> None:
         """Drop motions of which others hold every dancer from now on."""
         held = np.zeros(self.roster.count, np.bool_)
-        kept: list[Motion] = []
+        kept: list[PlannedSegment] = []
         order = sorted(range(len(self._motions)), key=lambda index: (self._motions[index].begin, index))
         for index in reversed(order):
             motion = self._motions[index]
-            if motion.begin > beat or (motion.keep.astype(np.bool_) & ~held[motion.who]).any():
+            if motion.begin > beat or (motion.controlled.astype(np.bool_) & ~held[motion.dancers]).any():
                 kept.append(motion)
             if motion.begin <= beat:
-                held[motion.who[motion.keep == 1]] = True
+                held[motion.dancers[motion.controlled == 1]] = True
         self._motions = kept[::-1]

@@ -11,16 +11,16 @@ from live.agents.evolutions.trajectory import Float64, Locomotion
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Departure:
+class SegmentStart:
     """The boundary condition at the start: places and headings of D dancers, and the time available."""
 
-    numbers: npt.NDArray[np.int32]
+    dancer_indices: npt.NDArray[np.int32]
     """Indices among all dancers, shape (D,)."""
     position: Float64
     """Places [m], shape (D, 2)."""
     heading: Float64
     """Headings [rad], shape (D,)."""
-    words: tuple[Set[str], ...]
+    attributes: tuple[Set[str], ...]
     """The attributes of each dancer, length D."""
     begin: float
     """Beat of the start."""
@@ -30,13 +30,13 @@ class Departure:
     """Beats of a measure."""
     radius: Float64
     """Body radii [m], shape (D,)."""
-    half: tuple[float, float]
+    half_stage: tuple[float, float]
     """Half the width and depth of the stage [m]."""
     seed: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Journey:
+class PlannedMotion:
     """The locomotion of a segment, with the results of the collision check."""
 
     locomotion: Locomotion
@@ -53,7 +53,7 @@ class Journey:
 
 
 @dataclass(slots=True, eq=False)
-class Draft:
+class MotionDraft:
     """The journey as soon as slots are assigned, before collision repair."""
 
-    journey: Journey | None = None
+    motion: PlannedMotion | None = None

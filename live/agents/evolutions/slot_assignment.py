@@ -61,7 +61,7 @@ def assign(
     if metres.size == 0:
         return np.full(len(metres), -1, np.int32)
     possible = np.ones(metres.shape, np.bool_) if allowed is None else allowed
-    taken = _order_bonus(metres.shape) if fill is Fill.IN_ORDER and metres.shape[0] < metres.shape[1] else None
+    taken = _order_price(metres.shape) if fill is Fill.IN_ORDER and metres.shape[0] < metres.shape[1] else None
     if cost is Cost.BOTTLENECK:
         possible = possible & (metres <= _longest_needed(metres, possible, taken))
     return _solve(_weights(metres, cost, equal_weight, possible, taken), possible, taken)
@@ -73,12 +73,12 @@ def by_id(dancers: int, slots: int) -> Int32:
     return np.where(own < slots, own, -1).astype(np.int32)
 
 
-def _weights(metres: Float64, cost: Cost, equal_weight: float, possible: Mask, taken: Float64 | None) -> Float64:
+def _weights(metres: Float64, cost: Cost, equal_weight: float, possible: Mask, order_price: Float64 | None) -> Float64:
     if cost in (Cost.SQUARED, Cost.BOTTLENECK):
         return metres * metres
     if cost is Cost.SHORTEST:
         return metres
-    shortest = _solve(metres, possible, taken)
+    shortest = _solve(metres, possible, order_price)
     who = np.flatnonzero(shortest >= 0)
     mean = float(metres[who, shortest[who]].mean()) if len(who) else 0.0  # the first of two passes (T099)
     equal = np.abs(metres - mean)
@@ -87,17 +87,17 @@ def _weights(metres: Float64, cost: Cost, equal_weight: float, possible: Mask, t
     return np.asarray((1.0 - equal_weight) * metres + equal_weight * equal)
 
 
-def _solve(weights: Float64, possible: Mask, taken: Float64 | None) -> Int32:
+def _solve(weights: Float64, possible: Mask, order_price: Float64 | None) -> Int32:
     """Minimize the sum. Impossible pairs cost more than all others together, so they come last and are removed."""
-    if taken is None and possible.all():
+    if order_price is None and possible.all():
         rows, columns = linear_sum_assignment(weights)
         slot = np.full(weights.shape[0], -1, np.int32)
         slot[rows] = columns
         return slot
     unit = float(weights.max(initial=0.0) + 1.0) * min(weights.shape)
     total = weights / unit
-    if taken is not None:
-        total = total + taken
+    if order_price is not None:
+        total = total + order_price
     beyond = (float(total.max(initial=0.0)) + 1.0) * (min(weights.shape) + 1)
     rows, columns = linear_sum_assignment(np.where(possible, total, beyond))
     slot = np.full(weights.shape[0], -1, np.int32)
@@ -106,7 +106,7 @@ def _solve(weights: Float64, possible: Mask, taken: Float64 | None) -> Int32:
     return slot
 
 
-def _order_bonus(shape: tuple[int, int]) -> Float64:
+def _order_price(shape: tuple[int, int]) -> Float64:
     """Return a price that rises with the slot number by more than all paths together (`_solve` keeps those under 1).
 
     The sets of slots that can be filled form a matroid, so the least sum of numbers is also the set that fills the
@@ -115,16 +115,16 @@ def _order_bonus(shape: tuple[int, int]) -> Float64:
     return np.broadcast_to(np.arange(shape[1], dtype=np.float64), shape)
 
 
-def _longest_needed(metres: Float64, possible: Mask, taken: Float64 | None) -> float:
+def _longest_needed(metres: Float64, possible: Mask, order_price: Float64 | None) -> float:
     """Return the smallest limit on path length with which as many dancers get a slot as without one (bisection)."""
-    full = _solve(np.zeros_like(metres), possible, taken)
-    wanted = (int((full >= 0).sum()), int(full.clip(0).sum()) if taken is not None else 0)
+    full = _solve(np.zeros_like(metres), possible, order_price)
+    wanted = (int((full >= 0).sum()), int(full.clip(0).sum()) if order_price is not None else 0)
     candidates = np.unique(metres[possible])
     low, high = 0, len(candidates) - 1
     while low < high:
         middle = (low + high) // 2
-        slot = _solve(np.zeros_like(metres), possible & (metres <= candidates[middle]), taken)
-        found = (int((slot >= 0).sum()), int(slot.clip(0).sum()) if taken is not None else 0)
+        slot = _solve(np.zeros_like(metres), possible & (metres <= candidates[middle]), order_price)
+        found = (int((slot >= 0).sum()), int(slot.clip(0).sum()) if order_price is not None else 0)
         if found == wanted:
             high = middle
         else:
@@ -132,20 +132,20 @@ def _longest_needed(metres: Float64, possible: Mask, taken: Float64 | None) -> f
     return float(candidates[low]) if len(candidates) else 0.0
 
 
-ANYBODY = 0
+UNRESERVED = 0
 """The section of slots without a mark, and of dancers without a matching mark."""
 
 
-def sections(words: Sequence[Set[str]], marks: Sequence[str]) -> tuple[Int32, Int32]:
-    """Return the section of each dancer (D,) and of each slot (S,), as numbers; `ANYBODY` where no mark matches.
+def sections(attributes: Sequence[Set[str]], marks: Sequence[str]) -> tuple[Int32, Int32]:
+    """Return the section of each dancer (D,) and of each slot (S,), as numbers; `UNRESERVED` where no mark matches.
 
     `words` are the attributes of each dancer, `marks` one word per slot ("": any dancer). A dancer belongs to the
     first mark, in slot order, that is one of their attributes.
     """
     names = list(dict.fromkeys(mark for mark in marks if mark))
     number = {name: index + 1 for index, name in enumerate(names)}
-    dancer = [next((number[name] for name in names if name in own), ANYBODY) for own in words]
-    return np.array(dancer, np.int32), np.array([number.get(mark, ANYBODY) for mark in marks], np.int32)
+    dancer = [next((number[name] for name in names if name in own), UNRESERVED) for own in attributes]
+    return np.array(dancer, np.int32), np.array([number.get(mark, UNRESERVED) for mark in marks], np.int32)
 
 
 def allowed(dancer: Int32, slot: Int32) -> Mask:
@@ -154,6 +154,6 @@ def allowed(dancer: Int32, slot: Int32) -> Mask:
     overflow = np.zeros_like(own)
     for section in np.unique(dancer):
         members = dancer == section
-        if section != ANYBODY and members.sum() > (slot == section).sum():
-            overflow |= members[:, None] & (slot == ANYBODY)[None, :]
+        if section != UNRESERVED and members.sum() > (slot == section).sum():
+            overflow |= members[:, None] & (slot == UNRESERVED)[None, :]
     return np.asarray(own | overflow)

@@ -3,15 +3,15 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.evolutions.incremental_assignment import DividedMatching, Pieces
-from live.agents.evolutions.intention import By, Matching
-from live.agents.evolutions.segment_start import Departure
+from live.agents.evolutions.incremental_assignment import IncrementalAssignment, Pieces
+from live.agents.evolutions.intention import AssignmentMethod, Matching
+from live.agents.evolutions.segment_start import SegmentStart
 from live.agents.evolutions.slot_assignment import by_id, sections
 
 Float64 = npt.NDArray[np.float64]
 
 
-def clear_places(
+def edge_places(
     count: int, start: npt.ArrayLike, slots: npt.ArrayLike, *, half: tuple[float, float], gap: float = 1.0
 ) -> Float64:
     """Return `count` places (count, 2) [m], at least `gap` from each other and from all `slots` (S, 2).
@@ -66,22 +66,22 @@ CLEAR_GAP = 1.0
 """Metres between dancers who stand clear of a formation."""
 
 
-def seated(
-    matching: Matching, slots: Float64, marks: object, departure: Departure
+def assign_places(
+    matching: Matching, slots: Float64, marks: object, departure: SegmentStart
 ) -> Pieces[tuple[npt.NDArray[np.int32], Float64]]:
     """Return each dancer's row of the places, and the places: the slots, then places for dancers without a slot."""
-    count = len(departure.numbers)
+    count = len(departure.dancer_indices)
     words = tuple(marks) if isinstance(marks, list | tuple) and len(marks) == len(slots) else ("",) * len(slots)
-    dancer_section, slot_section = sections(departure.words, words)
-    left_over = count - _seats(dancer_section, slot_section)
-    clear = clear_places(left_over, departure.position, slots, half=departure.half, gap=CLEAR_GAP)
+    dancer_section, slot_section = sections(departure.attributes, words)
+    left_over = count - _count_seated(dancer_section, slot_section)
+    clear = edge_places(left_over, departure.position, slots, half=departure.half_stage, gap=CLEAR_GAP)
     places = np.concatenate([slots, clear])
     slot_section = np.concatenate([slot_section, np.zeros(len(clear), np.int32)])
-    if matching.by is By.ID:
+    if matching.by is AssignmentMethod.ID:
         slot = by_id(count, len(slots))
         slot[slot < 0] = len(slots) + np.arange((slot < 0).sum())
         return slot, (places if len(clear) else slots)
-    solver = DividedMatching()
+    solver = IncrementalAssignment()
     solver.begin(
         departure.position,
         places,
@@ -97,7 +97,7 @@ def seated(
     return solver.slot, places
 
 
-def _seats(dancer_section: npt.NDArray[np.int32], slot_section: npt.NDArray[np.int32]) -> int:
+def _count_seated(dancer_section: npt.NDArray[np.int32], slot_section: npt.NDArray[np.int32]) -> int:
     """Count the dancers who get a slot: slots of their section first, then slots without a mark."""
     placed, rest = 0, 0
     for section in np.unique(dancer_section):

@@ -10,7 +10,7 @@ import numpy.typing as npt
 Float64 = npt.NDArray[np.float64]
 
 
-class Order(StrEnum):
+class StartOrder(StrEnum):
     """In which order dancers start."""
 
     LEFT = "left"
@@ -31,7 +31,7 @@ class Order(StrEnum):
     """In random order, from the seed."""
 
 
-class Arrive(StrEnum):
+class Arrival(StrEnum):
     """When dancers who start at different times arrive."""
 
     TOGETHER = "together"
@@ -46,8 +46,8 @@ class Ripple:
 
     beats: float = 0.0
     """Beats from the first start to the last; at most three quarters of the available time."""
-    order: Order = Order.LEFT
-    arrive: Arrive = Arrive.TOGETHER
+    order: StartOrder = StartOrder.LEFT
+    arrive: Arrival = Arrival.TOGETHER
 
 
 TOGETHER: Final = Ripple()
@@ -69,40 +69,40 @@ def delays(ripple: Ripple, start: npt.ArrayLike, numbers: npt.ArrayLike, *, seed
     return np.asarray(ripple.beats * rank.reshape(-1) / max(len(different) - 1, 1), np.float64)
 
 
-def _key(order: Order, places: Float64, ids: npt.NDArray[np.generic], seed: int) -> Float64:
+def _key(order: StartOrder, places: Float64, ids: npt.NDArray[np.generic], seed: int) -> Float64:
     x, z = places[:, 0], places[:, 1]
-    if order is Order.LEFT:
+    if order is StartOrder.LEFT:
         return np.asarray(x)
-    if order is Order.RIGHT:
+    if order is StartOrder.RIGHT:
         return np.asarray(-x)
-    if order is Order.FRONT:
+    if order is StartOrder.FRONT:
         return np.asarray(-z)
-    if order is Order.BACK:
+    if order is StartOrder.BACK:
         return np.asarray(z)
-    if order in (Order.CENTRE, Order.OUTSIDE):
+    if order in (StartOrder.CENTRE, StartOrder.OUTSIDE):
         distance = np.hypot(*(places - places.mean(axis=0)).T)
-        return np.asarray(distance if order is Order.CENTRE else -distance)
-    if order is Order.ID:
+        return np.asarray(distance if order is StartOrder.CENTRE else -distance)
+    if order is StartOrder.ID:
         return np.asarray(ids, np.float64)
     chance = [int(np.random.default_rng([seed, int(number)]).integers(1 << 40)) for number in ids]
     return np.asarray(chance, np.float64)
 
 
-def squeezed(wait: npt.ArrayLike, time: float) -> Float64:
+def limit_delays(wait: npt.ArrayLike, time: float) -> Float64:
     """Scale all waits (D,) by one factor if the longest would leave less than a quarter of `time` [beats]."""
     waits = np.maximum(np.asarray(wait, np.float64), 0.0)
     longest = float(waits.max(initial=0.0))
     return waits if longest <= 0.75 * time else waits * (0.75 * time / longest)
 
 
-def times(
-    begin: float, end: float, waits: Float64, arrive: Arrive = Arrive.TOGETHER, longest: float | None = None
+def start_and_arrival(
+    begin: float, end: float, waits: Float64, arrive: Arrival = Arrival.TOGETHER, longest: float | None = None
 ) -> Float64:
-    """Return the beats at which each dancer starts and arrives, shape (D, 2), for `waits` (D,) [beats] of `squeezed`.
+    """Return the beats at which each dancer starts and arrives, shape (D, 2), for `waits` (D,) [beats] of `limit_delays`.
 
     `longest` is the wait of the last dancer to arrive when they arrive apart; by default the longest of `waits`.
     """
-    if arrive is Arrive.TOGETHER:
+    if arrive is Arrival.TOGETHER:
         arrival = np.full(len(waits), float(end))
     else:
         arrival = end - (float(waits.max(initial=0.0)) if longest is None else longest) + waits

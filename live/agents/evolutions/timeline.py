@@ -40,7 +40,7 @@ class Link:
     """The links that continue it."""
 
 
-def linked(spans: Sequence[Span], dancers: int, length: float) -> tuple[Link, ...]:
+def link_timeline(spans: Sequence[Span], dancers: int, length: float) -> tuple[Link, ...]:
     """Return one linked sequence from beat 0 to beat `length` in which each dancer has exactly one segment at a time.
 
     A span that begins later permanently replaces what its dancers had; of two that begin together the one written later
@@ -48,13 +48,13 @@ def linked(spans: Sequence[Span], dancers: int, length: float) -> tuple[Link, ..
     """
     pieces: dict[tuple[float, float, int], Mask] = {}
     for dancer in range(dancers):
-        for piece in _of_one(spans, dancer, length):
+        for piece in _pieces_of_dancer(spans, dancer, length):
             pieces.setdefault(piece, np.zeros(dancers, np.bool_))[dancer] = True
-    links = [Link(begin, end, mask, source) for (begin, end, source), mask in sorted(pieces.items(), key=_first)]
-    return _joined(links)
+    links = [Link(begin, end, mask, source) for (begin, end, source), mask in sorted(pieces.items(), key=_sort_key)]
+    return _connect(links)
 
 
-def _of_one(spans: Sequence[Span], dancer: int, length: float) -> list[tuple[float, float, int]]:
+def _pieces_of_dancer(spans: Sequence[Span], dancer: int, length: float) -> list[tuple[float, float, int]]:
     latest: dict[float, int] = {}
     for index, span in enumerate(spans):
         begin = max(span.begin, 0.0)
@@ -73,19 +73,19 @@ def _of_one(spans: Sequence[Span], dancer: int, length: float) -> list[tuple[flo
     return pieces
 
 
-def _first(item: tuple[tuple[float, float, int], Mask]) -> tuple[float, float, int, int]:
+def _sort_key(item: tuple[tuple[float, float, int], Mask]) -> tuple[float, float, int, int]:
     (begin, end, source), mask = item
     return begin, end, source, int(np.argmax(mask))
 
 
-def _joined(links: list[Link]) -> tuple[Link, ...]:
+def _connect(links: list[Link]) -> tuple[Link, ...]:
     """Insert junctions, sort, and connect."""
     everything = list(links)
     edges: list[tuple[Link, Link]] = []
     for beat in sorted({link.begin for link in links} - {0.0}):
         ending = [link for link in links if link.end == beat]
         starting = [link for link in links if link.begin == beat]
-        for before, after in _parties(ending, starting):
+        for before, after in _connected_sets(ending, starting):
             if len(before) == len(after) == 1:
                 edges.append((before[0], after[0]))
                 continue
@@ -106,7 +106,7 @@ def _joined(links: list[Link]) -> tuple[Link, ...]:
     )
 
 
-def _parties(ending: list[Link], starting: list[Link]) -> list[tuple[list[Link], list[Link]]]:
+def _connected_sets(ending: list[Link], starting: list[Link]) -> list[tuple[list[Link], list[Link]]]:
     """Return the connected sets of ending and starting links that share dancers."""
     parties: list[tuple[list[Link], list[Link], Mask]] = []
     for link in ending:

@@ -5,21 +5,23 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
 
-@part
-def crowding(ax: float, az: float, bx: float, bz: float, scale: float, least: float, reach: float) -> float:
+@inline_kernel
+def neighbour_weight(
+    ax: float, az: float, bx: float, bz: float, scale: float, min_distance: float, reach: float
+) -> float:
     """Return the weight of a neighbour at b for a dancer at a: (1 - d / reach)^8, 0 beyond `reach`."""
     dx = ax - bx
     dz = az - bz
     squared = (dx * dx + dz * dz) * scale * scale
     if squared >= reach * reach:
         return 0.0
-    near = 1.0 - max(math.sqrt(squared), least) / reach
+    near = 1.0 - max(math.sqrt(squared), min_distance) / reach
     near *= near
     near *= near
     return near * near
@@ -33,14 +35,14 @@ def eliminate(
     scale: Float64,
     keep: int,
     reach: float,
-    least: float,
+    min_distance: float,
     weight: Float64,
 ) -> None:
     """Remove the most crowded of `points` (M, 2) until `keep` are left (Yuksel 2015, weighted sample elimination).
 
     `reflected` (M, 2) or (0, 2): mirror images of the points, which count as neighbours; `fixed` (F, 2): places that
     stay. Distances are multiplied by `scale` (M,), larger where dancers are denser. Neighbours are weighted by
-    `crowding`, with distances clamped to at least `least` [m]; a point's own image and fixed places weigh eight times
+    `neighbour_weight`, with distances clamped to at least `least` [m]; a point's own image and fixed places weigh eight times
     as much. `weight` (M,) is scratch; afterwards it is negative for removed points.
     """
     count = points.shape[0]
@@ -52,12 +54,12 @@ def eliminate(
         for j in range(count):
             s = 0.5 * (scale[i] + scale[j])
             if j != i:
-                total += crowding(x, z, points[j, 0], points[j, 1], s, least, reach)
+                total += neighbour_weight(x, z, points[j, 0], points[j, 1], s, min_distance, reach)
             if mirrored:
                 own = 8.0 if j == i else 1.0
-                total += own * crowding(x, z, reflected[j, 0], reflected[j, 1], s, 0.0, reach)
+                total += own * neighbour_weight(x, z, reflected[j, 0], reflected[j, 1], s, 0.0, reach)
         for f in range(fixed.shape[0]):
-            total += 8.0 * crowding(x, z, fixed[f, 0], fixed[f, 1], scale[i], 0.0, reach)
+            total += 8.0 * neighbour_weight(x, z, fixed[f, 0], fixed[f, 1], scale[i], 0.0, reach)
         weight[i] = total
     for _ in range(count - keep):
         gone = 0
@@ -70,14 +72,14 @@ def eliminate(
                 x = points[i, 0]
                 z = points[i, 1]
                 s = 0.5 * (scale[i] + scale[gone])
-                taken = crowding(x, z, points[gone, 0], points[gone, 1], s, least, reach)
+                taken = neighbour_weight(x, z, points[gone, 0], points[gone, 1], s, min_distance, reach)
                 if mirrored:
-                    taken += crowding(x, z, reflected[gone, 0], reflected[gone, 1], s, 0.0, reach)
+                    taken += neighbour_weight(x, z, reflected[gone, 0], reflected[gone, 1], s, 0.0, reach)
                 weight[i] = max(weight[i] - taken, 0.0)
 
 
 @kernel("void(f8[:,::1], f8[::1], f8[:,::1], i8, i8, f8, f8[:,::1], i8[::1])")
-def even_out(
+def lloyd_relax(
     ground: Float64,
     density: Float64,
     sites: Float64,
@@ -119,8 +121,15 @@ def even_out(
 
 
 @kernel("i8(f8[:,::1], f8[::1], f8, f8, f8, f8, f8[::1], f8[:,::1])")
-def fill_rows(
-    edges: Float64, bounds: Float64, step: float, drop: float, x0: float, z0: float, crossings: Float64, out: Float64
+def lattice_points_in_polygon(
+    edges: Float64,
+    bounds: Float64,
+    step: float,
+    row_step: float,
+    x0: float,
+    z0: float,
+    crossings: Float64,
+    out: Float64,
 ) -> int:
     """Count the points (x0 + i step, z0 + j drop) in a polygon and write the first of them into `out`, front rows
     first.
@@ -129,10 +138,10 @@ def fill_rows(
     greatest z. Points on the border count. `crossings` (E,) is scratch; `out` (K, 2) may be shorter than the result.
     """
     found = 0
-    last = math.ceil((bounds[0] - z0) / drop - 1e-9)
-    row = math.floor((bounds[1] - z0) / drop + 1e-9)
+    last = math.ceil((bounds[0] - z0) / row_step - 1e-9)
+    row = math.floor((bounds[1] - z0) / row_step + 1e-9)
     while row >= last:
-        z = z0 + row * drop
+        z = z0 + row * row_step
         row -= 1
         at = z - 1e-9 if z > 0.0 else z + 1e-9  # a row on the border counts as inside
         hits = 0

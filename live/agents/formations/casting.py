@@ -12,9 +12,9 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from live.agents.formations.drawing import Curve, Drawing, curve_of, met
+from live.agents.formations.drawing import Curve, Drawing, curve_of, with_end_gaps
 from live.agents.formations.formation_spec import FormationSpec
-from live.agents.formations.line_placement import share
+from live.agents.formations.line_placement import apportion
 from live.agents.formations.symmetry import SymmetryLine
 
 Float64 = npt.NDArray[np.float64]
@@ -24,13 +24,13 @@ def soloist_places(spec: FormationSpec, drawing: Drawing, others: Float64) -> Fl
     """Return the soloists' places, shape (K, 2): side by side in front of all `others` (S, 2), or around the middle."""
     gap, number = spec.soloist_gap, spec.soloists
     if spec.soloist_place == "centre":
-        return _around(drawing.middle, number, gap)
+        return _ring_places(drawing.middle, number, gap)
     front = float(others[:, 1].max()) if len(others) else drawing.middle[1] - gap
     x = drawing.middle[0] + gap * (np.arange(number) - (number - 1) / 2)
     return np.stack([x, np.full(number, front + gap)], axis=1)
 
 
-def _around(middle: tuple[float, float], number: int, gap: float) -> Float64:
+def _ring_places(middle: tuple[float, float], number: int, gap: float) -> Float64:
     if number == 1:
         return np.array([middle])
     angle = 2.0 * math.pi * np.arange(number) / number
@@ -38,14 +38,16 @@ def _around(middle: tuple[float, float], number: int, gap: float) -> Float64:
     return np.array(middle) + radius * np.stack([np.sin(angle), np.cos(angle)], axis=1)
 
 
-def make_room(spec: FormationSpec, drawing: Drawing, line: SymmetryLine | None) -> Drawing:
+def clear_soloist_area(spec: FormationSpec, drawing: Drawing, line: SymmetryLine | None) -> Drawing:
     """Return the drawing without the parts closer to central soloists than their gap.
 
     PersonError if nothing is left for the others.
     """
     if spec.soloists == 0 or spec.soloist_place != "centre":
         return drawing
-    taken: Any = shapely.MultiPoint(_around(drawing.middle, spec.soloists, spec.soloist_gap)).buffer(spec.soloist_gap)
+    taken: Any = shapely.MultiPoint(_ring_places(drawing.middle, spec.soloists, spec.soloist_gap)).buffer(
+        spec.soloist_gap
+    )
     if line is not None:
         taken = taken.union(line.reflect_shape(taken))
     curves = []
@@ -65,18 +67,18 @@ def make_room(spec: FormationSpec, drawing: Drawing, line: SymmetryLine | None) 
         )
     if region is not None:
         shapely.prepare(region)
-    return Drawing(met(curves), region, drawing.middle)
+    return Drawing(with_end_gaps(curves), region, drawing.middle)
 
 
 Int64 = npt.NDArray[np.int64]
 
 
-def section_sizes(wished: tuple[int, ...], count: int) -> list[int]:
+def section_sizes(wanted: tuple[int, ...], count: int) -> list[int]:
     """Return section sizes with the sum `count`: as `wished`, or in the same proportions."""
-    if sum(wished) == count:
-        return list(wished)
-    sizes = np.array(wished, np.float64)
-    return [int(each) for each in share(count, sizes, np.zeros(len(sizes)), np.zeros(len(sizes), np.int64))]
+    if sum(wanted) == count:
+        return list(wanted)
+    sizes = np.array(wanted, np.float64)
+    return [int(each) for each in apportion(count, sizes, np.zeros(len(sizes)), np.zeros(len(sizes), np.int64))]
 
 
 def sections_along(sizes: list[int]) -> Int64:
@@ -107,7 +109,7 @@ def _halve(places: Float64, members: Int64, sizes: list[int], first: int, sectio
     _halve(places, ordered[taken:], sizes[cut:], first + cut, section)
 
 
-def headings(
+def place_headings(
     spec: FormationSpec, places: Float64, ways: Float64 | None, middle: Float64, curves: Sequence[Curve]
 ) -> Float64:
     """Return the heading of each of the places (S, 2) [rad], in [-π, π), shape (S,).
@@ -118,20 +120,20 @@ def headings(
     if spec.heading == "public" or not len(places):
         return np.zeros(len(places))
     if spec.heading == "angle":
-        return np.full(len(places), _wrapped(np.array(math.radians(spec.heading_deg))))
+        return np.full(len(places), _wrap_angle(np.array(math.radians(spec.heading_deg))))
     if spec.heading == "along":
-        way = _nearest_ways(places, curves) if ways is None else ways
+        way = _nearest_tangents(places, curves) if ways is None else ways
     else:
         way = middle - places if spec.heading == "centre" else places - middle
         way = np.where((np.hypot(way[:, 0], way[:, 1]) < 1e-6)[:, None], np.array([0.0, 1.0]), way)
-    return _wrapped(np.arctan2(way[:, 0], way[:, 1]))
+    return _wrap_angle(np.arctan2(way[:, 0], way[:, 1]))
 
 
-def _wrapped(angle: Float64) -> Float64:
+def _wrap_angle(angle: Float64) -> Float64:
     return np.asarray(np.mod(angle + math.pi, 2.0 * math.pi) - math.pi)
 
 
-def _nearest_ways(places: Float64, curves: Sequence[Curve]) -> Float64:
+def _nearest_tangents(places: Float64, curves: Sequence[Curve]) -> Float64:
     """Return unit vectors along the line nearest to each of the places, shape (S, 2)."""
     points = shapely.points(places)
     drawn = np.array([shapely.LineString(curve.points) for curve in curves])

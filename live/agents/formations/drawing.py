@@ -9,21 +9,21 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from live.agents.formations.formation_spec import FARTHEST, FormationSpec
+from live.agents.formations.formation_spec import MAX_DISTANCE, FormationSpec
 from live.agents.formations.shapes import Line, shape_lines
 
 Float64 = npt.NDArray[np.float64]
 
-CORNER: Final = math.radians(28.0)
+CORNER_ANGLE: Final = math.radians(28.0)
 """A turn above this angle at a point is a corner."""
 
-FREE: Final = 0.0
+FREE_END: Final = 0.0
 """Gap, in spacings, between the end of a line and its first dancer: the dancer stands on the end."""
-HALF: Final = 0.5
+SYMMETRY_END: Final = 0.5
 """The end lies on a symmetry line: the reflected dancer is one spacing away."""
-MEETS: Final = 0.75
+JOINT: Final = 0.75
 """The end lies on another line, whose dancers use the place."""
-SHARED: Final = 1.0
+SHARED_END: Final = 1.0
 """The end is already occupied by a dancer."""
 
 
@@ -38,9 +38,9 @@ class Curve:
     closed: bool
     corners: tuple[float, ...] = ()
     """Positions of the corners in units of `at`; ends of open lines are not corners."""
-    gaps: tuple[float, float] = (FREE, FREE)
+    gaps: tuple[float, float] = (FREE_END, FREE_END)
     """FREE, HALF, MEETS or SHARED, for both ends of an open line."""
-    marked: bool = True
+    use_corners: bool = True
     """Whether its corners may be filled first."""
 
     @property
@@ -48,7 +48,7 @@ class Curve:
         """Total length in units of `at`."""
         return float(self.at[-1])
 
-    def place(self, at: Float64) -> Float64:
+    def points_at(self, at: Float64) -> Float64:
         """Return the points at `at` (K,), shape (K, 2); a closed line wraps around."""
         at = np.mod(at, self.length) if self.closed and self.length > 0 else at
         return np.stack([np.interp(at, self.at, self.points[:, 0]), np.interp(at, self.at, self.points[:, 1])], axis=1)
@@ -83,28 +83,28 @@ def _corners(points: Float64, closed: bool) -> npt.NDArray[np.int64]:
     if closed:
         heading = np.concatenate([heading[-1:], heading])
     turn = np.abs(np.mod(np.diff(heading) + math.pi, 2.0 * math.pi) - math.pi)
-    return np.flatnonzero(turn > CORNER) + (0 if closed else 1)
+    return np.flatnonzero(turn > CORNER_ANGLE) + (0 if closed else 1)
 
 
-def begin_at(curve: Curve, at: float) -> Curve:
+def restart_at(curve: Curve, at: float) -> Curve:
     """Return the same closed line with its start at `at` [m along it]."""
     at = math.fmod(at, curve.length)
     if at < 1e-9 or curve.length - at < 1e-9:
         return curve
     ahead = curve.at > at + 1e-9
-    start = curve.place(np.array([at]))
+    start = curve.points_at(np.array([at]))
     turned = np.concatenate([start, curve.points[ahead], curve.points[1:][~ahead[1:]], start])
     again = curve_of(turned, closed=True)
     return curve if again is None else again
 
 
 DEFAULT_SIZE: Final = (8.0, 5.0)
-SMALLEST_AREA: Final = 0.01
+MIN_AREA: Final = 0.01
 """Smallest area of a region [m²]."""
-SMALLEST_LENGTH: Final = 0.05
+MIN_LENGTH: Final = 0.05
 """Smallest total length of all lines [m]."""
-MOST_LINES: Final = 500
-_STRETCHED: Final = ("line", "grid", "rectangle", "ellipse")
+MAX_LINES: Final = 500
+_STRETCHED_SHAPES: Final = ("line", "grid", "rectangle", "ellipse")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,24 +127,26 @@ class Drawing:
 def drawing_of(spec: FormationSpec) -> Drawing:
     """Return the lines and the region of a spec, on the stage. PersonError, naming the field, if they are unusable."""
     lines = _placed(spec, shape_lines(spec))
-    joined = _joined(lines) if spec.shape in ("path", "polyline") else lines
+    joined = _merge_lines(lines) if spec.shape in ("path", "polyline") else lines
     curves = [curve for points, closed in joined if (curve := curve_of(points, closed=closed)) is not None]
-    if sum(curve.length for curve in curves) < SMALLEST_LENGTH:
-        spec.refuse(_field(spec), f"all lines together are shorter than {SMALLEST_LENGTH:g} m: no room for dancers")
-    if len(curves) > MOST_LINES:
-        spec.refuse(_field(spec), f"{len(curves)} lines; {MOST_LINES} at most")
+    if sum(curve.length for curve in curves) < MIN_LENGTH:
+        spec.refuse(_invalid_field(spec), f"all lines together are shorter than {MIN_LENGTH:g} m: no room for dancers")
+    if len(curves) > MAX_LINES:
+        spec.refuse(_invalid_field(spec), f"{len(curves)} lines; {MAX_LINES} at most")
     corners = np.concatenate([curve.points for curve in curves])
-    if np.abs(corners).max() > FARTHEST:
-        spec.refuse(_field(spec), f"reaches {np.abs(corners).max():.4g} m from the middle of the stage; give a size")
+    if np.abs(corners).max() > MAX_DISTANCE:
+        spec.refuse(
+            _invalid_field(spec), f"reaches {np.abs(corners).max():.4g} m from the middle of the stage; give a size"
+        )
     low, high = corners.min(axis=0), corners.max(axis=0)
     middle = (float(low[0] + high[0]) / 2, float(low[1] + high[1]) / 2)
     if spec.shape not in ("path", "polyline") and not (spec.shape == "polygon" and spec.points):
         middle = spec.centre
     region = _region(spec, lines) if spec.inside or spec.shape == "grid" else None
-    return Drawing(met(curves), region, middle)
+    return Drawing(with_end_gaps(curves), region, middle)
 
 
-def _field(spec: FormationSpec) -> str:
+def _invalid_field(spec: FormationSpec) -> str:
     """Return the field to change if the shape is unusable."""
     return {"path": "path", "polyline": "points", "text": "text"}.get(spec.shape, "points" if spec.points else "size")
 
@@ -156,29 +158,30 @@ def _placed(spec: FormationSpec, lines: list[Line]) -> list[Line]:
     if spec.points and spec.size is None:
         factor, middle, origin = np.ones(2), (low + high) / 2, (low + high) / 2 + spec.centre
     else:
-        factor, middle, origin = _factor(spec, high - low), (low + high) / 2, np.array(spec.centre)
+        factor, middle, origin = _scale_factor(spec, high - low), (low + high) / 2, np.array(spec.centre)
     yaw = math.radians(spec.rotation_deg)
     cos, sin = math.cos(yaw), math.sin(yaw)
     turn = np.array([[cos, -sin], [sin, cos]])  # rows: maps (0, 1) to (sin, cos)
     return [(((points - middle) * factor) @ turn + origin, closed) for points, closed in lines]
 
 
-def _factor(spec: FormationSpec, extent: Float64) -> Float64:
+def _scale_factor(spec: FormationSpec, extent: Float64) -> Float64:
     """Return the scale in x and z [m per unit]."""
     size = np.array(spec.size or DEFAULT_SIZE)
     if spec.size is not None and spec.shape == "line":
         size = np.array([size[0], 1.0])
     wide = extent > 1e-12 * max(float(extent.max()), 1e-300)
     if not wide.any():
-        spec.refuse(_field(spec), "all points are the same: there is no line")
+        spec.refuse(_invalid_field(spec), "all points are the same: there is no line")
     each = np.where(wide, size / np.where(wide, extent, 1.0), np.inf)
     stretch = spec.proportions == "stretch" or (
-        spec.proportions is None and (spec.shape in _STRETCHED or (spec.shape == "circle" and spec.size is not None))
+        spec.proportions is None
+        and (spec.shape in _STRETCHED_SHAPES or (spec.shape == "circle" and spec.size is not None))
     )
     return np.where(np.isinf(each), 1.0, each) if stretch else np.full(2, each.min())
 
 
-def _joined(lines: list[Line]) -> list[Line]:
+def _merge_lines(lines: list[Line]) -> list[Line]:
     """Merge open lines that meet end to end."""
     opened = [
         shapely.LineString(points) for points, closed in lines if not closed and len(np.unique(points, axis=0)) > 1
@@ -191,7 +194,7 @@ def _joined(lines: list[Line]) -> list[Line]:
     return [line for line in lines if line[1]] + ends
 
 
-def met(curves: list[Curve]) -> tuple[Curve, ...]:
+def with_end_gaps(curves: list[Curve]) -> tuple[Curve, ...]:
     """Return the lines with gaps at ends on other lines, so that two dancers never share a joint."""
     if len(curves) < 2:
         return tuple(curves)
@@ -199,7 +202,7 @@ def met(curves: list[Curve]) -> tuple[Curve, ...]:
     taken: list[Float64] = []
     found: list[Curve] = []
     for n, curve in enumerate(curves):
-        gaps = [FREE, FREE]
+        gaps = [FREE_END, FREE_END]
         for side, end in enumerate((curve.points[0], curve.points[-1])):
             if curve.closed:
                 break
@@ -207,17 +210,17 @@ def met(curves: list[Curve]) -> tuple[Curve, ...]:
             near = others[shapely.distance(drawn[others], shapely.Point(end)) < 1e-3]
             if not len(near):
                 continue
-            if any(_passes(curves[other], end) for other in near):
-                gaps[side] = MEETS
+            if any(_passes_through(curves[other], end) for other in near):
+                gaps[side] = JOINT
             elif any(np.hypot(*(place - end)) < 1e-3 for place in taken):
-                gaps[side] = SHARED
+                gaps[side] = SHARED_END
             else:
                 taken.append(end)  # the first line that ends here gets the dancer
         found.append(replace(curve, gaps=(gaps[0], gaps[1])))
     return tuple(found)
 
 
-def _passes(curve: Curve, point: Float64) -> bool:
+def _passes_through(curve: Curve, point: Float64) -> bool:
     """Whether the point is inside the line, not at its end."""
     if curve.closed:
         return True
@@ -232,17 +235,19 @@ def _region(spec: FormationSpec, lines: list[Line]) -> Any:
     region = None
     for points in closed:
         if len(np.unique(points, axis=0)) < 3:
-            spec.refuse(_field(spec), "a closed line needs three different points at least")
+            spec.refuse(_invalid_field(spec), "a closed line needs three different points at least")
         polygon = shapely.Polygon(points)
         if not polygon.is_valid:
             why = shapely.is_valid_reason(polygon)
             spec.refuse(
-                _field(spec),
+                _invalid_field(spec),
                 f"the line crosses or touches itself ({why[:60]}): what is inside is not clear",
                 "draw it as several closed lines, or put dancers on it",
             )
         region = polygon if region is None else region.symmetric_difference(polygon)
-    if region is None or region.area < SMALLEST_AREA:
-        spec.refuse(_field(spec), f"encloses less than {SMALLEST_AREA:g} m²: no room for dancers", "give a larger size")
+    if region is None or region.area < MIN_AREA:
+        spec.refuse(
+            _invalid_field(spec), f"encloses less than {MIN_AREA:g} m²: no room for dancers", "give a larger size"
+        )
     shapely.prepare(region)
     return region

@@ -10,26 +10,26 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from live.agents.formations.casting import (
-    headings,
-    make_room,
+    clear_soloist_area,
+    place_headings,
     section_sizes,
     sections_along,
     sections_in_area,
     soloist_places,
 )
 from live.agents.formations.drawing import Drawing, drawing_of
-from live.agents.formations.formation_spec import MOST_DANCERS, FormationSpec
+from live.agents.formations.formation_spec import MAX_DANCERS, FormationSpec
 from live.agents.formations.line_placement import place_on_lines
-from live.agents.formations.region_placement import Ground, count_by_spacing, ground_of, place_inside
+from live.agents.formations.region_placement import PlacementRegion, count_by_spacing, place_inside, placement_region
 from live.agents.formations.shapes import staggered_rows
-from live.agents.formations.symmetry import SymmetryLine, half_drawing, symmetry_line
+from live.agents.formations.symmetry import SymmetryLine, clip_drawing, symmetry_line
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
-TOUCHING: Final = 0.5
+TOUCH_DISTANCE: Final = 0.5
 """Bodies of radius 0.25 m touch at this distance of centres [m]."""
-CLEAR: Final = 0.71
+MIN_CLEARANCE: Final = 0.71
 """Straight ways into a formation are collision-free if its places are farther apart than this (CAPT) [m]."""
 NO_SECTION: Final = -1
 SOLOIST: Final = "soloist"
@@ -49,11 +49,11 @@ class Formation:
     """Section of each place, from 0; NO_SECTION for soloists and where there are no sections, shape (S,)."""
     soloist: npt.NDArray[np.bool_]
     """Whether each place is a soloist's, shape (S,)."""
-    closest: float
+    min_distance: float
     """Smallest distance of two places [m]; infinite for fewer than two."""
-    waiting: int
+    unplaced_dancers: int
     """Number of dancers without a place."""
-    empty: int
+    empty_places: int
     """Number of places without a dancer; they are the last ones."""
     warnings: tuple[str, ...]
     """Warnings for the user, one line each."""
@@ -83,19 +83,19 @@ def formation_of(spec: FormationSpec, count: int, seed: int = 0) -> Formation:
     There are as many places as dancers, unless the spec has a count, density or spacing; then `waiting` and `empty`
     give the difference. PersonError, naming the field, if the shape cannot be used.
     """
-    drawing, line, room, ground = _prepared(spec)
+    drawing, line, room, ground = _prepare(spec)
     places_wanted = _place_count(spec, drawing, count)
     soloists = min(spec.soloists, places_wanted)
-    others, ways = _others(spec, room, ground, places_wanted - soloists, seed, line)
+    others, ways = _other_places(spec, room, ground, places_wanted - soloists, seed, line)
     order, section = _sections(spec, others)
     others = others[order]
     alone = soloist_places(spec, drawing, others)[:soloists]
     middle = np.array(drawing.middle)
-    heading = headings(spec, others, None if ways is None else ways[order], middle, drawing.curves)
+    heading = place_headings(spec, others, None if ways is None else ways[order], middle, drawing.curves)
     facing = 0.0 if spec.heading != "angle" else math.radians(spec.heading_deg)
     slots = np.ascontiguousarray(np.concatenate([alone, others]))
     names = spec.section_names
-    closest = _closest(slots)
+    closest = _min_distance(slots)
     waiting, empty = max(0, count - places_wanted), max(0, places_wanted - count)
     formation = Formation(
         name=spec.name,
@@ -103,9 +103,9 @@ def formation_of(spec: FormationSpec, count: int, seed: int = 0) -> Formation:
         heading=np.concatenate([np.full(soloists, facing), heading]),
         section=np.concatenate([np.full(soloists, NO_SECTION), section]),
         soloist=np.arange(places_wanted) < soloists,
-        closest=closest,
-        waiting=waiting,
-        empty=empty,
+        min_distance=closest,
+        unplaced_dancers=waiting,
+        empty_places=empty,
         warnings=_warnings(spec, drawing, closest, waiting, empty, line, others),
         lines=_lines(spec),
         symmetry=line,
@@ -130,14 +130,19 @@ def _place_count(spec: FormationSpec, drawing: Drawing, dancers: int) -> int:
         gaps = [round(curve.length / float(spec.spacing or 1.0) - sum(curve.gaps)) for curve in drawing.curves]
         ends = [0 if curve.closed else 1 for curve in drawing.curves]
         number = sum(max(gap + end, 0) for gap, end in zip(gaps, ends, strict=True))
-    if number + spec.soloists > MOST_DANCERS:
+    if number + spec.soloists > MAX_DANCERS:
         field = "density" if spec.density is not None else "spacing"
-        spec.refuse(field, f"makes {number} places; {MOST_DANCERS} at most")
+        spec.refuse(field, f"makes {number} places; {MAX_DANCERS} at most")
     return number + spec.soloists
 
 
-def _others(
-    spec: FormationSpec, drawing: Drawing, ground: Ground | None, count: int, seed: int, line: SymmetryLine | None
+def _other_places(
+    spec: FormationSpec,
+    drawing: Drawing,
+    ground: PlacementRegion | None,
+    count: int,
+    seed: int,
+    line: SymmetryLine | None,
 ) -> tuple[Float64, Float64 | None]:
     """Return the places of all but the soloists, and for those on lines the direction along the line."""
     if spec.shape == "grid":
@@ -164,31 +169,31 @@ def _sections(spec: FormationSpec, others: Float64) -> tuple[Int64, Int64]:
 
 
 @lru_cache(maxsize=64)
-def _prepared(spec: FormationSpec) -> tuple[Drawing, SymmetryLine | None, Drawing, Ground | None]:
+def _prepare(spec: FormationSpec) -> tuple[Drawing, SymmetryLine | None, Drawing, PlacementRegion | None]:
     """Return all that is independent of the dancer count: drawing, symmetry line, drawing without central soloists,
     ground.
     """
     drawing = drawing_of(spec)
     line = symmetry_line(spec, drawing.middle)
-    room = make_room(spec, drawing, line)
+    room = clear_soloist_area(spec, drawing, line)
     inside = spec.inside and spec.shape != "grid"
-    return drawing, line, room, ground_of(spec, room, line) if inside else None
+    return drawing, line, room, placement_region(spec, room, line) if inside else None
 
 
 @lru_cache(maxsize=64)
 def _lines(spec: FormationSpec) -> tuple[Float64, ...]:
     """Return the lines to draw on the floor; with a symmetry line the kept side and its reflection."""
-    drawing, line, _, _ = _prepared(spec)
+    drawing, line, _, _ = _prepare(spec)
     if spec.shape == "grid":
         return ()
     if line is None:
         return tuple(curve.points for curve in drawing.curves)
-    kept, on_line, _ = half_drawing(spec, drawing, line)
+    kept, on_line, _ = clip_drawing(spec, drawing, line)
     halves = [curve.points for curve in kept]
     return (*halves, *(curve.points for curve in on_line), *(line.reflect(points) for points in halves))
 
 
-def _closest(slots: Float64) -> float:
+def _min_distance(slots: Float64) -> float:
     if len(slots) < 2:
         return math.inf
     return float(cKDTree(slots).query(slots, k=2)[0][:, 1].min())
@@ -208,12 +213,12 @@ def _warnings(
         found.append(f"{waiting} dancers have no place: give a greater count, or leave it out")
     if empty:
         found.append(f"{empty} places stay empty: give a smaller count, or leave it out")
-    if closest < CLEAR:
-        what = "bodies touch" if closest < TOUCHING else "ways into it may need steering"
-        size = f"make it {CLEAR / closest:.2f} times as large" if closest > 0.01 else "some lines share a place"
+    if closest < MIN_CLEARANCE:
+        what = "bodies touch" if closest < TOUCH_DISTANCE else "ways into it may need steering"
+        size = f"make it {MIN_CLEARANCE / closest:.2f} times as large" if closest > 0.01 else "some lines share a place"
         found.append(f"two dancers are only {closest:.2f} m apart, {what}: {size}, or take fewer dancers")
     if 0 < len(others) < len(drawing.curves) and not spec.inside:
         found.append(f"{len(drawing.curves)} lines and only {len(others)} dancers for them: some lines stay empty")
-    if line is not None and len(others) % 2 and not (np.abs(line.side(others)) < 1e-3).any():
+    if line is not None and len(others) % 2 and not (np.abs(line.signed_distance(others)) < 1e-3).any():
         found.append("an odd number of dancers: one has no partner on the other side of the symmetry line")
     return tuple(found)

@@ -6,23 +6,25 @@ from live.agents.formations.formation_spec import INSIDE_PATTERNS, SHAPES, Forma
 from live.base.errors import PersonError
 
 _POLYGONS: Final = {"triangle": 3, "pentagon": 5, "hexagon": 6, "octagon": 8}
-_AFTER_COLON: Final = {"text": "text", "path": "path", "star": "corners", "polygon": "corners", "spiral": "turns"}
+_ARGUMENT_FIELDS: Final = {"text": "text", "path": "path", "star": "corners", "polygon": "corners", "spiral": "turns"}
 EXAMPLES: Final = "circle, line, grid, star, star:6, triangle, spiral, text:LIVE, 'circle poisson', 'star inside'"
 
 
-def spec_from_words(words: str) -> FormationSpec:
+def parse_formation(notation: str) -> FormationSpec:
     """Return the spec of a shape followed by inside, on, or a pattern. PersonError with examples if it is invalid.
 
     A colon introduces the shape's argument: text:LIVE, star:6 (points), spiral:3 (turns), path:D. The argument of
     "text:" and "path:" is the rest of the string.
     """
-    first, _, after = words.strip().partition(":")
+    first, _, after = notation.strip().partition(":")
     if first in ("text", "path") and after:
-        return spec_from_table({"shape": first, _AFTER_COLON[first]: after, "name": words[:64]}, repr(words[:60]))
-    parts = words.split()
+        return spec_from_table(
+            {"shape": first, _ARGUMENT_FIELDS[first]: after, "name": notation[:64]}, repr(notation[:60])
+        )
+    parts = notation.split()
     if not parts:
         raise PersonError("a formation expected", f"such as {EXAMPLES}")
-    table: dict[str, Any] = {**_shape(parts[0]), "name": words[:64]}
+    table: dict[str, Any] = {**_parse_shape(parts[0]), "name": notation[:64]}
     for part in parts[1:]:
         if part in ("inside", "on"):
             table["dancers"] = part
@@ -33,10 +35,10 @@ def spec_from_words(words: str) -> FormationSpec:
                 f"unknown pattern {part[:60]!r}; there are: even, {', '.join(INSIDE_PATTERNS)}, inside, on",
                 f"such as {EXAMPLES}",
             )
-    return spec_from_table(table, repr(words[:60]))
+    return spec_from_table(table, repr(notation[:60]))
 
 
-def _shape(word: str) -> dict[str, Any]:
+def _parse_shape(word: str) -> dict[str, Any]:
     shape, _, number = word.partition(":")
     if shape in _POLYGONS and not number:
         return {"shape": "polygon", "corners": _POLYGONS[shape]}
@@ -44,9 +46,9 @@ def _shape(word: str) -> dict[str, Any]:
         raise PersonError(f"unknown formation {word[:60]!r}", f"such as {EXAMPLES}")
     if not number:
         return {"shape": shape}
-    if shape not in _AFTER_COLON:
+    if shape not in _ARGUMENT_FIELDS:
         raise PersonError(f"{word[:60]!r}: {shape!r} takes no argument", f"such as {EXAMPLES}")
     try:
-        return {"shape": shape, _AFTER_COLON[shape]: float(number) if shape == "spiral" else int(number)}
+        return {"shape": shape, _ARGUMENT_FIELDS[shape]: float(number) if shape == "spiral" else int(number)}
     except ValueError:
         raise PersonError(f"{word[:60]!r}: a number expected after the colon", f"such as {EXAMPLES}") from None

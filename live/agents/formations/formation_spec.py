@@ -28,22 +28,22 @@ SHAPES: Final = (
 )
 PATTERNS: Final = ("even", "weighted", "grid", "diagonal", "concentric", "poisson")
 INSIDE_PATTERNS: Final = ("grid", "diagonal", "concentric", "poisson")
-MOST_DANCERS: Final = 4000
-MOST_POINTS: Final = 20_000
-LONGEST_TEXT: Final = 40
-LONGEST_PATH: Final = 200_000
-FARTHEST: Final = 1000.0
+MAX_DANCERS: Final = 4000
+MAX_POINTS: Final = 20_000
+MAX_TEXT_LENGTH: Final = 40
+MAX_PATH_LENGTH: Final = 200_000
+MAX_DISTANCE: Final = 1000.0
 """Largest distance of a place from the centre of the stage [m]."""
 
 
 def check_spec(spec: Any) -> None:
     """Raise a PersonError for the first invalid field of a FormationSpec (typed `Any`: defined below)."""
-    for check in (_check_words, _check_numbers, _check_sections, _check_shape, _check_points, _check_pattern):
+    for check in (_check_choices, _check_numbers, _check_sections, _check_shape, _check_points, _check_pattern):
         check(spec)
     _check_mirror(spec)
 
 
-_WORDS: Final[dict[str, tuple[str, ...]]] = {
+_CHOICES: Final[dict[str, tuple[str, ...]]] = {
     "shape": SHAPES,
     "pattern": PATTERNS,
     "proportions": ("keep", "stretch"),
@@ -64,25 +64,29 @@ _RANGES: Final[dict[str, tuple[float, float]]] = {
     "soloist_gap": (0.1, 50),
     "heading_deg": (-3600, 3600),
 }
-_WHOLE: Final[dict[str, tuple[int, int]]] = {"corners": (3, 100), "count": (0, MOST_DANCERS), "soloists": (0, 100)}
+_INTEGER_RANGES: Final[dict[str, tuple[int, int]]] = {
+    "corners": (3, 100),
+    "count": (0, MAX_DANCERS),
+    "soloists": (0, 100),
+}
 
 
-def _check_words(spec: Any) -> None:
+def _check_choices(spec: Any) -> None:
     if not isinstance(spec.name, str) or len(spec.name) > 64:
         spec.refuse("name", "a name of 64 letters at most expected")
     for field in ("closed", "mark_corners"):
         if getattr(spec, field) not in (None, True, False):
             spec.refuse(field, "true or false expected")
-    for field, allowed in _WORDS.items():
+    for field, allowed in _CHOICES.items():
         value = getattr(spec, field)
         if value is not None and value not in allowed:
             spec.refuse(field, f"{str(value)[:60]!r} is unknown; there are: {', '.join(allowed)}")
 
 
 def _check_numbers(spec: Any) -> None:
-    for field, (low, high) in {**_RANGES, **_WHOLE}.items():
+    for field, (low, high) in {**_RANGES, **_INTEGER_RANGES}.items():
         value = getattr(spec, field)
-        whole = field in _WHOLE
+        whole = field in _INTEGER_RANGES
         if value is None and (field in ("density", "spacing", "count")):
             continue
         if not _is_number(value) or (whole and value != int(value)) or not low <= value <= high:
@@ -90,7 +94,7 @@ def _check_numbers(spec: Any) -> None:
             spec.refuse(field, f"{str(value)[:60]}: {kind} from {low:g} to {high:g} expected")
     _check_point(spec, "centre", spec.centre, 100)
     if spec.focus is not None:
-        _check_point(spec, "focus", spec.focus, FARTHEST)
+        _check_point(spec, "focus", spec.focus, MAX_DISTANCE)
     if spec.size is not None:
         _check_point(spec, "size", spec.size, 200)
         if min(spec.size) < 0.1 and not (spec.shape == "line" and spec.size[0] >= 0.1 and spec.size[1] >= 0):
@@ -99,7 +103,7 @@ def _check_numbers(spec: Any) -> None:
         spec.refuse(
             "count", "only one of count, density and spacing can be given: each says how many dancers there are"
         )
-    for field, most in (("weights", 1000.0), ("sections", float(MOST_DANCERS))):
+    for field, most in (("weights", 1000.0), ("sections", float(MAX_DANCERS))):
         values = getattr(spec, field)
         if not isinstance(values, tuple) or not all(_is_number(each) and 0 <= each <= most for each in values):
             spec.refuse(field, f"numbers from 0 to {most:g} expected")
@@ -118,14 +122,14 @@ def _check_sections(spec: Any) -> None:
 def _check_shape(spec: Any) -> None:
     if spec.shape == "text" and not (isinstance(spec.text, str) and spec.text.strip()):
         spec.refuse("text", "the letters of the text expected", 'text = "LIVE"')
-    if not isinstance(spec.text, str) or len(spec.text) > LONGEST_TEXT:
-        spec.refuse("text", f"{LONGEST_TEXT} letters at most expected")
+    if not isinstance(spec.text, str) or len(spec.text) > MAX_TEXT_LENGTH:
+        spec.refuse("text", f"{MAX_TEXT_LENGTH} letters at most expected")
     if spec.shape == "path" and not spec.path:
         spec.refuse("path", "an SVG path expected", 'path = "M 0 0 C 2 3 4 3 6 0"')
     if not isinstance(spec.path, tuple) or not all(isinstance(each, str) for each in spec.path):
         spec.refuse("path", "SVG paths as texts expected")
-    if sum(map(len, spec.path)) > LONGEST_PATH:
-        spec.refuse("path", f"longer than {LONGEST_PATH} characters", "draw it with fewer points")
+    if sum(map(len, spec.path)) > MAX_PATH_LENGTH:
+        spec.refuse("path", f"longer than {MAX_PATH_LENGTH} characters", "draw it with fewer points")
 
 
 def _check_points(spec: Any) -> None:
@@ -139,15 +143,15 @@ def _check_points(spec: Any) -> None:
         )
     if not isinstance(spec.points, tuple) or not all(isinstance(line, tuple) for line in spec.points):
         spec.refuse("points", "a list of points [x, z], or several such lists, expected", "points = [[-3, 0], [3, 0]]")
-    if sum(map(len, spec.points)) > MOST_POINTS:
-        spec.refuse("points", f"more than {MOST_POINTS} points", "draw with fewer points")
+    if sum(map(len, spec.points)) > MAX_POINTS:
+        spec.refuse("points", f"more than {MAX_POINTS} points", "draw with fewer points")
     if spec.shape == "polygon" and len(spec.points) > 1:
         spec.refuse("points", "a polygon has one line", "several lines are shape = 'polyline'")
     for line in spec.points:
         if len(line) < 2:
             spec.refuse("points", "a line needs two points at least")
         for point in line:
-            _check_point(spec, "points", point, FARTHEST)
+            _check_point(spec, "points", point, MAX_DISTANCE)
 
 
 def _check_pattern(spec: Any) -> None:
@@ -178,7 +182,7 @@ def _check_mirror(spec: Any) -> None:
     if not isinstance(mirror, tuple) or len(mirror) != 2:
         spec.refuse("mirror", "'left-right', 'front-back' or two points expected", "mirror = [[0, -4], [0, 4]]")
     for point in mirror:
-        _check_point(spec, "mirror", point, FARTHEST)
+        _check_point(spec, "mirror", point, MAX_DISTANCE)
     if math.dist(mirror[0], mirror[1]) < 1e-3:
         spec.refuse("mirror", "both points are the same: there is no line through them")
 
@@ -314,7 +318,7 @@ def spec_from_table(table: Mapping[str, Any], where: str = "formation") -> Forma
     unknown = [str(key) for key in table if key not in _FIELDS]
     if unknown:
         raise PersonError(f"{where}: unknown key {unknown[0][:60]!r} of a formation; there are: {', '.join(_FIELDS)}")
-    values = {key: _plain(value) for key, value in table.items()}
+    values = {key: _to_tuples(value) for key, value in table.items()}
     if isinstance(values.get("path"), str):
         values["path"] = (values["path"],)
     points = values.get("points")
@@ -329,16 +333,16 @@ def spec_from_table(table: Mapping[str, Any], where: str = "formation") -> Forma
 def spec_to_table(spec: FormationSpec) -> dict[str, Any]:
     """Return the non-default fields as a table for TOML and JSON; `spec_from_table` restores the same spec."""
     table = {name: getattr(spec, name) for name, default in _FIELDS.items() if getattr(spec, name) != default}
-    return {"shape": spec.shape, **{name: _lists(value) for name, value in table.items()}}
+    return {"shape": spec.shape, **{name: _to_lists(value) for name, value in table.items()}}
 
 
-def _plain(value: Any) -> Any:
+def _to_tuples(value: Any) -> Any:
     """Convert lists to tuples, recursively."""
-    return tuple(_plain(each) for each in value) if isinstance(value, list | tuple) else value
+    return tuple(_to_tuples(each) for each in value) if isinstance(value, list | tuple) else value
 
 
-def _lists(value: Any) -> Any:
-    return [_lists(each) for each in value] if isinstance(value, tuple) else value
+def _to_lists(value: Any) -> Any:
+    return [_to_lists(each) for each in value] if isinstance(value, tuple) else value
 
 
 def _is_point(value: object) -> bool:

@@ -12,24 +12,24 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from live.agents.formations.blue_noise import Density, hexagonal_spacing, middle_of_line, scatter, scatter_mirrored
-from live.agents.formations.drawing import Curve, Drawing, begin_at, curve_of
+from live.agents.formations.blue_noise import Density, hexagonal_spacing, midpoint_on_line, scatter, scatter_mirrored
+from live.agents.formations.drawing import Curve, Drawing, curve_of, restart_at
 from live.agents.formations.formation_spec import FormationSpec
 from live.agents.formations.lattice import place_on_lattice
 from live.agents.formations.line_placement import density_at, place_mirrored, place_on_curves
-from live.agents.formations.symmetry import SymmetryLine, half_drawing
+from live.agents.formations.symmetry import SymmetryLine, clip_drawing
 
 Float64 = npt.NDArray[np.float64]
 
-MITRE: Final = 3.0
-TABLE: Final = 24
-EVEN_ENOUGH: Final = 0.7
+MITRE_LIMIT: Final = 3.0
+TABLE_SIZE: Final = 24
+MIN_GAP_RATIO: Final = 0.7
 _TINY: Final = 0.3
 """A ring smaller than this share of the ring distance becomes a place in the middle."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Core:
+class RingCore:
     """Precomputed data of a region for its rings; takes milliseconds to compute."""
 
     region: Any
@@ -38,21 +38,21 @@ class Core:
     radius: float
     middle: Float64
     """Radius [m] and middle (2,) of the largest inscribed circle."""
-    inwards: Float64
+    inward_offsets: Float64
     lengths: Float64
     """Ring length [m] at each inward offset [m], both (K,)."""
 
 
-def core_of(region: Any) -> Core:
+def ring_core(region: Any) -> RingCore:
     """Return the core of a region."""
     coarse = region.simplify(0.002)
     found = shapely.maximum_inscribed_circle(coarse, tolerance=0.005 * math.sqrt(region.area))
-    inwards = np.linspace(0.0, float(found.length), TABLE)
-    lengths = np.array([float(_inner(coarse, float(each)).length) for each in inwards])
-    return Core(region, coarse, float(found.length), shapely.get_coordinates(found)[0], inwards, lengths)
+    inwards = np.linspace(0.0, float(found.length), TABLE_SIZE)
+    lengths = np.array([float(_inset_region(coarse, float(each)).length) for each in inwards])
+    return RingCore(region, coarse, float(found.length), shapely.get_coordinates(found)[0], inwards, lengths)
 
 
-def silhouettes(core: Core, count: int) -> tuple[list[Curve], Float64]:
+def concentric_rings(core: RingCore, count: int) -> tuple[list[Curve], Float64]:
     """Return rings for `count` dancers, outermost first, spaced like neighbours on them, and a place in the middle.
 
     The rings are closed lines that begin in front; the place has the shape (1, 2), or (0, 2) if there is none. By
@@ -69,7 +69,7 @@ def silhouettes(core: Core, count: int) -> tuple[list[Curve], Float64]:
 
     def mismatch(option: tuple[float, int, bool]) -> float:
         distance, number, centre = option
-        length = float(np.interp(distance * np.arange(number), core.inwards, core.lengths).sum())
+        length = float(np.interp(distance * np.arange(number), core.inward_offsets, core.lengths).sum())
         return abs(math.log(max(length, 1e-9) / max(count - centre, 1) / distance))
 
     distance, number, centre = min(options, key=mismatch)
@@ -77,13 +77,13 @@ def silhouettes(core: Core, count: int) -> tuple[list[Curve], Float64]:
 
 
 @lru_cache(maxsize=256)
-def _all_rings(core: Core, distance: float, number: int) -> tuple[Curve, ...]:
+def _all_rings(core: RingCore, distance: float, number: int) -> tuple[Curve, ...]:
     """Return the rings of a core; cached, since few distances occur, each for many counts."""
-    inner = [core.region if n == 0 else _inner(core.coarse, n * distance) for n in range(number)]
+    inner = [core.region if n == 0 else _inset_region(core.coarse, n * distance) for n in range(number)]
     return tuple(curve for each in inner for curve in _rings(each))
 
 
-def _is_round(core: Core, distance: float) -> bool:
+def _is_round(core: RingCore, distance: float) -> bool:
     """Whether the innermost ring shrinks to a single place."""
     inmost = core.coarse.buffer(-(core.radius - _TINY * distance))
     if inmost.is_empty or inmost.geom_type != "Polygon":
@@ -92,8 +92,8 @@ def _is_round(core: Core, distance: float) -> bool:
     return bool(max(high_x - low_x, high_z - low_z) < 1.5 * distance)
 
 
-def _inner(region: Any, inwards: float) -> Any:
-    return region if inwards == 0.0 else region.buffer(-inwards, join_style="mitre", mitre_limit=MITRE)
+def _inset_region(region: Any, inwards: float) -> Any:
+    return region if inwards == 0.0 else region.buffer(-inwards, join_style="mitre", mitre_limit=MITRE_LIMIT)
 
 
 def _rings(inner: Any) -> list[Curve]:
@@ -102,18 +102,18 @@ def _rings(inner: Any) -> list[Curve]:
         for ring in (part.exterior, *part.interiors):
             curve = curve_of(shapely.get_coordinates(ring), closed=True)
             if curve is not None:
-                curves.append(_begun_in_front(curve))
+                curves.append(_start_in_front(curve))
     return curves
 
 
-def _begun_in_front(curve: Curve) -> Curve:
+def _start_in_front(curve: Curve) -> Curve:
     """Return the ring with its start nearest to the public, in the middle of a front side."""
     low, high = curve.points.min(axis=0), curve.points.max(axis=0)
     front = shapely.Point((low[0] + high[0]) / 2, high[1] + 10.0 * (high[1] - low[1] + 1.0))
-    return begin_at(curve, float(shapely.LineString(curve.points).project(front)))
+    return restart_at(curve, float(shapely.LineString(curve.points).project(front)))
 
 
-def unmarked(curves: list[Curve], count: int) -> list[Curve]:
+def without_uneven_corners(curves: list[Curve], count: int) -> list[Curve]:
     """Return the rings, without corners where filling all corners would make gaps uneven; the outermost keeps its
     corners.
     """
@@ -123,51 +123,51 @@ def unmarked(curves: list[Curve], count: int) -> list[Curve]:
         sides = np.diff([*curve.corners, curve.corners[0] + curve.length]) if curve.corners else np.zeros(0)
         spacing = lengths / max(count, 1)
         gaps = sides / np.maximum(np.round(sides / spacing), 1.0)
-        even = n == 0 or not len(gaps) or gaps.min() > EVEN_ENOUGH * gaps.max()
-        plain.append(curve if even else Curve(curve.points, curve.at, True, marked=False))
+        even = n == 0 or not len(gaps) or gaps.min() > MIN_GAP_RATIO * gaps.max()
+        plain.append(curve if even else Curve(curve.points, curve.at, True, use_corners=False))
     return plain
 
 
-SEAM: Final = 2e-7
+HALF_OVERLAP: Final = 2e-7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ground:
+class PlacementRegion:
     """A region and its precomputed data."""
 
     region: Any
     half: Any
     """Its kept half, None without a symmetry line."""
     line: SymmetryLine | None
-    core: Core | None
+    core: RingCore | None
     """For concentric silhouettes only."""
 
 
-def ground_of(spec: FormationSpec, drawing: Drawing, line: SymmetryLine | None) -> Ground:
+def placement_region(spec: FormationSpec, drawing: Drawing, line: SymmetryLine | None) -> PlacementRegion:
     """Return the region of a drawing with closed lines, symmetrical if the spec has a mirror."""
     region, half = drawing.region, None
     if line is not None:
-        half = half_drawing(spec, drawing, line)[2]
-        overlapping = half.buffer(SEAM, join_style="mitre")  # avoids a slit between the halves from rounding
+        half = clip_drawing(spec, drawing, line)[2]
+        overlapping = half.buffer(HALF_OVERLAP, join_style="mitre")  # avoids a slit between the halves from rounding
         region = overlapping.union(line.reflect_shape(overlapping))
         shapely.prepare(region)
-    return Ground(region, half, line, core_of(region) if spec.distribution == "concentric" else None)
+    return PlacementRegion(region, half, line, ring_core(region) if spec.distribution == "concentric" else None)
 
 
-def place_inside(spec: FormationSpec, ground: Ground, count: int, seed: int) -> Float64:
+def place_inside(spec: FormationSpec, ground: PlacementRegion, count: int, seed: int) -> Float64:
     """Return `count` places inside a region, shape (count, 2)."""
     if count == 0:
         return np.zeros((0, 2))
     region, half, line = ground.region, ground.half, ground.line
     if count == 1:
-        return (_middle(region) if half is None or line is None else middle_of_line(half, line))[None]
+        return (_region_middle(region) if half is None or line is None else midpoint_on_line(half, line))[None]
     pattern = spec.distribution
     if pattern in ("grid", "diagonal"):
-        found = _on_lattice(spec, region, count, line)
+        found = _place_on_lattice(spec, region, count, line)
         if found is not None:
             return found
     if ground.core is not None:
-        return _in_silhouettes(spec, ground.core, line, count)
+        return _place_on_rings(spec, ground.core, line, count)
     density: Density | None = (lambda points: density_at(spec, points)) if pattern == "weighted" else None
     even = pattern in ("even", "grid", "diagonal")
     if half is not None and line is not None:
@@ -187,7 +187,7 @@ def count_by_spacing(spec: FormationSpec, region: Any, spacing: float) -> int:
     return round((reached * hexagonal_spacing(area, 1) / spacing) ** 2)
 
 
-def _middle(region: Any) -> Float64:
+def _region_middle(region: Any) -> Float64:
     """Return the centre of the bounding box if it is inside, else of the largest inscribed circle, shape (2,)."""
     low_x, low_z, high_x, high_z = region.bounds
     centre = np.array([(low_x + high_x) / 2, (low_z + high_z) / 2])
@@ -196,7 +196,7 @@ def _middle(region: Any) -> Float64:
     return np.asarray(shapely.get_coordinates(shapely.maximum_inscribed_circle(region))[0])
 
 
-def _on_lattice(spec: FormationSpec, region: Any, count: int, line: SymmetryLine | None) -> Float64 | None:
+def _place_on_lattice(spec: FormationSpec, region: Any, count: int, line: SymmetryLine | None) -> Float64 | None:
     diagonal = spec.distribution == "diagonal"
     if line is None:
         yaw = math.radians(spec.rotation_deg)
@@ -206,27 +206,27 @@ def _on_lattice(spec: FormationSpec, region: Any, count: int, line: SymmetryLine
         return place_on_lattice(region, count, origin, yaw, diagonal=diagonal)
     low_x, low_z, high_x, high_z = region.bounds
     centre = np.array([(low_x + high_x) / 2, (low_z + high_z) / 2])
-    origin = centre - line.side(centre[None])[0] * line.normal
-    yaw = math.atan2(line.along[0], line.along[1])
+    origin = centre - line.signed_distance(centre[None])[0] * line.normal
+    yaw = math.atan2(line.direction[0], line.direction[1])
     found = place_on_lattice(region, count, origin, yaw, diagonal=diagonal, symmetrical=True)
     if found is None:
         return None
-    kept = found[line.side(found) > 1e-4]
-    on_line = found[np.abs(line.side(found)) <= 1e-4]
-    on_line = on_line - line.side(on_line)[:, None] * line.normal
+    kept = found[line.signed_distance(found) > 1e-4]
+    on_line = found[np.abs(line.signed_distance(found)) <= 1e-4]
+    on_line = on_line - line.signed_distance(on_line)[:, None] * line.normal
     if 2 * len(kept) + len(on_line) != count:  # a reflection near the border fell outside
         return None
     return np.concatenate([kept, on_line, line.reflect(kept)])
 
 
-def _in_silhouettes(spec: FormationSpec, core: Core, line: SymmetryLine | None, count: int) -> Float64:
-    curves, middle = silhouettes(core, count)
-    curves = unmarked(curves, count)
+def _place_on_rings(spec: FormationSpec, core: RingCore, line: SymmetryLine | None, count: int) -> Float64:
+    curves, middle = concentric_rings(core, count)
+    curves = without_uneven_corners(curves, count)
     corners = spec.mark_corners is not False
     if line is None:
         return np.concatenate([place_on_curves(curves, count - len(middle), corners=corners)[0], middle])
-    on_line = middle - line.side(middle)[:, None] * line.normal
+    on_line = middle - line.signed_distance(middle)[:, None] * line.normal
     rings = Drawing(tuple(curves), None, (0.0, 0.0))
-    kept, straight, _ = half_drawing(spec, rings, line)
+    kept, straight, _ = clip_drawing(spec, rings, line)
     places = place_mirrored(kept, straight, line, count - len(middle), corners=corners)[0]
     return np.concatenate([places, on_line])

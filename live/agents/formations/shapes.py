@@ -15,7 +15,7 @@ Float64 = npt.NDArray[np.float64]
 Line = tuple[Float64, bool]
 """Points (P, 2), +z to the public, and whether the line is closed."""
 
-AROUND: Final = 180
+CIRCLE_POINTS: Final = 180
 """Points per circle: the arc length is exact to 1e-4."""
 
 
@@ -30,21 +30,21 @@ def _line(_spec: FormationSpec) -> list[Line]:
     return [(np.array([[-0.5, 0.0], [0.5, 0.0]]), False)]
 
 
-def _around(begin: float, end: float, points: int) -> Float64:
+def _arc_points(begin: float, end: float, points: int) -> Float64:
     """Return points on the unit circle between two headings."""
     heading = np.linspace(begin, end, points + 1)
     return np.stack([np.sin(heading), np.cos(heading)], axis=1)
 
 
 def _circle(_spec: FormationSpec) -> list[Line]:
-    points = _around(0.0, 2.0 * math.pi, AROUND)
+    points = _arc_points(0.0, 2.0 * math.pi, CIRCLE_POINTS)
     points[-1] = points[0]
     return [(points, True)]
 
 
 def _arc(spec: FormationSpec) -> list[Line]:
     half = math.radians(spec.arc_deg) / 2
-    return [(_around(math.pi + half, math.pi - half, AROUND), False)]
+    return [(_arc_points(math.pi + half, math.pi - half, CIRCLE_POINTS), False)]
 
 
 def _rectangle(_spec: FormationSpec) -> list[Line]:
@@ -54,18 +54,18 @@ def _rectangle(_spec: FormationSpec) -> list[Line]:
 def _polygon(spec: FormationSpec) -> list[Line]:
     if spec.points:
         return [(np.array(spec.points[0], np.float64), True)]
-    return [(_around(math.pi, 3.0 * math.pi, spec.corners), True)]
+    return [(_arc_points(math.pi, 3.0 * math.pi, spec.corners), True)]
 
 
 def _star(spec: FormationSpec) -> list[Line]:
-    points = _around(math.pi, 3.0 * math.pi, 2 * spec.corners)
+    points = _arc_points(math.pi, 3.0 * math.pi, 2 * spec.corners)
     points[1::2] *= spec.inner
     return [(points, True)]
 
 
 def _spiral(spec: FormationSpec) -> list[Line]:
     """Return Archimedes' spiral from the middle outwards, with equal distance between turns."""
-    turn = np.linspace(0.0, spec.turns, round(AROUND * spec.turns) + 1)
+    turn = np.linspace(0.0, spec.turns, round(CIRCLE_POINTS * spec.turns) + 1)
     heading = 2.0 * math.pi * turn
     radius = turn / spec.turns
     return [(np.stack([np.sin(heading) * radius, np.cos(heading) * radius], axis=1), False)]

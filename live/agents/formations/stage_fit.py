@@ -13,9 +13,9 @@ class StageFit:
 
     outside: tuple[int, ...]
     """Places (from 0) beyond an edge of the stage."""
-    factor: float
+    scale: float
     """Scale factor needed, 1 if the size fits."""
-    move: tuple[float, float]
+    offset: tuple[float, float]
     """Displacement of the centre needed after scaling (x, z) [m]."""
     remedy: str
     """The correction in words; empty if it fits."""

@@ -14,9 +14,9 @@ import numpy.typing as npt
 
 Float64 = npt.NDArray[np.float64]
 
-GAP: Final = 2.0
+LETTER_GAP: Final = 2.0
 """Distance between two letters [units]."""
-BLANK: Final = 2.0
+BLANK_WIDTH: Final = 2.0
 """Width of a blank [units]."""
 ARC_STEP_DEG: Final = 6.0
 
@@ -74,11 +74,11 @@ def text_strokes(text: str) -> list[Stroke]:
     at = 0.0
     for letter in text.upper():
         if letter == " ":
-            at += BLANK + GAP
+            at += BLANK_WIDTH + LETTER_GAP
             continue
         drawn = letter_strokes(letter)
         strokes += [(points + np.array([at, 0.0]), closed) for points, closed in drawn]
-        at += max(float(points[:, 0].max()) for points, _ in drawn) + GAP
+        at += max(float(points[:, 0].max()) for points, _ in drawn) + LETTER_GAP
     return strokes
 
 

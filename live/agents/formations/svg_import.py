@@ -11,12 +11,12 @@ from live.base.errors import PersonError
 
 Float64 = npt.NDArray[np.float64]
 
-LARGEST_FILE: Final = 2_000_000
+MAX_FILE_CHARACTERS: Final = 2_000_000
 """Largest accepted length of an SVG file in characters."""
-MOST_PIECES: Final = 2000
-SAMPLES: Final = 24
+MAX_SEGMENTS: Final = 2000
+SAMPLES_PER_SEGMENT: Final = 24
 """Points per curved segment."""
-_PATH_SIGNS: Final = re.compile(r"[MmZzLlHhVvCcSsQqTtAa0-9eE+\-.,\s]*\Z")
+_PATH_CHARACTERS: Final = re.compile(r"[MmZzLlHhVvCcSsQqTtAa0-9eE+\-.,\s]*\Z")
 
 
 def path_lines(d: str, where: str) -> list[Float64]:
@@ -27,7 +27,7 @@ def path_lines(d: str, where: str) -> list[Float64]:
     """
     import svgpathtools  # takes a second to import, and most formations do not need it
 
-    if not _PATH_SIGNS.match(d):
+    if not _PATH_CHARACTERS.match(d):
         raise PersonError(f"{where}: not an SVG path: {d[:40]!r}", "example of a path: M 0 0 L 3 0 C 4 1 4 3 3 4 Z")
     try:
         path = svgpathtools.parse_path(d)
@@ -45,8 +45,8 @@ def svg_file_paths(text: str, where: str) -> tuple[str, ...]:
 
     import svgpathtools
 
-    if len(text) > LARGEST_FILE:
-        raise PersonError(f"{where}: larger than {LARGEST_FILE // 1_000_000} MB", "draw it with fewer points")
+    if len(text) > MAX_FILE_CHARACTERS:
+        raise PersonError(f"{where}: larger than {MAX_FILE_CHARACTERS // 1_000_000} MB", "draw it with fewer points")
     if "<!ENTITY" in text:
         raise PersonError(f"{where}: declares entities, which are not read", "save it as plain SVG")
     try:
@@ -67,8 +67,8 @@ def _lines(path: object, where: str) -> list[Float64]:
     assert isinstance(path, svgpathtools.Path)
     if not len(path):
         raise PersonError(f"{where}: the path draws no line", "example of a path: M 0 0 L 3 0")
-    if len(path) > MOST_PIECES:
-        raise PersonError(f"{where}: more than {MOST_PIECES} pieces", "simplify the path in the drawing program")
+    if len(path) > MAX_SEGMENTS:
+        raise PersonError(f"{where}: more than {MAX_SEGMENTS} pieces", "simplify the path in the drawing program")
     lines: list[Float64] = []
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -76,7 +76,9 @@ def _lines(path: object, where: str) -> list[Float64]:
             points: list[complex] = [piece[0].start]
             for segment in piece:
                 ends = (
-                    np.array([1.0]) if isinstance(segment, svgpathtools.Line) else np.arange(1, SAMPLES + 1) / SAMPLES
+                    np.array([1.0])
+                    if isinstance(segment, svgpathtools.Line)
+                    else np.arange(1, SAMPLES_PER_SEGMENT + 1) / SAMPLES_PER_SEGMENT
                 )
                 points += [complex(segment.point(float(t))) for t in ends]
             lines.append(np.array([(point.real, point.imag) for point in points]))

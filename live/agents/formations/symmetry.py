@@ -8,15 +8,15 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from live.agents.formations.drawing import FREE, HALF, MEETS, Curve, Drawing, curve_of, met
-from live.agents.formations.formation_spec import FARTHEST, FormationSpec
+from live.agents.formations.drawing import FREE_END, JOINT, SYMMETRY_END, Curve, Drawing, curve_of, with_end_gaps
+from live.agents.formations.formation_spec import MAX_DISTANCE, FormationSpec
 
 Float64 = npt.NDArray[np.float64]
 
-ON_LINE: Final = 1e-6
+LINE_TOLERANCE: Final = 1e-6
 """Largest distance of a point on the symmetry line [m]."""
 _SIDES: Final = {"left": (-1.0, 0.0), "right": (1.0, 0.0), "front": (0.0, 1.0), "back": (0.0, -1.0)}
-_SLANTED: Final = math.sin(math.radians(14.0))
+_CORNER_SINE: Final = math.sin(math.radians(14.0))
 """Sine of the angle above which a line forms a corner with its reflection at the symmetry line."""
 
 
@@ -28,20 +28,20 @@ class SymmetryLine:
     normal: Float64
 
     @property
-    def along(self) -> Float64:
+    def direction(self) -> Float64:
         """Unit vector along the line, pointing towards the public if possible."""
         way = np.array([-self.normal[1], self.normal[0]])
         return -way if way[1] < -1e-12 else way
 
-    def side(self, points: Float64) -> Float64:
+    def signed_distance(self, points: Float64) -> Float64:
         """Return the signed distance from the line [m], shape (K,), positive on the kept side."""
         return np.asarray((points - self.point) @ self.normal)
 
     def reflect(self, points: Float64) -> Float64:
         """Return the points (K, 2) reflected."""
-        return np.asarray(points - 2.0 * self.side(points)[:, None] * self.normal)
+        return np.asarray(points - 2.0 * self.signed_distance(points)[:, None] * self.normal)
 
-    def reflect_ways(self, ways: Float64) -> Float64:
+    def reflect_directions(self, ways: Float64) -> Float64:
         """Return the directions (K, 2) reflected."""
         return np.asarray(ways - 2.0 * (ways @ self.normal)[:, None] * self.normal)
 
@@ -51,8 +51,8 @@ class SymmetryLine:
 
     def kept_half(self) -> Any:
         """Return the kept half-plane, as a polygon that exceeds every stage."""
-        far = 8.0 * FARTHEST
-        a, b = self.point + self.along * far, self.point - self.along * far
+        far = 8.0 * MAX_DISTANCE
+        a, b = self.point + self.direction * far, self.point - self.direction * far
         return shapely.Polygon([a, b, b + self.normal * far, a + self.normal * far])
 
 
@@ -76,7 +76,7 @@ def symmetry_line(spec: FormationSpec, middle: tuple[float, float]) -> SymmetryL
     return SymmetryLine(a, normal if towards > 0 else -normal)
 
 
-def half_drawing(spec: FormationSpec, drawing: Drawing, line: SymmetryLine) -> tuple[list[Curve], list[Curve], Any]:
+def clip_drawing(spec: FormationSpec, drawing: Drawing, line: SymmetryLine) -> tuple[list[Curve], list[Curve], Any]:
     """Return the lines on the kept side, those on the symmetry line itself, and the kept half of the region.
 
     Ends on the symmetry line have the gap HALF. PersonError if nothing lies on the kept side.
@@ -86,23 +86,23 @@ def half_drawing(spec: FormationSpec, drawing: Drawing, line: SymmetryLine) -> t
     kept: list[Curve] = []
     on_line: list[Curve] = []
     for curve in drawing.curves:
-        for points, closed in _clipped(curve, line, half):
+        for points, closed in _clip_to_half(curve, line, half):
             part = curve_of(points, closed=closed)
-            if part is not None and not curve.marked:
-                part = replace(part, corners=(), marked=False)
+            if part is not None and not curve.use_corners:
+                part = replace(part, corners=(), use_corners=False)
             if part is not None:
-                (on_line if np.abs(line.side(part.points)).max() < ON_LINE else kept).append(part)
+                (on_line if np.abs(line.signed_distance(part.points)).max() < LINE_TOLERANCE else kept).append(part)
     if not (kept or on_line) or (region is not None and region.area < 1e-6):
         spec.refuse("mirror", "nothing lies on the side that is kept", "keep the other side (mirror_keep)")
     on_axis = [shapely.LineString(curve.points) for curve in on_line]
-    return [_halved(curve, line, on_axis) for curve in met(kept)], on_line, region
+    return [_with_symmetry_gaps(curve, line, on_axis) for curve in with_end_gaps(kept)], on_line, region
 
 
-def _clipped(curve: Curve, line: SymmetryLine, half: Any) -> list[tuple[Float64, bool]]:
-    side = line.side(curve.points)
-    if side.min() >= ON_LINE or np.abs(side).max() < ON_LINE:
+def _clip_to_half(curve: Curve, line: SymmetryLine, half: Any) -> list[tuple[Float64, bool]]:
+    side = line.signed_distance(curve.points)
+    if side.min() >= LINE_TOLERANCE or np.abs(side).max() < LINE_TOLERANCE:
         return [(curve.points, curve.closed)]
-    if side.max() < -ON_LINE:
+    if side.max() < -LINE_TOLERANCE:
         return []
     cut = shapely.LineString(curve.points).intersection(half)
     parts = [part for part in shapely.get_parts(cut) if part.geom_type == "LineString"]
@@ -112,14 +112,14 @@ def _clipped(curve: Curve, line: SymmetryLine, half: Any) -> list[tuple[Float64,
     return [(shapely.get_coordinates(part), False) for part in shapely.get_parts(merged)]
 
 
-def _halved(curve: Curve, line: SymmetryLine, on_axis: list[Any]) -> Curve:
+def _with_symmetry_gaps(curve: Curve, line: SymmetryLine, on_axis: list[Any]) -> Curve:
     if curve.closed:
         return curve
     gaps = list(curve.gaps)
     for n, end in enumerate((curve.points[0], curve.points[-1])):
-        if abs(float(line.side(end[None])[0])) < ON_LINE:
+        if abs(float(line.signed_distance(end[None])[0])) < LINE_TOLERANCE:
             touches = any(shapely.distance(each, shapely.Point(end)) < 1e-3 for each in on_axis)
-            gaps[n] = MEETS if touches else HALF
+            gaps[n] = JOINT if touches else SYMMETRY_END
     return replace(curve, gaps=(gaps[0], gaps[1]))
 
 
@@ -132,14 +132,14 @@ def places_on_line(curves: list[Curve], line: SymmetryLine, count: int, *, corne
     ends: list[tuple[bool, float, Float64]] = []
     for curve in curves:
         for n in (0, -1):
-            if curve.closed or curve.gaps[n] != HALF:
+            if curve.closed or curve.gaps[n] != SYMMETRY_END:
                 continue
             end = curve.points[n]
             way = curve.points[1 if n == 0 else -2] - end
-            slanted = curve.marked and abs(float(way @ line.along)) > _SLANTED * float(np.hypot(*way))
+            slanted = curve.use_corners and abs(float(way @ line.direction)) > _CORNER_SINE * float(np.hypot(*way))
             if not any(np.hypot(*(end - other)) < 1e-3 for _, _, other in ends):
-                ends.append((slanted, float(end @ line.along), end))
-    middle = np.mean([end for _, _, end in ends], axis=0) @ line.along if ends else 0.0
+                ends.append((slanted, float(end @ line.direction), end))
+    middle = np.mean([end for _, _, end in ends], axis=0) @ line.direction if ends else 0.0
     ends.sort(key=lambda each: (not each[0], -abs(each[1] - middle) if each[0] else 0.0, -each[1]))
     wanted = count % 2
     if corners:
@@ -150,12 +150,12 @@ def places_on_line(curves: list[Curve], line: SymmetryLine, count: int, *, corne
     return np.array([end for _, _, end in ends[: max(wanted, 0)]]).reshape(-1, 2)
 
 
-def shared_ends(curve: Curve, places: Float64, shared: float) -> Curve:
+def with_shared_ends(curve: Curve, places: Float64, shared: float) -> Curve:
     """Return the line with the gap `shared` at ends that coincide with one of `places` (K, 2)."""
     if curve.closed or not len(places):
         return curve
     gaps = [
-        shared if gap != FREE and np.hypot(*(places - end).T).min() < 1e-3 else gap
+        shared if gap != FREE_END and np.hypot(*(places - end).T).min() < 1e-3 else gap
         for gap, end in zip(curve.gaps, (curve.points[0], curve.points[-1]), strict=True)
     ]
     return replace(curve, gaps=(gaps[0], gaps[1]))

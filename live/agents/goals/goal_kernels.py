@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -11,20 +11,20 @@ Int32 = npt.NDArray[np.int32]
 
 ARRIVE = 0
 """Speed min(preferred, rate · d): full speed, then proportional to the remaining distance (Reynolds 1999, arrival)."""
-ATTRACTOR = 1
+ATTRACT = 1
 """Speed preferred · (1 - exp(-rate · d)): the attraction of T105, with the decay length 1 / rate."""
 
 _ONE = np.float32(1.0)
 _TINY = np.float32(1e-12)
 _FAR = np.float32(16.0)  # exp(-16) is negligible in float32
-_PIECE = np.float32(-1.0 / 32.0)
+_EXP_STEP = np.float32(-1.0 / 32.0)
 _C2, _C3, _C4, _C5 = np.float32(1 / 2), np.float32(1 / 6), np.float32(1 / 24), np.float32(1 / 120)
 
 
-@part
-def attraction(x: np.float32) -> np.float32:
+@inline_kernel
+def one_minus_exp(x: np.float32) -> np.float32:
     """Return 1 - exp(-x) for x >= 0, within 2e-6: a series for exp(-x / 32), squared five times, which vectorises."""
-    y = min(x, _FAR) * _PIECE
+    y = min(x, _FAR) * _EXP_STEP
     e = _ONE + y * (_ONE + y * (_C2 + y * (_C3 + y * (_C4 + y * _C5))))
     e = e * e
     e = e * e
@@ -48,7 +48,7 @@ def seek_goals(
 ) -> int:
     """Write each agent's velocity towards its target into columns 0 and 1 of `rows`; return how many have arrived.
 
-    `rows` (A, 8) as in `Wants`; `position`, `target` (A, 2) [m], `preferred` (A,) [m/s]; `rate` (A,) [1/m] for
+    `rows` (A, 8) as in `AgentCommand`; `position`, `target` (A, 2) [m], `preferred` (A,) [m/s]; `rate` (A,) [1/m] for
     ATTRACTOR, [1/s] for ARRIVE. `reached` (A,) begins with the indices of agents within `reach` [m], ascending.
     `factor` (A,) is scratch: contiguous writes are vectorised, writes to `rows` are not.
     """
@@ -69,7 +69,7 @@ def seek_goals(
             dx = goal[2 * i] - place[2 * i]
             dz = goal[2 * i + 1] - place[2 * i + 1]
             d = np.sqrt(dx * dx + dz * dz + _TINY)
-            factor[i] = preferred[i] * attraction(d * rate[i]) / d
+            factor[i] = preferred[i] * one_minus_exp(d * rate[i]) / d
     count = 0
     within = reach32 * reach32
     for i in range(agents):
@@ -94,7 +94,7 @@ def segments_cross(ax: float, az: float, bx: float, bz: float, cx: float, cz: fl
 
 
 @kernel("void(f4[:,::1],f4[::1],i4[::1],f4[:,::1],f8[:,::1],i4[::1],f8[:,::1],f8,f8,f8)")
-def pass_way_points(
+def advance_way_points(
     target: Float32,
     rate: Float32,
     at: Int32,

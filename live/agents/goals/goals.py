@@ -12,16 +12,16 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from live.agents.agent_command import Wants
-from live.agents.goals.goal_kernels import ARRIVE, pass_way_points, seek_goals
+from live.agents.agent_command import AgentCommand
+from live.agents.goals.goal_kernels import ARRIVE, advance_way_points, seek_goals
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
-APPROACH: Final = 1.0
+ARRIVAL_RATE: Final = 1.0
 """Speed per metre of remaining distance [1/s] near a goal, under ARRIVE."""
-PASS: Final = 1e9
+NO_SLOWING_RATE: Final = 1e9
 """Rate at which agents do not slow down."""
 NO_WALLS: Final = np.zeros((0, 4))
 
@@ -30,7 +30,12 @@ class Goals:
     """One goal for each of A agents; the caller may change `target`, `preferred` and `rate` at any time."""
 
     def __init__(
-        self, target: npt.ArrayLike, preferred: float | Float64 | Float32, *, law: int = ARRIVE, rate: float = APPROACH
+        self,
+        target: npt.ArrayLike,
+        preferred: float | Float64 | Float32,
+        *,
+        law: int = ARRIVE,
+        rate: float = ARRIVAL_RATE,
     ) -> None:
         """`target` (A, 2) [m]; `preferred` speed [m/s], one number or (A,); `law` and `rate` as in `goal_kernels`."""
         self.target: Float32 = np.array(target, np.float32, order="C").reshape(-1, 2)
@@ -41,13 +46,21 @@ class Goals:
         self._reached: Int32 = np.zeros(len(self.target), np.int32)
         self._factor: Float32 = np.zeros(len(self.target), np.float32)
 
-    def __call__(self, wants: Wants, position: Float32, reach: float = 0.3) -> Int32:
+    def __call__(self, commands: AgentCommand, position: Float32, reach: float = 0.3) -> Int32:
         """Write `wants.velocity` for all; return the indices of the agents within `reach` [m] of their targets.
 
         The result is a view that the next call overwrites.
         """
         count = seek_goals(
-            wants.rows, self._reached, self._factor, position, self.target, self.preferred, self.rate, self.law, reach
+            commands.rows,
+            self._reached,
+            self._factor,
+            position,
+            self.target,
+            self.preferred,
+            self.rate,
+            self.law,
+            reach,
         )
         return self._reached[:count]
 
@@ -55,7 +68,7 @@ class Goals:
 class WayPoints:
     """Paths of A agents, each through one or more points in order; agents stay at the last one."""
 
-    def __init__(self, ways: Sequence[npt.ArrayLike], walls: Float64 = NO_WALLS, rate: float = APPROACH) -> None:
+    def __init__(self, ways: Sequence[npt.ArrayLike], walls: Float64 = NO_WALLS, rate: float = ARRIVAL_RATE) -> None:
         """`ways`: the points (K, 2) [m] of each agent, K >= 1; `walls` (W, 4) [m] block the way to a next point;
         `rate`: slowing down for the last point, as in `Goals`.
         """
@@ -79,7 +92,7 @@ class WayPoints:
         return self._points[self._start[1:] - 1]
 
     @property
-    def on_last(self) -> npt.NDArray[np.bool_]:
+    def heading_to_last(self) -> npt.NDArray[np.bool_]:
         """Whether each agent is on the way to its last point, shape (A,)."""
         there: npt.NDArray[np.bool_] = self.at == self._start[1:] - 1
         return there
@@ -88,11 +101,11 @@ class WayPoints:
         """Set each agent's first point as its goal; `goals.rate` is managed from now on, too."""
         self.at[:] = self._start[:-1]
         goals.target[:] = self.current
-        goals.rate[:] = np.where(self.on_last, self._rate, PASS)
+        goals.rate[:] = np.where(self.heading_to_last, self._rate, NO_SLOWING_RATE)
 
     def __call__(self, goals: Goals, position: Float32, reach: float, gate: float) -> None:
-        """Set the next way point as goal for agents at or past the current one (see `pass_way_points`)."""
-        pass_way_points(
+        """Set the next way point as goal for agents at or past the current one (see `advance_way_points`)."""
+        advance_way_points(
             goals.target, goals.rate, self.at, position, self._points, self._start, self._walls, reach, gate, self._rate
         )
 
@@ -100,7 +113,7 @@ class WayPoints:
 Bools = npt.NDArray[np.bool_]
 
 
-def who_gives_way(position: npt.NDArray[np.floating], arrived: Bools, near: float) -> Bools:
+def yielding_agents(position: npt.NDArray[np.floating], arrived: Bools, near: float) -> Bools:
     """Return which of the `arrived` (A,) agents belong to a cluster with an agent that has not arrived, shape (A,).
 
     A cluster is connected by distances of at most `near` [m]; so agents in the back rows make room for those in front.

@@ -18,16 +18,16 @@ import numpy.typing as npt
 from live.agents.groups.roster import ALL_WORDS, PLACE_WORDS, Mask, Roster
 from live.base.errors import PersonError
 
-LONGEST = 400
+MAX_LENGTH = 400
 """Largest length of an expression in characters; limits input from the network."""
-DEEPEST = 20
+MAX_DEPTH = 20
 """Largest nesting depth of brackets."""
 
 _TOKEN = re.compile(r"\s*(?:(\d{1,6})-(\d{1,6})(?!\w)|(\d{1,6})(?!\w)|([^\W\d]\w*(?:-\w+)*)|([-+&()]))", re.UNICODE)
 
 
 @dataclass(frozen=True, slots=True)
-class Numbers:
+class NumberRange:
     """Dancers `first` to `last`, both included, counted from 1."""
 
     first: int
@@ -42,7 +42,7 @@ class Word:
 
 
 @dataclass(frozen=True, slots=True)
-class Combined:
+class BinaryOperation:
     """`left` united with (+), without (-) or intersected with (&) `right`."""
 
     sign: str
@@ -50,16 +50,16 @@ class Combined:
     right: "Expression"
 
 
-Expression = Numbers | Word | Combined
+Expression = NumberRange | Word | BinaryOperation
 
 
-class _Reader:
+class _Parser:
     def __init__(self, text: str) -> None:
         self._text = text
         self._tokens = self._split(text)
         self._next = 0
 
-    def wrong(self, what: str) -> PersonError:
+    def error(self, what: str) -> PersonError:
         return PersonError(
             f"group {self._text!r}: {what}",
             "write names, attributes, places or numbers (7, 3-7) joined by + (with), - (without) or & (both)",
@@ -70,7 +70,7 @@ class _Reader:
         while at < len(text):
             match = _TOKEN.match(text, at)
             if match is None:
-                raise self.wrong(f"cannot be read from {text[at : at + 12].strip()!r} on")
+                raise self.error(f"cannot be read from {text[at : at + 12].strip()!r} on")
             first, last, number, word, sign = match.groups()
             if first is not None:
                 tokens.append(("numbers", f"{first}-{last}"))
@@ -95,55 +95,55 @@ class _Reader:
     def group(self, depth: int = 0) -> Expression:
         result = self.term(depth)
         while (sign := self.sign("+-")) is not None:
-            result = Combined(sign, result, self.term(depth))
+            result = BinaryOperation(sign, result, self.term(depth))
         return result
 
     def term(self, depth: int) -> Expression:
         result = self.atom(depth)
         while self.sign("&") is not None:
-            result = Combined("&", result, self.atom(depth))
+            result = BinaryOperation("&", result, self.atom(depth))
         return result
 
     def atom(self, depth: int) -> Expression:
         if self.sign("(") is not None:
-            if depth >= DEEPEST:
-                raise self.wrong(f"has more than {DEEPEST} brackets within brackets")
+            if depth >= MAX_DEPTH:
+                raise self.error(f"has more than {MAX_DEPTH} brackets within brackets")
             inner = self.group(depth + 1)
             if self.sign(")") is None:
-                raise self.wrong("a bracket is not closed")
+                raise self.error("a bracket is not closed")
             return inner
         if self._next >= len(self._tokens):
-            raise self.wrong("something is missing at the end" if self._tokens else "is empty")
+            raise self.error("something is missing at the end" if self._tokens else "is empty")
         kind, text = self._tokens[self._next]
         self._next += 1
         if kind == "numbers":
             first, last = map(int, text.split("-"))
             if not 1 <= first <= last:
-                raise self.wrong(f"dancers {text} do not exist: numbers count from 1, the smaller one first")
-            return Numbers(first, last)
+                raise self.error(f"dancers {text} do not exist: numbers count from 1, the smaller one first")
+            return NumberRange(first, last)
         if kind == "word":
             return Word(text)
-        raise self.wrong(f"{text!r} stands where a name or number is needed")
+        raise self.error(f"{text!r} stands where a name or number is needed")
 
-    def whole(self) -> Expression:
+    def parse(self) -> Expression:
         result = self.group()
         if self._next < len(self._tokens):
-            raise self.wrong(f"{self._tokens[self._next][1]!r} is one too many: join with +, - or &")
+            raise self.error(f"{self._tokens[self._next][1]!r} is one too many: join with +, - or &")
         return result
 
 
 @lru_cache(maxsize=512)
 def parse(text: str) -> Expression:
     """Parse an expression; PersonError names the part that cannot be parsed."""
-    if len(text) > LONGEST:
-        raise PersonError(f"a group of {len(text)} characters", f"at most {LONGEST}; name parts of it")
-    return _Reader(text).whole()
+    if len(text) > MAX_LENGTH:
+        raise PersonError(f"a group of {len(text)} characters", f"at most {MAX_LENGTH}; name parts of it")
+    return _Parser(text).parse()
 
 
 Places = npt.NDArray[np.floating]
 
 
-def selection(
+def select_dancers(
     expression: str,
     roster: Roster,
     positions: Places | None = None,
@@ -158,19 +158,19 @@ def selection(
     if not expression.strip():
         return np.ones(roster.count, np.bool_)
     whole = expression.strip()
-    if whole in roster.known or roster.having(whole).any():  # a single name, which may contain blanks
-        return roster.having(whole)
+    if whole in roster.known or roster.with_attribute(whole).any():  # a single name, which may contain blanks
+        return roster.with_attribute(whole)
     return _evaluate(parse(expression), roster, positions, half, ())
 
 
-def needs_places(expression: str, roster: Roster) -> bool:
+def depends_on_positions(expression: str, roster: Roster) -> bool:
     """Whether the result depends on the dancers' positions."""
     if not expression.strip():
         return False
-    return _names_places(parse(expression), roster, ())
+    return _depends_on_positions(parse(expression), roster, ())
 
 
-def divide(
+def partition(
     parts: Sequence[str],
     roster: Roster,
     positions: Places | None = None,
@@ -184,53 +184,53 @@ def divide(
     left = np.ones(roster.count, np.bool_) if within is None else within.copy()
     masks: list[Mask] = []
     for part in parts:
-        mask = left & selection(part, roster, positions, half)
+        mask = left & select_dancers(part, roster, positions, half)
         masks.append(mask)
         left &= ~mask
     return [*masks, left]
 
 
 def _evaluate(
-    node: Expression, roster: Roster, positions: Places | None, half: tuple[float, float], inside: tuple[str, ...]
+    node: Expression, roster: Roster, positions: Places | None, half: tuple[float, float], enclosing: tuple[str, ...]
 ) -> Mask:
-    if isinstance(node, Combined):
-        left = _evaluate(node.left, roster, positions, half, inside)
-        right = _evaluate(node.right, roster, positions, half, inside)
+    if isinstance(node, BinaryOperation):
+        left = _evaluate(node.left, roster, positions, half, enclosing)
+        right = _evaluate(node.right, roster, positions, half, enclosing)
         return left | right if node.sign == "+" else left & right if node.sign == "&" else left & ~right
-    if isinstance(node, Numbers):
+    if isinstance(node, NumberRange):
         if node.last > roster.count:
             raise PersonError(f"there is no dancer {node.last}", f"dancers are numbered 1 to {roster.count}")
         number = np.arange(1, roster.count + 1)
         return np.asarray((number >= node.first) & (number <= node.last))
-    return _named(node.word, roster, positions, half, inside)
+    return _evaluate_word(node.word, roster, positions, half, enclosing)
 
 
-def _named(
-    word: str, roster: Roster, positions: Places | None, half: tuple[float, float], inside: tuple[str, ...]
+def _evaluate_word(
+    word: str, roster: Roster, positions: Places | None, half: tuple[float, float], enclosing: tuple[str, ...]
 ) -> Mask:
     if word in roster.groups:
-        expression = _expression_of(word, roster, inside)
-        return _evaluate(parse(expression), roster, positions, half, (*inside, word))
-    mask = roster.having(word)
+        expression = _expression_of(word, roster, enclosing)
+        return _evaluate(parse(expression), roster, positions, half, (*enclosing, word))
+    mask = roster.with_attribute(word)
     if word in roster.known:
         return mask
     if not mask.any() and word.casefold() in ALL_WORDS:
         return np.ones(roster.count, np.bool_)
     if not mask.any() and word.casefold() in PLACE_WORDS:
-        return _placed(word.casefold(), positions, half)
+        return _evaluate_place(word.casefold(), positions, half)
     if not mask.any():
         known = sorted({*roster.groups, *roster.words(), *PLACE_WORDS[:5], "all"})
         raise PersonError(f"no group and no dancer is called {word!r}", f"there are: {', '.join(known)}")
     return mask
 
 
-def _expression_of(word: str, roster: Roster, inside: tuple[str, ...]) -> str:
-    if word in inside:
-        raise PersonError(f"group {word!r} contains itself: {' → '.join((*inside, word))}")
+def _expression_of(word: str, roster: Roster, enclosing: tuple[str, ...]) -> str:
+    if word in enclosing:
+        raise PersonError(f"group {word!r} contains itself: {' → '.join((*enclosing, word))}")
     return roster.groups[word]
 
 
-def _placed(word: str, positions: Places | None, half: tuple[float, float]) -> Mask:
+def _evaluate_place(word: str, positions: Places | None, half: tuple[float, float]) -> Mask:
     if positions is None:
         raise PersonError(f"{word!r} means a place, and the dancers' positions are not known here")
     x, z = positions[:, 0], positions[:, 1]
@@ -245,13 +245,17 @@ def _placed(word: str, positions: Places | None, half: tuple[float, float]) -> M
     return np.asarray((np.abs(x) <= half[0] / 2.0) & (np.abs(z) <= half[1] / 2.0))
 
 
-def _names_places(node: Expression, roster: Roster, inside: tuple[str, ...]) -> bool:
-    if isinstance(node, Combined):
-        return _names_places(node.left, roster, inside) or _names_places(node.right, roster, inside)
-    if isinstance(node, Numbers):
+def _depends_on_positions(node: Expression, roster: Roster, enclosing: tuple[str, ...]) -> bool:
+    if isinstance(node, BinaryOperation):
+        return _depends_on_positions(node.left, roster, enclosing) or _depends_on_positions(
+            node.right, roster, enclosing
+        )
+    if isinstance(node, NumberRange):
         return False
     if node.word.casefold() in PLACE_WORDS and node.word not in roster.groups and node.word not in roster.known:
-        return not roster.having(node.word).any()
+        return not roster.with_attribute(node.word).any()
     if node.word in roster.groups:
-        return _names_places(parse(_expression_of(node.word, roster, inside)), roster, (*inside, node.word))
+        return _depends_on_positions(
+            parse(_expression_of(node.word, roster, enclosing)), roster, (*enclosing, node.word)
+        )
     return False

@@ -34,7 +34,7 @@ class Roster:
     """Valid words that no dancer has at present; they select none."""
 
     @staticmethod
-    def of(count: int, attributes: Mapping[int, Sequence[str]] | None = None, **groups: str) -> "Roster":
+    def create(count: int, attributes: Mapping[int, Sequence[str]] | None = None, **groups: str) -> "Roster":
         """Return a roster of `count` dancers; `attributes` maps a dancer's number (from 1) to words, `groups` names
         expressions.
         """
@@ -50,7 +50,7 @@ class Roster:
         """Return all attributes in use, sorted."""
         return tuple(sorted({word for words in self.attributes for word in words}))
 
-    def having(self, word: str) -> Mask:
+    def with_attribute(self, word: str) -> Mask:
         """Whether each dancer has this attribute, shape (A,)."""
         return np.array([word in words for words in self.attributes], np.bool_)
 
@@ -78,7 +78,7 @@ class Line:
         return Line(first[0], first[1], math.atan2(dx, dz))
 
 
-def mirrored(places: npt.ArrayLike, line: Line) -> Float64:
+def mirror_places(places: npt.ArrayLike, line: Line) -> Float64:
     """Return places (..., 2) [m] reflected in `line`."""
     points = np.asarray(places, np.float64)
     along = np.array([math.sin(line.heading), math.cos(line.heading)])
@@ -86,23 +86,23 @@ def mirrored(places: npt.ArrayLike, line: Line) -> Float64:
     return np.asarray(2.0 * (offset @ along)[..., None] * along - offset + np.array([line.x, line.z]))
 
 
-def mirrored_heading(headings: npt.ArrayLike, line: Line) -> Float64:
+def mirror_headings(headings: npt.ArrayLike, line: Line) -> Float64:
     """Return headings (...) [rad] reflected in `line`."""
     return np.asarray(2.0 * line.heading - np.asarray(headings, np.float64))
 
 
-def canon(groups: int, beats: float) -> tuple[float, ...]:
+def canon_delays(groups: int, beats: float) -> tuple[float, ...]:
     """Return the delay in beats of each group relative to the first: a canon at `beats`."""
     return tuple(index * beats for index in range(groups))
 
 
-def partners(places: npt.ArrayLike, line: Line, *, within: float = 0.5) -> Sequence[tuple[int, int]]:
+def mirror_partners(places: npt.ArrayLike, line: Line, *, within: float = 0.5) -> Sequence[tuple[int, int]]:
     """Return pairs of dancers (indices) where each stands at the other's mirror image, at most `within` [m] off.
 
     Nearest pairs first, each dancer once; ties go to the smaller numbers. A dancer on the line has no partner.
     """
     points = np.asarray(places, np.float64)
-    distance = np.hypot(*np.moveaxis(points[:, None] - mirrored(points, line)[None, :], -1, 0))
+    distance = np.hypot(*np.moveaxis(points[:, None] - mirror_places(points, line)[None, :], -1, 0))
     distance = np.maximum(distance, distance.T)
     first, second = np.triu_indices(len(points), 1)
     order = np.lexsort((second, first, distance[first, second]))

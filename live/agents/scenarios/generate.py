@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from live.agents.scenarios.scenario import Float64, Scenario, ever_on, through_gap
+from live.agents.scenarios.scenario import Float64, Scenario, endless_goals, through_gap
 
 RADIUS: Final = 0.25
 PREFERRED: Final = 1.3
@@ -16,14 +16,14 @@ GOAL_RADIUS: Final = 0.3
 
 
 def dart_throwing(
-    chance: np.random.Generator, count: int, spacing: float, low: tuple[float, float], high: tuple[float, float]
+    rng: np.random.Generator, count: int, spacing: float, low: tuple[float, float], high: tuple[float, float]
 ) -> Float64:
     """Return uniform places in a rectangle, none closer than `spacing` [m] to another (Poisson disk), (count, 2)."""
     places = np.empty((0, 2))
     for _ in range(400 * count + 10000):
         if len(places) == count:
             return places
-        dart = chance.uniform(low, high)
+        dart = rng.uniform(low, high)
         if len(places) == 0 or np.min(np.sum((places - dart) ** 2, axis=1)) >= spacing * spacing:
             places = np.vstack([places, dart])
     raise ValueError(f"{count} places {spacing} m apart do not fit between {low} and {high}")
@@ -92,7 +92,7 @@ def random_goals(count: int, seed: int) -> Scenario:
     chance = np.random.default_rng(1000 + seed)
     start = dart_throwing(chance, count, 0.8, (-half_width, -half_width), (half_width, half_width))
     goal = chance.uniform(-half_width, half_width, (count, 2))
-    return replace(_scenario(60.0, start, goal), rule=ever_on(seed, half_width), endless=True)
+    return replace(_scenario(60.0, start, goal), rule=endless_goals(seed, half_width), endless=True)
 
 
 def corridor(half: int, seed: int) -> Scenario:

@@ -16,7 +16,7 @@ OVERLAP = 0.005
 """Bodies that penetrate each other by this much [m] overlap."""
 TOUCH = 0.02
 """Bodies closer than this [m] touch."""
-WALKING = 0.3
+MIN_WALKING_SPEED = 0.3
 """Minimum speed [m/s] at which a heading is defined."""
 REST_COST, WALK_COST = 2.23, 1.26
 """Power of a walker per kg: rest + walk · v² [W/kg] (Guy et al. 2010, PLEdestrians)."""
@@ -60,7 +60,7 @@ class Metrics:
 def measure(scenario: Scenario, time: Float64, position: Float64) -> Metrics:
     """Measure a run: `time` (T,) [s], ascending, `position` (T, A, 2) [m]."""
     frames = _resample(time, position)
-    reach, straight = scenario.goal_radius, scenario.straight - scenario.goal_radius
+    reach, straight = scenario.goal_radius, scenario.straight_distance - scenario.goal_radius
     away = np.linalg.norm(frames - scenario.last_goal, axis=2)
     if scenario.endless:
         away = np.full_like(away, np.inf)
@@ -70,7 +70,7 @@ def measure(scenario: Scenario, time: Float64, position: Float64) -> Metrics:
     within = away <= reach
     arrived = within.any(axis=0)
     frame = np.where(arrived, np.argmax(within, axis=0), len(frames))
-    overlaps, deepest, touching = _closeness(frames, scenario.radius)
+    overlaps, deepest, touching = _contacts(frames, scenario.radius)
     count, minutes = max(1, scenario.agent_count), len(frames) / RATE / 60.0
     counted = arrived & (straight > 1e-6)
     ratio = frame[counted] / RATE / (straight[counted] / scenario.preferred_speed)
@@ -109,7 +109,7 @@ def _resample(time: Float64, position: Float64) -> Float64:
     return position[left] * (1.0 - share) + position[right] * share
 
 
-def _closeness(frames: Float64, radius: float) -> tuple[int, float, float]:
+def _contacts(frames: Float64, radius: float) -> tuple[int, float, float]:
     """Return the number of overlaps, the greatest penetration [m], and the total contact time of all pairs [s]."""
     began, deepest, touching = 0, 0.0, 0
     before: npt.NDArray[np.int64] = np.empty(0, np.int64)
@@ -142,7 +142,7 @@ def _smoothness(frames: Float64, end: npt.NDArray[np.int64]) -> tuple[float, flo
     acceleration = np.diff(velocity, axis=0) * rate
     jerk = np.diff(acceleration, axis=0) * rate
     speed = np.linalg.norm(velocity, axis=2)
-    walks = (speed[1:] > WALKING) & (speed[:-1] > WALKING) & _until(end, 2, len(acceleration))
+    walks = (speed[1:] > MIN_WALKING_SPEED) & (speed[:-1] > MIN_WALKING_SPEED) & _until(end, 2, len(acceleration))
     before, after = velocity[:-1][walks], velocity[1:][walks]
     across = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     turn = np.degrees(np.abs(np.arctan2(across, (before * after).sum(axis=1)))) * rate

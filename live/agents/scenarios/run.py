@@ -2,19 +2,19 @@
 
 import numpy as np
 
-from live.agents.agent_command import Wants
+from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentModel, AgentState, Avoidance, Steering
-from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
-from live.agents.goals.goals import PASS, Goals, WayPoints, who_gives_way
+from live.agents.goals.goals import NO_SLOWING_RATE, Goals, WayPoints, yielding_agents
 from live.agents.scenarios.scenario import Float64, Scenario
 
 TICK = 1.0 / 64.0
-APPROACH = 1.0
+APPROACH_GAIN = 1.0
 """Speed per metre of remaining distance [1/s] when agents slow down for their last goal."""
-THRONG = 0.3
+THRONG_GAP = 0.3
 """Bodies with less than this [m] between them form a throng; in it, agents at their goals give way."""
-LOOK = 8
+GIVE_WAY_INTERVAL = 8
 """Ticks between two updates of which agents give way."""
 
 
@@ -33,24 +33,24 @@ class Simulation:
             Steering(half_width=sides[0], half_depth=sides[1], avoidance=avoidance),
             seed,
         )
-        self._advance = Advance(model)
+        self._advance = CrowdStepper(model)
         self._surroundings = Surroundings()
         walls = scenario.walls - np.tile(self._middle, 2)
         for number, (x1, z1, x2, z2) in enumerate(walls.tolist()):
-            self._surroundings.put_wall(f"wall {number + 1}", x1, z1, x2, z2)
-        self._state = AgentState.at(scenario.start - self._middle)
-        self._spare = AgentState.at(scenario.start - self._middle)
-        self._wants = Wants(count)
-        self._wants.speed[:] = scenario.max_speed
-        self._ways = WayPoints([way - self._middle for way in scenario.goals], walls, APPROACH)
-        self._goals = Goals(self._ways.current, scenario.preferred_speed)
-        self._ways.begin(self._goals)
+            self._surroundings.set_wall(f"wall {number + 1}", x1, z1, x2, z2)
+        self._state = AgentState.at_rest(scenario.start - self._middle)
+        self._spare = AgentState.at_rest(scenario.start - self._middle)
+        self._commands = AgentCommand(count)
+        self._commands.speed[:] = scenario.max_speed
+        self._way_points = WayPoints([way - self._middle for way in scenario.goals], walls, APPROACH_GAIN)
+        self._goals = Goals(self._way_points.current, scenario.preferred_speed)
+        self._way_points.begin(self._goals)
         self._rule = scenario.rule() if scenario.rule is not None else None
-        self._targets = self._ways.current + self._middle
+        self._targets = self._way_points.current + self._middle
         self._arrived = np.full(count, np.nan)
         self._gives_way = np.zeros(count, np.bool_)
         self._tick = 0
-        self._note_arrivals()
+        self._record_arrivals()
 
     @property
     def time(self) -> float:
@@ -69,34 +69,36 @@ class Simulation:
 
     def tick(self) -> None:
         """Advance by one tick."""
-        scenario, wants = self._scenario, self._wants
+        scenario, wants = self._scenario, self._commands
         if self._rule is not None:
             self._rule(self.position, self._targets)
             self._goals.target[:] = self._targets - self._middle
             passing = (self._targets != scenario.last_goal).any(axis=1) & (not scenario.endless)
-            self._goals.rate[:] = np.where(passing, PASS, APPROACH)
+            self._goals.rate[:] = np.where(passing, NO_SLOWING_RATE, APPROACH_GAIN)
         else:
             gate = 3.0 * max(scenario.goal_radius, scenario.radius)
-            self._ways(self._goals, self._state.position, scenario.goal_radius, gate)
-        if self._tick % LOOK == 0:
-            near = 2.0 * scenario.radius + THRONG
-            self._gives_way = who_gives_way(self._state.position, ~np.isnan(self._arrived), near)
-        wants.rest()
+            self._way_points(self._goals, self._state.position, scenario.goal_radius, gate)
+        if self._tick % GIVE_WAY_INTERVAL == 0:
+            near = 2.0 * scenario.radius + THRONG_GAP
+            self._gives_way = yielding_agents(self._state.position, ~np.isnan(self._arrived), near)
+        wants.clear()
         self._goals(wants, self._state.position, scenario.goal_radius)
         wants.velocity[self._gives_way] = 0.0
-        self._advance(self._state, self._spare, wants=wants, surroundings=self._surroundings, time=self.time, dt=TICK)
+        self._advance(
+            self._state, self._spare, commands=wants, surroundings=self._surroundings, time=self.time, dt=TICK
+        )
         self._state, self._spare = self._spare, self._state
         self._tick += 1
-        self._note_arrivals()
+        self._record_arrivals()
 
-    def _note_arrivals(self) -> None:
+    def _record_arrivals(self) -> None:
         scenario = self._scenario
         if scenario.endless or scenario.agent_count == 0:
             return
         away = np.linalg.norm(self.position - scenario.last_goal, axis=1)
         there = (away <= scenario.goal_radius) & np.isnan(self._arrived)
         if self._rule is None:
-            there &= self._ways.on_last
+            there &= self._way_points.heading_to_last
         self._arrived[there] = self.time
 
 

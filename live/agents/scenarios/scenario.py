@@ -39,7 +39,7 @@ class Scenario:
     endless: bool = False
     """Whether goals are redrawn without end, so that no agent arrives."""
 
-    def lasting(self, duration: float) -> "Scenario":
+    def with_duration(self, duration: float) -> "Scenario":
         """Return the same scenario with `duration` [s]."""
         return replace(self, duration=duration)
 
@@ -54,7 +54,7 @@ class Scenario:
         return np.array([way[-1] for way in self.goals]).reshape(-1, 2)
 
     @property
-    def straight(self) -> Float64:
+    def straight_distance(self) -> Float64:
         """Length of the path from the start through all goals [m], shape (A,)."""
         ways = (np.vstack([start, way]) for start, way in zip(self.start, self.goals, strict=True))
         return np.array([np.linalg.norm(np.diff(way, axis=0), axis=1).sum() for way in ways]).reshape(-1)
@@ -76,7 +76,7 @@ def through_gap(goal: Float64) -> Callable[[], Rule]:
     return lambda: rule
 
 
-def ever_on(seed: int, half_width: float, reach: float = 0.3) -> Callable[[], Rule]:
+def endless_goals(seed: int, half_width: float, reach: float = 0.3) -> Callable[[], Rule]:
     """Return a rule that gives a new goal, uniform in ±`half_width` [m], to each agent within `reach` [m] of theirs.
 
     Each agent has its own random stream, so its goals do not depend on the arrival of others.

@@ -12,12 +12,12 @@ Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 Bool = npt.NDArray[np.bool_]
 
-NEAR = 2.5
+MAX_RANGE = 2.5
 """Dancers farther away than this [m] cannot be met within the look-ahead time."""
 
 
 @kernel("f8(f8[:,:,::1], i8, f8[:,:,::1], i8, f8, i8)")
-def first_meeting(ways: Float64, one: int, others: Float64, other: int, gap: float, last: int) -> float:
+def first_collision(ways: Float64, one: int, others: Float64, other: int, gap: float, last: int) -> float:
     """Return the first moment of 1 to `last` at which two are nearer than `gap` [m] and still approaching; -1 if none.
 
     `ways` and `others` (K, A, 2) [m]: positions at each moment, the first one now.
@@ -34,7 +34,7 @@ def first_meeting(ways: Float64, one: int, others: Float64, other: int, gap: flo
 
 
 @kernel("f8(f8[:,:,::1], i8, f8, f8)")
-def _way_towards(ways: Float64, one: int, x: float, z: float) -> float:
+def _advance_towards(ways: Float64, one: int, x: float, z: float) -> float:
     """Return how far `one` moves until the first moment in the direction (x, z) [m]."""
     size = max(math.sqrt(x * x + z * z), 1e-9)
     way: float = ((ways[1, one, 0] - ways[0, one, 0]) * x + (ways[1, one, 1] - ways[0, one, 1]) * z) / size
@@ -42,13 +42,13 @@ def _way_towards(ways: Float64, one: int, x: float, z: float) -> float:
 
 
 @kernel("void(f8[:,:,::1], f4[::1], f4[::1], b1[::1], i8[::1], f8[:,:,::1], f4[::1], i8, f8, f8[::1])")
-def find_threatened(
-    ways: Float64, radius: Float32, yields: Float32, here: Bool, order: Int64,
+def predict_collisions(
+    ways: Float64, radius: Float32, yields: Float32, present: Bool, order: Int64,
     things: Float64, thing_radius: Float32, thing_count: int, slack: float, out: Float64,
 ) -> None:  # fmt: skip
     """Find the dancers who must evade: the moment of collision into `out` (A,); 0 for all others.
 
-    `ways` (K, A, 2) [m] as in first_meeting; `radius` (A,) [m]; `yields` (A,) 0 for dancers with the right of way;
+    `ways` (K, A, 2) [m] as in first_collision; `radius` (A,) [m]; `yields` (A,) 0 for dancers with the right of way;
     `here` (A,): on the stage; `order` (A,): dancers by their current x; `things` (K, M, 2) [m] and `thing_radius`
     (M,): the first `thing_count` other objects. Two meet when they are `slack` [m] nearer than the sum of their radii:
     dancers at the first moment, things at any. Of two dancers, the one who moves farther towards the other evades.
@@ -56,32 +56,32 @@ def find_threatened(
     out[:] = 0.0
     for a in range(order.shape[0]):
         i = order[a]
-        if not here[i]:
+        if not present[i]:
             continue
         for m in range(thing_count):
-            k = first_meeting(ways, i, things, m, radius[i] + thing_radius[m] - slack, ways.shape[0] - 1)
+            k = first_collision(ways, i, things, m, radius[i] + thing_radius[m] - slack, ways.shape[0] - 1)
             if k > 0.0 and (out[i] == 0.0 or k < out[i]):
                 out[i] = k
         for b in range(a + 1, order.shape[0]):
             j = order[b]
             x = ways[0, j, 0] - ways[0, i, 0]
-            if x > NEAR:
+            if x > MAX_RANGE:
                 break
             z = ways[0, j, 1] - ways[0, i, 1]
-            if not here[j] or abs(z) > NEAR:
+            if not present[j] or abs(z) > MAX_RANGE:
                 continue
-            k = first_meeting(ways, i, ways, j, radius[i] + radius[j] - slack, 1)
+            k = first_collision(ways, i, ways, j, radius[i] + radius[j] - slack, 1)
             if k < 0.0:
                 continue
-            own = _way_towards(ways, i, x, z) * yields[i]
-            other = _way_towards(ways, j, -x, -z) * yields[j]
+            own = _advance_towards(ways, i, x, z) * yields[i]
+            other = _advance_towards(ways, j, -x, -z) * yields[j]
             who = i if own > other else j
             if out[who] == 0.0 or k < out[who]:
                 out[who] = k
 
 
 @kernel("void(f8[::1], f8[:,:,::1], f8[:,:,::1], f8)")
-def find_lacks(out: Float64, ways: Float64, others: Float64, margin: float) -> None:
+def escape_margins(out: Float64, ways: Float64, others: Float64, margin: float) -> None:
     """Compute how much `ways` (W, C, 2) lack of `margin` to the `others` (M, W, 3), x, z, nearest distance [m].
 
     The result `out` (C,) is the worst of the W moments plus their mean.

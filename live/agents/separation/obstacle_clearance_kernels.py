@@ -5,23 +5,23 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.contact_kernels import outside_surroundings
-from live.agents.separation.path_separation_kernels import lead_goal, weight_of
+from live.agents.crowd.contact_kernels import project_outside
+from live.agents.separation.path_separation_kernels import change_weight, move_goal
 from live.base.jit import kernel
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 
-LEAST_SHARE = 0.08
+MIN_SHARE = 0.08
 """A correction with a smaller share applied by then has no effect."""
-AT_ONCE = 0.8
+CORRECTION_SHARE = 0.8
 """Share of the missing distance that one round corrects: other constraints act on the same dancer."""
-FARTHEST = 1.0
+MAX_DEPTH = 1.0
 """A dancer deeper inside an object than this [m] (it was placed on them) is not led out within one measure."""
 
 
 @kernel("b1(f4[:,:,::1], i8, i8, f8, f4[:,::1], i8, f4[:,::1], i8)")
-def near_things(
+def near_obstacles(
     path: Float32,
     n: int,
     first: int,
@@ -59,11 +59,11 @@ def clear_paths(
     path: Float32,
     share: Float32,
     goal: Float64,
-    aimed: Float64,
+    aim_origin: Float64,
     first: int,
     radius: Float32,
     yields: Float32,
-    most: Float64,
+    max_correction: Float64,
     walls: Float32,
     wall_count: int,
     obstacles: Float32,
@@ -71,29 +71,31 @@ def clear_paths(
 ) -> None:
     """Do one round: change the corrections' `goal` (A, 2) [m] so that paths avoid walls (64, 4) and obstacles (64, 5).
 
-    Moments from `first` on count. As in `part_paths`: `path` (A, M, 2), `share` (A, M), `aimed` (A, 3), `radius` (A,),
+    Moments from `first` on count. As in `separate_paths`: `path` (A, M, 2), `share` (A, M), `aimed` (A, 3), `radius` (A,),
     `yields` (A,) below 0 for absent dancers, `most` (A,) [m]. The moment at which a path is farthest inside counts.
     """
     for n in range(path.shape[0]):
-        reach = radius[n] + max(most[n], math.sqrt(goal[n, 0] * goal[n, 0] + goal[n, 1] * goal[n, 1]))
-        if yields[n] < 0.0 or not near_things(path, n, first, reach, walls, wall_count, obstacles, obstacle_count):
+        reach = radius[n] + max(max_correction[n], math.sqrt(goal[n, 0] * goal[n, 0] + goal[n, 1] * goal[n, 1]))
+        if yields[n] < 0.0 or not near_obstacles(path, n, first, reach, walls, wall_count, obstacles, obstacle_count):
             continue
         worst, x_more, z_more, weight = 1e-4, 0.0, 0.0, 1.0
         old_x, old_z = float(path[n, first, 0]), float(path[n, first, 1])
         for m in range(first + 1, path.shape[1]):
-            w = weight_of(share[n, m], aimed[n, 2])
-            x = path[n, m, 0] + aimed[n, 0] + w * (goal[n, 0] - aimed[n, 0])
-            z = path[n, m, 1] + aimed[n, 1] + w * (goal[n, 1] - aimed[n, 1])
-            out_x, out_z = outside_surroundings(
+            w = change_weight(share[n, m], aim_origin[n, 2])
+            x = path[n, m, 0] + aim_origin[n, 0] + w * (goal[n, 0] - aim_origin[n, 0])
+            z = path[n, m, 1] + aim_origin[n, 1] + w * (goal[n, 1] - aim_origin[n, 1])
+            out_x, out_z = project_outside(
                 x, z, old_x, old_z, float(radius[n]), walls, wall_count, obstacles, obstacle_count
             )
             lack = math.sqrt((out_x - x) * (out_x - x) + (out_z - z) * (out_z - z))
             if lack < 1e-4:  # clear of everything in this direction
                 old_x, old_z = x, z
-            elif w > LEAST_SHARE and worst < lack < FARTHEST:
+            elif w > MIN_SHARE and worst < lack < MAX_DEPTH:
                 worst, x_more, z_more, weight = lack, out_x - x, out_z - z, w
         if worst > 1e-4:
-            lead_goal(goal, n, AT_ONCE * x_more / weight, AT_ONCE * z_more / weight, most[n])
+            move_goal(
+                goal, n, CORRECTION_SHARE * x_more / weight, CORRECTION_SHARE * z_more / weight, max_correction[n]
+            )
 
 
 @kernel("void(f4[:,::1], f8[:,::1], f4[::1], f4[:,::1], i8, f4[:,::1], i8)")
@@ -115,7 +117,7 @@ def clear_moves(
         if size < 1e-9:
             continue
         x, z = now[n, 0] + moved[n, 0], now[n, 1] + moved[n, 1]
-        out_x, out_z = outside_surroundings(
+        out_x, out_z = project_outside(
             x, z, float(now[n, 0]), float(now[n, 1]), float(radius[n]), walls, wall_count, obstacles, obstacle_count
         )
         lack = math.sqrt((out_x - x) * (out_x - x) + (out_z - z) * (out_z - z))

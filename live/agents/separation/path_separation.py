@@ -7,13 +7,19 @@ import numpy.typing as npt
 
 from live.agents.crowd.obstacles import Surroundings
 from live.agents.separation.obstacle_clearance_kernels import clear_moves, clear_paths
-from live.agents.separation.path_separation_kernels import leave_out, part_paths, push_apart, slow_down_near, walk_paths
-from live.agents.separation.separation_kernels import NEIGHBOUR_RANGE, cell_count, part_positions
+from live.agents.separation.path_separation_kernels import (
+    evaluate_paths,
+    mask_absent,
+    push_apart,
+    separate_paths,
+    slow_down_near,
+)
+from live.agents.separation.separation_kernels import NEIGHBOUR_RANGE, cell_count, separate_positions
 
 Float32 = npt.NDArray[np.float32]
 
 
-class Parting:
+class PlaceSeparation:
     """Keeps places apart, so that the next measures of two dancers do not end on one spot."""
 
     ROUNDS = 6
@@ -28,7 +34,7 @@ class Parting:
 
     def __call__(self, position: Float32, anchor: Float32, most: float) -> None:
         """Move `position` (A, 2) apart in place, each at most `most` [m] from its `anchor` (A, 2)."""
-        part_positions(
+        separate_positions(
             position,
             anchor,
             self._gap,
@@ -59,12 +65,12 @@ class Paths:
         self.share: Float32 = np.zeros((count, MOMENTS), np.float32)
         """Share of a correction applied at each moment, shape (A, MOMENTS)."""
 
-    def walk(self, place: float, goal: Float64, aimed: Float64, out: Float32) -> None:
-        """Write all places (A, 2) [m] after the share `place` (0 to 1) of the measure; see `walk_paths`."""
-        walk_paths(self.path, self.share, goal, aimed, place * (MOMENTS - 1), out)
+    def places_at(self, place: float, goal: Float64, aim_origin: Float64, out: Float32) -> None:
+        """Write all places (A, 2) [m] after the share `place` (0 to 1) of the measure; see `evaluate_paths`."""
+        evaluate_paths(self.path, self.share, goal, aim_origin, place * (MOMENTS - 1), out)
 
 
-class PathParting:
+class PathSeparation:
     """Keeps A dancers apart on their paths through a measure."""
 
     def __init__(
@@ -93,31 +99,33 @@ class PathParting:
         self._middle, self._extent = np.zeros((count, 2), np.float32), np.zeros(count, np.float32)
         self._yields = responsibility.copy()
         self._speed, self._moved = np.zeros((count, 2)), np.zeros((count, 2))
-        self.lack: Float32 = np.full(count, -1.0, np.float32)
+        self.shortfall: Float32 = np.full(count, -1.0, np.float32)
         """Largest missing distance of each dancer [m] in the last round of `part`; below 0: none, shape (A,)."""
 
-    def there(self, state: npt.NDArray[np.int8], there: int) -> None:
+    def set_present(self, state: npt.NDArray[np.int8], present_state: int) -> None:
         """Restrict separation to the dancers whose `state` (A,) is `there`."""
-        leave_out(self._yields, self._responsibility, state, there)
+        mask_absent(self._yields, self._responsibility, state, present_state)
 
-    def part(self, paths: Paths, goal: Float64, aimed: Float64, most: Float64, *, place: float = 0.0) -> None:
+    def separate(
+        self, paths: Paths, goal: Float64, aim_origin: Float64, max_correction: Float64, *, place: float = 0.0
+    ) -> None:
         """Do one round: change `goal` (A, 2) [m], each by at most `most` (A,) [m], to separate the paths.
 
         Only the part of the measure from `place` (0 to 1) on counts.
         """
         first = min(int(place * (MOMENTS - 1)), MOMENTS - 2)
-        part_paths(
-            paths.path, paths.share, goal, aimed, first, self._radius, self._yields, most, MARGIN,
-            self._margin_at_end, *self._stage, self._middle, self._extent, *self._cells[:2], self.lack,
+        separate_paths(
+            paths.path, paths.share, goal, aim_origin, first, self._radius, self._yields, max_correction, MARGIN,
+            self._margin_at_end, *self._stage, self._middle, self._extent, *self._cells[:2], self.shortfall,
         )  # fmt: skip
         things = self._surroundings
         if things is not None and things.wall_count + things.obstacle_count:
             clear_paths(
-                paths.path, paths.share, goal, aimed, first, self._radius, self._yields, most, things.walls,
+                paths.path, paths.share, goal, aim_origin, first, self._radius, self._yields, max_correction, things.walls,
                 things.wall_count, things.obstacles, things.obstacle_count,
             )  # fmt: skip
 
-    def push(self, now: Float32, soon: Float32, *, margin: float, stiffness: float, dt: float) -> Float64 | None:
+    def push_apart(self, now: Float32, soon: Float32, *, margin: float, stiffness: float, dt: float) -> Float64 | None:
         """Return this tick's emergency moves (A, 2) [m] of dancers who touch or soon will, None if there are none.
 
         `now` (A, 2) and `soon`, (A, 2) or at several moments (K, A, 2) [m], are their places; see `push_apart`.

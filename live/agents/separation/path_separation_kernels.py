@@ -15,29 +15,31 @@ Float64 = npt.NDArray[np.float64]
 Int8 = npt.NDArray[np.int8]
 Int32 = npt.NDArray[np.int32]
 
-LEAST_SHARE = 0.08
+MIN_SHARE = 0.08
 """A correction with a smaller share applied by then has no effect."""
-FARTHEST = 1.6
+MAX_APPROACH = 1.6
 """Maximum short-term approach of two dancers [m]."""
-AT_ONCE = 0.7
+CORRECTION_SHARE = 0.7
 """Share of the missing distance that one round corrects: several pairs may act on the same dancer."""
 
 
 @kernel("void(f4[::1], f4[::1], i1[::1], i8)")
-def leave_out(yields: Float32, responsibility: Float32, state: Int8, there: int) -> None:
+def mask_absent(yields: Float32, responsibility: Float32, state: Int8, present_state: int) -> None:
     """Write `yields` (A,): `responsibility` (A,) of the dancers whose `state` (A,) is `there`, -1 for all others."""
     for n in range(yields.shape[0]):
-        yields[n] = responsibility[n] if state[n] == there else np.float32(-1.0)
+        yields[n] = responsibility[n] if state[n] == present_state else np.float32(-1.0)
 
 
 @kernel("f8(f4, f8)")
-def weight_of(share: float, begun: float) -> float:
+def change_weight(share: float, begun: float) -> float:
     """Return the effect at applied share `share` of a correction change made when the share `begun` was applied."""
     return max(share - begun, 0.0) / max(1.0 - begun, 1e-9)
 
 
 @kernel("void(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], f8, f4[:,::1])")
-def walk_paths(path: Float32, share: Float32, goal: Float64, aimed: Float64, place: float, out: Float32) -> None:
+def evaluate_paths(
+    path: Float32, share: Float32, goal: Float64, aim_origin: Float64, place: float, out: Float32
+) -> None:
     """Write where A dancers are at `place` of their paths' M moments (a fractional index) into `out` (A, 2) [m].
 
     `path` (A, M, 2) is without corrections, of which `share` (A, M) is applied; `goal` (A, 2) is their target, and
@@ -47,20 +49,22 @@ def walk_paths(path: Float32, share: Float32, goal: Float64, aimed: Float64, pla
     k = min(max(math.floor(place), 0), last - 1)
     t = min(max(place - k, 0.0), 1.0)
     for n in range(path.shape[0]):
-        w = weight_of((1.0 - t) * share[n, k] + t * share[n, k + 1], aimed[n, 2])
+        w = change_weight((1.0 - t) * share[n, k] + t * share[n, k + 1], aim_origin[n, 2])
         for c in range(2):
             base = (1.0 - t) * path[n, k, c] + t * path[n, k + 1, c]
-            out[n, c] = base + aimed[n, c] + w * (goal[n, c] - aimed[n, c])
+            out[n, c] = base + aim_origin[n, c] + w * (goal[n, c] - aim_origin[n, c])
 
 
 @kernel("UniTuple(f8,2)(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], i8, f8)")
-def place_on(path: Float32, share: Float32, goal: Float64, aimed: Float64, n: int, place: float) -> tuple[float, float]:
-    """Return the place of dancer `n` [m] at `place` of their path, arrays as in `walk_paths`; straight before it."""
+def place_on_path(
+    path: Float32, share: Float32, goal: Float64, aim_origin: Float64, n: int, place: float
+) -> tuple[float, float]:
+    """Return the place of dancer `n` [m] at `place` of their path, arrays as in `evaluate_paths`; straight before it."""
     k = min(max(math.floor(place), 0), path.shape[1] - 2)
     t = min(place - k, 1.0)
-    w = weight_of((1.0 - t) * share[n, k] + t * share[n, k + 1], aimed[n, 2])
-    x = (1.0 - t) * path[n, k, 0] + t * path[n, k + 1, 0] + aimed[n, 0] + w * (goal[n, 0] - aimed[n, 0])
-    z = (1.0 - t) * path[n, k, 1] + t * path[n, k + 1, 1] + aimed[n, 1] + w * (goal[n, 1] - aimed[n, 1])
+    w = change_weight((1.0 - t) * share[n, k] + t * share[n, k + 1], aim_origin[n, 2])
+    x = (1.0 - t) * path[n, k, 0] + t * path[n, k + 1, 0] + aim_origin[n, 0] + w * (goal[n, 0] - aim_origin[n, 0])
+    z = (1.0 - t) * path[n, k, 1] + t * path[n, k + 1, 1] + aim_origin[n, 1] + w * (goal[n, 1] - aim_origin[n, 1])
     return x, z
 
 
@@ -68,25 +72,25 @@ def place_on(path: Float32, share: Float32, goal: Float64, aimed: Float64, n: in
     "void(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], b1, f8,"
     " f8[::1], f4[:,::1], f4[:,:,::1])"
 )
-def walk_on(
-    path: Float32, share: Float32, goal: Float64, aimed: Float64,
-    later_path: Float32, later_share: Float32, later_goal: Float64, later_aimed: Float64, goes_on: bool, window: float,
+def extrapolate_paths(
+    path: Float32, share: Float32, goal: Float64, aim_origin: Float64,
+    later_path: Float32, later_share: Float32, later_goal: Float64, later_aim_origin: Float64, has_next: bool, window: float,
     fractions: Float64, now: Float32, out: Float32,
 ) -> None:  # fmt: skip
     """Write where A dancers at `now` (A, 2) [m] are led by their paths into `out` (K, A, 2) [m].
 
-    The paths, arrays as in `walk_paths`, are those of this measure and, if `goes_on`, of the next one, into which the
+    The paths, arrays as in `evaluate_paths`, are those of this measure and, if `goes_on`, of the next one, into which the
     last `window` of this one is blended. `fractions` (K + 1,) are positions in this measure, the first one now; above 1
     the dancer is in the next measure, or at the end of this one.
     """
     last = path.shape[1] - 1
     for m in range(fractions.shape[0]):
         f = fractions[m]
-        into = ease((f - (1.0 - window)) / window) if goes_on else 0.0
+        into = ease((f - (1.0 - window)) / window) if has_next else 0.0
         for n in range(path.shape[0]):
-            x, z = place_on(path, share, goal, aimed, n, f * last)
+            x, z = place_on_path(path, share, goal, aim_origin, n, f * last)
             if into > 0.0:
-                to_x, to_z = place_on(later_path, later_share, later_goal, later_aimed, n, (f - 1.0) * last)
+                to_x, to_z = place_on_path(later_path, later_share, later_goal, later_aim_origin, n, (f - 1.0) * last)
                 x, z = x + into * (to_x - x), z + into * (to_z - z)
             # until it is filled itself, the last row holds the current places on the paths
             if m == 0:
@@ -97,7 +101,7 @@ def walk_on(
 
 
 @kernel("void(f4[:,:,::1], i8, f4[:,::1], f4[::1])")
-def span_paths(path: Float32, first: int, middle: Float32, extent: Float32) -> None:
+def path_bounds(path: Float32, first: int, middle: Float32, extent: Float32) -> None:
     """Compute centre (A, 2) and half size (A,) [m] of the box around the paths (A, M, 2) from moment `first` on."""
     for n in range(path.shape[0]):
         low_x = high_x = path[n, first, 0]
@@ -112,11 +116,11 @@ def span_paths(path: Float32, first: int, middle: Float32, extent: Float32) -> N
 @kernel(
     "UniTuple(f8,5)(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], i8, i8, i8, f8, f8, i8)",
 )
-def nearest_of(
+def largest_shortfall(
     path: Float32,
     share: Float32,
     goal: Float64,
-    aimed: Float64,
+    aim_origin: Float64,
     i: int,
     j: int,
     first: int,
@@ -132,11 +136,11 @@ def nearest_of(
     worst, nx, nz, wi, wj = -1e9, 0.0, 0.0, 0.0, 0.0
     bx, bz, before_i, before_j = 0.0, 0.0, 0.0, 0.0
     for m in range(first, path.shape[1]):
-        ui, uj = weight_of(share[i, m], aimed[i, 2]), weight_of(share[j, m], aimed[j, 2])
-        x = path[j, m, 0] + aimed[j, 0] + uj * (goal[j, 0] - aimed[j, 0])
-        x -= path[i, m, 0] + aimed[i, 0] + ui * (goal[i, 0] - aimed[i, 0])
-        z = path[j, m, 1] + aimed[j, 1] + uj * (goal[j, 1] - aimed[j, 1])
-        z -= path[i, m, 1] + aimed[i, 1] + ui * (goal[i, 1] - aimed[i, 1])
+        ui, uj = change_weight(share[i, m], aim_origin[i, 2]), change_weight(share[j, m], aim_origin[j, 2])
+        x = path[j, m, 0] + aim_origin[j, 0] + uj * (goal[j, 0] - aim_origin[j, 0])
+        x -= path[i, m, 0] + aim_origin[i, 0] + ui * (goal[i, 0] - aim_origin[i, 0])
+        z = path[j, m, 1] + aim_origin[j, 1] + uj * (goal[j, 1] - aim_origin[j, 1])
+        z -= path[i, m, 1] + aim_origin[i, 1] + ui * (goal[i, 1] - aim_origin[i, 1])
         cx, cz, t = x, z, 1.0
         if m > first:  # the nearest point of the straight segment since the moment before
             dx, dz = x - bx, z - bz
@@ -163,13 +167,13 @@ def nearest_of(
 
 
 @kernel("void(f8[:,::1], i8, f8, f8, f8)")
-def lead_goal(goal: Float64, n: int, dx: float, dz: float, most: float) -> None:
+def move_goal(goal: Float64, n: int, dx: float, dz: float, max_length: float) -> None:
     """Change one goal by (dx, dz) [m]; its length stays within `most` [m], or its old length if larger."""
     before = math.sqrt(goal[n, 0] * goal[n, 0] + goal[n, 1] * goal[n, 1])
     goal[n, 0] += dx
     goal[n, 1] += dz
     size = math.sqrt(goal[n, 0] * goal[n, 0] + goal[n, 1] * goal[n, 1])
-    scale = min(1.0, max(most, before) / max(size, 1e-9))
+    scale = min(1.0, max(max_length, before) / max(size, 1e-9))
     goal[n, 0] *= scale
     goal[n, 1] *= scale
 
@@ -178,15 +182,15 @@ def lead_goal(goal: Float64, n: int, dx: float, dz: float, most: float) -> None:
     "void(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], i8, f4[::1], f4[::1], f8[::1], f8, f8, f8, f8, i8,"
     " f4[:,::1], f4[::1], i4[::1], i4[::1], f4[::1])"
 )
-def part_paths(
+def separate_paths(
     path: Float32,
     share: Float32,
     goal: Float64,
-    aimed: Float64,
+    aim_origin: Float64,
     first: int,
     radius: Float32,
     yields: Float32,
-    most: Float64,
+    max_correction: Float64,
     margin: float,
     margin_at_end: float,
     half_width: float,
@@ -196,19 +200,19 @@ def part_paths(
     extent: Float32,
     cell_start: Int32,
     order: Int32,
-    lack: Float32,
+    shortfall: Float32,
 ) -> None:
     """Do one round: change the corrections' `goal` (A, 2) [m] so that paths stay apart from moment `first` on.
 
-    `path`, `share`, `aimed` as in `walk_paths`; `radius` (A,) [m] of the bodies, which keep `margin` [m] and at the end
+    `path`, `share`, `aimed` as in `evaluate_paths`; `radius` (A,) [m] of the bodies, which keep `margin` [m] and at the end
     `margin_at_end`; `yields` (A,): 1 gives way, 0 has the right of way, below 0 is absent; `most` (A,) [m]: maximum
     length of a correction. `lack` (A,) receives the largest missing distance [m] of each dancer before this round;
     `middle`, `extent`, `cell_start` and `order` are scratch.
     """
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
-    span_paths(path, first, middle, extent)
+    path_bounds(path, first, middle, extent)
     sort_into_cells(middle, half_width, half_depth, NEIGHBOUR_RANGE, cell_start, order)
-    lack[:] = np.float32(-1.0)
+    shortfall[:] = np.float32(-1.0)
     for i in range(path.shape[0]):
         if yields[i] < 0.0:
             continue
@@ -221,22 +225,22 @@ def part_paths(
                     if j <= i or yields[j] < 0.0:
                         continue
                     bodies = radius[i] + radius[j]
-                    near = extent[i] + extent[j] + bodies + margin_at_end + most[i] + most[j]
+                    near = extent[i] + extent[j] + bodies + margin_at_end + max_correction[i] + max_correction[j]
                     if abs(middle[i, 0] - middle[j, 0]) > near or abs(middle[i, 1] - middle[j, 1]) > near:
                         continue
-                    short, nx, nz, wi, wj = nearest_of(
-                        path, share, goal, aimed, i, j, first, bodies + margin, bodies + margin_at_end, seed
+                    short, nx, nz, wi, wj = largest_shortfall(
+                        path, share, goal, aim_origin, i, j, first, bodies + margin, bodies + margin_at_end, seed
                     )
-                    lack[i], lack[j] = max(lack[i], short), max(lack[j], short)
+                    shortfall[i], shortfall[j] = max(shortfall[i], short), max(shortfall[j], short)
                     if short <= 0.0:
                         continue
                     own, other = yields[i], yields[j]
                     if own + other <= 0.0:
                         own = other = np.float32(1.0)
-                    wi, wj = (wi if wi > LEAST_SHARE else 0.0), (wj if wj > LEAST_SHARE else 0.0)
-                    force = AT_ONCE * short / max(own * wi * wi + other * wj * wj, 0.05)
-                    lead_goal(goal, i, -force * own * wi * nx, -force * own * wi * nz, most[i])
-                    lead_goal(goal, j, force * other * wj * nx, force * other * wj * nz, most[j])
+                    wi, wj = (wi if wi > MIN_SHARE else 0.0), (wj if wj > MIN_SHARE else 0.0)
+                    force = CORRECTION_SHARE * short / max(own * wi * wi + other * wj * wj, 0.05)
+                    move_goal(goal, i, -force * own * wi * nx, -force * own * wi * nz, max_correction[i])
+                    move_goal(goal, j, force * other * wj * nx, force * other * wj * nz, max_correction[j])
 
 
 @kernel("b1(f8[:,::1], f8[:,::1], f8, f8)")
@@ -304,7 +308,7 @@ def slow_down_near(
 
 
 @kernel("f8(f4[:,::1], f4[:,:,::1], i8, i8, f8, f8, f8)")
-def lack_of(now: Float32, soon: Float32, i: int, j: int, gap: float, nx: float, nz: float) -> float:
+def predicted_shortfall(now: Float32, soon: Float32, i: int, j: int, gap: float, nx: float, nz: float) -> float:
     """Return the largest shortfall of `gap` [m] of two dancers on straight paths from `now` (A, 2) to `soon` (K, A, 2).
 
     It is measured in the direction (nx, nz) from i to j [m]; 0: none.
@@ -343,7 +347,7 @@ def push_apart(
 
     `now` (A, 2) and `soon` (K, A, 2) [m] are hip places now and at some moments soon. `speed` (A, 2) [m/s] of these
     moves is kept between ticks and follows the missing distance critically damped, with `stiffness` [1/s]; `moved`
-    (A, 2) [m] is this tick's move. Returns whether there is any. The rest as in `part_paths`.
+    (A, 2) [m] is this tick's move. Returns whether there is any. The rest as in `separate_paths`.
     """
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
     sort_into_cells(now, half_width, half_depth, NEIGHBOUR_RANGE, cell_start, order)
@@ -362,13 +366,13 @@ def push_apart(
                     gap = radius[i] + radius[j] + margin
                     nx, nz = now[j, 0] - now[i, 0], now[j, 1] - now[i, 1]
                     size = math.sqrt(nx * nx + nz * nz)
-                    if size > gap + FARTHEST:
+                    if size > gap + MAX_APPROACH:
                         continue
                     if size < 1e-4:
                         angle = 2.0 * math.pi * hash_unit(seed, i, j)
                         nx, nz, size = math.sin(angle), math.cos(angle), 1.0
                     nx, nz = nx / size, nz / size
-                    short = min(lack_of(now, soon, i, j, gap, nx, nz), 0.6)
+                    short = min(predicted_shortfall(now, soon, i, j, gap, nx, nz), 0.6)
                     if short <= 0.0:
                         continue
                     own, other = yields[i], yields[j]

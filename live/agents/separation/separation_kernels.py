@@ -62,11 +62,11 @@ def _move_within(position: Float32, anchor: Float32, i: int, dx: float, dz: floa
 
 
 @kernel("void(f4[:,::1],f4[:,::1],f8,f8,f8,f8,i8,i8,i4[::1],i4[::1])")
-def part_positions(
+def separate_positions(
     position: Float32,
     anchor: Float32,
     gap: float,
-    most: float,
+    max_distance: float,
     half_width: float,
     half_depth: float,
     rounds: int,
@@ -101,12 +101,12 @@ def part_positions(
                             share = 0.5 * gap
                         else:
                             share = 0.5 * (gap - d)
-                        _move_within(position, anchor, i, -dx / d * share, -dz / d * share, most)
-                        _move_within(position, anchor, j, dx / d * share, dz / d * share, most)
+                        _move_within(position, anchor, i, -dx / d * share, -dz / d * share, max_distance)
+                        _move_within(position, anchor, j, dx / d * share, dz / d * share, max_distance)
 
 
 @kernel("void(f4[:,::1],f4[:,::1],f4[:,::1],f4[:,::1],f4[::1])")
-def bind_agents(position: Float32, velocity: Float32, dancer: Float32, pace: Float32, most: Float32) -> None:
+def tether_agents(position: Float32, velocity: Float32, dancer: Float32, pace: Float32, max_distance: Float32) -> None:
     """Keep each agent within `most` (A,) [m] of its dancer: at that distance the dancer drags it along.
 
     `position`, `velocity` (A, 2) [m, m/s] of the agents are changed in place; `dancer` (A, 2) [m] are the dancers'
@@ -115,10 +115,10 @@ def bind_agents(position: Float32, velocity: Float32, dancer: Float32, pace: Flo
     for n in range(position.shape[0]):
         dx, dz = position[n, 0] - dancer[n, 0], position[n, 1] - dancer[n, 1]
         d = math.sqrt(dx * dx + dz * dz)
-        if d <= most[n]:
+        if d <= max_distance[n]:
             continue
         dx, dz = dx / d, dz / d
-        position[n, 0], position[n, 1] = dancer[n, 0] + most[n] * dx, dancer[n, 1] + most[n] * dz
+        position[n, 0], position[n, 1] = dancer[n, 0] + max_distance[n] * dx, dancer[n, 1] + max_distance[n] * dz
         out = max((velocity[n, 0] - pace[n, 0]) * dx + (velocity[n, 1] - pace[n, 1]) * dz, 0.0)
         velocity[n, 0] -= out * dx
         velocity[n, 1] -= out * dz

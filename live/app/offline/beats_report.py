@@ -18,8 +18,8 @@ import numpy as np
 from live.base.errors import PersonError
 from live.clock.beat_estimate import BeatEstimate, Samples
 from live.clock.follower.timeline_follower import TimelineFollower
-from live.clock.silence import Hearing, Pauses
-from live.clock.tracking.beat_tracker import Tracker
+from live.clock.silence import PauseDetector, SoundState
+from live.clock.tracking.beat_tracker import BeatTracker
 from live.control.audio.analysis import TrackerName, make_tracker
 from live.control.audio.music_file import Music
 
@@ -27,7 +27,7 @@ BLOCK = 512
 
 
 @dataclass(frozen=True, slots=True)
-class Seeds:
+class ManualInputs:
     """Manual inputs and their times [s]; None: not given."""
 
     tap_bpm: float | None = None
@@ -35,11 +35,11 @@ class Seeds:
     one_at: float | None = None
 
 
-class Ear:
+class BeatListener:
     """Feeds a tracker with sound, and with manual inputs at their times."""
 
     def __init__(
-        self, sample_rate: float, name: TrackerName, seeds: Seeds, timeline: "TimelineFile | None" = None
+        self, sample_rate: float, name: TrackerName, seeds: ManualInputs, timeline: "TimelineFile | None" = None
     ) -> None:
         self.tracker, self.note = make_tracker(name, sample_rate)
         self._tap_at, self._one_at = seeds.tap_at, seeds.one_at
@@ -51,25 +51,25 @@ class Ear:
         beats = self.tracker.feed(samples)
         heard = self.tracker.position
         if self._tap_at is not None and heard >= self._tap_at:
-            if isinstance(self.tracker, Tracker):
+            if isinstance(self.tracker, BeatTracker):
                 self.tracker.tap(self._tap_bpm)
             self._tap_at = None
         if self._one_at is not None and heard >= self._one_at:
-            if isinstance(self.tracker, Tracker):
-                self.tracker.one(self._one_at)
+            if isinstance(self.tracker, BeatTracker):
+                self.tracker.set_downbeat(self._one_at)
             if self._timeline is not None:
                 self._timeline.one(self._one_at)
             self._one_at = None
         if self._timeline is not None:
-            self._timeline.heard(beats, self.tracker.level, heard)
+            self._timeline.add_beats(beats, self.tracker.level, heard)
         return beats
 
 
-def hear_file(ear: Ear, music: Music) -> list[BeatEstimate]:
+def track_file(listener: BeatListener, music: Music) -> list[BeatEstimate]:
     """Return all beats of a file in time order; of a beat that was corrected before it came, the last estimate."""
     mono = music.samples.mean(axis=1, dtype=np.float32)
     kept: list[BeatEstimate] = []
-    for beat in (beat for at in range(0, mono.size, BLOCK) for beat in ear.feed(mono[at : at + BLOCK])):
+    for beat in (beat for at in range(0, mono.size, BLOCK) for beat in listener.feed(mono[at : at + BLOCK])):
         if beat.replaces == beat.replaces and kept and kept[-1].position == beat.replaces:
             kept.pop()
         kept.append(beat)
@@ -78,15 +78,15 @@ def hear_file(ear: Ear, music: Music) -> list[BeatEstimate]:
 
 def lines_of(beat: BeatEstimate) -> str:
     """Return the lines that `live beats --stdin` prints for one estimate."""
-    text = f"R {beat.replaces:.5f} {beat.heard:.5f}\n" if beat.replaces == beat.replaces else ""
+    text = f"R {beat.replaces:.5f} {beat.fed:.5f}\n" if beat.replaces == beat.replaces else ""
     place = f" {beat.beat + 1}" if beat.beat >= 0 else ""
-    return f"{text}B {beat.position:.5f} {beat.heard:.5f}{place}\n"
+    return f"{text}B {beat.position:.5f} {beat.fed:.5f}{place}\n"
 
 
 RATE: Final = 64
 """Lines per second: the show's tick rate."""
 
-HEADING: Final = "time_s,beat,measure,phase,bpm,confidence,state\n"
+CSV_HEADING: Final = "time_s,beat,measure,phase,bpm,confidence,state\n"
 
 
 class TimelineFile:
@@ -97,11 +97,11 @@ class TimelineFile:
         self._path = path
         with self._writable():
             self._out: TextIO = path.open("w", encoding="ascii")
-            self._out.write(HEADING)
+            self._out.write(CSV_HEADING)
         self._follower = TimelineFollower(follow_metre=True)
         self._ticks = 0
-        self._pauses = Pauses()
-        self._hearing: Hearing = "sound"
+        self._pauses = PauseDetector()
+        self._sound_state: SoundState = "sound"
 
     def __enter__(self) -> "TimelineFile":
         return self
@@ -119,24 +119,24 @@ class TimelineFile:
 
     def one(self, time: float) -> None:
         """Handle "this is the one" at `time` [s]."""
-        self._follower.one(time)
+        self._follower.set_downbeat(time)
 
-    def heard(self, beats: list[BeatEstimate], level: float, position: float) -> None:
+    def add_beats(self, beats: list[BeatEstimate], level: float, position: float) -> None:
         """Handle beats announced in the sound up to `position` [s], and its level there (RMS)."""
         self._run(position)
         follower = self._follower
-        before, self._hearing = self._hearing, self._pauses.step(level, position)
-        if self._hearing != before:
+        before, self._sound_state = self._sound_state, self._pauses.step(level, position)
+        if self._sound_state != before:
             told = {"sound": follower.found, "pause": follower.paused, "silence": follower.silent}
-            told[self._hearing](position, "audio")
-        if self._hearing != "sound":
+            told[self._sound_state](position, "audio")
+        if self._sound_state != "sound":
             return
         for beat in beats:
-            follower.heard(
+            follower.observe(
                 beat.position,
                 beat.period,
                 beat.confidence,
-                beat.heard,
+                beat.fed,
                 beat=beat.beat,
                 beats_per_measure=beat.beats_per_measure,
             )
@@ -174,7 +174,7 @@ def as_json(file: Path, tracker: str, music: Music, beats: list[BeatEstimate]) -
             "beats": [
                 {
                     "time_s": round(beat.position, 4),
-                    "named_s": round(beat.heard, 4),
+                    "named_s": round(beat.fed, 4),
                     "beat": beat.beat + 1 if beat.beat >= 0 else None,
                     "beats_per_measure": beat.beats_per_measure or None,
                     "bpm": round(60.0 / beat.period, 2),
@@ -191,7 +191,7 @@ def as_csv(beats: list[BeatEstimate]) -> str:
     lines = ["time_s,named_s,beat,beats_per_measure,bpm,confidence"]
     for beat in beats:
         place = f"{beat.beat + 1},{beat.beats_per_measure}" if beat.beat >= 0 else ","
-        lines.append(f"{beat.position:.4f},{beat.heard:.4f},{place},{60.0 / beat.period:.2f},{beat.confidence:.3f}")
+        lines.append(f"{beat.position:.4f},{beat.fed:.4f},{place},{60.0 / beat.period:.2f},{beat.confidence:.3f}")
     return "\n".join(lines)
 
 

@@ -15,12 +15,12 @@ from live.control.audio.devices import SoundDevice
 from live.control.audio.latency_claps import ClapOffset, clap_offset, find_claps
 from live.control.audio.latency_sweep import Microphone
 
-PERIOD: Final = 0.75
+FLASH_PERIOD: Final = 0.75
 """Seconds between flashes: 80 bpm, slow enough to be safe for photosensitive eyes and to measure up to 370 ms."""
 
-FIRST: Final = 2.0
-LIT: Final = 0.12
-AFTER: Final = 1.5
+START_DELAY: Final = 2.0
+FLASH_DURATION: Final = 0.12
+END_DELAY: Final = 1.5
 
 
 class Screen(Protocol):
@@ -75,12 +75,12 @@ def flash(
 
     A show also decides at that moment what it draws. Raise PersonError if the screen is closed.
     """
-    begin = clock.now() + FIRST
+    begin = clock.now() + START_DELAY
     flashes: list[float] = []
-    while (now := clock.now()) < begin + count * PERIOD + AFTER:
-        into = (now - begin) % PERIOD
-        light = 0.0 <= now - begin < count * PERIOD and into < LIT
-        number = int((now - begin) // PERIOD)
+    while (now := clock.now()) < begin + count * FLASH_PERIOD + END_DELAY:
+        into = (now - begin) % FLASH_PERIOD
+        light = 0.0 <= now - begin < count * FLASH_PERIOD and into < FLASH_DURATION
+        number = int((now - begin) // FLASH_PERIOD)
         if light and number >= len(flashes):
             flashes.append(now)
         if not screen.show(light):
@@ -92,7 +92,7 @@ def flash(
 def clap_test(screen: Screen, device: SoundDevice, channels: Channels, count: int) -> ClapOffset:
     """Flash and record; return the delay of the claps at the input."""
     clock = SystemClock()
-    microphone = Microphone(device, channels, FIRST + count * PERIOD + AFTER + 10.0, clock)
+    microphone = Microphone(device, channels, START_DELAY + count * FLASH_PERIOD + END_DELAY + 10.0, clock)
     try:
         flashes = flash(screen, count, clock)
     finally:

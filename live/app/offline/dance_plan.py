@@ -12,12 +12,12 @@ from live.app.offline.dance_request import SKETCHES, check_attributes, read_clip
 from live.app.offline.step_listing import RECORDING_THRESHOLD_M, SKETCH_THRESHOLD_M
 from live.base.errors import PersonError
 from live.graph.motion_graph import MotionGraph, build_graph
-from live.graph.render_dance import Assembled, assemble
+from live.graph.render_dance import RenderedDance, render_dance
 from live.graph.search.depth_first_reference import SearchTooLong
-from live.graph.search.path_diagnostics import Missing, find_missing, path_lacks
+from live.graph.search.path_diagnostics import MissingMotion, find_missing, path_problems
 from live.graph.search.path_following import FollowedPath, Targets, follow_line, follow_path, read_path, smoothed
-from live.graph.search.sequence import NoPath, best_start, find_name, find_sequence, known
-from live.graph.search.sequence_spec import Specification, Wanted, specify
+from live.graph.search.sequence import NoPath, best_start, find_name, find_sequence, list_steps
+from live.graph.search.sequence_spec import SequenceEntry, SequenceSpec, specify
 from live.graph.select.candidates import find_candidates
 from live.graph.step_library import StepLibrary
 
@@ -25,12 +25,12 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 WINDOW_BEATS: Final = 0.75
-MOST_PATH_MEASURES: Final = 3000
+MAX_PATH_MEASURES: Final = 3000
 """Longest dance along a path; each measure takes a twentieth of a second."""
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class DanceOptions:
     """Options of the command line."""
 
     library: str
@@ -47,18 +47,18 @@ class Asked:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Plan:
+class DancePlan:
     """Planned dance of M measures."""
 
-    asked: Asked
+    options: DanceOptions
     graph: MotionGraph
-    specification: Specification
+    specification: SequenceSpec
     bpm: float
     node: Int32
     """Shape (M,)."""
     edge_cost: Float64
     """Distance of the poses at the start of each measure [m], 0 for the first, shape (M,)."""
-    missing: tuple[Missing, ...]
+    missing: tuple[MissingMotion, ...]
     heading: float
     """The dancer's initial heading [rad]."""
     targets: Targets | None = None
@@ -66,43 +66,43 @@ class Plan:
     followed: FollowedPath | None = None
 
     @property
-    def wrong(self) -> npt.NDArray[np.bool_]:
+    def deviations(self) -> npt.NDArray[np.bool_]:
         """Measures that differ from the request, shape (M,)."""
-        return np.asarray(~self.specification.fits[self.specification.kind, self.node])
+        return np.asarray(~self.specification.fits[self.specification.set_index, self.node])
 
 
-def make_plan(asked: Asked) -> Plan:
+def make_plan(options: DanceOptions) -> DancePlan:
     """Read the library and find the dance; raise PersonError if that fails."""
-    library, wanted = read_wanted(read_clips(asked.library), read_text(asked.sequence))
+    library, wanted = read_wanted(read_clips(options.library), read_text(options.sequence))
     check_attributes(library, wanted)
-    specification = specify(library, wanted, foot_rule=asked.foot_rule)
-    graph = _graph(asked, library)
-    start = None if asked.start is None else _start(graph, specification, asked.start)
+    specification = specify(library, wanted, foot_rule=options.foot_rule)
+    graph = _graph(options, library)
+    start = None if options.start is None else _start(graph, specification, options.start)
     missing = find_missing(graph, specification, start=start)
     _refuse_lone_steps(graph, wanted, missing)
-    bpm = _tempo(asked, library, wanted)
-    headings = _headings(asked)
-    if asked.path is not None:
-        return _along_path(asked, graph, specification, bpm, headings, missing)
+    bpm = _tempo(options, library, wanted)
+    headings = _headings(options)
+    if options.path is not None:
+        return _along_path(options, graph, specification, bpm, headings, missing)
     if isinstance(headings, str) or len(headings) > 1:
-        raise PersonError(f"--heading {asked.heading}: only a --path can be faced along or turned on", "--heading 0")
+        raise PersonError(f"--heading {options.heading}: only a --path can be faced along or turned on", "--heading 0")
     try:
         found = find_sequence(
-            graph, specification, start=start, method="depth first" if asked.depth_first else "layered"
+            graph, specification, start=start, method="depth first" if options.depth_first else "layered"
         )
     except (NoPath, SearchTooLong) as error:
         needs = "; ".join(one.needs for one in missing[:1])
         raise PersonError(f"--sequence: {error}", needs or "leave --depth-first out") from None
-    return Plan(asked, graph, specification, bpm, found.node, found.edge_cost, tuple(missing), headings[0])
+    return DancePlan(options, graph, specification, bpm, found.node, found.edge_cost, tuple(missing), headings[0])
 
 
-def put_together(plan: Plan) -> Assembled:
+def assemble_plan(plan: DancePlan) -> RenderedDance:
     """Return the motion of a plan; raise PersonError if it is too long for one file."""
     followed, targets = plan.followed, plan.targets
     try:
         if followed is None or targets is None:
-            return assemble(plan.graph, plan.node, bpm=plan.bpm, start=(0.0, 0.0, plan.heading))
-        return assemble(
+            return render_dance(plan.graph, plan.node, bpm=plan.bpm, start=(0.0, 0.0, plan.heading))
+        return render_dance(
             plan.graph,
             plan.node,
             bpm=plan.bpm,
@@ -115,7 +115,7 @@ def put_together(plan: Plan) -> Assembled:
         raise PersonError(f"--sequence: {error}", "--json alone finds the dance without its motion") from None
 
 
-def _headings(asked: Asked) -> "str | tuple[float, ...]":
+def _headings(asked: DanceOptions) -> "str | tuple[float, ...]":
     """Parse the dancer's heading: "path", or one or two angles [rad]."""
     text = (asked.heading or "0").strip().lower()
     if text in ("path", "public"):
@@ -132,7 +132,7 @@ def _headings(asked: Asked) -> "str | tuple[float, ...]":
 # -- search ------------------------------------------------------------------------------------------------------------
 
 
-def _graph(asked: Asked, library: StepLibrary) -> MotionGraph:
+def _graph(asked: DanceOptions, library: StepLibrary) -> MotionGraph:
     window = (asked.window or WINDOW_BEATS) / library.beats_per_measure
     if window > 1.0:
         raise PersonError(f"--window {asked.window:g}: at most a measure, {library.beats_per_measure} beats, expected")
@@ -143,16 +143,16 @@ def _graph(asked: Asked, library: StepLibrary) -> MotionGraph:
         raise PersonError(f"{asked.library}: {error}", "a lower --threshold") from None
 
 
-def _start(graph: MotionGraph, specification: Specification, name: str) -> int:
+def _start(graph: MotionGraph, specification: SequenceSpec, name: str) -> int:
     """Return the last measure of the step's variation from which the dance continues best."""
     library = graph.library
     step = find_name(library, name)
     if step is None:
-        raise PersonError(f"--start: there is no step {name[:60]!r}", known(library))
+        raise PersonError(f"--start: there is no step {name[:60]!r}", list_steps(library))
     return best_start(graph, specification, np.flatnonzero((library.node_step == step) & specification.leaves))
 
 
-def _refuse_lone_steps(graph: MotionGraph, wanted: Sequence[Wanted], missing: Sequence[Missing]) -> None:
+def _refuse_lone_steps(graph: MotionGraph, wanted: Sequence[SequenceEntry], missing: Sequence[MissingMotion]) -> None:
     """Raise PersonError for a step without joins to or from other steps, unless it is the only one."""
     library = graph.library
     joined = np.zeros(len(library.steps), np.bool_)
@@ -167,21 +167,21 @@ def _refuse_lone_steps(graph: MotionGraph, wanted: Sequence[Wanted], missing: Se
             raise PersonError(f"nothing leads to {name!r} or away from it within {graph.rule.threshold:g} m", why[0])
 
 
-def _tempo(asked: Asked, library: StepLibrary, wanted: Sequence[Wanted]) -> float:
+def _tempo(asked: DanceOptions, library: StepLibrary, wanted: Sequence[SequenceEntry]) -> float:
     named = [library.steps[entry.step] for entry in wanted if entry.step is not None]
     first = next(clip for clip in library.clips if not named or clip.step == named[0])
     return first.bpm if asked.bpm is None else asked.bpm
 
 
 def _along_path(
-    asked: Asked, graph: MotionGraph, specification: Specification, bpm: float, headings: "str | tuple[float, ...]",
-    missing: Sequence[Missing],
-) -> Plan:  # fmt: skip
+    asked: DanceOptions, graph: MotionGraph, specification: SequenceSpec, bpm: float, headings: "str | tuple[float, ...]",
+    missing: Sequence[MissingMotion],
+) -> DancePlan:  # fmt: skip
     assert asked.path is not None
     points = read_path(asked.path)
-    if specification.measures > MOST_PATH_MEASURES:
+    if specification.measures > MAX_PATH_MEASURES:
         raise PersonError(
-            f"--path: {specification.measures} measures, at most {MOST_PATH_MEASURES} are led along a path",
+            f"--path: {specification.measures} measures, at most {MAX_PATH_MEASURES} are led along a path",
             "a shorter --sequence",
         )
     if isinstance(headings, str):
@@ -195,20 +195,20 @@ def _along_path(
             graph,
             targets,
             seconds=seconds,
-            fits=specification.fits[specification.kind],
+            fits=specification.fits[specification.set_index],
             correction_m=asked.correction,
             candidates=candidates,
         )
     except ValueError as error:
         raise PersonError(f"--path: {error}") from None
-    lacks = path_lacks(graph, candidates, targets, followed, seconds=seconds)
-    missing = [*missing, *(Missing(lack.measures[0], None, lack.step, lack.text) for lack in lacks)]
+    lacks = path_problems(graph, candidates, targets, followed, seconds=seconds)
+    missing = [*missing, *(MissingMotion(lack.measures[0], None, lack.step, lack.text) for lack in lacks)]
     missing.sort(key=lambda one: one.measure)
     cost = np.zeros(len(followed.node))
     for n in range(1, len(cost)):
         row = slice(graph.edge_start[followed.node[n - 1]], graph.edge_start[followed.node[n - 1] + 1])
         cost[n] = graph.edge_cost[row][graph.edge_target[row] == followed.node[n]].min()
-    return Plan(
+    return DancePlan(
         asked, graph, specification, bpm, followed.node, cost, tuple(missing), float(targets.heading[0]), targets,
         followed,
     )  # fmt: skip

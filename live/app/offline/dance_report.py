@@ -9,17 +9,17 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from live.app.offline.dance_plan import Plan
-from live.app.option_values import EXPORT_ENDINGS, writable_file
-from live.app.whole_file import write_whole
+from live.app.offline.dance_plan import DancePlan
+from live.app.option_values import EXPORT_ENDINGS, check_writable
+from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
-from live.graph.dance_metrics import DanceFigures
-from live.graph.render_dance import Assembled
+from live.graph.dance_metrics import DanceMetrics
+from live.graph.render_dance import RenderedDance
 from live.motion.clip import Clip
 from live.motion.formats.bvh_writer import write_bvh
 from live.motion.formats.gltf_writer import write_glb
 
-SHOWN: Final = 200
+MAX_ROWS: Final = 200
 """Maximum number of measures in the table; JSON has all of them."""
 
 
@@ -32,7 +32,7 @@ def check_targets(out: Path | None, report: Path | None, *, force: bool) -> None
     if report is not None and report.suffix.lower() != ".json":
         raise PersonError(f"--report {report}: a name that ends in .json expected", f"--report {report.stem}.json")
     for file, option in ((out, "--out"), (report, "--report")):
-        writable_file(file, option)
+        check_writable(file, option)
         if file is not None and file.exists() and not force:
             raise PersonError(
                 f"{option} {file}: the file exists already", "give another name, or --force to overwrite it"
@@ -42,17 +42,17 @@ def check_targets(out: Path | None, report: Path | None, *, force: bool) -> None
 def write_motion(clip: Clip, out: Path) -> None:
     """Write the dance as BVH at 60 frames/s, or as glTF."""
     data = write_bvh(clip, rate=None).encode("ascii") if out.suffix.lower() == ".bvh" else write_glb(clip, rate=None)
-    write_whole(data, out, "--out")
+    write_atomically(data, out, "--out")
 
 
-def write_report(plan: Plan, dance: Assembled, report: Path) -> None:
+def write_report(plan: DancePlan, dance: RenderedDance, report: Path) -> None:
     """Write the metrics of the dance, with keys as in the contracts."""
-    values = DanceFigures(plan.graph, dance, plan.targets).result()
+    values = DanceMetrics(plan.graph, dance, plan.targets).result()
     values |= {"steps": step_rows(plan), "missing": [one.row() for one in plan.missing]}
-    write_whole((json.dumps(values, ensure_ascii=False, indent=1) + "\n").encode(), report, "--report")
+    write_atomically((json.dumps(values, ensure_ascii=False, indent=1) + "\n").encode(), report, "--report")
 
 
-def step_rows(plan: Plan) -> list[dict[str, Any]]:
+def step_rows(plan: DancePlan) -> list[dict[str, Any]]:
     """Return a row per measure, numbered from 1; `weight`: the clip's share if another take is mixed in."""
     library, followed = plan.graph.library, plan.followed
     share = np.zeros(len(plan.node)) if followed is None else followed.share
@@ -69,9 +69,9 @@ def step_rows(plan: Plan) -> list[dict[str, Any]]:
     ]
 
 
-def print_dance(plan: Plan, *, as_json: bool) -> None:
+def print_dance(plan: DancePlan, *, as_json: bool) -> None:
     """Print the dance on stdout; with the table, print missing transitions on stderr."""
-    rows, wrong = step_rows(plan), plan.wrong
+    rows, wrong = step_rows(plan), plan.deviations
     if as_json:
         value = {
             "measures": len(rows),
@@ -86,12 +86,12 @@ def print_dance(plan: Plan, *, as_json: bool) -> None:
     table = Table(box=None, pad_edge=False, header_style="bold")
     for column in ("measure", "clip", "join"):
         table.add_column(column, overflow="fold", justify="left" if column == "clip" else "right")
-    for row, off in zip(rows[:SHOWN], wrong, strict=False):
+    for row, off in zip(rows[:MAX_ROWS], wrong, strict=False):
         clip = escape(row["clip"]) + (" [yellow](differs)[/]" if off else "")
         table.add_row(str(row["measure"]), clip, f"{100.0 * row['cost']:.1f} cm")
     console = Console(highlight=False)
     console.print(table)
-    if len(rows) > SHOWN:
+    if len(rows) > MAX_ROWS:
         console.print(f"... {len(rows)} measures in all; --json holds them")
     told = Console(stderr=True, highlight=False, soft_wrap=True)
     if wrong.any():

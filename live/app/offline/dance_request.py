@@ -7,7 +7,7 @@ from typing import Final
 
 from live.base.errors import PersonError
 from live.graph.search.sequence import parse_sequence
-from live.graph.search.sequence_spec import Wanted
+from live.graph.search.sequence_spec import SequenceEntry
 from live.graph.step_library import StepLibrary, build_library
 from live.library.step_folder import load_folder
 from live.motion.step_clip import StepClip
@@ -15,7 +15,7 @@ from live.show.patch.patch_search_path import PATCHES
 
 SKETCHES: Final = "sketches"
 """Name of the built-in steps."""
-MOST_BYTES: Final = 4_000_000
+MAX_BYTES: Final = 4_000_000
 """Maximum size of a sequence file [bytes]."""
 
 
@@ -33,8 +33,8 @@ def read_text(sequence: str) -> str:
         if not file.is_file():
             what = "that is not a file" if file.exists() else "there is no such file"
             raise PersonError(f"--sequence @{file}: {what}", "after @ give a text file, its lines steps with commas")
-        if os.path.getsize(file) > MOST_BYTES:
-            raise PersonError(f"--sequence @{file}: a file of at most {MOST_BYTES // 1_000_000} MB expected")
+        if os.path.getsize(file) > MAX_BYTES:
+            raise PersonError(f"--sequence @{file}: a file of at most {MAX_BYTES // 1_000_000} MB expected")
         text = file.read_text(encoding="utf-8")
     except (OSError, ValueError) as error:
         words = error.strerror if isinstance(error, OSError) and error.strerror else "it is not a text in UTF-8"
@@ -43,7 +43,7 @@ def read_text(sequence: str) -> str:
     return ",".join(line for line in lines if line)
 
 
-def read_wanted(clips: Sequence[StepClip], text: str) -> tuple[StepLibrary, list[Wanted]]:
+def read_wanted(clips: Sequence[StepClip], text: str) -> tuple[StepLibrary, list[SequenceEntry]]:
     """Return the library of the metre that has all steps of the sequence, and the parsed sequence."""
     metres = [clip.beats_per_measure for clip in clips]
     errors: list[PersonError] = []
@@ -62,7 +62,7 @@ def read_wanted(clips: Sequence[StepClip], text: str) -> tuple[StepLibrary, list
     )
 
 
-def check_attributes(library: StepLibrary, wanted: Sequence[Wanted]) -> None:
+def check_attributes(library: StepLibrary, wanted: Sequence[SequenceEntry]) -> None:
     """Raise PersonError if variations of a wanted step differ in `weight_transfer`, which belongs to the step."""
     for step in sorted({entry.step for entry in wanted if entry.step is not None}):
         clips = [clip for clip in library.clips if clip.step == library.steps[step]]

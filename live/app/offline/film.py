@@ -18,33 +18,33 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from live.app.launch_options import LaunchOptions
 from live.app.live_recording import film_sound, film_writer
-from live.app.services.midi_service import play_file
-from live.app.session_audio import Sound, analysis_for, start_tempo
+from live.app.services.midi_service import attach_midi_file
+from live.app.session_audio import AudioChoice, make_show_analysis, start_tempo
 from live.app.session_records import resident_megabytes
 from live.base.errors import PersonError
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.base.stage_snapshot import StageView
 from live.clock.time_source import ManualClock
 from live.control.audio.music_file import OfflineMusic
 from live.control.events.events import ControlEvent
-from live.render.adaptive_quality import CARD
+from live.render.adaptive_quality import HARDWARE
 from live.render.film.film_writer import FilmError
 from live.render.film.streams import FilmSound
 from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context, release_headless_context
 from live.render.renderer import Renderer
 from live.show.engine import Engine
 from live.show.journal.journal import JournalError, JournalWriter
-from live.show.journal.motion_report import FrameReport
+from live.show.journal.motion_report import MotionReport
 from live.show.loader import LoadedShow
 from live.show.show import Show
-from live.show.sound.soundtrack import ShowSound
+from live.show.sound.soundtrack import Soundtrack
 from live.show.status import Status, StatusFile
 
 
 def film_show(
     options: LaunchOptions,
     loaded: LoadedShow,
-    sound: Sound,
+    sound: AudioChoice,
     *,
     path: Path,
     seconds: float,
@@ -66,21 +66,21 @@ def film_show(
     tempo = start_tempo(options, loaded, sound)
     show = loaded.start(seed=options.seed, tempo=tempo)
     clock = ManualClock()
-    inbox: Inbox[ControlEvent] = Inbox()
+    inbox: EventQueue[ControlEvent] = EventQueue()
     status = Status(show, rejected=Counter, memory=resident_megabytes())
     engine = Engine(show, clock=clock, inbox=inbox, status=status, stall=math.inf)
-    one_at = loaded.patch.music.one_at_s if sound.known else None
+    one_at = loaded.patch.music.one_at_s if sound.from_patch else None
     music = None
     if sound.music is not None:
-        music = OfflineMusic(sound.music, loop=True, one_at=one_at, analysis=analysis_for(loaded, show))
+        music = OfflineMusic(sound.music, loop=True, one_at=one_at, analysis=make_show_analysis(loaded, show))
     engine.guides = guides
-    play_file(options.midi_file, show, engine)
+    attach_midi_file(options.midi_file, show, engine)
     frames = max(1, math.ceil(seconds * options.film_fps))
-    figures = FrameReport(show) if report is not None else None
+    figures = MotionReport(show) if report is not None else None
     heard = film_sound(sound.music)
-    mixed = mixed_sound(loaded, show, heard, click, taps)
+    mixed = make_sound_mixer(loaded, show, heard, click, taps)
     with contextlib.ExitStack() as stack:
-        target, renderer = canvas(stack, options, loaded, fine, alpha=alpha)
+        target, renderer = make_renderer(stack, options, loaded, fine, alpha=alpha)
         writer = stack.enter_context(
             film_writer(
                 path, size=options.size, fps=options.film_fps, sound=heard if mixed is None else mixed.film, alpha=alpha
@@ -121,7 +121,7 @@ def film_show(
         _write_report(report, figures.result() | {"status": status.snapshot(frames / options.film_fps)})
 
 
-def mixed_sound(
+def make_sound_mixer(
     loaded: LoadedShow,
     show: Show,
     music: FilmSound | None,
@@ -129,14 +129,14 @@ def mixed_sound(
     taps: bool | None = None,
     *,
     begin: float = 0.0,
-) -> ShowSound | None:
+) -> Soundtrack | None:
     """Return a film's sound mixer from `begin` [s] of the show; None if there is nothing to add to the music."""
     own = loaded.patch.sound
     click, taps = own.click if click is None else click, own.taps if taps is None else taps
-    return ShowSound(show, music, click=click, taps=taps, begin=begin) if click or taps else None
+    return Soundtrack(show, music, click=click, taps=taps, begin=begin) if click or taps else None
 
 
-def canvas(
+def make_renderer(
     stack: contextlib.ExitStack, options: LaunchOptions, loaded: LoadedShow, fine: bool, *, alpha: bool = False
 ) -> tuple[OffscreenTarget, Renderer]:
     """Return render target and renderer, released with the stack; raise PersonError if the driver cannot draw this."""
@@ -148,8 +148,10 @@ def canvas(
     try:
         target = OffscreenTarget(ctx, options.size, alpha=alpha)
         stack.callback(target.release)
-        quality = CARD if fine and not alpha else None
-        renderer = Renderer(ctx, loaded.scene(), size=options.size, quality=quality, patient=True, bare=alpha)
+        quality = HARDWARE if fine and not alpha else None
+        renderer = Renderer(
+            ctx, loaded.scene(), size=options.size, quality=quality, blocking_video=True, transparent=alpha
+        )
     except ValueError as error:
         raise PersonError(f"{error}") from None
     stack.callback(renderer.release)
@@ -198,12 +200,12 @@ def progress_bar(console: Console) -> Progress:
 
 def _write_report(path: Path, figures: dict[str, Any]) -> None:
     try:
-        path.write_text(json.dumps(figures, indent=1, default=_plain) + "\n", encoding="utf-8")
+        path.write_text(json.dumps(figures, indent=1, default=_json_default) + "\n", encoding="utf-8")
     except OSError as error:
         raise PersonError(f"cannot write the report {path}: {error.strerror}") from None
 
 
-def _plain(value: Any) -> Any:
+def _json_default(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()
     raise TypeError(f"{type(value).__name__} in a report")
@@ -212,13 +214,13 @@ def _plain(value: Any) -> Any:
 PICTURES: Final = "%05d.png"
 """Name pattern of the pictures if the film is a folder."""
 _NUMBER: Final = re.compile(r"%0?\d{0,2}d")
-_KINDS: Final = (".mp4", ".mov", ".mkv")
+_FILM_ENDINGS: Final = (".mp4", ".mov", ".mkv")
 _WITH_ALPHA: Final = (".mov", ".mkv")
-_SLOWER: Final = Fraction(1000, 1001)
+_NTSC_FACTOR: Final = Fraction(1000, 1001)
 """NTSC factor: 59.94 is 60000/1001."""
 
 
-def film_name(path: Path, option: str, *, alpha: bool = False, never: list[str | None]) -> Path:
+def parse_film_path(path: Path, option: str, *, alpha: bool = False, inputs: list[str | None]) -> Path:
     """Return the film's path, with the name pattern of its pictures if it is a folder of PNG files.
 
     Raise PersonError for an unknown format, a format without alpha if `alpha` is set, a missing folder, and for the
@@ -228,9 +230,9 @@ def film_name(path: Path, option: str, *, alpha: bool = False, never: list[str |
         path = path / PICTURES
     if path.suffix.lower() == ".png":
         return _pictures(path, option)
-    if path.suffix.lower() not in _KINDS:
+    if path.suffix.lower() not in _FILM_ENDINGS:
         raise PersonError(
-            f"{option} {path}: a film's name ends in {', '.join(_KINDS)}, or names a folder for PNG pictures",
+            f"{option} {path}: a film's name ends in {', '.join(_FILM_ENDINGS)}, or names a folder for PNG pictures",
             f"{option} {path.with_suffix('.mp4')}",
         )
     if alpha and path.suffix.lower() not in _WITH_ALPHA:
@@ -240,7 +242,7 @@ def film_name(path: Path, option: str, *, alpha: bool = False, never: list[str |
         )
     if not path.parent.is_dir():
         raise PersonError(f"{option} {path}: there is no folder {path.parent}", f"mkdir -p {path.parent}")
-    for other in never:
+    for other in inputs:
         if other is not None and path.exists() and Path(other).exists() and path.samefile(other):
             raise PersonError(f"{option} {path}: the show reads this file", "give the film another name")
     return path
@@ -271,7 +273,7 @@ def parse_rate(text: str | None, option: str = "--fps") -> float | None:
         raise PersonError(f"{option} {text!r}: frames per second expected", f"{option} 60 or {option} 59.94") from None
     if not 1 <= rate <= 480:
         raise PersonError(f"{option} {text}: 1 to 480 expected")
-    named = round(rate / _SLOWER) * _SLOWER
+    named = round(rate / _NTSC_FACTOR) * _NTSC_FACTOR
     if "/" not in text and rate.denominator > 1 and abs(rate - named) < Fraction(1, 200):
         rate = named
     return float(rate)

@@ -13,26 +13,34 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from live.app.offline.step_listing import NamedStep, folders, named_steps, threshold_for
+from live.app.offline.step_listing import NamedStep, library_folders, named_steps, threshold_for
 from live.app.pictures.graph_svg import Arrow, State, state_machine
-from live.app.whole_file import write_whole
+from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
-from live.graph.build.bridges import Recorded, find_bridges
-from live.graph.clusters import Component, Connectivity, Lead, connectivity, leads, nearest_steps, structural_components
+from live.graph.build.bridges import PosedRecording, find_bridges
+from live.graph.clusters import (
+    Component,
+    Connectivity,
+    JoinSummary,
+    connectivity,
+    join_summaries,
+    nearest_steps,
+    structural_components,
+)
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.step_library import build_library
 from live.library.recording_file import read_step_files
 from live.library.recordings import RecordingReader
 from live.motion.clip import Clip
 
-MOST_PAIRS = 24
+MAX_BRIDGE_PAIRS = 24
 """Maximum pairs of steps to find bridges for, nearest first: half a second each for half an hour of motion."""
 
 
 def read_recordings_of(library: Path | None) -> list[Clip]:
     """Return every recording of the library's folders once, in full; raise PersonError if there is none."""
     found: dict[int, Clip] = {}
-    for folder in folders(library):
+    for folder in library_folders(library):
         reader = RecordingReader()
         for entries in read_step_files(folder).recordings.values():
             for entry in entries:
@@ -47,13 +55,13 @@ def find_missing_bridges(
     graph: MotionGraph, missing: Sequence[dict[str, Any]], recordings: Sequence[Clip]
 ) -> list[dict[str, Any]]:
     """Return a row with the best stretch of a recording for each of the nearest pairs of unjoined steps."""
-    recorded, library = [Recorded.of(clip) for clip in recordings], graph.library
+    recorded, library = [PosedRecording.of(clip) for clip in recordings], graph.library
     rows = []
-    for row in missing[:MOST_PAIRS]:
+    for row in missing[:MAX_BRIDGE_PAIRS]:
         source, target = library.steps.index(row["from"]), library.steps.index(row["to"])
         bpm = next(clip.bpm for clip in library.clips if clip.step == row["from"])
         measure_s = 60.0 / bpm * library.beats_per_measure
-        for bridge in find_bridges(graph, recorded, source, target, measure_s=measure_s, most=1):
+        for bridge in find_bridges(graph, recorded, source, target, measure_s=measure_s, max_count=1):
             rows.append(
                 {
                     "from": row["from"],
@@ -70,40 +78,40 @@ def find_missing_bridges(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Report:
+class GraphReport:
     """Analysis of a motion graph."""
 
     graph: MotionGraph
     components: list[Component]
-    steps: list[Lead]
+    steps: list[JoinSummary]
     """Joins from step to step."""
-    parts: list[Lead]
+    parts: list[JoinSummary]
     """Joins from component to component."""
-    whole: Connectivity
+    connectivity: Connectivity
     missing: list[dict[str, Any]]
-    left_out: dict[int, int]
+    other_metres: dict[int, int]
     """Number of clips of other metres, by beats per measure."""
 
 
-def report_of(graph: MotionGraph, left_out: dict[int, int] | None = None) -> Report:
+def analyse_graph(graph: MotionGraph, left_out: dict[int, int] | None = None) -> GraphReport:
     """Analyse an unpruned graph."""
     library, components = graph.library, structural_components(graph.library)
     part = np.zeros(library.node_count, np.int32)
     for number, component in enumerate(components):
         part[list(component.nodes)] = number
-    between = leads(graph, library.node_step, len(library.steps))
-    return Report(
+    between = join_summaries(graph, library.node_step, len(library.steps))
+    return GraphReport(
         graph=graph,
         components=components,
         steps=between,
-        parts=leads(graph, part, len(components)),
-        whole=connectivity(graph),
+        parts=join_summaries(graph, part, len(components)),
+        connectivity=connectivity(graph),
         missing=_missing(graph, between),
-        left_out=left_out or {},
+        other_metres=left_out or {},
     )
 
 
-def _missing(graph: MotionGraph, between: list[Lead]) -> list[dict[str, Any]]:
+def _missing(graph: MotionGraph, between: list[JoinSummary]) -> list[dict[str, Any]]:
     """Return the pairs of unjoined steps, nearest first, and recordings that would join them (T003, T043)."""
     steps, there = graph.library.steps, {(one.source, one.target) for one in between}
     nearest = nearest_steps(graph)
@@ -126,9 +134,9 @@ def _missing(graph: MotionGraph, between: list[Lead]) -> list[dict[str, Any]]:
     return rows
 
 
-def json_of(report: Report) -> dict[str, Any]:
+def json_of(report: GraphReport) -> dict[str, Any]:
     """Return the graph as JSON; nodes, components and strong components are numbered from 0."""
-    graph, library, whole = report.graph, report.graph.library, report.whole
+    graph, library, whole = report.graph, report.graph.library, report.connectivity
     joins = graph.joins
     part = {node: number for number, one in enumerate(report.components) for node in one.nodes}
     groups = [np.flatnonzero(whole.label == label).tolist() for label in np.unique(whole.label)]
@@ -136,7 +144,7 @@ def json_of(report: Report) -> dict[str, Any]:
         "threshold_m": graph.rule.threshold,
         "window": graph.window,
         "beats_per_measure": library.beats_per_measure,
-        "other_metres": {str(beats): count for beats, count in report.left_out.items()},
+        "other_metres": {str(beats): count for beats, count in report.other_metres.items()},
         "clusters": [
             {
                 "step": name,
@@ -178,7 +186,7 @@ def json_of(report: Report) -> dict[str, Any]:
             {
                 "from": library.steps[one.source],
                 "to": library.steps[one.target],
-                "edges": one.joins,
+                "edges": one.join_count,
                 "nearest_m": round(one.nearest, 5),
             }
             for one in report.steps
@@ -189,12 +197,12 @@ def json_of(report: Report) -> dict[str, Any]:
     }
 
 
-def dead_ends(report: Report) -> list[dict[str, Any]]:
+def dead_ends(report: GraphReport) -> list[dict[str, Any]]:
     """Return nodes that are not part of any cycle, with the reason."""
-    whole, library = report.whole, report.graph.library
+    whole, library = report.connectivity, report.graph.library
     rows = []
     for node in np.flatnonzero(~whole.alive).tolist():
-        on, reached = whole.leads_on[node], whole.reached[node]
+        on, reached = whole.has_successor[node], whole.has_predecessor[node]
         why = "no way back" if on and reached else "nothing leads to it" if on else "it leads nowhere"
         if not on and not reached:
             why = "it has no transitions in or out"
@@ -202,7 +210,7 @@ def dead_ends(report: Report) -> list[dict[str, Any]]:
     return rows
 
 
-def dot_of(report: Report) -> str:
+def dot_of(report: GraphReport) -> str:
     """Return the component graph (T062) for Graphviz: a cluster per step, a node per structural variation."""
     library = report.graph.library
     lines = ["digraph steps {", "  compound=true; node [shape=box, style=rounded];"]
@@ -218,7 +226,7 @@ def dot_of(report: Report) -> str:
                 lines.append(f"    c{number} [label={_quoted(chr(10).join(filter(None, words)))}];")
         lines.append("  }")
     lines += [
-        f'  c{one.source} -> c{one.target} [label="{one.joins}", tooltip="{100 * one.nearest:.1f} cm"];'
+        f'  c{one.source} -> c{one.target} [label="{one.join_count}", tooltip="{100 * one.nearest:.1f} cm"];'
         for one in report.parts
     ]
     return "\n".join([*lines, "}", ""])
@@ -229,7 +237,7 @@ def _quoted(text: str) -> str:
     return f'"{plain}"'
 
 
-def svg_of(report: Report) -> str:
+def svg_of(report: GraphReport) -> str:
     """Return the state machine of the steps as SVG (Fig 5.11)."""
     library = report.graph.library
     states = []
@@ -238,15 +246,15 @@ def svg_of(report: Report) -> str:
         lengths = sorted({int(n) for n in library.node_measures[own]})
         many = "1 measure" if lengths == [1] else f"{'/'.join(map(str, lengths))} measures"
         clips = len(np.unique(library.node_clip[own]))
-        states.append(State(name, many, clips, bool(report.whole.alive[own].any())))
-    arrows = [Arrow(one.source, one.target, one.joins) for one in report.steps]
+        states.append(State(name, many, clips, bool(report.connectivity.alive[own].any())))
+    arrows = [Arrow(one.source, one.target, one.join_count) for one in report.steps]
     threshold = report.graph.rule.threshold
     counted = f"{len(states)} steps, {len(library.clips)} clips, {len(report.graph.joins.source)} edges"
     return state_machine(states, arrows, f"{counted} within {threshold:g} m")
 
 
 WINDOW_BEATS = 0.75
-SHOWN = 12
+MAX_ROWS = 12
 """Maximum number of missing edges printed; JSON has all of them."""
 
 
@@ -266,7 +274,7 @@ def print_graph(
     if bridges:
         found = find_missing_bridges(report.graph, report.missing, read_recordings_of(library))
     if svg is not None:
-        write_whole(svg_of(report).encode(), svg, "--svg")
+        write_atomically(svg_of(report).encode(), svg, "--svg")
     if as_json:
         data = json_of(report) if found is None else json_of(report) | {"bridges": found}
         print(json.dumps(data, ensure_ascii=False, indent=1))
@@ -277,7 +285,7 @@ def print_graph(
         _print_bridges(found or [])
 
 
-def _report(steps: Sequence[NamedStep], threshold: float | None, window: float | None) -> Report:
+def _report(steps: Sequence[NamedStep], threshold: float | None, window: float | None) -> GraphReport:
     clips = [clip for step in steps for clip in step.clips]
     metres = Counter(clip.beats_per_measure for clip in clips)
     beats = max(metres, key=lambda metre: metres[metre])
@@ -288,42 +296,42 @@ def _report(steps: Sequence[NamedStep], threshold: float | None, window: float |
         graph = build_graph(build_library(fitting), window=share, threshold=threshold, prune=False)
     except ValueError as error:
         raise PersonError(str(error)) from None
-    return report_of(graph, {metre: count for metre, count in metres.items() if metre != beats})
+    return analyse_graph(graph, {metre: count for metre, count in metres.items() if metre != beats})
 
 
-def _print(report: Report, svg: Path | None) -> None:
+def _print(report: GraphReport, svg: Path | None) -> None:
     console = Console(highlight=False)
 
     def say(text: str = "", style: str = "") -> None:
         console.print(text, style=style, soft_wrap=True, markup=False)
 
-    graph, library, whole = report.graph, report.graph.library, report.whole
+    graph, library, whole = report.graph, report.graph.library, report.connectivity
     say(
         f"{len(library.steps)} steps, {len(report.components)} structural variations, {library.node_count} measures, "
         f"{len(graph.joins.source)} edges within {graph.rule.threshold:g} m; "
         f"{int(whole.alive.sum())} measures can be danced for ever"
     )
-    for metre, count in report.left_out.items():
+    for metre, count in report.other_metres.items():
         say(f"left out: {count} clips of {metre} beats a measure; this graph has {library.beats_per_measure}", "yellow")
     for step, name in enumerate(library.steps):
         ways = [one for one in report.steps if one.source == step]
         dead = "" if whole.alive[library.node_step == step].any() else "  (no part of an endless dance)"
         say(f"\n{name}{dead}", "bold" if not dead else "yellow")
         for one in sorted(ways, key=lambda lead: lead.nearest):
-            say(f"    → {library.steps[one.target]:<24} {one.joins:>5} edges, nearest {100 * one.nearest:5.1f} cm")
+            say(f"    → {library.steps[one.target]:<24} {one.join_count:>5} edges, nearest {100 * one.nearest:5.1f} cm")
         if not ways:
             say("    → nothing", "yellow")
     if report.missing:
         say(f"\n{len(report.missing)} pairs of steps are not joined", "bold")
-        for row in report.missing[:SHOWN]:
+        for row in report.missing[:MAX_ROWS]:
             say(f"    {row['from']} → {row['to']}: {row['needs']}")
-        if len(report.missing) > SHOWN:
-            say(f"    and {len(report.missing) - SHOWN} more (--json has them all)")
+        if len(report.missing) > MAX_ROWS:
+            say(f"    and {len(report.missing) - MAX_ROWS} more (--json has them all)")
     ends = dead_ends(report)
-    for end in ends[:SHOWN]:
+    for end in ends[:MAX_ROWS]:
         say(f"dead end: {end['words']} (node {end['node']}): {end['why']}", "yellow")
-    if len(ends) > SHOWN:
-        say(f"and {len(ends) - SHOWN} more dead ends (--json has them all)", "yellow")
+    if len(ends) > MAX_ROWS:
+        say(f"and {len(ends) - MAX_ROWS} more dead ends (--json has them all)", "yellow")
     if svg is not None:
         say(f"\npicture written: {svg}", "green")
 

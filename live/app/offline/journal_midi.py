@@ -12,13 +12,13 @@ from live.control.events.audio import MusicHeard
 from live.control.events.event_json import event_to_json
 from live.control.events.events import BeatHeard, MocapFrame, NotesHeard, TrackerMoved
 from live.show.journal.journal_reader import Journal, JournalLine
-from live.show.journal.replay import Replaying, Start
+from live.show.journal.replay import Replayer, ReplayStart
 
 PULSES: Final = 480
 """Pulses per quarter note, which is a beat."""
-LOWEST: Final = 36
+FIRST_NOTE: Final = 36
 """The note of the library's first step; the others follow."""
-HEARD: Final = (BeatHeard, MusicHeard, NotesHeard, MocapFrame, TrackerMoved)
+CONTINUOUS_EVENTS: Final = (BeatHeard, MusicHeard, NotesHeard, MocapFrame, TrackerMoved)
 """Continuous events, which get no marker."""
 Message = tuple[int, Any]
 
@@ -33,7 +33,7 @@ class _Score:
     """First pulse, last pulse and step for each group."""
 
 
-def midi_of(journal: Journal, start: Start) -> bytes:
+def journal_to_midi(journal: Journal, start: ReplayStart) -> bytes:
     """Replay the journal and return its measures, events and steps as a MIDI file.
 
     A measure's tempo is its mean from first to last beat; the beats within it are even in the file.
@@ -41,12 +41,12 @@ def midi_of(journal: Journal, start: Start) -> bytes:
     score = _Score()
     show, origin = start.show, start.tick * TICK
     waiting: list[JournalLine] = []
-    running = Replaying(show, _noting(journal, waiting), tick=start.tick, compare=False)
+    running = Replayer(show, _collect_events(journal, waiting), tick=start.tick, compare=False)
     begun, pulse = show.timeline.beat_at(origin), 0
-    while not running.over and running.damaged is None:
+    while not running.ended and running.damaged is None:
         number, line = show.span.number, show.span.end
         running.advance(running.tick + 1)
-        if show.span.number == number and not running.over:
+        if show.span.number == number and not running.ended:
             continue
         beat = show.timeline.beat_at(show.time) if show.span.number == number else line
         time = max(show.timeline.time_at(beat), origin + 1e-3)
@@ -60,9 +60,9 @@ def midi_of(journal: Journal, start: Start) -> bytes:
     return _file(score, show.patch.name, [group.name for group in show.patch.group], show.graph.library.steps)
 
 
-def _noting(journal: Journal, waiting: list[JournalLine]) -> Any:
-    for line in journal.usable():
-        if line.event is not None and not isinstance(line.event, HEARD):
+def _collect_events(journal: Journal, waiting: list[JournalLine]) -> Any:
+    for line in journal.lines_with_damage():
+        if line.event is not None and not isinstance(line.event, CONTINUOUS_EVENTS):
             waiting.append(line)
         yield line
 
@@ -103,7 +103,7 @@ def _file(score: _Score, name: str, groups: list[str], steps: tuple[str, ...]) -
     for group, danced in sorted(score.groups.items()):
         messages: list[Message] = []
         for begin, end, step in danced:
-            note, channel = min(LOWEST + step, 127), group % 16
+            note, channel = min(FIRST_NOTE + step, 127), group % 16
             messages.append((begin, mido.MetaMessage("text", text=steps[step].encode("ascii", "replace").decode())))
             messages.append((begin, mido.Message("note_on", note=note, channel=channel, velocity=80)))
             messages.append((end, mido.Message("note_off", note=note, channel=channel)))

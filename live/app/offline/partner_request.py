@@ -10,12 +10,12 @@ import numpy.typing as npt
 
 from live.base.errors import PersonError
 from live.library.motion_file import read_motion
-from live.library.partner_pairs import Recorded, Side, recorded
+from live.library.partner_pairs import RecordedSide, Side, retarget_side
 from live.motion.clip import Clip
 from live.motion.formats.file_error import MotionFileError
 from live.motion.partner.answer import hold_error
-from live.motion.partner.evaluation import errors, joints_of, slide
-from live.motion.partner.partner_synthesis import Partnered, Search, shown_beats
+from live.motion.partner.evaluation import follower_errors, joint_positions, slide_metrics
+from live.motion.partner.partner_synthesis import PartnerResult, SearchSettings, shown_beats
 from live.motion.partner.path_leader import frenet_cloud
 from live.motion.partner.point_clouds import Cloud
 from live.motion.partner.units import Units
@@ -26,32 +26,32 @@ from live.motion.skeleton import JOINT_COUNT, SKELETON
 Float64 = npt.NDArray[np.float64]
 
 MAX_BYTES: Final = 50_000_000
-LONGEST: Final = 3600.0
+MAX_SECONDS: Final = 3600.0
 """Maximum duration of a path [s]."""
-FARTHEST: Final = 1000.0
+MAX_COORDINATE: Final = 1000.0
 """Maximum coordinate of a path [m]."""
-RUNNING: Final = 3.0
+MAX_WALK_SPEED: Final = 3.0
 """Maximum walking speed [m/s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Led:
+class LeaderMotion:
     """A leader on the engine's skeleton."""
 
-    recorded: Recorded
+    recorded: RecordedSide
     dropped: int
     """Number of dropped leading frames."""
 
 
-def led_by_path(path: Path, smooth: float) -> tuple[Led, Cloud]:
+def leader_from_path(path: Path, smooth: float) -> tuple[LeaderMotion, Cloud]:
     """Return a leader who glides along the path, and their control cloud."""
     time, place = read_path(path)
     cloud = frenet_cloud(time, place, SAMPLE_RATE, smooth=smooth)
     middle = cloud.floor.mean(axis=1)
     speed = np.abs(np.diff(middle)) * SAMPLE_RATE
-    if speed.size and float(np.percentile(speed, 90)) > RUNNING:
+    if speed.size and float(np.percentile(speed, 90)) > MAX_WALK_SPEED:
         raise PersonError(
-            f"{path}: {np.percentile(speed, 90):.1f} m/s; nobody walks faster than {RUNNING:g} m/s",
+            f"{path}: {np.percentile(speed, 90):.1f} m/s; nobody walks faster than {MAX_WALK_SPEED:g} m/s",
             "perform the path at the speed of a walk; times are in s, places in m",
         )
     root = np.zeros((cloud.count, 3), np.float32)
@@ -62,7 +62,7 @@ def led_by_path(path: Path, smooth: float) -> tuple[Led, Cloud]:
     half = 0.5 * np.angle(across)
     rotation[:, 0, 0], rotation[:, 0, 2] = np.cos(half), np.sin(half)
     clip = Clip("path", root, rotation, SAMPLE_RATE, np.zeros((cloud.count, 2), np.bool_))
-    return Led(Recorded(clip, cloud.count, SAMPLE_RATE, SAMPLE_RATE), 0), cloud
+    return LeaderMotion(RecordedSide(clip, cloud.count, SAMPLE_RATE, SAMPLE_RATE), 0), cloud
 
 
 def read_path(path: Path) -> tuple[Float64, Float64]:
@@ -88,19 +88,19 @@ def read_path(path: Path) -> tuple[Float64, Float64]:
             if not rows and number == 1:
                 continue  # the heading
             raise PersonError(f"{path}, line {number}: three numbers expected: time_s, x, z") from None
-        if not (np.isfinite([time, x, z]).all() and max(abs(x), abs(z)) <= FARTHEST):
-            raise PersonError(f"{path}, line {number}: places within {FARTHEST:g} m expected")
+        if not (np.isfinite([time, x, z]).all() and max(abs(x), abs(z)) <= MAX_COORDINATE):
+            raise PersonError(f"{path}, line {number}: places within {MAX_COORDINATE:g} m expected")
         if rows and time <= rows[-1][0]:
             raise PersonError(f"{path}, line {number}: time {time:g} s after {rows[-1][0]:g} s; times ascend")
         rows.append((time, x, z))
-    if len(rows) < 2 or rows[-1][0] - rows[0][0] > LONGEST:
-        raise PersonError(f"{path}: {len(rows)} points; two at least, over {LONGEST:g} s at most, expected")
+    if len(rows) < 2 or rows[-1][0] - rows[0][0] > MAX_SECONDS:
+        raise PersonError(f"{path}: {len(rows)} points; two at least, over {MAX_SECONDS:g} s at most, expected")
     values = np.array(rows)
     return values[:, 0], values[:, 1:]
 
 
 @dataclass(frozen=True, slots=True)
-class Wish:
+class PartnerOptions:
     """Options of the command, each checked on its own."""
 
     leader: Path | None
@@ -126,10 +126,12 @@ class Wish:
     smooth: float | None = None
 
 
-def report_of(found: Partnered, units: Units, led: Led, search: Search, wish: Wish) -> dict[str, Any]:
+def follower_report(
+    found: PartnerResult, units: Units, led: LeaderMotion, search: SearchSettings, options: PartnerOptions
+) -> dict[str, Any]:
     """Return the metrics of a follower (contracts: reports)."""
     reading, clip = found.reading, found.clip
-    positions = joints_of(clip)
+    positions = joint_positions(clip)
     gaps = [*reading.gap.tolist(), None]
     told: dict[str, Any] = {
         "units": [
@@ -152,18 +154,18 @@ def report_of(found: Partnered, units: Units, led: Led, search: Search, wish: Wi
         "frames": led.recorded.frames + led.dropped,
         "fps": led.recorded.fps,
         "drop_frames": led.dropped,
-        **slide(positions, found.answer.clip.contact, clip.sample_rate),
-        "hand_hold_error_m": hold_error(clip, led.recorded.clip, found.answer.holds) if not wish.path else None,
+        **slide_metrics(positions, found.answer.clip.contact, clip.sample_rate),
+        "hand_hold_error_m": hold_error(clip, led.recorded.clip, found.answer.holds) if not options.path else None,
         "beat_offset_ms": _beat_figures(found, units, search),
     }  # fmt: skip
-    return told | (_join_figures(found, positions, units) if wish.report is not None else {})
+    return told | (_join_figures(found, positions, units) if options.report is not None else {})
 
 
-def _join_figures(found: Partnered, positions: npt.NDArray[np.float64], units: Units) -> dict[str, float | None]:
+def _join_figures(found: PartnerResult, positions: npt.NDArray[np.float64], units: Units) -> dict[str, float | None]:
     """Return velocity and acceleration at joins relative to the raw recordings (contracts: join ratios)."""
     rate, half = found.clip.sample_rate, half_width(0.0)
     used = {int(units.example[unit]) for unit in found.reading.unit}
-    raw = [at_samples(joints_of(units.examples[one].follower), rate) for one in sorted(used)]
+    raw = [at_samples(joint_positions(units.examples[one].follower), rate) for one in sorted(used)]
     middle = found.answer.boundaries / rate
     told: dict[str, float | None] = {}
     for n, name in enumerate(("join_velocity_ratio", "join_acceleration_ratio")):
@@ -173,7 +175,7 @@ def _join_figures(found: Partnered, positions: npt.NDArray[np.float64], units: U
     return told
 
 
-def _beat_figures(found: Partnered, units: Units, search: Search) -> dict[str, Any] | None:
+def _beat_figures(found: PartnerResult, units: Units, search: SearchSettings) -> dict[str, Any] | None:
     """Return statistics of each annotated beat's shown time minus the leader's nearest beat."""
     if search.beats is None or len(search.beats) < 2:
         return None
@@ -184,26 +186,26 @@ def _beat_figures(found: Partnered, units: Units, search: Search) -> dict[str, A
     return {"annotated": {"median": float(np.median(away)), "p95": float(np.percentile(away, 95))}}
 
 
-def compared(found: Partnered, led: Led, wish: Wish) -> dict[str, Any]:
+def compare_with_truth(found: PartnerResult, led: LeaderMotion, options: PartnerOptions) -> dict[str, Any]:
     """Return errors against the real follower, whose file matches the leader's frame by frame."""
-    assert wish.truth is not None  # checked by the caller
+    assert options.truth is not None  # checked by the caller
     try:
-        motion = read_motion(wish.truth)
-        side = Side(file=wish.truth.name, fps=led.recorded.fps, drop_frames=min(led.dropped, motion.frame_count - 1))
-        real = recorded(motion, side)
+        motion = read_motion(options.truth)
+        side = Side(file=options.truth.name, fps=led.recorded.fps, drop_frames=min(led.dropped, motion.frame_count - 1))
+        real = retarget_side(motion, side)
     except (MotionFileError, ValueError) as error:
         raise PersonError(str(error)) from None
     if real.frames != led.recorded.frames:
         raise PersonError(
-            f"--truth {wish.truth}: {real.frames + led.dropped} frames, the leader has "
+            f"--truth {options.truth}: {real.frames + led.dropped} frames, the leader has "
             f"{led.recorded.frames + led.dropped}",
             "the follower of the same take",
         )
     rate = found.clip.sample_rate
-    truth = joints_of(real.clip)
-    one = errors(joints_of(found.clip), truth, joints_of(led.recorded.clip), rate)
+    truth = joint_positions(real.clip)
+    one = follower_errors(joint_positions(found.clip), truth, joint_positions(led.recorded.clip), rate)
     return {
         "joint_error_m": one.joint_m, "joint_error_aligned_m": one.aligned_m,
         "hip_distance_error_m": one.hip_distance_m, "velocity_error_m_s": one.velocity_m_s,
-        "foot_slide_mean_of_truth": slide(truth, real.clip.contact, rate)["foot_slide_mean"],
+        "foot_slide_mean_of_truth": slide_metrics(truth, real.clip.contact, rate)["foot_slide_mean"],
     }  # fmt: skip

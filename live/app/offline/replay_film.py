@@ -9,19 +9,19 @@ from rich.console import Console
 
 from live.app.launch_options import LaunchOptions
 from live.app.live_recording import film_sound, film_writer
-from live.app.offline.film import canvas, mixed_sound, progress_bar
+from live.app.offline.film import make_renderer, make_sound_mixer, progress_bar
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.audio.music_file import Music, MusicFileError, read_music
 from live.render.film.film_writer import FilmError
 from live.render.film.streams import FilmSound
 from live.show.journal.journal_reader import Journal
-from live.show.journal.replay import Replayed, Replaying, Start
+from live.show.journal.replay import Replayer, ReplayResult, ReplayStart
 from live.show.loader import LoadedShow
 
 
 def film_replay(
-    start: Start,
+    start: ReplayStart,
     journal: Journal,
     loaded: LoadedShow,
     path: Path,
@@ -32,32 +32,32 @@ def film_replay(
     to: int | None = None,
     fine: bool = False,
     alpha: bool = False,
-) -> Replayed:
+) -> ReplayResult:
     """Render a journal from measure `first` to the end of `to` (from 1), comparing its hashes.
 
     The sound is the music file of the show, if there was one, with click and taps as in the patch. `alpha`: dancers
     without stage on a transparent background. A damaged line ends the film. Raise PersonError if rendering fails.
     """
-    running = Replaying(start.show, journal.usable(), tick=start.tick, to=to)
+    running = Replayer(start.show, journal.lines_with_damage(), tick=start.tick, to=to)
     running.advance_to(first)
     show, begin = running.show, running.tick * TICK
-    if running.over:
+    if running.ended:
         raise PersonError(f"{journal.path}: it has no measure {first}; it ends in measure {show.span.number + 1}")
     music = _music(journal)
     heard = film_sound(music)
-    mixed = mixed_sound(loaded, show, heard, begin=begin)
+    mixed = make_sound_mixer(loaded, show, heard, begin=begin)
     frames = max(1, math.ceil((journal.last_tick * TICK - begin) * fps))
     with contextlib.ExitStack() as stack:
-        target, renderer = canvas(
+        target, renderer = make_renderer(
             stack, LaunchOptions(size=size, fps=fps), replace(loaded, patch=show.patch), fine, alpha=alpha
         )
-        sound = mixed.film if mixed is not None else _from(music, begin)
+        sound = mixed.film if mixed is not None else _music_from(music, begin)
         writer = stack.enter_context(film_writer(path, size=size, fps=fps, sound=sound, alpha=alpha))
         progress = stack.enter_context(progress_bar(Console(stderr=True)))
         task = progress.add_task("", total=frames if to is None else None)
         view, frame = show.view(), 0
         try:
-            while not running.over and running.damaged is None:
+            while not running.ended and running.damaged is None:
                 time = begin + frame / fps
                 running.advance(math.floor(time / TICK + 1e-9))
                 show.fill(view, max(time, running.tick * TICK))
@@ -75,7 +75,7 @@ def film_replay(
             writer.close()
         except FilmError as error:
             raise PersonError(str(error)) from None
-    return running.found
+    return running.result
 
 
 def _music(journal: Journal) -> Music | None:
@@ -89,8 +89,8 @@ def _music(journal: Journal) -> Music | None:
         raise PersonError(str(error)) from None
 
 
-def _from(music: Music | None, begin: float) -> FilmSound | None:
+def _music_from(music: Music | None, begin: float) -> FilmSound | None:
     """Return the music alone, from `begin` [s] of the show."""
     if music is None:
         return None
-    return FilmSound.of(music.samples, music.sample_rate, start=begin, loop=True)
+    return FilmSound.from_samples(music.samples, music.sample_rate, start=begin, loop=True)

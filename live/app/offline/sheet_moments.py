@@ -8,24 +8,24 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.app.session_audio import Sound, analysis_for
-from live.base.picture_parameters import BY_ADDRESS, STYLE_OF_GROUP, of_group
+from live.app.session_audio import AudioChoice, make_show_analysis
+from live.base.picture_parameters import BY_ADDRESS, STYLE_ADDRESS_PREFIX, group_parameter
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.control.audio.music_file import OfflineMusic
 from live.show.journal.journal_reader import Journal
-from live.show.journal.replay import Replaying
+from live.show.journal.replay import Replayer
 from live.show.loader import LoadedShow
 from live.show.show import Show
 
-WITHIN: Final = 0.55
+MEASURE_POSITION: Final = 0.55
 """Position of a picture in its measure, as a share: there most steps are at their widest."""
-TRACE: Final = 2.0
+TRACE_BEATS: Final = 2.0
 """Beats before a picture that are drawn as well if trails or ribbons are on."""
 
 
 @dataclass(frozen=True, slots=True)
-class Taken:
+class SheetMoment:
     """Data of a picture."""
 
     measure: int
@@ -40,7 +40,7 @@ class Taken:
     """Colour (linear RGB), name and most frequent step of each group on stage."""
 
 
-class Taking:
+class MomentSelector:
     """Decides at each tick whether a picture is taken, or only drawn for trails in a later one."""
 
     def __init__(self, show: Show, every: int, first: int) -> None:
@@ -48,42 +48,46 @@ class Taking:
         self.show, self._every, self._next = show, every, first
         self._view = show.view()
 
-    def look(self, time: float) -> tuple[StageView, Taken | None] | None:
+    def select(self, time: float) -> tuple[StageView, SheetMoment | None] | None:
         """Return the view to draw at `time` [s], after its tick, with its data if it is taken; None to draw nothing."""
         show, beats = self.show, self.show.desk.beats
         if show.span.number > self._next:
             self._next += self._every * math.ceil((show.span.number - self._next) / self._every)
-        ahead = (self._next + WITHIN) * beats - show.danced
-        if ahead > TRACE:
+        ahead = (self._next + MEASURE_POSITION) * beats - show.danced_beats
+        if ahead > TRACE_BEATS:
             return None
-        if ahead > 0.0 and (round(time / TICK) % 4 or not self._remembers()):
+        if ahead > 0.0 and (round(time / TICK) % 4 or not self._has_trails()):
             return None
         show.fill(self._view, time)
         if ahead > 0.0:
             return self._view, None
         self._next += self._every
-        return self._view, self._taken(time)
+        return self._view, self._describe(time)
 
-    def _remembers(self) -> bool:
+    def _has_trails(self) -> bool:
         row = self._view.picture
         if row is None:
             return True
-        styles = [of_group(STYLE_OF_GROUP + name, group) for name in ("trails", "ribbons") for group in self._groups]
+        styles = [
+            group_parameter(STYLE_ADDRESS_PREFIX + name, group)
+            for name in ("trails", "ribbons")
+            for group in self._groups
+        ]
         return bool(row[BY_ADDRESS["/dance/pass/trails"].first] > 0.0 or any(row[one.first] > 0.0 for one in styles))
 
     @property
     def _groups(self) -> range:
         return range(len(self.show.patch.group))
 
-    def _taken(self, time: float) -> Taken:
+    def _describe(self, time: float) -> SheetMoment:
         show, row = self.show, self._view.picture
         beats = show.timeline.beats_per_measure
-        within = show.danced - show.span.number * show.desk.beats
-        section = show.prompter.facts()["section"]
-        return Taken(
+        within = show.danced_beats - show.span.number * show.desk.beats
+        section = show.score_runner.facts()["section"]
+        return SheetMoment(
             show.span.number + 1, min(int(within * beats / show.desk.beats), beats - 1) + 1, time,
-            float(show.follower.tempo), section if len(show.playhead.stretches) > 1 else None,
-            show.desk.facts(show.danced)["cues"]["last"],
+            float(show.follower.tempo), section if len(show.playhead.sections) > 1 else None,
+            show.desk.facts(show.danced_beats)["cues"]["last"],
             tuple(
                 (_colour(row, group), show.patch.group[group].name, step)
                 for group in self._groups
@@ -97,53 +101,53 @@ class Taking:
         nodes = self.show.dancers.node[rows]
         if len(nodes) == 0:
             return None
-        return self._answer(rows) or str(library.steps[int(np.bincount(library.node_step[nodes]).argmax())])
+        return self._response(rows) or str(library.steps[int(np.bincount(library.node_step[nodes]).argmax())])
 
-    def _answer(self, rows: npt.NDArray[np.bool_]) -> str | None:
+    def _response(self, rows: npt.NDArray[np.bool_]) -> str | None:
         """Return these dancers' present response to their leaders; None if most dance their own steps."""
-        answering = self.show.dancers.answering
-        if answering is None or 2 * np.count_nonzero(answering.along.carried & rows) <= np.count_nonzero(rows):
+        answering = self.show.dancers.partner_response
+        if answering is None or 2 * np.count_nonzero(answering.path.answering & rows) <= np.count_nonzero(rows):
             return None
-        partners = {answering.asked[pair.partner].name for pair in answering.pairs if rows[pair.follower]}
-        labels = (label for _, partner, label in reversed(answering.leaders.news) if partner in partners)
+        partners = {answering.settings[pair.partner].name for pair in answering.pairs if rows[pair.follower]}
+        labels = (label for _, partner, label in reversed(answering.leaders.recent_units) if partner in partners)
         return next(labels, None)
 
 
 def _colour(row: "np.ndarray[tuple[int], np.dtype[np.float64]] | None", group: int) -> tuple[float, float, float]:
     if row is None:
         return 0.6, 0.6, 0.6
-    red, green, blue = row[of_group("/dance/group/colour", group).where].tolist()
+    red, green, blue = row[group_parameter("/dance/group/colour", group).row_slice].tolist()
     return red, green, blue
 
 
 def moments_of_patch(
-    loaded: LoadedShow, show: Show, sound: Sound, seconds: float, every: int
-) -> Iterator[tuple[StageView, Taken | None]]:
+    loaded: LoadedShow, show: Show, sound: AudioChoice, seconds: float, every: int
+) -> Iterator[tuple[StageView, SheetMoment | None]]:
     """Yield the moments of a show from its beginning, `seconds` long."""
     music = None
     if sound.music is not None:
-        one_at = loaded.patch.music.one_at_s if sound.known else None
-        music = OfflineMusic(sound.music, loop=True, one_at=one_at, analysis=analysis_for(loaded, show))
-    taking = Taking(show, every, 0)
+        one_at = loaded.patch.music.one_at_s if sound.from_patch else None
+        music = OfflineMusic(sound.music, loop=True, one_at=one_at, analysis=make_show_analysis(loaded, show))
+    taking = MomentSelector(show, every, 0)
     for tick in range(1, math.ceil(seconds / TICK) + 1):
         for event in [] if music is None else music.events_until(tick * TICK):
             show.apply(event)
         show.tick(tick * TICK)
-        found = taking.look(tick * TICK)
+        found = taking.select(tick * TICK)
         if found is not None:
             yield found
 
 
-def moments_of_journal(running: Replaying, every: int) -> Iterator[tuple[StageView, Taken | None]]:
+def moments_of_journal(running: Replayer, every: int) -> Iterator[tuple[StageView, SheetMoment | None]]:
     """Yield the moments of a journal from the replay's present tick."""
-    taking = Taking(running.show, every, running.show.span.number)
-    while not running.over and running.damaged is None:
+    taking = MomentSelector(running.show, every, running.show.span.number)
+    while not running.ended and running.damaged is None:
         running.advance(running.tick + 1)
-        found = taking.look(running.tick * TICK)
+        found = taking.select(running.tick * TICK)
         if found is not None:
             yield found
 
 
-def measures_of(journal: Journal) -> int:
+def measure_count(journal: Journal) -> int:
     """Return the number of measures in the journal, including the last incomplete one."""
-    return sum(line.measure is not None for line in journal.usable()) + 1
+    return sum(line.measure is not None for line in journal.lines_with_damage()) + 1

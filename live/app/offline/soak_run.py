@@ -18,37 +18,37 @@ from rich.console import Console
 
 from live.app.launch_options import LaunchOptions
 from live.app.session import Session
-from live.app.session_audio import Sound
+from live.app.session_audio import AudioChoice
 from live.base.errors import PersonError
 from live.base.fault_isolation import FAULTS
 from live.control.events.events import ControlEvent
-from live.rehearse.campaign import Campaign, Facts, Job, guarded, lines_of, problem_lines
+from live.rehearse.campaign import Campaign, Facts, Job, problem_lines, report_lines, run_safely
 from live.rehearse.failure import Failure
-from live.rehearse.fault_injection import Edits, Fault, faults
-from live.rehearse.invariants import prove
-from live.rehearse.network_sender import Outlet, Timed, packet_of, packets, send_all
-from live.rehearse.simulated_band import FakeBand
-from live.rehearse.simulated_players import FakePlayers, Words
-from live.rehearse.soak_test import Plan, Report, Soak
+from live.rehearse.fault_injection import Fault, PatchEditor, fault_schedule
+from live.rehearse.invariants import check_replay
+from live.rehearse.network_sender import TimedPacket, UdpSender, osc_packets, packet_of, send_all
+from live.rehearse.simulated_band import SimulatedBand
+from live.rehearse.simulated_players import ArgumentGenerator, SimulatedPlayers
+from live.rehearse.soak_test import SoakOptions, SoakReport, SoakTest
 from live.render.frame_stats import Pacer
 from live.show.patch.patch_search_path import MAIN_FILE, PATCHES, find_patch
 
-EACH_S: Final = 20.0
+ROW_SECONDS: Final = 20.0
 """Duration of one row of figures [s]."""
 FLOOD: Final = 3000
-GROWTH: Final = 1.5
+GROWTH_FACTOR: Final = 1.5
 """Allowed growth factor of the p99.9 of frame CPU time from the first to the last third of the run."""
-SLACK_MS: Final = 2.0
+GROWTH_MARGIN_MS: Final = 2.0
 """Further growth allowed [ms]."""
 
 
-class Figures:
-    """Statistics of frame CPU times [ms] in rows of EACH_S."""
+class FrameTimeStats:
+    """Statistics of frame CPU times [ms] in rows of ROW_SECONDS."""
 
     def __init__(self) -> None:
         self.rows: list[dict[str, float]] = []
         self._times: list[float] = []
-        self._end = EACH_S
+        self._end = ROW_SECONDS
         self.late = 0
 
     def add(self, time: float, seconds: float, late: int, memory: float) -> None:
@@ -56,7 +56,7 @@ class Figures:
         self._times.append(seconds * 1e3)
         if time >= self._end:
             self.close(time, late, memory)
-            self._end = time + EACH_S
+            self._end = time + ROW_SECONDS
 
     def close(self, time: float, late: int, memory: float) -> None:
         """Finish the row."""
@@ -68,7 +68,7 @@ class Figures:
             )  # fmt: skip
         self._times, self.late = [], late
 
-    def grown(self) -> tuple[float, float] | None:
+    def growth(self) -> tuple[float, float] | None:
         """Return the medians of p99.9 in the first and last third of all rows; None if there are too few."""
         third = len(self.rows) // 3
         if third < 1:
@@ -77,18 +77,18 @@ class Figures:
         return float(np.median(first)), float(np.median(last))
 
 
-def soak_real(plan: Plan, folder: Path, console: Console) -> tuple[Report, Path]:
+def soak_real(plan: SoakOptions, folder: Path, console: Console) -> tuple[SoakReport, Path]:
     """Run the soak; return the report and the journal's path. Growing frame times are a problem, late ones are not."""
-    edits = Edits(plan.patch, folder / "patch", plan.seed)
+    edits = PatchEditor(plan.patch, folder / "patch", plan.seed)
     journal = folder / "journal.jsonl"
     options = LaunchOptions(
         patch=str(edits.path), seed=plan.seed, osc=("127.0.0.1", 0), journal=journal, seconds=plan.hours * 3600.0,
         fps=plan.fps,
     )  # fmt: skip
-    session = Session(options, options.load(), Sound())
-    report, figures, failed = Report(plan), Figures(), dict(FAULTS.counts)
+    session = Session(options, options.load(), AudioChoice())
+    report, figures, failed = SoakReport(plan), FrameTimeStats(), dict(FAULTS.counts)
     with session.running():
-        people = _People(session, plan, edits, report)
+        people = _SimulatedPeople(session, plan, edits, report)
         people.start()
         try:
             _loop(session, plan, figures)
@@ -99,7 +99,7 @@ def soak_real(plan: Plan, folder: Path, console: Console) -> tuple[Report, Path]
     return report, journal
 
 
-def _loop(session: Session, plan: Plan, figures: Figures) -> None:
+def _loop(session: Session, plan: SoakOptions, figures: FrameTimeStats) -> None:
     from live.app.session_records import resident_megabytes
 
     memory = resident_megabytes()
@@ -118,42 +118,44 @@ def _loop(session: Session, plan: Plan, figures: Figures) -> None:
     figures.close(previous, pacer.late, memory())
 
 
-def _sum_up(session: Session, report: Report, figures: Figures, edits: Edits, faults: dict[str, int]) -> None:
+def _sum_up(
+    session: Session, report: SoakReport, figures: FrameTimeStats, edits: PatchEditor, faults: dict[str, int]
+) -> None:
     status = session.status
     report.status = status.snapshot(session.clock.now())
     report.measures = session.show.span.number
     report.frames, report.skipped = status.frames, status.skipped_ticks
     report.refused = dict(report.status["events_rejected"])
     report.events = {"accepted": status.events_accepted}
-    report.edits = edits.saved
+    report.edits = edits.edit_counts
     report.memory = [(row["time"], row["rss_mb"]) for row in figures.rows]
     report.journal = report.status.get("journal", {})
     report.frames_ms = figures.rows
-    grown = figures.grown()
-    if grown is not None and grown[1] > GROWTH * grown[0] + SLACK_MS:
+    grown = figures.growth()
+    if grown is not None and grown[1] > GROWTH_FACTOR * grown[0] + GROWTH_MARGIN_MS:
         report.problems.append(f"p99.9 of frame CPU time grows from {grown[0]:.1f} to {grown[1]:.1f} ms")
     if status.faults:
         report.problems.append(f"{status.faults} frames could not be drawn")
     if report.journal.get("dropped"):
         report.problems.append(f"{report.journal['dropped']} lines of the journal were dropped")
-    report.problems += FAULTS.since(faults)
+    report.problems += FAULTS.failures_since(faults)
     report.count = len(report.problems)
 
 
-class _People:
+class _SimulatedPeople:
     """Simulated people outside the show: a thread that sends."""
 
-    def __init__(self, session: Session, plan: Plan, edits: Edits, report: Report) -> None:
+    def __init__(self, session: Session, plan: SoakOptions, edits: PatchEditor, report: SoakReport) -> None:
         self._session, self._edits, self._report = session, edits, report
         patch = session.show.patch
-        words = Words(patch, session.show.graph.library.steps)
-        self._band = FakeBand(plan.seed, bpm=patch.clock.bpm, beats_per_measure=patch.clock.beats_per_measure)
-        self._players = FakePlayers(plan.seed, words, count=plan.players, rate=plan.calls)
-        self._faults = faults(plan.seed, rate=plan.faults, start=5.0)
+        words = ArgumentGenerator(patch, session.show.graph.library.steps)
+        self._band = SimulatedBand(plan.seed, bpm=patch.clock.bpm, beats_per_measure=patch.clock.beats_per_measure)
+        self._players = SimulatedPlayers(plan.seed, words, count=plan.players, rate=plan.calls)
+        self._faults = fault_schedule(plan.seed, rate=plan.faults, start=5.0)
         self._chance = np.random.default_rng([plan.seed, 0x9EA1])
         self._deaf_until = 0.0
         self._ended = threading.Event()
-        self._outlet = Outlet("127.0.0.1", session.osc.port)
+        self._outlet = UdpSender("127.0.0.1", session.osc.port)
         self._until = plan.hours * 3600.0
         self._pending: dict[bytes, ControlEvent | Fault] = {}
         self._thread = threading.Thread(target=self._run, name="people", daemon=True)
@@ -167,39 +169,39 @@ class _People:
         self._ended.set()
         self._thread.join(5.0)
         self._outlet.close()
-        self._report.band = self._band.did
+        self._report.band = self._band.counts
 
     def _run(self) -> None:
         streams: list[Any] = [
-            (packets(self._players.calls()), self._outlet.send),
-            (self._keyed(self._band.events()), self._hear),
-            (self._keyed(self._faults), self._do),
+            (osc_packets(self._players.calls()), self._outlet.send),
+            (self._with_keys(self._band.events()), self._put_event),
+            (self._with_keys(self._faults), self._inject_fault),
         ]
         try:
             send_all(streams, now=self._session.clock.now, wait=self._ended.wait, until=self._until)
         except Exception as error:  # a report has to come
-            self._report.fail(Failure.of(error), "the people of the soak end: ")
+            self._report.record_failure(Failure.from_exception(error), "the people of the soak end: ")
 
-    def _keyed(self, things: Iterator[Any]) -> Iterator[Timed]:
+    def _with_keys(self, things: Iterator[Any]) -> Iterator[TimedPacket]:
         """Yield time and key of each thing, for `send_all`; the thing is stored under the key."""
         for number, thing in enumerate(things):
             key = f"{id(things)} {number}".encode()
             self._pending[key] = thing
             yield thing.time, key
 
-    def _hear(self, key: bytes) -> None:
+    def _put_event(self, key: bytes) -> None:
         event = self._pending.pop(key)
         assert isinstance(event, ControlEvent)
         if event.time >= self._deaf_until:
             self._session.inbox.put(event)
 
-    def _do(self, key: bytes) -> None:
+    def _inject_fault(self, key: bytes) -> None:
         fault = self._pending.pop(key)
         assert isinstance(fault, Fault)
         acts: dict[str, Callable[[Fault], None]] = {
-            "flood": self._flood, "garbage": self._garbage, "source lost": self._lose,
-            "good edit": lambda fault: self._edits.good(), "bad edit": lambda fault: self._edits.bad(),
-            "edit back": lambda fault: self._edits.back(),
+            "flood": self._flood, "garbage": self._garbage, "source lost": self._lose_source,
+            "good edit": lambda fault: self._edits.save_valid(), "bad edit": lambda fault: self._edits.save_invalid(),
+            "edit back": lambda fault: self._edits.restore(),
         }  # fmt: skip
         act = acts.get(fault.kind)
         if act is not None:
@@ -207,15 +209,15 @@ class _People:
             with contextlib.suppress(OSError):
                 act(fault)
 
-    def _lose(self, fault: Fault) -> None:
-        self._deaf_until = fault.time + 2.0 + 20.0 * fault.size
+    def _lose_source(self, fault: Fault) -> None:
+        self._deaf_until = fault.time + 2.0 + 20.0 * fault.severity
 
     def _flood(self, fault: Fault) -> None:
         from live.rehearse.simulated_players import Call
 
         packet = packet_of(Call(fault.time, "/dance/attract", [1.0, 0.5, 0.5, 1.0], "flood"))
         assert packet is not None
-        for _ in range(int(FLOOD * fault.size)):
+        for _ in range(int(FLOOD * fault.severity)):
             self._outlet.send(packet)
 
     def _garbage(self, fault: Fault) -> None:
@@ -224,7 +226,7 @@ class _People:
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class RunOptions:
     """Options of a run besides its plan."""
 
     chaos: bool = False
@@ -242,15 +244,15 @@ def patches_of(names: list[str] | None, *, every: bool) -> list[Path]:
     return [find_patch(name) for name in names or [None]]  # type: ignore[list-item]
 
 
-def run_one(plan: Plan, folder: Path | None, console: Console, wanted: Wanted) -> Facts:
+def run_one(plan: SoakOptions, folder: Path | None, console: Console, wanted: RunOptions) -> Facts:
     """Run one soak; without a folder its files are kept only if it failed."""
     there = folder or Path(tempfile.mkdtemp(prefix="live-soak-"))
     there.mkdir(parents=True, exist_ok=True)
-    facts = guarded(Job("", lambda into: run(plan, into, console, wanted)), there)
-    return _kept(facts, there, folder)
+    facts = run_safely(Job("", lambda into: run(plan, into, console, wanted)), there)
+    return _clean_up(facts, there, folder)
 
 
-def run_all(plans: list[Plan], folder: Path | None, console: Console, wanted: Wanted) -> Facts:
+def run_all(plans: list[SoakOptions], folder: Path | None, console: Console, wanted: RunOptions) -> Facts:
     """Run all soaks except those already finished in `folder`."""
     there = folder or Path(tempfile.mkdtemp(prefix="live-soak-"))
     first = plans[0]
@@ -265,10 +267,10 @@ def run_all(plans: list[Plan], folder: Path | None, console: Console, wanted: Wa
         facts = campaign.run(jobs)
     except (KeyboardInterrupt, SystemExit):
         facts = campaign.report([job.name for job in jobs])
-    return _kept(facts, there, folder)
+    return _clean_up(facts, there, folder)
 
 
-def _kept(facts: Facts, there: Path, folder: Path | None) -> Facts:
+def _clean_up(facts: Facts, there: Path, folder: Path | None) -> Facts:
     if folder is None and facts["ok"]:
         shutil.rmtree(there, ignore_errors=True)
     else:
@@ -276,50 +278,52 @@ def _kept(facts: Facts, there: Path, folder: Path | None) -> Facts:
     return facts
 
 
-def name_of(plan: Plan) -> str:
+def name_of(plan: SoakOptions) -> str:
     """Return the name of a run: patch and seed."""
     patch = plan.patch.parent.name if plan.patch.name == MAIN_FILE else plan.patch.stem
     return f"{patch}-{plan.seed}"
 
 
-def run(plan: Plan, folder: Path, console: Console, wanted: Wanted) -> Facts:
+def run(plan: SoakOptions, folder: Path, console: Console, wanted: RunOptions) -> Facts:
     """Run one soak with its files in `folder`; return the facts of its report."""
     if wanted.chaos and wanted.virtual:
         from live.rehearse.chaos.virtual_run import virtual_chaos
 
-        return virtual_chaos(plan, folder, sites=wanted.sites, tell=lambda words: console.print(words, style="dim"))
+        return virtual_chaos(
+            plan, folder, sites=wanted.sites, on_progress=lambda words: console.print(words, style="dim")
+        )
     if wanted.chaos:
         from live.rehearse.chaos.real_run import real_chaos
 
         return real_chaos(plan, folder, lambda words: console.print(words, style="dim", soft_wrap=True, markup=False))
 
-    def progress(time: float, report: Report) -> None:
+    def progress(time: float, report: SoakReport) -> None:
         speed = time / report.took if report.took else 0.0
         words = f"{time / 60.0:.0f} min, {speed:.1f} times real time, {report.memory[-1][1]:.0f} MB"
         console.print(words, style="dim")
 
-    report = Report(plan)
+    report = SoakReport(plan)
     try:
         if wanted.virtual:
-            running = Soak(plan, folder)
+            running = SoakTest(plan, folder)
             report, journal = running.report, running.journal_path
             running.run(progress)
         else:
             report, journal = soak_real(plan, folder, console)
         if wanted.replay:
             console.print("replaying its journal ...", style="dim")
-            report.replay = prove(journal, seed=plan.seed)
+            report.replay = check_replay(journal, seed=plan.seed)
     except PersonError:
         raise
     except (KeyboardInterrupt, SystemExit):  # Ctrl-C, or `kill`
         report.count += 1
         report.problems.append("interrupted")
     except Exception as error:
-        report.fail(Failure.of(error), "the harness itself failed: ")
+        report.record_failure(Failure.from_exception(error), "the harness itself failed: ")
     return {**report.as_json(), "summary": summary(report)}
 
 
-def summary(report: Report) -> list[str]:
+def summary(report: SoakReport) -> list[str]:
     """Return a summary of a run."""
     replayed = report.replay
     words = [f"{report.seconds / 60.0:.1f} min, {report.measures} measures, {sum(report.faults.values())} faults"]
@@ -328,22 +332,22 @@ def summary(report: Report) -> list[str]:
     return words
 
 
-def tell_lines(facts: Facts) -> None:
+def print_summary(facts: Facts) -> None:
     """Print the summary."""
     console = Console(highlight=False)
     for words in facts["summary"]:
         console.print(words, soft_wrap=True, markup=False)
 
 
-def tell_campaign(facts: Facts) -> None:
+def print_campaign(facts: Facts) -> None:
     """Print a line for each run, and the failures."""
     console = Console(highlight=False)
-    for words in lines_of(facts):
+    for words in report_lines(facts):
         console.print(words, soft_wrap=True, markup=False)
-    _tell_end(facts, console)
+    _print_end(facts, console)
 
 
-def tell_run(facts: Facts) -> None:
+def print_run(facts: Facts) -> None:
     """Print the details of one run."""
     console = Console(highlight=False)
     lines = []
@@ -364,20 +368,20 @@ def tell_run(facts: Facts) -> None:
         console.print(words, soft_wrap=True, markup=False)
     for words in problem_lines(facts, ""):
         console.print(words, style="red", soft_wrap=True, markup=False)
-    _tell_end(facts, console)
+    _print_end(facts, console)
 
 
-def _tell_end(facts: dict[str, Any], console: Console) -> None:
+def _print_end(facts: dict[str, Any], console: Console) -> None:
     if "folder" in facts:
         console.print(f"journals: {facts['folder']}", soft_wrap=True, markup=False)
     console.print("[green]nothing went wrong[/]" if facts["ok"] else "[red]failed[/]")
 
 
-SHORT = ".min.jsonl"
+MINIMISED_SUFFIX = ".min.jsonl"
 """File name suffix of a minimised journal."""
 
 
-def minimise_journal(path: Path, to: Path | None, seconds: float, console: Console) -> dict[str, Any]:
+def minimise_journal(path: Path, target: Path | None, seconds: float, console: Console) -> dict[str, Any]:
     """Minimise a failing journal to one that fails in the same way; return the report's facts.
 
     `to`: the file to write; None: next to the journal.
@@ -390,19 +394,19 @@ def minimise_journal(path: Path, to: Path | None, seconds: float, console: Conso
         console.print(words, style="dim", soft_wrap=True, markup=False)
 
     try:
-        found = minimise(path, seconds=seconds, tell=tell)
+        found = minimise(path, seconds=seconds, on_progress=tell)
     except (JournalError, ReplayError) as error:
         raise PersonError(str(error)) from None
     if found is None:
         return {"ok": True, "fails": False, "summary": [f"{path} does not fail: nothing to minimise"]}
-    to = to or path.with_name(path.name.removesuffix(".jsonl") + SHORT)
+    target = target or path.with_name(path.name.removesuffix(".jsonl") + MINIMISED_SUFFIX)
     try:
-        found.write(to)
+        found.write(target)
     except OSError as error:
-        raise PersonError(f"cannot write {to}: {error.strerror}") from None
-    events, ticks = found.before
-    words = f"{events} events in {ticks / 64.0:.1f} s became {len(found.entries)} in {found.end / 64.0:.1f} s: {to}"
+        raise PersonError(f"cannot write {target}: {error.strerror}") from None
+    events, ticks = found.original_size
+    words = f"{events} events in {ticks / 64.0:.1f} s became {len(found.entries)} in {found.end / 64.0:.1f} s: {target}"
     return {
-        "ok": False, "fails": True, "journal": str(to), "failure": found.failure.facts(), "tried": found.tried,
+        "ok": False, "fails": True, "journal": str(target), "failure": found.failure.facts(), "tried": found.trial_count,
         "events": [events, len(found.entries)], "ticks": [ticks, found.end], "summary": [str(found.failure), words],
     }  # fmt: skip

@@ -8,18 +8,18 @@ from typing import Any
 from rich.console import Console
 
 from live.app.offline.step_listing import user_library
-from live.app.option_values import parse_number
+from live.app.option_values import check_range
 from live.base.errors import PersonError
-from live.library.add_step import AskedEntry, add_step, asked_entry, known_of, refuse_again
-from live.library.beat_alignment import Sync, SyncWish, find_sync
-from live.library.library_check import doubts_about
+from live.library.add_step import RequestedEntry, add_step, known_fields, refuse_duplicate, request_entry
+from live.library.beat_alignment import SyncRequest, SyncResult, find_sync
+from live.library.library_check import step_warnings
 from live.library.recordings import RecordingReader
-from live.motion.cleanup.trim_start import find_beginning
+from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.retarget.body_tracks import body_tracks
 
 
 @dataclass(frozen=True, slots=True)
-class Listening:
+class ClapReference:
     """Sound that was clapped to: a click of `click` bpm (of `count` beats, if known), or an audio file."""
 
     click: float | None = None
@@ -27,7 +27,7 @@ class Listening:
     song: Path | None = None
 
 
-def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, listening: Listening) -> None:
+def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, reference: ClapReference) -> None:
     """Add the step that the options describe, and print the result; raise PersonError if that fails.
 
     Given --bpm or --anchor have priority. Missing values are estimated from the recording, and reported as a guess if
@@ -35,19 +35,19 @@ def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, lis
     """
     console = Console(highlight=False)
     comments: dict[str, str] = {}
-    _check(fields, listening)
+    _check(fields, reference)
     folder = user_library() if library is None else library
-    if folder.is_dir() and listening == Listening():
-        known, comments = known_of(folder, file, fields)
+    if folder.is_dir() and reference == ClapReference():
+        known, comments = known_fields(folder, file, fields)
         fields = known | fields
         if comments:
-            _say_again(console, fields, comments)
+            _print_known_guess(console, fields, comments)
     if "bpm" not in fields or "first_beat_s" not in fields:
-        fields, heard = _with_music(console, file, fields, listening)
+        fields, heard = _with_beats(console, file, fields, reference)
         comments = comments | heard
     reader = RecordingReader()
-    entry = asked_entry(file, fields)
-    refuse_again(folder, entry)
+    entry = request_entry(file, fields)
+    refuse_duplicate(folder, entry)
     added = add_step(folder, entry, comments=comments, reader=reader)
     step = added.step
     console.print(
@@ -58,7 +58,7 @@ def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, lis
         soft_wrap=True,
         markup=False,
     )
-    for field, words in doubts_about(entry, step) + _added_frames(entry, reader):
+    for field, words in step_warnings(entry, step) + _untrimmed_warning(entry, reader):
         option = entry.problem(field, words).field or "FILE"
         console.print(f"doubtful: {option}: {words}", style="yellow", soft_wrap=True, markup=False)
     console.print(f"written: {added.toml}", soft_wrap=True, markup=False)
@@ -68,9 +68,9 @@ def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, lis
     console.print(f"see it:  live steps play {quote(step.step)}{where}", style="dim", soft_wrap=True, markup=False)
 
 
-def _check(fields: dict[str, Any], listening: Listening) -> None:
-    parse_number(listening.click, "--click", 20, 400)
-    parse_number(listening.count, "--count", 1, 1000)
+def _check(fields: dict[str, Any], listening: ClapReference) -> None:
+    check_range(listening.click, "--click", 20, 400)
+    check_range(listening.count, "--count", 1, 1000)
     if listening.click is not None and listening.song is not None:
         raise PersonError("--click and --song exclude each other", "--click for a click, --song for a music file")
     if listening.count is not None and listening.click is None:
@@ -82,16 +82,16 @@ def _check(fields: dict[str, Any], listening: Listening) -> None:
         )
 
 
-def _with_music(
-    console: Console, file: Path, fields: dict[str, Any], listening: Listening
+def _with_beats(
+    console: Console, file: Path, fields: dict[str, Any], listening: ClapReference
 ) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the fields with tempo and first beat found, and comments for the TOML file on how they were found."""
     by_hand = {key for key in ("bpm", "first_beat_s") if key in fields}
-    recording = asked_entry(file, {"bpm": 120.0, "first_beat_s": 0.0} | fields).recording
+    recording = request_entry(file, {"bpm": 120.0, "first_beat_s": 0.0} | fields).recording
     # a given anchor counts from the file's first frame, unless the dropped frames are given too
     kept = recording.drop_frames if "drop_frames" in fields or "first_beat_s" in by_hand else None
     found = find_sync(
-        SyncWish(
+        SyncRequest(
             file=file,
             skeleton=None if recording.skeleton is None else Path(recording.skeleton),
             fps=recording.fps,
@@ -117,7 +117,7 @@ def _with_music(
     return fields, comments
 
 
-def _say(console: Console, found: Sync) -> None:
+def _say(console: Console, found: SyncResult) -> None:
     reference, guessed = found.reference, found.guessed
     console.print(
         f"{'guess, to be confirmed' if guessed else 'music found'}: {reference.bpm:.2f} bpm, first beat at "
@@ -128,7 +128,7 @@ def _say(console: Console, found: Sync) -> None:
     )
 
 
-def _say_again(console: Console, fields: dict[str, Any], comments: dict[str, str]) -> None:
+def _print_known_guess(console: Console, fields: dict[str, Any], comments: dict[str, str]) -> None:
     told = {"bpm": f"{fields['bpm']:.2f} bpm", "first_beat_s": f"first beat at {fields['first_beat_s']:.3f} s"}
     words = ", ".join(told[key] for key in comments)
     console.print(
@@ -138,10 +138,10 @@ def _say_again(console: Console, fields: dict[str, Any], comments: dict[str, str
     )
 
 
-def _added_frames(entry: AskedEntry, reader: RecordingReader) -> list[tuple[str, str]]:
+def _untrimmed_warning(entry: RequestedEntry, reader: RecordingReader) -> list[tuple[str, str]]:
     """Return a warning if a T-pose before the dance is not dropped."""
     recording, motion = entry.recording, reader.motion(entry)
-    frames = find_beginning(body_tracks(motion, fps=recording.fps, up=recording.up)).drop_frames
+    frames = find_recording_start(body_tracks(motion, fps=recording.fps, up=recording.up)).drop_frames
     if frames <= recording.drop_frames:
         return []
     less = (frames - recording.drop_frames) / (recording.fps or motion.header_fps)

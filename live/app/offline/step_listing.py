@@ -22,7 +22,7 @@ def user_library() -> Path:
     return Path(platformdirs.user_data_dir("choreographics-live")) / "steps"
 
 
-def folders(library: Path | None) -> list[Path]:
+def library_folders(library: Path | None) -> list[Path]:
     """Return the given folder, else the user's (if it exists) and the built-in one."""
     if library is not None:
         return [library]
@@ -39,11 +39,11 @@ class NamedStep:
     folder: Path
 
     @property
-    def ways(self) -> list[str]:
+    def directions(self) -> list[str]:
         """The directions of its variations."""
         return list(dict.fromkeys(clip.direction for clip in self.clips))
 
-    def told(self, field: str) -> list[str]:
+    def values_of(self, field: str) -> list[str]:
         """Return the different non-empty values of a field in its variations."""
         return list(dict.fromkeys(str(getattr(c, field)) for c in self.clips if getattr(c, field) not in ("", None)))
 
@@ -56,7 +56,7 @@ class NamedStep:
 def named_steps(library: Path | None) -> list[NamedStep]:
     """Return all steps, folder by folder; an earlier step hides later ones of the same name."""
     found: dict[str, NamedStep] = {}
-    for folder in folders(library):
+    for folder in library_folders(library):
         clips = load_folder(folder)
         for name in dict.fromkeys(clip.step for clip in clips):
             own = tuple(clip for clip in clips if clip.step == name)

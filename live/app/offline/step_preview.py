@@ -9,7 +9,7 @@ from rich.console import Console
 
 from live.app.launch_options import LaunchOptions
 from live.app.offline.step_listing import find_step, named_steps
-from live.app.session_audio import Sound
+from live.app.session_audio import AudioChoice
 from live.base.errors import PersonError
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
@@ -21,12 +21,12 @@ from live.show.patch.section_motion import GroupSection, LocomotionSection
 from live.show.patch.section_music import ClockSection
 from live.show.patch.section_stage import CameraSection, StageSection
 
-MOST = 16
+MAX_VARIATIONS = 16
 """Maximum number of variations shown at once."""
 PER_ROW = 8
-GAP = 1.7
+DANCER_SPACING = 1.7
 """Distance between dancers [m]."""
-ANY_POSE = 2.0
+ANY_POSE_THRESHOLD = 2.0
 """Join threshold [m], so large that the step can loop whatever its ends are."""
 LOOPS = 8
 """Number of loops in a film without --seconds."""
@@ -67,11 +67,13 @@ class PreviewOptions(LaunchOptions):
 def play_step(preview: Preview) -> None:
     """Show the step in a window, as a film or headless; raise PersonError if that fails."""
     step = find_step(named_steps(preview.library), preview.step)
-    chosen = _chosen(list(step.clips), preview.variation)
+    chosen = _select_clips(list(step.clips), preview.variation)
     console = Console(stderr=True, highlight=False)
-    if len(chosen) > MOST:
-        console.print(f"{len(chosen)} variations, the first {MOST} are shown; select others with --variation N")
-        chosen = chosen[:MOST]
+    if len(chosen) > MAX_VARIATIONS:
+        console.print(
+            f"{len(chosen)} variations, the first {MAX_VARIATIONS} are shown; select others with --variation N"
+        )
+        chosen = chosen[:MAX_VARIATIONS]
     for number, clip in chosen:
         mirrored = ", mirrored" if clip.mirrored else ""
         words = f"{number}: {clip.direction}{mirrored}, {clip.measures} measures at {clip.bpm:g} bpm"
@@ -92,7 +94,7 @@ def play_step(preview: Preview) -> None:
 
         warm_kernels(console)
         seconds = preview.seconds or LOOPS * loop
-        film_show(options, loaded, Sound(), path=preview.film, seconds=seconds, console=console)
+        film_show(options, loaded, AudioChoice(), path=preview.film, seconds=seconds, console=console)
         console.print(f"film written: {preview.film.resolve()}", soft_wrap=True, markup=False)
         return
     if not preview.headless and not list_monitors():  # play_show then makes a film: name it after the step
@@ -101,7 +103,7 @@ def play_step(preview: Preview) -> None:
     play_show(options)
 
 
-def _chosen(clips: list[StepClip], variation: int | None) -> list[tuple[int, StepClip]]:
+def _select_clips(clips: list[StepClip], variation: int | None) -> list[tuple[int, StepClip]]:
     numbered = list(enumerate(clips, start=1))
     if variation is None:
         return numbered
@@ -124,27 +126,29 @@ def preview_show(name: str, clips: list[StepClip], *, travelling: bool) -> Loade
     rows = math.ceil(len(clips) / PER_ROW)
     columns = math.ceil(len(clips) / rows)
     room = TRAVEL_LOOPS * max(float(np.hypot(*travel(clip))) for clip in clips) if travelling else 0.0
-    width, depth = columns * GAP + 2.0 + 2 * room, rows * GAP + 2.0 + 2 * room
+    width, depth = columns * DANCER_SPACING + 2.0 + 2 * room, rows * DANCER_SPACING + 2.0 + 2 * room
     groups = []
     for number, own in enumerate(names):
         row, column = divmod(number, columns)
         in_row = min(columns, len(names) - row * columns)
-        centre = ((column - (in_row - 1) / 2) * GAP, ((rows - 1) / 2 - row) * GAP)
+        centre = ((column - (in_row - 1) / 2) * DANCER_SPACING, ((rows - 1) / 2 - row) * DANCER_SPACING)
         groups.append(GroupSection(name=own[:60] + str(number), dancers=1, steps=(f"{own} x1",), centre=centre))
     patch = Patch(
         name=f"Step {name}"[:64],
         reserve=0,
         clock=ClockSection(bpm=clips[0].bpm, beats_per_measure=clips[0].beats_per_measure),
         stage=StageSection(width=min(width, 200.0), depth=min(depth, 200.0)),
-        camera=_camera(columns * GAP + 2 * room, rows * GAP + 2 * room),
+        camera=_camera(columns * DANCER_SPACING + 2 * room, rows * DANCER_SPACING + 2 * room),
         locomotion=LocomotionSection(
-            threshold_m=ANY_POSE, correction_m=0.0 if travelling else 0.1, turn_deg=0.0 if travelling else 10.0
+            threshold_m=ANY_POSE_THRESHOLD,
+            correction_m=0.0 if travelling else 0.1,
+            turn_deg=0.0 if travelling else 10.0,
         ),
         group=tuple(groups),
     )
     window = min(1.0, patch.locomotion.transition_beats / patch.clock.beats_per_measure)
     try:
-        graph = build_graph(build_library(shown), window=window, threshold=ANY_POSE)
+        graph = build_graph(build_library(shown), window=window, threshold=ANY_POSE_THRESHOLD)
     except ValueError as error:
         raise PersonError(f"step {name!r}: {error}") from None
     return LoadedShow(Path(patch.name), patch, graph)

@@ -17,26 +17,26 @@ from live.app.offline.step_listing import (
     SKETCH_THRESHOLD_M,
     NamedStep,
     find_step,
-    folders,
+    library_folders,
     named_steps,
     threshold_for,
 )
-from live.app.option_values import writable_file
+from live.app.option_values import check_writable
 from live.app.pictures.reach_picture import PngCanvas, SvgCanvas, draw_reach
-from live.app.whole_file import write_whole
+from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
-from live.graph.clusters import followers
+from live.graph.clusters import successors
 from live.graph.motion_graph import build_graph
 from live.graph.select.candidates import find_candidates
 from live.graph.select.reachability import Reach, reach_of
 from live.graph.step_library import build_library
 from live.library.library_check import Finding, check_connections, check_folder
-from live.library.recording_file import nothing_in
+from live.library.recording_file import no_steps_error
 from live.motion.step_clip import StepClip, beat_contacts, foot_slide, travel
 from live.show.patch.patch_search_path import PATCHES
 
 
-def row_of(step: NamedStep) -> dict[str, Any]:
+def step_row(step: NamedStep) -> dict[str, Any]:
     """Return a step as JSON: the values of all its variations."""
     first = step.clips[0]
     distances = [round(clip.distance_m, 3) for clip in step.clips]
@@ -47,14 +47,14 @@ def row_of(step: NamedStep) -> dict[str, Any]:
         "beats_per_measure": first.beats_per_measure,
         "beats": sorted({clip.beats for clip in step.clips}),
         "bpm": sorted({round(clip.bpm, 3) for clip in step.clips}),
-        "directions": step.ways,
+        "directions": step.directions,
         "distance_m": [min(distances), max(distances)],
-        "leading_foot": step.told("leading_foot"),
-        "begin_pose": step.told("begin_pose"),
-        "end_pose": step.told("end_pose"),
+        "leading_foot": step.values_of("leading_foot"),
+        "begin_pose": step.values_of("begin_pose"),
+        "end_pose": step.values_of("end_pose"),
         "weight_transfer": any(clip.weight_transfer for clip in step.clips),
-        "author": step.told("author"),
-        "style": step.told("style"),
+        "author": step.values_of("author"),
+        "style": step.values_of("style"),
         "tags": step.tags,
         "folder": str(step.folder),
     }
@@ -62,7 +62,7 @@ def row_of(step: NamedStep) -> dict[str, Any]:
 
 def print_list(library: Path | None, as_json: bool) -> None:
     """Print all steps; raise PersonError if the library cannot be read."""
-    rows = [row_of(step) for step in named_steps(library)]
+    rows = [step_row(step) for step in named_steps(library)]
     if as_json:
         print(json.dumps(rows, ensure_ascii=False, indent=1))
         return
@@ -114,11 +114,11 @@ def print_step(name: str, library: Path | None, as_json: bool) -> None:
     graph_library = build_library(clips)
     index = graph_library.steps.index(step.name)
     threshold = threshold_for(steps)
-    row = row_of(step) | {
+    row = step_row(step) | {
         "clips": [clip_row(number, clip) for number, clip in enumerate(step.clips, start=1)],
         "followers": [
             {"step": f.step, "distance_m": round(f.distance_m, 4), "pairs": f.pairs}
-            for f in followers(graph_library, index, threshold=threshold)
+            for f in successors(graph_library, index, threshold=threshold)
         ],
         "threshold_m": threshold,
     }
@@ -156,7 +156,7 @@ def _print_row(row: dict[str, Any]) -> None:
         console.print(text, style=style, soft_wrap=True, markup=False)
 
     say(row["name"], "bold")
-    for label, value in _told(row):
+    for label, value in _detail_rows(row):
         say(f"  {label:<16} {value}")
     say()
     for clip in row["clips"]:
@@ -180,7 +180,7 @@ def _print_row(row: dict[str, Any]) -> None:
         say(f"  no step can follow it within {row['threshold_m']:g} m: record a step that begins as it ends", "yellow")
 
 
-def _told(row: dict[str, Any]) -> list[tuple[str, str]]:
+def _detail_rows(row: dict[str, Any]) -> list[tuple[str, str]]:
     beats = ", ".join(f"{count}" for count in row["beats"])
     told = [("length", f"{beats} beats, {row['beats_per_measure']} to a measure"), ("folder", row["folder"])]
     for key in ("leading_foot", "begin_pose", "end_pose", "author", "style", "tags"):
@@ -191,7 +191,7 @@ def _told(row: dict[str, Any]) -> list[tuple[str, str]]:
     return told
 
 
-ANY_POSE_M = 1e3
+ANY_POSE_THRESHOLD = 1e3
 """Join threshold [m] for reach pictures, which do not depend on joins."""
 
 
@@ -199,7 +199,7 @@ def check_picture(to: Path) -> None:
     """Raise PersonError unless the picture could be written."""
     if to.suffix.lower() not in (".svg", ".png"):
         raise PersonError(f"--reach {to}: a name that ends in .svg or .png expected", f"--reach {to.stem}.svg")
-    writable_file(to, "--reach")
+    check_writable(to, "--reach")
 
 
 def reach_of_step(name: str, library: Path | None) -> Reach:
@@ -207,7 +207,7 @@ def reach_of_step(name: str, library: Path | None) -> Reach:
     step = find_step(named_steps(library), name)
     beats = step.clips[0].beats_per_measure
     own = build_library([clip for clip in step.clips if clip.beats_per_measure == beats])
-    graph = build_graph(own, threshold=ANY_POSE_M, prune=False)
+    graph = build_graph(own, threshold=ANY_POSE_THRESHOLD, prune=False)
     return reach_of(graph, find_candidates(graph), 0, beats * 60.0 / step.clips[0].bpm)
 
 
@@ -216,15 +216,15 @@ def write_reach(name: str, library: Path | None, to: Path) -> None:
     check_picture(to)
     canvas = SvgCanvas() if to.suffix.lower() == ".svg" else PngCanvas()
     draw_reach(reach_of_step(name, library), canvas)
-    write_whole(canvas.data(), to, "--reach")
+    write_atomically(canvas.data(), to, "--reach")
 
 
 def print_findings(library: Path | None, as_json: bool) -> int:
     """Print all findings; return the number of errors. Raise PersonError if a folder cannot be read."""
-    where = folders(library)
+    where = library_folders(library)
     checked = [check_folder(folder) for folder in where]
     if not any(one.steps or one.findings for one in checked):
-        raise nothing_in(where[0])
+        raise no_steps_error(where[0])
     findings = [finding for one in checked for finding in one.findings]
     sketched = all(folder == PATCHES / "steps" for folder in where)
     findings += check_connections(checked, where[0], SKETCH_THRESHOLD_M if sketched else RECORDING_THRESHOLD_M)
@@ -245,7 +245,7 @@ def _row(finding: Finding) -> dict[str, Any]:
         "file": str(problem.file),
         "line": problem.line,
         "field": problem.field or None,
-        "what": problem.words,
+        "what": problem.message,
     }
 
 

@@ -8,26 +8,33 @@ from pathlib import Path
 from rich.console import Console
 
 from live.app.offline.dance_report import check_targets, write_motion
-from live.app.offline.step_listing import folders
-from live.app.whole_file import write_whole
+from live.app.offline.step_listing import library_folders
+from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
 from live.library.capture_material import read_material
-from live.library.motion_file import MOTION_ENDINGS, read_motion
+from live.library.motion_file import MOTION_SUFFIXES, read_motion
 from live.library.recording_file import read_step_files
 from live.library.step_folder import MAX_STEP_BYTES, plain_name, sketched_steps
-from live.library.textured_steps import Enriched, Upper, enrich, material_for, textured_beside, textured_text
+from live.library.textured_steps import (
+    EnrichedStep,
+    UpperBodyMode,
+    build_material,
+    enrich,
+    textured_path,
+    textured_text,
+)
 from live.motion.clip import Clip, resample
 from live.motion.retarget.retarget import retarget
 from live.motion.step_clip import StepClip
 from live.motion.texture.frequency_bands import sample_clip
-from live.motion.texture.texture_corpus import material_of
-from live.motion.texture.texture_report import figures_of
-from live.motion.texture.texture_settings import Wish
-from live.motion.texture.texture_synthesis import textured
+from live.motion.texture.texture_corpus import make_corpus
+from live.motion.texture.texture_report import make_report
+from live.motion.texture.texture_settings import TextureSettings
+from live.motion.texture.texture_synthesis import texture_sketch
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class TextureOptions:
     """Options of the command besides the texture settings."""
 
     sketch: str
@@ -51,50 +58,52 @@ class _Sketch:
     last: float
 
 
-def make(asked: Asked, wish: Wish) -> None:
+def run_texture(options: TextureOptions, settings: TextureSettings) -> None:
     """Texture the sketch and write a file for each path; raise PersonError if that fails."""
-    targets = [asked.out] if wish.paths == 1 else [_numbered(asked.out, n) for n in range(1, wish.paths + 1)]
+    targets = (
+        [options.out] if settings.paths == 1 else [_numbered(options.out, n) for n in range(1, settings.paths + 1)]
+    )
     for target in targets:
-        check_targets(target, asked.report, force=asked.force)
-    sketch = _read_sketch(asked)
+        check_targets(target, options.report, force=options.force)
+    sketch = _read_sketch(options)
     began = time.perf_counter()
-    recorded = read_material(asked.places, fps=asked.fps, drop_frames=asked.drop_frames)
+    recorded = read_material(options.places, fps=options.fps, drop_frames=options.drop_frames)
     read = time.perf_counter()
-    material = material_of([one.clip for one in recorded.clips], [sample_clip(sketch.clip)])
-    found = textured(sketch.clip, material, wish)
+    material = make_corpus([one.clip for one in recorded.clips], [sample_clip(sketch.clip)])
+    found = texture_sketch(sketch.clip, material, settings)
     made = time.perf_counter()
     console = Console(highlight=False, soft_wrap=True)
-    for words in recorded.passed:
+    for words in recorded.skipped:
         console.print(f"passed over: {words}", style="yellow", markup=False)
     for target, one in zip(targets, found, strict=False):
-        clip = resample(one.clip, asked.rate, first=sketch.first, last=sketch.last)
+        clip = resample(one.clip, options.rate, first=sketch.first, last=sketch.last)
         write_motion(clip, target)
-        joins = one.parts.count - 1
+        joins = one.fragments.count - 1
         console.print(
-            f"{target}: {clip.seconds:.2f} s of {one.parts.count} pieces, {one.free} of {joins} joins were none in the "
+            f"{target}: {clip.seconds:.2f} s of {one.fragments.count} pieces, {one.consecutive_joins} of {joins} joins were none in the "
             f"recordings either; matched to {one.distance:.3f} rad",
             markup=False,
         )
-    if len(found) < wish.paths:
-        console.print(f"only {len(found)} of {wish.paths} paths: more candidates (-K) give more", style="yellow")
-    if asked.report is not None:
-        values = figures_of(sketch.clip, material, wish, found)
-        values |= {"sketch": asked.sketch, "out": [str(one) for one in targets[: len(found)]]}
+    if len(found) < settings.paths:
+        console.print(f"only {len(found)} of {settings.paths} paths: more candidates (-K) give more", style="yellow")
+    if options.report is not None:
+        values = make_report(sketch.clip, material, settings, found)
+        values |= {"sketch": options.sketch, "out": [str(one) for one in targets[: len(found)]]}
         values |= {
-            "passed_over": list(recorded.passed),
+            "passed_over": list(recorded.skipped),
             "rates": {one.step: one.clip.sample_rate for one in recorded.clips},
         }
         values |= {"seconds": {"reading": round(read - began, 3), "texturing": round(made - read, 3)}}
-        write_whole((json.dumps(values, ensure_ascii=False, indent=1) + "\n").encode(), asked.report, "--report")
+        write_atomically((json.dumps(values, ensure_ascii=False, indent=1) + "\n").encode(), options.report, "--report")
 
 
 def _numbered(out: Path, number: int) -> Path:
     return out.with_name(f"{out.stem}-{number}{out.suffix}")
 
 
-def _read_sketch(asked: Asked) -> _Sketch:
+def _read_sketch(asked: TextureOptions) -> _Sketch:
     path = Path(asked.sketch)
-    if path.suffix.lower() in MOTION_ENDINGS:
+    if path.suffix.lower() in MOTION_SUFFIXES:
         try:
             motion = read_motion(path)
             clip = retarget(motion, name=path.stem, fps=asked.sketch_fps)
@@ -130,8 +139,8 @@ def enrich_library(
     library: Path | None,
     places: list[Path],
     steps: list[str],
-    wish: Wish,
-    upper: Upper,
+    settings: TextureSettings,
+    upper: UpperBodyMode,
     *,
     fps: float | None,
     remove: bool,
@@ -145,22 +154,22 @@ def enrich_library(
     if not places:
         raise PersonError("there is no motion capture to take texture from", "--with DIR_OR_FILES")
     recorded = read_material(places, fps=fps)
-    for words in recorded.passed:
+    for words in recorded.skipped:
         console.print(f"passed over: {words}", style="yellow", markup=False)
     own = {file: sketched_steps({file: text}) for file, text in sketches.items()}
     everything = [step for clips in own.values() for step in clips if not step.mirrored]
-    material = material_for([one.clip for one in recorded.clips], everything)
+    material = build_material([one.clip for one in recorded.clips], everything)
     seconds = sum(clip.seconds for clip in material.clips)
     console.print(f"{len(material.clips)} recordings, {seconds:.0f} s", markup=False)
-    facts = {"with": [str(place) for place in places], "bands": list(wish.bands), "match_band": wish.match_band}
+    facts = {"with": [str(place) for place in places], "bands": list(settings.bands), "match_band": settings.match_band}
     for file, clips in own.items():
         try:
-            made = enrich(clips, material, wish, upper)
+            made = enrich(clips, material, settings, upper)
         except PersonError as error:
             raise PersonError(f"{file}: {error.message}", error.remedy) from None
         mirror = any(step.mirrored for step in clips)
         text = textured_text(made.clips, sketches[file], facts | {"mirror": mirror})
-        size = write_whole(text.encode(), textured_beside(Path(file)), "--library")
+        size = write_atomically(text.encode(), textured_path(Path(file)), "--library")
         _say(console, clips, made, size)
     console.print("see one: live steps show STEP; remove them: live steps enrich --remove", style="dim")
 
@@ -168,7 +177,7 @@ def enrich_library(
 def _sketches(library: Path | None, wanted: list[str]) -> dict[str, str]:
     """Return sketch texts by file name, of all folders or of the named steps."""
     found: dict[str, str] = {}
-    for folder in folders(library):
+    for folder in library_folders(library):
         found |= read_step_files(folder).sketches
     if not found:
         raise PersonError("there is no sketched step to texture", "sketches are TOML files: docs/steps.md")
@@ -184,7 +193,7 @@ def _sketches(library: Path | None, wanted: list[str]) -> dict[str, str]:
 def _remove(console: Console, sketches: dict[str, str]) -> None:
     gone = 0
     for file in sketches:
-        path = textured_beside(Path(file))
+        path = textured_path(Path(file))
         if path.is_file():
             try:
                 path.unlink()
@@ -194,10 +203,10 @@ def _remove(console: Console, sketches: dict[str, str]) -> None:
     console.print(f"{gone} files of textured steps removed", markup=False)
 
 
-def _say(console: Console, clips: list[StepClip], made: Enriched, size: int) -> None:
-    how = "made" if made.made else "textured"
+def _say(console: Console, clips: list[StepClip], made: EnrichedStep, size: int) -> None:
+    how = "made" if made.replaced_upper else "textured"
     console.print(
         f"{clips[0].step}: {len(made.clips)} versions, upper body {how}, matched to {made.distance:.3f} rad, "
-        f"{made.free:.0%} of joins as recorded, {made.kept:.0%} of it left at measure lines, {size // 1000} kB",
+        f"{made.continuous_share:.0%} of joins as recorded, {made.kept_share:.0%} of it left at measure lines, {size // 1000} kB",
         markup=False,
     )

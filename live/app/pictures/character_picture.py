@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from live.app.offline.step_listing import named_steps
-from live.app.whole_file import write_whole
+from live.app.whole_file import write_atomically
 from live.base.body_catalogue import CharacterFile
 from live.base.errors import PersonError
 from live.base.stage_snapshot import Camera, Look, Scene, StageView
@@ -13,7 +13,7 @@ from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
-from live.render.adaptive_quality import CARD
+from live.render.adaptive_quality import HARDWARE
 from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context, release_headless_context
 from live.render.renderer import Renderer
 
@@ -23,22 +23,24 @@ _TURNS = (18.0, -28.0, 150.0)
 """Heading in each moment [degrees]; the last one shows the back."""
 
 
-def draw_character(said: CharacterFile, out: Path, step: str | None, size: tuple[int, int]) -> None:
+def draw_character(character: CharacterFile, out: Path, step: str | None, size: tuple[int, int]) -> None:
     """Draw the character in `step` (None: the first step) to a PNG file; raise PersonError if that fails."""
     from io import BytesIO
 
     from PIL import Image
 
-    view = _dancing(_step(step))
+    view = _view_of_step(_step(step))
     camera = Camera(eye=(0.0, 1.5, 7.4), target=(0.0, 0.92, 0.0), field_of_view_deg=22.0)
-    scene = Scene((10.0, 7.0), camera, Look(), MOMENTS, JOINT_COUNT, bodies=(said.name,) * MOMENTS, characters=(said,))
+    scene = Scene(
+        (10.0, 7.0), camera, Look(), MOMENTS, JOINT_COUNT, bodies=(character.name,) * MOMENTS, characters=(character,)
+    )
     try:
         ctx = create_headless_context()
     except NoOpenGL as error:
         raise PersonError(str(error)) from None
     try:
         target = OffscreenTarget(ctx, size)
-        renderer = Renderer(ctx, scene, size=size, quality=CARD)
+        renderer = Renderer(ctx, scene, size=size, quality=HARDWARE)
     except ValueError as error:
         raise PersonError(str(error)) from None
     renderer.draw(view, target.framebuffer)
@@ -47,7 +49,7 @@ def draw_character(said: CharacterFile, out: Path, step: str | None, size: tuple
     for thing in (renderer, target):
         thing.release()
     release_headless_context(ctx)
-    write_whole(png.getvalue(), out, "--out")
+    write_atomically(png.getvalue(), out, "--out")
 
 
 def _step(name: str | None) -> StepClip:
@@ -59,7 +61,7 @@ def _step(name: str | None) -> StepClip:
     return wanted[0].clips[0]
 
 
-def _dancing(step: StepClip) -> StageView:
+def _view_of_step(step: StepClip) -> StageView:
     view = StageView.allocate(MOMENTS, JOINT_COUNT)
     samples = step.first + step.samples_per_measure * (np.arange(MOMENTS) + 0.5) / MOMENTS
     rows = np.clip(np.rint(samples).astype(int), 0, step.clip.sample_count - 1)

@@ -26,7 +26,7 @@ SECTIONS: Final = ("#3d6fa5", "#5b9a68", "#c98a2e", "#8a5aa8", "#3b9aa0", "#b857
 SOLOIST: Final = "#d0342c"
 
 
-class _Floor:
+class _FloorScale:
     """Conversion of stage metres to pixels: x to the right, audience below."""
 
     def __init__(self, stage: tuple[float, float]) -> None:
@@ -35,7 +35,7 @@ class _Floor:
         self.width = 2 * SIDE + stage[0] * self.scale
         self.height = TOP + BOTTOM + stage[1] * self.scale
 
-    def at(self, x: float, z: float) -> str:
+    def to_pixels(self, x: float, z: float) -> str:
         return f"{self.middle[0] + x * self.scale:.1f},{self.middle[1] + z * self.scale:.1f}"
 
     def x(self, x: float) -> float:
@@ -49,7 +49,7 @@ def draw_formation(
     formation: Formation,
     stage: tuple[float, float],
     *,
-    ways: Sequence[Float64] = (),
+    paths: Sequence[Float64] = (),
     outside: Sequence[int] = (),
     title: str = "",
     under: str = "",
@@ -59,17 +59,17 @@ def draw_formation(
     `ways`: the path of each dancer into their slot, each (K, 2) [m]; an empty ring marks its start. Slots in `outside`
     get a red ring. `title` is above, `under` below the picture.
     """
-    floor = _Floor(stage)
+    floor = _FloorScale(stage)
     size = f'width="{floor.width:.0f}" height="{floor.height:.0f}"'
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="Helvetica, Arial, sans-serif">']
     parts.append(f'<rect {size} fill="white"/>')
     parts += _stage(floor, stage)
     for points in formation.lines:
-        drawn = " ".join(floor.at(x, z) for x, z in points)
+        drawn = " ".join(floor.to_pixels(x, z) for x, z in points)
         parts.append(f'<polyline points="{drawn}" fill="none" stroke="{DRAWN}" stroke-width="1.5"/>')
     if formation.symmetry is not None:
         parts.append(_axis(floor, formation.symmetry, stage))
-    parts += [_way(floor, way) for way in ways]
+    parts += [_path(floor, way) for way in paths]
     for n, (x, z) in enumerate(formation.slots):
         parts += _dancer(floor, formation, n, float(x), float(z), n in outside)
     parts.append(_text(SIDE, 30, title[:80], 18, INK))
@@ -78,18 +78,18 @@ def draw_formation(
     return "\n".join([*parts, "</svg>", ""])
 
 
-def _axis(floor: _Floor, line: SymmetryLine, stage: tuple[float, float]) -> str:
+def _axis(floor: _FloorScale, line: SymmetryLine, stage: tuple[float, float]) -> str:
     """Draw the part of the symmetry line that is on the stage."""
-    along = np.linspace(-1.0, 1.0, 2001)[:, None] * (math.hypot(*stage) + float(np.hypot(*line.point))) * line.along
+    along = np.linspace(-1.0, 1.0, 2001)[:, None] * (math.hypot(*stage) + float(np.hypot(*line.point))) * line.direction
     points = line.point + along
     points = points[(np.abs(points) <= np.array(stage) / 2 + 1e-9).all(axis=1)]
     if len(points) < 2:
         return ""
-    ends = f'points="{floor.at(*points[0])} {floor.at(*points[-1])}"'
+    ends = f'points="{floor.to_pixels(*points[0])} {floor.to_pixels(*points[-1])}"'
     return f'<polyline {ends} fill="none" stroke="{AXIS}" stroke-width="1.2" stroke-dasharray="7 5"/>'
 
 
-def _stage(floor: _Floor, stage: tuple[float, float]) -> list[str]:
+def _stage(floor: _FloorScale, stage: tuple[float, float]) -> list[str]:
     width, depth = stage
     parts = [
         f'<rect x="{floor.x(-width / 2):.1f}" y="{floor.y(-depth / 2):.1f}" width="{width * floor.scale:.1f}" '
@@ -111,14 +111,16 @@ def _stage(floor: _Floor, stage: tuple[float, float]) -> list[str]:
     return parts
 
 
-def _dancer(floor: _Floor, formation: Formation, n: int, x: float, z: float, outside: bool) -> list[str]:
+def _dancer(floor: _FloorScale, formation: Formation, n: int, x: float, z: float, outside: bool) -> list[str]:
     """Draw a dancer with a tip in facing direction; soloists red with a dark ring, `outside` with a red ring."""
     soloist = bool(formation.soloist[n])
     colour = SOLOIST if soloist else SECTIONS[max(int(formation.section[n]), 0) % len(SECTIONS)]
     heading = float(formation.heading[n])
     radius = BODY * floor.scale * 0.8
-    tip = floor.at(x + 0.42 * math.sin(heading), z + 0.42 * math.cos(heading))
-    wings = [floor.at(x + 0.2 * math.sin(heading + side), z + 0.2 * math.cos(heading + side)) for side in (1.1, -1.1)]
+    tip = floor.to_pixels(x + 0.42 * math.sin(heading), z + 0.42 * math.cos(heading))
+    wings = [
+        floor.to_pixels(x + 0.2 * math.sin(heading + side), z + 0.2 * math.cos(heading + side)) for side in (1.1, -1.1)
+    ]
     centre = f'cx="{floor.x(x):.1f}" cy="{floor.y(z):.1f}"'
     parts = [
         f'<polygon points="{tip} {wings[0]} {wings[1]}" fill="{colour}"/>',
@@ -130,8 +132,8 @@ def _dancer(floor: _Floor, formation: Formation, n: int, x: float, z: float, out
     return parts
 
 
-def _way(floor: _Floor, way: Float64) -> str:
-    points = " ".join(floor.at(float(x), float(z)) for x, z in way)
+def _path(floor: _FloorScale, way: Float64) -> str:
+    points = " ".join(floor.to_pixels(float(x), float(z)) for x, z in way)
     start = f'cx="{floor.x(float(way[0, 0])):.1f}" cy="{floor.y(float(way[0, 1])):.1f}"'
     return (
         f'<polyline points="{points}" fill="none" stroke="{WAY}" stroke-width="1.5" class="way"/>'

@@ -46,7 +46,7 @@ class _Scale:
     metres: float
     """Distance from the centre to the edge [m]."""
 
-    def at(self, way: Float64 | Point) -> Point:
+    def to_pixels(self, way: Float64 | Point) -> Point:
         pixels = 0.42 * SIZE / self.metres
         return SIZE / 2 - pixels * float(way[0]), TOP + SIZE / 2 - pixels * float(way[1])
 
@@ -58,19 +58,19 @@ def draw_reach(reach: Reach, canvas: Canvas) -> None:
     """Draw rings every quarter or half metre, the region with turns, mixtures, clips, and missing directions."""
     everything = np.concatenate([reach.clips, reach.mixed, reach.turned.reshape(-1, 2)])
     scale = _Scale(max(0.25, 1.05 * float(np.hypot(*everything.T).max(initial=0.0))))
-    canvas.polygon([scale.at(way) for way in outline(reach.turned.reshape(-1, 2))], TURNED)
+    canvas.polygon([scale.to_pixels(way) for way in outline(reach.turned.reshape(-1, 2))], TURNED)
     ring = 0.25 if scale.metres <= 1.0 else 0.5
     for n in range(1, int(scale.metres / ring) + 1):
-        canvas.circle(scale.at((0.0, 0.0)), scale.radius(n * ring), None, FAINT)
-        x, y = scale.at((0.0, -n * ring))
+        canvas.circle(scale.to_pixels((0.0, 0.0)), scale.radius(n * ring), None, FAINT)
+        x, y = scale.to_pixels((0.0, -n * ring))
         canvas.text((x + 4, y - 3), f"{n * ring:g} m", 12, "#888888")
     for way in reach.mixed:
-        canvas.circle(scale.at(way), 2.5, MIXED)
+        canvas.circle(scale.to_pixels(way), 2.5, MIXED)
     for way in reach.clips:
-        canvas.line(scale.at((0.0, 0.0)), scale.at(way), CLIP, 1.0)
-        canvas.circle(scale.at(way), 5.0, CLIP)
+        canvas.line(scale.to_pixels((0.0, 0.0)), scale.to_pixels(way), CLIP, 1.0)
+        canvas.circle(scale.to_pixels(way), 5.0, CLIP)
     _draw_missing(reach, scale, canvas)
-    x, y = scale.at((0.0, 0.0))
+    x, y = scale.to_pixels((0.0, 0.0))
     canvas.polygon([(x, y - 13), (x - 8, y + 8), (x + 8, y + 8)], INK)  # the dancer faces up
     canvas.text((16, 28), f"{reach.step[:LONGEST_NAME]}: where one measure leads", 19, INK)
     words = "large dots: clips, small: mixtures, shaded: turned by up to 90°"
@@ -82,18 +82,18 @@ def _draw_missing(reach: Reach, scale: _Scale, canvas: Canvas) -> None:
     for name in reach.missing:
         angle = DIRECTION_NAMES.index(name) * ARC
         end = (0.97 * scale.metres * math.sin(angle), 0.97 * scale.metres * math.cos(angle))
-        canvas.line(scale.at((0.0, 0.0)), scale.at(end), MISSING, 1.5, dashed=True)
-        x, y = scale.at(end)
+        canvas.line(scale.to_pixels((0.0, 0.0)), scale.to_pixels(end), MISSING, 1.5, dashed=True)
+        x, y = scale.to_pixels(end)
         side = "middle" if abs(end[0]) < 0.1 * scale.metres else ("end" if x < SIZE / 2 else "start")
         canvas.text((x, y + (14 if end[1] < -0.1 * scale.metres else -6)), name, 12, MISSING, side)
 
 
-def outline(ways: Float64) -> list[Point]:
+def outline(positions: Float64) -> list[Point]:
     """Return the region's border: the farthest of `ways` (n, 2) from the centre in each of `SECTORS` sectors."""
-    heading = np.arctan2(ways[:, 0], ways[:, 1])
+    heading = np.arctan2(positions[:, 0], positions[:, 1])
     sector = np.round(heading / (2.0 * math.pi) * SECTORS).astype(np.int64) % SECTORS
     radius = np.zeros(SECTORS)
-    np.maximum.at(radius, sector, np.hypot(*ways.T))
+    np.maximum.at(radius, sector, np.hypot(*positions.T))
     angles = np.arange(SECTORS) / SECTORS * 2.0 * math.pi
     return [(float(r * math.sin(a)), float(r * math.cos(a))) for r, a in zip(radius, angles, strict=True)]
 
@@ -169,9 +169,9 @@ class PngCanvas:
     def text(self, at: Point, words: str, size: int, colour: str, anchor: str = "start") -> None:
         from PIL import ImageFont
 
-        from live.render.lettering import readable
+        from live.render.lettering import without_accents
 
-        font, words = ImageFont.load_default(self.FINE * size), readable(words)
+        font, words = ImageFont.load_default(self.FINE * size), without_accents(words)
         place = {"start": "ls", "middle": "ms", "end": "rs"}[anchor]
         self._draw.text((self.FINE * at[0], self.FINE * at[1]), words, fill=colour, font=font, anchor=place)
 

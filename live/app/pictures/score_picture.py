@@ -82,10 +82,10 @@ def _box(box: "Box", track: "Track", first: int, end: int, y: float, colours: li
     fill = FILLS[box.kind] or colours[track.group]
     style = ' stroke-dasharray="3 2" fill-opacity="0.45"' if box.kind == "improvised" else ' fill-opacity="0.75"'
     most = max(1, int((right - left - 6) / 5.6))
-    words = box.words if len(box.words) <= most else box.words[: max(1, most - 1)] + "…"
+    words = box.label if len(box.label) <= most else box.label[: max(1, most - 1)] + "…"
     return [
         f'<rect x="{left + 1}" y="{y + 1:.0f}" width="{right - left - 2}" height="{HEIGHT - 2}" rx="3" fill="{fill}" '
-        f'stroke="#666" stroke-width="0.6"{style}><title>{escape(box.words)}: {box.first + 1} to {box.last + 1}'
+        f'stroke="#666" stroke-width="0.6"{style}><title>{escape(box.label)}: {box.first + 1} to {box.last + 1}'
         "</title></rect>",
         f'<text x="{left + 5}" y="{y + 14:.0f}">{escape(words)}</text>',
     ]

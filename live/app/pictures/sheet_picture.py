@@ -7,13 +7,13 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
-from live.app.offline.sheet_moments import Taken
-from live.render.lettering import readable
+from live.app.offline.sheet_moments import SheetMoment
+from live.render.lettering import without_accents
 
 Picture = npt.NDArray[np.uint8]
 Colour = tuple[int, int, int]
 
-TALLEST: Final = 30_000
+MAX_HEIGHT: Final = 30_000
 """Maximum height of a sheet [pixels]: few programs open larger pictures."""
 
 
@@ -44,34 +44,36 @@ class Sheet:
             for name, share in (("title", 3.2), ("number", 2.1), ("plain", 1.4), ("small", 1.25))
         }
 
-    def draw(self, pictures: list[tuple[Picture, Taken]], title: str, told: str) -> Image.Image:
+    def draw(self, pictures: list[tuple[Picture, SheetMoment]], title: str, subtitle: str) -> Image.Image:
         """Draw the sheet; `told`: small text next to the title."""
-        width, height = self.measures(len(pictures))
+        width, height = self.size_for(len(pictures))
         image = Image.new("RGB", (width, height), self._paper.ground)
         pen = ImageDraw.Draw(image)
         baseline = round(self._margin + 3.0 * self._unit)
-        room = width - 2 * self._margin - pen.textlength(told, self._fonts["plain"]) - 2.0 * self._unit
-        title = self._fitting(pen, title, room, "title")
+        room = width - 2 * self._margin - pen.textlength(subtitle, self._fonts["plain"]) - 2.0 * self._unit
+        title = self._shorten(pen, title, room, "title")
         pen.text((self._margin, baseline), title, self._paper.ink, self._fonts["title"], anchor="ls")
-        pen.text((width - self._margin, baseline), told, self._paper.faint, self._fonts["plain"], anchor="rs")
-        last: Taken | None = None
+        pen.text((width - self._margin, baseline), subtitle, self._paper.faint, self._fonts["plain"], anchor="rs")
+        last: SheetMoment | None = None
         for number, (picture, taken) in enumerate(pictures):
             row, column = divmod(number, self._columns)
             x = self._margin + column * (self._size[0] + self._gap)
             y = self._head + row * (self._size[1] + self._words + self._gap)
             image.paste(Image.fromarray(picture), (x, y))
-            self._tell(pen, (x, y + self._size[1]), taken, last)
+            self._draw_caption(pen, (x, y + self._size[1]), taken, last)
             last = taken
         return image
 
-    def measures(self, count: int) -> tuple[int, int]:
+    def size_for(self, count: int) -> tuple[int, int]:
         """Return width and height [pixels] of a sheet of `count` pictures."""
         rows = -(-count // self._columns)
         columns = min(self._columns, max(count, 1))
         width = 2 * self._margin + columns * (self._size[0] + self._gap) - self._gap
         return width, self._head + rows * (self._size[1] + self._words + self._gap) - self._gap + self._margin
 
-    def _tell(self, pen: ImageDraw.ImageDraw, corner: tuple[int, int], taken: Taken, last: Taken | None) -> None:
+    def _draw_caption(
+        self, pen: ImageDraw.ImageDraw, corner: tuple[int, int], taken: SheetMoment, last: SheetMoment | None
+    ) -> None:
         """Draw the text under a picture with this lower left corner."""
         u, paper, fonts = self._unit, self._paper, self._fonts
         left, right, top = corner[0], corner[0] + self._size[0], corner[1]
@@ -87,31 +89,31 @@ class Sheet:
         pen.text((left, line), number, paper.ink, fonts["number"], anchor="ls")
         x = left + pen.textlength(number, fonts["number"]) + u
         if taken.section is not None:
-            words = self._fitting(pen, taken.section, room - x, "plain")
+            words = self._shorten(pen, taken.section, room - x, "plain")
             pen.text((x, line), words, paper.ink if fresh else paper.faint, fonts["plain"], anchor="ls")
             x += pen.textlength(words, fonts["plain"]) + u
         if taken.cue is not None and (last is None or last.cue != taken.cue) and room - x > 3.0 * u:
             pen.polygon([(x, line - u), (x, line), (x + 0.8 * u, line - 0.5 * u)], fill=paper.mark)
-            words = self._fitting(pen, taken.cue, room - x - 1.4 * u, "plain")
+            words = self._shorten(pen, taken.cue, room - x - 1.4 * u, "plain")
             pen.text((x + 1.4 * u, line), words, paper.mark, fonts["plain"], anchor="ls")
-        self._tell_steps(pen, (left, right), line + round(2.4 * u), taken)
+        self._draw_steps(pen, (left, right), line + round(2.4 * u), taken)
 
-    def _tell_steps(self, pen: ImageDraw.ImageDraw, across: tuple[int, int], line: int, taken: Taken) -> None:
+    def _draw_steps(self, pen: ImageDraw.ImageDraw, across: tuple[int, int], line: int, taken: SheetMoment) -> None:
         u, x = self._unit, float(across[0])
         each = (across[1] - x) / max(len(taken.steps), 1)
         radius, alone = 0.38 * u, len(taken.steps) == 1
         for colour, group, step in taken.steps:
             middle = line - 0.42 * u
-            pen.ellipse((x, middle - radius, x + 2.0 * radius, middle + radius), fill=shown(colour))
+            pen.ellipse((x, middle - radius, x + 2.0 * radius, middle + radius), fill=to_srgb(colour))
             words = step if alone else f"{group}: {step}"
             start = x + 1.3 * u
-            used = self._fitting(pen, words, x + each - start - 0.6 * u, "small")
+            used = self._shorten(pen, words, x + each - start - 0.6 * u, "small")
             pen.text((start, line), used, self._paper.ink, self._fonts["small"], anchor="ls")
             x += each
 
-    def _fitting(self, pen: ImageDraw.ImageDraw, words: str, room: float, font: str) -> str:
+    def _shorten(self, pen: ImageDraw.ImageDraw, words: str, room: float, font: str) -> str:
         """Return the text, shortened to fit `room` [pixels]."""
-        words = readable(words)
+        words = without_accents(words)
         if pen.textlength(words, self._fonts[font]) <= room:
             return words
         while words and pen.textlength(words + "…", self._fonts[font]) > room:
@@ -119,7 +121,7 @@ class Sheet:
         return words.rstrip() + "…" if words else ""
 
 
-def shown(colour: tuple[float, float, float]) -> Colour:
+def to_srgb(colour: tuple[float, float, float]) -> Colour:
     """Convert a linear colour to sRGB (IEC 61966-2-1)."""
     light = np.clip(np.array(colour), 0.0, 1.0)
     value = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from live.agents.scenarios.scenario import Float64, Scenario
 
-LONGEST: Final = 1000.0
+LONG_SIDE: Final = 1000.0
 """Longer side of the picture [pixels]."""
-EVERY: Final = 8
+TICKS_PER_POINT: Final = 8
 """Ticks between two points of a path: an eighth of a second."""
 
 
-def ways_picture(scenario: "Scenario", time: "Float64", position: "Float64") -> str:
+def paths_svg(scenario: "Scenario", time: "Float64", position: "Float64") -> str:
     """Return the SVG of a run: rings are starts, crosses are goals, dots are final positions."""
     left, top, width, height = _frame(scenario, position)
     line = 0.02 * max(1.0, max(width, height) / 20.0)
-    scale = LONGEST / max(width, height)
+    scale = LONG_SIDE / max(width, height)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width * scale:.0f}" height="{height * scale:.0f}" '
         f'viewBox="{left:.3f} {top:.3f} {width:.3f} {height:.3f}" fill="none" stroke-width="{line:.3f}">',
@@ -33,7 +33,7 @@ def ways_picture(scenario: "Scenario", time: "Float64", position: "Float64") -> 
     for agent, (goal_x, goal_z) in enumerate(scenario.last_goal.tolist()):
         x, z = scenario.start[agent]
         colour = _colour(math.atan2(goal_x - x, goal_z - z))
-        way = position[::EVERY, agent]
+        way = position[::TICKS_PER_POINT, agent]
         points = " ".join(f"{x:.2f},{z:.2f}" for x, z in way.tolist())
         end_x, end_z = position[-1, agent].tolist()
         parts += [

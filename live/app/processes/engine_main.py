@@ -18,55 +18,55 @@ from typing import TYPE_CHECKING, Final
 
 from rich.console import Console
 
-from live.app.exit_codes import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, end_cleanly, show_person_error
+from live.app.exit_codes import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, install_signal_handlers, show_person_error
 from live.app.launch_options import LaunchOptions
 from live.app.systemd_unit import check_name
 from live.base.errors import PersonError
-from live.base.native_stderr import outlive_terminals
-from live.show.journal.journal_writer import keep_aside
+from live.base.native_stderr import survive_terminal_close
+from live.show.journal.journal_writer import move_aside
 from live.supervisor.adoption.adoption import Adoption, CannotAdopt, EngineHung, find_engine
-from live.supervisor.adoption.journal_resume import cut_off
-from live.supervisor.cpu_priority import ENGINE_NICE, come_forward
+from live.supervisor.adoption.journal_resume import read_interrupted
+from live.supervisor.cpu_priority import ENGINE_NICE, raise_priority
 from live.supervisor.network.identity import Identity, Pairings, load_identity
 from live.supervisor.supervisor import Supervisor
-from live.supervisor.supervisor_config import Orders
-from live.supervisor.supervisor_link import Lifeline
+from live.supervisor.supervisor_config import SupervisorConfig
+from live.supervisor.supervisor_link import SupervisorLink
 
 if TYPE_CHECKING:
     from live.show.loader import LoadedShow
     from live.show.show import Show
 
 
-BEGINNERS: Final = ("engine", "standby")
+STARTING_ROLES: Final = ("engine", "standby")
 """Roles that begin a show instead of resuming one."""
 
 
-def play(lifeline: Lifeline, loaded: "LoadedShow | None" = None, show: "Show | None" = None) -> None:
+def run_role(lifeline: SupervisorLink, loaded: "LoadedShow | None" = None, show: "Show | None" = None) -> None:
     """Run in the role that the supervisor assigns. `loaded`, `show`: inherited from the prefork process, if any."""
-    brief = lifeline.brief()
+    brief = lifeline.receive_brief()
     options = LaunchOptions.decode(brief.show)
     console = Console(stderr=True, highlight=False)
     if brief.role == "nursery":
-        from live.app.processes.warm_standby import be_born
+        from live.app.processes.warm_standby import prefork_engine
 
-        here, loaded, show = be_born(options, lifeline, console)
+        here, loaded, show = prefork_engine(options, lifeline, console)
         if here is not None:
-            end_cleanly()
-            play(here, loaded, show)
+            install_signal_handlers()
+            run_role(here, loaded, show)
         return
     try:
-        _play(brief.role, options, lifeline, loaded, show, console)
+        _run_engine_role(brief.role, options, lifeline, loaded, show, console)
     except PersonError:
-        if brief.role in BEGINNERS:  # the command line is wrong, not a running show: no restart
-            lifeline.tell_end(EXIT_PERSON_ERROR)
+        if brief.role in STARTING_ROLES:  # the command line is wrong, not a running show: no restart
+            lifeline.send_end(EXIT_PERSON_ERROR)
         raise
-    lifeline.tell_end(0)
+    lifeline.send_end(0)
 
 
-def _play(
+def _run_engine_role(
     role: str,
     options: LaunchOptions,
-    lifeline: Lifeline,
+    lifeline: SupervisorLink,
     loaded: "LoadedShow | None",
     show: "Show | None",
     console: Console,
@@ -74,24 +74,24 @@ def _play(
     if role == "engine":
         from live.app.headless_loop import play_show
 
-        come_forward(ENGINE_NICE)
+        raise_priority(ENGINE_NICE)
         play_show(options, lifeline=lifeline)
     elif role == "standby":
-        from live.app.processes.remote_standby import stand_by
+        from live.app.processes.remote_standby import run_remote_standby
 
-        stand_by(options, lifeline, console)
+        run_remote_standby(options, lifeline, console)
     else:
-        from live.app.processes.warm_standby import take_over
+        from live.app.processes.warm_standby import run_warm_standby
 
-        take_over(options, lifeline, loaded, show, waits=role == "spare", console=console)
+        run_warm_standby(options, lifeline, loaded, show, background=role == "spare", console=console)
 
 
 def main() -> None:
     """Run until the show ends; exit codes as for `live`."""
-    end_cleanly()
-    outlive_terminals()
+    install_signal_handlers()
+    survive_terminal_close()
     try:
-        play(Lifeline.inherited(int(sys.argv[1]), int(sys.argv[2])))
+        run_role(SupervisorLink.inherited(int(sys.argv[1]), int(sys.argv[2])))
     except PersonError as error:
         show_person_error(error)
         sys.exit(EXIT_PERSON_ERROR)
@@ -99,22 +99,22 @@ def main() -> None:
         sys.exit(EXIT_INTERRUPTED)
 
 
-SHORT: Final = 60.0
+MIN_SUPERVISED_SECONDS: Final = 60.0
 """Runs shorter than this [s] are not supervised."""
-WISHED: Final = tuple(128 + number for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM))
+SIGNAL_EXIT_CODES: Final = tuple(128 + number for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM))
 """Exit codes of shows that a signal ended."""
-FREE_WITHIN: Final = 5.0
+PORT_FREE_TIMEOUT: Final = 5.0
 """Time limit [s] for the port of a killed engine to become free."""
-PAUSE: Final = 0.05
+RETRY_INTERVAL: Final = 0.05
 PORT: Final = 9020
 """Default port of a machine that leads."""
 ENGINE: Final = ["live.app.processes.engine_main"]
 """The engine's module and its first arguments."""
-SHARE: Final = 0.6
+MEMORY_SHARE: Final = 0.6
 """Share of the machine's memory that an engine may use."""
 
 
-SECRET: Final = ("web_key", "audience_secret")
+GENERATED_OPTIONS: Final = ("web_key", "audience_secret")
 """Options that are generated at each start."""
 
 
@@ -132,7 +132,7 @@ def is_supervised(options: LaunchOptions) -> bool:
         raise PersonError(
             "--lead and --standby need a supervisor: Linux, a screen or --headless, no --record, --shaders and --alone"
         )
-    short = options.seconds is not None and options.seconds < SHORT
+    short = options.seconds is not None and options.seconds < MIN_SUPERVISED_SECONDS
     return able and (machines or not short)
 
 
@@ -151,7 +151,7 @@ def supervise(options: LaunchOptions) -> None:
     label = show_label(options)
     adoption, hung = None, False
     try:
-        adoption = _found(label, say)
+        adoption = _find_running_engine(label, say)
     except EngineHung as error:
         say(str(error))
         hung = True
@@ -159,12 +159,12 @@ def supervise(options: LaunchOptions) -> None:
         console.print(f"error: {error}", style="red", soft_wrap=True, markup=False)
         raise SystemExit(1) from None
     there = {} if adoption is None else adoption.descriptors
-    leads_at = None if lead is None else _endpoint(lead, "--lead")
-    follows = None if standby is None else _endpoint(standby, "--standby")
-    identity, pairings = _network(leads_at, follows)
-    leads = None if leads_at is None else _listening(*leads_at)
+    leads_at = None if lead is None else _parse_endpoint(lead, "--lead")
+    follows = None if standby is None else _parse_endpoint(standby, "--standby")
+    identity, pairings = _load_pairings(leads_at, follows)
+    leads = None if leads_at is None else _listen(*leads_at)
     try:
-        osc = socket.socket(fileno=there["osc"]) if "osc" in there else _bound(*options.osc, hung)
+        osc = socket.socket(fileno=there["osc"]) if "osc" in there else _bind_osc(*options.osc, hung)
     except CannotListen as error:
         if service is None:
             raise PersonError(str(error)) from None
@@ -172,11 +172,11 @@ def supervise(options: LaunchOptions) -> None:
         raise SystemExit(1) from None
     python = [sys.executable, "-m"]
     silent = options.audio is None and (options.bpm is not None or options.is_practice)
-    orders = Orders(
+    orders = SupervisorConfig(
         engine=[*python, *ENGINE],
         show=options.encode() if adoption is None else adoption.show,
         audio=[] if silent else [*python, "live.app.processes.audio_main"],
-        guard=() if options.headless else [*python, "live.app.processes.fallback_window_main"],
+        fallback_window=() if options.headless else [*python, "live.app.processes.fallback_window_main"],
         screen=(options.fullscreen, options.monitor),
         osc=osc,
         osc_reader=[*python, "live.app.processes.osc_reader_main"] if options.osc_process else (),
@@ -185,18 +185,18 @@ def supervise(options: LaunchOptions) -> None:
         identity=identity,
         pairings=pairings,
         follow=follows,
-        budget=int(SHARE * _memory()),
+        memory_budget=int(MEMORY_SHARE * _memory_bytes()),
         label=label,
     )
     left, journal = None, options.journal
     if (service is not None or hung) and adoption is None and journal is not None and standby is None:
-        left = cut_off(journal)
+        left = read_interrupted(journal)
     supervisor = Supervisor(orders, say, adoption, left)
     if left is not None:
-        say(f"the show is resumed from its journal after {left.gone:.0f} s")
+        say(f"the show is resumed from its journal after {left.interrupted_s:.0f} s")
     code = supervisor.run()
-    if left is not None and code not in (0, *WISHED) and not supervisor.engines.danced:
-        say(f"the show cannot be resumed from its journal, now {keep_aside(Path(str(journal)))}: it starts again")
+    if left is not None and code not in (0, *SIGNAL_EXIT_CODES) and not supervisor.engines.has_run:
+        say(f"the show cannot be resumed from its journal, now {move_aside(Path(str(journal)))}: it starts again")
         raise SystemExit(1)  # systemd starts it again
     if code == 128 + signal.SIGINT:
         raise KeyboardInterrupt
@@ -204,25 +204,25 @@ def supervise(options: LaunchOptions) -> None:
         raise SystemExit(code)
 
 
-def _found(label: str, say: Callable[[str], None]) -> Adoption | None:
+def _find_running_engine(label: str, say: Callable[[str], None]) -> Adoption | None:
     adoption = find_engine(label)
     if adoption is not None:
         say(f"adopted the running show: its engine (process {adoption.process.pid}) had no supervisor")
     return adoption
 
 
-def _bound(host: str, port: int, hung: bool) -> socket.socket:
+def _bind_osc(host: str, port: int, hung: bool) -> socket.socket:
     """Return the socket for OSC. After an engine that `hung`, its processes may hold the port for a moment: retry."""
     from live.control.osc.osc_server import CannotListen, bound_socket
 
-    deadline = time.monotonic() + (FREE_WITHIN if hung else 0.0)
+    deadline = time.monotonic() + (PORT_FREE_TIMEOUT if hung else 0.0)
     while True:
         try:
             return bound_socket(host, port)
         except CannotListen:
             if time.monotonic() > deadline:
                 raise
-            time.sleep(PAUSE)
+            time.sleep(RETRY_INTERVAL)
 
 
 def service_label(name: str) -> str:
@@ -232,13 +232,13 @@ def service_label(name: str) -> str:
 
 def show_label(options: LaunchOptions) -> str:
     """Return the label by which this show's engine is found: the same command in the same folder is the same show."""
-    table = {name: value for name, value in asdict(options).items() if name not in SECRET}
+    table = {name: value for name, value in asdict(options).items() if name not in GENERATED_OPTIONS}
     words = json.dumps([os.getcwd(), table], sort_keys=True, default=str)
     begin = "play." if options.service is None else service_label(options.service)
     return begin + hashlib.sha256(words.encode()).hexdigest()[:16]
 
 
-def _endpoint(text: str, option: str) -> tuple[str, int]:
+def _parse_endpoint(text: str, option: str) -> tuple[str, int]:
     """Parse [HOST:]PORT or HOST[:PORT]; the default port is `PORT`, the default host this machine."""
     host, _, port = text.strip().rpartition(":")
     if ":" not in text and not port.isdecimal():
@@ -249,7 +249,9 @@ def _endpoint(text: str, option: str) -> tuple[str, int]:
     return (host or "127.0.0.1").strip("[]"), int(port)
 
 
-def _network(lead: tuple[str, int] | None, follow: tuple[str, int] | None) -> tuple[Identity | None, Pairings | None]:
+def _load_pairings(
+    lead: tuple[str, int] | None, follow: tuple[str, int] | None
+) -> tuple[Identity | None, Pairings | None]:
     """Return this machine's key and pairings if the show runs on several machines; raise PersonError if not paired."""
     if lead is None and follow is None:
         return None, None
@@ -272,7 +274,7 @@ def _is_this_machine(host: str) -> bool:
         return host == "localhost"
 
 
-def _listening(host: str, port: int) -> socket.socket:
+def _listen(host: str, port: int) -> socket.socket:
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
         return socket.create_server((host, port), family=family, backlog=16)
@@ -280,7 +282,7 @@ def _listening(host: str, port: int) -> socket.socket:
         raise PersonError(f"--lead: cannot listen at {host}:{port}: {error.strerror}", "choose another port") from None
 
 
-def _memory() -> int:
+def _memory_bytes() -> int:
     """Return the machine's memory [bytes]."""
     return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
 

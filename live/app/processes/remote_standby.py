@@ -9,41 +9,41 @@ from rich.console import Console
 
 from live.app.kernel_warmup import warm_kernels
 from live.app.launch_options import LaunchOptions
-from live.app.processes.standby_output import StandbyOutput, status_can_be_written
-from live.app.processes.warm_standby import go_on, sound_of
+from live.app.processes.standby_output import StandbyOutput, check_status_writable
+from live.app.processes.warm_standby import available_audio, promote
 from live.base.errors import PersonError
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.time_source import SystemClock
 from live.control.events.events import ControlEvent, TakeOver
 from live.control.osc.osc_server import OscInput
 from live.render.frame_stats import Pacer
 from live.show.journal.replay import ReplayError
 from live.show.loader import LoadedShow
-from live.supervisor.cpu_priority import ENGINE_NICE, come_forward
+from live.supervisor.cpu_priority import ENGINE_NICE, raise_priority
 from live.supervisor.heartbeat import Phase
-from live.supervisor.state_follower import Following
-from live.supervisor.supervisor_link import Lifeline, nobody_left
+from live.supervisor.state_follower import StateFollower
+from live.supervisor.supervisor_link import SupervisorLink, is_abandoned
 
-RATE = 30.0
+STANDBY_FPS = 30.0
 """Pictures per second while another machine leads."""
 
 
-def stand_by(options: LaunchOptions, lifeline: Lifeline, console: Console) -> None:
+def run_remote_standby(options: LaunchOptions, lifeline: SupervisorLink, console: Console) -> None:
     """Follow the leader until the order to take over, then resume the show here."""
     warm_kernels(console)
     loaded = options.load()
     venue = options.read_venue()
-    sound = sound_of(options, loaded, venue)
-    status_can_be_written(options)
+    sound = available_audio(options, loaded, venue)
+    check_status_writable(options)
     output = StandbyOutput(options, loaded, venue, sound, lifeline)
     try:
-        order, following = _follow(loaded, lifeline, options, output)
+        order, following = _follow_until_order(loaded, lifeline, options, output)
         if order is None:
             return
-        output.hand_over()
-        come_forward(ENGINE_NICE)
-        go_on(
-            options, loaded, venue, sound, lifeline, following, output.window, order, console, elsewhere=True,
+        output.release_status()
+        raise_priority(ENGINE_NICE)
+        promote(
+            options, loaded, venue, sound, lifeline, following, output.window, order, console, from_other_machine=True,
             headless=output.headless, sharing=output.sharing,
         )  # fmt: skip
     finally:
@@ -51,10 +51,10 @@ def stand_by(options: LaunchOptions, lifeline: Lifeline, console: Console) -> No
 
 
 @contextlib.contextmanager
-def _listening(lifeline: Lifeline, options: LaunchOptions) -> Iterator[Inbox[ControlEvent]]:
+def _takeover_osc(lifeline: SupervisorLink, options: LaunchOptions) -> Iterator[EventQueue[ControlEvent]]:
     """Receive OSC; only /dance/takeover is used here."""
-    inbox: Inbox[ControlEvent] = Inbox()
-    osc = OscInput(*options.osc, inbox.lane(), SystemClock(), inherited=lifeline.osc)
+    inbox: EventQueue[ControlEvent] = EventQueue()
+    osc = OscInput(*options.osc, inbox.add_queue(), SystemClock(), inherited=lifeline.osc)
     osc.start()
     try:
         yield inbox
@@ -62,46 +62,46 @@ def _listening(lifeline: Lifeline, options: LaunchOptions) -> Iterator[Inbox[Con
         osc.stop()
 
 
-def follow(following: Following) -> None:
+def apply_log(following: StateFollower) -> None:
     """Apply the received log; raise PersonError if this machine plays another show or lacks its steps."""
-    if (other := following.other_show()) is not None:
+    if (other := following.show_mismatch()) is not None:
         raise PersonError(f"the leader plays another show: {other}", "start both machines with the same patch")
     try:
-        following.follow()
+        following.run_pending()
     except ReplayError as error:
         raise PersonError(
             f"the leader's show cannot run here: {error}", "use the same steps on both machines"
         ) from None
 
 
-def _follow(
-    loaded: LoadedShow, lifeline: Lifeline, options: LaunchOptions, output: StandbyOutput
-) -> tuple[dict[str, Any] | None, Following]:
+def _follow_until_order(
+    loaded: LoadedShow, lifeline: SupervisorLink, options: LaunchOptions, output: StandbyOutput
+) -> tuple[dict[str, Any] | None, StateFollower]:
     """Follow and draw the leader's show until the order to take over; None if there will be no order."""
-    pacer = Pacer(RATE, time.perf_counter, time.sleep)
-    following = Following(loaded, heart=lifeline.heart)
-    with _listening(lifeline, options) as inbox:
-        while not nobody_left(lifeline):
-            lifeline.listen()
-            while lifeline.order("anew") is not None:
-                following = Following(loaded, heart=lifeline.heart)
+    pacer = Pacer(STANDBY_FPS, time.perf_counter, time.sleep)
+    following = StateFollower(loaded, heartbeat=lifeline.heartbeat)
+    with _takeover_osc(lifeline, options) as inbox:
+        while not is_abandoned(lifeline):
+            lifeline.receive()
+            while lifeline.pop_request("anew") is not None:
+                following = StateFollower(loaded, heartbeat=lifeline.heartbeat)
             for line in lifeline.lines:
-                following.take(line, arrived=time.perf_counter())
-                lifeline.log.take(line)
+                following.add_line(line, arrived=time.perf_counter())
+                lifeline.log.add_line(line)
             lifeline.lines.clear()
             try:
-                follow(following)
+                apply_log(following)
             except PersonError as error:
-                lifeline.wire.tell(alive="cannot", why=error.message)
+                lifeline.channel.send_json(alive="cannot", why=error.message)
                 raise
-            order = lifeline.order("go")
+            order = lifeline.pop_request("go")
             if order is not None:
                 return order, following
             if any(isinstance(event, TakeOver) for event in inbox.drain()):
-                lifeline.wire.tell(alive="takeover")
+                lifeline.channel.send_json(alive="takeover")
             output.frame(following)
             lifeline.beat(following.tick, Phase.RUNNING)
-            lifeline.tell_following({**following.facts(), "ready": int(following.ready and output.draws)})
-            lifeline.wire.flush()
+            lifeline.send_following({**following.facts(), "ready": int(following.ready and output.is_drawing)})
+            lifeline.channel.flush()
             pacer.wait()
     return None, following

@@ -6,7 +6,7 @@ from live.show.show import Show
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Resumed:
+class ResumeState:
     """Everything needed to resume a show."""
 
     show: Show
@@ -16,9 +16,9 @@ class Resumed:
     """Origin of the show's clock [s of perf_counter]."""
     latencies: dict[str, float] = field(default_factory=dict)
     """Manually changed delays by name [s]."""
-    calm: bool = False
+    safe_mode: bool = False
     """Safe mode: without audio and external clocks, after too many failures."""
-    elsewhere: bool = False
+    from_other_machine: bool = False
     """Whether another machine ran the show: audio and other devices have to be started here."""
-    begun: float | None = None
+    audio_start: float | None = None
     """When the music began [s of the show]; None without music."""

@@ -8,9 +8,9 @@ from rich.console import Console
 
 from live.app.headless_picture import HeadlessPicture
 from live.app.launch_options import LaunchOptions
-from live.app.live_recording import LiveSharing, live_rate
-from live.app.processes.warm_standby import open_picture
-from live.app.session_audio import Sound
+from live.app.live_recording import LiveSharing, live_fps
+from live.app.processes.warm_standby import open_windows
+from live.app.session_audio import AudioChoice
 from live.app.session_records import resident_megabytes
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
@@ -18,26 +18,31 @@ from live.show.loader import LoadedShow
 from live.show.show import Show
 from live.show.status import Status, StatusFile
 from live.show.venue.venue import Venue
-from live.supervisor.state_follower import Following
-from live.supervisor.supervisor_link import Lifeline
+from live.supervisor.state_follower import StateFollower
+from live.supervisor.supervisor_link import SupervisorLink
 
 
 class StandbyOutput:
     """Draws, shares and reports the followed show. Thread: the main thread, which owns the OpenGL context."""
 
     def __init__(
-        self, options: LaunchOptions, loaded: LoadedShow, venue: Venue | None, sound: Sound, lifeline: Lifeline
+        self,
+        options: LaunchOptions,
+        loaded: LoadedShow,
+        venue: Venue | None,
+        sound: AudioChoice,
+        lifeline: SupervisorLink,
     ) -> None:
         """Make everything that will be needed; raise PersonError if something fails."""
         self._options, self._lifeline = options, lifeline
-        self.window: Any = open_picture(options, loaded, venue, hidden=False)
+        self.window: Any = open_windows(options, loaded, venue, hidden=False)
         self.headless: HeadlessPicture | None = None
         self.sharing: LiveSharing | None = None
         self._show: Show | None = None
         self._view: Any = None
         self._status: Status | None = None
         self._file: StatusFile | None = None
-        self._wrote = self._drawn = False
+        self._status_written = self._has_drawn = False
         try:
             if self.window is None and self._options.share:
                 self.headless = HeadlessPicture(self._options, loaded.scene(whole=False))
@@ -47,21 +52,21 @@ class StandbyOutput:
             self.close(Console(stderr=True))
             raise
 
-    def _share(self, sound: Sound) -> None:
+    def _share(self, sound: AudioChoice) -> None:
         if self.window is not None:
             ctx, size = self.window.window.ctx, self.window.size
-            self.window.prepare_shown()
+            self.window.prepare_output_frame()
         else:
             assert self.headless is not None
             ctx, size = self.headless.ctx, self._options.size
-        self.sharing = LiveSharing(self._options.share, ctx, size, live_rate(self._options, ctx), sound.music)
+        self.sharing = LiveSharing(self._options.share, ctx, size, live_fps(self._options, ctx), sound.music)
 
     @property
-    def draws(self) -> bool:
+    def is_drawing(self) -> bool:
         """Whether the picture is drawn, or none is wanted."""
-        return self._drawn or (self.window is None and self.headless is None)
+        return self._has_drawn or (self.window is None and self.headless is None)
 
-    def frame(self, following: Following) -> None:
+    def frame(self, following: StateFollower) -> None:
         """Draw, share and report the followed show at its present tick."""
         if self.window is not None:
             for _ in self.window.poll():
@@ -70,11 +75,11 @@ class StandbyOutput:
         if show is None:
             return
         if show is not self._show:
-            self._begin(show)
+            self._start_show(show)
         if self.window is not None or self.headless is not None:
             show.fill(self._view, time)
             self._draw(time)
-            self._drawn = True
+            self._has_drawn = True
         if self._status is not None and self._file is not None:
             self._status.frames += 1
             self._status.ticks = following.tick
@@ -91,26 +96,29 @@ class StandbyOutput:
             if self.sharing is not None:
                 self.sharing.frame(framebuffer, time)
 
-    def _begin(self, show: Show) -> None:
+    def _start_show(self, show: Show) -> None:
         """Start output for another show object: the leader has changed or restarted."""
         self._show, self._view = show, show.view()
         self._end_status()
         if self._options.status_json is None:
             return
         status = Status(show, rejected=Counter, memory=resident_megabytes())
-        status.more["alive"] = self._lifeline.status
+        status.extra_figures["alive"] = self._lifeline.status
         if self.sharing is not None:
-            status.more["shared"] = self.sharing.facts
+            status.extra_figures["shared"] = self.sharing.facts
         with contextlib.suppress(OSError):  # the folder has been removed since; the show does not need it
-            self._status, self._file = status, StatusFile(self._options.status_json, status, more=self._wrote)
-            self._wrote = True
+            self._status, self._file = (
+                status,
+                StatusFile(self._options.status_json, status, append=self._status_written),
+            )
+            self._status_written = True
 
     def _end_status(self) -> None:
         if self._file is not None:
             self._file.close(0.0)
         self._file = self._status = None
 
-    def hand_over(self) -> None:
+    def release_status(self) -> None:
         """Close the status file: from now on the session writes it."""
         self._end_status()
 
@@ -127,7 +135,7 @@ class StandbyOutput:
             self.window.close()
 
 
-def status_can_be_written(options: LaunchOptions) -> None:
+def check_status_writable(options: LaunchOptions) -> None:
     """Raise PersonError if the status file cannot be written."""
     path = options.status_json
     if path is None:

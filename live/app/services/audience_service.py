@@ -11,16 +11,16 @@ from urllib.parse import urlsplit
 
 from rich.console import Console
 
-from live.app.services.audience_tls import Identity, files_of, read_identity
+from live.app.services.audience_tls import TlsIdentity, read_identity, venue_tls_files
 from live.app.services.http_services import own_address
 from live.app.services.listening_socket import listening_socket
 from live.base.errors import PersonError
-from live.base.event_queue import Lane
+from live.base.event_queue import PriorityQueue
 from live.clock.time_source import Clock
 from live.control.audience.admission import BEHIND_NAT, OWN_WIFI
-from live.control.audience.session_state import Beat, Rules
+from live.control.audience.session_state import BeatClock, Rules
 from live.control.events.events import AudienceHeard, ControlEvent
-from live.control.helper_process import Helper
+from live.control.helper_process import HelperProcess
 from live.show.patch.section_io import AudienceSection
 from live.show.show import Show
 from live.show.venue.venue import Venue
@@ -29,43 +29,52 @@ from live.show.venue.venue_audience import VenueAudience
 if TYPE_CHECKING:
     from live.app.launch_options import LaunchOptions
 
-BEAT_EVERY: Final = 1.0
+BEAT_INTERVAL: Final = 1.0
 """Longest interval [s] between beats sent to the gateway; a beat that slips is sent at once."""
 BACKLOG: Final = 1024
 """Queue of connections that the gateway has not accepted yet."""
-NUMBERS: Final = 500
+NUMBERS_PER_SECOND: Final = 500
 """A new gateway numbers phones from this factor times the show's time [s]. That is above all numbers that an earlier
 gateway, of this engine or the one it resumes, can have given (`ALL_JOINS`)."""
 
 
-class AudiencePart:
+class AudienceService:
     """Connects the show to the gateway process for phones. Thread: the show's."""
 
     def __init__(
-        self, options: "LaunchOptions", show: Show, lane: Lane[ControlEvent], clock: Clock, venue: Venue | None = None
+        self,
+        options: "LaunchOptions",
+        show: Show,
+        lane: PriorityQueue[ControlEvent],
+        clock: Clock,
+        venue: Venue | None = None,
     ) -> None:
         assert options.audience is not None
         self._options, self._venue = options, VenueAudience() if venue is None else venue.audience
-        self._identity: Identity | None = None
+        self._identity: TlsIdentity | None = None
         self._expires = math.inf
-        self._crowd_told = False
-        self._where, self._wished_link, self._secret = options.audience, options.audience_link, options.audience_secret
+        self._crowd_reported = False
+        self._bind_address, self._given_link, self._secret = (
+            options.audience,
+            options.audience_link,
+            options.audience_secret,
+        )
         self._show, self._lane, self._clock = show, lane, clock
         self._socket: socket.socket | None = None
-        self._helper: Helper | None = None
+        self._helper: HelperProcess | None = None
         self._plan: dict[str, Any] = {}
         self._rules: Rules | None = None
-        self._beat: Beat | None = None
+        self._beat: BeatClock | None = None
         self._beat_at = 0.0
         self._refused: Counter[str] = Counter()
         self._refused_before: Counter[str] = Counter()
-        self.goes_on = False
+        self.resumes = False
         """Whether the show is resumed after an engine whose gateway may still hold the port."""
         self.link = ""
         """The present link with its key; empty until the gateway reports it."""
         self.code: list[str] = []
         """The link's QR code, rows of 0 and 1."""
-        self.heard = 0
+        self.events_received = 0
         """Number of events received from the gateway."""
 
     # -- start and stop ------------------------------------------------------------------------------------------
@@ -75,41 +84,50 @@ class AudiencePart:
         if importlib.util.find_spec("aiohttp") is None:
             raise PersonError("--audience needs the package aiohttp", "make play installs it")
         try:
-            self._take_identity()
+            self._load_identity()
         except PersonError as error:
-            if not self.goes_on:
+            if not self.resumes:
                 raise
-            self._note(f"audience: {error}: the show runs without its audience", "bold red")
+            self._print_note(f"audience: {error}: the show runs without its audience", "bold red")
             return
         try:
-            self._socket = listening_socket(self._where, BACKLOG, goes_on=self.goes_on)
+            self._socket = listening_socket(self._bind_address, BACKLOG, resumes=self.resumes)
         except (OSError, OverflowError) as error:
-            where = f"{self._where[0]}:{self._where[1]}"
+            where = f"{self._bind_address[0]}:{self._bind_address[1]}"
             raise PersonError(f"--audience {where}: {error}", "choose another port") from None
         section, venue, http = self._show.patch.audience, self._venue, self._socket.fileno()
         self._plan = {
-            "http": http, "secret": self._secret, "first": self._first(), "link": self.address, "most": section.phones,
+            "http": http, "secret": self._secret, "first": self._first_number(), "link": self.address, "most": section.phones,
             "per_address": section.phones_per_address, "visible": section.visible, "network": self.network,
             "proxies": list(venue.proxies), "by_card": venue.by_card, "code_s": venue.code_s,
             "grace_s": venue.grace_s, "joins_per_code": venue.joins_per_code, "bans": [],
             "certificate": None if self._identity is None else (self._identity.certificate, self._identity.key),
         }  # fmt: skip
-        self._helper = Helper("live.control.audience.gateway", self._clock, self._plan, self._anew, http, on=self._hear)
+        self._helper = HelperProcess(
+            "live.control.audience.gateway",
+            self._clock,
+            self._plan,
+            self._on_gateway_start,
+            http,
+            on_packet=self._on_packet,
+        )
         self._helper.start()
         if self.is_public:
-            self._note(f"audience: open to the network at {self.address}; Q shows the code to join by", "bold red")
+            self._print_note(
+                f"audience: open to the network at {self.address}; Q shows the code to join by", "bold red"
+            )
 
-    def _take_identity(self) -> None:
+    def _load_identity(self) -> None:
         """Read the certificate, if there is one, and print its warnings; raise PersonError if it is invalid."""
         files = tls_files(self._options, self._venue)
         if files is None:
             return
         self._identity = identity = read_identity(*files)
         now = datetime.now(UTC)
-        for words in identity.doubt(now, self._host):
-            self._note(f"audience: {words}", "bold red")
-        if now < identity.ends:
-            self._expires = self._clock.now() + (identity.ends - now).total_seconds()
+        for words in identity.warnings(now, self._host):
+            self._print_note(f"audience: {words}", "bold red")
+        if now < identity.valid_until:
+            self._expires = self._clock.now() + (identity.valid_until - now).total_seconds()
 
     @property
     def network(self) -> str:
@@ -117,24 +135,24 @@ class AudiencePart:
         return self._venue.network or network_of(self._show.patch.audience, public=self.is_public)
 
     @staticmethod
-    def _note(words: str, style: str) -> None:
+    def _print_note(words: str, style: str) -> None:
         Console(stderr=True, highlight=False, soft_wrap=True).print(words, style=style, markup=False)
 
     @property
     def port(self) -> int:
         """The port it listens at."""
-        return self._where[1] if self._socket is None else int(self._socket.getsockname()[1])
+        return self._bind_address[1] if self._socket is None else int(self._socket.getsockname()[1])
 
     @property
     def is_public(self) -> bool:
         """Whether other machines can reach it."""
-        return not (self._where[0].startswith("127.") or self._where[0] in ("localhost", "::1"))
+        return not (self._bind_address[0].startswith("127.") or self._bind_address[0] in ("localhost", "::1"))
 
     @property
     def address(self) -> str:
         """The address that phones open, without the key."""
-        if self._wished_link:
-            return self._wished_link.rstrip("/")
+        if self._given_link:
+            return self._given_link.rstrip("/")
         host = self._host
         scheme = "http" if self._identity is None else "https"
         return f"{scheme}://{f'[{host}]' if ':' in host else host}:{self.port}"
@@ -142,17 +160,17 @@ class AudiencePart:
     @property
     def _host(self) -> str:
         """The host name in the phones' address."""
-        if self._wished_link:
-            return urlsplit(self._wished_link).hostname or ""
-        host = own_address() if self._where[0] in ("0.0.0.0", "::", "") else self._where[0]
+        if self._given_link:
+            return urlsplit(self._given_link).hostname or ""
+        host = own_address() if self._bind_address[0] in ("0.0.0.0", "::", "") else self._bind_address[0]
         if self._identity is None or host in self._identity.names:
             return host
         return self._identity.host or host
 
     @property
-    def process(self) -> int | None:
+    def pid(self) -> int | None:
         """The gateway's process id; None while it does not run."""
-        return None if self._helper is None else self._helper.process
+        return None if self._helper is None else self._helper.pid
 
     def stop(self) -> None:
         """Stop the gateway and close the port."""
@@ -162,15 +180,15 @@ class AudiencePart:
             self._socket.close()
             self._socket = None
 
-    def _anew(self) -> None:
+    def _on_gateway_start(self) -> None:
         """Handle a restart of the gateway: everything is sent again, and phones get new numbers."""
         self._rules = self._beat = None
         self._refused_before += self._refused
         self._refused = Counter()
 
-    def _first(self) -> int:
+    def _first_number(self) -> int:
         now = self._clock.now()
-        return 1 if now < 1.0 else 1 + round(NUMBERS * (now + 1.0))
+        return 1 if now < 1.0 else 1 + round(NUMBERS_PER_SECOND * (now + 1.0))
 
     # -- each frame ----------------------------------------------------------------------------------------------
 
@@ -179,14 +197,14 @@ class AudiencePart:
         if self._helper is not None:
             self._helper.frame()
 
-    def _hear(self, packet: tuple[Any, ...]) -> None:
+    def _on_packet(self, packet: tuple[Any, ...]) -> None:
         if packet[0] == "code":
             if not self.link and not self.is_public:  # the link contains a key, but works only here
-                self._note(f"note: audience: {packet[1]}, on this machine only", "yellow")
+                self._print_note(f"note: audience: {packet[1]}, on this machine only", "yellow")
             _, self.link, self.code = packet
             return
         _, at, phones, order, share, places, lights, votes, shaken = packet
-        self.heard += 1
+        self.events_received += 1
         self._lane.put(
             AudienceHeard(time=at, source="audience", phones=phones, order=order, share=share, places=places,
                           lights=lights, votes=votes, shaken=shaken)
@@ -196,30 +214,30 @@ class AudiencePart:
         """Send changed rules and the beat to the gateway, after each frame."""
         if self._helper is None:
             return
-        facts = self._helper.facts()
-        self._plan["first"] = self._first()
+        facts = self._helper.status()
+        self._plan["first"] = self._first_number()
         self._plan["bans"] = facts.get("bans", self._plan["bans"])
-        self._look(facts)
+        self._print_problems(facts)
         self._refused = Counter(facts.get("refused", {}))
         rules = rules_of(self._show)
         if rules != self._rules and self._helper.send(rules):
             self._rules = rules
         beat, now = beat_of(self._show), self._clock.now()
-        slipped = self._beat is None or self._beat.slipped(beat, now)
-        if (slipped or now - self._beat_at > BEAT_EVERY) and self._helper.send(beat):
+        slipped = self._beat is None or self._beat.differs(beat, now)
+        if (slipped or now - self._beat_at > BEAT_INTERVAL) and self._helper.send(beat):
             self._beat, self._beat_at = beat, now
 
-    def _look(self, facts: dict[str, Any]) -> None:
+    def _print_problems(self, facts: dict[str, Any]) -> None:
         """Print a note, once each, for problems that the operator can solve."""
         if self._clock.now() >= self._expires:
             self._expires = math.inf
-            self._note(
+            self._print_note(
                 "audience: the certificate has expired: joined phones still work; phones that join show a warning",
                 "bold red",
             )
-        if facts.get("crowded") and not self._crowd_told:
-            self._crowd_told = True
-            self._note(
+        if facts.get("crowded") and not self._crowd_reported:
+            self._crowd_reported = True
+            self._print_note(
                 "audience: many phones share one address or network card, and their input is ignored. If all phones "
                 'share an address here, set [audience] network = "behind nat" in the venue; by_card = false if a '
                 "repeater hides their cards", "yellow",
@@ -233,10 +251,10 @@ class AudiencePart:
 
     def status(self) -> dict[str, Any]:
         """Return the values for the status line, without personal data or keys."""
-        facts = {} if self._helper is None else self._helper.facts()
+        facts = {} if self._helper is None else self._helper.status()
         told = ("messages", "late_ms", "ways_ms", "left_out", "restarts", "voices", "crowded", "held")
         kept = {name: facts.get(name) for name in told}
-        until = None if self._identity is None else f"{self._identity.ends:%Y-%m-%dT%H:%M:%SZ}"
+        until = None if self._identity is None else f"{self._identity.valid_until:%Y-%m-%dT%H:%M:%SZ}"
         return {"at": self.address, "public": self.is_public, "network": self.network, "certificate_until": until,
                 **kept, **self._show.audience.facts()}  # fmt: skip
 
@@ -252,25 +270,25 @@ def rules_of(show: Show) -> Rules:
 
     turn, vote = audience.turn, audience.vote
     return Rules(
-        order=audience.order,
+        order=audience.command_count,
         open=audience.open,
         muted=audience.muted,
         shake=audience.shaking,
-        half=(float(show.motion.floor.border[0]), float(show.motion.floor.border[1])),
+        half=(float(show.motion.stage_area.border[0]), float(show.motion.stage_area.border[1])),
         regions=audience.regions,
-        weights=tuple(audience.heard_regions(span.number)),
+        weights=tuple(audience.region_weights(span.number)),
         banned=tuple(audience.banned),
         turn=None if turn is None else (turn.region, line(turn.begins), line(turn.ends)),
-        vote=None if vote is None else (vote.number, vote.what, vote.choices, line(vote.closes)),
+        vote=None if vote is None else (vote.number, vote.kind, vote.choices, line(vote.closes)),
         won=audience.result,
     )
 
 
-def beat_of(show: Show) -> Beat:
+def beat_of(show: Show) -> BeatClock:
     """Return the show's present beat and tempo."""
     timeline = show.timeline
     line = round(show.span.end % timeline.beats_per_measure, 3)
-    return Beat(timeline.time_origin, timeline.beat_origin, timeline.tempo, timeline.beats_per_measure, line)
+    return BeatClock(timeline.time_origin, timeline.beat_origin, timeline.tempo, timeline.beats_per_measure, line)
 
 
 def network_of(section: AudienceSection, *, public: bool) -> str:
@@ -284,11 +302,11 @@ def network_of(section: AudienceSection, *, public: bool) -> str:
 
 def tls_files(options: "LaunchOptions", venue: VenueAudience) -> tuple[Path, Path] | None:
     """Return certificate and key from the command line or the venue (relative to its file); None for http."""
-    return files_of(venue, options.venue) if options.audience_tls is None else options.audience_tls
+    return venue_tls_files(venue, options.venue) if options.audience_tls is None else options.audience_tls
 
 
 def make_audience(
-    options: "LaunchOptions", show: Show, venue: Venue | None, lane: Lane[ControlEvent], clock: Clock
-) -> AudiencePart | None:
+    options: "LaunchOptions", show: Show, venue: Venue | None, lane: PriorityQueue[ControlEvent], clock: Clock
+) -> AudienceService | None:
     """Return the service for `--audience`, not started; None if there is to be none."""
-    return None if options.audience is None else AudiencePart(options, show, lane, clock, venue)
+    return None if options.audience is None else AudienceService(options, show, lane, clock, venue)

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 from live.base.errors import PersonError
 from live.clock.time_source import Clock
-from live.control.dmx_mapping import USUAL
+from live.control.dmx_mapping import DEFAULT_CHANNELS
 from live.control.dmx_output import ARTNET_PORT, RATE, SACN_PORT, Universe
-from live.control.helper_process import Helper
+from live.control.helper_process import HelperProcess
 from live.control.registry.registry import Changes
 from live.show.engine import Engine
-from live.show.telemetry import Outgoing
+from live.show.telemetry import Telemetry
 
 if TYPE_CHECKING:
     from live.app.launch_options import LaunchOptions
 
-AT_ONCE: Final = 64
+VALUES_PER_PACKET: Final = 64
 """Maximum number of values in one packet."""
 
 
@@ -36,24 +36,24 @@ def parse_universe(text: str) -> Universe:
     return Universe(protocol, number, match[3] or "", port)
 
 
-class DmxPart:
+class DmxService:
     """Feeds the process that sends DMX. Thread: the show's."""
 
     def __init__(self, engine: Engine, universes: tuple[Universe, ...], clock: Clock) -> None:
         show = engine.show
         self._engine, self._universes = engine, universes
-        self._outgoing = Outgoing(show, positions=RATE)
-        self._all: dict[str, Any] = {}
-        self._untold: dict[str, Any] = {}
-        channels = [row.made for row in show.patch.dmx] or list(USUAL)
-        self._named = {channel.sends for channel in channels} | {"/dance/blackout"}
+        self._outgoing = Telemetry(show, positions=RATE)
+        self._values: dict[str, Any] = {}
+        self._unsent: dict[str, Any] = {}
+        channels = [row.dmx_channel for row in show.patch.dmx] or list(DEFAULT_CHANNELS)
+        self._addresses = {channel.sends for channel in channels} | {"/dance/blackout"}
         width, depth = show.patch.stage.width, show.patch.stage.depth
         plan = {
             "universes": [astuple(each) for each in universes],
             "channels": [astuple(each) for each in channels],
             "half": (0.5 * width, 0.5 * depth),
         }
-        self._helper = Helper("live.control.dmx_output", clock, plan, self._anew)
+        self._helper = HelperProcess("live.control.dmx_output", clock, plan, self._on_start)
 
     def start(self) -> None:
         """Start to send; raise PersonError for an unknown host."""
@@ -69,33 +69,33 @@ class DmxPart:
         """Stop sending."""
         self._helper.stop()
 
-    def tell(self, changes: Changes) -> None:
+    def publish(self, changes: Changes) -> None:
         """Queue the changed values that a channel uses."""
-        mine = {address: rows for address, rows in changes.items() if address in self._named}
-        self._all.update(mine)
-        self._untold.update(mine)
+        mine = {address: rows for address, rows in changes.items() if address in self._addresses}
+        self._values.update(mine)
+        self._unsent.update(mine)
 
-    def _anew(self) -> None:
-        self._outgoing.anew()
-        self._untold = dict(self._all)
+    def _on_start(self) -> None:
+        self._outgoing.reset()
+        self._unsent = dict(self._values)
 
     def frame(self) -> None:
         """Send changed values and positions, after each frame."""
         self._helper.frame()
         for told in self._outgoing.frame(self._engine.view):
             self._helper.send(told)
-        if self._untold:
-            some = {address: self._untold[address] for address in list(self._untold)[:AT_ONCE]}
+        if self._unsent:
+            some = {address: self._unsent[address] for address in list(self._unsent)[:VALUES_PER_PACKET]}
             if self._helper.send(("values", some)):
                 for address in some:
-                    del self._untold[address]
+                    del self._unsent[address]
 
     def status(self) -> dict[str, Any]:
         """Return the values for the status line."""
         to = [f"{each.protocol}:{each.number}@{each.host or 'all'}" for each in self._universes]
-        return {"to": to, **self._helper.facts(), "too_many": self._outgoing.left_out}
+        return {"to": to, **self._helper.status(), "too_many": self._outgoing.dropped}
 
 
-def make_dmx(options: "LaunchOptions", clock: Clock, engine: Engine) -> DmxPart | None:
+def make_dmx(options: "LaunchOptions", clock: Clock, engine: Engine) -> DmxService | None:
     """Return the service for `--dmx`, not started; None if there is to be none."""
-    return DmxPart(engine, tuple(map(parse_universe, options.dmx)), clock) if options.dmx else None
+    return DmxService(engine, tuple(map(parse_universe, options.dmx)), clock) if options.dmx else None

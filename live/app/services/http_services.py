@@ -22,52 +22,58 @@ from rich.console import Console
 from live.app.option_values import parse_endpoint
 from live.app.services.listening_socket import listening_socket
 from live.base.errors import PersonError
-from live.base.host_name import HOST_NAME
+from live.base.host_name import HOST_NAME_PATTERN
 from live.clock.time_source import Clock
-from live.control.helper_process import Helper
+from live.control.helper_process import HelperProcess
 from live.control.registry.registry import Changes
-from live.show.desk.completions import names_in
-from live.show.patch.patch_search_path import user_settings
+from live.show.desk.completions import show_completions
+from live.show.patch.patch_search_path import user_settings_folder
 from live.show.show import Show
 
-AT_ONCE: Final = 64
+ADDRESSES_PER_PACKET: Final = 64
 """Maximum number of addresses in one packet."""
 BACKLOG: Final = 128
 """Queue of connections that the process has not accepted yet."""
 
 
-class HttpPart:
+class HttpService:
     """Runs a process that answers over HTTP, and sends it the show's values. Thread: the show's."""
 
     def __init__(
-        self, where: tuple[str, int], option: str, module: str, plan: Callable[[], dict[str, Any]], clock: Clock,
+        self, bind_address: tuple[str, int], option: str, module: str, plan: Callable[[], dict[str, Any]], clock: Clock,
         *, needs: Sequence[str] = ("aiohttp",),
     ) -> None:  # fmt: skip
         """`module`: of the process; `plan`: its first message, besides its socket (`http`); `needs`: packages."""
-        self._where, self._option, self._module, self._plan, self._clock = where, option, module, plan, clock
+        self._bind_address, self._option, self._module, self._plan, self._clock = (
+            bind_address,
+            option,
+            module,
+            plan,
+            clock,
+        )
         self._needs = needs
-        self.goes_on = False
+        self.resumes = False
         """Whether the show is resumed after an engine that may still hold the port."""
         self._socket: socket.socket | None = None
-        self._helper: Helper | None = None
-        self._all: dict[str, Any] = {}
-        self._untold: dict[str, Any] = {}
+        self._helper: HelperProcess | None = None
+        self._values: dict[str, Any] = {}
+        self._unsent: dict[str, Any] = {}
 
     def start(self) -> None:
         """Listen and start the process; raise PersonError if that fails."""
         missing = [name for name in self._needs if importlib.util.find_spec(name) is None]
         if missing:
             raise PersonError(f"{self._option} needs the package {' and '.join(missing)}", "make play installs it")
-        self._socket = self._listening()
+        self._socket = self._listen()
         http = self._socket.fileno()
-        self._helper = Helper(self._module, self._clock, self._plan() | {"http": http}, self._anew, http)
+        self._helper = HelperProcess(self._module, self._clock, self._plan() | {"http": http}, self._on_start, http)
         self._helper.start()
 
-    def _listening(self) -> socket.socket:
+    def _listen(self) -> socket.socket:
         try:
-            return listening_socket(self._where, BACKLOG, goes_on=self.goes_on)
+            return listening_socket(self._bind_address, BACKLOG, resumes=self.resumes)
         except (OSError, OverflowError) as error:
-            where = f"{self._where[0]}:{self._where[1]}"
+            where = f"{self._bind_address[0]}:{self._bind_address[1]}"
             raise PersonError(f"{self._option} {where}: {error}", "choose another port") from None
 
     def stop(self) -> None:
@@ -78,41 +84,41 @@ class HttpPart:
             self._socket.close()
             self._socket = None
 
-    def tell(self, changes: Changes) -> None:
+    def publish(self, changes: Changes) -> None:
         """Queue changed values."""
-        self._all.update(changes)
-        self._untold.update(changes)
+        self._values.update(changes)
+        self._unsent.update(changes)
 
-    def _anew(self) -> None:
-        self._untold = dict(self._all)
+    def _on_start(self) -> None:
+        self._unsent = dict(self._values)
 
     def frame(self) -> None:
         """Send some of the changed values, after each frame."""
         if self._helper is None:
             return
         self._helper.frame()
-        if self._untold:
-            some = {address: self._untold[address] for address in list(self._untold)[:AT_ONCE]}
+        if self._unsent:
+            some = {address: self._unsent[address] for address in list(self._unsent)[:ADDRESSES_PER_PACKET]}
             if self._helper.send(some):
                 for address in some:
-                    del self._untold[address]
+                    del self._unsent[address]
 
     @property
     def port(self) -> int:
         """The port it listens at."""
-        return self._where[1] if self._socket is None else int(self._socket.getsockname()[1])
+        return self._bind_address[1] if self._socket is None else int(self._socket.getsockname()[1])
 
     @property
-    def process(self) -> int | None:
+    def pid(self) -> int | None:
         """The id of the process; None while it does not run."""
-        return None if self._helper is None else self._helper.process
+        return None if self._helper is None else self._helper.pid
 
     def status(self) -> dict[str, Any]:
         """Return the values for the status line."""
-        return {} if self._helper is None else self._helper.facts()
+        return {} if self._helper is None else self._helper.status()
 
 
-class OscQueryPart(HttpPart):
+class OscQueryService(HttpService):
     """Runs the process that answers OSCQuery."""
 
     def __init__(
@@ -125,21 +131,21 @@ class OscQueryPart(HttpPart):
         )  # fmt: skip
 
 
-MADE_BYTES: Final = 16
+KEY_BYTES: Final = 16
 """Random bytes in a generated key."""
-SHORTEST: Final = 16
-LONGEST: Final = 128
-LETTERS: Final = 6
+MIN_KEY_LENGTH: Final = 16
+MAX_KEY_LENGTH: Final = 128
+MIN_DISTINCT_LETTERS: Final = 6
 """Minimum number of different characters in a key."""
-_KEY: Final = re.compile(rf"[A-Za-z0-9._~-]{{{SHORTEST},{LONGEST}}}")
-_RULE: Final = f"{SHORTEST} to {LONGEST} letters, digits and . _ ~ - expected, {LETTERS} different ones at least"
+_KEY: Final = re.compile(rf"[A-Za-z0-9._~-]{{{MIN_KEY_LENGTH},{MAX_KEY_LENGTH}}}")
+_KEY_RULE: Final = f"{MIN_KEY_LENGTH} to {MAX_KEY_LENGTH} letters, digits and . _ ~ - expected, {MIN_DISTINCT_LETTERS} different ones at least"
 
 
 @dataclass(frozen=True, slots=True)
 class WebAccess:
     """Address, access key and host names of the operator's web page."""
 
-    where: tuple[str, int] | None
+    bind_address: tuple[str, int] | None
     """None: no web page."""
     key: str = field(default="", repr=False)
     hosts: tuple[str, ...] = ()
@@ -152,7 +158,7 @@ def parse_web(
 ) -> WebAccess:  # fmt: skip
     """Parse the options of the web page; the default key is the stored one. Raise PersonError for invalid options."""
     for host in hosts:
-        if re.fullmatch(HOST_NAME, host) is None:
+        if re.fullmatch(HOST_NAME_PATTERN, host) is None:
             raise PersonError(f"--web-host {host[:80]!r}: NAME or NAME:PORT expected", "--web-host show.example")
     if web is None:
         if new_key:
@@ -160,25 +166,25 @@ def parse_web(
         return WebAccess(None, hosts=tuple(hosts))
     where = parse_endpoint(web, "--web")
     if key is None:
-        return WebAccess(where, kept_key(fresh=new_key, note=note), tuple(hosts))
+        return WebAccess(where, stored_key(fresh=new_key, note=note), tuple(hosts))
     if new_key:
         raise PersonError("--new-web-key: a key was given (--web-key, LIVE_WEB_KEY)", "leave out one of the two")
-    return WebAccess(where, own_key(key, "--web-key"), tuple(hosts))
+    return WebAccess(where, check_key(key, "--web-key"), tuple(hosts))
 
 
 def key_file() -> Path:
     """Return the path of the key's file."""
-    return user_settings() / "web-key"
+    return user_settings_folder() / "web-key"
 
 
-def own_key(text: str, where: str) -> str:
+def check_key(text: str, where: str) -> str:
     """Check and return a key chosen by a person; raise PersonError, which names `where` but not the key."""
-    if _KEY.fullmatch(text) is None or len(set(text)) < LETTERS:
-        raise PersonError(f"{where}: invalid key: {_RULE}", "leave it out: a key is generated")
+    if _KEY.fullmatch(text) is None or len(set(text)) < MIN_DISTINCT_LETTERS:
+        raise PersonError(f"{where}: invalid key: {_KEY_RULE}", "leave it out: a key is generated")
     return text
 
 
-def kept_key(*, fresh: bool = False, note: Callable[[str], None] = lambda words: None) -> str:
+def stored_key(*, fresh: bool = False, note: Callable[[str], None] = lambda words: None) -> str:
     """Return the stored key; generate it if there is none or if `fresh` is set.
 
     Raise PersonError if other users may read the file, or if it is not a regular file. If the key cannot be stored, it
@@ -187,14 +193,14 @@ def kept_key(*, fresh: bool = False, note: Callable[[str], None] = lambda words:
     path = key_file()
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        found = None if fresh else _read(path)
-        return _write(path, replace=fresh) if found is None else found
+        found = None if fresh else _read_key(path)
+        return _write_key(path, replace=fresh) if found is None else found
     except OSError as error:
         note(f"the key of the operator's page is valid for this show only: {path}: {error.strerror or error}")
-        return secrets.token_urlsafe(MADE_BYTES)
+        return secrets.token_urlsafe(KEY_BYTES)
 
 
-def _read(path: Path) -> str | None:
+def _read_key(path: Path) -> str | None:
     """Read the key's file; return None if there is none."""
     wrong = PersonError(
         f"{path}: the key of the operator's page has to be a file, no link, owned by you and readable by you only",
@@ -212,21 +218,21 @@ def _read(path: Path) -> str | None:
         facts = os.fstat(descriptor)
         if not stat.S_ISREG(facts.st_mode) or facts.st_uid != os.geteuid() or facts.st_mode & 0o077:
             raise wrong
-        text = os.read(descriptor, LONGEST + 2)
+        text = os.read(descriptor, MAX_KEY_LENGTH + 2)
     finally:
         os.close(descriptor)
     try:
-        return own_key(text.decode("ascii").rstrip("\n"), f"{path}, line 1")
+        return check_key(text.decode("ascii").rstrip("\n"), f"{path}, line 1")
     except (PersonError, UnicodeDecodeError):
-        raise PersonError(f"{path}, line 1: invalid key: {_RULE}", "--new-web-key generates a new one") from None
+        raise PersonError(f"{path}, line 1: invalid key: {_KEY_RULE}", "--new-web-key generates a new one") from None
 
 
-def _write(path: Path, *, replace: bool) -> str:
+def _write_key(path: Path, *, replace: bool) -> str:
     """Generate a key and write its file atomically; return the key.
 
     If another show has just written one and `replace` is not set, return that one.
     """
-    key = secrets.token_urlsafe(MADE_BYTES)
+    key = secrets.token_urlsafe(KEY_BYTES)
     beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
     descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
     try:
@@ -240,7 +246,7 @@ def _write(path: Path, *, replace: bool) -> str:
             try:
                 os.link(beside, path)
             except FileExistsError:
-                return _read(path) or key
+                return _read_key(path) or key
     finally:
         with contextlib.suppress(FileNotFoundError):
             beside.unlink()
@@ -263,7 +269,7 @@ def own_address() -> str:
     return "127.0.0.1"
 
 
-class WebPart(HttpPart):
+class WebService(HttpService):
     """Runs the process that serves the operator's web page."""
 
     def __init__(
@@ -276,7 +282,7 @@ class WebPart(HttpPart):
         def plan() -> dict[str, Any]:
             stage = show.patch.stage
             return {
-                "key": key, "osc": (host, osc[1]), "name": show.patch.name, "names": names_in(show),
+                "key": key, "osc": (host, osc[1]), "name": show.patch.name, "names": show_completions(show),
                 "half": (0.5 * stage.width, 0.5 * stage.depth), "hosts": list(hosts),
             }  # fmt: skip
 
@@ -286,11 +292,11 @@ class WebPart(HttpPart):
     def start(self) -> None:
         """Listen, start the process and print the link; raise PersonError if that fails."""
         super().start()
-        link = f"http://{_reached_at(self._where[0])}:{self.port}/#key={self._key}"
+        link = f"http://{_link_host(self._bind_address[0])}:{self.port}/#key={self._key}"
         Console(stderr=True, highlight=False).print(f"operator's page: {link}", soft_wrap=True, markup=False)
 
 
-def _reached_at(host: str) -> str:
+def _link_host(host: str) -> str:
     """Return the host as written in a web address; for all interfaces, this machine's address."""
     if host not in ("0.0.0.0", "::"):
         return f"[{host}]" if ":" in host else host

@@ -2,7 +2,7 @@
 
 from live.app.session import Session
 from live.render.outputs.projection import Projection
-from live.render.outputs.test_card import JOIN, join_card
+from live.render.outputs.test_card import JOIN_CARD, join_card
 
 
 class JoinCard:
@@ -17,6 +17,6 @@ class JoinCard:
         audience = self._audience
         if audience is None or audience.link == self._link or not audience.code:
             return
-        if any(screen.card == JOIN for screen in self._picture.all):
+        if any(screen.card == JOIN_CARD for screen in self._picture.all_screens):
             self._link = audience.link
-            self._picture.take_sheet(join_card(audience.code, audience.link))
+            self._picture.set_join_card(join_card(audience.code, audience.link))

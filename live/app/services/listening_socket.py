@@ -3,13 +3,13 @@
 import socket
 
 
-def listening_socket(where: tuple[str, int], backlog: int, *, goes_on: bool) -> socket.socket:
+def listening_socket(where: tuple[str, int], backlog: int, *, resumes: bool) -> socket.socket:
     """Listen at an address and port; raise OSError or OverflowError if that fails or the port is in use.
 
     `goes_on`: a show is resumed after its engine has ended. Processes of that engine end a moment later and may still
     hold the port; both then share it (SO_REUSEPORT of socket(7), for processes of one user).
     """
     family = socket.AF_INET6 if ":" in where[0] else socket.AF_INET
-    if not goes_on and where[1]:
+    if not resumes and where[1]:
         socket.create_server(where, family=family, backlog=1).close()  # never share a foreign program's port
     return socket.create_server(where, family=family, backlog=backlog, reuse_port=hasattr(socket, "SO_REUSEPORT"))

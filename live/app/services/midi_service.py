@@ -4,9 +4,9 @@ import queue
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from live.app.services.midi_learning import MidiKeeping, MidiLearning
+from live.app.services.midi_learning import MidiLearnSession, MidiMapWriter
 from live.base.errors import PersonError
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.midi.midi_clock import MidiClock
 from live.clock.midi.time_code import TimeCodeClock
 from live.clock.note_energy import NoteEnergy
@@ -21,7 +21,7 @@ from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_mapping import MidiMap
 from live.control.midi.midi_ports import MidiUnavailable, UnknownPort, find_port
 from live.control.midi.midi_streams import Direction
-from live.control.registry.control import RANKS
+from live.control.registry.control import ROLE_RANKS
 from live.control.registry.registry import Changes, Values
 from live.show.engine import Engine
 from live.show.patch.patch import Patch
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 OFF: Final = "off"
 
 
-class OnMidi:
+class MidiService:
     """Connects the show to its MIDI ports. Thread: the show's."""
 
     def __init__(
@@ -44,10 +44,10 @@ class OnMidi:
         clock: Clock,
         patch: Path,
         *,
-        listens: MidiInput | None = None,
+        midi_input: MidiInput | None = None,
         midi_map: MidiMap | None = None,
-        tells: MidiOutput | None = None,
-        sends: MidiClockProcess | None = None,
+        feedback_output: MidiOutput | None = None,
+        clock_output: MidiClockProcess | None = None,
         values: Values | None = None,
     ) -> None:
         """`listens`: input through `midi_map`; `tells`: feedback output of `values`; `sends`: clock output.
@@ -55,113 +55,122 @@ class OnMidi:
         `patch`: the patch's file, next to which learned bindings are saved.
         """
         self._show, self._clock = show, clock
-        self._listens, self._tells, self._sends = listens, tells, sends
+        self._input, self._output, self._clock_output = midi_input, feedback_output, clock_output
         self._values = values or Values()
         self._map = midi_map or MidiMap((), self._values)
         self._feedback = MidiFeedback(self._map, self._values)
         self._opened = 0
-        self._kept = ""
-        self._moved: queue.SimpleQueue[Binding] = queue.SimpleQueue()
-        self.learning = MidiLearning(show.patch.midi, listens, MidiKeeping(patch, self._hear_kept))
-        if listens is not None:
-            listens.on_learned = self._moved.put
-        self._take()
+        self._save_result = ""
+        self._learned: queue.SimpleQueue[Binding] = queue.SimpleQueue()
+        self.learning = MidiLearnSession(show.patch.midi, midi_input, MidiMapWriter(patch, self._on_saved))
+        if midi_input is not None:
+            midi_input.on_learned = self._learned.put
+        self._update_bindings()
 
     def start(self) -> None:
         """Open the ports; missing ports are opened when they appear."""
-        for part in (self._listens, self._tells, self._sends):
+        for part in (self._input, self._output, self._clock_output):
             if part is not None:
                 part.start()
 
     def stop(self) -> None:
         """Close the ports; the clock output sends a stop."""
-        for part in (self._listens, self._tells, self._sends):
+        for part in (self._input, self._output, self._clock_output):
             if part is not None:
                 part.stop()
 
-    def take_patch(self, patch: Patch) -> None:
+    def update_patch(self, patch: Patch) -> None:
         """Use the MIDI map of another patch."""
-        self.learning.take(patch.midi)
-        self._take()
+        self.learning.update_patch(patch.midi)
+        self._update_bindings()
 
-    def act(self, event: ControlEvent) -> None:
+    def handle(self, event: ControlEvent) -> None:
         """Handle events that concern MIDI learn."""
         if isinstance(event, LearnMidi | ForgetMidi):
-            self.learning.ask(event, self._take)
+            self.learning.handle(event, self._update_bindings)
 
-    def tell(self, changes: Changes) -> None:
+    def publish(self, changes: Changes) -> None:
         """Update values that have changed in the show."""
-        self._values.take(changes)
-        self._feedback.changed(changes)
+        self._values.update(changes)
+        self._feedback.mark_changed(changes)
 
     def frame(self) -> None:
         """Pass on the beat, learned bindings and feedback, after each frame."""
         timeline = self._show.timeline
-        if self._sends is not None:
-            self._sends.follow(timeline)
-        if self._listens is not None:
-            self._listens.beats_per_measure = timeline.beats_per_measure
-            if self._listens.notes is not None:
-                self._listens.notes.tempo = timeline.tempo
-        while not self._moved.empty():
-            self.learning.learned(self._moved.get())
-            self._take()
-        if self._tells is not None:
-            self._give(self._tells)
+        if self._clock_output is not None:
+            self._clock_output.set_timeline(timeline)
+        if self._input is not None:
+            self._input.beats_per_measure = timeline.beats_per_measure
+            if self._input.notes is not None:
+                self._input.notes.tempo = timeline.tempo
+        while not self._learned.empty():
+            self.learning.add_learned(self._learned.get())
+            self._update_bindings()
+        if self._output is not None:
+            self._send_feedback(self._output)
 
-    def _give(self, tells: MidiOutput) -> None:
+    def _send_feedback(self, output: MidiOutput) -> None:
         """Send feedback that has changed; all of it after the port was opened."""
-        if tells.opened != self._opened:
-            self._opened = tells.opened
-            self._feedback.afresh()
-        if not tells.connected:
+        if output.opened != self._opened:
+            self._opened = output.opened
+            self._feedback.resend_all()
+        if not output.connected:
             return
         now = self._clock.now()
-        for message in self._feedback.turn(now):
-            if self._listens is not None:
-                self._listens.echoes[message] = now
-            tells.send(message)
+        for message in self._feedback.due_messages(now):
+            if self._input is not None:
+                self._input.echoes[message] = now
+            output.send(message)
 
-    def _take(self) -> None:
+    def _update_bindings(self) -> None:
         bindings = self.learning.bindings
-        self._map.take(bindings)
-        self._feedback.take(bindings)
+        self._map.set_bindings(bindings)
+        self._feedback.set_bindings(bindings)
 
-    def _hear_kept(self, words: str) -> None:
-        self._kept = words
+    def _on_saved(self, words: str) -> None:
+        self._save_result = words
 
     def status(self) -> dict[str, Any]:
         """Return the values for the status line."""
-        parts = (("in", self._listens), ("told", self._tells), ("out", self._sends))
-        facts: dict[str, Any] = {name: part.facts() for name, part in parts if part is not None}
-        return facts | {"learns": self.learning.waits_for, "said": self.learning.said, "kept": self._kept}
+        parts = (("in", self._input), ("told", self._output), ("out", self._clock_output))
+        facts: dict[str, Any] = {name: part.status() for name, part in parts if part is not None}
+        return facts | {
+            "learns": self.learning.pending_control,
+            "said": self.learning.last_change,
+            "kept": self._save_result,
+        }
 
     def problem(self) -> str:
         """Return the first port's problem in words; empty if there is none."""
-        parts = (self._listens, self._tells, self._sends)
+        parts = (self._input, self._output, self._clock_output)
         told = (f"MIDI {part.name!r}: {part.problem}" for part in parts if part is not None and part.problem)
         return next(told, "")
 
-    def note(self) -> str:
+    def prompt(self) -> str:
         """Return the overlay's prompt while a control is learned; else empty."""
-        address = self.learning.waits_for
+        address = self.learning.pending_control
         return f"MIDI: move the controller for {address} (Esc cancels)" if address else ""
 
-    def said(self) -> str:
+    def last_change(self) -> str:
         """Return the last change of the map and whether it was saved, in words."""
-        return "; ".join(words for words in (self.learning.said, self._kept) if words)
+        return "; ".join(words for words in (self.learning.last_change, self._save_result) if words)
 
     def refusal(self) -> str:
         """Return the last refused input or request to learn, in words."""
         if self.learning.refused:
             return self.learning.refused
-        refused = None if self._listens is None else self._listens.last_rejection
+        refused = None if self._input is None else self._input.last_rejection
         return "" if refused is None else f"MIDI: {refused}"
 
 
 def make_midi(
-    options: "LaunchOptions", show: Show, venue: Venue | None, inbox: Inbox[ControlEvent], clock: Clock, patch: Path
-) -> OnMidi:
+    options: "LaunchOptions",
+    show: Show,
+    venue: Venue | None,
+    inbox: EventQueue[ControlEvent],
+    clock: Clock,
+    patch: Path,
+) -> MidiService:
     """Return the service for `--midi`, `--midi-out` and `--midi-clock-out`, the venue or the patch, not started.
 
     It may have no port. `patch`: the patch's file. A port named on the command line must exist: else PersonError,
@@ -169,9 +178,9 @@ def make_midi(
     """
     section = show.patch.midi
     of_venue = VenueMidi() if venue is None else venue.midi
-    source = _named("input", "--midi", options.midi, of_venue.input, section.input)
-    told = _named("output", "--midi-out", options.midi_out, of_venue.output, section.output)
-    target = _named("output", "--midi-clock-out", options.midi_clock_out, of_venue.clock_out, section.clock_out)
+    source = _resolve_port("input", "--midi", options.midi, of_venue.input, section.input)
+    told = _resolve_port("output", "--midi-out", options.midi_out, of_venue.output, section.output)
+    target = _resolve_port("output", "--midi-clock-out", options.midi_clock_out, of_venue.clock_out, section.clock_out)
     metre, tempo = show.timeline.beats_per_measure, show.follower.tempo
     values = Values()
     midi_map = MidiMap(section.bindings, values)
@@ -179,7 +188,7 @@ def make_midi(
     if source is not None:
         listens = MidiInput(
             source,
-            inbox.lane(rank=RANKS["musician"]),
+            inbox.add_queue(rank=ROLE_RANKS["musician"]),
             clock,
             decoder=MidiClock(beats_per_measure=metre, tempo=tempo),
             time_code=TimeCodeClock(
@@ -189,52 +198,52 @@ def make_midi(
             ),
             midi_map=midi_map,
             notes=None if options.midi_file is not None else NoteEnergy(tempo=tempo),
-            clocked=options.midi_file is None,  # else the file leads
+            follow_clock=options.midi_file is None,  # else the file leads
         )
-    return OnMidi(
+    return MidiService(
         show,
         clock,
         patch,
-        listens=listens,
+        midi_input=listens,
         midi_map=midi_map,
-        tells=None if told is None else MidiOutput(told, clock),
-        sends=None if target is None else MidiClockProcess(target, clock),
+        feedback_output=None if told is None else MidiOutput(told, clock),
+        clock_output=None if target is None else MidiClockProcess(target, clock),
         values=values,
     )
 
 
-def _named(
-    direction: Direction, option: str, wished: str | None, of_venue: str | None, of_patch: str | None
+def _resolve_port(
+    direction: Direction, option: str, option_value: str | None, of_venue: str | None, of_patch: str | None
 ) -> str | None:
     """Return the name of the wanted port, in full if it was given on the command line; None for no port."""
-    if wished == OFF:
+    if option_value == OFF:
         return None
-    if wished is None:
+    if option_value is None:
         return of_venue or of_patch
     try:
-        return find_port(direction, wished)
+        return find_port(direction, option_value)
     except UnknownPort as error:
-        raise PersonError(f"{option} {wished!r}: {error}", "see `live devices`") from None
+        raise PersonError(f"{option} {option_value!r}: {error}", "see `live devices`") from None
     except MidiUnavailable as error:
-        raise PersonError(f"{option} {wished!r}: {error}", "see `live doctor`") from None
+        raise PersonError(f"{option} {option_value!r}: {error}", "see `live doctor`") from None
 
 
-class MidiFilePart:
+class MidiFileService:
     """Plays a MIDI file into a show, live or offline: tempo map and notes. Thread: the show's."""
 
-    def __init__(self, path: Path, show: Show, engine: Engine, *, begun: int = 0) -> None:
+    def __init__(self, path: Path, show: Show, engine: Engine, *, resume_tick: int = 0) -> None:
         """`begun`: the last tick before the show is resumed. Raise PersonError for a file that cannot be options."""
         self._show = show
         song = read_song(path)
         self._player = MidiSongPlayer(song, _bindings(show.patch), beats_per_measure=show.timeline.beats_per_measure)
-        if begun:
-            self._due((begun + 1) * TICK)  # the engine before has sent these events
-        engine.timed.append(self._due)
-        engine.patched.append(self.take_patch)
+        if resume_tick:
+            self._due((resume_tick + 1) * TICK)  # the engine before has sent these events
+        engine.event_sources.append(self._due)
+        engine.patch_listeners.append(self.update_patch)
 
-    def take_patch(self, patch: Patch) -> None:
+    def update_patch(self, patch: Patch) -> None:
         """Use the MIDI map of another patch."""
-        self._player.take(_bindings(patch))
+        self._player.set_bindings(_bindings(patch))
 
     def start(self) -> None:
         """Do nothing: there is no port."""
@@ -251,13 +260,13 @@ class MidiFilePart:
 
     def _due(self, until: float) -> list[ControlEvent]:
         timeline = self._show.timeline
-        return self._player.due(until, tempo=timeline.tempo, beats_per_measure=timeline.beats_per_measure)
+        return self._player.events_until(until, tempo=timeline.tempo, beats_per_measure=timeline.beats_per_measure)
 
 
-def play_file(path: Path | None, show: Show, engine: Engine) -> None:
+def attach_midi_file(path: Path | None, show: Show, engine: Engine) -> None:
     """Let a MIDI file, if there is one, lead a show that is rendered offline."""
     if path is not None:
-        MidiFilePart(path, show, engine)
+        MidiFileService(path, show, engine)
 
 
 def _bindings(patch: Patch) -> tuple[Binding, ...]:

@@ -7,39 +7,39 @@ from typing import TYPE_CHECKING, Any
 from live.app.launch_options import LaunchOptions
 from live.app.option_values import parse_endpoint
 from live.base.errors import PersonError
-from live.base.event_queue import Inbox, Lane
+from live.base.event_queue import EventQueue, PriorityQueue
 from live.clock.time_source import Clock
 from live.control.events.events import ControlEvent
-from live.control.helper_process import Helper
+from live.control.helper_process import HelperProcess
 from live.control.osc.osc_output import Targets
 from live.control.osc.osc_process import OscRemote
 from live.control.osc.osc_server import CannotListen, OscInput
-from live.control.registry.control import RANKS
+from live.control.registry.control import ROLE_RANKS
 from live.control.registry.registry import Changes
 from live.show.engine import Engine
 from live.show.show import Show
-from live.show.telemetry import Outgoing
+from live.show.telemetry import Telemetry
 from live.show.venue.venue import Venue
-from live.supervisor.supervisor_link import Lifeline
+from live.supervisor.supervisor_link import SupervisorLink
 
 if TYPE_CHECKING:
     from live.app.launch_options import LaunchOptions
 
 
-class OperatorsPort:
+class OperatorOscPort:
     """OSC input for all commands, in this process or in a separate one. Thread: the show's."""
 
     def __init__(
-        self, options: LaunchOptions, inbox: Inbox[ControlEvent], clock: Clock, lifeline: Lifeline | None
+        self, options: LaunchOptions, inbox: EventQueue[ControlEvent], clock: Clock, lifeline: SupervisorLink | None
     ) -> None:
         """Bind nothing yet; a socket held by the supervisor is inherited."""
-        operators = partial(inbox.lane, rank=RANKS["operator"])
+        operators = partial(inbox.add_queue, rank=ROLE_RANKS["operator"])
         lane, inherited = operators(), None if lifeline is None else lifeline.osc
         reader = None if lifeline is None else lifeline.osc_reader
         self._osc: OscInput | OscRemote = (
             OscRemote(*options.osc, lane, clock, inherited=inherited, reader=reader)
             if options.osc_process
-            else OscInput(*options.osc, lane, clock, inherited=inherited, more=operators)
+            else OscInput(*options.osc, lane, clock, inherited=inherited, make_lane=operators)
         )
 
     def start(self) -> None:
@@ -63,24 +63,24 @@ class OperatorsPort:
         """The port that is bound."""
         return self._osc.port
 
-    def tell(self, changes: Changes) -> None:
+    def publish(self, changes: Changes) -> None:
         """Pass on changed values."""
-        self._osc.tell(changes)
+        self._osc.publish(changes)
 
     def rejected(self) -> Counter[str]:
         """Return the number of refused messages by reason, with those lost before they were read."""
-        return osc_rejected(self._osc)
+        return rejected_counts(self._osc)
 
     def refusal(self) -> str:
         """Return the last refusal in words."""
         return self._osc.refusal()
 
-    def facts(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return the values for the status line."""
-        return self._osc.facts()
+        return self._osc.status()
 
 
-def osc_rejected(osc: OscInput | OscRemote) -> Counter[str]:
+def rejected_counts(osc: OscInput | OscRemote) -> Counter[str]:
     """Return the number of refused messages by reason, with those lost before they were read."""
     counts = Counter(osc.refused())
     if osc.lost:
@@ -88,10 +88,10 @@ def osc_rejected(osc: OscInput | OscRemote) -> Counter[str]:
     return counts
 
 
-class MusiciansPort:
+class MusicianOscPort:
     """Second OSC input, for commands that musicians may use. Thread: the show's."""
 
-    def __init__(self, host: str, port: int, lane: Lane[ControlEvent], clock: Clock) -> None:
+    def __init__(self, host: str, port: int, lane: PriorityQueue[ControlEvent], clock: Clock) -> None:
         self._osc = OscInput(host, port, lane, clock, role="musician", option="--osc-musicians")
 
     def start(self) -> None:
@@ -108,9 +108,9 @@ class MusiciansPort:
     def frame(self) -> None:
         """Do nothing after each frame."""
 
-    def tell(self, changes: Changes) -> None:
+    def publish(self, changes: Changes) -> None:
         """Pass on changed values."""
-        self._osc.tell(changes)
+        self._osc.publish(changes)
 
     def refused(self) -> Counter[str]:
         """Return the number of refused messages by reason."""
@@ -123,15 +123,15 @@ class MusiciansPort:
 
     def status(self) -> dict[str, Any]:
         """Return the values for the status line."""
-        return self._osc.facts()
+        return self._osc.status()
 
 
-class OscOutPart:
+class OscOutputService:
     """Feeds the process that sends OSC. Thread: the show's."""
 
-    def __init__(self, engine: Engine, outgoing: Outgoing, targets: tuple[tuple[str, int], ...], clock: Clock) -> None:
+    def __init__(self, engine: Engine, outgoing: Telemetry, targets: tuple[tuple[str, int], ...], clock: Clock) -> None:
         self._engine, self._outgoing, self._targets = engine, outgoing, targets
-        self._helper = Helper("live.control.osc.osc_output", clock, {"targets": targets}, outgoing.anew)
+        self._helper = HelperProcess("live.control.osc.osc_output", clock, {"targets": targets}, outgoing.reset)
 
     def start(self) -> None:
         """Start to send; raise PersonError for an unknown host."""
@@ -155,17 +155,17 @@ class OscOutPart:
     def status(self) -> dict[str, Any]:
         """Return the values for the status line."""
         to = [f"{host}:{port}" for host, port in self._targets]
-        return {"to": to, **self._helper.facts(), "too_many": self._outgoing.left_out}
+        return {"to": to, **self._helper.status(), "too_many": self._outgoing.dropped}
 
 
 def make_osc_out(
     options: "LaunchOptions", show: Show, venue: Venue | None, clock: Clock, engine: Engine
-) -> OscOutPart | None:
+) -> OscOutputService | None:
     """Return the service for `--osc-out`, the venue or the patch, not started; None if there is to be none."""
     section = show.patch.osc
     named = section.out if venue is None or not venue.osc.out else venue.osc.out
     targets = options.osc_out or tuple(parse_endpoint(each, "[osc] out") for each in named)
     if not targets:
         return None
-    outgoing = Outgoing(show, positions=section.positions_per_second, feet=section.feet)
-    return OscOutPart(engine, outgoing, targets, clock)
+    outgoing = Telemetry(show, positions=section.positions_per_second, feet=section.feet)
+    return OscOutputService(engine, outgoing, targets, clock)

@@ -6,21 +6,21 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from live.app.option_values import parse_endpoint
-from live.base.errors import PersonError, named
+from live.base.errors import PersonError, error_context
 from live.clock.time_source import Clock
-from live.control.capture.vmc_output import MOST_AVATARS, Avatars, VmcOut, dancers_as_told
-from live.control.helper_process import Helper
+from live.control.capture.vmc_output import MOST_AVATARS, AvatarTarget, VmcOutput, pack_dancers
+from live.control.helper_process import HelperProcess
 from live.show.engine import Engine
 from live.show.show import Show
 
 if TYPE_CHECKING:
     from live.app.launch_options import LaunchOptions
 
-LOOK_EVERY: Final = 1.0
+SELECTION_INTERVAL: Final = 1.0
 """Interval [s] at which selections of dancers are resolved again: groups change, dancers enter and leave."""
 
 
-def parse_avatars(text: str) -> Avatars:
+def parse_avatars(text: str) -> AvatarTarget:
     """Parse HOST:PORT[=WHO][@RATE]; the default is the first dancer, 60 times a second."""
     match = re.fullmatch(r"\s*([^=@\s]+)(?:=([^@]+))?(?:@(\d{1,3}(?:\.\d+)?))?\s*", text)
     rate = 60.0 if match is None else float(match[3] or 60.0)
@@ -30,32 +30,32 @@ def parse_avatars(text: str) -> Avatars:
             '--vmc-out "127.0.0.1:39539=ember & 1"',
         )
     host, port = parse_endpoint(match[1], "--vmc-out")
-    return Avatars(host, port, (match[2] or "1").strip(), rate)
+    return AvatarTarget(host, port, (match[2] or "1").strip(), rate)
 
 
-class VmcOutPart:
+class VmcOutputService:
     """Feeds the process that sends avatars. Thread: the show's."""
 
-    def __init__(self, engine: Engine, wanted: tuple[Avatars, ...], clock: Clock) -> None:
-        self._engine, self._wanted, self._clock = engine, wanted, clock
-        self._rows = [self._look(each) for each in wanted]
-        self._due = [0.0] * len(wanted)
-        self._look_at = 0.0
-        targets = [(each.host, each.port) for each in wanted]
-        self._helper = Helper("live.control.capture.vmc_output", clock, {"targets": targets}, lambda: None)
+    def __init__(self, engine: Engine, avatars: tuple[AvatarTarget, ...], clock: Clock) -> None:
+        self._engine, self._avatars, self._clock = engine, avatars, clock
+        self._rows = [self._select_rows(each) for each in avatars]
+        self._due = [0.0] * len(avatars)
+        self._next_selection = 0.0
+        targets = [(each.host, each.port) for each in avatars]
+        self._helper = HelperProcess("live.control.capture.vmc_output", clock, {"targets": targets}, lambda: None)
 
-    def _look(self, wanted: Avatars) -> np.ndarray[Any, np.dtype[np.intp]]:
+    def _select_rows(self, avatars: AvatarTarget) -> np.ndarray[Any, np.dtype[np.intp]]:
         """Return the rows of the selected dancers on stage; raise PersonError for an invalid selection."""
         show: Show = self._engine.show
-        with named("--vmc-out"):
-            who = show.casting.select(wanted.who, show.state.position)
+        with error_context("--vmc-out"):
+            who = show.casting.select(avatars.who, show.state.position)
         return np.flatnonzero(who & show.motion.present)[:MOST_AVATARS]
 
     def start(self) -> None:
         """Start to send; raise PersonError for an unknown host."""
-        for each in self._wanted:
+        for each in self._avatars:
             try:
-                VmcOut(each.host, each.port).close()
+                VmcOutput(each.host, each.port).close()
             except OSError as error:
                 where = f"{each.host}:{each.port}"
                 words = f"--vmc-out {where}: {error.strerror or error}"
@@ -70,31 +70,32 @@ class VmcOutPart:
         """Send the dancers that are due, after each frame."""
         self._helper.frame()
         view, now = self._engine.view, self._clock.now()
-        if now >= self._look_at:
-            self._look_at = now + LOOK_EVERY
-            for index, each in enumerate(self._wanted):
+        if now >= self._next_selection:
+            self._next_selection = now + SELECTION_INTERVAL
+            for index, each in enumerate(self._avatars):
                 try:
-                    self._rows[index] = self._look(each)
+                    self._rows[index] = self._select_rows(each)
                 except PersonError:  # an edit has removed the name: send no dancer
                     self._rows[index] = self._rows[index][:0]
         if not view.filled:
             return
-        for index, each in enumerate(self._wanted):
+        for index, each in enumerate(self._avatars):
             if view.time < self._due[index] or not len(self._rows[index]):
                 continue
             self._due[index] = max(self._due[index] + 1.0 / each.rate, view.time)
-            data = dancers_as_told(self._rows[index], view.joint_position, view.joint_rotation)
+            data = pack_dancers(self._rows[index], view.joint_position, view.joint_rotation)
             self._helper.send((index, view.time, data))
 
     def status(self) -> dict[str, Any]:
         """Return the values for the status line."""
         to = {
-            f"{each.host}:{each.port}": (rows + 1).tolist() for each, rows in zip(self._wanted, self._rows, strict=True)
+            f"{each.host}:{each.port}": (rows + 1).tolist()
+            for each, rows in zip(self._avatars, self._rows, strict=True)
         }
-        return {"to": to, **self._helper.facts()}
+        return {"to": to, **self._helper.status()}
 
 
-def make_vmc_out(options: "LaunchOptions", clock: Clock, engine: Engine) -> VmcOutPart | None:
+def make_vmc_out(options: "LaunchOptions", clock: Clock, engine: Engine) -> VmcOutputService | None:
     """Return the service for `--vmc-out`, not started; None if there is to be none."""
     wanted = tuple(parse_avatars(each) for each in options.vmc_out)
-    return VmcOutPart(engine, wanted, clock) if wanted else None
+    return VmcOutputService(engine, wanted, clock) if wanted else None

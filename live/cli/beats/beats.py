@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 if TYPE_CHECKING:
-    from live.app.offline.beats_report import Ear, Seeds, TimelineFile
+    from live.app.offline.beats_report import BeatListener, ManualInputs, TimelineFile
 
 Form = Literal["table", "json", "csv"]
 STREAM_RATE = 44_100
@@ -43,28 +43,28 @@ def beats(
     With --stdin, each beat prints a line `B time emitted beat`, usually shortly before the beat; `R time emitted`
     retracts one. With a file, the output is a table, JSON, CSV, or a sound with clicks.
     """
-    from live.app.offline.beats_report import Ear, Seeds
-    from live.app.option_values import parse_number
+    from live.app.offline.beats_report import BeatListener, ManualInputs
+    from live.app.option_values import check_range
     from live.base.errors import PersonError
 
-    parse_number(tap_bpm, "--tap-bpm", 40, 240)
-    parse_number(at, "--at", 0, 36_000)
-    parse_number(one_at, "--one-at", 0, 36_000)
+    check_range(tap_bpm, "--tap-bpm", 40, 240)
+    check_range(at, "--at", 0, 36_000)
+    check_range(one_at, "--one-at", 0, 36_000)
     if stdin == (file is not None):
         raise PersonError("live beats needs either a FILE or --stdin", "live beats music.ogg")
     if stdin and (as_json or as_csv or click is not None):
         raise PersonError("--json, --csv and --click are for files", "give a FILE instead of --stdin")
     if (tap_bpm is None) != (at is None):
         raise PersonError("--tap-bpm and --at belong together", "--tap-bpm 96 --at 5")
-    seeds = Seeds(tap_bpm=tap_bpm, tap_at=at, one_at=one_at)
+    seeds = ManualInputs(tap_bpm=tap_bpm, tap_at=at, one_at=one_at)
     with contextlib.ExitStack() as stack:
         lines = None if timeline is None else stack.enter_context(_timeline_file(timeline))
         if stdin:
-            _stream(Ear(STREAM_RATE, tracker, seeds, lines))
+            _track_stream(BeatListener(STREAM_RATE, tracker, seeds, lines))
             return
         assert file is not None
         form: Form = "json" if as_json else "csv" if as_csv else "table"
-        _file(file, tracker, seeds, form=form, click=click, timeline=lines)
+        _track_file(file, tracker, seeds, form=form, click=click, timeline=lines)
 
 
 def _timeline_file(path: Path) -> "TimelineFile":
@@ -73,7 +73,7 @@ def _timeline_file(path: Path) -> "TimelineFile":
     return TimelineFile(path)
 
 
-def _stream(ear: "Ear") -> None:
+def _track_stream(listener: "BeatListener") -> None:
     """Track blocks from standard input until it ends, and flush each line; raise PersonError if writing fails."""
     import numpy as np
 
@@ -83,7 +83,7 @@ def _stream(ear: "Ear") -> None:
     source, out = sys.stdin.buffer, sys.stdout
     while data := source.read(BLOCK * 4):
         samples = np.frombuffer(bytearray(data[: len(data) - len(data) % 4]), "<f4")  # kernels need writable arrays
-        text = "".join(lines_of(beat) for beat in ear.feed(samples))
+        text = "".join(lines_of(beat) for beat in listener.feed(samples))
         try:
             if text:
                 out.write(text)
@@ -94,16 +94,16 @@ def _stream(ear: "Ear") -> None:
             raise PersonError(f"the beats cannot be written ({error.strerror or error})") from None
 
 
-def _file(
+def _track_file(
     file: Path,
     tracker: Literal["network", "aubio"],
-    seeds: "Seeds",
+    seeds: "ManualInputs",
     *,
     form: Form,
     click: Path | None,
     timeline: "TimelineFile | None",
 ) -> None:
-    from live.app.offline.beats_report import Ear, as_csv, as_json, hear_file, print_table, write_click
+    from live.app.offline.beats_report import BeatListener, as_csv, as_json, print_table, track_file, write_click
     from live.base.errors import PersonError
     from live.control.audio.music_file import MusicFileError, read_music
 
@@ -111,8 +111,8 @@ def _file(
         music = read_music(file)
     except MusicFileError as error:
         raise PersonError(str(error)) from None
-    ear = Ear(music.sample_rate, tracker, seeds, timeline)
-    beats = hear_file(ear, music)
+    ear = BeatListener(music.sample_rate, tracker, seeds, timeline)
+    beats = track_file(ear, music)
     if form == "json":
         print(as_json(file, tracker, music, beats))
     elif form == "csv":

@@ -28,24 +28,24 @@ def clock_check(
     """
     from dataclasses import asdict
 
-    from live.app.option_values import parse_number
-    from live.clock.midi.clock_report import errors_of, replay
+    from live.app.option_values import check_range
+    from live.clock.midi.clock_report import clock_errors, replay
 
-    parse_number(metre, "--metre", 1, 16)
+    check_range(metre, "--metre", 1, 16)
     header, messages = read_stream(file)
     report = replay(messages, beats_per_measure=metre)
     beats_file = file.with_suffix(".beats")
     truth = read_beats(beats_file) if beats_file.is_file() else None
-    errors = errors_of(report.beats, truth) if truth else None
+    errors = clock_errors(report.beats, truth) if truth else None
     if json_out:
         found = {
             "name": header.get("name", file.stem),
-            "beats": [_plain(asdict(beat)) for beat in report.beats],
+            "beats": [_nan_to_none(asdict(beat)) for beat in report.beats],
             "states": [asdict(state) for state in report.states],
             "pulses": report.pulses,
             "lost": report.lost,
             "rejected": report.rejected,
-            "errors": _plain(asdict(errors)) if errors is not None else None,
+            "errors": _nan_to_none(asdict(errors)) if errors is not None else None,
         }
         print(json.dumps(found))
         return
@@ -57,7 +57,7 @@ def clock_check(
         print("# no true beats to compare with")
 
 
-def _plain(values: dict[str, Any]) -> dict[str, Any]:
+def _nan_to_none(values: dict[str, Any]) -> dict[str, Any]:
     """Replace NaN, which JSON does not have, with None."""
     return {key: None if isinstance(value, float) and math.isnan(value) else value for key, value in values.items()}
 
@@ -69,7 +69,7 @@ def _short(value: float) -> str:
 def _print(report: "ClockReport") -> None:
     for beat in report.beats:
         where = f"{beat.beat + 1} {beat.measure + 1}" if beat.beat >= 0 else "- -"
-        print(f"B {beat.time:.6f} {beat.emitted:.6f} {where} {beat.bpm:.3f}")
+        print(f"B {beat.time:.6f} {beat.reported_at:.6f} {where} {beat.bpm:.3f}")
     for state in report.states:
         print(f"# {state.time:.3f} {state.state}" + (f" ({state.detail})" if state.detail else ""))
     print(f"# {report.pulses} pulses, {report.lost} lost and filled in by time, {report.rejected} messages rejected")

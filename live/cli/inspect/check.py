@@ -33,8 +33,8 @@ def check(
     find_patch(patch)  # reports an unknown name before seconds of loading
     warm_kernels(Console(stderr=True))  # before modules with kernels are imported
     from live.app.launch_options import LaunchOptions
-    from live.app.session_audio import choose_sound
-    from live.rehearse.lint import all_doubts
+    from live.app.session_audio import choose_audio
+    from live.rehearse.lint import lint_show
 
     options = LaunchOptions(patch=patch, steps=steps, venue=venue)
     hall = options.read_venue()
@@ -42,17 +42,17 @@ def check(
     show = loaded.start()
     if venue is not None or as_json:
         from live.app.option_values import parse_endpoint
-        from live.cli.inspect.venue_check import all_before_doors
+        from live.cli.inspect.venue_check import all_venue_checks
 
-        _tell(all_before_doors(loaded, show, hall, parse_endpoint(osc), venue), as_json=as_json)
+        _print_checks(all_venue_checks(loaded, show, hall, parse_endpoint(osc), venue), as_json=as_json)
         return
-    choose_sound(options, loaded)
+    choose_audio(options, loaded)
     loaded.scene()
     library, graph = loaded.graph.library, loaded.graph
     console = Console(highlight=False)
     if graph.missing:
         raise PersonError("; ".join(graph.missing), "raise locomotion.threshold_m, or change those steps' ends")
-    for note in (words for doubts in all_doubts(show) for words in doubts.words):
+    for note in (words for doubts in lint_show(show) for words in doubts.warnings):
         console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
     console.print(
         f"ok {loaded.path}: {loaded.patch.name!r}, {loaded.patch.dancer_count} dancers in "
@@ -64,7 +64,7 @@ def check(
     )
 
 
-def _tell(checks: "list[Check]", *, as_json: bool) -> None:
+def _print_checks(checks: "list[Check]", *, as_json: bool) -> None:
     """Print a table or JSON; exit 1 if something required is missing."""
     import json
     from dataclasses import asdict
@@ -75,10 +75,10 @@ def _tell(checks: "list[Check]", *, as_json: bool) -> None:
         raise typer.Exit(0 if ready else 1)
     from rich.console import Console
 
-    from live.cli.venue.doctor import table_of
+    from live.cli.venue.doctor import checks_table
 
     console = Console(highlight=False)
-    console.print(table_of(checks))
+    console.print(checks_table(checks))
     limited = sum(check.state == "limited" for check in checks)
     if not ready:
         console.print("[red]Not ready:[/] follow the last column.")

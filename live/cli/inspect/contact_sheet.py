@@ -8,12 +8,12 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from live.app.offline.sheet_moments import Taken
+    from live.app.offline.sheet_moments import SheetMoment
     from live.base.stage_snapshot import StageView
     from live.show.loader import LoadedShow
     from live.show.show import Show
 
-PICTURES = 24
+DEFAULT_PICTURES = 24
 """Approximate number of pictures of a sheet without --every."""
 
 
@@ -39,33 +39,33 @@ def contact_sheet(
     from rich.console import Console
 
     from live.app.kernel_warmup import warm_kernels
-    from live.app.option_values import parse_number, writable_file
+    from live.app.option_values import check_range, check_writable
     from live.base.errors import PersonError
 
-    parse_number(seconds, "--seconds", 1.0, 86400)
-    writable_file(out, "--out")
+    check_range(seconds, "--seconds", 1.0, 86400)
+    check_writable(out, "--out")
     if out.suffix.lower() not in (".png", ".jpg"):
         raise PersonError(f"--out {out}: a picture's name ends in .png or .jpg", f"--out {out.with_suffix('.png')}")
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)  # before modules with kernels are imported
     from live.app.launch_options import LaunchOptions
-    from live.app.offline.film import canvas
-    from live.app.pictures.sheet_picture import DARK, LIGHT, TALLEST, Sheet
+    from live.app.offline.film import make_renderer
+    from live.app.pictures.sheet_picture import DARK, LIGHT, MAX_HEIGHT, Sheet
 
     size = (width, round(width * 9 / 16))
     options = LaunchOptions(patch=show, seed=seed, size=size)
     journal = Path(show).is_file() and Path(show).suffix.lower() != ".toml"
-    loaded, moments = _of_journal(Path(show), every) if journal else _of_patch(options, seconds, every)
+    loaded, moments = _journal_moments(Path(show), every) if journal else _patch_moments(options, seconds, every)
     sheet = Sheet(size, columns, LIGHT if light else DARK)
     pictures = []
     with contextlib.ExitStack() as stack:
-        target, renderer = canvas(stack, replace(options, size=size), loaded, fine)
+        target, renderer = make_renderer(stack, replace(options, size=size), loaded, fine)
         for view, taken in moments:
             renderer.draw(view, target.framebuffer)
             if taken is not None:
                 pictures.append((target.read().copy(), taken))
                 console.print(f"measure {taken.measure}", end="\r")
-                if sheet.measures(len(pictures))[1] > TALLEST:
+                if sheet.size_for(len(pictures))[1] > MAX_HEIGHT:
                     raise PersonError(
                         f"{len(pictures)} pictures are too many for a sheet", "give a larger --every, or more --columns"
                     )
@@ -81,52 +81,54 @@ def contact_sheet(
     console.print(f"{len(pictures)} pictures: {out.resolve()}", soft_wrap=True, markup=False)
 
 
-def _of_journal(path: Path, every: int | None) -> "tuple[LoadedShow, Iterator[tuple[StageView, Taken | None]]]":
+def _journal_moments(
+    path: Path, every: int | None
+) -> "tuple[LoadedShow, Iterator[tuple[StageView, SheetMoment | None]]]":
     from dataclasses import replace
 
-    from live.app.offline.sheet_moments import measures_of, moments_of_journal
+    from live.app.offline.sheet_moments import measure_count, moments_of_journal
     from live.base.errors import PersonError
     from live.show.journal.journal_reader import JournalError, read_journal
-    from live.show.journal.replay import ReplayError, Replaying, loaded_by, start_before
+    from live.show.journal.replay import Replayer, ReplayError, load_journal, start_before
 
     try:
         journal = read_journal(path)
-        loaded = loaded_by(journal)
+        loaded = load_journal(journal)
         start = start_before(journal, loaded, 1, [])
     except (JournalError, ReplayError) as error:
         raise PersonError(str(error)) from None
-    running = Replaying(start.show, journal.usable(), tick=start.tick, compare=False)
-    moments = moments_of_journal(running, every or _apart(measures_of(journal)))
+    running = Replayer(start.show, journal.lines_with_damage(), tick=start.tick, compare=False)
+    moments = moments_of_journal(running, every or _measures_between(measure_count(journal)))
     return replace(loaded, patch=start.show.patch), moments
 
 
-def _of_patch(
+def _patch_moments(
     options: Any, seconds: float | None, every: int | None
-) -> "tuple[LoadedShow, Iterator[tuple[StageView, Taken | None]]]":
+) -> "tuple[LoadedShow, Iterator[tuple[StageView, SheetMoment | None]]]":
     from live.app.offline.sheet_moments import moments_of_patch
-    from live.app.session_audio import choose_sound, start_tempo
+    from live.app.session_audio import choose_audio, start_tempo
     from live.base.errors import PersonError
 
     loaded = options.load()
-    sound = choose_sound(options, loaded)
+    sound = choose_audio(options, loaded)
     if sound.device is not None:
         raise PersonError(f"{options.patch}: its sound comes from a device; record a journal and draw that")
     show = loaded.start(seed=options.seed, tempo=start_tempo(options, loaded, sound))
     measure = show.timeline.beats_per_measure * 60.0 / show.timeline.tempo
-    length = seconds or (sound.music.duration if sound.music is not None else _written(show, measure))
-    every = every or _apart(round(length / measure))
+    length = seconds or (sound.music.duration if sound.music is not None else _score_duration(show, measure))
+    every = every or _measures_between(round(length / measure))
     return loaded, moments_of_patch(loaded, show, sound, length, every)
 
 
-def _written(show: "Show", measure: float) -> float:
+def _score_duration(show: "Show", measure: float) -> float:
     """Return the length of the score [s] for measures of `measure` [s]; a minute if it has no end."""
     length = show.playhead.length
     return 60.0 if length is None else length * measure
 
 
-def _apart(measures: int) -> int:
+def _measures_between(measures: int) -> int:
     """Return the number of measures between pictures: the power of two that gives about two dozen."""
     every = 1
-    while measures / every > PICTURES:
+    while measures / every > DEFAULT_PICTURES:
         every *= 2
     return every

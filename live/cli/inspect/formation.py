@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from live.agents.formations.formation_spec import FormationSpec
     from live.agents.formations.stage_fit import StageFit
 
-LARGEST_FILE = 2_000_000
+MAX_FILE_BYTES = 2_000_000
 DEFAULT_DANCERS = 24
 
 
@@ -49,18 +49,18 @@ def formation(
 
     from live.agents.formations.formation import formation_of
     from live.agents.formations.stage_fit import fit_stage
-    from live.app.option_values import parse_number
+    from live.app.option_values import check_range
     from live.base.errors import PersonError
 
-    parse_number(dancers, "--dancers", 0, 4000)
+    check_range(dancers, "--dancers", 0, 4000)
     if not 0 <= seed < 2**31:
         raise PersonError(f"--seed {seed}: 0 to {2**31 - 1} expected")
     floor = _parse_stage(stage)
     wished = read_spec(spec)
-    count = dancers if dancers is not None else _own_count(wished)
+    count = dancers if dancers is not None else _default_count(wished)
     made = formation_of(wished, count, seed)
     before = None if from_ is None else formation_of(read_spec(from_), count, seed)
-    slot = None if before is None else _who_goes_where(before, made)
+    slot = None if before is None else _assign_slots(before, made)
     fit = fit_stage(made, *floor)
     if svg is not None:
         _write_svg(svg, made, floor, fit, before, slot, spec)
@@ -68,30 +68,30 @@ def formation(
         print(json.dumps(_as_json(made, fit, floor, before, slot)))
         return
     console = Console(highlight=False)
-    for line in _described(made, fit, floor, svg):
+    for line in _describe(made, fit, floor, svg):
         console.print(line, soft_wrap=True, markup=False)
 
 
-def read_spec(words: str) -> "FormationSpec":
+def read_spec(text: str) -> "FormationSpec":
     """Return the spec in a file or in short notation; raise PersonError if there is none."""
-    from live.agents.formations.formation_notation import spec_from_words
+    from live.agents.formations.formation_notation import parse_formation
     from live.agents.formations.formation_spec import spec_from_table
     from live.agents.formations.svg_import import svg_file_paths
 
-    if words.startswith("svg:"):
-        path = Path(words.removeprefix("svg:"))
+    if text.startswith("svg:"):
+        path = Path(text.removeprefix("svg:"))
         table = {"shape": "path", "path": list(svg_file_paths(_read(path), str(path))), "name": path.stem[:64]}
         return spec_from_table(table, str(path))
-    _, _, wanted = words.partition(".toml:") if ".toml:" in words else words.partition(".json:")
-    path = Path(words) if not wanted else Path(words[: -len(wanted) - 1])
+    _, _, wanted = text.partition(".toml:") if ".toml:" in text else text.partition(".json:")
+    path = Path(text) if not wanted else Path(text[: -len(wanted) - 1])
     if path.suffix.lower() in (".toml", ".json"):
-        return spec_from_table(_table_of(path, wanted), str(path))
+        return spec_from_table(_formation_table(path, wanted), str(path))
     if path.suffix.lower() == ".svg":
-        return read_spec(f"svg:{words}")
-    return spec_from_words(words)
+        return read_spec(f"svg:{text}")
+    return parse_formation(text)
 
 
-def _table_of(path: Path, wanted: str) -> "dict[str, Any]":
+def _formation_table(path: Path, wanted: str) -> "dict[str, Any]":
     """Return a formation's table in a file: the top level, [formation], or one of several [[formation]] by name."""
     import tomllib
 
@@ -128,8 +128,8 @@ def _read(path: Path) -> str:
     from live.base.errors import PersonError
 
     try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise PersonError(f"{path}: larger than {LARGEST_FILE // 1_000_000} MB")
+        if path.stat().st_size > MAX_FILE_BYTES:
+            raise PersonError(f"{path}: larger than {MAX_FILE_BYTES // 1_000_000} MB")
         return path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise PersonError(f"{path}: cannot be read: {error.strerror}") from None
@@ -149,7 +149,7 @@ def _parse_stage(text: str) -> tuple[float, float]:
     return width, depth
 
 
-def _own_count(spec: "FormationSpec") -> int:
+def _default_count(spec: "FormationSpec") -> int:
     """Return the number of dancers for which the spec has slots."""
     from live.agents.formations.formation import formation_of
 
@@ -158,7 +158,7 @@ def _own_count(spec: "FormationSpec") -> int:
     return len(formation_of(spec, 0, 0).slots)
 
 
-def _who_goes_where(before: "Formation", after: "Formation") -> "npt.NDArray[np.int32]":
+def _assign_slots(before: "Formation", after: "Formation") -> "npt.NDArray[np.int32]":
     """Return the slot in `after` of the dancer in each slot of `before`, -1 for none."""
     from live.agents.evolutions.slot_assignment import assign
 
@@ -174,31 +174,31 @@ def _write_svg(
     slot: "npt.NDArray[np.int32] | None",
     spec: str,
 ) -> None:
-    from live.agents.evolutions.paths import straight
-    from live.app.option_values import writable_file
+    from live.agents.evolutions.paths import straight_paths
+    from live.app.option_values import check_writable
     from live.app.pictures.formation_picture import draw_formation
-    from live.app.whole_file import write_whole
+    from live.app.whole_file import write_atomically
     from live.base.errors import PersonError
 
     if to.suffix.lower() != ".svg":
         raise PersonError(f"--svg {to}: a name that ends in .svg expected", f"--svg {to.stem or 'formation'}.svg")
-    writable_file(to, "--svg")
+    check_writable(to, "--svg")
     ways: Any = ()
     if before is not None and slot is not None:
         goes = slot >= 0
-        ways = straight(before.slots[goes], made.slots[slot[goes]])
-    lines = _described(made, fit, floor, None)
+        ways = straight_paths(before.slots[goes], made.slots[slot[goes]])
+    lines = _describe(made, fit, floor, None)
     text = draw_formation(
-        made, floor, ways=ways, outside=fit.outside, title=made.name or spec, under="\n".join(lines[:2])
+        made, floor, paths=ways, outside=fit.outside, title=made.name or spec, under="\n".join(lines[:2])
     )
-    write_whole(text.encode(), to, "--svg")
+    write_atomically(text.encode(), to, "--svg")
 
 
-def _described(made: "Formation", fit: "StageFit", floor: tuple[float, float], svg: Path | None) -> list[str]:
+def _describe(made: "Formation", fit: "StageFit", floor: tuple[float, float], svg: Path | None) -> list[str]:
     low_x, low_z, high_x, high_z = made.extent()
     lines = [f"{len(made.slots)} places on {high_x - low_x:.1f} x {high_z - low_z:.1f} m"]
     if len(made.slots) > 1:
-        lines[0] += f", neighbours at least {made.closest:.2f} m apart"
+        lines[0] += f", neighbours at least {made.min_distance:.2f} m apart"
     if not fit.fits:
         size = f"{floor[0]:g} x {floor[1]:g} m"
         lines.append(f"warning: {len(fit.outside)} places are not on the stage of {size}: {fit.remedy}")
@@ -224,9 +224,9 @@ def _as_json(
         "heading": [round(float(each), 6) for each in made.heading],
         "section": [int(each) + 1 if each >= 0 else None for each in made.section],
         "soloist": [bool(each) for each in made.soloist],
-        "min_distance_m": round(made.closest, 6) if len(made.slots) > 1 else None,
-        "waiting": made.waiting,
-        "empty": made.empty,
+        "min_distance_m": round(made.min_distance, 6) if len(made.slots) > 1 else None,
+        "waiting": made.unplaced_dancers,
+        "empty": made.empty_places,
         "stage": list(floor),
         "fits": fit.fits,
         "outside": [each + 1 for each in fit.outside],

@@ -44,7 +44,7 @@ def show(
 
     from live.app.pictures.journal_picture import draw_journal, size_of
     from live.app.pictures.reach_picture import PngCanvas, SvgCanvas
-    from live.app.whole_file import write_whole
+    from live.app.whole_file import write_atomically
     from live.base.errors import PersonError
     from live.show.journal.journal_reader import survey
 
@@ -56,24 +56,24 @@ def show(
         size = size_of(found)
         canvas = SvgCanvas(size) if picture.suffix.lower() == ".svg" else PngCanvas(size)
         draw_journal(found, canvas)
-        write_whole(canvas.data(), picture, "--picture")
+        write_atomically(canvas.data(), picture, "--picture")
     if as_json:
         print(json.dumps(_facts(found)))
         return
     console = Console(highlight=False)
     if events:
-        _list(recorded, console)
-    _tell(found, console)
+        _print_events(recorded, console)
+    _print_survey(found, console)
 
 
 def _facts(found: "Survey") -> dict[str, Any]:
     from live.show.journal.journal_writer import read_snapshots
     from live.show.journal.replay import snapshots_of
-    from live.show.state.snapshot import facts_of
+    from live.show.state.snapshot import snapshot_header
 
     header, problems = found.journal.header, list(found.problems)
     path = snapshots_of(found.journal)
-    measures = [facts_of(data)["measure"] for data in read_snapshots(path, problems)]
+    measures = [snapshot_header(data)["measure"] for data in read_snapshots(path, problems)]
     tempo = [bpm for _, bpm in found.tempo()]
     return {
         "journal": str(found.journal.path),
@@ -94,7 +94,7 @@ def _facts(found: "Survey") -> dict[str, Any]:
     }
 
 
-def _tell(found: "Survey", console: Any) -> None:
+def _print_survey(found: "Survey", console: Any) -> None:
     from rich.table import Table
 
     facts = _facts(found)
@@ -120,12 +120,12 @@ def _tell(found: "Survey", console: Any) -> None:
         console.print(f"and {found.damaged - 20} more damaged lines", style="yellow")
 
 
-def _list(journal: "Journal", console: Any) -> None:
+def _print_events(journal: "Journal", console: Any) -> None:
     from live.clock.ticks import TICK
     from live.control.events.event_json import event_to_json
 
     measure = 1
-    for line in journal.usable():
+    for line in journal.lines_with_damage():
         if line.measure is not None:
             measure = line.measure
         if line.event is None:
@@ -164,7 +164,7 @@ def diff(
         print(json.dumps(facts))
     else:
         console = Console(highlight=False, soft_wrap=True)
-        if found.none:
+        if found.equal:
             console.print(f"the same show: {found.events[0]} events, {found.measures[0]} measures")
         if found.header:
             console.print(f"different headers: {', '.join(found.header)}", markup=False)
@@ -174,7 +174,7 @@ def diff(
         if found.state is not None:
             console.print(f"first different state ({found.measures[0]} | {found.measures[1]} measures):")
             console.print(f"  {found.state.in_words()}", markup=False)
-    if not found.none:
+    if not found.equal:
         raise typer.Exit(1)
 
 
@@ -188,28 +188,28 @@ def export(
     """Export as a MIDI file (which replays the show), or as a table with a row for each event and measure."""
     from rich.console import Console
 
-    from live.app.option_values import writable_file
-    from live.app.whole_file import write_whole
+    from live.app.option_values import check_writable
+    from live.app.whole_file import write_atomically
     from live.base.errors import PersonError
 
     kind = out.suffix.lower()
     if kind not in (".mid", ".midi", ".csv"):
         raise PersonError(f"{out}: a name that ends in .mid or .csv expected", f"{out.stem}.mid")
-    writable_file(out, "OUT")
+    check_writable(out, "OUT")
     recorded = _read(journal)
     if kind == ".csv":
         write_table(recorded, out)
         return
     from live.app.kernel_warmup import warm_kernels
-    from live.app.offline.journal_midi import midi_of
-    from live.show.journal.replay import ReplayError, first_start, loaded_by
+    from live.app.offline.journal_midi import journal_to_midi
+    from live.show.journal.replay import ReplayError, first_start, load_journal
 
     warm_kernels(Console(stderr=True))
     try:
-        start = first_start(recorded, loaded_by(recorded))
+        start = first_start(recorded, load_journal(recorded))
     except ReplayError as error:
         raise PersonError(str(error)) from None
-    write_whole(midi_of(recorded, start), out, "OUT")
+    write_atomically(journal_to_midi(recorded, start), out, "OUT")
 
 
 COLUMNS = ("line", "tick", "seconds", "measure", "kind", "source", "values")
@@ -222,7 +222,7 @@ def write_table(journal: Journal, out: Path) -> None:
             table = csv.writer(file)
             table.writerow(COLUMNS)
             measure = 1
-            for line in journal.usable():
+            for line in journal.lines_with_damage():
                 row: tuple[str, str, str] | None = None
                 if line.damaged is not None:
                     row = "damaged", "", line.damaged

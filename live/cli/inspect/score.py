@@ -25,41 +25,41 @@ def score(
     from rich.console import Console
 
     from live.app.kernel_warmup import warm_kernels
-    from live.app.option_values import parse_number
+    from live.app.option_values import check_range
     from live.show.patch.patch_search_path import find_patch
 
     find_patch(patch)  # reports an unknown name before seconds of loading
     warm_kernels(Console(stderr=True))  # before modules with kernels are imported
     from live.app.launch_options import LaunchOptions
-    from live.show.score.score_sheet import sheet_of
+    from live.show.score.score_sheet import build_sheet
 
-    parse_number(seed, "--seed", 0, 2**31 - 1)
-    parse_number(per_row, "--per-row", 1, 256)
+    check_range(seed, "--seed", 0, 2**31 - 1)
+    check_range(per_row, "--per-row", 1, 256)
     loaded = LaunchOptions(patch=patch, steps=steps).load()
-    sheet = sheet_of(loaded.start(seed=seed))
+    sheet = build_sheet(loaded.start(seed=seed))
     if svg is not None:
         _draw(sheet, svg, per_row, loaded.patch)
     if as_json:
         print(json.dumps(sheet.as_json()))
         return
     console = Console(highlight=False)
-    for line in described(sheet):
+    for line in describe_sheet(sheet):
         console.print(line, soft_wrap=True, markup=False)
     if svg is not None:
         console.print(f"{svg}: drawn", soft_wrap=True, markup=False)
 
 
-def described(sheet: "Sheet") -> list[str]:
+def describe_sheet(sheet: "Sheet") -> list[str]:
     """Return the sheet as text lines: under each section, the boxes of each track with their measures."""
     lines = []
     sections = next(track for track in sheet.tracks if track.name == "section")
     for section in sections.boxes:
-        lines.append(f"{section.words}: measures {section.first + 1} to {section.last + 1}")
+        lines.append(f"{section.label}: measures {section.first + 1} to {section.last + 1}")
         for track in sheet.tracks:
             if track is sections:
                 continue
             words = [
-                f"{box.first + 1}{'' if box.first == box.last else f'-{box.last + 1}'} {_marked(box.words, box.kind)}"
+                f"{box.first + 1}{'' if box.first == box.last else f'-{box.last + 1}'} {_mark(box.label, box.kind)}"
                 for box in track.boxes
                 if section.first <= box.first <= section.last
             ]
@@ -68,23 +68,23 @@ def described(sheet: "Sheet") -> list[str]:
     return lines
 
 
-def _marked(words: str, kind: str) -> str:
+def _mark(words: str, kind: str) -> str:
     return f"~{words}" if kind == "improvised" else f"({words})" if kind == "own" else words
 
 
 def _draw(sheet: "Sheet", to: Path, per_row: int, patch: object) -> None:
-    from live.app.option_values import writable_file
+    from live.app.option_values import check_writable
     from live.app.pictures.score_picture import score_picture
-    from live.app.whole_file import write_whole
+    from live.app.whole_file import write_atomically
     from live.base.errors import PersonError
-    from live.show.loader import scene_of
+    from live.show.loader import make_scene
     from live.show.patch.patch import Patch
 
     assert isinstance(patch, Patch)
     if to.suffix.lower() != ".svg":
         raise PersonError(f"--svg {to}: a name that ends in .svg expected", f"--svg {to.stem or 'score'}.svg")
-    writable_file(to, "--svg")
+    check_writable(to, "--svg")
     colours = [
-        "#" + "".join(f"{round(255 * part):02x}" for part in each) for each in scene_of(patch).look.group_colours
+        "#" + "".join(f"{round(255 * part):02x}" for part in each) for each in make_scene(patch).look.group_colours
     ]
-    write_whole(score_picture(sheet, colours, per_row=per_row).encode(), to, "--svg")
+    write_atomically(score_picture(sheet, colours, per_row=per_row).encode(), to, "--svg")

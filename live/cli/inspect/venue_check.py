@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from live.base.errors import PersonError
-from live.cli.venue.devices import Section, audio, midi
+from live.cli.venue.devices import Section, audio_sections, midi_sections
 from live.cli.venue.doctor import Check, check_kernels, check_monitors, check_opengl
 from live.show.loader import LoadedShow
 from live.show.show import Show
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     from live.render.outputs.output import Output
 
 
-ANSWER_S = 2.0
+OSC_TIMEOUT_S = 2.0
 """Time-out of the OSC test packet [s]."""
-ROOM_MB = (300.0, 2000.0)
+MIN_FREE_MB = (300.0, 2000.0)
 """Minimum free disk space [MB] for the journal of one evening, and for a film."""
 
 
 def show_checks(loaded: LoadedShow, show: Show) -> Iterator[Check]:
     """Yield checks of the transitions between steps, and warnings about the score."""
-    from live.rehearse.lint import all_doubts
+    from live.rehearse.lint import lint_show
 
     graph = loaded.graph
     if graph.missing:
@@ -35,10 +35,10 @@ def show_checks(loaded: LoadedShow, show: Show) -> Iterator[Check]:
             yield Check("steps", "missing", words, "record it, or raise locomotion.threshold_m", needed=True)
     else:
         yield Check("steps", "ok", f"{len(graph.library.steps)} steps, {graph.edge_count} transitions", needed=True)
-    for doubts in all_doubts(show):
-        if not doubts.words:
-            yield Check(doubts.name, "ok", doubts.counted)
-        for words in doubts.words:
+    for doubts in lint_show(show):
+        if not doubts.warnings:
+            yield Check(doubts.name, "ok", doubts.count_text)
+        for words in doubts.warnings:
             yield Check(doubts.name, "limited", words, doubts.remedy)
 
 
@@ -47,19 +47,19 @@ def output_checks(venue: Venue, name: str | None) -> Iterator[Check]:
     from live.app.output_config import outputs_of
 
     if venue.operator is not None:
-        yield _told("operator", partial(_monitor, venue.operator, "the operator window"), "plug it in")
+        yield _run_check("operator", partial(_monitor, venue.operator, "the operator window"), "plug it in")
     for output in outputs_of(venue, name) if venue.output else ():
         what = f"output {output.name}"
         if output.monitor is not None:
-            yield _told(what, partial(_monitor, output.monitor, "its monitor"), "plug it in")
+            yield _run_check(what, partial(_monitor, output.monitor, "its monitor"), "plug it in")
         if output.mask is not None:
-            yield _told(f"{what} mask", partial(_mask, output), "save it as PNG")
+            yield _run_check(f"{what} mask", partial(_mask, output), "save it as PNG")
 
 
 def _monitor(name: str, where: str) -> str:
-    from live.app.output_config import found
+    from live.app.output_config import configured_monitor
 
-    return str(found(name, where))
+    return str(configured_monitor(name, where))
 
 
 def _mask(output: "Output") -> str:
@@ -69,10 +69,10 @@ def _mask(output: "Output") -> str:
     return f"{width}x{height} pixels"
 
 
-def _told(what: str, look: Callable[[], str], remedy: str) -> Check:
+def _run_check(what: str, describe: Callable[[], str], remedy: str) -> Check:
     """Return a check with the text of `look`, or its error."""
     try:
-        return Check(what, "ok", look(), needed=True)
+        return Check(what, "ok", describe(), needed=True)
     except PersonError as error:
         return Check(what, "missing", error.message.replace("\n", " "), error.remedy or remedy, needed=True)
 
@@ -83,7 +83,7 @@ def venue_checks(venue: Venue | None, name: str | None = None) -> Iterator[Check
         return
     yield from output_checks(venue, name)
     yield from certificate_checks(venue, name)
-    inputs, outputs = audio()
+    inputs, outputs = audio_sections()
     wanted = venue.audio
     for what, name, there in (
         ("audio.device", wanted.device, inputs), ("audio.output", wanted.output, outputs),
@@ -91,7 +91,7 @@ def venue_checks(venue: Venue | None, name: str | None = None) -> Iterator[Check
     ):  # fmt: skip
         if name is not None:
             yield _device(what, name, there)
-    midi_in, midi_out = midi()
+    midi_in, midi_out = midi_sections()
     for what, name, there in (
         ("midi.input", venue.midi.input, midi_in),
         ("midi.output", venue.midi.output, midi_out),
@@ -103,9 +103,9 @@ def venue_checks(venue: Venue | None, name: str | None = None) -> Iterator[Check
 
 def certificate_checks(venue: Venue, name: str | None) -> Iterator[Check]:
     """Yield checks of the audience server's TLS certificate: its files and validity."""
-    from live.app.services.audience_tls import files_of, read_identity
+    from live.app.services.audience_tls import read_identity, venue_tls_files
 
-    files = files_of(venue.audience, name)
+    files = venue_tls_files(venue.audience, name)
     if files is None:
         return
     try:
@@ -115,41 +115,41 @@ def certificate_checks(venue: Venue, name: str | None) -> Iterator[Check]:
             "audience.certificate", "missing", error.message, error.remedy or "have it issued again", needed=True
         )
         return
-    doubts = identity.doubt(datetime.now(UTC), identity.host or identity.names[0] if identity.names else "")
+    doubts = identity.warnings(datetime.now(UTC), identity.host or identity.names[0] if identity.names else "")
     for words in doubts:
         yield Check("audience.certificate", "limited", words, "renew it, or correct its files")
     if not doubts:
-        words = f"{identity.host or ', '.join(identity.names)}, until {identity.ends:%Y-%m-%d}"
+        words = f"{identity.host or ', '.join(identity.names)}, until {identity.valid_until:%Y-%m-%d}"
         yield Check("audience.certificate", "ok", words, needed=True)
 
 
-def _device(what: str, name: str, there: Section) -> Check:
+def _device(what: str, name: str, section: Section) -> Check:
     """Check for a device whose name contains `name`."""
-    found = [str(item["name"]) for item in there.items if name.casefold() in str(item["name"]).casefold()]
+    found = [str(item["name"]) for item in section.items if name.casefold() in str(item["name"]).casefold()]
     if found:
         return Check(what, "ok", found[0], needed=True)
-    known = ", ".join(str(item["name"]) for item in there.items) or there.why or "none"
+    known = ", ".join(str(item["name"]) for item in section.items) or section.why or "none"
     return Check(what, "missing", f"{name!r} not found", f"plug it in, or name one of: {known}", needed=True)
 
 
 def check_osc(host: str, port: int) -> Check:
     """Check that the show can receive OSC at this address: listen, and send a test packet."""
-    from live.base.event_queue import Lane
+    from live.base.event_queue import PriorityQueue
     from live.clock.time_source import SystemClock
     from live.control.osc.osc_server import CannotListen, OscInput
 
-    listener = OscInput(host, port, Lane(), SystemClock())
+    listener = OscInput(host, port, PriorityQueue(), SystemClock())
     try:
         listener.start()
     except CannotListen as error:
         return Check("OSC", "missing", str(error), "end the other program, or play with --osc HOST:PORT", needed=True)
     try:
-        return _answered(listener, "127.0.0.1" if host in ("0.0.0.0", "") else host)
+        return _send_test_packet(listener, "127.0.0.1" if host in ("0.0.0.0", "") else host)
     finally:
         listener.stop()
 
 
-def _answered(listener: object, host: str) -> Check:
+def _send_test_packet(listener: object, host: str) -> Check:
     from live.rehearse.network_sender import packet_of
     from live.rehearse.simulated_players import Call
 
@@ -159,7 +159,7 @@ def _answered(listener: object, host: str) -> Check:
     try:
         address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
         with socket.socket(address[0], socket.SOCK_DGRAM) as probe:
-            probe.settimeout(ANSWER_S)
+            probe.settimeout(OSC_TIMEOUT_S)
             probe.sendto(packet, address[4])
             probe.recv(1024)
     except OSError as error:
@@ -175,7 +175,7 @@ def check_disk(folder: Path) -> Check:
     except OSError as error:
         return Check("disk", "limited", f"{folder}: {error}", "write journals elsewhere")
     detail = f"{free / 1000.0:.1f} GB free in {folder}"
-    least, enough = ROOM_MB
+    least, enough = MIN_FREE_MB
     if free < least:
         return Check("disk", "missing", f"{detail}: no space for a journal", "free some space", needed=True)
     if free < enough:
@@ -192,7 +192,7 @@ def check_music(loaded: LoadedShow) -> Check:
     return Check("music", "ok", "none in the patch" if path is None else str(path))
 
 
-def all_before_doors(
+def all_venue_checks(
     loaded: LoadedShow, show: Show, venue: Venue | None, osc: tuple[str, int], name: str | None = None
 ) -> list[Check]:
     """Return every check in table order; `name`: the venue's."""

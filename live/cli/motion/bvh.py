@@ -28,17 +28,17 @@ def bvh(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
 ) -> None:
     """Print the facts of a motion file: joints, frame rate, axes, unit, floor, travel, and warnings."""
-    from live.app.option_values import parse_number, writable_file
+    from live.app.option_values import check_range, check_writable
     from live.base.errors import PersonError
     from live.library.motion_file import read_motion
     from live.motion.formats.file_error import MotionFileError
     from live.motion.formats.file_report import find_facts
 
-    parse_number(fps, "--fps", 1, 10_000)
-    parse_number(unit, "--unit", 1e-6, 1000)
+    check_range(fps, "--fps", 1, 10_000)
+    check_range(unit, "--unit", 1e-6, 1000)
     if up is not None and up.upper() not in ("Y", "Z"):
         raise PersonError(f"--up {up!r}: Y or Z expected")
-    writable_file(joints, "--joints")
+    check_writable(joints, "--joints")
     if joints is not None and joints.suffix.lower() != ".npz":  # else a recording named by mistake would be overwritten
         raise PersonError(f"--joints {joints}: a name that ends in .npz expected", f"--joints {joints.stem}.npz")
     if joints is not None and joints.exists() and file.exists() and joints.samefile(file):

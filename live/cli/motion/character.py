@@ -29,24 +29,24 @@ def character(
     from rich.console import Console
 
     from live.app.kernel_warmup import warm_kernels
-    from live.app.option_values import parse_size, writable_file
+    from live.app.option_values import check_writable, parse_size
     from live.base.body_catalogue import CharacterFile
     from live.base.errors import PersonError
     from live.motion.skeleton import SKELETON
 
-    writable_file(out, "--out")
+    check_writable(out, "--out")
     if out is not None and out.suffix.lower() != ".png":
         raise PersonError(f"--out {out}: a name that ends in .png expected", f"--out {out.stem}.png")
     console = Console(highlight=False)
     warm_kernels(Console(stderr=True, highlight=False))
     from live.render.characters.character import load_character
 
-    said = CharacterFile(file.stem, str(file), tuple(_joint(each, SKELETON.names) for each in joint or ()))
+    said = CharacterFile(file.stem, str(file), tuple(_parse_joint(each, SKELETON.names) for each in joint or ()))
     loaded = load_character(said)
     if as_json:
-        print(json.dumps(facts(loaded)))
+        print(json.dumps(character_facts(loaded)))
     else:
-        for line in _told(loaded):
+        for line in _describe(loaded):
             console.print(line, soft_wrap=True, markup=False)
     if out is not None:
         from live.app.pictures.character_picture import draw_character
@@ -56,16 +56,16 @@ def character(
             console.print(f"picture written: {out.resolve()}", soft_wrap=True, markup=False)
 
 
-def _joint(said: str, names: tuple[str, ...]) -> tuple[str, str]:
+def _parse_joint(text: str, names: tuple[str, ...]) -> tuple[str, str]:
     from live.base.errors import PersonError
 
-    joint, _, bone = said.partition("=")
+    joint, _, bone = text.partition("=")
     if joint.strip() not in names or not bone.strip():
-        raise PersonError(f"--joint {said!r}: JOINT=BONE expected", f"JOINT is one of {', '.join(names)}")
+        raise PersonError(f"--joint {text!r}: JOINT=BONE expected", f"JOINT is one of {', '.join(names)}")
     return joint.strip(), bone.strip()
 
 
-def facts(loaded: "Character") -> dict[str, Any]:
+def character_facts(loaded: "Character") -> dict[str, Any]:
     """Return the facts of a character as plain values."""
     model = loaded.model
     return {
@@ -73,7 +73,7 @@ def facts(loaded: "Character") -> dict[str, Any]:
         "kind": model.kind,
         "bytes": model.size,
         "height_m": round(loaded.fitted.height, 3),
-        "farthest_joint_m": round(loaded.fitted.moved, 3),
+        "farthest_joint_m": round(loaded.fitted.max_joint_offset, 3),
         "triangles": [len(loaded.levels[level].body.triangle) for level in sorted(loaded.levels, reverse=True)],
         "triangles_in_file": model.triangle_count,
         "images": sum(image is not None for image in model.images),
@@ -85,8 +85,8 @@ def facts(loaded: "Character") -> dict[str, Any]:
     }
 
 
-def _told(loaded: "Character") -> list[str]:
-    told, model = facts(loaded), loaded.model
+def _describe(loaded: "Character") -> list[str]:
+    told, model = character_facts(loaded), loaded.model
     found = {name: bone for name, bone in told["joints"].items() if bone is not None}
     missing = [name for name in told["joints"] if name not in found]
     unit = " (taken for centimetres)" if loaded.fitted.height > 20 else ""

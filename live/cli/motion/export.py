@@ -43,12 +43,12 @@ def export(
     """
     from rich.console import Console
 
-    from live.app.option_values import parse_number
+    from live.app.option_values import check_range
     from live.base.errors import PersonError
 
     hertz = _parse_rate(rate)
-    parse_number(fps, "--fps", 1, 10_000)
-    parse_number(unit, "--unit", 1e-6, 1000)
+    check_range(fps, "--fps", 1, 10_000)
+    check_range(unit, "--unit", 1e-6, 1000)
     if up is not None and up.upper() not in ("Y", "Z"):
         raise PersonError(f"--up {up!r}: Y or Z expected")
     _check_target(to, source, force=force)
@@ -56,10 +56,10 @@ def export(
     for_steps = {"--library": library, "--variation": variation, "--measures": measures}
     if _is_file(source):
         _refuse_options(for_steps, source, "a file; that option is for steps")
-        clip = _retargeted(Path(source), hertz, fps, unit, up, skeleton, drop_frames)
+        clip = _load_file(Path(source), hertz, fps, unit, up, skeleton, drop_frames)
     else:
         _refuse_options(for_files, source, "a step; that option is for files")
-        clip = _step(source, hertz, library, variation, measures)
+        clip = _load_step(source, hertz, library, variation, measures)
     size = _write(clip, to)
     Console(highlight=False).print(
         f"{to}: {clip.sample_count} frames, {clip.sample_rate:g} per second, {clip.seconds:.2f} s, {size} bytes",
@@ -84,12 +84,12 @@ def _parse_rate(text: str) -> float | None:
 
 
 def _check_target(to: Path, source: str, *, force: bool) -> None:
-    from live.app.option_values import EXPORT_ENDINGS, writable_file
+    from live.app.option_values import EXPORT_ENDINGS, check_writable
     from live.base.errors import PersonError
 
     if to.suffix.lower() not in EXPORT_ENDINGS:
         raise PersonError(f"--to {to}: a name that ends in {', '.join(EXPORT_ENDINGS)} expected", f"--to {to.stem}.glb")
-    writable_file(to, "--to")
+    check_writable(to, "--to")
     if not to.exists():
         return
     if _is_file(source) and Path(source).exists() and to.samefile(source):
@@ -100,11 +100,11 @@ def _check_target(to: Path, source: str, *, force: bool) -> None:
 
 def _is_file(source: str) -> bool:
     """Whether the source names a file, existing or not, instead of a step."""
-    from live.library.motion_file import MOTION_ENDINGS
+    from live.library.motion_file import MOTION_SUFFIXES
     from live.show.patch.patch_search_path import is_file
 
     path = Path(source)
-    return is_file(path) or path.suffix.lower() in (*MOTION_ENDINGS, ".fbx", ".c3d") or "/" in source
+    return is_file(path) or path.suffix.lower() in (*MOTION_SUFFIXES, ".fbx", ".c3d") or "/" in source
 
 
 def _refuse_options(options: "Mapping[str, object]", source: str, words: str) -> None:
@@ -115,7 +115,7 @@ def _refuse_options(options: "Mapping[str, object]", source: str, words: str) ->
         raise PersonError(f"{given[0]}: {source!r} is {words}", f"leave {' and '.join(given)} out")
 
 
-def _retargeted(
+def _load_file(
     path: Path,
     hertz: float | None,
     fps: float | None,
@@ -151,14 +151,16 @@ def _retargeted(
     return clip
 
 
-def _step(name: str, hertz: float | None, library: Path | None, variation: int | None, measures: int | None) -> "Clip":
+def _load_step(
+    name: str, hertz: float | None, library: Path | None, variation: int | None, measures: int | None
+) -> "Clip":
     """Return the measures of one variation of a step, without the lead-in."""
     from live.base.errors import PersonError
     from live.motion.clip import resample
 
     found = _variations(name, library)
     if variation is not None and not 1 <= variation <= len(found):
-        raise PersonError(f"--variation {variation}: the step {name!r} has {len(found)}: {_described(found)}")
+        raise PersonError(f"--variation {variation}: the step {name!r} has {len(found)}: {_describe_variations(found)}")
     step = found[(variation or 1) - 1]
     if measures is not None and not 1 <= measures <= step.measures:
         raise PersonError(f"--measures {measures}: the step {name!r} has {step.measures}")
@@ -169,7 +171,7 @@ def _step(name: str, hertz: float | None, library: Path | None, variation: int |
 def _variations(name: str, library: Path | None) -> "list[StepClip]":
     import difflib
 
-    from live.app.offline.step_listing import folders, named_steps
+    from live.app.offline.step_listing import library_folders, named_steps
     from live.base.errors import PersonError
 
     clips = [clip for step in named_steps(library) for clip in step.clips]
@@ -177,7 +179,7 @@ def _variations(name: str, library: Path | None) -> "list[StepClip]":
     if found:
         return found
     names = sorted({clip.step for clip in clips})
-    where = " and ".join(map(str, folders(library)))
+    where = " and ".join(map(str, library_folders(library)))
     near = difflib.get_close_matches(name, names, n=1)
     shown = ", ".join(names[:KNOWN_STEPS_SHOWN]) + (", ..." if len(names) > KNOWN_STEPS_SHOWN else "")
     raise PersonError(
@@ -186,14 +188,14 @@ def _variations(name: str, library: Path | None) -> "list[StepClip]":
     )
 
 
-def _described(clips: "list[StepClip]") -> str:
+def _describe_variations(clips: "list[StepClip]") -> str:
     words = [f"{n} {clip.direction}{' (mirrored)' if clip.mirrored else ''}" for n, clip in enumerate(clips, 1)]
     return ", ".join(words)
 
 
 def _write(clip: "Clip", to: Path) -> int:
     """Write the file atomically; return its size in bytes."""
-    from live.app.whole_file import write_whole
+    from live.app.whole_file import write_atomically
 
     if to.suffix.lower() == ".bvh":
         from live.motion.formats.bvh_writer import write_bvh
@@ -203,4 +205,4 @@ def _write(clip: "Clip", to: Path) -> int:
         from live.motion.formats.gltf_writer import write_glb
 
         data = write_glb(clip, rate=None)
-    return write_whole(data, to, "--to")
+    return write_atomically(data, to, "--to")

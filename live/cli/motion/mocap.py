@@ -21,22 +21,22 @@ def send(
     loop: Annotated[bool, typer.Option("--loop", help="Repeat until Ctrl-C.")] = False,
 ) -> None:
     """Send a recording in real time with the VMC protocol, to a show or any other VMC receiver."""
-    from live.app.option_values import parse_endpoint, parse_number
+    from live.app.option_values import check_range, parse_endpoint
     from live.base.errors import PersonError
     from live.control.capture.vmc_output import play_clip
     from live.library.motion_file import read_motion
     from live.motion.formats.file_error import MotionFileError
     from live.motion.retarget.retarget import retarget
 
-    parse_number(fps, "--fps", 1, 10_000)
-    parse_number(rate, "--rate", 1, 240)
-    parse_number(seconds, "--seconds", 0.1, 7 * 86400)
+    check_range(fps, "--fps", 1, 10_000)
+    check_range(rate, "--rate", 1, 240)
+    check_range(seconds, "--seconds", 0.1, 7 * 86400)
     endpoint = parse_endpoint(to, "--to")
     try:
         clip = retarget(read_motion(file), name=file.stem, fps=fps, sample_rate=rate)
     except MotionFileError as error:
         raise PersonError(str(error)) from None
-    parse_number(begin, "--from", 0.0, (clip.sample_count - 1) / rate)
+    check_range(begin, "--from", 0.0, (clip.sample_count - 1) / rate)
     try:
         sent = play_clip(clip, endpoint, first=round(begin * rate), seconds=seconds, loop=loop)
     except OSError as error:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 if TYPE_CHECKING:
-    from live.library.beat_alignment import Sync
+    from live.library.beat_alignment import SyncResult
 
 
 def sync(
@@ -34,23 +34,23 @@ def sync(
     Times count from the first kept frame. Clap on the beats before you dance; with --click or --song, claps are
     matched to its beats. Without claps, the beats are estimated from the feet; confirm that estimate.
     """
-    from live.app.option_values import parse_number
+    from live.app.option_values import check_range
     from live.base.errors import PersonError
-    from live.library.beat_alignment import SyncWish, find_sync
+    from live.library.beat_alignment import SyncRequest, find_sync
 
-    parse_number(click, "--click", 20, 400)
-    parse_number(bpm, "--bpm", 20, 400)
-    parse_number(count, "--count", 1, 1000)
-    parse_number(anchor, "--anchor", 0, 36_000)
-    parse_number(beats_per_measure, "--beats-per-measure", 1, 16)
-    parse_number(fps, "--fps", 1, 10_000)
-    parse_number(drop_frames, "--drop-frames", 0, 10_000_000)
+    check_range(click, "--click", 20, 400)
+    check_range(bpm, "--bpm", 20, 400)
+    check_range(count, "--count", 1, 1000)
+    check_range(anchor, "--anchor", 0, 36_000)
+    check_range(beats_per_measure, "--beats-per-measure", 1, 16)
+    check_range(fps, "--fps", 1, 10_000)
+    check_range(drop_frames, "--drop-frames", 0, 10_000_000)
     if click is not None and song is not None:
         raise PersonError("--click and --song exclude each other", "--click for a click, --song for a music file")
     if count is not None and click is None:
         raise PersonError("--count counts the beats of a click", f"--click BPM --count {count}")
     found = find_sync(
-        SyncWish(
+        SyncRequest(
             file=file,
             skeleton=skeleton,
             fps=fps,
@@ -69,10 +69,10 @@ def sync(
 
         print(json.dumps(_as_json(found)))
     else:
-        _print(found, _toml(found, file, fps, beats_per_measure, by_hand=(bpm is not None, anchor is not None)))
+        _print(found, _toml_lines(found, file, fps, beats_per_measure, by_hand=(bpm is not None, anchor is not None)))
 
 
-def _as_json(found: "Sync") -> dict[str, Any]:
+def _as_json(found: "SyncResult") -> dict[str, Any]:
     reference = found.reference
     return {
         "first_beat_s": round(reference.first_beat_s, 4),
@@ -94,8 +94,8 @@ def _as_json(found: "Sync") -> dict[str, Any]:
     }
 
 
-def _toml(
-    found: "Sync", file: Path, fps: float | None, beats_per_measure: int, *, by_hand: tuple[bool, bool]
+def _toml_lines(
+    found: "SyncResult", file: Path, fps: float | None, beats_per_measure: int, *, by_hand: tuple[bool, bool]
 ) -> list[str]:
     """Return lines for the recording's TOML file; `by_hand`: whether tempo and first beat were given by the user."""
     notes = ["" if one else f" # {found.comment}" for one in by_hand]
@@ -115,7 +115,7 @@ def _quoted(text: str) -> str:
     return json.dumps(text.encode("utf-8", "replace").decode("utf-8"), ensure_ascii=False)
 
 
-def _print(found: "Sync", toml: list[str]) -> None:
+def _print(found: "SyncResult", toml: list[str]) -> None:
     from rich.console import Console
 
     reference = found.reference

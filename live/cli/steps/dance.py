@@ -85,25 +85,25 @@ def dance(
     as_json: Annotated[bool, typer.Option("--json", help="Print the dance and missing transitions as JSON.")] = False,
 ) -> None:
     """Dance a sequence of steps. If it cannot be danced exactly, use the nearest dance and list missing transitions."""
-    from live.app.offline.dance_plan import Asked, make_plan, put_together
+    from live.app.offline.dance_plan import DanceOptions, assemble_plan, make_plan
     from live.app.offline.dance_report import check_targets, print_dance, write_motion, write_report
-    from live.app.option_values import parse_number
+    from live.app.option_values import check_range
     from live.base.errors import PersonError
 
-    parse_number(bpm, "--bpm", 20, 400)
-    parse_number(threshold, "--threshold", 0.001, 10)
-    parse_number(window, "--window", 0.05, 16)
-    parse_number(correction, "--correction", 0, 2)
+    check_range(bpm, "--bpm", 20, 400)
+    check_range(threshold, "--threshold", 0.001, 10)
+    check_range(window, "--window", 0.05, 16)
+    check_range(correction, "--correction", 0, 2)
     check_targets(out, report, force=force)
     if path is not None and start is not None:
         raise PersonError("--start: a path begins at its first point, with any step", "leave --start or --path out")
-    asked = Asked(
+    asked = DanceOptions(
         library=library, sequence=sequence, bpm=bpm, path=path, heading=heading, correction=correction, start=start,
         window=window, threshold=threshold, foot_rule=foot_rule, depth_first=depth_first,
     )  # fmt: skip
     plan = make_plan(asked)
     if out is not None or report is not None:
-        dance = put_together(plan)
+        dance = assemble_plan(plan)
         if out is not None:
             write_motion(dance.clip, out)
         if report is not None:

@@ -58,20 +58,20 @@ def partner(
     The leader's motion is matched by a sequence of recorded units of two beats, stretched, turned and moved. Their
     followers are joined to one motion in the leader's coordinates, with the frames of the leader's file.
     """
-    from live.app.option_values import parse_choice, parse_number, writable_file
+    from live.app.option_values import check_choice, check_range, check_writable
     from live.base.errors import PersonError
 
-    parse_number(stretch, "--stretch", 0, 2)
-    parse_number(k, "--k", 0, 1e6)
-    parse_number(beam, "--beam", 0, 1e9)
-    parse_number(rate, "--rate", 1, 60)
-    parse_number(cluster, "--cluster", 0, 10)
-    parse_number(fps, "--fps", 1, 10_000)
-    parse_number(drop_frames, "--drop-frames", 0, 10_000_000)
-    parse_number(smooth, "--smooth", 0, 5)
-    parse_number(bpm, "--bpm", 20, 400)
-    parse_number(first_beat, "--first-beat", 0, 36_000)
-    parse_choice(smoothing, "--smoothing", "eased", "linear", "none")
+    check_range(stretch, "--stretch", 0, 2)
+    check_range(k, "--k", 0, 1e6)
+    check_range(beam, "--beam", 0, 1e9)
+    check_range(rate, "--rate", 1, 60)
+    check_range(cluster, "--cluster", 0, 10)
+    check_range(fps, "--fps", 1, 10_000)
+    check_range(drop_frames, "--drop-frames", 0, 10_000_000)
+    check_range(smooth, "--smooth", 0, 5)
+    check_range(bpm, "--bpm", 20, 400)
+    check_range(first_beat, "--first-beat", 0, 36_000)
+    check_choice(smoothing, "--smoothing", "eased", "linear", "none")
     if (leader is None) == (path is None):
         raise PersonError(
             "one leader expected: either a motion file or --path", "live partner LEADER.bvh --examples PAIRS.toml"
@@ -82,17 +82,17 @@ def partner(
     if (bpm is None) != (first_beat is None):
         raise PersonError("--bpm and --first-beat: both or neither", "--bpm 163 --first-beat 0.61")
     for option, file in (("--out", out), ("--report", report), ("--transcript", transcript)):
-        writable_file(file, option)
+        check_writable(file, option)
         if file is not None and any(
             one is not None and one.exists() and file.exists() and file.samefile(one)
             for one in (leader, examples, path, truth)
         ):
             raise PersonError(f"{option} {file}: that is an input file", "give the new file another name")
 
-    from live.app.offline.partner_request import Wish
-    from live.app.offline.partner_search import run
+    from live.app.offline.partner_request import PartnerOptions
+    from live.app.offline.partner_search import run_partner
 
-    run(Wish(
+    run_partner(PartnerOptions(
         leader=leader, examples=examples, out=out, path=path, online=online, stretch=stretch, k=k, beam=beam,
         rate=rate, cluster=cluster, fps=fps, drop_frames=drop_frames, bpm=bpm, first_beat=first_beat,
         smoothing=smoothing, hold_feet=hold_feet, truth=truth, report=report, transcript=transcript, seed=seed,

@@ -106,7 +106,7 @@ def add(
     The recording is copied to the library, and a table "step" is added to the TOML file of its name. Nothing is
     written unless the step can be cut, and no existing file is overwritten.
     """
-    from live.app.offline.step_adding import Listening, add_to_library
+    from live.app.offline.step_adding import ClapReference, add_to_library
 
     given = {
         "name": name, "skeleton": None if skeleton is None else str(skeleton), "fps": fps, "unit_m": unit, "up": up,
@@ -117,7 +117,7 @@ def add(
         "style": style, "tags": tag or None, "mirror": mirror or None,
     }  # fmt: skip
     fields = {key: value for key, value in given.items() if value is not None}
-    add_to_library(file, fields, library, Listening(click=click, count=count, song=song))
+    add_to_library(file, fields, library, ClapReference(click=click, count=count, song=song))
 
 
 @app.command("list")
@@ -167,16 +167,16 @@ def graph(
 ) -> None:
     """Show the motion graph: transitions between steps, their distances, dead ends, and missing transitions."""
     from live.app.offline.graph_report import print_graph
-    from live.app.option_values import parse_number, writable_file
+    from live.app.option_values import check_range, check_writable
     from live.base.errors import PersonError
 
-    parse_number(threshold, "--threshold", 0.001, 10)
-    parse_number(window, "--window", 0.01, 0.9)
+    check_range(threshold, "--threshold", 0.001, 10)
+    check_range(window, "--window", 0.01, 0.9)
     if svg is not None and svg.suffix.lower() != ".svg":
         raise PersonError(f"--svg {svg}: a name that ends in .svg expected", f"--svg {svg.with_suffix('.svg')}")
     if json_out and dot:
         raise PersonError("--json and --dot exclude each other", "leave one of them out")
-    writable_file(svg, "--svg")
+    check_writable(svg, "--svg")
     print_graph(library, as_json=json_out, as_dot=dot, svg=svg, threshold=threshold, window=window, bridges=bridges)
 
 
@@ -217,13 +217,13 @@ def enrich(
     begin and end at the same place as the sketch. They contain the motion capture data they need.
     """
     from live.app.offline.texture_run import enrich_library
-    from live.app.option_values import parse_number
-    from live.motion.texture.texture_settings import Wish, parse_bands, parse_joints
+    from live.app.option_values import check_range
+    from live.motion.texture.texture_settings import TextureSettings, parse_bands, parse_joints
 
-    parse_number(fps, "--fps", 1, 10_000)
-    wish = Wish(
+    check_range(fps, "--fps", 1, 10_000)
+    wish = TextureSettings(
         drive=parse_joints(drive, "--drive"), bands=parse_bands(bands, "--bands"), match_band=match, paths=paths,
-        apart=True, weigh=weigh,
+        distinct_paths=True, join_weight=weigh,
     )  # fmt: skip
     enrich_library(library, with_ or [], step or [], wish, upper, fps=fps, remove=remove)
 
@@ -247,13 +247,13 @@ def play(
 ) -> None:
     """Loop a step on the stage, with a dancer for each variation."""
     from live.app.offline.step_preview import Preview, play_step
-    from live.app.option_values import film_file, parse_number, parse_size, writable_file
+    from live.app.option_values import check_film_path, check_range, check_writable, parse_size
 
-    parse_number(tempo, "--tempo", 20, 400)
-    parse_number(seconds, "--seconds", 0.1, 7 * 86400)
-    parse_number(fps, "--fps", 1, 480)
-    writable_file(film, "--film")
-    film_file(film, "--film", never=[])
+    check_range(tempo, "--tempo", 20, 400)
+    check_range(seconds, "--seconds", 0.1, 7 * 86400)
+    check_range(fps, "--fps", 1, 480)
+    check_writable(film, "--film")
+    check_film_path(film, "--film", inputs=[])
     play_step(
         Preview(
             step=step, library=library, variation=variation, tempo=tempo, seconds=seconds, travel=travel,

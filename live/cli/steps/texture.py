@@ -71,24 +71,30 @@ def texture(
     are found. A path through these gives the synthesised joints, and detail for the others. Feet stay where they are
     in the sketch. JOINTS are words (upper, lower, hips, knees, ankles, pelvis, trunk, head, arms ...) or joint names.
     """
-    from live.app.offline.texture_run import Asked, make
-    from live.app.option_values import parse_number
-    from live.motion.texture.texture_settings import Wish, column_of, parse_bands, parse_drive, parse_joints
+    from live.app.offline.texture_run import TextureOptions, run_texture
+    from live.app.option_values import check_range
+    from live.motion.texture.texture_settings import (
+        TextureSettings,
+        parse_bands,
+        parse_column,
+        parse_drive,
+        parse_joints,
+    )
 
-    parse_number(fps, "--fps", 1, 10_000)
-    parse_number(sketch_fps, "--sketch-fps", 1, 10_000)
-    parse_number(drop_frames, "--drop-frames", 0, 10_000_000)
-    parse_number(rate, "--rate", 1, 1000)
+    check_range(fps, "--fps", 1, 10_000)
+    check_range(sketch_fps, "--sketch-fps", 1, 10_000)
+    check_range(drop_frames, "--drop-frames", 0, 10_000_000)
+    check_range(rate, "--rate", 1, 1000)
     first, changes = parse_drive(drive, "--drive")
     driving = tuple(sorted({*first, *(joint for _, joints in changes for joint in joints)}))
-    wish = Wish(
-        drive=driving, changes=changes, first=first,
+    wish = TextureSettings(
+        drive=driving, drive_changes=changes, initial_drive=first,
         synthesize=parse_joints(synthesize, "--synthesize"), texture=parse_joints(texture, "--texture"),
-        bands=parse_bands(bands, "--bands"), match_band=match, cut=column_of(cut, "--cut", driving), keep=keep,
-        paths=paths, apart=apart, weigh=weigh, scale=scale, reach=join, derivative=derivative,
+        bands=parse_bands(bands, "--bands"), match_band=match, cut=parse_column(cut, "--cut", driving), keep=keep,
+        paths=paths, distinct_paths=apart, join_weight=weigh, scale=scale, reach=join, derivative=derivative,
     )  # fmt: skip
-    make(
-        Asked(
+    run_texture(
+        TextureOptions(
             sketch=sketch, places=tuple(with_), out=out, fps=fps, drop_frames=drop_frames, sketch_fps=sketch_fps,
             variation=variation, rate=rate, report=report, force=force,
         ),

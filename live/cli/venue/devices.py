@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from live.base.native_stderr import quiet_stderr
+from live.base.native_stderr import suppress_native_stderr
 
 _HEADINGS = {
     "audio_inputs": "Audio in",
@@ -49,7 +49,7 @@ def devices(
 ) -> None:
     """List audio inputs and outputs, MIDI ports and monitors."""
 
-    sections = inventory()
+    sections = list_sections()
     if as_json:
         print(json.dumps({section.title: {"items": section.items, "why": section.why} for section in sections}))
         return
@@ -74,13 +74,13 @@ def one_line(error: BaseException) -> str:
     return " ".join(str(error).split()) or type(error).__name__
 
 
-def audio() -> tuple[Section, Section]:
+def audio_sections() -> tuple[Section, Section]:
     """Return audio inputs and outputs: index, name, host (ALSA, JACK, …), channels, sample_rate [Hz], default."""
     from live.control.audio import devices
 
     def section(direction: str, find: Callable[[], list[devices.SoundDevice]]) -> Section:
         try:
-            with quiet_stderr():
+            with suppress_native_stderr():
                 items = tuple(asdict(device) for device in find())
         except devices.SoundUnavailable as error:
             return Section(f"audio_{direction}s", (), one_line(error))
@@ -90,13 +90,13 @@ def audio() -> tuple[Section, Section]:
     return section("input", devices.list_input_devices), section("output", devices.list_output_devices)
 
 
-def midi() -> tuple[Section, Section]:
+def midi_sections() -> tuple[Section, Section]:
     """Return MIDI inputs and outputs by name, of all running MIDI systems (ALSA, JACK, Core MIDI)."""
     from live.control.midi.midi_ports import MidiUnavailable, port_names
 
     def section(title: str, direction: Literal["input", "output"]) -> Section:
         try:
-            with quiet_stderr():
+            with suppress_native_stderr():
                 systems = port_names(direction)
         except MidiUnavailable as error:
             return Section(title, (), one_line(error))
@@ -107,11 +107,11 @@ def midi() -> tuple[Section, Section]:
     return section("midi_inputs", "input"), section("midi_outputs", "output")
 
 
-def monitors() -> Section:
+def monitor_section() -> Section:
     """Return monitors by number (from 1): name, width and height [pixels], refresh_rate [Hz], position, primary."""
     from live.render.window.monitors import list_monitors, screen_problem, stop_glfw
 
-    with quiet_stderr():
+    with suppress_native_stderr():
         found = list_monitors()
         problem = screen_problem()
         stop_glfw()
@@ -131,6 +131,6 @@ def monitors() -> Section:
     return Section("monitors", items, None if items else nothing)
 
 
-def inventory() -> list[Section]:
+def list_sections() -> list[Section]:
     """Return all sections in display order."""
-    return [*audio(), *midi(), monitors()]
+    return [*audio_sections(), *midi_sections(), monitor_section()]

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from live.base.native_stderr import quiet_stderr
-from live.cli.venue.devices import Section, audio, midi, monitors, one_line
+from live.base.native_stderr import suppress_native_stderr
+from live.cli.venue.devices import Section, audio_sections, midi_sections, monitor_section, one_line
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -43,7 +43,7 @@ def doctor(
     from rich.console import Console
 
     console = Console()
-    console.print(table_of(checks))
+    console.print(checks_table(checks))
     limited = sum(check.state == "limited" for check in checks)
     if not can_run:
         console.print("[red]No show can run here yet:[/] follow the last column.")
@@ -54,7 +54,7 @@ def doctor(
     raise typer.Exit(0 if can_run else 1)
 
 
-def table_of(checks: "Sequence[Check]") -> "Table":
+def checks_table(checks: "Sequence[Check]") -> "Table":
     """Return the table of checks for printing."""
     from rich.table import Table
     from rich.text import Text
@@ -83,7 +83,7 @@ _COMMANDS = {
 }
 
 
-def install_line(library: str) -> str:
+def install_command(library: str) -> str:
     """Return the command that installs `library` (opengl, portaudio, alsa, x11) with this machine's package manager."""
     for manager, command in _COMMANDS.items():
         if shutil.which(manager):
@@ -143,7 +143,7 @@ def probe_opengl(timeout: float = 30.0) -> OpenGL:
 
 State = Literal["ok", "limited", "missing"]
 OSC_ADDRESS = ("127.0.0.1", 9010)
-OLDEST_OPENGL = 410
+MIN_OPENGL = 410
 EXTRAS = {"linkpython-extern": "Ableton Link"}
 """Feature that is unavailable without an optional package."""
 _OTHER_PYTHON = "use Python 3.11 or 3.12: make clean play PYTHON=python3.12"
@@ -195,9 +195,9 @@ def check_opengl() -> Check:
     """Check OpenGL without a window, as used by headless shows and films."""
     opengl = probe_opengl()
     if opengl.renderer is None:
-        return Check("OpenGL", "missing", opengl.why, install_line("opengl"), needed=True)
+        return Check("OpenGL", "missing", opengl.why, install_command("opengl"), needed=True)
     detail = f"{opengl.version}, {opengl.renderer}"
-    if opengl.code < OLDEST_OPENGL:
+    if opengl.code < MIN_OPENGL:
         return Check("OpenGL", "missing", f"{detail}: 4.1 is needed", "install a newer graphics driver", needed=True)
     if opengl.software:
         return Check("OpenGL", "ok", f"{detail} (software: the CPU renders)", needed=True)
@@ -206,18 +206,18 @@ def check_opengl() -> Check:
 
 def check_monitors() -> Check:
     """Check for a monitor; without one, films can still be made."""
-    section = monitors()
+    section = monitor_section()
     if section.why is None:
         names = [f"{item['name']} {item['width']}×{item['height']}" for item in section.items]
         return Check("monitors", "ok", ", ".join(names))
-    remedy = install_line("x11") if "Failed to load" in section.why else "log in to a desktop"
+    remedy = install_command("x11") if "Failed to load" in section.why else "log in to a desktop"
     return Check("monitors", "limited", f"{section.why}; shows are written as films", remedy)
 
 
-def _check_section(name: str, section: Section, without: str, remedy: str) -> Check:
+def _check_section(name: str, section: Section, limitation: str, remedy: str) -> Check:
     if section.why is None:
         return Check(name, "ok", ", ".join(str(item["name"]) for item in section.items))
-    return Check(name, "limited", f"{section.why}; {without}", remedy)
+    return Check(name, "limited", f"{section.why}; {limitation}", remedy)
 
 
 def check_audio() -> Iterator[Check]:
@@ -226,17 +226,17 @@ def check_audio() -> Iterator[Check]:
         version = _portaudio_version()
     except OSError as error:
         detail = f"{one_line(error)}; music files are followed silently"
-        yield Check("PortAudio", "limited", detail, install_line("portaudio"))
+        yield Check("PortAudio", "limited", detail, install_command("portaudio"))
         return
     yield Check("PortAudio", "ok", version)
-    inputs, outputs = audio()
+    inputs, outputs = audio_sections()
     remedy = "plug in a sound card, or start PulseAudio or PipeWire"
     yield _check_section("audio in", inputs, "music can come from a file, or tempo from --bpm", remedy)
     yield _check_section("audio out", outputs, "music files are followed silently", remedy)
 
 
 def _portaudio_version() -> str:
-    with quiet_stderr():
+    with suppress_native_stderr():
         import sounddevice
 
     return str(sounddevice.get_portaudio_version()[1]).partition(",")[0]
@@ -244,10 +244,10 @@ def _portaudio_version() -> str:
 
 def check_midi() -> Iterator[Check]:
     """Check MIDI inputs and outputs."""
-    inputs, outputs = midi()
+    inputs, outputs = midi_sections()
     remedy = "plug in a MIDI device"
     if inputs.why is not None and "libasound" in inputs.why:
-        remedy = install_line("alsa")
+        remedy = install_command("alsa")
     elif inputs.why is not None and "rtmidi'" in inputs.why:
         remedy = _OTHER_PYTHON
     yield _check_section("MIDI in", inputs, "no MIDI control", remedy)
@@ -259,7 +259,7 @@ def check_kernels() -> Check:
     from live.app.kernel_warmup import is_warm
     from live.base import jit
 
-    wished, used = jit.cache_root(), jit.KERNELS
+    wished, used = jit.cache_root(), jit.KERNEL_CACHE_DIR
     if used != wished:
         remedy = "make it writable, or set LIVE_CACHE_DIR to another folder"
         return Check("kernel cache", "limited", f"{wished} is not writable; {used} is used until reboot", remedy)

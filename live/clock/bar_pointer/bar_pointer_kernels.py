@@ -36,12 +36,12 @@ def advance(
     length: Int32,
     tempo: Float32,
     metre: Float32,
-    born: Float32,
+    births: Float32,
     slot_share: Float32,
     leaving: Float32,
     entering: Float32,
     odds: np.float32,
-    whole: float,
+    sum_before: float,
 ) -> float:
     """Advance all states by one frame: each position moves on; at the end of a beat another begins, perhaps at another
     tempo.
@@ -55,7 +55,7 @@ def advance(
     intervals, reach = length.shape[0], tempo.shape[1] // 2
     zero, one = np.float32(0.0), np.float32(1.0)
     slots = np.zeros(_SLOTS, np.float32)
-    scale, gone, begun = np.float32(whole), 0.0, 0.0
+    scale, gone, begun = np.float32(sum_before), 0.0, 0.0
     for k in range(intervals):
         head[k] = head[k] - 1 if head[k] > 0 else length[k] - 1
         row = offset[k] + head[k]
@@ -81,14 +81,14 @@ def advance(
         for to in range(4):
             slots[_FIRST[to]] = e2 * metre[0, to] + e3 * metre[1, to] + e4 * metre[2, to] + e6 * metre[3, to]
         for s in range(_USED):
-            state[row, s] = (one - odds) * slots[s] + (odds * total + scale * born[k]) * slot_share[s]
+            state[row, s] = (one - odds) * slots[s] + (odds * total + scale * births[k]) * slot_share[s]
             begun += float(state[row, s])
         state[row, _USED] = zero
-    return whole - gone + begun
+    return total - gone + begun
 
 
 @kernel("f8(f4[:,::1], i4[::1], i4[::1], i4[::1], i4[::1], f4[::1], f4[:,::1])")
-def leap(
+def change_octave(
     state: Float32, head: Int32, offset: Int32, length: Int32, partner: Int32, slot_share: Float32, odds: Float32
 ) -> float:
     """Move a share of the beats that begin now to half or double the tempo. Returns the growth of the sum.
@@ -175,7 +175,7 @@ def rescale(flat: Float32, scale: np.float32) -> None:
 
 
 @kernel("void(f4[:,::1], i4[::1], i4[::1], i4[::1], f8, f8)")
-def fence(state: Float32, head: Int32, offset: Int32, length: Int32, interval: float, phase: float) -> None:
+def clear_distant(state: Float32, head: Int32, offset: Int32, length: Int32, interval: float, phase: float) -> None:
     """Set all states to 0 that are further than `_FENCE` beats from a phase, or at tempi not near `interval`."""
     zero = np.float32(0.0)
     for k in range(length.shape[0]):
@@ -192,7 +192,7 @@ def fence(state: Float32, head: Int32, offset: Int32, length: Int32, interval: f
 
 
 @kernel("f8(f4[:,::1], i4[::1], i4[::1], i4[::1], f4[:,::1])", fastmath={"reassoc"})
-def tally(state: Float32, head: Int32, offset: Int32, length: Int32, histogram: Float32) -> float:
+def phase_histogram(state: Float32, head: Int32, offset: Int32, length: Int32, histogram: Float32) -> float:
     """Sum all states by interval and phase of the beat: histogram (K, 24). Returns the total."""
     total = 0.0
     for k in range(length.shape[0]):

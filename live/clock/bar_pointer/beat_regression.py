@@ -9,83 +9,83 @@ from live.clock.bar_pointer.state_space import FIRST_SLOT, METRES, SLOTS, Float3
 
 Floats = npt.NDArray[np.float64]
 
-MOST: Final = 24
+MAX_BEATS: Final = 24
 """Number of beats kept."""
 
-THROUGH: Final = (24, 16, 12, 8, 6, 4)
+LINE_LENGTHS: Final = (24, 16, 12, 8, 6, 4)
 """Lengths of the line in beats: the longest with a good fit is used."""
 
-FEWEST: Final = THROUGH[-1]
+MIN_BEATS: Final = LINE_LENGTHS[-1]
 
-WAVERING: Final = 12
+FALLBACK_LENGTH: Final = 12
 """Length if none fits: an unsteady tempo tends to return to its mean."""
 
-SCATTER: Final = 0.9
+MAX_SCATTER: Final = 0.9
 """A line fits if beats scatter about it by no more than this [frames], and ..."""
 
-BENT: Final = 0.5
+MAX_END_ERROR: Final = 0.5
 """... the mean error of the last three is no more than this: the tempo is not changing."""
 
-AGREES: Final = 0.02
+PERIOD_TOLERANCE: Final = 0.02
 """If the present interval differs from the line's by more than this ratio, the tempo is changing."""
 
-EBBING: Final = 43
+FADE_OUT_FRAMES: Final = 43
 """Frames (half a second) before the end of music whose beats are ignored, because of a possible fade-out."""
 
 
-class PassedBeats:
+class BeatRegression:
     """Records beats that have passed, with their positions in the measure; `interval` is used in silence."""
 
     def __init__(self) -> None:
-        self._time = np.zeros(MOST)
-        self._number = np.zeros(MOST)
-        self._slots = np.zeros((MOST, SLOTS))
-        self._slot = np.zeros(MOST, np.int64)
+        self._time = np.zeros(MAX_BEATS)
+        self._number = np.zeros(MAX_BEATS)
+        self._slots = np.zeros((MAX_BEATS, SLOTS))
+        self._slot = np.zeros(MAX_BEATS, np.int64)
         self._count = 0
         self._frame = 0
         self._ahead = True
         self._slope = 0.0
-        self._former: tuple[Floats, Floats, Floats, npt.NDArray[np.int64], int, int] | None = None
+        self._previous_grid: tuple[Floats, Floats, Floats, npt.NDArray[np.int64], int, int] | None = None
         self.interval = 0.0
         """Frames from beat to beat by the line; by the newest value while there are too few beats."""
 
-    def step(self, since: float, interval: float, slot: int, slots: Floats, *, anew: bool) -> None:
+    def step(self, since: float, interval: float, slot: int, slots: Floats, *, restarted: bool) -> None:
         """Process one frame: the present beat's window places the beat `since` frames ago (negative: ahead).
 
         slot, slots (SLOTS,): its position in the measure, and the shares of all. anew: the grid has been replaced.
         """
         self._frame += 1
-        if anew:
-            if self._count >= FEWEST:
+        if restarted:
+            if self._count >= MIN_BEATS:
                 kept = self._time.copy(), self._number.copy(), self._slots.copy(), self._slot.copy()
-                self._former = (*kept, self._count, self._frame)
+                self._previous_grid = (*kept, self._count, self._frame)
             self._count, self._slope = 0, 0.0
             self._ahead = since < 0.0
         elif self._ahead and since >= 0.0 and self._frame - since - float(self._time[-1]) > 0.5 * interval:
             number = self._number[-1] + max(round((self._frame - since - float(self._time[-1])) / interval), 1)
             self._pass(self._frame - since, number, slot, slots)
         self._ahead = since < 0.0
-        near = self._slope > 0.0 and abs(self._slope / interval - 1.0) < AGREES
+        near = self._slope > 0.0 and abs(self._slope / interval - 1.0) < PERIOD_TOLERANCE
         self.interval = self._slope if near else interval
 
-    def rest(self) -> None:
+    def skip_frame(self) -> None:
         """Process one frame of silence."""
         self._frame += 1
 
-    def before(self, age: float) -> tuple[float, float, int, Floats] | None:
+    def grid_before(self, age: float) -> tuple[float, float, int, Floats] | None:
         """Return the grid of the music that ended `age` frames ago, unaffected by its end.
 
         (frames since one of its beats, frames from beat to beat, the slot of that beat, the shares of all slots then);
         None if there are too few beats.
         """
-        end = self._frame - age - EBBING
-        if self._former is not None and self._former[5] > end:
-            self._time, self._number, self._slots, self._slot, self._count, _ = self._former
+        end = self._frame - age - FADE_OUT_FRAMES
+        if self._previous_grid is not None and self._previous_grid[5] > end:
+            self._time, self._number, self._slots, self._slot, self._count, _ = self._previous_grid
         while self._count and float(self._time[-1]) > end:
             for row in (self._time, self._number, self._slots, self._slot):
                 row[1:] = row[:-1].copy()
             self._count -= 1
-        if self._count < FEWEST:
+        if self._count < MIN_BEATS:
             return None
         slope, last = self._line()
         self._slope = self.interval = slope
@@ -95,23 +95,23 @@ class PassedBeats:
         for row in (self._time, self._number, self._slots, self._slot):
             row[:-1] = row[1:]
         self._time[-1], self._number[-1], self._slots[-1], self._slot[-1] = time, number, slots, slot
-        self._count = min(self._count + 1, MOST)
-        self._slope = self._line()[0] if self._count >= FEWEST else 0.0
+        self._count = min(self._count + 1, MAX_BEATS)
+        self._slope = self._line()[0] if self._count >= MIN_BEATS else 0.0
 
     def _line(self) -> tuple[float, float]:
         """Return (frames from beat to beat, the line's time of the last beat [frame]), from at least `FEWEST` beats."""
-        for count in (*THROUGH, min(WAVERING, self._count)):
+        for count in (*LINE_LENGTHS, min(FALLBACK_LENGTH, self._count)):
             if count > self._count:
                 continue
-            known, number = self._time[MOST - count :], self._number[MOST - count :]
+            known, number = self._time[MAX_BEATS - count :], self._number[MAX_BEATS - count :]
             middle = float(number.mean())
             off = number - middle
             slope = float(off @ known) / float(off @ off)
             error = known - known.mean() - slope * off
-            if np.sqrt(np.mean(error**2)) <= SCATTER and abs(error[-3:].mean()) <= BENT:
+            if np.sqrt(np.mean(error**2)) <= MAX_SCATTER and abs(error[-3:].mean()) <= MAX_END_ERROR:
                 break
         last = float(known.mean()) + slope * (float(number[-1]) - middle)
-        return slope, last + float(error[-FEWEST:].mean())
+        return slope, last + float(error[-MIN_BEATS:].mean())
 
 
 _OF: Final = tuple(slot_metre(slot) for slot in range(SLOTS - 1))
@@ -120,11 +120,11 @@ _PREVIOUS: Final = tuple(first + (b - 1) % n for n, first in zip(METRES, FIRST_S
 _BEFORE, _AFTER = np.array(_PREVIOUS), np.array(_NEXT)
 
 
-class Place:
+class MeasurePosition:
     """The grid's position in beat and measure; the shares of all slots move with it."""
 
     def __init__(self) -> None:
-        self.into = 0.0
+        self.phase = 0.0
         """Position in the present beat's window, 0 to 1 beat."""
         self.slot = FIRST_SLOT[METRES.index(4)]
         """Present slot: beat and metre."""
@@ -143,30 +143,30 @@ class Place:
 
     def since(self, interval: float, centre: float) -> float:
         """Return the frames since the present beat (negative: ahead), which lies `centre` frames into its window."""
-        return self.into * interval - centre
+        return self.phase * interval - centre
 
     def move(self, beats: float) -> None:
         """Move forward or back by less than a beat."""
-        self.into += beats
-        if self.into >= 1.0:
-            self.into -= 1.0
+        self.phase += beats
+        if self.phase >= 1.0:
+            self.phase -= 1.0
             self.slot = _NEXT[self.slot]
             self.shares[:-1] = self.shares[_BEFORE]
-        elif self.into < 0.0:
-            self.into += 1.0
+        elif self.phase < 0.0:
+            self.phase += 1.0
             self.slot = _PREVIOUS[self.slot]
             self.shares[:-1] = self.shares[_AFTER]
 
-    def begin(self, slot: int, shares: npt.NDArray[np.float64], beats: float) -> None:
+    def reset(self, slot: int, shares: npt.NDArray[np.float64], beats: float) -> None:
         """Set the position to `beats` after the start of the window of beat `slot`, with the slots' `shares` at that
         time."""
-        self.into, self.slot = 0.0, slot
+        self.phase, self.slot = 0.0, slot
         self.shares[:] = shares
         for _ in range(int(beats)):
             self.move(1.0)
         self.move(beats - int(beats))
 
-    def kept(self) -> Float32:
+    def slot_distribution(self) -> Float32:
         """Return the shares of metre and beat, shape (SLOTS,), sum 1; the present slot alone if there are none."""
         share = np.asarray(self.shares, np.float32)
         total = float(share.sum())

@@ -7,16 +7,16 @@ from typing import Final
 
 import numpy as np
 
-from live.clock.bar_pointer.state_space import Model
+from live.clock.bar_pointer.state_space import BarPointerModel
 
 Likelihoods = tuple[np.float32, np.float32, np.float32, np.float32]
 
-LEAST: Final = 1e-4
+MIN_PROBABILITY: Final = 1e-4
 """Lower limit of the probability of a beat and of its absence."""
 
 
 def likelihoods(
-    model: Model, beat: float, downbeat: float, downbeat_range: tuple[float, float], downbeat_sharpness: float
+    model: BarPointerModel, beat: float, downbeat: float, downbeat_range: tuple[float, float], downbeat_sharpness: float
 ) -> Likelihoods:
     """Return the likelihoods of a plain beat, a downbeat, the middle of a measure, and between beats, relative to no
     beat.
@@ -24,7 +24,7 @@ def likelihoods(
     `downbeat_range`: limits of the probability of a downbeat among beats; `downbeat_sharpness`: exponent of its
     likelihoods.
     """
-    beat = min(max(beat, LEAST), 1.0 - LEAST)
+    beat = min(max(beat, MIN_PROBABILITY), 1.0 - MIN_PROBABILITY)
     least, most = downbeat_range
     first = min(max(downbeat / beat, least), most)
     odds = beat / (1.0 - beat) * (1.0 - model.beat_share) / model.beat_share
@@ -41,17 +41,17 @@ QUARTERS: Final = 4
 MEMORY: Final = 0.25
 """Weight of the newest beat."""
 
-ELSEWHERE: Final = 0.6
+BETWEEN_RATIO: Final = 0.6
 """The grid is wrong if activations between on-beat and off-beat reach this share of those on them."""
 
 LONG_MEMORY: Final = 0.02
-USUAL_LOST: Final = 0.45
+CONTRAST_LOSS: Final = 0.45
 """The grid is also wrong if the usual difference of on-beats and off-beats has fallen by this much; the newest beat
 enters that usual value with the weight `LONG_MEMORY` (the first beats equally).
 """
 
-SURE: Final = (-1.02, 0.22, 3.5, -3.0, -1.0)
-SURE_OF_LEVEL: Final = 0.84
+CONFIDENCE_WEIGHTS: Final = (-1.02, 0.22, 3.5, -3.0, -1.0)
+MANUAL_LEVEL_WEIGHT: Final = 0.84
 """Log-odds that the next beat is right: constant; factors of the share's log-odds and of the strengths on the beat, off
 it and in between; and a bonus if the level was set by hand. A logistic regression over 10,000 beats reported in 60
 held-out synthetic pieces, seeded and not.
@@ -62,7 +62,7 @@ SHARE_MOST: Final = 0.995
 """Limits of the share."""
 
 
-class Whereabouts:
+class ActivationPhase:
     """Phase histogram: the strongest activations of the last beats, on the beat, off it, and in between.
 
     A network may find the off-beats stronger for a whole song; then there is nothing in between. A new tempo gives
@@ -92,16 +92,16 @@ class Whereabouts:
         self._strongest = max(self._strongest, activation)
 
     @property
-    def left(self) -> bool:
+    def grid_is_lost(self) -> bool:
         """Whether the music has left the grid."""
         on, first, off, last = self.strength
-        return max(first, last) > ELSEWHERE * max(on, off) or on - off < self._usual - USUAL_LOST
+        return max(first, last) > BETWEEN_RATIO * max(on, off) or on - off < self._usual - CONTRAST_LOSS
 
     def confidence(self, share: float, level_is_set: bool = False) -> float:
         """Return the probability that the next beat is right, 0 to 1; share: of all states, those near the grid."""
         on, first, off, last = self.strength
         share = min(max(share, SHARE_LEAST), SHARE_MOST)
-        constant, of_share, of_on, of_off, of_between = SURE
-        odds = SURE_OF_LEVEL * level_is_set
+        constant, of_share, of_on, of_off, of_between = CONFIDENCE_WEIGHTS
+        odds = MANUAL_LEVEL_WEIGHT * level_is_set
         odds += constant + of_share * math.log(share / (1.0 - share))
         return 1.0 / (1.0 + math.exp(-(odds + of_on * on + of_off * off + of_between * max(first, last))))

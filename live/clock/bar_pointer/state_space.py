@@ -32,15 +32,15 @@ REACH: Final = 8
 COARSE: Final = 90
 """From this interval on [frames] only every second one is used: 57 bpm and slower."""
 
-FARTHEST: Final = 0.9
+MAX_PRIOR_OCTAVES: Final = 0.9
 """The prior of the tempo is constant beyond this distance from its mean [octaves]."""
 
-UNLIKELY: Final = 1e-5
+MIN_TRANSITION: Final = 1e-5
 """Changes of tempo with a lower probability are left out."""
 
 
 @dataclass(frozen=True, slots=True)
-class Model:
+class BarPointerModel:
     """Prior parameters of the bar pointer. Rates are per frame, shares between 0 and 1."""
 
     frame_rate: float = 44100.0 / 512.0
@@ -116,7 +116,7 @@ class Model:
         Equal times have equal weight: two beats of half the length count as much as one.
         """
         octaves = np.log2(60.0 * self.frame_rate / self.intervals / self.tempo_bpm)
-        octaves = np.minimum(np.abs(octaves), FARTHEST)
+        octaves = np.minimum(np.abs(octaves), MAX_PRIOR_OCTAVES)
         seconds = self.intervals / self.frame_rate
         weight: Float32 = np.exp(-0.5 * self.tempo_pull * seconds * (octaves / self.tempo_octaves) ** 2)
         return weight.astype(np.float32)
@@ -130,7 +130,7 @@ class Model:
         weight = spacing * np.exp(-self.tempo_change * np.abs(other / lengths[:, None] - 1.0))
         weight[(index < 0) | (index >= lengths.size)] = 0.0
         weight /= weight.sum(axis=1, keepdims=True)
-        weight[weight < UNLIKELY] = 0.0
+        weight[weight < MIN_TRANSITION] = 0.0
         return np.ascontiguousarray(weight / weight.sum(axis=1, keepdims=True), np.float32)
 
     def metre_transitions(self) -> Float32:
@@ -164,13 +164,13 @@ PLACE_WIDTH: Final = 2.0
 """Spread of states about a grid that was kept (standard deviations: natural logarithm, frames)."""
 
 
-class States:
+class StateSpace:
     """Arrays of the kernels.
 
     `share` (N, 16) float32: interval k has length[k] rows from offset[k] on, a ring whose position 0 is at head[k].
     """
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: BarPointerModel) -> None:
         self.model = model
         self.length = model.intervals
         """Frames from beat to beat, shape (K,)."""
@@ -186,28 +186,28 @@ class States:
         """Share of each interval and phase bin, shape (K, 24)."""
         self.boxes = np.zeros((self.count + 1, BINS))
         self.slot_share = model.slot_share()
-        self.still = np.zeros((self.count, 2 * REACH + 1), np.float32)
+        self.constant_tempo = np.zeros((self.count, 2 * REACH + 1), np.float32)
         """Transitions of a constant tempo."""
-        self.still[:, REACH] = 1.0
+        self.constant_tempo[:, REACH] = 1.0
         self.same_metre = np.eye(len(METRES), dtype=np.float32)
         self.near = self._near(model.near_tempo)
         self.partner = self._partners()
-        self.interval_of = np.repeat(self.length, self.length)
+        self.row_interval = np.repeat(self.length, self.length)
         """The interval of each row, shape (N,)."""
 
-    def fill(self) -> None:
+    def reset(self) -> None:
         """Set the prior: tempi by their distribution, all phases and beats alike."""
         self.head[:] = 0
         tempo = self.model.tempo_share() / self.length
         self.share[:] = np.repeat(tempo, self.length)[:, None] * self.slot_share[None, :]
 
-    def gather(self, interval: float, place: float, slots: Float32, doubt: float) -> None:
+    def set_grid(self, interval: float, phase: float, slots: Float32, doubt: float) -> None:
         """Set all states near one grid, except for a share `doubt`, which gets the prior.
 
         interval [frames], place [beats since the beat's window began], slots (SLOTS,): shares of each slot.
         """
-        off_tempo = np.log(self.interval_of / interval) / TEMPO_WIDTH
-        off = self.positions() / self.interval_of - place
+        off_tempo = np.log(self.row_interval / interval) / TEMPO_WIDTH
+        off = self.positions() / self.row_interval - phase
         off = (off - np.round(off)) * interval / PLACE_WIDTH
         near = np.exp(-0.5 * (off_tempo**2 + off**2))
         tempo = self.model.tempo_share() / self.length
@@ -218,16 +218,16 @@ class States:
     def positions(self) -> Float32:
         """Return the present position of each row [frames], shape (N,)."""
         at = np.arange(self.share.shape[0]) - np.repeat(self.offset + self.head, self.length)
-        return np.mod(at, self.interval_of).astype(np.float32)
+        return np.mod(at, self.row_interval).astype(np.float32)
 
-    def settle(self) -> None:
+    def normalize(self) -> None:
         """Normalise the shares to the sum 1 and clear the unused slot; set the prior if all are 0."""
         self.share[:, SLOTS - 1] = 0.0
         total = float(self.share.sum(dtype=np.float64))
         if total > 0.0:
             self.share *= np.float32(1.0 / total)
         else:
-            self.fill()
+            self.reset()
 
     def _near(self, width: float) -> "np.typing.NDArray[np.int32]":
         lengths = self.length.astype(np.float64)

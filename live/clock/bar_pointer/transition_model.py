@@ -9,52 +9,60 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.bar_pointer.state_space import FIRST_SLOT, METRES, SLOTS, Float32, Model, States, slot_metre
+from live.clock.bar_pointer.state_space import (
+    FIRST_SLOT,
+    METRES,
+    SLOTS,
+    BarPointerModel,
+    Float32,
+    StateSpace,
+    slot_metre,
+)
 
 Floats = npt.NDArray[np.float64]
 
 TAP_WIDTH: Final = 0.03
 """Accuracy of a tapped tempo (standard deviation, natural logarithm)."""
 
-PRESS_WIDTH: Final = 0.045
+BEAT_TAP_WIDTH: Final = 0.045
 """Accuracy of a tapped beat [s]."""
 
-FAR: Final = 4.0
+MAX_DEVIATIONS: Final = 4.0
 """States further away than this many deviations are removed, ..."""
 
-FAR_BEATS: Final = 0.25
+MAX_DEVIATION_BEATS: Final = 0.25
 """... and so are states further than this many beats from a tap."""
 
-UNHEARD: Final = 0.02
+MIN_TAPPED_SHARE: Final = 0.02
 """If the tapped states had less than this share of all states, a default distribution is added to fill the share."""
 
 
-def take_tempo(states: States, interval: float) -> None:
+def constrain_tempo(states: StateSpace, interval: float) -> None:
     """Keep only states near a tempo [frames]."""
-    off = np.log(states.interval_of / interval) / TAP_WIDTH
-    near = np.where(np.abs(off) < FAR, np.exp(-0.5 * off**2), 0.0)
-    fresh = near / states.interval_of
-    _believe(states, near[:, None] * np.ones(SLOTS), fresh[:, None] * states.slot_share)
+    off = np.log(states.row_interval / interval) / TAP_WIDTH
+    near = np.where(np.abs(off) < MAX_DEVIATIONS, np.exp(-0.5 * off**2), 0.0)
+    fresh = near / states.row_interval
+    _reweight(states, near[:, None] * np.ones(SLOTS), fresh[:, None] * states.slot_share)
 
 
-def take_beat(states: States, age: float) -> None:
+def constrain_beat(states: StateSpace, age: float) -> None:
     """Keep only states with a beat, of any position in its measure, `age` frames before this one."""
     off = states.positions() - states.model.centre - age
-    near = _pressed(states, off, states.interval_of)
-    _believe(states, near[:, None] * np.ones(SLOTS), (_by_tempo(states) * near)[:, None] * states.slot_share)
+    near = _tap_agreement(states, off, states.row_interval)
+    _reweight(states, near[:, None] * np.ones(SLOTS), (_by_tempo(states) * near)[:, None] * states.slot_share)
 
 
-def take_one(states: States, age: float) -> None:
+def constrain_downbeat(states: StateSpace, age: float) -> None:
     """Keep only states with a measure start `age` frames before this one (negative: in the future)."""
     since = states.positions() - states.model.centre - age
-    near = np.zeros((states.interval_of.size, SLOTS))
+    near = np.zeros((states.row_interval.size, SLOTS))
     for slot in range(SLOTS - 1):
         beats, beat = slot_metre(slot)
-        near[:, slot] = _pressed(states, since + beat * states.interval_of, beats * states.interval_of)
-    _believe(states, near, _by_tempo(states)[:, None] * near * states.slot_share)
+        near[:, slot] = _tap_agreement(states, since + beat * states.row_interval, beats * states.row_interval)
+    _reweight(states, near, _by_tempo(states)[:, None] * near * states.slot_share)
 
 
-def take_level(states: States, factor: float, interval: float, since: float, slot: int) -> float:
+def change_level(states: StateSpace, factor: float, interval: float, since: float, slot: int) -> float:
     """Change the grid `interval` [frames], whose beat `slot` began `since` frames ago, to `factor` times the tempo.
 
     If every second beat is dropped, these are the even ones of the measure (second, fourth ...). Returns the new
@@ -65,45 +73,45 @@ def take_level(states: States, factor: float, interval: float, since: float, slo
         return 0.0
     falls_away = wanted > interval and slot_metre(slot)[1] % 2 == 1
     place = (since + interval if falls_away else since) % wanted
-    states.gather(wanted, place / wanted, states.slot_share, 0.0)
+    states.set_grid(wanted, place / wanted, states.slot_share, 0.0)
     return wanted
 
 
-def take_metre(states: States, beats: int) -> None:
+def constrain_metre(states: StateSpace, beats: int) -> None:
     """Keep only states of a metre."""
     first = FIRST_SLOT[METRES.index(beats)]
-    near = np.zeros((states.interval_of.size, SLOTS))
+    near = np.zeros((states.row_interval.size, SLOTS))
     near[:, first : first + beats] = 1.0
     fresh = states.share.sum(axis=1, dtype=np.float64)[:, None] * near / beats
-    _believe(states, near, fresh)
+    _reweight(states, near, fresh)
 
 
-def _pressed(states: States, off: npt.NDArray[np.floating], round_: npt.NDArray[np.integer]) -> Floats:
+def _tap_agreement(states: StateSpace, off: npt.NDArray[np.floating], round_: npt.NDArray[np.integer]) -> Floats:
     """Return the agreement of rows with a tap that they expect `off` frames away, modulo `round_`."""
     off = off - np.round(off / round_) * round_
-    width = PRESS_WIDTH * states.model.frame_rate
-    near = (np.abs(off) < FAR * width) & (np.abs(off) < FAR_BEATS * states.interval_of)
+    width = BEAT_TAP_WIDTH * states.model.frame_rate
+    near = (np.abs(off) < MAX_DEVIATIONS * width) & (np.abs(off) < MAX_DEVIATION_BEATS * states.row_interval)
     agreement: Floats = np.where(near, np.exp(-0.5 * (off / width) ** 2), 0.0)
     return agreement
 
 
-def _by_tempo(states: States) -> Floats:
+def _by_tempo(states: StateSpace) -> Floats:
     """Return the share of each row for the present tempi and uniform phases, shape (N,)."""
     tempo = np.add.reduceat(states.share.sum(axis=1, dtype=np.float64), states.offset)
     share: Floats = np.repeat(tempo / states.length, states.length)
     return share
 
 
-def _believe(states: States, near: Floats, fresh: Floats) -> None:
+def _reweight(states: StateSpace, near: Floats, fresh: Floats) -> None:
     """Multiply the states by `near`, (N, SLOTS); add `fresh` (N, SLOTS) if few of them were near."""
     total = float(states.share.sum(dtype=np.float64))
     if total <= 0.0:
-        states.fill()
+        states.reset()
         total = 1.0
     kept = states.share * near / total
-    missing = UNHEARD * max(1.0 - float(kept.sum()), 0.0) / max(float(fresh.sum()), 1e-30)
+    missing = MIN_TAPPED_SHARE * max(1.0 - float(kept.sum()), 0.0) / max(float(fresh.sum()), 1e-30)
     states.share[:] = kept + missing * fresh
-    states.settle()
+    states.normalize()
 
 
 BAND_OCTAVES: Final = 0.5
@@ -116,38 +124,38 @@ HELD_PULL: Final = 1.0
 DRIFT: Final = 0.04
 """If the music's tempo moves this far [octaves], the manual tempo follows."""
 
-CALM: Final = 0.02
+MANUAL_LINE_FACTOR: Final = 0.02
 """After a manual downbeat, the probabilities of another line and metre are multiplied by this, ..."""
 
-CALM_SHARPNESS: Final = 0.4
+MANUAL_LINE_SHARPNESS: Final = 0.4
 """... and the exponent of downbeat likelihoods by this."""
 
 FREE_RANGE: Final = (0.01, 0.99)
-CALM_RANGE: Final = (0.25, 0.5)
+MANUAL_LINE_RANGE: Final = (0.25, 0.5)
 """Limits of the probability of a downbeat among beats. After a manual downbeat they are narrow, so that music which
 contradicts loudly does not win much sooner than music that does so softly.
 """
 
 
-class Hand:
+class ManualConstraints:
     """Applies manual settings to the states and to all later transitions.
 
     Each frame uses `tempo`, `metre`, `born`, `leap`, `line_change`, `downbeat_sharpness` and `downbeat_range`.
     """
 
-    def __init__(self, states: States) -> None:
+    def __init__(self, states: StateSpace) -> None:
         self._states = states
-        self._model: Model = states.model
-        self.let_go()
+        self._model: BarPointerModel = states.model
+        self.clear()
 
-    def let_go(self) -> None:
+    def clear(self) -> None:
         """Remove all manual settings."""
         self._middle = 0.0  # interval about which the level is kept; 0: free
         self._metre = 0
         self._line_is_set = False
         self.keeps_phase = False
         """Whether a beat was tapped: another phase is accepted only if the music has left the present one."""
-        self._renew()
+        self._update_transitions()
 
     @property
     def keeps_level(self) -> bool:
@@ -164,25 +172,25 @@ class Hand:
         """Manual number of beats in a measure; 0: as detected."""
         return self._metre
 
-    def tap(self, interval: float) -> None:
+    def set_tempo(self, interval: float) -> None:
         """Set the tempo [frames]: remove states far from it, and keep the level from now on."""
-        take_tempo(self._states, interval)
+        constrain_tempo(self._states, interval)
         self._hold(interval)
 
-    def beat(self, age: float) -> None:
+    def set_beat(self, age: float) -> None:
         """Set a beat `age` frames before this one, and keep this phase from now on."""
-        take_beat(self._states, age)
+        constrain_beat(self._states, age)
         self.keeps_phase = True
 
-    def one(self, age: float) -> None:
+    def set_downbeat(self, age: float) -> None:
         """Start a measure `age` frames before this one (negative: in the future), and keep this line from now on."""
-        take_one(self._states, age)
+        constrain_downbeat(self._states, age)
         self._line_is_set = self.keeps_phase = True
-        self._renew()
+        self._update_transitions()
 
     def scale(self, factor: float, interval: float, since: float, slot: int) -> bool:
-        """Multiply the tempo of the grid by `factor`, see `take_level`; False if it is outside the model's range."""
-        wanted = take_level(self._states, factor, interval, since, slot)
+        """Multiply the tempo of the grid by `factor`, see `change_level`; False if it is outside the model's range."""
+        wanted = change_level(self._states, factor, interval, since, slot)
         if wanted > 0.0:
             self._hold(wanted)
         return wanted > 0.0
@@ -193,41 +201,43 @@ class Hand:
             raise ValueError(f"a measure of {beats} beats: one of {METRES} expected, or 0")
         self._metre = beats
         if beats:
-            take_metre(self._states, beats)
-        self._renew()
+            constrain_metre(self._states, beats)
+        self._update_transitions()
 
-    def births(self, left: bool) -> Float32:
+    def births(self, grid_is_lost: bool) -> Float32:
         """Return the new grids of each frame; none after a tapped beat, unless the music has `left` the grid."""
-        return self.born if left or not self.keeps_phase else self._none_born
+        return self.birth_shares if grid_is_lost or not self.keeps_phase else self._no_births
 
-    def drift(self, interval: float) -> None:
+    def follow_drift(self, interval: float) -> None:
         """Adapt the manual tempo to a slow change of the music's interval [frames]."""
         if self._middle > 0.0 and abs(math.log2(interval / self._middle)) > DRIFT:
             self._hold(math.sqrt(self._middle * interval))
 
     def _hold(self, interval: float) -> None:
         self._middle = interval
-        self._renew()
+        self._update_transitions()
 
-    def _renew(self) -> None:
+    def _update_transitions(self) -> None:
         model, states = self._model, self._states
         weight, share, allowed = self._preference()
-        reach = states.still.shape[1] // 2
+        reach = states.constant_tempo.shape[1] // 2
         tempo = model.tempo_transitions().astype(np.float64)
         for step in range(-reach, reach + 1):
             there = np.clip(np.arange(states.count) + step, 0, states.count - 1)
             tempo[:, step + reach] *= allowed[there]
         tempo *= (weight / np.maximum(tempo.sum(axis=1), 1e-12))[:, None]
         self.tempo = np.ascontiguousarray(tempo, np.float32)
-        self.born = (model.birth * share).astype(np.float32)
-        self._none_born = np.zeros_like(self.born)
+        self.birth_shares = (model.birth * share).astype(np.float32)
+        self._no_births = np.zeros_like(self.birth_shares)
         partner = states.partner.reshape(-1, 2)
-        self.leap = (model.octave_change * np.where(partner >= 0, allowed[partner], 0.0)).astype(np.float32)
-        calm = CALM if self._line_is_set else 1.0
+        self.octave_change_odds = (model.octave_change * np.where(partner >= 0, allowed[partner], 0.0)).astype(
+            np.float32
+        )
+        calm = MANUAL_LINE_FACTOR if self._line_is_set else 1.0
         self.line_change = model.line_change * calm
-        self.downbeat_sharpness = model.downbeat_sharpness * (CALM_SHARPNESS if self._line_is_set else 1.0)
+        self.downbeat_sharpness = model.downbeat_sharpness * (MANUAL_LINE_SHARPNESS if self._line_is_set else 1.0)
         change = 0.0 if self._metre else calm
-        self.downbeat_range = CALM_RANGE if self._line_is_set else FREE_RANGE
+        self.downbeat_range = MANUAL_LINE_RANGE if self._line_is_set else FREE_RANGE
         self.metre = (change * model.metre_transitions() + (1.0 - change) * states.same_metre).astype(np.float32)
         states.slot_share = _slot_share(model, self._metre)
 
@@ -244,7 +254,7 @@ class Hand:
         return weight.astype(np.float32), (share / share.sum()).astype(np.float32), allowed
 
 
-def _slot_share(model: Model, metre: int) -> Float32:
+def _slot_share(model: BarPointerModel, metre: int) -> Float32:
     share = model.slot_share()
     if metre:
         first = FIRST_SLOT[METRES.index(metre)]
@@ -253,7 +263,7 @@ def _slot_share(model: Model, metre: int) -> Float32:
     return share
 
 
-def interval_of(bpm: float, model: Model) -> float:
+def tempo_to_interval(bpm: float, model: BarPointerModel) -> float:
     """Return the frames from beat to beat at a tempo; ValueError for a tempo outside the model's range."""
     if not (math.isfinite(bpm) and model.slowest_bpm <= bpm <= model.fastest_bpm):
         raise ValueError(f"a tempo of {bpm} bpm: {model.slowest_bpm:g} to {model.fastest_bpm:g} expected")

@@ -7,7 +7,17 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.energy.energy_kernels import LOUD, LOW, MAGNITUDE, OCTAVES, OUT, POWER, RISE, append, describe
+from live.clock.energy.energy_kernels import (
+    FEATURE_COUNT,
+    LOUD,
+    LOW,
+    MAGNITUDE,
+    OCTAVES,
+    POWER,
+    RISE,
+    append,
+    spectrum_features,
+)
 from live.clock.energy.k_weighting import decibels, k_weight
 
 Samples = npt.NDArray[np.float32]
@@ -25,22 +35,22 @@ LOW_BANDS: Final = 2
 ONSET_RISE: Final = 1.7
 """An onset rises more than frames usually do by this factor ..."""
 
-ONSET_LEAST: Final = 0.12
+ONSET_MIN_RISE: Final = 0.12
 """... and at least by this [nepers, mean of the bands]."""
 
-ONSET_APART: Final = 1
+ONSET_SPACING: Final = 1
 """Minimum number of frames between onsets (70 ms)."""
 
-USUAL: Final = 0.03
+USUAL_RISE_WEIGHT: Final = 0.03
 """Weight of each frame in the usual rise (time constant about 1.2 s)."""
 
 
-UNHEARD: Final = 0.01
+ONSET_FLOOR: Final = 0.01
 """A band with less than this share of the usual power per bin (-20 dB) gives no onsets."""
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class EnergyFeatures:
     """Mean features of a stretch of music."""
 
     seconds: float
@@ -67,7 +77,7 @@ class EnergyFrames:
         self._filled = 0
         self._frames = 0
         self._window = _window(size, self._kept)
-        self._cut = np.zeros(size, np.float32)
+        self._windowed = np.zeros(size, np.float32)
         self._spectrum = np.zeros(size // 2 + 1, np.complex64)
         frequency = np.arange(size // 2 + 1) * sample_rate / size
         scale = 2.0 / (size * float(np.sum(np.square(self._window, dtype=np.float64))))
@@ -76,39 +86,39 @@ class EnergyFrames:
         edges = np.searchsorted(frequency, [edge for edge in BANDS_HZ if edge <= 0.5 * sample_rate])
         self._edges = edges.astype(np.int32)
         self._levels = np.full(len(edges) - 1, math.log(1e-9) / 2.0, np.float32)
-        self._out = np.zeros(OUT)
-        self._sum = np.zeros(OUT)
+        self._out = np.zeros(FEATURE_COUNT)
+        self._sum = np.zeros(FEATURE_COUNT)
         self._count = 0
         self._onsets = 0
-        self._usual = ONSET_LEAST
+        self._usual = ONSET_MIN_RISE
         self._power = 0.0
-        self._since_onset = ONSET_APART
-        self._heard = Heard(0.0, decibels(0.0), decibels(0.0), 0.0, 0)
+        self._since_onset = ONSET_SPACING
+        self._last_features = EnergyFeatures(0.0, decibels(0.0), decibels(0.0), 0.0, 0)
 
     @property
     def position(self) -> float:
         """Seconds of sound in the frames read so far."""
         return self._frames * self.hop / self.sample_rate
 
-    def take(self, samples: Samples, start: int) -> int:
+    def feed(self, samples: Samples, start: int) -> int:
         """Take samples[start:], shape (n,), up to the end of the frame, and analyse a full frame; return the number
         taken."""
         taken: int = min(self.hop - self._filled, samples.shape[0] - start)
         append(self._history, self._kept + self._filled, samples, start, taken)
         self._filled += taken
         if self._filled == self.hop:
-            self._read()
+            self._analyse()
             self._filled = 0
             self._frames += 1
         return taken
 
-    def cut(self) -> Heard:
+    def pop_features(self) -> EnergyFeatures:
         """Return the features since the last call; if no frame was completed, those of the last call."""
         if not self._count:
-            return self._heard
+            return self._last_features
         total, count = self._sum, self._count
         octave = total[OCTAVES] / total[MAGNITUDE] if total[MAGNITUDE] > 0.0 else 0.0
-        self._heard = Heard(
+        self._last_features = EnergyFeatures(
             count * self.hop / self.sample_rate,
             decibels(total[LOUD] / count),
             decibels(total[LOW] / count),
@@ -117,25 +127,27 @@ class EnergyFrames:
         )
         self._sum[:] = 0.0
         self._count = self._onsets = 0
-        return self._heard
+        return self._last_features
 
-    def _read(self) -> None:
-        np.multiply(self._history, self._window, out=self._cut)
-        np.fft.rfft(self._cut, out=self._spectrum)  # type: ignore[arg-type] # its stub knows no complex64
+    def _analyse(self) -> None:
+        np.multiply(self._history, self._window, out=self._windowed)
+        np.fft.rfft(self._windowed, out=self._spectrum)  # type: ignore[arg-type] # its stub knows no complex64
         self._history[: self._kept] = self._history[self.hop :]
-        floor = UNHEARD * self._power
-        describe(self._spectrum, self._weight, self._octave, self._edges, LOW_BANDS, floor, self._levels, self._out)
-        self._power += USUAL * (float(self._out[POWER]) - self._power)
+        floor = ONSET_FLOOR * self._power
+        spectrum_features(
+            self._spectrum, self._weight, self._octave, self._edges, LOW_BANDS, floor, self._levels, self._out
+        )
+        self._power += USUAL_RISE_WEIGHT * (float(self._out[POWER]) - self._power)
         self._sum += self._out
         self._count += 1
-        self._look_for_onset(float(self._out[RISE]))
+        self._detect_onset(float(self._out[RISE]))
 
-    def _look_for_onset(self, rise: float) -> None:
+    def _detect_onset(self, rise: float) -> None:
         self._since_onset += 1
-        if rise > max(ONSET_RISE * self._usual, ONSET_LEAST) and self._since_onset > ONSET_APART:
+        if rise > max(ONSET_RISE * self._usual, ONSET_MIN_RISE) and self._since_onset > ONSET_SPACING:
             self._onsets += 1
             self._since_onset = 0
-        self._usual += USUAL * (min(rise, 4.0 * self._usual + ONSET_LEAST) - self._usual)
+        self._usual += USUAL_RISE_WEIGHT * (min(rise, 4.0 * self._usual + ONSET_MIN_RISE) - self._usual)
 
 
 def _window(size: int, shared: int) -> Samples:
@@ -146,14 +158,14 @@ def _window(size: int, shared: int) -> Samples:
     return window
 
 
-FORGET: Final = 0.003
+NARROWING: Final = 0.003
 """Share by which the range narrows with each value."""
 
-RISES: Final = 0.5
+END_STEP: Final = 0.5
 """Share of the distance that an end moves to a value outside, so that single values count for less."""
 
 
-class Range:
+class AdaptiveRange:
     """An adaptive range that widens at once and narrows slowly; it maps values to 0 to 1."""
 
     def __init__(self, narrowest: float, widest: float, *, first: float = 1.0) -> None:
@@ -163,7 +175,7 @@ class Range:
         """The ends."""
         self._known = False
 
-    def add(self, value: float, *, lowest: bool = True) -> float:
+    def add(self, value: float, *, may_lower: bool = True) -> float:
         """Widen the range to a value and return its position, 0 to 1. `lowest`: whether it may lower the range.
 
         Pauses must not lower it, as they are no quiet music.
@@ -172,12 +184,12 @@ class Range:
             self._known = True
             self.low = value - self._first * self._narrowest
             self.high = self.low + self._narrowest
-        middle, half = 0.5 * (self.low + self.high), 0.5 * (self.high - self.low) * (1.0 - FORGET)
+        middle, half = 0.5 * (self.low + self.high), 0.5 * (self.high - self.low) * (1.0 - NARROWING)
         self.low, self.high = middle - half, middle + half
         if value > self.high:
-            self.high += RISES * (value - self.high)
-        elif value < self.low and lowest:
-            self.low += RISES * (value - self.low)
+            self.high += END_STEP * (value - self.high)
+        elif value < self.low and may_lower:
+            self.low += END_STEP * (value - self.low)
         if self.high - self.low < self._narrowest:
             grow = 0.5 * (self._narrowest - (self.high - self.low))
             self.low, self.high = self.low - grow, self.high + grow

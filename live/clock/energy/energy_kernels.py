@@ -18,9 +18,9 @@ OCTAVES = 2
 MAGNITUDE = 3
 RISE = 4
 POWER = 5
-OUT = 6
+FEATURE_COUNT = 6
 
-LOUDEST = 64.0
+MAX_SAMPLE = 64.0
 """Samples beyond this are faulty and become 0 (full scale is 1)."""
 
 
@@ -29,11 +29,11 @@ def append(history: Floats, at: int, samples: Floats, start: int, count: int) ->
     """Copy `count` samples from `samples[start:]` to `history[at:]`; faulty samples (also NaN) become 0."""
     for index in range(count):
         value = samples[start + index]
-        history[at + index] = value if abs(value) <= LOUDEST else 0.0
+        history[at + index] = value if abs(value) <= MAX_SAMPLE else 0.0
 
 
 @kernel("void(c8[::1],f4[::1],f4[::1],i4[::1],i4,f8,f4[::1],f8[::1])")
-def describe(
+def spectrum_features(
     spectrum: Complexes,
     weight: Floats,
     octave: Floats,

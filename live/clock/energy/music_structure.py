@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.energy.energy_frames import Heard
+from live.clock.energy.energy_frames import EnergyFeatures
 
 Float64 = npt.NDArray[np.float64]
 
@@ -20,16 +20,16 @@ RISE_DENSITY: Final = 1.0
 MOST_DENSITY: Final = 0.7
 """Onset counts are unreliable: they contribute at most this ..."""
 
-LEAST: Final = 0.5
+MIN_RISE: Final = 0.5
 """... and the other two must rise by this."""
 
-STEADY: Final = 0.6
+MAX_STEP_SHARE: Final = 0.6
 """More than this share of a rise within one beat is a step, not a build-up."""
 
-STRAIGHT: Final = 0.5
+MIN_R_SQUARED: Final = 0.5
 """Share of the variance that the linear rise must explain (R²)."""
 
-BUILT: Final = 0.5
+BUILD_THRESHOLD: Final = 0.5
 """Minimum value of a build-up that counts."""
 
 GONE_DB: Final = 8.0
@@ -38,7 +38,7 @@ GONE_DB: Final = 8.0
 BACK_DB: Final = 7.0
 """... and back if it is this near to its maximum."""
 
-CARRIES_DB: Final = 12.0
+BASS_BELOW_MIX_DB: Final = 12.0
 """A bass this much softer than the whole is ignored: the lowest notes of a tune without bass come and go."""
 
 BUILT_BEATS: Final = 4
@@ -52,7 +52,7 @@ GROOVE_WITH: Final = 6
 """... if this many of the `GROOVE_BEATS` beats before had bass. Music with intermittent bass therefore has no drops. (A
 piece that builds up before its first bass has a drop as well.)"""
 
-AGAIN: Final = 16
+DROP_SPACING: Final = 16
 """Minimum number of beats between drops."""
 
 SILENT_DB: Final = -60.0
@@ -61,72 +61,72 @@ SILENT_DB: Final = -60.0
 NOTHING_DB: Final = -200.0
 """Bass level before the first beat."""
 
-FORGET: Final = 16
+RESET_BEATS: Final = 16
 """Beats of silence after which a new piece begins."""
 
-REMEMBERED: Final = 64
+MAX_BREAK_BEATS: Final = 64
 """Maximum length of a break [beats]."""
 
 
-class Structure:
+class StructureDetector:
     """Detects build-ups and drops from the features of each beat, in order."""
 
     def __init__(self) -> None:
         self._beats = np.zeros((max(SPANS), 3))
-        self._low = np.full(REMEMBERED, NOTHING_DB)
+        self._low = np.full(MAX_BREAK_BEATS, NOTHING_DB)
         self._count = 0
         self._bass = SILENT_DB
-        self._built = 0
-        self._since_drop = AGAIN
+        self._build_countdown = 0
+        self._since_drop = DROP_SPACING
         self._silent = 0
         self.build = 0.0
         """Progress of a build-up, 0 to 1."""
         self.drop = False
         """Whether the bass returned with the last beat."""
 
-    def add(self, heard: Heard) -> None:
+    def add(self, features: EnergyFeatures) -> None:
         """Add the features of a beat."""
-        if heard.loudness < SILENT_DB:
+        if features.loudness < SILENT_DB:
             self._silent += 1
-            if self._silent >= FORGET:
-                self._count, self._bass, self._built = 0, SILENT_DB, 0
+            if self._silent >= RESET_BEATS:
+                self._count, self._bass, self._build_countdown = 0, SILENT_DB, 0
             self.build, self.drop = 0.0, False
             return
         self._silent = 0
-        density = np.log2(max(heard.onsets, 0.5) / max(heard.seconds, 0.1))
+        density = np.log2(max(features.onsets, 0.5) / max(features.seconds, 0.1))
         self._beats = np.roll(self._beats, -1, axis=0)
-        self._beats[-1] = heard.loudness, heard.octave, density
+        self._beats[-1] = features.loudness, features.octave, density
         before = self._low.copy()
         self._low = np.roll(self._low, -1)
-        self._low[-1] = heard.low
+        self._low[-1] = features.low
         self._count += 1
         self._since_drop += 1
-        self.drop = heard.low > heard.loudness - CARRIES_DB and self._drops(before, heard.low)
-        self._bass = max(self._bass - 0.05, heard.low)
+        self.drop = features.low > features.loudness - BASS_BELOW_MIX_DB and self._drops(before, features.low)
+        self._bass = max(self._bass - 0.05, features.low)
         if self.drop:
-            self._since_drop = self._built = 0
+            self._since_drop = self._build_countdown = 0
             self._count = 1  # the beats before are not part of the next build-up
             self.build = 0.0
             return
         rising = [self._rising(span) for span in SPANS if self._count >= span]
         long = max(rising[1:], default=0.0)
         self.build = max(rising, default=0.0)
-        self._built = 4 if long >= BUILT else max(self._built - 1, 0)
+        self._build_countdown = 4 if long >= BUILD_THRESHOLD else max(self._build_countdown - 1, 0)
 
     def _drops(self, before: Float64, low: float) -> bool:
         """Whether the bass `low` [dB] returns now; `before`: levels of the beats before, oldest first."""
         there = max(self._bass - BACK_DB, SILENT_DB)
-        if self._since_drop < AGAIN or low < there:
+        if self._since_drop < DROP_SPACING or low < there:
             return False
         without = before < low - GONE_DB
-        gone = REMEMBERED if without.all() else int(np.argmin(without[::-1]))
+        gone = MAX_BREAK_BEATS if without.all() else int(np.argmin(without[::-1]))
         gone = min(gone, self._count - 1)
         if gone < BUILT_BEATS:
             return False
         groove = before[-gone - GROOVE_BEATS : -gone]
         steady = int(np.count_nonzero(groove >= there)) >= GROOVE_WITH
-        if self._built:
-            return steady or gone >= max(self._count - 1, AGAIN)
+        if self._build_countdown:
+            return steady or gone >= max(self._count - 1, DROP_SPACING)
         return gone >= BREAK_BEATS and steady
 
     def _rising(self, span: int) -> float:
@@ -138,12 +138,12 @@ class Structure:
         x = np.arange(span) - 0.5 * (span - 1)
         slope = float(x @ score) / float(x @ x)
         whole = slope * (span - 1)
-        least = LEAST * float(x @ x) / (span - 1)
+        least = MIN_RISE * float(x @ x) / (span - 1)
         if float(x @ heard) < least or float(x @ loudness) < 0.0 or whole <= 0.0:  # brighter and softer is a break
             return 0.0
         rest = score - score.mean() - slope * x
         spread = float(np.sum(np.square(score - score.mean())))
         straight = 1.0 - float(rest @ rest) / spread if spread > 0.0 else 0.0
-        if straight < STRAIGHT or float(np.diff(score).max()) > STEADY * whole:
+        if straight < MIN_R_SQUARED or float(np.diff(score).max()) > MAX_STEP_SHARE * whole:
             return 0.0
         return min(0.5 * whole, 1.0)

@@ -3,8 +3,8 @@
 import math
 from typing import Final
 
-from live.clock.follower.clock_source import HeardSource, Lines, Said, State
-from live.clock.follower.tracker_inputs import ConsensusEar, PointerEar
+from live.clock.follower.clock_source import BeatObservation, Lines, ObservedSource, State
+from live.clock.follower.tracker_inputs import BarPointerInput, ConsensusInput
 from live.clock.timeline import Grid
 
 NOTHING_HEARD: Final = 3.0
@@ -31,68 +31,68 @@ OFF_BEAT: Final = 0.17
 """Beats within this of the middle between two tracker beats are the off-beat [beats]."""
 
 
-class AudioSource(HeardSource):
+class AudioSource(ObservedSource):
     """Uses beats of trackers that report positions in the measure directly, and a consensus for plain beat trackers."""
 
     def __init__(self, grid: Grid, known_tempo: float | None = None) -> None:
         """`grid` is used until there are beats; `known_tempo` [bpm]: from the music's score."""
         super().__init__("audio")
-        self.consensus = ConsensusEar(grid, known_tempo)
-        self.pointer = PointerEar()
-        self._pointing = False
+        self.consensus = ConsensusInput(grid, known_tempo)
+        self.pointer = BarPointerInput()
+        self._has_pointer = False
         self._restarts = 0
         self._song_since = -math.inf
         self._kept_since = math.inf
         self._before_pause: State | None = None
         self._paused_at = -math.inf
-        self.rest_until = -math.inf
+        self.manual_until = -math.inf
         """Until this time manual settings have priority, and no beats are decided [s]."""
 
     def raw(self) -> Grid | None:
         """The tracker's beats."""
-        return self.pointer.grid if self._pointing else self.consensus.grid
+        return self.pointer.grid if self._has_pointer else self.consensus.grid
 
     def own_lines(self) -> Lines | None:
         """The tracker's measures."""
-        return self.pointer.lines() if self._pointing else None
+        return self.pointer.lines() if self._has_pointer else None
 
-    def heard(self, said: Said, now: float) -> None:
+    def observe(self, said: BeatObservation, now: float) -> None:
         """Process one estimate of the tracker."""
         if self._before_pause is not None:
             if said.time <= self._paused_at + AHEAD:  # sent before the pause was noticed
                 return
             self.found(now)
         if self.silent_since is not None:
-            if self.too_late(said):
+            if self.precedes_silence(said):
                 return
             self.found(now)
-        self.heard_at = max(self.heard_at, now)
+        self.observed_at = max(self.observed_at, now)
         if said.beat >= 0 or said.beats_per_measure > 0:
-            self._pointing = True
-        if self._pointing:
-            self._point(said, now)
+            self._has_pointer = True
+        if self._has_pointer:
+            self._observe_pointer(said, now)
         else:
-            self.consensus.heard(said, now, decide=now >= self.rest_until)
-            self._judge(self.consensus.believed, self.consensus.sure, self.consensus.share)
+            self.consensus.observe(said, now, decide=now >= self.manual_until)
+            self._update_state(self.consensus.is_confirmed, self.consensus.sure, self.consensus.share)
 
-    def _point(self, said: Said, now: float) -> None:
+    def _observe_pointer(self, said: BeatObservation, now: float) -> None:
         raw_before = self.raw()
-        before = None if raw_before is None else self.level.grid(raw_before)
+        before = None if raw_before is None else self.level.map_grid(raw_before)
         if raw_before is None:
             self._song_since = now
-        self.pointer.heard(said)
+        self.pointer.observe(said)
         raw = self.raw()
         if self.pointer.restarts != self._restarts and before is not None and raw_before is not None:
             self._restarts = self.pointer.restarts
             assert raw is not None
-            self._changed_over(raw_before, before, raw, said.time, now)
+            self._change_tempo(raw_before, before, raw, said.time, now)
         patience = PATIENCE if now - self._song_since > EARLY else PATIENCE_EARLY
         if raw is not None and now - self._kept_since > patience:
             self._kept_since = math.inf
-            self.level.scale(1.0 / self.level.factor, math.floor(self.level.danced(raw.beat_at(said.time)) + 0.5))
-        self._judge(self.pointer.believed, self.pointer.sure, self.pointer.share)
+            self.level.scale(1.0 / self.level.factor, math.floor(self.level.map_beat(raw.beat_at(said.time)) + 0.5))
+        self._update_state(self.pointer.is_confirmed, self.pointer.sure, self.pointer.share)
 
-    def _changed_over(self, raw_before: Grid, before: Grid, raw: Grid, time: float, now: float) -> None:
+    def _change_tempo(self, raw_before: Grid, before: Grid, raw: Grid, time: float, now: float) -> None:
         """Adopt the tracker's new tempo, unless it is only another metrical level of the same music."""
         if abs(math.log(raw.tempo / before.tempo)) < SAME_TEMPO:  # the level in use is now the tracker's own
             self.level.reset(raw.beat_at(time), before.beat_at(time))
@@ -117,7 +117,7 @@ class AudioSource(HeardSource):
         self.level.reset(raw.beat_at(time), before.beat_at(time))
         self._kept_since = math.inf
 
-    def _judge(self, believed: bool, sure: bool, share: float) -> None:
+    def _update_state(self, believed: bool, sure: bool, share: float) -> None:
         """Set the state from the tracker input; a lock holds until most observations contradict it."""
         self.confidence = min(max(share, 0.0), 1.0)
         if not believed:
@@ -136,48 +136,48 @@ class AudioSource(HeardSource):
         """Handle the end of the music."""
         self._before_pause = None
         super().silent(now)
-        self._forget()
+        self._reset()
 
     def found(self, now: float) -> None:
         """Handle the return of sound."""
         if self._before_pause is not None:
             self.state, self._before_pause = self._before_pause, None
-            self.heard_at = max(self.heard_at, now)
+            self.observed_at = max(self.observed_at, now)
             return
         super().found(now)
-        self._forget()
+        self._reset()
 
-    def _forget(self) -> None:
+    def _reset(self) -> None:
         self.consensus.clear()
         self.pointer.clear()
         self.state = "absent" if self.state == "absent" else "listening"
 
-    def watch(self, now: float) -> None:
+    def check_timeout(self, now: float) -> None:
         """Detect missing beats."""
         raw = self.raw()
-        if self.ready and raw is not None and now - self.heard_at > max(NOTHING_HEARD, 3.0 * raw.period):
+        if self.ready and raw is not None and now - self.observed_at > max(NOTHING_HEARD, 3.0 * raw.period):
             self.state = "listening"
             self.pointer.clear()
 
-    def take(self, grid: Grid, until: float) -> None:
+    def set_by_hand(self, grid: Grid, until: float) -> None:
         """Set the beats by hand, with priority until then [s]."""
-        self.consensus.take(grid)
-        self.rest_until = until
+        self.consensus.set_grid(grid)
+        self.manual_until = until
 
-    def agree_with(self, hand: Grid, now: float) -> None:
+    def align_with(self, manual_grid: Grid, now: float) -> None:
         """Set the metrical level and the side of the beat (on or off) to those of the manual grid."""
         raw = self.raw()
-        if not self._pointing or raw is None:
+        if not self._has_pointer or raw is None:
             return
-        self.level.reset(raw.beat_at(now), hand.beat_at(now))
-        ratio = math.log2(hand.tempo / raw.tempo)
+        self.level.reset(raw.beat_at(now), manual_grid.beat_at(now))
+        ratio = math.log2(manual_grid.tempo / raw.tempo)
         if round(ratio) in (-1, 1) and abs(ratio - round(ratio)) * math.log(2.0) < SAME_TEMPO:
-            danced = self.level.danced(math.floor(raw.beat_at(now)))
+            danced = self.level.map_beat(math.floor(raw.beat_at(now)))
             self.level.scale(2.0 ** round(ratio), danced)
         grid = self.grid()
         if grid is None:
             return
-        off = grid.beat_at(now) - hand.beat_at(now)
+        off = grid.beat_at(now) - manual_grid.beat_at(now)
         unit = 0.5 * min(self.level.factor, 1.0)  # half a beat of the tracker's
         side = math.floor(off / unit + 0.5) * unit
         if side % 1.0 and abs(off - side) < OFF_BEAT:

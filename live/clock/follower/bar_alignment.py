@@ -4,12 +4,12 @@ import math
 from typing import Final
 
 from live.clock.follower.clock_source import Lines
-from live.clock.follower.phase_correction import Run
+from live.clock.follower.phase_correction import SlewedTimeline
 
 VOTES: Final = 1.0
 """A source's measure line is adopted after this many equal measures in a row ..."""
 
-VOTES_AGAINST_HAND: Final = 4.0
+VOTES_AGAINST_MANUAL: Final = 4.0
 """... or this many, if it was set by hand and the source had agreed."""
 
 VOTES_METRE: Final = 2.0
@@ -19,13 +19,13 @@ METRE_MIN: Final = 2
 METRE_MAX: Final = 12
 
 
-class Measures:
+class BarAlignment:
     """Follows the measure lines of the active source."""
 
     def __init__(self, *, follow_metre: bool = False) -> None:
         """`follow_metre`: whether a source may change the number of beats in a measure."""
         self.follow_metre = follow_metre
-        self.coming: int | None = None
+        self.pending_metre: int | None = None
         """Beats in a measure from the next line on; None: unchanged."""
         self._pinned = False
         self._agreed = False
@@ -39,32 +39,32 @@ class Measures:
         """Adopt the source's next measure line."""
         self._pinned, self._fresh = False, True
 
-    def hand_over(self) -> None:
+    def handle_source_change(self) -> None:
         """Adopt the line of a new source as soon as it reports one, unless the line was set by hand."""
         self._fresh = True
 
     def set_metre(self, beats: int) -> None:
         """Set the beats in a measure from the next line on, whatever a source reports."""
-        self.coming, self.follow_metre = beats, False
+        self.pending_metre, self.follow_metre = beats, False
 
-    def cross(self, run: Run, now: float) -> None:
+    def apply_pending_metre(self, run: SlewedTimeline, now: float) -> None:
         """Apply a new metre at a measure line that was just crossed."""
-        if self.coming is not None:
+        if self.pending_metre is not None:
             timeline = run.timeline
             line = timeline.beat_at(now) - timeline.phase_at(now)
             line = timeline.measure_origin + timeline.beats_per_measure * round(
                 (line - timeline.measure_origin) / timeline.beats_per_measure
             )
-            run.line(line, now, "hand", beats_per_measure=self.coming)
-            self.coming = None
+            run.set_measure_line(line, now, "hand", beats_per_measure=self.pending_metre)
+            self.pending_metre = None
 
-    def follow(self, run: Run, lines: Lines, shift: int, now: float) -> None:
+    def follow(self, run: SlewedTimeline, lines: Lines, shift: int, now: float) -> None:
         """Adopt the source's measure lines if they differ from ours and were reported often enough."""
         size, beat, spacing = run.timeline.beats_per_measure, lines.beat + shift, round(lines.spacing)
         common = spacing if size % spacing == 0 else size if spacing % size == 0 else 0
         if not common:
             if self.follow_metre and lines.votes >= VOTES_METRE * spacing and METRE_MIN <= spacing <= METRE_MAX:
-                run.line(beat, now, "lines", beats_per_measure=spacing)
+                run.set_measure_line(beat, now, "lines", beats_per_measure=spacing)
             return
         off = (beat - run.timeline.measure_origin) % common
         if off == 0.0:
@@ -72,11 +72,11 @@ class Measures:
             self._pinned = self._pinned and math.isfinite(lines.votes)
             return
         if self._pinned:
-            needed = VOTES_AGAINST_HAND * spacing if self._agreed else math.inf
+            needed = VOTES_AGAINST_MANUAL * spacing if self._agreed else math.inf
             enough = lines.votes >= needed and math.isfinite(lines.votes)
         else:
             enough = lines.votes >= (1.0 if self._fresh else VOTES * spacing)
         if enough:
             off = off if off <= common / 2 else off - common
-            run.line(run.timeline.measure_origin + off, now, "lines")
+            run.set_measure_line(run.timeline.measure_origin + off, now, "lines")
             self._pinned, self._fresh = False, False

@@ -23,10 +23,10 @@ WANDER: Final = 0.001
 BIAS_MEMORY: Final = 0.3
 """Weight of the newest innovation in their mean."""
 
-BIAS_FREE: Final = 0.5
+BIAS_TOLERANCE: Final = 0.5
 """A mean innovation below this many standard deviations counts as chance."""
 
-HURRY: Final = 0.05
+EXTRA_WANDER: Final = 0.05
 """Additional variation of the period for each standard deviation above, relative."""
 
 GATE: Final = 3.5
@@ -81,8 +81,8 @@ class BeatFilter:
             self._restore(kept)
             return False
         self._bias += BIAS_MEMORY * (error / spread - self._bias)
-        excess = max(abs(self._bias) - BIAS_FREE, 0.0)
-        self._var_period += (HURRY * excess * self._period) ** 2
+        excess = max(abs(self._bias) - BIAS_TOLERANCE, 0.0)
+        self._var_period += (EXTRA_WANDER * excess * self._period) ** 2
         self._correct(error, noise)
         self._correct_period(period)
         self.updates += not again

@@ -16,7 +16,7 @@ BEHIND: Final = 5.0
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class BeatObservation:
     """A beat at `time` [s], `period` [s] to the next; the other fields if the source has them."""
 
     time: float
@@ -48,7 +48,7 @@ FACTORS = (0.25, 0.5, 1.0, 2.0, 4.0)
 """Danced beats per source beat."""
 
 
-class Level:
+class BeatMapping:
     """The affine map from a source's beats to danced beats: exact, without drift.
 
     danced = (beat - pivot_in) * factor + pivot_out.
@@ -59,13 +59,13 @@ class Level:
         self._pivot_in = 0.0
         self._pivot_out = 0.0
 
-    def danced(self, beat: float) -> float:
+    def map_beat(self, beat: float) -> float:
         """Return the danced beat for a source beat."""
         return (beat - self._pivot_in) * self.factor + self._pivot_out
 
-    def grid(self, grid: Grid) -> Grid:
+    def map_grid(self, grid: Grid) -> Grid:
         """Return the grid of danced beats for a source grid."""
-        danced = self.danced(float(grid.number))
+        danced = self.map_beat(float(grid.number))
         number = math.floor(danced)
         period = grid.period / self.factor
         return Grid(grid.time - (danced - number) * period, period, number)
@@ -83,7 +83,7 @@ class Level:
         """Move danced beats later by this many beats."""
         self._pivot_out -= beats
 
-    def straighten(self) -> None:
+    def align_to_beats(self) -> None:
         """Move danced beats back onto the source's beats."""
         self._pivot_in = math.floor(self._pivot_in + 0.5)
         self._pivot_out = math.floor(self._pivot_out + 0.5)
@@ -147,25 +147,25 @@ class Source(Protocol):
         """Return its measure lines; None if unknown."""
         ...
 
-    def watch(self, now: float) -> None:
+    def check_timeout(self, now: float) -> None:
         """Detect missing beats."""
         ...
 
 
-class HeardSource:
+class ObservedSource:
     """Base class of sources that receive observations, through `heard`, `silent`, `lost` …"""
 
     def __init__(self, name: str) -> None:
         self.name = name
         self.state: State = "absent"
         self.confidence = 0.0
-        self.heard_at = -math.inf
+        self.observed_at = -math.inf
         """Time of the last observation [s]."""
         self.silent_since: float | None = None
         self.jumped = False
         self.offset = 0.0
         """Sum of nudges, positive is later [s]."""
-        self.level = Level()
+        self.level = BeatMapping()
         """Mapping to danced beats."""
         self.detail = ""
 
@@ -183,7 +183,7 @@ class HeardSource:
         raw = self.raw()
         if raw is None:
             return None
-        danced = self.level.grid(raw)
+        danced = self.level.map_grid(raw)
         return Grid(danced.time + self.offset, danced.period, danced.number)
 
     def lines(self) -> Lines | None:
@@ -191,7 +191,7 @@ class HeardSource:
         own = self.own_lines()
         if own is None:
             return None
-        beat, spacing = self.level.danced(own.beat), own.spacing * self.level.factor
+        beat, spacing = self.level.map_beat(own.beat), own.spacing * self.level.factor
         if abs(beat - round(beat)) > 0.01 or abs(spacing - round(spacing)) > 0.01:
             return None
         return Lines(float(round(beat)), float(round(spacing)), own.votes)
@@ -204,7 +204,7 @@ class HeardSource:
         """Move its danced beats later by this many seconds."""
         self.offset = min(max(self.offset + seconds, -OFFSET_MAX), OFFSET_MAX)
 
-    def heard(self, said: Said, now: float) -> None:
+    def observe(self, said: BeatObservation, now: float) -> None:
         """Process a plausible observation, received at `now` [s]."""
         raise NotImplementedError
 
@@ -228,9 +228,9 @@ class HeardSource:
         if self.state == "absent":
             self.state = "listening"
 
-    def too_late(self, said: Said) -> bool:
+    def precedes_silence(self, said: BeatObservation) -> bool:
         """Whether an observation is of a time before the silence."""
         return self.silent_since is not None and said.time <= self.silent_since
 
-    def watch(self, now: float) -> None:
+    def check_timeout(self, now: float) -> None:
         """Detect missing beats."""

@@ -3,7 +3,7 @@
 import math
 from typing import Final
 
-from live.clock.follower.clock_source import HeardSource, Lines, Said, State
+from live.clock.follower.clock_source import BeatObservation, Lines, ObservedSource, State
 from live.clock.timeline import Grid
 
 SILENCE: Final = 0.35
@@ -17,7 +17,7 @@ SURE: Final = 0.99
 """An observation of this confidence needs no confirmation."""
 
 
-class DirectSource(HeardSource):
+class ExternalSource(ObservedSource):
     """Keeps the last observation. Locked from the second one that agrees with the first, or from one that is sure."""
 
     def __init__(self, name: str) -> None:
@@ -39,18 +39,18 @@ class DirectSource(HeardSource):
         """The source's own measure number of its last observation, from 0; -1: unknown."""
         return self._measure
 
-    def heard(self, said: Said, now: float) -> None:
+    def observe(self, said: BeatObservation, now: float) -> None:
         """Adopt an observation."""
-        if self.too_late(said) and not said.jump:
+        if self.precedes_silence(said) and not said.jump:
             return
         self.silent_since = None
-        self.heard_at = max(self.heard_at, now)
+        self.observed_at = max(self.observed_at, now)
         before = self._grid
         grid = self._numbered(said, before)
         agrees = before is not None and not said.jump and self._agrees(before, grid)
         self.jumped = self.jumped or said.jump
         if said.anchored and not self.anchored:
-            self.level.straighten()
+            self.level.align_to_beats()
         elif self.anchored and not said.anchored and before is not None:
             # keep the phase of the beats, whatever the count says
             self.level.shift((grid.beat_at(now) - before.beat_at(now)) * self.level.factor)
@@ -66,11 +66,11 @@ class DirectSource(HeardSource):
             self.state = "following" if not self._fresh else "listening"
         self._fresh = False
 
-    def lean(self, beat: float, now: float) -> None:
+    def set_phase(self, beat: float, now: float) -> None:
         """If the phase is arbitrary, set the danced beat at `now` [s] to `beat`."""
         raw = self.raw()
         if raw is not None and not self.anchored:
-            at = self.level.danced(raw.beat_at(now - self.offset))
+            at = self.level.map_beat(raw.beat_at(now - self.offset))
             self.level.shift(at - beat)
 
     def own_lines(self) -> Lines | None:
@@ -84,12 +84,12 @@ class DirectSource(HeardSource):
         super().silent(now)
         self._fresh = True
 
-    def watch(self, now: float) -> None:
+    def check_timeout(self, now: float) -> None:
         """Detect missing observations."""
-        if self.ready and self._grid is not None and now - self.heard_at > self._grid.period + SILENCE:
+        if self.ready and self._grid is not None and now - self.observed_at > self._grid.period + SILENCE:
             self.lost(now)
 
-    def _numbered(self, said: Said, before: Grid | None) -> Grid:
+    def _numbered(self, said: BeatObservation, before: Grid | None) -> Grid:
         if said.anchored and said.beat >= 0 and said.measure >= 0 and said.beats_per_measure > 0:
             return Grid(said.time, said.period, said.measure * said.beats_per_measure + said.beat)
         if before is None:
@@ -101,11 +101,11 @@ class DirectSource(HeardSource):
         return near and abs(math.log(grid.period / before.period)) < AGREES_TEMPO
 
 
-RULE: Final = 8.0
+PRIORITY_TIME: Final = 8.0
 """Seconds after the last tap, or manual tempo, in which audio is ignored."""
 
 
-class HandSource:
+class ManualSource:
     """Keeps its grid until it gets another one."""
 
     def __init__(self, name: str, grid: Grid | None = None) -> None:
@@ -114,7 +114,7 @@ class HandSource:
         self.confidence = 0.0 if grid is None else 1.0
         self.jumped = False
         self._grid = grid
-        self.rules_until = -math.inf
+        self.priority_until = -math.inf
         """Until this time it has priority over audio [s]."""
 
     @property
@@ -130,17 +130,17 @@ class HandSource:
         """Return None: measure lines are set by hand through other calls."""
         return None
 
-    def watch(self, now: float) -> None:
+    def check_timeout(self, now: float) -> None:
         """Update the state: never lost, but no longer locked when its priority ends."""
         if self.name == "tap" and self.ready:
-            self.state = "locked" if now < self.rules_until else "following"
+            self.state = "locked" if now < self.priority_until else "following"
 
-    def take(self, grid: Grid, now: float) -> None:
+    def set_grid(self, grid: Grid, now: float) -> None:
         """Set the beats, with priority over audio for the next seconds."""
         self._grid, self.confidence = grid, 1.0
         self.state = "locked"
-        self.rules_until = now + RULE
+        self.priority_until = now + PRIORITY_TIME
 
-    def keep(self, grid: Grid) -> None:
+    def replace_grid(self, grid: Grid) -> None:
         """Replace the grid by a slightly corrected one; its priority does not change."""
         self._grid = grid

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from live.clock.follower.audio_source import AudioSource
-from live.clock.follower.bar_alignment import METRE_MAX, METRE_MIN, Measures
-from live.clock.follower.clock_source import HeardSource
-from live.clock.follower.external_source import DirectSource, HandSource
-from live.clock.follower.follower_status import Seen
+from live.clock.follower.bar_alignment import METRE_MAX, METRE_MIN, BarAlignment
+from live.clock.follower.clock_source import ObservedSource
+from live.clock.follower.external_source import ExternalSource, ManualSource
+from live.clock.follower.follower_status import FollowerStatus
 from live.clock.follower.phase_correction import LEAP_BEATS
 from live.clock.tap_tempo import TapTempo
 from live.clock.timeline import TEMPO_MAX_BPM, TEMPO_MIN_BPM, Grid
@@ -20,7 +20,7 @@ Kind = Literal["tempo", "one", "scale", "metre", "forget"]
 
 
 @dataclass(frozen=True, slots=True)
-class Seed:
+class TrackerHint:
     """A manual setting that is passed on to the audio tracker.
 
     tempo: `value` bpm, with a beat at `time` (NaN: unknown); one: a downbeat at `time`; scale: from now on
@@ -41,15 +41,15 @@ START_PLAUSIBLE: Final = 1e7
 """... before the first tick, maximum absolute time [s]."""
 
 
-class HandReach(Seen):
+class ManualControlBase(FollowerStatus):
     """Common parts of manual control. Nothing here moves the beat: the next tick does."""
 
-    _measures: Measures
+    _alignment: BarAlignment
     _audio: AudioSource
     _taps: TapTempo
-    _internal: HandSource
-    _tap: HandSource
-    _one_at: float | None
+    _internal: ManualSource
+    _tap: ManualSource
+    _downbeat_at: float | None
     _scale: float
 
     rejected = 0
@@ -57,80 +57,80 @@ class HandReach(Seen):
     refusal = ""
     """Message for the last input that the active source does not allow; `refused` counts them."""
     refused = 0
-    hand_tempo: tuple[int, float] = (0, 0.0)
+    manual_tempo: tuple[int, float] = (0, 0.0)
     """Number of manual tempo settings, and the last one [bpm]."""
-    on_seed: Callable[[Seed], None] | None = None
+    on_hint: Callable[[TrackerHint], None] | None = None
     """Callback, in the show's thread, with settings for the audio tracker."""
 
-    def _unsure(self) -> bool:
+    def _phase_is_free(self) -> bool:
         """Whether no other source determines the phase of the beat, so that it may be set by hand."""
-        ruling = self._ruling
-        if ruling.free or ruling.held or ruling.name == "internal":
+        ruling = self._arbiter
+        if ruling.free_running or ruling.held or ruling.name == "internal":
             return True
         source = ruling.source
-        if isinstance(source, DirectSource):
+        if isinstance(source, ExternalSource):
             return not source.anchored
-        return isinstance(source, HandSource) and self._now >= source.rules_until
+        return isinstance(source, ManualSource) and self._now >= source.priority_until
 
     def _place(self, grid: Grid, time: float) -> None:
         """Set the beats of sources whose phase may be set by hand."""
-        source = self._ruling.source
-        self._run.goal = grid
-        if isinstance(source, HandSource):
-            source.keep(grid)
-            self._ruling.shift = 0
-        elif isinstance(source, DirectSource) and not self._ruling.free:
-            source.lean(grid.beat_at(time) - self._ruling.shift, time)
+        source = self._arbiter.source
+        self._slewed.goal = grid
+        if isinstance(source, ManualSource):
+            source.replace_grid(grid)
+            self._arbiter.beat_offset = 0
+        elif isinstance(source, ExternalSource) and not self._arbiter.free_running:
+            source.set_phase(grid.beat_at(time) - self._arbiter.beat_offset, time)
 
     def _move_goal(self, seconds: float) -> None:
-        goal, source = self._run.goal, self._ruling.source
-        self._run.goal = Grid(goal.time + seconds, goal.period, goal.number)
+        goal, source = self._slewed.goal, self._arbiter.source
+        self._slewed.goal = Grid(goal.time + seconds, goal.period, goal.number)
         grid = source.grid()
-        if isinstance(source, HandSource) and grid is not None:
-            source.keep(Grid(grid.time + seconds, grid.period, grid.number))
+        if isinstance(source, ManualSource) and grid is not None:
+            source.replace_grid(Grid(grid.time + seconds, grid.period, grid.number))
 
-    def _by_hand(self, source: HandSource, grid: Grid, time: float) -> None:
+    def _apply_manual_tempo(self, source: ManualSource, grid: Grid, time: float) -> None:
         """Give a manual tempo priority over audio for some seconds."""
-        source.take(grid, max(time, self._now))
-        self._audio.take(grid, source.rules_until)
-        if self._ruling.held:
-            self._run.goal = grid
+        source.set_grid(grid, max(time, self._now))
+        self._audio.set_by_hand(grid, source.priority_until)
+        if self._arbiter.held:
+            self._slewed.goal = grid
         else:
-            self._ruling.take(source.name, max(time, self._now))
-            self._run.goal = grid
+            self._arbiter.activate(source.name, max(time, self._now))
+            self._slewed.goal = grid
 
-    def _hand_may(self, what: str) -> bool:
+    def _manual_allowed(self, what: str) -> bool:
         """Whether taps and manual tempo are allowed now; an active clock source determines the tempo itself."""
-        ruling = self._ruling
+        ruling = self._arbiter
         if ruling.held or ruling.choice in ("tap", "internal") or not ruling.exact:
             return True
         if ruling.name != "link":
             self._refuse(f"{what}: the tempo comes from {ruling.name}; choose another source first")
         return False
 
-    def _say_tempo(self, bpm: float, time: float) -> None:
-        self.hand_tempo = (self.hand_tempo[0] + 1, bpm)
-        self._seed("tempo", time, bpm)
+    def _record_tempo(self, bpm: float, time: float) -> None:
+        self.manual_tempo = (self.manual_tempo[0] + 1, bpm)
+        self._send_hint("tempo", time, bpm)
 
     def _set_line(self, beat: float, cause: str = "one") -> None:
-        now = self._now if math.isfinite(self._now) else self._run.timeline.time_origin
-        self._run.line(float(beat), now, "hand" if cause == "hand" else "one")
-        self._measures.pin()
+        now = self._now if math.isfinite(self._now) else self._slewed.timeline.time_origin
+        self._slewed.set_measure_line(float(beat), now, "hand" if cause == "hand" else "one")
+        self._alignment.pin()
 
-    def _count(self, first: int) -> None:
+    def _begin_count(self, first: int) -> None:
         """Begin the count and the measures at the beat `first`."""
         self._set_line(first)
-        self._counting.begin(first, self._run.timeline.beats_per_measure)
-        self._seed("one", self._run.timeline.time_at(first))
+        self._counting.begin(first, self._slewed.timeline.beats_per_measure)
+        self._send_hint("one", self._slewed.timeline.time_at(first))
 
     def _next_line_time(self) -> float:
-        timeline = self._run.timeline
+        timeline = self._slewed.timeline
         left = timeline.beats_per_measure - timeline.phase_at(self._now if math.isfinite(self._now) else 0.0)
-        return timeline.time_at(self._run.beat(self._now if math.isfinite(self._now) else 0.0) + left)
+        return timeline.time_at(self._slewed.beat(self._now if math.isfinite(self._now) else 0.0) + left)
 
-    def _seed(self, kind: Kind, time: float, value: float = 0.0) -> None:
-        if self.on_seed is not None:
-            self.on_seed(Seed(kind, time, value))
+    def _send_hint(self, kind: Kind, time: float, value: float = 0.0) -> None:
+        if self.on_hint is not None:
+            self.on_hint(TrackerHint(kind, time, value))
 
     def _plausible(self, time: float) -> bool:
         """Whether a time is plausible for a present event; count it as rejected if not."""
@@ -148,7 +148,7 @@ class HandReach(Seen):
         self.refusal = words
 
 
-class HandTempo(HandReach):
+class ManualTempo(ManualControlBase):
     """Manual control of the tempo."""
 
     def tap(self, time: float) -> None:
@@ -158,14 +158,14 @@ class HandTempo(HandReach):
         grid = self._taps.tap(time)
         if grid is None or not TEMPO_MIN_BPM <= grid.tempo <= TEMPO_MAX_BPM:
             return
-        self._say_tempo(grid.tempo, grid.time)
-        if not self._hand_may("taps"):
+        self._record_tempo(grid.tempo, grid.time)
+        if not self._manual_allowed("taps"):
             return
-        grid = grid.numbered_like(self._run.timeline.beat_at(time), time)
-        self._by_hand(self._tap, grid, time)
+        grid = grid.numbered_like(self._slewed.timeline.beat_at(time), time)
+        self._apply_manual_tempo(self._tap, grid, time)
         self._audio.consensus.keep_half_beats()
-        if self._counting.armed and self._taps.count >= self._run.timeline.beats_per_measure:
-            self._count(grid.number + round((time - grid.time) / grid.period) + 1)
+        if self._counting.armed and self._taps.count >= self._slewed.timeline.beats_per_measure:
+            self._begin_count(grid.number + round((time - grid.time) / grid.period) + 1)
 
     def set_tempo(self, bpm: float, time: float) -> None:
         """Set the tempo to `bpm` from `time` on, without a step in the beat."""
@@ -175,32 +175,32 @@ class HandTempo(HandReach):
             self.rejected += 1
             return
         now = self._now if math.isfinite(self._now) else time
-        self._say_tempo(bpm, math.nan)
-        if not self._hand_may("a tempo"):
+        self._record_tempo(bpm, math.nan)
+        if not self._manual_allowed("a tempo"):
             return
-        beat = self._run.beat(now)
+        beat = self._slewed.beat(now)
         number = math.floor(beat)
         grid = Grid(now - (beat - number) * 60.0 / bpm, 60.0 / bpm, number)
-        internal = self._ruling.name == "internal"
-        self._by_hand(self._internal if internal else self._tap, grid, now)
-        self._run.timeline = self._run.timeline.with_tempo(bpm, now)
+        internal = self._arbiter.name == "internal"
+        self._apply_manual_tempo(self._internal if internal else self._tap, grid, now)
+        self._slewed.timeline = self._slewed.timeline.with_tempo(bpm, now)
 
     def scale_tempo(self, factor: float, time: float) -> None:
         """Halve or double the tempo, from the next beat common to both."""
         if not self._plausible(time):
             return
-        if factor not in (0.5, 2.0) or not TEMPO_MIN_BPM <= self._run.goal.tempo * factor <= TEMPO_MAX_BPM:
+        if factor not in (0.5, 2.0) or not TEMPO_MIN_BPM <= self._slewed.goal.tempo * factor <= TEMPO_MAX_BPM:
             self.rejected += 1
             return
         self._scale = 1.0 if self._scale * factor == 1.0 else factor
 
     def hold(self, on: bool, time: float) -> None:
         """Hold the tempo, or follow again, without a step in the beat."""
-        if not self._plausible(time) or on == self._ruling.held:
+        if not self._plausible(time) or on == self._arbiter.held:
             return
-        self._ruling.held = on
+        self._arbiter.held = on
         if on:
-            self._run.freeze(self._now if math.isfinite(self._now) else time)
+            self._slewed.freeze(self._now if math.isfinite(self._now) else time)
 
     def count_in(self, measures: float, time: float) -> None:
         """Count in the given number of measures: from the next beat, or after a measure of taps.
@@ -210,38 +210,38 @@ class HandTempo(HandReach):
         if not self._plausible(time) or not self._bounded(measures, 16.0):
             return
         self._counting.arm(max(round(measures), 0), time)
-        if self._ruling.held or not self._unsure():
-            self._count(math.floor(self._run.beat(max(time, self._now))) + 1)
+        if self._arbiter.held or not self._phase_is_free():
+            self._begin_count(math.floor(self._slewed.beat(max(time, self._now))) + 1)
 
 
-class HandControls(HandTempo):
+class ManualControl(ManualTempo):
     """Manual control of beat and measures."""
 
-    def one(self, time: float) -> None:
+    def set_downbeat(self, time: float) -> None:
         """Make the beat nearest to `time` the first of a measure; if the beat is uncertain, put a beat at `time`.
 
         If the beats are not sure yet, measures are counted back to `time` once they are.
         """
         if not self._plausible(time):
             return
-        beat = self._run.timeline.beat_at(time)
+        beat = self._slewed.timeline.beat_at(time)
         number = math.floor(beat + 0.5)
-        if self._unsure():
+        if self._phase_is_free():
             number = math.floor(beat + 1.0 - LEAP_BEATS)  # a leap goes forward
-            self._place(Grid(time, self._run.goal.period, number), time)
-            self._run.leap_soon("one")
+            self._place(Grid(time, self._slewed.goal.period, number), time)
+            self._slewed.request_leap("one")
         self._set_line(number)
         sure = self.state not in ("internal", "following")
-        self._one_at = None if sure else time
-        self._seed("one", time)
+        self._downbeat_at = None if sure else time
+        self._send_hint("one", time)
 
     def nudge(self, seconds: float, time: float) -> None:
         """Move the beats later by this time [s], relative to the active source."""
         if not self._plausible(time) or not self._bounded(seconds, 1.0):
             return
         self._move_goal(seconds)
-        source = self._ruling.source
-        if isinstance(source, HeardSource):
+        source = self._arbiter.source
+        if isinstance(source, ObservedSource):
             source.nudge(seconds)
 
     def shift_beats(self, beats: float, time: float) -> None:
@@ -251,14 +251,14 @@ class HandControls(HandTempo):
         halves = math.floor(2.0 * beats + 0.5)
         whole, half = divmod(halves, 2)
         if half:
-            source = self._ruling.source
-            if isinstance(source, HeardSource):
+            source = self._arbiter.source
+            if isinstance(source, ObservedSource):
                 source.level.shift(0.5)
-            self._move_goal(0.5 * self._run.goal.period)
-            self._run.leap_soon("hand")
+            self._move_goal(0.5 * self._slewed.goal.period)
+            self._slewed.request_leap("hand")
         if whole:
-            self._set_line(math.floor(self._run.timeline.measure_origin) + whole, "hand")
-            self._seed("one", self._next_line_time())
+            self._set_line(math.floor(self._slewed.timeline.measure_origin) + whole, "hand")
+            self._send_hint("one", self._next_line_time())
 
     def set_metre(self, beats: float, time: float) -> None:
         """Set the beats in a measure from the next line on."""
@@ -267,16 +267,16 @@ class HandControls(HandTempo):
         if round(beats) < METRE_MIN:
             self.rejected += 1
             return
-        self._measures.set_metre(round(beats))
-        self._seed("metre", time, float(round(beats)))
+        self._alignment.set_metre(round(beats))
+        self._send_hint("metre", time, float(round(beats)))
 
-    def choose(self, name: str) -> None:
+    def select_source(self, name: str) -> None:
         """Follow this source, once it is available, from a measure line on; "auto": by priority."""
         if name != "auto" and name not in self._sources:
             self._refuse(f"no clock source is called {name!r}; there are auto, {', '.join(self._sources)}")
             return
-        self._ruling.choice = name
-        self._measures.unpin()
-        if name in ("tap", "internal") and self._ruling.name != name:
+        self._arbiter.choice = name
+        self._alignment.unpin()
+        if name in ("tap", "internal") and self._arbiter.name != name:
             source = self._internal if name == "internal" else self._tap
-            source.keep(self._run.goal)
+            source.replace_grid(self._slewed.goal)

@@ -35,7 +35,7 @@ LEAP_BEATS: Final = 0.12
 """A jump of the beat by less than this is corrected gradually, like any other error."""
 
 
-class Run:
+class SlewedTimeline:
     """A timeline with a strictly increasing beat; each tick sets a tempo that leads to the goal."""
 
     def __init__(self, timeline: Timeline, goal: Grid) -> None:
@@ -63,18 +63,18 @@ class Run:
         self.timeline = self.timeline.with_tempo(min(max(self.goal.tempo, TEMPO_MIN_BPM), TEMPO_MAX_BPM), now)
 
     @property
-    def leaping(self) -> bool:
+    def leap_pending(self) -> bool:
         """Whether the next tick makes a leap."""
         return self._leap is not None
 
-    def leap_soon(self, cause: Cause) -> None:
+    def request_leap(self, cause: Cause) -> None:
         """Jump to the goal at the next tick."""
         self._leap = cause
 
-    def to(self, now: float, *, slew: float, exact: bool = False) -> None:
+    def follow_goal(self, now: float, *, slew: float, exact: bool = False) -> None:
         """Set the timeline from `now` [s] on: towards the goal, by at most the share `slew` faster or slower."""
         if self._leap is not None:
-            self._leap_now(now, self._leap)
+            self._leap_forward(now, self._leap)
             self._leap = None
         error = self.error(now)
         seconds = CORRECTION_TIME_EXACT if exact else CORRECTION_TIME
@@ -82,10 +82,10 @@ class Run:
         tempo = min(max(self.goal.tempo * (1.0 + correction), TEMPO_MIN_BPM), TEMPO_MAX_BPM)
         self.timeline = self.timeline.with_tempo(tempo, now)
 
-    def line(self, beat: float, now: float, cause: Cause, *, beats_per_measure: int | None = None) -> None:
+    def set_measure_line(self, beat: float, now: float, cause: Cause, *, beats_per_measure: int | None = None) -> None:
         """Start a measure at `beat`, from now on; announce it if that moves the lines."""
         before = self.timeline
-        self.timeline = before.with_line(beat, now, beats_per_measure=beats_per_measure)
+        self.timeline = before.with_measure_line(beat, now, beats_per_measure=beats_per_measure)
         same = before.beats_per_measure == self.timeline.beats_per_measure
         if not same or (self.timeline.measure_origin - before.measure_origin) % before.beats_per_measure != 0.0:
             self._announce(Jump(now, self.beat(now), self.beat(now), cause))
@@ -96,7 +96,7 @@ class Run:
         """Count the measures from the music's known first downbeat, back along the goal."""
         before = self.timeline
         straight = replace(before, beat_origin=self.goal.beat_at(one_at), time_origin=one_at)
-        self.timeline = replace(before, measure_origin=straight.with_one_at(one_at).measure_origin)
+        self.timeline = replace(before, measure_origin=straight.with_downbeat_at(one_at).measure_origin)
         if self.timeline != before:
             self._announce(Jump(now, self.beat(now), self.beat(now), "first downbeat"))
 
@@ -104,10 +104,10 @@ class Run:
         """Announce the end of a count-in: the measure that begins is the first."""
         self._announce(Jump(now, self.beat(now), self.beat(now), "one"))
 
-    def _leap_now(self, now: float, cause: Cause) -> None:
+    def _leap_forward(self, now: float, cause: Cause) -> None:
         """Leap forward to the goal's phase, by less than one beat; if it is very near, leave it to the correction."""
         error = self.error(now)
-        whole = wholes_off(error)
+        whole = whole_beats_off(error)
         self.goal = replace(self.goal, number=self.goal.number - whole)
         forward = error - whole
         if forward > LEAP_BEATS:
@@ -120,6 +120,6 @@ class Run:
         self.last_jump = jump
 
 
-def wholes_off(error: float) -> int:
+def whole_beats_off(error: float) -> int:
     """Return by how many whole beats to lower the goal, so that a leap to it goes forward by less than a beat."""
     return math.floor(error + LEAP_BEATS)

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from typing import Final
 
 from live.clock.follower.audio_source import AudioSource
-from live.clock.follower.bar_alignment import Measures
-from live.clock.follower.clock_source import HeardSource, Said, Source
-from live.clock.follower.count_in import CountingIn
-from live.clock.follower.external_source import DirectSource, HandSource
-from live.clock.follower.manual_control import HandControls
-from live.clock.follower.phase_correction import SLEW_LOCKED, SLEW_UNLOCKED, Run
-from live.clock.follower.source_arbiter import PRIORITY, Ruling
+from live.clock.follower.bar_alignment import BarAlignment
+from live.clock.follower.clock_source import BeatObservation, ObservedSource, Source
+from live.clock.follower.count_in import CountIn
+from live.clock.follower.external_source import ExternalSource, ManualSource
+from live.clock.follower.manual_control import ManualControl
+from live.clock.follower.phase_correction import SLEW_LOCKED, SLEW_UNLOCKED, SlewedTimeline
+from live.clock.follower.source_arbiter import PRIORITY, SourceArbiter
 from live.clock.tap_tempo import TapTempo
 from live.clock.timeline import Grid, Timeline
 
@@ -28,7 +28,7 @@ FAR: Final = 0.25
 """A lock begins when the timeline is this near to the source's beat, and ends when it is this far from it [beats]."""
 
 
-class TimelineFollower(HandControls):
+class TimelineFollower(ManualControl):
     """Follows audio, clocks and taps with a Timeline; pure: all times [s] are given.
 
     Sources: link, midi, mtc, audio, tap, internal. One is active; the timeline approaches its beats by running up to
@@ -61,24 +61,26 @@ class TimelineFollower(HandControls):
         )
         grid = Grid(begin, 60.0 / timeline.tempo)
         self._audio = AudioSource(grid, known_tempo)
-        self._internal, self._tap = HandSource("internal", grid), HandSource("tap")
-        direct = {name: DirectSource(name) for name in ("link", "midi", "mtc")}
+        self._internal, self._tap = ManualSource("internal", grid), ManualSource("tap")
+        direct = {name: ExternalSource(name) for name in ("link", "midi", "mtc")}
         self._sources: dict[str, Source] = {
             **direct, "audio": self._audio, "tap": self._tap, "internal": self._internal,
         }  # fmt: skip
-        self._run = Run(timeline, grid)
-        self._measures = Measures(follow_metre=follow_metre)
-        self._ruling = Ruling(self._sources, self._run, self._measures, priority=priority, tempo_range=tempo_range)
-        self._taps, self._counting = TapTempo(), CountingIn()
-        self._one_at = one_at
+        self._slewed = SlewedTimeline(timeline, grid)
+        self._alignment = BarAlignment(follow_metre=follow_metre)
+        self._arbiter = SourceArbiter(
+            self._sources, self._slewed, self._alignment, priority=priority, tempo_range=tempo_range
+        )
+        self._taps, self._counting = TapTempo(), CountIn()
+        self._downbeat_at = one_at
         self._now = -math.inf
         self._scale = 1.0
         self._locked = False
-        self._share = 0.0
+        self._confidence = 0.0
 
     # -- sources -------------------------------------------------------------------------------------------------
 
-    def heard(
+    def observe(
         self,
         beat_time: float,
         period: float,
@@ -94,12 +96,12 @@ class TimelineFollower(HandControls):
     ) -> None:
         """Process a source's observation, received at `now`: a beat at `beat_time`, `period` [s] to the next; see
         BeatHeard."""
-        said = Said(beat_time, period, confidence, beat, beats_per_measure, measure, jump, anchored)
+        said = BeatObservation(beat_time, period, confidence, beat, beats_per_measure, measure, jump, anchored)
         heard = self._sources.get(source)
-        if not isinstance(heard, HeardSource) or not said.plausible(now) or not self._plausible(now):
+        if not isinstance(heard, ObservedSource) or not said.plausible(now) or not self._plausible(now):
             self.rejected += 1
             return
-        heard.heard(said, max(now, self._now))
+        heard.observe(said, max(now, self._now))
 
     def silent(self, time: float, source: str = "audio") -> None:
         """Handle silence: the tempo is kept, the beats continue."""
@@ -119,11 +121,11 @@ class TimelineFollower(HandControls):
 
     def _changed(self, time: float, source: str, what: str) -> None:
         heard = self._sources.get(source)
-        if not isinstance(heard, HeardSource):
+        if not isinstance(heard, ObservedSource):
             self.rejected += 1
         elif self._plausible(time):
             getattr(heard, what)(time)
-            self._ruling.update(self._now if math.isfinite(self._now) else time, crossed=False)
+            self._arbiter.update(self._now if math.isfinite(self._now) else time, crossed=False)
 
     # -- time --------------------------------------------------------------------------------------------------
 
@@ -132,61 +134,65 @@ class TimelineFollower(HandControls):
         if not math.isfinite(now) or now < self._now:
             return self.timeline
         last, self._now = self._now, now
-        run, before = self._run, self.timeline
+        run, before = self._slewed, self.timeline
         for source in self._sources.values():
-            source.watch(now)
+            source.check_timeout(now)
         crossed = math.isfinite(last) and before.measure_at(now) != before.measure_at(last)
         if crossed:
-            self._measures.cross(run, now)
+            self._alignment.apply_pending_metre(run, now)
         self._scale_at_beat(last, now)
-        self._ruling.update(now, crossed=crossed)
-        self._judge(now, now - last if math.isfinite(last) else 0.0)
-        if self._counting.watch(run.beat(now), now):
+        self._arbiter.update(now, crossed=crossed)
+        self._update_lock(now, now - last if math.isfinite(last) else 0.0)
+        if self._counting.update(run.beat(now), now):
             run.announce_one(now)
-        run.to(now, slew=SLEW_LOCKED if self.state == "locked" else SLEW_UNLOCKED, exact=self._ruling.exact)
+        run.follow_goal(now, slew=SLEW_LOCKED if self.state == "locked" else SLEW_UNLOCKED, exact=self._arbiter.exact)
         return run.timeline
 
-    def _judge(self, now: float, elapsed: float) -> None:
+    def _update_lock(self, now: float, elapsed: float) -> None:
         """Update lock and confidence: whether the timeline is where the source is."""
-        source = self._ruling.source
-        if self._ruling.free:
-            self._share *= math.exp(-elapsed / FADE)
+        source = self._arbiter.source
+        if self._arbiter.free_running:
+            self._confidence *= math.exp(-elapsed / FADE)
             self._locked = False
             return
-        self._share = source.confidence if isinstance(source, HeardSource) else 0.0 + (self.source == "tap")
-        error = abs(self._run.error(now))
+        self._confidence = source.confidence if isinstance(source, ObservedSource) else 0.0 + (self.source == "tap")
+        error = abs(self._slewed.error(now))
         was = self._locked
-        self._locked = source.state == "locked" and error < (FAR if was else NEAR) and isinstance(source, HeardSource)
+        self._locked = (
+            source.state == "locked" and error < (FAR if was else NEAR) and isinstance(source, ObservedSource)
+        )
         if self._locked and not was:
             self._count_from_one(now)
 
     def _count_from_one(self, now: float) -> None:
         """At the first lock, count the measures from the music's known first downbeat."""
-        if self._one_at is None:
+        if self._downbeat_at is None:
             return
-        if abs(now - self._one_at) <= ONE_WITHIN:
-            self._run.count_from(self._one_at, now)
-            self._measures.pin()
-        self._one_at = None
+        if abs(now - self._downbeat_at) <= ONE_WITHIN:
+            self._slewed.count_from(self._downbeat_at, now)
+            self._alignment.pin()
+        self._downbeat_at = None
 
     def _scale_at_beat(self, last: float, now: float) -> None:
         """Apply half or double tempo at a beat common to both; if beats are dropped, at an even one."""
         if self._scale == 1.0 or not math.isfinite(last):
             return
-        run, beat = self._run, math.floor(self._run.beat(now))
+        run, beat = self._slewed, math.floor(self._slewed.beat(now))
         into = round(beat - run.timeline.measure_origin) % run.timeline.beats_per_measure
         if beat == math.floor(run.beat(last)) or (self._scale < 1.0 and into % 2):
             return
         factor, self._scale = self._scale, 1.0
-        source, goal = self._ruling.source, run.goal
-        if isinstance(source, HeardSource) and not source.level.scale(factor, float(beat - self._ruling.shift)):
+        source, goal = self._arbiter.source, run.goal
+        if isinstance(source, ObservedSource) and not source.level.scale(
+            factor, float(beat - self._arbiter.beat_offset)
+        ):
             self.rejected += 1
             return
         scaled = Grid(goal.time + (beat - goal.number) * goal.period, goal.period / factor, beat)
-        if isinstance(source, HandSource):
-            source.keep(scaled)
-            self._ruling.shift = 0
+        if isinstance(source, ManualSource):
+            source.replace_grid(scaled)
+            self._arbiter.beat_offset = 0
         run.goal = scaled
-        run.line(float(beat - round(into * factor)), now, "hand")
-        self._measures.pin()
-        self._seed("scale", now, factor)
+        run.set_measure_line(float(beat - round(into * factor)), now, "hand")
+        self._alignment.pin()
+        self._send_hint("scale", now, factor)

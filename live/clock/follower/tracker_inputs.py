@@ -7,9 +7,9 @@ changes over at once when several observations agree on something else (a new te
 import math
 from typing import Final
 
-from live.clock.beat_estimate import Consensus, Heard, Preference
+from live.clock.beat_estimate import Consensus, TempoPrior, WeightedBeat
 from live.clock.follower.beat_kalman_filter import BeatFilter
-from live.clock.follower.clock_source import Lines, Said
+from live.clock.follower.clock_source import BeatObservation, Lines
 from live.clock.timeline import Grid
 
 CHALLENGE: Final = 1.3
@@ -23,48 +23,48 @@ SAME_BEATS: Final = 0.1
 support a grid, or a grid could be neither confirmed nor replaced.
 """
 
-HAND_OCTAVES: Final = 0.15
+MANUAL_OCTAVES: Final = 0.15
 KNOWN_OCTAVES: Final = 0.12
 """Width of the prior around a tempo that was tapped, typed or written in the score [octaves]."""
 
 
-class ConsensusEar:
+class ConsensusInput:
     """Finds the grid on which the estimates of the last seconds agree."""
 
     def __init__(self, grid: Grid, known_tempo: float | None = None) -> None:
         """`grid` is used until there are beats; `known_tempo` [bpm] settles the octave."""
         self.grid = grid
-        self._prefer = Preference() if known_tempo is None else Preference(known_tempo, KNOWN_OCTAVES)
+        self._prefer = TempoPrior() if known_tempo is None else TempoPrior(known_tempo, KNOWN_OCTAVES)
         self._consensus = Consensus()
         self._first = True
         self.share = 0.0
         """Share of the recent estimates that agree with the grid, 0 to 1."""
-        self.believed = False
+        self.is_confirmed = False
         """Whether several estimates since the last `clear` support the grid."""
 
     @property
     def sure(self) -> bool:
         """Whether most of the recent estimates agree."""
-        return self.believed and self.share >= 0.5 and len(self._consensus) >= 4
+        return self.is_confirmed and self.share >= 0.5 and len(self._consensus) >= 4
 
     def clear(self) -> None:
         """Reset the estimates."""
         self._consensus.clear()
-        self.believed = False
+        self.is_confirmed = False
 
-    def take(self, grid: Grid) -> None:
+    def set_grid(self, grid: Grid) -> None:
         """Set the beats by hand, including which half beat is the beat."""
         self.grid = grid
-        self._prefer = Preference(grid.tempo, HAND_OCTAVES)
+        self._prefer = TempoPrior(grid.tempo, MANUAL_OCTAVES)
         self._consensus.clear()
 
     def keep_half_beats(self) -> None:
         """Let estimates half a beat off support the grid too: a tap has decided which of the two is the beat."""
         self._consensus.half_beats = True
 
-    def heard(self, said: Said, now: float, *, decide: bool) -> None:
+    def observe(self, said: BeatObservation, now: float, *, decide: bool) -> None:
         """Add an observation and, unless manual settings have priority, decide on the grid."""
-        self._consensus.add(Heard(said.time, said.period, 0.3 + 0.7 * min(max(said.confidence, 0.0), 1.0)), now)
+        self._consensus.add(WeightedBeat(said.time, said.period, 0.3 + 0.7 * min(max(said.confidence, 0.0), 1.0)), now)
         if decide:
             self._decide(now)
 
@@ -72,34 +72,34 @@ class ConsensusEar:
         """Keep and refine the grid, or replace it by another one that several estimates support."""
         consensus = self._consensus
         support, share = consensus.support(self.grid, now)
-        support *= self._prefer.of(self.grid.period)
+        support *= self._prefer.weight(self.grid.period)
         best, best_support = self.grid, support
         for grid in consensus.candidates():
-            value = consensus.support(grid, now)[0] * self._prefer.of(grid.period)
+            value = consensus.support(grid, now)[0] * self._prefer.weight(grid.period)
             if value > best_support:
                 best, best_support = grid, value
-        if not self._same(best) and self._convinces(best, best_support, support):
+        if not self._same(best) and self._is_stronger(best, best_support, support):
             kept = consensus.half_beats and abs(math.log(self.grid.tempo / best.tempo)) < 0.15
             self.grid = best.numbered_like(self.grid.beat_at(now), now)
             consensus.half_beats = kept
-            self._first, self.believed = False, True
-        elif len(consensus.witnesses(self.grid)) >= (3 if self._first else 2):
+            self._first, self.is_confirmed = False, True
+        elif len(consensus.supporting_estimates(self.grid)) >= (3 if self._first else 2):
             self._refine(now)
-            self._first, self.believed = False, True
-        self.share = consensus.support(self.grid, now)[1] if self.believed else share
+            self._first, self.is_confirmed = False, True
+        self.share = consensus.support(self.grid, now)[1] if self.is_confirmed else share
 
     def _same(self, grid: Grid) -> bool:
         tempo = abs(math.log(grid.period / self.grid.period)) < 0.04
         return tempo and abs(self.grid.residual(grid.time)) < SAME_BEATS
 
-    def _convinces(self, grid: Grid, value: float, present: float) -> bool:
-        witnesses = self._consensus.witnesses(grid)
+    def _is_stronger(self, grid: Grid, value: float, present: float) -> bool:
+        witnesses = self._consensus.supporting_estimates(grid)
         if len(witnesses) < 3 or value < CHALLENGE * present:
             return False
         return self._first or witnesses[-1].time - witnesses[0].time >= CHALLENGE_SPAN
 
     def _refine(self, now: float) -> None:
-        fitted = self._consensus.fitted(self.grid, now)
+        fitted = self._consensus.fit(self.grid, now)
         number = math.floor(fitted.beat_at(now))
         self.grid = Grid(fitted.time + (number - fitted.number) * fitted.period, fitted.period, number)
 
@@ -119,12 +119,12 @@ SHARE_MEMORY: Final = 0.2
 """Weight of the newest observation in the share that fits."""
 
 
-class PointerEar:
+class BarPointerInput:
     """Smooths the observations of a tracker with a bar pointer."""
 
     def __init__(self) -> None:
         self._filter: BeatFilter | None = None
-        self._suspects: list[Said] = []
+        self._suspects: list[BeatObservation] = []
         self._line: float | None = None
         self._beats = 0
         self._votes = 0
@@ -140,7 +140,7 @@ class PointerEar:
         return None if self._filter is None else self._filter.grid
 
     @property
-    def believed(self) -> bool:
+    def is_confirmed(self) -> bool:
         """Whether several observations agree."""
         return self._filter is not None and self._filter.updates >= 2
 
@@ -155,7 +155,7 @@ class PointerEar:
         self._suspects.clear()
         self.share = 0.0
 
-    def heard(self, said: Said) -> None:
+    def observe(self, said: BeatObservation) -> None:
         """Process an observation: it fits, or is kept as a suspect until others agree with it."""
         if self._filter is None:
             self._start(said, 0)
@@ -173,19 +173,19 @@ class PointerEar:
         self._suspects.append(said)
         sure = min(suspect.confidence for suspect in self._suspects) >= SURE
         if len(self._suspects) >= (AGREED_SURE if sure else AGREED):
-            self._change_over()
+            self._adopt_suspects()
 
     def lines(self) -> Lines | None:
         """Return the tracker's measure lines."""
         return None if self._line is None else Lines(self._line, float(self._beats), float(self._votes))
 
-    def _start(self, said: Said, number: int) -> None:
+    def _start(self, said: BeatObservation, number: int) -> None:
         self._filter = BeatFilter(said.time, said.period, said.confidence, number)
         self.share = 0.3 + 0.7 * said.confidence
         self._line, self._votes = None, 0
         self._vote(said)
 
-    def _change_over(self) -> None:
+    def _adopt_suspects(self) -> None:
         """Replace the beats by the suspects, with continued numbering."""
         assert self._filter is not None
         first, *others = self._suspects
@@ -197,7 +197,7 @@ class PointerEar:
         self._suspects.clear()
         self.restarts += 1
 
-    def _vote(self, said: Said) -> None:
+    def _vote(self, said: BeatObservation) -> None:
         """Count the consecutive beats with the same measure line; a repeated beat counts once."""
         assert self._filter is not None
         if said.beat < 0 or said.beats_per_measure < 1:
@@ -213,7 +213,7 @@ class PointerEar:
         self._line, self._beats, self._voted = float(line), said.beats_per_measure, number
 
 
-def _agree(one: Said, other: Said) -> bool:
+def _agree(one: BeatObservation, other: BeatObservation) -> bool:
     """Whether two observations are of the same beats."""
     if abs(math.log(other.period / one.period)) > AGREES_TEMPO:
         return False

@@ -7,31 +7,31 @@ from typing import Final
 
 import numpy as np
 
-from live.clock.midi.midi_clock import ClockBeat, ClockState, MidiClock, News
+from live.clock.midi.midi_clock import ClockBeat, ClockEvent, ClockState, MidiClock
 
-POLL: Final = 0.1
+CHECK_INTERVAL: Final = 0.1
 """Seconds between two checks for missing pulses."""
 
-LONGEST: Final = 20_000
+MAX_EXTRAPOLATED_BEATS: Final = 20_000
 """Maximum number of beats extrapolated from one estimate (some hours), for recordings that were left on."""
 
-LOOKS: Final = 100
+MAX_CHECKS: Final = 100
 """Maximum number of checks in one gap; further ones find nothing new."""
 
-SETTLED: Final = 8
+SETTLING_BEATS: Final = 8
 """Beats after a start or jump from which on tempo and phase errors count."""
 
 TEMPO_STEP: Final = 0.05
-TEMPO_RIGHT: Final = 0.01
+TEMPO_TOLERANCE: Final = 0.01
 """Relative tempo changes: a larger change than the first is a step, a smaller error than the second is correct."""
 
 
 @dataclass(frozen=True, slots=True)
-class NamedBeat:
+class DecodedBeat:
     """A beat as last reported by the decoder before it fell."""
 
     time: float
-    emitted: float
+    reported_at: float
     """Time of that report [s]."""
     bpm: float
     beat: int
@@ -61,7 +61,7 @@ class ClockErrors:
     """Share of the true beats with a reported beat within 70 ms."""
     extra: int
     """Reported beats without a true one."""
-    measure_right: float
+    beat_number_accuracy: float
     """Share of the true beats whose number in the measure was correct."""
     mean_delay_ms: float
     phase_p95_ms: float
@@ -78,7 +78,7 @@ class ClockErrors:
 class ClockReport:
     """Decoded beats, states and counters of a message stream."""
 
-    beats: tuple[NamedBeat, ...]
+    beats: tuple[DecodedBeat, ...]
     states: tuple[ClockState, ...]
     pulses: int
     lost: int
@@ -88,23 +88,25 @@ class ClockReport:
 def replay(messages: Iterable[tuple[float, Sequence[int]]], *, beats_per_measure: int = 4) -> ClockReport:
     """Decode (arrival [s], bytes) in order, with the periodic checks that the watching thread makes."""
     clock = MidiClock(beats_per_measure=beats_per_measure)
-    news: list[News] = []
+    news: list[ClockEvent] = []
     looked, pulses, time = 0.0, 0, 0.0
     for time, message in messages:
-        for _ in range(LOOKS):
-            if looked + POLL >= time:
+        for _ in range(MAX_CHECKS):
+            if looked + CHECK_INTERVAL >= time:
                 break
-            looked += POLL
+            looked += CHECK_INTERVAL
             news += clock.advance(looked)
         else:
-            looked = max(looked, time - POLL)
+            looked = max(looked, time - CHECK_INTERVAL)
         news += clock.receive(message, time)
         pulses += bool(message) and message[0] == 0xF8
     states = tuple(item for item in news if isinstance(item, ClockState))
-    return ClockReport(tuple(_named(news, time, beats_per_measure)), states, pulses, clock.train.lost, clock.rejected)
+    return ClockReport(
+        tuple(_decoded_beats(news, time, beats_per_measure)), states, pulses, clock.train.lost, clock.rejected
+    )
 
 
-def _named(news: Sequence[News], end: float, beats_per_measure: int) -> Iterable[NamedBeat]:
+def _decoded_beats(news: Sequence[ClockEvent], end: float, beats_per_measure: int) -> Iterable[DecodedBeat]:
     """Return the beats that fell, each by the last estimate before it; during a loss the last estimate is
     extrapolated."""
     estimate: ClockBeat | None = None
@@ -136,20 +138,20 @@ def _next(estimate: ClockBeat | None, number: int, item: ClockBeat) -> int:
     return 0 if estimate is None else number + round((item.beat_time - estimate.beat_time) / item.period)
 
 
-def _up_to(estimate: ClockBeat, number: int, end: int, first: dict[int, float], metre: int) -> Iterable[NamedBeat]:
-    for beat in range(number, min(end, number + LONGEST)):
+def _up_to(estimate: ClockBeat, number: int, end: int, first: dict[int, float], metre: int) -> Iterable[DecodedBeat]:
+    for beat in range(number, min(end, number + MAX_EXTRAPOLATED_BEATS)):
         yield _beat(estimate, number, beat, first, metre)
 
 
-def _until(estimate: ClockBeat, number: int, end: float, first: dict[int, float], metre: int) -> Iterable[NamedBeat]:
+def _until(estimate: ClockBeat, number: int, end: float, first: dict[int, float], metre: int) -> Iterable[DecodedBeat]:
     count = math.ceil((end - estimate.beat_time) / estimate.period)
     yield from _up_to(estimate, number, number + count, first, metre)
 
 
-def _beat(estimate: ClockBeat, number: int, beat: int, first: dict[int, float], metre: int) -> NamedBeat:
-    return NamedBeat(
+def _beat(estimate: ClockBeat, number: int, beat: int, first: dict[int, float], metre: int) -> DecodedBeat:
+    return DecodedBeat(
         time=estimate.beat_time + (beat - number) * estimate.period,
-        emitted=estimate.time,
+        reported_at=estimate.time,
         bpm=60.0 / estimate.period,
         beat=beat % metre if estimate.anchored else -1,
         measure=beat // metre if estimate.anchored else -1,
@@ -157,7 +159,9 @@ def _beat(estimate: ClockBeat, number: int, beat: int, first: dict[int, float], 
     )
 
 
-def errors_of(beats: Sequence[NamedBeat], truth: Sequence[TrueBeat], *, within: float = 0.07) -> ClockErrors | None:
+def clock_errors(
+    beats: Sequence[DecodedBeat], truth: Sequence[TrueBeat], *, within: float = 0.07
+) -> ClockErrors | None:
     """Compare reported beats with the true ones; None if there is no true beat or none was found."""
     times = np.array([beat.time for beat in beats])
     pairs = []
@@ -178,7 +182,7 @@ def errors_of(beats: Sequence[NamedBeat], truth: Sequence[TrueBeat], *, within: 
         beats=len(truth),
         found=len(pairs) / len(truth),
         extra=len(inside) - len({id(beat) for beat, _ in pairs}),
-        measure_right=sum(beat.beat == true.beat for beat, true in pairs) / len(truth),
+        beat_number_accuracy=sum(beat.beat == true.beat for beat, true in pairs) / len(truth),
         mean_delay_ms=1e3 * float(delay.mean()),
         phase_p95_ms=1e3 * _p95(phase),
         phase_max_ms=1e3 * float(phase.max()),
@@ -196,7 +200,7 @@ def _settled(truth: Sequence[TrueBeat]) -> "np.ndarray[tuple[int], np.dtype[np.b
         before = truth[index - 1]
         if index and abs(true.time - before.time - 60.0 / before.bpm) > 0.25 * 60.0 / before.bpm:
             count = 0
-        settled.append(count >= SETTLED)
+        settled.append(count >= SETTLING_BEATS)
         count += 1
     return np.array(settled if any(settled) else [*([False] * (len(truth) - 1)), True])
 
@@ -206,7 +210,7 @@ def _p95(values: "np.ndarray[tuple[int, ...], np.dtype[np.float64]]") -> float:
     return float(np.percentile(values, 95)) if values.size else math.nan
 
 
-def _step_beats(pairs: Sequence[tuple[NamedBeat, TrueBeat]]) -> int:
+def _step_beats(pairs: Sequence[tuple[DecodedBeat, TrueBeat]]) -> int:
     """Return the largest number of beats with a wrong tempo after a step of the true tempo."""
     worst = 0
     for index in range(1, len(pairs)):
@@ -215,7 +219,7 @@ def _step_beats(pairs: Sequence[tuple[NamedBeat, TrueBeat]]) -> int:
             continue
         wrong = 0
         for beat, true in pairs[index:]:
-            if abs(beat.bpm / true.bpm - 1.0) <= TEMPO_RIGHT:
+            if abs(beat.bpm / true.bpm - 1.0) <= TEMPO_TOLERANCE:
                 break
             wrong += 1
         worst = max(worst, wrong)

@@ -14,20 +14,20 @@ from live.clock.midi.pulse_train import PulseTrain
 
 PULSES_PER_BEAT: Final = 24
 PULSES_PER_SIXTEENTH: Final = 6
-TOLD_EVERY: Final = 6
+PULSES_PER_ESTIMATE: Final = 6
 """Pulses between two estimates."""
 
 LOST_AFTER: Final = 0.5
 """Seconds without a pulse, at least `LOST_PULSES` periods, after which a running clock counts as lost."""
 
 LOST_PULSES: Final = 4.0
-SENSED_FOR: Final = 0.33
+SENSING_TIMEOUT: Final = 0.33
 """Maximum silence of a sender with active sensing [s]."""
 
-GAP: Final = 8.0
+RESTART_GAP: Final = 8.0
 """Periods without a pulse after which a clock that is stopped or cued begins a new train."""
 
-SURE_AFTER: Final = 48.0
+FULL_CONFIDENCE_PULSES: Final = 48.0
 """Pulses of one steady stretch after which an estimate has full confidence."""
 
 BEAT_MIN_S: Final = 0.12
@@ -66,7 +66,7 @@ class ClockState:
     detail: str = ""
 
 
-News = ClockBeat | ClockState
+ClockEvent = ClockBeat | ClockState
 
 
 class MidiClock:
@@ -82,33 +82,33 @@ class MidiClock:
         self.train = PulseTrain(60.0 / (tempo * PULSES_PER_BEAT))
         self._origin = 0
         self._cue: int | None = None
-        self._held = 0
+        self._stopped_position = 0
         self._cued_for = 0
-        self._told: int | None = None
+        self._reported_sixteenth: int | None = None
         self._started = False
         self._ticking = False
-        self._heard_at = -math.inf
+        self._received_at = -math.inf
         self._sensing = False
 
     @property
     def position(self) -> int:
         """Pulses from the beginning of the song to the newest pulse; while stopped, to the next pulse."""
-        return self.train.last - self._origin if self.running and self._cue is None else self._held
+        return self.train.last - self._origin if self.running and self._cue is None else self._stopped_position
 
-    def receive(self, message: Sequence[int], time: float) -> list[News]:
+    def receive(self, message: Sequence[int], time: float) -> list[ClockEvent]:
         """Process a message that arrived at `time` [s]; return the news. Other messages than a clock's change
         nothing."""
         if not math.isfinite(time) or not message or not 0x80 <= message[0] <= 0xFF:
             self.rejected += 1
             return []
-        self._heard_at = time
+        self._received_at = time
         status = message[0]
         if status == CLOCK:
             return self._pulse(time)
         if status == START:
             return self._start(0, time)
         if status == CONTINUE:
-            return self._start(self._held if not self.running else self.position + 1, time)
+            return self._start(self._stopped_position if not self.running else self.position + 1, time)
         if status == STOP:
             return self._stop(time)
         if status == SONG_POSITION:
@@ -116,66 +116,66 @@ class MidiClock:
         if status == SENSING:
             self._sensing = True
         if status == RESET:
-            self._held = 0
+            self._stopped_position = 0
             return self._stop(time)
         return []
 
-    def advance(self, now: float) -> list[News]:
+    def advance(self, now: float) -> list[ClockEvent]:
         """Return the news at `now` [s] due to missing messages; call it a few times a second."""
-        silent_for = now - self._heard_at
-        if self._sensing and silent_for > SENSED_FOR:
+        silent_for = now - self._received_at
+        if self._sensing and silent_for > SENSING_TIMEOUT:
             self._sensing = False
             return self._lose(now, "active sensing ended")
         if not self._ticking:
             return []
-        if now - self.train.arrived > max(LOST_AFTER, LOST_PULSES * self.train.curve.period):
+        if now - self.train.last_arrival > max(LOST_AFTER, LOST_PULSES * self.train.curve.period):
             if self._started and not self.running:  # a stopped song may send no pulses: nothing is lost
                 self._ticking = False
                 return []
             return self._lose(now, "no clock")
         return []
 
-    def unplugged(self, now: float) -> list[News]:
+    def handle_disconnect(self, now: float) -> list[ClockEvent]:
         """Return the news after the port has gone."""
         self._sensing = False
         return self._lose(now, "port gone") if self._ticking else []
 
-    def _lose(self, now: float, detail: str) -> list[News]:
+    def _lose(self, now: float, detail: str) -> list[ClockEvent]:
         self._ticking = False
         return [ClockState(now, "lost", detail)]
 
-    def _start(self, position: int, time: float) -> list[News]:
+    def _start(self, position: int, time: float) -> list[ClockEvent]:
         was = self.running
         self.running = self._started = True
-        self._cue = self._held = position
+        self._cue = self._stopped_position = position
         return [] if was else [ClockState(time, "started")]
 
-    def _stop(self, time: float) -> list[News]:
+    def _stop(self, time: float) -> list[ClockEvent]:
         if not self.running:
             return []
-        self._held = self.position + 1 if self._cue is None else self._cue
-        self.running, self._cue, self._told = False, None, None
+        self._stopped_position = self.position + 1 if self._cue is None else self._cue
+        self.running, self._cue, self._reported_sixteenth = False, None, None
         return [ClockState(time, "stopped")]
 
-    def _locate(self, message: Sequence[int]) -> list[News]:
+    def _locate(self, message: Sequence[int]) -> list[ClockEvent]:
         if len(message) != 3 or max(message[1:]) > 127:
             self.rejected += 1
             return []
         position = (message[1] + 128 * message[2]) * PULSES_PER_SIXTEENTH
         if not self.running:
-            self._held = position
+            self._stopped_position = position
         elif abs(position - (self.position + 1)) >= PULSES_PER_SIXTEENTH or self._cue is not None:
-            self._cue = self._held = position
+            self._cue = self._stopped_position = position
         return []
 
-    def _pulse(self, time: float) -> list[News]:
-        news: list[News] = []
+    def _pulse(self, time: float) -> list[ClockEvent]:
+        news: list[ClockEvent] = []
         if not self._ticking:
             self._ticking = True
             news.append(ClockState(time, "found"))
         train = self.train
         fresh = not self.running or self._cue is not None
-        if train.length and fresh and time - train.arrived > GAP * train.curve.period:
+        if train.length and fresh and time - train.last_arrival > RESTART_GAP * train.curve.period:
             train.restart(train.last + 1)
         lost = train.lost
         train.add(time)
@@ -193,13 +193,13 @@ class MidiClock:
         change."""
         train = self.train
         position = train.last - self._origin
-        sixteenth = position // TOLD_EVERY
+        sixteenth = position // PULSES_PER_ESTIMATE
         soon = train.length in (5, 8, 12)
-        if (sixteenth == self._told and not soon and not jump) or (train.unsure and not jump):
+        if (sixteenth == self._reported_sixteenth and not soon and not jump) or (train.unsure and not jump):
             return None
         if not self.running and train.curve.count == 0:  # neither tempo nor position is known
             return None
-        self._told = sixteenth
+        self._reported_sixteenth = sixteenth
         beats = -(-position // PULSES_PER_BEAT) if jump else position // PULSES_PER_BEAT + 1
         curve = train.curve
         period = curve.time_of(train.last + PULSES_PER_BEAT) - curve.time_of(train.last)
@@ -221,5 +221,5 @@ class MidiClock:
         curve = self.train.curve
         if curve.count == 0:
             return 0.2
-        length = min(self.train.length / SURE_AFTER, 1.0)
+        length = min(self.train.length / FULL_CONFIDENCE_PULSES, 1.0)
         return (0.4 + 0.6 * length) / (1.0 + curve.noise / curve.period)

@@ -21,10 +21,10 @@ PARABOLAS: Final = (32, 48, 64, 96, 128, 192)
 RECENT: Final = np.array((4, 6, 8, 12, 16, 24, 32, 48, 64, 96))
 """Numbers of newest pulses over which a curve's mean residual is tested against chance."""
 
-AHEAD: Final = 12.0
+PREDICTION_DISTANCE: Final = 12.0
 """Curves are compared by their prediction of the pulse half a beat ahead."""
 
-CONTRADICTED: Final = 4.6
+REJECTION_THRESHOLD: Final = 4.6
 """Standard errors of a mean residual that reject a curve. The limit is high because each of a song's thousands of
 pulses
 brings ten tests, and a false rejection leaves only a short window for the tempo.
@@ -38,7 +38,7 @@ PERIOD_MIN: Final = 1e-3
 NOISE_MIN: Final = 2e-4
 """Minimum scatter of arrival times [s]; no curve is rejected for less."""
 
-KNOWN_FOR: Final = 144
+KNOWN_PERIOD_PULSES: Final = 144
 """Pulses after which a stretch determines its period better than the estimate before it."""
 
 NOISE_WINDOW: Final = 96
@@ -77,14 +77,14 @@ def _variance_ahead(length: npt.NDArray[np.float64], degree: int) -> npt.NDArray
     """Return the variance of a prediction `AHEAD` pulses beyond a window, for white noise of variance 1 (Legendre
     polynomials).
     """
-    x = 1.0 + 2.0 * AHEAD / length
+    x = 1.0 + 2.0 * PREDICTION_DISTANCE / length
     value = 1.0 + 3.0 * x**2
     if degree == 2:
         value += 5.0 * ((3.0 * x**2 - 1.0) / 2.0) ** 2
     return np.asarray(value / length)
 
 
-def noise_of(numbers: npt.NDArray[np.int64], times: Times) -> float:
+def estimate_noise(numbers: npt.NDArray[np.int64], times: Times) -> float:
     """Return the scatter of arrivals [s], from second differences, which a changing tempo hardly affects."""
     numbers, times = numbers[-NOISE_WINDOW:], times[-NOISE_WINDOW:]
     bends = np.diff(times, 2)[(numbers[2:] - numbers[:-2]) == 2]
@@ -99,7 +99,7 @@ def fit(
 ) -> PulseFit:
     """Fit the best curve to pulses, oldest first, of one stretch without a sudden change; at least 4 are needed.
 
-    `weights` are 1, or 0 for pulses that are left out. `noise` as returned by `noise_of`. The period `known` before the
+    `weights` are 1, or 0 for pulses that are left out. `noise` as returned by `estimate_noise`. The period `known` before the
     stretch is kept as long as nothing contradicts it and the stretch is short.
     """
     last = int(numbers[-1])
@@ -114,7 +114,7 @@ def fit(
     lengths = np.concatenate((lines, parabolas))
     bent = np.arange(lengths.size) >= lines.size
     curves = _curves(moments[:, lengths - 1], bent)
-    keep = known is not None and have < KNOWN_FOR
+    keep = known is not None and have < KNOWN_PERIOD_PULSES
     if known is not None and keep:
         lengths, bent = np.append(lengths, have), np.append(bent, False)
         total, slope = moments[:, -1], known - rough
@@ -122,7 +122,7 @@ def fit(
     variance = np.where(bent, _variance_ahead(lengths * 1.0, 2), _variance_ahead(lengths * 1.0, 1))
     if keep:
         variance[-1] = 0.0
-    doubt = _doubt(moments, lengths, bent, curves, noise)
+    doubt = _misfit(moments, lengths, bent, curves, noise)
     chosen = next((int(i) for i in np.argsort(variance) if doubt[i] <= 1.0), int(np.argmin(doubt)))
     offset, slope, bend = (float(value) for value in curves[:, chosen])
     return PulseFit(last, float(times[-1]) + offset, max(rough + slope, PERIOD_MIN), bend, noise, int(lengths[chosen]))
@@ -142,7 +142,7 @@ def _curves(m: Times, bent: npt.NDArray[np.bool_]) -> Times:
     return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0].T)
 
 
-def _doubt(
+def _misfit(
     moments: Times, lengths: npt.NDArray[np.int64], bent: npt.NDArray[np.bool_], curves: Times, noise: float
 ) -> Times:
     """Return how much the newest pulses contradict each curve, shape (C,): its worst mean residual; 1 is the limit."""
@@ -152,7 +152,7 @@ def _doubt(
     means = (part[5] - (curves.T @ part[:3])) / count
     # A curve's own residuals are smaller than the noise, at its end and where the window is short.
     share = np.minimum(recent[None, :] * np.where(bent, 9.0, 4.0)[:, None] / lengths[:, None], 1.0)
-    allowed = CONTRADICTED * noise * np.sqrt(np.maximum(1.0 - share, 0.35) / count)
+    allowed = REJECTION_THRESHOLD * noise * np.sqrt(np.maximum(1.0 - share, 0.35) / count)
     inside = recent[None, :] < lengths[:, None]
     worst = np.max(np.where(inside, np.abs(means) / allowed, 0.0), axis=1, initial=0.0)
     return np.where(np.isfinite(curves[0]), worst, np.inf)

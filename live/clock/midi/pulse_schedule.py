@@ -28,7 +28,7 @@ SIXTEENTHS: Final = 1 << 14
 
 
 @dataclass(frozen=True, slots=True)
-class Due:
+class PulseMessages:
     """Messages to be sent together at `time` [s]."""
 
     time: float
@@ -46,7 +46,7 @@ class PulseSchedule:
         self._stop = False
         self.jumps = 0
 
-    def due(self, timeline: Timeline, now: float) -> Due:
+    def next_pulse(self, timeline: Timeline, now: float) -> PulseMessages:
         """Return the next pulse and the messages before it, at its time on the timeline; the same one until `sent` is
         called."""
         here = (timeline.beat_at(now) - timeline.measure_origin) * PULSES_PER_BEAT
@@ -58,9 +58,9 @@ class PulseSchedule:
             self._stop, self._running = self._stop or self._running, False
         time = timeline.time_at(timeline.measure_origin + self._next / PULSES_PER_BEAT)
         stop = (bytes((STOP,)),) if self._stop else ()
-        return Due(time, (*stop, *self._transport(timeline), bytes((CLOCK,))))
+        return PulseMessages(time, (*stop, *self._transport(timeline), bytes((CLOCK,))))
 
-    def sent(self, timeline: Timeline) -> None:
+    def mark_sent(self, timeline: Timeline) -> None:
         """Confirm that the messages of `due` were sent."""
         assert self._next is not None  # `due` came first
         if self._transport(timeline):

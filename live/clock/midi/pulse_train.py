@@ -9,12 +9,12 @@ from typing import Final
 
 import numpy as np
 
-from live.clock.midi.pulse_fit import NOISE_MIN, PulseFit, Times, fit, noise_of
+from live.clock.midi.pulse_fit import NOISE_MIN, PulseFit, Times, estimate_noise, fit
 
 CAPACITY: Final = 2048
 KEPT: Final = 1024
 
-ENOUGH: Final = 5
+MIN_FIT_PULSES: Final = 5
 """Pulses after which their own curve is used instead of the assumed period."""
 
 GATE: Final = 4.0
@@ -28,20 +28,20 @@ WATCHED: Final = 4
 WATCHED_NOISY: Final = 6
 """Number of consecutive watched pulses that are judged; more where the scatter exceeds a tenth of the period."""
 
-BEFORE: Final = 8
+CONTEXT_PULSES: Final = 8
 """Number of earlier pulses that are judged with the watched ones."""
 
-HEAP: Final = 0.5
+BUNCH_SPACING: Final = 0.5
 """Pulses closer than this share of a period are a bunch."""
 
 STALL_MAX: Final = 32
-WHOLE: Final = 0.3
+WHOLE_TOLERANCE: Final = 0.3
 """Maximum deviation from a whole number of periods for a step that means lost pulses."""
 
 KNOWN_AFTER: Final = 24
 """Pulses of one curve after which its period is kept for the next train."""
 
-FAR: Final = 4000
+MAX_GAP_PULSES: Final = 4000
 """Largest gap in pulses for a fit: after a longer loss only the period is kept."""
 
 BUNDLE_WITHIN: Final = 400
@@ -53,9 +53,9 @@ BUNDLE_NOISE: Final = 0.5
 BUNDLE_FADES: Final = 0.999
 """... which decays by this factor at every fit."""
 
-OFTEN: Final = 24
-SELDOM: Final = 3
-"""The curve is fitted at every pulse up to `OFTEN` after a sudden change, then at every third."""
+FIT_EVERY_PULSE_UNTIL: Final = 24
+FIT_INTERVAL: Final = 3
+"""The curve is fitted at every pulse up to `FIT_EVERY_PULSE_UNTIL` after a sudden change, then at every third."""
 
 
 class PulseTrain:
@@ -94,7 +94,7 @@ class PulseTrain:
         return int(self._number[self._count - 1])
 
     @property
-    def arrived(self) -> float:
+    def last_arrival(self) -> float:
         """Arrival time of the newest pulse [s]."""
         return float(self._time[self._count - 1])
 
@@ -117,12 +117,12 @@ class PulseTrain:
     def add(self, time: float) -> None:
         """Add a pulse that arrived at `time` [s]."""
         if self._count == CAPACITY:
-            self._forget()
+            self._drop_oldest()
         number = self._fit.number if self._count == 0 else self.last + 1
         self.renumbered = 0
         slot = self._count
         if slot:
-            time = max(time, self.arrived)
+            time = max(time, self.last_arrival)
         self._number[slot], self._time[slot], self._weight[slot] = number, time, 1.0
         self._count += 1
         if self._fit.count == 0:
@@ -154,7 +154,7 @@ class PulseTrain:
         noisy = self._noise > 0.1 * self._fit.period
         if self._watched < (WATCHED_NOISY if noisy else WATCHED):
             return
-        heap = self._time[self._count - 1] - self._time[self._count - 2] < HEAP * self._fit.period
+        heap = self._time[self._count - 1] - self._time[self._count - 2] < BUNCH_SPACING * self._fit.period
         if error > 0.0 and heap and self._watched < STALL_MAX:
             return
         self._judge()
@@ -163,23 +163,23 @@ class PulseTrain:
         """Decide between lost pulses, a shift and a new tempo, by the best fit to the watched pulses and those
         before."""
         first = self._count - self._watched
-        begin = max(first - BEFORE, self._since)
+        begin = max(first - CONTEXT_PULSES, self._since)
         numbers = self._number[begin : self._count]
         errors = self._time[begin : self._count] - np.array([self._fit.time_of(float(n)) for n in numbers])
         x = np.arange(begin - first, self._count - first, dtype=np.float64)
         step = float(np.median(errors[first - begin :]))
         as_step = float(np.square(errors - step * (x >= 0.0)).sum())
-        as_tempo = min(_misfit_of_ramp(errors, x - knee) for knee in np.arange(-BEFORE, 1.0) - 0.5)
+        as_tempo = min(_misfit_of_ramp(errors, x - knee) for knee in np.arange(-CONTEXT_PULSES, 1.0) - 0.5)
         self._weight[first : self._count] = 1.0
         self._watched = 0
         if as_step > as_tempo:
             self._since, self._known = first, None
             return
-        moved = _whole(step / self._fit.period)
+        moved = _lost_pulses(step / self._fit.period)
         self._number[first : self._count] += moved
         self.renumbered = self._count - first if moved else 0
         self.lost += moved
-        if abs(moved) > FAR:
+        if abs(moved) > MAX_GAP_PULSES:
             self._since, self._known = first, self._fit.period
             return
         rest = step - moved * self._fit.period
@@ -203,17 +203,17 @@ class PulseTrain:
         self._shifted = (self.last, by)
 
     def _refit(self) -> None:
-        if self.length < ENOUGH and self._fit.count == 0:
+        if self.length < MIN_FIT_PULSES and self._fit.count == 0:
             return
-        if self.length < 4 or (self.length > OFTEN and self.last - self._fit.number < SELDOM):
+        if self.length < 4 or (self.length > FIT_EVERY_PULSE_UNTIL and self.last - self._fit.number < FIT_INTERVAL):
             return
         since = max(self._since, self._count - KEPT // 4 * 3)
         self._bundle *= BUNDLE_FADES
-        self._noise = max(noise_of(self._number[: self._count], self._time[: self._count]), self._bundle)
+        self._noise = max(estimate_noise(self._number[: self._count], self._time[: self._count]), self._bundle)
         numbers, times = self._number[since : self._count], self._time[since : self._count]
         self._fit = fit(numbers, times, self._weight[since : self._count], self._noise, self._known)
 
-    def _forget(self) -> None:
+    def _drop_oldest(self) -> None:
         """Drop all but the newest pulses."""
         for values in (self._number, self._time, self._weight):
             values[:KEPT] = values[CAPACITY - KEPT :]
@@ -221,10 +221,10 @@ class PulseTrain:
         self._since = max(self._since - (CAPACITY - KEPT), 0)
 
 
-def _whole(periods: float) -> int:
+def _lost_pulses(periods: float) -> int:
     """Return the number of lost pulses for a step in periods; 0 if it is hardly nearer to one than to none."""
     whole = round(periods)
-    return 0 if abs(whole) <= 1 and abs(periods - whole) > WHOLE else whole
+    return 0 if abs(whole) <= 1 and abs(periods - whole) > WHOLE_TOLERANCE else whole
 
 
 def _misfit_of_ramp(errors: Times, x: Times) -> float:

@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from live.clock.midi.midi_clock import ClockBeat, ClockState, News
+from live.clock.midi.midi_clock import ClockBeat, ClockEvent, ClockState
 from live.clock.midi.pulse_train import PulseTrain
 
 QUARTER_FRAME: Final = 0xF1
@@ -27,8 +27,8 @@ LOST_AFTER: Final = 0.3
 JUMP: Final = 8
 """Deviation in quarter frames that counts as a jump; smaller ones are renumbered and slewed."""
 
-TOLD_PER_BEAT: Final = 4
-SURE_AFTER: Final = 96.0
+ESTIMATES_PER_BEAT: Final = 4
+FULL_CONFIDENCE_PULSES: Final = 96.0
 
 
 def frame_number(hours: int, minutes: int, seconds: int, frames: int, rate: int) -> int | None:
@@ -59,7 +59,7 @@ class TimeCode:
         self._last = -1
         self._run = 0
 
-    def quarter(self, data: int) -> int | None:
+    def add_quarter_frame(self, data: int) -> int | None:
         """Process a quarter frame's data byte; after eight in a row return the present number of quarter frames, else
         None.
 
@@ -84,7 +84,7 @@ class TimeCode:
         self.rate = rate
         return 4 * number + 7 if direction == 1 else 4 * number
 
-    def full(self, message: Sequence[int]) -> int | None:
+    def add_full_frame(self, message: Sequence[int]) -> int | None:
         """Return the number of quarter frames in a full frame message; None (counted as rejected) for an invalid
         time."""
         rate = (message[5] >> 5) & 3
@@ -117,7 +117,7 @@ class TimeCodeClock:
         self._origin: int | None = None
         self._ticking = False
         self._jump = False
-        self._told: int | None = None
+        self._reported_position: int | None = None
 
     @property
     def seconds(self) -> float:
@@ -126,33 +126,33 @@ class TimeCodeClock:
             return math.nan
         return (self._train.last - self._origin) / (4.0 * SPEEDS[self.code.rate])
 
-    def receive(self, message: Sequence[int], time: float) -> list[News]:
+    def receive(self, message: Sequence[int], time: float) -> list[ClockEvent]:
         """Process a message that arrived at `time` [s]; return the news. Messages other than time code change
         nothing."""
         if not message or not math.isfinite(time):
             return []
         if message[0] == EXCLUSIVE and is_full_frame(message):
-            self.code.full(message)
+            self.code.add_full_frame(message)
             self._origin = None
             return []
         if message[0] != QUARTER_FRAME or len(message) != 2 or message[1] > 127:
             return []
         return self._quarter(message[1], time)
 
-    def advance(self, now: float) -> list[News]:
+    def advance(self, now: float) -> list[ClockEvent]:
         """Report time code that has ended as lost: tape machines send nothing more when they stop."""
-        if self._ticking and now - self._train.arrived > LOST_AFTER:
-            return self.unplugged(now)
+        if self._ticking and now - self._train.last_arrival > LOST_AFTER:
+            return self.handle_disconnect(now)
         return []
 
-    def unplugged(self, now: float) -> list[News]:
+    def handle_disconnect(self, now: float) -> list[ClockEvent]:
         """Return the news after the port has gone or the code has ended."""
         was, self._ticking = self._ticking, False
         return [ClockState(now, "lost", "no time code")] if was else []
 
-    def _quarter(self, data: int, time: float) -> list[News]:
+    def _quarter(self, data: int, time: float) -> list[ClockEvent]:
         train = self._train
-        number = self.code.quarter(data)
+        number = self.code.add_quarter_frame(data)
         if train.length and (not self._ticking or self.code.direction < 0):
             train.restart(train.last + 1)
             self._origin = None
@@ -161,7 +161,7 @@ class TimeCodeClock:
             origin = train.last - number
             self._jump |= self._origin is None or abs(origin - self._origin) > JUMP
             self._origin = origin
-        news: list[News] = []
+        news: list[ClockEvent] = []
         if self._origin is None:
             return news
         if not self._ticking:
@@ -177,10 +177,10 @@ class TimeCodeClock:
         speed = 4.0 * SPEEDS[self.code.rate]
         per_beat = speed * 60.0 / self.tempo
         position = ((train.last - origin) / speed - self.offset) * self.tempo / 60.0
-        told = math.floor(position * TOLD_PER_BEAT)
-        if (told == self._told and not self._jump) or position < -1.0:
+        told = math.floor(position * ESTIMATES_PER_BEAT)
+        if (told == self._reported_position and not self._jump) or position < -1.0:
             return None
-        self._told, jump, self._jump = told, self._jump, False
+        self._reported_position, jump, self._jump = told, self._jump, False
         beat = math.floor(position) + 1
         curve = train.curve
         period = curve.period_at(train.last) * per_beat
@@ -189,7 +189,7 @@ class TimeCodeClock:
             time=time,
             beat_time=curve.time_of(due) if beat >= 0 else time,
             period=period,
-            confidence=0.5 + 0.5 * min(train.length / SURE_AFTER, 1.0),
+            confidence=0.5 + 0.5 * min(train.length / FULL_CONFIDENCE_PULSES, 1.0),
             beat=beat % self.beats_per_measure,
             measure=beat // self.beats_per_measure,
             jump=jump,

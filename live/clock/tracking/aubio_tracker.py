@@ -13,13 +13,13 @@ from live.clock.silence import SILENT_AFTER, SILENT_LEVEL
 HOP: Final = 0.0116
 """Approximate hop of the analysis [s]; rounded to a power of two of samples."""
 
-EARLY: Final = 0.0029
+AUBIO_ADVANCE: Final = 0.0029
 """aubio reports beats too early by this [s]: mean over clicks at 80 to 160 bpm, equal at 22 to 192 kHz."""
 
 RESTART_AFTER: Final = 2.0
 """Seconds of silence after which the tracker is reset."""
 
-LOUDEST: Final = 64.0
+MAX_SAMPLE: Final = 64.0
 """Samples beyond this are faulty and count as bad (full scale is 1)."""
 
 DRUM_BANDS_HZ: Final = ((30.0, 180.0), (180.0, 2500.0))
@@ -122,29 +122,29 @@ class AubioTracker:
         block = self._pending
         with np.errstate(over="ignore", invalid="ignore"):
             energy = float(np.dot(block, block))
-        if not energy <= LOUDEST**2:  # true for NaN too; the exact search runs only in this rare case
-            bad = ~(np.abs(block) <= LOUDEST)
+        if not energy <= MAX_SAMPLE**2:  # true for NaN too; the exact search runs only in this rare case
+            bad = ~(np.abs(block) <= MAX_SAMPLE)
             self.bad_samples += int(np.count_nonzero(bad))
             block[bad] = 0.0
             energy = float(np.dot(block, block))
         self.level = math.sqrt(energy / self.hop)
-        self._listen_for_silence()
-        self._listen_for_drums()
+        self._update_silence()
+        self._update_drums()
         beat = self._tempo(block)[0] > 0.0 and not self._silent
         tempo: Any = self._tempo
         period = float(tempo.get_period_s()) if beat else 0.0
         if not (beat and math.isfinite(period) and period > 0.0):
             return None
-        position = self._started + float(tempo.get_last_s()) + EARLY
+        position = self._started + float(tempo.get_last_s()) + AUBIO_ADVANCE
         self._off_beat = self._drums_are_off(position, period)
         return BeatEstimate(
             position=position - 0.5 * period if self._off_beat else position,
             period=period,
             confidence=min(max(float(tempo.get_confidence()), 0.0), 1.0),
-            heard=self._fed / self.sample_rate,
+            fed=self._fed / self.sample_rate,
         )
 
-    def _listen_for_silence(self) -> None:
+    def _update_silence(self) -> None:
         if self.level >= SILENT_LEVEL:
             if self._quiet >= RESTART_AFTER:
                 self._restart()
@@ -154,7 +154,7 @@ class AubioTracker:
         self._quiet += self.hop / self.sample_rate
         self._silent = self._quiet >= SILENT_AFTER
 
-    def _listen_for_drums(self) -> None:
+    def _update_drums(self) -> None:
         """Record how much louder the drum bands became with this hop, each relative to its usual rise."""
         self._last_two[: self.hop] = self._last_two[self.hop :]
         self._last_two[self.hop :] = self._pending

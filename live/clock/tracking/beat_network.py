@@ -14,8 +14,16 @@ from typing import Final, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.tracking.feature_kernels import LEVEL_FLOOR, filter_bands, follow_level, layer, look, rectify, remember
-from live.clock.tracking.features import BAND_COUNT, BANDS, HOP, LAGS, Samples, Spectrum
+from live.clock.tracking.feature_kernels import (
+    LEVEL_FLOOR,
+    dense_layer,
+    filter_bands,
+    follow_level,
+    gru_step,
+    network_input,
+    rectify,
+)
+from live.clock.tracking.features import BAND_COUNT, BANDS_PER_WINDOW, HOP, LAGS, Samples, Spectrum
 
 Floats = npt.NDArray[np.float32]
 
@@ -25,12 +33,12 @@ STRIDE: Final = 5
 LAYERS: Final = 2
 """Number of recurrent layers."""
 
-PAIR: Final = 2
+FRAMES_PER_STEP: Final = 2
 """Number of frames that the recurrent layers process at a time."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Weights:
+class NetworkWeights:
     """Trained weights, float32, C-contiguous."""
 
     filters: tuple[Floats, ...]
@@ -38,10 +46,10 @@ class Weights:
     filter_bias: tuple[Floats, ...]
     dense: Floats
     dense_bias: Floats
-    asked: tuple[Floats, ...]
+    input_weights: tuple[Floats, ...]
     """Per recurrent layer, the input weights (inputs, 3 units): update, reset, candidate."""
-    asked_bias: tuple[Floats, ...]
-    recalled: tuple[Floats, ...]
+    input_bias: tuple[Floats, ...]
+    recurrent_weights: tuple[Floats, ...]
     """Per recurrent layer, the recurrent weights (units, 3 units)."""
     candidate_bias: tuple[Floats, ...]
     head: Floats
@@ -49,7 +57,7 @@ class Weights:
     head_bias: Floats
 
     @classmethod
-    def of(cls, arrays: Mapping[str, npt.NDArray[np.floating]]) -> "Weights":
+    def from_arrays(cls, arrays: Mapping[str, npt.NDArray[np.floating]]) -> "NetworkWeights":
         """Build from named arrays as the training writes them; KeyError or ValueError if they do not fit together."""
 
         def take(name: str) -> Floats:
@@ -58,15 +66,15 @@ class Weights:
                 raise ValueError(f"weights {name} are not finite")
             return found
 
-        ears, layers = range(len(BANDS)), range(LAYERS)
+        ears, layers = range(len(BANDS_PER_WINDOW)), range(LAYERS)
         weights = cls(
             filters=tuple(take(f"ear{ear}_w") for ear in ears),
             filter_bias=tuple(take(f"ear{ear}_b") for ear in ears),
             dense=take("dense_w"),
             dense_bias=take("dense_b"),
-            asked=tuple(take(f"gru{index}_x") for index in layers),
-            asked_bias=tuple(take(f"gru{index}_b") for index in layers),
-            recalled=tuple(take(f"gru{index}_h") for index in layers),
+            input_weights=tuple(take(f"gru{index}_x") for index in layers),
+            input_bias=tuple(take(f"gru{index}_b") for index in layers),
+            recurrent_weights=tuple(take(f"gru{index}_h") for index in layers),
             candidate_bias=tuple(take(f"gru{index}_c") for index in layers),
             head=take("head_w"),
             head_bias=take("head_b"),
@@ -74,89 +82,89 @@ class Weights:
         weights._check()
         return weights
 
-    def places(self, ear: int) -> int:
+    def filter_positions(self, ear: int) -> int:
         """Return the number of positions of a window type's filters."""
-        count: int = (BANDS[ear] - self.filters[ear].shape[0] // 2) // STRIDE + 1
+        count: int = (BANDS_PER_WINDOW[ear] - self.filters[ear].shape[0] // 2) // STRIDE + 1
         return count
 
     def _check(self) -> None:
-        flat = sum(self.places(ear) * weight.shape[1] for ear, weight in enumerate(self.filters))
-        sizes = [self.dense.shape[1], *(weight.shape[0] for weight in self.recalled)]
+        flat = sum(self.filter_positions(ear) * weight.shape[1] for ear, weight in enumerate(self.filters))
+        sizes = [self.dense.shape[1], *(weight.shape[0] for weight in self.recurrent_weights)]
         wanted: list[tuple[Floats, tuple[int, ...]]] = [(self.dense, (flat, sizes[0])), (self.dense_bias, (sizes[0],))]
         for ear, weight in enumerate(self.filters):
             wanted.append((self.filter_bias[ear], (weight.shape[1],)))
         for index in range(LAYERS):
-            below, units = sizes[index] * (PAIR if index == 0 else 1), sizes[index + 1]
+            below, units = sizes[index] * (FRAMES_PER_STEP if index == 0 else 1), sizes[index + 1]
             wanted += [
-                (self.asked[index], (below, 3 * units)),
-                (self.asked_bias[index], (3 * units,)),
-                (self.recalled[index], (units, 3 * units)),
+                (self.input_weights[index], (below, 3 * units)),
+                (self.input_bias[index], (3 * units,)),
+                (self.recurrent_weights[index], (units, 3 * units)),
                 (self.candidate_bias[index], (units,)),
             ]
-        wanted += [(self.head, (sum(sizes[1:]), 3 * PAIR)), (self.head_bias, (3 * PAIR,))]
+        wanted += [(self.head, (sum(sizes[1:]), 3 * FRAMES_PER_STEP)), (self.head_bias, (3 * FRAMES_PER_STEP,))]
         for array, shape in wanted:
             if array.shape != shape:
                 raise ValueError(f"weights of shape {array.shape} where {shape} is expected")
 
 
-class Network:
+class BeatNetwork:
     """The trained activation; allocates nothing after its creation."""
 
-    def __init__(self, weights: Weights) -> None:
-        self.beat = np.zeros(PAIR)
-        self.downbeat = np.zeros(PAIR)
+    def __init__(self, weights: NetworkWeights) -> None:
+        self.beat = np.zeros(FRAMES_PER_STEP)
+        self.downbeat = np.zeros(FRAMES_PER_STEP)
         self._waiting = 0
         self._weights = weights
         channels = [weight.shape[1] for weight in weights.filters]
-        places = [weights.places(ear) for ear in range(len(BANDS))]
+        places = [weights.filter_positions(ear) for ear in range(len(BANDS_PER_WINDOW))]
         self._edges = [0, *np.cumsum([a * b for a, b in zip(places, channels, strict=True)]).tolist()]
-        self._first = [0, *np.cumsum(BANDS).tolist()]
+        self._first = [0, *np.cumsum(BANDS_PER_WINDOW).tolist()]
         self._filtered = np.zeros(self._edges[-1], np.float32)
-        self._pair = np.zeros(PAIR * weights.dense.shape[1], np.float32)
-        self._dense = np.split(self._pair, PAIR)
-        units = [weight.shape[0] for weight in weights.recalled]
-        self._asked = [np.zeros(3 * count, np.float32) for count in units]
-        self._recalled = [np.zeros(3 * count, np.float32) for count in units]
+        self._pair = np.zeros(FRAMES_PER_STEP * weights.dense.shape[1], np.float32)
+        self._dense = np.split(self._pair, FRAMES_PER_STEP)
+        units = [weight.shape[0] for weight in weights.recurrent_weights]
+        self._input_terms = [np.zeros(3 * count, np.float32) for count in units]
+        self._recurrent_terms = [np.zeros(3 * count, np.float32) for count in units]
         self._none = [np.zeros(3 * count, np.float32) for count in units]
         self._all = np.zeros(sum(units), np.float32)
         edges = [0, *np.cumsum(units).tolist()]
         self._memory = [self._all[edges[index] : edges[index + 1]] for index in range(LAYERS)]
-        self._logits = np.zeros(3 * PAIR, np.float32)
+        self._logits = np.zeros(3 * FRAMES_PER_STEP, np.float32)
 
     def reset(self) -> None:
         """Reset the recurrent state."""
         self._all[:] = 0.0
         self._waiting = 0
 
-    def step(self, look: Floats) -> int:
+    def step(self, features: Floats) -> int:
         """Process one frame's compressed bands and rises, shape (2 * BAND_COUNT,); return 0 and PAIR in turn."""
-        if look.shape != (2 * BAND_COUNT,):
-            raise ValueError(f"a frame of shape {look.shape}: {(2 * BAND_COUNT,)} expected")
+        if features.shape != (2 * BAND_COUNT,):
+            raise ValueError(f"a frame of shape {features.shape}: {(2 * BAND_COUNT,)} expected")
         kept = self._weights
-        for ear, bands in enumerate(BANDS):
+        for ear, bands in enumerate(BANDS_PER_WINDOW):
             filter_bands(
-                look, self._first[ear], bands, kept.filters[ear], kept.filter_bias[ear], STRIDE,
+                features, self._first[ear], bands, kept.filters[ear], kept.filter_bias[ear], STRIDE,
                 self._filtered, self._edges[ear],
             )  # fmt: skip
         dense = self._dense[self._waiting]
-        layer(self._filtered, kept.dense, kept.dense_bias, dense)
+        dense_layer(self._filtered, kept.dense, kept.dense_bias, dense)
         rectify(dense)
-        self._waiting = (self._waiting + 1) % PAIR
+        self._waiting = (self._waiting + 1) % FRAMES_PER_STEP
         if self._waiting:
             return 0
-        self._recall()
-        return PAIR
+        self._step_recurrent()
+        return FRAMES_PER_STEP
 
-    def _recall(self) -> None:
+    def _step_recurrent(self) -> None:
         kept = self._weights
         below = self._pair
         for index, memory in enumerate(self._memory):
-            layer(below, kept.asked[index], kept.asked_bias[index], self._asked[index])
-            layer(memory, kept.recalled[index], self._none[index], self._recalled[index])
-            remember(self._asked[index], self._recalled[index], kept.candidate_bias[index], memory)
+            dense_layer(below, kept.input_weights[index], kept.input_bias[index], self._input_terms[index])
+            dense_layer(memory, kept.recurrent_weights[index], self._none[index], self._recurrent_terms[index])
+            gru_step(self._input_terms[index], self._recurrent_terms[index], kept.candidate_bias[index], memory)
             below = memory
-        layer(self._all, kept.head, kept.head_bias, self._logits)
-        for frame in range(PAIR):
+        dense_layer(self._all, kept.head, kept.head_bias, self._logits)
+        for frame in range(FRAMES_PER_STEP):
             nothing, beat, downbeat = (float(value) for value in self._logits[3 * frame : 3 * frame + 3])
             top = max(nothing, beat, downbeat)
             shares = math.exp(nothing - top), math.exp(beat - top), math.exp(downbeat - top)
@@ -172,11 +180,11 @@ DELAY: Final = DELAY_FRAMES * HOP
 SPARE: Final = 4
 """Spare frames besides those that a block completes."""
 
-LONGEST: Final = 256
+INITIAL_CAPACITY: Final = 256
 """Frames allocated at the start (3 s); a longer block allocates more once."""
 
 
-Chances = npt.NDArray[np.float64]
+Probabilities = npt.NDArray[np.float64]
 
 
 class Activation(Protocol):
@@ -185,12 +193,12 @@ class Activation(Protocol):
     It may wait for a frame or two and then return results for all of them at once.
     """
 
-    beat: Chances
+    beat: Probabilities
     """Probability of a beat at a frame's moment, 0 to 1 (a downbeat is a beat too), oldest frame first."""
-    downbeat: Chances
+    downbeat: Probabilities
     """Probability of a downbeat, 0 to `beat`."""
 
-    def step(self, look: npt.NDArray[np.float32]) -> int:
+    def step(self, features: npt.NDArray[np.float32]) -> int:
         """Process one frame's compressed bands and rises, shape (2 * BAND_COUNT,).
 
         Return the number of frames with results, this one being the newest: the first rows of `beat`, `downbeat`.
@@ -200,7 +208,7 @@ class Activation(Protocol):
         """Reset the recurrent state."""
 
 
-class Hearing:
+class ActivationStream:
     """Feeds an audio stream, at any rate and block size, to an Activation, frame by frame.
 
     After `feed` the first rows of `position`, `beat` and `downbeat` hold the completed frames; the next call
@@ -213,8 +221,8 @@ class Hearing:
         self._activation = activation
         self._level = LEVEL_FLOOR
         self._past = np.zeros((int(LAGS.max()) + 1, BAND_COUNT), np.float32)
-        self._look = np.zeros(2 * BAND_COUNT, np.float32)
-        self._make_room(LONGEST)
+        self._features = np.zeros(2 * BAND_COUNT, np.float32)
+        self._allocate(INITIAL_CAPACITY)
 
     @property
     def sample_rate(self) -> float:
@@ -227,7 +235,7 @@ class Hearing:
         return self._spectrum.wanted
 
     @property
-    def fed(self) -> float:
+    def fed_seconds(self) -> float:
         """Seconds of audio fed so far."""
         return self._spectrum.fed / self._spectrum.sample_rate
 
@@ -250,12 +258,12 @@ class Hearing:
         if samples.ndim != 1:
             raise ValueError(f"samples of shape {samples.shape}: one channel, shape (n,), expected")
         if samples.shape[0] > (self.position.shape[0] - SPARE) * self._spectrum.hop:
-            self._make_room(int(samples.shape[0] / self._spectrum.hop) + SPARE + 1)
+            self._allocate(int(samples.shape[0] / self._spectrum.hop) + SPARE + 1)
         count = start = 0
         while start < samples.shape[0]:
-            start += self._spectrum.take(samples, start)
+            start += self._spectrum.feed(samples, start)
             if self._spectrum.wanted == 0:
-                count += self._hear(count)
+                count += self._process_frame(count)
         return count
 
     def reset(self) -> None:
@@ -264,19 +272,19 @@ class Hearing:
         self._level = LEVEL_FLOOR
         self._past[:] = 0.0
 
-    def _hear(self, first: int) -> int:
+    def _process_frame(self, first: int) -> int:
         spectrum = self._spectrum
-        spectrum.read()
+        spectrum.analyse()
         self._level = follow_level(spectrum.bands, self._level)
-        look(spectrum.bands, self._level, LAGS, self._past, spectrum.frames, self._look)
-        count = self._activation.step(self._look)
+        network_input(spectrum.bands, self._level, LAGS, self._past, spectrum.frames, self._features)
+        count = self._activation.step(self._features)
         for index in range(count):
             self.position[first + index] = (spectrum.frames - count + 1 + index) * HOP - DELAY
             self.beat[first + index] = self._activation.beat[index]
             self.downbeat[first + index] = self._activation.downbeat[index]
         return count
 
-    def _make_room(self, frames: int) -> None:
+    def _allocate(self, frames: int) -> None:
         self.position = np.zeros(frames)
         """Moments that the frames describe [s], shape (frames,)."""
         self.beat = np.zeros(frames)

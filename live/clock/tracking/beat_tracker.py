@@ -4,14 +4,14 @@ import math
 from typing import Final
 
 from live.clock.bar_pointer.bar_pointer import BarPointer
-from live.clock.bar_pointer.state_space import Model
-from live.clock.beat_announcer import Announcer
+from live.clock.bar_pointer.state_space import BarPointerModel
+from live.clock.beat_announcer import BeatAnnouncer
 from live.clock.beat_estimate import BeatEstimate, Samples
-from live.clock.silence import Quiet
-from live.clock.tracking.beat_network import Activation, Hearing
+from live.clock.silence import SilenceDetector
+from live.clock.tracking.beat_network import Activation, ActivationStream
 from live.clock.tracking.features import HOP
 
-RECENT: Final = 6.0
+TAP_MAX_AGE: Final = 6.0
 """A tap refers to the present beats if it is no further away than this [s]."""
 
 FRESH_AFTER: Final = 1.0
@@ -21,61 +21,61 @@ FRESH_TIME: Final = 12.0
 """... with a probability that grows with its length, up to one half after this time [s]."""
 
 
-class Tracker:
+class BeatTracker:
     """Feeds blocks of any length, at the device's own sample rate, through features, bar pointer and beat announcer.
 
     Faulty samples (NaN, infinite, beyond 64) become 0 and are counted. In silence the grid is kept
     and its beats are still announced; manual settings (tempo, level, downbeat, metre) are kept as well.
     """
 
-    def __init__(self, sample_rate: float, activation: Activation, model: Model | None = None) -> None:
+    def __init__(self, sample_rate: float, activation: Activation, model: BarPointerModel | None = None) -> None:
         """Raises ValueError for a sample rate [Hz] outside 16,000 to 400,000."""
-        self._hearing = Hearing(sample_rate, activation)
-        self._quiet = Quiet(HOP)
-        self._announcer = Announcer()
+        self._activations = ActivationStream(sample_rate, activation)
+        self._silence = SilenceDetector(HOP)
+        self._announcer = BeatAnnouncer()
         self._moment = 0.0
-        self._one_at = math.inf
+        self._downbeat_at = math.inf
         self.pointer = BarPointer(model)
         """The present grid."""
 
     @property
     def sample_rate(self) -> float:
         """Samples per second [Hz]."""
-        return self._hearing.sample_rate
+        return self._activations.sample_rate
 
     @property
     def wanted(self) -> int:
         """Samples missing until the next frame is full: feed this many for minimum latency."""
-        return self._hearing.wanted
+        return self._activations.wanted
 
     @property
     def position(self) -> float:
         """Seconds of audio fed so far."""
-        return self._hearing.fed
+        return self._activations.fed_seconds
 
     @property
     def level(self) -> float:
         """RMS of the newest frame, full scale = 1."""
-        return self._hearing.level
+        return self._activations.level
 
     @property
     def bad_samples(self) -> int:
         """Number of faulty samples, which became 0, since the start."""
-        return self._hearing.bad_samples
+        return self._activations.bad_samples
 
     @property
     def silent(self) -> bool:
         """Whether it has been silent for a while."""
-        return self._quiet.silent
+        return self._silence.silent
 
     def feed(self, samples: Samples) -> list[BeatEstimate]:
         """Process the next samples, shape (n,), of one channel; return the beats announced in them, oldest first."""
         found: list[BeatEstimate] = []
         start = 0
         while start < samples.shape[0] or samples.ndim != 1:
-            end = start + self._hearing.wanted
-            for frame in range(self._hearing.feed(samples[start:end])):
-                beat = self._hear(frame)
+            end = start + self._activations.wanted
+            for frame in range(self._activations.feed(samples[start:end])):
+                beat = self._process_frame(frame)
                 if beat is not None:
                     found.append(beat)
             start = end
@@ -87,16 +87,16 @@ class Tracker:
 
         `time` [s of audio], if given, is a beat.
         """
-        self.pointer.tap(bpm)
-        if abs(self._moment - time) <= RECENT:  # not NaN
-            self.pointer.beat_pressed((self._moment - time) / HOP)
+        self.pointer.set_tempo(bpm)
+        if abs(self._moment - time) <= TAP_MAX_AGE:  # not NaN
+            self.pointer.set_beat((self._moment - time) / HOP)
 
-    def one(self, time: float) -> None:
+    def set_downbeat(self, time: float) -> None:
         """Start a measure at `time` [s of audio]: a future time is kept until it comes, an old one is ignored."""
-        if time > self._hearing.fed or not self._quiet.heard:
-            self._one_at = time
-        elif abs(self._moment - time) <= RECENT:
-            self.pointer.one((self._moment - time) / HOP)
+        if time > self._activations.fed_seconds or not self._silence.has_sound:
+            self._downbeat_at = time
+        elif abs(self._moment - time) <= TAP_MAX_AGE:
+            self.pointer.set_downbeat((self._moment - time) / HOP)
 
     def scale(self, factor: float) -> None:
         """Set the beats to twice (2) or half (0.5) the present tempo, and keep the metrical level from now on."""
@@ -106,29 +106,29 @@ class Tracker:
         """Set the number of beats in a measure; 0: as detected."""
         self.pointer.set_metre(beats)
 
-    def let_go(self) -> None:
+    def clear_manual(self) -> None:
         """Remove all manual settings."""
-        self.pointer.let_go()
+        self.pointer.clear_manual()
 
-    def obey(self, former: "Tracker") -> None:
+    def copy_manual(self, former: "BeatTracker") -> None:
         """Copy the manual tempo and metre of another tracker that this one replaces."""
-        self.pointer.obey(former.pointer)
+        self.pointer.copy_manual(former.pointer)
 
-    def _hear(self, frame: int) -> BeatEstimate | None:
-        hearing, quiet, pointer = self._hearing, self._quiet, self.pointer
+    def _process_frame(self, frame: int) -> BeatEstimate | None:
+        hearing, quiet, pointer = self._activations, self._silence, self.pointer
         chance = float(hearing.beat[frame])
-        listened = quiet.listening
+        listened = quiet.expects_beats
         ended = quiet.step(hearing.level, chance)
-        if not quiet.heard:
+        if not quiet.has_sound:
             return None
         self._moment = float(hearing.position[frame])
         if ended > FRESH_AFTER:
             pointer.resume(0.5 * min((ended - FRESH_AFTER) / FRESH_TIME, 1.0))
-        elif listened and not quiet.listening:
-            pointer.hold(quiet.duration / HOP)
-        pointer.step(chance, float(hearing.downbeat[frame]), quiet.listening)
-        if hearing.fed >= self._one_at:
-            time, self._one_at = self._one_at, math.inf
-            self.one(time)
+        elif listened and not quiet.expects_beats:
+            pointer.restore_before(quiet.duration / HOP)
+        pointer.step(chance, float(hearing.downbeat[frame]), quiet.expects_beats)
+        if hearing.fed_seconds >= self._downbeat_at:
+            time, self._downbeat_at = self._downbeat_at, math.inf
+            self.set_downbeat(time)
         confidence = 0.0 if quiet.silent else pointer.confidence
-        return self._announcer.beat(pointer, self._moment, hearing.fed, HOP, confidence)
+        return self._announcer.beat(pointer, self._moment, hearing.fed_seconds, HOP, confidence)

@@ -10,7 +10,7 @@ from live.base.jit import kernel
 Floats = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.int32]
 
-LOUDEST = 64.0
+MAX_SAMPLE = 64.0
 """Samples beyond this are faulty and become 0 (full scale is 1)."""
 
 LEVEL_FLOOR = 2e-5
@@ -39,7 +39,7 @@ def append(history: Floats, samples: Floats, start: int, count: int) -> float:
     bad = 0
     for index in range(count):
         value = samples[start + index]
-        if not abs(value) <= LOUDEST:  # true for NaN too
+        if not abs(value) <= MAX_SAMPLE:  # true for NaN too
             value = np.float32(0.0)
             bad += 1
         history[kept + index] = value
@@ -79,7 +79,7 @@ def follow_level(bands: Floats, level: float) -> float:
 
 
 @kernel("void(f4[::1],f8,i4[::1],f4[:,::1],i8,f4[::1])")
-def look(bands: Floats, level: float, lags: Ints, past: Floats, frame: int, out: Floats) -> None:
+def network_input(bands: Floats, level: float, lags: Ints, past: Floats, frame: int, out: Floats) -> None:
     """Write the network's input for one frame: compressed bands, then their rises, shape (2 B,).
 
     past (P, B) is a ring of compressed bands, written at row `frame` modulo P.
@@ -98,7 +98,7 @@ def look(bands: Floats, level: float, lags: Ints, past: Floats, frame: int, out:
 
 @kernel("void(f4[::1],i8,i8,f4[:,::1],f4[::1],i8,f4[::1],i8)")
 def filter_bands(
-    seen: Floats, first: int, bands: int, weight: Floats, bias: Floats, stride: int, out: Floats, at: int
+    features: Floats, first: int, bands: int, weight: Floats, bias: Floats, stride: int, out: Floats, at: int
 ) -> None:
     """Apply one window type's filters along frequency: weight (2 span, channels) over levels and rises, into out[at:].
 
@@ -106,16 +106,16 @@ def filter_bands(
     """
     channels = weight.shape[1]
     span = weight.shape[0] // 2
-    count = seen.shape[0] // 2
+    count = features.shape[0] // 2
     for place in range((bands - span) // stride + 1):
         start = at + place * channels
         for channel in range(channels):
             out[start + channel] = bias[channel]
         for index in range(span):
-            level = seen[first + place * stride + index]
+            level = features[first + place * stride + index]
             for channel in range(channels):
                 out[start + channel] += level * weight[index, channel]
-            rise = seen[count + first + place * stride + index]
+            rise = features[count + first + place * stride + index]
             if rise > 0.0:
                 for channel in range(channels):
                     out[start + channel] += rise * weight[span + index, channel]
@@ -124,7 +124,7 @@ def filter_bands(
 
 
 @kernel("void(f4[::1],f4[:,::1],f4[::1],f4[::1])")
-def layer(values: Floats, weight: Floats, bias: Floats, out: Floats) -> None:
+def dense_layer(values: Floats, weight: Floats, bias: Floats, out: Floats) -> None:
     """Apply a dense layer: values (I,) through weight (I, O) and bias (O,), into out (O,)."""
     for column in range(out.shape[0]):
         out[column] = bias[column]
@@ -143,14 +143,14 @@ def rectify(values: Floats) -> None:
 
 
 @kernel("void(f4[::1],f4[::1],f4[::1],f4[::1])")
-def remember(asked: Floats, recalled: Floats, bias: Floats, memory: Floats) -> None:
+def gru_step(input_term: Floats, recurrent_term: Floats, bias: Floats, memory: Floats) -> None:
     """Update one recurrent layer: memory (U,) after a frame, from the input and recurrent terms (3 U,).
 
     The order is update, reset, candidate; `bias` (U,) is added to the candidate's recurrent term before the reset.
     """
     units = memory.shape[0]
     for unit in range(units):
-        update = 1.0 / (1.0 + math.exp(-(asked[unit] + recalled[unit])))
-        reset = 1.0 / (1.0 + math.exp(-(asked[units + unit] + recalled[units + unit])))
-        new = math.tanh(asked[2 * units + unit] + reset * (recalled[2 * units + unit] + bias[unit]))
+        update = 1.0 / (1.0 + math.exp(-(input_term[unit] + recurrent_term[unit])))
+        reset = 1.0 / (1.0 + math.exp(-(input_term[units + unit] + recurrent_term[units + unit])))
+        new = math.tanh(input_term[2 * units + unit] + reset * (recurrent_term[2 * units + unit] + bias[unit]))
         memory[unit] = new + update * (memory[unit] - new)

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.clock.tracking.feature_kernels import append, band_magnitudes, level_of
-from live.clock.tracking.fft import Transform, fast_length
+from live.clock.tracking.fft import MagnitudeTransform, fast_length
 
 BASE_RATE: Final = 44_100.0
 BASE_HOP: Final = 512
@@ -22,7 +22,7 @@ HOP: Final = BASE_HOP / BASE_RATE
 
 
 @dataclass(frozen=True, slots=True)
-class Ear:
+class AnalysisWindow:
     """One analysis window and its bands."""
 
     window: int
@@ -37,14 +37,14 @@ class Ear:
     """Number of frames back to the reference of a band's rise."""
 
 
-EARS: Final = (
-    Ear(window=2048, low_hz=32.0, high_hz=16_000.0, per_octave=12, coarse_hz=3000.0, lag=2),
-    Ear(window=4096, low_hz=60.0, high_hz=1600.0, per_octave=12, coarse_hz=1e9, lag=4),
+ANALYSIS_WINDOWS: Final = (
+    AnalysisWindow(window=2048, low_hz=32.0, high_hz=16_000.0, per_octave=12, coarse_hz=3000.0, lag=2),
+    AnalysisWindow(window=4096, low_hz=60.0, high_hz=1600.0, per_octave=12, coarse_hz=1e9, lag=4),
 )
 """The short window is for drums and attacks, the long one for pitches."""
 
 
-def centres(ear: Ear) -> npt.NDArray[np.float64]:
+def band_centres(ear: AnalysisWindow) -> npt.NDArray[np.float64]:
     """Return the frequencies [Hz] of its bands, shape (bands + 2,): the first and last are only the outer edges."""
     resolution = BASE_RATE / ear.window
     found = [ear.low_hz]
@@ -55,15 +55,15 @@ def centres(ear: Ear) -> npt.NDArray[np.float64]:
     return np.array([max(found[0] - resolution, 1.0), *found])
 
 
-BANDS: Final = tuple(centres(ear).size - 2 for ear in EARS)
+BANDS_PER_WINDOW: Final = tuple(band_centres(ear).size - 2 for ear in ANALYSIS_WINDOWS)
 """Number of bands of each window type."""
 
-BAND_COUNT: Final = sum(BANDS)
-LAGS: Final = np.repeat(np.array([ear.lag for ear in EARS], np.int32), BANDS)
+BAND_COUNT: Final = sum(BANDS_PER_WINDOW)
+LAGS: Final = np.repeat(np.array([ear.lag for ear in ANALYSIS_WINDOWS], np.int32), BANDS_PER_WINDOW)
 """Per band, number of frames back to the reference of its rise, shape (BAND_COUNT,)."""
 
 
-def window_length(ear: Ear, sample_rate: float) -> int:
+def window_length(ear: AnalysisWindow, sample_rate: float) -> int:
     """Return the window length in samples at `sample_rate` [Hz]: as many seconds as at 44.1 kHz."""
     return round(ear.window * sample_rate / BASE_RATE)
 
@@ -84,14 +84,14 @@ class Filters:
         return int(np.max(self.start + np.diff(self.offset)))
 
 
-def filters(ear: Ear, sample_rate: float, length: int) -> Filters:
+def filters(ear: AnalysisWindow, sample_rate: float, length: int) -> Filters:
     """Return the filters for a transform of `length` samples: means of magnitude, wide bands raised by √width.
 
     So noise of equal strength per Hz gives the same in each band as it would in an energy sum. The magnitude is
     scaled so that a full sine in the middle of a band of one bin gives about 1. Bands beyond half the sample rate
     stay empty: their value is 0.
     """
-    edges = centres(ear)
+    edges = band_centres(ear)
     bin_hz = sample_rate / length
     resolution = BASE_RATE / ear.window
     full = 4.0 / window_length(ear, sample_rate)
@@ -138,16 +138,17 @@ class Spectrum:
         """Frames read since the start."""
         self.fed = 0
         """Samples taken since the start."""
-        lengths = [window_length(ear, sample_rate) for ear in EARS]
+        lengths = [window_length(ear, sample_rate) for ear in ANALYSIS_WINDOWS]
         self._history = np.zeros(max(lengths), np.float32)
         self._filters = [
-            filters(ear, sample_rate, fast_length(length)) for ear, length in zip(EARS, lengths, strict=True)
+            filters(ear, sample_rate, fast_length(length))
+            for ear, length in zip(ANALYSIS_WINDOWS, lengths, strict=True)
         ]
         self._transforms = [
-            Transform(np.hanning(length + 1)[:-1].astype(np.float32), kept.bins)
+            MagnitudeTransform(np.hanning(length + 1)[:-1].astype(np.float32), kept.bins)
             for length, kept in zip(lengths, self._filters, strict=True)
         ]
-        edges = np.cumsum((0, *BANDS))
+        edges = np.cumsum((0, *BANDS_PER_WINDOW))
         self._out = [self.bands[low:high] for low, high in pairwise(edges)]
 
     @property
@@ -160,17 +161,17 @@ class Spectrum:
         """Samples missing until the next frame is full."""
         return self.next_end - self.fed
 
-    def take(self, samples: Samples, start: int) -> int:
+    def feed(self, samples: Samples, start: int) -> int:
         """Take samples[start:], shape (n,), up to the end of the frame; return the number taken."""
         taken: int = min(self.wanted, samples.shape[0] - start)
         self.bad_samples += int(append(self._history, samples, start, taken))
         self.fed += taken
         return taken
 
-    def read(self) -> None:
+    def analyse(self) -> None:
         """Compute `bands` of the frame that has just become full (`wanted` is 0)."""
         self.level = level_of(self._history, int(self.hop))
         for transform, kept, out in zip(self._transforms, self._filters, self._out, strict=True):
-            transform.read(self._history)
+            transform.compute(self._history)
             band_magnitudes(transform.magnitude, kept.start, kept.offset, kept.weight, out)
         self.frames += 1

@@ -29,7 +29,7 @@ def fast_length(least: int) -> int:
     return length
 
 
-class Transform:
+class MagnitudeTransform:
     """Windowed magnitudes of the newest samples; allocates nothing after its creation."""
 
     def __init__(self, window: Floats, bins: int) -> None:
@@ -52,6 +52,6 @@ class Transform:
         self._half = halves.real.astype(np.float32), halves.imag.astype(np.float32)
         self._work = np.zeros((4, half), np.float32)
 
-    def read(self, history: Floats) -> None:
+    def compute(self, history: Floats) -> None:
         """Transform the newest W samples of history (n,), n >= W, into `magnitude`."""
         magnitudes(history, self._window, self._radices, *self._turn, *self._half, self._work, self.magnitude)

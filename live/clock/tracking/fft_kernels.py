@@ -6,13 +6,13 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 
 Floats = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.int32]
 
 
-@part
+@inline_kernel
 def _pass_of_four(
     re: Floats, im: Floats, to_re: Floats, to_im: Floats, turn_re: Floats, turn_im: Floats, length: int, stride: int
 ) -> None:
@@ -43,7 +43,7 @@ def _pass_of_four(
             to_im[to + lane + 3 * stride] = x * three_im + y * three_re
 
 
-@part
+@inline_kernel
 def _pass_of_any(
     re: Floats,
     im: Floats,

@@ -19,7 +19,7 @@ MEMORY: Final = 0.004
 """Weight of each frame in the usual strength (time constant 3 s)."""
 
 
-class Onsets:
+class OnsetActivation:
     """Beat activation from spectral flux alone."""
 
     def __init__(self) -> None:
@@ -33,9 +33,9 @@ class Onsets:
         self._usual = 0.02
         self._spread = 0.02
 
-    def step(self, look: npt.NDArray[np.float32]) -> int:
+    def step(self, features: npt.NDArray[np.float32]) -> int:
         """Process one frame's compressed bands and rises, shape (2 * BAND_COUNT,); return 1."""
-        rises = look[BAND_COUNT:]
+        rises = features[BAND_COUNT:]
         flux = float(rises.mean())
         low = float(rises[:LOW_BANDS].mean())
         self._usual += MEMORY * (flux - self._usual)

@@ -17,9 +17,9 @@ import random
 from dataclasses import dataclass
 from typing import Final
 
-from live.control.audience.join_tickets import Tickets
+from live.control.audience.join_tickets import JoinTickets
 from live.control.audience.phone_registry import Phone, Phones
-from live.control.audience.rate_limit import ALL_JOINS, Bucket, Line, Why
+from live.control.audience.rate_limit import ALL_JOINS, RefusalReason, TokenBucket, WaitingLine
 
 OWN_WIFI: Final = "own wifi"
 BEHIND_NAT: Final = "behind nat"
@@ -28,24 +28,24 @@ NETWORKS: Final = (OWN_WIFI, BEHIND_NAT, PROXY)
 JOIN_RATE: Final = 20.0
 JOIN_BURST: Final = 40.0
 """Behind nat: joins per second of one address, and joins at once; later phones get a reserved time slot."""
-HORIZON: Final = 120.0
+MAX_RESERVED_WAIT: Final = 120.0
 """Slots are reserved at most this far ahead [s]."""
-DEVICES: Final = 4.0
+GROUP_BURST: Final = 4.0
 """Own wifi: joins at once from a group that do not make it crowded (another browser, a private window …)."""
-RECOVERS: Final = 15.0
+GROUP_RECOVERY: Final = 15.0
 """One more such join is allowed after each interval of this length [s]."""
-CROWDED: Final = 60.0
+CROWD_SECONDS: Final = 60.0
 """A crowded group has no voice until this long [s] after its last excess join."""
 MOST_GROUPS: Final = 16_384
-EARLY: Final = 0.05
+SLOT_TOLERANCE: Final = 0.05
 """A phone may be this early [s] for its slot, because clocks differ."""
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class JoinAnswer:
     """Answer to a request to join."""
 
-    why: Why | None = None
+    why: RefusalReason | None = None
     """Reason of the refusal; None: the phone may join."""
     wait: float = 0.0
     """Seconds until the next attempt; 0: never with these credentials."""
@@ -56,34 +56,34 @@ class Answer:
 class Admission:
     """Admission control. Thread: the gateway's loop."""
 
-    def __init__(self, phones: Phones, tickets: Tickets, network: str, per_group: int, secret: bytes) -> None:
+    def __init__(self, phones: Phones, tickets: JoinTickets, network: str, per_group: int, secret: bytes) -> None:
         """`per_group`: maximum of simultaneous phones in a group, where phones have groups of their own."""
         self._phones, self._tickets = phones, tickets
-        self.apart = network != BEHIND_NAT
+        self.has_groups = network != BEHIND_NAT
         """Whether each phone has its own group."""
-        self._per_group = per_group if self.apart else phones.most
-        self._all = Line(ALL_JOINS, ALL_JOINS)
-        self._lines: dict[int, Line] = {}
-        self._joins: dict[int, Bucket] = {}
+        self._per_group = per_group if self.has_groups else phones.most
+        self._all = WaitingLine(ALL_JOINS, ALL_JOINS)
+        self._lines: dict[int, WaitingLine] = {}
+        self._joins: dict[int, TokenBucket] = {}
         self._crowded: dict[int, float] = {}
-        self._chance = random.Random(secret)
+        self._random = random.Random(secret)
 
     # -- groups ----------------------------------------------------------------------------------------------------
 
-    def part(self, phone: Phone, now: float) -> float:
+    def voice_share(self, phone: Phone, now: float) -> float:
         """Return the phone's fraction of a voice."""
-        if not self.apart:
+        if not self.has_groups:
             return 1.0
         if self._is_crowded(phone.group, now) or self._is_crowded(phone.origin, now):
             return 0.0
-        return 1.0 / self._phones.relatives(phone)
+        return 1.0 / self._phones.related_count(phone)
 
     @property
     def crowded(self) -> int:
         """Number of crowded groups."""
         return len(self._crowded)
 
-    def calmed(self, now: float) -> list[int]:
+    def expire_crowds(self, now: float) -> list[int]:
         """Return the groups that stopped being crowded since the last call."""
         found = [group for group, until in self._crowded.items() if now > until]
         for group in found:
@@ -93,82 +93,88 @@ class Admission:
     def _is_crowded(self, group: int, now: float) -> bool:
         return now <= self._crowded.get(group, -1.0)
 
-    def _is_one_too_many(self, group: int, now: float) -> bool:
+    def _makes_crowd(self, group: int, now: float) -> bool:
         """Whether a further join makes the group crowded."""
-        if not self.apart:
+        if not self.has_groups:
             return False
         bucket = self._joins.get(group)
         if bucket is None:
             if len(self._joins) >= MOST_GROUPS:
                 for old in list(self._joins)[: MOST_GROUPS // 2]:
                     del self._joins[old]
-            bucket = self._joins[group] = Bucket(1.0 / RECOVERS, DEVICES)
-        if bucket.take(now):
+            bucket = self._joins[group] = TokenBucket(1.0 / GROUP_RECOVERY, GROUP_BURST)
+        if bucket.try_take(now):
             return False
         if group in self._crowded or len(self._crowded) < MOST_GROUPS:
-            self._crowded[group] = now + CROWDED
+            self._crowded[group] = now + CROWD_SECONDS
         return True
 
     # -- joining ---------------------------------------------------------------------------------------------------
 
-    def known(self, group: int, now: float) -> Answer:
+    def admit_known(self, group: int, now: float) -> JoinAnswer:
         """Answer a phone that has joined before and is not connected."""
         if self._phones.is_full(now, fresh=False):
-            return self._later(Why.FULL, 2.0, 6.0)
-        if len(self._phones.of(group)) >= self._per_group:
-            return self._later(Why.ADDRESS, 15.0, 30.0)
+            return self._refuse_for_now(RefusalReason.FULL, 2.0, 6.0)
+        if len(self._phones.in_group(group)) >= self._per_group:
+            return self._refuse_for_now(RefusalReason.ADDRESS, 15.0, 30.0)
         wait = self._all.wait(now)
         if wait > 0.0:
-            return self._later(Why.JOINS, wait, wait + 1.0)
+            return self._refuse_for_now(RefusalReason.JOINS, wait, wait + 1.0)
         self._all.reserve(now)
-        return Answer()
+        return JoinAnswer()
 
-    def fresh(self, key: str, voucher: str, group: int, now: float) -> Answer:
+    def admit_new(self, key: str, voucher: str, group: int, now: float) -> JoinAnswer:
         """Answer a new phone, which has a code's `key` or an earlier `voucher`."""
-        held = self._tickets.redeemable(voucher, now) if voucher else None
-        ticket = held.ticket if held is not None else self._tickets.of(key, now) if key else -1
+        held = self._tickets.find_voucher(voucher, now) if voucher else None
+        ticket = held.ticket if held is not None else self._tickets.find(key, now) if key else -1
         if ticket < 0:
-            return Answer(Why.LINK if key or voucher else Why.TOKEN)
+            return JoinAnswer(RefusalReason.LINK if key or voucher else RefusalReason.TOKEN)
         if held is None:
-            if self._is_one_too_many(group, now):
-                return self._later(Why.ADDRESS, 30.0, 60.0)
-            if self._tickets.is_late(ticket, now):
-                return self._later(Why.JOINS, 2.0, 6.0)
-            if not self._tickets.spend(ticket):
-                return Answer(Why.SPENT)
+            if self._makes_crowd(group, now):
+                return self._refuse_for_now(RefusalReason.ADDRESS, 30.0, 60.0)
+            if self._tickets.is_rate_limited(ticket, now):
+                return self._refuse_for_now(RefusalReason.JOINS, 2.0, 6.0)
+            if not self._tickets.use(ticket):
+                return JoinAnswer(RefusalReason.SPENT)
         serial = 0 if held is None else held.serial
         if self._phones.is_full(now, fresh=True):
-            return self._later(Why.FULL, 3.0, 8.0, self._tickets.voucher(ticket, 0.0, now, serial))
-        if len(self._phones.of(group)) >= self._per_group:
-            return self._later(Why.ADDRESS, 15.0, 30.0, self._tickets.voucher(ticket, 0.0, now, serial))
+            return self._refuse_for_now(
+                RefusalReason.FULL, 3.0, 8.0, self._tickets.issue_voucher(ticket, 0.0, now, serial)
+            )
+        if len(self._phones.in_group(group)) >= self._per_group:
+            return self._refuse_for_now(
+                RefusalReason.ADDRESS, 15.0, 30.0, self._tickets.issue_voucher(ticket, 0.0, now, serial)
+            )
         slot = 0.0 if held is None else held.slot_ms / 1e3
-        if slot and now < slot - EARLY:
-            return self._later(Why.JOINS, slot - now, slot - now + 0.5, voucher)
+        if slot and now < slot - SLOT_TOLERANCE:
+            return self._refuse_for_now(RefusalReason.JOINS, slot - now, slot - now + 0.5, voucher)
         if not slot:
-            wait = self._reserved(group, now)
+            wait = self._reserve(group, now)
             if wait:
-                at = now + wait if wait <= HORIZON else 0.0
-                low, high = (wait, wait + 0.5) if at else (HORIZON / 4.0, HORIZON / 2.0)
-                return self._later(Why.JOINS, low, high, self._tickets.voucher(ticket, at, now, serial))
+                at = now + wait if wait <= MAX_RESERVED_WAIT else 0.0
+                low, high = (wait, wait + 0.5) if at else (MAX_RESERVED_WAIT / 4.0, MAX_RESERVED_WAIT / 2.0)
+                return self._refuse_for_now(
+                    RefusalReason.JOINS, low, high, self._tickets.issue_voucher(ticket, at, now, serial)
+                )
         if held is not None:
             self._tickets.redeem(held)
-        return Answer(ticket=ticket)
+        return JoinAnswer(ticket=ticket)
 
-    def _reserved(self, group: int, now: float) -> float:
+    def _reserve(self, group: int, now: float) -> float:
         """Reserve a slot and return the wait for it [s]; beyond `HORIZON` nothing is reserved."""
         lines = [self._all]
-        if not self.apart:
+        if not self.has_groups:
             if group not in self._lines:
                 if len(self._lines) >= MOST_GROUPS:
                     self._lines.clear()
-                self._lines[group] = Line(JOIN_RATE, JOIN_BURST)
+                self._lines[group] = WaitingLine(JOIN_RATE, JOIN_BURST)
             lines.append(self._lines[group])
         wait = max(line.wait(now) for line in lines)
-        if wait <= HORIZON:
+        if wait <= MAX_RESERVED_WAIT:
             for line in lines:
                 line.reserve(now)
         return wait
 
-    def _later(self, why: Why, low: float, high: float, voucher: str = "") -> Answer:
+    def _refuse_for_now(self, why: RefusalReason, low: float, high: float, voucher: str = "") -> JoinAnswer:
         """Refuse for now, with a random delay of `low` to `high` seconds so that phones do not return all at once."""
-        return Answer(why, self._chance.uniform(low, high), voucher)
+        return JoinAnswer(why, self._random.uniform(low, high), voucher)

@@ -13,11 +13,11 @@ import numpy.typing as npt
 from live.control.audience.participant_state import PLACES, Force, Voices
 from live.control.audience.phone_registry import Phone, hue_of
 
-STAYS: Final = 8.0
+HIGHLIGHT_SECONDS: Final = 8.0
 """A highlight lasts this long [s] while others wait."""
 
 
-class Lights:
+class HighlightRotation:
     """Round robin of highlighted rows. Thread: one."""
 
     def __init__(self, most: int) -> None:
@@ -26,16 +26,16 @@ class Lights:
         self._waiting: deque[int] = deque()
 
     @property
-    def seen(self) -> list[int]:
+    def rows(self) -> list[int]:
         """Highlighted rows, longest first."""
         return list(self._since)
 
-    def keep(self, speaks: Callable[[int], bool]) -> None:
+    def prune(self, speaks: Callable[[int], bool]) -> None:
         """Remove highlights of rows that no longer speak."""
         for row in [row for row in self._since if not speaks(row)]:
             del self._since[row]
 
-    def choose(self, speaking: list[int], now: float) -> None:
+    def update(self, speaking: list[int], now: float) -> None:
         """Update the highlights from the rows that speak at `now` [s]; rows beyond the limit wait for a place."""
         there = set(speaking)
         self._since = {row: since for row, since in self._since.items() if row in there}
@@ -44,84 +44,84 @@ class Lights:
         self._waiting.extend(row for row in speaking if row not in known)
         for row, since in list(self._since.items()):
             waiting = len(self._waiting) - max(self.most - len(self._since), 0)
-            if len(self._since) > self.most or (waiting > 0 and now - since > STAYS):
+            if len(self._since) > self.most or (waiting > 0 and now - since > HIGHLIGHT_SECONDS):
                 del self._since[row]
                 self._waiting.append(row)
         while self._waiting and len(self._since) < self.most:
             self._since[self._waiting.popleft()] = now
 
 
-AGAIN: Final = 0.5
+REPEAT_INTERVAL: Final = 0.5
 """Unchanged state is repeated at this interval [s], because the show's elements end by themselves."""
 LIGHTS_EVERY: Final = 0.1
 """Interval of highlight updates [s]; the picture interpolates between them."""
 CHOICE_EVERY: Final = 0.25
 VOTES_EVERY: Final = 0.2
-COARSE: Final = 2
+MIN_MOVE_CM: Final = 2
 """Minimum movement of a place [cm]."""
 NONE: Final = "-"
-WAYS: Final = 16384
+MAX_WAIT_TIMES: Final = 16384
 """Number of messages whose waiting time is recorded."""
 
 
-class Together:
+class Aggregator:
     """Aggregator of all voices. Thread: one."""
 
     def __init__(self, voices: Voices, visible: int) -> None:
         self._voices = voices
-        self.lights = Lights(visible)
+        self.highlights = HighlightRotation(visible)
         self.order = 0
-        self._said: tuple[Any, ...] = ()
+        self._sent: tuple[Any, ...] = ()
         self._known: dict[str, str] = {}
         self._places: dict[int, tuple[int, int, int, int]] = {}
-        self._next_lights = self._next_choice = self._next_votes = self._again = 0.0
+        self._next_lights = self._next_choice = self._next_votes = self._repeat_at = 0.0
         self._shown: dict[int, None] = {}
-        self._ways = np.zeros(WAYS)
-        self._way = 0
-        self._turned = -np.inf
+        self._waits = np.zeros(MAX_WAIT_TIMES)
+        self._wait_count = 0
+        self._updated_at = -np.inf
 
-    def turn(self, now: float, phones: int, is_open: bool, votes: Callable[[], str]) -> tuple[Any, ...] | None:
+    def update(self, now: float, phones: int, is_open: bool, votes: Callable[[], str]) -> tuple[Any, ...] | None:
         """Return the fields of the event for the show at `now` [s]; None if nothing is new."""
         voices = self._voices
         weight = voices.weights(now) if is_open else np.zeros(len(voices.number))
         rows = np.flatnonzero(weight)
-        force = voices.force(now, weight) if len(rows) else Force(0.0, (), voices.shaken(now) if is_open else 0.0)
+        force = voices.force(now, weight) if len(rows) else Force(0.0, (), voices.shaken_share(now) if is_open else 0.0)
         places = self._slots(force)
         lights = ""
         if now >= self._next_lights:
             self._next_lights = now + LIGHTS_EVERY
             if now >= self._next_choice:
                 self._next_choice = now + CHOICE_EVERY
-                self.lights.choose(rows.tolist(), now)
+                self.highlights.update(rows.tolist(), now)
             else:
-                self.lights.keep(lambda row: bool(weight[row]))
-            lights = self._seen()
+                self.highlights.prune(lambda row: bool(weight[row]))
+            lights = self._highlight_text()
         tally = ""
         if now >= self._next_votes:
             self._next_votes = now + VOTES_EVERY
             tally = votes()
-        if self._said[1:2] != (self.order,):  # the show may have ignored data of an older order
+        if self._sent[1:2] != (self.order,):  # the show may have ignored data of an older order
             self._known = {}
-        lights, tally = self._news("lights", lights), self._news("votes", tally)
+        lights, tally = self._if_changed("lights", lights), self._if_changed("votes", tally)
         said = (phones, self.order, round(50 * force.share) * 20, places, round(20 * force.shaken) * 50)
         still = places == NONE and not force.shaken  # no element is active that would end by itself
-        if said == self._said and (still or now < self._again) and not lights and not tally:
-            self._turned = now  # the messages received confirm the known state
+        if said == self._sent and (still or now < self._repeat_at) and not lights and not tally:
+            self._updated_at = now  # the messages received confirm the known state
             return None
-        self._note(now, rows)
-        self._said, self._again = said, now + AGAIN
+        self._record_waits(now, rows)
+        self._sent, self._repeat_at = said, now + REPEAT_INTERVAL
         return ("heard", now, *said[:4], lights, tally, said[4])
 
-    def _news(self, what: str, words: str) -> str:
+    def _if_changed(self, what: str, words: str) -> str:
         """Return `words`, or an empty string if the show has them already."""
         if not words or self._known.get(what) == words:
             return ""
         self._known[what] = words
         return words
 
-    def unsaid(self) -> None:
+    def resend(self) -> None:
         """Send everything again next time, because the show did not receive the last event."""
-        self._said, self._known = (), {}
+        self._sent, self._known = (), {}
 
     def _slots(self, force: Force) -> str:
         """Return the places as text; each keeps its slot between calls, so that its element moves with it."""
@@ -137,7 +137,7 @@ class Together:
                 waiting.append(row)
                 continue
             old = left.pop(near)
-            still = max(abs(old[0] - row[0]), abs(old[1] - row[1])) < COARSE
+            still = max(abs(old[0] - row[0]), abs(old[1] - row[1])) < MIN_MOVE_CM
             taken[near] = (old[0], old[1], row[2], row[3]) if still else row
         for row in waiting:
             taken[next(slot for slot in range(PLACES) if slot not in taken)] = row
@@ -145,39 +145,39 @@ class Together:
         count = max(taken, default=-1) + 1
         return ",".join(" ".join(map(str, taken.get(slot, (0, 0, 0, 1)))) for slot in range(count)) or NONE
 
-    def _seen(self) -> str:
+    def _highlight_text(self) -> str:
         """Return the highlights as text, positions in steps of 5 cm."""
         voices, words = self._voices, []
-        for row in self.lights.seen:
+        for row in self.highlights.rows:
             number = int(voices.number[row])
             x, z = (round(float(value) * 20) * 5 for value in (voices.x[row], voices.z[row]))
             words.append(f"{number} {x} {z} {hue_of(number)} {int(voices.mode[row])}")
         return ",".join(words) or NONE
 
-    def changed(self, phones: dict[int, Phone]) -> Iterator[tuple[Phone, bool]]:
+    def changed_highlights(self, phones: dict[int, Phone]) -> Iterator[tuple[Phone, bool]]:
         """Return the phones whose highlight has appeared or ended since the last call."""
-        seen = dict.fromkeys(int(self._voices.number[row]) for row in self.lights.seen)
+        seen = dict.fromkeys(int(self._voices.number[row]) for row in self.highlights.rows)
         if seen.keys() == self._shown.keys():
             return
         before, self._shown = self._shown, seen
         for number in before.keys() ^ seen.keys():
             phone = phones.get(number)
-            if phone is not None and phone.lit != (number in seen):
+            if phone is not None and phone.highlighted != (number in seen):
                 yield phone, number in seen
 
-    def _note(self, now: float, rows: npt.NDArray[np.intp]) -> None:
+    def _record_waits(self, now: float, rows: npt.NDArray[np.intp]) -> None:
         """Record the waiting times of messages received since the show was last informed."""
-        said = self._voices.said[rows]
-        waited = now - said[said > self._turned]
-        self._turned = now
-        for begin in range(0, len(waited), WAYS):
-            part = waited[begin : begin + WAYS]
-            self._ways[(self._way + np.arange(len(part))) % WAYS] = part
-            self._way += len(part)
+        said = self._voices.message_time[rows]
+        waited = now - said[said > self._updated_at]
+        self._updated_at = now
+        for begin in range(0, len(waited), MAX_WAIT_TIMES):
+            part = waited[begin : begin + MAX_WAIT_TIMES]
+            self._waits[(self._wait_count + np.arange(len(part))) % MAX_WAIT_TIMES] = part
+            self._wait_count += len(part)
 
-    def ways(self) -> list[float]:
+    def wait_times(self) -> list[float]:
         """Return the waiting time of recent messages until the show was informed: median and 99th percentile [ms]."""
-        known = self._ways[: min(self._way, WAYS)]
+        known = self._waits[: min(self._wait_count, MAX_WAIT_TIMES)]
         return (
             [round(1000.0 * float(value), 2) for value in np.percentile(known, (50, 99))] if len(known) else [0.0] * 2
         )

@@ -30,17 +30,17 @@ _FAILED: Final = 0x20 | 0x01
 _MESSAGE: Final = struct.Struct("=IHHII")
 _NEIGHBOUR: Final = struct.Struct("=BxHiHBB")
 _ATTRIBUTE: Final = struct.Struct("=HH")
-MOST: Final = 65_536
+MAX_ENTRIES: Final = 65_536
 """Maximum entries read."""
-WITHIN: Final = 0.2
+TIMEOUT: Final = 0.2
 """Time-out for the kernel's answer [s]."""
-SHARE: Final = 10.0
+READ_TIME_RATIO: Final = 10.0
 """Reading takes at most one part in this many of the time."""
 STALE: Final = 2.0
 """A table older than this [s] is read again."""
 
 
-def neighbours_of(data: bytes) -> Iterator[tuple[Address, bytes] | None]:
+def parse_neighbours(data: bytes) -> Iterator[tuple[Address, bytes] | None]:
     """Return (address, link-layer address) of each entry of a dump, then None at its end; a broken message ends it."""
     begin = 0
     while begin + _MESSAGE.size <= len(data):
@@ -49,13 +49,13 @@ def neighbours_of(data: bytes) -> Iterator[tuple[Address, bytes] | None]:
             yield None
             return
         if kind == RTM_NEWNEIGH:
-            found = _neighbour(data[begin + _MESSAGE.size : begin + size])
+            found = _parse_neighbour(data[begin + _MESSAGE.size : begin + size])
             if found is not None:
                 yield found
         begin += (size + 3) & ~3
 
 
-def _neighbour(body: bytes) -> tuple[Address, bytes] | None:
+def _parse_neighbour(body: bytes) -> tuple[Address, bytes] | None:
     if len(body) < _NEIGHBOUR.size:
         return None
     _, _, _, state, _, _ = _NEIGHBOUR.unpack_from(body)
@@ -76,7 +76,7 @@ def _neighbour(body: bytes) -> tuple[Address, bytes] | None:
     return address, card
 
 
-class Neighbours:
+class ArpTable:
     """Cached copy of the neighbour table. Thread: the gateway's loop."""
 
     def __init__(self, secret: bytes) -> None:
@@ -84,14 +84,14 @@ class Neighbours:
         self._cards: dict[Address, bytes] = {}
         self._read_at = -1e9
         self._rest = 0.0
-        self._there = hasattr(socket, "AF_NETLINK")
+        self._available = hasattr(socket, "AF_NETLINK")
 
     async def card_of(self, address: Address) -> str:
         """Return an identifier of the network card with this address; empty if it is unknown.
 
         The kernel's table contains every recent sender, so a missing address causes another read.
         """
-        if address.is_loopback or not self._there:
+        if address.is_loopback or not self._available:
             return ""
         if address not in self._cards or time.monotonic() > self._read_at + max(STALE, self._rest):
             wait = self._read_at + self._rest - time.monotonic()
@@ -111,21 +111,21 @@ class Neighbours:
         except TimeoutError:
             pass
         except OSError:
-            self._there = False  # a system without such a table is not asked again
+            self._available = False  # a system without such a table is not asked again
         self._cards = found
         self._read_at = time.monotonic()
-        self._rest = SHARE * (self._read_at - began)
+        self._rest = READ_TIME_RATIO * (self._read_at - began)
 
 
 def _dump() -> Iterator[tuple[Address, bytes]]:
     """Return the kernel's table; OSError if there is none."""
     with socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, 0) as asking:  # 0: NETLINK_ROUTE
-        asking.settimeout(WITHIN)
+        asking.settimeout(TIMEOUT)
         body = _NEIGHBOUR.pack(0, 0, 0, 0, 0, 0)
         asking.send(_MESSAGE.pack(_MESSAGE.size + len(body), RTM_GETNEIGH, _DUMP, 1, 0) + body)
         count = 0
-        while count < MOST:
-            for entry in neighbours_of(asking.recv(1 << 17)):
+        while count < MAX_ENTRIES:
+            for entry in parse_neighbours(asking.recv(1 << 17)):
                 if entry is None:
                     return
                 yield entry

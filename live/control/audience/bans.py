@@ -13,17 +13,17 @@ from typing import Any, Final
 
 from live.control.audience.phone_registry import Device
 
-BROWSER_HOLDS: Final = 600.0
+BROWSER_BAN_SECONDS: Final = 600.0
 """Behind nat, a ban covers new phones with the same browser for this long [s]."""
 MOST_KNOWN: Final = 16_384
-MOST_HELD: Final = 64
+MAX_COVERED: Final = 64
 """Maximum of other phones covered by one ban, by number; the latest are kept."""
-MOST_TOLD: Final = 128
+MAX_EXPORTED: Final = 128
 """Maximum of bans that the show keeps for the next gateway; the latest are kept."""
 
 
 @dataclass(frozen=True, slots=True)
-class Trace:
+class PhoneIdentity:
     """Known data of a phone that has joined."""
 
     device: Device
@@ -41,22 +41,22 @@ class Ban:
     """The newest ticket displayed when the ban began."""
     until: float = 0.0
     """End of the ban on its browser [s of the show]."""
-    held: dict[int, None] = field(default_factory=dict)
+    covered: dict[int, None] = field(default_factory=dict)
     """Numbers of the other phones covered."""
 
 
 class Bans:
     """All bans. Thread: the gateway's loop."""
 
-    def __init__(self, *, apart: bool, told: Iterable[Any] = ()) -> None:
+    def __init__(self, *, has_groups: bool, exported: Iterable[Any] = ()) -> None:
         """`apart`: whether phones have groups of their own; `told`: the result of `tell` of the previous gateway."""
-        self._apart = apart
-        self._known: dict[int, Trace] = {}
+        self._has_groups = has_groups
+        self._known: dict[int, PhoneIdentity] = {}
         self._bans: dict[int, Ban] = {}
         self._before = {int(number): Ban(set(groups), int(browser), int(ticket), float(until), dict.fromkeys(held))
-                        for number, groups, browser, ticket, until, held in told}  # fmt: skip
+                        for number, groups, browser, ticket, until, held in exported}  # fmt: skip
 
-    def rule(self, numbers: Iterable[int], ticket: int, now: float) -> bool:
+    def set_banned(self, numbers: Iterable[int], ticket: int, now: float) -> bool:
         """Replace the banned numbers; return whether they changed. `ticket`: the newest."""
         wanted = dict.fromkeys(numbers)
         if wanted.keys() == self._bans.keys():
@@ -66,66 +66,66 @@ class Bans:
         for number in wanted:
             if number not in self._bans:
                 known = self._before.pop(number, None)
-                self._bans[number] = known or Ban(ticket=ticket, until=now + BROWSER_HOLDS)
+                self._bans[number] = known or Ban(ticket=ticket, until=now + BROWSER_BAN_SECONDS)
                 if number in self._known:
-                    self._trace(self._bans[number], self._known[number])
+                    self._add_traits(self._bans[number], self._known[number])
         self._before.clear()
         return True
 
-    def _trace(self, ban: Ban, trace: Trace) -> None:
+    def _add_traits(self, ban: Ban, trace: PhoneIdentity) -> None:
         ban.groups |= {trace.group, trace.device.origin}
         ban.browser = ban.browser or trace.browser
 
-    def enters(self, device: Device, group: int, browser: int, now: float, *, fresh: bool) -> bool:
+    def check_entry(self, device: Device, group: int, browser: int, now: float, *, fresh: bool) -> bool:
         """Record a phone that joins; return whether a ban covers it. `fresh`: it has just joined."""
-        trace = Trace(device, group, browser)
+        trace = PhoneIdentity(device, group, browser)
         self._known.pop(device.number, None)
         self._known[device.number] = trace
         if len(self._known) > MOST_KNOWN:
             del self._known[next(iter(self._known))]
         for number, ban in self._bans.items():
-            if number == device.number or device.number in ban.held:
-                self._trace(ban, trace)
+            if number == device.number or device.number in ban.covered:
+                self._add_traits(ban, trace)
                 return True
-            if self._holds(ban, trace, now, fresh=fresh):
-                self._hold(ban, trace)
+            if self._matches(ban, trace, now, fresh=fresh):
+                self._cover(ban, trace)
                 return True
         return False
 
-    def _holds(self, ban: Ban, trace: Trace, now: float, *, fresh: bool) -> bool:
+    def _matches(self, ban: Ban, trace: PhoneIdentity, now: float, *, fresh: bool) -> bool:
         if not ban.groups & {trace.group, trace.device.origin}:
             return False
         same_browser = bool(ban.browser) and trace.browser == ban.browser and now < ban.until
-        return self._apart or (fresh and (trace.device.ticket <= ban.ticket or same_browser))
+        return self._has_groups or (fresh and (trace.device.ticket <= ban.ticket or same_browser))
 
-    def _hold(self, ban: Ban, trace: Trace) -> None:
-        ban.held[trace.device.number] = None
-        if self._apart:
-            self._trace(ban, trace)
-        while len(ban.held) > MOST_HELD:
-            del ban.held[next(iter(ban.held))]
+    def _cover(self, ban: Ban, trace: PhoneIdentity) -> None:
+        ban.covered[trace.device.number] = None
+        if self._has_groups:
+            self._add_traits(ban, trace)
+        while len(ban.covered) > MAX_COVERED:
+            del ban.covered[next(iter(ban.covered))]
 
     def spread(self, there: Iterable[tuple[int, int, int]]) -> None:
         """Extend bans to connected phones (number, group, origin) of the banned groups.
 
         This applies only where phones have groups of their own.
         """
-        if not self._apart:
+        if not self._has_groups:
             return
         for number, group, origin in there:
             for banned, ban in self._bans.items():
                 if number != banned and ban.groups & {group, origin}:
-                    self._hold(ban, Trace(Device(number, 0, origin), group, 0))
+                    self._cover(ban, PhoneIdentity(Device(number, 0, origin), group, 0))
 
     def numbers(self) -> set[int]:
         """Return the numbers of all banned and covered phones."""
-        return {*self._bans, *(number for ban in self._bans.values() for number in ban.held)}
+        return {*self._bans, *(number for ban in self._bans.values() for number in ban.covered)}
 
-    def held(self) -> dict[str, list[int]]:
+    def covered(self) -> dict[str, list[int]]:
         """Return the phones covered by each ban, by banned number, for the operator."""
-        return {str(number): list(ban.held)[-8:] for number, ban in list(self._bans.items())[-16:] if ban.held}
+        return {str(number): list(ban.covered)[-8:] for number, ban in list(self._bans.items())[-16:] if ban.covered}
 
-    def tell(self) -> list[Any]:
+    def export(self) -> list[Any]:
         """Return the bans as rows of plain values, for the next gateway."""
-        return [[number, sorted(ban.groups)[:8], ban.browser, ban.ticket, ban.until, list(ban.held)[-16:]]
-                for number, ban in list(self._bans.items())[-MOST_TOLD:]]  # fmt: skip
+        return [[number, sorted(ban.groups)[:8], ban.browser, ban.ticket, ban.until, list(ban.covered)[-16:]]
+                for number, ban in list(self._bans.items())[-MAX_EXPORTED:]]  # fmt: skip

@@ -15,7 +15,7 @@ Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 MOST_HOPS: Final = 32
 """Maximum entries read, from the right."""
-LONGEST: Final = 4096
+MAX_HEADER_CHARS: Final = 4096
 """Maximum characters of a header read, from the right."""
 PREFIX: Final = 64
 """Bits of an IPv6 address that identify a subscriber's network; a device chooses the others freely."""
@@ -24,7 +24,7 @@ _FOR: Final = re.compile(r'(?:^|;)\s*for\s*=\s*(?:"((?:[^"\\]|\\.)*)"|([^;"\s]+)
 _WITH_PORT: Final = re.compile(r"\[([^\]]+)\](?::\d{1,5})?|([\d.]+):\d{1,5}")
 
 
-def address_of(text: str) -> Address | None:
+def parse_address(text: str) -> Address | None:
     """Parse an address of a peer or header, with or without a port or a zone; None if it is no address.
 
     An IPv4 address mapped into IPv6 (`::ffff:192.0.2.1`) is returned as IPv4.
@@ -57,7 +57,7 @@ class Proxies:
         """`networks`: addresses, or networks like `10.0.0.0/24`."""
         self._networks: tuple[Network, ...] = tuple(ipaddress.ip_network(each, strict=False) for each in networks)
 
-    def names(self, address: Address | None) -> bool:
+    def is_proxy(self, address: Address | None) -> bool:
         """Whether an address belongs to a proxy."""
         return address is not None and any(
             address in network for network in self._networks if network.version == address.version
@@ -69,8 +69,8 @@ class Proxies:
         If the headers cannot be read, or the two headers differ, the proxy's own address is returned: one of them is
         then forged, and it is unknown which.
         """
-        address = address_of(peer)
-        if not self.names(address):
+        address = parse_address(peer)
+        if not self.is_proxy(address):
             return address
         chains = [each for each in (_hops(forwarded_for, _plain_hops), _hops(forwarded, _rfc_hops)) if each]
         found = {self._rightmost(chain) for chain in chains}
@@ -79,7 +79,7 @@ class Proxies:
     def _rightmost(self, chain: Sequence[Address | None]) -> Address | None:
         """Return the rightmost address that is no proxy's; the leftmost if all are; None for an unreadable one."""
         for hop in reversed(chain):
-            if not self.names(hop):
+            if not self.is_proxy(hop):
                 return hop
         return chain[0]
 
@@ -104,4 +104,4 @@ def _hops(values: Sequence[str], entries: Callable[[str], list[str]]) -> list[Ad
     text = ",".join(values)
     if not text.strip():
         return []
-    return [address_of(entry) for entry in entries(text[-LONGEST:])[-MOST_HOPS:]]
+    return [parse_address(entry) for entry in entries(text[-MAX_HEADER_CHARS:])[-MOST_HOPS:]]

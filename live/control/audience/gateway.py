@@ -18,144 +18,144 @@ import numpy as np
 from aiohttp import web
 
 from live.clock.ticks import TICK
-from live.control.audience.broadcaster import Teller
-from live.control.audience.http_server import HELLO_WITHIN, Door
-from live.control.audience.session_state import Beat, Hall, Rules
+from live.control.audience.broadcaster import Broadcaster
+from live.control.audience.http_server import HELLO_TIMEOUT, HttpServer
+from live.control.audience.session_state import BeatClock, Rules, SessionState
 from live.control.audience.tls import server_context
-from live.control.helper_process import Told
-from live.control.message_codec import packet_of
+from live.control.helper_process import HelperChannel
+from live.control.message_codec import encode_packet
 from live.control.web.task_guard import guarded, keep_task
 
-SAY_EVERY: Final = 0.5
-RULES_WITHIN: Final = 1.0
+STATUS_INTERVAL: Final = 0.5
+RULES_TIMEOUT: Final = 1.0
 """Time to wait for the show's rules [s] before phones are accepted."""
-TIDY_EVERY: Final = 60.0
-TURNS: Final = 1024
+FULL_COLLECTION_INTERVAL: Final = 60.0
+MAX_TICKS: Final = 1024
 """Number of ticks whose lateness is recorded: 16 s."""
 FILES: Final = 1024
 """Additional file descriptors besides one per phone."""
-PARTS_WITHIN: Final = 2.0
+TLS_SHUTDOWN_TIMEOUT: Final = 2.0
 """Time-out of the TLS shutdown [s]."""
 
 
 class Gateway:
     """Gateway of one show. Thread: the loop's."""
 
-    def __init__(self, told: Told, plan: dict[str, Any]) -> None:
-        self._told, self._secret, self._link = told, bytes(plan["secret"]), str(plan["link"])
+    def __init__(self, channel: HelperChannel, plan: dict[str, Any]) -> None:
+        self._channel, self._secret, self._link = channel, bytes(plan["secret"]), str(plan["link"])
         self._certificate: tuple[bytes, bytes] | None = plan.get("certificate")
-        self.hall = Hall(plan)
-        self._teller = Teller(self.hall)
-        self.hall.gather = self.gather
-        self._door = Door(self.hall, self._teller, self._secret, plan)
-        self._over = asyncio.Event()
-        self._ruled = asyncio.Event()
-        self._late = np.zeros(TURNS)
-        self._turn = 0
-        self._tidied = self.hall.now()
+        self.session = SessionState(plan)
+        self._broadcaster = Broadcaster(self.session)
+        self.session.gather = self.gather
+        self._server = HttpServer(self.session, self._broadcaster, self._secret, plan)
+        self._ended = asyncio.Event()
+        self._has_rules = asyncio.Event()
+        self._lateness_samples = np.zeros(MAX_TICKS)
+        self._tick = 0
+        self._tidied = self.session.now()
 
-    def hear(self) -> None:
+    def receive(self) -> None:
         """Handle packets from the show."""
-        for packet in self._told.packets():
+        for packet in self._channel.packets():
             if isinstance(packet, Rules):
-                self.hall.rule(packet)
-                self._teller.take(packet)
-                self._ruled.set()
+                self.session.update_rules(packet)
+                self._broadcaster.update_rules(packet)
+                self._has_rules.set()
                 self.gather()  # the operator's change applies at once, not a tick later
-            elif isinstance(packet, Beat):
-                self.hall.beat = packet
-                self._teller.look(packet)
-        if self._told.ended:
-            self._over.set()
-            self._ruled.set()
+            elif isinstance(packet, BeatClock):
+                self.session.beat = packet
+                self._broadcaster.update_beat(packet)
+        if self._channel.closed:
+            self._ended.set()
+            self._has_rules.set()
 
     def gather(self) -> None:
         """Send the aggregate to the show: once per tick, and at once after a command of the operator.
 
         A message that is handled when a tick is due also calls this, because timers are late under load.
         """
-        now = self.hall.now()
-        self._late[self._turn % TURNS] = max(now - self.hall.due, 0.0)
-        self._turn += 1
-        self.hall.due = now + TICK
-        packet = self.hall.turn(now)
+        now = self.session.now()
+        self._lateness_samples[self._tick % MAX_TICKS] = max(now - self.session.due, 0.0)
+        self._tick += 1
+        self.session.due = now + TICK
+        packet = self.session.update(now)
         if packet is not None and not self._send(packet):
-            self.hall.together.unsaid()
-        self._teller.look_at_lights()
+            self.session.aggregator.resend()
+        self._broadcaster.update_highlights()
 
-    def _clock(self) -> None:
+    def _run_timer(self) -> None:
         """Gather by timer when no message does."""
-        if self.hall.now() >= self.hall.due:
+        if self.session.now() >= self.session.due:
             guarded("gathering voices", self.gather)()
-        asyncio.get_running_loop().call_later(max(self.hall.due - self.hall.now(), 0.001), self._clock)
+        asyncio.get_running_loop().call_later(max(self.session.due - self.session.now(), 0.001), self._run_timer)
 
     def _send(self, packet: tuple[Any, ...]) -> bool:
         """Send a packet to the show; return whether that was possible. The show may be blocked or gone."""
         try:
-            self._told.socket.send(packet_of(packet))
+            self._channel.socket.send(encode_packet(packet))
         except OSError:
             return False
         return True
 
-    async def say(self, runner: web.AppRunner) -> None:
+    async def report_status(self, runner: web.AppRunner) -> None:
         """Send the status periodically, and the join code whenever it changes."""
         key = ""
         while True:
-            self.hall.sweep()
-            self._door.sweep(list(runner.server.connections) if runner.server is not None else [])
-            fresh = self.hall.tickets.key(self.hall.now())
+            self.session.sweep()
+            self._server.sweep(list(runner.server.connections) if runner.server is not None else [])
+            fresh = self.session.tickets.key(self.session.now())
             if fresh != key:
                 link = f"{self._link}/#{fresh}"
-                key = fresh if self._send(("code", link, code_of(link))) else ""
-            self._told.say({**self.hall.facts(), "late_ms": self._lateness()})
-            self._tidy()
-            await asyncio.sleep(SAY_EVERY)
+                key = fresh if self._send(("code", link, qr_rows(link))) else ""
+            self._channel.send_facts({**self.session.facts(), "late_ms": self._lateness()})
+            self._collect_garbage()
+            await asyncio.sleep(STATUS_INTERVAL)
 
-    def _tidy(self) -> None:
+    def _collect_garbage(self) -> None:
         """Collect garbage: often only the youngest generation, once a minute all (about 50 ms with thousands of
         phones)."""
-        now = self.hall.now()
-        whole = now - self._tidied > TIDY_EVERY
+        now = self.session.now()
+        whole = now - self._tidied > FULL_COLLECTION_INTERVAL
         self._tidied = now if whole else self._tidied
         gc.collect(2 if whole else 0)
 
     def _lateness(self) -> list[float]:
         """Return the lateness of recent ticks, median and 99th percentile [ms]: the longest wait of a message."""
-        known = self._late[: max(min(self._turn, TURNS), 1)]
+        known = self._lateness_samples[: max(min(self._tick, MAX_TICKS), 1)]
         return [round(1e3 * float(value), 2) for value in np.percentile(known, (50, 99))]
 
     async def run(self, listening: socket.socket) -> None:
         """Serve until the show ends."""
         app = web.Application(client_max_size=1024)
-        app.router.add_route("*", "/{path:.*}", self._door.answer)
+        app.router.add_route("*", "/{path:.*}", self._server.answer)
         runner = web.AppRunner(app, access_log=None, handle_signals=False, keepalive_timeout=3.0)
         await runner.setup()
-        asyncio.get_running_loop().add_reader(self._told.socket, self.hear)
-        self.hear()
+        asyncio.get_running_loop().add_reader(self._channel.socket, self.receive)
+        self.receive()
         with contextlib.suppress(TimeoutError):  # the first phones should get the show's rules
-            await asyncio.wait_for(self._ruled.wait(), RULES_WITHIN)
+            await asyncio.wait_for(self._has_rules.wait(), RULES_TIMEOUT)
         tls = None if self._certificate is None else server_context(*self._certificate)
         handler: Any = runner.server
         server = await asyncio.get_running_loop().create_server(
-            handler, sock=listening, ssl=tls, backlog=1024, ssl_handshake_timeout=None if tls is None else HELLO_WITHIN,
-            ssl_shutdown_timeout=None if tls is None else PARTS_WITHIN,
+            handler, sock=listening, ssl=tls, backlog=1024, ssl_handshake_timeout=None if tls is None else HELLO_TIMEOUT,
+            ssl_shutdown_timeout=None if tls is None else TLS_SHUTDOWN_TIMEOUT,
         )  # fmt: skip
         tasks = [
-            keep_task("telling phones", self._teller.run),
-            keep_task("the phones' lights", self._teller.lights),
-            keep_task("the gateway's figures", lambda: self.say(runner)),
+            keep_task("telling phones", self._broadcaster.run),
+            keep_task("the phones' lights", self._broadcaster.run_highlights),
+            keep_task("the gateway's figures", lambda: self.report_status(runner)),
         ]
-        self._clock()
-        await self._over.wait()
+        self._run_timer()
+        await self._ended.wait()
         for task in tasks:
             task.cancel()
         server.close()
-        for phone in list(self.hall.phones.by_number.values()):
+        for phone in list(self.session.phones.by_number.values()):
             phone.transport.abort()
         await runner.cleanup()
 
 
-def code_of(link: str) -> list[str]:
+def qr_rows(link: str) -> list[str]:
     """Return the QR code of a link as rows of 0 and 1 without margin; empty if the library is missing."""
     try:
         import segno
@@ -181,18 +181,18 @@ def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop]:
     return made
 
 
-async def _run(told: Told, listening: socket.socket) -> None:
+async def _run(told: HelperChannel, listening: socket.socket) -> None:
     await Gateway(told, told.plan).run(listening)
 
 
 def main() -> None:
     """Serve until the show ends."""
     logging.disable(logging.CRITICAL)  # a traceback may contain a phone's address
-    told = Told(int(sys.argv[1]))
+    told = HelperChannel(int(sys.argv[1]))
     _more_files(int(told.plan["most"]) + FILES)
     gc.collect()
     gc.freeze()
-    gc.disable()  # see `_tidy`
+    gc.disable()  # see `_collect_garbage`
     with asyncio.Runner(loop_factory=_loop_factory()) as runner:
         runner.run(_run(told, socket.socket(fileno=told.plan["http"])))
 

@@ -19,15 +19,15 @@ from typing import Any, Final
 from aiohttp import WSMsgType, web
 
 from live.control.audience import phone_protocol as wire
-from live.control.audience.admission import OWN_WIFI, Answer
-from live.control.audience.arp_table import Neighbours
-from live.control.audience.broadcaster import Teller
-from live.control.audience.client_address import Proxies, address_of, group_of
-from live.control.audience.phone_registry import Device, Phone, device_of, group_number, hue_of, token_of
-from live.control.audience.rate_limit import Why
-from live.control.audience.session_state import Hall
-from live.control.audience.websocket_reader import Reading
-from live.control.web.web_server import is_ours
+from live.control.audience.admission import OWN_WIFI, JoinAnswer
+from live.control.audience.arp_table import ArpTable
+from live.control.audience.broadcaster import Broadcaster
+from live.control.audience.client_address import Proxies, group_of, parse_address
+from live.control.audience.phone_registry import Device, Phone, group_number, hue_of, token_of, verify_token
+from live.control.audience.rate_limit import RefusalReason
+from live.control.audience.session_state import SessionState
+from live.control.audience.websocket_reader import WebSocketReader
+from live.control.web.web_server import is_local_host
 
 PAGE: Final = Path(__file__).with_name("page.html")
 LANGUAGES: Final = ("en", "pt")
@@ -44,8 +44,8 @@ class Pages:
         for language in LANGUAGES:
             page = text.replace('<html lang="en"', f'<html lang="{language}"', 1).encode()
             self._pages[language] = (page, gzip.compress(page, 9, mtime=0))
-        hashes = [_hashed(found) for found in re.findall(r"<script>(.*?)</script>", text, re.S)]
-        styles = [_hashed(found) for found in re.findall(r"<style>(.*?)</style>", text, re.S)]
+        hashes = [_csp_hash(found) for found in re.findall(r"<script>(.*?)</script>", text, re.S)]
+        styles = [_csp_hash(found) for found in re.findall(r"<style>(.*?)</style>", text, re.S)]
         policy = (
             f"default-src 'none'; script-src {' '.join(hashes)}; style-src {' '.join(styles)}; "
             "connect-src 'self' ws: wss:; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
@@ -77,50 +77,50 @@ def language_of(accepted: str) -> str:
     return found
 
 
-def _hashed(text: str) -> str:
+def _csp_hash(text: str) -> str:
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
-HELLO_WITHIN: Final = 5.0
+HELLO_TIMEOUT: Final = 5.0
 """Time for a new connection to request a page or identify itself [s], including headers."""
-SPARE: Final = 16
+SPARE_CONNECTIONS: Final = 16
 """Connections of one address in addition to those of its phones."""
 MOST_OF_ADDRESS: Final = 1024
 """Maximum unidentified connections of one address on any network; configured proxies are not limited."""
-WAITING: Final = 512
+MAX_UNIDENTIFIED: Final = 512
 """Maximum unidentified connections in total."""
 
 
-class Door:
+class HttpServer:
     """Request handlers of the gateway. Thread: the gateway's loop."""
 
-    def __init__(self, hall: Hall, teller: Teller, secret: bytes, plan: dict[str, Any]) -> None:
+    def __init__(self, session: SessionState, broadcaster: Broadcaster, secret: bytes, plan: dict[str, Any]) -> None:
         """`plan`: the link that phones open, and the kind of network."""
-        self._hall, self._teller, self._secret = hall, teller, secret
+        self._session, self._broadcaster, self._secret = session, broadcaster, secret
         self._pages = Pages(str(plan["link"]))
         self._proxies = Proxies(plan.get("proxies", ()))
         own = plan.get("network", OWN_WIFI) == OWN_WIFI and bool(plan.get("by_card", True))
-        self._neighbours = Neighbours(secret) if own else None
-        of_group = int(plan["per_address"]) if hall.admission.apart else MOST_OF_ADDRESS
-        self._of_address = min(of_group, MOST_OF_ADDRESS) + SPARE
-        self._met: dict[Any, float] = {}
+        self._neighbours = ArpTable(secret) if own else None
+        of_group = int(plan["per_address"]) if session.admission.has_groups else MOST_OF_ADDRESS
+        self._max_per_address = min(of_group, MOST_OF_ADDRESS) + SPARE_CONNECTIONS
+        self._first_seen: dict[Any, float] = {}
         self._upgraded: set[Any] = set()
-        self._greeting: Counter[int] = Counter()
+        self._unidentified: Counter[int] = Counter()
 
     async def answer(self, request: web.Request) -> web.StreamResponse:
         """Answer with a page, or accept a phone's WebSocket."""
-        if not is_ours(request.headers.get("Host", ""), self._pages.host):
-            return self._refuse(Why.HOST, 403)
+        if not is_local_host(request.headers.get("Host", ""), self._pages.host):
+            return self._refuse(RefusalReason.HOST, 403)
         if request.path == "/ws" and request.headers.get("Upgrade", "").lower() == "websocket":
-            return await self._connected(request)
+            return await self._accept(request)
         if request.path != "/" or request.method not in ("GET", "HEAD"):
-            return self._refuse(Why.PATH, 404)
+            return self._refuse(RefusalReason.PATH, 404)
         page = self._pages.answer(request)
         page.force_close()  # the WebSocket follows on a connection of its own
         return page
 
-    def _refuse(self, why: Why, status: int) -> web.Response:
-        self._hall.refused[why] += 1
+    def _refuse(self, why: RefusalReason, status: int) -> web.Response:
+        self._session.refused[why] += 1
         response = web.Response(status=status, headers={"Retry-After": "5"} if status == 503 else None)
         response.force_close()
         return response
@@ -142,55 +142,55 @@ class Door:
         digest = hmac.new(self._secret, f"browser {words}".encode("utf-8", "replace"), hashlib.sha256).digest()
         return int.from_bytes(digest[:6], "big")
 
-    async def _connected(self, request: web.Request) -> web.StreamResponse:
+    async def _accept(self, request: web.Request) -> web.StreamResponse:
         if request.headers.get("Origin", "").partition("://")[2] != request.headers.get("Host", ""):
-            return self._refuse(Why.ORIGIN, 403)
-        if len(self._upgraded) >= self._hall.phones.most + WAITING:
-            return self._refuse(Why.FULL, 503)
+            return self._refuse(RefusalReason.ORIGIN, 403)
+        if len(self._upgraded) >= self._session.phones.most + MAX_UNIDENTIFIED:
+            return self._refuse(RefusalReason.FULL, 503)
         group = await self._group(request)
-        if self._greeting[group] >= self._of_address:
-            return self._refuse(Why.ADDRESS, 503)
-        ws = web.WebSocketResponse(max_msg_size=wire.LONGEST, compress=False, timeout=2.0)
+        if self._unidentified[group] >= self._max_per_address:
+            return self._refuse(RefusalReason.ADDRESS, 503)
+        ws = web.WebSocketResponse(max_msg_size=wire.MAX_HELLO_CHARS, compress=False, timeout=2.0)
         await ws.prepare(request)
         transport = request.transport
         self._upgraded.add(transport)
         phone: Phone | None = None
         try:
-            phone = await self._greeted(ws, request, group)
+            phone = await self._identify(ws, request, group)
             if phone is not None:
-                await phone.gone
+                await phone.disconnected
         except (ConnectionError, RuntimeError):  # disconnected meanwhile
             pass
         finally:
             self._upgraded.discard(transport)
             if phone is not None:
-                self._hall.part(phone)
+                self._session.disconnect(phone)
             with contextlib.suppress(ConnectionError, RuntimeError):
                 await ws.close()
         return ws
 
-    async def _greeted(self, ws: web.WebSocketResponse, request: web.Request, group: int) -> Phone | None:
+    async def _identify(self, ws: web.WebSocketResponse, request: web.Request, group: int) -> Phone | None:
         """Identify and welcome a phone; None if it may not join, in which case it gets the reason."""
-        hall = self._hall
-        self._greeting[group] += 1
+        hall = self._session
+        self._unidentified[group] += 1
         try:
-            first = await asyncio.wait_for(ws.receive(), HELLO_WITHIN)
+            first = await asyncio.wait_for(ws.receive(), HELLO_TIMEOUT)
         except TimeoutError:
-            hall.refused[Why.SILENT] += 1
+            hall.refused[RefusalReason.SILENT] += 1
             return None
         finally:
-            self._greeting[group] -= 1
-            if not self._greeting[group]:
-                del self._greeting[group]
-        hello = wire.hello_of(first.data) if first.type is WSMsgType.TEXT else None
+            self._unidentified[group] -= 1
+            if not self._unidentified[group]:
+                del self._unidentified[group]
+        hello = wire.parse_hello(first.data) if first.type is WSMsgType.TEXT else None
         if hello is None:
             if first.type in (WSMsgType.TEXT, WSMsgType.BINARY):
-                hall.refused[Why.MALFORMED] += 1
+                hall.refused[RefusalReason.MALFORMED] += 1
             elif first.type is WSMsgType.ERROR:
-                hall.refused[Why.LONG] += 1
+                hall.refused[RefusalReason.LONG] += 1
             return None
-        known = device_of(self._secret, hello.token) if hello.token else None
-        answer = self._may_enter(hello, known, group)
+        known = verify_token(self._secret, hello.token) if hello.token else None
+        answer = self._admit(hello, known, group)
         if answer.why is None:
             device = known if known is not None else Device(hall.phones.next, answer.ticket, group)
             hall.phones.next += known is None
@@ -198,49 +198,51 @@ class Door:
                 device, hello.region, group, self._browser(request), ws, request.transport, fresh=known is None
             )
             if phone is not None:
-                reading = Reading(hall, phone, request.protocol)
-                phone.gone = reading.gone
+                reading = WebSocketReader(hall, phone, request.protocol)
+                phone.disconnected = reading.disconnected
                 phone.transport.set_protocol(reading)
                 await self._welcome(phone, device)
                 return phone
-            answer = Answer(Why.FULL, HELLO_WITHIN)
+            answer = JoinAnswer(RefusalReason.FULL, HELLO_TIMEOUT)
         assert answer.why is not None
         hall.refused[answer.why] += 1
         told = {"no": answer.why.name.lower(), "in": round(answer.wait, 2)}
         await ws.send_str(json.dumps(told | ({"v": answer.voucher} if answer.voucher else {})))
         return None
 
-    def _may_enter(self, hello: wire.Hello, known: Device | None, group: int) -> Answer:
+    def _admit(self, hello: wire.Hello, known: Device | None, group: int) -> JoinAnswer:
         """Decide whether a phone may join, and when if not now."""
-        hall = self._hall
+        hall = self._session
         if known is not None:
-            return Answer() if known.number in hall.phones.by_number else hall.admission.known(group, hall.now())
-        answer = hall.admission.fresh(hello.key, hello.voucher, group, hall.now())
-        if answer.why is Why.ADDRESS:
-            hall.share(group)  # the group may be crowded now
+            return (
+                JoinAnswer() if known.number in hall.phones.by_number else hall.admission.admit_known(group, hall.now())
+            )
+        answer = hall.admission.admit_new(hello.key, hello.voucher, group, hall.now())
+        if answer.why is RefusalReason.ADDRESS:
+            hall.update_shares(group)  # the group may be crowded now
         return answer
 
     async def _welcome(self, phone: Phone, device: Device) -> None:
-        hall, number = self._hall, phone.number
-        every = self._teller.every()
+        hall, number = self._session, phone.number
+        every = self._broadcaster.touch_interval()
         region = int(hall.voices.region[phone.row])
         token = token_of(self._secret, device)
         await phone.ws.send_str(json.dumps({"w": [token, number, hue_of(number), every, region]}))
-        for words in self._teller.present():
+        for words in self._broadcaster.current_messages():
             await phone.ws.send_str(words)
 
     def sweep(self, connections: Sequence[Any]) -> None:
         """Close connections that request nothing, are too slow, or exceed their address's limit."""
-        now, met, of_address = self._hall.now(), {}, Counter[str]()
+        now, met, of_address = self._session.now(), {}, Counter[str]()
         for each in connections:
             transport = each.transport
             if transport is None or transport in self._upgraded:
                 continue
-            met[transport] = self._met.get(transport, now)
+            met[transport] = self._first_seen.get(transport, now)
             address = str((transport.get_extra_info("peername") or ("",))[0])
             of_address[address] += 1
-            many = of_address[address] > self._of_address and not self._proxies.names(address_of(address))
-            if many or now - met[transport] > HELLO_WITHIN:
-                self._hall.refused[Why.ADDRESS if many else Why.SILENT] += 1
+            many = of_address[address] > self._max_per_address and not self._proxies.is_proxy(parse_address(address))
+            if many or now - met[transport] > HELLO_TIMEOUT:
+                self._session.refused[RefusalReason.ADDRESS if many else RefusalReason.SILENT] += 1
                 transport.abort()
-        self._met = met
+        self._first_seen = met

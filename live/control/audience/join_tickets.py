@@ -7,28 +7,35 @@ pages load slowly. Then it admits only a few devices at a time until it expires.
 import secrets
 from typing import Final
 
-from live.control.audience.phone_registry import MOST_SERIAL, Voucher, ticket_key, ticket_of, voucher_of, voucher_text
-from live.control.audience.rate_limit import Bucket
+from live.control.audience.phone_registry import (
+    MOST_SERIAL,
+    Voucher,
+    find_ticket,
+    ticket_key,
+    verify_voucher,
+    voucher_text,
+)
+from live.control.audience.rate_limit import TokenBucket
 
-LOADS: Final = 20.0
+PAGE_LOAD_SECONDS: Final = 20.0
 """Maximum time from reading a code to loading the page [s]."""
 LATE_RATE: Final = 1.0
 LATE_BURST: Final = 8.0
 """Devices per second, and at once, admitted by a code that has been off display for longer than that."""
-VOUCHER_HOLDS: Final = 180.0
+VOUCHER_SECONDS: Final = 180.0
 """Validity of a voucher after it was issued, or after its slot [s]; a returning phone gets a new one."""
 MOST_USED: Final = 65_536
 
 
-class Tickets:
+class JoinTickets:
     """Issued tickets and vouchers. Thread: the gateway's loop."""
 
     def __init__(self, secret: bytes, shown: float, grace: float, devices: int) -> None:
         """`shown`: how long a code is displayed [s]; `grace`: how long it is valid after that [s]; `devices`: its
         limit."""
-        self._secret, self._shown, self._grace, self._devices = secret, shown, max(grace, LOADS), devices
+        self._secret, self._shown, self._grace, self._devices = secret, shown, max(grace, PAGE_LOAD_SECONDS), devices
         self._spent: dict[int, int] = {}
-        self._late: dict[int, Bucket] = {}
+        self._late: dict[int, TokenBucket] = {}
         self._used: dict[int, float] = {}
 
     def newest(self, now: float) -> int:
@@ -39,28 +46,28 @@ class Tickets:
         """Return the displayed ticket's key."""
         return ticket_key(self._secret, self.newest(now))
 
-    def of(self, key: str, now: float) -> int:
+    def find(self, key: str, now: float) -> int:
         """Return the valid ticket with that key; -1 if there is none."""
         valid = int(self._grace // self._shown) + 1
-        found = ticket_of(self._secret, key, self.newest(now), valid)
-        return found if found >= 0 and self._gone(found, now) < self._grace else -1
+        found = find_ticket(self._secret, key, self.newest(now), valid)
+        return found if found >= 0 and self._expired_for(found, now) < self._grace else -1
 
-    def _gone(self, ticket: int, now: float) -> float:
+    def _expired_for(self, ticket: int, now: float) -> float:
         """Return how long a ticket has been off display [s]."""
         return now - (ticket + 1) * self._shown
 
-    def is_late(self, ticket: int, now: float) -> bool:
+    def is_rate_limited(self, ticket: int, now: float) -> bool:
         """Whether a ticket has been off display so long that its join rate is limited, and the limit is reached."""
-        if self._gone(ticket, now) <= LOADS:
+        if self._expired_for(ticket, now) <= PAGE_LOAD_SECONDS:
             return False
         if ticket not in self._late:
             known = sorted(self._late)
             for old in known[: len(known) - 256]:
                 del self._late[old]
-            self._late[ticket] = Bucket(LATE_RATE, LATE_BURST)
-        return not self._late[ticket].take(now)
+            self._late[ticket] = TokenBucket(LATE_RATE, LATE_BURST)
+        return not self._late[ticket].try_take(now)
 
-    def spend(self, ticket: int) -> bool:
+    def use(self, ticket: int) -> bool:
         """Use a ticket for one device; return whether any uses were left."""
         spent = self._spent.get(ticket, 0)
         if spent >= self._devices:
@@ -72,25 +79,25 @@ class Tickets:
 
     # -- vouchers ------------------------------------------------------------------------------------------------
 
-    def voucher(self, ticket: int, slot: float, now: float, serial: int = 0) -> str:
+    def issue_voucher(self, ticket: int, slot: float, now: float, serial: int = 0) -> str:
         """Issue a voucher for the `slot` [s of the show; 0: none]; `serial`: that of the voucher it replaces."""
-        until = max(slot, now) + VOUCHER_HOLDS
+        until = max(slot, now) + VOUCHER_SECONDS
         serial = serial or 1 + secrets.randbelow(MOST_SERIAL - 1)
         return voucher_text(self._secret, Voucher(ticket, round(1e3 * slot), round(1e3 * until), serial))
 
-    def redeemable(self, text: str, now: float) -> Voucher | None:
+    def find_voucher(self, text: str, now: float) -> Voucher | None:
         """Return the voucher if it is unused and has not expired."""
-        found = voucher_of(self._secret, text)
+        found = verify_voucher(self._secret, text)
         return None if found is None or now > found.until_ms / 1e3 or found.serial in self._used else found
 
     def redeem(self, voucher: Voucher) -> None:
         """Mark a voucher as used."""
-        self._used[voucher.serial] = voucher.until_ms / 1e3 + VOUCHER_HOLDS
+        self._used[voucher.serial] = voucher.until_ms / 1e3 + VOUCHER_SECONDS
         if len(self._used) > MOST_USED:
             for serial in sorted(self._used, key=self._used.__getitem__)[: MOST_USED // 2]:
                 del self._used[serial]
 
-    def tidy(self, now: float) -> None:
+    def expire(self, now: float) -> None:
         """Delete expired records."""
         self._used = {serial: until for serial, until in self._used.items() if now < until}
         oldest = self.newest(now) - int(self._grace // self._shown) - 2

@@ -12,27 +12,27 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.control.audience.phone_protocol import ATTRACT, FULL_SCALE, REPEL, TOUCHES
+from live.control.audience.phone_protocol import ATTRACT, FULL_SCALE, REPEL, TOUCH_DTYPE
 
 Float64 = npt.NDArray[np.float64]
 
-FRESH: Final = 0.75
+FRESH_SECONDS: Final = 0.75
 """A voice keeps its full weight this long [s] after its last message; resting fingers send three messages a second."""
-FADES: Final = 1.0
+FADE_HALF_LIFE: Final = 1.0
 """Half-life [s] of a voice after that."""
-GONE: Final = 0.05
+MIN_FRESHNESS: Final = 0.05
 """A voice below this share of its weight is ignored."""
 BANDWIDTH: Final = 1.2
 """Voices within this distance [m] of each other form one place."""
 CELL: Final = 0.4
 """Cell size [m] of the initial density estimate."""
 PLACES: Final = 4
-LEAST: Final = 0.3
+MIN_PLACE_WEIGHT: Final = 0.3
 """Places with less than this share of the heaviest place's weight are ignored."""
-FEW: Final = 4.0
-ENOUGH: Final = 0.05
+MIN_PHONES: Final = 4.0
+FULL_FORCE_SHARE: Final = 0.05
 """The force is full from this share of the phones on, but needs at least `FEW` phones if there are several."""
-SHAKES: Final = 1.0
+SHAKE_SECONDS: Final = 1.0
 """A shake counts this long [s]."""
 
 
@@ -62,20 +62,20 @@ class Voices:
         """`most`: maximum number of simultaneous phones."""
         self.x: Float64 = np.zeros(most)
         self.z: Float64 = np.zeros(most)
-        self.said: Float64 = np.full(most, -np.inf)
+        self.message_time: Float64 = np.full(most, -np.inf)
         """Time of each row's last message [s]."""
-        self.shook: Float64 = np.full(most, -np.inf)
+        self.shake_time: Float64 = np.full(most, -np.inf)
         self.mode = np.zeros(most, np.int8)
-        self.held = np.zeros(most, np.bool_)
+        self.touching = np.zeros(most, np.bool_)
         """Whether the finger is on the screen."""
         self.region = np.zeros(most, np.int64)
         self.number = np.zeros(most, np.int64)
         """The phone's number; 0: the row is free."""
-        self.heard = np.ones(most, np.bool_)
+        self.allowed = np.ones(most, np.bool_)
         """False for a banned phone."""
-        self.part: Float64 = np.ones(most)
+        self.share: Float64 = np.ones(most)
         """Fraction of a voice of each row."""
-        self.said_now: dict[int, tuple[bytes, float]] = {}
+        self.pending_touches: dict[int, tuple[bytes, float]] = {}
         """Latest raw message and its time [s] of each row since the last `take_up`."""
         self._free = list(range(most - 1, -1, -1))
         self._weights: Float64 = np.ones(1)
@@ -86,38 +86,38 @@ class Voices:
         """Number of connected phones."""
         return len(self.number) - len(self._free)
 
-    def add(self, number: int, region: int, *, heard: bool) -> int:
+    def add(self, number: int, region: int, *, allowed: bool) -> int:
         """Add a phone; return its row, -1 if there is no room."""
         if not self._free:
             return -1
         row = self._free.pop()
-        self.number[row], self.region[row], self.heard[row] = number, region, heard
-        self.mode[row], self.held[row], self.part[row] = 0, False, 1.0
-        self.said[row] = self.shook[row] = -np.inf
+        self.number[row], self.region[row], self.allowed[row] = number, region, allowed
+        self.mode[row], self.touching[row], self.share[row] = 0, False, 1.0
+        self.message_time[row] = self.shake_time[row] = -np.inf
         return row
 
     def remove(self, row: int) -> None:
         """Free a row."""
         self.number[row] = 0
         self.mode[row] = 0
-        self.said_now.pop(row, None)
+        self.pending_touches.pop(row, None)
         self._free.append(row)
 
-    def rule(self, weights: Sequence[float], banned: Sequence[int], half: tuple[float, float]) -> None:
+    def update_rules(self, weights: Sequence[float], banned: Sequence[int], half: tuple[float, float]) -> None:
         """Set the regions' weights, the banned phones, and the stage's half sizes [m]."""
         self._weights = np.array(weights or [1.0], np.float64)
-        self.heard = ~np.isin(self.number, np.array(banned, np.int64))
+        self.allowed = ~np.isin(self.number, np.array(banned, np.int64))
         self._half = half
 
-    def take_up(self) -> None:
+    def apply_touches(self) -> None:
         """Apply the collected touch messages, which are well formed (see `phone_protocol`)."""
-        if not self.said_now:
+        if not self.pending_touches:
             return
-        rows = np.fromiter(self.said_now, np.int64, len(self.said_now))
-        said = np.frombuffer(b"".join(data for data, _ in self.said_now.values()), TOUCHES)
-        self.said[rows] = [when for _, when in self.said_now.values()]
-        self.said_now.clear()
-        self.held[rows] = said["mode"] != 0
+        rows = np.fromiter(self.pending_touches, np.int64, len(self.pending_touches))
+        said = np.frombuffer(b"".join(data for data, _ in self.pending_touches.values()), TOUCH_DTYPE)
+        self.message_time[rows] = [when for _, when in self.pending_touches.values()]
+        self.pending_touches.clear()
+        self.touching[rows] = said["mode"] != 0
         there = said["mode"] != 0
         rows, said = rows[there], said[there]
         self.mode[rows] = said["mode"]
@@ -129,44 +129,44 @@ class Voices:
         if mode:
             self.mode[row] = mode
             self.x[row], self.z[row] = (2.0 * x - 1.0) * self._half[0], (2.0 * z - 1.0) * self._half[1]
-        self.held[row] = mode != 0
-        self.said[row] = now
+        self.touching[row] = mode != 0
+        self.message_time[row] = now
 
     def weights(self, now: float) -> Float64:
         """Return the present weight of each row, (N,)."""
         region = np.minimum(self.region, len(self._weights) - 1)
-        age = np.maximum(now - self.said - FRESH * self.held, 0.0)
-        fresh = 0.5 ** (age / FADES)
-        weight = self._weights[region] * self.part * fresh
-        weight[(fresh < GONE) | (self.mode == 0) | ~self.heard] = 0.0
+        age = np.maximum(now - self.message_time - FRESH_SECONDS * self.touching, 0.0)
+        fresh = 0.5 ** (age / FADE_HALF_LIFE)
+        weight = self._weights[region] * self.share * fresh
+        weight[(fresh < MIN_FRESHNESS) | (self.mode == 0) | ~self.allowed] = 0.0
         return weight
 
     def people(self) -> float:
         """Return the total number of voices, speaking or not; fractions of a voice are added."""
-        return float(self.part[(self.number > 0) & self.heard].sum())
+        return float(self.share[(self.number > 0) & self.allowed].sum())
 
-    def shaken(self, now: float) -> float:
+    def shaken_share(self, now: float) -> float:
         """Return the share of voices that are being shaken."""
         people = self.people()
-        shaken = (now - self.shook < SHAKES) & self.heard & (self.number > 0)
-        return min(float(self.part[shaken].sum()) / people, 1.0) if people > 0.0 else 0.0
+        shaken = (now - self.shake_time < SHAKE_SECONDS) & self.allowed & (self.number > 0)
+        return min(float(self.share[shaken].sum()) / people, 1.0) if people > 0.0 else 0.0
 
     def force(self, now: float, weight: Float64 | None = None) -> Force:
         """Return the combined force; `weight`: the result of `weights`, if known."""
-        count, shaken = self.people(), self.shaken(now)
+        count, shaken = self.people(), self.shaken_share(now)
         weight = self.weights(now) if weight is None else weight
         rows = np.flatnonzero(weight)
         if not len(rows):
             return Force(0.0, (), shaken)
         x, z, mode, weight = self.x[rows], self.z[rows], self.mode[rows], weight[rows]
-        enough = max(min(FEW, count), ENOUGH * count)
+        enough = max(min(MIN_PHONES, count), FULL_FORCE_SHARE * count)
         share = min(float(weight.sum()) / enough, 1.0) ** 2
         found = [
             place for kind in (ATTRACT, REPEL) for place in _places(x, z, np.where(mode == kind, weight, 0.0), kind)
         ]
         found.sort(key=lambda place: -place.weight)
         most = found[0].weight
-        kept = [place for place in found[:PLACES] if place.weight >= LEAST * most]
+        kept = [place for place in found[:PLACES] if place.weight >= MIN_PLACE_WEIGHT * most]
         return Force(share, tuple(Place(p.x, p.z, p.weight / most, p.mode) for p in kept), shaken)
 
 
@@ -180,7 +180,7 @@ def _places(x: Float64, z: Float64, weight: Float64, mode: int) -> list[Place]:
     x, z, left, wide = _cells(x, z, weight)
     found: list[Place] = []
     for _ in range(PLACES):
-        around = _around(left, wide)
+        around = _neighbourhood_weight(left, wide)
         best = int(np.argmax(around * (left > 0.0)))
         if left[best] <= 0.0:
             break
@@ -211,7 +211,7 @@ def _cells(x: Float64, z: Float64, weight: Float64) -> tuple[Float64, Float64, F
     return np.bincount(cell, weight * x, count) / parts, np.bincount(cell, weight * z, count) / parts, total, wide
 
 
-def _around(weight: Float64, wide: int) -> Float64:
+def _neighbourhood_weight(weight: Float64, wide: int) -> Float64:
     """Return the total weight of each cell and its eight neighbours."""
     cells = weight.reshape(-1, wide)
     around = cells.copy()

@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-LONGEST: Final = 256
+MAX_HELLO_CHARS: Final = 256
 TOUCH: Final = 1
 PING: Final = 2
 VOTE: Final = 3
@@ -27,7 +27,7 @@ REPEL: Final = 2
 """Modes of a touch: finger lifted, attract dancers, repel dancers."""
 FULL_SCALE: Final = 65535.0
 
-TOUCHES: Final = np.dtype([("verb", "u1"), ("mode", "u1"), ("x", "<u2"), ("z", "<u2")])
+TOUCH_DTYPE: Final = np.dtype([("verb", "u1"), ("mode", "u1"), ("x", "<u2"), ("z", "<u2")])
 """Array type of touches: x and z in 1/65535 of the stage, from the left and from the back."""
 _PONG: Final = struct.Struct("<B8sd")
 
@@ -42,9 +42,9 @@ class Hello:
     region: int = 0
 
 
-def hello_of(text: str) -> Hello | None:
+def parse_hello(text: str) -> Hello | None:
     """Parse the first message; None for anything else."""
-    if len(text) > LONGEST:
+    if len(text) > MAX_HELLO_CHARS:
         return None
     try:
         said = json.loads(text)

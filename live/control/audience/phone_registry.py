@@ -14,11 +14,11 @@ from typing import Any, Final
 
 from live.control.audience.rate_limit import BURST
 
-PATIENCE: Final = 4
+MAX_MALFORMED: Final = 4
 """Malformed messages before a phone is disconnected."""
-TOO_FAST: Final = 300
+MAX_FAST: Final = 300
 """Rate-limited messages before a phone is disconnected."""
-KEEPS: Final = 60.0
+PLACE_KEPT_SECONDS: Final = 60.0
 """Time for which a disconnected phone keeps its place [s]."""
 
 
@@ -34,15 +34,15 @@ class Phone:
     transport: Any
     origin: int = 0
     """The group in which it first joined."""
-    left: float = BURST
+    tokens_left: float = BURST
     """Messages that it could still send at once …"""
-    at: float = 0.0
+    last_message_at: float = 0.0
     """… at the time [s] of its last one."""
     malformed: int = 0
     fast: int = 0
-    gone: Any = None
+    disconnected: Any = None
     """Future that is done when the connection is lost."""
-    lit: bool = False
+    highlighted: bool = False
     """Whether the phone was informed that it is highlighted."""
     vote: tuple[int, int] = (0, 0)
     """Number of the vote, and the choice."""
@@ -73,7 +73,7 @@ class Phones:
             kept = len(self._kept)
         return len(self.by_number) + kept >= self.most
 
-    def of(self, group: int) -> list[Phone]:
+    def in_group(self, group: int) -> list[Phone]:
         """Return the phones of a group, in order of arrival."""
         return list(self._of_group.get(group, ()))
 
@@ -84,7 +84,7 @@ class Phones:
             found |= self._of_group.get(group, {}) | self._of_origin.get(group, {})
         return list(found)
 
-    def relatives(self, phone: Phone) -> int:
+    def related_count(self, phone: Phone) -> int:
         """Return the size of the phone's group, or of the group in which it joined if that is larger."""
         return max(len(self._of_group.get(phone.group, ())), len(self._of_origin.get(phone.origin, ())), 1)
 
@@ -107,7 +107,7 @@ class Phones:
         if self.by_number.get(phone.number) is phone:
             del self.by_number[phone.number]
             if not phone.left_by_itself and len(self._kept) < self.most:
-                self._kept[phone.number] = now + KEEPS
+                self._kept[phone.number] = now + PLACE_KEPT_SECONDS
             return True
         return False
 
@@ -141,16 +141,16 @@ class Voucher:
     serial: int
 
 
-def _signed(secret: bytes, words: str) -> str:
+def _sign(secret: bytes, words: str) -> str:
     digest = hmac.new(secret, words.encode(), hashlib.sha256).digest()[:KEY_BYTES]
     return base64.urlsafe_b64encode(digest).decode()
 
 
-def _fits(secret: bytes, words: str, signature: str) -> bool:
-    return hmac.compare_digest(_signed(secret, words).encode(), signature.encode("utf-8", "replace"))
+def _is_signature(secret: bytes, words: str, signature: str) -> bool:
+    return hmac.compare_digest(_sign(secret, words).encode(), signature.encode("utf-8", "replace"))
 
 
-def _numbers(text: str, count: int) -> tuple[int, ...] | None:
+def _parse_numbers(text: str, count: int) -> tuple[int, ...] | None:
     """Parse exactly `count` whole numbers separated by dots in canonical form; None for anything else."""
     words = text.split(".")
     if len(words) != count or not all(word.isascii() and word.isdecimal() and len(word) <= 15 for word in words):
@@ -161,14 +161,14 @@ def _numbers(text: str, count: int) -> tuple[int, ...] | None:
 
 def ticket_key(secret: bytes, ticket: int) -> str:
     """Return a ticket's key as used in the link."""
-    return _signed(secret, f"link {ticket}")
+    return _sign(secret, f"link {ticket}")
 
 
-def ticket_of(secret: bytes, key: str, newest: int, valid: int) -> int:
+def find_ticket(secret: bytes, key: str, newest: int, valid: int) -> int:
     """Return the ticket with that key among `newest` and the `valid` ones before it; -1 if none matches."""
     found = -1
     for ticket in range(max(newest - valid, 0), newest + 1):  # all are compared, so that timing reveals nothing
-        if _fits(secret, f"link {ticket}", key):
+        if _is_signature(secret, f"link {ticket}", key):
             found = ticket
     return found
 
@@ -181,14 +181,14 @@ def group_number(secret: bytes, group: str) -> int:
 def token_of(secret: bytes, device: Device) -> str:
     """Return the token of a phone."""
     words = f"{device.number}.{device.ticket}.{device.origin}"
-    return f"{words}.{_signed(secret, f'phone {words}')}"
+    return f"{words}.{_sign(secret, f'phone {words}')}"
 
 
-def device_of(secret: bytes, token: str) -> Device | None:
+def verify_token(secret: bytes, token: str) -> Device | None:
     """Verify a token and return its device; None if it is not genuine."""
     words, _, signature = token.rpartition(".")
-    found = _numbers(words, 3)
-    if found is None or not 0 < found[0] < MOST_NUMBER or not _fits(secret, f"phone {words}", signature):
+    found = _parse_numbers(words, 3)
+    if found is None or not 0 < found[0] < MOST_NUMBER or not _is_signature(secret, f"phone {words}", signature):
         return None
     return Device(*found)
 
@@ -196,14 +196,14 @@ def device_of(secret: bytes, token: str) -> Device | None:
 def voucher_text(secret: bytes, voucher: Voucher) -> str:
     """Return the text of a voucher."""
     words = f"{voucher.ticket}.{voucher.slot_ms}.{voucher.until_ms}.{voucher.serial}"
-    return f"{words}.{_signed(secret, f'voucher {words}')}"
+    return f"{words}.{_sign(secret, f'voucher {words}')}"
 
 
-def voucher_of(secret: bytes, text: str) -> Voucher | None:
+def verify_voucher(secret: bytes, text: str) -> Voucher | None:
     """Verify the text of a voucher; None if it is not genuine."""
     words, _, signature = text.rpartition(".")
-    found = _numbers(words, 4)
-    return None if found is None or not _fits(secret, f"voucher {words}", signature) else Voucher(*found)
+    found = _parse_numbers(words, 4)
+    return None if found is None or not _is_signature(secret, f"voucher {words}", signature) else Voucher(*found)
 
 
 def hue_of(number: int) -> int:

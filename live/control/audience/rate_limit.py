@@ -4,7 +4,7 @@ from enum import StrEnum
 from typing import Final
 
 
-class Why(StrEnum):
+class RefusalReason(StrEnum):
     """Reasons for refusal. The list is fixed, so that no sender can make the counters grow."""
 
     HOST = "phone: foreign host"
@@ -26,7 +26,7 @@ class Why(StrEnum):
     CLOSED = "phone: audience closed"
 
 
-class Bucket:
+class TokenBucket:
     """Token bucket with a burst size and a rate per second."""
 
     __slots__ = ("_at", "_burst", "_left", "_rate")
@@ -35,7 +35,7 @@ class Bucket:
         self._rate, self._burst = rate, burst
         self._left, self._at = burst, 0.0
 
-    def take(self, now: float) -> bool:
+    def try_take(self, now: float) -> bool:
         """Take a token if one is available at `now` [s]; return whether it was."""
         left = min(self._left + max(now - self._at, 0.0) * self._rate, self._burst)
         self._at = now
@@ -46,7 +46,7 @@ class Bucket:
         return True
 
 
-class Line:
+class WaitingLine:
     """Waiting line with reserved slots: a burst at once, then a rate per second.
 
     A virtual scheduling queue (GCRA, ITU-T I.371): it stores two numbers for any length.

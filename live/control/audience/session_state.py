@@ -8,17 +8,17 @@ from typing import Any, Final
 
 from live.control.audience import phone_protocol as wire
 from live.control.audience.admission import OWN_WIFI, Admission
-from live.control.audience.aggregator import Together
+from live.control.audience.aggregator import Aggregator
 from live.control.audience.bans import Bans
-from live.control.audience.join_tickets import Tickets
+from live.control.audience.join_tickets import JoinTickets
 from live.control.audience.participant_state import Voices
-from live.control.audience.phone_registry import PATIENCE, TOO_FAST, Device, Phone, Phones
-from live.control.audience.rate_limit import ALL_BURST, ALL_RATE, BURST, RATE, Why
+from live.control.audience.phone_registry import MAX_FAST, MAX_MALFORMED, Device, Phone, Phones
+from live.control.audience.rate_limit import ALL_BURST, ALL_RATE, BURST, RATE, RefusalReason
 from live.control.message_codec import registered
 
-SLIPS: Final = 0.010
+CLOCK_TOLERANCE: Final = 0.010
 """Phones get a new clock message when their beat would be wrong by this much [s] …"""
-AHEAD: Final = 2.0
+CLOCK_HORIZON: Final = 2.0
 """… within this time [s]."""
 
 
@@ -46,7 +46,7 @@ class Rules:
 
 @registered("beat")
 @dataclass(frozen=True, slots=True)
-class Beat:
+class BeatClock:
     """Beat clock: `beat` at `time` [s of the show], tempo and measure."""
 
     time: float = 0.0
@@ -56,63 +56,63 @@ class Beat:
     line: float = 0.0
     """Beat of a measure line."""
 
-    def at(self, time: float) -> float:
+    def beat_at(self, time: float) -> float:
         """Return the beat at `time` [s]."""
         return self.beat + (time - self.time) * self.tempo / 60.0
 
-    def slipped(self, other: "Beat", now: float) -> bool:
+    def differs(self, other: "BeatClock", now: float) -> bool:
         """Whether `other` differs noticeably from this beat, now or soon."""
-        apart = max(abs(self.at(t) - other.at(t)) for t in (now, now + AHEAD)) * 60.0 / self.tempo
+        apart = max(abs(self.beat_at(t) - other.beat_at(t)) for t in (now, now + CLOCK_HORIZON)) * 60.0 / self.tempo
         metre = self.beats_per_measure != other.beats_per_measure
         turned = (self.line - other.line) % self.beats_per_measure
-        return metre or apart > SLIPS or min(turned, self.beats_per_measure - turned) > 0.01
+        return metre or apart > CLOCK_TOLERANCE or min(turned, self.beats_per_measure - turned) > 0.01
 
 
-RESTS = 5.0
+ROW_KEPT_SECONDS = 5.0
 """Time after which the row of a disconnected phone is freed [s]; its voice fades meanwhile."""
-SILENT = 50.0
+SILENCE_TIMEOUT = 50.0
 """A phone sends at least a ping every 20 s; one that is silent for this long [s] is disconnected."""
-LEAST_JOINS: Final = 200
+MIN_JOINS_PER_CODE: Final = 200
 """A code admits twice the maximum of simultaneous phones, as some wait, and at least this number."""
-SPARE = 64
+SPARE_ROWS = 64
 """Additional rows for phones that have just disconnected."""
 
 
-class Hall:
+class SessionState:
     """Session state of the gateway. Thread: the gateway's loop."""
 
     def __init__(self, plan: dict[str, Any]) -> None:
         most = int(plan["most"])
         self._origin = float(plan["origin"])
         secret, network = bytes(plan.get("secret", b"")), str(plan.get("network", OWN_WIFI))
-        devices = int(plan.get("joins_per_code") or max(2 * most, LEAST_JOINS))
+        devices = int(plan.get("joins_per_code") or max(2 * most, MIN_JOINS_PER_CODE))
         self.phones = Phones(most, int(plan["first"]))
-        self.tickets = Tickets(secret, float(plan.get("code_s", 30.0)), float(plan.get("grace_s", 120.0)), devices)
+        self.tickets = JoinTickets(secret, float(plan.get("code_s", 30.0)), float(plan.get("grace_s", 120.0)), devices)
         self.admission = Admission(self.phones, self.tickets, network, int(plan["per_address"]), secret)
-        self.bans = Bans(apart=self.admission.apart, told=plan.get("bans", ()))
-        self.voices = Voices(most + SPARE)
-        self.together = Together(self.voices, int(plan["visible"]))
-        self.rules, self.beat = Rules(), Beat()
+        self.bans = Bans(has_groups=self.admission.has_groups, exported=plan.get("bans", ()))
+        self.voices = Voices(most + SPARE_ROWS)
+        self.aggregator = Aggregator(self.voices, int(plan["visible"]))
+        self.rules, self.beat = Rules(), BeatClock()
         self.refused: Counter[str] = Counter()
         self.messages = 0
         self.due = 0.0
         """Time [s] of the next aggregate."""
         self.gather: Callable[[], None] = lambda: None
-        self._left, self._filled = ALL_BURST, 0.0
-        self._parted: dict[int, tuple[int, float]] = {}
+        self._tokens_left, self._filled = ALL_BURST, 0.0
+        self._disconnected: dict[int, tuple[int, float]] = {}
 
     def now(self) -> float:
         """Return the time of the show [s]."""
         return time.perf_counter() - self._origin
 
-    def rule(self, rules: Rules) -> None:
+    def update_rules(self, rules: Rules) -> None:
         """Apply new rules."""
         self.rules = rules
         now = self.now()
-        if self.bans.rule(rules.banned, self.tickets.newest(now), now):
+        if self.bans.set_banned(rules.banned, self.tickets.newest(now), now):
             self.bans.spread((one.number, one.group, one.origin) for one in self.phones.by_number.values())
-        self.voices.rule(rules.weights, sorted(self.bans.numbers()), rules.half)
-        self.together.order = rules.order
+        self.voices.update_rules(rules.weights, sorted(self.bans.numbers()), rules.half)
+        self.aggregator.order = rules.order
 
     # -- connections ---------------------------------------------------------------------------------------------
 
@@ -125,93 +125,93 @@ class Hall:
         """
         number, now = device.number, self.now()
         region = min(region, max(len(self.rules.regions) - 1, 0))
-        row, _ = self._parted.pop(number, (-1, 0.0))
+        row, _ = self._disconnected.pop(number, (-1, 0.0))
         before = self.phones.by_number.get(number)
         if before is not None:
             row, before.row = before.row, -1
-        heard = not self.bans.enters(device, group, browser, now, fresh=fresh)
+        heard = not self.bans.check_entry(device, group, browser, now, fresh=fresh)
         if row < 0:
-            row = self.voices.add(number, region, heard=heard)
+            row = self.voices.add(number, region, allowed=heard)
         if row < 0:
             return None
-        self.voices.region[row], self.voices.heard[row] = region, heard
-        phone = Phone(number, row, group, ws, transport, device.origin, at=now)
+        self.voices.region[row], self.voices.allowed[row] = region, heard
+        phone = Phone(number, row, group, ws, transport, device.origin, last_message_at=now)
         self.phones.add(phone)
         if before is not None:
             before.transport.abort()
-        self.share(phone.group, phone.origin)
+        self.update_shares(phone.group, phone.origin)
         return phone
 
-    def share(self, *groups: int) -> None:
+    def update_shares(self, *groups: int) -> None:
         """Update the fractions of a voice of all phones in these groups."""
         now = self.now()
-        for one in self.phones.related(*groups) if self.admission.apart else ():
+        for one in self.phones.related(*groups) if self.admission.has_groups else ():
             if one.row >= 0:
-                self.voices.part[one.row] = self.admission.part(one, now)
+                self.voices.share[one.row] = self.admission.voice_share(one, now)
 
-    def part(self, phone: Phone) -> None:
+    def disconnect(self, phone: Phone) -> None:
         """Handle a disconnection: lift the finger and let the voice fade; the phone may reconnect."""
         now = self.now()
         self.phones.remove(phone, now)
-        self.share(phone.group, phone.origin)
+        self.update_shares(phone.group, phone.origin)
         if phone.row >= 0:  # otherwise another connection has it
-            self.voices.held[phone.row] = False
-            self._parted[phone.number] = (phone.row, now)
+            self.voices.touching[phone.row] = False
+            self._disconnected[phone.number] = (phone.row, now)
 
     def sweep(self) -> None:
         """Free the rows of phones that are gone, and disconnect silent ones."""
         now = self.now()
         for phone in list(self.phones.by_number.values()):
-            if now - phone.at > SILENT:
-                self.refused[Why.IDLE] += 1
+            if now - phone.last_message_at > SILENCE_TIMEOUT:
+                self.refused[RefusalReason.IDLE] += 1
                 phone.transport.abort()
-        for number, (row, since) in list(self._parted.items()):
-            if now - since > RESTS:
-                del self._parted[number]
+        for number, (row, since) in list(self._disconnected.items()):
+            if now - since > ROW_KEPT_SECONDS:
+                del self._disconnected[number]
                 self.voices.remove(row)
-        for group in self.admission.calmed(now):
-            self.share(group)
-        self.tickets.tidy(now)
+        for group in self.admission.expire_crowds(now):
+            self.update_shares(group)
+        self.tickets.expire(now)
 
     # -- messages ------------------------------------------------------------------------------------------------
 
-    def hear(self, phone: Phone, data: bytes, now: float) -> bytes | None:
+    def handle_message(self, phone: Phone, data: bytes, now: float) -> bytes | None:
         """Handle one message; return its answer (may be empty), or None if the phone must leave. About 20,000 per
         second."""
         self.messages += 1
         if now >= self.due:
             self.gather()
-        left = phone.left + (now - phone.at) * RATE
-        phone.at = now
+        left = phone.tokens_left + (now - phone.last_message_at) * RATE
+        phone.last_message_at = now
         if left < 1.0:
-            phone.left = left
-            return b"" if self.amiss(phone, Why.FAST) else None
-        phone.left = BURST - 1.0 if left > BURST else left - 1.0
-        self._left -= 1.0
-        if self._left < 0.0:
-            self.refused[Why.BUSY] += 1
+            phone.tokens_left = left
+            return b"" if self.count_fault(phone, RefusalReason.FAST) else None
+        phone.tokens_left = BURST - 1.0 if left > BURST else left - 1.0
+        self._tokens_left -= 1.0
+        if self._tokens_left < 0.0:
+            self.refused[RefusalReason.BUSY] += 1
             return b""
         if len(data) == 6 and data[0] == wire.TOUCH and data[1] <= wire.REPEL:
             if phone.row >= 0:
-                self.voices.said_now[phone.row] = (data, now)
+                self.voices.pending_touches[phone.row] = (data, now)
             return b""
         if not wire.is_well_formed(data):
-            return b"" if self.amiss(phone, Why.MALFORMED) else None
+            return b"" if self.count_fault(phone, RefusalReason.MALFORMED) else None
         if data[0] == wire.PING:
             return wire.pong(data, now)
-        self._take(phone, data, now)
+        self._handle_verb(phone, data, now)
         return b""
 
-    def amiss(self, phone: Phone, why: Why) -> bool:
+    def count_fault(self, phone: Phone, why: RefusalReason) -> bool:
         """Count a fault; return whether the phone may stay."""
         self.refused[why] += 1
-        if why is Why.FAST:
+        if why is RefusalReason.FAST:
             phone.fast += 1
         else:
             phone.malformed += 1
-        return phone.fast < TOO_FAST and phone.malformed < PATIENCE
+        return phone.fast < MAX_FAST and phone.malformed < MAX_MALFORMED
 
-    def _take(self, phone: Phone, data: bytes, now: float) -> None:
+    def _handle_verb(self, phone: Phone, data: bytes, now: float) -> None:
         """Handle a vote, a region or a shake."""
         verb, vote, row = data[0], self.rules.vote, phone.row
         if row < 0:
@@ -222,16 +222,16 @@ class Hall:
         elif verb == wire.REGION:
             self.voices.region[row] = min(data[1], max(len(self.rules.regions) - 1, 0))
         elif self.rules.shake:
-            self.voices.shook[row] = now
+            self.voices.shake_time[row] = now
 
     # -- aggregate -----------------------------------------------------------------------------------------------
 
-    def turn(self, now: float) -> tuple[Any, ...] | None:
+    def update(self, now: float) -> tuple[Any, ...] | None:
         """Return the event for the show at `now` [s]; None if nothing is new."""
-        self._left = min(max(self._left, 0.0) + (now - self._filled) * ALL_RATE, ALL_BURST)
+        self._tokens_left = min(max(self._tokens_left, 0.0) + (now - self._filled) * ALL_RATE, ALL_BURST)
         self._filled = now
-        self.voices.take_up()
-        return self.together.turn(now, len(self.phones), self.rules.open, self._votes)
+        self.voices.apply_touches()
+        return self.aggregator.update(now, len(self.phones), self.rules.open, self._votes)
 
     def _votes(self) -> str:
         """Return the open vote's number and the voices for each choice in hundredths; empty if there is no vote."""
@@ -241,9 +241,9 @@ class Hall:
         counts = [0.0] * len(vote[2])
         weights = self.rules.weights or (1.0,)
         for phone in self.phones.by_number.values():
-            if phone.vote[0] == vote[0] and phone.row >= 0 and self.voices.heard[phone.row]:
+            if phone.vote[0] == vote[0] and phone.row >= 0 and self.voices.allowed[phone.row]:
                 region = min(int(self.voices.region[phone.row]), len(weights) - 1)
-                counts[phone.vote[1]] += weights[region] * float(self.voices.part[phone.row])
+                counts[phone.vote[1]] += weights[region] * float(self.voices.share[phone.row])
         return " ".join(map(str, (vote[0], *(round(100 * count) for count in counts))))
 
     def facts(self) -> dict[str, Any]:
@@ -251,6 +251,6 @@ class Hall:
         return {
             "phones": len(self.phones), "messages": self.messages, "crowded": self.admission.crowded,
             "voices": round(self.voices.people(), 2),
-            "held": self.bans.held(), "bans": self.bans.tell(),
-            "refused": dict(self.refused), "ways_ms": self.together.ways(),
+            "held": self.bans.covered(), "bans": self.bans.export(),
+            "refused": dict(self.refused), "ways_ms": self.aggregator.wait_times(),
         }  # fmt: skip

@@ -16,21 +16,21 @@ import numpy.typing as npt
 
 from live.clock.beat_estimate import BeatEstimate
 from live.clock.energy.music_energy import BeatEnergy, MusicEnergy
-from live.clock.follower.manual_control import Seed
-from live.clock.silence import Hearing, Pauses
+from live.clock.follower.manual_control import TrackerHint
+from live.clock.silence import PauseDetector, SoundState
 from live.clock.tracking.aubio_tracker import AubioTracker
-from live.clock.tracking.beat_network import Network, Weights
-from live.clock.tracking.beat_tracker import Tracker
+from live.clock.tracking.beat_network import BeatNetwork, NetworkWeights
+from live.clock.tracking.beat_tracker import BeatTracker
 from live.control.events.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged
 
 
 @cache
-def beat_weights() -> Weights:
+def beat_weights() -> NetworkWeights:
     """Return the weights shipped with the engine (made by `training/`). Raises ValueError if they are damaged."""
     data = files("live.clock.tracking").joinpath("weights.npz").read_bytes()
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-            return Weights.of({name: arrays[name] for name in arrays.files if name != "recipe"})
+            return NetworkWeights.from_arrays({name: arrays[name] for name in arrays.files if name != "recipe"})
     except Exception as error:  # zipfile, zlib and numpy each raise their own errors for damaged data
         raise ValueError(f"the beat network's weights cannot be read: {error}") from error
 
@@ -38,7 +38,7 @@ def beat_weights() -> Weights:
 TrackerName = Literal["network", "aubio"]
 
 
-def make_tracker(name: TrackerName, sample_rate: float) -> tuple[Tracker | AubioTracker, str]:
+def make_tracker(name: TrackerName, sample_rate: float) -> tuple[BeatTracker | AubioTracker, str]:
     """Return the tracker of that name, and a note on any deviation from the request ("" if none).
 
     If the network's weights cannot be read, or the sample rate is too low for it, aubio is used instead. ValueError for
@@ -47,7 +47,7 @@ def make_tracker(name: TrackerName, sample_rate: float) -> tuple[Tracker | Aubio
     if name == "aubio":
         return AubioTracker(sample_rate), ""
     try:
-        return Tracker(sample_rate, Network(beat_weights())), ""
+        return BeatTracker(sample_rate, BeatNetwork(beat_weights())), ""
     except (OSError, ValueError) as error:
         return AubioTracker(sample_rate), f"aubio is used instead of the beat network: {error}"
 
@@ -55,10 +55,10 @@ def make_tracker(name: TrackerName, sample_rate: float) -> tuple[Tracker | Aubio
 TimeOf = Callable[[float], float]
 """Maps a position in the sound [s since the first sample] to the time of the show [s]."""
 
-STATES: Final[dict[Hearing, str]] = {"sound": "found", "pause": "paused", "silence": "silent"}
+STATES: Final[dict[SoundState, str]] = {"sound": "found", "pause": "paused", "silence": "silent"}
 """State of a SourceChanged for each kind of sound."""
 
-LONGEST: Final = 4096
+MAX_BLOCK: Final = 4096
 """Maximum samples mixed at once."""
 
 
@@ -73,7 +73,7 @@ class AudioAnalysis:
         sample_rate: float,
         source: str = "audio",
         tracker: TrackerName = "network",
-        seeds: deque[Seed] | None = None,
+        seeds: deque[TrackerHint] | None = None,
         energy: bool = False,
     ) -> None:
         """`source`: the events' source name; `energy`: whether MusicHeard events describe each beat.
@@ -81,27 +81,27 @@ class AudioAnalysis:
         ValueError for an impossible sample rate.
         """
         self.tracker, self.note = make_tracker(tracker, sample_rate)
-        self.seeds: deque[Seed] = deque(maxlen=64) if seeds is None else seeds
+        self.seeds: deque[TrackerHint] = deque(maxlen=64) if seeds is None else seeds
         """Manual corrections for the tracker; they are applied and removed with the next samples."""
-        self._obeyed = self.tracker if isinstance(self.tracker, Tracker) else None
+        self._corrected_tracker = self.tracker if isinstance(self.tracker, BeatTracker) else None
         """The tracker with the manual corrections; the previous one while aubio is used."""
         self._source = source
-        self._pauses = Pauses()
-        self._hearing: Hearing = "sound"
-        self._mono = np.zeros(LONGEST, np.float32)
+        self._pauses = PauseDetector()
+        self._sound_state: SoundState = "sound"
+        self._mono = np.zeros(MAX_BLOCK, np.float32)
         self._energy = MusicEnergy(sample_rate) if energy else None
 
-    def know_one(self, position: float) -> None:
+    def set_downbeat(self, position: float) -> None:
         """Set a measure start at `position` [s of the sound], known from the score before any sound is analysed."""
-        if isinstance(self.tracker, Tracker):
-            self.tracker.one(position)
+        if isinstance(self.tracker, BeatTracker):
+            self.tracker.set_downbeat(position)
 
-    def succeed(self, former: "AudioAnalysis") -> None:
+    def take_over(self, former: "AudioAnalysis") -> None:
         """Take over the manual corrections of another analysis, which this one replaces."""
-        known = former._obeyed
-        self._obeyed = self.tracker if isinstance(self.tracker, Tracker) else known
-        if isinstance(self.tracker, Tracker) and known is not None:
-            self.tracker.obey(known)
+        known = former._corrected_tracker
+        self._corrected_tracker = self.tracker if isinstance(self.tracker, BeatTracker) else known
+        if isinstance(self.tracker, BeatTracker) and known is not None:
+            self.tracker.copy_manual(known)
 
     def feed(self, samples: npt.NDArray[np.float32], time_of: TimeOf, now: float | None = None) -> list[ControlEvent]:
         """Analyse the next samples, shape (n, channels), and return the events found in them, oldest first.
@@ -109,23 +109,23 @@ class AudioAnalysis:
         Events are stamped with `now` [s], or without it with the time of their last sample (offline).
         """
         while self.seeds:
-            self._take(self.seeds.popleft(), time_of)
+            self._apply_seed(self.seeds.popleft(), time_of)
         events: list[ControlEvent] = []
         start = 0
         while start < samples.shape[0]:
-            taken = min(self.tracker.wanted, samples.shape[0] - start, LONGEST)
+            taken = min(self.tracker.wanted, samples.shape[0] - start, MAX_BLOCK)
             mono = self._mono[:taken]
             with np.errstate(invalid="ignore", over="ignore"):  # the tracker detects and counts bad samples
                 np.mean(samples[start : start + taken], axis=1, out=mono)
             start += taken
             for estimate in self.tracker.feed(mono):
                 if self._energy is not None:
-                    self._energy.beat(estimate.position, estimate.period)
-                if self._hearing == "sound":  # beats extrapolated during silence are not reported
+                    self._energy.set_beat(estimate.position, estimate.period)
+                if self._sound_state == "sound":  # beats extrapolated during silence are not reported
                     events.append(self._event(estimate, time_of, now))
             hearing = self._pauses.step(self.tracker.level, self.tracker.position)
-            if hearing != self._hearing:
-                self._hearing = hearing
+            if hearing != self._sound_state:
+                self._sound_state = hearing
                 time = time_of(self.tracker.position) if now is None else now
                 events.append(SourceChanged(time=time, source=self._source, state=STATES[hearing]))
             if self._energy is not None:
@@ -148,7 +148,7 @@ class AudioAnalysis:
 
     def _event(self, estimate: BeatEstimate, time_of: TimeOf, now: float | None) -> BeatHeard:
         return BeatHeard(
-            time=time_of(estimate.heard) if now is None else now,
+            time=time_of(estimate.fed) if now is None else now,
             source=self._source,
             beat_time=time_of(estimate.position),
             period=estimate.period,
@@ -157,23 +157,23 @@ class AudioAnalysis:
             beats_per_measure=estimate.beats_per_measure,
         )
 
-    def _take(self, seed: Seed, time_of: TimeOf) -> None:
+    def _apply_seed(self, seed: TrackerHint, time_of: TimeOf) -> None:
         """Apply a correction; values outside the tracker's range (tempo, metre) are ignored."""
         tracker = self.tracker
-        if not isinstance(tracker, Tracker):
+        if not isinstance(tracker, BeatTracker):
             return
         time = seed.time - (time_of(tracker.position) - tracker.position)
         try:
             if seed.kind == "tempo":
                 tracker.tap(seed.value, time)
             elif seed.kind == "one":
-                tracker.one(time)
+                tracker.set_downbeat(time)
             elif seed.kind == "scale":
                 tracker.scale(seed.value)
             elif seed.kind == "metre":
                 tracker.set_metre(int(seed.value))
             else:
-                tracker.let_go()
+                tracker.clear_manual()
         except ValueError:
             return
 

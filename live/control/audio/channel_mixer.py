@@ -12,16 +12,16 @@ from live.base.errors import PersonError
 
 Float32 = npt.NDArray[np.float32]
 
-MOST: Final = 128
+MAX_CHANNELS: Final = 128
 """Maximum channel number; no card has more."""
 
 MUTE: Final = 1e-4
 """A channel below this share of the loudest one's power (-40 dB) is muted and does not count."""
 
-STILL_HEARD: Final = 1e-5
+UNMUTED: Final = 1e-5
 """A channel that counts is muted only below this share (hysteresis)."""
 
-MEMORY: Final = 0.3
+POWER_WINDOW: Final = 0.3
 """Seconds over which a channel's power is averaged."""
 
 OPPOSED: Final = 0.02
@@ -41,22 +41,26 @@ class Channels:
     numbers: tuple[int, ...] = (0, 1)
 
     @staticmethod
-    def of(words: str | Sequence[int]) -> "Channels":
+    def parse(text: str | Sequence[int]) -> "Channels":
         """Parse `3`, `5,6`, `all` or a list of numbers, counted from 1. PersonError for anything else."""
-        if isinstance(words, str):
-            if words.strip().casefold() in ("all", "mix", "*"):
+        if isinstance(text, str):
+            if text.strip().casefold() in ("all", "mix", "*"):
                 return Channels(())
-            if not re.fullmatch(r"\s*\d{1,3}(\s*[,+ ]\s*\d{1,3})*\s*", words):
-                raise _refused(words)
-            words = [int(number) for number in re.findall(r"\d+", words)]
-        if not words or any(isinstance(n, bool) or not 1 <= n <= MOST for n in words) or len(words) != len(set(words)):
-            raise _refused(words)
-        return Channels(tuple(number - 1 for number in words))
+            if not re.fullmatch(r"\s*\d{1,3}(\s*[,+ ]\s*\d{1,3})*\s*", text):
+                raise _refused(text)
+            text = [int(number) for number in re.findall(r"\d+", text)]
+        if (
+            not text
+            or any(isinstance(n, bool) or not 1 <= n <= MAX_CHANNELS for n in text)
+            or len(text) != len(set(text))
+        ):
+            raise _refused(text)
+        return Channels(tuple(number - 1 for number in text))
 
     def __str__(self) -> str:
         return ",".join(str(number + 1) for number in self.numbers) or "all"
 
-    def among(self, available: int) -> tuple[int, ...]:
+    def select(self, available: int) -> tuple[int, ...]:
         """Return the selected channels of a device with `available` channels; up to its first two if it has none of
         them."""
         if not self.numbers:
@@ -76,10 +80,12 @@ class Channels:
 
 
 def _refused(words: object) -> PersonError:
-    return PersonError(f"channels {str(words)[:60]!r}: numbers from 1 to {MOST}, or all, expected", "3, or 5,6, or all")
+    return PersonError(
+        f"channels {str(words)[:60]!r}: numbers from 1 to {MAX_CHANNELS}, or all, expected", "3, or 5,6, or all"
+    )
 
 
-class Mixer:
+class ChannelMixer:
     """Mixes the selected channels of blocks to mono; muted channels do not lower the level.
 
     The mix is the mean of the channels that are not muted. If they cancel each other (one of a pair with reversed
@@ -111,8 +117,8 @@ class Mixer:
         self._measure(picked)
         mono = self._mono[: picked.shape[0]]
         np.dot(picked, self._mean, out=mono)
-        self._compare(float(np.dot(mono, mono)) / mono.shape[0], mono.shape[0])
-        wanted = self._wanted()
+        self._update_opposed(float(np.dot(mono, mono)) / mono.shape[0], mono.shape[0])
+        wanted = self._target_weights()
         if np.array_equal(wanted, self._weights):
             if self._opposed:
                 np.dot(picked, wanted, out=mono)
@@ -130,20 +136,20 @@ class Mixer:
             picked[bad] = 0.0
             np.einsum("nc,nc->c", picked, picked, out=self._block_power)
         count = picked.shape[0]
-        share = min(count / (MEMORY * self._sample_rate), 1.0)
+        share = min(count / (POWER_WINDOW * self._sample_rate), 1.0)
         self._power += share * (self._block_power / count - self._power)
 
-    def _compare(self, mean_power: float, count: int) -> None:
-        share = min(count / (MEMORY * self._sample_rate), 1.0)
+    def _update_opposed(self, mean_power: float, count: int) -> None:
+        share = min(count / (POWER_WINDOW * self._sample_rate), 1.0)
         self._mean_power += share * (mean_power - self._mean_power)
         whole = float(self._power.max())
         if whole > 0.0:
             self._opposed = self._mean_power < (AGREED if self._opposed else OPPOSED) * whole
 
-    def _wanted(self) -> Float32:
+    def _target_weights(self) -> Float32:
         """Return the weights for the present powers, and update `_mean`, the weights of the unmuted channels."""
         loudest = float(self._power.max())
-        heard = self._power > np.where(self._mean > 0.0, STILL_HEARD, MUTE) * loudest
+        heard = self._power > np.where(self._mean > 0.0, UNMUTED, MUTE) * loudest
         if not heard.any():
             return self._weights
         mean = (heard / np.count_nonzero(heard)).astype(np.float32)

@@ -18,10 +18,10 @@ from live.control.audio.devices import SoundDevice, close_stream, find_again, fi
 
 Float32 = npt.NDArray[np.float32]
 
-LATE: Final = 0.040
+MAX_LATE: Final = 0.040
 """A beat up to this late [s] for a block is clicked at the block's start; an older one is skipped."""
 
-LOST: Final = 1.5
+MAX_BEAT_JUMP: Final = 1.5
 """If the next beat differs from the Timeline's by more than this [beats], counting restarts."""
 
 
@@ -36,7 +36,7 @@ class ClickTrack:
         """`accent` and `beat`: the sounds of a measure's first beat and of all others, mono, full scale 1."""
         self.voices = (accent, beat)
         """Accent and beat; changed only while nothing is playing."""
-        self._shown: tuple[Timeline, float] | None = None
+        self._timeline: tuple[Timeline, float] | None = None
         self._sounding: Float32 = beat
         self._played = len(beat)
         self._next: int | None = None
@@ -47,39 +47,39 @@ class ClickTrack:
         self.missed = 0
         """Beats known too late to be clicked."""
 
-    def show(self, timeline: Timeline, one: float = -math.inf) -> None:
+    def set_timeline(self, timeline: Timeline, one: float = -math.inf) -> None:
         """Set the Timeline; `one`: the beat at which a count-in ends, if there is one."""
-        self._shown = (timeline, one)
+        self._timeline = (timeline, one)
 
     def fill(self, out: Float32, begin: float, seconds: float) -> None:
         """Fill a block, shape (n,), that is heard from `begin` on [s of the show] and lasts `seconds`."""
         out[:] = 0.0
-        self._go_on(out, 0)
-        shown = self._shown
+        self._continue_click(out, 0)
+        shown = self._timeline
         if shown is None:
             return
         timeline, one = shown
         first = timeline.beat_at(begin)
-        if self._next is None or abs(self._next - first) > LOST:
+        if self._next is None or abs(self._next - first) > MAX_BEAT_JUMP:
             self._next = math.ceil(first)
         end = timeline.beat_at(begin + seconds)
         while self._next < end:
             number, self._next = self._next, self._next + 1
             late = begin - timeline.time_at(number)
-            if late > LATE:
+            if late > MAX_LATE:
                 self.missed += 1
             elif self.on or number <= one:
-                self._strike(out, number, timeline, one, max(-late, 0.0) / seconds)
+                self._start_click(out, number, timeline, one, max(-late, 0.0) / seconds)
 
-    def _strike(self, out: Float32, number: int, timeline: Timeline, one: float, share: float) -> None:
+    def _start_click(self, out: Float32, number: int, timeline: Timeline, one: float, share: float) -> None:
         """Start a click at this `share` of the block."""
         origin = one if number <= one else timeline.measure_origin
         accented = phase(number - origin, timeline.beats_per_measure) == 0.0
         self._sounding, self._played = self.voices[0 if accented else 1], 0
         self.clicks += 1
-        self._go_on(out, min(round(share * out.shape[0]), out.shape[0] - 1))
+        self._continue_click(out, min(round(share * out.shape[0]), out.shape[0] - 1))
 
-    def _go_on(self, out: Float32, start: int) -> None:
+    def _continue_click(self, out: Float32, start: int) -> None:
         """Continue the present click in the block from frame `start` on."""
         count = min(out.shape[0] - start, len(self._sounding) - self._played)
         if count > 0:
@@ -95,7 +95,7 @@ POLL: Final = 0.010
 LOST_AFTER: Final = 0.5
 """Seconds without a callback after which the output counts as lost …"""
 
-FIRST_SOUND: Final = 3.0
+START_TIMEOUT: Final = 3.0
 """… and the same after opening (sound servers fill their buffers and pause)."""
 
 RETRY: Final = 2.0
@@ -107,10 +107,10 @@ SETTLED: Final = 1.0
 STEADY: Final = 0.020
 """… within this tolerance [s]. A sound server may request samples at once, and then pause for two seconds."""
 
-AHEAD: Final = 0.080
+BUFFER_SECONDS: Final = 0.080
 """Buffer requested from the device [s]: a callback may be this late without a dropout."""
 
-LONGEST: Final = 16384
+MAX_BLOCK: Final = 16384
 """Maximum frames of a block; any further requested frames stay silent."""
 
 STAMPS: Final = 512
@@ -130,7 +130,7 @@ class ClickOutput:
         voices: MakeVoices,
         *,
         channels: Channels = Channels(),  # noqa: B008 - frozen
-        later: float = 0.0,
+        extra_delay: float = 0.0,
         on: bool = True,
     ) -> None:
         """`device` as for `find_device`; `later` [s]: additional delay beyond the device's reported latency.
@@ -141,7 +141,7 @@ class ClickOutput:
         missing = channels.missing(self.device.channels)
         if missing:
             raise PersonError(f"{self.device.name}: {missing}", "choose others, see `live devices`")
-        self.later = later
+        self.extra_delay = extra_delay
         """Additional delay [s]; it may be changed at any time."""
         self.problem = ""
         """Description of why nothing clicks; empty if it does."""
@@ -152,8 +152,8 @@ class ClickOutput:
         self.track = ClickTrack(*voices(round(self._rate)), on=on)
         self._clock = clock
         self._wanted = channels
-        self._channels = channels.among(self.device.channels)
-        self._block = np.zeros(LONGEST, np.float32)
+        self._channels = channels.select(self.device.channels)
+        self._block = np.zeros(MAX_BLOCK, np.float32)
         self._stamp_frame = np.zeros(STAMPS, np.int64)
         self._stamp_time = np.zeros(STAMPS)
         self._stream: Any = None
@@ -161,13 +161,13 @@ class ClickOutput:
         self._thread: threading.Thread | None = None
         self._reported = 0.0
         self._opened_at = self._alive_at = -math.inf
-        self._begin()
+        self._reset()
 
-    def show(self, timeline: Timeline, one: float = -math.inf) -> None:
+    def set_timeline(self, timeline: Timeline, one: float = -math.inf) -> None:
         """Set the Timeline and the beat at which a count-in ends, if any; called each frame."""
-        self.track.show(timeline, one)
+        self.track.set_timeline(timeline, one)
 
-    def facts(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return facts for the operator's status. Thread: any."""
         return {
             "device": self.device.name,
@@ -183,7 +183,7 @@ class ClickOutput:
     @property
     def delay(self) -> float:
         """Delay from handing over a sample until it is heard [s]."""
-        return self._reported + self.later
+        return self._reported + self.extra_delay
 
     def start(self) -> None:
         """Open the output and start; raises sounddevice.PortAudioError if it refuses now."""
@@ -199,27 +199,27 @@ class ClickOutput:
             self._thread.join(timeout=2.0)
             self._thread = None
 
-    def _begin(self) -> None:
+    def _reset(self) -> None:
         """Reset all state that depends on the present device."""
         if self._rate != self.device.sample_rate:
             self._rate = self.device.sample_rate
             self.track.voices = self._make_voices(round(self._rate))
-        self._channels = self._wanted.among(self.device.channels)
+        self._channels = self._wanted.select(self.device.channels)
         self._line = SampleClock(self._rate)
-        self._asked = self._stamps = self._stamps_read = 0
+        self._frames_requested = self._stamps = self._stamps_read = 0
         self._place: tuple[float, float] | None = None  # time at which frame 0 is handed over, and seconds per frame
         self._steady: tuple[float, float, float] | None = None  # the line's offset, valid since which sample and time
 
     def open(self) -> None:
         """Open the output; called by `start` and by its thread."""
-        self._begin()
+        self._reset()
         self._stream = open_stream(
             "output",
             device=self.device.index,
             samplerate=self._rate,
             channels=max(self._channels) + 1,
             dtype="float32",
-            latency=AHEAD,
+            latency=BUFFER_SECONDS,
             callback=self._callback,
         )
         reported = float(self._stream.latency)
@@ -228,29 +228,29 @@ class ClickOutput:
 
     def _callback(self, out: npt.NDArray[np.float32], frames: int, _times: Any, _status: Any) -> None:
         slot = self._stamps % STAMPS
-        self._stamp_frame[slot], self._stamp_time[slot] = self._asked, self._clock.now()
+        self._stamp_frame[slot], self._stamp_time[slot] = self._frames_requested, self._clock.now()
         self._stamps += 1
         out[:] = 0.0
         place = self._place
         if place is not None:
-            block = self._block[: min(frames, LONGEST)]
-            begin = place[0] + self._asked * place[1] + self.delay
+            block = self._block[: min(frames, MAX_BLOCK)]
+            begin = place[0] + self._frames_requested * place[1] + self.delay
             self.track.fill(block, begin, block.shape[0] * place[1])
             for channel in self._channels:
                 out[: block.shape[0], channel] = block
-        self._asked += frames
+        self._frames_requested += frames
 
     def _run(self) -> None:
         try:
-            keep_running("the click", self._turns, self._stop.wait)
+            keep_running("the click", self._poll_until_stopped, self._stop.wait)
         finally:
             self._close()
 
-    def _turns(self) -> None:
+    def _poll_until_stopped(self) -> None:
         while not self._stop.wait(POLL):
-            self.turn()
+            self.poll()
 
-    def turn(self) -> None:
+    def poll(self) -> None:
         """Update the sample line and check the output once; never raises. Thread: the click's."""
         now = self._clock.now()
         if self._stream is not None:
@@ -259,7 +259,7 @@ class ClickOutput:
             except Exception as error:  # the output is reopened, and the click's thread continues
                 self._lose(now, f"the click failed: {type(error).__name__}: {error}")
         elif now - self._alive_at >= RETRY:
-            self._try_again(now)
+            self._reopen(now)
 
     def _watch(self, now: float) -> None:
         until = self._stamps
@@ -270,13 +270,13 @@ class ClickOutput:
         self._stamps_read = until
         if until:
             self._place_samples()
-        patience = LOST_AFTER if now - self._opened_at > FIRST_SOUND else FIRST_SOUND
+        patience = LOST_AFTER if now - self._opened_at > START_TIMEOUT else START_TIMEOUT
         if now - self._alive_at > patience:
             self._lose(now, f"{self.device.name} went away")
 
     def _place_samples(self) -> None:
         """Set the samples' time once it is known."""
-        asked = float(self._asked)
+        asked = float(self._frames_requested)
         handed_over = self._line.time_of(asked)
         lies = handed_over - asked / self._rate
         if self._steady is None or abs(lies - self._steady[0]) > STEADY:
@@ -295,7 +295,7 @@ class ClickOutput:
             stream, self._stream = self._stream, None
             close_stream(stream)
 
-    def _try_again(self, now: float) -> None:
+    def _reopen(self, now: float) -> None:
         """Look for the output by name and open it; after any failure, try again later."""
         self._alive_at = now
         try:

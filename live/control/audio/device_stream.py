@@ -6,10 +6,10 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.sample_clock import RateWatch, SampleClock
+from live.clock.sample_clock import RateEstimator, SampleClock
 from live.clock.time_source import Clock
 from live.control.audio.analysis import AudioAnalysis, MakeAnalysis
-from live.control.audio.channel_mixer import Channels, Mixer
+from live.control.audio.channel_mixer import ChannelMixer, Channels
 from live.control.audio.devices import SoundDevice, close_stream, open_stream
 from live.control.events.events import ControlEvent
 
@@ -17,7 +17,7 @@ STAMPS: Final = 512
 """Number of stored block times; half of them can be read."""
 
 
-class Ring:
+class RingBuffer:
     """Lock-free ring buffer of frames between two threads, with the time of each block. It allocates nothing.
 
     Thread: `write` from the callback only, all else from one other thread. Each side writes only its own counters.
@@ -54,7 +54,7 @@ class Ring:
         self._stamp_frame[slot], self._stamp_time[slot] = self.written, time
         self._stamps += 1
 
-    def stamp(self) -> tuple[int, float] | None:
+    def pop_stamp(self) -> tuple[int, float] | None:
         """Return (frames written, time [s]) of the next unread block; None if there is none."""
         until = self._stamps
         if self._stamps_read >= until:
@@ -89,53 +89,53 @@ OTHER_RATES: Final = (48_000.0, 44_100.0, 96_000.0, 192_000.0, 32_000.0, 22_050.
 """Rates [Hz] to try when a device refuses its own."""
 
 
-class Listening:
+class DeviceStream:
     """Stream of one device with its analysis; made by `open_device`.
 
     Thread: the callback writes into the ring; everything else belongs to one other thread.
     """
 
     def __init__(self, device: SoundDevice, channels: Channels, clock: Clock, analysis: MakeAnalysis) -> None:
-        chosen = channels.among(device.channels)
+        chosen = channels.select(device.channels)
         self.device = device
         self.opened_channels = max(chosen) + 1
         """Channels requested from the device: up to the last selected one."""
         self.missing = channels.missing(device.channels)
         """Description of the requested channels that the device lacks; empty if it has all."""
         self._clock = clock
-        self._make = analysis
+        self._make_analysis = analysis
         self._chosen = chosen
         self._stream: Any = None
         self.sample_rate = device.sample_rate
-        self.ring: Ring
-        self.watch: RateWatch
-        self.line: SampleClock
-        self.mixer: Mixer
+        self.ring: RingBuffer
+        self.rate_watch: RateEstimator
+        self.sample_clock: SampleClock
+        self.mixer: ChannelMixer
         self.analysis: AudioAnalysis
 
-    def begin(self, sample_rate: float) -> None:
+    def reset(self, sample_rate: float) -> None:
         """Make a new ring, line, mixer and analysis for this rate [Hz]; called by `open`."""
-        self.ring = Ring(int(RING_SECONDS * sample_rate), self.opened_channels)
-        self.watch = RateWatch(sample_rate)
-        self._listen_at(sample_rate)
+        self.ring = RingBuffer(int(RING_SECONDS * sample_rate), self.opened_channels)
+        self.rate_watch = RateEstimator(sample_rate)
+        self._set_rate(sample_rate)
 
-    def _listen_at(self, sample_rate: float) -> None:
+    def _set_rate(self, sample_rate: float) -> None:
         """Make a new line, mixer and analysis; the ring is kept, as the callback writes into it."""
         self.sample_rate = sample_rate
-        self.line = SampleClock(sample_rate)
-        self.mixer = Mixer(self._chosen, sample_rate, self.ring.longest)
+        self.sample_clock = SampleClock(sample_rate)
+        self.mixer = ChannelMixer(self._chosen, sample_rate, self.ring.longest)
         self.begin_analysis(self.ring.read_frames)
 
     def begin_analysis(self, frame: int) -> None:
         """Make a new analysis that starts at frame number `frame`."""
-        self.analysis = self._make(self.sample_rate)
+        self.analysis = self._make_analysis(self.sample_rate)
         self._skipped = frame
 
     def open(self) -> None:
         """Open the stream; PortAudioError (or SoundUnavailable) if the device refuses."""
         refusal: Exception | None = None
         for rate in dict.fromkeys((self.device.sample_rate, *OTHER_RATES)):
-            self.begin(rate)
+            self.reset(rate)
             try:
                 self._stream = open_stream(
                     "input",
@@ -154,8 +154,8 @@ class Listening:
                 continue
             opened = float(getattr(self._stream, "samplerate", rate))
             if opened != rate and 0.0 < opened < 1e6:  # it opened, but at another rate
-                self.watch = RateWatch(opened)
-                self._listen_at(opened)
+                self.rate_watch = RateEstimator(opened)
+                self._set_rate(opened)
             return
         assert refusal is not None
         raise refusal
@@ -165,7 +165,7 @@ class Listening:
         """Description of deviations from the request (missing channels, another tracker); empty if none."""
         return "; ".join(words for words in (self.missing, self.analysis.note) if words)
 
-    def callback(self, ring: Ring) -> Callable[[npt.NDArray[np.float32], int, Any, Any], None]:
+    def callback(self, ring: RingBuffer) -> Callable[[npt.NDArray[np.float32], int, Any, Any], None]:
         """Return the callback for the sound system, which only copies and stamps a block."""
         now = self._clock.now
 
@@ -180,16 +180,16 @@ class Listening:
             stream, self._stream = self._stream, None
             close_stream(stream)
 
-    def observe(self) -> float | None:
+    def update_clock(self) -> float | None:
         """Update the sample line from new block times; return the last one's time [s], None if there is none."""
         last = None
-        while (stamp := self.ring.stamp()) is not None:
+        while (stamp := self.ring.pop_stamp()) is not None:
             frame, time = stamp
-            self.line.observe(frame, time)
+            self.sample_clock.observe(frame, time)
             last = time if last is None else max(last, time)
-            rate = self.watch.observe(frame, time)
+            rate = self.rate_watch.observe(frame, time)
             if rate is not None:  # it delivers at another rate than it reports
-                self._listen_at(rate)
+                self._set_rate(rate)
         return last
 
     def events(self, latency: float, now: float) -> Iterator[ControlEvent]:
@@ -198,7 +198,7 @@ class Listening:
         sound = self.ring.read()
         if self.ring.overrun != missed:  # the analysis was blocked for a second and the sound in between is lost
             self.begin_analysis(self.ring.read_frames - sound.shape[0])
-        rate, skipped, line = self.sample_rate, self._skipped, self.line
+        rate, skipped, line = self.sample_rate, self._skipped, self.sample_clock
         with np.errstate(invalid="ignore", over="ignore"):  # bad samples are detected and counted
             mono = self.mixer.mix(sound)
         return iter(
@@ -206,8 +206,8 @@ class Listening:
         )
 
 
-def open_device(device: SoundDevice, channels: Channels, clock: Clock, analysis: MakeAnalysis) -> Listening:
+def open_device(device: SoundDevice, channels: Channels, clock: Clock, analysis: MakeAnalysis) -> DeviceStream:
     """Open a device; PortAudioError or SoundUnavailable if it refuses."""
-    listening = Listening(device, channels, clock, analysis)
+    listening = DeviceStream(device, channels, clock, analysis)
     listening.open()
     return listening

@@ -12,10 +12,10 @@ from live.base.errors import PersonError
 from live.base.fault_isolation import keep_running, run_once
 from live.clock.time_source import Clock
 
-ANSWERS_WITHIN: Final = 5.0
+CALL_TIMEOUT: Final = 5.0
 """Seconds after which the sound system, called by another thread, counts as hung."""
 
-CLOSES_WITHIN: Final = 2.0
+CLOSE_TIMEOUT: Final = 2.0
 """Maximum seconds to close a stream before it is abandoned."""
 
 _guard = threading.Lock()
@@ -30,7 +30,7 @@ class UnknownDevice(ValueError):
     """No device has that name; the message lists the devices."""
 
 
-def device_refuses(error: Exception, option: str, name: str | None) -> PersonError:
+def device_error(error: Exception, option: str, name: str | None) -> PersonError:
     """Return the error for a device that does not start; `option` is the command line option that chose it."""
     return PersonError(f"the sound device {name!r} refuses: {error}", f"see `live devices`, or give another {option}")
 
@@ -72,9 +72,9 @@ def list_output_devices() -> list[SoundDevice]:
 
 
 @contextlib.contextmanager
-def _alone() -> Iterator[None]:
+def _locked() -> Iterator[None]:
     """Hold the lock on PortAudio; SoundUnavailable if another thread's call never returns."""
-    if not _guard.acquire(timeout=ANSWERS_WITHIN):
+    if not _guard.acquire(timeout=CALL_TIMEOUT):
         raise SoundUnavailable("the sound system does not answer any more; restart it (PulseAudio: pulseaudio -k)")
     try:
         yield
@@ -100,7 +100,9 @@ def find_device(text: str | int | None, kind: str = "input") -> SoundDevice:
         chosen = [device for device in devices if device.index == int(text)]
     else:
         wanted = text.strip().casefold()
-        chosen = _called(devices, text) or [device for device in devices if wanted and wanted in device.name.casefold()]
+        chosen = _with_name(devices, text) or [
+            device for device in devices if wanted and wanted in device.name.casefold()
+        ]
     if chosen:
         return chosen[0]
     asked = f"no sound {kind}" if text is None else f"no sound {kind} {text!r}"
@@ -115,13 +117,13 @@ def find_again(lost: SoundDevice, kind: str = "input") -> SoundDevice:
 
     A device whose name only contains it is another device. Raises UnknownDevice while it is absent.
     """
-    chosen = _called(_list(kind), lost.name)
+    chosen = _with_name(_list(kind), lost.name)
     if not chosen:
         raise UnknownDevice(f"{lost.name} is not there")
     return next((device for device in chosen if device.host == lost.host), chosen[0])
 
 
-def _called(devices: list[SoundDevice], name: str) -> list[SoundDevice]:
+def _with_name(devices: list[SoundDevice], name: str) -> list[SoundDevice]:
     """Return the devices with exactly this name, or else those with the same name on another card."""
     wanted = name.strip().casefold()
     return [device for device in devices if device.name.casefold() == wanted] or [
@@ -135,7 +137,7 @@ def refresh() -> bool:
     PortAudio must be restarted for it, so no stream may be open. Thread: any.
     """
     module = sounddevice()
-    with _alone():
+    with _locked():
         if _streams:
             return False
         module._terminate()
@@ -147,7 +149,7 @@ def open_stream(kind: str, **options: Any) -> Any:
     """Open and start a sounddevice InputStream or OutputStream; PortAudioError if the device refuses. Thread: any."""
     global _streams
     module = sounddevice()
-    with _alone():
+    with _locked():
         stream = (module.InputStream if kind == "input" else module.OutputStream)(**options)
         try:
             stream.start()
@@ -166,7 +168,7 @@ def close_stream(stream: Any) -> None:
         daemon=True,
     )
     closing.start()
-    closing.join(CLOSES_WITHIN)
+    closing.join(CLOSE_TIMEOUT)
 
 
 def _close(stream: Any) -> None:
@@ -181,7 +183,7 @@ def _close(stream: Any) -> None:
 
 def _list(kind: str) -> list[SoundDevice]:
     module = sounddevice()
-    with _alone():
+    with _locked():
         try:
             hosts, found = module.query_hostapis(), module.query_devices()
             default = module.default.device[0 if kind == "input" else 1]
@@ -207,53 +209,53 @@ POLL: Final = 0.010
 HUNG_AFTER: Final = 10.0
 """A thread without a new call for this many seconds counts as hung; a restart abandons it."""
 
-ENDS_WITHIN: Final = 2.0
+STOP_TIMEOUT: Final = 2.0
 """Maximum seconds for a thread to end before it is abandoned."""
 
 
-class Rounds:
+class DeviceWatchdog:
     """Calls `turn` repeatedly, then `end`, in a thread that can be replaced when it hangs.
 
     A hung thread that resumes finds that `mine` has been replaced, and ends.
     """
 
-    def __init__(self, name: str, clock: Clock, turn: Callable[[], None], end: Callable[[], None]) -> None:
+    def __init__(self, name: str, clock: Clock, poll: Callable[[], None], end: Callable[[], None]) -> None:
         """Configure the thread; it is not started yet."""
-        self._name, self._clock, self._turn, self._end = name, clock, turn, end
-        self.mine = threading.Event()
+        self._name, self._clock, self._poll, self._end = name, clock, poll, end
+        self.stop_event = threading.Event()
         """Identifies the current thread; set to stop it. Keep a reference while calling the sound system."""
         self.thread: threading.Thread | None = None
-        self.round_at = 0.0
+        self.called_at = 0.0
         """Time of the last call [s]."""
 
     @property
-    def hangs(self) -> bool:
+    def is_hung(self) -> bool:
         """Whether the thread is hung."""
-        return self.thread is not None and self._clock.now() - self.round_at > HUNG_AFTER
+        return self.thread is not None and self._clock.now() - self.called_at > HUNG_AFTER
 
-    def begin(self) -> None:
+    def start(self) -> None:
         """Start a thread; an existing one is abandoned."""
-        self.mine.set()
-        self.mine = threading.Event()
-        self.round_at = self._clock.now()
-        self.thread = threading.Thread(target=self._run, args=(self.mine,), name=self._name, daemon=True)
+        self.stop_event.set()
+        self.stop_event = threading.Event()
+        self.called_at = self._clock.now()
+        self.thread = threading.Thread(target=self._run, args=(self.stop_event,), name=self._name, daemon=True)
         self.thread.start()
 
     def stop(self) -> None:
         """Stop; a hung thread is abandoned."""
-        self.mine.set()
+        self.stop_event.set()
         if self.thread is not None:
-            self.thread.join(timeout=ENDS_WITHIN)
+            self.thread.join(timeout=STOP_TIMEOUT)
             self.thread = None
 
     def _run(self, mine: threading.Event) -> None:
         def rounds() -> None:
             while not mine.wait(POLL):
-                self.round_at = self._clock.now()
-                self._turn()
+                self.called_at = self._clock.now()
+                self._poll()
 
         try:
             keep_running(self._name, rounds, mine.wait)
         finally:
-            if mine is self.mine:
+            if mine is self.stop_event:
                 self._end()

@@ -20,25 +20,25 @@ RISE: Final = 6.0
 BEFORE: Final = 0.100
 """… in this time [s]."""
 
-REST: Final = 0.200
+DEAD_TIME: Final = 0.200
 """Dead time after a clap [s], for echoes and hands that are not together."""
 
 FLOOR: Final = 1e-3
 """Minimum level of a clap (full scale is 1)."""
 
-HALF_WAY: Final = 0.2
+ONSET_SHARE: Final = 0.2
 """A clap begins at this share of its peak."""
 
-LEARNING: Final = 4
+UNCOUNTED_FLASHES: Final = 4
 """Initial flashes that are not counted."""
 
-FEWEST: Final = 8
+MIN_CLAPS: Final = 8
 """Minimum number of claps."""
 
 SPREAD_MAX: Final = 0.060
 """Maximum scatter of claps [s] (median distance from their median)."""
 
-FAR: Final = 3.0
+OUTLIER_FACTOR: Final = 3.0
 """Claps beyond this multiple of the scatter are excluded."""
 
 
@@ -67,10 +67,10 @@ def find_claps(sound: Float32, sample_rate: float) -> Float64:
         if level[at] > max(FLOOR, RISE * float(np.median(level[at - window : at])) + 1e-12):
             peak = at + int(np.argmax(level[at : at + 10]))
             begin = peak
-            while begin > at - 5 and level[begin - 1] > HALF_WAY * level[peak]:
+            while begin > at - 5 and level[begin - 1] > ONSET_SHARE * level[peak]:
                 begin -= 1
             claps.append(begin * step / sample_rate)
-            at += round(REST / STEP)
+            at += round(DEAD_TIME / STEP)
         else:
             at += 1
     return np.array(claps)
@@ -81,19 +81,19 @@ def clap_offset(claps: Float64, flashes: Float64) -> ClapOffset:
 
     PersonError with a remedy if there are too few claps or they scatter too much.
     """
-    counted = flashes[LEARNING:]
+    counted = flashes[UNCOUNTED_FLASHES:]
     late = np.array([clap - flashes[np.argmin(np.abs(flashes - clap))] for clap in claps if len(flashes)])
     if len(counted):
         half = 0.5 * float(np.median(np.diff(flashes)))
         late = late[(claps > counted[0] - half) & (claps < counted[-1] + half)]
-    if len(late) < FEWEST or not len(counted):
+    if len(late) < MIN_CLAPS or not len(counted):
         raise PersonError(
-            f"only {len(late)} claps were heard; {FEWEST} are needed",
+            f"only {len(late)} claps were heard; {MIN_CLAPS} are needed",
             "clap loudly with every flash, near the microphone, and try another --audio-channel if none is heard",
         )
     middle = float(np.median(late))
     scatter = float(np.median(np.abs(late - middle)))
-    kept = late[np.abs(late - middle) <= FAR * max(scatter, 0.005)]
+    kept = late[np.abs(late - middle) <= OUTLIER_FACTOR * max(scatter, 0.005)]
     if scatter > SPREAD_MAX:
         raise PersonError(
             f"the claps scatter by {1000 * scatter:.0f} ms: no delay can be measured",

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from live.base.errors import PersonError
 from live.clock.sample_clock import SampleClock
 from live.clock.time_source import Clock
-from live.control.audio.channel_mixer import Channels, Mixer
+from live.control.audio.channel_mixer import ChannelMixer, Channels
 from live.control.audio.device_stream import BLOCK
 from live.control.audio.devices import SoundDevice, close_stream, open_stream
 
@@ -23,11 +23,11 @@ SWEEP_HZ: Final = (600.0, 6_000.0)
 """Loudspeakers and microphones of any size cover this band; a hall's noise lies below it."""
 
 LEVEL: Final = 0.5
-FIRST: Final = 2.0
+LEAD_IN: Final = 2.0
 """Seconds of silence before the first sweep, until sound servers have filled their buffers and the sample lines settle.
 """
 
-APART: Final = (0.55, 0.85)
+PAUSE_RANGE: Final = (0.55, 0.85)
 """Seconds between sweeps, drawn at random, so that a delay longer than one pause is not ambiguous."""
 
 EARLIEST: Final = -0.05
@@ -37,7 +37,7 @@ LATEST: Final = 1.5
 NEAR: Final = 0.030
 """Range around the common delay in which each sweep is searched [s]."""
 
-CLEAR: Final = 6.0
+MIN_PEAK_RATIO: Final = 6.0
 """Minimum ratio of a sweep's peak to the median around it."""
 
 SPREAD_MAX: Final = 0.010
@@ -45,7 +45,7 @@ SPREAD_MAX: Final = 0.010
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Train:
+class SweepTrain:
     """Sweeps to play, starting at `times` [s] in `sound`, shape (n,), at `sample_rate` [Hz]."""
 
     sound: Float32
@@ -60,9 +60,9 @@ class Recording:
     sound: Float32
     """Mono, shape (n,)."""
     sample_rate: float
-    heard: list[tuple[int, float]]
+    input_stamps: list[tuple[int, float]]
     """Stamps of the recorded frames."""
-    played: list[tuple[int, float]]
+    output_stamps: list[tuple[int, float]]
     """Stamps of the train's frames handed to the output."""
 
 
@@ -74,9 +74,9 @@ class RoundTrip:
     """Median of all sweeps."""
     spread: float
     """Interquartile range of the sweeps [s]."""
-    heard: int
+    detected: int
     """Number of sweeps clearly detected …"""
-    of: int
+    total: int
     """… of this number."""
 
 
@@ -88,37 +88,37 @@ def sweep(sample_rate: float) -> Float64:
     return np.asarray(np.hanning(t.size) * np.sin(phase))
 
 
-def sweep_train(sample_rate: float, repeats: int, seed: int = 1) -> Train:
+def sweep_train(sample_rate: float, repeats: int, seed: int = 1) -> SweepTrain:
     """Return `repeats` sweeps with random pauses from `seed`, and silence before and after."""
-    pauses = np.random.default_rng(seed).uniform(*APART, repeats)
-    times = FIRST + np.concatenate([[0.0], np.cumsum(pauses[:-1])])
+    pauses = np.random.default_rng(seed).uniform(*PAUSE_RANGE, repeats)
+    times = LEAD_IN + np.concatenate([[0.0], np.cumsum(pauses[:-1])])
     sound = np.zeros(int((times[-1] + LATEST + 0.5) * sample_rate), np.float32)
     one = LEVEL * sweep(sample_rate)
     starts = np.round(times * sample_rate).astype(np.int64)
     for start in starts:
         sound[start : start + one.size] += one
-    return Train(sound, starts / sample_rate, sample_rate)
+    return SweepTrain(sound, starts / sample_rate, sample_rate)
 
 
-def measure(train: Train, recording: Recording) -> RoundTrip:
+def measure(train: SweepTrain, recording: Recording) -> RoundTrip:
     """Return the round trip; PersonError with a remedy if the sweeps were not detected, or differ too much."""
     rate = recording.sample_rate
-    begun = _times(recording.played, train.times * train.sample_rate, train.sample_rate)
+    begun = _times(recording.output_stamps, train.times * train.sample_rate, train.sample_rate)
     level = float(np.nanmax(np.abs(recording.sound), initial=0.0)) if recording.sound.size else 0.0
     if level < 1e-5:
         raise PersonError(
             "the recording is silent", "plug the input in, unmute it, and choose its channel with --audio-channel"
         )
     size = int((LATEST - EARLIEST) * rate)
-    where = _frames(recording.heard, begun + EARLIEST, rate)
+    where = _frames(recording.input_stamps, begun + EARLIEST, rate)
     peaks = _matches(recording.sound, where, size, rate)
     common = int(np.argmax(np.sum(peaks / np.median(peaks, axis=1, keepdims=True), axis=0)))
     near = slice(max(common - int(NEAR * rate), 0), common + int(NEAR * rate) + 1)
     delays = []
     for row, begin in zip(peaks, where, strict=True):
         best = near.start + int(np.argmax(row[near]))
-        if row[best] > CLEAR * float(np.median(row)):
-            delays.append(EARLIEST + (_between(row, best) + np.ceil(begin) - begin) / rate)
+        if row[best] > MIN_PEAK_RATIO * float(np.median(row)):
+            delays.append(EARLIEST + (_interpolated_peak(row, best) + np.ceil(begin) - begin) / rate)
     if len(delays) < max(3, len(begun) // 2):
         raise PersonError(
             f"only {len(delays)} of {len(begun)} sweeps were heard",
@@ -175,7 +175,7 @@ def _matches(sound: Float32, where: Float64, size: int, rate: float) -> Float64:
     return found
 
 
-def _between(row: Float64, peak: int) -> float:
+def _interpolated_peak(row: Float64, peak: int) -> float:
     """Return a peak's position between samples, from a parabola through it and its neighbours."""
     if not 0 < peak < len(row) - 1:
         return float(peak)
@@ -184,7 +184,7 @@ def _between(row: Float64, peak: int) -> float:
     return peak + (0.0 if bend == 0.0 else float(0.5 * (before - after) / bend))
 
 
-BEGINS_WITHIN: Final = 5.0
+START_TIMEOUT: Final = 5.0
 """Maximum seconds until devices start."""
 
 Stamps = list[tuple[int, float]]
@@ -198,7 +198,7 @@ class Microphone:
         missing = channels.missing(device.channels)
         if missing:
             raise PersonError(f"{device.name}: {missing}", "choose others with --audio-channel, see `live devices`")
-        chosen = channels.among(device.channels)
+        chosen = channels.select(device.channels)
         self._chosen = chosen
         self._sound = np.zeros((int(seconds * device.sample_rate), len(chosen)), np.float32)
         self._count = 0
@@ -212,7 +212,7 @@ class Microphone:
             self._count += len(fitting)
             self.stamps.append((self._count, now))
 
-        self._stream = _opened(
+        self._stream = _open(
             "input",
             device,
             channels=max(chosen) + 1,
@@ -221,7 +221,7 @@ class Microphone:
             latency="low",
             callback=heard,
         )
-        self.latency = _reported(self._stream)
+        self.latency = _reported_latency(self._stream)
 
     def close(self) -> None:
         """Stop recording."""
@@ -234,7 +234,7 @@ class Microphone:
 
     def sound(self) -> npt.NDArray[np.float32]:
         """Return the recording so far as mono, shape (n,)."""
-        mixer = Mixer(range(len(self._chosen)), self.sample_rate, BLOCK)
+        mixer = ChannelMixer(range(len(self._chosen)), self.sample_rate, BLOCK)
         blocks = [self._sound[at : min(at + BLOCK, self._count)] for at in range(0, self._count, BLOCK)]
         return np.concatenate([mixer.mix(block).copy() for block in blocks] or [np.zeros(0, np.float32)])
 
@@ -250,7 +250,11 @@ class Microphone:
 
 
 def play_and_record(
-    train: Train, output: SoundDevice, microphone: Microphone, clock: Clock, wait: Callable[[float], None] = time.sleep
+    train: SweepTrain,
+    output: SoundDevice,
+    microphone: Microphone,
+    clock: Clock,
+    wait: Callable[[float], None] = time.sleep,
 ) -> tuple[Recording, float | None]:
     """Play the train and record it; return also the output's reported latency [s], None if it is implausible.
 
@@ -267,7 +271,7 @@ def play_and_record(
         out[len(block) :] = 0.0
         at += frames
 
-    stream = _opened(
+    stream = _open(
         "output",
         output,
         channels=min(output.channels, 2),
@@ -276,8 +280,8 @@ def play_and_record(
         callback=callback,
     )
     try:
-        latency = _reported(stream)
-        deadline = clock.now() + BEGINS_WITHIN + len(train.sound) / train.sample_rate
+        latency = _reported_latency(stream)
+        deadline = clock.now() + START_TIMEOUT + len(train.sound) / train.sample_rate
         while at < len(train.sound) and not microphone.full:
             if clock.now() > deadline:
                 raise PersonError(
@@ -290,14 +294,14 @@ def play_and_record(
     return Recording(microphone.sound(), microphone.sample_rate, microphone.stamps, played), latency
 
 
-def _opened(kind: str, device: SoundDevice, **options: Any) -> Any:
+def _open(kind: str, device: SoundDevice, **options: Any) -> Any:
     try:
         return open_stream(kind, device=device.index, dtype="float32", **options)
     except Exception as error:  # PortAudioError, whose class exists only with PortAudio
         raise PersonError(f"the sound {kind} {device.name!r} refuses: {error}", "see `live devices`") from None
 
 
-def _reported(stream: Any) -> float | None:
+def _reported_latency(stream: Any) -> float | None:
     """Return a device's reported latency [s]; None if it is implausible."""
     latency = float(stream.latency)
     return latency if 0.0 < latency < 1.0 else None

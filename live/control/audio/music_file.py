@@ -11,12 +11,12 @@ from live.clock.tracking.aubio_tracker import RATE_MAX_HZ, RATE_MIN_HZ
 from live.control.audio.analysis import AudioAnalysis, MakeAnalysis
 from live.control.events.events import ControlEvent, One, SourceChanged
 
-LONGEST: Final = 3.0 * 3600.0
+MAX_DURATION: Final = 3.0 * 3600.0
 """Maximum duration [s]; music is kept in memory, 21 MB per minute in stereo."""
 
-SHORTEST: Final = 0.1
+MIN_DURATION: Final = 0.1
 
-TOLD_AHEAD: Final = 30.0
+DOWNBEAT_LEAD: Final = 30.0
 """Lead time of a known first downbeat [s].
 
 It is announced early so that a score that starts with it is not late, and no tracker moves the measure lines before it.
@@ -66,7 +66,7 @@ def read_music(path: Path | str) -> Music:
         with av.open(str(path)) as container:
             if not container.streams.audio:
                 raise MusicFileError(f"{path} holds no sound; name a file with a sound stream")
-            music = _decoded(container, path)
+            music = _decode(container, path)
     except av.FFmpegError as error:
         reason = error.strerror or type(error).__name__
         raise MusicFileError(
@@ -74,17 +74,17 @@ def read_music(path: Path | str) -> Music:
         ) from None
     except OSError as error:
         raise MusicFileError(f"{path} cannot be opened ({error.strerror or error})") from None
-    if music.duration < SHORTEST:
-        raise MusicFileError(f"{path} holds {music.duration:.2f} s of sound; at least {SHORTEST} s are needed")
+    if music.duration < MIN_DURATION:
+        raise MusicFileError(f"{path} holds {music.duration:.2f} s of sound; at least {MIN_DURATION} s are needed")
     return music
 
 
-def _decoded(container: Any, path: Path) -> Music:
+def _decode(container: Any, path: Path) -> Music:
     from av.audio.resampler import AudioResampler
 
     stream = container.streams.audio[0]
     told = float(container.duration or 0) / 1e6
-    if told > LONGEST:
+    if told > MAX_DURATION:
         raise _too_long(path)
     rate, channels = int(stream.rate), min(int(stream.channels), 2)
     if not RATE_MIN_HZ <= rate <= RATE_MAX_HZ:
@@ -101,7 +101,7 @@ def _decoded(container: Any, path: Path) -> Music:
             block = part.to_ndarray().reshape(-1, channels).astype(np.float32, copy=False)
             blocks.append(block)
             frames += block.shape[0]
-        if frames > LONGEST * rate:
+        if frames > MAX_DURATION * rate:
             raise _too_long(path)
 
     for frame in container.decode(stream):
@@ -114,7 +114,7 @@ def _decoded(container: Any, path: Path) -> Music:
 
 
 def _too_long(path: Path) -> MusicFileError:
-    return MusicFileError(f"{path} is longer than {LONGEST / 3600:g} hours; cut it into pieces")
+    return MusicFileError(f"{path} is longer than {MAX_DURATION / 3600:g} hours; cut it into pieces")
 
 
 class OfflineMusic:
@@ -132,18 +132,18 @@ class OfflineMusic:
         one_at: float | None = None,
         analysis: MakeAnalysis = AudioAnalysis,
     ) -> None:
-        """`one_at` [s of the music]: the first downbeat, if known; it is announced as One, TOLD_AHEAD
+        """`one_at` [s of the music]: the first downbeat, if known; it is announced as One, DOWNBEAT_LEAD
         seconds before."""
         self._music = music
         self._loop = loop
         self._begin = begin
         self._one = None if one_at is None else One(time=begin + one_at, source="audio")
-        self._tell_one = 0 if one_at is None else max(int((one_at - TOLD_AHEAD) * music.sample_rate), 0)
+        self._downbeat_frame = 0 if one_at is None else max(int((one_at - DOWNBEAT_LEAD) * music.sample_rate), 0)
         self._fed = 0
         self._ended = False
         self._analysis = analysis(music.sample_rate)
         if one_at is not None:
-            self._analysis.know_one(one_at)
+            self._analysis.set_downbeat(one_at)
 
     @property
     def ended(self) -> bool:
@@ -155,21 +155,21 @@ class OfflineMusic:
         events: list[ControlEvent] = []
         wanted = int((time - self._begin) * self._music.sample_rate)
         if wanted >= 0:
-            self._say_one(events)
+            self._announce_downbeat(events)
         while self._fed < wanted and not self._ended:
-            before = wanted if self._one is None else self._tell_one
+            before = wanted if self._one is None else self._downbeat_frame
             block = self._music.block(self._fed, min(wanted - self._fed, before - self._fed, 65536), self._loop)
             self._fed += block.shape[0]
             events += self._analysis.feed(block, self._time_of)
-            self._say_one(events)
+            self._announce_downbeat(events)
             if not self._loop and self._fed >= self._music.samples.shape[0]:
                 self._ended = True
                 end = self._time_of(self._music.duration)
                 events.append(SourceChanged(time=end, source="audio", state="silent", detail="the music is over"))
         return events
 
-    def _say_one(self, events: list[ControlEvent]) -> None:
-        if self._one is not None and self._fed >= self._tell_one:
+    def _announce_downbeat(self, events: list[ControlEvent]) -> None:
+        if self._one is not None and self._fed >= self._downbeat_frame:
             events.append(self._one)
             self._one = None
 

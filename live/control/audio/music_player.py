@@ -6,32 +6,32 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.base.fault_isolation import keep_running
 from live.clock.sample_clock import SampleClock
 from live.clock.time_source import Clock
 from live.control.audio.analysis import AudioAnalysis, MakeAnalysis
 from live.control.audio.devices import SoundUnavailable, close_stream, find_device, open_stream
-from live.control.audio.music_file import TOLD_AHEAD, Music
+from live.control.audio.music_file import DOWNBEAT_LEAD, Music
 from live.control.events.events import BeatHeard, ControlEvent, One, SourceChanged
 
 POLL: Final = 0.010
 LOST_AFTER: Final = 0.5
 """Seconds without a callback after which the output counts as lost."""
 
-FIRST_SOUND: Final = 3.0
+START_TIMEOUT: Final = 3.0
 """Seconds after the start in which a sound server may fill its buffers and pause."""
 
-STEADY_AFTER: Final = 1.0
+SETTLE_SECONDS: Final = 1.0
 """Seconds until a sample's time can be predicted, if the server does not pause again."""
-ONE_OFF: Final = 0.02
+DOWNBEAT_TOLERANCE: Final = 0.02
 """The prediction is repeated if it was wrong by this much [s]."""
 
 STAMPS: Final = 512
 CATCH_UP: Final = 1.0
 """Sound missed in a stall longer than this [s] is not analysed."""
 
-ANEW_AFTER: Final = 1.0
+RESTART_AFTER: Final = 1.0
 """Seconds from a failure of the analysis to its restart."""
 
 
@@ -44,7 +44,7 @@ class MusicPlayer:
     def __init__(
         self,
         music: Music,
-        inbox: Inbox[ControlEvent],
+        inbox: EventQueue[ControlEvent],
         clock: Clock,
         *,
         loop: bool = True,
@@ -55,7 +55,7 @@ class MusicPlayer:
     ) -> None:
         """`output`: True = the default device, False = none, else as for `find_device`.
 
-        `one_at` [s of the music]: the first downbeat, if known. It is announced as One TOLD_AHEAD seconds before, or as
+        `one_at` [s of the music]: the first downbeat, if known. It is announced as One DOWNBEAT_LEAD seconds before, or as
         soon as its time is known; and once more with the first beat after it, if the time has changed.
 
         `latency` [s]: delay from handing over a sample until it is heard; None: the device's reported latency. Raises
@@ -68,7 +68,7 @@ class MusicPlayer:
         self.latency = latency
         """Delay from handing over a sample until it is heard [s]; None: the device's. It may be changed at any time."""
         self._one_at = one_at
-        self._one_told: float | None = None
+        self._announced_downbeat: float | None = None
         self.output_problem = ""
         """Description of why the music is not audible; empty if it is."""
         self.crashes = 0
@@ -89,9 +89,9 @@ class MusicPlayer:
         self._make_analysis = analysis
         self._analysis = analysis(music.sample_rate)
         if one_at is not None:
-            self._analysis.know_one(one_at)
+            self._analysis.set_downbeat(one_at)
         self._skipped = 0
-        self._anew_at: float | None = None
+        self._restart_at: float | None = None
 
     @property
     def audible(self) -> bool:
@@ -103,7 +103,7 @@ class MusicPlayer:
         """Delay from handing over a sample until it is heard [s]."""
         return self._reported if self.latency is None else self.latency
 
-    def facts(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return facts on the output for the operator's status. Thread: any."""
         return {
             "device": None if self._device is None else self._device.name,
@@ -190,11 +190,11 @@ class MusicPlayer:
 
     def _run(self) -> None:
         try:
-            keep_running("the music's player", self._turns, self._stop.wait)
+            keep_running("the music's player", self._poll_until_stopped, self._stop.wait)
         finally:
             self._close()
 
-    def _turns(self) -> None:
+    def _poll_until_stopped(self) -> None:
         while not self._stop.wait(POLL):
             now = self._clock.now()
             self._follow_output(now)
@@ -214,7 +214,7 @@ class MusicPlayer:
             self._line.observe(float(self._stamp_frame[index % STAMPS]), time)
             self._alive_at = max(self._alive_at, time)
         self._stamps_read = until
-        if now - self._alive_at > (LOST_AFTER if now - self._begin > FIRST_SOUND else FIRST_SOUND):
+        if now - self._alive_at > (LOST_AFTER if now - self._begin > START_TIMEOUT else START_TIMEOUT):
             self._begin = now - self.position(now)
             self._close()
             self.output_problem = f"{self._device.name} was lost; the music continues silently"
@@ -223,53 +223,55 @@ class MusicPlayer:
 
     def _analyse_safely(self, now: float) -> None:
         """Analyse; after a failure the music plays on, and analysis restarts a second later."""
-        if self._anew_at is not None and now < self._anew_at:
+        if self._restart_at is not None and now < self._restart_at:
             return
         try:
             self._analyse(now)
         except Exception as error:
             self.crashes += 1
             self.failure = f"the analysis failed: {type(error).__name__}: {error}"
-            self._anew_at = now + ANEW_AFTER
+            self._restart_at = now + RESTART_AFTER
 
     def _analyse(self, now: float) -> None:
         if self.ended:
             return
         rate = self._music.sample_rate
         wanted = int(self.position(now) * rate)
-        if wanted - self._fed > CATCH_UP * rate or self._anew_at is not None:
-            self._anew_at = None
+        if wanted - self._fed > CATCH_UP * rate or self._restart_at is not None:
+            self._restart_at = None
             self._fed = self._skipped = wanted
             self._analysis = self._make_analysis(rate)
         if wanted <= self._fed:
             return
         block = self._music.block(self._fed, wanted - self._fed, self._loop)
         self._fed = wanted
-        self._tell_one(now, heard=False)
+        self._announce_downbeat(now, heard=False)
         for event in self._analysis.feed(block, self._time_of, now):
             if isinstance(event, BeatHeard):
-                self._tell_one(now, heard=True)
+                self._announce_downbeat(now, heard=True)
             self._inbox.put(event)
         if not self._loop and self._fed >= self._music.samples.shape[0]:
             self.ended = True
             self._inbox.put(SourceChanged(time=now, source="audio", state="silent", detail="the music is over"))
 
-    def _tell_one(self, now: float, *, heard: bool) -> None:
+    def _announce_downbeat(self, now: float, *, heard: bool) -> None:
         """Announce the time of the known downbeat before it is heard; `heard`: a beat was heard."""
         if self._one_at is None:
             return
         position = self.position(now)
         time = self._time_of(self._one_at - self._skipped / self._music.sample_rate)
-        if self._one_told is None:
-            if position < self._one_at - TOLD_AHEAD or (self._stream is not None and now - self._begin < STEADY_AFTER):
+        if self._announced_downbeat is None:
+            if position < self._one_at - DOWNBEAT_LEAD or (
+                self._stream is not None and now - self._begin < SETTLE_SECONDS
+            ):
                 return
         elif not heard or position < self._one_at:
             return
         else:
             self._one_at = None  # this was the final announcement
-        if self._one_told is None or abs(time - self._one_told) > ONE_OFF:
+        if self._announced_downbeat is None or abs(time - self._announced_downbeat) > DOWNBEAT_TOLERANCE:
             self._inbox.put(One(time=time, source="audio"))
-        self._one_told = time
+        self._announced_downbeat = time
 
     def _time_of(self, position: float) -> float:
         frame = position * self._music.sample_rate + self._skipped

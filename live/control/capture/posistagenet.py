@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from live.base.event_queue import Lane
+from live.base.event_queue import PriorityQueue
 from live.clock.ticks import TICK
 from live.clock.time_source import Clock
 from live.control.capture.udp_input import CaptureInput
@@ -27,7 +27,7 @@ from live.control.registry.rejections import Reason, Tally
 
 MAX_PACKET_BYTES: Final = 8192
 """The protocol sends at most 1500."""
-FARTHEST: Final = 1000.0
+MAX_COORDINATE: Final = 1000.0
 """Maximum coordinate of a tracker [m]."""
 NAME_LENGTH: Final = 64
 DATA: Final = 0x6755
@@ -71,7 +71,7 @@ class PsnPacket:
     is_data: bool = True
 
 
-def read_psn(data: bytes, tally: Tally) -> PsnPacket | None:
+def decode_psn(data: bytes, tally: Tally) -> PsnPacket | None:
     """Decode a packet; None, counted, if it is refused."""
     try:
         if not 0 < len(data) <= MAX_PACKET_BYTES:
@@ -104,7 +104,7 @@ def _chunks(data: bytes, start: int, stop: int, most: int = 512) -> Iterator[Chu
         yield head & 0xFFFF, begin, start, bool(head >> 31)
 
 
-def _within(data: bytes, chunk: Chunk) -> Iterator[Chunk]:
+def _nested_chunks(data: bytes, chunk: Chunk) -> Iterator[Chunk]:
     """Return the nested chunks of one that must have some; PsnRefused if it has none."""
     if not chunk[3]:
         raise PsnRefused(Reason.WRONG_TYPE)
@@ -115,16 +115,16 @@ def _packet(data: bytes, root: Chunk, tally: Tally) -> PsnPacket:
     header: Chunk | None = None
     places: dict[int, Place] = {}
     names: dict[int, str] = {}
-    for chunk in _within(data, root):
+    for chunk in _nested_chunks(data, root):
         if chunk[0] == _HEADER:
             header = chunk
         elif root[0] == DATA and chunk[0] == _DATA_TRACKERS:
-            for tracker in _within(data, chunk):
+            for tracker in _nested_chunks(data, chunk):
                 place = _place(data, tracker, tally)
                 if place is not None:
                     places[tracker[0]] = place
         elif root[0] == INFO and chunk[0] == _INFO_TRACKERS:
-            for tracker in _within(data, chunk):
+            for tracker in _nested_chunks(data, chunk):
                 name = _name(data, tracker, tally)
                 if name is not None:
                     names[tracker[0]] = name
@@ -142,7 +142,7 @@ def _place(data: bytes, tracker: Chunk, tally: Tally) -> Place | None:
     """Return a tracker's position; None if it is missing, marked as invalid, or (counted) impossible."""
     place: Place | None = None
     valid = True
-    for identity, begin, end, nested in _within(data, tracker):
+    for identity, begin, end, nested in _nested_chunks(data, tracker):
         if identity == _PLACE:
             if nested or end - begin != _VECTOR.size:
                 raise PsnRefused(Reason.WRONG_TYPE)
@@ -156,7 +156,7 @@ def _place(data: bytes, tracker: Chunk, tally: Tally) -> Place | None:
     if not math.isfinite(sum(place)):
         tally.count(Reason.NOT_FINITE)
         return None
-    if max(map(abs, place)) > FARTHEST:
+    if max(map(abs, place)) > MAX_COORDINATE:
         tally.count(Reason.OUT_OF_RANGE)
         return None
     return place
@@ -164,7 +164,7 @@ def _place(data: bytes, tracker: Chunk, tally: Tally) -> Place | None:
 
 def _name(data: bytes, tracker: Chunk, tally: Tally) -> str | None:
     """Return a tracker's name; None if it is missing or (counted) invalid."""
-    for identity, begin, end, nested in _within(data, tracker):
+    for identity, begin, end, nested in _nested_chunks(data, tracker):
         if identity != _NAME:
             continue
         if nested:
@@ -183,13 +183,13 @@ def _name(data: bytes, tracker: Chunk, tally: Tally) -> str | None:
 GROUP: Final = "236.10.10.10"
 PORT: Final = 56565
 MOST_TRACKERS: Final = 128
-STILL: Final = 0.002
+MIN_MOVE: Final = 0.002
 """A tracker that has moved less than this [m] is sent again only after …"""
-STILL_S: Final = 0.1
+REPEAT_INTERVAL: Final = 0.1
 """… this time [s], as a sign that it is present."""
-THIN: Final = 0.75 * TICK
+MIN_INTERVAL: Final = 0.75 * TICK
 """Positions less than this [s] after the previous one are dropped: the show uses one per tick."""
-OLD_US: Final = 10_000_000
+RESTART_AGE_US: Final = 10_000_000
 """A frame older than the last one by less than this [µs] is late; by more, the server has restarted."""
 
 
@@ -199,29 +199,29 @@ class PsnFrames:
     def __init__(self, tally: Tally) -> None:
         self._tally = tally
         self._places: dict[int, Place] = {}
-        self._frame, self._seen, self._time = -1, 0, -OLD_US
+        self._frame, self._packet_count, self._time = -1, 0, -RESTART_AGE_US
         self.names: dict[int, str] = {}
         """Names of trackers by number."""
         self.frames = 0
         """Frames so far."""
 
-    def take(self, packet: PsnPacket) -> dict[int, Place]:
+    def add(self, packet: PsnPacket) -> dict[int, Place]:
         """Handle a packet; return the positions of a frame that is complete, or ended by the next frame."""
         if not packet.is_data:
             for number, name in packet.names.items():
                 if number in self.names or len(self.names) < MOST_TRACKERS:
                     self.names[number] = name
             return {}
-        if 0 < self._time - packet.time < OLD_US:
+        if 0 < self._time - packet.time < RESTART_AGE_US:
             self._tally.count(Reason.OUT_OF_RANGE)
             return {}
         ended: dict[int, Place] = {}
         if (packet.frame, packet.time) != (self._frame, self._time):
             ended, self._places = self._places, {}  # the remainder of a frame that lost a packet
-            self._frame, self._time, self._seen = packet.frame, packet.time, 0
+            self._frame, self._time, self._packet_count = packet.frame, packet.time, 0
         self._places |= packet.places
-        self._seen += 1
-        if self._seen >= packet.packets:
+        self._packet_count += 1
+        if self._packet_count >= packet.packets:
             whole, self._places = self._places, {}
             self.frames += 1
             return {**ended, **whole}
@@ -229,7 +229,7 @@ class PsnFrames:
 
 
 @dataclass(slots=True)
-class _Told:
+class _SentPosition:
     place: Place = (0.0, 0.0, 0.0)
     time: float = field(default=-1e9)
 
@@ -237,7 +237,7 @@ class _Told:
 class PsnInput(CaptureInput):
     """Receives PosiStageNet on a port, optionally of a multicast group, and puts tracker positions into `lane`."""
 
-    def __init__(self, host: str, port: int, interface: str, lane: Lane[ControlEvent], clock: Clock) -> None:
+    def __init__(self, host: str, port: int, interface: str, lane: PriorityQueue[ControlEvent], clock: Clock) -> None:
         """Configure the input; nothing is opened yet.
 
         `interface`: address of the network card on which to join a group; empty: chosen by the system.
@@ -245,7 +245,7 @@ class PsnInput(CaptureInput):
         super().__init__("psn", clock, MAX_PACKET_BYTES)
         self._host, self._port, self._interface, self._lane = host, port, interface, lane
         self._frames = PsnFrames(self.rejected)
-        self._told: dict[int, _Told] = {}
+        self._sent: dict[int, _SentPosition] = {}
 
     def open(self) -> list[socket.socket]:
         """See `CaptureInput`."""
@@ -257,39 +257,42 @@ class PsnInput(CaptureInput):
             return [bound_socket(self._host, self._port, "--psn")]
         return [_group_socket(self._host, self._port, self._interface)]
 
-    def hear(self, data: bytes, sender: Any, port: int, now: float) -> None:
+    def handle(self, data: bytes, sender: Any, port: int, now: float) -> None:
         """See `CaptureInput`."""
-        packet = read_psn(data, self.rejected)
+        packet = decode_psn(data, self.rejected)
         if packet is None:
             return
-        for number, place in self._frames.take(packet).items():
-            self._tell(number, place, now)
+        for number, place in self._frames.add(packet).items():
+            self._send_position(number, place, now)
 
-    def _tell(self, number: int, place: Place, now: float) -> None:
+    def _send_position(self, number: int, place: Place, now: float) -> None:
         """Send a tracker's position if it has changed enough."""
-        told = self._told.get(number)
+        told = self._sent.get(number)
         if told is None:
-            if len(self._told) >= MOST_TRACKERS:
+            if len(self._sent) >= MOST_TRACKERS:
                 self.rejected.count(Reason.MANY_MESSAGES)
                 return
-            told = self._told[number] = _Told()
-        if now - told.time < THIN:
+            told = self._sent[number] = _SentPosition()
+        if now - told.time < MIN_INTERVAL:
             return
-        if now - told.time < STILL_S and max(abs(a - b) for a, b in zip(place, told.place, strict=True)) < STILL:
+        if (
+            now - told.time < REPEAT_INTERVAL
+            and max(abs(a - b) for a, b in zip(place, told.place, strict=True)) < MIN_MOVE
+        ):
             return
         told.place, told.time = place, now
         name = self._frames.names.get(number, str(number))
         x, y, z = (round(value, 4) for value in place)  # the journal stores the same values that the show uses
         self._lane.put(TrackerMoved(time=now, source="psn", tracker=name, x=x, y=y, z=z))
 
-    def facts(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return facts for the status."""
         now = self.clock.now()
         trackers = {
             self._frames.names.get(number, str(number)): round(now - told.time, 2)
-            for number, told in tuple(self._told.items())
+            for number, told in tuple(self._sent.items())
         }
-        return {**super().facts(), "frames": self._frames.frames, "trackers_last_s_ago": trackers}
+        return {**super().status(), "frames": self._frames.frames, "trackers_last_s_ago": trackers}
 
 
 def _group_socket(group: str, port: int, interface: str) -> socket.socket:

@@ -7,11 +7,11 @@ from typing import Any, Final
 
 from live.base.fault_isolation import keep_running
 from live.clock.time_source import Clock
-from live.control.osc.osc_socket import dropped_by
-from live.control.osc.udp_batch import Datagrams
+from live.control.osc.osc_socket import dropped_datagrams
+from live.control.osc.udp_batch import DatagramReader
 from live.control.registry.rejections import Reason, Tally
 
-FLOOD: Final = 2000
+MAX_PER_WINDOW: Final = 2000
 """Maximum datagrams read …"""
 WINDOW: Final = 0.1
 """… in a window of this length [s]; further ones are dropped."""
@@ -42,7 +42,7 @@ class CaptureInput:
         """Return the sockets to receive from; CannotListen, with the remedy, if that fails."""
         raise NotImplementedError
 
-    def hear(self, data: bytes, sender: Any, port: int, now: float) -> None:
+    def handle(self, data: bytes, sender: Any, port: int, now: float) -> None:
         """Handle a datagram of `sender` received on `port` at `now` [s]. Thread: the input's own."""
         raise NotImplementedError
 
@@ -76,7 +76,7 @@ class CaptureInput:
     @property
     def lost(self) -> int:
         """Datagrams that the system dropped because they were not read in time."""
-        return self._lost if not self._sockets else sum(dropped_by(each) for each in self._sockets)
+        return self._lost if not self._sockets else sum(dropped_datagrams(each) for each in self._sockets)
 
     def _run(self) -> None:
         keep_running(f"the thread that hears {self._name}", self._receive_all, self._stopping.wait)
@@ -86,14 +86,14 @@ class CaptureInput:
         with selectors.DefaultSelector() as selector:
             for each in self._sockets:
                 port = int(each.getsockname()[1])
-                selector.register(each, selectors.EVENT_READ, (Datagrams(each, self._largest), port))
+                selector.register(each, selectors.EVENT_READ, (DatagramReader(each, self._largest), port))
             selector.register(self._wake[0], selectors.EVENT_READ)
             while not self._stopping.is_set():
                 for key, _ in selector.select():
                     if key.data is not None:
                         self.receive(*key.data)
 
-    def receive(self, datagrams: Datagrams, port: int) -> None:
+    def receive(self, datagrams: DatagramReader, port: int) -> None:
         """Read the available datagrams within the limits."""
         try:
             found = datagrams.read()
@@ -106,17 +106,17 @@ class CaptureInput:
             self._window, self._read = now, 0
         for data, sender in found:
             self._read += 1
-            if self._read > FLOOD:
+            if self._read > MAX_PER_WINDOW:
                 self.rejected.count(Reason.FLOOD)
                 continue
             try:
-                self.hear(data, sender, port, now)
+                self.handle(data, sender, port, now)
             except Exception:  # no datagram may prevent the next one from being handled
                 self.rejected.count(Reason.INTERNAL)
         self.received += len(found)  # last, so that the other counters are complete when a reader sees it
-        if self._read > FLOOD:
+        if self._read > MAX_PER_WINDOW:
             self._stopping.wait(max(self._window + WINDOW - now, 0.001))
 
-    def facts(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return facts for the status."""
         return {"received": self.received, "lost": self.lost, "refused": self.rejected.as_dict()}

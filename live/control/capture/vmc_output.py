@@ -1,6 +1,6 @@
 """VMC output: sends the show's dancers as avatars to other programs, or a clip as a capture program would.
 
-Run as a module, it is a helper process (`Helper`), so sending costs the show's frames no time.
+Run as a module, it is a helper process (`HelperProcess`), so sending costs the show's frames no time.
 """
 
 import gc
@@ -17,20 +17,20 @@ import numpy.typing as npt
 
 from live.clock.time_source import SystemClock
 from live.control.capture.vmc_protocol import vmc_packets
-from live.control.helper_process import Told
+from live.control.helper_process import HelperChannel
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import local_rotations
 from live.motion.skeleton import JOINT_COUNT
 
-FIGURES_EVERY: Final = 1.0
+STATUS_INTERVAL: Final = 1.0
 MOST_AVATARS: Final = 16
 """Maximum dancers of one target, each on its own port."""
-ROW: Final = 3 + 4 * JOINT_COUNT
+ROW_LENGTH: Final = 3 + 4 * JOINT_COUNT
 """Values per dancer: hips [m], and the joints' world rotations."""
 
 
 @dataclass(frozen=True, slots=True)
-class Avatars:
+class AvatarTarget:
     """One target: the first dancer is sent to its port, the second to the next, and so on."""
 
     host: str
@@ -41,7 +41,7 @@ class Avatars:
     """Maximum poses per second."""
 
 
-class VmcOut:
+class VmcOutput:
     """Sends dancers to one host. Thread: one."""
 
     def __init__(self, host: str, port: int) -> None:
@@ -53,9 +53,9 @@ class VmcOut:
         self.sent = self.failed = 0
         """Datagrams that the system accepted, and those that it refused."""
 
-    def take(self, time: float, data: bytes) -> None:
+    def send_dancers(self, time: float, data: bytes) -> None:
         """Send dancers at `time` [s], from rows (n, ROW) of float32."""
-        rows = np.frombuffer(data, np.float32).reshape(-1, ROW)[:MOST_AVATARS]
+        rows = np.frombuffer(data, np.float32).reshape(-1, ROW_LENGTH)[:MOST_AVATARS]
         local = local_rotations(rows[:, 3:].reshape(-1, JOINT_COUNT, 4))
         host, port, *more = self._address
         for number, (row, rotation) in enumerate(zip(rows, local, strict=True)):
@@ -74,31 +74,31 @@ class VmcOut:
         self._socket.close()
 
 
-def dancers_as_told(
+def pack_dancers(
     rows: npt.NDArray[np.integer], position: npt.NDArray[np.float32], rotation: npt.NDArray[np.float32]
 ) -> bytes:
-    """Return the data for `VmcOut.take`, of dancers `rows` (n,), `position` (A, J, 3) [m], `rotation` (A, J, 4)."""
-    told = np.empty((len(rows), ROW), np.float32)
+    """Return the data for `VmcOutput.take`, of dancers `rows` (n,), `position` (A, J, 3) [m], `rotation` (A, J, 4)."""
+    told = np.empty((len(rows), ROW_LENGTH), np.float32)
     told[:, :3], told[:, 3:] = position[rows, 0], rotation[rows].reshape(len(rows), -1)
     return told.tobytes()
 
 
 def main() -> None:
     """Send until the show ends."""
-    told = Told(int(sys.argv[1]))
+    told = HelperChannel(int(sys.argv[1]))
     gc.disable()
-    outs = [VmcOut(host, port) for host, port in told.plan["targets"]]
+    outs = [VmcOutput(host, port) for host, port in told.plan["targets"]]
     clock = SystemClock(told.plan["origin"])
-    say_at = clock.now() + FIGURES_EVERY
-    while not told.ended:
-        select.select([told.socket], [], [], FIGURES_EVERY)
+    say_at = clock.now() + STATUS_INTERVAL
+    while not told.closed:
+        select.select([told.socket], [], [], STATUS_INTERVAL)
         newest = {packet[0]: packet for packet in told.packets()}  # after a delay only the latest packet of each target
         for index, moment, data in newest.values():
             outs[index].take(moment, data)
         if clock.now() >= say_at:
-            say_at = clock.now() + FIGURES_EVERY
+            say_at = clock.now() + STATUS_INTERVAL
             gc.collect(0)
-            told.say({"datagrams": sum(out.sent for out in outs), "failed": sum(out.failed for out in outs)})
+            told.send_facts({"datagrams": sum(out.sent for out in outs), "failed": sum(out.failed for out in outs)})
 
 
 def play_clip(

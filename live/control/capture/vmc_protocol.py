@@ -26,14 +26,14 @@ from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 MAX_PACKET_BYTES: Final = 16384
 MAX_ELEMENTS: Final = 256
-FARTHEST: Final = 100.0
+MAX_OFFSET: Final = 100.0
 """Maximum distance of a bone from its parent [m]."""
-UNIT: Final = (0.81, 1.21)
+UNIT_RANGE: Final = (0.81, 1.21)
 """Range of squared lengths accepted as a unit quaternion."""
-NOTHING: Final = -1
+UNUSED_BONE: Final = -1
 """Marks bones that the engine's skeleton lacks: eyes, jaw, fingers."""
 _FINGERS: Final = ("Thumb", "Index", "Middle", "Ring", "Little")
-_NOT_OURS: Final = (
+_UNUSED_NAMES: Final = (
     "LeftEye", "RightEye", "Jaw", "LastBone",
     *(
         side + finger + part
@@ -43,7 +43,7 @@ _NOT_OURS: Final = (
     ),
 )  # fmt: skip
 BONES: Final[dict[str, int]] = {name.casefold(): index for index, name in enumerate(SKELETON.names)} | dict.fromkeys(
-    (name.casefold() for name in _NOT_OURS), NOTHING
+    (name.casefold() for name in _UNUSED_NAMES), UNUSED_BONE
 )
 """Joint of the engine's skeleton by the bone's name in lower case."""
 
@@ -61,7 +61,7 @@ def _padded(name: str) -> bytes:
 
 
 _BY_BYTES: Final = {
-    _padded(name[0].upper() + name[1:]): BONES[name.casefold()] for name in (*SKELETON.names, *_NOT_OURS)
+    _padded(name[0].upper() + name[1:]): BONES[name.casefold()] for name in (*SKELETON.names, *_UNUSED_NAMES)
 }
 
 
@@ -80,12 +80,12 @@ class Listener(Protocol):
         """Receive whether the data is valid."""
         ...
 
-    def sent(self, time: float) -> None:
+    def sender_time(self, time: float) -> None:
         """Receive the sender's time [s]."""
         ...
 
 
-def read_packet(data: bytes, listener: Listener, tally: Tally) -> None:
+def decode_vmc(data: bytes, listener: Listener, tally: Tally) -> None:
     """Decode a packet for `listener`; refused messages are counted."""
     if not 0 < len(data) <= MAX_PACKET_BYTES:
         tally.count(Reason.PACKET_SIZE)
@@ -102,10 +102,10 @@ def read_packet(data: bytes, listener: Listener, tally: Tally) -> None:
             if data.startswith(_BONE, start):
                 joint = _BY_BYTES.get(data[start + len(_BONE) : stop - _POSE.size])
                 if joint is not None:
-                    if joint != NOTHING:
-                        _tell_bone(joint, _POSE.unpack_from(data, stop - _POSE.size), listener, tally)
+                    if joint != UNUSED_BONE:
+                        _pass_bone(joint, _POSE.unpack_from(data, stop - _POSE.size), listener, tally)
                     continue
-            _tell_other(data[start:stop], listener, tally)
+            _pass_message(data[start:stop], listener, tally)
     except OscRejected as error:
         tally.count(error.reason)
 
@@ -131,14 +131,14 @@ def _messages(data: bytes, start: int, stop: int, depth: int) -> Iterator[tuple[
         place += size
 
 
-def _tell_bone(joint: int | None, values: tuple[float, ...], listener: Listener, tally: Tally) -> None:
+def _pass_bone(joint: int | None, values: tuple[float, ...], listener: Listener, tally: Tally) -> None:
     """Pass on a bone, or the root (None), if its numbers are valid."""
     x, y, z, i, j, k, w = values
     square = i * i + j * j + k * k + w * w
     if not math.isfinite(x + y + z + square):
         tally.count(Reason.NOT_FINITE)
         return
-    if not UNIT[0] <= square <= UNIT[1] or max(abs(x), abs(y), abs(z)) > FARTHEST:
+    if not UNIT_RANGE[0] <= square <= UNIT_RANGE[1] or max(abs(x), abs(y), abs(z)) > MAX_OFFSET:
         tally.count(Reason.OUT_OF_RANGE)
         return
     size = math.sqrt(square)
@@ -149,7 +149,7 @@ def _tell_bone(joint: int | None, values: tuple[float, ...], listener: Listener,
         listener.bone(joint, bone)
 
 
-def _tell_other(data: bytes, listener: Listener, tally: Tally) -> None:
+def _pass_message(data: bytes, listener: Listener, tally: Tally) -> None:
     """Handle any other message, or a bone in an unusual encoding."""
     try:
         message = decode(data)[0]
@@ -163,22 +163,22 @@ def _tell_other(data: bytes, listener: Listener, tally: Tally) -> None:
             if pose is None:
                 return
             if message.address == "/VMC/Ext/Root/Pos":
-                _tell_bone(None, pose, listener, tally)
+                _pass_bone(None, pose, listener, tally)
                 return
             joint = BONES.get(str(values[0]).casefold())
             if joint is None:
                 tally.count(Reason.NAME)
-            elif joint != NOTHING:
-                _tell_bone(joint, pose, listener, tally)
+            elif joint != UNUSED_BONE:
+                _pass_bone(joint, pose, listener, tally)
         case "/VMC/Ext/OK":
-            _tell_state(values, listener, tally)
+            _pass_state(values, listener, tally)
         case "/VMC/Ext/T":
             if not values:
                 tally.count(Reason.MISSING)
             elif type(values[0]) is not float:
                 tally.count(Reason.WRONG_TYPE)
             else:
-                listener.sent(values[0])
+                listener.sender_time(values[0])
         case address if not address.startswith("/VMC/"):
             tally.count(Reason.UNKNOWN_ADDRESS)
 
@@ -195,7 +195,7 @@ def _pose(values: tuple[Value, ...], tally: Tally) -> tuple[float, ...] | None:
     return pose
 
 
-def _tell_state(values: tuple[Value, ...], listener: Listener, tally: Tally) -> None:
+def _pass_state(values: tuple[Value, ...], listener: Listener, tally: Tally) -> None:
     """Handle `OK loaded [calibration mode [tracking]]`: invalid if not loaded, calibrating, or poorly tracked."""
     if not values:
         tally.count(Reason.MISSING)
@@ -215,7 +215,7 @@ _ROWS: Final = struct.Struct(">7f")
 _HEADS: Final = [
     encode("/VMC/Ext/Bone/Pos", (name[0].upper() + name[1:], *[0.0] * 7))[: -_ROWS.size] for name in SKELETON.names
 ]
-_STANDS: Final = (
+_STATE_MESSAGES: Final = (
     encode("/VMC/Ext/OK", (1, 3, 0, 1)),
     encode("/VMC/Ext/Root/Pos", ("root", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)),
 )
@@ -229,4 +229,4 @@ def vmc_packets(hips: Float, rotation: Float, time: float) -> Iterator[bytes]:
     rows[0, :3] = hips
     rows[:, 3:6], rows[:, 6] = rotation[:, 1:], rotation[:, 0]
     bones = (head + _ROWS.pack(*row) for head, row in zip(_HEADS, (rows * _UNITY).tolist(), strict=True))
-    yield from bundles((*_STANDS, *bones, encode("/VMC/Ext/T", (float(time),))))
+    yield from bundles((*_STATE_MESSAGES, *bones, encode("/VMC/Ext/T", (float(time),))))

@@ -49,7 +49,7 @@ class SetMotion(ControlEvent):
     """Sets one parameter of motion variation and correction, for one group or (group "") for all."""
 
     parameter: str
-    """A field of `live.show.dancers.variation.Variety`."""
+    """A field of `live.show.dancers.variation.VariationSettings`."""
     value: float
     group: str = ""
 

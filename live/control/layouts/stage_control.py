@@ -11,11 +11,11 @@ from live.control.layouts.surface import Page, Surface, Widget
 VERSION: Final = "1.26.0"
 """First program version that supports this file format."""
 COLUMNS: Final = 6
-AGAIN: Final = 1800
+RENEW_INTERVAL: Final = 1800
 """Interval at which the subscription is renewed [s]; it lasts an hour."""
 
 
-def session_of(surface: Surface, endpoint: str) -> str:
+def session_text(surface: Surface, endpoint: str) -> str:
     """Return the session as text; all widgets send to `endpoint` (host:port)."""
     tabs = [_tab(number, page, endpoint) for number, page in enumerate(surface.pages)]
     hear = f'send("{endpoint}", "/dance/subscribe", "/dance", {{type: "i", value: 3600}})'
@@ -25,7 +25,7 @@ def session_of(surface: Surface, endpoint: str) -> str:
         "colorBg": "#101014",
         "tabs": tabs,
         # values are sent at once, and the subscription is renewed before it ends
-        "onCreate": f"{hear}\nsetInterval(() => {{ {hear} }}, {AGAIN * 1000})",
+        "onCreate": f"{hear}\nsetInterval(() => {{ {hear} }}, {RENEW_INTERVAL * 1000})",
     }
     whole = {"createdWith": "Open Stage Control", "version": VERSION, "type": "session", "content": root}
     return json.dumps(whole, indent=1, ensure_ascii=False) + "\n"

@@ -8,14 +8,14 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
-from live.control.registry.control import RANKS, Control, Role
+from live.control.registry.control import ROLE_RANKS, Control, Role
 
 WidgetKind = Literal["fader", "toggle", "button", "pad", "colour"]
-MOST_ON_A_PAGE: Final = 24
+MAX_PAGE_WIDGETS: Final = 24
 """Maximum widgets on a page that is still easy to use."""
 MOST_BUTTONS: Final = 48
 """Maximum names of one kind that get a button each."""
-ASKED: Final = frozenset(f"/dance/{what}" for what in ("ping", "get", "subscribe", "unsubscribe"))
+QUERIES: Final = frozenset(f"/dance/{what}" for what in ("ping", "get", "subscribe", "unsubscribe"))
 """Queries, which set nothing."""
 PAD_REACH: Final = (6.0, 4.5)
 """Half the width and depth of the stage on a pad [m], where no patch gives its size."""
@@ -50,7 +50,7 @@ class Surface:
     """All pages, and the addresses without a widget."""
 
     pages: tuple[Page, ...]
-    left_out: tuple[str, ...]
+    omitted: tuple[str, ...]
 
 
 def make_surface(
@@ -67,7 +67,7 @@ def make_surface(
     pages: dict[str, list[Widget]] = {}
     left_out = []
     for control in controls:
-        if RANKS[control.who] > RANKS[role] or control.address in ASKED:
+        if ROLE_RANKS[control.role] > ROLE_RANKS[role] or control.address in QUERIES:
             continue
         widgets = list(_widgets(control, names.get(control.address, ())[:MOST_BUTTONS], reach))
         if not widgets:
@@ -75,7 +75,7 @@ def make_surface(
         for widget in widgets:
             title = _title(control, widget)
             pages.setdefault(title, []).append(replace(widget, label=widget.label.removeprefix(f"{title} ")))
-    return Surface(tuple(_paged(pages)), tuple(left_out))
+    return Surface(tuple(_split_pages(pages)), tuple(left_out))
 
 
 def _title(control: Control, widget: Widget) -> str:
@@ -85,10 +85,10 @@ def _title(control: Control, widget: Widget) -> str:
     return parts[0] if len(parts) > 1 or widget.values else "show"
 
 
-def _paged(pages: Mapping[str, Sequence[Widget]]) -> Iterator[Page]:
+def _split_pages(pages: Mapping[str, Sequence[Widget]]) -> Iterator[Page]:
     for title in sorted(pages, key=lambda title: (title not in ("show", "stage"), title == "show", title)):
         widgets = pages[title]
-        count = -(-len(widgets) // MOST_ON_A_PAGE)
+        count = -(-len(widgets) // MAX_PAGE_WIDGETS)
         size = -(-len(widgets) // count)
         for number in range(count):
             part = tuple(widgets[number * size : (number + 1) * size])

@@ -8,8 +8,8 @@ from live.control.layouts.surface import Page, Surface, Widget
 
 SIZE: Final = (0, 0, 1366, 1024)
 COLUMNS: Final = 6
-INK: Final = {"fader": "#59A6D9", "toggle": "#E0A33E", "button": "#8FBF6B", "pad": "#C77DBA", "colour": "#D9D9D9"}
-HEAR: Final = "/dance/subscribe"
+COLOURS: Final = {"fader": "#59A6D9", "toggle": "#E0A33E", "button": "#8FBF6B", "pad": "#C77DBA", "colour": "#D9D9D9"}
+SUBSCRIBE: Final = "/dance/subscribe"
 
 # Three faders form one colour: moving one sends all three, and a received colour is shown on all three.
 _COLOUR: Final = """function onReceiveNotify()
@@ -36,7 +36,7 @@ def write_touchosc(surface: Surface, file: Path) -> None:
     from py2tosc import ui
 
     connect = py2tosc.button(name="hear", color="#FF5555", messages=[
-        ui.osc(HEAR, args=[ui.const("/dance"), ui.const("3600", conversion="INTEGER")], on="RISE", receive=False)
+        ui.osc(SUBSCRIBE, args=[ui.const("/dance"), ui.const("3600", conversion="INTEGER")], on="RISE", receive=False)
     ])  # fmt: skip
     pages = [_page(page) for page in surface.pages]
     root = ui.column(ui.labelled(connect, "hear the show", size=18), ui.pager(*pages), sizes=(1, 18), frame=SIZE)
@@ -56,7 +56,7 @@ def _widget(widget: Widget) -> Any:
     import py2tosc
     from py2tosc import ui
 
-    look = {"name": widget.label, "color": INK[widget.kind]}
+    look = {"name": widget.label, "color": COLOURS[widget.kind]}
     size = 14
     if widget.kind == "colour":
         return ui.labelled(_colour(widget), widget.label, size=size)

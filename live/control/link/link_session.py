@@ -7,27 +7,27 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, Final, Literal
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.base.fault_isolation import keep_running
 from live.clock.time_source import Clock
 from live.clock.timeline import Timeline, next_phase_match
 from live.control.events.events import ControlEvent
-from live.control.link.link_sync import LinkChange, LinkLead, LinkReading, LinkReports, fold_of, peers_in_words
+from live.control.link.link_sync import LinkChange, LinkLeader, LinkReading, LinkReporter, fold_factor, peers_text
 
 WINDOW: Final = 16
 """Number of readings kept for the rate; at four readings per second, they span four seconds."""
 
 TRIES: Final = 5
-GOOD: Final = 5e-6
+GOOD_BRACKET: Final = 5e-6
 """A reading is repeated, up to `TRIES` times, until it is bracketed within 5 µs."""
 
-WIDE: Final = 200e-6
+WIDE_BRACKET: Final = 200e-6
 """A reading interrupted for longer than this [s] is ignored while a better one is younger than ..."""
 
-OLD: Final = 2.0
+MAX_READING_AGE: Final = 2.0
 """... these seconds."""
 
-COUNTED: Final = 1e-6
+CLOCK_RESOLUTION: Final = 1e-6
 """Link counts whole microseconds, so the interval between two readings has this error [s]."""
 
 RATE_LIMIT: Final = 2e-3
@@ -65,7 +65,7 @@ class LinkClock:
             after = now()
             if best is None or after - before < best[2] - best[0]:
                 best = (before, ticks, after)
-            if after - before <= GOOD:
+            if after - before <= GOOD_BRACKET:
                 break
         assert best is not None
         self.observe(*best)
@@ -73,13 +73,18 @@ class LinkClock:
     def observe(self, before: float, micros: int, after: float) -> None:
         """Add a reading: Link's clock showed `micros` between `before` and `after` [s of the show]."""
         link, half = micros * 1e-6, 0.5 * (after - before)
-        if half > WIDE and self._readings and link - self._readings[-1][0] < OLD and self.error < half:
+        if (
+            half > WIDE_BRACKET
+            and self._readings
+            and link - self._readings[-1][0] < MAX_READING_AGE
+            and self.error < half
+        ):
             return
         self._readings.append((link, 0.5 * (before + after) - link, half))
         if len(self._readings) > 1:
             first = self._readings[0]
             span = link - first[0]
-            slack = first[2] + half + COUNTED  # a slope within the measurement error counts as 0
+            slack = first[2] + half + CLOCK_RESOLUTION  # a slope within the measurement error counts as 0
             rise = self._readings[-1][1] - first[1]
             rise = math.copysign(max(abs(rise) - slack, 0.0), rise)
             self._rate = min(max(rise / span, -RATE_LIMIT), RATE_LIMIT) if span > 0.0 else 0.0
@@ -94,11 +99,11 @@ class LinkClock:
 Mode = Literal["follow", "lead"]
 """follow: the session is a clock source. lead: the show sets the session's tempo and beat and never follows it."""
 
-POLL: Final = 0.02
+POLL_INTERVAL: Final = 0.02
 """Interval between polls of the session [s]; each costs about 10 µs. Link's callbacks are not used, because they come
 from its network thread and would wait there for the interpreter."""
 
-CLOCKS_EVERY: Final = 0.25
+CLOCK_READ_INTERVAL: Final = 0.25
 """Interval between readings of both clocks [s]."""
 
 LINK_MIN_BPM: Final = 20.0
@@ -133,7 +138,7 @@ class LinkSession:
 
     def __init__(
         self,
-        inbox: Inbox[ControlEvent],
+        inbox: EventQueue[ControlEvent],
         clock: Clock,
         *,
         tempo: float,
@@ -157,16 +162,16 @@ class LinkSession:
         self._micros: Callable[[], int] = self._link.clock().micros
         self._inbox = inbox
         self._clock = clock
-        self._line = LinkClock()
-        self._read_clocks_at = -CLOCKS_EVERY
-        self._reports = LinkReports(start_stop=start_stop, source=source)
-        self._lead = LinkLead()
+        self._link_clock = LinkClock()
+        self._read_clocks_at = -CLOCK_READ_INTERVAL
+        self._reports = LinkReporter(start_stop=start_stop, source=source)
+        self._lead = LinkLeader()
         if mode == "lead":
             self._lead.resync()  # choosing this mode implies a resync
-        self._wishes: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
-        self._shown: tuple[Timeline, float] | None = None
+        self._commands: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._timeline: tuple[Timeline, float] | None = None
         self._beats_per_measure = beats_per_measure
-        self._last: LinkReading | None = None
+        self._last_reading: LinkReading | None = None
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -175,23 +180,23 @@ class LinkSession:
     @property
     def peers(self) -> int:
         """Number of other participants in the session."""
-        last = self._last
+        last = self._last_reading
         return 0 if last is None else last.peers
 
     @property
     def reading(self) -> LinkReading | None:
         """The last reading of the session; None before the start."""
-        return self._last
+        return self._last_reading
 
     @property
     def summary(self) -> str:
         """Text for the display: "off", "alone", "2 peers", "leads 2 peers"."""
-        last = self._last
+        last = self._last_reading
         if last is None or self._thread is None:
             return "off"
         if not last.peers:
             return "alone"
-        return ("leads " if self.mode == "lead" else "") + peers_in_words(last.peers)
+        return ("leads " if self.mode == "lead" else "") + peers_text(last.peers)
 
     # -- calls by the show -------------------------------------------------------------------------------------
 
@@ -209,34 +214,34 @@ class LinkSession:
             self._thread.join(timeout=2.0)
             self._thread = None
 
-    def show(self, timeline: Timeline, tempo: float) -> None:
+    def set_timeline(self, timeline: Timeline, tempo: float) -> None:
         """Set the show's current timeline and the music's `tempo` [bpm]; call each frame, never blocks.
 
         The session uses the timeline's beats per measure. Without peers, or when leading, the session follows it.
         """
-        self._shown = (timeline, tempo)
+        self._timeline = (timeline, tempo)
 
     def set_tempo(self, tempo: float) -> None:
         """Set the session's tempo [bpm] for all participants; the beat continues without a jump."""
-        self._wishes.put(lambda: self._commit_tempo(tempo))
+        self._commands.put(lambda: self._commit_tempo(tempo))
 
     def set_playing(self, playing: bool) -> None:
         """Start the session's transport at its next measure line, or stop it now (shared only with `start_stop`)."""
-        self._wishes.put(lambda: self._commit_playing(playing))
+        self._commands.put(lambda: self._commit_playing(playing))
 
     def resync(self) -> None:
         """When leading: move all participants to the show's beat at once ("this is the one")."""
-        self._wishes.put(self._lead.resync)
+        self._commands.put(self._lead.resync)
 
     # -- the thread --------------------------------------------------------------------------------------------
 
     def _run(self) -> None:
-        keep_running("Ableton Link", self._take_part, self._stop.wait)
+        keep_running("Ableton Link", self._poll_loop, self._stop.wait)
 
-    def _take_part(self) -> None:
+    def _poll_loop(self) -> None:
         self._link.enabled = True
         try:
-            while not self._stop.wait(POLL):
+            while not self._stop.wait(POLL_INTERVAL):
                 try:
                     self.poll()
                 except Exception as error:  # a failure of the library must not end the thread
@@ -249,36 +254,36 @@ class LinkSession:
     def poll(self) -> None:
         """Poll the session once. Called on this object's own thread, or directly in tests."""
         now = self._clock.now()
-        if now - self._read_clocks_at >= CLOCKS_EVERY:
+        if now - self._read_clocks_at >= CLOCK_READ_INTERVAL:
             self._read_clocks_at = now
-            self._line.read(self._micros, self._clock.now)
-        while not self._wishes.empty():
-            self._wishes.get()()
-        shown = self._shown
+            self._link_clock.read(self._micros, self._clock.now)
+        while not self._commands.empty():
+            self._commands.get()()
+        shown = self._timeline
         if shown is not None:
             self._beats_per_measure = shown[0].beats_per_measure
-        reading = self._last = self._read()
+        reading = self._last_reading = self._read()
         if shown is not None and (self.mode == "lead" or not reading.peers):
-            change = self._lead.change(reading, *shown)
+            change = self._lead.next_change(reading, *shown)
             if change is not None:
                 self._commit(change, reading)
         if self.mode == "follow":
-            self._put(self._reports.read(reading))
+            self._put(self._reports.update(reading))
 
     def _read(self) -> LinkReading:
         peers = int(self._link.numPeers())  # read first, so that the state below includes these peers
         state, micros = self._link.captureSessionState(), self._micros()
         tempo = float(state.tempo())
-        fold = fold_of(tempo)
+        fold = fold_factor(tempo)
         return LinkReading(
-            time=self._line.time_of(micros),
+            time=self._link_clock.time_of(micros),
             peers=peers,
             tempo=tempo / fold,
             beat=state.beatAtTime(micros, float(self._beats_per_measure * fold)) / fold,
             beats_per_measure=self._beats_per_measure,
             fold=fold,
             playing=bool(state.isPlaying()),
-            since=self._line.time_of(state.timeForIsPlaying()),
+            since=self._link_clock.time_of(state.timeForIsPlaying()),
         )
 
     def _commit(self, change: LinkChange, reading: LinkReading) -> None:
@@ -286,7 +291,7 @@ class LinkSession:
         state.setTempo(change.tempo, micros)
         if change.phase is not None:
             place = state.forceBeatAtTime if change.force else state.requestBeatAtTime
-            on = change.phase + (self._line.time_of(micros) - reading.time) * change.tempo / 60.0
+            on = change.phase + (self._link_clock.time_of(micros) - reading.time) * change.tempo / 60.0
             place(on, micros, float(reading.beats_per_measure))
         if change.force or self.mode == "lead" or not self._link.numPeers():  # unless a peer joined in between
             self._link.commitSessionState(state)
@@ -299,7 +304,7 @@ class LinkSession:
     def _commit_playing(self, playing: bool) -> None:
         state, at = self._link.captureSessionState(), self._micros()
         if playing:
-            quantum = float(self._beats_per_measure * fold_of(state.tempo()))
+            quantum = float(self._beats_per_measure * fold_factor(state.tempo()))
             at = state.timeAtBeat(next_phase_match(state.beatAtTime(at, quantum), 0.0, quantum), quantum)
         state.setIsPlaying(playing, at)
         self._link.commitSessionState(state)

@@ -42,7 +42,7 @@ class LinkReading:
         return self.beat % self.beats_per_measure
 
 
-def fold_of(tempo: float) -> int:
+def fold_factor(tempo: float) -> int:
     """Return the number of Link beats per danced beat at a Link tempo [bpm]: 1, 2, 4 …"""
     fold = 1
     while tempo / fold > TEMPO_MAX_BPM:
@@ -50,12 +50,12 @@ def fold_of(tempo: float) -> int:
     return fold
 
 
-def apart(phase: float, other: float, quantum: float) -> float:
+def phase_difference(phase: float, other: float, quantum: float) -> float:
     """Return by how many beats `phase` is ahead of `other`, wrapped to [-quantum / 2, quantum / 2)."""
     return (phase - other + 0.5 * quantum) % quantum - 0.5 * quantum
 
 
-ALONE_PAUSE: Final = 0.25
+ALONE_INTERVAL: Final = 0.25
 """Minimum interval between changes of a session without peers [s]."""
 
 ALONE_ERROR: Final = 0.002
@@ -65,7 +65,7 @@ LED_ERROR: Final = 0.001
 SAME_LEAD_TEMPO: Final = 2e-5
 """Relative change of tempo below which nothing is sent (0.0024 bpm at 120)."""
 
-BEND: Final = 0.03
+MAX_BEND: Final = 0.03
 """Maximum relative tempo change to correct the phase: half a semitone."""
 
 BEND_TIME: Final = 2.0
@@ -84,7 +84,7 @@ class LinkChange:
     """Whether the peers' beat jumps, too; only on a person's request."""
 
 
-class LinkLead:
+class LinkLeader:
     """Compares the session with the show's Timeline and decides on changes, at most one per beat.
 
     Without peers, the session takes the show's tempo and phase, so that nothing jumps when a peer joins (BEATTIME-2).
@@ -101,15 +101,17 @@ class LinkLead:
         """Let the next change move the beat of all participants, on a person's request."""
         self._force = True
 
-    def change(self, reading: LinkReading, timeline: Timeline, tempo: float) -> LinkChange | None:
+    def next_change(self, reading: LinkReading, timeline: Timeline, tempo: float) -> LinkChange | None:
         """Return the change to commit now, or None. `tempo` [bpm]: the music's; the timeline's includes corrections."""
         if reading.time < self._next:
             return None
         wanted = timeline.phase_at(reading.time)
-        behind = apart(wanted, reading.phase, reading.beats_per_measure) * 60.0 / tempo  # the session's lag [s]
+        behind = (
+            phase_difference(wanted, reading.phase, reading.beats_per_measure) * 60.0 / tempo
+        )  # the session's lag [s]
         change = (self._led if reading.peers else self._alone)(reading, tempo, wanted, behind)
         if change is not None:
-            self._next = reading.time + (60.0 / tempo if reading.peers else ALONE_PAUSE)
+            self._next = reading.time + (60.0 / tempo if reading.peers else ALONE_INTERVAL)
         return change
 
     def _alone(self, reading: LinkReading, tempo: float, wanted: float, behind: float) -> LinkChange | None:
@@ -123,7 +125,7 @@ class LinkLead:
             return LinkChange(tempo, wanted, force=True)
         if reading.fold != 1:  # tempo too fast: first return to one in which beats can be compared
             return LinkChange(tempo)
-        bend = 0.0 if abs(behind) <= LED_ERROR else min(max(behind / BEND_TIME, -BEND), BEND)
+        bend = 0.0 if abs(behind) <= LED_ERROR else min(max(behind / BEND_TIME, -MAX_BEND), MAX_BEND)
         asked = tempo * (1.0 + bend)
         return LinkChange(asked) if _differ(asked, reading.tempo) else None
 
@@ -132,10 +134,10 @@ def _differ(tempo: float, other: float) -> bool:
     return abs(tempo - other) > SAME_LEAD_TEMPO * other
 
 
-LONGEST: Final = 0.5
+MAX_BEAT_INTERVAL: Final = 0.5
 """Maximum interval between BeatHeard events [s]; there are at least two per beat ..."""
 
-SHORTEST: Final = 0.05
+MIN_BEAT_INTERVAL: Final = 0.05
 """... but this is the minimum interval [s]."""
 
 JUMP_SECONDS: Final = 0.015
@@ -146,7 +148,7 @@ SAME_REPORTED_TEMPO: Final = 1e-6
 """Relative; Link's tempo is a whole number of microseconds per beat, so a new one differs by more."""
 
 
-class LinkReports:
+class LinkReporter:
     """Turns readings of a session into events: found and lost, next beat, jumps and transport.
 
     A session without peers is not a source, because the show would follow itself. With the first peer it is "found",
@@ -160,35 +162,35 @@ class LinkReports:
         self._last: LinkReading | None = None
         self._due = -math.inf
         self._transport: tuple[bool, float] | None = None
-        self._announce: tuple[str, float] | None = None
+        self._pending_transport: tuple[str, float] | None = None
 
     @property
-    def heard(self) -> bool:
+    def is_source(self) -> bool:
         """Whether the session is a source."""
         return self._last is not None
 
-    def read(self, reading: LinkReading) -> list[ControlEvent]:
+    def update(self, reading: LinkReading) -> list[ControlEvent]:
         """Return the events that follow from this reading, oldest first."""
         if not reading.peers:
-            return self.end(reading.time, "no peers left") + self._transport_of(reading)
+            return self.end(reading.time, "no peers left") + self._transport_events(reading)
         events: list[ControlEvent] = []
         last, self._last = self._last, reading
         jump = False
         if last is None:
-            events.append(self._changed("found", reading.time, peers_in_words(reading.peers)))
+            events.append(self._changed("found", reading.time, peers_text(reading.peers)))
         else:
             jump = _jumped(last, reading)
         if jump or last is None or reading.time >= self._due or _differs(last, reading):
-            self._due = reading.time + min(max(0.5 * reading.period, SHORTEST), LONGEST)
+            self._due = reading.time + min(max(0.5 * reading.period, MIN_BEAT_INTERVAL), MAX_BEAT_INTERVAL)
             events.append(self._beat(reading, jump))
-        return events + self._transport_of(reading)
+        return events + self._transport_events(reading)
 
-    def end(self, time: float, why: str) -> list[ControlEvent]:
+    def end(self, time: float, reason: str) -> list[ControlEvent]:
         """Report the session as "lost", if it was found, because we or all peers have left it."""
         if self._last is None:
             return []
         self._last = None
-        return [self._changed("lost", time, why)]
+        return [self._changed("lost", time, reason)]
 
     def _beat(self, reading: LinkReading, jump: bool) -> BeatHeard:
         """Return an event for the next beat."""
@@ -206,7 +208,7 @@ class LinkReports:
             jump=jump,
         )
 
-    def _transport_of(self, reading: LinkReading) -> list[ControlEvent]:
+    def _transport_events(self, reading: LinkReading) -> list[ControlEvent]:
         """Report transport changes; a start at the measure line it waits for (STARTSTOPSTATE-1: "according to its
         quantization")."""
         if not self._start_stop:
@@ -216,20 +218,20 @@ class LinkReports:
             self._transport = transport
         elif transport != self._transport:
             if reading.playing != self._transport[0]:
-                at = _line_after(reading, reading.since) if reading.playing else reading.since
-                self._announce = ("started" if reading.playing else "stopped", at)
+                at = _next_measure_line(reading, reading.since) if reading.playing else reading.since
+                self._pending_transport = ("started" if reading.playing else "stopped", at)
             self._transport = transport
-        if self._announce is None or reading.time < self._announce[1]:
+        if self._pending_transport is None or reading.time < self._pending_transport[1]:
             return []
-        state, at = self._announce
-        self._announce = None
+        state, at = self._pending_transport
+        self._pending_transport = None
         return [self._changed(state, at, "")]
 
     def _changed(self, state: str, time: float, detail: str) -> SourceChanged:
         return SourceChanged(time=time, source=self._source, state=state, detail=detail)
 
 
-def peers_in_words(peers: int) -> str:
+def peers_text(peers: int) -> str:
     """ "1 peer", "3 peers"."""
     return "1 peer" if peers == 1 else f"{peers} peers"
 
@@ -249,11 +251,11 @@ def _jumped(last: LinkReading, reading: LinkReading) -> bool:
     elapsed = (reading.time - last.time) / 60.0
     ways = sorted((elapsed * last.tempo, elapsed * reading.tempo))
     middle, half = 0.5 * (ways[0] + ways[1]), 0.5 * (ways[1] - ways[0])
-    off = apart(reading.beat - middle, last.beat, reading.beats_per_measure)
+    off = phase_difference(reading.beat - middle, last.beat, reading.beats_per_measure)
     return abs(off) > half + max(JUMP_BEATS, JUMP_SECONDS * reading.tempo / 60.0)
 
 
-def _line_after(reading: LinkReading, time: float) -> float:
+def _next_measure_line(reading: LinkReading, time: float) -> float:
     """Return the time of the first measure line at or after `time` [s]."""
     beat = reading.beat + (time - reading.time) / reading.period
     measures = math.ceil(beat / reading.beats_per_measure - 1e-6)

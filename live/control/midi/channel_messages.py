@@ -11,22 +11,22 @@ from typing import Final
 from live.control.midi.midi_binding import FINE_BELOW, Kind
 
 NOTE_OFF, NOTE_ON, CONTROLLER, PROGRAM, PRESSURE, BEND = 0x8, 0x9, 0xB, 0xC, 0xD, 0xE
-MOST: Final = 127
-FINEST: Final = 16383
+MAX_7_BIT: Final = 127
+MAX_14_BIT: Final = 16383
 MIDDLE: Final = 8192
 DATA, DATA_FINE, NRPN_FINE, NRPN, RPN_FINE, RPN = 6, 38, 98, 99, 100, 101
 LENGTHS: Final = {NOTE_OFF: 3, NOTE_ON: 3, CONTROLLER: 3, PROGRAM: 2, PRESSURE: 2, BEND: 3}
 
 
 @dataclass(frozen=True, slots=True)
-class Played:
+class MidiAction:
     """One action on a controller: a press, release or movement."""
 
     kind: Kind
     number: int
     channel: int
     """1 to 16."""
-    share: float
+    position: float
     """Position or velocity, 0 to 1."""
     step: float
     """The smallest change of `share`."""
@@ -42,29 +42,29 @@ class _Pair:
     def __init__(self) -> None:
         self.high, self.low, self.has_low = 0, 0, False
 
-    def coarse(self, value: int) -> float:
+    def set_high(self, value: int) -> float:
         """Update the upper seven bits; return the position.
 
         The lower bits become those nearest to the old position until the new ones arrive.
         """
         up, self.high = value >= self.high, value
         if not self.has_low:
-            return value / MOST
-        self.low = 0 if up or value == 0 else MOST
-        return self.share
+            return value / MAX_7_BIT
+        self.low = 0 if up or value == 0 else MAX_7_BIT
+        return self.position
 
-    def finer(self, value: int) -> float:
+    def set_low(self, value: int) -> float:
         """Update the lower seven bits; return the position."""
         self.low, self.has_low = value, True
-        return self.share
+        return self.position
 
     @property
-    def share(self) -> float:
+    def position(self) -> float:
         """The position, 0 to 1."""
-        return (self.high * 128 + self.low) / FINEST
+        return (self.high * 128 + self.low) / MAX_14_BIT
 
 
-class MidiHands:
+class ChannelMessageDecoder:
     """Decoder for the messages of one port. Use from one thread at a time."""
 
     def __init__(self) -> None:
@@ -72,9 +72,13 @@ class MidiHands:
         self._numbers: dict[int, list[int]] = {}  # per channel: upper and lower bits of the NRPN; -1: none
         self._data: dict[int, tuple[int, _Pair]] = {}  # per channel: the current NRPN
 
-    def played(self, message: Sequence[int]) -> list[Played]:
+    def decode(self, message: Sequence[int]) -> list[MidiAction]:
         """Return the actions in a message; empty for other or malformed messages."""
-        if len(message) < 2 or not 0x80 <= message[0] < 0xF0 or not 0 <= min(message[1:]) <= max(message[1:]) <= MOST:
+        if (
+            len(message) < 2
+            or not 0x80 <= message[0] < 0xF0
+            or not 0 <= min(message[1:]) <= max(message[1:]) <= MAX_7_BIT
+        ):
             return []
         status, channel, first = message[0] >> 4, (message[0] & 15) + 1, message[1]
         if len(message) != LENGTHS.get(status):
@@ -83,39 +87,43 @@ class MidiHands:
             return self._controller(first, message[2], channel)
         if status in (NOTE_ON, NOTE_OFF):
             on = status == NOTE_ON and message[2] > 0
-            return [Played("note", first, channel, message[2] / MOST if on else 0.0, 1 / MOST, on)]
+            return [MidiAction("note", first, channel, message[2] / MAX_7_BIT if on else 0.0, 1 / MAX_7_BIT, on)]
         if status == PROGRAM:
-            return [Played("program", first, channel, 1.0, 1.0, True)]
+            return [MidiAction("program", first, channel, 1.0, 1.0, True)]
         if status == PRESSURE:
-            return [_moved("pressure", 0, channel, first / MOST)]
+            return [_movement("pressure", 0, channel, first / MAX_7_BIT)]
         bend = first + 128 * message[2]
-        share = 0.5 * bend / MIDDLE if bend <= MIDDLE else 0.5 + 0.5 * (bend - MIDDLE) / (FINEST - MIDDLE)
-        return [_moved("bend", 0, channel, share, 1 / FINEST)]
+        share = 0.5 * bend / MIDDLE if bend <= MIDDLE else 0.5 + 0.5 * (bend - MIDDLE) / (MAX_14_BIT - MIDDLE)
+        return [_movement("bend", 0, channel, share, 1 / MAX_14_BIT)]
 
-    def _controller(self, number: int, value: int, channel: int) -> list[Played]:
-        made = [_moved("cc", number, channel, value / MOST)]
+    def _controller(self, number: int, value: int, channel: int) -> list[MidiAction]:
+        made = [_movement("cc", number, channel, value / MAX_7_BIT)]
         if number < 2 * FINE_BELOW:
             upper = number % FINE_BELOW
             pair = self._pairs.setdefault((channel, upper), _Pair())
-            share = pair.coarse(value) if number < FINE_BELOW else pair.finer(value)
-            made.append(_moved("cc", upper, channel, share, 1 / (FINEST if pair.has_low else MOST), fine=True))
+            share = pair.set_high(value) if number < FINE_BELOW else pair.set_low(value)
+            made.append(
+                _movement("cc", upper, channel, share, 1 / (MAX_14_BIT if pair.has_low else MAX_7_BIT), fine=True)
+            )
         chosen = self._numbers.setdefault(channel, [-1, -1])
         if number in (NRPN, NRPN_FINE):
             chosen[number == NRPN_FINE] = value
         elif number in (RPN, RPN_FINE):
             chosen[:] = [-1, -1]
-        elif number in (DATA, DATA_FINE) and min(chosen) >= 0 and chosen != [MOST, MOST]:
+        elif number in (DATA, DATA_FINE) and min(chosen) >= 0 and chosen != [MAX_7_BIT, MAX_7_BIT]:
             which = chosen[0] * 128 + chosen[1]
             before, pair = self._data.get(channel, (-1, _Pair()))
             if which != before:
                 pair = _Pair()
             self._data[channel] = which, pair
-            share = pair.coarse(value) if number == DATA else pair.finer(value)
-            made.append(_moved("nrpn", which, channel, share, 1 / (FINEST if pair.has_low else MOST), fine=True))
+            share = pair.set_high(value) if number == DATA else pair.set_low(value)
+            made.append(
+                _movement("nrpn", which, channel, share, 1 / (MAX_14_BIT if pair.has_low else MAX_7_BIT), fine=True)
+            )
         return made
 
 
-def _moved(
-    kind: Kind, number: int, channel: int, share: float, step: float = 1 / MOST, *, fine: bool = False
-) -> Played:
-    return Played(kind, number, channel, share, step, share * MOST >= 64 - 1e-9, fine)
+def _movement(
+    kind: Kind, number: int, channel: int, share: float, step: float = 1 / MAX_7_BIT, *, fine: bool = False
+) -> MidiAction:
+    return MidiAction(kind, number, channel, share, step, share * MAX_7_BIT >= 64 - 1e-9, fine)

@@ -4,16 +4,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
-from live.control.registry.control import Argument, Plain
+from live.control.registry.control import Argument, ArgumentValue
 from live.control.registry.registry import REGISTRY
 from live.control.registry.rejections import Reason
 
 Kind = Literal["note", "cc", "program", "bend", "pressure", "nrpn"]
 Mode = Literal["toggle", "momentary"]
 
-MOVING: Final = ("cc", "bend", "pressure", "nrpn")
+CONTINUOUS_KINDS: Final = ("cc", "bend", "pressure", "nrpn")
 """Kinds with a continuous position; the others are pressed."""
-HIGHEST: Final[dict[Kind, int]] = {"note": 127, "cc": 127, "program": 127, "bend": 0, "pressure": 0, "nrpn": 16383}
+MAX_NUMBER: Final[dict[Kind, int]] = {"note": 127, "cc": 127, "program": 127, "bend": 0, "pressure": 0, "nrpn": 16383}
 """The highest number of each kind; a channel has one pitch bend and one pressure."""
 FINE_BELOW: Final = 32
 """Controllers below this may have a second one, 32 higher, for their lower seven bits."""
@@ -32,7 +32,7 @@ class Binding:
     control: str
     channel: int = 0
     """1 to 16; 0: all."""
-    values: Mapping[str, Plain] = field(default_factory=dict)
+    values: Mapping[str, ArgumentValue] = field(default_factory=dict)
     """Fixed arguments of the control, by name."""
     scale: tuple[float, float] | None = None
     """Values at the lowest and the highest position; None: the argument's own range."""
@@ -61,7 +61,7 @@ class Binding:
             argument = next((item for item in control.arguments if item.name == name), None)
             if argument is None:
                 raise BadBinding(f"{self.control} has no value {name!r}; it has {', '.join(names) or 'none'}")
-            if isinstance(argument.checked(value), Reason):
+            if isinstance(argument.check(value), Reason):
                 raise BadBinding(f"values.{name}: {argument.expected} expected, found {value!r}")
         slot = self.slot
         for argument in control.arguments:
@@ -79,8 +79,8 @@ class Binding:
             raise BadBinding(f"scale: {slot.expected} expected, found {list(self.scale)}")
 
     def _check_kind(self, slot: Argument | None) -> None:
-        if not 0 <= self.number <= HIGHEST[self.kind]:
-            raise BadBinding(f"{self.kind} 0 to {HIGHEST[self.kind]} expected, found {self.number}")
+        if not 0 <= self.number <= MAX_NUMBER[self.kind]:
+            raise BadBinding(f"{self.kind} 0 to {MAX_NUMBER[self.kind]} expected, found {self.number}")
         if self.fine and (self.kind != "cc" or self.number >= FINE_BELOW):
             raise BadBinding(
                 f"fine is for controllers (cc) below {FINE_BELOW}, whose second one is {FINE_BELOW} higher"
@@ -94,30 +94,30 @@ class Binding:
     def slot(self) -> Argument | None:
         """The argument that is set: the first free number or switch for controllers, the first switch for presses."""
         free = [argument for argument in REGISTRY[self.control].arguments if argument.name not in self.values]
-        wanted = ("float",) if self.velocity else ("float", "bool") if self.kind in MOVING else ("bool",)
+        wanted = ("float",) if self.velocity else ("float", "bool") if self.kind in CONTINUOUS_KINDS else ("bool",)
         return next((argument for type_ in wanted for argument in free if argument.type == type_), None)
 
     @property
     def toggles(self) -> bool:
         """Whether a press toggles a switch."""
-        return self.mode == "toggle" or (self.mode is None and self.kind not in MOVING)
+        return self.mode == "toggle" or (self.mode is None and self.kind not in CONTINUOUS_KINDS)
 
     @property
-    def picks_up(self) -> bool:
+    def uses_pickup(self) -> bool:
         """Whether soft takeover is used."""
         return self.kind in ("cc", "nrpn") if self.pickup is None else self.pickup
 
     @property
-    def place(self) -> tuple[Kind, int, int]:
+    def trigger(self) -> tuple[Kind, int, int]:
         """Kind, number and channel of what is played."""
         return self.kind, self.number, self.channel
 
-    def value(self, share: float) -> float:
+    def value(self, position: float) -> float:
         """Return the value at position `share`, 0 to 1."""
         low, high = self._bounds
-        return low + (high - low) * (share if self.curve == 1.0 else share**self.curve)
+        return low + (high - low) * (position if self.curve == 1.0 else position**self.curve)
 
-    def share(self, value: float) -> float:
+    def position(self, value: float) -> float:
         """Return the position, 0 to 1, that sets `value`, clamped to the scale."""
         low, high = self._bounds
         share = min(max((value - low) / (high - low), 0.0), 1.0) if high != low else 0.0
@@ -130,18 +130,18 @@ class Binding:
         return self.scale or (slot.minimum, slot.maximum)
 
 
-def joined(written: Sequence[Binding], learned: Sequence[Binding]) -> tuple[Binding, ...]:
+def merge_bindings(configured: Sequence[Binding], learned: Sequence[Binding]) -> tuple[Binding, ...]:
     """Return the learned bindings with those written ones that no learned one replaces."""
     taken = {(binding.kind, binding.number) for binding in learned}
-    channels = {binding.place for binding in learned}
+    channels = {binding.trigger for binding in learned}
 
     def is_taken(binding: Binding) -> bool:
         if (binding.kind, binding.number) not in taken:
             return False
         either = binding.channel == 0 or (binding.kind, binding.number, 0) in channels
-        return either or binding.place in channels
+        return either or binding.trigger in channels
 
-    return (*(binding for binding in written if not is_taken(binding)), *learned)
+    return (*(binding for binding in configured if not is_taken(binding)), *learned)
 
 
 DEFAULTS: Final = (

@@ -14,30 +14,30 @@ from live.clock.midi.pulse_schedule import PulseSchedule
 from live.clock.time_source import Clock
 from live.clock.timeline import Timeline
 from live.control.midi import midi_ports
-from live.control.midi.midi_ports import Open, PortThread, open_output, words_of
+from live.control.midi.midi_ports import Open, PortThread, error_text, open_output
 from live.control.midi.midi_streams import Port
-from live.control.realtime_priority import hurry
+from live.control.realtime_priority import request_realtime
 
-NEAR: Final = 0.0015
+SPIN_TIME: Final = 0.0015
 """Seconds before a pulse at which sleep ends and busy-waiting starts ..."""
 
-NEAR_POLITE: Final = 0.0001
+SPIN_TIME_SHARED: Final = 0.0001
 """... and without real-time priority, where a longer busy-wait would use up the time slice before the pulse."""
 
-NAP: Final = 0.010
+MAX_SLEEP: Final = 0.010
 """Longest sleep [s], so that a new Timeline takes effect."""
 
-GOODBYE: Final = 0.05
+CLOSE_DELAY: Final = 0.05
 """Seconds that the last message gets before the port is closed."""
 
-TAKES: Final = 0.005
+MIN_FREE_TIME: Final = 0.005
 """The port is checked only if so many seconds are left before the next pulse."""
 
 SWITCH_INTERVAL: Final = 0.0005
 """Thread switch interval [s]; Python's default of 5 ms would be audible jitter."""
 
 
-class MidiClockOut(PortThread):
+class MidiClockOutput(PortThread):
     """Sends the pulses of a PulseSchedule. Call `follow` from the show's thread, the rest from the creating thread."""
 
     def __init__(self, name: str, clock: Clock, *, open_by_name: Open = open_output) -> None:
@@ -54,11 +54,11 @@ class MidiClockOut(PortThread):
         self._clock = clock
         self._schedule = PulseSchedule()
         self._timeline: Timeline | None = None
-        self._looked = -midi_ports.RETRY
-        self._near = NEAR
+        self._checked_at = -midi_ports.RETRY_INTERVAL
+        self._spin_time = SPIN_TIME
         self._switch_interval = sys.getswitchinterval()
 
-    def follow(self, timeline: Timeline) -> None:
+    def set_timeline(self, timeline: Timeline) -> None:
         """Send pulses by this Timeline from now on."""
         self._timeline = timeline
 
@@ -75,10 +75,10 @@ class MidiClockOut(PortThread):
         if began:
             sys.setswitchinterval(self._switch_interval)
 
-    def facts(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return figures for the status line."""
         late = sorted(self.late)
-        return super().facts() | {
+        return super().status() | {
             "pulses": self.sent,
             "failed": self.failed,
             "failure": self.failure,
@@ -86,7 +86,7 @@ class MidiClockOut(PortThread):
         }
 
     def _run(self) -> None:
-        self._near = NEAR if hurry() else NEAR_POLITE
+        self._spin_time = SPIN_TIME if request_realtime() else SPIN_TIME_SHARED
         try:
             while not self._stop.is_set():
                 try:
@@ -95,34 +95,34 @@ class MidiClockOut(PortThread):
                     self.failed += 1
                     self.failure = f"{type(error).__name__}: {error}"
                     self._schedule = PulseSchedule()
-                    self._stop.wait(NAP)
+                    self._stop.wait(MAX_SLEEP)
         finally:
             if self._port is not None:
                 self._send((bytes((STOP,)),))
-                time.sleep(GOODBYE)
+                time.sleep(CLOSE_DELAY)
             self._close()
 
     def _step(self) -> None:
         """Sleep a little, or send the pulse that is due."""
         now, timeline = self._clock.now(), self._timeline
         if self._port is None or timeline is None:
-            self._look(now)
-            self._stop.wait(NAP)
+            self._check_port(now)
+            self._stop.wait(MAX_SLEEP)
             return
-        due = self._schedule.due(timeline, now)
+        due = self._schedule.next_pulse(timeline, now)
         left = due.time - now
-        if left > TAKES and now - self._looked >= midi_ports.RETRY:
-            self._look(now)
+        if left > MIN_FREE_TIME and now - self._checked_at >= midi_ports.RETRY_INTERVAL:
+            self._check_port(now)
             return
-        if left > self._near:
-            time.sleep(min(left - self._near, NAP))
+        if left > self._spin_time:
+            time.sleep(min(left - self._spin_time, MAX_SLEEP))
             return
         while (now := self._clock.now()) < due.time:
             time.sleep(0.0)
         if self._send(due.messages):
             self.late.append(now - due.time)
             self.sent += 1
-        self._schedule.sent(timeline)
+        self._schedule.mark_sent(timeline)
 
     def _send(self, messages: tuple[bytes, ...]) -> bool:
         port = self._port
@@ -132,25 +132,25 @@ class MidiClockOut(PortThread):
             for message in messages:
                 port.send(message)
         except Exception as error:  # the port is gone
-            self._lose(words_of(error))
+            self._disconnect(error_text(error))
             return False
         return True
 
-    def _look(self, now: float) -> None:
+    def _check_port(self, now: float) -> None:
         """Open or check the port, at most every `RETRY` seconds."""
-        if now - self._looked >= midi_ports.RETRY:
-            self._looked = now
-            self._care()
+        if now - self._checked_at >= midi_ports.RETRY_INTERVAL:
+            self._checked_at = now
+            self._maintain()
 
-    def _care(self) -> None:
+    def _maintain(self) -> None:
         """As the base class, but a lost port is opened again only at the next call."""
         try:
             if self._port is None:
                 self._open()
-            elif not self._port.there:
-                self._lose("the port is gone")
+            elif not self._port.exists:
+                self._disconnect("the port is gone")
         except Exception as error:
-            self._lose(words_of(error))
+            self._disconnect(error_text(error))
 
-    def _begin(self, port: Port) -> None:
+    def _on_open(self, port: Port) -> None:
         self._schedule.relocate()

@@ -20,12 +20,12 @@ from typing import Any, Final
 from live.base.fault_isolation import keep_running, run_once
 from live.clock.time_source import Clock, SystemClock
 from live.clock.timeline import Timeline
-from live.control.midi.midi_clock_output import MidiClockOut
+from live.control.midi.midi_clock_output import MidiClockOutput
 
 TIMELINE: Final = struct.Struct("=ddddd")
 """tempo, beat_origin, time_origin, beats_per_measure, measure_origin."""
 
-FIGURES_EVERY: Final = 1.0
+STATUS_INTERVAL: Final = 1.0
 RESTART_AFTER: Final = 2.0
 
 
@@ -37,7 +37,7 @@ class MidiClockProcess:
         self.name = name
         self._clock = clock
         self._process: subprocess.Popen[bytes] | None = None
-        self._told: Timeline | None = None
+        self._last_sent: Timeline | None = None
         self._started_at = 0.0
         self._facts: dict[str, Any] = {"port": name, "problem": "", "pulses": 0, "late_p99_ms": None}
 
@@ -46,7 +46,7 @@ class MidiClockProcess:
         """Why nothing is sent; empty if all is well."""
         return str(self._facts["problem"])
 
-    def facts(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return figures for the status line, up to a second old."""
         return self._facts
 
@@ -63,29 +63,29 @@ class MidiClockProcess:
         )
         assert self._process.stdin is not None
         os.set_blocking(self._process.stdin.fileno(), False)
-        self._told = None
+        self._last_sent = None
         self._started_at = self._clock.now()
         reading = partial(run_once, "the reader of the MIDI clock's figures", partial(self._read, self._process))
         threading.Thread(target=reading, name="midi clock out", daemon=True).start()
 
-    def follow(self, timeline: Timeline) -> None:
+    def set_timeline(self, timeline: Timeline) -> None:
         """Send pulses by this Timeline from now on; a process that has ended is restarted."""
         process = self._process
-        if process is None or timeline is self._told:
+        if process is None or timeline is self._last_sent:
             return
         if process.poll() is not None:
             self._facts = {**self._facts, "problem": self.problem or "the sender ended unexpectedly"}
             if self._clock.now() - self._started_at > RESTART_AFTER:
                 self._started_at = self._clock.now()
-                self._start_again(process)
+                self._restart(process)
             return
         assert process.stdin is not None
         values = (timeline.tempo, timeline.beat_origin, timeline.time_origin, timeline.beats_per_measure)
         with contextlib.suppress(OSError):  # pipe full or process just ended: the next Timeline replaces this one
             os.write(process.stdin.fileno(), TIMELINE.pack(*values, timeline.measure_origin))
-            self._told = timeline
+            self._last_sent = timeline
 
-    def _start_again(self, ended: "subprocess.Popen[bytes]") -> None:
+    def _restart(self, ended: "subprocess.Popen[bytes]") -> None:
         """Restart a process that has ended; if the system has no resources for it, `follow` tries again later."""
         self._close(ended)
         try:
@@ -121,7 +121,7 @@ def main(name: str, origin: float) -> None:
     """Run the process: send until the standard input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     gc.disable()  # there are no reference cycles here, and a collection would delay pulses
-    sends = MidiClockOut(name, SystemClock(origin))
+    sends = MidiClockOutput(name, SystemClock(origin))
     sends.start()
     ended = threading.Event()
 
@@ -129,16 +129,16 @@ def main(name: str, origin: float) -> None:
         keep_running("the MIDI clock's figures", say, ended.wait)
 
     def say() -> None:
-        while not ended.wait(FIGURES_EVERY):
+        while not ended.wait(STATUS_INTERVAL):
             with contextlib.suppress(OSError):  # the show is gone
-                print(json.dumps(sends.facts()), flush=True)
+                print(json.dumps(sends.status()), flush=True)
 
     threading.Thread(target=tell, daemon=True).start()
     try:
         while len(block := sys.stdin.buffer.read(TIMELINE.size)) == TIMELINE.size:
             tempo, beat, begin, beats_per_measure, measure = TIMELINE.unpack(block)
             with contextlib.suppress(ValueError):
-                sends.follow(Timeline(tempo, beat, begin, int(beats_per_measure), measure))
+                sends.set_timeline(Timeline(tempo, beat, begin, int(beats_per_measure), measure))
     finally:
         ended.set()
         sends.stop()

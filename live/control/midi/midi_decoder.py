@@ -7,41 +7,41 @@ It has no port, thread or clock: messages are passed in with their times, from a
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from live.base.event_queue import Inbox, Lane
-from live.clock.midi.midi_clock import ClockBeat, ClockState, MidiClock, News
+from live.base.event_queue import EventQueue, PriorityQueue
+from live.clock.midi.midi_clock import ClockBeat, ClockEvent, ClockState, MidiClock
 from live.clock.midi.time_code import TimeCodeClock
 from live.clock.note_energy import NoteEnergy
 from live.control.events.events import BeatHeard, ControlEvent, NotesHeard, SourceChanged
-from live.control.midi.channel_messages import Played
-from live.control.midi.midi_binding import MOVING, Binding, joined
+from live.control.midi.channel_messages import MidiAction
+from live.control.midi.midi_binding import CONTINUOUS_KINDS, Binding, merge_bindings
 from live.control.midi.midi_learn import MidiLearn
 from live.control.midi.midi_mapping import MidiMap
-from live.control.midi.midi_queue import put_by_hand
+from live.control.midi.midi_queue import put_mapped_event
 from live.control.registry.rejections import Rejection
 
-ECHO: Final = 0.06
+ECHO_TIME: Final = 0.06
 """Seconds within which a message sent to a controller may come back."""
 
-NO_HAND: Final = frozenset((0xF8, 0xFE))
+BACKGROUND_MESSAGES: Final = frozenset((0xF8, 0xFE))
 """Messages that come all the time: clock and active sensing."""
 
 
-class MidiDecoding:
+class MidiEventDecoder:
     """Puts BeatHeard, SourceChanged, NotesHeard and the map's events into the inbox. Use from one thread at a time."""
 
     def __init__(
         self,
-        inbox: Inbox[ControlEvent] | Lane[ControlEvent],
+        inbox: EventQueue[ControlEvent] | PriorityQueue[ControlEvent],
         *,
         decoder: MidiClock | None = None,
         time_code: TimeCodeClock | None = None,
         midi_map: MidiMap | None = None,
         notes: NoteEnergy | None = None,
-        clocked: bool = True,
+        follow_clock: bool = True,
     ) -> None:
         """`inbox`: pass a separate lane if others share the inbox, so that they are not crowded out.
 
-        `clocked`: whether its clock and time code are followed; else only notes and controllers.
+        `follow_clock`: whether its clock and time code are followed; else only notes and controllers.
         """
         self.messages = 0
         self.last_rejection: Rejection | None = None
@@ -55,7 +55,7 @@ class MidiDecoding:
         """Called with the learned binding, on the thread of the messages."""
         self.echoes: dict[bytes, float] = {}
         """Messages sent to the controller, with their times [s]; their echoes are ignored."""
-        self._clocked = clocked
+        self._follow_clock = follow_clock
         self._map = midi_map
         self._inbox = inbox
 
@@ -76,39 +76,41 @@ class MidiDecoding:
         if not message:
             self.decoder.rejected += 1
             return
-        if self._clocked:
+        if self._follow_clock:
             self._put("midi", self.decoder.receive(message, time))
             if self.time_code is not None:
                 self._put("mtc", self.time_code.receive(message, time))
-        if message[0] in NO_HAND or (self.echoes and time - self.echoes.pop(bytes(message), -ECHO) < ECHO):
+        if message[0] in BACKGROUND_MESSAGES or (
+            self.echoes and time - self.echoes.pop(bytes(message), -ECHO_TIME) < ECHO_TIME
+        ):
             return
         if self.notes is not None:
             self.notes.receive(message, time)
-            self._tell_notes(time)
+            self._put_notes(time)
         if self._map is not None:
-            self._play(self._map, self._map.hands.played(message), time)
+            self._apply_actions(self._map, self._map.decoder.decode(message), time)
 
-    def _play(self, midi_map: MidiMap, played: list[Played], time: float) -> None:
+    def _apply_actions(self, midi_map: MidiMap, played: list[MidiAction], time: float) -> None:
         """Apply actions to the map; while MIDI learn is active, movements go to it instead."""
         learning = self.learning
         if learning is not None and played:
-            found = learning.hear(played)
+            found = learning.process(played)
             if found is not None:
                 self.learning = None
-                midi_map.take(joined(midi_map.bindings, [found]))  # at once: the movement continues
+                midi_map.set_bindings(merge_bindings(midi_map.bindings, [found]))  # at once: the movement continues
                 self.on_learned(found)
                 return
-            if played[0].kind in MOVING:
+            if played[0].kind in CONTINUOUS_KINDS:
                 return
-        for binding, made in (made for one in played for made in midi_map.act(one, time)):
+        for binding, made in (made for one in played for made in midi_map.apply(one, time)):
             if isinstance(made, Rejection):
                 self.last_rejection = made
-            elif isinstance(self._inbox, Lane):
-                put_by_hand(self._inbox, binding, made)
+            elif isinstance(self._inbox, PriorityQueue):
+                put_mapped_event(self._inbox, binding, made)
             else:
                 self._inbox.put(made)
 
-    def _tell_notes(self, time: float) -> None:
+    def _put_notes(self, time: float) -> None:
         if self.notes is None:
             return
         told = self.notes.advance(time)
@@ -125,27 +127,27 @@ class MidiDecoding:
                 )
             )
 
-    def look(self, now: float) -> None:
+    def advance(self, now: float) -> None:
         """Advance time to `now` without a message, to detect missing clocks."""
         self._put("midi", self.decoder.advance(now))
         if self.time_code is not None:
             self._put("mtc", self.time_code.advance(now))
-        self._tell_notes(now)
+        self._put_notes(now)
 
-    def _put(self, source: str, news: list[News]) -> None:
+    def _put(self, source: str, news: list[ClockEvent]) -> None:
         for item in news:
-            self._inbox.put(event_of(item, source, self.decoder.beats_per_measure))
+            self._inbox.put(to_event(item, source, self.decoder.beats_per_measure))
 
     def unplugged(self, now: float) -> None:
         """Handle the loss of the sender."""
-        self._put("midi", self.decoder.unplugged(now))
+        self._put("midi", self.decoder.handle_disconnect(now))
         if self.time_code is not None:
-            self._put("mtc", self.time_code.unplugged(now))
+            self._put("mtc", self.time_code.handle_disconnect(now))
         if self.notes is not None:
             self.notes.silence()
 
 
-def event_of(item: News, source: str, beats_per_measure: int) -> ControlEvent:
+def to_event(item: ClockEvent, source: str, beats_per_measure: int) -> ControlEvent:
     """Return a clock decoder's report as an event of the show."""
     if isinstance(item, ClockState):
         return SourceChanged(time=item.time, source=source, state=item.state, detail=item.detail)

@@ -16,23 +16,23 @@ from live.control.midi.channel_messages import (
     CONTROLLER,
     DATA,
     DATA_FINE,
-    FINEST,
+    MAX_7_BIT,
+    MAX_14_BIT,
     MIDDLE,
-    MOST,
     NOTE_ON,
     NRPN,
     NRPN_FINE,
 )
 from live.control.midi.midi_binding import Binding
-from live.control.midi.midi_mapping import MidiMap, key, present
-from live.control.midi.midi_ports import Open, PortThread, open_output, words_of
+from live.control.midi.midi_mapping import MidiMap, binding_key, current_value
+from live.control.midi.midi_ports import Open, PortThread, error_text, open_output
 from live.control.registry.registry import Values
 
-OWN: Final = 1.0
+MOVE_HOLD: Final = 1.0
 """Seconds after its last move in which a fader gets no feedback."""
-EVERY: Final = 0.05
+UPDATE_INTERVAL: Final = 0.05
 """Minimum interval between two updates [s] ..."""
-AT_ONCE: Final = 48
+MAX_BINDINGS: Final = 48
 """... and maximum number of bindings in one: the capacity of a MIDI 1.0 cable in that time."""
 
 
@@ -41,81 +41,85 @@ class MidiFeedback:
 
     def __init__(self, midi_map: MidiMap, values: Values) -> None:
         self._map, self._values = midi_map, values
-        self._of: dict[str, list[Binding]] = {}
+        self._by_control: dict[str, list[Binding]] = {}
         self._all: dict[tuple[str, object], Binding] = {}
         self._due: dict[tuple[str, object], Binding] = {}
-        self._told: dict[tuple[str, object], tuple[int, ...]] = {}
+        self._last_sent: dict[tuple[str, object], tuple[int, ...]] = {}
         self._channels: dict[tuple[str, object], int] = {}  # last channel played
         self._next = 0.0
         self.sent = 0
         """Number of values sent."""
 
-    def take(self, bindings: Sequence[Binding]) -> None:
+    def set_bindings(self, bindings: Sequence[Binding]) -> None:
         """Replace the bindings and queue all their values."""
-        self._of, self._due, self._all = {}, {}, {}
+        self._by_control, self._due, self._all = {}, {}, {}
         for binding in bindings:
             if binding.kind not in ("program", "pressure") and binding.slot is not None:
-                self._of.setdefault(binding.control, []).append(binding)
-                self._all[key(binding)] = binding
-        self._told = {name: told for name, told in self._told.items() if name in self._all}
-        self.changed(self._of)
+                self._by_control.setdefault(binding.control, []).append(binding)
+                self._all[binding_key(binding)] = binding
+        self._last_sent = {name: told for name, told in self._last_sent.items() if name in self._all}
+        self.mark_changed(self._by_control)
 
-    def changed(self, addresses: Iterable[str]) -> None:
+    def mark_changed(self, addresses: Iterable[str]) -> None:
         """Mark the values at these addresses as changed."""
         for address in addresses:
-            for binding in self._of.get(address, ()):
-                self._due[key(binding)] = binding
+            for binding in self._by_control.get(address, ()):
+                self._due[binding_key(binding)] = binding
 
-    def afresh(self) -> None:
+    def resend_all(self) -> None:
         """Queue all values again, for a device that was connected again."""
-        self._told.clear()
-        self.changed(self._of)
+        self._last_sent.clear()
+        self.mark_changed(self._by_control)
 
-    def turn(self, now: float) -> list[bytes]:
+    def due_messages(self, now: float) -> list[bytes]:
         """Return the messages to send at `now` [s]."""
         if now < self._next:
             return []
-        self._next = now + EVERY
-        moved = self._map.moved.copy()
+        self._next = now + UPDATE_INTERVAL
+        moved = self._map.last_positions.copy()
         for name, (_, at, _) in moved.items():
-            if now - at >= OWN and name in self._all:  # no longer moved, and perhaps off the value
+            if now - at >= MOVE_HOLD and name in self._all:  # no longer moved, and perhaps off the value
                 self._due[name] = self._all[name]
         messages: list[bytes] = []
-        for name, binding in list(self._due.items())[:AT_ONCE]:
-            share, at, channel = moved.get(name, (None, now - OWN, self._channels.get(name, 1)))
+        for name, binding in list(self._due.items())[:MAX_BINDINGS]:
+            share, at, channel = moved.get(name, (None, now - MOVE_HOLD, self._channels.get(name, 1)))
             self._channels[name] = channel
-            if now - at < OWN and binding.kind != "note":
+            if now - at < MOVE_HOLD and binding.kind != "note":
                 continue
             del self._due[name]
-            self._map.moved.pop(name, None)
-            value = present(binding, self._values)
+            self._map.last_positions.pop(name, None)
+            value = current_value(binding, self._values)
             if value is None or isinstance(value, str):
                 continue
-            numbers = _numbers(binding, float(value))
-            stands = self._told.get(name) if share is None or binding.kind == "note" else _places(binding, share)
-            self._told[name] = numbers
+            numbers = _value_bytes(binding, float(value))
+            stands = (
+                self._last_sent.get(name)
+                if share is None or binding.kind == "note"
+                else _position_bytes(binding, share)
+            )
+            self._last_sent[name] = numbers
             if numbers != stands:
                 messages += _messages(binding, binding.channel or channel, numbers)
                 self.sent += 1
         return messages
 
 
-def _numbers(binding: Binding, value: float) -> tuple[int, ...]:
+def _value_bytes(binding: Binding, value: float) -> tuple[int, ...]:
     """Return the data bytes for a value."""
     slot = binding.slot
     if slot is not None and slot.type == "bool":
-        return (binding.lit[bool(value)],) if binding.kind == "note" else _places(binding, float(bool(value)))
-    return _places(binding, binding.share(value))
+        return (binding.lit[bool(value)],) if binding.kind == "note" else _position_bytes(binding, float(bool(value)))
+    return _position_bytes(binding, binding.position(value))
 
 
-def _places(binding: Binding, share: float) -> tuple[int, ...]:
+def _position_bytes(binding: Binding, share: float) -> tuple[int, ...]:
     """Return the data bytes for a position, the upper seven bits first if there are 14."""
     if binding.kind == "bend":
-        bend = round(2 * share * MIDDLE if share <= 0.5 else MIDDLE + (2 * share - 1) * (FINEST - MIDDLE))
+        bend = round(2 * share * MIDDLE if share <= 0.5 else MIDDLE + (2 * share - 1) * (MAX_14_BIT - MIDDLE))
         return divmod(bend, 128)
     if binding.fine or binding.kind == "nrpn":
-        return divmod(round(share * FINEST), 128)
-    return (round(share * MOST),)
+        return divmod(round(share * MAX_14_BIT), 128)
+    return (round(share * MAX_7_BIT),)
 
 
 def _messages(binding: Binding, channel: int, numbers: tuple[int, ...]) -> Iterator[bytes]:
@@ -134,11 +138,11 @@ def _messages(binding: Binding, channel: int, numbers: tuple[int, ...]) -> Itera
             yield bytes((controller, binding.number + 32, numbers[1]))
 
 
-LOOK: Final = 0.2
+CHECK_INTERVAL: Final = 0.2
 """Seconds between checks whether an open port still exists."""
-WAITING_MAX: Final = 512
+MAX_WAITING: Final = 512
 """Maximum number of waiting messages; more are counted and dropped."""
-WAITS: Final = 0.1
+QUEUE_TIMEOUT: Final = 0.1
 
 
 class MidiOutput(PortThread):
@@ -158,28 +162,28 @@ class MidiOutput(PortThread):
 
     def send(self, message: bytes) -> None:
         """Queue a message; never blocks."""
-        if self._waiting.qsize() >= WAITING_MAX:
+        if self._waiting.qsize() >= MAX_WAITING:
             self.dropped += 1
             return
         self._waiting.put(message)
 
-    def facts(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return figures for the status line."""
-        return super().facts() | {"sent": self.sent, "dropped": self.dropped}
+        return super().status() | {"sent": self.sent, "dropped": self.dropped}
 
     def _run(self) -> None:
         due = self._clock.now()
         try:
             while not self._stop.is_set():
                 if self._clock.now() >= due:
-                    self._care()
-                    due = self._clock.now() + (midi_ports.RETRY if self._port is None else LOOK)
+                    self._maintain()
+                    due = self._clock.now() + (midi_ports.RETRY_INTERVAL if self._port is None else CHECK_INTERVAL)
                 with contextlib.suppress(queue.Empty):
-                    self._say(self._waiting.get(timeout=WAITS))
+                    self._send_now(self._waiting.get(timeout=QUEUE_TIMEOUT))
         finally:
-            self._lose("")
+            self._disconnect("")
 
-    def _say(self, message: bytes) -> None:
+    def _send_now(self, message: bytes) -> None:
         if self._port is None:
             self.dropped += 1
             return
@@ -188,4 +192,4 @@ class MidiOutput(PortThread):
             self.sent += 1
         except Exception as error:  # the port is gone
             self.dropped += 1
-            self._lose(words_of(error))
+            self._disconnect(error_text(error))

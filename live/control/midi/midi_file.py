@@ -14,17 +14,17 @@ from typing import Any, Final
 import mido
 
 from live.base.errors import PersonError
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.midi.midi_clock import CLOCK, PULSES_PER_BEAT, START, STOP, MidiClock
 from live.clock.note_energy import NoteEnergy
 from live.control.events.events import ControlEvent, SetMetre
 from live.control.midi.midi_binding import Binding
-from live.control.midi.midi_decoder import MidiDecoding
+from live.control.midi.midi_decoder import MidiEventDecoder
 from live.control.midi.midi_mapping import MidiMap
 
-MOST_BYTES: Final = 16_000_000
-MOST_MESSAGES: Final = 1_000_000
-LONGEST: Final = 24 * 3600.0
+MAX_BYTES: Final = 16_000_000
+MAX_MESSAGES: Final = 1_000_000
+MAX_SECONDS: Final = 24 * 3600.0
 """Maximum length of a song [s]."""
 OPTION: Final = "--midi-file"
 
@@ -43,7 +43,7 @@ class MidiSong:
     """Time of the end of its last beat [s]."""
 
 
-class _Map:
+class _TempoMap:
     """Tempo map: converts ticks to seconds; ticks must not decrease between calls."""
 
     def __init__(self, ticks_per_beat: int, changes: list[tuple[int, int]]) -> None:
@@ -63,8 +63,8 @@ class _Map:
 def read_song(path: Path) -> MidiSong:
     """Return the song in a Standard MIDI File of format 0 or 1; PersonError if it is invalid or too long."""
     try:
-        if path.stat().st_size > MOST_BYTES:
-            raise PersonError(f"{OPTION} {path}: larger than {MOST_BYTES // 1_000_000} MB")
+        if path.stat().st_size > MAX_BYTES:
+            raise PersonError(f"{OPTION} {path}: larger than {MAX_BYTES // 1_000_000} MB")
         file = mido.MidiFile(path, clip=True)
         per_beat = int(file.ticks_per_beat)
         if per_beat <= 0:
@@ -82,8 +82,8 @@ def read_song(path: Path) -> MidiSong:
 
 
 def _song(name: str, track: list[Any], per_beat: int, where: str) -> MidiSong:
-    if len(track) > MOST_MESSAGES:
-        raise PersonError(f"{where}: more than {MOST_MESSAGES} messages")
+    if len(track) > MAX_MESSAGES:
+        raise PersonError(f"{where}: more than {MAX_MESSAGES} messages")
     ticks, tick = [], 0
     for message in track:
         tick += message.time
@@ -91,10 +91,10 @@ def _song(name: str, track: list[Any], per_beat: int, where: str) -> MidiSong:
     changes = [(at, one.tempo) for at, one in zip(ticks, track, strict=True) if one.type == "set_tempo" and one.tempo]
     last = max((at for at, one in zip(ticks, track, strict=True) if not one.is_meta), default=0)
     beats = math.ceil(last / per_beat)
-    length = _Map(per_beat, changes).seconds(beats * per_beat)
-    if not 0.0 < length <= LONGEST or beats * PULSES_PER_BEAT > MOST_MESSAGES:
+    length = _TempoMap(per_beat, changes).seconds(beats * per_beat)
+    if not 0.0 < length <= MAX_SECONDS or beats * PULSES_PER_BEAT > MAX_MESSAGES:
         raise PersonError(f"{where}: {length:.0f} s long", "a song needs notes, and may last a day at most")
-    time_of = _Map(per_beat, changes)
+    time_of = _TempoMap(per_beat, changes)
     played: list[tuple[float, bytes]] = []
     metres = []
     for at, one in zip(ticks, track, strict=True):
@@ -102,7 +102,7 @@ def _song(name: str, track: list[Any], per_beat: int, where: str) -> MidiSong:
             metres.append((time_of.seconds(at), int(one.numerator)))
         elif not one.is_meta and not one.is_realtime and at <= last:
             played.append((time_of.seconds(at), bytes(one.bytes())))
-    pulses = _Map(per_beat, changes)
+    pulses = _TempoMap(per_beat, changes)
     clock = [(pulses.seconds(n * per_beat / PULSES_PER_BEAT), bytes((CLOCK,))) for n in range(beats * PULSES_PER_BEAT)]
     stop = (length, bytes((STOP,)))
     messages = sorted([(0.0, bytes((START,))), *clock, *played, stop], key=lambda row: row[0])  # stable: start, clock
@@ -116,10 +116,10 @@ class MidiSongPlayer:
     def __init__(self, song: MidiSong, bindings: Sequence[Binding], *, beats_per_measure: int) -> None:
         """`bindings`: the map for its notes and controllers; no default bindings, since the song's pedals are music."""
         self.song = song
-        self._inbox: Inbox[ControlEvent] = Inbox(capacity=1 << 20)
+        self._inbox: EventQueue[ControlEvent] = EventQueue(capacity=1 << 20)
         self._map = MidiMap(bindings)
         self._notes = NoteEnergy(tempo=song.tempo)
-        self._decodes = MidiDecoding(
+        self._decoder = MidiEventDecoder(
             self._inbox,
             midi_map=self._map,
             notes=self._notes,
@@ -128,27 +128,27 @@ class MidiSongPlayer:
         self._next = self._metres = 0
         self._time = 0.0
 
-    def take(self, bindings: Sequence[Binding]) -> None:
+    def set_bindings(self, bindings: Sequence[Binding]) -> None:
         """Replace the bindings."""
-        self._map.take(bindings)
+        self._map.set_bindings(bindings)
 
-    def due(self, until: float, *, tempo: float, beats_per_measure: int) -> list[ControlEvent]:
+    def events_until(self, until: float, *, tempo: float, beats_per_measure: int) -> list[ControlEvent]:
         """Return the events up to `until` [s of the show], given the show's current tempo and metre."""
         self._notes.tempo = tempo
-        self._decodes.beats_per_measure = beats_per_measure
+        self._decoder.beats_per_measure = beats_per_measure
         song, found = self.song, list[ControlEvent]()
         while self._metres < len(song.metres) and song.metres[self._metres][0] <= until:
             time, beats = song.metres[self._metres]
             self._metres += 1
             if beats != beats_per_measure and 2 <= beats <= 12:
                 found.append(SetMetre(time=time, source="midi", beats=float(beats)))
-                beats_per_measure = self._decodes.beats_per_measure = beats
+                beats_per_measure = self._decoder.beats_per_measure = beats
         while self._next < len(song.messages) and song.messages[self._next][0] <= until:
             time, message = song.messages[self._next]
             self._next += 1
-            self._decodes.decode(message, time)
+            self._decoder.decode(message, time)
         self._time = until
-        self._decodes.look(until)
+        self._decoder.advance(until)
         return found + self._inbox.drain()
 
     def facts(self) -> dict[str, Any]:

@@ -9,26 +9,26 @@ import queue
 from collections.abc import Sequence
 from typing import Any, Final
 
-from live.base.event_queue import Inbox, Lane
+from live.base.event_queue import EventQueue, PriorityQueue
 from live.clock.midi.midi_clock import MidiClock
 from live.clock.midi.time_code import TimeCodeClock
 from live.clock.note_energy import NoteEnergy
 from live.clock.time_source import Clock
 from live.control.events.events import ControlEvent
 from live.control.midi import midi_ports
-from live.control.midi.midi_decoder import MidiDecoding
+from live.control.midi.midi_decoder import MidiEventDecoder
 from live.control.midi.midi_mapping import MidiMap
-from live.control.midi.midi_ports import Open, PortThread, open_port, words_of
+from live.control.midi.midi_ports import Open, PortThread, error_text, open_port
 from live.control.midi.midi_streams import Port
 
-LOOK: Final = 0.2
+CHECK_INTERVAL: Final = 0.2
 """Seconds between quick checks of an open port: a device that was plugged in again may keep its name but have no
 connection."""
 
-WAITS: Final = 0.05
+QUEUE_TIMEOUT: Final = 0.05
 """Seconds without a message after which the decoding thread advances the time."""
 
-WAITING_MAX: Final = 4096
+MAX_WAITING: Final = 4096
 """Maximum number of messages waiting to be decoded; more are counted and dropped."""
 
 
@@ -36,28 +36,28 @@ def _open_input(name: str) -> Port:
     return open_port("input", name)
 
 
-class MidiInput(MidiDecoding, PortThread):
+class MidiInput(MidiEventDecoder, PortThread):
     """Decodes the messages of a port, opened by name, into the inbox."""
 
     def __init__(
         self,
         name: str,
-        inbox: Inbox[ControlEvent] | Lane[ControlEvent],
+        inbox: EventQueue[ControlEvent] | PriorityQueue[ControlEvent],
         clock: Clock,
         *,
         decoder: MidiClock | None = None,
         time_code: TimeCodeClock | None = None,
         midi_map: MidiMap | None = None,
         notes: NoteEnergy | None = None,
-        clocked: bool = True,
+        follow_clock: bool = True,
         open_by_name: Open = _open_input,
     ) -> None:
         """Open nothing yet. `open_by_name` may raise any exception if the port is missing.
 
-        For the other parameters see `MidiDecoding`.
+        For the other parameters see `MidiEventDecoder`.
         """
-        MidiDecoding.__init__(
-            self, inbox, decoder=decoder, time_code=time_code, midi_map=midi_map, notes=notes, clocked=clocked
+        MidiEventDecoder.__init__(
+            self, inbox, decoder=decoder, time_code=time_code, midi_map=midi_map, notes=notes, follow_clock=follow_clock
         )
         PortThread.__init__(self, name, "midi in", open_by_name)
         self.dropped = 0
@@ -66,14 +66,14 @@ class MidiInput(MidiDecoding, PortThread):
         """Number of exceptions in the decoder ..."""
         self.failure = ""
         """... and the last one as text."""
-        self._counted = 0
+        self._checked_messages = 0
         self._clock = clock
         self._arrived: queue.SimpleQueue[tuple[float, Sequence[int]]] = queue.SimpleQueue()
 
-    def facts(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return figures for the status line."""
         train = self.decoder.train
-        return super().facts() | {
+        return super().status() | {
             "messages": self.messages,
             "bad": self.decoder.rejected + self.dropped + self.failed,
             "failure": self.failure,
@@ -84,7 +84,7 @@ class MidiInput(MidiDecoding, PortThread):
     def receive(self, message: Sequence[int]) -> None:
         """Queue a message that has arrived. Call from any thread; never blocks."""
         now = self._clock.now()
-        if self._arrived.qsize() >= WAITING_MAX:
+        if self._arrived.qsize() >= MAX_WAITING:
             self.dropped += 1
             return
         self._arrived.put((now, message))
@@ -100,10 +100,10 @@ class MidiInput(MidiDecoding, PortThread):
         self.failed += 1
         self.failure = f"{where}: {type(error).__name__}: {error}"
 
-    def _look_safely(self, now: float) -> None:
+    def _advance_safely(self, now: float) -> None:
         """Advance the decoder's time; an exception is counted."""
         try:
-            self.look(now)
+            self.advance(now)
         except Exception as error:
             self._fail("nothing came", error)
 
@@ -112,42 +112,42 @@ class MidiInput(MidiDecoding, PortThread):
         try:
             while not self._stop.is_set():
                 with contextlib.suppress(queue.Empty):
-                    time, message = self._arrived.get(timeout=WAITS)
+                    time, message = self._arrived.get(timeout=QUEUE_TIMEOUT)
                     self._decode_safely(message, time)
                 now = self._clock.now()
-                self._look_safely(now)
+                self._advance_safely(now)
                 if now >= quick:
-                    quick = now + LOOK
-                    if not self._is_there():
+                    quick = now + CHECK_INTERVAL
+                    if not self._check_open():
                         due = now
                 if now >= due:
-                    due = now + midi_ports.RETRY
-                    self._care()
+                    due = now + midi_ports.RETRY_INTERVAL
+                    self._maintain()
         finally:
             self._close()
 
-    def _is_there(self) -> bool:
+    def _check_open(self) -> bool:
         """Check the open port and close it if it is gone; return False only then, True also without a port."""
         problem = ""
         try:
-            if self._port is None or self._port.there:
+            if self._port is None or self._port.exists:
                 return True
         except Exception as error:
-            problem = words_of(error)
-        self._lose(problem)
+            problem = error_text(error)
+        self._disconnect(problem)
         return False
 
-    def _lives(self, port: Port) -> bool:
+    def _is_alive(self, port: Port) -> bool:
         """Whether the port exists; if no message came since the last check, also whether its system runs."""
-        quiet, self._counted = self._counted == self.messages, self.messages
-        return port.there and (not quiet or port.system_runs)
+        quiet, self._checked_messages = self._checked_messages == self.messages, self.messages
+        return port.exists and (not quiet or port.system_runs)
 
-    def _begin(self, port: Port) -> None:
-        self._counted = self.messages
+    def _on_open(self, port: Port) -> None:
+        self._checked_messages = self.messages
         port.listen(self.receive)
 
-    def _lose(self, problem: str) -> None:
+    def _disconnect(self, problem: str) -> None:
         now, was_open = self._clock.now(), self._port is not None
-        super()._lose(problem)
+        super()._disconnect(problem)
         if was_open:
             self.unplugged(now)

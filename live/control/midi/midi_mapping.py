@@ -9,17 +9,17 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from live.control.events.events import ControlEvent
-from live.control.midi.channel_messages import MidiHands, Played
-from live.control.midi.midi_binding import DEFAULTS, MOVING, BadBinding, Binding, Kind
+from live.control.midi.channel_messages import ChannelMessageDecoder, MidiAction
+from live.control.midi.midi_binding import CONTINUOUS_KINDS, DEFAULTS, BadBinding, Binding, Kind
 from live.control.midi.midi_learn import Pickup
-from live.control.registry.control import Control, Plain
+from live.control.registry.control import ArgumentValue, Control
 from live.control.registry.registry import REGISTRY, Values
 from live.control.registry.rejections import Rejection
 
-__all__ = ["DEFAULTS", "BadBinding", "Binding", "Kind", "MidiMap", "key", "present"]
+__all__ = ["DEFAULTS", "BadBinding", "Binding", "Kind", "MidiMap", "binding_key", "current_value"]
 
 SOURCE: Final = "midi"
-_Place = tuple[Kind, int, bool]
+_Trigger = tuple[Kind, int, bool]
 
 
 class MidiMap:
@@ -27,21 +27,21 @@ class MidiMap:
 
     def __init__(self, bindings: Sequence[Binding] = DEFAULTS, values: Values | None = None) -> None:
         """`values`: the current values, for soft takeover of faders and toggling by pads."""
-        self.hands = MidiHands()
+        self.decoder = ChannelMessageDecoder()
         self._values = values or Values()
-        self._bindings: dict[_Place, list[Binding]] = {}
-        self._down: dict[tuple[_Place, int], bool] = {}
-        self._on: dict[tuple[str, object], bool] = {}
+        self._bindings: dict[_Trigger, list[Binding]] = {}
+        self._pressed: dict[tuple[_Trigger, int], bool] = {}
+        self._switches: dict[tuple[str, object], bool] = {}
         self._pickups: dict[tuple[str, object], Pickup] = {}
-        self.moved: dict[tuple[str, object], tuple[float, float, int]] = {}
+        self.last_positions: dict[tuple[str, object], tuple[float, float, int]] = {}
         """By binding (`key`): the last position of its controller, its time [s], and its channel."""
         self.bindings: tuple[Binding, ...] = ()
         """The active bindings."""
-        self.take(bindings)
+        self.set_bindings(bindings)
 
-    def take(self, bindings: Sequence[Binding]) -> None:
+    def set_bindings(self, bindings: Sequence[Binding]) -> None:
         """Replace the bindings; bindings that stay keep their state."""
-        found: dict[_Place, list[Binding]] = {}
+        found: dict[_Trigger, list[Binding]] = {}
         for binding in bindings:
             fine = binding.fine or binding.kind == "nrpn"
             found.setdefault((binding.kind, binding.number, fine), []).append(binding)
@@ -49,33 +49,35 @@ class MidiMap:
 
     def events(self, message: Sequence[int], time: float) -> list[ControlEvent | Rejection]:
         """Return the events for a message received at `time` [s of the show]; empty if it is not mapped."""
-        return [made for played in self.hands.played(message) for _, made in self.act(played, time)]
+        return [made for played in self.decoder.decode(message) for _, made in self.apply(played, time)]
 
-    def act(self, played: Played, time: float) -> list[tuple[Binding, ControlEvent | Rejection]]:
+    def apply(self, played: MidiAction, time: float) -> list[tuple[Binding, ControlEvent | Rejection]]:
         """Return the events for an action at `time` [s], each with its binding."""
         place = (played.kind, played.number, played.fine)
         bindings = self._bindings.get(place)
         if bindings is None:
             return []
-        crossed = played.down != self._down.get((place, played.channel), False)
-        self._down[place, played.channel] = played.down
+        crossed = played.down != self._pressed.get((place, played.channel), False)
+        self._pressed[place, played.channel] = played.down
         made: list[tuple[Binding, ControlEvent | Rejection]] = []
         for binding in bindings:
             if binding.channel in (0, played.channel):
-                found = self._work(binding, played, crossed or played.kind not in MOVING, time)
+                found = self._apply_binding(binding, played, crossed or played.kind not in CONTINUOUS_KINDS, time)
                 made += ((binding, one) for one in found)
         return made
 
-    def _work(self, binding: Binding, played: Played, crossed: bool, time: float) -> Iterator[ControlEvent | Rejection]:
+    def _apply_binding(
+        self, binding: Binding, played: MidiAction, crossed: bool, time: float
+    ) -> Iterator[ControlEvent | Rejection]:
         """Yield the events of one binding. `crossed`: it has just been pressed or released."""
         slot = binding.slot
-        value: Plain | None = None
+        value: ArgumentValue | None = None
         if slot is not None:
-            self.moved[key(binding)] = (played.share, time, played.channel)
+            self.last_positions[binding_key(binding)] = (played.position, time, played.channel)
         if slot is not None and slot.type == "float":
-            if not self._sets(binding, played, time):
+            if not self._sets_number(binding, played, time):
                 return
-            value = binding.value(played.share)
+            value = binding.value(played.position)
         elif slot is not None and not binding.toggles:
             if not crossed:
                 return
@@ -83,37 +85,37 @@ class MidiMap:
         elif not crossed or not played.down:
             return
         elif slot is not None:
-            value = self._on[key(binding)] = not self._is_on(binding)
+            value = self._switches[binding_key(binding)] = not self._is_on(binding)
         result = _call(binding, value, time)
         if isinstance(result, ControlEvent | Rejection):
             yield result
 
-    def _sets(self, binding: Binding, played: Played, time: float) -> bool:
+    def _sets_number(self, binding: Binding, played: MidiAction, time: float) -> bool:
         """Whether a number is set: by a note's press, or its release if momentary; by a fader after takeover."""
         if binding.kind == "note":
             return played.down or binding.mode == "momentary"
-        now = present(binding, self._values) if binding.picks_up else None
+        now = current_value(binding, self._values) if binding.uses_pickup else None
         if now is None or isinstance(now, str):
             return True
-        pickup = self._pickups.setdefault(key(binding), Pickup())
+        pickup = self._pickups.setdefault(binding_key(binding), Pickup())
         fades = bool(binding.values.get("measures"))
-        return pickup.takes(played.share, binding.share(float(now)), played.step, time, fades=fades)
+        return pickup.update(played.position, binding.position(float(now)), played.step, time, fades=fades)
 
     def _is_on(self, binding: Binding) -> bool:
         """Whether a switch is on, by the show's value if known, else by counted presses."""
-        now = present(binding, self._values)
-        return bool(now) if now is not None else self._on.get(key(binding), False)
+        now = current_value(binding, self._values)
+        return bool(now) if now is not None else self._switches.get(binding_key(binding), False)
 
 
-def key(binding: Binding) -> tuple[str, object]:
+def binding_key(binding: Binding) -> tuple[str, object]:
     """Return a key for a binding: its control and what is played."""
-    return binding.control, (binding.place, binding.fine)
+    return binding.control, (binding.trigger, binding.fine)
 
 
-def present(binding: Binding, values: Values) -> Plain | None:
+def current_value(binding: Binding, values: Values) -> ArgumentValue | None:
     """Return the current value of what a binding sets; None if it has no value or groups differ."""
     control, slot = REGISTRY[binding.control], binding.slot
-    if slot is None or slot not in control.valued:
+    if slot is None or slot not in control.value_arguments:
         return None
     rows = values.rows(binding.control)
     if control.named:
@@ -123,10 +125,10 @@ def present(binding: Binding, values: Values) -> Plain | None:
         group = str(binding.values.get("group", "*")).strip().casefold()
         first = rows[0][1] if group in ("", "*") and rows else None
         row = next((row for name, row in rows if name in ("", group)), first)
-    return None if row is None else row[control.valued.index(slot)]
+    return None if row is None else row[control.value_arguments.index(slot)]
 
 
-def _call(binding: Binding, value: Plain | None, time: float) -> object:
+def _call(binding: Binding, value: ArgumentValue | None, time: float) -> object:
     """Call the control."""
     control: Control = REGISTRY[binding.control]
     slot = binding.slot

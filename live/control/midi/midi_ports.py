@@ -18,7 +18,7 @@ from live.base.fault_isolation import keep_running
 from live.control.midi.midi_streams import RTP, Direction, Port, StreamPort, is_stream
 from live.control.midi.rtp_midi import RtpPort
 
-OURS: Final = "ChoreoGraphics"
+CLIENT_NAME: Final = "ChoreoGraphics"
 """Name of our end of a connection in the system's patch bays."""
 
 
@@ -67,7 +67,7 @@ class OpenPort:
         self._client.send_message(message)
 
     @property
-    def there(self) -> bool:
+    def exists(self) -> bool:
         """Whether the other side still exists. A port that has returned under another number must be opened again."""
         return self.name in self._client.get_ports()
 
@@ -87,9 +87,9 @@ class OpenPort:
 
     def close(self) -> None:
         """Close the port; errors of the system are ignored."""
-        client, self._client = self._client, _Closed()
+        client, self._client = self._client, _ClosedClient()
         if self._jack and not client.get_ports():
-            abandon(client)
+            leak_client(client)
             return
         try:
             if self.direction == "input":
@@ -100,7 +100,7 @@ class OpenPort:
             return
 
 
-def abandon(client: Any) -> None:
+def leak_client(client: Any) -> None:
     """Leak a client on purpose: closing a client of a dead JACK server would end this process.
 
     An empty list of ports is taken for a dead server; if the server is alive, an unconnected client stays behind.
@@ -108,7 +108,7 @@ def abandon(client: Any) -> None:
     ctypes.pythonapi.Py_IncRef(ctypes.py_object(client))
 
 
-class _Closed:
+class _ClosedClient:
     """Replacement for a closed client."""
 
     def get_ports(self) -> list[str]:
@@ -127,7 +127,7 @@ class _Closed:
 def _client(direction: Direction, api: int) -> Any:
     module = rtmidi()
     make = module.MidiIn if direction == "input" else module.MidiOut
-    return make(api, name=OURS)
+    return make(api, name=CLIENT_NAME)
 
 
 def port_names(direction: Direction) -> dict[int, list[str]]:
@@ -135,7 +135,7 @@ def port_names(direction: Direction) -> dict[int, list[str]]:
     found: dict[int, list[str]] = {}
     reasons: list[str] = []
     for api in rtmidi().get_compiled_api():
-        if absent := _absent(api):
+        if absent := _unavailable_reason(api):
             reasons.append(absent)
             continue
         try:
@@ -147,13 +147,13 @@ def port_names(direction: Direction) -> dict[int, list[str]]:
             names = client.get_ports()
         finally:
             client.delete()
-        found[api] = [name for name in names if not name.startswith(OURS)]
+        found[api] = [name for name in names if not name.startswith(CLIENT_NAME)]
     if not found:
         raise MidiUnavailable(f"no MIDI system runs here: {', '.join(reasons) or 'rtmidi knows none'}")
     return found
 
 
-def _absent(api: int) -> str:
+def _unavailable_reason(api: int) -> str:
     """Return why a system cannot run on this Linux, else ""; a failing query would print to the terminal."""
     if sys.platform != "linux":
         return ""
@@ -167,7 +167,7 @@ def _absent(api: int) -> str:
     return ""
 
 
-def lasting_name(name: str) -> str:
+def stable_name(name: str) -> str:
     """Return a port's name without the numbers that change when it is plugged in again.
 
     These are ALSA's client and port numbers (`Pad 24:0`), those of its bridge to JACK (`a2j:Pad [24] (capture): Pad`),
@@ -183,10 +183,10 @@ def match_port(wanted: str, names: list[str]) -> str:
     """
     if wanted in names:
         return wanted
-    same = [name for name in names if lasting_name(name) == lasting_name(wanted)]
-    parts = [name for name in names if lasting_name(wanted) in lasting_name(name)]
+    same = [name for name in names if stable_name(name) == stable_name(wanted)]
+    parts = [name for name in names if stable_name(wanted) in stable_name(name)]
     for found in (same, parts):
-        if len({lasting_name(name) for name in found}) == 1:
+        if len({stable_name(name) for name in found}) == 1:
             return found[0]
     listed = ", ".join(parts or names) or "none"
     what = "several MIDI ports match this name" if parts else "there is no such MIDI port"
@@ -227,7 +227,7 @@ def open_output(wanted: str) -> Port:
     return open_port("output", wanted)
 
 
-RETRY: Final = 2.0
+RETRY_INTERVAL: Final = 2.0
 """Seconds between attempts to open a missing port, and between checks whether an open one still exists."""
 
 Open = Callable[[str], Port]
@@ -236,11 +236,11 @@ Open = Callable[[str], Port]
 class PortThread:
     """A MIDI port by name with its own thread, so that no frame waits for a device; opened whenever it exists.
 
-    Subclasses implement the thread in `_run` and call `_care` there regularly. Call `start` and `stop` from the
+    Subclasses implement the thread in `_run` and call `_maintain` there regularly. Call `start` and `stop` from the
     creating thread; only the port's own thread touches the port.
     """
 
-    def __init__(self, name: str, what: str, open_by_name: Open) -> None:
+    def __init__(self, name: str, role: str, open_by_name: Open) -> None:
         """Open nothing yet. `what`: the thread's name; `open_by_name` may raise anything if the port is missing."""
         self.name = name
         self.connected = ""
@@ -249,7 +249,7 @@ class PortThread:
         """Why no port is open."""
         self.opened = 0
         """How often the port was opened; a device that was connected again has received nothing sent before."""
-        self._what = what
+        self._role = role
         self._open_by_name = open_by_name
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
@@ -258,7 +258,7 @@ class PortThread:
     def start(self) -> None:
         """Start the thread; a missing port is opened as soon as it appears."""
         self._stop.clear()
-        self._thread = threading.Thread(target=self._keep_running, name=f"{self._what} {self.name}", daemon=True)
+        self._thread = threading.Thread(target=self._keep_running, name=f"{self._role} {self.name}", daemon=True)
         self._thread.start()
 
     def stop(self) -> None:
@@ -268,42 +268,42 @@ class PortThread:
             self._thread.join(timeout=2.0)
             self._thread = None
 
-    def facts(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return figures for the status line."""
         return {"port": self.connected or self.name, "problem": self.problem}
 
     def _keep_running(self) -> None:
-        keep_running(f"{self._what} {self.name}", self._run, self._stop.wait)
+        keep_running(f"{self._role} {self.name}", self._run, self._stop.wait)
 
     def _run(self) -> None:
         """Work until `_stop` is set, and `_close` in any case."""
         raise NotImplementedError
 
-    def _care(self) -> None:
+    def _maintain(self) -> None:
         """Open the port or check that it still exists; errors are kept for the status and the next call tries again."""
         try:
-            if self._port is not None and not self._lives(self._port):
-                self._lose("the port is gone")
+            if self._port is not None and not self._is_alive(self._port):
+                self._disconnect("the port is gone")
             if self._port is None:
                 self._open()
         except Exception as error:  # MIDI systems come and go; their errors must not end the show
-            self._lose(words_of(error))
+            self._disconnect(error_text(error))
 
-    def _lives(self, port: Port) -> bool:
+    def _is_alive(self, port: Port) -> bool:
         """Whether the open port still exists."""
-        return port.there
+        return port.exists
 
     def _open(self) -> None:
         """Open the port; raises any error of the system."""
         self._port = self._open_by_name(self.name)
-        self._begin(self._port)
+        self._on_open(self._port)
         self.connected, self.problem = self._port.name, ""
         self.opened += 1
 
-    def _begin(self, port: Port) -> None:
+    def _on_open(self, port: Port) -> None:
         """Prepare a port that was just opened."""
 
-    def _lose(self, problem: str) -> None:
+    def _disconnect(self, problem: str) -> None:
         """Close the port, if one is open, and keep the reason."""
         self.problem = problem
         self._close()
@@ -314,6 +314,6 @@ class PortThread:
             port.close()
 
 
-def words_of(error: Exception) -> str:
+def error_text(error: Exception) -> str:
     """Return an error's message on one line."""
     return " ".join(str(error).split())

@@ -1,7 +1,7 @@
 """MIDI byte streams over TCP (as mido's sockets send them), raw devices and pipes, and their tokenizer.
 
 `tcp:HOST:PORT`: an input listens there, an output connects. `raw:PATH`: a kernel device (/dev/snd/midiC1D0, a
-configured serial line) or a named pipe. `rtp:HOST:PORT` is in `rtp_midi.py`. `MidiTokens` splits bytes into messages
+configured serial line) or a named pipe. `rtp:HOST:PORT` is in `rtp_midi.py`. `MidiTokenizer` splits bytes into messages
 by the MIDI 1.0 specification; mido 1.3.3's parser loses running status and every message that a real-time byte
 interrupts, and buffers exclusive messages without limit.
 """
@@ -20,7 +20,7 @@ from live.base.fault_isolation import keep_running
 SYSEX, SYSEX_END = 0xF0, 0xF7
 REAL_TIME: Final = 0xF8
 UNDEFINED: Final = frozenset((0xF4, 0xF5, 0xF9, 0xFD))
-SYSEX_MOST: Final = 4096
+MAX_SYSEX: Final = 4096
 """Maximum size of an exclusive message; longer ones are dropped."""
 
 _CHANNEL_LENGTH: Final = (3, 3, 3, 3, 2, 2, 3)
@@ -28,7 +28,7 @@ _CHANNEL_LENGTH: Final = (3, 3, 3, 3, 2, 2, 3)
 _COMMON_LENGTH: Final = {0xF1: 2, 0xF2: 3, 0xF3: 2, 0xF6: 1}
 
 
-class MidiTokens:
+class MidiTokenizer:
     """Splits one sender's bytes into messages. No I/O; use from one thread at a time.
 
     A real-time byte is returned at once, also within another message. Data bytes without a status use the running
@@ -43,11 +43,11 @@ class MidiTokens:
         self.undefined = 0
         """Number of undefined status bytes."""
         self.too_long = 0
-        """Number of exclusive messages beyond `SYSEX_MOST`."""
+        """Number of exclusive messages beyond `MAX_SYSEX`."""
         self._running = 0
         self._message = bytearray()  # the incomplete message
         self._length = 0  # its full length; 0: no message, or an exclusive one
-        self._skips = False  # skipping the rest of an exclusive message that is too long
+        self._skipping = False  # skipping the rest of an exclusive message that is too long
 
     @property
     def rejected(self) -> int:
@@ -61,27 +61,27 @@ class MidiTokens:
             if found:
                 yield found
 
-    def end(self) -> None:
+    def reset(self) -> None:
         """Drop the incomplete message and the running status, because the sender is gone."""
-        self._cut()
+        self._drop_partial()
         self._running = 0
 
     def _data(self, byte: int) -> bytes:
         message = self._message
         if not message:
             if not self._running:
-                self.stray += not self._skips
+                self.stray += not self._skipping
                 return b""
             message.append(self._running)
             self._length = _CHANNEL_LENGTH[(self._running >> 4) - 8]
         message.append(byte)
         if message[0] == SYSEX:
-            if len(message) >= SYSEX_MOST:
+            if len(message) >= MAX_SYSEX:
                 self.too_long += 1
                 message.clear()
-                self._skips = True
+                self._skipping = True
             return b""
-        return self._whole() if len(message) == self._length else b""
+        return self._complete() if len(message) == self._length else b""
 
     def _status(self, status: int) -> bytes:
         if status >= REAL_TIME:
@@ -91,32 +91,32 @@ class MidiTokens:
             return bytes((status,))
         if status == SYSEX_END:
             return self._end_sysex()
-        self._cut()
+        self._drop_partial()
         self._running = status if status < SYSEX else 0
         if status in UNDEFINED:
             self.undefined += 1
             return b""
         self._message.append(status)
         self._length = _CHANNEL_LENGTH[(status >> 4) - 8] if status < SYSEX else _COMMON_LENGTH.get(status, 0)
-        return self._whole() if self._length == 1 else b""
+        return self._complete() if self._length == 1 else b""
 
     def _end_sysex(self) -> bytes:
-        skipped, self._skips = self._skips, False
+        skipped, self._skipping = self._skipping, False
         if self._message[:1] == b"\xf0":
             self._message.append(SYSEX_END)
-            return self._whole()
+            return self._complete()
         if not skipped:
-            self._cut()
+            self._drop_partial()
             self.undefined += 1  # an end without a start
         self._running = 0
         return b""
 
-    def _cut(self) -> None:
+    def _drop_partial(self) -> None:
         self.cut_off += bool(self._message)
         self._message.clear()
-        self._skips = False
+        self._skipping = False
 
-    def _whole(self) -> bytes:
+    def _complete(self) -> bytes:
         found = bytes(self._message)
         self._message.clear()
         return found
@@ -128,14 +128,14 @@ Receive = Callable[[Sequence[int]], None]
 TCP: Final = "tcp:"
 RAW: Final = "raw:"
 RTP: Final = "rtp:"
-MOST_SENDERS: Final = 8
+MAX_SENDERS: Final = 8
 """Maximum number of connections; more are refused."""
 BYTES_PER_SECOND: Final = 62_500
 """Maximum rate read from one sender (twenty MIDI cables); the rest waits at the sender."""
-BLOCK: Final = 1024
-LOOK: Final = 0.1
+READ_SIZE: Final = 1024
+CHECK_INTERVAL: Final = 0.1
 """Seconds between checks whether to stop."""
-PATIENCE: Final = 2.0
+TIMEOUT: Final = 2.0
 
 
 class Port(Protocol):
@@ -152,7 +152,7 @@ class Port(Protocol):
         ...
 
     @property
-    def there(self) -> bool:
+    def exists(self) -> bool:
         """Whether the other side still exists."""
         ...
 
@@ -178,7 +178,7 @@ class StreamPort:
 
     def __init__(self, direction: Direction, name: str) -> None:
         self.name = name
-        self.there = True
+        self.exists = True
         self.rejected = 0
         """Number of rejected bytes and messages of senders that are gone."""
         self._listener: socket.socket | None = None
@@ -194,15 +194,15 @@ class StreamPort:
                 flags = os.O_RDWR if os.path.exists(path) and not os.path.isfile(path) else os.O_RDONLY
                 self._add(os.open(path, flags | os.O_NONBLOCK), None)
             return
-        where = address_of(name)
+        where = parse_address(name)
         if direction == "output":
-            self._connection = socket.create_connection(where, timeout=PATIENCE)
+            self._connection = socket.create_connection(where, timeout=TIMEOUT)
             self._connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self._connection.setblocking(False)
             self._out = self._connection.fileno()
         else:
             family = socket.AF_INET6 if ":" in where[0] else socket.AF_INET
-            self._listener = socket.create_server(where, family=family, backlog=MOST_SENDERS)
+            self._listener = socket.create_server(where, family=family, backlog=MAX_SENDERS)
             self._listener.setblocking(False)
 
     @property
@@ -225,14 +225,14 @@ class StreamPort:
             if os.write(self._out, message) < len(message):
                 raise OSError("the other side does not read any more")
         except OSError:
-            self.there = False
+            self.exists = False
             raise
 
     def close(self) -> None:
         """Close the stream and all connections."""
         self._stop.set()
         if self._thread is not None:
-            self._thread.join(timeout=PATIENCE)
+            self._thread.join(timeout=TIMEOUT)
         for sender in self._senders.values():
             sender.close()
         if self._listener is not None:
@@ -243,21 +243,21 @@ class StreamPort:
                 self._connection.close()
             else:
                 os.close(out)
-        self.there = False
+        self.exists = False
 
     def _add(self, number: int, connection: socket.socket | None) -> None:
         self._senders[number] = _Sender(number, connection)
 
     def _run(self, receive: Receive) -> None:
-        keep_running(f"MIDI at {self.name}", lambda: self._hear(receive), self._stop.wait)
-        self.there = False
+        keep_running(f"MIDI at {self.name}", lambda: self._read_loop(receive), self._stop.wait)
+        self.exists = False
 
-    def _hear(self, receive: Receive) -> None:
+    def _read_loop(self, receive: Receive) -> None:
         while not self._stop.is_set():
             now = time.monotonic()
             ready = [number for number, sender in self._senders.items() if sender.may_read(now)]
             listener = [] if self._listener is None else [self._listener.fileno()]
-            waits = LOOK if len(ready) == len(self._senders) else BLOCK / BYTES_PER_SECOND
+            waits = CHECK_INTERVAL if len(ready) == len(self._senders) else READ_SIZE / BYTES_PER_SECOND
             try:
                 found, _, _ = select.select([*listener, *ready], [], [], waits)
             except (OSError, ValueError):
@@ -276,7 +276,7 @@ class StreamPort:
         assert self._listener is not None
         with contextlib.suppress(OSError):  # the client is gone already
             connection, _ = self._listener.accept()
-            if len(self._senders) >= MOST_SENDERS:
+            if len(self._senders) >= MAX_SENDERS:
                 connection.close()
                 return
             connection.setblocking(False)
@@ -287,37 +287,37 @@ class _Sender:
     """One sender: its descriptor and its tokenizer."""
 
     def __init__(self, number: int, connection: socket.socket | None) -> None:
-        self.tokens = MidiTokens()
+        self.tokens = MidiTokenizer()
         self._number, self._connection = number, connection
-        self._again = 0.0
+        self._next_read = 0.0
 
     def may_read(self, now: float) -> bool:
         """Whether it is below its rate limit."""
-        return now >= self._again
+        return now >= self._next_read
 
     def read(self, receive: Receive) -> bool:
         """Read and pass on messages; return False if the sender is gone."""
         try:
-            data = os.read(self._number, BLOCK)
+            data = os.read(self._number, READ_SIZE)
         except BlockingIOError:
             return True
         except OSError:
             return False
-        self._again = max(self._again, time.monotonic() - 1.0) + len(data) / BYTES_PER_SECOND
+        self._next_read = max(self._next_read, time.monotonic() - 1.0) + len(data) / BYTES_PER_SECOND
         for message in self.tokens.feed(data):
             receive(message)
         return bool(data)
 
     def close(self) -> None:
         """Close its descriptor."""
-        self.tokens.end()
+        self.tokens.reset()
         if self._connection is not None:
             self._connection.close()
         else:
             os.close(self._number)
 
 
-def address_of(name: str) -> tuple[str, int]:
+def parse_address(name: str) -> tuple[str, int]:
     """Return host and port of a name such as `tcp:HOST:PORT`; ValueError names the expected form."""
     kind = name[:4]
     host, _, port = name.removeprefix(kind).rpartition(":")

@@ -16,18 +16,18 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from live.base.fault_isolation import keep_running
-from live.control.midi.midi_streams import RTP, Direction, MidiTokens, Receive, address_of
-from live.control.osc.osc_subscriptions import is_near
+from live.control.midi.midi_streams import RTP, Direction, MidiTokenizer, Receive, parse_address
+from live.control.osc.osc_subscriptions import is_local_network
 
-Where = tuple[str, int]
+SocketAddress = tuple[str, int]
 
 INVITATION, ACCEPTED, REFUSED, GOODBYE, SYNC = b"IN", b"OK", b"NO", b"BY", b"CK"
 VERSION: Final = 2
-MOST_SESSIONS: Final = 8
-SILENT_FOR: Final = 70.0
+MAX_SESSIONS: Final = 8
+SESSION_TIMEOUT: Final = 70.0
 """Seconds without a packet after which a session ends; initiators synchronise about every ten seconds."""
-NAME_MOST: Final = 64
-UNITS: Final = 10_000.0
+MAX_NAME: Final = 64
+TICKS_PER_SECOND: Final = 10_000.0
 """Timestamps count tenths of a millisecond."""
 _EXCHANGE: Final = struct.Struct(">H2sIII")
 _SYNC: Final = struct.Struct(">H2sIB3xQQQ")
@@ -42,7 +42,7 @@ class BadPacket(ValueError):
     """The datagram is not valid MIDI over RTP."""
 
 
-def commands(payload: bytes) -> bytes:
+def midi_bytes(payload: bytes) -> bytes:
     """Return the MIDI bytes of a payload without the delta times; BadPacket if it is truncated.
 
     An exclusive message may be split over packets: F0 … F0, F7 … F0, F7 … F7; F7 … F4 cancels it.
@@ -61,24 +61,24 @@ def commands(payload: bytes) -> bytes:
     timed = bool(payload[0] & 0x20)
     while at < size:
         if timed:
-            at = _after_time(part, at)
+            at = _end_of_time(part, at)
             if at == size:  # a delta time may come last
                 break
         timed = True
-        end, running = _after_command(part, at, running)
-        found += _whole(part[at:end])
+        end, running = _end_of_command(part, at, running)
+        found += _without_segment_marks(part[at:end])
         at = end
     return bytes(found)
 
 
-def _whole(command: bytes) -> bytes:
+def _without_segment_marks(command: bytes) -> bytes:
     """Return a command as sent over a MIDI cable: segments of an exclusive message lose their segment marks."""
     if command[0] not in (0xF0, 0xF7):
         return command
     return command[command[0] == 0xF7 : len(command) - (command[-1] == 0xF0)]
 
 
-def _after_time(part: bytes, at: int) -> int:
+def _end_of_time(part: bytes, at: int) -> int:
     """Return the position after a delta time of one to four bytes."""
     for end in range(at + 1, at + 5):
         if end > len(part):
@@ -88,7 +88,7 @@ def _after_time(part: bytes, at: int) -> int:
     raise BadPacket("a time of more than four bytes")
 
 
-def _after_command(part: bytes, at: int, running: int) -> tuple[int, int]:
+def _end_of_command(part: bytes, at: int, running: int) -> tuple[int, int]:
     """Return the position after the command at `at`, and the running status there."""
     status, end = part[at], at
     if status < 0x80:
@@ -122,12 +122,12 @@ class _Session:
     source: int
     token: int
     name: str
-    heard: float
-    data: Where | None = None
+    last_packet: float
+    data: SocketAddress | None = None
     """Source address of its MIDI data, set when it has also sent the invitation to the data port."""
     number: int | None = None
     """Sequence number of its last packet."""
-    tokens: MidiTokens = field(default_factory=MidiTokens)
+    tokens: MidiTokenizer = field(default_factory=MidiTokenizer)
 
 
 class RtpMidi:
@@ -143,32 +143,34 @@ class RtpMidi:
         self._sessions: dict[tuple[str, int], _Session] = {}
 
     @property
-    def names(self) -> tuple[str, ...]:
+    def participants(self) -> tuple[str, ...]:
         """Names of the connected participants."""
         return tuple(session.name for session in self._sessions.values() if session.data is not None)
 
-    def hear(self, datagram: bytes, sender: Where, now: float, *, control: bool) -> tuple[list[bytes], list[bytes]]:
+    def handle(
+        self, datagram: bytes, sender: SocketAddress, now: float, *, control: bool
+    ) -> tuple[list[bytes], list[bytes]]:
         """Return (answers, MIDI messages) for a datagram from `sender` at `now` [s], on the control or data port."""
-        self._forget(now)
+        self._expire(now)
         try:
             if datagram[:2] == b"\xff\xff":
-                return self._converse(datagram, sender, now, control=control), []
+                return self._handle_command(datagram, sender, now, control=control), []
             if control:
                 raise BadPacket("MIDI data on the control port")
-            return [], list(self._play(datagram, sender, now))
+            return [], list(self._decode_data(datagram, sender, now))
         except (BadPacket, struct.error):
             self.rejected += 1
             return [], []
 
-    def _converse(self, datagram: bytes, sender: Where, now: float, *, control: bool) -> list[bytes]:
+    def _handle_command(self, datagram: bytes, sender: SocketAddress, now: float, *, control: bool) -> list[bytes]:
         what = datagram[2:4]
         if what == SYNC:
             return self._synchronise(datagram, sender, now)
         _, _, version, token, source = _EXCHANGE.unpack_from(datagram)
         key = (sender[0], source)
         if what == INVITATION and version == VERSION:
-            name = datagram[_EXCHANGE.size :].split(b"\0")[0][:NAME_MOST].decode("utf-8", "replace")
-            return [self._invited(key, token, name, sender, now, control=control)]
+            name = datagram[_EXCHANGE.size :].split(b"\0")[0][:MAX_NAME].decode("utf-8", "replace")
+            return [self._accept_invitation(key, token, name, sender, now, control=control)]
         session = self._sessions.get(key)
         if what == GOODBYE and session is not None:  # with or without its token; macOS sends none
             del self._sessions[key]
@@ -177,55 +179,57 @@ class RtpMidi:
             return []
         raise BadPacket("no such session")
 
-    def _invited(self, key: Where, token: int, name: str, sender: Where, now: float, *, control: bool) -> bytes:
+    def _accept_invitation(
+        self, key: SocketAddress, token: int, name: str, sender: SocketAddress, now: float, *, control: bool
+    ) -> bytes:
         session = self._sessions.get(key)
-        if control and session is None and len(self._sessions) < MOST_SESSIONS:
+        if control and session is None and len(self._sessions) < MAX_SESSIONS:
             session = self._sessions[key] = _Session(key[1], token, name, now)
         if session is None or (session.token != token and not control):
             self.rejected += 1
             return _EXCHANGE.pack(0xFFFF, REFUSED, VERSION, token, self._source)
-        session.token, session.heard = token, now
+        session.token, session.last_packet = token, now
         if not control:
             session.data, session.number = sender, None
         answer = _EXCHANGE.pack(0xFFFF, ACCEPTED, VERSION, token, self._source)
         return answer + self._name.encode() + b"\0"
 
-    def _synchronise(self, datagram: bytes, sender: Where, now: float) -> list[bytes]:
+    def _synchronise(self, datagram: bytes, sender: SocketAddress, now: float) -> list[bytes]:
         _, _, source, count, first, _, _ = _SYNC.unpack_from(datagram)
         session = self._sessions.get((sender[0], source))
         if session is None or session.data != sender:
             raise BadPacket("no such session")
-        session.heard = now
+        session.last_packet = now
         if count != 0:
             return []
-        return [_SYNC.pack(0xFFFF, SYNC, self._source, 1, first, int(now * UNITS), 0)]
+        return [_SYNC.pack(0xFFFF, SYNC, self._source, 1, first, int(now * TICKS_PER_SECOND), 0)]
 
-    def _play(self, datagram: bytes, sender: Where, now: float) -> Iterator[bytes]:
+    def _decode_data(self, datagram: bytes, sender: SocketAddress, now: float) -> Iterator[bytes]:
         flags, kind, number, _, source = _RTP.unpack_from(datagram)
         session = self._sessions.get((sender[0], source))
         if session is None or session.data != sender or flags >> 6 != 2 or kind & 0x7F != MIDI_TYPE:
             raise BadPacket("of no session")
-        data = commands(datagram[_RTP.size + 4 * (flags & 0x0F) :])
-        session.heard = now
+        data = midi_bytes(datagram[_RTP.size + 4 * (flags & 0x0F) :])
+        session.last_packet = now
         missed = 0 if session.number is None else (number - session.number - 1) & 0xFFFF
         if missed >= 0x8000:
             raise BadPacket("late, or twice")
         session.number = number
         if missed:
             self.lost += missed
-            session.tokens.end()
+            session.tokens.reset()
             yield from (bytes((0xB0 | channel, ALL_NOTES_OFF, 0)) for channel in range(16))
         yield from session.tokens.feed(data)
 
-    def _forget(self, now: float) -> None:
-        for key in [key for key, session in self._sessions.items() if now - session.heard > SILENT_FOR]:
+    def _expire(self, now: float) -> None:
+        for key in [key for key, session in self._sessions.items() if now - session.last_packet > SESSION_TIMEOUT]:
             del self._sessions[key]
 
 
-LOOK: Final = 0.1
+CHECK_INTERVAL: Final = 0.1
 """Seconds between checks whether to stop."""
-LARGEST: Final = 2048
-AT_ONCE: Final = 64
+MAX_DATAGRAM_BYTES: Final = 2048
+MAX_DATAGRAMS: Final = 64
 """Maximum number of datagrams read from one socket before the other has its turn."""
 
 
@@ -236,13 +240,13 @@ class RtpPort:
 
     def __init__(self, direction: Direction, name: str) -> None:
         """Bind both sockets; OSError, or ValueError for an invalid address."""
-        host, port = address_of(name)
+        host, port = parse_address(name)
         if direction == "output":
             raise ValueError(f"{RTP} is for input only: name a MIDI port or tcp:HOST:PORT")
         if port == 65535:
             raise ValueError(f"{name!r}: the next port is needed, too; choose a lower one")
         self.name = name
-        self.there = True
+        self.exists = True
         self.protocol = RtpMidi(int.from_bytes(os.urandom(4)))
         family = socket.AF_INET6 if ":" in host else socket.AF_INET
         self._sockets: list[socket.socket] = []
@@ -274,36 +278,36 @@ class RtpPort:
             self._thread.join(timeout=2.0)
         for sock in self._sockets:
             sock.close()
-        self.there = False
+        self.exists = False
 
     def _run(self, receive: Receive) -> None:
-        keep_running(f"MIDI at {self.name}", lambda: self._hear(receive), self._stop.wait)
-        self.there = False
+        keep_running(f"MIDI at {self.name}", lambda: self._read_loop(receive), self._stop.wait)
+        self.exists = False
 
-    def _hear(self, receive: Receive) -> None:
+    def _read_loop(self, receive: Receive) -> None:
         control, data = self._sockets
         while not self._stop.is_set():
             try:
-                ready, _, _ = select.select([control, data], [], [], LOOK)
+                ready, _, _ = select.select([control, data], [], [], CHECK_INTERVAL)
             except (OSError, ValueError):
                 break
             for sock in ready:
-                for _ in range(AT_ONCE):
+                for _ in range(MAX_DATAGRAMS):
                     if not self._read(sock, receive, control=sock is control):
                         break
 
     def _read(self, sock: socket.socket, receive: Receive, *, control: bool) -> bool:
         """Read one datagram; return False if there is none."""
         try:
-            datagram, sender = sock.recvfrom(LARGEST)
+            datagram, sender = sock.recvfrom(MAX_DATAGRAM_BYTES)
         except BlockingIOError:
             return False
         except OSError:  # an earlier answer was undeliverable
             return True
-        if not is_near(sender[0]):
+        if not is_local_network(sender[0]):
             self.protocol.rejected += 1
             return True
-        answers, messages = self.protocol.hear(datagram, (sender[0], sender[1]), time.monotonic(), control=control)
+        answers, messages = self.protocol.handle(datagram, (sender[0], sender[1]), time.monotonic(), control=control)
         for answer in answers:
             with contextlib.suppress(OSError):
                 sock.sendto(answer, sender)

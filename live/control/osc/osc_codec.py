@@ -177,7 +177,7 @@ def _blob(data: bytes, position: int, stop: int) -> tuple[bytes, int]:
     return data[position + 4 : end], after
 
 
-MOST_BYTES: Final = 1400
+MAX_DATAGRAM_BYTES: Final = 1400
 """Size of a datagram that networks do not fragment."""
 _HEAD: Final = b"#bundle\0" + struct.pack(">Q", 1)
 
@@ -195,7 +195,7 @@ def bundles(messages: Iterable[bytes]) -> Iterator[bytes]:
     row: list[bytes] = []
     size = len(_HEAD)
     for message in messages:
-        if row and size + 4 + len(message) > MOST_BYTES:
+        if row and size + 4 + len(message) > MAX_DATAGRAM_BYTES:
             yield _encode_bundle(row)
             row, size = [], len(_HEAD)
         row.append(message)

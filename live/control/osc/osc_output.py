@@ -1,7 +1,7 @@
 """OSC output of the running show: beat, measure, tempo, steps, footfalls and positions.
 
 Beats are sent when they are due by the show's Timeline, independently of frames. Run as a module, this is a separate
-process (`Helper`), so that sending costs the frame loop nothing.
+process (`HelperProcess`), so that sending costs the frame loop nothing.
 """
 
 import gc
@@ -17,11 +17,11 @@ import numpy as np
 
 from live.clock.time_source import Clock, SystemClock
 from live.clock.timeline import Timeline
-from live.control.helper_process import Told
+from live.control.helper_process import HelperChannel
 from live.control.osc.osc_codec import bundles, encode
 
-OUT: Final = "/dance/out/"
-SENT: Final = (
+PREFIX: Final = "/dance/out/"
+MESSAGES: Final = (
     ("beat", "iif", "beat measure tempo", "On each beat: beat and measure numbers from 1, tempo in bpm."),
     ("measure", "i", "measure", "On each measure line, before its beat: the number of the new measure."),
     ("tempo", "f", "tempo", "The tempo in bpm, whenever it changes."),
@@ -43,17 +43,17 @@ SENT: Final = (
 )  # fmt: skip
 """Address, type tags, names of the values, and when the message is sent."""
 
-FIGURES_EVERY: Final = 1.0
-TEMPO_EVERY: Final = 0.1
-SAME_TEMPO: Final = 5e-4
+STATUS_INTERVAL: Final = 1.0
+TEMPO_INTERVAL: Final = 0.1
+TEMPO_TOLERANCE: Final = 5e-4
 """Relative change of tempo below which nothing is sent."""
-OVERDUE: Final = 0.5
+MAX_LATENESS_BEATS: Final = 0.5
 """Lateness in beats beyond which a beat is not sent."""
 
 Send = Callable[[bytes], None]
 
 
-class OscOut:
+class OscOutput:
     """Encoder and timer of the OSC output. Use from one thread."""
 
     def __init__(self, send: Send, clock: Clock) -> None:
@@ -67,48 +67,48 @@ class OscOut:
         self.late: deque[float] = deque(maxlen=512)
         """Lateness of the most recent beats [s]."""
 
-    def take(self, told: tuple[str, Any]) -> None:
+    def handle(self, packet: tuple[str, Any]) -> None:
         """Handle a packet from the show: `timeline`, `measure` (number from 0, beat of its end), `news` or
         `positions` (array of rows dancer, x, z, heading)."""
-        what, value = told
+        what, value = packet
         if what == "timeline":
-            self._follow(Timeline(*value))
+            self._set_timeline(Timeline(*value))
         elif what == "measure":
             self._measure = value
         elif what == "news":
-            self._tell([encode(OUT + name, values) for name, values in value])
+            self._send_messages([encode(PREFIX + name, values) for name, values in value])
         elif what == "positions":
             rows = np.frombuffer(value, np.float32).reshape(-1, 4).tolist()
-            self._tell([encode(f"{OUT}position", (int(row[0]), *row[1:])) for row in rows])
+            self._send_messages([encode(f"{PREFIX}position", (int(row[0]), *row[1:])) for row in rows])
 
-    def wait(self) -> float:
+    def seconds_to_next(self) -> float:
         """Return the seconds until the next beat or the next status report."""
         if self._timeline is None:
-            return FIGURES_EVERY
+            return STATUS_INTERVAL
         due = self._timeline.time_at(self._beat + 1.0)
-        return min(max(due - self._clock.now(), 0.0), FIGURES_EVERY)
+        return min(max(due - self._clock.now(), 0.0), STATUS_INTERVAL)
 
-    def turn(self) -> None:
+    def send_due(self) -> None:
         """Send the beat that is due; if several are, only the last."""
         timeline = self._timeline
         if timeline is None:
             return
         now = self._clock.now()
-        self._tell_tempo(timeline.tempo, now)
+        self._send_tempo(timeline.tempo, now)
         last = math.floor(timeline.beat_at(now) + 1e-9)
         if last <= self._beat:
             return
         self._beat = last
         late = now - timeline.time_at(last)
-        if late * timeline.tempo / 60.0 > OVERDUE:
+        if late * timeline.tempo / 60.0 > MAX_LATENESS_BEATS:
             return
         measure, beat = self._place(last, timeline.beats_per_measure)
-        line = [encode(f"{OUT}measure", (measure,))] if beat == 1 else []
-        self._tell([*line, encode(f"{OUT}beat", (beat, measure, float(timeline.tempo)))])
+        line = [encode(f"{PREFIX}measure", (measure,))] if beat == 1 else []
+        self._send_messages([*line, encode(f"{PREFIX}beat", (beat, measure, float(timeline.tempo)))])
         self.beats += 1
         self.late.append(late)
 
-    def _follow(self, timeline: Timeline) -> None:
+    def _set_timeline(self, timeline: Timeline) -> None:
         first = self._timeline is None
         self._timeline = timeline
         if first:
@@ -122,12 +122,12 @@ class OscOut:
             return number + 2 + over // size, over % size + 1
         return number + 1, max(size + over, 0) + 1
 
-    def _tell_tempo(self, tempo: float, now: float) -> None:
-        if abs(tempo - self._tempo) > SAME_TEMPO * tempo and now - self._tempo_at >= TEMPO_EVERY:
+    def _send_tempo(self, tempo: float, now: float) -> None:
+        if abs(tempo - self._tempo) > TEMPO_TOLERANCE * tempo and now - self._tempo_at >= TEMPO_INTERVAL:
             self._tempo, self._tempo_at = tempo, now
-            self._tell([encode(f"{OUT}tempo", (float(tempo),))])
+            self._send_messages([encode(f"{PREFIX}tempo", (float(tempo),))])
 
-    def _tell(self, messages: Sequence[bytes]) -> None:
+    def _send_messages(self, messages: Sequence[bytes]) -> None:
         for datagram in bundles(messages):
             self._send(datagram)
 
@@ -162,23 +162,25 @@ class Targets:
 
 def main() -> None:
     """Send until the show closes the channel."""
-    told = Told(int(sys.argv[1]))
+    told = HelperChannel(int(sys.argv[1]))
     gc.disable()
     targets = Targets(told.plan["targets"])
     clock = SystemClock(told.plan["origin"])
-    out = OscOut(targets.send, clock)
-    say_at = clock.now() + FIGURES_EVERY
-    while not told.ended:
-        select.select([told.socket], [], [], out.wait())
-        out.turn()
+    out = OscOutput(targets.send, clock)
+    say_at = clock.now() + STATUS_INTERVAL
+    while not told.closed:
+        select.select([told.socket], [], [], out.seconds_to_next())
+        out.send_due()
         for packet in told.packets():
-            out.take(packet)
+            out.handle(packet)
         if clock.now() >= say_at:
-            say_at = clock.now() + FIGURES_EVERY
+            say_at = clock.now() + STATUS_INTERVAL
             gc.collect(0)
             late = sorted(out.late)
             p99 = round(1e3 * late[int(0.99 * (len(late) - 1))], 3) if late else None
-            told.say({"datagrams": targets.sent, "failed": targets.failed, "beats": out.beats, "late_p99_ms": p99})
+            told.send_facts(
+                {"datagrams": targets.sent, "failed": targets.failed, "beats": out.beats, "late_p99_ms": p99}
+            )
 
 
 if __name__ == "__main__":

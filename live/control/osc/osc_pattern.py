@@ -10,10 +10,10 @@ from collections import OrderedDict
 from collections.abc import Iterable
 from typing import Final
 
-MOST_CHARACTERS: Final = 96
-MOST_CHOICES: Final = 8
+MAX_CHARACTERS: Final = 96
+MAX_CHOICES: Final = 8
 """Maximum number of rows to which the braces of one part may expand."""
-REMEMBERED: Final = 64
+CACHE_SIZE: Final = 64
 """Patterns whose addresses are cached."""
 WILD: Final = frozenset("*?[]{}")
 
@@ -38,38 +38,38 @@ class _Row:
         pieces = _PIECE.findall(text)
         if "".join(pieces) != text:
             raise BadPattern(text)
-        self._stays = self._first = 0  # bit masks: places followed by a star; the start
-        self._takes: dict[str, int] = {}
+        self._star_mask = self._first = 0  # bit masks: places followed by a star; the start
+        self._allowed: dict[str, int] = {}
         self._any = 0
         place = 0
         exclusions: list[tuple[int, str]] = []
         for piece in pieces:
             if piece[0] == "*":
-                self._stays |= 1 << place
+                self._star_mask |= 1 << place
                 continue
             place += 1
             bit = 1 << place
             if piece == "?":
                 self._any |= bit
             elif piece[0] == "[":
-                body = _spelled(piece[1:-1].removeprefix("!"))
+                body = _expand_set(piece[1:-1].removeprefix("!"))
                 if piece[1] == "!":
                     self._any |= bit
                     exclusions.append((bit, body))
                 else:
                     for character in body:
-                        self._takes[character] = self._takes.get(character, 0) | bit
+                        self._allowed[character] = self._allowed.get(character, 0) | bit
             else:
-                self._takes[piece] = self._takes.get(piece, 0) | bit
-        self._not: dict[str, int] = {}
+                self._allowed[piece] = self._allowed.get(piece, 0) | bit
+        self._excluded: dict[str, int] = {}
         for bit, body in exclusions:
             for character in body:
-                self._not[character] = self._not.get(character, 0) | bit
+                self._excluded[character] = self._excluded.get(character, 0) | bit
         self._end = 1 << place
 
     def matches(self, part: str) -> bool:
         """Whether the row matches this part of an address."""
-        at, stays, anything, takes, nots = 1, self._stays, self._any, self._takes, self._not
+        at, stays, anything, takes, nots = 1, self._star_mask, self._any, self._allowed, self._excluded
         for character in part:
             allowed = takes.get(character, 0) | (anything & ~nots.get(character, 0))
             at = ((at << 1) & allowed) | (at & stays)
@@ -78,7 +78,7 @@ class _Row:
         return bool(at & self._end)
 
 
-def _spelled(body: str) -> str:
+def _expand_set(body: str) -> str:
     """Return a character set with its ranges expanded (`a-d` to `abcd`); a dash at either end is literal."""
     spelled, position = [], 0
     while position < len(body):
@@ -92,14 +92,14 @@ def _spelled(body: str) -> str:
     return "".join(spelled)
 
 
-def _rows(part: str) -> list[_Row]:
+def _expand_braces(part: str) -> list[_Row]:
     """Return the rows of a part with its braces expanded."""
     if _NESTED.search(part):
         raise BadPattern(part)
     texts = [part]
     while (found := _BRACES.search(texts[0])) is not None:
         choices = found[1].split(",")
-        if len(texts) * len(choices) > MOST_CHOICES:
+        if len(texts) * len(choices) > MAX_CHOICES:
             raise BadPattern(part)
         start, stop = found.span()
         # The text before the first braces is expanded already, so in every text they lie at the same distance from
@@ -114,37 +114,37 @@ class Matcher:
 
     def __init__(self, addresses: Iterable[str]) -> None:
         self._tree: dict[str, dict[str, dict]] = {}  # type: ignore[type-arg]
-        self._known: OrderedDict[str, tuple[str, ...]] = OrderedDict()
+        self._cache: OrderedDict[str, tuple[str, ...]] = OrderedDict()
         for address in addresses:
             branch = self._tree
             for part in address[1:].split("/"):
                 branch = branch.setdefault(part, {})
             branch[""] = {}
 
-    def remembers(self, pattern: str) -> bool:
+    def is_cached(self, pattern: str) -> bool:
         """Whether the pattern is cached."""
-        return pattern in self._known
+        return pattern in self._cache
 
     def find(self, pattern: str) -> tuple[str, ...]:
         """Return the matching addresses in order; BadPattern if the pattern is malformed or too large."""
-        found = self._known.get(pattern)
+        found = self._cache.get(pattern)
         if found is None:
-            if len(pattern) > MOST_CHARACTERS:
+            if len(pattern) > MAX_CHARACTERS:
                 raise BadPattern(pattern)
-            parts = [_rows(part) for part in pattern[1:].split("/")]
-            found = tuple(_found(self._tree, parts, ""))
-            self._known[pattern] = found
-            if len(self._known) > REMEMBERED:
-                self._known.popitem(last=False)
+            parts = [_expand_braces(part) for part in pattern[1:].split("/")]
+            found = tuple(_search(self._tree, parts, ""))
+            self._cache[pattern] = found
+            if len(self._cache) > CACHE_SIZE:
+                self._cache.popitem(last=False)
         return found
 
 
-def _found(branch: dict[str, dict], parts: list[list[_Row]], above: str) -> list[str]:  # type: ignore[type-arg]
+def _search(branch: dict[str, dict], parts: list[list[_Row]], above: str) -> list[str]:  # type: ignore[type-arg]
     """Return the addresses below a branch that match the rest of a pattern."""
     if not parts:
         return [above] if "" in branch else []
     found: list[str] = []
     for part, below in branch.items():
         if part and any(row.matches(part) for row in parts[0]):
-            found += _found(below, parts[1:], f"{above}/{part}")
+            found += _search(below, parts[1:], f"{above}/{part}")
     return found

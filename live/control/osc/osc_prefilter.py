@@ -12,97 +12,97 @@ from live.control.registry.control import Control
 from live.control.registry.registry import Registry
 from live.control.registry.rejections import Reason, Rejection, Tally
 
-MOST_HEADERS: Final = 2048
-ROUND: Final = 0.25
-RUBBISH: Final = 250
+MAX_HEADERS: Final = 2048
+FLOOD_WINDOW: Final = 0.25
+MAX_INVALID_SURPLUS: Final = 250
 """Surplus of refused over good datagrams in a `ROUND` [s] after which the sender is ignored for the rest of it."""
-GATHER: Final = 0.015
+MAX_DELAY: Final = 0.015
 """Maximum seconds for which values wait for later ones while there is more to read."""
-MOST_SENDERS: Final = 4096
+MAX_SENDERS: Final = 4096
 _NUMBERS: Final = frozenset(b"fidhTF")
 _SLASH, _HASH = ord("/"), ord("#")
 
-Pass = Callable[[bytes, Any], bool]
+HandleDatagram = Callable[[bytes, Any], bool]
 """Handles a datagram; returns whether nothing in it was refused."""
 
 
-class OscSieve:
+class OscPrefilter:
     """Prefilter of one port. Use from the port's thread."""
 
-    def __init__(self, registry: Registry, on: Pass, rejected: Tally) -> None:
+    def __init__(self, registry: Registry, handle: HandleDatagram, rejected: Tally) -> None:
         """`on`: receives the datagrams that pass; the others are counted in `rejected`."""
-        self._registry, self._on, self._rejected = registry, on, rejected
-        self._plain: dict[bytes, bool] = {}
-        self._waiting: dict[bytes, tuple[bytes, Any]] = {}
-        self._rubbish: dict[Any, int] = {}
+        self._registry, self._handle, self._rejected = registry, handle, rejected
+        self._plain_headers: dict[bytes, bool] = {}
+        self._pending: dict[bytes, tuple[bytes, Any]] = {}
+        self._invalid_surplus: dict[Any, int] = {}
         self._round_ends = self._release_at = 0.0
         self.replaced = 0
         """Number of values that a later one of their control replaced before they were decoded."""
 
     @property
-    def waits(self) -> bool:
+    def has_pending(self) -> bool:
         """Whether values are held back for later ones."""
-        return bool(self._waiting)
+        return bool(self._pending)
 
-    def take(self, datagrams: list[tuple[bytes, Any]], now: float, *, more: bool = False) -> Rejection | None:
+    def process(self, datagrams: list[tuple[bytes, Any]], now: float, *, more: bool = False) -> Rejection | None:
         """Filter datagrams received together at `now` [s]; return the last refusal made by the prefilter itself.
 
         `more`: there is more to read, so values may be held back a little.
         """
         if now >= self._round_ends:
-            self._round_ends = now + ROUND
-            self._rubbish.clear()
+            self._round_ends = now + FLOOD_WINDOW
+            self._invalid_surplus.clear()
         self._refused: Rejection | None = None
-        waiting, plain, rubbish = self._waiting, self._plain, self._rubbish
+        waiting, plain, rubbish = self._pending, self._plain_headers, self._invalid_surplus
         for data, sender in datagrams:
-            if rubbish and rubbish.get(sender, 0) >= RUBBISH:
+            if rubbish and rubbish.get(sender, 0) >= MAX_INVALID_SURPLUS:
                 self._rejected.count(Reason.FLOOD)
                 continue
-            reason = _no_osc(data)
+            reason = _rejection_reason(data)
             if reason is not None:
                 self._rejected.count(reason)
                 self._refused = Rejection(reason, "", "an OSC packet", data[:16])
-                self._note_rubbish(sender)
+                self._count_invalid(sender)
                 continue
             header = _header(data)
             known = plain.get(header)
             if known is None:
-                known = self._learn(header)
+                known = self._is_plain_value(header)
             if known:
                 if header in waiting:
                     self.replaced += 1
                 waiting[header] = (data, sender)
                 continue
             self._release()
-            self._hand_on(data, sender)
+            self._pass_on(data, sender)
         if not more or now >= self._release_at:
-            self._release_at = now + GATHER
+            self._release_at = now + MAX_DELAY
             self._release()
         return self._refused
 
     def _release(self) -> None:
         """Pass on the values that were held back."""
-        if self._waiting:
-            waiting = list(self._waiting.values())
-            self._waiting.clear()
+        if self._pending:
+            waiting = list(self._pending.values())
+            self._pending.clear()
             for data, sender in waiting:
-                self._hand_on(data, sender)
+                self._pass_on(data, sender)
 
-    def _hand_on(self, data: bytes, sender: Any) -> None:
-        if not self._on(data, sender):
+    def _pass_on(self, data: bytes, sender: Any) -> None:
+        if not self._handle(data, sender):
             self._refused = None  # the handler's own refusal is the later one
-            self._note_rubbish(sender)
-        elif sender in self._rubbish:
-            self._rubbish[sender] = max(self._rubbish[sender] - 1, 0)
+            self._count_invalid(sender)
+        elif sender in self._invalid_surplus:
+            self._invalid_surplus[sender] = max(self._invalid_surplus[sender] - 1, 0)
 
-    def _note_rubbish(self, sender: Any) -> None:
-        if sender in self._rubbish or len(self._rubbish) < MOST_SENDERS:
-            self._rubbish[sender] = self._rubbish.get(sender, 0) + 1
+    def _count_invalid(self, sender: Any) -> None:
+        if sender in self._invalid_surplus or len(self._invalid_surplus) < MAX_SENDERS:
+            self._invalid_surplus[sender] = self._invalid_surplus.get(sender, 0) + 1
 
-    def _learn(self, header: bytes) -> bool:
+    def _is_plain_value(self, header: bytes) -> bool:
         """Whether messages with this header set a control's value by numbers only, so that the last one counts."""
-        if len(self._plain) >= MOST_HEADERS:
-            self._plain.clear()
+        if len(self._plain_headers) >= MAX_HEADERS:
+            self._plain_headers.clear()
         address, _, tags = header.partition(b",")
         control: Control | None = None
         if address.isascii() and tags:
@@ -110,11 +110,11 @@ class OscSieve:
         tags = tags.rstrip(b"\0")
         plain = control is not None and control.value > 0 and len(tags) > 0 and _NUMBERS.issuperset(tags)
         if plain or control is not None:  # unknown addresses are unbounded in number and are not cached
-            self._plain[header] = plain
+            self._plain_headers[header] = plain
         return plain
 
 
-def _no_osc(data: bytes) -> Reason | None:
+def _rejection_reason(data: bytes) -> Reason | None:
     """Return why a datagram cannot be OSC; None if it may be."""
     size = len(data)
     if not 0 < size <= MAX_PACKET_BYTES:

@@ -14,35 +14,35 @@ import time
 from collections.abc import Callable, Hashable
 from typing import Any, Final
 
-from live.base.event_queue import Inbox, Lane
-from live.base.processing_budget import Allowance
+from live.base.event_queue import EventQueue, PriorityQueue
+from live.base.processing_budget import ProcessingBudget
 from live.clock.ticks import TICK
 from live.clock.time_source import Clock, SystemClock
 from live.control.events.event_json import register_events
 from live.control.events.events import ControlEvent
-from live.control.helper_process import Helper, Told
-from live.control.message_codec import packet_of
+from live.control.helper_process import HelperChannel, HelperProcess
+from live.control.message_codec import encode_packet
 from live.control.osc.osc_server import OscInput
-from live.control.osc.osc_socket import bound_socket, dropped_by
+from live.control.osc.osc_socket import bound_socket, dropped_datagrams
 from live.control.registry.registry import Changes
 
-PACE: Final = 0.5 * TICK
+PACKET_INTERVAL: Final = 0.5 * TICK
 """Minimum time between packets [s]. With the wait for the frame, an operator's message takes less than a frame and a
 tick."""
-IN_A_PACKET: Final = 32
-"""Maximum number of events in a packet; the `Allowance` may lower it to 1. Senders take turns."""
-GATHER: Final = 0.004
+MAX_EVENTS: Final = 32
+"""Maximum number of events in a packet; the `ProcessingBudget` may lower it to 1. Senders take turns."""
+FLOOD_WAIT: Final = 0.004
 """Seconds for which the process waits for more in a flood, so that it wakes up less often next to the frame loop."""
-AT_ONCE: Final = 64
+MAX_VALUES: Final = 64
 """Maximum number of values published in one packet."""
-SAY_EVERY: Final = 0.25
-FEW: Final = 8
+STATUS_INTERVAL: Final = 0.25
+LOW_WATERMARK: Final = 8
 """The show reads the next packet when no more than so many events are left in its lane."""
-ON_THE_WAY: Final = 4
+MAX_UNCONFIRMED: Final = 4
 """Maximum number of packets that the show has not confirmed ..."""
-PATIENCE: Final = 0.5
+CONFIRM_TIMEOUT: Final = 0.5
 """... unless none was sent for so long [s]."""
-SOON: Final = 0.002
+CONFIRM_POLL: Final = 0.002
 
 register_events()  # both ends of the channel encode events
 
@@ -51,7 +51,7 @@ class OscRemote:
     """The show's end of the OSC process, with the interface of `OscInput`. Use from the show's thread."""
 
     def __init__(
-        self, host: str, port: int, lane: Lane[ControlEvent], clock: Clock, *, inherited: int | None = None,
+        self, host: str, port: int, lane: PriorityQueue[ControlEvent], clock: Clock, *, inherited: int | None = None,
         reader: int | None = None,
     ) -> None:  # fmt: skip
         """As `OscInput`. `reader`: the descriptor of a socket to a process kept by a supervisor. That process then has
@@ -59,10 +59,10 @@ class OscRemote:
         self._host, self._port, self._lane, self._clock, self._inherited = host, port, lane, clock, inherited
         self._reader = reader
         self._socket: socket.socket | None = None
-        self._helper: Helper | None = None
+        self._helper: HelperProcess | None = None
         self._all: dict[str, Any] = {}
-        self._untold: dict[str, Any] = {}
-        self._came = self._taken = 0
+        self._pending: dict[str, Any] = {}
+        self._received = self._confirmed = 0
 
     def start(self) -> None:
         """Bind and start to receive; PortBusy or CannotListen if that fails."""
@@ -71,9 +71,9 @@ class OscRemote:
         else:
             self._socket = socket.socket(fileno=os.dup(self._inherited))
         udp = self._socket.fileno()
-        self._helper = Helper(
-            "live.control.osc.osc_process", self._clock, {"udp": udp, "nice": 0}, self._anew, udp, on=self._hear,
-            joined=self._reader,
+        self._helper = HelperProcess(
+            "live.control.osc.osc_process", self._clock, {"udp": udp, "nice": 0}, self._on_start, udp, on_packet=self._put_events,
+            descriptor=self._reader,
         )  # fmt: skip
         self._helper.start()
 
@@ -91,64 +91,64 @@ class OscRemote:
         return self._port if self._socket is None else int(self._socket.getsockname()[1])
 
     @property
-    def process(self) -> int | None:
+    def pid(self) -> int | None:
         """The process ID; None if there is no process."""
-        return None if self._helper is None else self._helper.process
+        return None if self._helper is None else self._helper.pid
 
     @property
     def lost(self) -> int:
         """Datagrams that the system dropped because the receive buffer was full."""
-        return 0 if self._socket is None else dropped_by(self._socket)
+        return 0 if self._socket is None else dropped_datagrams(self._socket)
 
     def frame(self) -> None:
         """Receive events and publish changed values; call before each frame."""
         if self._helper is None:
             return
-        if len(self._lane) <= FEW:
-            if self._taken != self._came and self._helper.send(self._came):
-                self._taken = self._came
-            self._helper.frame(ON_THE_WAY)
-        if self._untold:
-            some = {address: self._untold[address] for address in list(self._untold)[:AT_ONCE]}
+        if len(self._lane) <= LOW_WATERMARK:
+            if self._confirmed != self._received and self._helper.send(self._received):
+                self._confirmed = self._received
+            self._helper.frame(MAX_UNCONFIRMED)
+        if self._pending:
+            some = {address: self._pending[address] for address in list(self._pending)[:MAX_VALUES]}
             if self._helper.send(some):
                 for address in some:
-                    del self._untold[address]
+                    del self._pending[address]
 
-    def _hear(self, events: tuple[tuple[Hashable, ControlEvent], ...]) -> None:
-        self._came += 1
+    def _put_events(self, events: tuple[tuple[Hashable, ControlEvent], ...]) -> None:
+        self._received += 1
         for key, event in events:
-            self._lane.put(event, key, after=True)  # keeps the other process's order
+            self._lane.put(event, key, ordered=True)  # keeps the other process's order
 
-    def tell(self, changes: Changes) -> None:
+    def publish(self, changes: Changes) -> None:
         """Queue new values of the show for publication."""
         self._all.update(changes)
-        self._untold.update(changes)
+        self._pending.update(changes)
 
-    def _anew(self) -> None:
-        self._came = self._taken = 0
-        self._untold = dict(self._all)
+    def _on_start(self) -> None:
+        self._received = self._confirmed = 0
+        self._pending = dict(self._all)
 
     def refused(self) -> dict[str, int]:
         """Return the number of refusals by reason."""
-        found: dict[str, int] = self._said("refused", {})
+        found: dict[str, int] = self._fact("refused", {})
         return found
 
     def refusal(self) -> str:
         """Return the last refusal as text."""
-        return str(self._said("refusal", ""))
+        return str(self._fact("refusal", ""))
 
-    def _said(self, name: str, otherwise: Any) -> Any:
-        return otherwise if self._helper is None else self._helper.facts().get(name, otherwise)
+    def _fact(self, name: str, otherwise: Any) -> Any:
+        return otherwise if self._helper is None else self._helper.status().get(name, otherwise)
 
-    def facts(self) -> dict[str, Any]:
-        """Return status figures; they are up to `SAY_EVERY` old."""
-        facts = {} if self._helper is None else self._helper.facts()
+    def status(self) -> dict[str, Any]:
+        """Return status figures; they are up to `STATUS_INTERVAL` old."""
+        facts = {} if self._helper is None else self._helper.status()
         return {name: value for name, value in facts.items() if name not in ("refused", "refusal")} | {
             "lost": self.lost
         }
 
 
-class Forward:
+class EventForwarder:
     """Forwards received events to the show, one packet per `PACE` and only as fast as the show confirms them.
 
     Events that wait stay in their lane, where later values replace them. Use from the receiving thread; `taken` is set
@@ -156,92 +156,92 @@ class Forward:
     """
 
     def __init__(
-        self, send: Callable[[bytes], object], inbox: Inbox[ControlEvent], now: Callable[[], float]
+        self, send: Callable[[bytes], object], inbox: EventQueue[ControlEvent], now: Callable[[], float]
     ) -> None:  # fmt: skip
         self._send, self._inbox, self._now = send, inbox, now
         self._packet = b""
         self._next = self._sent_at = 0.0
-        self._allowance = Allowance()
+        self._allowance = ProcessingBudget()
         self.sent = 0
         """Number of packets sent to the show."""
-        self.taken = 0
+        self.confirmed = 0
         """Number of packets that the show has confirmed."""
 
-    def turn(self) -> float | None:
+    def send_due(self) -> float | None:
         """Send a packet if one is due; return the seconds until the next call, None if nothing waits."""
         now = self._now()
-        left = self._allowance.left(now, self._inbox.offered)
+        left = self._allowance.remaining(now, self._inbox.received_count)
         if not self._packet and not len(self._inbox):
             return None
         if now < self._next:
             return self._next - now
-        if self.sent - self.taken >= ON_THE_WAY and now - self._sent_at < PATIENCE:
-            return SOON
-        self._next = now + PACE
+        if self.sent - self.confirmed >= MAX_UNCONFIRMED and now - self._sent_at < CONFIRM_TIMEOUT:
+            return CONFIRM_POLL
+        self._next = now + PACKET_INTERVAL
         if not self._packet:
-            events = self._inbox.drain_keyed(min(max(left, 1), IN_A_PACKET), now)
+            events = self._inbox.drain_keyed(min(max(left, 1), MAX_EVENTS), now)
             self._allowance.spend(len(events))
-            self._packet = packet_of(events)
+            self._packet = encode_packet(events)
         try:
             self._send(self._packet)
         except OSError:  # the show does not read: keep the packet
             return TICK
         self._packet = b""
         self.sent, self._sent_at = self.sent + 1, now
-        return PACE if len(self._inbox) else None
+        return PACKET_INTERVAL if len(self._inbox) else None
 
 
-class Reader:
+class OscReader:
     """Main loop of the process. Runs in its main thread; the port has its own thread."""
 
-    def __init__(self, told: Told, udp: int) -> None:
+    def __init__(self, channel: HelperChannel, udp: int) -> None:
         """`udp`: the descriptor of the socket. Reading starts when the show has sent its clock's origin."""
-        self._told = told
-        self._inbox: Inbox[ControlEvent] = Inbox()
+        self._channel = channel
+        self._inbox: EventQueue[ControlEvent] = EventQueue()
         self._clock = SystemClock()
-        self._forward = Forward(told.socket.send, self._inbox, time.perf_counter)
+        self._forward = EventForwarder(channel.socket.send, self._inbox, time.perf_counter)
         self._osc = OscInput(
-            "", 0, self._inbox.lane(), self._clock, inherited=udp, after=self._forward.turn, more=self._inbox.lane,
-            gather=GATHER,
+            "", 0, self._inbox.add_queue(), self._clock, inherited=udp, on_received=self._forward.send_due, make_lane=self._inbox.add_queue,
+            flood_wait=FLOOD_WAIT,
         )  # fmt: skip
-        self._before = 0
-        self._listens = False
+        self._sent_before = 0
+        self._started = False
         self._say_at = 0.0
 
-    def obey(self, plan: dict[str, Any]) -> None:
+    def apply_plan(self, plan: dict[str, Any]) -> None:
         """Apply the clock of an engine: the first one, or a successor."""
         self._clock.origin = plan["origin"]
-        self._before = self._forward.sent
-        if not self._listens:
-            self._listens = True
+        self._sent_before = self._forward.sent
+        if not self._started:
+            self._started = True
             self._osc.start()
 
-    def turn(self, *others: socket.socket) -> None:
+    def process_once(self, *others: socket.socket) -> None:
         """Wait for the show or `others`, handle the show's packets and report the status."""
-        select.select([self._told.socket, *others], [], [], SAY_EVERY)
-        for packet in self._told.packets():
+        select.select([self._channel.socket, *others], [], [], STATUS_INTERVAL)
+        for packet in self._channel.packets():
             if isinstance(packet, int):
-                self._forward.taken = min(self._before + packet, self._forward.sent)
+                self._forward.confirmed = min(self._sent_before + packet, self._forward.sent)
             elif "origin" in packet:
-                self.obey(packet)
+                self.apply_plan(packet)
             else:
-                self._osc.tell(packet)
-        if not self._listens or time.perf_counter() < self._say_at:
+                self._osc.publish(packet)
+        if not self._started or time.perf_counter() < self._say_at:
             return
-        self._say_at = time.perf_counter() + SAY_EVERY
+        self._say_at = time.perf_counter() + STATUS_INTERVAL
         refused = self._osc.refused()
         if self._inbox.dropped:
             refused["inbox full"] = self._inbox.dropped
-        self._told.say({**self._osc.facts(), "refused": refused, "refusal": self._osc.refusal()})
+        self._channel.send_facts({**self._osc.status(), "refused": refused, "refusal": self._osc.refusal()})
 
 
 def main() -> None:
     """Receive until the show closes the channel."""
-    told = Told(int(sys.argv[1]))
-    reader = Reader(told, told.plan["udp"])
-    reader.obey(told.plan)
-    while not told.ended:
-        reader.turn()
+    told = HelperChannel(int(sys.argv[1]))
+    reader = OscReader(told, told.plan["udp"])
+    reader.apply_plan(told.plan)
+    while not told.closed:
+        reader.process_once()
     os._exit(0)  # skips clean-up: the socket belongs to the show
 
 

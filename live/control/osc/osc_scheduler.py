@@ -4,15 +4,15 @@ import heapq
 from collections.abc import Iterator
 from typing import Final, Generic, TypeVar
 
-HORIZON: Final = 2.0
+MAX_DELAY: Final = 2.0
 """Maximum delay [s]."""
-MOST: Final = 1024
+MAX_ITEMS: Final = 1024
 """Maximum number of waiting messages."""
 
 Item = TypeVar("Item")
 
 
-class Later(Generic[Item]):
+class TimedQueue(Generic[Item]):
     """A queue ordered by time. Use from one thread."""
 
     def __init__(self) -> None:
@@ -21,7 +21,7 @@ class Later(Generic[Item]):
 
     def put(self, due: float, now: float, item: Item) -> bool:
         """Keep an item until `due` [s]; False if that is too far ahead or the queue is full."""
-        if due - now > HORIZON or len(self._heap) >= MOST:
+        if due - now > MAX_DELAY or len(self._heap) >= MAX_ITEMS:
             return False
         self._count += 1
         heapq.heappush(self._heap, (due, self._count, item))
@@ -30,11 +30,11 @@ class Later(Generic[Item]):
     def __len__(self) -> int:
         return len(self._heap)
 
-    def wait(self, now: float) -> float | None:
+    def seconds_to_next(self, now: float) -> float | None:
         """Return the seconds until the next item is due; None if the queue is empty."""
         return None if not self._heap else max(self._heap[0][0] - now, 0.0)
 
-    def due(self, now: float) -> Iterator[tuple[float, Item]]:
+    def pop_due(self, now: float) -> Iterator[tuple[float, Item]]:
         """Yield the due items with their times; items of equal time in order of arrival."""
         while self._heap and self._heap[0][0] <= now:
             due, _, item = heapq.heappop(self._heap)

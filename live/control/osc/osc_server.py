@@ -1,4 +1,4 @@
-"""OSC server over UDP: one thread that time-stamps datagrams, passes them to an `OscDoor` and sends the answers.
+"""OSC server over UDP: one thread that time-stamps datagrams, passes them to an `OscHandler` and sends the answers.
 
 No datagram can stop it: errors are counted, and messages with a time tag ahead wait in a queue instead of blocking the
 receiver. A distant sender never gets more bytes than it sent.
@@ -13,15 +13,15 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from typing import Any, Final
 
-from live.base.event_queue import Lane
+from live.base.event_queue import PriorityQueue
 from live.base.fault_isolation import keep_running
 from live.clock.time_source import Clock
 from live.control.events.events import ControlEvent
 from live.control.osc.osc_codec import MAX_PACKET_BYTES
-from live.control.osc.osc_handler import OscDoor
-from live.control.osc.osc_prefilter import OscSieve
-from live.control.osc.osc_socket import CannotListen, PortBusy, bound_socket, dropped_by
-from live.control.osc.udp_batch import AT_A_TIME, Datagrams
+from live.control.osc.osc_handler import OscHandler
+from live.control.osc.osc_prefilter import OscPrefilter
+from live.control.osc.osc_socket import CannotListen, PortBusy, bound_socket, dropped_datagrams
+from live.control.osc.udp_batch import BATCH_SIZE, DatagramReader
 from live.control.registry.control import Role
 from live.control.registry.registry import REGISTRY, Changes, Registry
 from live.control.registry.rejections import Reason, Rejection, Tally
@@ -29,11 +29,11 @@ from live.control.registry.rejections import Reason, Rejection, Tally
 __all__ = ["CannotListen", "OscInput", "PortBusy", "bound_socket"]
 
 _PAUSE_S: Final = 0.05
-ROUNDS: Final = 4
+MAX_BATCHES: Final = 4
 """Maximum number of batch reads before other work has its turn."""
-MANY: Final = 16
+FLOOD_SIZE: Final = 16
 """Number of datagrams in one batch that counts as a flood ..."""
-GATHER: Final = 0.001
+FLOOD_WAIT: Final = 0.001
 """... and the wait before the next batch then [s]."""
 
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
@@ -50,7 +50,7 @@ class OscInput:
         self,
         host: str,
         port: int,
-        lane: Lane[ControlEvent],
+        lane: PriorityQueue[ControlEvent],
         clock: Clock,
         *,
         allow: Iterable[str] | None = None,
@@ -58,20 +58,20 @@ class OscInput:
         inherited: int | None = None,
         role: Role = "operator",
         option: str = "--osc",
-        after: Callable[[], float | None] = lambda: None,
-        more: Callable[[], Lane[ControlEvent]] | None = None,
-        gather: float = GATHER,
+        on_received: Callable[[], float | None] = lambda: None,
+        make_lane: Callable[[], PriorityQueue[ControlEvent]] | None = None,
+        flood_wait: float = FLOOD_WAIT,
     ) -> None:
         """`inherited`: the descriptor of a socket that another process has bound and keeps; `role`: the permissions at
         this port; `option`: the command line option named in error messages; `after`: called after events have come,
         returns the seconds until its next call; `more`: makes a lane for each sender; `gather` [s]: the wait between
         batches in a flood."""
-        self._inherited, self._gather = inherited, gather
+        self._inherited, self._flood_wait = inherited, flood_wait
         self._host, self._wanted_port, self._option = host, port, option
-        self._clock, self._lane, self._after = clock, lane, after
-        self._again: float | None = None
-        self.door = OscDoor(lane, registry=registry, role=role, more=more)
-        self._moved: deque[str] = deque(maxlen=4096)
+        self._clock, self._lane, self._on_received = clock, lane, on_received
+        self._next_call: float | None = None
+        self.handler = OscHandler(lane, registry=registry, role=role, make_lane=make_lane)
+        self._changed: deque[str] = deque(maxlen=4096)
         self._allow: tuple[Network, ...] | None = None
         if allow is not None:
             self._allow = tuple(ipaddress.ip_network(entry, strict=False) for entry in allow)
@@ -79,7 +79,7 @@ class OscInput:
         self._wake: tuple[socket.socket, socket.socket] | None = None
         self._thread: threading.Thread | None = None
         self._stopping = threading.Event()
-        self._sieve = OscSieve(registry, self._pass, self.door.rejected)
+        self._prefilter = OscPrefilter(registry, self._handle_datagram, self.handler.rejected)
         self._lost = 0
         self.unsent = 0
         """Number of answers and values that could not be sent."""
@@ -132,31 +132,31 @@ class OscInput:
     @property
     def lost(self) -> int:
         """Number of datagrams dropped by the system because the receive buffer was full (0 if unknown)."""
-        return self._lost if self._socket is None else dropped_by(self._socket)
+        return self._lost if self._socket is None else dropped_datagrams(self._socket)
 
     @property
     def accepted(self) -> int:
         """Number of messages that became an event, an answer or a request."""
-        return self.door.accepted
+        return self.handler.accepted
 
     @property
     def rejected(self) -> Tally:
         """Refused packets and messages by reason."""
-        return self.door.rejected
+        return self.handler.rejected
 
     @property
     def future_timetags(self) -> int:
         """Number of messages with a time tag too far ahead, which acted at once."""
-        return self.door.future_timetags
+        return self.handler.future_timetags
 
     @property
     def last_rejection(self) -> Rejection | None:
         """The most recent refusal, for the operator's overlay."""
-        return self.door.last_rejection
+        return self.handler.last_rejection
 
     def refused(self) -> dict[str, int]:
         """Return the number of refusals by reason."""
-        return self.door.rejected.as_dict()
+        return self.handler.rejected.as_dict()
 
     def refusal(self) -> str:
         """Return the last refusal as text: the reason for a packet, the full description for a control."""
@@ -165,21 +165,21 @@ class OscInput:
             return ""
         return str(rejection) if rejection.address else f"an OSC packet: {rejection.reason}"
 
-    def facts(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return status figures."""
-        door = self.door
-        replaced = self._sieve.replaced + door.replaced
+        door = self.handler
+        replaced = self._prefilter.replaced + door.replaced
         return {
-            "received": self.received, "lost": self.lost, "replaced": replaced, "waiting": len(door.later),
-            "waited": door.waited, "future_timetags": door.future_timetags, "unsent": self.unsent,
+            "received": self.received, "lost": self.lost, "replaced": replaced, "waiting": len(door.schedule),
+            "waited": door.delayed, "future_timetags": door.future_timetags, "unsent": self.unsent,
             "subscribers": door.subscribers.active, "told": door.subscribers.sent,
         }  # fmt: skip
 
-    def tell(self, changes: Changes) -> None:
+    def publish(self, changes: Changes) -> None:
         """Publish new values of the show. Call from the show's thread; makes no system call."""
-        self.door.values.take(changes)
-        if self.door.subscribers.active:
-            self._moved.extend(changes)
+        self.handler.values.update(changes)
+        if self.handler.subscribers.active:
+            self._changed.extend(changes)
 
     def _run(self) -> None:
         keep_running("the thread that hears OSC", self._receive, self._stopping.wait)
@@ -187,48 +187,48 @@ class OscInput:
     def _receive(self) -> None:
         assert self._socket is not None
         assert self._wake is not None
-        datagrams = Datagrams(self._socket, MAX_PACKET_BYTES)
+        datagrams = DatagramReader(self._socket, MAX_PACKET_BYTES)
         with selectors.DefaultSelector() as selector:
             selector.register(self._socket, selectors.EVENT_READ)
             selector.register(self._wake[0], selectors.EVENT_READ)
             while not self._stopping.is_set():
-                ready = selector.select(self._wait())
-                many = (ready or self._sieve.waits) and self._received(datagrams)
-                self._turn()
+                ready = selector.select(self._seconds_to_next())
+                many = (ready or self._prefilter.has_pending) and self._receive_safely(datagrams)
+                self._process_due()
                 if many:  # in a flood larger batches are cheaper
-                    self._stopping.wait(self._gather)
+                    self._stopping.wait(self._flood_wait)
 
-    def _wait(self) -> float | None:
+    def _seconds_to_next(self) -> float | None:
         """Return the seconds until the next timed work; None if there is none."""
-        waits = (self.door.later.wait(self._clock.now()), self.door.subscribers.wait(), self._again,
-                 self._gather if self._sieve.waits else None)  # fmt: skip
+        waits = (self.handler.schedule.seconds_to_next(self._clock.now()), self.handler.subscribers.seconds_to_next(), self._next_call,
+                 self._flood_wait if self._prefilter.has_pending else None)  # fmt: skip
         return min((wait for wait in waits if wait is not None), default=None)
 
-    def _turn(self) -> None:
+    def _process_due(self) -> None:
         """Handle delayed messages that are due, and send changed values to subscribers."""
         try:
             now = self._clock.now()
-            self.door.release(now)
-            self._again = self._after()
-            if self.door.subscribers.active:
-                moved = {self._moved.popleft(): None for _ in range(len(self._moved))}
-                self.door.subscribers.note(moved, now)
-                self.door.subscribers.turn(now, self._send)
+            self.handler.handle_due(now)
+            self._next_call = self._on_received()
+            if self.handler.subscribers.active:
+                moved = {self._changed.popleft(): None for _ in range(len(self._changed))}
+                self.handler.subscribers.mark_changed(moved, now)
+                self.handler.subscribers.send_due(now, self._send)
         except Exception as error:
-            self.door.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", b""))
+            self.handler.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", b""))
 
-    def _received(self, datagrams: Datagrams) -> bool:
+    def _receive_safely(self, datagrams: DatagramReader) -> bool:
         """As `_receive_all`; any exception is counted, and receiving goes on."""
         try:
             return self._receive_all(datagrams)
         except Exception as error:
-            self.door.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", b""))
+            self.handler.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", b""))
             self._stopping.wait(_PAUSE_S)
             return False
 
-    def _receive_all(self, datagrams: Datagrams) -> bool:
+    def _receive_all(self, datagrams: DatagramReader) -> bool:
         """Read the waiting datagrams; return whether they were many and all of them were read."""
-        for _ in range(ROUNDS):
+        for _ in range(MAX_BATCHES):
             if self._stopping.is_set():
                 break
             try:
@@ -238,29 +238,29 @@ class OscInput:
                 self._stopping.wait(_PAUSE_S)
                 break
             if not found:
-                self._sieve.take([], self._clock.now())
+                self._prefilter.process([], self._clock.now())
                 break
             now = self._clock.now()
-            refused = self._sieve.take(
-                [each for each in found if self._is_allowed(each[1][0])], now, more=len(found) >= MANY
+            refused = self._prefilter.process(
+                [each for each in found if self._is_allowed(each[1][0])], now, more=len(found) >= FLOOD_SIZE
             )
             if refused is not None:
-                self.door.last_rejection = refused
-            self._lane.thinned = self._sieve.replaced
+                self.handler.last_rejection = refused
+            self._lane.coalesced = self._prefilter.replaced
             self.received += len(found)  # last, so that readers of this counter see its consequences
-            if len(found) < AT_A_TIME:
-                return len(found) >= MANY
+            if len(found) < BATCH_SIZE:
+                return len(found) >= FLOOD_SIZE
         return False
 
-    def _pass(self, data: bytes, sender: Any) -> bool:
+    def _handle_datagram(self, data: bytes, sender: Any) -> bool:
         """Handle a datagram; return whether nothing in it was refused."""
-        before = self.door.rejected.total
+        before = self.handler.rejected.total
         try:
-            for answer in self.door.hear(memoryview(data), sender, self._clock.now()):
+            for answer in self.handler.handle(memoryview(data), sender, self._clock.now()):
                 self._send(answer, sender)
         except Exception as error:  # no datagram may stop the receiver
-            self.door.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", data[:16]))
-        return self.door.rejected.total == before
+            self.handler.reject(Rejection(Reason.INTERNAL, "", f"no {type(error).__name__}: {error}", data[:16]))
+        return self.handler.rejected.total == before
 
     def _send(self, datagram: bytes, where: Any) -> None:
         assert self._socket is not None
@@ -276,5 +276,5 @@ class OscInput:
         address = ipaddress.ip_address(host.partition("%")[0])
         if any(address in network for network in self._allow):
             return True
-        self.door.reject(Rejection(Reason.SENDER, "", "a listed address", host))
+        self.handler.reject(Rejection(Reason.SENDER, "", "a listed address", host))
         return False

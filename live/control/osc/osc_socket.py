@@ -49,7 +49,7 @@ def bound_socket(host: str, port: int, option: str = "--osc") -> socket.socket:
     return sock
 
 
-def dropped_by(sock: socket.socket) -> int:
+def dropped_datagrams(sock: socket.socket) -> int:
     """Return the number of datagrams dropped by the system because the receive buffer was full (0 if unknown)."""
     if sys.platform != "linux":
         return 0

@@ -6,50 +6,50 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from live.control.osc.osc_codec import bundles, encode
-from live.control.registry.control import Plain
+from live.control.registry.control import ArgumentValue
 from live.control.registry.registry import READABLE, REGISTRY, Rows, Values
 
-MOST: Final = 16
-MOST_PARTS: Final = 16
+MAX_SUBSCRIBERS: Final = 16
+MAX_PREFIXES: Final = 16
 """Maximum number of addresses per subscriber."""
-LONGEST: Final = 3600.0
+MAX_SECONDS: Final = 3600.0
 """Maximum duration of a subscription [s]; after it the subscriber has to renew it."""
-EVERY: Final = 1 / 30
+UPDATE_INTERVAL: Final = 1 / 30
 """Minimum interval between two updates of one subscriber [s] ..."""
-AT_ONCE: Final = 48
+MAX_VALUES: Final = 48
 """... with at most so many values; each is sent as it is at that time."""
-OWN: Final = 1.0
+ECHO_DELAY: Final = 1.0
 """Seconds for which the sender of a value is not notified of it, until it has taken effect."""
-CLOSE: Final = 1e-4
+TOLERANCE: Final = 1e-4
 """Relative tolerance between a number that was set and the show's, which is rounded in transit."""
 
-Where = tuple[Any, ...]
+SocketAddress = tuple[Any, ...]
 """Host and port, and for IPv6 also flow and scope."""
 _ORDER: Final = {address: place for place, address in enumerate(READABLE)}
 
 
 @dataclass(slots=True)
 class _Subscriber:
-    where: Where
-    source: Where
+    where: SocketAddress
+    source: SocketAddress
     """The address it sends from; many clients receive at another port."""
-    parts: dict[str, float] = field(default_factory=dict)
+    prefixes: dict[str, float] = field(default_factory=dict)
     """Subscribed address prefixes, each with the time when it expires."""
     next: float = 0.0
     due: dict[str, float] = field(default_factory=dict)
     """Changed addresses, each with the earliest time to send it."""
-    told: dict[str, Rows] = field(default_factory=dict)
+    last_sent: dict[str, Rows] = field(default_factory=dict)
 
-    def hears(self, address: str) -> bool:
+    def is_subscribed(self, address: str) -> bool:
         """Whether it has subscribed to an address."""
-        return any(_under(address, part) for part in self.parts)
+        return any(_under(address, part) for part in self.prefixes)
 
 
 @dataclass(frozen=True, slots=True)
 class _Setter:
     """The last sender that set a value."""
 
-    source: Where
+    source: SocketAddress
     values: tuple[object, ...]
     until: float
     """Time until which the value may not have taken effect yet."""
@@ -60,7 +60,7 @@ class Subscribers:
 
     def __init__(self, values: Values) -> None:
         self._values = values
-        self._all: dict[Where, _Subscriber] = {}
+        self._all: dict[SocketAddress, _Subscriber] = {}
         self._setters: dict[str, _Setter] = {}
         self.refused = 0
         """Number of subscriptions refused for lack of room."""
@@ -72,59 +72,63 @@ class Subscribers:
         """The number of subscribers."""
         return len(self._all)
 
-    def add(self, where: Where, source: Where, prefix: str, seconds: float, now: float) -> bool:
+    def add(self, where: SocketAddress, source: SocketAddress, prefix: str, seconds: float, now: float) -> bool:
         """Subscribe `where` to an address prefix for `seconds`, starting with all current values; False: no room.
 
         `source`: the address it sends from; it is not notified of values that it set itself.
         """
-        self._forget(now)
+        self._expire(now)
         one = self._all.get(where)
-        full = len(self._all) >= MOST if one is None else prefix not in one.parts and len(one.parts) >= MOST_PARTS
+        full = (
+            len(self._all) >= MAX_SUBSCRIBERS
+            if one is None
+            else prefix not in one.prefixes and len(one.prefixes) >= MAX_PREFIXES
+        )
         if full:
             self.refused += 1
             return False
         if one is None:
             one = self._all[where] = _Subscriber(where, source)
-        if prefix not in one.parts:
+        if prefix not in one.prefixes:
             one.due |= {address: now for address in READABLE if address in self._values and _under(address, prefix)}
-        one.source, one.parts[prefix] = source, now + min(seconds, LONGEST)
+        one.source, one.prefixes[prefix] = source, now + min(seconds, MAX_SECONDS)
         return True
 
-    def remove(self, where: Where) -> None:
+    def remove(self, where: SocketAddress) -> None:
         """End its subscription; does nothing if there is none."""
         self._all.pop(where, None)
 
-    def note_setter(self, source: Where, address: str, values: tuple[object, ...], now: float) -> None:
+    def record_setter(self, source: SocketAddress, address: str, values: tuple[object, ...], now: float) -> None:
         """Record that `source` sets a value; it is notified only if the show's value turns out different."""
         if self._all and address in self._values:
-            self._setters[address] = _Setter(source, values, now + OWN)
+            self._setters[address] = _Setter(source, values, now + ECHO_DELAY)
             for one in self._all.values():
-                if one.source == source and one.hears(address):
-                    one.due[address] = now + OWN
+                if one.source == source and one.is_subscribed(address):
+                    one.due[address] = now + ECHO_DELAY
 
-    def note(self, addresses: Iterable[str], now: float) -> None:
+    def mark_changed(self, addresses: Iterable[str], now: float) -> None:
         """Mark addresses as changed."""
         for address in addresses:
             for one in self._all.values():
-                if one.hears(address):
+                if one.is_subscribed(address):
                     one.due.setdefault(address, now)
 
-    def wait(self) -> float | None:
+    def seconds_to_next(self) -> float | None:
         """Return the seconds until `turn` should be called again; None: no subscribers."""
-        return EVERY if self._all else None
+        return UPDATE_INTERVAL if self._all else None
 
-    def turn(self, now: float, send: Callable[[bytes, Where], None]) -> None:
+    def send_due(self, now: float, send: Callable[[bytes, SocketAddress], None]) -> None:
         """Send the updates that are due."""
-        self._forget(now)
+        self._expire(now)
         for one in self._all.values():
             if one.due and now >= one.next:
-                one.next = now + EVERY
-                for datagram in bundles(self._news(one, now)):
+                one.next = now + UPDATE_INTERVAL
+                for datagram in bundles(self._updates(one, now)):
                     send(datagram, one.where)
 
-    def _news(self, one: _Subscriber, now: float) -> Iterator[bytes]:
+    def _updates(self, one: _Subscriber, now: float) -> Iterator[bytes]:
         ready = [address for address, time in one.due.items() if time <= now]
-        for address in sorted(ready, key=lambda address: _ORDER.get(address, 0))[:AT_ONCE]:
+        for address in sorted(ready, key=lambda address: _ORDER.get(address, 0))[:MAX_VALUES]:
             setter = self._setters.get(address)
             if setter is not None and setter.source != one.source:
                 setter = None
@@ -133,9 +137,9 @@ class Subscribers:
                 continue
             del one.due[address]
             rows = self._values.rows(address)
-            told = one.told.get(address, ())
-            known = told == rows if setter is None else _is_what(address, rows, setter.values, told)
-            one.told[address] = rows
+            told = one.last_sent.get(address, ())
+            known = told == rows if setter is None else _matches_set_value(address, rows, setter.values, told)
+            one.last_sent[address] = rows
             if setter is not None:
                 del self._setters[address]
             if not known:
@@ -143,11 +147,11 @@ class Subscribers:
                 for where, values in self._values.messages(address):
                     yield encode(where, values)
 
-    def _forget(self, now: float) -> None:
+    def _expire(self, now: float) -> None:
         for where, one in list(self._all.items()):
-            for part in [part for part, until in one.parts.items() if until <= now]:
-                del one.parts[part]
-            if not one.parts:
+            for part in [part for part, until in one.prefixes.items() if until <= now]:
+                del one.prefixes[part]
+            if not one.prefixes:
                 del self._all[where]
         if not self._all:
             self._setters.clear()
@@ -157,7 +161,7 @@ def _under(address: str, prefix: str) -> bool:
     return address == prefix or address.startswith(prefix if prefix.endswith("/") else prefix + "/")
 
 
-def _is_what(address: str, rows: Rows, said: tuple[object, ...], told: Rows) -> bool:
+def _matches_set_value(address: str, rows: Rows, said: tuple[object, ...], told: Rows) -> bool:
     """Whether the rows equal what was set; for a named control its row was set and all others are as last sent."""
     control = REGISTRY.find(address)
     if control is None or not control.named:
@@ -166,17 +170,17 @@ def _is_what(address: str, rows: Rows, said: tuple[object, ...], told: Rows) -> 
     return all(_are_close(now, said[1:]) if name == said[0] else before.get(name) == now for name, now in rows)
 
 
-def _are_close(now: tuple[Plain, ...], said: tuple[object, ...]) -> bool:
+def _are_close(now: tuple[ArgumentValue, ...], said: tuple[object, ...]) -> bool:
     return len(said) >= len(now) and all(map(_is_close, now, said))
 
 
-def _is_close(now: Plain, said: object) -> bool:
+def _is_close(now: ArgumentValue, said: object) -> bool:
     if isinstance(now, str) or not isinstance(said, int | float):
         return now == said
-    return abs(float(now) - said) <= CLOSE * max(abs(float(now)), 1.0)
+    return abs(float(now) - said) <= TOLERANCE * max(abs(float(now)), 1.0)
 
 
-def is_near(host: str) -> bool:
+def is_local_network(host: str) -> bool:
     """Whether a host is this machine or in a local network.
 
     Other hosts never get more bytes than they sent, so that a forged sender address cannot amplify traffic.

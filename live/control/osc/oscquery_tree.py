@@ -7,7 +7,7 @@ are its value. Optional arguments (duration, addressee) are only in the referenc
 from dataclasses import replace
 from typing import Any, Final
 
-from live.control.registry.control import Argument, Control, Plain
+from live.control.registry.control import Argument, ArgumentValue, Control
 from live.control.registry.registry import READINGS, REGISTRY, Reading, Values
 
 ATTRIBUTES: Final = (
@@ -20,7 +20,7 @@ _NAMES: Final = frozenset(control.address for control in _NAMED)
 _TYPES: Final = {"float": "f", "bool": "T", "name": "s", "text": "s", "int": "i"}
 
 
-def told_of(control: Control) -> tuple[Argument, ...]:
+def listed_arguments(control: Control) -> tuple[Argument, ...]:
     """Return the arguments that the tree lists."""
     if control.value:
         return control.arguments[: control.named + control.value]
@@ -47,7 +47,7 @@ class Namespace:
             self._nodes[path] = node
         node |= facts
 
-    def _grow(self) -> None:
+    def _add_named_nodes(self) -> None:
         """Add a node for each name that has a value."""
         for control in _NAMED:
             for name, _ in self._values.rows(control.address):
@@ -58,7 +58,7 @@ class Namespace:
 
     def has(self, path: str) -> bool:
         """Whether a node exists."""
-        self._grow()
+        self._add_named_nodes()
         return _clean(path) in self._nodes
 
     def readable(self, path: str) -> bool:
@@ -67,7 +67,7 @@ class Namespace:
 
     def node(self, path: str) -> dict[str, Any]:
         """Return a node with all below it and their current values; KeyError if there is none."""
-        self._grow()
+        self._add_named_nodes()
         return self._with_values(self._nodes[_clean(path)])
 
     def attribute(self, path: str, name: str) -> dict[str, Any] | None:
@@ -95,7 +95,7 @@ def _clean(path: str) -> str:
     return path.rstrip("/") or "/"
 
 
-def _type_of(tag: str, value: Plain) -> str:
+def _type_of(tag: str, value: ArgumentValue) -> str:
     return ("T" if value else "F") if tag == "T" else tag
 
 
@@ -107,12 +107,12 @@ def _of_reading(reading: Reading) -> dict[str, Any]:
 
 
 def _of_control(control: Control) -> dict[str, Any]:
-    arguments = told_of(control)
+    arguments = listed_arguments(control)
     facts: dict[str, Any] = {
         "TYPE": "".join(_TYPES[argument.type] for argument in arguments) or "I",
         "ACCESS": BOTH if control.value else WRITE,
         "DESCRIPTION": control.description,
-        "TAGS": [control.who, control.kind],
+        "TAGS": [control.role, control.kind],
     }
     if control.kind == "event":
         facts["CRITICAL"] = True

@@ -9,10 +9,10 @@ import struct
 import sys
 from typing import Any, Final
 
-AT_A_TIME: Final = 256
+BATCH_SIZE: Final = 256
 _DONT_WAIT: Final = 0x40
 _ADDRESS_BYTES: Final = 28
-_MOST_SENDERS: Final = 1024
+_MAX_SENDERS: Final = 1024
 
 
 class _Vector(ctypes.Structure):
@@ -35,7 +35,7 @@ class _Header(ctypes.Structure):
     _fields_ = (("message", _Message), ("received", ctypes.c_uint32))
 
 
-class Datagrams:
+class DatagramReader:
     """Batch reader of one non-blocking socket. Use from one thread."""
 
     def __init__(self, sock: socket.socket, largest: int) -> None:
@@ -51,20 +51,20 @@ class Datagrams:
             call = ctypes.CDLL(None, use_errno=True).recvmmsg
         except (OSError, AttributeError):
             return
-        self._bytes = ctypes.create_string_buffer(AT_A_TIME * self._size)
-        self._names = ctypes.create_string_buffer(AT_A_TIME * _ADDRESS_BYTES)
-        self._vectors = (_Vector * AT_A_TIME)()
-        self._headers = (_Header * AT_A_TIME)()
-        for index in range(AT_A_TIME):
+        self._bytes = ctypes.create_string_buffer(BATCH_SIZE * self._size)
+        self._names = ctypes.create_string_buffer(BATCH_SIZE * _ADDRESS_BYTES)
+        self._vectors = (_Vector * BATCH_SIZE)()
+        self._headers = (_Header * BATCH_SIZE)()
+        for index in range(BATCH_SIZE):
             vector, message = self._vectors[index], self._headers[index].message
             vector.base = ctypes.addressof(self._bytes) + index * self._size
             vector.length = self._size
             message.name = ctypes.addressof(self._names) + index * _ADDRESS_BYTES
             message.vectors, message.vector_count = ctypes.pointer(vector), 1
-        self._call, self._view, self._used = call, memoryview(self._bytes), AT_A_TIME
+        self._call, self._view, self._used = call, memoryview(self._bytes), BATCH_SIZE
 
     def read(self) -> list[tuple[bytes, Any]]:
-        """Return waiting datagrams with their senders, at most `AT_A_TIME`; OSError as from recvfrom."""
+        """Return waiting datagrams with their senders, at most `BATCH_SIZE`; OSError as from recvfrom."""
         if self._call is None:
             try:
                 return [self._socket.recvfrom(self._size)]
@@ -72,7 +72,7 @@ class Datagrams:
                 return []
         for index in range(self._used):
             self._headers[index].message.name_length = _ADDRESS_BYTES
-        count = self._call(self._socket.fileno(), self._headers, AT_A_TIME, _DONT_WAIT, None)
+        count = self._call(self._socket.fileno(), self._headers, BATCH_SIZE, _DONT_WAIT, None)
         self._used = max(count, 0)
         if count <= 0:
             number = ctypes.get_errno()
@@ -90,7 +90,7 @@ class Datagrams:
 
     def _sender(self, name: bytes) -> Any:
         """Return the address in a struct sockaddr as Python's tuple; cached, so usually the same object."""
-        if len(self._senders) >= _MOST_SENDERS:
+        if len(self._senders) >= _MAX_SENDERS:
             self._senders.clear()
         port = struct.unpack_from(">H", name, 2)[0]
         sender: tuple[Any, ...]

@@ -8,7 +8,7 @@ from live.control.registry.control import Argument, Control
 
 CARD: Final = "qr"
 """The test card with the QR code for joining."""
-NOTHING: Final = "-"
+NO_CHOICE: Final = "-"
 """Placeholder for an unused choice."""
 _REGION: Final = Argument("name", "name", "a region of the patch's [audience]; * means all")
 _ON: Final = Argument("on", "bool", "1: on, 0: off", default=True)
@@ -19,7 +19,7 @@ def _ban(*, time: float, source: str, number: float, on: bool) -> ControlEvent:
 
 
 def _vote(*, time: float, source: str, third: str, fourth: str, **others: str) -> ControlEvent:
-    third, fourth = ("" if name.strip() == NOTHING else name for name in (third, fourth))
+    third, fourth = ("" if name.strip() == NO_CHOICE else name for name in (third, fourth))
     return events.AskVote(time=time, source=source, third=third, fourth=fourth, **others)
 
 
@@ -71,8 +71,8 @@ AUDIENCE_CONTROLS: Final = (
             Argument("what", "name", "step, scene, look or cue"),
             Argument("first", "name", "a choice, by its name in the patch"),
             Argument("second", "name", "another one"),
-            Argument("third", "name", "another one; - is none", default=NOTHING),
-            Argument("fourth", "name", "another one; - is none", default=NOTHING),
+            Argument("third", "name", "another one; - is none", default=NO_CHOICE),
+            Argument("fourth", "name", "another one; - is none", default=NO_CHOICE),
         ),
         "Starts a vote until a measure line (the patch's vote_measures), where the winner is called.", "operator",
     ),

@@ -15,11 +15,11 @@ from live.control.registry.rejections import Reason, Rejection
 NAME_LENGTH: Final = 64
 TEXT_LENGTH: Final = 250
 Role = Literal["operator", "musician", "audience"]
-RANKS: Final[dict[Role, int]] = {"audience": 0, "musician": 1, "operator": 2}
+ROLE_RANKS: Final[dict[Role, int]] = {"audience": 0, "musician": 1, "operator": 2}
 """Order of the roles; a higher one includes the lower ones."""
 Kind = Literal["continuous", "event"]
 """continuous: sets a value, so that of several messages at once only the last counts; event: every message acts."""
-Plain = float | bool | str
+ArgumentValue = float | bool | str
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class Reply:
 class Request:
     """A request to the port that received it, on behalf of the sender; the show does not change."""
 
-    what: Literal["get", "subscribe", "unsubscribe"]
+    action: Literal["get", "subscribe", "unsubscribe"]
     address: str = ""
     """Address or pattern of the controls."""
     seconds: float = 0.0
@@ -56,7 +56,7 @@ class Argument:
     unit: str = ""
     minimum: float = 0.0
     maximum: float = 0.0
-    default: Plain | None = None
+    default: ArgumentValue | None = None
     """None: the argument is required."""
 
     @property
@@ -73,7 +73,7 @@ class Argument:
         """Maximum length of a name or text."""
         return NAME_LENGTH if self.type == "name" else TEXT_LENGTH
 
-    def checked(self, value: object) -> Plain | Reason:
+    def check(self, value: object) -> ArgumentValue | Reason:
         """Return the value in its own type, never NaN or out of range, or the reason. `True` is not a number."""
         kind = type(value)
         if self.type in ("name", "text"):
@@ -94,14 +94,14 @@ class Argument:
         if self.minimum <= value <= self.maximum:
             return float(value)
         edge = self.minimum if value < self.minimum else self.maximum
-        return edge if value == _as_sent(edge) else Reason.OUT_OF_RANGE
+        return edge if value == _to_single(edge) else Reason.OUT_OF_RANGE
 
 
 _IN_ADDRESS: Final = re.compile(r"[^\s#*,/?\[\]{}\x00-\x20\x7f-\U0010ffff]+")
 _SINGLE: Final = struct.Struct("<f")
 
 
-def _as_sent(value: float) -> float:
+def _to_single(value: float) -> float:
     """Return a number rounded to single precision, as OSC sends it."""
     return float(_SINGLE.unpack(_SINGLE.pack(value))[0])
 
@@ -118,11 +118,11 @@ class Control:
     make: Callable[..., ControlEvent | Reply | Request]
     arguments: tuple[Argument, ...]
     description: str
-    who: Role
+    role: Role
     kind: Kind = "event"
     value: int = 0
     """Number of leading arguments (`named`: after the name) that form its current value; 0: no readable value."""
-    start: tuple[Plain, ...] = ()
+    start: tuple[ArgumentValue, ...] = ()
     """The default value; empty: the patch or the machine decides it."""
     named: bool = False
     """Whether the first argument names the owner of the value: each name has its own value, and the name may stand in
@@ -136,13 +136,13 @@ class Control:
             raise ValueError(f"{self.address}: a required argument comes after an optional one")
 
     @property
-    def valued(self) -> tuple[Argument, ...]:
+    def value_arguments(self) -> tuple[Argument, ...]:
         """The arguments that form its current value."""
         return self.arguments[self.named : self.named + self.value]
 
-    def asked_by_nothing(self, address: str) -> bool:
+    def is_query(self, address: str) -> bool:
         """Whether a message without values to `address` is a query; not if all arguments are optional."""
-        first = self.valued if self.named and address != self.address else self.arguments
+        first = self.value_arguments if self.named and address != self.address else self.arguments
         return self.value > 0 and first[0].default is None
 
     def address_of(self, name: str) -> str | None:
@@ -152,7 +152,7 @@ class Control:
         head, _, last = self.address.rpartition("/")
         return f"{head}/{name}/{last}"
 
-    def whom(self, values: Sequence[object]) -> tuple[str, ...]:
+    def addressees(self, values: Sequence[object]) -> tuple[str, ...]:
         """Return the texts among a message's `values` that address it (name, group) and are not its value."""
         others = (*values[: self.named], *values[self.named + self.value :])
         return tuple(value for value in others if isinstance(value, str))
@@ -173,10 +173,10 @@ class Control:
         if count > len(self.arguments):
             expected = f"at most {len(self.arguments)} values" if self.arguments else "no value"
             return Rejection(Reason.EXTRA, self.address, expected, values[len(self.arguments)])
-        named: dict[str, Plain] = {}
+        named: dict[str, ArgumentValue] = {}
         for index, argument in enumerate(self.arguments):
             value = values[index] if index < count else None
-            result = argument.default if value is None else argument.checked(value)
+            result = argument.default if value is None else argument.check(value)
             if result is None:
                 return Rejection(Reason.MISSING, self.address, argument.expected, None)
             if isinstance(result, Reason):
@@ -186,7 +186,7 @@ class Control:
 
 
 GROUP = Argument("group", "name", "the group's name in the patch; a single * is every group", default="*")
-WHO = Argument(
+DANCERS = Argument(
     "group",
     "text",
     "the dancers: a group, or groups, attributes, numbers and places as in `ember & left + 12-14`; * is all",

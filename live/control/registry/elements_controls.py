@@ -5,9 +5,9 @@ from typing import Final
 
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.control.registry.control import MEASURES, NEXT, POINTS, STRENGTH, WHO, X2, Z2, Argument, Control, X, Z
+from live.control.registry.control import DANCERS, MEASURES, NEXT, POINTS, STRENGTH, X2, Z2, Argument, Control, X, Z
 
-_USUAL: Final = (STRENGTH, MEASURES, WHO, NEXT)
+_USUAL: Final = (STRENGTH, MEASURES, DANCERS, NEXT)
 _RADIUS: Final = Argument("radius", "float", "radius of the region", "m", 0.1, 50)
 _TURN: Final = Argument("strength", "float", "how strongly it acts; below 0: in reverse", "", -10, 10, 1.0)
 _WHOM: Final = Argument("whom", "name", "a dancer's number from 1, or the name of a group")
@@ -71,7 +71,7 @@ ELEMENT_CONTROLS: Final = (
     Control(
         "/dance/repel/region", _place("repel"), (X, Z, _RADIUS, *_USUAL), "Dancers leave a region.", "musician",
     ),
-    Control("/dance/spread", events.Spread, (MEASURES, WHO, NEXT), "Dancers spread over the stage.", "musician"),
+    Control("/dance/spread", events.Spread, (MEASURES, DANCERS, NEXT), "Dancers spread over the stage.", "musician"),
     Control(
         "/dance/cross", _place("cross"), (X, Z, X2, Z2, *_USUAL),
         "Dancers cross a line through two points: each side changes to the other.", "musician",
@@ -81,11 +81,11 @@ ELEMENT_CONTROLS: Final = (
         "Dancers go in the direction from the first point to the second, everywhere on the stage.", "musician",
     ),
     Control(
-        "/dance/flow/radial", _place("flow", flow="radial"), (X, Z, _TURN, MEASURES, WHO, NEXT),
+        "/dance/flow/radial", _place("flow", flow="radial"), (X, Z, _TURN, MEASURES, DANCERS, NEXT),
         "Dancers go away from a point; with a strength below 0 towards it.", "musician",
     ),
     Control(
-        "/dance/flow/vortex", _place("flow", flow="vortex"), (X, Z, _TURN, MEASURES, WHO, NEXT),
+        "/dance/flow/vortex", _place("flow", flow="vortex"), (X, Z, _TURN, MEASURES, DANCERS, NEXT),
         "Dancers go around a point.", "musician",
     ),
     Control(

@@ -3,9 +3,9 @@
 from typing import Final
 
 from live.control.events import events
-from live.control.registry.control import GROUP, NEXT, POINTS, WHO, X2, Z2, Argument, Control, X, Z
+from live.control.registry.control import DANCERS, GROUP, NEXT, POINTS, X2, Z2, Argument, Control, X, Z
 
-_WHOLE: Final = Argument("measures", "float", "duration", "measures", 0.25, 64, 4.0)
+_DURATION: Final = Argument("measures", "float", "duration", "measures", 0.25, 64, 4.0)
 _FORMATION: Final = Argument(
     "formation", "text", "a formation of the patch, or words for one: circle, star:6, text:LIVE, `circle poisson`"
 )
@@ -17,7 +17,7 @@ GROUP_CONTROLS: Final = (
     Control(
         "/dance/formation", events.Evolve,
         (
-            _FORMATION, _WHOLE, WHO, NEXT,
+            _FORMATION, _DURATION, DANCERS, NEXT,
             Argument("match", "name", "squared, shortest, equal, both, bottleneck, number", default="squared"),
             Argument("ripple", "float", "beats from the first dancer's start to the last one's", "beats", 0, 64, 0.0),
         ),
@@ -31,16 +31,16 @@ GROUP_CONTROLS: Final = (
     Control(
         "/dance/travel", events.Travel,
         (
-            POINTS, _WHOLE, WHO, NEXT,
+            POINTS, _DURATION, DANCERS, NEXT,
             Argument("single_file", "bool", "1: in single file on the line, 0: as they stand", default=False),
         ),
         "Dancers travel along a drawn line and keep their formation.", "musician",
     ),
     Control(
-        "/dance/pause", events.Pause, (_WHOLE, WHO, NEXT), "Dancers stay where they are for a while.", "musician",
+        "/dance/pause", events.Pause, (_DURATION, DANCERS, NEXT), "Dancers stay where they are for a while.", "musician",
     ),
     Control(
-        "/dance/release", events.Release, (WHO,),
+        "/dance/release", events.Release, (DANCERS,),
         "Dancers leave their formation and evolution; only elements move them.", "musician",
     ),
     Control(
@@ -64,7 +64,7 @@ GROUP_CONTROLS: Final = (
         "Dancers waiting in the wings enter at the next measure line.", "operator",
     ),
     Control(
-        "/dance/leave", events.Leave, (Argument("dancers", "text", WHO.description), _GATE),
+        "/dance/leave", events.Leave, (Argument("dancers", "text", DANCERS.description), _GATE),
         "Dancers leave the stage.", "operator",
     ),
     Control(

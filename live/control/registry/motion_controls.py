@@ -5,7 +5,7 @@ from typing import Final
 
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.control.registry.control import GROUP, MEASURES, WHO, Argument, Control
+from live.control.registry.control import DANCERS, GROUP, MEASURES, Argument, Control
 
 
 def _motion(parameter: str) -> Callable[..., ControlEvent]:
@@ -123,7 +123,7 @@ STEP_CONTROLS: Final = (
         "/dance/now", events.StepNow,
         (
             Argument("name", "name", "the step's name in the show's library"),
-            WHO,
+            DANCERS,
             Argument(
                 "measures", "float", "how long whole groups keep dancing it after the current measure",
                 "measures", 0.0, 1024, 1.0,
@@ -143,7 +143,7 @@ STEP_CONTROLS: Final = (
     Control(
         "/dance/regroup", events.Regroup,
         (
-            Argument("dancers", "text", WHO.description),
+            Argument("dancers", "text", DANCERS.description),
             Argument("group", "name", "the group of the patch whose steps they dance from their next measure on"),
         ),
         "Dancers leave their group and dance the steps of another.", "musician",

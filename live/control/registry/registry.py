@@ -11,7 +11,7 @@ from live.control.registry.audience_controls import AUDIENCE_CONTROLS
 from live.control.registry.audio_controls import AUDIO_CONTROLS
 from live.control.registry.capture_controls import MOCAP_CONTROLS
 from live.control.registry.clock_controls import CLOCK_CONTROLS
-from live.control.registry.control import Control, Plain, Result
+from live.control.registry.control import ArgumentValue, Control, Result
 from live.control.registry.cues_controls import CUE_CONTROLS
 from live.control.registry.elements_controls import ELEMENT_CONTROLS
 from live.control.registry.groups_controls import GROUP_CONTROLS
@@ -22,7 +22,7 @@ from live.control.registry.partners_controls import PARTNER_CONTROLS
 from live.control.registry.rejections import Reason, Rejection
 from live.control.registry.scenes_controls import SCENE_CONTROLS
 from live.control.registry.score_controls import SCORE_CONTROLS
-from live.control.registry.system_controls import ASKING_CONTROLS, MACHINE_CONTROLS
+from live.control.registry.system_controls import MACHINE_CONTROLS, QUERY_CONTROLS
 
 _PASS: Final = "/dance/pass/"
 _MOCAP: Final = "/dance/mocap/"
@@ -47,7 +47,7 @@ class Registry:
         """Return the control at an address; None if there is none."""
         return self._controls.get(address)
 
-    def meant(self, address: str) -> Control | None:
+    def resolve(self, address: str) -> Control | None:
         """Return the control for an address, also with a pass or performer name in it; None if there is none."""
         control = self._controls.get(address)
         if control is None and address.startswith(_PASS):
@@ -61,21 +61,21 @@ class Registry:
 
         Call from any thread. Never raises for anything that a sender can choose.
         """
-        control = self.meant(address)
+        control = self.resolve(address)
         if control is None:
             return Rejection(Reason.UNKNOWN_ADDRESS, address)
-        return control.call(self.whole(address, values), time, source)
+        return control.call(self.full_values(address, values), time, source)
 
-    def whole(self, address: str, values: Sequence[object]) -> Sequence[object]:
+    def full_values(self, address: str, values: Sequence[object]) -> Sequence[object]:
         """Return the values of a message, preceded by those in its address."""
-        if address in self._controls or self.meant(address) is None:
+        if address in self._controls or self.resolve(address) is None:
             return values
         within = address.removeprefix(_PASS).split("/")
         return [*(address.split("/")[3:4] if address.startswith(_MOCAP) else within), *values]
 
-    def kept_at(self, address: str) -> tuple[str, str]:
+    def storage_key(self, address: str) -> tuple[str, str]:
         """Return the address under which the value of `address` is stored, and the name in `address` or ""."""
-        control = None if address in self._controls else self.meant(address)
+        control = None if address in self._controls else self.resolve(address)
         return (address, "") if control is None or not control.named else (control.address, address.split("/")[3])
 
 
@@ -96,7 +96,7 @@ REGISTRY: Final = Registry(
         *MOCAP_CONTROLS,
         *MACHINE_CONTROLS,
         *MIDI_CONTROLS,
-        *ASKING_CONTROLS,
+        *QUERY_CONTROLS,
     )
 )
 """All controls."""
@@ -144,7 +144,7 @@ READINGS: Final = (
 """All readings."""
 
 
-Rows = tuple[tuple[str, tuple[Plain, ...]], ...]
+Rows = tuple[tuple[str, tuple[ArgumentValue, ...]], ...]
 """A value for all ("", values), or one for each group or each name of a named control."""
 Changes = Mapping[str, Rows]
 """Changed values by address."""
@@ -162,7 +162,7 @@ class Values:
     def __init__(self) -> None:
         self._rows: dict[str, Rows] = {}
 
-    def take(self, changes: Changes) -> None:
+    def update(self, changes: Changes) -> None:
         """Store new values."""
         self._rows.update(changes)
 
@@ -174,10 +174,10 @@ class Values:
         rows = self._rows.get(address)
         if rows is not None:
             return rows
-        kept, whose = REGISTRY.kept_at(address)
+        kept, whose = REGISTRY.storage_key(address)
         return tuple(("", values) for name, values in self._rows.get(kept, ()) if name == whose) if whose else ()
 
-    def messages(self, address: str) -> Iterator[tuple[str, tuple[Plain, ...]]]:
+    def messages(self, address: str) -> Iterator[tuple[str, tuple[ArgumentValue, ...]]]:
         """Yield address and values of the messages that would set the current value: one, or one per group or name."""
         control = REGISTRY.find(address)
         for name, values in self.rows(address):
@@ -193,6 +193,6 @@ class Values:
         return dict(self._rows)
 
 
-def changed(before: Changes, now: Changes) -> dict[str, Rows]:
+def changed_values(before: Changes, now: Changes) -> dict[str, Rows]:
     """Return the entries of `now` that differ from `before`."""
     return {address: rows for address, rows in now.items() if before.get(address) != rows}

@@ -57,17 +57,17 @@ class Rejection:
     """The value that was refused."""
 
     def __str__(self) -> str:
-        text = f"{_shortened(self.address)}: {self.reason}"
+        text = f"{_shorten(self.address)}: {self.reason}"
         if self.expected:
-            received = _kind(self.received) if self.reason is Reason.WRONG_TYPE else _shortened(self.received)
+            received = _describe(self.received) if self.reason is Reason.WRONG_TYPE else _shorten(self.received)
             found = "the next one is" if self.reason is Reason.EXTRA else "received"
             text += f": expected {self.expected}, {found} {received}"
         return text
 
 
-def _kind(value: object) -> str:
+def _describe(value: object) -> str:
     """Describe a value of the wrong type, and how to write the right one."""
-    shown = _shortened(value)
+    shown = _shorten(value)
     if isinstance(value, str):
         return f'the text "{shown[1:-1]}"' + ("; write the number without quotes" if _NUMBER.fullmatch(value) else "")
     if isinstance(value, bool):
@@ -80,7 +80,7 @@ def _kind(value: object) -> str:
 _NUMBER: Final = re.compile(r"\s*[+-]?[0-9]{1,9}(\.[0-9]{0,9})?\s*")
 
 
-def _shortened(value: object) -> str:
+def _shorten(value: object) -> str:
     """Return an untrusted value as one short line: no control characters, at most 60 characters."""
     text = ascii(value)[:61]
     return text if len(text) <= 60 else text[:59] + "…"
@@ -107,7 +107,7 @@ class Tally:
         return {str(reason): count for reason, count in self._counts.items() if count}
 
 
-def merged(tallies: Iterable[Tally]) -> dict[str, int]:
+def merge_counts(tallies: Iterable[Tally]) -> dict[str, int]:
     """Return the counts of several inputs (OSC, keys, web) in one table."""
     totals: dict[str, int] = {}
     for tally in tallies:

@@ -3,16 +3,16 @@
 from collections.abc import Callable
 from typing import Final
 
-from live.base.picture_parameters import OF_GROUPS, PARAMETERS, SPOTS, PictureParameter
+from live.base.picture_parameters import GROUP_PARAMETERS, PARAMETERS, SPOT_COUNT, PictureParameter
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.control.registry.control import GROUP, Argument, Control
 
 _MEASURES: Final = Argument("measures", "float", "how long it takes; 0 is at once", "measures", 0, 1024, 0.0)
-_OWN: Final = Argument(
+_OWN_DURATION: Final = Argument(
     "measures", "float", "how long it takes; 0 is at once, -1: its own duration", "measures", -1, 1024, -1.0
 )
-_NAMES: Final = {
+_COMPONENTS: Final = {
     "number": (("x", "how much"),),
     "colour": (("x", "red, linear"), ("y", "green, linear"), ("z", "blue, linear")),
     "place": (("x", "to the right as seen by the audience"), ("y", "up"), ("z", "towards the audience")),
@@ -28,17 +28,24 @@ def _set(address: str) -> Callable[..., ControlEvent]:
 
 def _control(known: PictureParameter) -> Control:
     values = tuple(
-        Argument(name, "float", words, known.unit, known.low, known.high) for name, words in _NAMES[known.kind]
+        Argument(name, "float", words, known.unit, known.low, known.high) for name, words in _COMPONENTS[known.kind]
     )
-    group = (GROUP,) if known.address in OF_GROUPS else ()
+    group = (GROUP,) if known.address in GROUP_PARAMETERS else ()
     arguments = (*values, *group, _MEASURES)
     return Control(
-        known.address, _set(known.address), arguments, known.words, "operator", "continuous", known.size, known.start
+        known.address,
+        _set(known.address),
+        arguments,
+        known.description,
+        "operator",
+        "continuous",
+        known.size,
+        known.start,
     )
 
 
 SCENE_CONTROLS: Final = (
-    *map(_control, (*PARAMETERS, *OF_GROUPS.values())),
+    *map(_control, (*PARAMETERS, *GROUP_PARAMETERS.values())),
     Control(
         "/dance/pass", events.SetPass,
         (
@@ -76,7 +83,7 @@ SCENE_CONTROLS: Final = (
         "/dance/spot/follow", events.FollowSpot,
         (
             Argument("whom", "text", "dancers as in `ember & left + 12`; `*` is all"),
-            Argument("spot", "float", "which of the follow spots", "", 1, SPOTS, 1.0),
+            Argument("spot", "float", "which of the follow spots", "", 1, SPOT_COUNT, 1.0),
             Argument("level", "float", "its brightness", "", 0, 4, 1.0),
             _MEASURES,
         ),
@@ -89,12 +96,12 @@ SCENE_CONTROLS: Final = (
     ),
     Control(
         "/dance/look", events.RecallLook,
-        (Argument("name", "name", "one of the patch's [[looks]]; `start` is its [look]"), _OWN),
+        (Argument("name", "name", "one of the patch's [[looks]]; `start` is its [look]"), _OWN_DURATION),
         "Changes the light to a look.", "operator",
     ),
     Control(
         "/dance/scene", events.RecallScene,
-        (Argument("name", "name", "a [[scene]] of the patch or one stored live; `start` is the patch itself"), _OWN),
+        (Argument("name", "name", "a [[scene]] of the patch or one stored live; `start` is the patch itself"), _OWN_DURATION),
         "Recalls a scene with a cross-fade.", "operator",
     ),
     Control(

@@ -6,7 +6,7 @@ from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.control.registry.control import GROUP, Argument, Control
 
-MOST_MEASURES: Final = 100_000
+MAX_MEASURES: Final = 100_000
 
 
 def _when(default: str) -> Argument:
@@ -28,7 +28,7 @@ SCORE_CONTROLS: Final = (
         (
             Argument("section", "name", "the section's name in the patch"),
             _when("measure"),
-            Argument("measure", "float", "the measure of the section to continue with", "", 1, MOST_MEASURES, 1.0),
+            Argument("measure", "float", "the measure of the section to continue with", "", 1, MAX_MEASURES, 1.0),
         ),
         "The score goes to a section. Steps already decided, up to a beat before the line, are danced first.",
         "operator",
@@ -47,8 +47,8 @@ SCORE_CONTROLS: Final = (
         "/dance/practice", _practise,
         (
             Argument("first", "float", "the first measure of the written score; 0: end of practice", "", 0,
-                     MOST_MEASURES, 0.0),
-            Argument("last", "float", "the last measure", "", 0, MOST_MEASURES, 0.0),
+                     MAX_MEASURES, 0.0),
+            Argument("last", "float", "the last measure", "", 0, MAX_MEASURES, 0.0),
         ),
         "Repeats measures of the score, counted with each section written once, in order.", "operator",
     ),

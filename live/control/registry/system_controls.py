@@ -20,7 +20,7 @@ def _unsubscribe(*, time: float, source: str, port: float) -> Request:
 
 _PORT: Final = Argument("port", "float", "your receiving port; 0: the port that you send from", "", 0, 65535, 0.0)
 
-ASKING_CONTROLS: Final = (
+QUERY_CONTROLS: Final = (
     Control(
         "/dance/get", _get,
         (Argument("address", "text", "a control with a current value, a figure under /dance/status, or a pattern"),),

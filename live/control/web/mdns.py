@@ -21,7 +21,7 @@ HOPS: Final = 255
 IP_MULTICAST_ALL: Final = 49
 IPV6_MULTICAST_ALL: Final = 29
 """Linux: when enabled (the default), a socket receives groups on all interfaces that any program has joined."""
-ANYWHERE: Final = ("0.0.0.0", "::")
+WILDCARDS: Final = ("0.0.0.0", "::")
 
 
 def service_host(port: int) -> str:
@@ -38,7 +38,7 @@ class Announcement:
         self._http, self._osc_port = http, osc_port
         self._zeroconf: AsyncZeroconf | None = None
 
-    async def begin(self) -> str:
+    async def start(self) -> str:
         """Announce the services; return a description of a failure (no multicast, another program). HTTP
         works anyway."""
         try:
@@ -46,7 +46,7 @@ class Announcement:
 
             host, port = self._http
             self._zeroconf = _zeroconf(host)
-            addresses = _own_addresses() if host in ANYWHERE else [host]
+            addresses = _own_addresses() if host in WILDCARDS else [host]
             found = [
                 AsyncServiceInfo(
                     kind, f"{self._name}.{kind}", parsed_addresses=addresses, port=at, server=f"{service_host(port)}."
@@ -56,11 +56,11 @@ class Announcement:
             register = self._zeroconf.async_register_service
             await asyncio.gather(*(register(info, allow_name_change=True) for info in found))
         except Exception as error:  # any network error
-            await self.end()
+            await self.stop()
             return f"not announced by zeroconf: {type(error).__name__}: {error}"
         return ""
 
-    async def end(self) -> None:
+    async def stop(self) -> None:
         """Withdraw the announcement."""
         if self._zeroconf is not None:
             with contextlib.suppress(Exception):
@@ -74,7 +74,7 @@ def _zeroconf(host: str) -> "AsyncZeroconf":
     from zeroconf import InterfaceChoice, Zeroconf
     from zeroconf.asyncio import AsyncZeroconf
 
-    if host in ANYWHERE:
+    if host in WILDCARDS:
         return AsyncZeroconf(interfaces=InterfaceChoice.All)
 
     class AtOneAddress(Zeroconf):
@@ -97,7 +97,7 @@ def sockets_at(address: str) -> tuple[socket.socket, socket.socket]:
     version = ipaddress.ip_address(address).version
     group = GROUP[version]
     if version == 4:
-        listening, sender = _reused(socket.AF_INET), _reused(socket.AF_INET)
+        listening, sender = _shared_socket(socket.AF_INET), _shared_socket(socket.AF_INET)
         here = socket.inet_aton(address)
         with contextlib.suppress(OSError):  # Linux only
             listening.setsockopt(socket.IPPROTO_IP, IP_MULTICAST_ALL, 0)
@@ -108,7 +108,7 @@ def sockets_at(address: str) -> tuple[socket.socket, socket.socket]:
         sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, HOPS)
         sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_LOOP, 1)
     else:
-        listening, sender = _reused(socket.AF_INET6), _reused(socket.AF_INET6)
+        listening, sender = _shared_socket(socket.AF_INET6), _shared_socket(socket.AF_INET6)
         index = _interface_of(address)
         with contextlib.suppress(OSError):
             listening.setsockopt(socket.IPPROTO_IPV6, IPV6_MULTICAST_ALL, 0)
@@ -122,7 +122,7 @@ def sockets_at(address: str) -> tuple[socket.socket, socket.socket]:
     return listening, sender
 
 
-def _reused(family: socket.AddressFamily) -> socket.socket:
+def _shared_socket(family: socket.AddressFamily) -> socket.socket:
     """Return a datagram socket that shares its port with other mDNS programs."""
     made = socket.socket(family, socket.SOCK_DGRAM)
     made.setblocking(False)

@@ -18,7 +18,7 @@ async def _keep(name: str, work: Callable[[], Awaitable[None]]) -> None:
             await work()
             return
         except Exception as error:
-            FAULTS.note(name, error)
+            FAULTS.record(name, error)
         await asyncio.sleep(pause)
         pause = min(2.0 * pause, LONGEST_PAUSE)
 
@@ -30,6 +30,6 @@ def guarded(name: str, act: Callable[[], None]) -> Callable[[], None]:
         try:
             act()
         except Exception as error:
-            FAULTS.note(name, error)
+            FAULTS.record(name, error)
 
     return call

@@ -31,21 +31,21 @@ from aiohttp.http import HttpProcessingError
 from aiohttp.web_protocol import RequestHandler
 
 from live.base.fault_isolation import FAULTS
-from live.control.helper_process import Told
+from live.control.helper_process import HelperChannel
 from live.control.layouts.surface import make_surface
 from live.control.osc.osc_codec import encode
-from live.control.registry.control import Plain
+from live.control.registry.control import ArgumentValue
 from live.control.registry.registry import READABLE, READINGS, REGISTRY, Values
 from live.control.registry.rejections import Rejection
 from live.control.web.task_guard import keep_task
 
-REQUEST_WITHIN: Final = 5.0
+REQUEST_TIMEOUT: Final = 5.0
 """Time limit [s] for a whole request and its answer, from the connection or the previous answer; then it is closed."""
-MOST_WAITING: Final = 384
+MAX_WAITING: Final = 384
 """Maximum connections other than open WebSockets; one more closes another."""
-MOST_OF_ONE: Final = 128
+MAX_PER_ADDRESS: Final = 128
 """The same for one address (for one /64 of IPv6)."""
-AT_ONCE: Final = 16
+ACCEPT_BATCH: Final = 16
 """Connections accepted in one turn of the loop. It is small so that a prompt request is read before MOST_OF_ONE others
 arrive.
 """
@@ -56,9 +56,9 @@ HEARTBEAT: Final = 4.0
 FREE_FAILURES: Final = 10
 FAILURES_PER_SECOND: Final = 0.5
 """Wrong keys of one address answered at once: an initial number, then this rate per second."""
-HELD: Final = 1.0
+WRONG_KEY_DELAY: Final = 1.0
 """Further answers are delayed by this time [s],"""
-MOST_HELD: Final = 8
+MAX_DELAYED: Final = 8
 """at most this many at a time; further connections are dropped."""
 MOST_GROUPS: Final = 4096
 """Maximum addresses whose failures are stored."""
@@ -77,13 +77,13 @@ SECURITY_HEADERS: Final = {
 Answer = Callable[[web.BaseRequest], Awaitable[web.StreamResponse]]
 
 
-def _of_our_own(record: logging.LogRecord) -> bool:
+def _is_own_fault(record: logging.LogRecord) -> bool:
     """Whether an error is a fault of this program; network errors are answered, not logged."""
     return record.exc_info is None or not isinstance(record.exc_info[1], HttpProcessingError | ConnectionError)
 
 
 _LOGGER: Final = logging.getLogger("live.http")
-_LOGGER.addFilter(_of_our_own)
+_LOGGER.addFilter(_is_own_fault)
 
 
 @functools.lru_cache(maxsize=16)
@@ -134,7 +134,7 @@ def accepted_hosts(address: str, port: int, names: tuple[str, ...] = ()) -> froz
     return frozenset(whole)
 
 
-def is_own(request: web.BaseRequest, names: Iterable[str] = ()) -> bool:
+def is_same_origin(request: web.BaseRequest, names: Iterable[str] = ()) -> bool:
     """Whether a request comes from a program or this server's own page, under an accepted name; not from
     another site."""
     hosts, origins = request.headers.getall("Host", []), request.headers.getall("Origin", [])
@@ -147,10 +147,10 @@ def is_own(request: web.BaseRequest, names: Iterable[str] = ()) -> bool:
     return not origins or origins[0].casefold() in (f"http://{host}", f"https://{host}")
 
 
-def is_ours(host: str, link_host: str = "") -> bool:
+def is_local_host(host: str, link_host: str = "") -> bool:
     """Whether a Host header names this machine: by number, as localhost or .local, or as in its own link.
 
-    For the phones' gateway, which has a key of its own; other servers use `is_own`.
+    For the phones' gateway, which has a key of its own; other servers use `is_same_origin`.
     """
     if len(host) > 255:
         return False
@@ -208,13 +208,13 @@ class FailedKeys:
         group = address_group(request.remote or "")
         if self.may_answer(group):
             return web.Response(status=401, headers=SECURITY_HEADERS)
-        if self._held.get(group, 0) >= MOST_HELD:
+        if self._held.get(group, 0) >= MAX_DELAYED:
             if request.transport is not None:
                 request.transport.abort()
             return web.Response(status=429)
         self._held[group] = self._held.get(group, 0) + 1
         try:
-            await asyncio.sleep(HELD)
+            await asyncio.sleep(WRONG_KEY_DELAY)
         finally:
             self._held[group] -= 1
             if not self._held[group]:
@@ -234,12 +234,12 @@ class _Connection:
     group: str
     transport: asyncio.Transport
     timer: asyncio.TimerHandle
-    asks: bool = False
+    has_request: bool = False
     """Whether a whole request has arrived and is not answered yet."""
 
 
 class BoundedServer(web.Server):
-    """aiohttp server with a time limit of REQUEST_WITHIN that never refuses a new connection.
+    """aiohttp server with a time limit of REQUEST_TIMEOUT that never refuses a new connection.
 
     Half-open connections, slow headers, slow bodies and unread answers are closed. At the connection limit, the address
     with the most connections loses one: the oldest without a request. Opening thousands of connections therefore closes
@@ -247,12 +247,12 @@ class BoundedServer(web.Server):
     """
 
     def __init__(
-        self, answer: Answer, *, most: int = MOST_WAITING, most_of_one: int = MOST_OF_ONE,
-        within: float = REQUEST_WITHIN,
+        self, answer: Answer, *, most: int = MAX_WAITING, most_of_one: int = MAX_PER_ADDRESS,
+        within: float = REQUEST_TIMEOUT,
     ) -> None:  # fmt: skip
         """`answer`: handler of requests without a body; requests with a body are refused."""
         super().__init__(
-            self._answered, keepalive_timeout=within, lingering_time=0.0, access_log=None, logger=_LOGGER,
+            self._handle_request, keepalive_timeout=within, lingering_time=0.0, access_log=None, logger=_LOGGER,
             auto_decompress=False,
         )  # fmt: skip
         self._most, self._most_of_one, self._within = most, most_of_one, within
@@ -267,7 +267,7 @@ class BoundedServer(web.Server):
         super().connection_made(handler, transport)
         peer: Any = transport.get_extra_info("peername") or ("",)
         group = address_group(str(peer[0]))
-        timer = asyncio.get_running_loop().call_later(self._within, self._late, handler)
+        timer = asyncio.get_running_loop().call_later(self._within, self._time_out, handler)
         self._waiting[handler] = _Connection(group, transport, timer)
         self._of_group.setdefault(group, {})[handler] = None
         if len(self._of_group[group]) > self._most_of_one:
@@ -280,7 +280,7 @@ class BoundedServer(web.Server):
         super().connection_lost(handler, exc)
         self._forget(handler)
 
-    def keep(self, request: web.BaseRequest) -> None:
+    def release(self, request: web.BaseRequest) -> None:
         """Stop limiting a connection that became a WebSocket: its pings now show whether the client is there."""
         self._forget(request.protocol)
 
@@ -301,9 +301,9 @@ class BoundedServer(web.Server):
 
     def _drop_one_of(self, group: str) -> None:
         of_group = self._of_group[group]
-        self._drop(next((each for each in of_group if not self._waiting[each].asks), next(iter(of_group))))
+        self._drop(next((each for each in of_group if not self._waiting[each].has_request), next(iter(of_group))))
 
-    def _late(self, handler: RequestHandler) -> None:
+    def _time_out(self, handler: RequestHandler) -> None:
         if handler in self._waiting:
             self._drop(handler)
 
@@ -313,10 +313,10 @@ class BoundedServer(web.Server):
         self.dropped += 1
         connection.transport.abort()
 
-    async def _answered(self, request: web.BaseRequest) -> web.StreamResponse:
+    async def _handle_request(self, request: web.BaseRequest) -> web.StreamResponse:
         connection = self._waiting.get(request.protocol)
         if connection is not None:
-            connection.asks = True
+            connection.has_request = True
         try:
             if request.body_exists:  # no handler reads a body
                 refused = web.Response(status=413, headers=SECURITY_HEADERS)
@@ -326,17 +326,17 @@ class BoundedServer(web.Server):
         finally:
             connection = self._waiting.get(request.protocol)
             if connection is not None:
-                connection.asks = False
+                connection.has_request = False
                 connection.timer.cancel()
                 loop = asyncio.get_running_loop()
-                connection.timer = loop.call_later(self._within, self._late, request.protocol)
+                connection.timer = loop.call_later(self._within, self._time_out, request.protocol)
 
 
 async def serve(server: BoundedServer, listening: socket.socket) -> web.ServerRunner:
     """Start accepting connections; the caller must clean up the returned runner."""
     runner = web.ServerRunner(server, handle_signals=False)
     await runner.setup()
-    await web.SockSite(runner, listening, backlog=AT_ONCE).start()
+    await web.SockSite(runner, listening, backlog=ACCEPT_BATCH).start()
     listening.listen(BACKLOG)  # asyncio uses its backlog for both purposes
     return runner
 
@@ -345,12 +345,12 @@ PAGE: Final = Path(__file__).with_name("web_page.html")
 MOST_CLIENTS: Final = 16
 MOST_BYTES: Final = 1024
 """Maximum bytes of a message from the page."""
-EVERY: Final = 1 / 20
+UPDATE_INTERVAL: Final = 1 / 20
 PER_SECOND: Final = 200.0
 """Messages per second that one page may send; more are refused."""
-BEHIND: Final = 1 << 15
+MAX_UNSENT_BYTES: Final = 1 << 15
 """Maximum unsent bytes of a page; one that is further behind gets the latest values later."""
-SAY_EVERY: Final = 1.0
+STATUS_INTERVAL: Final = 1.0
 PROTOCOL: Final = "live.operator"
 KEY_PROTOCOL: Final = "live.key."
 """Followed by the key."""
@@ -361,30 +361,30 @@ class Client:
 
     def __init__(self, ws: web.WebSocketResponse, request: web.BaseRequest) -> None:
         self.ws, self.request = ws, request
-        self.due: dict[str, None] = dict.fromkeys(READABLE)
-        self.left, self.filled_at = PER_SECOND, 0.0
+        self.pending: dict[str, None] = dict.fromkeys(READABLE)
+        self.tokens_left, self.filled_at = PER_SECOND, 0.0
 
-    def may(self, now: float) -> bool:
+    def try_take(self, now: float) -> bool:
         """Whether the page may send another message."""
-        self.left = min(self.left + (now - self.filled_at) * PER_SECOND, PER_SECOND)
+        self.tokens_left = min(self.tokens_left + (now - self.filled_at) * PER_SECOND, PER_SECOND)
         self.filled_at = now
-        if self.left < 1.0:
+        if self.tokens_left < 1.0:
             return False
-        self.left -= 1.0
+        self.tokens_left -= 1.0
         return True
 
 
 class WebServer:
     """Server of one show's page. Thread: the loop's."""
 
-    def __init__(self, told: Told) -> None:
+    def __init__(self, channel: HelperChannel) -> None:
         """Create the server; a loop must be running."""
-        plan = told.plan
-        self._told, self._key, self._show = told, str(plan["key"]).encode(), tuple(plan["osc"])
+        plan = channel.plan
+        self._channel, self._key, self._show = channel, str(plan["key"]).encode(), tuple(plan["osc"])
         self._hosts = tuple(str(host) for host in plan["hosts"])
         self._socket = socket.socket(fileno=plan["http"])
-        self._out = socket.socket(socket.AF_INET6 if ":" in self._show[0] else socket.AF_INET, socket.SOCK_DGRAM)
-        self._out.setblocking(False)
+        self._osc_socket = socket.socket(socket.AF_INET6 if ":" in self._show[0] else socket.AF_INET, socket.SOCK_DGRAM)
+        self._osc_socket.setblocking(False)
         surface = make_surface(REGISTRY, role="operator", names=plan["names"], reach=tuple(plan["half"]))
         readings = {reading.address: reading.name for reading in READINGS}
         words = {control.address: control.description for control in REGISTRY}
@@ -396,34 +396,34 @@ class WebServer:
         self.values = Values()
         self._clients: set[Client] = set()
         self._sent = self._refused = 0
-        self._over = asyncio.Event()
+        self._ended = asyncio.Event()
         self._server = BoundedServer(self._answer)
         self._failed = FailedKeys(asyncio.get_running_loop().time)
 
     async def run(self) -> None:
         """Serve until the show ends."""
         runner = await serve(self._server, self._socket)
-        asyncio.get_running_loop().add_reader(self._told.socket, self._hear)
-        tasks = [keep_task("telling pages", self._stream), keep_task("the page's figures", self._say)]
-        await self._over.wait()
+        asyncio.get_running_loop().add_reader(self._channel.socket, self._receive)
+        tasks = [keep_task("telling pages", self._stream), keep_task("the page's figures", self._report_status)]
+        await self._ended.wait()
         for task in tasks:
             task.cancel()
         await asyncio.gather(*(client.ws.close() for client in list(self._clients)), return_exceptions=True)
         await runner.cleanup()
 
-    def _hear(self) -> None:
+    def _receive(self) -> None:
         """Handle new values from the show."""
-        for changes in self._told.packets():
-            self.values.take(changes)
+        for changes in self._channel.packets():
+            self.values.update(changes)
             for client in self._clients:
-                client.due |= dict.fromkeys(changes)
-        if self._told.ended:
-            self._over.set()
+                client.pending |= dict.fromkeys(changes)
+        if self._channel.closed:
+            self._ended.set()
 
     async def _answer(self, request: web.BaseRequest) -> web.StreamResponse:
         """Answer with the page for requests under an accepted name, and with all else only for requests
         with the key."""
-        if not is_own(request, self._hosts):
+        if not is_same_origin(request, self._hosts):
             return self._refuse(403)
         if request.path not in ("/", "/surface.json", "/ws"):
             return self._refuse(404)
@@ -432,7 +432,7 @@ class WebServer:
         if request.path == "/":
             headers = page_headers(self._text, request.headers["Host"].casefold())
             return web.Response(text=self._text, content_type="text/html", headers=headers)
-        if not self._knows_key(request):
+        if not self._has_key(request):
             self._refused += 1
             return await self._failed.answer(request)
         if request.path == "/surface.json":
@@ -443,7 +443,7 @@ class WebServer:
         self._refused += 1
         return web.Response(status=status, headers=SECURITY_HEADERS)
 
-    def _knows_key(self, request: web.BaseRequest) -> bool:
+    def _has_key(self, request: web.BaseRequest) -> bool:
         scheme, _, brought = request.headers.get("Authorization", "").partition(" ")
         if scheme.casefold() != "bearer":
             offered = [each.strip() for each in request.headers.get("Sec-WebSocket-Protocol", "").split(",")]
@@ -461,12 +461,12 @@ class WebServer:
             max_msg_size=MOST_BYTES, heartbeat=HEARTBEAT, compress=False, timeout=1.0, protocols=(PROTOCOL,)
         )
         await ws.prepare(request)
-        self._server.keep(request)
+        self._server.release(request)
         client = Client(ws, request)
         self._clients.add(client)
         try:
             async for message in ws:
-                why = self._take(client, message.data) if message.type is WSMsgType.TEXT else "text expected"
+                why = self._handle_message(client, message.data) if message.type is WSMsgType.TEXT else "text expected"
                 if why:
                     self._refused += 1
                     await ws.send_str(json.dumps({"refused": why}))
@@ -476,10 +476,10 @@ class WebServer:
             self._clients.discard(client)
         return ws
 
-    def _take(self, client: Client, text: str) -> str:
+    def _handle_message(self, client: Client, text: str) -> str:
         """Send a message {"address": …, "values": […]} to the show; return the reason of a refusal, or an
         empty string."""
-        if not client.may(asyncio.get_running_loop().time()):
+        if not client.try_take(asyncio.get_running_loop().time()):
             return "too many messages at once"
         try:
             told = json.loads(text)
@@ -492,7 +492,7 @@ class WebServer:
         if isinstance(made, Rejection):
             return str(made)
         try:
-            self._out.sendto(encode(address, tuple(values)), self._show)
+            self._osc_socket.sendto(encode(address, tuple(values)), self._show)
         except (OSError, ValueError, OverflowError) as error:
             return f"the show does not receive: {error}"
         self._sent += 1
@@ -500,24 +500,24 @@ class WebServer:
 
     async def _stream(self) -> None:
         while True:
-            await asyncio.sleep(EVERY)
+            await asyncio.sleep(UPDATE_INTERVAL)
             for client in list(self._clients):
-                if client.due:
+                if client.pending:
                     try:
-                        await self._tell(client)
+                        await self._send_values(client)
                     except (ConnectionError, RuntimeError):  # disconnected
                         pass
                     except Exception as error:  # drop a client that cannot be updated
-                        FAULTS.note("telling one client", error)
+                        FAULTS.record("telling one client", error)
                         self._clients.discard(client)
 
-    async def _tell(self, client: Client) -> None:
+    async def _send_values(self, client: Client) -> None:
         """Send changed values: the first of a value that differs between groups; each of a named one."""
         transport = client.request.transport
-        if transport is None or transport.get_write_buffer_size() > BEHIND:
+        if transport is None or transport.get_write_buffer_size() > MAX_UNSENT_BYTES:
             return  # pings detect clients that are gone; the others do not wait
-        due, client.due = client.due, {}
-        told: dict[str, list[Plain]] = {}
+        due, client.pending = client.pending, {}
+        told: dict[str, list[ArgumentValue]] = {}
         for address in due:
             control = REGISTRY.find(address)
             if control is not None and control.named:
@@ -527,16 +527,16 @@ class WebServer:
         if told:
             await client.ws.send_str(json.dumps({"values": told}))
 
-    async def _say(self) -> None:
+    async def _report_status(self) -> None:
         while True:
             facts = {"pages": len(self._clients), "sent": self._sent, "refused": self._refused}
-            self._told.say(facts | {"wrong_keys": self._failed.count, "dropped": self._server.dropped})
-            await asyncio.sleep(SAY_EVERY)
+            self._channel.send_facts(facts | {"wrong_keys": self._failed.count, "dropped": self._server.dropped})
+            await asyncio.sleep(STATUS_INTERVAL)
 
 
-async def _run(told: Told) -> None:
+async def _run(told: HelperChannel) -> None:
     await WebServer(told).run()
 
 
 if __name__ == "__main__":
-    asyncio.run(_run(Told(int(sys.argv[1]))))
+    asyncio.run(_run(HelperChannel(int(sys.argv[1]))))

@@ -16,14 +16,14 @@ Bool = npt.NDArray[np.bool_]
 MOMENTS: Final = np.linspace(0.2, 0.8, 7)
 """Positions in the blend, from its beginning to the measure line, at which the rotations are compared; before and after
 them one of the two hardly counts."""
-LEAST_ROOT: Final = 0.3
+MIN_ROOT_COSINE: Final = 0.3
 """Cosine of half the maximum angle between the bodies: 145 degrees apart."""
-LEAST_CHORD: Final = 0.5
+MIN_CHORD: Final = 0.5
 """Minimum length of the mixture of two unit rotations; a shorter one swings round suddenly. It is 1 if they are equal,
 and 0 if they are opposite quaternions mixed half and half."""
 
 
-def blendable(library: StepLibrary, window: float, source: Int32, target: Int32, yaw: Float64) -> Bool:
+def can_blend(library: StepLibrary, window: float, source: Int32, target: Int32, yaw: Float64) -> Bool:
     """Whether measure `target` can follow `source` (E,) without a joint that spins in the blend, (E,).
 
     `window`: length of the blend as a share of the measure; `yaw` (E,) [rad]: rotation of the target's clip (K001).
@@ -40,8 +40,8 @@ def blendable(library: StepLibrary, window: float, source: Int32, target: Int32,
         np.ascontiguousarray(target, np.int32),
         np.ascontiguousarray(yaw, np.float64),
         weight,
-        LEAST_ROOT,
-        LEAST_CHORD,
+        MIN_ROOT_COSINE,
+        MIN_CHORD,
         out,
     )
     return out

@@ -36,7 +36,7 @@ _PRODUCTS: Final = 1 << 19
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Recorded:
+class PosedRecording:
     """A recording prepared for the search: T frames of J joints at BASE_RATE."""
 
     clip: Clip
@@ -46,12 +46,12 @@ class Recorded:
     """y [m], shape (T, J)."""
 
     @classmethod
-    def of(cls, clip: Clip) -> "Recorded":
+    def of(cls, clip: Clip) -> "PosedRecording":
         """Pose a whole recording."""
         count = int(clip.seconds * BASE_RATE + 1e-9) + 1
         pipeline = PosePipeline(count)
         pipeline.sample[0] = np.minimum(np.arange(count) * (clip.sample_rate / BASE_RATE), clip.sample_count - 1.0)
-        rotation = quaternion.continuous(clip.rotation).astype(np.float32)
+        rotation = quaternion.align_signs(clip.rotation).astype(np.float32)
         position, _ = pipeline.run(ClipStore.of(clip.root_position, rotation))
         floor = (position[..., 0] + 1j * position[..., 2]).astype(np.complex64)
         return cls(clip, floor, np.ascontiguousarray(position[..., 1]))
@@ -84,14 +84,14 @@ class Bridge:
 
 def find_bridges(
     graph: MotionGraph,
-    recordings: Sequence[Recorded],
+    recordings: Sequence[PosedRecording],
     source: int,
     target: int,
     *,
     measure_s: float,
     measures: int = 1,
     stretch: float = 0.15,
-    most: int = 5,
+    max_count: int = 5,
 ) -> list[Bridge]:
     """Return the `most` best bridges of `measures` from step `source` to `target`, best first, without overlaps.
 
@@ -116,7 +116,7 @@ def find_bridges(
         if len(recorded.floor) < frames + lengths[0]:
             continue
         (leave, out), (enter, into) = (_nearest(recorded, windows, metric) for windows in (after, before))
-        for frame, size in _best(leave, enter, lengths, most):
+        for frame, size in _best(leave, enter, lengths, max_count):
             line = frame + frames - 1  # the window before the measure line ends on it
             found.append(
                 Bridge(
@@ -124,7 +124,7 @@ def find_bridges(
                     int(begins[into[frame + size]]), float(leave[frame]), float(enter[frame + size]),
                 )
             )  # fmt: skip
-    return sorted(found, key=lambda bridge: bridge.cost)[:most]
+    return sorted(found, key=lambda bridge: bridge.cost)[:max_count]
 
 
 def _metric(metric: Metric, frames: int) -> Metric:
@@ -141,7 +141,7 @@ def _windows(library: StepLibrary, nodes: Int64, line: Float64, window: float, m
     return FlatClouds.of(clouds(library, np.maximum(samples, library.node_lead[nodes, None])), metric)
 
 
-def _nearest(recorded: Recorded, windows: FlatClouds, metric: Metric) -> tuple[Float64, Int64]:
+def _nearest(recorded: PosedRecording, windows: FlatClouds, metric: Metric) -> tuple[Float64, Int64]:
     """Return, for every window of a recording by its first frame, the distance [m] and index of the nearest cloud."""
     count = len(recorded.floor) - len(metric.window) + 1
     size = _sizes(recorded, metric)
@@ -167,7 +167,7 @@ def _stretches(track: npt.NDArray[Any], part: slice, frames: int) -> npt.NDArray
     return sliding_window_view(flat, frames * joints)[::joints]
 
 
-def _sizes(recorded: Recorded, metric: Metric) -> Float64:
+def _sizes(recorded: PosedRecording, metric: Metric) -> Float64:
     """Return |b|² + |y_b|² [m²] of the centred cloud of every window of a recording."""
     floor, height = recorded.floor.astype(np.complex128), recorded.height.astype(np.float64)
     squares = (np.abs(floor) ** 2 + height**2) @ metric.joint
@@ -177,17 +177,17 @@ def _sizes(recorded: Recorded, metric: Metric) -> Float64:
     return np.asarray(np.convolve(squares, window, "valid") - np.abs(centre) ** 2)
 
 
-def _best(leave: Float64, enter: Float64, lengths: Int64, most: int) -> list[tuple[int, int]]:
+def _best(begin_cost: Float64, end_cost: Float64, lengths: Int64, max_count: int) -> list[tuple[int, int]]:
     """Return first frames and lengths of the best stretches; none begins within half a length of a better one."""
-    count = len(leave)
+    count = len(begin_cost)
     cost, size = np.full(count, np.inf), np.zeros(count, np.int64)
     for length in lengths[lengths < count]:
-        both = np.maximum(leave[: count - length], enter[length:])
+        both = np.maximum(begin_cost[: count - length], end_cost[length:])
         better = both < cost[: count - length]
         cost[: count - length][better], size[: count - length][better] = both[better], length
     found: list[tuple[int, int]] = []
     apart = max(1, int(lengths[0]) // 2)
-    while len(found) < most:
+    while len(found) < max_count:
         frame = int(cost.argmin())
         if not np.isfinite(cost[frame]):
             break
@@ -211,7 +211,7 @@ def bridge_clip(library: StepLibrary, recording: Clip, bridge: Bridge, *, measur
     name = f"{before.step} to {after.step}"
     step = StepClip(
         step=name,
-        clip=_placed(recording, begin, end, round(start), f"{name}, {recording.name} from {bridge.start:.2f} s"),
+        clip=_cut_and_place(recording, begin, end, round(start), f"{name}, {recording.name} from {bridge.start:.2f} s"),
         first=start - begin,
         samples_per_measure=size,
         measures=measures,
@@ -224,7 +224,7 @@ def bridge_clip(library: StepLibrary, recording: Clip, bridge: Bridge, *, measur
     return replace(step, direction=measured_direction(step), distance_m=measured_distance(step))
 
 
-def _placed(clip: Clip, begin: int, end: int, at: int, name: str) -> Clip:
+def _cut_and_place(clip: Clip, begin: int, end: int, at: int, name: str) -> Clip:
     """Return samples `begin` to `end` (exclusive), moved so that at sample `at` the hips are at 0, facing +z."""
     x, _, z = quaternion.rotate(clip.rotation[at, 0].astype(np.float64), np.array((0.0, 0.0, 1.0)))
     turn = quaternion.from_axis_angle(np.array((0.0, 1.0, 0.0)), np.asarray(-math.atan2(x, z)))

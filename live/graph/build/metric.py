@@ -137,7 +137,7 @@ class FlatClouds:
         """Return the clouds of all parts, concatenated."""
         return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in cls.__slots__))
 
-    def chosen(self, index: npt.NDArray[np.int64]) -> "FlatClouds":
+    def select(self, index: npt.NDArray[np.int64]) -> "FlatClouds":
         """Return the clouds `index` (M,), in order; views if the indices are consecutive."""
         if len(index) and index[-1] - index[0] == len(index) - 1:
             part: Any = slice(int(index[0]), int(index[-1]) + 1)

@@ -17,13 +17,13 @@ _TWO: Any = np.float32(2.0)
 
 
 @kernel("i8(c8[:,::1],f4[:,::1],f4[::1],f4[::1],f4,f4,i4[:,::1],i4[:,::1],i4[::1],i4[::1])")
-def sieve_block(
+def filter_block(
     product: Complex64,
     height: Float32,
     size_a: Float32,
     size_b: Float32,
     limit: float,
-    doubt: float,
+    tolerance: float,
     codes_a: Int32,
     codes_b: Int32,
     out_row: Int32,
@@ -43,7 +43,7 @@ def sieve_block(
             z = product[i, j]
             height[i, j] = a + size_b[j] - _TWO * (np.sqrt(z.real * z.real + z.imag * z.imag) + height[i, j])
         for j in range(product.shape[1]):
-            if height[i, j] > limit + doubt * (a + size_b[j]):
+            if height[i, j] > limit + tolerance * (a + size_b[j]):
                 continue
             end, begin = codes_a[i, 0], codes_b[j, 0]
             if end != begin and end >= 0 and begin >= 0:

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from live.graph.build.transitions import all_pairs, transition_windows
 from live.graph.motion_graph import MotionGraph
-from live.graph.transition_rules import begun_side, plain_pose
+from live.graph.transition_rules import initial_side, plain_pose
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
@@ -16,7 +16,7 @@ Bool = npt.NDArray[np.bool_]
 
 _ROWS: Final = 512
 """Nodes compared with all others at once."""
-_RULE: Final = 1e3
+_RULE_COST: Final = 1e3
 """Cost of a broken structure rule: more than any distance [m]."""
 
 
@@ -29,7 +29,7 @@ class NearestPair:
         clips = [library.clips[clip] for clip in library.node_clip]
         self._end = np.array([plain_pose(clip.end_pose) for clip in clips])
         self._begin = np.array([plain_pose(clip.begin_pose) for clip in clips])
-        self._side = np.array([begun_side(clip) for clip in clips])
+        self._side = np.array([initial_side(clip) for clip in clips])
         self._transfers = np.array([clip.weight_transfer for clip in clips])
         self._clouds: tuple[Float64, Float64] | None = None
         self._known: dict[bytes, tuple[int, int]] = {}
@@ -59,7 +59,7 @@ class NearestPair:
         for begin in range(0, len(last), _ROWS):
             rows = last[begin : begin + _ROWS]
             distance = all_pairs(ends[rows], starts[first], self._graph.rule.metric).distance
-            worth = distance + _RULE * self._clashes(rows, first) + _RULE * self._repeats(rows, first)
+            worth = distance + _RULE_COST * self._clashes(rows, first) + _RULE_COST * self._repeats(rows, first)
             u, v = np.unravel_index(np.argmin(worth), worth.shape)
             if worth[u, v] < best:
                 best, pair, nearest = float(worth[u, v]), (int(rows[u]), int(first[v])), float(distance[u, v])

@@ -13,22 +13,22 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.build.metric import FlatClouds
-from live.graph.build.metric_kernels import pair_products, sieve_block
+from live.graph.build.metric_kernels import filter_block, pair_products
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 Complex = npt.NDArray[np.complex128]
 
-MOST_PAIRS: Final = 16_000_000
+MAX_PAIRS: Final = 16_000_000
 """Maximum edges of a graph: more would fill the memory (36 bytes each, twice during construction)."""
 _BLOCK_PAIRS: Final = 1 << 21
 """Pairs of a block: about 24 MB in single precision."""
-_DOUBT: Final = 4e-6
+_TOLERANCE: Final = 4e-6
 """Error of the filter's squared distances as a share of the clouds' sizes: 30 times that of single precision."""
-_DENSE: Final = 0.1
+_DENSE_SHARE: Final = 0.1
 """If a larger share of a block passes, a full product in double precision is cheaper than single pairs."""
-_FEW: Final = 1 << 16
+_MAX_UNFILTERED: Final = 1 << 16
 """Up to this many pairs are computed one by one, so that inserting a take does not start BLAS threads."""
 
 
@@ -51,28 +51,28 @@ def near_pairs(first: FlatClouds, second: FlatClouds, threshold: float, codes: t
     """
     if not (len(first) and len(second)):
         return Pairs(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros(0), np.zeros((0, 3)))
-    if len(first) * len(second) <= _FEW:
+    if len(first) * len(second) <= _MAX_UNFILTERED:
         row, column = (one.reshape(-1).astype(np.int32) for one in np.indices((len(first), len(second))))
         fits = _agree(codes[0][row], codes[1][column])
         row, column = row[fits], column[fits]
-        return _within(first, second, row, column, threshold, *_one_by_one(first, second, row, column))
+        return _within(first, second, row, column, threshold, *_pair_products(first, second, row, column))
     rows = max(1, _BLOCK_PAIRS // len(second))
-    sieve = _Sieve(first, second, threshold, codes, min(rows, len(first)))
+    sieve = _PairFilter(first, second, threshold, codes, min(rows, len(first)))
     parts = []
     total = 0
     for begin in range(0, len(first), rows):
         part = sieve.block(begin, min(begin + rows, len(first)))
         parts.append(part)
         total += len(part.row)
-        if total > MOST_PAIRS:
+        if total > MAX_PAIRS:
             raise ValueError(
-                f"more than {MOST_PAIRS:,} pairs of measures are within {threshold:g} m of each other: "
+                f"more than {MAX_PAIRS:,} pairs of measures are within {threshold:g} m of each other: "
                 "lower the threshold, or leave measures out that are alike"
             )
     return Pairs(*(np.concatenate([getattr(part, name) for part in parts]) for name in Pairs.__slots__))
 
 
-class _Sieve:
+class _PairFilter:
     """The second clouds in single precision, and buffers for the pairs of one block of the first."""
 
     def __init__(
@@ -86,13 +86,13 @@ class _Sieve:
     def block(self, begin: int, end: int) -> Pairs:
         """Return pairs of the rows `begin` to `end` (exclusive)."""
         a, b, part = self._first, self._second, slice(begin, end)
-        count = sieve_block(
+        count = filter_block(
             a.coarse_floor[part].conj() @ self._floor,
             a.coarse_height[part] @ self._height,
             a.coarse_size[part],
             b.coarse_size,
             self._threshold**2,
-            _DOUBT,
+            _TOLERANCE,
             np.ascontiguousarray(self._codes[0][part]),
             self._codes[1],
             self._out[0],
@@ -103,11 +103,11 @@ class _Sieve:
 
     def _exact(self, row: Int32, column: Int32, part: slice) -> tuple[Complex, Float64]:
         a, b = self._first, self._second
-        if len(row) > _DENSE * (part.stop - part.start) * len(b):
+        if len(row) > _DENSE_SHARE * (part.stop - part.start) * len(b):
             own = row - np.int32(part.start)
             product = (a.floor[part].conj() @ b.floor.T)[own, column]
             return product, (a.height[part] @ b.height.T)[own, column]
-        return _one_by_one(a, b, row, column)
+        return _pair_products(a, b, row, column)
 
 
 def _agree(leaving: Int32, entering: Int32) -> Bool:
@@ -116,7 +116,7 @@ def _agree(leaving: Int32, entering: Int32) -> Bool:
     return np.asarray(poses & ~((leaving[:, 1] == entering[:, 1]) & (leaving[:, 1] >= 0)))
 
 
-def _one_by_one(a: FlatClouds, b: FlatClouds, row: Int32, column: Int32) -> tuple[Complex, Float64]:
+def _pair_products(a: FlatClouds, b: FlatClouds, row: Int32, column: Int32) -> tuple[Complex, Float64]:
     product, height = np.empty(len(row), np.complex128), np.empty(len(row))
     pair_products(a.floor, a.height, b.floor, b.height, row, column, product, height)
     return product, height

@@ -18,7 +18,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.build.blend_feasibility import blendable
+from live.graph.build.blend_feasibility import can_blend
 from live.graph.build.metric import WINDOW_SAMPLES, FlatClouds, Metric, joint_weights, window_weights
 from live.graph.build.nearest_pairs import aligned, near_pairs
 from live.graph.step_library import StepLibrary, travel_of, window_samples
@@ -91,7 +91,7 @@ _NODES: Final = 1024
 
 
 @dataclass(frozen=True, slots=True)
-class JoinRule:
+class JoinSettings:
     """Settings for joins and edges."""
 
     window: float = 0.1875
@@ -118,9 +118,9 @@ class Joins:
         """Return the joins between nodes that are `alive` (N,)."""
         if alive.all():
             return self
-        return self.chosen(alive[self.source] & alive[self.target])
+        return self.select(alive[self.source] & alive[self.target])
 
-    def chosen(self, kept: Bool) -> "Joins":
+    def select(self, kept: Bool) -> "Joins":
         """Return the joins that are `kept` (E,)."""
         return Joins(self.source[kept], self.target[kept], self.cost[kept], self.transform[kept])
 
@@ -135,7 +135,7 @@ class Boundaries:
     """Clouds of the `window` before each measure."""
 
     @classmethod
-    def of(cls, library: StepLibrary, rule: JoinRule) -> "Boundaries":
+    def of(cls, library: StepLibrary, rule: JoinSettings) -> "Boundaries":
         """Compute the clouds of all nodes of a library."""
         return cls(window_clouds(library, library.node_last, rule), window_clouds(library, library.node_first, rule))
 
@@ -144,7 +144,7 @@ class Boundaries:
         return Boundaries(FlatClouds.joined([self.ends, other.ends]), FlatClouds.joined([self.starts, other.starts]))
 
 
-def find_joins(library: StepLibrary, boundaries: Boundaries, rule: JoinRule) -> Joins:
+def find_joins(library: StepLibrary, boundaries: Boundaries, rule: JoinSettings) -> Joins:
     """Return all joins of a library; within a step of several measures each leads only to the next (T039)."""
     everything = np.arange(library.node_count)
     codes = structure_codes(library)
@@ -152,7 +152,7 @@ def find_joins(library: StepLibrary, boundaries: Boundaries, rule: JoinRule) -> 
     return _merged(_between(library, boundaries, codes, rule, everything, everything), inner, library.node_count)
 
 
-def joins_with(library: StepLibrary, boundaries: Boundaries, joins: Joins, old: int, rule: JoinRule) -> Joins:
+def extend_joins(library: StepLibrary, boundaries: Boundaries, joins: Joins, old: int, rule: JoinSettings) -> Joins:
     """Return the joins of a library whose first `old` nodes have `joins`; the result is that of `find_joins`.
 
     Only pairs with a new node are compared: 2N distances per new node instead of N² in all.
@@ -173,23 +173,23 @@ def _inner(library: StepLibrary, nodes: Int64) -> Joins:
 
 
 def _between(
-    library: StepLibrary, boundaries: Boundaries, codes: StructureCodes, rule: JoinRule, first: Int64, second: Int64
+    library: StepLibrary, boundaries: Boundaries, codes: StructureCodes, rule: JoinSettings, first: Int64, second: Int64
 ) -> Joins:
     """Return joins from the nodes `first` that end a step to the nodes `second` that begin one; both are ranges."""
     leaves = first[library.node_measure[first] == library.node_measures[first] - 1]
     enters = second[library.node_measure[second] == 0]
     pairs = near_pairs(
-        boundaries.ends.chosen(leaves),
-        boundaries.starts.chosen(enters),
+        boundaries.ends.select(leaves),
+        boundaries.starts.select(enters),
         rule.threshold,
         (codes.leaving[leaves], codes.entering[enters]),
     )
     source, target = leaves[pairs.row].astype(np.int32), enters[pairs.column].astype(np.int32)
-    good = blendable(library, rule.window, source, target, pairs.motion[:, 2])
+    good = can_blend(library, rule.window, source, target, pairs.motion[:, 2])
     return Joins(source[good], target[good], pairs.distance[good], pairs.motion[good])
 
 
-def window_clouds(library: StepLibrary, line: Float64, rule: JoinRule) -> FlatClouds:
+def window_clouds(library: StepLibrary, line: Float64, rule: JoinSettings) -> FlatClouds:
     """Return clouds of the window before the samples `line` (N,), some nodes at a time."""
     parts = []
     for begin in range(0, library.node_count, _NODES):
@@ -218,7 +218,7 @@ SWEEPS: Final = 2
 _BLOCK: Final = 256
 
 
-def retimed(library: StepLibrary, rule: JoinRule, interval: float) -> StepLibrary:
+def retime_library(library: StepLibrary, rule: JoinSettings, interval: float) -> StepLibrary:
     """Move the ends and beginnings of a library's steps by up to `interval` (a share of the measure).
 
     In turn, each end moves to where it is nearest to the current beginnings, and each beginning likewise. The objective
@@ -237,11 +237,11 @@ def retimed(library: StepLibrary, rule: JoinRule, interval: float) -> StepLibrar
     out, into = np.zeros(len(leaves), np.int64), np.zeros(len(enters), np.int64)
     allowed = _Allowed(library, leaves, enters)
     for _ in range(SWEEPS):
-        out = _gains(ends, _picked(begins, into), rule.threshold, allowed, turned=False).argmax(axis=0)
-        into = _gains(begins, _picked(ends, out), rule.threshold, allowed, turned=True).argmax(axis=0)
+        out = _offset_scores(ends, _select_offsets(begins, into), rule.threshold, allowed, turned=False).argmax(axis=0)
+        into = _offset_scores(begins, _select_offsets(ends, out), rule.threshold, allowed, turned=True).argmax(axis=0)
     first, last = library.node_first.copy(), library.node_last.copy()
-    last[leaves] = _moved(library, leaves, library.node_last, shares[out])
-    first[enters] = _moved(library, enters, library.node_first, shares[into])
+    last[leaves] = _shift_lines(library, leaves, library.node_last, shares[out])
+    first[enters] = _shift_lines(library, enters, library.node_first, shares[into])
     return replace(library, node_first=first, node_last=last, node_travel=travel_of(library.clip_root, first, last))
 
 
@@ -258,7 +258,7 @@ class _Allowed:
         return may_follow_between(self._library, self._first[part], self._second)
 
 
-def _moved(library: StepLibrary, nodes: Int64, line: Float64, share: Float64) -> Float64:
+def _shift_lines(library: StepLibrary, nodes: Int64, line: Float64, share: Float64) -> Float64:
     """Return the samples `line` of some nodes, moved by a share of the measure, within their clips."""
     ends = np.array([library.clips[clip].clip.sample_count - 1.0 for clip in library.node_clip[nodes]])
     size = library.node_last[nodes] - library.node_first[nodes]
@@ -266,22 +266,24 @@ def _moved(library: StepLibrary, nodes: Int64, line: Float64, share: Float64) ->
     return np.asarray(np.clip(line[nodes] + share * size, low, low + ends))
 
 
-def _clouds(library: StepLibrary, nodes: Int64, line: Float64, rule: JoinRule, shares: Float64) -> list[FlatClouds]:
+def _clouds(library: StepLibrary, nodes: Int64, line: Float64, rule: JoinSettings, shares: Float64) -> list[FlatClouds]:
     """Return clouds of the windows before the lines of some nodes, for every share by which they may be moved."""
     found = []
     for share in shares:
         moved = line.copy()
-        moved[nodes] = _moved(library, nodes, line, np.full(len(nodes), share))
-        found.append(window_clouds(library, moved, rule).chosen(nodes))
+        moved[nodes] = _shift_lines(library, nodes, line, np.full(len(nodes), share))
+        found.append(window_clouds(library, moved, rule).select(nodes))
     return found
 
 
-def _picked(clouds: list[FlatClouds], choice: Int64) -> FlatClouds:
+def _select_offsets(clouds: list[FlatClouds], choice: Int64) -> FlatClouds:
     """Return for every node the cloud of its chosen offset."""
     return FlatClouds.joined([clouds[number].chosen(np.array([n])) for n, number in enumerate(choice)])
 
 
-def _gains(own: list[FlatClouds], other: FlatClouds, threshold: float, allowed: _Allowed, turned: bool) -> Float64:
+def _offset_scores(
+    own: list[FlatClouds], other: FlatClouds, threshold: float, allowed: _Allowed, turned: bool
+) -> Float64:
     """Return how near each node is to all others with each offset, (OFFSETS, N)."""
     gains = np.zeros((len(own), len(own[0])))
     for number, flat in enumerate(own):

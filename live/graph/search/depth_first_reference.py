@@ -5,12 +5,12 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.search.sequence_spec import Specification
+from live.graph.search.sequence_spec import SequenceSpec
 from live.graph.search.viterbi import Edges
 
 Int32 = npt.NDArray[np.int32]
 
-BUDGET: Final = 1_000_000
+NODE_BUDGET: Final = 1_000_000
 """Nodes visited before the search gives up: about a second."""
 
 
@@ -20,10 +20,10 @@ class SearchTooLong(ValueError):
 
 def depth_first(
     edges: Edges,
-    specification: Specification,
+    specification: SequenceSpec,
     *,
     start: int | None = None,
-    budget: int = BUDGET,
+    budget: int = NODE_BUDGET,
     rejected: list[tuple[int, ...]] | None = None,
 ) -> Int32 | None:
     """Return the first dance without a wrong measure, as nodes (M,); None if there is none.
@@ -33,7 +33,7 @@ def depth_first(
     `budget` nodes. `rejected` receives the rejected paths, in order.
     """
     measures = specification.measures
-    roots = np.flatnonzero(specification.enters) if start is None else _followers(edges, start)
+    roots = np.flatnonzero(specification.enters) if start is None else _successors(edges, start)
     waiting = [list(roots[::-1])]
     path: list[int] = []
     looked_at = 0
@@ -58,9 +58,9 @@ def depth_first(
         if last:
             return np.array([*path, node], np.int32)
         path.append(node)
-        waiting.append(list(_followers(edges, node)[::-1]))
+        waiting.append(list(_successors(edges, node)[::-1]))
     return None
 
 
-def _followers(edges: Edges, node: int) -> Int32:
+def _successors(edges: Edges, node: int) -> Int32:
     return np.asarray(edges.target[edges.start[node] : edges.start[node + 1]])

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
 from live.graph.search.sequence import edges_of, find_sequence
-from live.graph.search.sequence_spec import Specification, Wanted, specify
+from live.graph.search.sequence_spec import SequenceEntry, SequenceSpec, specify
 from live.graph.search.viterbi import CostToGo, Edges
 
 Float64 = npt.NDArray[np.float64]
@@ -23,7 +23,7 @@ HORIZON: Final = 8
 """Measures that a live search looks ahead."""
 
 
-def plan_from(graph: MotionGraph, node: int, wanted: Sequence[Wanted], *, horizon: int = HORIZON) -> Int32:
+def plan_from(graph: MotionGraph, node: int, wanted: Sequence[SequenceEntry], *, horizon: int = HORIZON) -> Int32:
     """Return the next `horizon` nodes of a dancer in `node`: the rest of the step, then `wanted`, then any steps.
 
     O(horizon · E). The last step may extend beyond the horizon. NoPath if nothing can follow.
@@ -32,14 +32,14 @@ def plan_from(graph: MotionGraph, node: int, wanted: Sequence[Wanted], *, horizo
     rest = np.arange(node + 1, node + 1 + min(left, horizon), dtype=np.int32)
     if len(rest) == horizon:
         return rest
-    specification = _within(graph, wanted, horizon - left)
+    specification = _with_horizon(graph, wanted, horizon - left)
     path = find_sequence(graph, specification, start=node + left)
     return np.concatenate([rest, path.node])
 
 
-def _within(graph: MotionGraph, wanted: Sequence[Wanted], horizon: int) -> Specification:
+def _with_horizon(graph: MotionGraph, wanted: Sequence[SequenceEntry], horizon: int) -> SequenceSpec:
     """Return the specification of exactly `horizon` measures: longer ones are cut, shorter ones end with any steps."""
-    entries: list[Wanted] = []
+    entries: list[SequenceEntry] = []
     measures = 0
     for entry in wanted:
         if measures >= horizon:
@@ -47,8 +47,13 @@ def _within(graph: MotionGraph, wanted: Sequence[Wanted], horizon: int) -> Speci
         entries.append(entry)
         measures += entry.measures
     # if cut in the middle of a step, the dance need not end a step
-    full = specify(graph.library, [*entries, *[Wanted(None)] * max(horizon - measures, 1)])
-    return replace(full, kind=full.kind[:horizon], entry=full.entry[:horizon], leaves=np.ones_like(full.leaves))
+    full = specify(graph.library, [*entries, *[SequenceEntry(None)] * max(horizon - measures, 1)])
+    return replace(
+        full,
+        set_index=full.set_index[:horizon],
+        entry_index=full.entry_index[:horizon],
+        leaves=np.ones_like(full.leaves),
+    )
 
 
 class LiveSequence:
@@ -61,17 +66,17 @@ class LiveSequence:
     """
 
     def __init__(
-        self, graph: MotionGraph, wanted: Sequence[Wanted], *, horizon: int = HORIZON, edges: Edges | None = None
+        self, graph: MotionGraph, wanted: Sequence[SequenceEntry], *, horizon: int = HORIZON, edges: Edges | None = None
     ) -> None:
         """`edges`: those of the graph, if several searches share them."""
         self._graph = graph
         self._edges = edges_of(graph) if edges is None else edges
         self._horizon = horizon
         self._wanted = list(wanted)
-        self._into = 0
+        self._measures_done = 0
 
     @property
-    def coming(self) -> tuple[Wanted, ...]:
+    def remaining(self) -> tuple[SequenceEntry, ...]:
         """Return the remaining entries, including the current one."""
         return tuple(self._wanted)
 
@@ -80,33 +85,33 @@ class LiveSequence:
         """The step of the next measure; None: any, or the sequence has ended."""
         return self._wanted[0].step if self._wanted else None
 
-    def extend(self, wanted: Sequence[Wanted]) -> None:
+    def extend(self, wanted: Sequence[SequenceEntry]) -> None:
         """Append entries to the sequence."""
         self._wanted += wanted
 
-    def replace(self, wanted: Sequence[Wanted]) -> None:
+    def replace(self, wanted: Sequence[SequenceEntry]) -> None:
         """Replace the sequence from the next unchosen measure on; a step that has begun is danced to its end."""
-        kept = self._wanted[:1] if self._into else []
+        kept = self._wanted[:1] if self._measures_done else []
         self._wanted = [*kept, *wanted]
 
     def advance(self) -> None:
         """Advance by one measure, after the next one has been chosen."""
         if not self._wanted:
             return
-        self._into += 1
-        if self._into >= self._wanted[0].measures:
+        self._measures_done += 1
+        if self._measures_done >= self._wanted[0].measures:
             self._wanted.pop(0)
-            self._into = 0
+            self._measures_done = 0
 
-    def ahead(self) -> Float64:
+    def costs_ahead(self) -> Float64:
         """Return the number of wrong measures within the horizon if each node is danced next, (N,); inf: impossible.
 
         The fraction (below 1) is the roughness of the joins, so nodes are compared by both.
         """
-        costs = self._costs(self._wanted, self._into)
+        costs = self._costs(self._wanted, self._measures_done)
         return costs.layer(0) / costs.unit
 
-    def ask(self, wanted: Sequence[Wanted], nodes: Int32, *, patience: int = 2) -> int | None:
+    def feasible_delay(self, wanted: Sequence[SequenceEntry], nodes: Int32, *, max_delay: int = 2) -> int | None:
         """Return after how many free measures, at most `patience`, dancers in `nodes` (A,) can dance `wanted`.
 
         None if that is not possible for all of them: the current sequence should then be kept, and
@@ -114,8 +119,8 @@ class LiveSequence:
         """
         library = self._graph.library
         at = nodes + library.node_measures[nodes] - 1 - library.node_measure[nodes]
-        for wait in range(patience + 1):
-            costs = self._costs([*[Wanted(None)] * wait, *wanted], 0)
+        for wait in range(max_delay + 1):
+            costs = self._costs([*[SequenceEntry(None)] * wait, *wanted], 0)
             value = costs.layer(0)
             best = [
                 value[self._edges.target[self._edges.start[n] : self._edges.start[n + 1]]].min(initial=np.inf)
@@ -125,7 +130,7 @@ class LiveSequence:
                 return wait
         return None
 
-    def _costs(self, wanted: Sequence[Wanted], into: int) -> CostToGo:
-        spec = _within(self._graph, wanted, self._horizon + into)
-        spec = replace(spec, kind=spec.kind[into:], entry=spec.entry[into:])
+    def _costs(self, wanted: Sequence[SequenceEntry], into: int) -> CostToGo:
+        spec = _with_horizon(self._graph, wanted, self._horizon + into)
+        spec = replace(spec, set_index=spec.set_index[into:], entry_index=spec.entry_index[into:])
         return CostToGo(self._edges, spec, wrong=True)

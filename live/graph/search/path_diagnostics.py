@@ -15,10 +15,10 @@ from live.graph.motion_graph import MotionGraph
 from live.graph.search.path_following import FollowedPath, Targets
 from live.graph.search.sequence import edges_of
 from live.graph.search.sequence_diagnostics import Gap, find_gaps
-from live.graph.search.sequence_spec import LEADING, Specification, Wanted
+from live.graph.search.sequence_spec import LEADING_FOOT, SequenceEntry, SequenceSpec
 from live.graph.select.candidates import Candidates, turn_vectors
 from live.graph.select.reachability import DIRECTION_NAMES, direction_of, reach_of
-from live.graph.transition_rules import begun_side
+from live.graph.transition_rules import initial_side
 from live.motion.step_clip import StepClip
 
 Float64 = npt.NDArray[np.float64]
@@ -31,7 +31,7 @@ _NO_TRAVEL: Final = 0.02
 
 
 @dataclass(frozen=True, slots=True)
-class Lack:
+class PathProblem:
     """One thing that the recordings do not allow."""
 
     step: str
@@ -43,7 +43,7 @@ class Lack:
     """Text for the choreographer, with the remedy."""
 
 
-def path_lacks(
+def path_problems(
     graph: MotionGraph,
     candidates: Candidates,
     targets: Targets,
@@ -51,7 +51,7 @@ def path_lacks(
     *,
     seconds: float,
     threshold: float = THRESHOLD,
-) -> list[Lack]:
+) -> list[PathProblem]:
     """Return the reasons why a dancer is farther than `threshold` [m] from their places; [] if they never are.
 
     First come the steps for which the whole path is too fast, each with the speed that is possible; then, where the
@@ -61,11 +61,11 @@ def path_lacks(
         return []
     library = graph.library
     steps = library.node_step[followed.node]
-    lacks: list[Lack] = []
+    lacks: list[PathProblem] = []
     slow: set[int] = set()
     for step in sorted(set(steps.tolist())):
-        most = reach_of(graph, candidates, step, seconds).most  # without turns: a spin does not travel
-        mean = float(targets.ways[steps == step].mean())
+        most = reach_of(graph, candidates, step, seconds).max_travel  # without turns: a spin does not travel
+        mean = float(targets.distances[steps == step].mean())
         if mean > most:
             slow.add(step)
             lacks.append(_too_fast(library.steps[step], mean, most, np.flatnonzero(steps == step), targets))
@@ -74,20 +74,20 @@ def path_lacks(
 
 def _too_fast(
     step: str, mean: float, most: float, measures: npt.NDArray[np.int64], targets: Targets
-) -> Lack:  # fmt: skip
+) -> PathProblem:  # fmt: skip
     told = f"the path goes {mean:.2f} m a measure, but {step!r} travels {most:.2f} m at most"
     if most < _NO_TRAVEL:
         remedy = f"record {step!r} with travel, or choose a step that travels"
     else:
-        needed = int(np.ceil(targets.ways[measures].sum() / most))
+        needed = int(np.ceil(targets.distances[measures].sum() / most))
         remedy = f"give this path {needed} measures instead of {len(measures)}, or choose a step that travels farther"
-    return Lack(step, "", tuple((measures + 1).tolist()), f"{told}: {remedy}")
+    return PathProblem(step, "", tuple((measures + 1).tolist()), f"{told}: {remedy}")
 
 
 def _directions(
     graph: MotionGraph, candidates: Candidates, targets: Targets, followed: FollowedPath, seconds: float,
     threshold: float, slow: set[int],
-) -> list[Lack]:  # fmt: skip
+) -> list[PathProblem]:  # fmt: skip
     """Return, per step and direction in which the error grew beyond the threshold, the longest distance wanted."""
     library, steps = graph.library, graph.library.node_step[followed.node]
     before = np.concatenate(([0.0], followed.error[:-1]))
@@ -100,7 +100,7 @@ def _directions(
         heading = targets.heading[n : n + 1]
         wanted = turn_vectors(targets.place[n + 1 : n + 2] - place[n : n + 1], -heading)[0]
         # the missing step goes a little farther than the path; it need not make up for the whole error at once
-        longest = min(float(np.hypot(*wanted)), CATCH_UP * max(float(targets.ways[n]), threshold))
+        longest = min(float(np.hypot(*wanted)), CATCH_UP * max(float(targets.distances[n]), threshold))
         found.setdefault((int(steps[n]), direction_of(wanted)), []).append((int(n) + 1, longest))
     lacks = []
     for (step, direction), rows in found.items():
@@ -119,7 +119,7 @@ def _directions(
             )
         else:
             text += f"which travels {direction} far enough, but not after the step before: give the turn more measures"
-        lacks.append(Lack(name, direction, measures, text))
+        lacks.append(PathProblem(name, direction, measures, text))
     return lacks
 
 
@@ -129,7 +129,7 @@ def _listed(measures: tuple[int, ...]) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Missing:
+class MissingMotion:
     """A join or a variation that a dance lacks."""
 
     measure: int
@@ -150,52 +150,52 @@ class Missing:
         return {"from": self.source, "to": self.target, "needs": self.needs}
 
 
-def find_missing(graph: MotionGraph, specification: Specification, *, start: int | None = None) -> list[Missing]:
+def find_missing(graph: MotionGraph, specification: SequenceSpec, *, start: int | None = None) -> list[MissingMotion]:
     """Return the fewest joins and clips that would make a sequence possible; empty if it is possible.
 
     Each is named once, where it is first needed.
     """
-    words = _Words(graph, specification)
-    found: dict[tuple[str | None, str | None, str], Missing] = {}
+    words = _GapExplainer(graph, specification)
+    found: dict[tuple[str | None, str | None, str], MissingMotion] = {}
     for gap in find_gaps(edges_of(graph), specification, words.pairs.find, start=start):
-        one = words.tell(gap)
+        one = words.explain(gap)
         found.setdefault((one.source, one.target, one.needs), one)
     return list(found.values())
 
 
-class _Words:
+class _GapExplainer:
     """Formatter of the remedies for gaps."""
 
-    def __init__(self, graph: MotionGraph, specification: Specification) -> None:
+    def __init__(self, graph: MotionGraph, specification: SequenceSpec) -> None:
         self._library = graph.library
         self._spec = specification
         self._threshold = graph.rule.threshold
         self.pairs = NearestPair(graph)
 
-    def tell(self, gap: Gap) -> Missing:
+    def explain(self, gap: Gap) -> MissingMotion:
         """Return a gap with its explanation."""
-        number = int(self._spec.entry[gap.measure])
-        entry = self._spec.wanted[number]
+        number = int(self._spec.entry_index[gap.measure])
+        entry = self._spec.entries[number]
         target = None if entry.step is None else self._library.steps[entry.step]
         if gap.pair is None:
-            before = self._spec.wanted[number - 1].step if number else None
+            before = self._spec.entries[number - 1].step if number else None
             source = None if before is None else self._library.steps[before]
-            return Missing(gap.measure + 1, source, target, self._no_clip(entry, gap))
+            return MissingMotion(gap.measure + 1, source, target, self._no_clip(entry, gap))
         u, v = gap.pair
         source, distance = self._step(u), self.pairs.distance[gap.pair]
         needs = self._no_join(u, v, entry, distance)
-        return Missing(gap.measure + 1, source, target, needs, gap.pair, distance)
+        return MissingMotion(gap.measure + 1, source, target, needs, gap.pair, distance)
 
-    def _no_clip(self, entry: Wanted, gap: Gap) -> str:
+    def _no_clip(self, entry: SequenceEntry, gap: Gap) -> str:
         if entry.step is None or gap.has_clip:
             name = "the dance ends" if entry.step is None else f"{self._library.steps[entry.step]} begins"
             return f"no step is short enough to end where {name}: record one of 1 measure"
-        words = self._way(entry)
+        words = self._travel_clauses(entry)
         if not words:  # the step exists, but all its clips were left out because of the leading foot (T134)
             words = ["leads with the right foot where it travels left, or with the left where it travels right"]
         return f"no {self._library.steps[entry.step]}{_clauses(words)}: record one"
 
-    def _no_join(self, u: int, v: int, entry: Wanted, distance: float) -> str:
+    def _no_join(self, u: int, v: int, entry: SequenceEntry, distance: float) -> str:
         a, b = self._step(u), "step" if entry.step is None else self._step(v)
         clauses, or_else = [], ""
         if self.pairs.poses_clash(u, v):
@@ -203,26 +203,26 @@ class _Words:
             clauses.append(f"starts in {end}")
             or_else = f" (or {a} that ends in {begin})"
         if self.pairs.repeats(u, v):
-            other = LEADING.get(begun_side(self._clip(u)))
+            other = LEADING_FOOT.get(initial_side(self._clip(u)))
             clauses.append("is begun on the other side" if other is None else f"is begun with the {other} foot")
             or_else = or_else or " (its mirror image will do)"
         if clauses:
-            return f"no {b}{_clauses([*clauses, *self._way(entry)])}: record one{or_else}"
+            return f"no {b}{_clauses([*clauses, *self._travel_clauses(entry)])}: record one{or_else}"
         join = f"{self._library.describe(u)!r} and {self._library.describe(v)!r}"
         if distance <= self._threshold:
             return f"{join} would fit, but the graph leaves that join out: look at `live steps check`"
         allow = math.ceil(distance * 100.0) / 100.0
         return (
-            f"no {b}{_clauses([f'begins as {a} ends', *self._way(entry)])}: record one, or allow {allow:.2f} m; "
+            f"no {b}{_clauses([f'begins as {a} ends', *self._travel_clauses(entry)])}: record one, or allow {allow:.2f} m; "
             f"the nearest, {join}, are {100.0 * distance:.0f} cm apart where {100.0 * self._threshold:.0f} cm may be"
         )
 
-    def _way(self, entry: Wanted) -> list[str]:
+    def _travel_clauses(self, entry: SequenceEntry) -> list[str]:
         """Return clauses for its direction and leading foot."""
-        if not entry.way:
+        if not entry.direction:
             return []
-        words = ["is danced in place" if entry.way == "in place" else f"travels {entry.way}"]
-        foot = LEADING.get(entry.way.split()[-1])
+        words = ["is danced in place" if entry.direction == "in place" else f"travels {entry.direction}"]
+        foot = LEADING_FOOT.get(entry.direction.split()[-1])
         if self._spec.foot_rule and foot is not None:
             words.append(f"leads with the {foot} foot")
         return words

@@ -19,14 +19,22 @@ import numpy.typing as npt
 from live.base.errors import PersonError
 from live.graph.motion_graph import MotionGraph
 from live.graph.search.sequence_diagnostics import cost_to_go, wrong_steps
-from live.graph.select.candidates import Candidates, begun, find_candidates, joined, next_axes, turn_vectors, wrapped
+from live.graph.select.candidates import (
+    Candidates,
+    find_candidates,
+    following_placement,
+    next_axes,
+    starting_placement,
+    turn_vectors,
+    wrap_angle,
+)
 
 Float64 = npt.NDArray[np.float64]
 
-MOST_POINTS: Final = 100_000
-FARTHEST: Final = 1000.0
+MAX_POINTS: Final = 100_000
+MAX_COORDINATE: Final = 1000.0
 """A place farther than this [m] from the centre of the stage is treated as a typing error."""
-STILL: Final = 1e-3
+MIN_DISTANCE: Final = 1e-3
 """A path shorter than this [m] has no direction."""
 Facing = Literal["public", "path"]
 
@@ -46,7 +54,7 @@ class Targets:
         return len(self.place) - 1
 
     @property
-    def ways(self) -> Float64:
+    def distances(self) -> Float64:
         """Return the straight distance of each measure [m], shape (N,)."""
         return np.asarray(np.hypot(*np.diff(self.place, axis=0).T), np.float64)
 
@@ -59,8 +67,8 @@ class Targets:
 def read_path(text: str) -> Float64:
     """Parse the points (K, 2) of "x,z,x,z,…" [m]; semicolons and blanks may separate pairs. Raises PersonError."""
     words = [word.strip() for word in text.replace(";", ",").split(",")]
-    if len(words) > 2 * MOST_POINTS:
-        raise PersonError(f"path: {len(words)} numbers, at most {2 * MOST_POINTS} are read", "give fewer points")
+    if len(words) > 2 * MAX_POINTS:
+        raise PersonError(f"path: {len(words)} numbers, at most {2 * MAX_POINTS} are read", "give fewer points")
     if len(words) % 2 or len(words) < 4:
         raise PersonError(
             f"path {_shortened(text)!r}: {len(words)} numbers read, an even number of at least 4 expected",
@@ -72,9 +80,9 @@ def read_path(text: str) -> Float64:
             value = float(word)
         except ValueError:
             value = math.nan
-        if not abs(value) <= FARTHEST:
+        if not abs(value) <= MAX_COORDINATE:
             raise PersonError(
-                f"path: number {place} is {_shortened(word)!r}, a number from {-FARTHEST:g} to {FARTHEST:g} expected",
+                f"path: number {place} is {_shortened(word)!r}, a number from {-MAX_COORDINATE:g} to {MAX_COORDINATE:g} expected",
                 "x goes to the right of the audience and z towards it, both in metres from the centre of the stage",
             )
         values.append(value)
@@ -111,7 +119,7 @@ def follow_line(points: npt.ArrayLike, measures: int, *, facing: Facing | tuple[
 def along_headings(place: Float64) -> Float64:
     """Return headings [rad], unwrapped, (N + 1,): at each place along the path to it; the first like the second."""
     way = np.diff(place, axis=0)
-    moves = np.hypot(*way.T) > STILL
+    moves = np.hypot(*way.T) > MIN_DISTANCE
     if not moves.any():
         return np.zeros(len(place))
     direction = np.arctan2(way[:, 0], way[:, 1])
@@ -184,23 +192,23 @@ class FollowedPath:
 
 
 BEAM: Final = 48
-MOST_ROWS: Final = 40_000
+MAX_CANDIDATES: Final = 40_000
 """Candidates evaluated for one measure; of more, those whose own clips come nearest, to bound the time."""
-PER_NODE: Final = 6
+MAX_PER_NODE: Final = 6
 """Hypotheses kept in one node: more would hardly differ."""
-HEADING: Final = 0.05
+HEADING_COST: Final = 0.05
 """Cost of a radian of heading error, in square metres of place error..."""
-EDGE: Final = 0.05
+EDGE_COST: Final = 0.05
 """... of a metre between the poses of a join..."""
-TURN: Final = 0.005
+TURN_COST: Final = 0.005
 """... of a radian of turning in a measure, to avoid turning back and forth..."""
-WRONG: Final = 1e4
+WRONG_COST: Final = 1e4
 """... and of a measure of another step: more than any place on the stage."""
-NEAR: Final = 0.1
-FAR: Final = 20.0
+FAR_THRESHOLD: Final = 0.1
+FAR_COST: Final = 20.0
 """A place farther than NEAR [m] from its target costs in addition FAR times the square of the excess: one large error
 is more visible than many small ones."""
-CORRECTED: Final = 0.3
+CORRECTION_COST: Final = 0.3
 """Cost of a square metre of correction."""
 
 
@@ -218,7 +226,7 @@ def follow_path(
     """Return a dance along `targets` (M measures of `seconds`), beginning at the first of them.
 
     `wanted` (M,) are steps by index, `ANY` for any; `fits` (M, N) defines which nodes may be danced when (see
-    `Specification`); with both, both must hold. Where no fitting node can be reached, something else is danced, in as
+    `SequenceSpec`); with both, both must hold. Where no fitting node can be reached, something else is danced, in as
     few measures as possible. `correction_m` [m]: how far the hips may be displaced each measure beyond the clips; foot
     lock hides it within leg reach. Deterministic. ValueError for arrays of other lengths, or no measure.
     """
@@ -249,7 +257,7 @@ class _Front:
     turn: Float64
     correction: Float64
     """(B, 2)"""
-    joined_at: Float64
+    start_state: Float64
     """Hips and heading error at the beginning of this measure, (B, 3)."""
 
 
@@ -280,12 +288,12 @@ class _Search:
         if not len(node):
             raise ValueError("no step can begin: no node of the graph has a successor")
         count = len(node)
-        placement = begun(
+        placement = starting_placement(
             self.graph, node, np.tile(first.place[0], (count, 1)), np.full(count, first.heading[0])
         )  # fmt: skip
         start = np.column_stack([np.tile(first.place[0], (count, 1)), np.zeros(count)])
-        cost = WRONG * wrong[node].astype(np.float64)
-        return self._weigh(1, np.zeros(count, np.int32), cost, node, placement, start, to_go)
+        cost = WRONG_COST * wrong[node].astype(np.float64)
+        return self._evaluate(1, np.zeros(count, np.int32), cost, node, placement, start, to_go)
 
     def _continue(self, front: _Front, n: int, wrong: Bool, to_go: Float64) -> _Front:
         """Return the front of all nodes that can follow the hypotheses of `front` in measure n."""
@@ -298,50 +306,50 @@ class _Search:
         ahead = wrong[node] + to_go[node]
         useful = ahead <= ahead.min() + 1.0  # a detour costs more than any place on the stage
         back, edge, node = back[useful], edge[useful], node[useful]
-        placement = joined(axes[back], graph.edge_transform[edge])
+        placement = following_placement(axes[back], graph.edge_transform[edge])
         hips = placement[:, :2] + turn_vectors(graph.node_start[node], placement[:, 2])
         heading = placement[:, 2] + graph.node_facing_start[node]
         inner = library.node_measure[node] > 0
         hips[inner], heading[inner] = front.hips[back[inner]], front.heading[back[inner]]
-        cost = front.cost[back] + WRONG * wrong[node] + EDGE * graph.edge_cost[edge]
+        cost = front.cost[back] + WRONG_COST * wrong[node] + EDGE_COST * graph.edge_cost[edge]
         cost += self._end_cost(n, hips, heading)
-        off = wrapped(heading - self.targets.heading[n])
-        return self._weigh(n + 1, back, cost, node, placement, np.column_stack([hips, off]), to_go)
+        off = wrap_angle(heading - self.targets.heading[n])
+        return self._evaluate(n + 1, back, cost, node, placement, np.column_stack([hips, off]), to_go)
 
     def _end_cost(self, line: int, hips: Float64, heading: Float64) -> Float64:
         error = np.hypot(*(hips - self.targets.place[line]).T)
-        off = wrapped(heading - self.targets.heading[line])
-        return np.asarray(error**2 + FAR * np.maximum(error - NEAR, 0.0) ** 2 + HEADING * off**2)
+        off = wrap_angle(heading - self.targets.heading[line])
+        return np.asarray(error**2 + FAR_COST * np.maximum(error - FAR_THRESHOLD, 0.0) ** 2 + HEADING_COST * off**2)
 
-    def _weigh(
+    def _evaluate(
         self, line: int, back: Int32, cost: Float64, node: Int32, placement: Float64, start: Float64, to_go: Float64
     ) -> _Front:
         """Return the best candidates of all `node` (n,), each at its placement, for the measure before `line`."""
-        entry = self._worth_trying(line, cost, node, placement, to_go)
+        entry = self._preselect(line, cost, node, placement, to_go)
         count = np.diff(self.candidates.first)[node[entry]]
         before = np.repeat(np.cumsum(count) - count, count)
         row = np.repeat(self.candidates.first[node[entry]], count) + np.arange(count.sum()) - before
         entry = np.repeat(entry, count)
         return self._best_of(line, row.astype(np.int32), entry, back, cost, node, placement, start, to_go)
 
-    def _worth_trying(
+    def _preselect(
         self, line: int, cost: Float64, node: Int32, placement: Float64, to_go: Float64
     ) -> npt.NDArray[np.int64]:
         """Return the rows of `node` to try: all, or, of too many, those whose own clips, unmixed, come nearest."""
         count = np.diff(self.candidates.first)[node]
-        if count.sum() <= MOST_ROWS:
+        if count.sum() <= MAX_CANDIDATES:
             return np.arange(len(node))
         row = self.candidates.first[node]
         _, _, hips, heading = self._ends(line, row, placement)
-        score = cost + self._end_cost(line, hips, heading) + WRONG * to_go[node]
+        score = cost + self._end_cost(line, hips, heading) + WRONG_COST * to_go[node]
         order = np.argsort(score, kind="stable")
-        return np.sort(order[np.cumsum(count[order]) <= MOST_ROWS])
+        return np.sort(order[np.cumsum(count[order]) <= MAX_CANDIDATES])
 
     def _ends(self, line: int, row: Int32, placement: Float64) -> tuple[Float64, Float64, Float64, Float64]:
         """Return turn, correction (n, 2), hips (n, 2) and heading of candidates `row` (n,) at `placement` (n, 3)."""
         candidates = self.candidates
-        most = candidates.most_turn(self.seconds)[candidates.node[row]]
-        turn = wrapped(self.targets.heading[line] - placement[:, 2] - candidates.facing[row])
+        most = candidates.max_turn(self.seconds)[candidates.node[row]]
+        turn = wrap_angle(self.targets.heading[line] - placement[:, 2] - candidates.facing[row])
         turn = np.clip(turn, -most, most)
         hips, heading = candidates.turned_end(row, placement, turn)
         correction = self.targets.place[line] - hips
@@ -355,12 +363,12 @@ class _Search:
     ) -> _Front:  # fmt: skip
         """Return the front of the best candidates `row` (n,), each for the row `entry` (n,) of the other arrays."""
         turn, correction, hips, heading = self._ends(line, row, placement[entry])
-        spent = cost[entry] + TURN * turn**2 + CORRECTED * (correction**2).sum(axis=1)
-        score = spent + self._end_cost(line, hips, heading) + WRONG * to_go[node[entry]]
+        spent = cost[entry] + TURN_COST * turn**2 + CORRECTION_COST * (correction**2).sum(axis=1)
+        score = spent + self._end_cost(line, hips, heading) + WRONG_COST * to_go[node[entry]]
         best = _best(score, node[entry], self.beam)
         return _Front(
             cost=spent[best], node=node[entry[best]], hips=hips[best], heading=heading[best], back=back[entry[best]],
-            row=row[best], turn=turn[best], correction=correction[best], joined_at=start[entry[best]],
+            row=row[best], turn=turn[best], correction=correction[best], start_state=start[entry[best]],
         )  # fmt: skip
 
     def _result(self, fronts: list[_Front], index: int, wrong: Bool) -> FollowedPath:
@@ -371,9 +379,9 @@ class _Search:
         rows = list(zip(fronts, reversed(picks), strict=True))
         row = np.array([front.row[pick] for front, pick in rows])
         node = np.array([front.node[pick] for front, pick in rows], np.int32)
-        begins = np.array([front.joined_at[pick] for front, pick in rows])
+        begins = np.array([front.start_state[pick] for front, pick in rows])
         last, pick = rows[-1]
-        off = wrapped(last.heading[pick : pick + 1] - self.targets.heading[-1])
+        off = wrap_angle(last.heading[pick : pick + 1] - self.targets.heading[-1])
         ends = np.vstack([begins[1:], [[*last.hips[pick], off[0]]]])
         return FollowedPath(
             node=node,
@@ -389,7 +397,7 @@ class _Search:
 
 
 def _best(score: Float64, node: Int32, beam: int) -> npt.NDArray[np.int64]:
-    """Return the rows of the lowest scores, at most PER_NODE per node and `beam` in all, the lowest first."""
+    """Return the rows of the lowest scores, at most MAX_PER_NODE per node and `beam` in all, the lowest first."""
     order = np.argsort(score, kind="stable")[: 40 * beam]
     grouped = np.argsort(node[order], kind="stable")
     sorted_node = node[order][grouped]
@@ -397,4 +405,4 @@ def _best(score: Float64, node: Int32, beam: int) -> npt.NDArray[np.int64]:
     place = np.arange(len(order)) - np.repeat(begins, np.diff(np.concatenate((begins, [len(order)]))))
     rank = np.empty(len(order), np.int64)
     rank[grouped] = place
-    return np.asarray(order[rank < PER_NODE][:beam], np.int64)
+    return np.asarray(order[rank < MAX_PER_NODE][:beam], np.int64)

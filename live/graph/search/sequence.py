@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from live.base.errors import PersonError
 from live.graph.motion_graph import MotionGraph
-from live.graph.search.depth_first_reference import BUDGET, depth_first
-from live.graph.search.sequence_spec import MOST_MEASURES, Specification, Wanted, travels
-from live.graph.search.viterbi import CostToGo, Edges, cheapest
+from live.graph.search.depth_first_reference import NODE_BUDGET, depth_first
+from live.graph.search.sequence_spec import MAX_MEASURES, SequenceEntry, SequenceSpec, travels
+from live.graph.search.viterbi import CostToGo, Edges, cheapest_path
 from live.graph.step_library import StepLibrary
 from live.motion.step_clip import DIRECTIONS
 
@@ -52,11 +52,11 @@ class FoundPath:
 
 def find_sequence(
     graph: MotionGraph,
-    specification: Specification,
+    specification: SequenceSpec,
     *,
     start: int | None = None,
     method: Method = "layered",
-    budget: int = BUDGET,
+    budget: int = NODE_BUDGET,
 ) -> FoundPath:
     """Return the dance with the fewest wrong measures (T063), and of those the smoothest.
 
@@ -68,15 +68,15 @@ def find_sequence(
     edges = edges_of(graph)
     node = depth_first(edges, specification, start=start, budget=budget) if method == "depth first" else None
     if node is None and method == "layered":
-        node = cheapest(CostToGo(edges, specification, wrong=False), start)
+        node = cheapest_path(CostToGo(edges, specification, wrong=False), start)
     if node is None:
-        node = cheapest(CostToGo(edges, specification, wrong=True), start)
+        node = cheapest_path(CostToGo(edges, specification, wrong=True), start)
     if node is None:
         raise NoPath(f"no steps that follow each other fill {specification.measures} measures")
-    return _measured(edges, specification, node, start)
+    return _found_path(edges, specification, node, start)
 
 
-def best_start(graph: MotionGraph, specification: Specification, nodes: npt.ArrayLike) -> int:
+def best_start(graph: MotionGraph, specification: SequenceSpec, nodes: npt.ArrayLike) -> int:
     """Return the node after which the dance has the fewest wrong measures, of those the smoothest.
 
     One search covers all `nodes`; the first node is returned if no dance follows any.
@@ -94,8 +94,8 @@ def edges_of(graph: MotionGraph) -> Edges:
     return Edges(graph.edge_start, graph.edge_target, graph.edge_cost)
 
 
-def _measured(edges: Edges, specification: Specification, node: Int32, start: int | None) -> FoundPath:
-    wrong = ~specification.fits[specification.kind, node]
+def _found_path(edges: Edges, specification: SequenceSpec, node: Int32, start: int | None) -> FoundPath:
+    wrong = ~specification.fits[specification.set_index, node]
     cost = np.zeros(len(node))
     before = -1 if start is None else start
     for measure, after in enumerate(node.tolist()):
@@ -113,24 +113,24 @@ _WAYS: Final = tuple(dict.fromkeys([*DIRECTIONS, *(way.split()[-1] for way in DI
 """Directions that may follow a step's name: the nine directions, or only their last word."""
 
 
-def parse_sequence(text: str, library: StepLibrary) -> list[Wanted]:
+def parse_sequence(text: str, library: StepLibrary) -> list[SequenceEntry]:
     """Parse a sequence: names of steps with commas between them.
 
     "*" is a measure of anything, "x3" after an entry repeats it, a direction after a name selects it, and ":2" selects
     the variation of two measures if a step has several lengths. Capitals, accents, blanks and underscores do not
     matter. PersonError names the entry, the text read, and the nearest names.
     """
-    wanted: list[Wanted] = []
+    wanted: list[SequenceEntry] = []
     parts = text.split(",")
     for number, part in enumerate(parts, start=1):
         where = f"entry {number} of the sequence"
         if not part.strip():
-            raise PersonError(f"{where} is empty: the name of a step or {ANY} expected", known(library))
+            raise PersonError(f"{where} is empty: the name of a step or {ANY} expected", list_steps(library))
         what, times = _repeats(part.strip(), library)
         measures = len(wanted) + times  # lower bound: no entry is shorter than a measure
-        if times < 1 or measures > MOST_MEASURES:
+        if times < 1 or measures > MAX_MEASURES:
             raise PersonError(
-                f"{where}, {_short(part)}: 1 to {MOST_MEASURES} measures in all expected",
+                f"{where}, {_short(part)}: 1 to {MAX_MEASURES} measures in all expected",
                 "fewer repeats" if times else "leave the entry out",
             )
         wanted += [_entry(what, library, where)] * times
@@ -147,7 +147,7 @@ def find_name(library: StepLibrary, name: str) -> int | None:
     return index
 
 
-def known(library: StepLibrary, count: int = 12) -> str:
+def list_steps(library: StepLibrary, count: int = 12) -> str:
     """Return a text with the names of the first few steps."""
     return "the steps are " + ", ".join(library.steps[:count]) + (", ..." if len(library.steps) > count else "")
 
@@ -160,15 +160,15 @@ def _repeats(part: str, library: StepLibrary) -> tuple[str, int]:
     return match["what"], int(match["times"])
 
 
-def _entry(what: str, library: StepLibrary, where: str) -> Wanted:
+def _entry(what: str, library: StepLibrary, where: str) -> SequenceEntry:
     if what == ANY:
-        return Wanted(None)
+        return SequenceEntry(None)
     step, way, measures = find_name(library, what), "", None
     if step is None and (match := _LENGTH.fullmatch(what)) is not None:
         what, measures = match["what"], int(match["measures"])
         step = find_name(library, what)
     if step is None:
-        what, way = _way(what)
+        what, way = _split_direction(what)
         step = find_name(library, what)
     if step is None:
         raise _unknown(what, library, where)
@@ -188,10 +188,10 @@ def _entry(what: str, library: StepLibrary, where: str) -> Wanted:
             f"{where}: variations of {library.steps[step]!r} are {_listed(lengths)} measures long: say which",
             f"{library.steps[step]}:{lengths[0]}",
         )
-    return Wanted(step, measures or lengths[0], way)
+    return SequenceEntry(step, measures or lengths[0], way)
 
 
-def _way(what: str) -> tuple[str, str]:
+def _split_direction(what: str) -> tuple[str, str]:
     """Return name and direction of "walk long left"; no direction if there is none at the end."""
     plain = " ".join(what.casefold().replace("_", " ").split())
     for way in _WAYS:
@@ -203,7 +203,7 @@ def _way(what: str) -> tuple[str, str]:
 def _unknown(name: str, library: StepLibrary, where: str) -> PersonError:
     plain = {_unaccented(step): step for step in library.steps}
     near = [plain[found] for found in difflib.get_close_matches(_unaccented(name), plain, n=3)]
-    return PersonError(f"{where}: there is no step {_short(name)}", " or ".join(near) if near else known(library))
+    return PersonError(f"{where}: there is no step {_short(name)}", " or ".join(near) if near else list_steps(library))
 
 
 def _short(text: str) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.graph.search.sequence_spec import Specification
+from live.graph.search.sequence_spec import SequenceSpec
 from live.graph.search.viterbi import CostToGo, Edges
 
 Bool = npt.NDArray[np.bool_]
@@ -30,7 +30,7 @@ class Gap:
     """Whether any clip fits that measure."""
 
 
-def find_gaps(edges: Edges, specification: Specification, choose: ChoosePair, *, start: int | None = None) -> list[Gap]:
+def find_gaps(edges: Edges, specification: SequenceSpec, choose: ChoosePair, *, start: int | None = None) -> list[Gap]:
     """Return the gaps of a dance that begins with any step, or after the node `start`; none if it is possible.
 
     There are as few joins as possible, each as late as possible, and with all of them the dance is possible from
@@ -39,9 +39,9 @@ def find_gaps(edges: Edges, specification: Specification, choose: ChoosePair, *,
     gaps: list[Gap] = []
     begin = 0
     lacking = np.flatnonzero(~specification.fits.any(axis=1))
-    empty = np.flatnonzero(np.isin(specification.kind, lacking))
-    for entry in np.unique(specification.entry[empty]):  # entries without a clip divide the dance
-        own = np.flatnonzero(specification.entry == entry)
+    empty = np.flatnonzero(np.isin(specification.set_index, lacking))
+    for entry in np.unique(specification.entry_index[empty]):  # entries without a clip divide the dance
+        own = np.flatnonzero(specification.entry_index == entry)
         gaps += _Stretch(edges, specification, begin, int(own[0]), choose).find(start)
         gaps.append(Gap(int(own[0]), has_clip=False))
         begin, start = int(own[-1]) + 1, None
@@ -51,8 +51,8 @@ def find_gaps(edges: Edges, specification: Specification, choose: ChoosePair, *,
 class _Stretch:
     """Measures `begin` to `stop` of a dance; each has clips that fit."""
 
-    def __init__(self, edges: Edges, specification: Specification, begin: int, stop: int, choose: ChoosePair) -> None:
-        self._spec = replace(specification, kind=specification.kind[begin:stop])
+    def __init__(self, edges: Edges, specification: SequenceSpec, begin: int, stop: int, choose: ChoosePair) -> None:
+        self._spec = replace(specification, set_index=specification.set_index[begin:stop])
         self._edges = edges
         self._begin = begin
         self._choose = choose
@@ -70,9 +70,9 @@ class _Stretch:
             here = np.zeros(len(spec.enters), np.bool_)
             here[start] = True
             left = float(self._costs.before(self._costs.layer(0), np.ones_like(here))[start])
-            here, left = self._go_on(here, left, 0)
+            here, left = self._advance(here, left, 0)
         for measure in range(1, spec.measures):
-            here, left = self._go_on(here, left, measure)
+            here, left = self._advance(here, left, measure)
         if left > 0.0:  # it ends within a step
             self._gaps.append(Gap(self._begin + spec.measures - 1))
         return self._gaps
@@ -80,14 +80,14 @@ class _Stretch:
     def _enter(self) -> tuple[Bool, float]:
         """Return the best nodes to begin the stretch with, and their cost to its end."""
         value = self._costs.layer(0)
-        least = float((value + np.where(self._spec.enters, 0.0, self._costs.broken)).min())
+        least = float((value + np.where(self._spec.enters, 0.0, self._costs.break_cost)).min())
         here = (value == least) & self._spec.enters
         if here.any():
             return here, least
         self._gaps.append(Gap(self._begin))
-        return np.asarray(value == least - self._costs.broken), least - self._costs.broken
+        return np.asarray(value == least - self._costs.break_cost), least - self._costs.break_cost
 
-    def _go_on(self, here: Bool, left: float, measure: int) -> tuple[Bool, float]:
+    def _advance(self, here: Bool, left: float, measure: int) -> tuple[Bool, float]:
         """Continue from the nodes `here`, which cost `left` to the end, to the best of the next measure."""
         value = self._costs.layer(measure)
         there = np.zeros_like(here)
@@ -101,7 +101,7 @@ class _Stretch:
             self._gaps.append(Gap(self._begin + measure, (u, v)))
             there[v] = True
             return there, left - 1.0
-        left -= self._costs.broken
+        left -= self._costs.break_cost
         there = np.asarray(value == left)
         self._gaps.append(Gap(self._begin + measure))
         return there & self._spec.enters if (there & self._spec.enters).any() else there, left
@@ -113,8 +113,8 @@ class _JoinsToGo(CostToGo):
     An edge costs 0, a join of another end and beginning 1, and breaking off a step more than all of them.
     """
 
-    def __init__(self, edges: Edges, specification: Specification) -> None:
-        self.broken = specification.measures + 1.0
+    def __init__(self, edges: Edges, specification: SequenceSpec) -> None:
+        self.break_cost = specification.measures + 1.0
         """Cost of breaking off a step."""
         self.source = np.repeat(np.arange(len(edges.start) - 1), np.diff(edges.start))
         """Source node of each edge, (E,)."""
@@ -125,7 +125,7 @@ class _JoinsToGo(CostToGo):
         if by_edges is None:
             by_edges = np.full(len(value), np.inf)
             np.minimum.at(by_edges, self.source, value[self.edges.target])
-        broken = self.broken + value.min()
+        broken = self.break_cost + value.min()
         joined = 1.0 + value[self.specification.enters].min(initial=np.inf)
         others = np.where(self.specification.leaves, min(joined, broken), broken)
         return np.where(here, np.minimum(by_edges, others), np.inf)
@@ -133,7 +133,7 @@ class _JoinsToGo(CostToGo):
     def _before(self, measure: int, value: Float64) -> Float64:
         fits = self.specification.at(measure)
         if measure == self.specification.measures - 1:
-            return np.where(fits, np.where(self.specification.leaves, 0.0, self.broken), np.inf)
+            return np.where(fits, np.where(self.specification.leaves, 0.0, self.break_cost), np.inf)
         return self.before(value, fits, super()._before(measure, value))
 
 

@@ -14,34 +14,34 @@ from live.motion.step_clip import StepClip
 Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
-MOST_MEASURES: Final = 100_000
+MAX_MEASURES: Final = 100_000
 """Longest dance that is searched: fourteen hours at 120 bpm."""
-LEADING: Final = {"left": "right", "right": "left"}
+LEADING_FOOT: Final = {"left": "right", "right": "left"}
 """The leading foot for sideways directions (T134)."""
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class SequenceEntry:
     """One entry of a sequence: a step danced once, or one measure of anything."""
 
     step: int | None
     """Index of the step in the library; None: any step."""
     measures: int = 1
     """Length in measures."""
-    way: str = ""
+    direction: str = ""
     """Direction of travel, in words of DIRECTIONS, as "left" or "long left"; "": any."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Specification:
+class SequenceSpec:
     """d(n) of T063 for M measures as sets of nodes (K different sets over N nodes)."""
 
-    wanted: tuple[Wanted, ...]
+    entries: tuple[SequenceEntry, ...]
     fits: Bool
     """The nodes in each set, shape (K, N)."""
-    kind: Int32
+    set_index: Int32
     """The set of each measure, shape (M,)."""
-    entry: Int32
+    entry_index: Int32
     """The entry of `wanted` of each measure, shape (M,)."""
     enters: Bool
     """Nodes that begin a step, shape (N,)."""
@@ -53,14 +53,14 @@ class Specification:
     @property
     def measures(self) -> int:
         """Length of the dance M."""
-        return len(self.kind)
+        return len(self.set_index)
 
     def at(self, measure: int) -> Bool:
         """Return the nodes that fit a measure (from 0), (N,)."""
-        return np.asarray(self.fits[self.kind[measure]], np.bool_)
+        return np.asarray(self.fits[self.set_index[measure]], np.bool_)
 
 
-def specify(library: StepLibrary, wanted: Sequence[Wanted], *, foot_rule: bool = False) -> Specification:
+def specify(library: StepLibrary, wanted: Sequence[SequenceEntry], *, foot_rule: bool = False) -> SequenceSpec:
     """Return the sets of nodes of a sequence, measure by measure.
 
     A step is danced from its first measure to its last: measures are requested by step and number, so no step is
@@ -68,13 +68,13 @@ def specify(library: StepLibrary, wanted: Sequence[Wanted], *, foot_rule: bool =
     which either is unknown pass. PersonError for an empty or endless sequence.
     """
     total = sum(entry.measures for entry in wanted)
-    if not 1 <= total <= MOST_MEASURES:
-        raise PersonError(f"a sequence of {total} measures: 1 to {MOST_MEASURES} expected")
+    if not 1 <= total <= MAX_MEASURES:
+        raise PersonError(f"a sequence of {total} measures: 1 to {MAX_MEASURES} expected")
     sound = np.ones(library.node_count, np.bool_)
     if foot_rule:
-        sound = np.array([leads_rightly(clip) for clip in library.clips])[library.node_clip]
+        sound = np.array([leading_foot_fits(clip) for clip in library.clips])[library.node_clip]
     leaves = library.node_measure == library.node_measures - 1
-    found: dict[tuple[Wanted, int], int] = {}
+    found: dict[tuple[SequenceEntry, int], int] = {}
     sets: list[Bool] = []
     kind, entries = np.empty(total, np.int32), np.empty(total, np.int32)
     n = 0
@@ -88,37 +88,37 @@ def specify(library: StepLibrary, wanted: Sequence[Wanted], *, foot_rule: bool =
     if wanted[-1].step is None:  # the last step must end with the dance
         kind[-1] = len(sets)
         sets.append(sound & leaves)
-    return Specification(
-        wanted=tuple(wanted),
+    return SequenceSpec(
+        entries=tuple(wanted),
         fits=np.stack(sets),
-        kind=kind,
-        entry=entries,
+        set_index=kind,
+        entry_index=entries,
         enters=np.asarray(library.node_measure == 0),
         leaves=np.asarray(leaves),
         foot_rule=foot_rule,
     )
 
 
-def nodes_of(library: StepLibrary, entry: Wanted, measure: int) -> Bool:
+def nodes_of(library: StepLibrary, entry: SequenceEntry, measure: int) -> Bool:
     """Return the nodes that hold a measure (from 0) of the entry, shape (N,)."""
     if entry.step is None:
         return np.ones(library.node_count, np.bool_)
     found = (library.node_step == entry.step) & (library.node_measure == measure)
     found &= library.node_measures == entry.measures
-    if entry.way:
-        found &= np.array([travels(clip, entry.way) for clip in library.clips])[library.node_clip]
+    if entry.direction:
+        found &= np.array([travels(clip, entry.direction) for clip in library.clips])[library.node_clip]
     return np.asarray(found, np.bool_)
 
 
-def travels(clip: StepClip, way: str) -> bool:
+def travels(clip: StepClip, direction: str) -> bool:
     """Whether a clip travels in the direction `way`: "left" includes short and long."""
-    return set(way.split()) <= set(clip.direction.split())
+    return set(direction.split()) <= set(clip.direction.split())
 
 
-def leads_rightly(clip: StepClip) -> bool:
+def leading_foot_fits(clip: StepClip) -> bool:
     """Whether the leading foot suits the clip's direction (T134): to the left the right foot leads.
 
     True if either is unknown, or the clip does not travel sideways.
     """
     side = clip.direction.split()[-1]
-    return not clip.leading_foot or LEADING.get(side, clip.leading_foot) == clip.leading_foot
+    return not clip.leading_foot or LEADING_FOOT.get(side, clip.leading_foot) == clip.leading_foot

@@ -11,15 +11,15 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.distance_kernels import cheapest_on
-from live.graph.search.sequence_spec import Specification
+from live.graph.distance_kernels import cheapest_successors
+from live.graph.search.sequence_spec import SequenceSpec
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
-KEPT_VALUES: Final = 1 << 22
+MAX_KEPT_VALUES: Final = 1 << 22
 """Costs kept in a block of layers: 32 MB."""
 
 
@@ -50,33 +50,33 @@ class CostToGo:
     dance. Without `wrong`, only measures as specified are allowed, and every other node costs infinitely much.
     """
 
-    def __init__(self, edges: Edges, specification: Specification, *, wrong: bool, block: int | None = None) -> None:
+    def __init__(self, edges: Edges, specification: SequenceSpec, *, wrong: bool, block: int | None = None) -> None:
         self.edges = edges
         self.specification = specification
         self.wrong = wrong
         measures, nodes = specification.measures, len(edges.start) - 1
         self.unit = 1.0 + (measures + 1) * float(edges.cost.max(initial=0.0))
         """Cost of a wrong measure."""
-        self._block = max(2, block or KEPT_VALUES // max(nodes, 1))
+        self._block = max(2, block or MAX_KEPT_VALUES // max(nodes, 1))
         kinds = specification.fits
         self._rows = [edges.rows] if wrong else [_Rows.of(edges, fit) for fit in kinds]
-        self._own = np.where(kinds, 0.0, self.unit if wrong else np.inf)
+        self._own_cost = np.where(kinds, 0.0, self.unit if wrong else np.inf)
         self._last = np.where(specification.leaves, 0.0, np.inf)
-        self._marks = self._keep_marks()
+        self._checkpoints = self._compute_checkpoints()
         self._first, self._layers = -1, np.empty((0, nodes))
 
     def layer(self, measure: int) -> Float64:
         """Return the costs from a measure on, including it, shape (N,); fast when called in the order of the dance."""
         block = measure - measure % self._block
         if block != self._first:
-            self._first, self._layers = block, self._make(block)
+            self._first, self._layers = block, self._compute_block(block)
         return np.asarray(self._layers[measure - block], np.float64)
 
     def wrong_measures(self, value: float) -> int:
         """Return the number of wrong measures in a cost."""
         return int(value // self.unit)
 
-    def _keep_marks(self) -> dict[int, Float64]:
+    def _compute_checkpoints(self) -> dict[int, Float64]:
         """Return the first layer of every block but the first, from the end to the beginning."""
         marks: dict[int, Float64] = {}
         value = self._last
@@ -86,23 +86,23 @@ class CostToGo:
                 marks[measure] = value
         return marks
 
-    def _make(self, block: int) -> Float64:
+    def _compute_block(self, block: int) -> Float64:
         last = min(block + self._block, self.specification.measures)
         layers = np.empty((last - block, len(self._last)))
-        value = self._marks.get(last, self._last)
+        value = self._checkpoints.get(last, self._last)
         for measure in range(last - 1, block - 1, -1):
             value = layers[measure - block] = self._before(measure, value)
         return layers
 
     def _before(self, measure: int, value: Float64) -> Float64:
         """Return the layer of a measure from that of the next one; for the last measure from `_last`, without edges."""
-        kind = self.specification.kind[measure]
+        kind = self.specification.set_index[measure]
         if measure == self.specification.measures - 1:
-            return np.asarray(value + self._own[kind])
+            return np.asarray(value + self._own_cost[kind])
         rows = self._rows[0 if self.wrong else kind]
         out = np.empty(len(value))
-        cheapest_on(out, rows.node, rows.first, rows.target, rows.cost, value)
-        return np.asarray(out + self._own[kind])
+        cheapest_successors(out, rows.node, rows.first, rows.target, rows.cost, value)
+        return np.asarray(out + self._own_cost[kind])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,7 +126,7 @@ class _Rows:
         return cls(node, first, edges.target[edge], edges.cost[edge])
 
 
-def cheapest(costs: CostToGo, start: int | None) -> Int32 | None:
+def cheapest_path(costs: CostToGo, start: int | None) -> Int32 | None:
     """Return the cheapest dance as nodes (M,), from the beginning of a step or after `start`; None if there is none.
 
     Among equal costs, the dance whose nodes come first in the library is returned.

@@ -25,7 +25,7 @@ def turn_vectors(vectors: Float64, yaw: Float64) -> Float64:
     return np.stack([x * c + z * s, z * c - x * s], axis=-1)
 
 
-def wrapped(angle: Float64) -> Float64:
+def wrap_angle(angle: Float64) -> Float64:
     """Return the angles [rad] wrapped to -π to π."""
     return np.asarray(np.arctan2(np.sin(angle), np.cos(angle)))
 
@@ -59,7 +59,7 @@ def own_end(graph: MotionGraph, node: Int32, take: Int32, share: Float64) -> tup
     shift, turn = take_offset(graph, node, take)
     other = np.maximum(take, 0)
     other_end = shift + turn_vectors(graph.node_end[other], turn)
-    off = wrapped(graph.node_facing[other] + turn - facing)
+    off = wrap_angle(graph.node_facing[other] + turn - facing)
     return end + share[:, None] * (other_end - end), facing + share * off
 
 
@@ -75,13 +75,13 @@ def next_axes(graph: MotionGraph, node: Int32, hips: Float64, heading: Float64) 
     return np.ascontiguousarray(np.column_stack([place, yaw]))
 
 
-def joined(axes: Float64, transform: Float64) -> Float64:
+def following_placement(axes: Float64, transform: Float64) -> Float64:
     """Return placements (A, 3) of clips that follow along edges with `transform` (A, 3), from `axes` (A, 3) (K001)."""
     place = axes[:, :2] + turn_vectors(transform[:, :2], axes[:, 2])
     return np.column_stack([place, axes[:, 2] + transform[:, 2]])
 
 
-def begun(graph: MotionGraph, node: Int32, hips: Float64, heading: Float64) -> Float64:
+def starting_placement(graph: MotionGraph, node: Int32, hips: Float64, heading: Float64) -> Float64:
     """Return placements (A, 3) of `node` (A,) begun with hips at `hips` (A, 2) [m] and `heading` (A,) [rad]."""
     yaw = heading - graph.node_facing_start[node]
     return np.column_stack([hips - turn_vectors(graph.node_start[node], yaw), yaw])
@@ -99,13 +99,13 @@ WEIGHTS: Final = (0.25, 0.5, 0.75)
 """Shares of the other clip; finer steps are barely noticeable (T069)."""
 OPPOSITE: Final = np.radians(135.0)
 """Displacements farther apart than this are opposite: their mixture goes nowhere (T069)."""
-STANDING: Final = 0.05
+MIN_TRAVEL: Final = 0.05
 """A displacement shorter than this [m] has no direction."""
-MOST_TAKES: Final = 24
+MAX_TAKES: Final = 24
 """Maximum number of takes of one measure that are tried, evenly chosen from all."""
-WIDENS: Final = 0.04
+MIN_WIDENING: Final = 0.04
 """A mixture widens a measure's reach if its end is this far [m] (a radian counts as a metre) from existing ends."""
-QUICKEST_TURN: Final = 5.0
+MAX_TURN_RATE: Final = 5.0
 """Maximum turning speed [rad/s]: a measure with only a short one-foot support turns less."""
 
 
@@ -127,12 +127,12 @@ class Candidates:
     """Heading there [rad], shape (K,)."""
     turns: SupportTurns
     """The support turns of the N nodes (T048-T050)."""
-    quickest: Float64
+    peak_turn_rate: Float64
     """Peak speed of a turn of each node, in whole angles per measure, shape (N,)."""
 
-    def most_turn(self, seconds: float) -> Float64:
+    def max_turn(self, seconds: float) -> Float64:
         """Return the largest turn [rad] of each node in a measure of `seconds`, shape (N,)."""
-        return np.minimum(np.pi, QUICKEST_TURN * seconds / self.quickest)
+        return np.minimum(np.pi, MAX_TURN_RATE * seconds / self.peak_turn_rate)
 
     def turned_end(self, rows: Int32, placement: Float64, angle: Float64) -> tuple[Float64, Float64]:
         """Return hips (n, 2) and heading (n,) at the end of candidates `rows` (n,), placed at `placement` (n, 3).
@@ -148,12 +148,12 @@ class Candidates:
 def find_candidates(graph: MotionGraph, weights: tuple[float, ...] = WEIGHTS) -> Candidates:
     """Return all candidates of a graph: clips, and mixtures by `weights` with takes that do not go the opposite way."""
     node, take, share, first = [], [], [], [0]
-    way = measure_ways(graph)
+    way = measure_displacements(graph)
     for u in range(graph.library.node_count):
         others = graph.takes.node[graph.takes.start[u] : graph.takes.start[u + 1]]
-        others = others[~opposite(way[u], way[others])]
-        if len(others) > MOST_TAKES:
-            others = others[np.linspace(0, len(others) - 1, MOST_TAKES).astype(np.int64)]
+        others = others[~is_opposite(way[u], way[others])]
+        if len(others) > MAX_TAKES:
+            others = others[np.linspace(0, len(others) - 1, MAX_TAKES).astype(np.int64)]
         count = 1 + len(others) * len(weights)
         node.append(np.full(count, u, np.int32))
         take.append(np.concatenate(([NO_TAKE], np.repeat(others, len(weights)))).astype(np.int32))
@@ -169,11 +169,11 @@ def find_candidates(graph: MotionGraph, weights: tuple[float, ...] = WEIGHTS) ->
         end=end,
         facing=facing,
         turns=turns_of(graph),
-        quickest=graph.node_quickest,
+        peak_turn_rate=graph.node_peak_turn_rate,
     )
 
 
-def widening(graph: MotionGraph, candidates: Candidates, least: float = WIDENS) -> Candidates:
+def widening_candidates(graph: MotionGraph, candidates: Candidates, least: float = MIN_WIDENING) -> Candidates:
     """Keep candidates that widen the reach: clips, and mixtures that end at least `least` from all ends of their node.
 
     Recordings of one direction are many takes whose mixtures all lead to one place; evaluating them gains nothing.
@@ -200,7 +200,7 @@ def widening(graph: MotionGraph, candidates: Candidates, least: float = WIDENS) 
 
 def _apart(ends: Float64, end: Float64) -> Float64:
     off = ends - end
-    return np.asarray(np.sqrt(off[:, 0] ** 2 + off[:, 1] ** 2 + wrapped(off[:, 2]) ** 2))
+    return np.asarray(np.sqrt(off[:, 0] ** 2 + off[:, 1] ** 2 + wrap_angle(off[:, 2]) ** 2))
 
 
 def turns_of(graph: MotionGraph) -> SupportTurns:
@@ -211,13 +211,13 @@ def turns_of(graph: MotionGraph) -> SupportTurns:
     )  # fmt: skip
 
 
-def measure_ways(graph: MotionGraph) -> Float64:
+def measure_displacements(graph: MotionGraph) -> Float64:
     """Return the displacement of each measure relative to the dancer at its beginning: x left, z ahead [m], (N, 2)."""
     return turn_vectors(graph.node_end - graph.node_start, -graph.node_facing_start)
 
 
-def opposite(way: Float64, others: Float64) -> Bool:
+def is_opposite(way: Float64, others: Float64) -> Bool:
     """Whether each of the displacements `others` (n, 2) is opposite to `way` (2,); a standing one never is, (n,)."""
-    apart = wrapped(np.arctan2(others[:, 0], others[:, 1]) - np.arctan2(way[0], way[1]))
-    moves = (np.hypot(*others.T) > STANDING) & (np.hypot(*way) > STANDING)
+    apart = wrap_angle(np.arctan2(others[:, 0], others[:, 1]) - np.arctan2(way[0], way[1]))
+    moves = (np.hypot(*others.T) > MIN_TRAVEL) & (np.hypot(*way) > MIN_TRAVEL)
     return np.asarray(moves & (np.abs(apart) > OPPOSITE), np.bool_)

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.candidates import Candidates, turn_vectors, wrapped
+from live.graph.select.candidates import Candidates, turn_vectors, wrap_angle
 from live.graph.takes import NO_TAKE
 
 Float64 = npt.NDArray[np.float64]
@@ -17,19 +17,19 @@ TABLED_DIRECTIONS: Final = 32
 """Directions in the table, evenly over the circle."""
 TURNS: Final = np.radians(np.linspace(-90.0, 90.0, 9))
 """Changes of heading over the measure in the table [rad]."""
-NORMALS: Final = 72
+HALF_PLANES: Final = 72
 """Half planes whose intersection approximates a convex hull."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ways:
+class ReachTable:
     """The farthest ends of C steps relative to the dancer at the beginning: direction 0 is ahead, then to the left."""
 
     farthest: Float64
     """[m], shape (C + 1, TURNS, DIRECTIONS); the last row is for any step."""
 
     @staticmethod
-    def of(graph: MotionGraph, candidates: Candidates) -> "Ways":
+    def of(graph: MotionGraph, candidates: Candidates) -> "ReachTable":
         """Measure all candidates of all steps, each turned so that the heading changes by each of TURNS."""
         step = graph.library.node_step[candidates.node]
         count = len(graph.library.steps)
@@ -39,46 +39,54 @@ class Ways:
         heading = np.arange(TABLED_DIRECTIONS) * (2.0 * np.pi / TABLED_DIRECTIONS)
         towards = np.array([np.sin(heading), np.cos(heading)])
         for n, change in enumerate(TURNS):
-            own = wrapped(candidates.facing - graph.node_facing_start[node])
-            turn = wrapped(change - own)
+            own = wrap_angle(candidates.facing - graph.node_facing_start[node])
+            turn = wrap_angle(change - own)
             moved = candidates.turns.take(node).displacement(1.0, turn)
             way = moved + turn_vectors(candidates.end, turn) - graph.node_start[node]
             way = turn_vectors(way, -graph.node_facing_start[node])
             for s in range(count):
                 rows = (step == s) & alive
                 if rows.any():
-                    farthest[s, n] = _along(way[rows], towards)
+                    farthest[s, n] = _hull_extent(way[rows], towards)
         farthest[-1] = farthest[:-1].max(axis=0)
-        return Ways(farthest)
+        return ReachTable(farthest)
 
-    def limit(
-        self, step: Int32, heading: Float64, change: Float64, way: Float64, more: Float64, least: Float64 | float = 0.0
+    def limit_travel(
+        self,
+        step: Int32,
+        heading: Float64,
+        change: Float64,
+        travel: Float64,
+        margin: Float64,
+        least: Float64 | float = 0.0,
     ) -> Float64:
         """Shorten each `way` (A, 2) [m] to what `step` (A,) can travel in one measure plus `more` (A,) [m].
 
         At least `least` (A,) [m] remains possible. `heading` (A,) [rad] is the heading at the beginning of the measure,
         `change` (A,) the wanted change until its end; a step below 0 means any.
         """
-        length = np.hypot(*way.T)
-        at = (np.arctan2(way[:, 0], way[:, 1]) - heading) * (TABLED_DIRECTIONS / (2.0 * np.pi)) % TABLED_DIRECTIONS
+        length = np.hypot(*travel.T)
+        at = (
+            (np.arctan2(travel[:, 0], travel[:, 1]) - heading) * (TABLED_DIRECTIONS / (2.0 * np.pi)) % TABLED_DIRECTIONS
+        )
         first = np.floor(at).astype(np.int64)
         t = at - first
-        turn = np.abs(np.clip(wrapped(change), TURNS[0], TURNS[-1])[:, None] - TURNS).argmin(axis=1)
+        turn = np.abs(np.clip(wrap_angle(change), TURNS[0], TURNS[-1])[:, None] - TURNS).argmin(axis=1)
         row = np.where(step < 0, len(self.farthest) - 1, step)
         reach = (1.0 - t) * self.farthest[row, turn, first % TABLED_DIRECTIONS] + t * self.farthest[
             row, turn, (first + 1) % TABLED_DIRECTIONS
         ]
-        far = np.maximum(reach + more, least)
-        return np.asarray(way * np.minimum(1.0, far / np.maximum(length, 1e-9))[:, None])
+        far = np.maximum(reach + margin, least)
+        return np.asarray(travel * np.minimum(1.0, far / np.maximum(length, 1e-9))[:, None])
 
 
-def _along(way: Float64, towards: Float64) -> Float64:
+def _hull_extent(way: Float64, towards: Float64) -> Float64:
     """Return the extent of the convex hull of the origin and the ends `way` (n, 2) along `towards` (2, d), (d,) [m].
 
     Mixtures lie in the hull and fill it for a step in nine directions (T131). It is the intersection of its half
     planes, of which NORMALS are used; the result is too large by a thousandth at most.
     """
-    angle = np.arange(NORMALS) * (2.0 * np.pi / NORMALS)
+    angle = np.arange(HALF_PLANES) * (2.0 * np.pi / HALF_PLANES)
     normal = np.array([np.sin(angle), np.cos(angle)])
     support = (way @ normal).max(axis=0, initial=0.0)
     facing = towards.T @ normal
@@ -99,13 +107,13 @@ DIRECTION_NAMES: Final = (
 )
 """Eight directions relative to the dancer, 45 degrees apart, counted towards the left."""
 ARC: Final = np.pi / 4
-TURNED: Final = 33
+TURN_SAMPLES: Final = 33
 """Angles at which turned measures are sampled, between the largest turns to both sides."""
-MOST_TURNED: Final = np.pi / 2
+MAX_TURN: Final = np.pi / 2
 """A larger turn [rad] in one measure is a spin and does not travel."""
-ENOUGH: Final = 0.3
+MIN_RELATIVE_REACH: Final = 0.3
 """A direction is missing if its reach is less than this share of the farthest direction's..."""
-LEAST: Final = 0.15
+MIN_REACH: Final = 0.15
 """... or less than this [m] (steps with less reach are danced in place)."""
 
 
@@ -126,14 +134,14 @@ class Reach:
     """The same without turns, [m], shape (8,)."""
 
     @property
-    def most(self) -> float:
+    def max_travel(self) -> float:
         """The longest displacement of one measure without a turn [m]: the speed limit of the step along a path."""
         return float(self.straight.max())
 
     @property
     def missing(self) -> tuple[str, ...]:
         """Directions with little or no reach without a turn: what to record (T075)."""
-        bar = max(LEAST, ENOUGH * float(self.straight.max()))
+        bar = max(MIN_REACH, MIN_RELATIVE_REACH * float(self.straight.max()))
         return tuple(name for name, way in zip(DIRECTION_NAMES, self.straight, strict=True) if way < bar)
 
 
@@ -143,10 +151,12 @@ def reach_of(graph: MotionGraph, candidates: Candidates, step: int, seconds: flo
     if not len(rows):
         raise ValueError(f"no measure of step {step} in the graph")
     node = candidates.node[rows]
-    straight = ways_of(graph, candidates, rows, np.zeros(len(rows)))
-    most = np.minimum(candidates.most_turn(seconds)[node], MOST_TURNED)
-    angles = most[:, None] * np.linspace(-1.0, 1.0, TURNED)
-    turned = ways_of(graph, candidates, np.repeat(rows, TURNED), angles.reshape(-1)).reshape(len(rows), TURNED, 2)
+    straight = turned_displacements(graph, candidates, rows, np.zeros(len(rows)))
+    most = np.minimum(candidates.max_turn(seconds)[node], MAX_TURN)
+    angles = most[:, None] * np.linspace(-1.0, 1.0, TURN_SAMPLES)
+    turned = turned_displacements(graph, candidates, np.repeat(rows, TURN_SAMPLES), angles.reshape(-1)).reshape(
+        len(rows), TURN_SAMPLES, 2
+    )
     own = candidates.take[rows] == NO_TAKE
     return Reach(
         step=graph.library.steps[step],
@@ -158,7 +168,7 @@ def reach_of(graph: MotionGraph, candidates: Candidates, step: int, seconds: flo
     )
 
 
-def ways_of(graph: MotionGraph, candidates: Candidates, rows: Int32, angle: Float64) -> Float64:
+def turned_displacements(graph: MotionGraph, candidates: Candidates, rows: Int32, angle: Float64) -> Float64:
     """Return displacements (n, 2) of candidates `rows` (n,) turned by `angle` (n,) [rad], relative to the dancer."""
     node = candidates.node[rows]
     moved = candidates.turns.take(node).displacement(1.0, angle)
@@ -176,6 +186,6 @@ def _by_direction(ways: Float64) -> Float64:
     heading, length = np.arctan2(ways[:, 0], ways[:, 1]), np.hypot(*ways.T)
     farthest = np.zeros(len(DIRECTION_NAMES))
     for n in range(len(DIRECTION_NAMES)):
-        inside = np.abs(wrapped(heading - n * ARC)) <= 0.5 * ARC + 1e-9
+        inside = np.abs(wrap_angle(heading - n * ARC)) <= 0.5 * ARC + 1e-9
         farthest[n] = length[inside].max(initial=0.0)
     return farthest

@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.candidates import QUICKEST_TURN, Candidates, find_candidates, widening, wrapped
-from live.graph.select.reachability import Ways
+from live.graph.select.candidates import MAX_TURN_RATE, Candidates, find_candidates, widening_candidates, wrap_angle
+from live.graph.select.reachability import ReachTable
 from live.graph.select.selector_kernels import choose_measures
 
 Float64 = npt.NDArray[np.float64]
@@ -18,107 +18,107 @@ ANGLES: Final = 65
 """Angles at which a turn's displacement is tabulated, from -π to π; interpolation errs by 1.5 mm a metre at most."""
 TERMS: Final = ("place", "heading", "pose", "wrong step", "other")
 """The terms of a candidate's cost."""
-PLACE: Final = 3.0
+PLACE_COST: Final = 3.0
 """Cost of a square metre of place error beyond correction ..."""
-CORRECTED: Final = 1.0
+CORRECTION_COST: Final = 1.0
 """... of a square metre that is corrected, because the legs must compensate it, ..."""
-HEADING: Final = 1.0
+HEADING_COST: Final = 1.0
 """... of a squared radian of remaining heading error, ..."""
-TURN: Final = 0.005
+TURN_COST: Final = 0.005
 """... of a squared radian of turning, ..."""
-POSE: Final = 0.3
+POSE_COST: Final = 0.3
 """... of a metre between the poses of a join, ..."""
-WRONG: Final = 40.0
+WRONG_COST: Final = 40.0
 """... of a measure away from the wanted step: more than any place error within a measure's reach, ..."""
-SIDE: Final = 20.0
+SIDE_COST: Final = 20.0
 """... of a mirror image where the group wants none: more than any place, less than another step, ..."""
-MIXED: Final = 0.003
+MIXTURE_COST: Final = 0.003
 """... of a mixture, because 5 cm of place do not justify blurring a clip, ..."""
-STRAYS: Final = 0.2
+DETOUR_COST: Final = 0.2
 """... and of the squared deviation [m²] of the hips from the straight line, to avoid detours."""
 SWAY_SAMPLES: Final = 17
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Choosing:
+class StepSelector:
     """Tables over N nodes, E edges and K candidates, and values that may change between measures."""
 
     graph: MotionGraph
     candidates: Candidates
-    ways: Ways
+    reach_table: ReachTable
     """Reach of each step in each direction."""
     edge: Float64
     """x, z, yaw, its cosine and sine, distance of the poses of each edge, shape (E, 6)."""
     clip: Float64
     """Hips x, z [m] and heading at each candidate's end, cosine and sine, difference of the measure's mean heading to
         it, shape (K, 6)."""
-    moved: Float64
+    turn_offsets: Float64
     """Displacement that a turn adds to each node [m], shape (N, ANGLES, 2)."""
-    most: Float64
+    max_turns: Float64
     """Each node's largest turn [rad], cosine and sine, shape (N, 3)."""
     facts: Float64
     """Maximum correction of each node [m], maximum distance of its mixtures' ends, its own cost, shape (N, 3)."""
     weights: Float64
     """Shape (8,)."""
-    room: Float64
+    scratch: Float64
     """Scratch of the kernel."""
 
     @staticmethod
-    def of(graph: MotionGraph) -> "Choosing":
+    def of(graph: MotionGraph) -> "StepSelector":
         """Build the tables of a graph. Too slow to be called within a frame."""
-        candidates = widening(graph, find_candidates(graph))
+        candidates = widening_candidates(graph, find_candidates(graph))
         node, transform = candidates.node, graph.edge_transform
         c, s = np.cos(transform[:, 2]), np.sin(transform[:, 2])
-        mean = wrapped(graph.node_facing_mean[node] - candidates.facing)
+        mean = wrap_angle(graph.node_facing_mean[node] - candidates.facing)
         facing = candidates.facing
         angles = np.linspace(-np.pi, np.pi, ANGLES)
         moved = np.empty((graph.library.node_count, ANGLES, 2))
         for n, angle in enumerate(angles):
             moved[:, n] = candidates.turns.displacement(1.0, np.full(len(moved), angle))
         facts = np.zeros((len(moved), 3))
-        facts[:, 1] = _apart(candidates, moved, angles)
-        facts[:, 2] = STRAYS * _strays(graph) ** 2
-        return Choosing(
+        facts[:, 1] = _mixture_spread(candidates, moved, angles)
+        facts[:, 2] = DETOUR_COST * _detours(graph) ** 2
+        return StepSelector(
             graph=graph,
             candidates=candidates,
-            ways=Ways.of(graph, candidates),
+            reach_table=ReachTable.of(graph, candidates),
             edge=np.ascontiguousarray(np.column_stack([transform, c, s, graph.edge_cost])),
             clip=np.ascontiguousarray(
                 np.column_stack([candidates.end, facing, np.cos(facing), np.sin(facing), mean])
             ),
-            moved=moved,
-            most=np.zeros((len(moved), 3)),
+            turn_offsets=moved,
+            max_turns=np.zeros((len(moved), 3)),
             facts=facts,
-            weights=np.array([PLACE, CORRECTED, HEADING, TURN, POSE, WRONG, SIDE, MIXED]),
-            room=np.zeros((int(np.diff(graph.edge_start).max(initial=0)) + 1, 2)),
+            weights=np.array([PLACE_COST, CORRECTION_COST, HEADING_COST, TURN_COST, POSE_COST, WRONG_COST, SIDE_COST, MIXTURE_COST]),
+            scratch=np.zeros((int(np.diff(graph.edge_start).max(initial=0)) + 1, 2)),
         )  # fmt: skip
 
-    def allow(self, *, seconds: float, turn: float, give: npt.ArrayLike) -> None:
+    def set_limits(self, *, seconds: float, turn: float, reach_margin: npt.ArrayLike) -> None:
         """Set the measure's `seconds`, the largest turn `turn` [rad], and the correction `give` (N,) or () [m]."""
-        angle = np.minimum(min(turn, np.pi), QUICKEST_TURN * seconds / self.graph.node_quickest)
-        self.most[:, 0] = angle
-        self.most[:, 1], self.most[:, 2] = np.cos(angle), np.sin(angle)
-        self.facts[:, 0] = give
+        angle = np.minimum(min(turn, np.pi), MAX_TURN_RATE * seconds / self.graph.node_peak_turn_rate)
+        self.max_turns[:, 0] = angle
+        self.max_turns[:, 1], self.max_turns[:, 2] = np.cos(angle), np.sin(angle)
+        self.facts[:, 0] = reach_margin
 
     def choose(
         self,
         rows: slice,
         node: Int32,
         placement: Float64,
-        wish: Float64,
+        target: Float64,
         row: Int32,
         ahead: Float64,
         side: Int32,
-        manner: Float64,
+        options: Float64,
         out: tuple[Int32, Int32, Float64, Float64],
     ) -> None:
         """Choose for the dancers `rows`: arguments and results `out` (edge, candidate, terms, end) as in the kernel."""
         graph = self.graph
         edge, candidate, terms, end = out
         choose_measures(
-            rows.start, rows.stop, node, placement, wish, row, ahead, side, manner,
-            graph.edge_start, graph.edge_target, self.edge, self.candidates.first, self.clip, self.moved, self.most,
-            self.facts, graph.library.node_side, self.weights, self.room, edge, candidate, terms, end,
+            rows.start, rows.stop, node, placement, target, row, ahead, side, options,
+            graph.edge_start, graph.edge_target, self.edge, self.candidates.first, self.clip, self.turn_offsets, self.max_turns,
+            self.facts, graph.library.node_side, self.weights, self.scratch, edge, candidate, terms, end,
         )  # fmt: skip
 
 
@@ -127,7 +127,7 @@ def with_direction(values: Float64) -> Float64:
     return np.ascontiguousarray(np.column_stack([values, np.cos(values[:, 2]), np.sin(values[:, 2])]))
 
 
-def _apart(candidates: Candidates, moved: Float64, angles: Float64) -> Float64:
+def _mixture_spread(candidates: Candidates, moved: Float64, angles: Float64) -> Float64:
     """Return the largest distance of the ends of a node's mixtures from its own clip's end, for any heading, (N,) [m].
 
     A mixture's end differs by the difference of the two ends, and by the difference of the turns that the headings
@@ -139,13 +139,13 @@ def _apart(candidates: Candidates, moved: Float64, angles: Float64) -> Float64:
     swing = np.hypot(*np.moveaxis(np.diff(moved, axis=1), -1, 0)).max(axis=1) / step
     per_radian = 1.05 * (swing[node] + np.maximum(arm, arm[own][node]))
     off = np.hypot(*(candidates.end - candidates.end[own][node]).T)
-    turned = np.abs(wrapped(candidates.facing - candidates.facing[own][node]))
+    turned = np.abs(wrap_angle(candidates.facing - candidates.facing[own][node]))
     apart = np.zeros(len(moved))
     np.maximum.at(apart, node, off + per_radian * turned)
     return apart
 
 
-def _strays(graph: MotionGraph) -> Float64:
+def _detours(graph: MotionGraph) -> Float64:
     """Return the largest deviation of the hips of each node from the line between its start and end, (N,) [m]."""
     library = graph.library
     t = np.linspace(0.0, 1.0, SWAY_SAMPLES)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 from live.base.scalar_kernels import angle_wrap
 
 Float64 = npt.NDArray[np.float64]
@@ -20,103 +20,103 @@ WRONG = 5
 SIDE = 6
 MIXED = 7
 """Indices in the array of weights."""
-LIKELY = 10.0
+EXPENSIVE_EDGE = 10.0
 """Edges that cost this much more than the cheapest, wherever they lead, are examined last."""
-FAR = 1e9
+UNEXAMINED_DISTANCE = 1e9
 """Distance assumed for candidates that were not examined [m]."""
 
 
-@part
-def laid_down(at: Float64, n: int, edge: Float64, e: int) -> tuple[float, float, float, float, float]:
+@inline_kernel
+def clip_placement(at: Float64, n: int, edge: Float64, e: int) -> tuple[float, float, float, float, float]:
     """Return x, z, yaw, its cosine and sine of a clip that joins the axes at[n] (5,) along edge[e] (6,) (K001)."""
     c, s = at[n, 3], at[n, 4]
     x, z = at[n, 0] + edge[e, 0] * c + edge[e, 1] * s, at[n, 1] + edge[e, 1] * c - edge[e, 0] * s
     return x, z, at[n, 2] + edge[e, 2], c * edge[e, 3] - s * edge[e, 4], s * edge[e, 3] + c * edge[e, 4]
 
 
-@part
-def end_of(
-    laid: tuple[float, float, float, float, float],
+@inline_kernel
+def candidate_end(
+    placement: tuple[float, float, float, float, float],
     n: int,
     v: int,
     k: int,
-    wish: Float64,
-    manner: Float64,
+    target: Float64,
+    options: Float64,
     clip: Float64,
-    moved: Float64,
-    most: Float64,
+    turn_offsets: Float64,
+    max_turns: Float64,
 ) -> tuple[float, float, float, float]:
     """Return the end of dancer n with candidate k of node v, placed at `laid`: hips x, z, turn, heading error.
 
     Arrays as in `choose_measures`; the wanted turn is inserted on the supporting foot as far as allowed.
     """
-    x, z, yaw, c, s = laid
-    want = angle_wrap(wish[n, 2] - yaw - clip[k, 2] - manner[n, 1] * clip[k, 5])
-    turn = min(max(want, -most[v, 0]), most[v, 0])
+    x, z, yaw, c, s = placement
+    want = angle_wrap(target[n, 2] - yaw - clip[k, 2] - options[n, 1] * clip[k, 5])
+    turn = min(max(want, -max_turns[v, 0]), max_turns[v, 0])
     tc, ts = c, s
     ax, az = 0.0, 0.0
-    if manner[n, 0] != 0.0:
+    if options[n, 0] != 0.0:
         if turn != want:
-            side = most[v, 2] if turn > 0.0 else -most[v, 2]
-            tc, ts = c * most[v, 1] - s * side, s * most[v, 1] + c * side
-        elif manner[n, 1] == 0.0:
-            tc = wish[n, 3] * clip[k, 3] + wish[n, 4] * clip[k, 4]
-            ts = wish[n, 4] * clip[k, 3] - wish[n, 3] * clip[k, 4]
+            side = max_turns[v, 2] if turn > 0.0 else -max_turns[v, 2]
+            tc, ts = c * max_turns[v, 1] - s * side, s * max_turns[v, 1] + c * side
+        elif options[n, 1] == 0.0:
+            tc = target[n, 3] * clip[k, 3] + target[n, 4] * clip[k, 4]
+            ts = target[n, 4] * clip[k, 3] - target[n, 3] * clip[k, 4]
         else:
             tc, ts = math.cos(yaw + turn), math.sin(yaw + turn)
-        steps = moved.shape[1] - 1
+        steps = turn_offsets.shape[1] - 1
         at = (turn + math.pi) * (steps / (2.0 * math.pi))
         row = min(max(int(at), 0), steps - 1)
-        mx = moved[v, row, 0] + (at - row) * (moved[v, row + 1, 0] - moved[v, row, 0])
-        mz = moved[v, row, 1] + (at - row) * (moved[v, row + 1, 1] - moved[v, row, 1])
+        mx = turn_offsets[v, row, 0] + (at - row) * (turn_offsets[v, row + 1, 0] - turn_offsets[v, row, 0])
+        mz = turn_offsets[v, row, 1] + (at - row) * (turn_offsets[v, row + 1, 1] - turn_offsets[v, row, 1])
         ax, az = mx * c + mz * s, mz * c - mx * s
     return x + ax + clip[k, 0] * tc + clip[k, 1] * ts, z + az + clip[k, 1] * tc - clip[k, 0] * ts, turn, want - turn
 
 
-@part
-def place_cost(distance: float, give: float, weights: Float64) -> float:
+@inline_kernel
+def place_cost(distance: float, reach_margin: float, weights: Float64) -> float:
     """Return the cost of ending `distance` [m] off, of which `give` [m] can be corrected at a lower cost."""
-    within = min(distance, give)
+    within = min(distance, reach_margin)
     cost: float = weights[CORRECTED] * within * within + weights[PLACE] * (distance * distance - within * within)
     return cost
 
 
-@part
-def off_place(end: tuple[float, float, float, float], wish: Float64, n: int) -> float:
+@inline_kernel
+def place_error(end: tuple[float, float, float, float], target: Float64, n: int) -> float:
     """Return the distance of that end from dancer n's target [m]."""
-    x, z = end[0] - wish[n, 0], end[1] - wish[n, 1]
+    x, z = end[0] - target[n, 0], end[1] - target[n, 1]
     return math.sqrt(x * x + z * z)
 
 
-@part
+@inline_kernel
 def turn_cost(end: tuple[float, float, float, float], weights: Float64) -> float:
     """Return the cost of the remaining heading error and of the turn."""
     cost: float = weights[HEADING] * end[3] * end[3] + weights[TURN] * end[2] * end[2]
     return cost
 
 
-@part
-def hold_best(cost: float, e: int, k: int, n: int, edge: Int32, candidate: Int32, held: Float64) -> None:
+@inline_kernel
+def insert_best(cost: float, e: int, k: int, n: int, edge: Int32, candidate: Int32, best_costs: Float64) -> None:
     """Insert candidate k of edge e into dancer n's best two if it is good enough; the last row of `held`: their costs.
 
     The runner-up is another measure than the best, not another mixture of it.
     """
-    last = held.shape[0] - 1
-    if cost < held[last, 0]:
+    last = best_costs.shape[0] - 1
+    if cost < best_costs[last, 0]:
         if edge[n, 0] != e:
-            held[last, 1] = held[last, 0]
+            best_costs[last, 1] = best_costs[last, 0]
             edge[n, 1], candidate[n, 1] = edge[n, 0], candidate[n, 0]
-        held[last, 0] = cost
+        best_costs[last, 0] = cost
         edge[n, 0], candidate[n, 0] = e, k
-    elif cost < held[last, 1] and edge[n, 0] != e:
-        held[last, 1] = cost
+    elif cost < best_costs[last, 1] and edge[n, 0] != e:
+        best_costs[last, 1] = cost
         edge[n, 1], candidate[n, 1] = e, k
 
 
-@part
-def weigh_edges(
+@inline_kernel
+def edge_costs(
     n: int, low: int, high: int, row: int, side: int, edge_target: Int32, edge: Float64, ahead: Float64,
-    node_side: Int32, facts: Float64, weights: Float64, room: Float64,
+    node_side: Int32, facts: Float64, weights: Float64, scratch: Float64,
 ) -> float:  # fmt: skip
     """Write the cost of edges `low` to `high`, wherever they lead, to `room`; return the least."""
     lowest = 1e300
@@ -125,8 +125,8 @@ def weigh_edges(
         base = weights[POSE] * edge[e, 5] + weights[WRONG] * ahead[row, v] + facts[v, 2]
         if side * node_side[v] < 0:
             base += weights[SIDE]
-        room[e - low, 0] = base
-        room[e - low, 1] = FAR
+        scratch[e - low, 0] = base
+        scratch[e - low, 1] = UNEXAMINED_DISTANCE
         lowest = min(lowest, base)
     return lowest
 
@@ -141,22 +141,22 @@ def choose_measures(
     stop: int,
     node: Int32,
     placement: Float64,
-    wish: Float64,
+    target: Float64,
     row: Int32,
     ahead: Float64,
     side: Int32,
-    manner: Float64,
+    options: Float64,
     edge_start: Int32,
     edge_target: Int32,
     edge: Float64,
     first: Int32,
     clip: Float64,
-    moved: Float64,
-    most: Float64,
+    turn_offsets: Float64,
+    max_turns: Float64,
     facts: Float64,
     node_side: Int32,
     weights: Float64,
-    room: Float64,
+    scratch: Float64,
     out_edge: Int32,
     out_candidate: Int32,
     out_terms: Float64,
@@ -178,47 +178,51 @@ def choose_measures(
     Results: out_edge and out_candidate (A, 2), best and runner-up, -1 for none; out_terms (A, 2, 5), cost of place,
     heading, pose, wrong step and all else; out_end (A, 4): hips x, z, turn, and remaining heading error.
     """
-    last = room.shape[0] - 1
+    last = scratch.shape[0] - 1
     for n in range(begin, stop):
         low, high = edge_start[node[n]], edge_start[node[n] + 1]
         for rank in range(2):
             out_edge[n, rank], out_candidate[n, rank] = -1, -1
-            room[last, rank] = 1e300
-        lowest = weigh_edges(
-            n, low, high, row[n], side[n], edge_target, edge, ahead, node_side, facts, weights, room
+            scratch[last, rank] = 1e300
+        lowest = edge_costs(
+            n, low, high, row[n], side[n], edge_target, edge, ahead, node_side, facts, weights, scratch
         )  # fmt: skip
         # the unmixed clips, likely ones first: their costs bound which others have to be examined
         for sweep in range(2):
             for e in range(low, high):
-                base = room[e - low, 0]
-                if (base < lowest + LIKELY) != (sweep == 0) or base >= room[last, 1]:
+                base = scratch[e - low, 0]
+                if (base < lowest + EXPENSIVE_EDGE) != (sweep == 0) or base >= scratch[last, 1]:
                     continue
                 v = edge_target[e]
                 k = first[v]
-                end = end_of(laid_down(placement, n, edge, e), n, v, k, wish, manner, clip, moved, most)
-                off = off_place(end, wish, n)
-                room[e - low, 1] = off
-                cost = base + place_cost(off, manner[n, 2] * facts[v, 0], weights) + turn_cost(end, weights)
-                hold_best(cost, e, k, n, out_edge, out_candidate, room)
+                end = candidate_end(
+                    clip_placement(placement, n, edge, e), n, v, k, target, options, clip, turn_offsets, max_turns
+                )
+                off = place_error(end, target, n)
+                scratch[e - low, 1] = off
+                cost = base + place_cost(off, options[n, 2] * facts[v, 0], weights) + turn_cost(end, weights)
+                insert_best(cost, e, k, n, out_edge, out_candidate, scratch)
         for e in range(low, high):
             v = edge_target[e]
-            base, give = room[e - low, 0] + weights[MIXED], manner[n, 2] * facts[v, 0]
-            if base + place_cost(max(room[e - low, 1] - facts[v, 1], 0.0), give, weights) >= room[last, 1]:
+            base, give = scratch[e - low, 0] + weights[MIXED], options[n, 2] * facts[v, 0]
+            if base + place_cost(max(scratch[e - low, 1] - facts[v, 1], 0.0), give, weights) >= scratch[last, 1]:
                 continue
-            laid = laid_down(placement, n, edge, e)
+            laid = clip_placement(placement, n, edge, e)
             for k in range(first[v] + 1, first[v + 1]):
-                end = end_of(laid, n, v, k, wish, manner, clip, moved, most)
-                cost = base + place_cost(off_place(end, wish, n), give, weights) + turn_cost(end, weights)
-                hold_best(cost, e, k, n, out_edge, out_candidate, room)
+                end = candidate_end(laid, n, v, k, target, options, clip, turn_offsets, max_turns)
+                cost = base + place_cost(place_error(end, target, n), give, weights) + turn_cost(end, weights)
+                insert_best(cost, e, k, n, out_edge, out_candidate, scratch)
         for rank in range(1, -1, -1):  # the best comes last, so its end is kept
             e, k = out_edge[n, rank], out_candidate[n, rank]
             out_terms[n, rank] = 0.0
             if e >= 0:
                 v = edge_target[e]
-                end = end_of(laid_down(placement, n, edge, e), n, v, k, wish, manner, clip, moved, most)
+                end = candidate_end(
+                    clip_placement(placement, n, edge, e), n, v, k, target, options, clip, turn_offsets, max_turns
+                )
                 pose, wrong = weights[POSE] * edge[e, 5], weights[WRONG] * ahead[row[n], v]
-                out_terms[n, rank, 0] = place_cost(off_place(end, wish, n), manner[n, 2] * facts[v, 0], weights)
+                out_terms[n, rank, 0] = place_cost(place_error(end, target, n), options[n, 2] * facts[v, 0], weights)
                 out_terms[n, rank, 1] = turn_cost(end, weights)
                 out_terms[n, rank, 2], out_terms[n, rank, 3] = pose, wrong
-                out_terms[n, rank, 4] = room[e - low, 0] - pose - wrong + weights[MIXED] * (k > first[v])
+                out_terms[n, rank, 4] = scratch[e - low, 0] - pose - wrong + weights[MIXED] * (k > first[v])
                 out_end[n, 0], out_end[n, 1], out_end[n, 2], out_end[n, 3] = end

@@ -9,22 +9,22 @@ import numpy.typing as npt
 from live.base.jit import kernel
 from live.base.scalar_kernels import angle_wrap
 from live.motion.capture.capture_kernels import (
-    CAUGHT,
-    KEY,
-    SHARE,
-    TURNED,
-    WANTED,
+    BLEND,
+    GAP_BLEND,
+    LAST_TURN,
+    STAMP,
+    STAMP_COLUMN,
     YAW,
-    about_vertical,
     find_stamps,
     heading,
+    hips_on_stage,
+    interpolate_from_rest,
+    interpolate_rotation,
     inverse,
-    rotation_between,
-    row_of,
-    stood,
-    through_rest,
-    times,
-    turn_vector,
+    multiply,
+    rotate_vector,
+    rotation_row,
+    yaw_rotation,
 )
 
 Float32 = npt.NDArray[np.float32]
@@ -37,8 +37,8 @@ Bool = npt.NDArray[np.bool_]
     "void(f8[:,::1], f8[:,::1], f8[::1], i8[::1], b1[::1], f8[:,::1], f4[:,::1], f4[:,:,::1], f8[:,::1], i8, f8, b1,"
     " f4[:,::1], f4[:,:,::1])"
 )
-def find_places(
-    there: Float64, way: Float64, away: Float64, rows: Int64, live: Bool, asked: Float64,
+def find_positions(
+    position: Float64, offset: Float64, turn_offset: Float64, rows: Int64, live: Bool, request: Float64,
     root: Float32, turned: Float32, stamp: Float64, count: int, scale: float, mirrored: bool,
     shown: Float32, legs: Float32,
 ) -> None:  # fmt: skip
@@ -47,31 +47,31 @@ def find_places(
     `way` (n, 2) [m] is the offset of fully captured dancers from the position of their own dance; `away` (n,) [rad] is
     the turn from their own heading to the captured one. While both are mixed, `away` continues from the last tick's
     value, so that the heading never jumps by a whole turn. `shown` (A, 2): position of their own hips; `legs` (A, 9,
-    4): rotations. The other parameters are as in `wear`.
+    4): rotations. The other parameters are as in `blend_captured`.
     """
     held = stamp.shape[0]
     for n in range(rows.shape[0]):
-        a, share, caught = rows[n], asked[n, SHARE], asked[n, CAUGHT]
-        i, j, t = find_stamps(stamp, count, int(asked[n, KEY]), asked[n, WANTED])
-        x, _, z = stood(root, held, i, j, t, asked, n, scale, mirrored)
-        way[n, 0], way[n, 1] = x - shown[a, 0], z - shown[a, 1]
+        a, share, caught = rows[n], request[n, BLEND], request[n, GAP_BLEND]
+        i, j, t = find_stamps(stamp, count, int(request[n, STAMP_COLUMN]), request[n, STAMP])
+        x, _, z = hips_on_stage(root, held, i, j, t, request, n, scale, mirrored)
+        offset[n, 0], offset[n, 1] = x - shown[a, 0], z - shown[a, 1]
         for c in range(2):
-            there[n, c] = shown[a, c] + share * way[n, c]
+            position[n, c] = shown[a, c] + share * offset[n, c]
             if not live[n] or share < 1.0:
-                way[n, c] = 0.0
+                offset[n, c] = 0.0
         turn = (
-            asked[n, YAW]
-            + heading(rotation_between(turned, held, i, j, t, caught, 0, mirrored))
-            - heading(row_of(legs[a], 0))
+            request[n, YAW]
+            + heading(interpolate_rotation(turned, held, i, j, t, caught, 0, mirrored))
+            - heading(rotation_row(legs[a], 0))
         )
-        near = away[n] if 0.0 < share < 1.0 else 0.0
-        away[n] = near + angle_wrap(turn - near)
+        near = turn_offset[n] if 0.0 < share < 1.0 else 0.0
+        turn_offset[n] = near + angle_wrap(turn - near)
 
 
 @kernel("void(i8[::1], b1[::1], f8[:,::1], f8[:,::1], f8[:,::1], b1[::1], f4[::1], f8, f8, f8)")
-def put_agents(
+def move_agents(
     rows: Int64, live: Bool, there: Float64, place: Float64, speed: Float64, led: Bool, flat: Float32,
-    dt: float, fastest: float, believed: float,
+    dt: float, max_speed: float, smoothing: float,
 ) -> None:  # fmt: skip
     """Move the agents `rows` (n,) that are `live` (n,) to `there` (n, 2) [m]: their columns of `flat` (AgentState)
     change.
@@ -85,9 +85,9 @@ def put_agents(
         x, z = 0.0, 0.0
         if led[a]:
             x, z = (there[n, 0] - place[a, 0]) / dt, (there[n, 1] - place[a, 1]) / dt
-        fast = max(math.sqrt(x * x + z * z) / fastest, 1.0)
-        speed[a, 0] += believed * (x / fast - speed[a, 0])
-        speed[a, 1] += believed * (z / fast - speed[a, 1])
+        fast = max(math.sqrt(x * x + z * z) / max_speed, 1.0)
+        speed[a, 0] += smoothing * (x / fast - speed[a, 0])
+        speed[a, 1] += smoothing * (z / fast - speed[a, 1])
         place[a, 0], place[a, 1] = there[n, 0], there[n, 1]
         if live[n]:
             for c in range(2):
@@ -101,8 +101,8 @@ def put_agents(
     "void(i8[::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f4[:,:,::1],"
     " f4[:,:,::1], f4[:,::1], f4[:,:,::1])"
 )
-def take_dance_along(
-    rows: Int64, way: Float64, past: Float64, present: Float64, coming: Float64,
+def translate_plans(
+    rows: Int64, offset: Float64, past: Float64, present: Float64, coming: Float64,
     begin: Float64, end: Float64, coming_end: Float64, path: Float32, coming_path: Float32,
     shown: Float32, lock: Float32,
 ) -> None:  # fmt: skip
@@ -114,16 +114,16 @@ def take_dance_along(
     for n in range(rows.shape[0]):
         a = rows[n]
         for c in range(2):
-            past[a, c] += way[n, c]
-            present[a, c] += way[n, c]
-            coming[a, c] += way[n, c]
-            begin[a, c] += way[n, c]
-            end[a, c] += way[n, c]
-            coming_end[a, c] += way[n, c]
-            shown[a, c] += way[n, c]
+            past[a, c] += offset[n, c]
+            present[a, c] += offset[n, c]
+            coming[a, c] += offset[n, c]
+            begin[a, c] += offset[n, c]
+            end[a, c] += offset[n, c]
+            coming_end[a, c] += offset[n, c]
+            shown[a, c] += offset[n, c]
             for k in range(path.shape[1]):
-                path[a, k, c] += way[n, c]
-                coming_path[a, k, c] += way[n, c]
+                path[a, k, c] += offset[n, c]
+                coming_path[a, k, c] += offset[n, c]
         lock[a, :, :] = 0.0
 
 
@@ -134,8 +134,8 @@ Int32 = npt.NDArray[np.int32]
     "void(f4[:,:,::1], f4[:,:,::1], i8[::1], f8[:,::1], f4[:,::1], f4[:,:,::1], f8[:,::1], i8, f8, b1,"
     " f4[:,::1], i4[::1], i4[::1])"
 )
-def wear(
-    position: Float32, rotation: Float32, rows: Int64, asked: Float64,
+def blend_captured(
+    position: Float32, rotation: Float32, rows: Int64, request: Float64,
     root: Float32, turned: Float32, stamp: Float64, count: int, scale: float, mirrored: bool,
     offsets: Float32, parents: Int32, other: Int32,
 ) -> None:  # fmt: skip
@@ -149,26 +149,26 @@ def wear(
     joints, held = parents.shape[0], stamp.shape[0]
     own = np.empty((joints, 4))
     for n in range(rows.shape[0]):
-        a, share, caught = rows[n], asked[n, SHARE], asked[n, CAUGHT]
-        i, j, t = find_stamps(stamp, count, int(asked[n, KEY]), asked[n, WANTED])
-        there = stood(root, held, i, j, t, asked, n, scale, mirrored)
+        a, share, caught = rows[n], request[n, BLEND], request[n, GAP_BLEND]
+        i, j, t = find_stamps(stamp, count, int(request[n, STAMP_COLUMN]), request[n, STAMP])
+        there = hips_on_stage(root, held, i, j, t, request, n, scale, mirrored)
         for c in range(3):
             position[a, 0, c] += share * (there[c] - position[a, 0, c])
         for k in range(joints):
-            own[k, 0], own[k, 1], own[k, 2], own[k, 3] = row_of(rotation[a], k)
+            own[k, 0], own[k, 1], own[k, 2], own[k, 3] = rotation_row(rotation[a], k)
         for k in range(joints):
-            q = rotation_between(turned, held, i, j, t, caught, other[k] if mirrored else k, mirrored)
+            q = interpolate_rotation(turned, held, i, j, t, caught, other[k] if mirrored else k, mirrored)
             if k == 0:
-                mine, hers = heading(row_of(own, 0)), heading(q)
-                turn = asked[n, TURNED] + angle_wrap(asked[n, YAW] + hers - mine - asked[n, TURNED])
-                tilt, tilted = times(about_vertical(-mine), row_of(own, 0)), times(about_vertical(-hers), q)
-                q = times(about_vertical(mine + share * turn), through_rest(tilt, tilted, share))
+                mine, hers = heading(rotation_row(own, 0)), heading(q)
+                turn = request[n, LAST_TURN] + angle_wrap(request[n, YAW] + hers - mine - request[n, LAST_TURN])
+                tilt, tilted = multiply(yaw_rotation(-mine), rotation_row(own, 0)), multiply(yaw_rotation(-hers), q)
+                q = multiply(yaw_rotation(mine + share * turn), interpolate_from_rest(tilt, tilted, share))
             else:
                 p = parents[k]
-                q = through_rest(times(inverse(row_of(own, p)), row_of(own, k)), q, share)
-                above = row_of(rotation[a], p)
-                d = turn_vector(above, offsets[k, 0], offsets[k, 1], offsets[k, 2])
+                q = interpolate_from_rest(multiply(inverse(rotation_row(own, p)), rotation_row(own, k)), q, share)
+                above = rotation_row(rotation[a], p)
+                d = rotate_vector(above, offsets[k, 0], offsets[k, 1], offsets[k, 2])
                 for c in range(3):
                     position[a, k, c] = position[a, p, c] + d[c]
-                q = times(above, q)
+                q = multiply(above, q)
             rotation[a, k, 0], rotation[a, k, 1], rotation[a, k, 2], rotation[a, k, 3] = q

@@ -7,17 +7,17 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.cleanup.glitch_detection import Glitch, find_shocks
+from live.motion.cleanup.glitch_detection import Glitch, measure_shocks
 from live.motion.formats.source_motion import Float64, SourceMotion
 from live.motion.retarget.body_tracks import body_tracks
 
 Float = npt.NDArray[np.floating]
 
-LONGEST_GAP: Final = 0.35
+MAX_GAP: Final = 0.35
 """Longer gaps [s] are not bridged: cut the recording there or solve it again."""
-SMOOTH: Final = 0.7
+SMOOTHNESS_LIMIT: Final = 0.7
 """A repair is accepted if it stays below this share of the shock limit."""
-WIDEST_MARGIN: Final = 0.12
+MAX_MARGIN: Final = 0.12
 """Maximum of good frames on either side that a bridge may replace [s]."""
 
 
@@ -49,49 +49,49 @@ def repair(
     """
     rate = fps or motion.header_fps
     tracks = body_tracks(motion, fps=rate)
-    limit = SMOOTH * find_shocks(tracks).kick_limit
+    limit = SMOOTHNESS_LIMIT * measure_shocks(tracks).kick_limit
     done: list[Repair] = []
     for glitch in glitches:
         whole = tracks.names[0] in glitch.at_fault  # in some files the root is an ancestor of the hips
-        joints = list(range(motion.joint_count)) if whole else _below(motion, glitch)
-        motion, report = _bridged(motion, glitch, joints, rate, limit)
+        joints = list(range(motion.joint_count)) if whole else _with_descendants(motion, glitch)
+        motion, report = _repair_glitch(motion, glitch, joints, rate, limit)
         done.append(report)
     return motion, done
 
 
-def _bridged(
+def _repair_glitch(
     motion: SourceMotion, glitch: Glitch, joints: list[int], rate: float, limit: float
 ) -> tuple[SourceMotion, Repair]:
     names = tuple(motion.names[j] for j in joints)
     first, last = glitch.first_frame, glitch.last_frame
     inner = (first + 1, last - 1) if glitch.kind == "jump" else (first, last)
-    if (inner[1] - inner[0] + 1) / rate > LONGEST_GAP:
-        return motion, _left(glitch, names, f"{(last - first + 1) / rate:.2f} s is too long to bridge")
-    for margin in range(1, 2 + round(WIDEST_MARGIN * rate)):
+    if (inner[1] - inner[0] + 1) / rate > MAX_GAP:
+        return motion, _unrepaired(glitch, names, f"{(last - first + 1) / rate:.2f} s is too long to bridge")
+    for margin in range(1, 2 + round(MAX_MARGIN * rate)):
         a, b = inner[0] - 1 - margin, inner[1] + 1 + margin
         if a < 1 or b > motion.frame_count - 2:
-            return motion, _left(glitch, names, "too close to an end of the recording: drop those frames")
+            return motion, _unrepaired(glitch, names, "too close to an end of the recording: drop those frames")
         bridged = _bridge(motion, joints, a, b)
-        seen = body_tracks(_cut(bridged, a - 1, b + 2), fps=rate)
+        seen = body_tracks(_slice_frames(bridged, a - 1, b + 2), fps=rate)
         kick = np.linalg.norm(np.diff(seen.positions, 2, axis=0), axis=-1)
         if kick.max() <= limit:
-            note = f"{glitch.kind}: frames {a + 1} to {b - 1} of {_said(names, motion)} bridged"
+            note = f"{glitch.kind}: frames {a + 1} to {b - 1} of {_describe_joints(names, motion)} bridged"
             return bridged, Repair(glitch, True, a + 1, b - 1, names, note)
-    return motion, _left(glitch, names, "no smooth bridge found")
+    return motion, _unrepaired(glitch, names, "no smooth bridge found")
 
 
-def _left(glitch: Glitch, joints: tuple[str, ...], why: str) -> Repair:
+def _unrepaired(glitch: Glitch, joints: tuple[str, ...], why: str) -> Repair:
     note = f"{glitch.kind}: frames {glitch.first_frame} to {glitch.last_frame} left unchanged: {why}"
     return Repair(glitch, False, glitch.first_frame, glitch.last_frame, joints, note)
 
 
-def _said(names: tuple[str, ...], motion: SourceMotion) -> str:
+def _describe_joints(names: tuple[str, ...], motion: SourceMotion) -> str:
     if len(names) == motion.joint_count:
         return "the whole body"
     return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
 
 
-def _below(motion: SourceMotion, glitch: Glitch) -> list[int]:
+def _with_descendants(motion: SourceMotion, glitch: Glitch) -> list[int]:
     """Return the joints at fault and their descendants, ascending."""
     taken = np.zeros(motion.joint_count, np.bool_)
     for joint, parent in enumerate(motion.parents):
@@ -99,7 +99,7 @@ def _below(motion: SourceMotion, glitch: Glitch) -> list[int]:
     return [int(joint) for joint in np.flatnonzero(taken)]
 
 
-def _cut(motion: SourceMotion, start: int, stop: int) -> SourceMotion:
+def _slice_frames(motion: SourceMotion, start: int, stop: int) -> SourceMotion:
     return replace(motion, translation=motion.translation[start:stop], rotation=motion.rotation[start:stop])
 
 
@@ -120,9 +120,9 @@ def _bridge(motion: SourceMotion, joints: list[int], a: int, b: int) -> SourceMo
     return replace(motion, translation=translation, rotation=rotation)
 
 
-def _hermite(s: Float, way: Float, start: Float, end: Float) -> Float64:
+def _hermite(s: Float, end_value: Float, start: Float, end: Float) -> Float64:
     """Cubic from 0 at s = 0 to `way` at s = 1 with the given velocities at both ends."""
-    return np.asarray((s**3 - 2 * s**2 + s) * start + (3 * s**2 - 2 * s**3) * way + (s**3 - s**2) * end)
+    return np.asarray((s**3 - 2 * s**2 + s) * start + (3 * s**2 - 2 * s**3) * end_value + (s**3 - s**2) * end)
 
 
 def _tangent(vector: Float, spin: Float) -> Float:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.curve import smoothed
+from live.motion.curve import gaussian_filter
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 
@@ -114,7 +114,7 @@ def head_turn(clip: Clip, *, target: float = 0.0, limit: float = LIMIT, sigma: f
     kept = (np.abs(theta) <= limit) & (np.abs(turned + theta) <= limit)
     theta = fill_gaps(theta, kept)
     if sigma > 0.0:
-        theta = np.asarray(smoothed(theta, sigma * clip.sample_rate), np.float64)
+        theta = np.asarray(gaussian_filter(theta, sigma * clip.sample_rate), np.float64)
     lowest, highest = np.minimum(-limit, turned), np.maximum(limit, turned)
     return np.asarray(np.clip(turned + theta, lowest, highest) - turned)
 

@@ -11,7 +11,13 @@ from live.motion.clip import read_clip
 from live.motion.editing.foot_correction import ANKLES, BALLS, reach_with_feet
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
-from live.motion.step_clip import StepClip, check_same_structure, measured_direction, measured_distance, samples_in
+from live.motion.step_clip import (
+    StepClip,
+    check_same_structure,
+    corresponding_samples,
+    measured_direction,
+    measured_distance,
+)
 
 Float = npt.NDArray[np.floating]
 
@@ -37,7 +43,7 @@ def interpolate(a: StepClip, b: StepClip, weight: float, *, hold_feet: bool = Tr
     if weight in (0.0, 1.0):
         return b if weight else a
     root_a, rotation_a = a.clip.root_position.astype(np.float64), a.clip.rotation.astype(np.float64)
-    root_b, rotation_b, contact = read_clip(b.clip, samples_in(b, a))
+    root_b, rotation_b, contact = read_clip(b.clip, corresponding_samples(b, a))
     begin = round(a.first)
     root = (1.0 - weight) * root_a + weight * root_b
     rotation = follow_arc(rotation_a, rotation_b, weight, begin)
@@ -60,7 +66,7 @@ def interpolate(a: StepClip, b: StepClip, weight: float, *, hold_feet: bool = Tr
 
 def follow_arc(a: Float, b: Float, weight: float, begin: int) -> Float:
     """SLERP from `a` to `b` (T, ..., 4) along arcs that are continuous in time and the shorter ones at `begin`."""
-    a, b = quaternion.continuous(a), quaternion.continuous(b)
+    a, b = quaternion.align_signs(a), quaternion.align_signs(b)
     begin = min(max(begin, 0), len(a) - 1)
     b = b * np.where(np.sum(a[begin] * b[begin], axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
     cosine = np.sum(a * b, axis=-1, keepdims=True)

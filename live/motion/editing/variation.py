@@ -11,9 +11,9 @@ from scipy.interpolate import PchipInterpolator
 from live.base.scalar_kernels import ease
 from live.motion.clip import Clip, read_clip
 from live.motion.editing.turn_insertion import BLEND_WINDOW
-from live.motion.quaternion import mean_rotation, scale_from
+from live.motion.quaternion import mean_rotation, scale_about_mean
 from live.motion.skeleton import SKELETON
-from live.motion.step_clip import StepClip, check_same_step, samples_in
+from live.motion.step_clip import StepClip, check_same_step, corresponding_samples
 
 LOWER: Final = tuple(
     joint
@@ -38,7 +38,9 @@ def combine(lower: StepClip, upper: StepClip) -> StepClip:
         rotation[:count, UPPER] = upper.clip.rotation[:count, UPPER]
         rotation[count:, UPPER] = upper.clip.rotation[count - 1, UPPER]
     else:
-        rotation[:, UPPER] = np.asarray(read_clip(upper.clip, samples_in(upper, lower))[1], np.float32)[:, UPPER]
+        rotation[:, UPPER] = np.asarray(read_clip(upper.clip, corresponding_samples(upper, lower))[1], np.float32)[
+            :, UPPER
+        ]
     name = f"{lower.clip.name}, upper body of {upper.clip.name}"
     return replace(lower, clip=replace(lower.clip, name=name, rotation=rotation))
 
@@ -87,7 +89,7 @@ def scale_clip(clip: Clip, factor: npt.ArrayLike, segment: slice = slice(None)) 
     mean = mean_rotation(upper[segment])
     rotation = clip.rotation.copy()
     r = np.broadcast_to(np.asarray(factor, np.float64), (clip.sample_count,))
-    rotation[:, UPPER] = scale_from(mean, upper, r[:, None])
+    rotation[:, UPPER] = scale_about_mean(mean, upper, r[:, None])
     return replace(clip, rotation=rotation)
 
 

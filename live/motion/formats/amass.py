@@ -92,7 +92,7 @@ def parse_amass(data: bytes, file: str) -> SourceMotion:
         trans = np.zeros((frames, 3))
         warnings.append(FileWarning("no array 'trans': the dancer stays in place"))
     vectors = body.reshape(frames, _BODY, 3)
-    rotation = np.asarray(quaternion.continuous(quaternion.from_rotation_vector(vectors)), np.float64)
+    rotation = np.asarray(quaternion.align_signs(quaternion.from_rotation_vector(vectors)), np.float64)
     translation = np.broadcast_to(_OFFSETS, (frames, _BODY, 3)).copy()
     translation[:, 0] = trans
     rest = np.tile((1.0, 0.0, 0.0, 0.0), (_BODY, 1))

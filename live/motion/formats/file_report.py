@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.cleanup.glitch_detection import Glitch, find_glitches
-from live.motion.cleanup.trim_start import find_beginning
+from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_axes import BODY_HEIGHT_RANGE, body_height, find_unit, find_up, leg_length
 from live.motion.formats.source_motion import (
@@ -88,7 +88,7 @@ def find_facts(
     added = 0
     if whole and leg > 0.0:
         tracks = body_tracks(motion, fps=fps, up=axis, unit_m=unit)
-        beginning = find_beginning(tracks)
+        beginning = find_recording_start(tracks)
         added = beginning.drop_frames
         if beginning.t_pose_first:
             warnings.append(FileWarning(_beginning_words(added), frame=0))

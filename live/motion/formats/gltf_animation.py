@@ -198,7 +198,7 @@ class CurveReader:
             if (lengths < 1e-6).any():
                 raise sampler.error("output", f"holds a zero rotation at key {np.argmin(lengths)}", "unit quaternions")
             if tangents is None:
-                values = np.asarray(quaternion.continuous(values / lengths[:, None]), np.float64)
+                values = np.asarray(quaternion.align_signs(values / lengths[:, None]), np.float64)
         return Curve(times, values, way, is_rotation, tangents)
 
     def _key_times(self, channel: Channel) -> Float64:

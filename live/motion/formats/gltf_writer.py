@@ -184,7 +184,7 @@ def _mesh(buffer: _Buffer) -> gltf.Mesh:
 def _animation(clip: Clip, buffer: _Buffer) -> gltf.Animation:
     """Return the hips' translation and all rotations as channels that share one time array."""
     times = buffer.add((np.arange(clip.sample_count) / clip.sample_rate).astype(np.float32), bounds=True)
-    turns = quaternion.unit(quaternion.continuous(clip.rotation.astype(np.float64)))[..., [1, 2, 3, 0]]
+    turns = quaternion.unit(quaternion.align_signs(clip.rotation.astype(np.float64)))[..., [1, 2, 3, 0]]
     outputs = [(0, gltf.TRANSLATION, clip.root_position)]
     outputs += [(joint, gltf.ROTATION, turns[:, joint].astype(np.float32)) for joint in range(JOINT_COUNT)]
     samplers = [

@@ -25,7 +25,7 @@ Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 Smoothing = Literal["none", "linear", "eased"]
 
-SETTLES: Final = 0.2
+SETTLE_S: Final = 0.2
 """Time from a boundary in which the difference of velocities is removed (eased) [s]."""
 
 
@@ -34,7 +34,7 @@ class Answer:
     """A follower's motion for an input."""
 
     clip: Clip
-    source: Float64
+    source_sample: Float64
     """For each sample its source sample in the unit's recording, (T,)."""
     unit: npt.NDArray[np.int64]
     """Index of each sample's unit in the reading, (T,)."""
@@ -57,7 +57,7 @@ def answer(reading: Reading, units: Units, count: int, smoothing: Smoothing = "e
     clip = Clip(
         name,
         np.ascontiguousarray(root, np.float32),
-        np.ascontiguousarray(quaternion.continuous(quaternion.unit(rotation)), np.float32),
+        np.ascontiguousarray(quaternion.align_signs(quaternion.unit(rotation)), np.float32),
         reading.rate,
         np.concatenate([part.contact[: part.kept] for part in parts]),
     )
@@ -119,16 +119,16 @@ def _join(parts: list[_Part], rate: float, smoothing: Smoothing) -> None:
             w = w * w * (3.0 - 2.0 * w)
             seconds = at / rate
             offset = (1.0 - w) * ends[0, 0] + w * ends[1, 0]
-            offset += _settling(seconds) * ends[0, 1] - _settling((frames - at) / rate) * ends[1, 1]
+            offset += _velocity_ramp(seconds) * ends[0, 1] - _velocity_ramp((frames - at) / rate) * ends[1, 1]
         part.root += offset[:, 0]
         turned = quaternion.mul(part.rotation, quaternion.from_rotation_vector(offset[:, 1:]))
         part.rotation = np.asarray(turned, np.float64)
 
 
-def _settling(seconds: Float64) -> Float64:
+def _velocity_ramp(seconds: Float64) -> Float64:
     """Return a curve that starts at 0 with slope 1 and is 0 with slope 0 after SETTLES; [s], (T, 1, 1)."""
-    t = np.clip(seconds / SETTLES, 0.0, 1.0)
-    return np.asarray(SETTLES * t * (1.0 - t) ** 2)[:, None, None]
+    t = np.clip(seconds / SETTLE_S, 0.0, 1.0)
+    return np.asarray(SETTLE_S * t * (1.0 - t) ** 2)[:, None, None]
 
 
 def _difference(one: _Part, i: int, other: _Part, j: int) -> Float64:
@@ -166,11 +166,11 @@ def _holds(reading: Reading, units: Units, count: int) -> tuple[Hold, ...]:
     return tuple(found)
 
 
-PALM: Final = 0.09
+PALM_OFFSET: Final = 0.09
 """Distance from the wrist to the middle of the palm [m]."""
-TAKE: Final = 0.15
+REACH_S: Final = 0.15
 """Time to reach for the hand before the hold and to release it after [s]."""
-OUT_OF_REACH: Final = 0.25
+MAX_OVERREACH: Final = 0.25
 """A hand does not reach for a target that is farther than this beyond the arm's reach [m]."""
 _ARMS: Final = tuple(
     tuple(SKELETON.index(side + joint) for joint in ("UpperArm", "LowerArm", "Hand")) for side in ("left", "right")
@@ -186,7 +186,7 @@ def palms(clip: Clip) -> Float64:
     """Return the middles of the left and right palm [m], (T, 2, 3)."""
     positions, rotations = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
     hands = [arm[2] for arm in _ARMS]
-    tip = quaternion.rotate(rotations[:, hands], np.array(((PALM, 0.0, 0.0), (-PALM, 0.0, 0.0))))
+    tip = quaternion.rotate(rotations[:, hands], np.array(((PALM_OFFSET, 0.0, 0.0), (-PALM_OFFSET, 0.0, 0.0))))
     return np.asarray(positions[:, hands] + tip)
 
 
@@ -204,17 +204,20 @@ def enforce_holds(follower: Clip, leader: Clip, holds: tuple[Hold, ...]) -> Clip
     own = palms(follower)
     rotation = follower.rotation.astype(np.float64).copy()
     samples = np.arange(follower.sample_count)
-    fade = TAKE * follower.sample_rate
+    fade = REACH_S * follower.sample_rate
     for hold in holds:
         share = np.clip(np.minimum(samples - hold.begin + fade, hold.end + fade - samples) / fade, 0.0, 1.0)
         share = share * share * (3.0 - 2.0 * share)
         rows = np.flatnonzero(share > 0.0)
         upper, lower, _ = _ARMS[hold.follower_hand]
         shoulder, elbow, palm = positions[rows, upper], positions[rows, lower], own[rows, hold.follower_hand]
-        reach = float(np.linalg.norm(SKELETON.offsets[lower])), _length(positions, own, lower, hold.follower_hand)
+        reach = (
+            float(np.linalg.norm(SKELETON.offsets[lower])),
+            _forearm_length(positions, own, lower, hold.follower_hand),
+        )
         target = wanted[rows, hold.leader_hand]
         missing = np.linalg.norm(target - shoulder, axis=-1) - sum(reach)
-        weight = share[rows] * np.clip(1.0 - missing / OUT_OF_REACH, 0.0, 1.0)
+        weight = share[rows] * np.clip(1.0 - missing / MAX_OVERREACH, 0.0, 1.0)
         target = palm + weight[:, None] * (target - palm)
         pole = (
             elbow - 0.5 * (shoulder + palm) + 0.03 * quaternion.rotate(world[rows, upper], np.array((0.0, 0.0, -1.0)))
@@ -225,10 +228,10 @@ def enforce_holds(follower: Clip, leader: Clip, holds: tuple[Hold, ...]) -> Clip
         above = world[rows, SKELETON.parents[upper]]
         rotation[rows, upper] = quaternion.mul(quaternion.inverse(above), arm)
         rotation[rows, lower] = quaternion.mul(quaternion.inverse(arm), forearm)
-    return replace(follower, rotation=np.ascontiguousarray(quaternion.continuous(rotation), np.float32))
+    return replace(follower, rotation=np.ascontiguousarray(quaternion.align_signs(rotation), np.float32))
 
 
-def _length(positions: npt.NDArray[np.floating], palm: Float64, lower: int, side: int) -> float:
+def _forearm_length(positions: npt.NDArray[np.floating], palm: Float64, lower: int, side: int) -> float:
     """Return the largest distance from elbow to palm in the clip [m]."""
     return float(np.linalg.norm(palm[:, side] - positions[:, lower], axis=-1).max())
 

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError
-from live.motion.partner.decoder_kernels import SIZE, multiply, propagate
+from live.motion.partner.decoder_kernels import SAMPLE_SIZE, multiply, propagate
 from live.motion.partner.point_clouds import Cloud
 from live.motion.partner.time_scaled_units import Stretches
 
@@ -98,7 +98,7 @@ def decode(
     beam: float = np.inf,
     free_start: int = 0,
     free_end: int = 0,
-    toll: Float64 | None = None,
+    boundary_cost: Float64 | None = None,
 ) -> Reading:
     """Return the reading of `x` (T frames at the rate of `stretches`) with the least score (5).
 
@@ -111,9 +111,9 @@ def decode(
     last, cells = x.count - 1, stretches.count
     ring = int(stretches.duration[-1]) + 1
     ring_score = np.full((ring, cells), np.inf)
-    ring_tail = np.zeros((ring, cells, SIZE))
+    ring_tail = np.zeros((ring, cells, SAMPLE_SIZE))
     back = np.full((last + 1, cells), -1, np.int32)
-    tolls = np.zeros(x.count) if toll is None else np.ascontiguousarray(toll, np.float64)
+    tolls = np.zeros(x.count) if boundary_cost is None else np.ascontiguousarray(boundary_cost, np.float64)
     best, where = np.full(1, np.inf), np.full(2, -1, np.int64)
     group = np.repeat(np.arange(len(stretches.groups)), [stop - first for _, first, stop in stretches.groups])
     for begin in range(0, last + 1, BLOCK):
@@ -145,7 +145,7 @@ def read_cells(x: Cloud, stretches: Stretches, cell: Int64, start: int, k: float
     starts = start + np.concatenate(([0], np.cumsum(duration)[:-1]))
     turn, shift, distance = np.empty(len(cell), np.complex128), np.empty(len(cell), np.complex128), np.empty(len(cell))
     for n, p in enumerate(cell.tolist()):
-        made = make_products(x, _one(stretches, p), int(starts[n]), int(starts[n]) + 1)
+        made = make_products(x, _single_cell(stretches, p), int(starts[n]), int(starts[n]) + 1)
         product, middle = complex(made.product[0, 0]), complex(made.input_middle[0, 0])
         turn[n] = product / abs(product) if abs(product) > 1e-12 else 1.0
         shift[n] = middle - turn[n] * stretches.middle[p]
@@ -159,7 +159,7 @@ def read_cells(x: Cloud, stretches: Stretches, cell: Int64, start: int, k: float
     return Reading(stretches.unit[cell], starts, duration, turn, shift, distance, gap, score, stretches.rate)
 
 
-def _one(stretches: Stretches, cell: int) -> Stretches:
+def _single_cell(stretches: Stretches, cell: int) -> Stretches:
     """Return the stretches with only one cell."""
     index = int(np.searchsorted([stop for _, _, stop in stretches.groups], cell, side="right"))
     frames, first, _ = stretches.groups[index]

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 
 Float64 = npt.NDArray[np.float64]
 Complex128 = npt.NDArray[np.complex128]
 
-WIDE: Any = 32
+BLOCK_CELLS: Any = 32
 """Cells that are multiplied in one SIMD block."""
 
 
@@ -38,12 +38,12 @@ def multiply(
     cells) hold the cells. product (U, P) and height_product (U, P) receive the columns from `first` on.
     """
     points, cells = floor.shape[1], real.shape[1]
-    re0, im0, up0 = np.empty(WIDE), np.empty(WIDE), np.empty(WIDE)
-    re1, im1, up1 = np.empty(WIDE), np.empty(WIDE), np.empty(WIDE)
-    a, b, h = np.empty(WIDE), np.empty(WIDE), np.empty(WIDE)
+    re0, im0, up0 = np.empty(BLOCK_CELLS), np.empty(BLOCK_CELLS), np.empty(BLOCK_CELLS)
+    re1, im1, up1 = np.empty(BLOCK_CELLS), np.empty(BLOCK_CELLS), np.empty(BLOCK_CELLS)
+    a, b, h = np.empty(BLOCK_CELLS), np.empty(BLOCK_CELLS), np.empty(BLOCK_CELLS)
     count = product.shape[0]
-    for low in range(0, cells, WIDE):
-        width = min(WIDE, cells - low)
+    for low in range(0, cells, BLOCK_CELLS):
+        width = min(BLOCK_CELLS, cells - low)
         for u in range(0, count, 2):
             other = min(u + 1, count - 1)
             re0[:], im0[:], up0[:], re1[:], im1[:], up1[:] = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -53,7 +53,7 @@ def multiply(
                 y0, y1 = height[u + f, p], height[other + f, p]
                 for c in range(width):
                     a[c], b[c], h[c] = real[n, low + c], imaginary[n, low + c], heights[n, low + c]
-                for c in range(WIDE):
+                for c in range(BLOCK_CELLS):
                     re0[c] += a[c] * z0.real - b[c] * z0.imag
                     im0[c] += a[c] * z0.imag + b[c] * z0.real
                     up0[c] += h[c] * y0
@@ -69,22 +69,22 @@ def multiply(
 
 Int64 = npt.NDArray[np.int64]
 
-SIZE: Any = 12
+SAMPLE_SIZE: Any = 12
 """Number of coordinates of a target's sample: four points."""
 LANES: Any = 16
 """Cells that are processed in one SIMD block."""
-CHECKED: Any = 8
+CHECK_INTERVAL: Any = 8
 """Number of predecessors between two checks whether the remaining ones can still be better."""
 
 
-@part
-def turn_of(z: complex) -> Any:
+@inline_kernel
+def unit_complex(z: complex) -> Any:
     """Return z normalized to length 1, or 1 where z is 0."""
     norm = np.sqrt(z.real * z.real + z.imag * z.imag)
     return complex(z.real / norm, z.imag / norm) if norm > 1e-12 else complex(1.0, 0.0)
 
 
-@part
+@inline_kernel
 def find_predecessors(
     k: float, bound: float, cell: int, score: Float64, tail: Float64, rows: Int64, scaled: Float64
 ) -> int:
@@ -105,48 +105,50 @@ def find_predecessors(
         r = found[order[n]]
         rows[n] = r
         square = 0.0
-        for j in range(SIZE):
+        for j in range(SAMPLE_SIZE):
             e = tail[r, j]
             square += e * e
             scaled[n, j] = 2.0 * k * e
-        scaled[n, SIZE] = score[r] + k * square
-        scaled[n, SIZE + 1] = score[r]
+        scaled[n, SAMPLE_SIZE] = score[r] + k * square
+        scaled[n, SAMPLE_SIZE + 1] = score[r]
     return count
 
 
-@part
-def enter_lanes(
-    first: int, starts: bool, k: float, toll: float, product: Complex128, middle: Complex128, group: Int64,
-    head: Complex128, head_height: Float64, columns: Float64, whole: Float64, least: Float64, turns: Complex128,
+@inline_kernel
+def load_lanes(
+    first: int, starts: bool, k: float, boundary_cost: float, product: Complex128, middle: Complex128, group: Int64,
+    head: Complex128, head_height: Float64, columns: Float64, squares: Float64, least: Float64, turns: Complex128,
 ) -> None:  # fmt: skip
     """Load the cells from `first` on into the lanes: first samples, columns (12, LANES), and k times their squares."""
     for i in range(LANES):
         p, square = min(first + i, product.shape[0] - 1), 0.0
-        turn = turn_of(product[p])
+        turn = unit_complex(product[p])
         turns[i] = turn
         for b in range(4):
             place = turn * head[p, b] + middle[group[p]]
             columns[3 * b, i], columns[3 * b + 1, i], columns[3 * b + 2, i] = place.real, place.imag, head_height[p, b]
-        for j in range(SIZE):
+        for j in range(SAMPLE_SIZE):
             square += columns[j, i] * columns[j, i]
-        whole[i] = 0.0 if starts else k * square
-        least[i] = toll if starts else np.inf
+        squares[i] = 0.0 if starts else k * square
+        least[i] = boundary_cost if starts else np.inf
 
 
-@part
-def compete(count: int, scaled: Float64, columns: Float64, whole: Float64, least: Float64, chosen: Int64) -> None:
+@inline_kernel
+def find_best_predecessors(
+    count: int, scaled: Float64, columns: Float64, squares: Float64, least: Float64, chosen: Int64
+) -> None:
     """Find the best of `count` predecessors per lane: least (LANES,) is its score minus `whole`, chosen its row."""
     for n in range(count):
-        if n % CHECKED == 0 and n > 0:
+        if n % CHECK_INTERVAL == 0 and n > 0:
             top = -np.inf
             for i in range(LANES):
-                top = max(top, least[i] + whole[i])
-            if scaled[n, SIZE + 1] >= top:
+                top = max(top, least[i] + squares[i])
+            if scaled[n, SAMPLE_SIZE + 1] >= top:
                 break
         e0, e1, e2, e3 = scaled[n, 0], scaled[n, 1], scaled[n, 2], scaled[n, 3]
         e4, e5, e6, e7 = scaled[n, 4], scaled[n, 5], scaled[n, 6], scaled[n, 7]
         e8, e9, e10, e11 = scaled[n, 8], scaled[n, 9], scaled[n, 10], scaled[n, 11]
-        z0 = scaled[n, SIZE]
+        z0 = scaled[n, SAMPLE_SIZE]
         for i in range(LANES):
             along = e0 * columns[0, i] + e1 * columns[1, i] + e2 * columns[2, i] + e3 * columns[3, i]
             along += e4 * columns[4, i] + e5 * columns[5, i] + e6 * columns[6, i] + e7 * columns[7, i]
@@ -160,13 +162,13 @@ def compete(count: int, scaled: Float64, columns: Float64, whole: Float64, least
 Int32 = npt.NDArray[np.int32]
 
 
-@part
-def _size(z: complex) -> float:
+@inline_kernel
+def _magnitude(z: complex) -> float:
     """Return |z| without protection against overflow."""
     return float(np.sqrt(z.real * z.real + z.imag * z.imag))
 
 
-@part
+@inline_kernel
 def _lowest(score: Float64) -> Any:
     """Return the least of the scores (P,) and its cell, -1 if all are infinite."""
     least, cell = np.inf, -1
@@ -176,7 +178,7 @@ def _lowest(score: Float64) -> Any:
     return least, cell
 
 
-@part
+@inline_kernel
 def _bound(
     k: float, left: int, score: float, end: Float64, product: Complex128, middle: Complex128, group: Int64,
     duration: Int64, head: Complex128, head_height: Float64,
@@ -186,7 +188,7 @@ def _bound(
     for p in range(duration.shape[0]):
         if duration[p] > left:
             continue
-        turn, away = turn_of(product[p]), 0.0
+        turn, away = unit_complex(product[p]), 0.0
         for b in range(4):
             place = turn * head[p, b] + middle[group[p]]
             dz, dx, dy = place.real - end[3 * b], place.imag - end[3 * b + 1], head_height[p, b] - end[3 * b + 2]
@@ -195,7 +197,7 @@ def _bound(
     return bound
 
 
-@part
+@inline_kernel
 def _store(out: Float64, turn: complex, middle: complex, floor: Complex128, height: Float64) -> None:
     """Write a sample (4,) of a target in the world to `out`: z, x, height of each point in turn."""
     for b in range(4):
@@ -215,7 +217,7 @@ def propagate(
     free_end: int,
     k: float,
     beam: float,
-    toll: Float64,
+    boundary_cost: Float64,
     product: Complex128,
     height_product: Float64,
     input_size: Float64,
@@ -246,11 +248,11 @@ def propagate(
     """
     cells, ring = duration.shape[0], ring_score.shape[0]
     rows = np.empty(cells, np.int64)
-    columns = np.empty((SIZE, LANES))
+    columns = np.empty((SAMPLE_SIZE, LANES))
     least, whole = np.empty(LANES), np.empty(LANES)
     chosen = np.empty(LANES, np.int64)
     turns = np.empty(LANES, np.complex128)
-    scaled = np.empty((cells, SIZE + 2))
+    scaled = np.empty((cells, SAMPLE_SIZE + 2))
     for row in range(min(product.shape[0], last + 1 - begin)):
         at = begin + row
         slot = at % ring
@@ -258,7 +260,7 @@ def propagate(
         if at >= last - free_end and lowest < best_end[0]:
             best_end[0], best_cell[0], best_cell[1] = lowest, at, cell
         starts = at <= free_start
-        if (cell < 0 and not starts) or not np.isfinite(toll[at]):
+        if (cell < 0 and not starts) or not np.isfinite(boundary_cost[at]):
             for p in range(cells):
                 ring_score[slot, p] = np.inf
             continue
@@ -271,11 +273,11 @@ def propagate(
             bound = min(bound, lowest + beam)
             count = find_predecessors(k, bound, cell, ring_score[slot], ring_tail[slot], rows, scaled)
         for first in range(0, cells, LANES):
-            enter_lanes(
+            load_lanes(
                 first,
                 starts,
                 k,
-                toll[at],
+                boundary_cost[at],
                 product[row],
                 input_middle[row],
                 group,
@@ -287,14 +289,14 @@ def propagate(
                 turns,
             )
             chosen[:] = -1
-            compete(count, scaled, columns, whole, least, chosen)
+            find_best_predecessors(count, scaled, columns, whole, least, chosen)
             for i in range(min(LANES, cells - first)):
                 p = first + i
                 end, z, middle = at + duration[p], product[row, p], input_middle[row, group[p]]
                 if end > last or not np.isfinite(least[i]):
                     continue
-                distance = input_size[row, group[p]] + size[p] - 2.0 * (_size(z) + height_product[row, p])
-                ring_score[end % ring, p] = least[i] + whole[i] + distance + toll[end]
+                distance = input_size[row, group[p]] + size[p] - 2.0 * (_magnitude(z) + height_product[row, p])
+                ring_score[end % ring, p] = least[i] + whole[i] + distance + boundary_cost[end]
                 back[end, p] = -1 if starts else rows[chosen[i]]
                 _store(ring_tail[end % ring, p], turns[i], middle, tail[p], tail_height[p])
         for p in range(cells):

@@ -19,14 +19,14 @@ from live.motion.quality.metrics import mean_speed, motion_beats, offsets, skate
 Float64 = npt.NDArray[np.float64]
 
 
-def joints_of(clip: Clip) -> Float64:
+def joint_positions(clip: Clip) -> Float64:
     """Return the world positions of all joints [m], (T, J, 3)."""
     positions, _ = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
     return np.asarray(positions, np.float64)
 
 
 @dataclass(frozen=True, slots=True)
-class Errors:
+class FollowerErrors:
     """Errors of a follower against the real one, with the same leader in the same world frame."""
 
     joint_m: float
@@ -39,14 +39,14 @@ class Errors:
     """Mean difference of the joints' velocities [m/s]."""
 
 
-def errors(follower: Float64, truth: Float64, leader: Float64, rate: float) -> Errors:
+def follower_errors(follower: Float64, truth: Float64, leader: Float64, rate: float) -> FollowerErrors:
     """Return the errors for joints (T, J, 3) [m] of all three at `rate` [Hz], cut to the shortest of them."""
     count = min(len(follower), len(truth), len(leader))
     follower, truth, leader = follower[:count], truth[:count], leader[:count]
     joint = float(np.linalg.norm(follower - truth, axis=-1).mean())
     apart = [np.linalg.norm(one[:, 0] - leader[:, 0], axis=-1) for one in (follower, truth)]
     velocity = np.diff(follower, axis=0) * rate - np.diff(truth, axis=0) * rate
-    return Errors(
+    return FollowerErrors(
         joint,
         _aligned(follower, truth),
         float(np.abs(apart[0] - apart[1]).mean()),
@@ -63,7 +63,7 @@ def _aligned(one: Float64, other: Float64) -> float:
     return float(np.sqrt(left).mean())
 
 
-def slide(positions: Float64, contact: npt.NDArray[np.bool_], rate: float) -> dict[str, float | None]:
+def slide_metrics(positions: Float64, contact: npt.NDArray[np.bool_], rate: float) -> dict[str, float | None]:
     """Return foot_slide_mean, foot_slide_p99 [m/s] and skating_ratio of joints (T, J, 3) with contacts (T, 2)."""
     speeds = slides(positions, contact, rate)
     found = skates(positions, rate)
@@ -79,19 +79,19 @@ def kinematic_offsets(positions: Float64, beats: Float64, rate: float) -> Float6
     return offsets(beats, motion_beats(mean_speed(positions, rate), rate))
 
 
-LETS_GO: Final = 1.5
+RELEASE_FACTOR: Final = 1.5
 """A hold ends when palms are this many times farther apart than its starting distance (hysteresis)."""
 
 
 @dataclass(frozen=True, slots=True)
-class Near:
+class HoldCriterion:
     """Criterion of a hold: palms come within `distance` [m] and stay near it for at least `seconds`."""
 
     distance: float
-    seconds: float
+    min_seconds: float
 
 
-def found_holds(leader: Clip, follower: Clip, near: Near) -> tuple[Hold, ...]:
+def detect_holds(leader: Clip, follower: Clip, criterion: HoldCriterion) -> tuple[Hold, ...]:
     """Return the holds of two synchronized recordings, in temporal order, in samples.
 
     Each hand holds one hand at a time, the nearest free one, until the hold ends.
@@ -100,7 +100,9 @@ def found_holds(leader: Clip, follower: Clip, near: Near) -> tuple[Hold, ...]:
     lead, own = palms(leader)[:count], palms(follower)[:count]
     apart = np.linalg.norm(lead[:, :, None] - own[:, None], axis=-1)  # (T, leader's hand, follower's hand)
     long = [
-        one for one in _runs(apart, near.distance) if one.end - one.begin >= near.seconds * follower.sample_rate - 1e-6
+        one
+        for one in _runs(apart, criterion.distance)
+        if one.end - one.begin >= criterion.min_seconds * follower.sample_rate - 1e-6
     ]
     return tuple(sorted(long, key=lambda one: (one.begin, one.follower_hand)))
 
@@ -110,7 +112,7 @@ def _runs(apart: npt.NDArray[np.float64], distance: float) -> list[Hold]:
     runs: list[Hold] = []
     begun: dict[tuple[int, int], int] = {}
     for sample, gaps in enumerate(apart.tolist()):
-        for hands in [hands for hands in begun if gaps[hands[0]][hands[1]] > LETS_GO * distance]:
+        for hands in [hands for hands in begun if gaps[hands[0]][hands[1]] > RELEASE_FACTOR * distance]:
             runs.append(Hold(*hands, float(begun.pop(hands)), sample - 1.0))
         for gap, hands in sorted((gaps[one][other], (one, other)) for one in range(2) for other in range(2)):
             if gap <= distance and not any(hands[0] == one or hands[1] == other for one, other in begun):

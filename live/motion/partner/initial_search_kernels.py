@@ -3,14 +3,14 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 
 Float64 = npt.NDArray[np.float64]
 Complex128 = npt.NDArray[np.complex128]
 Int64 = npt.NDArray[np.int64]
 
 
-@part
+@inline_kernel
 def _read(out: Float64, row: int, floor: Complex128, height: Float64, place: float) -> None:
     """Write the points at fractional sample `place`, clamped to the ends, to `out`: z, x, height of each in turn."""
     last = floor.shape[0] - 1
@@ -42,7 +42,7 @@ def fit_places(
     first_end: int,
     shortest: int,
     longest: int,
-    found: Float64,
+    fits: Float64,
     head: Float64,
     tail: Float64,
 ) -> None:
@@ -55,8 +55,8 @@ def fit_places(
     points = x.shape[1]
     a = np.empty((1, 3 * points))
     b = np.empty((1, 12))
-    for i in range(found.shape[0]):
-        for j in range(found.shape[1]):
+    for i in range(fits.shape[0]):
+        for j in range(fits.shape[1]):
             begin, end = first_begin + i, first_end + j
             frames = end - begin
             if frames < shortest or frames > longest:
@@ -82,9 +82,9 @@ def fit_places(
             norm = np.sqrt(product.real * product.real + product.imag * product.imag)
             turn = product / norm if norm > 1e-12 else complex(1.0)
             shift = mx + origin - turn * ma
-            found[i, j, 0] = square - 2.0 * norm + rise
-            found[i, j, 1], found[i, j, 2] = turn.real, turn.imag
-            found[i, j, 3], found[i, j, 4] = shift.real, shift.imag
+            fits[i, j, 0] = square - 2.0 * norm + rise
+            fits[i, j, 1], fits[i, j, 2] = turn.real, turn.imag
+            fits[i, j, 3], fits[i, j, 4] = shift.real, shift.imag
             for side in range(2):
                 _read(b, 0, target, target_height, start + side * length)
                 for p in range(4):
@@ -99,7 +99,7 @@ def fit_places(
 
 @kernel("void(f8[:,::1],f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],f8,f8[:,::1],i8[:,::1])")
 def join_places(
-    before: Float64, tail: Float64, found: Float64, head: Float64, k: float, score: Float64, back: Int64
+    before: Float64, tail: Float64, fits: Float64, head: Float64, k: float, score: Float64, back: Int64
 ) -> None:
     """Compute the best scores (J, L) of cells of a unit that begin where cells of the previous unit end.
 
@@ -108,7 +108,7 @@ def join_places(
     """
     for j in range(score.shape[0]):
         for m in range(score.shape[1]):
-            if not np.isfinite(found[j, m, 0]):
+            if not np.isfinite(fits[j, m, 0]):
                 continue
             best, chosen = np.inf, -1
             for i in range(before.shape[0]):
@@ -122,5 +122,5 @@ def join_places(
                 if value < best:
                     best, chosen = value, i
             if chosen >= 0:
-                score[j, m] = best + found[j, m, 0]
+                score[j, m] = best + fits[j, m, 0]
                 back[j, m] = chosen

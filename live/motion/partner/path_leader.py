@@ -12,11 +12,11 @@ import numpy.typing as npt
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from live.motion.clip import Clip
-from live.motion.partner.point_clouds import Cloud, shadows
+from live.motion.partner.point_clouds import Cloud, hip_projections
 
 Float64 = npt.NDArray[np.float64]
 
-STILL: Final = 0.1
+MIN_SPEED: Final = 0.1
 """Below this speed [m/s] a path does not define the facing, and the heading is held."""
 
 
@@ -37,32 +37,32 @@ def frenet_cloud(time: Float64, place: Float64, rate: float, *, smooth: float = 
         )
     velocity = np.gradient(middle) * rate
     speed = np.abs(velocity)
-    moves = speed > STILL
+    moves = speed > MIN_SPEED
     facing = np.ones(count, np.complex128)
     if moves.any():
         latest = np.maximum.accumulate(np.where(moves, np.arange(count), -1))
         latest = np.where(latest < 0, int(np.argmax(moves)), latest)
         facing = velocity[latest] / speed[latest]
-    return shadows(middle, 1j * facing, rate)
+    return hip_projections(middle, 1j * facing, rate)
 
 
-NEAR: Final = 0.12
+MAX_DISTANCE: Final = 0.12
 """Largest distance of the hips from the path [m]."""
-EASES: Final = 0.12
+SMOOTHING_S: Final = 0.12
 """Standard deviation of the smoothing of the correction [s]."""
 
 
-def leashed(clip: Clip, path: Cloud, near: float = NEAR) -> Clip:
+def keep_near_path(clip: Clip, path: Cloud, max_distance: float = MAX_DISTANCE) -> Clip:
     """Return the clip with hips at most about `near` [m] from the middle of `path`'s points; rates must be equal."""
     count = min(clip.sample_count, path.count)
     middle = path.floor.mean(axis=1)
     middle = np.concatenate((middle[:count], np.full(clip.sample_count - count, middle[count - 1])))
     away = clip.root_position[:, 2].astype(np.float64) + 1j * clip.root_position[:, 0] - middle
     size = np.abs(away)
-    share = np.maximum(1.0 - near / np.maximum(size, near), 0.0)
+    share = np.maximum(1.0 - max_distance / np.maximum(size, max_distance), 0.0)
     if not share.any():
         return clip
-    width = EASES * clip.sample_rate
+    width = SMOOTHING_S * clip.sample_rate
     share = gaussian_filter1d(maximum_filter1d(share, 2 * round(2.0 * width) + 1), width, mode="nearest")
     root = clip.root_position.copy()
     root[:, 0] -= (share * away.imag).astype(np.float32)

@@ -22,7 +22,7 @@ END_JOINTS: Final = tuple(SKELETON.index(name) for name in ("leftHand", "rightHa
 """Hands and feet: sufficient for interpretation and continuity (H016)."""
 HIP_JOINTS: Final = tuple(SKELETON.index(name) for name in ("leftUpperLeg", "rightUpperLeg"))
 """The hip joints, whose floor projections represent a walk's path (H017)."""
-HIP_APART: Final = 0.18
+HIP_DISTANCE: Final = 0.18
 """Fixed distance of the two projections [m], so that a tilted pelvis changes nothing."""
 
 
@@ -60,7 +60,7 @@ class Cloud:
         thin = self.at(np.asarray(np.arange(count) * self.rate / rate, np.float64))
         return Cloud(thin.floor, thin.height, rate)
 
-    def moved(self, turn: complex, shift: complex) -> "Cloud":
+    def transformed(self, turn: complex, shift: complex) -> "Cloud":
         """Return the cloud rotated about the vertical by the unit complex number `turn`, then moved by `shift` [m]."""
         return Cloud(turn * self.floor + shift, self.height, self.rate)
 
@@ -84,12 +84,12 @@ def path_cloud(clip: Clip) -> Cloud:
     middle, across = floor.mean(axis=1), floor[:, 0] - floor[:, 1]
     size = np.abs(across)
     across = np.where(size > 1e-6, across / np.maximum(size, 1e-6), 1j)
-    return shadows(middle, across, clip.sample_rate)
+    return hip_projections(middle, across, clip.sample_rate)
 
 
-def shadows(middle: Complex128, across: Complex128, rate: float) -> Cloud:
-    """Return two points `HIP_APART` around `middle` (T,), the left one towards `across` (T,), a unit complex number."""
-    floor = middle[:, None] + 0.5 * HIP_APART * across[:, None] * np.array((1.0, -1.0))
+def hip_projections(middle: Complex128, across: Complex128, rate: float) -> Cloud:
+    """Return two points `HIP_DISTANCE` around `middle` (T,), the left one towards `across` (T,), a unit complex number."""
+    floor = middle[:, None] + 0.5 * HIP_DISTANCE * across[:, None] * np.array((1.0, -1.0))
     return Cloud(np.ascontiguousarray(floor), np.zeros(floor.shape), rate)
 
 
@@ -105,7 +105,7 @@ class Fit:
     """Sum of the squared residual distances over samples and points [m²]."""
 
 
-def stretched(cloud: Cloud, start: float, length: float, duration: int) -> Cloud:
+def time_scaled(cloud: Cloud, start: float, length: float, duration: int) -> Cloud:
     """Resample `start` to `start + length` of a cloud in `duration` equal steps: `duration` + 1 samples."""
     return cloud.at(np.asarray(start + np.arange(duration + 1) * (length / duration), np.float64))
 
@@ -120,7 +120,7 @@ def fit(x: Cloud, a: Cloud) -> Fit:
     product = complex(np.sum(np.conj(a.floor - middle_a) * (x.floor - middle_x)))
     turn = product / abs(product) if abs(product) > 1e-12 else complex(1.0)
     shift = complex(middle_x - turn * middle_a)
-    moved = a.moved(turn, shift)
+    moved = a.transformed(turn, shift)
     left = np.sum(np.abs(x.floor - moved.floor) ** 2) + np.sum((x.height - moved.height) ** 2)
     return Fit(turn, shift, float(left))
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from live.motion.partner.decoder import Reading
 from live.motion.partner.initial_search_kernels import fit_places, join_places
-from live.motion.partner.point_clouds import Cloud, fit, gap, stretched
+from live.motion.partner.point_clouds import Cloud, fit, gap, time_scaled
 from live.motion.partner.time_scaled_units import legal_durations
 from live.motion.partner.units import Units
 
@@ -19,12 +19,12 @@ Float64 = npt.NDArray[np.float64]
 Complex128 = npt.NDArray[np.complex128]
 Int64 = npt.NDArray[np.int64]
 
-AROUND: Final = 1.0
+SEARCH_RANGE: Final = 1.0
 """Search range of a boundary to both sides of its coarse position [frames of the coarse reading]."""
 
 
 def refine(
-    x: Cloud, units: Units, coarse: Reading, *, k: float, stretch: float, toll: Float64 | None = None
+    x: Cloud, units: Units, coarse: Reading, *, k: float, stretch: float, boundary_cost: Float64 | None = None
 ) -> Reading:
     """Return the units of `coarse` with the best boundaries for `x`, the same input at a higher rate.
 
@@ -37,19 +37,26 @@ def refine(
     centre = np.minimum(np.round(edges * ratio).astype(np.int64), x.count - 1)
     if edges[-1] * ratio > x.count - 1 - ratio:
         centre[-1] = x.count - 1  # the coarse frames ended a little before the input did
-    reach = np.full(len(centre), int(np.ceil(AROUND * ratio)))
+    reach = np.full(len(centre), int(np.ceil(SEARCH_RANGE * ratio)))
     reach[0] = reach[-1] = 0
     low = np.maximum(centre - reach, 0)
     high = np.minimum(centre + reach, x.count - 1)
     legal = [legal_durations(float(units.seconds[unit]), x.rate, stretch) for unit in coarse.unit]
     for n in (0, -1):  # the ends are fixed by the input, up to rounding of the coarse frames
         legal[n] = range(max(legal[n].start - round(ratio), 1), legal[n].stop + round(ratio))
-    tolls = np.zeros(x.count) if toll is None else toll
+    tolls = np.zeros(x.count) if boundary_cost is None else boundary_cost
     return _search(x, units, coarse, k * ratio, low, high, legal, tolls)
 
 
 def _search(
-    x: Cloud, units: Units, coarse: Reading, k: float, low: Int64, high: Int64, legal: list[range], tolls: Float64
+    x: Cloud,
+    units: Units,
+    coarse: Reading,
+    k: float,
+    low: Int64,
+    high: Int64,
+    legal: list[range],
+    boundary_costs: Float64,
 ) -> Reading:
     """Search by dynamic programming over layers: one layer per unit, one cell per (begin, end)."""
     layers: list[tuple[Float64, Float64, Float64]] = []
@@ -66,23 +73,23 @@ def _search(
             legal[n].start, legal[n].stop - 1, found, ends[0], ends[1],
         )  # fmt: skip
         if not np.isfinite(found[..., 0]).any():
-            return _as_it_was(x, units, coarse, k)
+            return _keep_boundaries(x, units, coarse, k)
         score, back = np.full(shape, np.inf), np.full(shape, -1, np.int64)
         if n == 0:
             score = np.where(np.isfinite(found[..., 0]), found[..., 0], np.inf)
         else:
             join_places(before, layers[-1][1], found, ends[0], k, score, back)
         if n < coarse.count - 1:
-            score += tolls[int(low[n + 1]) : int(high[n + 1]) + 1]
+            score += boundary_costs[int(low[n + 1]) : int(high[n + 1]) + 1]
         if not np.isfinite(score).any():
-            return _as_it_was(x, units, coarse, k)
+            return _keep_boundaries(x, units, coarse, k)
         layers.append((found, ends[1], ends[0]))
         backs.append(back)
         before = score
-    return _traced(coarse, k, x.rate, low, before, layers, backs)
+    return _backtrack(coarse, k, x.rate, low, before, layers, backs)
 
 
-def _traced(
+def _backtrack(
     coarse: Reading, k: float, rate: float, low: Int64, score: Float64,
     layers: list[tuple[Float64, Float64, Float64]], backs: list[Int64],
 ) -> Reading:  # fmt: skip
@@ -102,7 +109,7 @@ def _traced(
     return Reading(coarse.unit, start, stop - start, turn, shift, found[:, 0], gap, total, rate)
 
 
-def _as_it_was(x: Cloud, units: Units, coarse: Reading, k: float) -> Reading:
+def _keep_boundaries(x: Cloud, units: Units, coarse: Reading, k: float) -> Reading:
     """Return the coarse boundaries at the higher rate, for inputs where no legal boundaries lie near them."""
     ratio = x.rate / coarse.rate
     edges = np.concatenate((coarse.start, coarse.start[-1:] + coarse.duration[-1:]))
@@ -112,11 +119,11 @@ def _as_it_was(x: Cloud, units: Units, coarse: Reading, k: float) -> Reading:
         of = units.examples[int(units.example[unit])]
         begin, length, frames = float(units.start[unit]), float(units.length[unit]), int(edges[n + 1] - edges[n])
         window = Cloud(x.floor[edges[n] : edges[n + 1] + 1], x.height[edges[n] : edges[n + 1] + 1], x.rate)
-        one = fit(window, stretched(of.control, begin, length, frames))
+        one = fit(window, time_scaled(of.control, begin, length, frames))
         turn.append(one.turn)
         shift.append(one.shift)
         distance.append(one.distance)
-        targets.append(stretched(of.target, begin, length, frames).moved(one.turn, one.shift))
+        targets.append(time_scaled(of.target, begin, length, frames).transformed(one.turn, one.shift))
     gaps = np.array([gap(one, other) for one, other in pairwise(targets)])
     score = float(np.sum(distance) + k * gaps.sum())
     return Reading(

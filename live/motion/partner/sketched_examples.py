@@ -21,7 +21,7 @@ from live.motion import quaternion
 from live.motion.clip import Clip, read_clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.partner.answer import enforce_feet
-from live.motion.partner.evaluation import Near, found_holds
+from live.motion.partner.evaluation import HoldCriterion, detect_holds
 from live.motion.partner.point_clouds import END_JOINTS, Cloud, cloud_of, ends_cloud, path_cloud
 from live.motion.partner.units import Example, Units, cut_units
 from live.motion.step_clip import StepClip
@@ -29,34 +29,34 @@ from live.motion.step_clip import StepClip
 Float = npt.NDArray[np.floating]
 Float64 = npt.NDArray[np.float64]
 
-APART: Final = 1.0
+PARTNER_DISTANCE: Final = 1.0
 """Distance of the two dancers [m]."""
-PASSES: Final = 2
+REPETITIONS: Final = 2
 """Repetitions of each step: the follower continues the step until the next unit is decided."""
-MEETS: Final = 0.1
+BLEND_SHARE: Final = 0.1
 """Length of the blend from the first pass to the second, as a share of a measure."""
-FEET: Final = 4.0
+FEET_WEIGHT: Final = 4.0
 """Weight of height differences of facing feet against distances of hips."""
-OTHER: Final = 0.004
+OTHER_STEP_COST: Final = 0.004
 """Cost of choosing a different step as the follower [m²]."""
 MOMENTS: Final = 16
 """Moments of a measure at which steps are compared."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Danced:
+class _StepMotion:
     """A step, repeated forward or reversed in time, with its features for comparison."""
 
     step: str
     clip: Clip
     ends: Cloud
-    way: Float64
+    path: Float64
     """Path of the hips, with heading 0 at the beginning, (M, 2) [m]."""
     feet: Float64
     """Heights of left and right foot, (M, 2) [m]."""
 
 
-def sketched_pairs(clips: Sequence[StepClip], *, unit_beats: int, near: Near | None = None) -> Units:
+def sketched_pairs(clips: Sequence[StepClip], *, unit_beats: int, hold_criterion: HoldCriterion | None = None) -> Units:
     """Return units of `unit_beats` from all `clips`, which share one metre and tempo; ValueError if none fits.
 
     Hands that meet the criterion `near` hold each other. With None there are no holds.
@@ -66,39 +66,41 @@ def sketched_pairs(clips: Sequence[StepClip], *, unit_beats: int, near: Near | N
         steps = [clip for clip in clips if clip.measures == measures and clip.beats % unit_beats == 0]
         if not steps:
             continue
-        follows = _danced(steps, [danced_again(step, back=False) for step in steps])
-        follows += _danced(steps, [danced_again(step, back=True) for step in steps])
+        follows = _step_motions(steps, [repeat_step(step, back=False) for step in steps])
+        follows += _step_motions(steps, [repeat_step(step, back=True) for step in steps])
         best = np.argmin(_costs(follows, len(steps)), axis=1)
         pairs = zip(steps, follows[: len(steps)], best.tolist(), strict=True)
-        found += [_pair(step, lead, follows[n], unit_beats, near) for step, lead, n in pairs]
+        found += [_pair(step, lead, follows[n], unit_beats, hold_criterion) for step, lead, n in pairs]
     if not found:
         raise ValueError(f"no step has a length that is a multiple of {unit_beats} beats")
     return cut_units(found)
 
 
-def _pair(step: StepClip, lead: _Danced, best: _Danced, unit_beats: int, near: Near | None) -> Example:
+def _pair(
+    step: StepClip, lead: _StepMotion, best: _StepMotion, unit_beats: int, hold_criterion: HoldCriterion | None
+) -> Example:
     beat = step.samples_per_measure / step.beats_per_measure
     cuts = np.asarray(np.arange(step.beats // unit_beats + 1) * beat * unit_beats, np.float64)
-    beats = np.asarray(np.arange(PASSES * step.beats + 1) * beat, np.float64)
-    target = best.ends.moved(complex(-1.0), complex(APART))
-    follower = _opposite(best.clip)
-    holds = () if near is None else found_holds(lead.clip, follower, near)
+    beats = np.asarray(np.arange(REPETITIONS * step.beats + 1) * beat, np.float64)
+    target = best.ends.transformed(complex(-1.0), complex(PARTNER_DISTANCE))
+    follower = _place_opposite(best.clip)
+    holds = () if hold_criterion is None else detect_holds(lead.clip, follower, hold_criterion)
     return Example(step.step, lead.ends, target, follower, cuts, beats, holds)
 
 
-def _costs(danced: Sequence[_Danced], count: int) -> Float64:
+def _costs(motions: Sequence[_StepMotion], count: int) -> Float64:
     """Return the cost of each of all n as the opposite follower of each of the first `count`, (count, n)."""
-    way, feet = np.stack([one.way for one in danced]), np.stack([one.feet for one in danced])
-    names = np.array([one.step for one in danced])
-    found = OTHER * (names[:count, None] != names[None])
+    way, feet = np.stack([one.path for one in motions]), np.stack([one.feet for one in motions])
+    names = np.array([one.step for one in motions])
+    found = OTHER_STEP_COST * (names[:count, None] != names[None])
     for row in range(count):
         apart = way[row] + way  # opposite dancers face each other, so the follower's path is negated
         amiss = feet[row] - feet[:, :, ::-1]
-        found[row] += (apart**2).sum(axis=2).mean(axis=1) + FEET * (amiss**2).mean(axis=(1, 2))
+        found[row] += (apart**2).sum(axis=2).mean(axis=1) + FEET_WEIGHT * (amiss**2).mean(axis=(1, 2))
     return np.asarray(found, np.float64)
 
 
-def _danced(steps: Sequence[StepClip], clips: Sequence[Clip]) -> list[_Danced]:
+def _step_motions(steps: Sequence[StepClip], clips: Sequence[Clip]) -> list[_StepMotion]:
     """Return the features of the `clips` of `steps`, with one batched forward kinematics call."""
     root = np.concatenate([clip.root_position for clip in clips]).astype(np.float64)
     rotation = np.concatenate([clip.rotation for clip in clips]).astype(np.float64)
@@ -110,12 +112,14 @@ def _danced(steps: Sequence[StepClip], clips: Sequence[Clip]) -> list[_Danced]:
         at = np.linspace(0.0, count, MOMENTS * step.measures + 1).round().astype(np.int64)
         way = clip.root_position[at][:, (0, 2)].astype(np.float64)
         found.append(
-            _Danced(step.step, clip, cloud_of(points, clip.sample_rate), way, np.asarray(points[at, 2:, 1], np.float64))
+            _StepMotion(
+                step.step, clip, cloud_of(points, clip.sample_rate), way, np.asarray(points[at, 2:, 1], np.float64)
+            )
         )
     return found
 
 
-def danced_again(step: StepClip, *, back: bool) -> Clip:
+def repeat_step(step: StepClip, *, back: bool) -> Clip:
     """Return the measures of a step repeated PASSES times, from the origin, facing 0; `back` reverses time."""
     count = round(step.measures * step.samples_per_measure)
     read = read_clip(step.clip, step.first + np.arange(count + 1.0))
@@ -123,40 +127,40 @@ def danced_again(step: StepClip, *, back: bool) -> Clip:
     if back:
         root, rotation, contact = root[::-1], rotation[::-1], contact[::-1]
     roots, rotations, contacts = [root], [rotation], [contact]
-    for _ in range(PASSES - 1):
+    for _ in range(REPETITIONS - 1):
         turn, place = _heading(rotations[-1][-1, 0]) - _heading(rotation[0, 0]), roots[-1][-1]
-        moved, turned = _turned(root - root[0] * (1.0, 0.0, 1.0), rotation, turn)
+        moved, turned = _rotate(root - root[0] * (1.0, 0.0, 1.0), rotation, turn)
         moved = moved + place * (1.0, 0.0, 1.0)
-        w = _coming(count + 1, MEETS * step.samples_per_measure)
+        w = _ramp(count + 1, BLEND_SHARE * step.samples_per_measure)
         turned = np.asarray(quaternion.slerp(rotations[-1][-1][None], turned, w[:, None]), np.float64)
         moved[:, 1] = (1.0 - w) * place[1] + w * moved[:, 1]
         roots, rotations, contacts = [*roots, moved[1:]], [*rotations, turned[1:]], [*contacts, contact[1:]]
     root, rotation = np.concatenate(roots), np.concatenate(rotations)
-    root, rotation = _turned(root - root[0] * (1.0, 0.0, 1.0), rotation, -_heading(rotation[0, 0]))
-    rotation = np.asarray(quaternion.continuous(quaternion.unit(rotation)), np.float64)
+    root, rotation = _rotate(root - root[0] * (1.0, 0.0, 1.0), rotation, -_heading(rotation[0, 0]))
+    rotation = np.asarray(quaternion.align_signs(quaternion.unit(rotation)), np.float64)
     return Clip(
         step.clip.name, np.ascontiguousarray(root, np.float32), np.ascontiguousarray(rotation, np.float32),
         step.clip.sample_rate, np.ascontiguousarray(np.concatenate(contacts)),
     )  # fmt: skip
 
 
-def _coming(count: int, size: float) -> Float64:
+def _ramp(count: int, size: float) -> Float64:
     """Return a smooth ramp from 0 at the first sample to 1 from `size` samples on."""
     t = np.clip(np.arange(count) / max(size, 1.0), 0.0, 1.0)
     return np.asarray(t * t * (3.0 - 2.0 * t))
 
 
-def _opposite(clip: Clip) -> Clip:
+def _place_opposite(clip: Clip) -> Clip:
     """Return the clip placed APART in front of a dancer at the origin, facing them."""
-    root, rotation = _turned(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64), np.pi)
-    root[:, 2] += APART
+    root, rotation = _rotate(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64), np.pi)
+    root[:, 2] += PARTNER_DISTANCE
     return Clip(
         clip.name, np.ascontiguousarray(root, np.float32), np.ascontiguousarray(rotation, np.float32),
         clip.sample_rate, clip.contact,
     )  # fmt: skip
 
 
-def _turned(root: Float, rotation: Float, yaw: float) -> tuple[Float64, Float64]:
+def _rotate(root: Float, rotation: Float, yaw: float) -> tuple[Float64, Float64]:
     """Return root and rotations rotated about the vertical through the origin by `yaw` [rad]."""
     z = np.exp(1j * yaw) * (root[:, 2] + 1j * root[:, 0])
     turn = np.array((np.cos(0.5 * yaw), 0.0, np.sin(0.5 * yaw), 0.0))
@@ -171,13 +175,13 @@ def _heading(rotation: Float) -> float:
     return float(np.arctan2(ahead[0], ahead[2]))
 
 
-BENDS: Final = (0.0, 0.5, -0.5, 1.0, -1.0)
+BEND_ANGLES: Final = (0.0, 0.5, -0.5, 1.0, -1.0)
 """Turns of the path in a measure, towards +x [rad]."""
-STRIDES: Final = 2
+BLENDED_STRIDES: Final = 2
 """Number of strides from each sketched one up to the next longer one, including the first."""
-LONGER: Final = 1.7
+EXTRAPOLATION: Final = 1.7
 """Extrapolation factor of the longest stride from the second longest sketched one, where 1 is the longest."""
-SIDEWAYS: Final = 0.1
+MAX_SIDEWAYS: Final = 0.1
 """A step that goes this far sideways or backward in a measure is not a forward walk [m]."""
 
 
@@ -185,34 +189,34 @@ def sketched_walks(clips: Sequence[StepClip], *, unit_beats: int) -> Units:
     """Return units of forward walking from those `clips` that walk forward; ValueError if none does."""
     ahead: dict[str, list[tuple[float, StepClip, Clip]]] = {}
     for step in clips:
-        clip = danced_again(step, back=False)
+        clip = repeat_step(step, back=False)
         way = clip.root_position[round(step.measures * step.samples_per_measure)].astype(np.float64)
-        if abs(way[0]) < SIDEWAYS * step.measures and way[2] > -SIDEWAYS * step.measures and not step.mirrored:
+        if abs(way[0]) < MAX_SIDEWAYS * step.measures and way[2] > -MAX_SIDEWAYS * step.measures and not step.mirrored:
             ahead.setdefault(step.step, []).append((float(way[2]) / step.measures, step, clip))
-    found = [one for name in sorted(ahead) for one in _of_step(name, ahead[name], unit_beats)]
+    found = [one for name in sorted(ahead) for one in _walk_examples(name, ahead[name], unit_beats)]
     if not found:
         raise ValueError("no step walks forward")
     return cut_units(found)
 
 
-def _of_step(name: str, known: list[tuple[float, StepClip, Clip]], unit_beats: int) -> list[Example]:
+def _walk_examples(name: str, known: list[tuple[float, StepClip, Clip]], unit_beats: int) -> list[Example]:
     """Return examples of one step from its `known` strides, with lengths [m] per measure."""
-    if max(way for way, _, _ in known) < SIDEWAYS:
+    if max(way for way, _, _ in known) < MAX_SIDEWAYS:
         return []
     known = sorted(known, key=lambda one: one[0])
     beat = known[0][1].samples_per_measure / known[0][1].beats_per_measure
-    cuts = np.asarray(np.arange(PASSES * known[0][1].beats // unit_beats) * beat * unit_beats, np.float64)
+    cuts = np.asarray(np.arange(REPETITIONS * known[0][1].beats // unit_beats) * beat * unit_beats, np.float64)
     strides = [known[-1][2]]
     for (_, _, one), (_, _, other) in pairwise(known):
         if one.sample_count == other.sample_count:
-            strides += [_mixed(one, other, n / STRIDES) for n in range(STRIDES)]
+            strides += [_blend_clips(one, other, n / BLENDED_STRIDES) for n in range(BLENDED_STRIDES)]
     if len(known) > 1 and known[-2][2].sample_count == known[-1][2].sample_count:
-        strides.append(_mixed(known[-2][2], known[-1][2], LONGER))
-    bent = [_bent(clip, bend / (beat * known[0][1].beats_per_measure)) for clip in strides for bend in BENDS]
+        strides.append(_blend_clips(known[-2][2], known[-1][2], EXTRAPOLATION))
+    bent = [_bend_path(clip, bend / (beat * known[0][1].beats_per_measure)) for clip in strides for bend in BEND_ANGLES]
     return [Example(name, path_cloud(clip), ends_cloud(clip), clip, cuts, np.zeros(0)) for clip in bent]
 
 
-def _mixed(one: Clip, other: Clip, share: float) -> Clip:
+def _blend_clips(one: Clip, other: Clip, share: float) -> Clip:
     root = (1.0 - share) * one.root_position + share * other.root_position
     rotation = quaternion.slerp(one.rotation, other.rotation, np.full(one.rotation.shape[:2], share))
     return Clip(
@@ -221,7 +225,7 @@ def _mixed(one: Clip, other: Clip, share: float) -> Clip:
     )  # fmt: skip
 
 
-def _bent(clip: Clip, turn: float) -> Clip:
+def _bend_path(clip: Clip, turn: float) -> Clip:
     """Return the clip on a path that turns by `turn` [rad] per sample, with planted feet locked."""
     if turn == 0.0:
         return clip

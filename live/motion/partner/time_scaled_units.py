@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.partner.point_clouds import Cloud, stretched
+from live.motion.partner.point_clouds import Cloud, time_scaled
 from live.motion.partner.units import Units
 
 Float64 = npt.NDArray[np.float64]
@@ -96,4 +96,4 @@ def _cell(units: Units, unit: int, frames: int) -> tuple[Cloud, Cloud]:
     """Return control and target of a unit in `frames` steps."""
     of = units.examples[int(units.example[unit])]
     start, length = float(units.start[unit]), float(units.length[unit])
-    return stretched(of.control, start, length, frames), stretched(of.target, start, length, frames)
+    return time_scaled(of.control, start, length, frames), time_scaled(of.target, start, length, frames)

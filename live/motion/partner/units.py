@@ -14,7 +14,7 @@ from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.spatial.distance import squareform
 
 from live.motion.clip import Clip, read_clip
-from live.motion.partner.point_clouds import Cloud, stretched
+from live.motion.partner.point_clouds import Cloud, time_scaled
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
@@ -84,7 +84,7 @@ class Units:
         of = self.examples[int(self.example[unit])]
         return f"{of.name}/{int(np.searchsorted(of.cuts, self.start[unit] + 1e-6))}"
 
-    def kept(self, which: npt.ArrayLike) -> "Units":
+    def select(self, which: npt.ArrayLike) -> "Units":
         """Return only the units `which` (indices or booleans), in that order."""
         index = np.asarray(which)
         return replace(self, example=self.example[index], start=self.start[index], length=self.length[index])
@@ -113,7 +113,7 @@ def beat_samples(period: float, first: float, rate: float, last: float) -> Float
     return np.asarray((first + (earliest + np.arange(max(count, 0))) * period) * rate)
 
 
-SAMPLES = 8
+COMPARISON_STEPS = 8
 """Number of steps to which units are time-scaled for comparison."""
 
 
@@ -125,8 +125,8 @@ def unit_distances(units: Units) -> Float64:
     """
     pairs = [
         (
-            stretched(of.control, float(start), float(length), SAMPLES),
-            stretched(of.target, float(start), float(length), SAMPLES),
+            time_scaled(of.control, float(start), float(length), COMPARISON_STEPS),
+            time_scaled(of.target, float(start), float(length), COMPARISON_STEPS),
         )
         for of, start, length in (
             (units.examples[int(units.example[n])], units.start[n], units.length[n]) for n in range(units.count)
@@ -157,7 +157,7 @@ def _squares(rows: Float64) -> Float64:
     return np.asarray(size[:, None] + size[None] - 2.0 * rows @ rows.T)
 
 
-def thin_out(units: Units, threshold: float, *, seed: int) -> Units:
+def remove_duplicates(units: Units, threshold: float, *, seed: int) -> Units:
     """Return one unit, drawn with `seed`, from each cluster with pairwise distances up to `threshold` [m]."""
     if units.count < 2 or threshold <= 0.0:
         return units
@@ -165,18 +165,18 @@ def thin_out(units: Units, threshold: float, *, seed: int) -> Units:
     cluster = fcluster(tree, threshold, criterion="distance")
     chance = np.random.default_rng(seed)
     kept = [int(chance.choice(np.flatnonzero(cluster == one))) for one in np.unique(cluster)]
-    return units.kept(np.sort(kept))
+    return units.select(np.sort(kept))
 
 
-def in_beats(units: Units, *, unit_beats: int, samples: int, period: float) -> Units:
+def retime_to_beats(units: Units, *, unit_beats: int, samples: int, period: float) -> Units:
     """Return the units retimed to `unit_beats` each, with `samples` a beat, as if a beat lasted `period` [s].
 
     Before the first and after the last unit a recording continues, to its end, at the tempo of that unit.
     """
-    return cut_units([_retimed(one, unit_beats * samples, samples / period) for one in units.examples])
+    return cut_units([_retime_example(one, unit_beats * samples, samples / period) for one in units.examples])
 
 
-def _retimed(example: Example, size: int, rate: float) -> Example:
+def _retime_example(example: Example, size: int, rate: float) -> Example:
     """Return the example with units of `size` samples at `rate` [Hz]."""
     cuts, last = example.cuts, example.follower.sample_count - 1.0
     first, final = size / (cuts[1] - cuts[0]), size / (cuts[-1] - cuts[-2])
@@ -188,13 +188,13 @@ def _retimed(example: Example, size: int, rate: float) -> Example:
     places = np.asarray(np.interp(np.arange(int(new[-1]) + 1), new, at), np.float64)
     control, target = example.control.at(places), example.target.at(places)
     return Example(
-        example.name, replace(control, rate=rate), replace(target, rate=rate), _read(example.follower, places, rate),
+        example.name, replace(control, rate=rate), replace(target, rate=rate), _resample_clip(example.follower, places, rate),
         np.asarray(new[1:-1]), np.asarray(np.interp(example.beats, at, new)),
-        tuple(_moved(hold, at, new) for hold in example.holds),
+        tuple(_retime_hold(hold, at, new) for hold in example.holds),
     )  # fmt: skip
 
 
-def _read(clip: Clip, places: Float64, rate: float) -> Clip:
+def _resample_clip(clip: Clip, places: Float64, rate: float) -> Clip:
     root, rotation, contact = read_clip(clip, places)
     return Clip(
         clip.name, np.ascontiguousarray(root, np.float32), np.ascontiguousarray(rotation, np.float32), rate,
@@ -202,5 +202,5 @@ def _read(clip: Clip, places: Float64, rate: float) -> Clip:
     )  # fmt: skip
 
 
-def _moved(hold: Hold, at: Float64, new: Float64) -> Hold:
+def _retime_hold(hold: Hold, at: Float64, new: Float64) -> Hold:
     return replace(hold, begin=float(np.interp(hold.begin, at, new)), end=float(np.interp(hold.end, at, new)))

@@ -15,15 +15,15 @@ import numpy.typing as npt
 
 from live.motion.partner_live.online_player import LivePartner
 from live.motion.pose.hand_hold import ARM_JOINTS
-from live.motion.pose.hand_hold_kernels import reach_palms, see_palms
+from live.motion.pose.hand_hold_kernels import measure_reach, reach_palms
 
 NOBODY: Final = -1
-AHEAD: Final = 0.35
+HOLD_LEAD_TIME: Final = 0.35
 """Hands start moving this long [s] before a recorded hold begins."""
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class HoldRequest:
     """The hands one follower should hold."""
 
     leader: int
@@ -34,17 +34,17 @@ class Held:
     """Fader value, 0 to 1."""
 
 
-def hands_of(partner: LivePartner) -> tuple[int, int]:
+def held_hands(partner: LivePartner) -> tuple[int, int]:
     """Return the leader's hands held now in the current unit, by the follower's left and right; NOBODY for none."""
     found = [NOBODY, NOBODY]
-    if not partner.known:
+    if not partner.has_pose:
         return NOBODY, NOBODY
-    units, unit = partner.reader.units, partner.unit
+    units, unit = partner.decoder.units, partner.unit
     holds = units.examples[int(units.example[unit])].holds
     if holds:
         end = float(units.start[unit] + units.length[unit])
-        now = min(partner.place, end)
-        soon = min(partner.place + AHEAD * partner.pace, end)
+        now = min(partner.sample, end)
+        soon = min(partner.sample + HOLD_LEAD_TIME * partner.sample_rate, end)
         for hold in holds:  # a current hold has priority over the next one
             if hold.begin <= soon and hold.end >= now and found[hold.follower_hand] == NOBODY:
                 found[hold.follower_hand] = hold.leader_hand
@@ -55,40 +55,40 @@ Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
-See = Callable[[Int32], tuple[Float32, Float32]]
+PoseReader = Callable[[Int32], tuple[Float32, Float32]]
 
 HALFLIFE: Final = 0.06
 """Half-life [s] with which palms meet and part, ..."""
-SLOWER: Final = 0.12
+HALFLIFE_PER_METRE: Final = 0.12
 """... and its increase per metre between them [s/m]."""
-WAITS: Final = 0.12
+HOLD_DELAY: Final = 0.12
 """A hold is taken after it has been wanted and within reach for this long [s], so that a unit change does not
 twitch."""
-OPEN: Final = 0.03
+OPEN_THRESHOLD: Final = 0.03
 """A hold less closed than this is open, and one as near to 1 is closed; between them it is eased at both ends."""
-TAKES: Final = -0.03
+TAKE_EXCESS: Final = -0.03
 """A palm is taken if its distance from the shoulder exceeds the arm's reach by at most this [m] ..."""
-LEAVES: Final = 0.1
+RELEASE_EXCESS: Final = 0.1
 """... and released if it exceeds it by this."""
-BEFORE: Final = 0.0
+TAKE_COSINE: Final = 0.0
 """A palm is taken if the cosine of its direction to the chest's forward axis is above this ..."""
-BEHIND: Final = -0.25
+RELEASE_COSINE: Final = -0.25
 """... and released below this: hands are not held behind the back."""
-CLOSE: Final = 0.2
+RELEASE_DISTANCE: Final = 0.2
 """A palm nearer to the shoulder than this [m] is released ..."""
-CLOSER: Final = 0.05
+TAKE_MARGIN: Final = 0.05
 """... and taken if it is farther by this margin."""
-SOON: Final = 0.1
+PREDICTION_TIME: Final = 0.1
 """Palm positions extrapolated by this time [s] count as well."""
-LEFT: Final = 0.1
+RELEASE_TIME: Final = 0.1
 """This long [s] after release an arm no longer follows the leader's hand, wherever that moves."""
-EVERY: Final = 2
+CHECK_INTERVAL: Final = 2
 """Reach is checked once per this many ticks."""
 FADE_HALFLIFE: Final = 0.15
 """Half-life [s] with which the fader is followed."""
 
 
-class Holding:
+class LiveHandHolds:
     """The hand holds of A dancers with their leaders."""
 
     def __init__(self, count: int) -> None:
@@ -98,35 +98,37 @@ class Holding:
         """Which hand of the leader, 0 left, 1 right, (A, 2)."""
         self.closed: Float64 = np.zeros((2, count, 2))
         """How far each hold is closed, 0 to 1, and its rate of change [1/s], (2, A, 2)."""
-        self.within: Bool = np.zeros((count, 2), np.bool_)
+        self.reachable: Bool = np.zeros((count, 2), np.bool_)
         """Whether that hand is within reach, (A, 2)."""
-        self.apart: Float64 = np.zeros((count, 2))
+        self.palm_distance: Float64 = np.zeros((count, 2))
         """Distance between the palms without any reaching [m], (A, 2)."""
-        self.missed = 0
+        self.missed_count = 0
         """Number of holds released, or not taken, because the other hand was out of reach."""
-        self._left: Float64 = np.zeros((count, 2))  # time since release began; a hold opens fully first [s]
-        self._place: Float32 = np.zeros((count, 2, 3), np.float32)  # leader's palm from the follower's shoulder [m]
-        self._wanted: Float64 = np.zeros((count, 2))  # time wanted and within reach [s]
-        self._told: Bool = np.zeros((count, 2), np.bool_)
+        self._release_time: Float64 = np.zeros((count, 2))  # time since release began; a hold opens fully first [s]
+        self._leader_palm: Float32 = np.zeros(
+            (count, 2, 3), np.float32
+        )  # leader's palm from the follower's shoulder [m]
+        self._wanted_time: Float64 = np.zeros((count, 2))  # time wanted and within reach [s]
+        self._miss_counted: Bool = np.zeros((count, 2), np.bool_)
         self._amount: Float64 = np.ones(count)
         self._ticks = 0
         self._rows: list[tuple[int, int]] = []  # (dancer, hand) of all holds; leaders first
-        self._last: dict[
+        self._last_check: dict[
             tuple[int, int], tuple[float, float, float]
         ] = {}  # reach, direction and distance at the last check
-        self._laid: list[tuple[int, int, int, int]] = []
-        self._lay()
+        self._row_keys: list[tuple[int, int, int, int]] = []
+        self._rebuild_rows()
 
     @property
-    def held(self) -> int:
+    def held_count(self) -> int:
         """Number of hands held now (more than half closed)."""
         return int((self.closed[0] > 0.5).sum())
 
-    def figures(self) -> dict[str, int]:
+    def statistics(self) -> dict[str, int]:
         """Return the number of hands held, and how often one was out of reach so far."""
-        return {"held": self.held, "out_of_reach": self.missed}
+        return {"held": self.held_count, "out_of_reach": self.missed_count}
 
-    def tick(self, wanted: Sequence[Held], see: See, dt: float) -> None:
+    def tick(self, wanted: Sequence[HoldRequest], read_poses: PoseReader, dt: float) -> None:
         """Advance by a tick of `dt` [s] with the `wanted` holds, leaders before their followers.
 
         `see` returns the current poses of dancers.
@@ -136,103 +138,107 @@ class Holding:
         for one in wanted:
             self._fade(one, dt)
             for side, hand in enumerate(one.hands):
-                asked[one.follower, side] = self._want(one.follower, side, one.leader, hand)
-        self._rows = [row for row in (*asked, *(row for row in self._rows if row not in asked)) if self._holds(*row)]
+                asked[one.follower, side] = self._request(one.follower, side, one.leader, hand)
+        self._rows = [row for row in (*asked, *(row for row in self._rows if row not in asked)) if self._has_hold(*row)]
         if not self._rows:
             return
-        self._lay()
-        if self._ticks % EVERY == 0:
-            self._look(asked, see, dt)
+        self._rebuild_rows()
+        if self._ticks % CHECK_INTERVAL == 0:
+            self._check_reach(asked, read_poses, dt)
         for row in self._rows:
-            takes = asked.get(row, False) and bool(self.within[row]) and not self._left[row]
-            self._wanted[row] = self._wanted[row] + dt if takes else 0.0
+            takes = asked.get(row, False) and bool(self.reachable[row]) and not self._release_time[row]
+            self._wanted_time[row] = self._wanted_time[row] + dt if takes else 0.0
             if not takes and self.closed[0, row[0], row[1]]:
-                self._left[row] += dt
-            self._advance(*row, 1.0 if takes and self._wanted[row] >= WAITS else 0.0, dt)
+                self._release_time[row] += dt
+            self._advance(*row, 1.0 if takes and self._wanted_time[row] >= HOLD_DELAY else 0.0, dt)
             if not (asked.get(row, False) or self.closed[0, row[0], row[1]]):
                 self.leader[row] = NOBODY
-                self._last.pop(row, None)
+                self._last_check.pop(row, None)
 
-    def _fade(self, one: Held, dt: float) -> None:
+    def _fade(self, one: HoldRequest, dt: float) -> None:
         """Follow the fader smoothly; immediately if nothing is held."""
         row = one.follower
         share = 1.0 - math.exp2(-dt / FADE_HALFLIFE) if self.closed[0, row].any() else 1.0
         self._amount[row] += share * (one.amount - self._amount[row])
 
-    def _holds(self, row: int, side: int) -> bool:
+    def _has_hold(self, row: int, side: int) -> bool:
         return bool(self.leader[row, side] != NOBODY)
 
-    def _want(self, row: int, side: int, leader: int, hand: int) -> bool:
+    def _request(self, row: int, side: int, leader: int, hand: int) -> bool:
         """Whether the hold that this hand has is wanted. A free hand takes the wanted hold; a busy one releases
         first."""
         if hand == NOBODY:
             return False
         if self.leader[row, side] == NOBODY:
             self.leader[row, side], self.hand[row, side] = leader, hand
-            self.within[row, side] = self._told[row, side] = False
+            self.reachable[row, side] = self._miss_counted[row, side] = False
         return bool(self.leader[row, side] == leader and self.hand[row, side] == hand)
 
-    def _lay(self) -> None:
+    def _rebuild_rows(self) -> None:
         """Rebuild the rows for the kernels if they changed since the last tick."""
         laid = [(int(self.leader[row]), row[0], int(self.hand[row]), row[1]) for row in self._rows]
-        if laid and laid == self._laid:
+        if laid and laid == self._row_keys:
             return
-        self._laid = laid
+        self._row_keys = laid
         table = np.array(laid, np.int32).reshape(-1, 4)
-        self._who, self._hands = table[:, :2].copy(), table[:, 2:].copy()
-        self._looked, where = np.unique(self._who, return_inverse=True)
-        self._where = np.array(where.reshape(-1, 2), np.int32)
-        self._far: Float32 = np.zeros((len(laid), 6), np.float32)
+        self._dancers, self._hands = table[:, :2].copy(), table[:, 2:].copy()
+        self._seen_dancers, where = np.unique(self._dancers, return_inverse=True)
+        self._pose_rows = np.array(where.reshape(-1, 2), np.int32)
+        self._palm_table: Float32 = np.zeros((len(laid), 6), np.float32)
 
-    def _look(self, asked: dict[tuple[int, int], bool], see: See, dt: float) -> None:
+    def _check_reach(self, asked: dict[tuple[int, int], bool], see: PoseReader, dt: float) -> None:
         """Check what is within reach now and shortly."""
-        position, rotation = see(self._looked)
-        see_palms(position, rotation, self._where, self._hands, ARM_JOINTS, self._far)
-        looks = SOON / (EVERY * dt)
-        for row, (over, ahead, apart, *place) in zip(self._rows, self._far.tolist(), strict=True):
+        position, rotation = see(self._seen_dancers)
+        measure_reach(position, rotation, self._pose_rows, self._hands, ARM_JOINTS, self._palm_table)
+        looks = PREDICTION_TIME / (CHECK_INTERVAL * dt)
+        for row, (over, ahead, apart, *place) in zip(self._rows, self._palm_table.tolist(), strict=True):
             size = math.hypot(*place)
-            was_over, was_ahead, was_size = self._last.get(row, (over, ahead, size))
-            self._last[row] = over, ahead, size
+            was_over, was_ahead, was_size = self._last_check.get(row, (over, ahead, size))
+            self._last_check[row] = over, ahead, size
             over = max(over, over + looks * (over - was_over))
             ahead = min(ahead, ahead + looks * (ahead - was_ahead))
             size = min(size, size + looks * (size - was_size))
-            limits = (LEAVES, BEHIND, CLOSE) if self.within[row] else (TAKES, BEFORE, CLOSE + CLOSER)
+            limits = (
+                (RELEASE_EXCESS, RELEASE_COSINE, RELEASE_DISTANCE)
+                if self.reachable[row]
+                else (TAKE_EXCESS, TAKE_COSINE, RELEASE_DISTANCE + TAKE_MARGIN)
+            )
             near = over < limits[0] and ahead > limits[1] and size > limits[2]
-            self.apart[row], self.within[row] = apart, near
-            if not self._left[row]:
-                self._place[row] = place
+            self.palm_distance[row], self.reachable[row] = apart, near
+            if not self._release_time[row]:
+                self._leader_palm[row] = place
             if near:
-                self._told[row] = False
-            elif asked.get(row, False) and not self._told[row] and self._amount[row[0]] > OPEN:
-                self._told[row] = True
-                self.missed += 1
+                self._miss_counted[row] = False
+            elif asked.get(row, False) and not self._miss_counted[row] and self._amount[row[0]] > OPEN_THRESHOLD:
+                self._miss_counted[row] = True
+                self.missed_count += 1
 
     def _advance(self, row: int, side: int, goal: float, dt: float) -> None:
         """Close or open as a critically damped spring."""
         closed, speed = self.closed[:, row, side].tolist()
-        rate = 2.0 * math.log(2.0) / (HALFLIFE + SLOWER * float(self.apart[row, side]))
+        rate = 2.0 * math.log(2.0) / (HALFLIFE + HALFLIFE_PER_METRE * float(self.palm_distance[row, side]))
         away = closed - goal
         fall, bend = math.exp(-rate * dt), speed + away * rate
         closed, speed = goal + fall * (away + bend * dt), fall * (speed - bend * rate * dt)
-        if goal == 0.0 and closed < OPEN and speed <= 0.0:
-            closed = speed = self._left[row, side] = 0.0
+        if goal == 0.0 and closed < OPEN_THRESHOLD and speed <= 0.0:
+            closed = speed = self._release_time[row, side] = 0.0
         self.closed[0, row, side], self.closed[1, row, side] = closed, speed
 
-    def reach(self, position: Float32, rotation: Float32, share: Float64, age: float) -> None:
+    def apply(self, position: Float32, rotation: Float32, share: Float64, age: float) -> None:
         """Bring held palms together in poses (A, J, 3) [m] and (A, J, 4), world, in place, `age` [s] after the last
         tick.
 
         `share` (A,) is the blend weight of each dancer's answer.
         """
-        if not self._laid:
+        if not self._row_keys:
             return
-        parts, kept = np.empty(len(self._laid), np.float32), np.zeros((len(self._laid), 4), np.float32)
-        for n, (_, row, _, side) in enumerate(self._laid):
+        parts, kept = np.empty(len(self._row_keys), np.float32), np.zeros((len(self._row_keys), 4), np.float32)
+        for n, (_, row, _, side) in enumerate(self._row_keys):
             closed = self.closed[0, row, side] + age * self.closed[1, row, side]
-            t = min(max((closed - OPEN) / (1.0 - 2.0 * OPEN), 0.0), 1.0)
-            if self._left[row, side]:
-                left = min((self._left[row, side] + age) / LEFT, 1.0)
-                kept[n, :3], kept[n, 3] = self._place[row, side], left * left * (3.0 - 2.0 * left)
+            t = min(max((closed - OPEN_THRESHOLD) / (1.0 - 2.0 * OPEN_THRESHOLD), 0.0), 1.0)
+            if self._release_time[row, side]:
+                left = min((self._release_time[row, side] + age) / RELEASE_TIME, 1.0)
+                kept[n, :3], kept[n, 3] = self._leader_palm[row, side], left * left * (3.0 - 2.0 * left)
             parts[n] = t * t * (3.0 - 2.0 * t) * self._amount[row] * share[row]
         if parts.any():
-            reach_palms(position, rotation, self._who, self._hands, parts, kept, ARM_JOINTS)
+            reach_palms(position, rotation, self._dancers, self._hands, parts, kept, ARM_JOINTS)

@@ -11,10 +11,17 @@ from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.partner.answer import Answer, enforce_feet
 from live.motion.partner.decoder import Reading
-from live.motion.partner.partner_synthesis import Partnered, Search, Stages, no_clock, read_input, tolls
+from live.motion.partner.partner_synthesis import (
+    PartnerResult,
+    SearchSettings,
+    StageTimer,
+    boundary_costs,
+    decode_input,
+    no_clock,
+)
 from live.motion.partner.point_clouds import Cloud
 from live.motion.partner.units import Units, unit_distances
-from live.motion.partner_live.online_decoder import LiveReader
+from live.motion.partner_live.online_decoder import OnlineDecoder
 from live.motion.partner_live.online_player import LivePartner
 
 Float64 = npt.NDArray[np.float64]
@@ -23,46 +30,46 @@ Bool = npt.NDArray[np.bool_]
 
 LIVE_RATE: Final = 30.0
 """Frame rate of the causal decoder [Hz]."""
-ALIKE: Final = 0.2
+SIMILAR_DISTANCE: Final = 0.2
 """Units at most this far from each other [m] (rms, `unit_distances`) are alike: `--cluster 0.2` may merge them."""
 
 
-def find_live(
-    leader: Clip, x: Cloud, units: Units, search: Search, clock: Callable[[], float] = no_clock
-) -> tuple[Partnered, dict[str, Any]]:
+def evaluate_live(
+    leader: Clip, x: Cloud, units: Units, search: SearchSettings, clock: Callable[[], float] = no_clock
+) -> tuple[PartnerResult, dict[str, Any]]:
     """Return the follower as generated live, and a comparison with the offline search.
 
     `x` (T, P) is the leader's cloud at the rate of the clip. `clock` [s] measures the time per frame.
     """
-    stages = Stages(clock)
+    stages = StageTimer(clock)
     with stages("offline search, to compare"):
-        coarse, fine = read_input(x, units, search, stages)
+        coarse, fine = decode_input(x, units, search, stages)
     thin = x.resampled(LIVE_RATE)
-    toll = tolls(search, thin)
+    toll = boundary_costs(search, thin)
     allowed = np.ones(thin.count, np.bool_) if toll is None else toll == 0.0
     beat = None if search.beats is None or len(search.beats) < 2 else float(np.diff(search.beats).mean())
     unit_beats = None if beat is None else max(1, round(float(np.median(units.seconds)) / beat))
     length = None if beat is None or unit_beats is None else unit_beats * beat * LIVE_RATE
-    reader = LiveReader(units, rate=LIVE_RATE, stretch=search.stretch, k=search.k * LIVE_RATE / search.rate)
+    reader = OnlineDecoder(units, rate=LIVE_RATE, stretch=search.stretch, k=search.k * LIVE_RATE / search.rate)
     partner = LivePartner(reader)
     poses, danced, spent = [], [], []
     decided: list[tuple[int, int, float]] = []
     with stages("live"):
         for n in range(thin.count):
             began = clock()
-            partner.frame(thin.floor[n], thin.height[n], boundary=bool(allowed[n]), unit_frames=length)
-            pose = partner.pose() if partner.known else None
+            partner.process_frame(thin.floor[n], thin.height[n], boundary=bool(allowed[n]), unit_frames=length)
+            pose = partner.pose() if partner.has_pose else None
             spent.append(clock() - began)
-            poses += [pose, partner.pose(0.5 / LIVE_RATE) if partner.known else None]
+            poses += [pose, partner.pose(0.5 / LIVE_RATE) if partner.has_pose else None]
             danced.append((partner.unit, partner.begin))
-            decided = _settled(decided, partner.seen, reader)
+            decided = _final_decisions(decided, partner.decisions, reader)
     if partner.unit < 0:
         raise PersonError("the leader's motion is too short to decode a unit", "a longer motion")
     first = next(pose for pose in poses if pose is not None)
     whole = [pose or first for pose in poses]
     root = np.array([pose.root for pose in whole])
     rotation = np.asarray(
-        quaternion.continuous(quaternion.unit(np.array([pose.rotation for pose in whole]))), np.float64
+        quaternion.align_signs(quaternion.unit(np.array([pose.rotation for pose in whole]))), np.float64
     )
     contact = np.array([pose.contact for pose in whole])
     clip = _at_rate(root, rotation, contact, leader.sample_count, leader.sample_rate)
@@ -80,10 +87,10 @@ def find_live(
                 "latest": float(np.max([seen for _, _, seen in decided])),
             },
             "agreement": agreement(danced, fine),
-            "agreement_alike": agreement(danced, fine, alike=alike(units)),
+            "agreement_alike": agreement(danced, fine, similar=similar_units(units)),
         }
     }  # fmt: skip
-    return Partnered(held, made, coarse, reading, stages.seconds), figures
+    return PartnerResult(held, made, coarse, reading, stages.seconds), figures
 
 
 def _at_rate(root: Float64, rotation: Float64, contact: Bool, count: int, rate: float) -> Clip:
@@ -100,8 +107,8 @@ def _at_rate(root: Float64, rotation: Float64, contact: Bool, count: int, rate: 
     )
 
 
-def _settled(
-    decided: list[tuple[int, int, float]], changes: list[tuple[int, int, float]], reader: LiveReader
+def _final_decisions(
+    decided: list[tuple[int, int, float]], changes: list[tuple[int, int, float]], reader: OnlineDecoder
 ) -> list[tuple[int, int, float]]:
     """Keep the final decision for each danced unit; a corrected decision replaces the previous one."""
     for unit, begin, seen in changes:
@@ -111,13 +118,13 @@ def _settled(
     return decided
 
 
-def alike(units: Units, within: float = ALIKE) -> Bool:
+def similar_units(units: Units, max_distance: float = SIMILAR_DISTANCE) -> Bool:
     """Return which units are at most `within` [m] from each other in both dancers' motion (N, N), as clustering merges
     them."""
-    return np.asarray(unit_distances(units) <= within)
+    return np.asarray(unit_distances(units) <= max_distance)
 
 
-def agreement(danced: list[tuple[int, int]], offline: Reading, part: float = 0.5, alike: Bool | None = None) -> float:
+def agreement(danced: list[tuple[int, int]], offline: Reading, part: float = 0.5, similar: Bool | None = None) -> float:
     """Return the share of the offline search's units that are danced live when `part` of them has passed.
 
     The same moment of the same recording counts or, with `alike` (N, N), a unit like it.
@@ -126,7 +133,7 @@ def agreement(danced: list[tuple[int, int]], offline: Reading, part: float = 0.5
     for unit, start, frames in zip(offline.unit, offline.start, offline.duration, strict=True):
         at = int((start + part * frames) / offline.rate * LIVE_RATE)
         own = danced[min(at, len(danced) - 1)][0]
-        same += bool(own == unit if alike is None or own < 0 else alike[own, unit])
+        same += bool(own == unit if similar is None or own < 0 else similar[own, unit])
     return same / max(offline.count, 1)
 
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.partner.decoder_kernels import SIZE
+from live.motion.partner.decoder_kernels import SAMPLE_SIZE
 from live.motion.partner.time_scaled_units import Stretches, make_stretches
 from live.motion.partner.units import Units
 from live.motion.partner_live.online_kernels import expect_root, finish_units, score_running
@@ -21,21 +21,21 @@ Float64 = npt.NDArray[np.float64]
 Complex128 = npt.NDArray[np.complex128]
 Int64 = npt.NDArray[np.int64]
 
-WAYS: Final = 32
+PATH_COUNT: Final = 32
 """Paths kept at each boundary."""
 BEAM: Final = 6.0
 """A boundary is dropped when all its units are worse than the best by this [m²]."""
-SPREAD: Final = 0.5
+SCORE_SPREAD: Final = 0.5
 """In the follower's expected position a unit worse than the best by this [m²] has the weight 1/e."""
-FEWEST: Final = 6.0
+MIN_FRAMES: Final = 6.0
 """Frames observed before a unit counts for the follower's expected position."""
-NEAREST: Final = 1.0
+NEAREST_PERCENTILE: Final = 1.0
 """Percentile of the recorded distances to the leader that defines the minimum distance."""
-ENDS: Final = 4
+LIMB_POINTS: Final = 4
 """Points of a leader that is another body: hands, then feet. Other clouds come from the follower's own hips."""
 
 
-def roots(clip: Clip) -> tuple[Complex128, Complex128]:
+def root_track(clip: Clip) -> tuple[Complex128, Complex128]:
     """Return the hips of a clip on the floor (z + i x) and their facing as unit complex numbers, (T,) each."""
     front = quaternion.rotate(clip.rotation[:, 0].astype(np.float64), np.array((0.0, 0.0, 1.0)))
     facing = front[:, 2] + 1j * front[:, 0]
@@ -44,7 +44,7 @@ def roots(clip: Clip) -> tuple[Complex128, Complex128]:
 
 
 @dataclass(frozen=True, slots=True)
-class Guess:
+class UnitHypothesis:
     """Hypothesis of the unit danced now."""
 
     unit: int
@@ -52,19 +52,19 @@ class Guess:
     """Frame at which it began."""
     step: float
     """Samples of its recording per frame."""
-    seen: float
+    progress: float
     """Share of it that has passed, 0 to 1."""
-    worth: float
+    score: float
     """Its score [m²], lower is better."""
     turn: complex
     """Rigid motion M estimated from the observed part."""
     shift: complex
 
 
-class LiveReader:
+class OnlineDecoder:
     """Decoder from frames to guesses. Deterministic; one call per frame, bounded memory."""
 
-    def __init__(self, units: Units, *, rate: float, stretch: float, k: float, ways: int = WAYS) -> None:
+    def __init__(self, units: Units, *, rate: float, stretch: float, k: float, path_count: int = PATH_COUNT) -> None:
         """`rate` [Hz] of the frames; `k` for that rate (the factor of a search grows with its rate)."""
         self.units, self.rate, self.k = units, rate, k
         self._stretches = made = make_stretches(units, rate, stretch)
@@ -74,10 +74,10 @@ class LiveReader:
         self._ring = ring
         self._at = -1
         self._x, self._x_height = np.zeros((ring, points), np.complex128), np.zeros((ring, points))
-        self._score = np.full((ring, ways), np.inf)
-        self._end = np.full((ring, ways, SIZE), np.nan)
-        self._cell, self._before = np.full((ring, ways), -1, np.int64), np.full((ring, ways), -1, np.int64)
-        self._lay(made)
+        self._score = np.full((ring, path_count), np.inf)
+        self._end = np.full((ring, path_count, SAMPLE_SIZE), np.nan)
+        self._cell, self._before = np.full((ring, path_count), -1, np.int64), np.full((ring, path_count), -1, np.int64)
+        self._flatten(made)
         count = units.count
         self._step = np.zeros((ring, count))
         self._sums, self._squares = np.zeros((ring, count, 2), np.complex128), np.zeros((ring, count, 2))
@@ -85,10 +85,10 @@ class LiveReader:
         self._frames = np.full((ring, 1), -1.0)
         self._value = np.full((ring, count), np.inf)
         self._expected = np.zeros(2, np.complex128)
-        self._shortest = np.array([made.duration[made.unit == n].min() for n in range(count)], np.float64)
-        self._most = np.array([made.duration[made.unit == n].max() for n in range(count)], np.float64)
+        self._shortest_units = np.array([made.duration[made.unit == n].min() for n in range(count)], np.float64)
+        self._longest_units = np.array([made.duration[made.unit == n].max() for n in range(count)], np.float64)
 
-    def _lay(self, made: Stretches) -> None:
+    def _flatten(self, made: Stretches) -> None:
         """Flatten all data that the kernels need."""
         self._first = np.array([first for _, first, _ in made.groups] + [made.count], np.int64)
         self._offset = np.concatenate(([0], np.cumsum([one.size for one in made.real])))[:-1].astype(np.int64)
@@ -108,26 +108,26 @@ class LiveReader:
         ]
         self._head = np.concatenate([one.floor for one in heads])
         self._head_height = np.concatenate([one.height for one in heads])
-        self._root = np.concatenate([roots(one.follower)[0] for one in examples])
-        self._facing = np.concatenate([roots(one.follower)[1] for one in examples])
-        self.nearest = 0.0
+        self._root = np.concatenate([root_track(one.follower)[0] for one in examples])
+        self._facing = np.concatenate([root_track(one.follower)[1] for one in examples])
+        self.min_distance = 0.0
         """Minimum distance of the follower's hips from the middle between the leader's feet [m]; 0 without a second
         body."""
-        if self._control.shape[1] == ENDS:
+        if self._control.shape[1] == LIMB_POINTS:
             apart = np.abs(self._root - self._control[:, 2:].mean(axis=1))
-            self.nearest = float(np.percentile(apart, NEAREST))
+            self.min_distance = float(np.percentile(apart, NEAREST_PERCENTILE))
 
     @property
-    def at(self) -> int:
+    def frame_index(self) -> int:
         """Number of the latest frame, -1 before the first."""
         return self._at
 
     @property
-    def points(self) -> int:
+    def point_count(self) -> int:
         """Number of points of the leader's cloud."""
         return int(self._x.shape[1])
 
-    def frame(self, floor: Complex128, height: Float64, *, boundary: bool, unit_frames: float | None) -> None:
+    def process_frame(self, floor: Complex128, height: Float64, *, boundary: bool, unit_frames: float | None) -> None:
         """Process the leader's next frame, points (P,) [m].
 
         `boundary`: whether a unit may begin and end now (always true without beats). `unit_frames`: length by the clock
@@ -157,18 +157,18 @@ class LiveReader:
             BEAM,
         )  # fmt: skip
 
-    def latest(self, frames: int) -> Complex128:
+    def latest_points(self, frames: int) -> Complex128:
         """Return the leader's points in the latest frames, newest first, at most `frames` of them."""
         count = min(frames, self._ring, self._at + 1)
         return np.asarray(self._x[(self._at - np.arange(count)) % self._ring])
 
-    def expected(self) -> tuple[complex, complex] | None:
+    def expected_root(self) -> tuple[complex, complex] | None:
         """Return the follower's expected hip position on the floor and facing (unit complex number), or None.
 
         It is the mean over all running units, weighted by likelihood. None if no unit runs.
         """
         count = expect_root(
-            SPREAD, FEWEST, self._at, self._x, self._root, self._facing, self._record_first, self._record_stop,
+            SCORE_SPREAD, MIN_FRAMES, self._at, self._x, self._root, self._facing, self._record_first, self._record_stop,
             self.units.start, self.units.length, self._step, self._sums, self._input_sum, self._frames, self._value,
             self._expected,
         )  # fmt: skip
@@ -177,16 +177,16 @@ class LiveReader:
         facing = complex(self._expected[1])
         return complex(self._expected[0]), facing / abs(facing) if abs(facing) > 1e-9 else complex(1.0)
 
-    def kept_away(self, place: complex) -> complex:
+    def keep_distance(self, place: complex) -> complex:
         """Return `place`, moved away from the leader to the minimum distance if it is too near."""
-        if self.nearest <= 0.0:
+        if self.min_distance <= 0.0:
             return place
         middle = complex(self._x[self._at % self._ring, 2:].mean())
         away = place - middle
         far = abs(away)
-        return place if far >= self.nearest or far < 1e-9 else middle + away * (self.nearest / far)
+        return place if far >= self.min_distance or far < 1e-9 else middle + away * (self.min_distance / far)
 
-    def rooted(self, unit: int, place: float) -> tuple[complex, complex]:
+    def recorded_root(self, unit: int, place: float) -> tuple[complex, complex]:
         """Return the recorded follower's hips on the floor and their facing at sample `place` of a unit's recording."""
         first, stop = int(self._record_first[unit]), int(self._record_stop[unit])
         place = min(max(place, 0.0), stop - first - 1.0)
@@ -196,7 +196,7 @@ class LiveReader:
         here = complex((1.0 - w) * self._root[one] + w * self._root[other])
         return here, facing / abs(facing) if abs(facing) > 1e-9 else complex(1.0)
 
-    def worth(self, unit: int, begin: int) -> float:
+    def unit_score(self, unit: int, begin: int) -> float:
         """Return the score of a unit that began at frame `begin` [m²], from its observed part; infinite if it no longer
         runs."""
         row = begin % self._ring
@@ -205,7 +205,7 @@ class LiveReader:
             return np.inf
         return float(self._value[row, unit])
 
-    def placed(self, unit: int, begin: int) -> tuple[complex, complex]:
+    def unit_transform(self, unit: int, begin: int) -> tuple[complex, complex]:
         """Return M of a unit running since frame `begin`, from its observed part."""
         row = begin % self._ring
         n = self._x.shape[1] * int(self._frames[row, 0])
@@ -216,17 +216,17 @@ class LiveReader:
 
     def _begin(self, slot: int, unit_frames: float | None) -> None:
         own = self.units.seconds * self.rate
-        frames = own if unit_frames is None else np.clip(unit_frames, self._shortest, self._most)
+        frames = own if unit_frames is None else np.clip(unit_frames, self._shortest_units, self._longest_units)
         self._step[slot] = self.units.length / np.maximum(frames, 1.0)
         self._sums[slot], self._squares[slot] = 0.0, 0.0
         self._input_sum[slot], self._input_square[slot] = 0.0, 0.0
         self._frames[slot, 0] = 0.0
 
-    def guess(self, after: int = -1) -> Guess | None:
+    def best_hypothesis(self, first_frame: int = -1) -> UnitHypothesis | None:
         """Return the best running unit among those that began at frame `after` or later, or None."""
         seen = np.maximum(self._frames[:, 0] - 1.0, 0.0)
         began = self._at - seen
-        running = np.isfinite(self._score[:, 0]) & (self._frames[:, 0] > 1.0) & (began >= after)
+        running = np.isfinite(self._score[:, 0]) & (self._frames[:, 0] > 1.0) & (began >= first_frame)
         rows = np.flatnonzero(running)
         if not len(rows):
             return None
@@ -237,6 +237,6 @@ class LiveReader:
         if not np.isfinite(best):
             return None
         begin = int(began[row])
-        turn, shift = self.placed(int(unit), begin)
+        turn, shift = self.unit_transform(int(unit), begin)
         part = float(seen[row] * self._step[row, unit] / self.units.length[unit])
-        return Guess(int(unit), begin, float(self._step[row, unit]), part, best, turn, shift)
+        return UnitHypothesis(int(unit), begin, float(self._step[row, unit]), part, best, turn, shift)

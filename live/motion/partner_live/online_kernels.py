@@ -11,22 +11,22 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 
 Float64 = npt.NDArray[np.float64]
 Complex128 = npt.NDArray[np.complex128]
 Int64 = npt.NDArray[np.int64]
 
 
-@part
-def turn_of(z: complex) -> Any:
+@inline_kernel
+def normalize(z: complex) -> Any:
     """Return z normalized, 1 for zero."""
     norm = np.sqrt(z.real * z.real + z.imag * z.imag)
     return complex(z.real / norm, z.imag / norm) if norm > 1e-12 else complex(1.0, 0.0)
 
 
-@part
-def best_way(
+@inline_kernel
+def best_path(
     score: Float64, tail: Float64, k: float, turn: complex, middle: complex, head: Complex128, up: Float64
 ) -> Any:
     """Return the best of the K paths that end with `score` (K,), ascending, at `tail` (K, 12).
@@ -53,8 +53,8 @@ def best_way(
     return best, chosen
 
 
-@part
-def keep_way(score: Float64, cell: Int64, before: Int64, value: float, p: int, way: int) -> None:
+@inline_kernel
+def insert_path(score: Float64, cell: Int64, before: Int64, value: float, p: int, path: int) -> None:
     """Insert a path into the sorted row (K,) of the K best if it is good enough."""
     last = score.shape[0] - 1
     if value >= score[last]:
@@ -64,11 +64,11 @@ def keep_way(score: Float64, cell: Int64, before: Int64, value: float, p: int, w
         at -= 1
     for n in range(last, at, -1):
         score[n], cell[n], before[n] = score[n - 1], cell[n - 1], before[n - 1]
-    score[at], cell[at], before[at] = value, p, way
+    score[at], cell[at], before[at] = value, p, path
 
 
-@part
-def _end(
+@inline_kernel
+def _cell_end(
     at: int, p: int, x: Complex128, duration: Int64, first: Int64, offset: Int64, real: Float64, imaginary: Float64,
     tail: Complex128, tail_height: Float64, out: Float64,
 ) -> None:  # fmt: skip
@@ -87,7 +87,7 @@ def _end(
             sums += z
             product += complex(real[row], imaginary[row]) * z
             row += count
-    turn, middle = turn_of(product), sums / (points * (frames + 1)) + origin
+    turn, middle = normalize(product), sums / (points * (frames + 1)) + origin
     for b in range(4):
         place = turn * tail[p, b] + middle
         out[3 * b], out[3 * b + 1], out[3 * b + 2] = place.real, place.imag, tail_height[p, b]
@@ -159,25 +159,27 @@ def finish_units(
         for c in range(count):
             p = low + c
             z = complex(re[c], im[c])
-            turn = turn_of(z)
-            best, way = best_way(score[begin % ring], end[begin % ring], k, turn, middle, head[p], head_height[p])
+            turn = normalize(z)
+            best, way = best_path(score[begin % ring], end[begin % ring], k, turn, middle, head[p], head_height[p])
             value = best + squares + size[p] - 2.0 * (np.abs(z) + up[c])
             scored += 1
             if way >= 0:
-                keep_way(score[slot], cell[slot], before[slot], value, p, way)
+                insert_path(score[slot], cell[slot], before[slot], value, p, way)
     for way in range(score.shape[1]):
         if np.isfinite(score[slot, way]) and cell[slot, way] >= 0:
-            _end(at, cell[slot, way], x, duration, first, offset, real, imaginary, tail, tail_height, end[slot, way])
+            _cell_end(
+                at, cell[slot, way], x, duration, first, offset, real, imaginary, tail, tail_height, end[slot, way]
+            )
     return scored
 
 
-LATE: Any = 0.1
+LATE_SHARE: Any = 0.1
 """A unit may exceed its length by this share and still count for the follower's position."""
-FAR: Any = 8.0
+MAX_LOG_WEIGHT: Any = 8.0
 """Units with a weight below e to the minus this are left out."""
 
 
-@part
+@inline_kernel
 def _root_at(root: Complex128, facing: Complex128, first: int, stop: int, place: float) -> Any:
     """Return a recording's hips on the floor and their facing at its sample `place`."""
     place = min(max(place, 0.0), float(stop - first - 1))
@@ -193,7 +195,7 @@ def _root_at(root: Complex128, facing: Complex128, first: int, stop: int, place:
 )
 def expect_root(
     spread: float,
-    fewest: float,
+    min_frames: float,
     at: int,
     x: Complex128,
     root: Complex128,
@@ -219,16 +221,16 @@ def expect_root(
     ring, points = x.shape
     best = np.inf
     for row in range(ring):
-        if frames[row, 0] < fewest:
+        if frames[row, 0] < min_frames:
             continue
         for unit in range(start.shape[0]):
-            if (frames[row, 0] - 1.0) * step[row, unit] <= length[unit] * (1.0 + LATE):
+            if (frames[row, 0] - 1.0) * step[row, unit] <= length[unit] * (1.0 + LATE_SHARE):
                 best = min(best, value[row, unit])
     if not np.isfinite(best):
         return 0
     weights, place, front, count = 0.0, complex(0.0), complex(0.0), 0
     for row in range(ring):
-        if frames[row, 0] < fewest:
+        if frames[row, 0] < min_frames:
             continue
         seen = frames[row, 0] - 1.0
         begin = at - int(seen)
@@ -236,10 +238,10 @@ def expect_root(
         middle = input_sum[row] / n
         for unit in range(start.shape[0]):
             worse = value[row, unit] - best
-            if not worse < FAR * spread or seen * step[row, unit] > length[unit] * (1.0 + LATE):
+            if not worse < MAX_LOG_WEIGHT * spread or seen * step[row, unit] > length[unit] * (1.0 + LATE_SHARE):
                 continue
             own = sums[row, unit, 1] / n
-            turn = turn_of(sums[row, unit, 0] - n * own.conjugate() * middle)
+            turn = normalize(sums[row, unit, 0] - n * own.conjugate() * middle)
             here, front_here = _root_at(
                 root, facing, record_first[unit], record_stop[unit], start[unit] + seen * step[row, unit]
             )
@@ -252,11 +254,11 @@ def expect_root(
     return count
 
 
-SURE: Any = 5.0
+MIN_BEAM_FRAMES: Any = 5.0
 """No boundary is dropped before this many frames are observed."""
 
 
-@part
+@inline_kernel
 def _sample(floor: Complex128, height: Float64, first: int, stop: int, place: float, p: int) -> Any:
     """Return point p of a recording with samples `first` to `stop` - 1 at its sample `place`."""
     place = min(max(place, 0.0), float(stop - first - 1))
@@ -333,14 +335,14 @@ def score_running(
             product = sums[row, unit, 0] - n * own.conjugate() * middle
             left = input_square[row, 0] - n * (middle.real * middle.real + middle.imag * middle.imag)
             left += squares[row, unit, 0] - n * (own.real * own.real + own.imag * own.imag)
-            turn = turn_of(product)
+            turn = normalize(product)
             shift = middle + origin - turn * own
-            best, way = best_way(score[row], end[row], k, turn, shift, head[unit], head_height[unit])
+            best, way = best_path(score[row], end[row], k, turn, shift, head[unit], head_height[unit])
             value[row, unit] = best + left - 2.0 * np.abs(product) + squares[row, unit, 1]
             if way < 0:
                 value[row, unit] = np.inf
             best_of_all = min(best_of_all, value[row, unit])
         frames[row, 0] += 1.0
     for row in range(ring):
-        if frames[row, 0] > SURE and value[row].min() > best_of_all + beam:
+        if frames[row, 0] > MIN_BEAM_FRAMES and value[row].min() > best_of_all + beam:
             frames[row, 0] = -1.0

@@ -2,7 +2,7 @@
 
 While the current unit is undecided the follower continues the present recording. When it is decided, or half of the
 unit has passed, the follower switches to the matching unit, and the differences of pose and velocity fade out. The
-position is more certain than the unit, so it is the mean over all hypotheses (`LiveReader.expected`). Recordings are
+position is more certain than the unit, so it is the mean over all hypotheses (`OnlineDecoder.expected`). Recordings are
 placed on the floor by a rigid motion M that follows this position; it moves slowly while a foot is in contact.
 """
 
@@ -13,23 +13,23 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.partner_live.online_decoder import Guess, LiveReader
+from live.motion.partner_live.online_decoder import OnlineDecoder, UnitHypothesis
 
-FREE: Final = 0.08
+FREE_TIME_CONSTANT: Final = 0.08
 """Time constant [s] of moving to the expected position while no foot stands."""
-STANDS: Final = 0.2
+STANDING_TIME_CONSTANT: Final = 0.2
 """The same while a foot stands."""
-EASES: Final = 0.05
+SPEED_TIME_CONSTANT: Final = 0.05
 """Time constant [s] of the speed of that correction."""
-FASTEST: Final = 1.5
+MAX_SPEED: Final = 1.5
 """Maximum speed of the correction [m/s], added to the recorded motion ..."""
-QUICKEST: Final = 4.5
+MAX_TURN_RATE: Final = 4.5
 """... and its maximum turning speed [rad/s]; twice as fast away from a leader who is too near, ..."""
-STILL: Final = 0.4
+STANDING_SCALE: Final = 0.4
 """... and scaled by this while a foot stands."""
 
 
-class Placing:
+class FloorTransform:
     """The rigid motion M of a recording and its rate of change. Plain values."""
 
     def __init__(self) -> None:
@@ -38,7 +38,7 @@ class Placing:
         self._last_turn, self._last_shift = self.turn, self.shift
         self._speed, self._turning = complex(0.0), 0.0
 
-    def lay(self, root: complex, facing: complex, place: complex, front: complex) -> None:
+    def align(self, root: complex, facing: complex, place: complex, front: complex) -> None:
         """Set M so that the recording's hips at `root` lie at `place` and their `facing` points to `front`.
 
         Its rate of change is kept.
@@ -46,41 +46,51 @@ class Placing:
         self.turn = front / facing
         self.turn /= abs(self.turn)
         self.shift = place - self.turn * root
-        self.rest()
+        self.freeze()
 
-    def rest(self) -> None:
+    def freeze(self) -> None:
         """Keep M constant until the next `follow`."""
         self._last_turn, self._last_shift = self.turn, self.shift
 
     def follow(
-        self, root: complex, facing: complex, wanted: tuple[complex, complex], dt: float, *, stands: bool, near: bool
+        self,
+        root: complex,
+        facing: complex,
+        wanted: tuple[complex, complex],
+        dt: float,
+        *,
+        standing: bool,
+        too_near: bool,
     ) -> None:
         """Advance M by `dt` [s] towards hips at `root` with `facing` at the `wanted` position and facing.
 
         The rotation is about the hips, so that the follower does not swing around. It is slow while a foot `stands`,
         but never if the follower is too `near` to the leader.
         """
-        slow = stands and not near
-        seconds, eased = STANDS if slow else FREE, 1.0 - float(np.exp(-dt / EASES))
-        share = STILL if slow else 2.0 if near else 1.0
+        slow = standing and not too_near
+        seconds, eased = (
+            STANDING_TIME_CONSTANT if slow else FREE_TIME_CONSTANT,
+            1.0 - float(np.exp(-dt / SPEED_TIME_CONSTANT)),
+        )
+        share = STANDING_SCALE if slow else 2.0 if too_near else 1.0
         here = self.turn * root + self.shift
         away = float(np.angle(wanted[1] / (self.turn * facing)))
         speed, turning = (wanted[0] - here) / seconds, away / seconds
-        speed *= min(1.0, share * FASTEST / max(abs(speed), 1e-9))
-        turning = min(max(turning, -share * QUICKEST), share * QUICKEST)
+        speed *= min(1.0, share * MAX_SPEED / max(abs(speed), 1e-9))
+        turning = min(max(turning, -share * MAX_TURN_RATE), share * MAX_TURN_RATE)
         self._speed += eased * (speed - self._speed)
         self._turning += eased * (turning - self._turning)
         self.drift(root, dt)
 
     def drift(self, root: complex, dt: float) -> None:
         """Advance M by `dt` [s] at its current rate, hips at `root`."""
-        self.rest()
+        self.freeze()
         here = self.turn * root + self.shift
         turned = self.turn * np.exp(1j * self._turning * dt)
         self.turn = complex(turned / abs(turned))
         self.shift = complex(here + self._speed * dt - self.turn * root)
 
-    def at(self, part: float) -> tuple[complex, complex]:
+    def interpolate(self, part: float) -> tuple[complex, complex]:
         """Return M at `part` of the interval from the last frame to this one, as turn and shift."""
         turn = self._last_turn * np.exp(1j * part * float(np.angle(self.turn / self._last_turn)))
         return complex(turn), self._last_shift + part * (self.shift - self._last_shift)
@@ -89,17 +99,17 @@ class Placing:
 Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
-LATEST: Final = 0.5
+DECISION_SHARE: Final = 0.5
 """A unit is decided before more than this share of it has passed."""
-EARLIEST: Final = 0.35
+MIN_SHARE: Final = 0.35
 """A unit is switched to only after this share of it has passed."""
-SWITCH: Final = 0.02
+SWITCH_MARGIN: Final = 0.02
 """Within a unit a better one must be better by this [m² per point], decreasing with time."""
 SLACK: Final = 1e-9
 """Tolerance for rounding."""
-DECIDED: Final = 0.6
+SUCCESSOR_SHARE: Final = 0.6
 """A unit that begins before this share of the current one is not its successor."""
-FADE: Final = 0.35
+FADE_TIME: Final = 0.35
 """Fade time of the difference between two units [s]."""
 
 
@@ -118,127 +128,131 @@ class LivePose:
 class LivePartner:
     """Follower of one leader. State is plain values; output depends only on the input frames."""
 
-    def __init__(self, reader: LiveReader) -> None:
-        self.reader = reader
+    def __init__(self, reader: OnlineDecoder) -> None:
+        self.decoder = reader
         self.unit = -1
         """Current unit, -1 before the first."""
         self.begin = 0
         """Frame at which it began."""
-        self.seen: list[tuple[int, int, float]] = []
+        self.decisions: list[tuple[int, int, float]] = []
         """Decisions of the latest frame: (unit, begin, share of the unit that had passed)."""
         self._step = 1.0
         self._source = 0.0
-        self._placing = Placing()
+        self._floor_transform = FloorTransform()
         joints = reader.units.examples[0].follower.rotation.shape[1]
         self._offset, self._speed = np.zeros((1 + joints, 3)), np.zeros((1 + joints, 3))
-        self._age = FADE
+        self._age = FADE_TIME
 
-    def frame(
+    def process_frame(
         self, floor: npt.NDArray[np.complex128], height: Float64, *, boundary: bool, unit_frames: float | None
     ) -> None:
-        """Process the leader's next frame, see `LiveReader.frame`."""
-        self.reader.frame(floor, height, boundary=boundary, unit_frames=unit_frames)
-        dt = 1.0 / self.reader.rate
-        self.seen.clear()
+        """Process the leader's next frame, see `OnlineDecoder.frame`."""
+        self.decoder.process_frame(floor, height, boundary=boundary, unit_frames=unit_frames)
+        dt = 1.0 / self.decoder.rate
+        self.decisions.clear()
         if self.unit >= 0:
             self._source += self._step
             self._age += dt
-        guess = self._guess()
+        guess = self._next_unit()
         if guess is not None:
-            self._go_over(guess)
+            self._switch(guess)
         elif self.unit >= 0:
-            self._settle(dt)
+            self._follow_expected(dt)
 
     @property
-    def known(self) -> bool:
+    def has_pose(self) -> bool:
         """Whether there is a pose yet."""
         return self.unit >= 0
 
     @property
-    def place(self) -> float:
+    def sample(self) -> float:
         """Current sample in the unit's recording; valid only if `known`."""
         return self._source
 
     @property
-    def pace(self) -> float:
+    def sample_rate(self) -> float:
         """Samples of the recording per second."""
-        return self._step * self.reader.rate
+        return self._step * self.decoder.rate
 
-    def _guess(self) -> Guess | None:
+    def _next_unit(self) -> UnitHypothesis | None:
         """Return the unit to switch to now, or None.
 
         In the first half of a unit this is the best guess if it is better than the current one by SWITCH; after that
         the unit is final until the next one begins.
         """
         if self.unit < 0:
-            return self.reader.guess()
-        frames = float(self.reader.units.length[self.unit]) / self._step
-        seen = (self.reader.at - self.begin) / frames
-        mended = seen <= LATEST + SLACK
-        guess = self.reader.guess(self.begin - round((1.0 - DECIDED) * frames) if mended else
-                                  self.begin + round(DECIDED * frames))  # fmt: skip
+            return self.decoder.best_hypothesis()
+        frames = float(self.decoder.units.length[self.unit]) / self._step
+        seen = (self.decoder.frame_index - self.begin) / frames
+        mended = seen <= DECISION_SHARE + SLACK
+        guess = self.decoder.best_hypothesis(self.begin - round((1.0 - SUCCESSOR_SHARE) * frames) if mended else
+                                  self.begin + round(SUCCESSOR_SHARE * frames))  # fmt: skip
         if guess is None or (guess.unit, guess.begin) == (self.unit, self.begin):
             return None
-        if guess.begin >= self.begin + DECIDED * frames:
-            return guess if guess.seen >= EARLIEST else None
-        margin = SWITCH * self.reader.points * max(1.0 - (seen - EARLIEST) / (LATEST - EARLIEST), 0.0)
-        better = guess.worth + margin < self.reader.worth(self.unit, self.begin)
-        return guess if guess.seen <= LATEST + SLACK and better else None
+        if guess.begin >= self.begin + SUCCESSOR_SHARE * frames:
+            return guess if guess.progress >= MIN_SHARE else None
+        margin = (
+            SWITCH_MARGIN * self.decoder.point_count * max(1.0 - (seen - MIN_SHARE) / (DECISION_SHARE - MIN_SHARE), 0.0)
+        )
+        better = guess.score + margin < self.decoder.unit_score(self.unit, self.begin)
+        return guess if guess.progress <= DECISION_SHARE + SLACK and better else None
 
-    def _go_over(self, guess: Guess) -> None:
+    def _switch(self, guess: UnitHypothesis) -> None:
         if self.unit < 0:
-            self._enter(guess)
-            expected = self.reader.expected() or (guess.turn * self._rooted[0] + guess.shift, guess.turn)
-            self._placing.lay(*self._rooted, *expected)
+            self._set_unit(guess)
+            expected = self.decoder.expected_root() or (guess.turn * self._recorded_root[0] + guess.shift, guess.turn)
+            self._floor_transform.align(*self._recorded_root, *expected)
             return
-        self._placing.rest()
-        place, speed = self._motion(self._source)
-        bent = self._bent(0.0)
-        stood = self._stood(bent[0])
-        self._enter(guess)
-        self._placing.lay(*self._rooted, *stood)
-        new_place, new_speed = self._motion(self._source)
+        self._floor_transform.freeze()
+        place, speed = self._pose_and_rates(self._source)
+        bent = self._remaining_offset(0.0)
+        stood = self._current_root(bent[0])
+        self._set_unit(guess)
+        self._floor_transform.align(*self._recorded_root, *stood)
+        new_place, new_speed = self._pose_and_rates(self._source)
         offset = np.empty_like(self._offset)
         offset[0] = place[0] + bent[0][0] - new_place[0]
         old = quaternion.mul(place[1], quaternion.from_rotation_vector(bent[0][1:]))
         offset[1:] = quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(new_place[1]), old))
         self._speed = speed + bent[1] - new_speed
         self._offset, self._age = offset, 0.0
-        self._placing.drift(self._rooted[0], 1.0 / self.reader.rate)
+        self._floor_transform.drift(self._recorded_root[0], 1.0 / self.decoder.rate)
 
-    def _enter(self, guess: Guess) -> None:
-        self.seen.append((guess.unit, guess.begin, guess.seen))
+    def _set_unit(self, guess: UnitHypothesis) -> None:
+        self.decisions.append((guess.unit, guess.begin, guess.progress))
         self.unit, self.begin, self._step = guess.unit, guess.begin, guess.step
-        self._source = float(self.reader.units.start[guess.unit]) + (self.reader.at - guess.begin) * guess.step
+        self._source = (
+            float(self.decoder.units.start[guess.unit]) + (self.decoder.frame_index - guess.begin) * guess.step
+        )
 
     @property
-    def _rooted(self) -> tuple[complex, complex]:
+    def _recorded_root(self) -> tuple[complex, complex]:
         """The hips and facing in the current recording."""
-        return self.reader.rooted(self.unit, self._source)
+        return self.decoder.recorded_root(self.unit, self._source)
 
-    def _stood(self, bent: Float64) -> tuple[complex, complex]:
+    def _current_root(self, bent: Float64) -> tuple[complex, complex]:
         """Return the follower's hips on the floor and their facing."""
-        root, rotation = self._sampled(self._source)
+        root, rotation = self._sample_pose(self._source)
         hips = quaternion.mul(rotation[0], quaternion.from_rotation_vector(bent[1]))
         front = quaternion.rotate(hips, np.array((0.0, 0.0, 1.0)))
         facing = complex(front[2], front[0])
         facing = facing / abs(facing) if abs(facing) > 1e-9 else complex(1.0)
         return complex(root[2] + bent[0, 2], root[0] + bent[0, 0]), facing
 
-    def _motion(self, source: float) -> tuple[tuple[Float64, Float64], Float64]:
+    def _pose_and_rates(self, source: float) -> tuple[tuple[Float64, Float64], Float64]:
         """Return root and rotations of the unit at a sample of its recording, and their rates [1/s]."""
-        here, rotation = self._sampled(source)
-        there, other = self._sampled(source + self._step, 1.0)
+        here, rotation = self._sample_pose(source)
+        there, other = self._sample_pose(source + self._step, 1.0)
         turn = quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(rotation), other))
-        speed = np.concatenate(((there - here)[None], turn)) * self.reader.rate
+        speed = np.concatenate(((there - here)[None], turn)) * self.decoder.rate
         return (here, rotation), np.asarray(speed, np.float64)
 
-    def _sampled(self, source: float, placed: float = 0.0) -> tuple[Float64, Float64]:
+    def _sample_pose(self, source: float, placed: float = 0.0) -> tuple[Float64, Float64]:
         """Return root and rotations of the unit at sample `source`.
 
         M is taken at the share `placed` between the last frame and this one.
         """
-        clip = self.reader.units.examples[int(self.reader.units.example[self.unit])].follower
+        clip = self.decoder.units.examples[int(self.decoder.units.example[self.unit])].follower
         source = min(max(source, 0.0), clip.sample_count - 1.0)
         low = min(int(source), clip.sample_count - 2)
         w = source - low
@@ -246,7 +260,7 @@ class LivePartner:
         one = clip.rotation[low].astype(np.float64)
         two = clip.rotation[low + 1].astype(np.float64)
         rotation = np.asarray(quaternion.slerp(one, two, np.full(len(one), w)), np.float64)
-        turn, shift = self._placing.at(placed)
+        turn, shift = self._floor_transform.interpolate(placed)
         place = turn * complex(root[2], root[0]) + shift
         half = 0.5 * float(np.angle(turn))
         rotation[0] = quaternion.mul(np.array((np.cos(half), 0.0, np.sin(half), 0.0)), rotation[0])
@@ -254,35 +268,35 @@ class LivePartner:
 
     def _contact(self, part: float) -> Bool:
         """Return the recording's foot contacts `part` of a frame after the latest one, (2,)."""
-        clip = self.reader.units.examples[int(self.reader.units.example[self.unit])].follower
+        clip = self.decoder.units.examples[int(self.decoder.units.example[self.unit])].follower
         return np.asarray(clip.contact[min(max(round(self._source + self._step * part), 0), clip.sample_count - 1)])
 
-    def _bent(self, ahead: float) -> tuple[Float64, Float64]:
+    def _remaining_offset(self, ahead: float) -> tuple[Float64, Float64]:
         """Return the remainder of the last switch: offset and its rate, `ahead` [s] after the latest frame (a
         quintic)."""
-        t = min((self._age + ahead) / FADE, 1.0)
+        t = min((self._age + ahead) / FADE_TIME, 1.0)
         rest = 1.0 - t
-        place, moving = rest**3 * (1.0 + 3.0 * t + 6.0 * t * t), FADE * t * rest**3 * (1.0 + 3.0 * t)
-        falls = -30.0 * t * t * rest**2 / FADE
+        place, moving = rest**3 * (1.0 + 3.0 * t + 6.0 * t * t), FADE_TIME * t * rest**3 * (1.0 + 3.0 * t)
+        falls = -30.0 * t * t * rest**2 / FADE_TIME
         slows = rest**2 * (1.0 + 2.0 * t - 15.0 * t * t)
         return place * self._offset + moving * self._speed, falls * self._offset + slows * self._speed
 
-    def _settle(self, dt: float) -> None:
+    def _follow_expected(self, dt: float) -> None:
         """Move towards the expected position, and away from the leader if too near."""
-        place, facing = self._rooted
-        here = self._placing.turn * place + self._placing.shift
-        expected = self.reader.expected()
+        place, facing = self._recorded_root
+        here = self._floor_transform.turn * place + self._floor_transform.shift
+        expected = self.decoder.expected_root()
         if expected is None:
-            expected = here, self._placing.turn * facing
-        free = self.reader.kept_away(here)
-        wanted = self.reader.kept_away(expected[0] + free - here), expected[1]
+            expected = here, self._floor_transform.turn * facing
+        free = self.decoder.keep_distance(here)
+        wanted = self.decoder.keep_distance(expected[0] + free - here), expected[1]
         stands = bool(self._contact(0.0).any())
-        self._placing.follow(place, facing, wanted, dt, stands=stands, near=free != here)
+        self._floor_transform.follow(place, facing, wanted, dt, standing=stands, too_near=free != here)
 
     def pose(self, ahead: float = 0.0) -> LivePose:
         """Return the pose `ahead` [s] after the latest frame, at most one frame; valid only if `known`."""
-        part = ahead * self.reader.rate
-        root, rotation = self._sampled(self._source + self._step * part, part)
-        offset, _ = self._bent(ahead)
+        part = ahead * self.decoder.rate
+        root, rotation = self._sample_pose(self._source + self._step * part, part)
+        offset, _ = self._remaining_offset(ahead)
         bent = quaternion.mul(rotation, quaternion.from_rotation_vector(offset[1:]))
         return LivePose(root + offset[0], np.asarray(bent, np.float64), self._contact(part))

@@ -10,12 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.partner.path_leader import STILL
-from live.motion.partner.point_clouds import shadows
+from live.motion.partner.path_leader import MIN_SPEED
+from live.motion.partner.point_clouds import hip_projections
 from live.motion.partner.units import Units
-from live.motion.partner_live.online_decoder import LiveReader
+from live.motion.partner_live.online_decoder import OnlineDecoder
 from live.motion.partner_live.online_player import LivePartner
-from live.motion.partner_live.stage_partner_kernels import joints_in_parents, turn_joints
+from live.motion.partner_live.stage_partner_kernels import local_to_world, world_to_local
 from live.motion.pose.foot_lock import LEG_JOINTS, FootLock
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
 from live.motion.skeleton import JOINT_COUNT, SKELETON
@@ -27,169 +27,176 @@ Complex128 = npt.NDArray[np.complex128]
 
 RATE: Final = 30.0
 """Approximate frame rate at which a leader is read [Hz]; a whole number of frames per beat."""
-WAY_RATE: Final = 15.0
+PATH_RATE: Final = 15.0
 """The same for an agent's path, which changes more slowly."""
-LEAST_MOVE: Final = 1e-4
+MIN_MOVEMENT: Final = 1e-4
 """A leader whose points all move less than this per frame [m] is still."""
-DECIDED: Final = 0.5
+REPORT_SHARE: Final = 0.5
 """A unit is reported when this share of it has passed."""
-TURNS: Final = 0.2
+FACING_SMOOTHING: Final = 0.2
 """Share of the error by which a path's facing approaches its direction per frame."""
-MADE: Final = 60.0
+RECORDING_RATE: Final = 60.0
 """Approximate sample rate of recordings in beats [Hz]."""
 _PARENTS: Final = np.array(SKELETON.parents, np.int32)
-_SHARED: Final = (
+_SHARED_ATTRIBUTES: Final = (
     "units", "_stretches", "_first", "_offset", "_real", "_imaginary", "_heights", "_control", "_control_height",
     "_record_first", "_record_stop", "_head", "_head_height", "_root", "_facing",
 )  # fmt: skip
 """Attributes of a reader that depend only on the examples and never change; all others belong to one leader."""
 
 
-def frames_of(tempo: float, rate: float = RATE) -> int:
+def frames_per_beat(tempo: float, rate: float = RATE) -> int:
     """Return the number of frames per beat in a show of that `tempo` [bpm], for about `rate` [Hz]."""
     return max(4, round(rate * 60.0 / tempo))
 
 
-class Lore:
+class PartnerExamples:
     """Immutable examples in beats with an unused reader, shared by all leaders."""
 
     def __init__(self, units: Units, *, unit_beats: int, per_beat: int, tempo: float, stretch: float, k: float) -> None:
-        """`units` in beats (`in_beats`, at `tempo` [bpm]), read `per_beat` times per beat; `k` for that rate."""
+        """`units` in beats (`retime_to_beats`, at `tempo` [bpm]), read `per_beat` times per beat; `k` for that rate."""
         self.units, self.unit_beats, self.per_beat = units, unit_beats, per_beat
         self.period = 60.0 / tempo
         self.stretch = stretch
-        self.reader = LiveReader(units, rate=self.per_beat / self.period, stretch=stretch, k=k)
+        self.decoder = OnlineDecoder(units, rate=self.per_beat / self.period, stretch=stretch, k=k)
 
-    def partner(self) -> LivePartner:
+    def new_partner(self) -> LivePartner:
         """Return a new partner without input."""
-        shared = [getattr(self.reader, name) for name in _SHARED if hasattr(self.reader, name)]
-        return LivePartner(copy.deepcopy(self.reader, {id(value): value for value in shared}))
+        shared = [getattr(self.decoder, name) for name in _SHARED_ATTRIBUTES if hasattr(self.decoder, name)]
+        return LivePartner(copy.deepcopy(self.decoder, {id(value): value for value in shared}))
 
 
-class ReadLeader:
+class LeaderReader:
     """Reads one leader; `root` and `turned` are the follower's poses now, half a frame later and a frame later."""
 
-    def __init__(self, lore: Lore, shift: float = 0.0) -> None:
+    def __init__(self, lore: PartnerExamples, shift: float = 0.0) -> None:
         """The frames are offset by `shift` (0 to 1) of a frame, so that leaders are not all read at once."""
-        self.lore, self._shift = lore, shift
-        self.partner = lore.partner()
-        self.line: int | None = None
+        self.examples, self._shift = lore, shift
+        self.partner = lore.new_partner()
+        self.frame_index: int | None = None
         """Number of the latest frame, counted in the leader's danced beats; None before the first."""
-        self.still = 0.0
+        self.still_frames = 0.0
         """Frames since the leader last moved or was visible."""
         self.root: Float32 = np.zeros((3, 3), np.float32)
         self.contact: Bool = np.zeros(2, np.bool_)
         """Which of the follower's feet are in contact."""
-        self.turned: Float32 = np.zeros((3, JOINT_COUNT, 4), np.float32)
-        self.turned[..., 0] = 1.0
-        self.answered = self.held = False
+        self.answer_rotation: Float32 = np.zeros((3, JOINT_COUNT, 4), np.float32)
+        self.answer_rotation[..., 0] = 1.0
+        self.has_answer = self.held = False
         """Whether there has been an answer, and whether the last one is held instead of the current one."""
-        self.news = ""
+        self.decided_label = ""
         """Label of a unit that was decided at the latest frame; else empty."""
-        self._told = (-1, -1)
+        self._reported = (-1, -1)
         self._facing = complex(1.0)
-        self._points: Complex128 = np.zeros(lore.reader.points, np.complex128)
-        self._heights: Float64 = np.zeros(lore.reader.points)
+        self._points: Complex128 = np.zeros(lore.decoder.point_count, np.complex128)
+        self._heights: Float64 = np.zeros(lore.decoder.point_count)
 
     @property
-    def known(self) -> bool:
+    def answering(self) -> bool:
         """Whether there is a current answer."""
-        return self.partner.known and not self.held
+        return self.partner.has_pose and not self.held
 
     def hold(self, frames: float) -> None:
         """Forget the input; hold the last answer, `frames` after its frame, until `let_go`."""
         begin, t = (1, 2.0 * frames - 1.0) if frames >= 0.5 else (0, 2.0 * frames)
         self.root[:] = (1.0 - t) * self.root[begin] + t * self.root[begin + 1]
-        self.turned[:] = quaternion.slerp(self.turned[begin], self.turned[begin + 1], np.full(JOINT_COUNT, t))
-        self.partner, self.line, self.still, self._told = self.lore.partner(), None, 0.0, (-1, -1)
-        self.held = self.answered
+        self.answer_rotation[:] = quaternion.slerp(
+            self.answer_rotation[begin], self.answer_rotation[begin + 1], np.full(JOINT_COUNT, t)
+        )
+        self.partner, self.frame_index, self.still_frames, self._reported = (
+            self.examples.new_partner(),
+            None,
+            0.0,
+            (-1, -1),
+        )
+        self.held = self.has_answer
 
-    def let_go(self) -> None:
+    def release(self) -> None:
         """Stop holding: the held answer is no longer shown."""
         self.held = False
 
-    def due(self, danced: float) -> int:
+    def frames_due(self, danced: float) -> int:
         """Return the number of frames due since the latest one, after `danced` beats."""
-        return 1 if self.line is None else int(np.floor(self._frames_in(danced))) - self.line
+        return 1 if self.frame_index is None else int(np.floor(self._frame_position(danced))) - self.frame_index
 
-    def _frames_in(self, danced: float) -> float:
-        return danced * self.lore.per_beat + self._shift + 1e-9
+    def _frame_position(self, danced: float) -> float:
+        return danced * self.examples.per_beat + self._shift + 1e-9
 
-    def since(self, danced: float) -> float:
+    def frames_since(self, danced: float) -> float:
         """Return the (fractional) frames since the latest one; 0 if there was none."""
-        return 0.0 if self.line is None else self._frames_in(danced) - self.line
+        return 0.0 if self.frame_index is None else self._frame_position(danced) - self.frame_index
 
-    def frame(self, floor: Complex128, height: Float64, danced: float, window: float) -> None:
+    def process_frame(self, floor: Complex128, height: Float64, danced: float, window: float) -> None:
         """Process the leader's points (P,) [m] after `danced` beats; units begin within `window` [s] of their lines."""
-        lore = self.lore
-        line = int(np.floor(self._frames_in(danced)))
-        passed = 1 if self.line is None else line - self.line
-        self.line, self.news = line, ""
+        lore = self.examples
+        line = int(np.floor(self._frame_position(danced)))
+        passed = 1 if self.frame_index is None else line - self.frame_index
+        self.frame_index, self.decided_label = line, ""
         whole = bool(np.isfinite(floor).all() and np.isfinite(height).all())
         moved = whole and max(float(np.abs(floor - self._points).max()), float(np.abs(height - self._heights).max()))
-        self.still = 0.0 if moved > LEAST_MOVE else self.still + passed
+        self.still_frames = 0.0 if moved > MIN_MOVEMENT else self.still_frames + passed
         if not whole:
             return
         self._points, self._heights = floor, height
         for n in range(passed):
             place = (line - passed + 1 + n - self._shift) / lore.per_beat / lore.unit_beats
             away = abs(place - round(place)) * lore.unit_beats * lore.period
-            self.partner.frame(
+            self.partner.process_frame(
                 floor, height, boundary=away <= max(window, 0.51 * lore.period / lore.per_beat),
                 unit_frames=float(lore.unit_beats * lore.per_beat),
             )  # fmt: skip
-        if self.known:
-            self._show(goes_on=passed == 1 and self.answered and not self.partner.seen)
-            self._tell()
+        if self.answering:
+            self._update_poses(goes_on=passed == 1 and self.has_answer and not self.partner.decisions)
+            self._report()
 
-    def shadows(self, place: Float32, velocity: Float32, row: int) -> tuple[Complex128, Float64]:
+    def path_cloud(self, place: Float32, velocity: Float32, row: int) -> tuple[Complex128, Float64]:
         """Return the decoder's input for an agent's path: shadows of hips that face the direction of motion (H019).
 
         While the agent stands the facing is kept.
         """
         way = complex(float(velocity[row, 1]), float(velocity[row, 0]))
         speed = abs(way)
-        if speed > STILL:
-            self._facing += (1.0 if self.line is None else TURNS) * (way / speed - self._facing)
+        if speed > MIN_SPEED:
+            self._facing += (1.0 if self.frame_index is None else FACING_SMOOTHING) * (way / speed - self._facing)
         size = abs(self._facing)
         facing = self._facing / size if size > 1e-9 else complex(1.0)
         middle = np.array([complex(float(place[row, 1]), float(place[row, 0]))])
-        cloud = shadows(middle, np.array([1j * facing]), RATE)
+        cloud = hip_projections(middle, np.array([1j * facing]), RATE)
         return cloud.floor[0], cloud.height[0]
 
-    def _show(self, *, goes_on: bool) -> None:
+    def _update_poses(self, *, goes_on: bool) -> None:
         """Update the poses; if the same unit `goes_on`, the first pose is the previous last one."""
-        frame = self.lore.period / self.lore.per_beat
+        frame = self.examples.period / self.examples.per_beat
         first = 1 if goes_on else 0
         if goes_on:
-            self.root[0], self.turned[0] = self.root[2], self.turned[2]
+            self.root[0], self.answer_rotation[0] = self.root[2], self.answer_rotation[2]
         poses = [self.partner.pose(share * frame) for share in (0.0, 0.5, 1.0)[first:]]
         self.contact[:] = poses[0].contact
         self.root[first:] = [pose.root for pose in poses]
-        turn_joints(np.stack([pose.rotation for pose in poses]), _PARENTS, self.turned[first:])
-        self.answered = True
+        local_to_world(np.stack([pose.rotation for pose in poses]), _PARENTS, self.answer_rotation[first:])
+        self.has_answer = True
 
-    def _tell(self) -> None:
+    def _report(self) -> None:
         """Report a unit once, when so much of it has passed that it is final."""
         partner = self.partner
-        if (partner.unit, partner.begin) == self._told:
+        if (partner.unit, partner.begin) == self._reported:
             return
-        units = self.lore.units
-        seen = (partner.reader.at - partner.begin) / max(self.lore.unit_beats * self.lore.per_beat, 1)
-        if seen >= DECIDED:
-            self._told = partner.unit, partner.begin
-            self.news = units.label(partner.unit)
+        units = self.examples.units
+        seen = (partner.decoder.frame_index - partner.begin) / max(self.examples.unit_beats * self.examples.per_beat, 1)
+        if seen >= REPORT_SHARE:
+            self._reported = partner.unit, partner.begin
+            self.decided_label = units.label(partner.unit)
 
 
 Int32 = npt.NDArray[np.int32]
 
 
-class Standing:
+class FollowerFootLock:
     """Foot lock for the followers among A dancers."""
 
     def __init__(self, count: int) -> None:
         self.lock = FootLock(count)
-        self._legs: Float32 = np.zeros((count, len(LEG_JOINTS), 3), np.float32)
+        self._leg_position: Float32 = np.zeros((count, len(LEG_JOINTS), 3), np.float32)
         self._contact: Bool = np.zeros((count, 2), np.bool_)
         self._pipeline = PosePipeline(0)
 
@@ -200,12 +207,12 @@ class Standing:
         """
         self._contact[:] = False
         self._contact[rows] = contact
-        self._legs[rows] = position[:, LEG_JOINTS]
-        self.lock.tick(self._legs, self._contact, dt)
+        self._leg_position[rows] = position[:, LEG_JOINTS]
+        self.lock.tick(self._leg_position, self._contact, dt)
 
-    def hold(self, rows: Int32, position: Float32, rotation: Float32, age: float) -> None:
+    def apply(self, rows: Int32, position: Float32, rotation: Float32, age: float) -> None:
         """Lock the feet of the dancers `rows` (n,) in poses (A, J, 3) and (A, J, 4), world, `age` [s] after a tick."""
-        if not len(rows) or not self.lock.farthest:
+        if not len(rows) or not self.lock.max_shift:
             return
         if len(self._pipeline.age) != len(rows):
             self._pipeline = PosePipeline(len(rows))
@@ -214,8 +221,8 @@ class Standing:
         pipeline, parents = self._pipeline, self._pipeline.skeleton.parents
         one = FootLock(0)
         one.state = np.ascontiguousarray(self.lock.state[rows])
-        one.place(pipeline.feet, age)
+        one.write_feet(pipeline.feet, age)
         own = np.empty((len(rows), *rotation.shape[1:]), np.float32)
-        joints_in_parents(np.ascontiguousarray(rotation[rows]), parents, own)
+        world_to_local(np.ascontiguousarray(rotation[rows]), parents, own)
         held = pipeline.run(ClipStore.of(position[rows, 0], own))
         position[rows], rotation[rows] = held

@@ -5,15 +5,15 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 
-@part
-def _between(out: Float32, a: Float32, b: Float32, share: float) -> None:
+@inline_kernel
+def _nlerp(out: Float32, a: Float32, b: Float32, share: float) -> None:
     """Write the normalized blend of rotations `a` to `b` (nearest signs) at `share` to `out`; slight extrapolation is
     fine."""
     dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
@@ -27,20 +27,20 @@ def _between(out: Float32, a: Float32, b: Float32, share: float) -> None:
         out[k] = np.float32(out[k] * size)
 
 
-@part
+@inline_kernel
 def _heading(q: Float32) -> float:
     """Return the heading of hips with the rotation `q` [rad]."""
     return math.atan2(2.0 * (q[1] * q[3] + q[0] * q[2]), 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]))
 
 
-@part
-def _near(angle: float, other: float) -> float:
+@inline_kernel
+def _nearest_angle(angle: float, other: float) -> float:
     """Return the angle [rad] equivalent to `angle` that is nearest to `other`."""
     return other + (angle - other + math.pi) % (2.0 * math.pi) - math.pi
 
 
-@part
-def _turn(out: Float32, q: Float32, yaw: float) -> None:
+@inline_kernel
+def _rotate_yaw(out: Float32, q: Float32, yaw: float) -> None:
     """Write the rotation `q` turned about the vertical by `yaw` [rad] to `out`."""
     c, s = math.cos(0.5 * yaw), math.sin(0.5 * yaw)
     w, x, y, z = q[0], q[1], q[2], q[3]
@@ -51,12 +51,12 @@ def _turn(out: Float32, q: Float32, yaw: float) -> None:
 
 
 @kernel("f8(f4[::1], f4[::1], f8)")
-def turn_between(own: Float32, answer: Float32, before: float) -> float:
+def heading_difference(own: Float32, answer: Float32, previous: float) -> float:
     """Return the turn from the heading of hips `own` to that of `answer` [rad], the one nearest to `before`.
 
     A dancer who has to turn about therefore does not change direction midway.
     """
-    turn: float = _near(_heading(answer) - _heading(own), before)
+    turn: float = _nearest_angle(_heading(answer) - _heading(own), previous)
     return turn
 
 
@@ -64,18 +64,18 @@ def turn_between(own: Float32, answer: Float32, before: float) -> float:
     "void(f4[:,:,::1], f4[:,:,::1], i4[::1], i4[::1], f8[::1], f8[::1], f8[::1], f8[:,::1], f8[:,::1], f4[:,:,::1],"
     " f4[:,:,:,::1], f4[:,::1], i4[::1])"
 )
-def show_answers(
+def blend_answers(
     position: Float32,
     rotation: Float32,
-    who: Int32,
-    led: Int32,
+    dancers: Int32,
+    answer_rows: Int32,
     frames: Float64,
     share: Float64,
     turn: Float64,
     place: Float64,
     answered: Float64,
     root: Float32,
-    turned: Float32,
+    answer_rotation: Float32,
     offsets: Float32,
     parents: Int32,
 ) -> None:
@@ -88,10 +88,10 @@ def show_answers(
     both.
     """
     now, own = np.empty(4, np.float32), np.empty(4, np.float32)
-    for f in range(who.shape[0]):
+    for f in range(dancers.shape[0]):
         if not share[f] > 0.0:
             continue
-        a, k, w = who[f], led[f], share[f]
+        a, k, w = dancers[f], answer_rows[f], share[f]
         begin, t = 0, 2.0 * frames[f]
         if t >= 1.0:
             begin, t = 1, t - 1.0
@@ -103,14 +103,14 @@ def show_answers(
         position[a, 0, 0] = np.float32(x)
         position[a, 0, 1] = np.float32((1.0 - w) * position[a, 0, 1] + w * goes[1])
         position[a, 0, 2] = np.float32(z)
-        _between(now, turned[k, begin, 0], turned[k, begin + 1, 0], t)
-        yaw = _near(_heading(now) - _heading(rotation[a, 0]), turn[f])
+        _nlerp(now, answer_rotation[k, begin, 0], answer_rotation[k, begin + 1, 0], t)
+        yaw = _nearest_angle(_heading(now) - _heading(rotation[a, 0]), turn[f])
         for j in range(parents.shape[0]):
-            _between(now, turned[k, begin, j], turned[k, begin + 1, j], t)
+            _nlerp(now, answer_rotation[k, begin, j], answer_rotation[k, begin + 1, j], t)
             if w < 1.0:
-                _turn(own, rotation[a, j], w * yaw)
-                _turn(now, now, (w - 1.0) * yaw)
-                _between(rotation[a, j], own, now, w)
+                _rotate_yaw(own, rotation[a, j], w * yaw)
+                _rotate_yaw(now, now, (w - 1.0) * yaw)
+                _nlerp(rotation[a, j], own, now, w)
             else:
                 rotation[a, j] = now
             parent = parents[j]
@@ -132,7 +132,7 @@ def show_answers(
 
 
 @kernel("void(f8[:,:,::1], i4[::1], f4[:,:,::1])")
-def turn_joints(rotation: Float64, parents: Int32, out: Float32) -> None:
+def local_to_world(rotation: Float64, parents: Int32, out: Float32) -> None:
     """Convert local rotations (T, J, 4) to world, into `out` (T, J, 4); parents come before their joints."""
     for t in range(rotation.shape[0]):
         for j in range(parents.shape[0]):
@@ -156,8 +156,8 @@ def turn_joints(rotation: Float64, parents: Int32, out: Float32) -> None:
 
 
 @kernel("void(f4[:,:,::1], i4[::1], f4[:,:,::1])")
-def joints_in_parents(rotation: Float32, parents: Int32, out: Float32) -> None:
-    """Convert world rotations (T, J, 4) to local ones, into `out` (T, J, 4): the inverse of `turn_joints`."""
+def world_to_local(rotation: Float32, parents: Int32, out: Float32) -> None:
+    """Convert world rotations (T, J, 4) to local ones, into `out` (T, J, 4): the inverse of `local_to_world`."""
     for t in range(rotation.shape[0]):
         for j in range(parents.shape[0]):
             parent = parents[j]

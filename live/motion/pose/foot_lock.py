@@ -11,19 +11,19 @@ from live.motion.clip import Clip
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.forward_kinematics import forward_kinematics, local_rotations
 from live.motion.pose.foot_lock_kernels import (
-    CLEAR,
+    CLEARANCE,
+    CLEARANCE_SOFTNESS,
     FOLLOWED_COLUMNS,
     HELD,
     LOCK_COLUMNS,
-    ROUND,
     SHIFT_X,
     SHIFT_Z,
+    extrapolate_feet,
     farthest_shift,
-    follow_feet,
-    swing_feet,
-    take_slid,
+    pop_slide,
+    update_lock,
 )
-from live.motion.pose.inertialization_kernels import LONGEST
+from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline, PoseSkeleton
 from live.motion.skeleton import SOLE_BELOW_ANKLE
 
@@ -43,32 +43,32 @@ class FootLock:
 
     def tick(self, leg_position: npt.NDArray[Any], contact: Bool, dt: float) -> None:
         """Advance by `dt` [s]: unlocked `leg_position` (A, 9, 3) [m] of LEG_JOINTS, `contact` (A, 2)."""
-        follow_feet(self.state, leg_position, contact, SOLE_BELOW_ANKLE, TOES_OVER_SOLE, dt)
+        update_lock(self.state, leg_position, contact, SOLE_BELOW_ANKLE, TOES_OVER_SOLE, dt)
 
     @property
-    def farthest(self) -> float:
+    def max_shift(self) -> float:
         """Largest shift of any foot along x or z [m]."""
         return farthest_shift(self.state)
 
-    def held(self) -> npt.NDArray[np.float64]:
+    def held_shift(self) -> npt.NDArray[np.float64]:
         """Return the shift x, z [m] of each held foot from its clip's position, 0 for free feet, shape (A, 2, 2)."""
         shift = self.state[:, :, (SHIFT_X, SHIFT_Z)].astype(np.float64)
         return np.ascontiguousarray(shift * self.state[:, :, HELD, None])
 
-    def slid(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    def pop_slide(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Return each dancer's foot slide [m] during clip contact, and its duration [s], since the last call, (A,)
         each.
 
         A leg out of reach lets its foot slip slightly more than that.
         """
         slid, stood = np.zeros((2, len(self.state)))
-        take_slid(self.state, slid, stood)
+        pop_slide(self.state, slid, stood)
         return slid, stood
 
-    def place(self, feet: Float32, age: float) -> None:
+    def write_feet(self, feet: Float32, age: float) -> None:
         """Write the columns for the pose kernels, (A, 2, 9), `age` [s] after the last tick; free feet are
         extrapolated."""
-        swing_feet(feet, self.state, age)
+        extrapolate_feet(feet, self.state, age)
 
 
 def foot_heights(store: ClipStore) -> Float32:
@@ -96,7 +96,7 @@ def lock_feet(clip: Clip) -> Clip:
     pipeline.sample[0] = np.arange(count)
     pipeline.lock = True
     world_position, world_rotation = pipeline.run(ClipStore.of(clip.root_position, clip.rotation))
-    rotation = quaternion.continuous(local_rotations(world_rotation))
+    rotation = quaternion.align_signs(local_rotations(world_rotation))
     return Clip(
         name=clip.name,
         root_position=np.ascontiguousarray(world_position[:, 0]),
@@ -109,38 +109,42 @@ def lock_feet(clip: Clip) -> Clip:
 Int32 = npt.NDArray[np.int32]
 Floats = npt.NDArray[np.floating]
 
-STAYS: Final = 0.12
+STAY_DISTANCE: Final = 0.12
 """A foot at most this far [m] from its new position does not move there: it is locked where it lands."""
-ARRIVED: Final = 0.05
+ARRIVAL_DISTANCE: Final = 0.05
 """A foot on its way is locked when nearer than this [m] to its new position."""
-HIGHEST: Final = 0.06
+LIFT_HEIGHT: Final = 0.06
 """Lift height of a foot on its way [m]."""
-UP: Final = 0.1
-DOWN: Final = (0.22, 0.36)
+LIFT_TIME: Final = 0.1
+DESCENT_TIMES: Final = (0.22, 0.36)
 """Lift time [s], and start and end of the descent [s] after the cut."""
 
 
-class Landing:
+class CutFootLift:
     """Lifts the feet of A dancers on their way to a new position after a cut, instead of dragging them."""
 
     def __init__(self, dancer_count: int) -> None:
         self.lift: Float32 = np.zeros((dancer_count, 2), np.float32)
         """Lift height of each foot on its way [m], 0 for other feet, shape (A, 2)."""
 
-    def begin(self, rows: Int32, way: Floats) -> None:
+    def begin(self, rows: Int32, distance: Floats) -> None:
         """Start after a cut of the dancers `rows` (n,), whose feet have to move by `way` (n, 2) [m]."""
-        self.lift[rows] = np.where(way < STAYS, 0.0, HIGHEST)
+        self.lift[rows] = np.where(distance < STAY_DISTANCE, 0.0, LIFT_HEIGHT)
 
-    def near(self, away: Floats) -> Bool:
+    def may_lock(self, distance: Floats) -> Bool:
         """Return which feet, `away` (A, 2) [m] from their positions, may be locked, (A, 2)."""
-        return np.asarray(away < np.where(self.lift > 0.0, ARRIVED, STAYS))
+        return np.asarray(distance < np.where(self.lift > 0.0, ARRIVAL_DISTANCE, STAY_DISTANCE))
 
-    def clear(self, feet: Float32, age: Float32) -> None:
+    def apply(self, feet: Float32, age: Float32) -> None:
         """Lift the feet in the columns CLEAR and ROUND of `feet` (A, 2, 9), `age` (A,) [s] after the cut."""
-        up = _ease(age / UP) * _ease((DOWN[1] - age) / (DOWN[1] - DOWN[0])) * (age < LONGEST)
+        up = (
+            _ease(age / LIFT_TIME)
+            * _ease((DESCENT_TIMES[1] - age) / (DESCENT_TIMES[1] - DESCENT_TIMES[0]))
+            * (age < MAX_FADE_TIME)
+        )
         lifted = self.lift * up[:, None].astype(np.float32)
-        feet[:, :, CLEAR] = np.maximum(feet[:, :, CLEAR], lifted)
-        feet[:, :, ROUND] = np.maximum(feet[:, :, ROUND], 0.3 * lifted)
+        feet[:, :, CLEARANCE] = np.maximum(feet[:, :, CLEARANCE], lifted)
+        feet[:, :, CLEARANCE_SOFTNESS] = np.maximum(feet[:, :, CLEARANCE_SOFTNESS], 0.3 * lifted)
 
 
 def _ease(t: Floats) -> Floats:

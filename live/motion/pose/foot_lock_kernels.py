@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 from live.motion.pose.sample_kernels import BLOCK
 
 Float32 = npt.NDArray[np.float32]
@@ -21,33 +21,33 @@ Rotation = tuple[float, float, float, float]
 
 LENGTH_BUFFER: Any = np.float32(0.015)
 """A leg is not stretched beyond its length minus this [m], unless the clip itself stretches it farther."""
-STRAIGHTENING: Any = np.float32(0.03)
+STRAIGHTENING_RANGE: Any = np.float32(0.03)
 """Over the last of this [m] a leg's extension is compressed, so that the knee does not snap straight."""
 PELVIS_DROP: Any = np.float32(0.02)
 """Maximum drop of the hips [m] so that both feet reach."""
-FARTHEST: Any = np.float32(0.25)
+MAX_SHIFT: Any = np.float32(0.25)
 """Maximum distance [m] of a locked foot from its position in the clip."""
-FORWARD: Any = np.float32(0.04)
+KNEE_BIAS: Any = np.float32(0.04)
 """Forward bias of the knee direction [m], which decides for a straight knee and matters less for a bent one."""
-SHIFT_X, SHIFT_Z, FROM_X, FROM_Z, TOES, HELD, LIFT, SPEED_X, SPEED_Z, SPEED_Y, SLID, STOOD = range(12)
+SHIFT_X, SHIFT_Z, CONTACT_X, CONTACT_Z, TOES, HELD, LIFT, SPEED_X, SPEED_Z, SPEED_Y, SLIDE, STAND_TIME = range(12)
 """Columns of a foot: shift [m] at the last tick, the position [m] of the contact point in the clip then, weight of the
 toes in the contact point (the rest is the ankle), 1 while held and 0 while free, lift [m] that put the foot on the
 floor when it was held; and, internal to the lock, speeds of shift and lift [m/s], slide [m] during clip contact, and
 its duration [s]."""
 FOLLOWED_COLUMNS, LOCK_COLUMNS = 7, 12
-CLEAR, ROUND, FEET_COLUMNS = 7, 8, 9
+CLEARANCE, CLEARANCE_SOFTNESS, FEET_COLUMNS = 7, 8, 9
 """The first seven columns give the foot's target. Two more are for drawing: minimum height [m], because one of the
 blended clips has the foot in the air, and the distance [m] over which that minimum sets in smoothly."""
-UNLOCK: Any = np.float32(0.2)
-GRAB: Any = np.float32(0.08)
-JUMP: Any = np.float32(0.5)
+UNLOCK_DISTANCE: Any = np.float32(0.2)
+LOCK_DISTANCE: Any = np.float32(0.08)
+JUMP_DISTANCE: Any = np.float32(0.5)
 """A foot is released when its shift exceeds UNLOCK [m], held again only below GRAB [m], and never held through a jump
 of its clip by more than JUMP [m] in a tick."""
 RELEASE_HALFLIFE: Any = np.float32(0.07)
 """Half-life with which a free foot returns to its clip [s]."""
-TOES_UP: Any = np.float32(0.01)
+TOE_LIFT: Any = np.float32(0.01)
 """Toes higher than the heel by this [m] are lifted; a flat foot is held by its ball, which stays when it rolls off."""
-ROLL: Any = np.float32(0.001)
+ROLL_HEIGHT: Any = np.float32(0.001)
 """Height range [m] over which the contact point changes from heel to toes. It is short because a point in between moves
 with both. Shifts are accumulated per tick from one point, so the change itself moves nothing."""
 _ONSET: Any = np.float32(0.005)
@@ -67,8 +67,8 @@ def _length(offsets: Float32, joint: int) -> float:
     return math.sqrt(o[0] * o[0] + o[1] * o[1] + o[2] * o[2])
 
 
-@part
-def _turned(
+@inline_kernel
+def _rotate_shortest(
     ax: float, ay: float, az: float, bx: float, by: float, bz: float, qw: float, qx: float, qy: float, qz: float
 ) -> Rotation:
     """Return q rotated the shortest way that takes direction a to direction b."""
@@ -85,8 +85,8 @@ def _turned(
     )
 
 
-@part
-def _aim(
+@inline_kernel
+def _ankle_goal(
     leg: Float32, asked: Float32, feet: Float32, side: int, sole: float, toes_over_sole: float, start: int, stop: int
 ) -> None:
     """Compute the ankle target, rows _GOAL.. of `leg` [m].
@@ -102,19 +102,19 @@ def _aim(
         ax, ay, az = leg[_ANKLE + 4, i], leg[_ANKLE + 5, i], leg[_ANKLE + 6, i]
         px = ax + asked[TOES, i] * (leg[_TOES + 4, i] - ax)
         pz = az + asked[TOES, i] * (leg[_TOES + 6, i] - az)
-        dx = asked[SHIFT_X, i] - asked[HELD, i] * (px - asked[FROM_X, i])
-        dz = asked[SHIFT_Z, i] - asked[HELD, i] * (pz - asked[FROM_Z, i])
-        scale = FARTHEST / math.sqrt(max(dx * dx + dz * dz, FARTHEST * FARTHEST))
+        dx = asked[SHIFT_X, i] - asked[HELD, i] * (px - asked[CONTACT_X, i])
+        dz = asked[SHIFT_Z, i] - asked[HELD, i] * (pz - asked[CONTACT_Z, i])
+        scale = MAX_SHIFT / math.sqrt(max(dx * dx + dz * dz, MAX_SHIFT * MAX_SHIFT))
         low = min(ay - sole, leg[_TOES + 5, i] - toes_over_sole)
         leg[_GOAL, i] = ax + dx * scale
-        clear = asked[CLEAR, i] - low
-        clear = _HALF * (clear + math.sqrt(clear * clear + asked[ROUND, i] * asked[ROUND, i]))
+        clear = asked[CLEARANCE, i] - low
+        clear = _HALF * (clear + math.sqrt(clear * clear + asked[CLEARANCE_SOFTNESS, i] * asked[CLEARANCE_SOFTNESS, i]))
         leg[_GOAL + 1, i] = ay + max(clear, (_ONE - asked[HELD, i]) * asked[LIFT, i])
         leg[_GOAL + 2, i] = az + dz * scale
 
 
-@part
-def _sink(drop: Float32, leg: Float32, whole: float) -> None:
+@inline_kernel
+def _drop_pelvis(drop: Float32, leg: Float32, whole: float) -> None:
     """Compute the hips' `drop` (BLOCK,) [m] such that a leg of length `whole` nearly reaches its goal.
 
     The drop starts smoothly and approaches PELVIS_DROP: with a hard limit it would stop abruptly and the knee would
@@ -123,7 +123,7 @@ def _sink(drop: Float32, leg: Float32, whole: float) -> None:
     for i in range(BLOCK):
         hx, hy, hz = leg[_HIP + 4, i], leg[_HIP + 5, i], leg[_HIP + 6, i]
         ex, ey, ez = leg[_ANKLE + 4, i] - hx, leg[_ANKLE + 5, i] - hy, leg[_ANKLE + 6, i] - hz
-        limit = max(whole - LENGTH_BUFFER - _HALF * STRAIGHTENING, math.sqrt(ex * ex + ey * ey + ez * ez))
+        limit = max(whole - LENGTH_BUFFER - _HALF * STRAIGHTENING_RANGE, math.sqrt(ex * ex + ey * ey + ez * ez))
         gx, gy, gz = leg[_GOAL, i] - hx, leg[_GOAL + 1, i] - hy, leg[_GOAL + 2, i] - hz
         reach = math.sqrt(max(limit * limit - gx * gx - gz * gz, _ZERO))
         missing = max(-gy - reach, _ZERO)
@@ -131,8 +131,8 @@ def _sink(drop: Float32, leg: Float32, whole: float) -> None:
         drop[i] = max(drop[i], missing * PELVIS_DROP / (missing + PELVIS_DROP))
 
 
-@part
-def _bend(leg: Float32, drop: Float32, upper: float, lower: float) -> None:
+@inline_kernel
+def _solve_leg(leg: Float32, drop: Float32, upper: float, lower: float) -> None:
     """Two-bone IK from the lowered hip to the goal with the knee kept in its plane; foot and toes keep their
     rotation."""
     whole = upper + lower
@@ -145,7 +145,7 @@ def _bend(leg: Float32, drop: Float32, upper: float, lower: float) -> None:
         gx, gy, gz = leg[_GOAL, i] - hx, leg[_GOAL + 1, i] - hy, leg[_GOAL + 2, i] - hz
         size = math.sqrt(max(gx * gx + gy * gy + gz * gz, _TINY))
         own = math.sqrt(ex * ex + ey * ey + ez * ez)
-        easy = max(own, whole - LENGTH_BUFFER - STRAIGHTENING)
+        easy = max(own, whole - LENGTH_BUFFER - STRAIGHTENING_RANGE)
         room = max(whole - LENGTH_BUFFER, own + _STRETCH) - easy
         beyond = max(size - easy, _ZERO) / room
         length = min(size, easy) + room * beyond / math.sqrt(_ONE + beyond * beyond)
@@ -155,18 +155,18 @@ def _bend(leg: Float32, drop: Float32, upper: float, lower: float) -> None:
         # the knee keeps its direction from the line hip to ankle in the clip; forward in a straight leg
         w, x, y, z = leg[_HIP, i], leg[_HIP + 1, i], leg[_HIP + 2, i], leg[_HIP + 3, i]
         part = (ux * ex + uy * ey + uz * ez) / max(ex * ex + ey * ey + ez * ez, _TINY)
-        px = ux - part * ex + FORWARD * (x * z + w * y)
-        py = uy - part * ey + FORWARD * (y * z - w * x)
-        pz = uz - part * ez + FORWARD * (_HALF - x * x - y * y)
+        px = ux - part * ex + KNEE_BIAS * (x * z + w * y)
+        py = uy - part * ey + KNEE_BIAS * (y * z - w * x)
+        pz = uz - part * ez + KNEE_BIAS * (_HALF - x * x - y * y)
         dot = px * nx + py * ny + pz * nz
         px, py, pz = px - dot * nx, py - dot * ny, pz - dot * nz
         scale = aside / math.sqrt(max(px * px + py * py + pz * pz, _TINY))
         kx, ky, kz = along * nx + scale * px, along * ny + scale * py, along * nz + scale * pz
         fx, fy, fz = length * nx, length * ny, length * nz
-        w, x, y, z = _turned(ux, uy, uz, kx, ky, kz, w, x, y, z)
+        w, x, y, z = _rotate_shortest(ux, uy, uz, kx, ky, kz, w, x, y, z)
         leg[_HIP, i], leg[_HIP + 1, i], leg[_HIP + 2, i], leg[_HIP + 3, i] = w, x, y, z
         w, x, y, z = leg[_KNEE, i], leg[_KNEE + 1, i], leg[_KNEE + 2, i], leg[_KNEE + 3, i]
-        w, x, y, z = _turned(lx, ly, lz, fx - kx, fy - ky, fz - kz, w, x, y, z)
+        w, x, y, z = _rotate_shortest(lx, ly, lz, fx - kx, fy - ky, fz - kz, w, x, y, z)
         leg[_KNEE, i], leg[_KNEE + 1, i], leg[_KNEE + 2, i], leg[_KNEE + 3, i] = w, x, y, z
         leg[_KNEE + 4, i], leg[_KNEE + 5, i], leg[_KNEE + 6, i] = hx + kx, hy + ky, hz + kz
         dx, dy, dz = hx + fx - leg[_ANKLE + 4, i], hy + fy - leg[_ANKLE + 5, i], hz + fz - leg[_ANKLE + 6, i]
@@ -177,8 +177,8 @@ def _bend(leg: Float32, drop: Float32, upper: float, lower: float) -> None:
         leg[_HIP + 5, i] = hy
 
 
-@part
-def stand_legs(
+@inline_kernel
+def lock_legs(
     world: Float32,
     feet: Float32,
     legs: Int32,
@@ -202,12 +202,12 @@ def stand_legs(
                 left[7 * j + c, i] = world[legs[j], c, i]
                 right[7 * j + c, i] = world[legs[4 + j], c, i]
     upper, lower = _length(offsets, legs[1]), _length(offsets, legs[2])
-    _aim(left, asked, feet, 0, sole, toes_over_sole, start, stop)
-    _aim(right, asked, feet, 1, sole, toes_over_sole, start, stop)
-    _sink(drop, left, upper + lower)
-    _sink(drop, right, upper + lower)
-    _bend(left, drop, upper, lower)
-    _bend(right, drop, upper, lower)
+    _ankle_goal(left, asked, feet, 0, sole, toes_over_sole, start, stop)
+    _ankle_goal(right, asked, feet, 1, sole, toes_over_sole, start, stop)
+    _drop_pelvis(drop, left, upper + lower)
+    _drop_pelvis(drop, right, upper + lower)
+    _solve_leg(left, drop, upper, lower)
+    _solve_leg(right, drop, upper, lower)
     for j in range(world.shape[0]):
         for i in range(BLOCK):
             world[j, 5, i] -= drop[i]
@@ -219,7 +219,7 @@ def stand_legs(
 
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], b1[:,::1], f4, f4, f4)")
-def follow_feet(
+def update_lock(
     lock: Float32, leg_position: Float32, contact: Bool, sole: float, toes_over_sole: float, dt: float
 ) -> None:
     """Advance the foot lock of A dancers by one tick: `lock` (A, 2, 12) follows the unlocked feet.
@@ -237,7 +237,7 @@ def follow_feet(
             ankle, toes = leg_position[n, 3 + 4 * side], leg_position[n, 4 + 4 * side]
             x = ankle[0] + row[TOES] * (toes[0] - ankle[0])
             z = ankle[2] + row[TOES] * (toes[2] - ankle[2])
-            moved_x, moved_z = x - row[FROM_X], z - row[FROM_Z]
+            moved_x, moved_z = x - row[CONTACT_X], z - row[CONTACT_Z]
             below = max(-min(ankle[1] - sole, toes[1] - toes_over_sole), _ZERO)
             if row[HELD] > _ZERO:
                 row[SPEED_Y], row[LIFT] = (below - row[LIFT]) / dt, below
@@ -247,7 +247,7 @@ def follow_feet(
                 row[LIFT] = fall * (row[LIFT] + bend * dt)
                 row[SPEED_Y] = fall * (row[SPEED_Y] - bend * decay * dt)
             slid_x, slid_z = moved_x - row[SHIFT_X], moved_z - row[SHIFT_Z]
-            if row[HELD] > _ZERO and moved_x * moved_x + moved_z * moved_z < JUMP * JUMP:
+            if row[HELD] > _ZERO and moved_x * moved_x + moved_z * moved_z < JUMP_DISTANCE * JUMP_DISTANCE:
                 row[SHIFT_X] -= moved_x
                 row[SHIFT_Z] -= moved_z
                 row[SPEED_X], row[SPEED_Z] = -moved_x / dt, -moved_z / dt
@@ -258,25 +258,27 @@ def follow_feet(
                 row[SHIFT_Z] = fall * (row[SHIFT_Z] + bend_z * dt)
                 row[SPEED_X] = fall * (row[SPEED_X] - bend_x * decay * dt)
                 row[SPEED_Z] = fall * (row[SPEED_Z] - bend_z * decay * dt)
-            followed = row[FROM_X] != _ZERO or row[FROM_Z] != _ZERO  # false if this foot has not been followed yet
+            followed = (
+                row[CONTACT_X] != _ZERO or row[CONTACT_Z] != _ZERO
+            )  # false if this foot has not been followed yet
             if contact[n, side] and followed:
                 slid_x, slid_z = slid_x + row[SHIFT_X], slid_z + row[SHIFT_Z]
-                row[SLID] += math.sqrt(slid_x * slid_x + slid_z * slid_z)
-                row[STOOD] += dt
+                row[SLIDE] += math.sqrt(slid_x * slid_x + slid_z * slid_z)
+                row[STAND_TIME] += dt
             shift = math.sqrt(row[SHIFT_X] * row[SHIFT_X] + row[SHIFT_Z] * row[SHIFT_Z])
-            stands = contact[n, side] and shift < (UNLOCK if row[HELD] > _ZERO else GRAB)
+            stands = contact[n, side] and shift < (UNLOCK_DISTANCE if row[HELD] > _ZERO else LOCK_DISTANCE)
             row[HELD] = _ONE if stands else _ZERO
             lift = (ankle[1] - sole) - (toes[1] - toes_over_sole)
-            row[TOES] = min(max(_HALF + (lift + TOES_UP) / ROLL, _ZERO), _ONE)
-            row[FROM_X] = ankle[0] + row[TOES] * (toes[0] - ankle[0])
-            row[FROM_Z] = ankle[2] + row[TOES] * (toes[2] - ankle[2])
+            row[TOES] = min(max(_HALF + (lift + TOE_LIFT) / ROLL_HEIGHT, _ZERO), _ONE)
+            row[CONTACT_X] = ankle[0] + row[TOES] * (toes[0] - ankle[0])
+            row[CONTACT_Z] = ankle[2] + row[TOES] * (toes[2] - ankle[2])
 
 
 Float64 = npt.NDArray[np.float64]
 
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], f4)")
-def swing_feet(feet: Float32, lock: Float32, age: float) -> None:
+def extrapolate_feet(feet: Float32, lock: Float32, age: float) -> None:
     """Write `feet` (A, 2, 9) from the lock state `lock` (A, 2, 12), `age` [s] after its tick; free feet are
     extrapolated."""
     for n in range(lock.shape[0]):
@@ -301,17 +303,17 @@ def farthest_shift(lock: Float32) -> float:
 
 
 @kernel("void(f4[:,:,::1], f8[::1], f8[::1])")
-def take_slid(lock: Float32, slid: Float64, stood: Float64) -> None:
+def pop_slide(lock: Float32, slid: Float64, stood: Float64) -> None:
     """Read and reset the slide of both feet, `slid` (A,) [m], and its duration, `stood` (A,) [s]."""
     for n in range(lock.shape[0]):
-        slid[n] = float(lock[n, 0, SLID]) + float(lock[n, 1, SLID])
-        stood[n] = float(lock[n, 0, STOOD]) + float(lock[n, 1, STOOD])
+        slid[n] = float(lock[n, 0, SLIDE]) + float(lock[n, 1, SLIDE])
+        stood[n] = float(lock[n, 0, STAND_TIME]) + float(lock[n, 1, STAND_TIME])
         for side in range(2):
-            lock[n, side, SLID] = lock[n, side, STOOD] = np.float32(0.0)
+            lock[n, side, SLIDE] = lock[n, side, STAND_TIME] = np.float32(0.0)
 
 
 @kernel("void(b1[:,::1], f8[::1])")
-def hold_where_wanted(contact: Bool, wanted: Float64) -> None:
+def mask_contacts(contact: Bool, wanted: Float64) -> None:
     """Clear the `contact` (A, 2) of dancers whose `wanted` (A,) is 0, so that their feet are never held."""
     for n in range(contact.shape[0]):
         if wanted[n] == 0.0:

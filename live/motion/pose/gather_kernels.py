@@ -7,8 +7,8 @@ import numpy.typing as npt
 
 from live.base.jit import kernel
 from live.base.scalar_kernels import ease
-from live.motion.pose.foot_lock_kernels import CLEAR, ROUND
-from live.motion.pose.turn_kernels import placed
+from live.motion.pose.foot_lock_kernels import CLEARANCE, CLEARANCE_SOFTNESS
+from live.motion.pose.turn_kernels import place_clip
 from live.motion.yaw_kernels import yaw_rotate
 
 Float32 = npt.NDArray[np.float32]
@@ -20,11 +20,11 @@ Bool = npt.NDArray[np.bool_]
 PRESENT, PRESENT_TAKE, NEXT, NEXT_TAKE = range(4)
 LOWER, UPPER, INTO_NEXT, NEXT_LOWER, NEXT_UPPER = range(5)
 """Rows of `sample`, `placement` and `share` as in `pipeline_kernels`."""
-CLEARED = 0.08
+MAX_CLEARANCE = 0.08
 """Maximum clearance requested for a foot [m], compressed from half of it on."""
-MINOR = 0.25
+MINOR_SHARE = 0.25
 """A clip with a smaller share than this in a pose counts less for foot clearance."""
-SOFT = 0.3
+CLEARANCE_SOFTNESS_SHARE = 0.3
 """Part of the height over which the clearance sets in."""
 
 
@@ -55,16 +55,16 @@ def warp_phases(out: Float64, fraction: float, warp: Float64, window: float) -> 
 
 @kernel("UniTuple(f8,2)(f8[::1], f8, f8[:,::1], f8, f8[::1], f8[::1], f8[::1])")
 def delay_phases(
-    out: Float64, fraction: float, warp: Float64, window: float, ahead: Float64, late_before: Float64, late: Float64
+    out: Float64, fraction: float, warp: Float64, window: float, ahead: Float64, delay_before: Float64, delay: Float64
 ) -> tuple[float, float]:
     """Compute phases (A,) as `warp_phases`, plus `ahead` (A,), minus deliberate delay; return the lowest and highest.
 
-    The delay goes from `late_before` (A,) to `late` (A,) through the measure; no dancer is more than a measure behind.
+    The delay goes from `delay_before` (A,) to `late` (A,) through the measure; no dancer is more than a measure behind.
     """
     warp_phases(out, fraction, warp, window)
     share, lowest, highest = ease(fraction), np.inf, -np.inf
     for n in range(out.shape[0]):
-        phase = max(out[n] + ahead[n] - (late_before[n] + share * (late[n] - late_before[n])), -1.0)
+        phase = max(out[n] + ahead[n] - (delay_before[n] + share * (delay[n] - delay_before[n])), -1.0)
         lowest, highest = min(lowest, phase), max(highest, phase)
         out[n] = phase
     return lowest, highest
@@ -74,7 +74,7 @@ def delay_phases(
     "void(i8, i8, i4, i4, f8, f4, f4, f8[::1], f8[::1], f8[::1], f8[:,::1], f8[::1], f8[:,::1], f8[:,:,::1],"
     " f4[:,::1], i8, f8, f8, f8, f8)"
 )
-def mix_take(
+def gather_take(
     n: int,
     row: int,
     node: int,
@@ -121,14 +121,14 @@ def mix_take(
     " f8[::1], f8[::1], f8[::1], f8[:,::1], f8[::1], f8[:,:,::1], f8[:,:,::1],"
     " f8[:,::1], f8[:,:,::1], f4[:,::1], i4[:,::1], f4[::1])"
 )
-def ask_dancers(
+def gather_dancers(
     rows: Int64,
     phase: Float64,
     fraction: float,
     window: float,
-    goes_on: bool,
+    continues: bool,
     node: Int32,
-    where: Float64,
+    clip_placement: Float64,
     correction: Float64,
     aimed: Float64,
     on_support: Float64,
@@ -146,12 +146,12 @@ def ask_dancers(
     start: Float64,
     facing: Float64,
     turns: Float64,
-    rise: Float64,
+    warp_curve: Float64,
     sample: Float64,
     placement: Float64,
     share: Float32,
     mean: Int32,
-    loudness: Float32,
+    scaled_amplitude: Float32,
 ) -> None:
     """Fill the pipeline's arrays for the dancers `rows` (n,) at `phase` (n,) of their measures, clamped to 0 to 1.
 
@@ -165,20 +165,22 @@ def ask_dancers(
     for i in range(rows.shape[0]):
         n, at = rows[i], min(max(phase[i], 0.0), 1.0)  # never read a clip beyond its measure
         own = max(node[n], 0)
-        x, z, path, body = placed(where[n], correction[n], aimed[n], at, turns[own], rise[own], on_support[n])
+        x, z, path, body = place_clip(
+            clip_placement[n], correction[n], aimed[n], at, turns[own], warp_curve[own], on_support[n]
+        )
         sample[PRESENT, n] = first[own] + at * (last[own] - first[own])
         placement[PRESENT, n, 0], placement[PRESENT, n, 1] = x, z
         placement[PRESENT, n, 2], placement[PRESENT, n, 3] = path, body
-        mix_take(
+        gather_take(
             n, PRESENT_TAKE, own, take[n], at, take_share[0, n], take_share[1, n], first, last, lead, start, facing,
             sample, placement, share, LOWER, x, z, path, body,
         )  # fmt: skip
         mean[0, n] = max(take[n], 0) if take_share[1, n] > 0.5 else own
         loud = amplitude[0, n] + ease(fraction) * (amplitude[1, n] - amplitude[0, n])
-        into = ease((at - (1.0 - window)) / window) if goes_on and next_node[n] >= 0 else 0.0
+        into = ease((at - (1.0 - window)) / window) if continues and next_node[n] >= 0 else 0.0
         share[INTO_NEXT, n] = into
         if into == 0.0:
-            sample[NEXT, n], loudness[n] = sample[PRESENT, n], loud
+            sample[NEXT, n], scaled_amplitude[n] = sample[PRESENT, n], loud
             share[NEXT_LOWER, n] = share[NEXT_UPPER, n] = 0.0  # clear the previous request
             continue
         coming = max(next_node[n], 0)
@@ -187,12 +189,12 @@ def ask_dancers(
         sample[NEXT, n] = max(first[coming] + back, lead[coming])
         placement[NEXT, n, 0], placement[NEXT, n, 1] = x, z
         placement[NEXT, n, 2], placement[NEXT, n, 3] = path, path
-        mix_take(
+        gather_take(
             n, NEXT_TAKE, coming, next_take[n], at - 1.0, next_take_share[0, n], next_take_share[1, n], first, last,
             lead, start, facing, sample, placement, share, NEXT_LOWER, x, z, path, path,
         )  # fmt: skip
         mean[1, n] = max(next_take[n], 0) if next_take_share[1, n] > 0.5 else coming
-        loudness[n] = loud + into * (next_amplitude[0, n] - loud)
+        scaled_amplitude[n] = loud + into * (next_amplitude[0, n] - loud)
 
 
 @kernel("void(f8[:,::1], i8[::1], f8[:,::1], f8[:,:,::1], f4[:,::1], f4[:,::1])")
@@ -233,7 +235,7 @@ def standing_feet(out: Bool, sample: Float64, share: Float32, contact: Bool) -> 
 
 
 @kernel("void(f4[:,:,::1], f8[:,::1], f4[:,::1], f4[:,::1])")
-def clear_feet(feet: Float32, sample: Float64, share: Float32, height: Float32) -> None:
+def set_clearance(feet: Float32, sample: Float64, share: Float32, height: Float32) -> None:
     """Set the minimum foot heights where clips are mixed or blended: columns CLEAR and ROUND of `feet` (A, 2, 9).
 
     The blend of a standing and a swinging foot would drag over the floor at a fraction of the swing's height. A foot is
@@ -245,9 +247,9 @@ def clear_feet(feet: Float32, sample: Float64, share: Float32, height: Float32) 
         into, lower, coming = share[INTO_NEXT, n], share[LOWER, n], share[NEXT_LOWER, n] * (share[INTO_NEXT, n] > 0.0)
         weight[PRESENT], weight[PRESENT_TAKE] = (1.0 - into) * (1.0 - lower), (1.0 - into) * lower
         weight[NEXT], weight[NEXT_TAKE] = into * (1.0 - coming), into * coming
-        mixed = ease((1.0 - weight.max()) / MINOR)
+        mixed = ease((1.0 - weight.max()) / MINOR_SHARE)
         for foot in range(2):
-            feet[n, foot, CLEAR] = feet[n, foot, ROUND] = 0.0
+            feet[n, foot, CLEARANCE] = feet[n, foot, CLEARANCE_SOFTNESS] = 0.0
             if mixed == 0.0:
                 continue
             total = 0.0
@@ -257,7 +259,7 @@ def clear_feet(feet: Float32, sample: Float64, share: Float32, height: Float32) 
                 low = math.floor(sample[k, n])
                 part, high = sample[k, n] - low, min(low + 1, height.shape[0] - 1)
                 up = height[low, foot] + part * (height[high, foot] - height[low, foot])
-                up *= ease(weight[k] / MINOR) / math.sqrt(1.0 + (up / CLEARED) ** 2)
+                up *= ease(weight[k] / MINOR_SHARE) / math.sqrt(1.0 + (up / MAX_CLEARANCE) ** 2)
                 total += up * up * up * up
-            feet[n, foot, CLEAR] = math.sqrt(math.sqrt(total))
-            feet[n, foot, ROUND] = SOFT * mixed * feet[n, foot, CLEAR]
+            feet[n, foot, CLEARANCE] = math.sqrt(math.sqrt(total))
+            feet[n, foot, CLEARANCE_SOFTNESS] = CLEARANCE_SOFTNESS_SHARE * mixed * feet[n, foot, CLEARANCE]

@@ -15,11 +15,11 @@ Int32 = npt.NDArray[np.int32]
 LEFT: Final = 0
 RIGHT: Final = 1
 NOBODY: Final = -1
-TAKE_HALFLIFE: Final = 0.25
+CLOSE_HALFLIFE: Final = 0.25
 """Half-life with which hands close [beats] ..."""
-LET_GO_HALFLIFE: Final = 0.2
+RELEASE_HALFLIFE: Final = 0.2
 """... and open [beats]: they are free within a beat."""
-OPEN: Final = 0.03
+OPEN_THRESHOLD: Final = 0.03
 """A hold less closed than this is open, and one as near to 1 is closed; between them it is eased at both ends."""
 ARM_JOINTS: Final = np.array(
     [SKELETON.index(side + joint) for side in ("left", "right") for joint in ("UpperArm", "LowerArm", "Hand")]
@@ -29,12 +29,12 @@ ARM_JOINTS: Final = np.array(
 """The joints that `join_hands` needs, shape (7,)."""
 
 
-class Hands:
+class HandHolds:
     """Hand holds of A dancers: each may hold one partner by up to two hands."""
 
     def __init__(self, dancer_count: int) -> None:
         shape = (dancer_count, 2)
-        self.other: Int32 = np.full(shape, NOBODY, np.int32)
+        self.partner: Int32 = np.full(shape, NOBODY, np.int32)
         """Partner of each of a dancer's holds, NOBODY for none, shape (A, 2); each hold is stored with one of the
         two."""
         self.hand: Int32 = np.zeros((*shape, 2), np.int32)
@@ -42,7 +42,7 @@ class Hands:
         self.state: Float32 = np.zeros((2, *shape), np.float32)
         """How far each hold is closed, 0 to 1, and its rate of change [1/beat], shape (2, A, 2)."""
         self._tempo = 120.0
-        self.held = False
+        self.active = False
         """Whether any hold is closed or moving."""
 
     def tick(self, other: Int32, hand: Int32, dt: float, tempo: float) -> None:
@@ -52,39 +52,39 @@ class Hands:
         """
         closed, speed = self.state
         self._tempo, beats = tempo, dt * tempo / 60.0
-        same = (other == self.other) & (hand == self.hand).all(axis=-1)
+        same = (other == self.partner) & (hand == self.hand).all(axis=-1)
         if not same.all():
-            self._change(other, hand, same)
-            same = (other == self.other) & (hand == self.hand).all(axis=-1)
-        goal = (same & (self.other >= 0)).astype(np.float32)
-        rate = 2.0 * math.log(2.0) / np.where(goal > 0.0, TAKE_HALFLIFE, LET_GO_HALFLIFE).astype(np.float32)
+            self._take_free(other, hand, same)
+            same = (other == self.partner) & (hand == self.hand).all(axis=-1)
+        goal = (same & (self.partner >= 0)).astype(np.float32)
+        rate = 2.0 * math.log(2.0) / np.where(goal > 0.0, CLOSE_HALFLIFE, RELEASE_HALFLIFE).astype(np.float32)
         away = closed - goal
         fall, bend = np.exp(-rate * np.float32(beats)), speed + away * rate  # critically damped, like free feet
         closed[:] = goal + fall * (away + bend * np.float32(beats))
         speed[:] = fall * (speed - bend * rate * np.float32(beats))
-        rest = (goal == 0.0) & (closed < OPEN) & (speed <= 0.0)
+        rest = (goal == 0.0) & (closed < OPEN_THRESHOLD) & (speed <= 0.0)
         self.state[:, rest] = 0.0
-        self.held = bool(self.state.any())
+        self.active = bool(self.state.any())
 
-    def _change(self, other: Int32, hand: Int32, same: npt.NDArray[np.bool_]) -> None:
+    def _take_free(self, other: Int32, hand: Int32, same: npt.NDArray[np.bool_]) -> None:
         """Take wanted holds where neither of the two dancers holds anything any more."""
         holding = self.state[0] > 0.0
         busy = np.zeros(len(other) + 1, np.bool_)  # the last entry is NOBODY
         busy[:-1] = holding.any(axis=1)
-        busy[self.other[holding]] = True
+        busy[self.partner[holding]] = True
         busy[-1] = False
         free = ~same & ~(busy[:-1, None] | busy[other])
-        self.other[free], self.hand[free] = other[free], hand[free]
+        self.partner[free], self.hand[free] = other[free], hand[free]
 
-    def pose(self, position: Float32, rotation: Float32, age: float) -> None:
+    def apply(self, position: Float32, rotation: Float32, age: float) -> None:
         """Join the hands in poses (A, J, 3) [m] and (A, J, 4), in place, `age` [s] after the last tick."""
-        if not self.held:
+        if not self.active:
             return
         rows, slots = np.nonzero(self.state[0] > 0.0)
         if not len(rows):
             return
         closed = self.state[0, rows, slots] + np.float32(age * self._tempo / 60.0) * self.state[1, rows, slots]
-        t = np.clip((closed - OPEN) / (1.0 - 2.0 * OPEN), 0.0, 1.0)
-        who = np.stack([rows.astype(np.int32), self.other[rows, slots]], axis=1)
+        t = np.clip((closed - OPEN_THRESHOLD) / (1.0 - 2.0 * OPEN_THRESHOLD), 0.0, 1.0)
+        who = np.stack([rows.astype(np.int32), self.partner[rows, slots]], axis=1)
         share = np.asarray(t * t * (3.0 - 2.0 * t), np.float32)
         join_hands(position, rotation, who, np.ascontiguousarray(self.hand[rows, slots]), share, ARM_JOINTS)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 from live.motion.pose.sample_kernels import BLOCK
 
 Float32 = npt.NDArray[np.float32]
@@ -23,13 +23,13 @@ PALM: Any = np.float32(0.09)
 """Distance from the wrist to the middle of the palm [m]."""
 LENGTH_BUFFER: Any = np.float32(0.01)
 """An arm is not stretched beyond its length minus this [m], unless the clip itself stretches it farther."""
-FADE: Any = np.float32(0.12)
+FADE_RANGE: Any = np.float32(0.12)
 """Shoulders nearer than (1 - FADE) of both arms' reach are within reach; beyond that the hold fades out."""
-LOW: Any = np.float32(0.6)
+HANG_SHARE: Any = np.float32(0.6)
 """Height of the meeting point: this share of the remaining reach below the line between the shoulders."""
-BACK: Any = np.float32(0.03)
+ELBOW_BIAS: Any = np.float32(0.03)
 """Backward bias of the elbow in the upper arm's axes [m]: it decides for a straight elbow, less for a bent one."""
-BEHIND, ASIDE = np.float32(-0.85), np.float32(-0.5)
+BEHIND_COSINE, ASIDE_COSINE = np.float32(-0.85), np.float32(-0.5)
 """Cosines between the chest's forward axis and the hand's goal: hands are not held behind the back."""
 _ZERO: Any = np.float32(0.0)
 _ONE: Any = np.float32(1.0)
@@ -40,15 +40,15 @@ UPPER, LOWER, HAND, FORWARD, PALM_ROW, GOAL, REACH, SHARE, ROWS = 0, 7, 14, 21, 
 """Rows of an arm: first row of each part, and the number of rows."""
 
 
-@part
+@inline_kernel
 def _smooth(t: Any) -> Any:
     """Smoothstep: 0 below 0, 1 above 1, zero slope at both."""
     t = min(max(t, _ZERO), _ONE)
     return t * t * (_THREE - _TWO * t)
 
 
-@part
-def turn_from(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> Rotation:
+@inline_kernel
+def shortest_rotation(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> Rotation:
     """Return the shortest rotation from direction a to direction b."""
     scale = _ONE / math.sqrt(max((ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz), _TINY))
     w = _ONE + (ax * bx + ay * by + az * bz) * scale
@@ -57,8 +57,8 @@ def turn_from(ax: float, ay: float, az: float, bx: float, by: float, bz: float) 
     return w * unit, x * unit, y * unit, z * unit
 
 
-@part
-def after(q: Rotation, r: Rotation) -> Rotation:
+@inline_kernel
+def multiply(q: Rotation, r: Rotation) -> Rotation:
     """Quaternion product: r first, then q."""
     return (
         q[0] * r[0] - q[1] * r[1] - q[2] * r[2] - q[3] * r[3],
@@ -68,8 +68,8 @@ def after(q: Rotation, r: Rotation) -> Rotation:
     )
 
 
-@part
-def turn_by(q: Rotation, x: float, y: float, z: float) -> Vector:
+@inline_kernel
+def rotate_vector(q: Rotation, x: float, y: float, z: float) -> Vector:
     """Return the vector rotated by q."""
     tx, ty, tz = _TWO * (q[2] * z - q[3] * y), _TWO * (q[3] * x - q[1] * z), _TWO * (q[1] * y - q[2] * x)
     return (
@@ -79,7 +79,7 @@ def turn_by(q: Rotation, x: float, y: float, z: float) -> Vector:
     )
 
 
-@part
+@inline_kernel
 def gather_arm(
     arm: Float32, position: Float32, rotation: Float32, who: Int32, hand: Int32, side: int, joints: Int32,
     start: int, stop: int,
@@ -106,7 +106,7 @@ def gather_arm(
         arm[SHARE, i] = PALM if left else -PALM
     for i in range(BLOCK):
         q = arm[HAND, i], arm[HAND + 1, i], arm[HAND + 2, i], arm[HAND + 3, i]
-        dx, dy, dz = turn_by(q, arm[SHARE, i], _ZERO, _ZERO)
+        dx, dy, dz = rotate_vector(q, arm[SHARE, i], _ZERO, _ZERO)
         px, py, pz = arm[HAND + 4, i] + dx, arm[HAND + 5, i] + dy, arm[HAND + 6, i] + dz
         arm[PALM_ROW, i], arm[PALM_ROW + 1, i], arm[PALM_ROW + 2, i] = px, py, pz
         ux, uy, uz = (
@@ -118,8 +118,8 @@ def gather_arm(
         arm[REACH, i] = math.sqrt(ux * ux + uy * uy + uz * uz) + math.sqrt(lx * lx + ly * ly + lz * lz) - LENGTH_BUFFER
 
 
-@part
-def _meet(one: Float32, other: Float32, share: Float32, start: int, stop: int) -> None:
+@inline_kernel
+def _meeting_point(one: Float32, other: Float32, share: Float32, start: int, stop: int) -> None:
     """Compute the goals of both palms of each hold, rows GOAL.. and SHARE: a common point, or their own positions.
 
     The point stays in a ball within reach of both arms, centred below the line between the shoulders. Its position in
@@ -133,8 +133,8 @@ def _meet(one: Float32, other: Float32, share: Float32, start: int, stop: int) -
         q = apart / whole
         within = max(_ONE - q * q, _ZERO)
         shorter = min(one[REACH, i], other[REACH, i])
-        low = LOW * shorter * math.sqrt(within)
-        ball = shorter * (_ONE - math.sqrt(min(q * q + LOW * LOW * within, _ONE))) + _TINY
+        low = HANG_SHARE * shorter * math.sqrt(within)
+        ball = shorter * (_ONE - math.sqrt(min(q * q + HANG_SHARE * HANG_SHARE * within, _ONE))) + _TINY
         part_way, fall = one[REACH, i] / whole, -dy / (apart * apart)
         # downwards, but normal to the line between the shoulders
         cx = sx + part_way * dx - low * fall * dx
@@ -153,15 +153,19 @@ def _meet(one: Float32, other: Float32, share: Float32, start: int, stop: int) -
         back = (bx * other[FORWARD, i] + by * other[FORWARD + 1, i] + bz * other[FORWARD + 2, i]) / math.sqrt(
             max(bx * bx + by * by + bz * bz, _TINY)
         )
-        w = share[min(start + i, stop - 1)] * _smooth((_ONE - q) / FADE)
-        w = w * _smooth((front - BEHIND) / (ASIDE - BEHIND)) * _smooth((back - BEHIND) / (ASIDE - BEHIND))
+        w = share[min(start + i, stop - 1)] * _smooth((_ONE - q) / FADE_RANGE)
+        w = (
+            w
+            * _smooth((front - BEHIND_COSINE) / (ASIDE_COSINE - BEHIND_COSINE))
+            * _smooth((back - BEHIND_COSINE) / (ASIDE_COSINE - BEHIND_COSINE))
+        )
         one[SHARE, i], other[SHARE, i] = w, w
         one[GOAL, i], one[GOAL + 1, i], one[GOAL + 2, i] = cx, cy, cz
         other[GOAL, i], other[GOAL + 1, i], other[GOAL + 2, i] = cx, cy, cz
 
 
-@part
-def bend_arm(arm: Float32) -> None:
+@inline_kernel
+def solve_arm(arm: Float32) -> None:
     """Two-bone IK from the shoulder to the palm's goal: the arm is swung as a whole, then bent in its plane."""
     for i in range(BLOCK):
         sx, sy, sz = arm[UPPER + 4, i], arm[UPPER + 5, i], arm[UPPER + 6, i]
@@ -182,36 +186,36 @@ def bend_arm(arm: Float32) -> None:
         # the elbow keeps its direction from the line shoulder to palm in the clip, and is swung with that line
         on = (ux * ex + uy * ey + uz * ez) / (own * own)
         qw, qx, qy, qz = arm[UPPER, i], arm[UPPER + 1, i], arm[UPPER + 2, i], arm[UPPER + 3, i]
-        px = ux - on * ex - w * BACK * _TWO * (qx * qz + qw * qy)
-        py = uy - on * ey - w * BACK * _TWO * (qy * qz - qw * qx)
-        pz = uz - on * ez - w * BACK * (_ONE - _TWO * (qx * qx + qy * qy))
-        swing = turn_from(ex, ey, ez, gx, gy, gz)
-        px, py, pz = turn_by(swing, px, py, pz)
+        px = ux - on * ex - w * ELBOW_BIAS * _TWO * (qx * qz + qw * qy)
+        py = uy - on * ey - w * ELBOW_BIAS * _TWO * (qy * qz - qw * qx)
+        pz = uz - on * ez - w * ELBOW_BIAS * (_ONE - _TWO * (qx * qx + qy * qy))
+        swing = shortest_rotation(ex, ey, ez, gx, gy, gz)
+        px, py, pz = rotate_vector(swing, px, py, pz)
         dot = px * nx + py * ny + pz * nz
         px, py, pz = px - dot * nx, py - dot * ny, pz - dot * nz
         scale = aside / math.sqrt(max(px * px + py * py + pz * pz, _TINY))
         kx, ky, kz = along * nx + scale * px, along * ny + scale * py, along * nz + scale * pz
-        ux, uy, uz = turn_by(swing, ux, uy, uz)
-        lx, ly, lz = turn_by(swing, lx, ly, lz)
-        raised = after(turn_from(ux, uy, uz, kx, ky, kz), swing)
-        bent = after(turn_from(lx, ly, lz, length * nx - kx, length * ny - ky, length * nz - kz), swing)
+        ux, uy, uz = rotate_vector(swing, ux, uy, uz)
+        lx, ly, lz = rotate_vector(swing, lx, ly, lz)
+        raised = multiply(shortest_rotation(ux, uy, uz, kx, ky, kz), swing)
+        bent = multiply(shortest_rotation(lx, ly, lz, length * nx - kx, length * ny - ky, length * nz - kz), swing)
         wx, wy, wz = (
             arm[HAND + 4, i] - arm[LOWER + 4, i],
             arm[HAND + 5, i] - arm[LOWER + 5, i],
             arm[HAND + 6, i] - arm[LOWER + 6, i],
         )
-        wx, wy, wz = turn_by(bent, wx, wy, wz)
-        r = after(raised, (qw, qx, qy, qz))
+        wx, wy, wz = rotate_vector(bent, wx, wy, wz)
+        r = multiply(raised, (qw, qx, qy, qz))
         arm[UPPER, i], arm[UPPER + 1, i], arm[UPPER + 2, i], arm[UPPER + 3, i] = r
-        r = after(bent, (arm[LOWER, i], arm[LOWER + 1, i], arm[LOWER + 2, i], arm[LOWER + 3, i]))
+        r = multiply(bent, (arm[LOWER, i], arm[LOWER + 1, i], arm[LOWER + 2, i], arm[LOWER + 3, i]))
         arm[LOWER, i], arm[LOWER + 1, i], arm[LOWER + 2, i], arm[LOWER + 3, i] = r
-        r = after(bent, (arm[HAND, i], arm[HAND + 1, i], arm[HAND + 2, i], arm[HAND + 3, i]))
+        r = multiply(bent, (arm[HAND, i], arm[HAND + 1, i], arm[HAND + 2, i], arm[HAND + 3, i]))
         arm[HAND, i], arm[HAND + 1, i], arm[HAND + 2, i], arm[HAND + 3, i] = r
         arm[LOWER + 4, i], arm[LOWER + 5, i], arm[LOWER + 6, i] = sx + kx, sy + ky, sz + kz
         arm[HAND + 4, i], arm[HAND + 5, i], arm[HAND + 6, i] = sx + kx + wx, sy + ky + wy, sz + kz + wz
 
 
-@part
+@inline_kernel
 def scatter_arm(
     arm: Float32, position: Float32, rotation: Float32, who: Int32, hand: Int32, side: int, joints: Int32,
     start: int, stop: int,
@@ -242,14 +246,14 @@ def join_hands(position: Float32, rotation: Float32, who: Int32, hand: Int32, sh
         stop = min(start + BLOCK, len(who))
         gather_arm(one, position, rotation, who, hand, 0, joints, start, stop)
         gather_arm(other, position, rotation, who, hand, 1, joints, start, stop)
-        _meet(one, other, share, start, stop)
-        bend_arm(one)
-        bend_arm(other)
+        _meeting_point(one, other, share, start, stop)
+        solve_arm(one)
+        solve_arm(other)
         scatter_arm(one, position, rotation, who, hand, 0, joints, start, stop)
         scatter_arm(other, position, rotation, who, hand, 1, joints, start, stop)
 
 
-SOFT: Any = np.float32(0.03)
+STRAIGHTENING_RANGE: Any = np.float32(0.03)
 """An arm's extension is compressed when it is nearer to straight than this [m], so that the elbow does not snap; at
 full reach the palm misses by 0.37 of it."""
 ARM_ASIDE: Any = np.float32(0.4)
@@ -257,27 +261,27 @@ ARM_ASIDE: Any = np.float32(0.4)
 _LEAST: Any = np.float32(1e-6)
 
 
-@part
+@inline_kernel
 def _unit(x: float, y: float, z: float) -> Vector:
     """Return the normalized vector."""
     scale = _ONE / math.sqrt(max(x * x + y * y + z * z, _TINY))
     return x * scale, y * scale, z * scale
 
 
-@part
+@inline_kernel
 def _swing(own: Float32, i: int, turn: Rotation) -> None:
     """Rotate the whole arm of lane `i` about its shoulder."""
     sx, sy, sz = own[UPPER + 4, i], own[UPPER + 5, i], own[UPPER + 6, i]
     for row in (LOWER + 4, HAND + 4, PALM_ROW):
-        x, y, z = turn_by(turn, own[row, i] - sx, own[row + 1, i] - sy, own[row + 2, i] - sz)
+        x, y, z = rotate_vector(turn, own[row, i] - sx, own[row + 1, i] - sy, own[row + 2, i] - sz)
         own[row, i], own[row + 1, i], own[row + 2, i] = sx + x, sy + y, sz + z
     for row in (UPPER, LOWER, HAND):
-        q = after(turn, (own[row, i], own[row + 1, i], own[row + 2, i], own[row + 3, i]))
+        q = multiply(turn, (own[row, i], own[row + 1, i], own[row + 2, i], own[row + 3, i]))
         own[row, i], own[row + 1, i], own[row + 2, i], own[row + 3, i] = q
 
 
-@part
-def _follow(lead: Float32, own: Float32, share: Float32, start: int, stop: int) -> None:
+@inline_kernel
+def _follower_goal(lead: Float32, own: Float32, share: Float32, start: int, stop: int) -> None:
     """Compute the goals of the followers' palms of the block, rows GOAL.. and SHARE: the leaders' palms, within reach.
 
     On the way the palm's distance from the shoulder is interpolated and the arm passes the front: it is rotated to the
@@ -288,8 +292,8 @@ def _follow(lead: Float32, own: Float32, share: Float32, start: int, stop: int) 
         gx, gy, gz = lead[PALM_ROW, i] - sx, lead[PALM_ROW + 1, i] - sy, lead[PALM_ROW + 2, i] - sz
         ex, ey, ez = own[PALM_ROW, i] - sx, own[PALM_ROW + 1, i] - sy, own[PALM_ROW + 2, i] - sz
         far = math.sqrt(max(gx * gx + gy * gy + gz * gz, _TINY))
-        over = max(far - (own[REACH, i] - SOFT), _ZERO)
-        far = far - over + SOFT * (_ONE - math.exp(-over / SOFT))
+        over = max(far - (own[REACH, i] - STRAIGHTENING_RANGE), _ZERO)
+        far = far - over + STRAIGHTENING_RANGE * (_ONE - math.exp(-over / STRAIGHTENING_RANGE))
         near = math.sqrt(max(ex * ex + ey * ey + ez * ez, _TINY))
         gx, gy, gz = _unit(gx, gy, gz)
         ex, ey, ez = _unit(ex, ey, ez)
@@ -303,8 +307,8 @@ def _follow(lead: Float32, own: Float32, share: Float32, start: int, stop: int) 
             (_ONE - w) * ey + w * gy + front * fy,
             (_ONE - w) * ez + w * gz + front * fz,
         )
-        _swing(own, i, after(turn_from(fx, fy, fz, dx, dy, dz), turn_from(ex, ey, ez, fx, fy, fz)))
-        # scaled so that `bend_arm`, which applies the share, ends at the palm's current goal
+        _swing(own, i, multiply(shortest_rotation(fx, fy, fz, dx, dy, dz), shortest_rotation(ex, ey, ez, fx, fy, fz)))
+        # scaled so that `solve_arm`, which applies the share, ends at the palm's current goal
         on = ((_ONE - w) * near + w * far - near) / max(w, _LEAST)
         own[GOAL, i], own[GOAL + 1, i], own[GOAL + 2, i] = (
             own[PALM_ROW, i] + on * dx,
@@ -314,8 +318,8 @@ def _follow(lead: Float32, own: Float32, share: Float32, start: int, stop: int) 
         own[SHARE, i] = w
 
 
-@part
-def _keep(
+@inline_kernel
+def _blend_kept_palms(
     lead: Float32, own: Float32, rotation: Float32, kept: Float32, who: Int32, joints: Int32, start: int, stop: int
 ) -> None:
     """Blend the leaders' palms of the block by the weight in `kept` to their stored position relative to the
@@ -324,7 +328,7 @@ def _keep(
         w, i, a, j = kept[n, 3], n - start, who[n, 1], joints[6]
         if w > _ZERO:
             chest = rotation[a, j, 0], rotation[a, j, 1], rotation[a, j, 2], rotation[a, j, 3]
-            x, y, z = turn_by(chest, kept[n, 0], kept[n, 1], kept[n, 2])
+            x, y, z = rotate_vector(chest, kept[n, 0], kept[n, 1], kept[n, 2])
             lead[PALM_ROW, i] += w * (own[UPPER + 4, i] + x - lead[PALM_ROW, i])
             lead[PALM_ROW + 1, i] += w * (own[UPPER + 5, i] + y - lead[PALM_ROW + 1, i])
             lead[PALM_ROW + 2, i] += w * (own[UPPER + 6, i] + z - lead[PALM_ROW + 2, i])
@@ -355,15 +359,15 @@ def reach_palms(
             stop += 1
         gather_arm(lead, position, rotation, who, hand, 0, joints, start, stop)
         gather_arm(own, position, rotation, who, hand, 1, joints, start, stop)
-        _keep(lead, own, rotation, kept, who, joints, start, stop)
-        _follow(lead, own, share, start, stop)
-        bend_arm(own)
+        _blend_kept_palms(lead, own, rotation, kept, who, joints, start, stop)
+        _follower_goal(lead, own, share, start, stop)
+        solve_arm(own)
         scatter_arm(own, position, rotation, who, hand, 1, joints, start, stop)
         start = stop
 
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], i4[:,::1], i4[:,::1], i4[::1], f4[:,::1])")
-def see_palms(position: Float32, rotation: Float32, who: Int32, hand: Int32, joints: Int32, out: Float32) -> None:
+def measure_reach(position: Float32, rotation: Float32, who: Int32, hand: Int32, joints: Int32, out: Float32) -> None:
     """Measure what followers would have to reach, as in `reach_palms`, into `out` (H, 6).
 
     Columns: distance of the leader's palm beyond the follower's reach [m], below 0 within reach; cosine between the
@@ -387,5 +391,5 @@ def see_palms(position: Float32, rotation: Float32, who: Int32, hand: Int32, joi
             dz = lead[PALM_ROW + 2, i] - own[PALM_ROW + 2, i]
             a, j = who[start + i, 1], joints[6]
             back = rotation[a, j, 0], -rotation[a, j, 1], -rotation[a, j, 2], -rotation[a, j, 3]
-            out[start + i, 3], out[start + i, 4], out[start + i, 5] = turn_by(back, gx, gy, gz)
+            out[start + i, 3], out[start + i, 4], out[start + i, 5] = rotate_vector(back, gx, gy, gz)
             out[start + i, 2] = math.sqrt(dx * dx + dy * dy + dz * dz)

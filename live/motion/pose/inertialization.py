@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.pose.inertialization_kernels import COLUMNS, DURATION, LONGEST, age_cuts, keep_difference
+from live.motion.pose.inertialization_kernels import COLUMNS, DURATION, MAX_FADE_TIME, record_difference, update_ages
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -11,37 +11,37 @@ Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
 
-def at_rest(count: int, joints: int) -> Float32:
+def zero_differences(count: int, joints: int) -> Float32:
     """Return zero differences for `count` dancers of `joints` joints, (count, joints + 1, 7)."""
     settling = np.zeros((count, joints + 1, COLUMNS), np.float32)
-    settling[:, :, DURATION] = LONGEST
+    settling[:, :, DURATION] = MAX_FADE_TIME
     return settling
 
 
-class Inertia:
+class Inertialization:
     """Fading differences of A dancers of J joints after their cuts; passed to the pose pipelines."""
 
     def __init__(self, dancer_count: int, joint_count: int) -> None:
-        self.settling: Float32 = at_rest(dancer_count, joint_count)
+        self.difference: Float32 = zero_differences(dancer_count, joint_count)
         """Offset, speed and duration per joint and for the hips, columns as in `inertialization_kernels`, shape (A, J +
         1, 7)."""
-        self.began: Float64 = np.full(dancer_count, -np.inf)
+        self.cut_time: Float64 = np.full(dancer_count, -np.inf)
         """Time of each dancer's last cut [s], shape (A,)."""
-        self.age: Float32 = np.full(dancer_count, LONGEST, np.float32)
+        self.age: Float32 = np.full(dancer_count, MAX_FADE_TIME, np.float32)
         """Time since that cut [s], at most LONGEST, shape (A,); updated by `place`."""
-        self.any_settles = False
+        self.any_fading = False
         """Whether any difference was still fading at the last `place`."""
 
-    def place(self, time: float) -> None:
+    def update_age(self, time: float) -> None:
         """Update `age` to `time` [s]."""
-        self.any_settles = age_cuts(self.age, self.began, time)
+        self.any_fading = update_ages(self.age, self.cut_time, time)
 
     @property
-    def settling_now(self) -> Bool:
+    def fading(self) -> Bool:
         """Dancers whose differences are still fading, shape (A,)."""
-        return np.asarray(self.age < LONGEST)
+        return np.asarray(self.age < MAX_FADE_TIME)
 
-    def begin(
+    def cut(
         self,
         rows: Int32,
         before: tuple[Float32, Float32],
@@ -56,10 +56,10 @@ class Inertia:
         `before` and `after`: world positions (2, n, J, 3) [m] and rotations (2, n, J, 4) of the old and the new motion,
         at the cut and `dt` [s] earlier (later if it is negative).
         """
-        keep_difference(self.settling, rows, before[1], before[0], after[1], after[0], parents, dt)
-        self.began[rows] = time
+        record_difference(self.difference, rows, before[1], before[0], after[1], after[0], parents, dt)
+        self.cut_time[rows] = time
 
-    def forget(self, rows: npt.NDArray[np.integer]) -> None:
+    def clear(self, rows: npt.NDArray[np.integer]) -> None:
         """Drop the differences of the dancers `rows` (n,)."""
-        self.began[rows] = -np.inf
-        self.age[rows] = LONGEST
+        self.cut_time[rows] = -np.inf
+        self.age[rows] = MAX_FADE_TIME

@@ -19,16 +19,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 from live.motion.pose.sample_kernels import BLOCK
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
-LONGEST = 0.4
+MAX_FADE_TIME = 0.4
 """Time after which a difference is zero [s]."""
-SHORTEST = 0.2
+MIN_FADE_TIME = 0.2
 """Minimum fade time of a difference [s]."""
 OFFSET_X, OFFSET_Y, OFFSET_Z, SPEED_X, SPEED_Y, SPEED_Z, DURATION = range(7)
 """Columns of a joint: difference at the cut, its speed [1/s], and its fade time [s]."""
@@ -44,8 +44,8 @@ _C2, _C4, _C6, _C8, _C10, _C12 = (np.float32((-1) ** (n // 2) / math.factorial(n
 _S3, _S5, _S7, _S9, _S11 = (np.float32((-1) ** (n // 2) / math.factorial(n)) for n in range(3, 13, 2))
 
 
-@part
-def _left(settling: Float32, age: Float32, joint: int, left: Float32, start: int, stop: int) -> None:
+@inline_kernel
+def _remaining(settling: Float32, age: Float32, joint: int, left: Float32, start: int, stop: int) -> None:
     """Compute the remaining difference of one joint, rows 0 to 2 of `left`."""
     for i in range(BLOCK):
         n = min(start + i, stop - 1)
@@ -58,9 +58,9 @@ def _left(settling: Float32, age: Float32, joint: int, left: Float32, start: int
             left[c, i] = value * row[c] + speed * row[3 + c]
 
 
-@part
-def settle_rows(
-    local: Float32, root: Float32, settling: Float32, age: Float32, watched: Int32, start: int, stop: int
+@inline_kernel
+def add_differences(
+    local: Float32, root: Float32, difference: Float32, age: Float32, difference_rows: Int32, start: int, stop: int
 ) -> None:
     """Add the remaining differences to a block of dancers: rotations `local` and hips `root`.
 
@@ -69,7 +69,7 @@ def settle_rows(
     """
     left = np.empty((3, BLOCK), np.float32)
     for j in range(local.shape[0]):
-        _left(settling, age, watched[j], left, start, stop)
+        _remaining(difference, age, difference_rows[j], left, start, stop)
         for i in range(BLOCK):
             rx, ry, rz = left[0, i], left[1, i], left[2, i]
             s = _QUARTER * (rx * rx + ry * ry + rz * rz)  # half the angle, squared
@@ -81,14 +81,14 @@ def settle_rows(
             local[j, 1, i] = aw * x + ax * w + ay * z - az * y
             local[j, 2, i] = aw * y - ax * z + ay * w + az * x
             local[j, 3, i] = aw * z + ax * y - ay * x + az * w
-    _left(settling, age, settling.shape[1] - 1, left, start, stop)
+    _remaining(difference, age, difference.shape[1] - 1, left, start, stop)
     for c in range(3):
         for i in range(BLOCK):
             root[c, i] += left[c, i]
 
 
 @kernel("void(f8[::1], f4[:,::1], i8, i8)")
-def _parent_seen(out: Float64, world: Float32, joint: int, parent: int) -> None:
+def _local_rotation(out: Float64, world: Float32, joint: int, parent: int) -> None:
     """Write the rotation of `joint` relative to its parent (the stage if parent is -1) to out (4,)."""
     bw, bx, by, bz = world[joint, 0], world[joint, 1], world[joint, 2], world[joint, 3]
     aw, ax, ay, az = 1.0, 0.0, 0.0, 0.0
@@ -101,7 +101,7 @@ def _parent_seen(out: Float64, world: Float32, joint: int, parent: int) -> None:
 
 
 @kernel("void(f8[::1], f8[::1], f8[::1])")
-def _away(out: Float64, one: Float64, other: Float64) -> None:
+def _rotation_difference(out: Float64, one: Float64, other: Float64) -> None:
     """Write the rotation from `other` to `one`, both relative to the parent: one times other's inverse."""
     aw, ax, ay, az = one[0], one[1], one[2], one[3]
     bw, bx, by, bz = other[0], -other[1], -other[2], -other[3]
@@ -121,20 +121,20 @@ def _vector_scale(q: Float64) -> float:
 
 
 @kernel("f8(f4[::1])")
-def fading_time(row: Float32) -> float:
+def fade_time(row: Float32) -> float:
     """Return the fade time [s] of a difference with the offset and speed in `row` (7,)."""
     size, towards = 0.0, 0.0
     for c in range(3):
         size += row[c] * row[c]
         towards -= row[c] * row[3 + c]
     if towards <= 0.0:
-        return LONGEST
-    return min(max(2.5 * size / towards, SHORTEST), LONGEST)  # 2.5 |x0| / (speed towards 0)
+        return MAX_FADE_TIME
+    return min(max(2.5 * size / towards, MIN_FADE_TIME), MAX_FADE_TIME)  # 2.5 |x0| / (speed towards 0)
 
 
 @kernel("void(f4[:,:,::1], i4[::1], f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[::1], f8)")
-def keep_difference(
-    settling: Float32, rows: Int32,
+def record_difference(
+    difference: Float32, rows: Int32,
     before: Float32, before_position: Float32, after: Float32, after_position: Float32,
     parents: Int32, dt: float,
 ) -> None:  # fmt: skip
@@ -149,34 +149,34 @@ def keep_difference(
     for k in range(rows.shape[0]):
         n = rows[k]
         for j in range(joints):
-            _parent_seen(old, before[0, k], j, parents[j])
-            _parent_seen(new, after[0, k], j, parents[j])
-            _away(now, old, new)
-            _parent_seen(old, before[1, k], j, parents[j])
-            _parent_seen(new, after[1, k], j, parents[j])
-            _away(then, old, new)
+            _local_rotation(old, before[0, k], j, parents[j])
+            _local_rotation(new, after[0, k], j, parents[j])
+            _rotation_difference(now, old, new)
+            _local_rotation(old, before[1, k], j, parents[j])
+            _local_rotation(new, after[1, k], j, parents[j])
+            _rotation_difference(then, old, new)
             if now[0] < 0.0:
                 now[:] = -now
             if now[0] * then[0] + now[1] * then[1] + now[2] * then[2] + now[3] * then[3] < 0.0:
                 then[:] = -then
             scale, scale_then = _vector_scale(now), _vector_scale(then)
             for c in range(3):
-                settling[n, j, c] = scale * now[1 + c]
-                settling[n, j, 3 + c] = (scale * now[1 + c] - scale_then * then[1 + c]) / dt
-            settling[n, j, DURATION] = fading_time(settling[n, j])
+                difference[n, j, c] = scale * now[1 + c]
+                difference[n, j, 3 + c] = (scale * now[1 + c] - scale_then * then[1 + c]) / dt
+            difference[n, j, DURATION] = fade_time(difference[n, j])
         for c in range(3):
             away = before_position[0, k, 0, c] - after_position[0, k, 0, c]
-            settling[n, joints, c] = away
-            settling[n, joints, 3 + c] = (away - (before_position[1, k, 0, c] - after_position[1, k, 0, c])) / dt
-        settling[n, joints, DURATION] = fading_time(settling[n, joints])
+            difference[n, joints, c] = away
+            difference[n, joints, 3 + c] = (away - (before_position[1, k, 0, c] - after_position[1, k, 0, c])) / dt
+        difference[n, joints, DURATION] = fade_time(difference[n, joints])
 
 
 @kernel("b1(f4[::1], f8[::1], f8)")
-def age_cuts(age: Float32, began: Float64, time: float) -> bool:
+def update_ages(age: Float32, cut_time: Float64, time: float) -> bool:
     """Set `age` (A,) [s] to the time since the cuts at `began` (A,) [s], at most LONGEST; return whether any is
     less."""
     young = False
     for n in range(age.shape[0]):
-        age[n] = min(max(time - began[n], 0.0), LONGEST)
-        young |= age[n] < np.float32(LONGEST)
+        age[n] = min(max(time - cut_time[n], 0.0), MAX_FADE_TIME)
+        young |= age[n] < np.float32(MAX_FADE_TIME)
     return young

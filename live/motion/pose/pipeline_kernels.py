@@ -6,17 +6,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel, part
+from live.base.jit import inline_kernel, kernel
 from live.base.scalar_kernels import angle_wrap, ease
-from live.motion.pose.foot_lock_kernels import TOES, stand_legs
-from live.motion.pose.inertialization_kernels import LONGEST, settle_rows
+from live.motion.pose.foot_lock_kernels import TOES, lock_legs
+from live.motion.pose.inertialization_kernels import MAX_FADE_TIME, add_differences
 from live.motion.pose.sample_kernels import (
     BLOCK,
-    forward_rows,
+    forward_kinematics_rows,
     gather_samples,
+    normalize_rows,
     place_root,
     slerp_rows,
-    unit_rows,
     write_block,
 )
 
@@ -33,14 +33,14 @@ LOWER, UPPER, INTO_NEXT, NEXT_LOWER, NEXT_UPPER = range(5)
 """Rows of `share`: weights of the other take in the lower and the upper body, weight of the next clip, its takes."""
 UPPER_FIRST, UPPER_LAST, CHEST, HEAD = range(4)
 """Entries of `body`: joints UPPER_FIRST..UPPER_LAST-1 are the upper body; -1 if there is no such joint."""
-_SETTLED: Any = np.float32(LONGEST)
+_MAX_FADE_TIME: Any = np.float32(MAX_FADE_TIME)
 _ZERO: Any = np.float32(0.0)
 _ONE: Any = np.float32(1.0)
 _TWO: Any = np.float32(2.0)
 
 
 @kernel("f8(f8)")
-def public_turn(chest: float) -> float:
+def head_turn(chest: float) -> float:
     """Return the head's turn relative to the chest [rad] for a chest heading `chest`, the audience at 0.
 
     The head faces the audience while that takes at most 60 degrees. Through the rest of a turn it swings evenly from
@@ -55,8 +55,8 @@ def public_turn(chest: float) -> float:
     return -math.copysign(max(turn, 0.0), angle_wrap(chest))
 
 
-@part
-def face_public(world: Float32, share: Float32, chest: int, head: int, start: int, stop: int) -> None:
+@inline_kernel
+def face_audience(world: Float32, share: Float32, chest: int, head: int, start: int, stop: int) -> None:
     """Turn heads about the vertical towards the audience by the share `share` (A,) (T123, T125: head joint only)."""
     for i in range(min(BLOCK, stop - start)):
         if share[start + i] <= 0.0:
@@ -67,7 +67,7 @@ def face_public(world: Float32, share: Float32, chest: int, head: int, start: in
         forward_x, forward_z = _TWO * (x * z + w * y), _ONE - _TWO * (x * x + y * y)
         if forward_x * forward_x + forward_z * forward_z < 0.04:  # the head looks at the floor or the sky
             continue
-        angle = angle_wrap(body + public_turn(body) - math.atan2(forward_x, forward_z))
+        angle = angle_wrap(body + head_turn(body) - math.atan2(forward_x, forward_z))
         turn = 0.5 * share[start + i] * angle
         c, s = np.float32(math.cos(turn)), np.float32(math.sin(turn))
         world[head, 0, i] = c * w - s * y
@@ -76,7 +76,7 @@ def face_public(world: Float32, share: Float32, chest: int, head: int, start: in
         world[head, 3, i] = c * z - s * x
 
 
-@part
+@inline_kernel
 def _any_but(values: Float32, value: float, start: int, stop: int) -> bool:
     """Whether any value of the block differs from `value`."""
     different = False
@@ -85,7 +85,7 @@ def _any_but(values: Float32, value: float, start: int, stop: int) -> bool:
     return different
 
 
-@part
+@inline_kernel
 def _any_below(values: Float32, value: float, start: int, stop: int) -> bool:
     """Whether any value of the block is below `value`."""
     found = False
@@ -94,8 +94,8 @@ def _any_below(values: Float32, value: float, start: int, stop: int) -> bool:
     return found
 
 
-@part
-def _row(row: Float32, values: Float32, start: int, stop: int) -> None:
+@inline_kernel
+def _fill_row(row: Float32, values: Float32, start: int, stop: int) -> None:
     for i in range(BLOCK):
         row[i] = values[min(start + i, stop - 1)]
 
@@ -108,9 +108,9 @@ def _mix_take(
     """Mix another take of the same step into lower and upper body by separate shares (A,) (T044, T045)."""
     row = np.empty(BLOCK, np.float32)
     first, last = body[UPPER_FIRST], body[UPPER_LAST]
-    _row(row, upper, start, stop)
+    _fill_row(row, upper, start, stop)
     slerp_rows(local, other, row, first, last)
-    _row(row, lower, start, stop)
+    _fill_row(row, lower, start, stop)
     for above in range(2):
         slerp_rows(local, other, row, last if above else 0, local.shape[0] if above else first)
     for c in range(3):
@@ -118,7 +118,7 @@ def _mix_take(
             root[c, i] += row[i] * (other_root[c, i] - root[c, i])
 
 
-@part
+@inline_kernel
 def _amplify(
     local: Float32, other: Float32, mean_rotation: Float32, mean: Int32, into_next: Float32,
     amplitude: Float32, row: Float32, body: Int32, start: int, stop: int,
@@ -135,7 +135,7 @@ def _amplify(
         for j in range(first, last):
             for c in range(4):
                 other[j, c, i] = a[j, c] + t * (b[j, c] - a[j, c])
-    unit_rows(other, first, last)
+    normalize_rows(other, first, last)
     slerp_rows(local, other, row, first, last)
 
 
@@ -148,7 +148,7 @@ def pose_dancers(
     position: Float32, rotation: Float32,
     clip_root: Float32, clip_rotation: Float32, mean_rotation: Float32,
     sample: Float64, placement: Float64, share: Float32, mean: Int32, amplitude: Float32, head: Float32, feet: Float32,
-    settling: Float32, age: Float32, watched: Int32,
+    difference: Float32, age: Float32, difference_rows: Int32,
     offsets: Float32, parents: Int32, body: Int32, legs: Int32, soles: Float32,
     begin: int, end: int,
 ) -> None:  # fmt: skip
@@ -188,20 +188,20 @@ def pose_dancers(
                 _mix_take(own, roots[k - 1], take, roots[k], share[lower], share[lower + 1], body, start, stop)
         root = roots[PRESENT]
         if blends:
-            _row(row, share[INTO_NEXT], start, stop)
+            _fill_row(row, share[INTO_NEXT], start, stop)
             slerp_rows(present, coming, row, 0, joints)
             for c in range(3):
                 for i in range(BLOCK):
                     root[c, i] += row[i] * (roots[NEXT, c, i] - root[c, i])
         if _any_but(amplitude, _ONE, start, stop):
             _amplify(present, take, mean_rotation, mean, share[INTO_NEXT], amplitude, row, body, start, stop)
-        if _any_below(age, _SETTLED, start, stop):
-            settle_rows(present, root, settling, age, watched, start, stop)
-        forward_rows(world, present, root, offsets, parents)
+        if _any_below(age, _MAX_FADE_TIME, start, stop):
+            add_differences(present, root, difference, age, difference_rows, start, stop)
+        forward_kinematics_rows(world, present, root, offsets, parents)
         if body[HEAD] >= 0 and _any_but(head, _ZERO, start, stop):
-            face_public(world, head, body[CHEST], body[HEAD], start, stop)
+            face_audience(world, head, body[CHEST], body[HEAD], start, stop)
         if legs.shape[0] == 8 and feet[start, 0, TOES] >= 0.0:
-            stand_legs(world, feet, legs, offsets, soles[0], soles[1], start, stop)
+            lock_legs(world, feet, legs, offsets, soles[0], soles[1], start, stop)
         write_block(position, rotation, world, start, stop)
 
 
@@ -209,20 +209,27 @@ Int64 = npt.NDArray[np.int64]
 
 
 @kernel("f8(i8, f8[::1], f8[::1], f8[::1], f8[:,:,::1], f8[::1])")
-def drifted(n: int, value: Float64, passed: Float64, phase: Float64, knots: Float64, most: Float64) -> float:
+def drift_lead(n: int, value: Float64, integrals: Float64, phase: Float64, knots: Float64, max_drift: Float64) -> float:
     """Return the lead of dancer `n` [share of a measure]: A(x) sin φ(x), see `Drift.at`."""
-    if most[n] == 0.0:
+    if max_drift[n] == 0.0:
         return 0.0
     amplitude = turned = 0.0
     for k in range(4):
         amplitude += value[k] * knots[0, k, n]
-        turned += passed[k] * knots[1, k, n]
-    return float(most[n] * amplitude * math.sin(phase[n] + 2.0 * math.pi * turned))
+        turned += integrals[k] * knots[1, k, n]
+    return float(max_drift[n] * amplitude * math.sin(phase[n] + 2.0 * math.pi * turned))
 
 
 @kernel("void(f8[::1], i8[::1], f8, f8[::1], f8[:,:,::1], f8[::1], i4[::1], i4[::1])")
-def drift_ahead(
-    out: Float64, rows: Int64, fraction: float, phase: Float64, knots: Float64, most: Float64, liked: Int32, like: Int32
+def drift_leads(
+    out: Float64,
+    rows: Int64,
+    fraction: float,
+    phase: Float64,
+    knots: Float64,
+    max_drift: Float64,
+    previous_model: Int32,
+    model: Int32,
 ) -> None:
     """Compute the lead of the dancers `rows` (n,) at `fraction` of the measure [share of a measure], `out` (n,).
 
@@ -237,8 +244,8 @@ def drift_ahead(
     passed[2], passed[3] = (-3 * t**4 + 4 * t**3 + 6 * t**2 + 4 * t) / 24.0, t**4 / 24.0
     share = ease(fraction)
     for i in range(rows.shape[0]):
-        before, after = liked[rows[i]], like[rows[i]]
-        ahead = drifted(before, value, passed, phase, knots, most)
+        before, after = previous_model[rows[i]], model[rows[i]]
+        ahead = drift_lead(before, value, passed, phase, knots, max_drift)
         if after != before:
-            ahead += share * (drifted(after, value, passed, phase, knots, most) - ahead)
+            ahead += share * (drift_lead(after, value, passed, phase, knots, max_drift) - ahead)
         out[i] = ahead

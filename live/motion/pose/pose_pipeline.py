@@ -13,8 +13,8 @@ import numpy.typing as npt
 from live.motion import quaternion
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.pose.foot_lock_kernels import FEET_COLUMNS, TOES
-from live.motion.pose.inertialization import at_rest
-from live.motion.pose.inertialization_kernels import LONGEST
+from live.motion.pose.inertialization import zero_differences
+from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
 from live.motion.pose.pipeline_kernels import pose_dancers
 from live.motion.pose.sample_kernels import BLOCK
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
@@ -136,12 +136,12 @@ class PosePipeline:
         self.feet: Float32 = np.zeros((count, 2, FEET_COLUMNS), np.float32)
         """Foot lock, columns as in `foot_lock_kernels`; the legs are unchanged unless `lock` is set."""
         self.lock = False
-        self.settling: Float32 = at_rest(1, joints)
+        self.difference: Float32 = zero_differences(1, joints)
         """Fading differences after cuts, (A, rows, 7) as in `inertialization_kernels`; read only where `age` is below
         LONGEST."""
-        self.age: Float32 = np.full(count, LONGEST, np.float32)
+        self.age: Float32 = np.full(count, MAX_FADE_TIME, np.float32)
         """Time since each dancer's last cut [s], shape (A,)."""
-        self.watched: Int32 = np.arange(joints, dtype=np.int32)
+        self.difference_rows: Int32 = np.arange(joints, dtype=np.int32)
         """Row of `settling` for each joint, shape (J,)."""
         self.position: Float32 = np.zeros((count, joints, 3), np.float32)
         """World positions of the joints [m], shape (A, J, 3)."""
@@ -152,13 +152,13 @@ class PosePipeline:
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self._parts = _parts(count, threads)
 
-    def is_whole(self) -> bool:
+    def has_valid_shapes(self) -> bool:
         """Whether all arrays have the shapes for its number of dancers, so that the kernels can run on them."""
         count, joints = self._count, len(self.skeleton.parents)
         shapes = (
             (self.sample, (4, count)), (self.placement, (4, count, 4)), (self.share, (5, count)),
             (self.mean, (2, count)), (self.amplitude, (count,)), (self.head, (count,)),
-            (self.feet, (count, 2, FEET_COLUMNS)), (self.age, (count,)), (self.watched, (joints,)),
+            (self.feet, (count, 2, FEET_COLUMNS)), (self.age, (count,)), (self.difference_rows, (joints,)),
             (self.position, (count, joints, 3)), (self.rotation, (count, joints, 4)),
         )  # fmt: skip
         parts = all(0 <= begin <= end <= count for begin, end in self._parts)
@@ -169,7 +169,7 @@ class PosePipeline:
         clips: ClipStore,
         out: tuple[npt.NDArray[Any], npt.NDArray[Any]] | None = None,
         *,
-        alone: Sequence[int] | None = None,
+        only: Sequence[int] | None = None,
     ) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
         """Return world positions (A, J, 3) [m] and rotations (A, J, 4), in `out` if given, else in the pipeline's own
         arrays.
@@ -185,14 +185,14 @@ class PosePipeline:
             pose_dancers(
                 position, rotation, clips.root, clips.rotation, clips.mean,
                 self.sample, self.placement, self.share, self.mean, self.amplitude, self.head, self.feet,
-                self.settling, self.age, self.watched,
+                self.difference, self.age, self.difference_rows,
                 skeleton.offsets, skeleton.parents, skeleton.body, skeleton.legs, self._soles, begin, end,
             )  # fmt: skip
 
-        if alone is None:
-            self._share_out(part)
+        if only is None:
+            self._run_parts(part)
         else:
-            for begin in sorted({row - row % BLOCK for row in alone}):
+            for begin in sorted({row - row % BLOCK for row in only}):
                 part(begin, min(begin + BLOCK, self._count))
         return position, rotation
 
@@ -201,7 +201,7 @@ class PosePipeline:
         if self._pool is not None:
             self._pool.shutdown()
 
-    def _share_out(self, part: Callable[[int, int], None]) -> None:
+    def _run_parts(self, part: Callable[[int, int], None]) -> None:
         if self._pool is None:
             part(0, self._count)
             return

@@ -18,72 +18,72 @@ Int32 = npt.NDArray[np.int32]
 
 KNOTS = 65
 """Knots of a warp curve over a measure, including both ends."""
-SHARE, RATE = 0, 1
+WARP_SHARE, WARP_RATE = 0, 1
 """Columns of a warp curve: the share applied at a knot, and its slope there [1 per measure]."""
 DIRECTIONS = 16
 """Directions about a clip's heading for which the reach margin is stored."""
 
 
 @kernel("f8(f8[:,::1], f8)")
-def risen(rise: Float64, fraction: float) -> float:
+def warp_share(warp_curve: Float64, fraction: float) -> float:
     """Return the share of the correction applied at `fraction` of the measure, 0 to 1, C1; `rise` (KNOTS, 2).
 
     The rate is linear between knots, so the share is a parabola.
     """
-    place = min(max(fraction, 0.0), 1.0) * (rise.shape[0] - 1)
-    k = min(math.floor(place), rise.shape[0] - 2)
+    place = min(max(fraction, 0.0), 1.0) * (warp_curve.shape[0] - 1)
+    k = min(math.floor(place), warp_curve.shape[0] - 2)
     u = place - k
-    slope = rise[k, RATE] + 0.5 * u * (rise[k + 1, RATE] - rise[k, RATE])
-    share: float = rise[k, SHARE] + u * slope / (rise.shape[0] - 1)
+    slope = warp_curve[k, WARP_RATE] + 0.5 * u * (warp_curve[k + 1, WARP_RATE] - warp_curve[k, WARP_RATE])
+    share: float = warp_curve[k, WARP_SHARE] + u * slope / (warp_curve.shape[0] - 1)
     return share
 
 
 @kernel("f8(f8, f8, f8, f8)")
-def shifted(risen_now: float, risen_then: float, shift: float, goal: float) -> float:
-    """Return a dancer's shift [m] on the way from `shift` at `risen_then` to `goal` at the end of the measure."""
-    if risen_then >= 1.0:
+def warped_shift(share_now: float, share_then: float, shift: float, goal: float) -> float:
+    """Return a dancer's shift [m] on the way from `shift` at `share_then` to `goal` at the end of the measure."""
+    if share_then >= 1.0:
         return goal
-    return shift + (risen_now - risen_then) / (1.0 - risen_then) * (goal - shift)
+    return shift + (share_now - share_then) / (1.0 - share_then) * (goal - shift)
 
 
 @kernel("void(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[::1], f8)")
-def bound_aims(
+def limit_goals(
     goal: Float64,
     correction: Float64,
     aimed: Float64,
     phase: Float64,
     node: Int32,
-    rise: Float64,
-    most: Float64,
+    warp_curve: Float64,
+    max_shift: Float64,
     least_left: float,
 ) -> None:
     """Limit the `goal` (A, 2) [m] of dancers at `phase` (A,) to what is reachable at the speed of a full correction.
 
     In the rest of the measure a dancer moves at most the remaining share of `most` (A,) [m], or as far as already
     planned. With no more than `least_left` of the curve left, the `correction` (A, 3) is kept. Other arrays as in
-    `re_aim_dancers`.
+    `redirect_dancers`.
     """
     for n in range(goal.shape[0]):
-        share = risen(rise[max(node[n], 0)], phase[n])
+        share = warp_share(warp_curve[max(node[n], 0)], phase[n])
         if node[n] < 0 or 1.0 - share <= least_left or share < aimed[n, 2]:
             goal[n, 0], goal[n, 1] = correction[n, 0], correction[n, 1]
             continue
-        x = shifted(share, aimed[n, 2], aimed[n, 0], correction[n, 0])
-        z = shifted(share, aimed[n, 2], aimed[n, 1], correction[n, 1])
+        x = warped_shift(share, aimed[n, 2], aimed[n, 0], correction[n, 0])
+        z = warped_shift(share, aimed[n, 2], aimed[n, 1], correction[n, 1])
         going = math.sqrt((correction[n, 0] - x) ** 2 + (correction[n, 1] - z) ** 2)
         wanted = math.sqrt((goal[n, 0] - x) ** 2 + (goal[n, 1] - z) ** 2)
-        scale = min(1.0, max(going, (1.0 - share) * most[n]) / max(wanted, 1e-9))
+        scale = min(1.0, max(going, (1.0 - share) * max_shift[n]) / max(wanted, 1e-9))
         goal[n, 0], goal[n, 1] = x + scale * (goal[n, 0] - x), z + scale * (goal[n, 1] - z)
 
 
 @kernel("void(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8)")
-def re_aim_dancers(
+def redirect_dancers(
     correction: Float64,
     aimed: Float64,
     goal: Float64,
     phase: Float64,
     node: Int32,
-    rise: Float64,
+    warp_curve: Float64,
     least_left: float,
 ) -> None:
     """Redirect A dancers to `goal` (A, 2) [m] from `phase` (A,) on: `correction` (A, 3) and `aimed` (A, 3) are updated.
@@ -94,34 +94,34 @@ def re_aim_dancers(
     for n in range(correction.shape[0]):
         if node[n] < 0:
             continue
-        share = risen(rise[node[n]], phase[n])
+        share = warp_share(warp_curve[node[n]], phase[n])
         if 1.0 - share <= least_left or share < aimed[n, 2]:
             continue
         for c in range(2):
-            aimed[n, c] = shifted(share, aimed[n, 2], aimed[n, c], correction[n, c])
+            aimed[n, c] = warped_shift(share, aimed[n, 2], aimed[n, c], correction[n, c])
             correction[n, c] = goal[n, c]
         aimed[n, 2] = share
 
 
 @kernel("f8(f8[::1], f8, f8)")
-def given_towards(give: Float64, x: float, z: float) -> float:
+def margin_towards(reach_margin: Float64, x: float, z: float) -> float:
     """Return the reach margin [m] towards (x, z) in the clip's axes; `give` (DIRECTIONS,), linear between
     directions."""
-    count = give.shape[0]
+    count = reach_margin.shape[0]
     place = math.atan2(x, z) / (2.0 * math.pi) * count
     low = math.floor(place)
     share = place - low
-    far: float = (1.0 - share) * give[low % count] + share * give[(low + 1) % count]
+    far: float = (1.0 - share) * reach_margin[low % count] + share * reach_margin[(low + 1) % count]
     return far
 
 
 @kernel("void(f8[:,::1], f8[::1], i4[::1], f8[:,::1], f8[:,::1], f8[:,:,::1], f8[::1], f8, f8)")
-def bound_ways(
-    way: Float64,
+def limit_corrections(
+    shift: Float64,
     yaw: Float64,
     node: Int32,
-    gives: Float64,
-    holds: Float64,
+    reach_margins: Float64,
+    hold_shares: Float64,
     held: Float64,
     share: Float64,
     most: float,
@@ -133,16 +133,16 @@ def bound_ways(
     the dancers; `share` (A,): usable part of the reach margin. Feet that are already held away from their clip's
     position, by `held` (A, 2, 2) [m], and are not lifted at once are held against at most `most_held` [m].
     """
-    for n in range(way.shape[0]):
+    for n in range(shift.shape[0]):
         v = max(node[n], 0)
-        size = math.sqrt(way[n, 0] * way[n, 0] + way[n, 1] * way[n, 1])
+        size = math.sqrt(shift[n, 0] * shift[n, 0] + shift[n, 1] * shift[n, 1])
         if size < 1e-9:
             continue
-        x, z = yaw_rotate(way[n, 0], way[n, 1], -yaw[n])
-        scale = min(1.0, min(most, share[n] * given_towards(gives[v], x, z)) / size)
+        x, z = yaw_rotate(shift[n, 0], shift[n, 1], -yaw[n])
+        scale = min(1.0, min(most, share[n] * margin_towards(reach_margins[v], x, z)) / size)
         for foot in range(2):
             # the largest scale with |held - scale * hold * way| <= limit
-            hx, hz = holds[v, foot] * way[n, 0], holds[v, foot] * way[n, 1]
+            hx, hz = hold_shares[v, foot] * shift[n, 0], hold_shares[v, foot] * shift[n, 1]
             a = hx * hx + hz * hz
             if a < 1e-9:
                 continue
@@ -150,12 +150,12 @@ def bound_ways(
             c = held[n, foot, 0] * held[n, foot, 0] + held[n, foot, 1] * held[n, foot, 1]
             limit = max(most_held * most_held, c)
             scale = min(scale, max((b + math.sqrt(b * b + a * (limit - c))) / a, 0.0))
-        way[n, 0] *= scale
-        way[n, 1] *= scale
+        shift[n, 0] *= scale
+        shift[n, 1] *= scale
 
 
 @kernel("void(f8[:,::1], f8[::1], i8)")
-def share_out(costs: Float64, weights: Float64, rounds: int) -> None:
+def minimax_weights(costs: Float64, weights: Float64, rounds: int) -> None:
     """Change `weights` (K,), which sum to 1, so that the maximum of `costs` (M, K) @ weights is nearly minimal.
 
     In each round every weight is multiplied by a factor that falls with its part of the currently largest cost; the
@@ -186,7 +186,20 @@ def share_out(costs: Float64, weights: Float64, rounds: int) -> None:
 
 Int8 = npt.NDArray[np.int8]
 
-BEGIN, END, PLAN, DODGE, GOAL, AIM, AIM_SPEED, WISH, AHEAD, FORESEEN, ASKED, PREDICTED = range(12)
+(
+    BEGIN,
+    END,
+    PLAN,
+    SEPARATION,
+    GOAL,
+    AIM,
+    AIM_SPEED,
+    DESIRED,
+    AGENT_LEAD,
+    AGENT_AT_DECISION,
+    TARGET_AT_DECISION,
+    PREDICTED,
+) = range(12)
 """Rows: where the measure begins and, uncorrected, ends; the planned correction; the part added to avoid contact;
 its goal; the smoothed goal and its rate of change; the correction wanted by steering; the agent's lead at the
 measure's beginning and its predicted position at the end; the dancer's planned end; and that end moved by the
@@ -195,7 +208,7 @@ ROWS = 12
 
 
 @kernel("void(f8[:,::1], f8[:,::1], i1[::1], i8, f8[:,::1])")
-def keep_ends(way: Float64, end: Float64, state: Int8, on: int, room: Float64) -> None:
+def clamp_ends(way: Float64, end: Float64, state: Int8, on: int, room: Float64) -> None:
     """Limit the `way` (A, 2) [m] of dancers whose `state` (A,) is `on`.
 
     `end` + `way` is clamped to `room` (A, 2) [m] to each side of the centre.
@@ -208,15 +221,15 @@ def keep_ends(way: Float64, end: Float64, state: Int8, on: int, room: Float64) -
 
 
 @kernel("void(f8[:,:,::1], f4[:,::1], f8[::1], f8[::1], f4[:,::1], f8, f8, f8)")
-def stray_wishes(
+def desire_corrections(
     rows: Float64,
     position: Float32,
     obedience: Float64,
     late: Float64,
     shown: Float32,
     fraction: float,
-    deaf: float,
-    leash: float,
+    dead_zone: float,
+    max_lead: float,
 ) -> None:
     """Set wished corrections: the plan plus, by `obedience` (A,), the deviation of agents at `position` (A, 2) [m].
 
@@ -226,26 +239,26 @@ def stray_wishes(
     `shown` (A, 2) [m], with the lead limited to `leash` [m]. Deviations below `deaf` [m] are ignored.
     """
     for n in range(position.shape[0]):
-        rows[WISH, n, 0], rows[WISH, n, 1] = rows[PLAN, n, 0], rows[PLAN, n, 1]
+        rows[DESIRED, n, 0], rows[DESIRED, n, 1] = rows[PLAN, n, 0], rows[PLAN, n, 1]
         passed = fraction / (1.0 + late[n])
         plan_x, plan_z = rows[END, n, 0] + rows[PLAN, n, 0], rows[END, n, 1] + rows[PLAN, n, 1]
-        x = rows[AHEAD, n, 0] * (1.0 - passed) + (rows[FORESEEN, n, 0] - plan_x) * passed
-        z = rows[AHEAD, n, 1] * (1.0 - passed) + (rows[FORESEEN, n, 1] - plan_z) * passed
+        x = rows[AGENT_LEAD, n, 0] * (1.0 - passed) + (rows[AGENT_AT_DECISION, n, 0] - plan_x) * passed
+        z = rows[AGENT_LEAD, n, 1] * (1.0 - passed) + (rows[AGENT_AT_DECISION, n, 1] - plan_z) * passed
         even_x = rows[BEGIN, n, 0] + (plan_x - rows[BEGIN, n, 0]) * passed
         even_z = rows[BEGIN, n, 1] + (plan_z - rows[BEGIN, n, 1]) * passed
         if late[n] > 0.0:
             x, z = x + even_x - shown[n, 0], z + even_z - shown[n, 1]
             even_x, even_z = float(shown[n, 0]), float(shown[n, 1])
-        bound = min(1.0, leash / max(math.hypot(x, z), 1e-9))
+        bound = min(1.0, max_lead / max(math.hypot(x, z), 1e-9))
         x, z = (position[n, 0] - even_x) - x * bound, (position[n, 1] - even_z) - z * bound
         size = math.hypot(x, z)
-        heard = obedience[n] * max(size - deaf, 0.0) / max(size, 1e-9)
-        rows[WISH, n, 0] += x * heard
-        rows[WISH, n, 1] += z * heard
+        heard = obedience[n] * max(size - dead_zone, 0.0) / max(size, 1e-9)
+        rows[DESIRED, n, 0] += x * heard
+        rows[DESIRED, n, 1] += z * heard
 
 
 @kernel("void(f4[:,:,::1], f8[:,:,::1])")
-def held_feet(lock: Float32, held: Float64) -> None:
+def held_foot_shifts(lock: Float32, held: Float64) -> None:
     """Compute the shift of each held foot of the lock (A, 2, 12) from its clip, `held` (A, 2, 2) [m]; 0 for free
     feet."""
     for n in range(lock.shape[0]):
@@ -258,13 +271,13 @@ def held_feet(lock: Float32, held: Float64) -> None:
     "void(f8[:,:,::1], f8[:,::1], f8[:,::1], i4[::1], f8[:,::1], f8[:,::1], f4[:,:,::1], f8[::1], f8, f8,"
     " i1[::1], i8, f8[:,::1])"
 )
-def limit_wishes(
+def limit_desired(
     rows: Float64,
     placement: Float64,
     correction: Float64,
     node: Int32,
-    gives: Float64,
-    holds: Float64,
+    reach_margins: Float64,
+    hold_shares: Float64,
     lock: Float32,
     share: Float64,
     most: float,
@@ -273,31 +286,31 @@ def limit_wishes(
     on: int,
     room: Float64,
 ) -> None:
-    """Limit wishes to the reach margin, as `bound_ways` does, and keep dancers who are `on` the stage on it.
+    """Limit wishes to the reach margin, as `limit_corrections` does, and keep dancers who are `on` the stage on it.
 
     `placement` and `correction` (A, 3) of the current clips, `lock` (A, 2, 12) of the feet, `share` (A,) and the others
-    as there; `state` (A,) and `room` (A, 2) as in `keep_ends`.
+    as there; `state` (A,) and `room` (A, 2) as in `clamp_ends`.
     """
     yaw, held = np.empty(node.shape[0]), np.empty((node.shape[0], 2, 2))
     for n in range(node.shape[0]):
         yaw[n] = placement[n, 2] + 0.5 * correction[n, 2]
-    held_feet(lock, held)
-    bound_ways(rows[WISH], yaw, node, gives, holds, held, share, most, most_held)
-    keep_ends(rows[WISH], rows[END], state, on, room)
+    held_foot_shifts(lock, held)
+    limit_corrections(rows[DESIRED], yaw, node, reach_margins, hold_shares, held, share, most, most_held)
+    clamp_ends(rows[DESIRED], rows[END], state, on, room)
 
 
 @kernel(
     "void(f8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], i4[::1], f8[:,::1], f8[:,::1], f4[:,:,::1], f8[::1], f8, f8,"
     " i1[::1], i8, f8, f8)"
 )
-def settle_ways(
+def compute_corrections(
     correction: Float64,
     target: Float64,
     end: Float64,
     placement: Float64,
     node: Int32,
-    gives: Float64,
-    holds: Float64,
+    reach_margins: Float64,
+    hold_shares: Float64,
     lock: Float32,
     share: Float64,
     most: float,
@@ -309,7 +322,7 @@ def settle_ways(
 ) -> None:
     """Write each `correction` (A, 3) from `end` to `target` (A, 2) [m], within the reach margin.
 
-    The targets of dancers `on` the stage are clamped to its edges; other arrays as in `limit_wishes`.
+    The targets of dancers `on` the stage are clamped to its edges; other arrays as in `limit_desired`.
     """
     count = node.shape[0]
     way, yaw, held = np.empty((count, 2)), np.empty(count), np.empty((count, 2, 2))
@@ -319,49 +332,49 @@ def settle_ways(
             x, z = min(max(x, -edge_x), edge_x), min(max(z, -edge_z), edge_z)
         way[n, 0], way[n, 1] = x - end[n, 0], z - end[n, 1]
         yaw[n] = placement[n, 2] + 0.5 * correction[n, 2]
-    held_feet(lock, held)
-    bound_ways(way, yaw, node, gives, holds, held, share, most, most_held)
+    held_foot_shifts(lock, held)
+    limit_corrections(way, yaw, node, reach_margins, hold_shares, held, share, most, most_held)
     for n in range(count):
         correction[n, 0], correction[n, 1] = way[n, 0], way[n, 1]
 
 
 @kernel("void(f8[:,:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[::1], f8)")
-def take_wishes(
+def apply_desired(
     rows: Float64,
     correction: Float64,
     aimed: Float64,
     phase: Float64,
     node: Int32,
-    rise: Float64,
+    warp_curve: Float64,
     most: Float64,
     least_left: float,
 ) -> None:
     """Limit wishes by `bound_aims`, move predictions of dancers still adjustable, and add the avoidance."""
-    bound_aims(rows[WISH], correction, aimed, phase, node, rise, most, least_left)
+    limit_goals(rows[DESIRED], correction, aimed, phase, node, warp_curve, most, least_left)
     for n in range(node.shape[0]):
-        if rows[WISH, n, 0] != correction[n, 0] or rows[WISH, n, 1] != correction[n, 1]:
-            rows[PREDICTED, n, 0] = rows[ASKED, n, 0] + rows[WISH, n, 0] - rows[PLAN, n, 0]
-            rows[PREDICTED, n, 1] = rows[ASKED, n, 1] + rows[WISH, n, 1] - rows[PLAN, n, 1]
-        rows[GOAL, n, 0] = rows[WISH, n, 0] + rows[DODGE, n, 0]
-        rows[GOAL, n, 1] = rows[WISH, n, 1] + rows[DODGE, n, 1]
+        if rows[DESIRED, n, 0] != correction[n, 0] or rows[DESIRED, n, 1] != correction[n, 1]:
+            rows[PREDICTED, n, 0] = rows[TARGET_AT_DECISION, n, 0] + rows[DESIRED, n, 0] - rows[PLAN, n, 0]
+            rows[PREDICTED, n, 1] = rows[TARGET_AT_DECISION, n, 1] + rows[DESIRED, n, 1] - rows[PLAN, n, 1]
+        rows[GOAL, n, 0] = rows[DESIRED, n, 0] + rows[SEPARATION, n, 0]
+        rows[GOAL, n, 1] = rows[DESIRED, n, 1] + rows[SEPARATION, n, 1]
 
 
 @kernel("void(f8[:,:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[::1], f8)")
-def take_goals(
+def apply_goals(
     rows: Float64,
     correction: Float64,
     aimed: Float64,
     phase: Float64,
     node: Int32,
-    rise: Float64,
+    warp_curve: Float64,
     most: Float64,
     least_left: float,
 ) -> None:
     """Limit goals, changed to avoid contact, by `bound_aims`; store their difference from the wishes as avoidance."""
-    bound_aims(rows[GOAL], correction, aimed, phase, node, rise, most, least_left)
+    limit_goals(rows[GOAL], correction, aimed, phase, node, warp_curve, most, least_left)
     for n in range(node.shape[0]):
-        rows[DODGE, n, 0] = rows[GOAL, n, 0] - rows[WISH, n, 0]
-        rows[DODGE, n, 1] = rows[GOAL, n, 1] - rows[WISH, n, 1]
+        rows[SEPARATION, n, 0] = rows[GOAL, n, 0] - rows[DESIRED, n, 0]
+        rows[SEPARATION, n, 1] = rows[GOAL, n, 1] - rows[DESIRED, n, 1]
 
 
 @kernel("void(f8[:,:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8, f8, f8)")
@@ -371,14 +384,14 @@ def follow_goals(
     aimed: Float64,
     phase: Float64,
     node: Int32,
-    rise: Float64,
+    warp_curve: Float64,
     rate: float,
     dt: float,
     least_left: float,
 ) -> None:
     """Let aims follow goals at `rate` [1/s] through a tick of `dt` [s], critically damped; corrections follow the aims.
 
-    Arrays as in `re_aim_dancers`.
+    Arrays as in `redirect_dancers`.
     """
     fall, slow = math.exp(-rate * dt), rate * dt
     for n in range(node.shape[0]):
@@ -387,13 +400,13 @@ def follow_goals(
             bend = rows[AIM_SPEED, n, c] + rate * away
             rows[AIM, n, c] = rows[GOAL, n, c] + fall * (away + bend * dt)
             rows[AIM_SPEED, n, c] = fall * (rows[AIM_SPEED, n, c] - slow * bend)
-    re_aim_dancers(correction, aimed, rows[AIM], phase, node, rise, least_left)
+    redirect_dancers(correction, aimed, rows[AIM], phase, node, warp_curve, least_left)
 
 
 @kernel("void(f4[:,::1], f4[:,::1], f8[:,:,::1], f8[:,::1], f8, f8, f8[::1], f4[:,::1])")
-def carry_agents(
+def compute_references(
     reference: Float32,
-    pace: Float32,
+    reference_velocity: Float32,
     rows: Float64,
     correction: Float64,
     fraction: float,
@@ -410,13 +423,13 @@ def carry_agents(
         for c in range(2):
             way = rows[END, n, c] + correction[n, c] - rows[BEGIN, n, c]
             reference[n, c] = rows[BEGIN, n, c] + way * fraction
-            pace[n, c] = way * rate
+            reference_velocity[n, c] = way * rate
             if late[n] > 0.0:
-                reference[n, c], pace[n, c] = shown[n, c], 0.0
+                reference[n, c], reference_velocity[n, c] = shown[n, c], 0.0
 
 
 @kernel("void(f8[:,:,::1], f4[:,:,::1], f8[:,::1], f4[:,::1], f4[:,::1])")
-def begin_rows(rows: Float64, path: Float32, correction: Float64, position: Float32, reference: Float32) -> None:
+def begin_measure(rows: Float64, path: Float32, correction: Float64, position: Float32, reference: Float32) -> None:
     """Initialize a measure along `path` (A, M, 2) [m]: its `correction` (A, 3) is plan, aim and goal.
 
     Agents are at `position` (A, 2) [m] and their `reference` (A, 2) [m] is the dancers' position.
@@ -425,16 +438,16 @@ def begin_rows(rows: Float64, path: Float32, correction: Float64, position: Floa
         for c in range(2):
             rows[BEGIN, n, c] = reference[n, c] = path[n, 0, c]
             rows[PLAN, n, c] = rows[AIM, n, c] = rows[GOAL, n, c] = correction[n, c]
-            rows[DODGE, n, c] = rows[AIM_SPEED, n, c] = 0.0
-            rows[PREDICTED, n, c] = rows[ASKED, n, c]
-            rows[AHEAD, n, c] = position[n, c] - rows[BEGIN, n, c]
+            rows[SEPARATION, n, c] = rows[AIM_SPEED, n, c] = 0.0
+            rows[PREDICTED, n, c] = rows[TARGET_AT_DECISION, n, c]
+            rows[AGENT_LEAD, n, c] = position[n, c] - rows[BEGIN, n, c]
 
 
 @kernel("void(f8[::1], f8[:,:,::1], f8[:,::1])")
-def end_rows(lag: Float64, rows: Float64, correction: Float64) -> None:
+def end_distances(distance: Float64, rows: Float64, correction: Float64) -> None:
     """Compute the distance between each dancer's corrected end and the predicted agent, `lag` (A,) [m]; `correction`
     (A, 3)."""
-    for n in range(lag.shape[0]):
+    for n in range(distance.shape[0]):
         x = rows[END, n, 0] + correction[n, 0] - rows[PREDICTED, n, 0]
         z = rows[END, n, 1] + correction[n, 1] - rows[PREDICTED, n, 1]
-        lag[n] = math.hypot(x, z)
+        distance[n] = math.hypot(x, z)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import part
+from live.base.jit import inline_kernel
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -36,8 +36,8 @@ _B1, _B2, _B3, _B4, _B5, _B6, _B7 = (np.float32(i / (2.0 * i + 1.0)) for i in ra
 _A8, _B8 = np.float32(_MU / (8 * 17)), np.float32(_MU * 8 / 17)
 
 
-@part
-def _slerp_share(t: Any, off: Any) -> Any:
+@inline_kernel
+def _slerp_weight(t: Any, off: Any) -> Any:
     """Return sin(t a) / sin(a) for cos(a) = 1 + `off`, by Eberly's polynomial: within 1e-5 up to a right angle."""
     s = t * t
     tail = _ONE + (_A7 * s - _B7) * off * (_ONE + (_A8 * s - _B8) * off)
@@ -45,8 +45,8 @@ def _slerp_share(t: Any, off: Any) -> Any:
     return t * (_ONE + (_A1 * s - _B1) * off * (_ONE + (_A2 * s - _B2) * off * (_ONE + (_A3 * s - _B3) * off * tail)))
 
 
-@part
-def slerp_rows(into: Float32, other: Float32, share: Float32, first: int, last: int) -> None:
+@inline_kernel
+def slerp_rows(target: Float32, other: Float32, share: Float32, first: int, last: int) -> None:
     """SLERP joints first..last-1 of `into` towards `other` by `share` (BLOCK,) (T035, T045).
 
     The root takes the shorter arc. For the other joints the quaternions' signs decide: clips store those nearest to the
@@ -56,7 +56,7 @@ def slerp_rows(into: Float32, other: Float32, share: Float32, first: int, last: 
     for j in range(first, last):
         shorter = j == 0
         for i in range(BLOCK):
-            aw, ax, ay, az = into[j, 0, i], into[j, 1, i], into[j, 2, i], into[j, 3, i]
+            aw, ax, ay, az = target[j, 0, i], target[j, 1, i], target[j, 2, i], target[j, 3, i]
             bw, bx, by, bz = other[j, 0, i], other[j, 1, i], other[j, 2, i], other[j, 3, i]
             dot = aw * bw + ax * bx + ay * by + az * bz
             sign = -_ONE if shorter and dot < _ZERO else _ONE
@@ -64,18 +64,18 @@ def slerp_rows(into: Float32, other: Float32, share: Float32, first: int, last: 
             off = max(dot, _ZERO) - _ONE
             t = share[i]
             arc = min(max(dot * _FIVE, _ZERO), _ONE)  # 1: the arc, 0: the chord
-            a = arc * _slerp_share(_ONE - t, off) + (_ONE - arc) * (_ONE - t)
-            b = sign * (arc * _slerp_share(t, off) + (_ONE - arc) * t)
+            a = arc * _slerp_weight(_ONE - t, off) + (_ONE - arc) * (_ONE - t)
+            b = sign * (arc * _slerp_weight(t, off) + (_ONE - arc) * t)
             w, x, y, z = a * aw + b * bw, a * ax + b * bx, a * ay + b * by, a * az + b * bz
             scale = _ONE / math.sqrt(max(w * w + x * x + y * y + z * z, _TINY))
-            into[j, 0, i] = w * scale
-            into[j, 1, i] = x * scale
-            into[j, 2, i] = y * scale
-            into[j, 3, i] = z * scale
+            target[j, 0, i] = w * scale
+            target[j, 1, i] = x * scale
+            target[j, 2, i] = y * scale
+            target[j, 3, i] = z * scale
 
 
-@part
-def unit_rows(local: Float32, first: int, last: int) -> None:
+@inline_kernel
+def normalize_rows(local: Float32, first: int, last: int) -> None:
     """Normalize the rotations of joints first..last-1; they may be as short as sums of rotations are."""
     for j in range(first, last):
         for i in range(BLOCK):
@@ -87,7 +87,7 @@ def unit_rows(local: Float32, first: int, last: int) -> None:
             local[j, 3, i] = z * scale
 
 
-@part
+@inline_kernel
 def gather_samples(local: Float32, lanes: Float32, clips: Float32, sample: Float64, start: int, stop: int) -> None:
     """Sample the rotations of the block's dancers at fractional samples, linear and normalized.
 
@@ -112,7 +112,7 @@ def gather_samples(local: Float32, lanes: Float32, clips: Float32, sample: Float
             local[j, 3, i] = z * scale
 
 
-@part
+@inline_kernel
 def _half_turn(yaw: float) -> tuple[float, float]:
     """Return cosine and sine of half of `yaw` [rad] by their series after removing whole turns; within 1e-7.
 
@@ -124,7 +124,7 @@ def _half_turn(yaw: float) -> tuple[float, float]:
     return cosine, h * (_ONE + s * (_S3 + s * (_S5 + s * (_S7 + s * (_S9 + s * _S11)))))
 
 
-@part
+@inline_kernel
 def place_root(
     local: Float32, root: Float32, clip_root: Float32, sample: Float64, placement: Float64, start: int, stop: int
 ) -> None:
@@ -156,8 +156,8 @@ def place_root(
         local[0, 3, i] = c * qz - s * qx
 
 
-@part
-def forward_rows(world: Float32, local: Float32, root: Float32, offsets: Float32, parents: Int32) -> None:
+@inline_kernel
+def forward_kinematics_rows(world: Float32, local: Float32, root: Float32, offsets: Float32, parents: Int32) -> None:
     """Forward kinematics of a block: B = A + O_B R_A (T164); parents come before their children."""
     for i in range(BLOCK):
         for c in range(4):
@@ -184,7 +184,7 @@ def forward_rows(world: Float32, local: Float32, root: Float32, offsets: Float32
             world[j, 6, i] = above[6, i] + oz + aw * tz + ax * ty - ay * tx
 
 
-@part
+@inline_kernel
 def write_block(position: Float32, rotation: Float32, world: Float32, start: int, stop: int) -> None:
     """Write the block's joints to the arrays of all dancers, (A, J, 3) and (A, J, 4)."""
     for j in range(world.shape[0]):

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from live.base.jit import kernel
 from live.base.scalar_kernels import ease
-from live.motion.pose.root_warp_kernels import risen, shifted
+from live.motion.pose.root_warp_kernels import warp_share, warped_shift
 from live.motion.yaw_kernels import yaw_rotate
 
 Float32 = npt.NDArray[np.float32]
@@ -20,7 +20,7 @@ Int32 = npt.NDArray[np.int32]
 
 
 @kernel("f8(f8,f8)")
-def soft_share(passed: float, softness: float) -> float:
+def eased_share(passed: float, softness: float) -> float:
     """Return the eased share of `passed`, 0 to 1, accelerating and decelerating over `softness` (0 to 0.5) each."""
     if softness < 1e-9:
         return passed
@@ -31,20 +31,20 @@ def soft_share(passed: float, softness: float) -> float:
 
 
 @kernel("UniTuple(f8,4)(f8[::1], f8[::1], f8[::1], f8, f8[:,::1], f8[:,::1], f8)")
-def placed(
+def place_clip(
     placement: Float64,
     correction: Float64,
     aimed: Float64,
     fraction: float,
     turns: Float64,
-    rise: Float64,
+    warp_curve: Float64,
     on_support: float,
 ) -> tuple[float, float, float, float]:
     """Return x, z [m], yaw of path and body [rad] of one dancer's clip as in `place_dancers`; `turns`, `rise` of the
     node."""
-    share = risen(rise, fraction)
-    x = placement[0] + shifted(share, aimed[2], aimed[0], correction[0])
-    z = placement[1] + shifted(share, aimed[2], aimed[1], correction[1])
+    share = warp_share(warp_curve, fraction)
+    x = placement[0] + warped_shift(share, aimed[2], aimed[0], correction[0])
+    z = placement[1] + warped_shift(share, aimed[2], aimed[1], correction[1])
     yaw, angle = placement[2], correction[2]
     if on_support == 0.0:
         return x, z, yaw, yaw + ease(fraction) * angle
@@ -54,7 +54,7 @@ def placed(
         if row[2] == 0.0 or angle == 0.0 or fraction <= row[0]:
             continue
         passed = min((fraction - row[0]) / max(row[1] - row[0], 1e-12), 1.0)
-        progress = soft_share(passed, row[7])
+        progress = eased_share(passed, row[7])
         turn = angle * row[2] * progress
         way_x, way_z = (row[5] - row[3]) * progress, (row[6] - row[4]) * progress
         # foot - turned(foot + way) + way turned on average, all rotated by the preceding turns
@@ -78,7 +78,7 @@ def place_dancers(
     fraction: Float64,
     node: Int32,
     turns: Float64,
-    rise: Float64,
+    warp_curve: Float64,
     on_support: Float64,
 ) -> None:
     """Compute placements (A, 4), x, z [m], yaw of path and body [rad], at `fraction` (A,) of the measure.
@@ -92,7 +92,9 @@ def place_dancers(
     """
     for n in range(out.shape[0]):
         v = node[n]
-        x, z, path, body = placed(placement[n], correction[n], aimed[n], fraction[n], turns[v], rise[v], on_support[n])
+        x, z, path, body = place_clip(
+            placement[n], correction[n], aimed[n], fraction[n], turns[v], warp_curve[v], on_support[n]
+        )
         out[n, 0], out[n, 1], out[n, 2], out[n, 3] = x, z, path, body
 
 
@@ -109,7 +111,7 @@ def trace_hips(
     aimed: Float64,
     node: Int32,
     turns: Float64,
-    rise: Float64,
+    warp_curve: Float64,
     on_support: Float64,
     clip_root: Float32,
     node_first: Float64,
@@ -138,7 +140,7 @@ def trace_hips(
             if f < 0.0:
                 continue
             way, start = (correction[n], aimed[n]) if settled else (turn, nothing)
-            x, z, yaw, _ = placed(placement[n], way, start, f, turns[v], rise[v], on_support[n])
+            x, z, yaw, _ = place_clip(placement[n], way, start, f, turns[v], warp_curve[v], on_support[n])
             k = min(int(node_first[v] + f * (node_last[v] - node_first[v]) + 0.5), clip_root.shape[0] - 1)
             hx, hz = clip_root[k, 0], clip_root[k, 2]
             if take_share[n] > 0.0 and take[n] >= 0:
@@ -149,7 +151,7 @@ def trace_hips(
                 hz += take_share[n] * (take_offset[n, 1] + oz - hz)
             dx, dz = yaw_rotate(hx, hz, yaw)
             path[n, m, 0], path[n, m, 1] = x + dx, z + dz
-            share[n, m] = 0.0 if settled else risen(rise[v], f)
+            share[n, m] = 0.0 if settled else warp_share(warp_curve[v], f)
 
 
 @kernel(
@@ -165,7 +167,7 @@ def end_dancers(
     aimed: Float64,
     node: Int32,
     turns: Float64,
-    rise: Float64,
+    warp_curve: Float64,
     on_support: Float64,
     end: Float64,
     facing: Float64,
@@ -180,7 +182,9 @@ def end_dancers(
     """
     for n in range(node.shape[0]):
         v = max(node[n], 0)
-        x, z, path, body = placed(placement[n], correction[n], aimed[n], 1.0, turns[v], rise[v], on_support[n])
+        x, z, path, body = place_clip(
+            placement[n], correction[n], aimed[n], 1.0, turns[v], warp_curve[v], on_support[n]
+        )
         dx, dz = yaw_rotate(end[n, 0], end[n, 1], path)
         hips[n, 0], hips[n, 1], heading[n] = x + dx, z + dz, body + facing[n]
         yaw = heading[n] - node_facing[v]

@@ -25,7 +25,7 @@ Float = npt.NDArray[np.floating]
 Int = npt.NDArray[np.int64]
 
 BODY_SIDES: Final = ("left", "right")
-PALM: Final = 0.5
+PALM_SHARE: Final = 0.5
 """Position of the palm as a share of the distance from the wrist to the hand's tip."""
 _Z_UP_TO_Y_UP: Final = np.array((np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0))
 
@@ -82,7 +82,7 @@ def body_tracks(
     leg = leg_length(body, world.positions)
     if not leg > 1e-6 or not np.isfinite(leg):
         raise MotionFileError(motion.file, None, "the legs have no length", "a full body expected")
-    unit = unit_m or _believable(motion.unit_m, leg) or find_unit(leg) or ENGINE_LEG / leg
+    unit = unit_m or _plausible_unit(motion.unit_m, leg) or find_unit(leg) or ENGINE_LEG / leg
     ends = end_positions(motion, world)
 
     def metres(points: Float) -> Float64:
@@ -98,7 +98,9 @@ def body_tracks(
     ]
     ankles = np.stack([world.positions[:, body.joint(side + "Foot")] for side in BODY_SIDES], axis=1)
     toes = np.stack([_toes(motion, body, side, world.positions, ends) for side in BODY_SIDES], axis=1)
-    hands = np.stack([(1.0 - PALM) * wrist + PALM * tip for wrist, tip in zip(wrists, tips, strict=True)], axis=1)
+    hands = np.stack(
+        [(1.0 - PALM_SHARE) * wrist + PALM_SHARE * tip for wrist, tip in zip(wrists, tips, strict=True)], axis=1
+    )
     return BodyTracks(
         body=body,
         names=tuple(motion.names[j] for j in joints),
@@ -113,7 +115,7 @@ def body_tracks(
     )
 
 
-def _believable(unit: float | None, leg: float) -> float | None:
+def _plausible_unit(unit: float | None, leg: float) -> float | None:
     """Return the unit that the format fixes if the body height is plausible: some files in centimetres claim metres."""
     low, high = BODY_HEIGHT_RANGE
     return unit if unit is not None and low <= body_height(leg) * unit <= high else None
@@ -122,7 +124,7 @@ def _believable(unit: float | None, leg: float) -> float | None:
 def _hand_tip(motion: SourceMotion, body: SourceBody, side: str, positions: Float, ends: Float) -> Float64:
     """Return the mean of the hand's children without the thumb, (T, 3); without any, the hand (or lower arm) itself."""
     hand = body.joints[side + "Hand"]
-    return _hanging(motion, body.joint(side + "LowerArm") if hand is None else hand, positions, ends)
+    return _mean_of_children(motion, body.joint(side + "LowerArm") if hand is None else hand, positions, ends)
 
 
 def _toes(motion: SourceMotion, body: SourceBody, side: str, positions: Float, ends: Float) -> Float64:
@@ -130,11 +132,11 @@ def _toes(motion: SourceMotion, body: SourceBody, side: str, positions: Float, e
     return (
         np.asarray(positions[:, toes], np.float64)
         if toes is not None
-        else _hanging(motion, body.joint(side + "Foot"), positions, ends)
+        else _mean_of_children(motion, body.joint(side + "Foot"), positions, ends)
     )
 
 
-def _hanging(motion: SourceMotion, joint: int, positions: Float, ends: Float) -> Float64:
+def _mean_of_children(motion: SourceMotion, joint: int, positions: Float, ends: Float) -> Float64:
     children = [c for c in np.flatnonzero(motion.parents == joint) if "thumb" not in motion.names[c].lower()]
     places = [positions[:, c] for c in children] + [ends[:, e] for e in np.flatnonzero(motion.end_parents == joint)]
     distant = [place for place in places if np.median(np.linalg.norm(place - positions[:, joint], axis=-1)) > 1e-9]

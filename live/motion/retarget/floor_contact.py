@@ -15,7 +15,7 @@ Float = npt.NDArray[np.floating]
 SUPPORT_HEIGHT: Final = 0.05
 """The weight of a foot in placing the hips falls by a factor e per this height [m] over its floor."""
 FLOOR_PERCENTILE: Final = 5.0
-FLOATING: Final = 0.08
+DRIFT_HEIGHT: Final = 0.08
 """If the lowest sole is this high [m] over the floor for half of the time, the recording drifts vertically."""
 DRIFT_WINDOW: Final = 2.0
 """Window [s] in which a foot certainly touches the floor (a jump lasts less than 1 s)."""
@@ -25,7 +25,7 @@ _HIP_MIDDLE: Final = SKELETON.offsets[SKELETON.index("leftUpperLeg")].astype(np.
 def find_floor(lowest: Float, sample_rate: float) -> Float:
     """Return the floor height [m] at each sample, (T,), from the height `lowest` (T,) of the lowest sole."""
     floor = np.full(lowest.shape, np.percentile(lowest, FLOOR_PERCENTILE))
-    if np.median(lowest - floor) < FLOATING:
+    if np.median(lowest - floor) < DRIFT_HEIGHT:
         return floor
     half = max(1, round(0.5 * DRIFT_WINDOW * sample_rate))
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(lowest, half, mode="edge"), 2 * half + 1)

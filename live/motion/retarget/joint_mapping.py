@@ -28,7 +28,7 @@ _ARM: Final[dict[str, tuple[str, ...]]] = {
     "LowerArm": ("forearm", "lowerarm", "lowarm", "loarm", "elbow", "radius"),
 }
 _HAND: Final = ("wrist", "hand")
-_HAND_OF_RADIUS: Final = ("hand", "wrist")
+_ACCLAIM_HAND: Final = ("hand", "wrist")
 """Acclaim skeletons split the forearm: the bone `lwrist` is its last third, `lhand` begins at the wrist."""
 _TOES: Final = ("toebase", "toes", "toe", "ball", "foot")
 _CLAVICLE: Final = ("clavicle", "collar", "scapula", "shoulder")
@@ -37,7 +37,7 @@ _ACCLAIM: Final = (
     "hipjoint", "femur", "tibia", "foot", "toes", "clavicle", "humerus", "radius", "wrist", "hand", "fingers", "thumb",
 )  # fmt: skip
 """Bones that the Acclaim format names in lower case after an l or r: lfemur."""
-_TRIES: Final = 4
+_MAX_CANDIDATES: Final = 4
 """Limit of joints tried per name: with hundreds of equal names the chain search would be too slow."""
 _REQUIRED: Final = (
     *(side + joint for side in ("left", "right") for joint in ("UpperLeg", "LowerLeg", "Foot", "UpperArm", "LowerArm")),
@@ -120,25 +120,27 @@ class _BodyFinder:
         for side in ("left", "right"):
             self._find_limb(joints, side, _LEG)
             self._find_limb(joints, side, _ARM)
-            joints[side + "Toes"] = self._below(joints[side + "Foot"], side, _TOES)
+            joints[side + "Toes"] = self._find_below(joints[side + "Foot"], side, _TOES)
             radius = joints[side + "LowerArm"] in self._by_name.get((side, "radius"), [])
-            joints[side + "Hand"] = self._below(joints[side + "LowerArm"], side, _HAND_OF_RADIUS if radius else _HAND)
+            joints[side + "Hand"] = self._find_below(
+                joints[side + "LowerArm"], side, _ACCLAIM_HAND if radius else _HAND
+            )
             joints[side + "Shoulder"] = self._clavicle(joints[side + "UpperArm"], side)
-        hips = self._common(joints["leftUpperLeg"], joints["rightUpperLeg"])
+        hips = self._common_ancestor(joints["leftUpperLeg"], joints["rightUpperLeg"])
         joints["hips"] = hips
-        chest = self._common(
+        chest = self._common_ancestor(
             joints["leftShoulder"] if joints["leftShoulder"] is not None else joints["leftUpperArm"],
             joints["rightShoulder"] if joints["rightShoulder"] is not None else joints["rightUpperArm"],
         )
-        below = [] if hips is None else self._path(hips)
-        spine = self._until(chest, below)
-        head = self._below(hips if chest is None else self._path(chest)[-1], "", _HEAD)
-        neck = self._until(self._parent(head), [*below, *spine])
-        self._name_trunk(joints, spine, neck, head)
+        below = [] if hips is None else self._ancestors(hips)
+        spine = self._path_below(chest, below)
+        head = self._find_below(hips if chest is None else self._ancestors(chest)[-1], "", _HEAD)
+        neck = self._path_below(self._parent(head), [*below, *spine])
+        self._assign_trunk(joints, spine, neck, head)
         return SourceBody(joints, tuple(spine), tuple(neck))
 
     @staticmethod
-    def _name_trunk(joints: dict[str, int | None], spine: list[int], neck: list[int], head: int | None) -> None:
+    def _assign_trunk(joints: dict[str, int | None], spine: list[int], neck: list[int], head: int | None) -> None:
         if spine:
             joints["spine"] = spine[0]
         if len(spine) == 2:
@@ -157,41 +159,41 @@ class _BodyFinder:
         if not words:
             return []
         for word in words[0]:
-            for joint in self._by_name.get((side, word), [])[:_TRIES]:
-                if above is None or above in self._path(joint)[1:]:
+            for joint in self._by_name.get((side, word), [])[:_MAX_CANDIDATES]:
+                if above is None or above in self._ancestors(joint)[1:]:
                     rest = self._chain(joint, side, words[1:])
                     if rest is not None:
                         return [joint, *rest]
         return None
 
-    def _below(self, above: int | None, side: str, words: tuple[str, ...]) -> int | None:
+    def _find_below(self, above: int | None, side: str, words: tuple[str, ...]) -> int | None:
         found = None if above is None else self._chain(above, side, [words])
         return found[0] if found else None
 
     def _clavicle(self, arm: int | None, side: str) -> int | None:
         if arm is None:
             return None
-        above = self._path(arm)[1:]
+        above = self._ancestors(arm)[1:]
         return next((j for word in _CLAVICLE for j in self._by_name.get((side, word), []) if j in above), None)
 
     def _parent(self, joint: int | None) -> int | None:
         return None if joint is None or self._parents[joint] < 0 else self._parents[joint]
 
-    def _path(self, joint: int) -> list[int]:
+    def _ancestors(self, joint: int) -> list[int]:
         """Return the joint and all its ancestors, up to the root."""
         path = [joint]
         while self._parents[path[-1]] >= 0:
             path.append(self._parents[path[-1]])
         return path
 
-    def _common(self, a: int | None, b: int | None) -> int | None:
+    def _common_ancestor(self, a: int | None, b: int | None) -> int | None:
         """Return the lowest common ancestor."""
         if a is None or b is None:
             return None
-        above = set(self._path(b)[1:])
-        return next((joint for joint in self._path(a)[1:] if joint in above), None)
+        above = set(self._ancestors(b)[1:])
+        return next((joint for joint in self._ancestors(a)[1:] if joint in above), None)
 
-    def _until(self, joint: int | None, stop: list[int]) -> list[int]:
+    def _path_below(self, joint: int | None, stop: list[int]) -> list[int]:
         """Return the joints between `stop` (exclusive) and `joint` (inclusive), bottom up; empty without a joint."""
         chain: list[int] = []
         while joint is not None and joint not in stop:

@@ -100,7 +100,7 @@ def standing_frame(points: SourcePoints, *, rest: bool) -> Float:
     return np.where(exact, body_frame(*safe), frame)
 
 
-def plainness(points: SourcePoints, frame: Float) -> tuple[Float, npt.NDArray[np.bool_]]:
+def standing_cost(points: SourcePoints, frame: Float) -> tuple[Float, npt.NDArray[np.bool_]]:
     """Return each frame's deviation from plain standing (0 = straight) and whether it can be a reference; (T,) each.
 
     Legs must point down; arms must point sideways or down and not be folded, anywhere between T-pose and hanging.
@@ -121,26 +121,28 @@ def plainness(points: SourcePoints, frame: Float) -> tuple[Float, npt.NDArray[np
     return cost, usable
 
 
-def reference_rotations(points: SourcePoints, frame: Float, at: int) -> dict[str, Float]:
+def reference_rotations(points: SourcePoints, frame: Float, frame_index: int) -> dict[str, Float]:
     """Return the world rotation (4,) of each engine joint in the reference pose `at`, with body frame `frame` (T, 4).
 
     Trunk, head and clavicles are as in the engine's rest pose, feet flat and pointing towards the toes; limbs are
     rotated the shortest way to the source's bones.
     """
-    whole = frame[at]
+    whole = frame[frame_index]
     rotations = dict.fromkeys(SKELETON.names, whole)
     for joint, child in LIMB_BONES:
         start = quaternion.rotate(whole, engine_direction(child))
-        rotations[joint] = quaternion.mul(quaternion.from_two_vectors(start, points.bone(joint, child)[at]), whole)
+        rotations[joint] = quaternion.mul(
+            quaternion.from_two_vectors(start, points.bone(joint, child)[frame_index]), whole
+        )
     for side, sign in SIDES:
         hand, foot, toes = side + "Hand", side + "Foot", side + "Toes"
         rotations[hand] = rotations[side + "LowerArm"]
         if hand + "End" in points.ends:
-            direction = quaternion.unit(points.ends[hand + "End"][at] - points.at(hand)[at])
+            direction = quaternion.unit(points.ends[hand + "End"][frame_index] - points.at(hand)[frame_index])
             start = quaternion.rotate(whole, sign * _X)
             rotations[hand] = quaternion.mul(quaternion.from_two_vectors(start, direction), whole)
         if points.has(toes):
-            rotations[foot] = rotations[toes] = _flat_foot(points.bone(foot, toes)[at], whole)
+            rotations[foot] = rotations[toes] = _flat_foot(points.bone(foot, toes)[frame_index], whole)
     return rotations
 
 

@@ -24,8 +24,8 @@ from live.motion.retarget.rest_pose_alignment import (
     SourcePoints,
     engine_direction,
     hinge_twist,
-    plainness,
     reference_rotations,
+    standing_cost,
     standing_frame,
 )
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
@@ -35,17 +35,17 @@ Float = npt.NDArray[np.floating]
 SPINE: Final = ("spine", "chest", "upperChest")
 
 
-def _engine_places() -> list[float]:
+def _engine_spine_fractions() -> list[float]:
     """Return the midpoints of the segments above spine, chest and upperChest, from 0 (hips) to 1 (neck)."""
     chain = [SKELETON.index(name) for name in (*SPINE, "neck")]
     heights = np.cumsum([np.linalg.norm(SKELETON.offsets[joint]) for joint in chain])
     return [float(0.5 * (heights[n] + heights[n + 1]) / heights[-1]) for n in range(len(SPINE))]
 
 
-PLACES: Final = _engine_places()
+SPINE_FRACTIONS: Final = _engine_spine_fractions()
 
 
-def source_places(rest: SourcePoints) -> Float:
+def source_spine_fractions(rest: SourcePoints) -> Float:
     """Return the midpoints of the source's segments above the hips and each spine joint, from 0 (hips) to 1 (arms).
 
     Lengths are measured along the chain in the rest pose. The last segment ends at the neck, or at the line between the
@@ -66,9 +66,9 @@ def spine_rotations(rest: SourcePoints, hips: Float, chain: list[Float]) -> dict
     Each engine joint gets the source trunk's rotation at the same relative height: SLERP between the two nearest.
     """
     known = [hips, *chain]
-    places = source_places(rest)
+    places = source_spine_fractions(rest)
     rotations = {}
-    for name, place in zip(SPINE, PLACES, strict=True):
+    for name, place in zip(SPINE, SPINE_FRACTIONS, strict=True):
         above = int(np.searchsorted(places, place))
         if above == 0 or above == len(known):
             rotations[name] = known[min(above, len(known) - 1)]
@@ -87,18 +87,18 @@ def neck_rotation(chain: list[Float], chest: Float, head: Float) -> Float:
     return low if low is high else quaternion.slerp(low, high, np.asarray(0.5))
 
 
-TWISTED: Final = np.radians(60.0)
+TWIST_TOLERANCE: Final = np.radians(60.0)
 """If a limb's bend axis is this far off the engine's hinge axis, the twist of its rest pose is ignored."""
 
 
 def world_rotations(points: SourcePoints, rest: SourcePoints) -> Float:
     """Return world rotations of the engine's joints, shape (T, 22, 4)."""
     frame = standing_frame(rest, rest=True)
-    from_rest = bool(plainness(rest, frame)[1][0])
+    from_rest = bool(standing_cost(rest, frame)[1][0])
     reference, at = rest, 0
     if not from_rest:
         reference, frame = points, standing_frame(points, rest=False)
-        cost, usable = plainness(points, frame)
+        cost, usable = standing_cost(points, frame)
         at = int(np.argmin(np.where(usable, cost, cost + 100.0)))
     wanted = reference_rotations(reference, frame, at)
 
@@ -115,8 +115,8 @@ def world_rotations(points: SourcePoints, rest: SourcePoints) -> Float:
     world["neck"] = neck_rotation([aligned("neck", source) for source in body.neck], world["upperChest"], head)
     world["head"] = head
     for joint, child in LIMB_BONES:
-        world[joint] = _bent_like_ours(points, world[joint], joint, TWISTED if from_rest else 0.0)
-        world[joint] = _exact(world[joint], points, joint, child)
+        world[joint] = _align_hinge(points, world[joint], joint, TWIST_TOLERANCE if from_rest else 0.0)
+        world[joint] = _align_exactly(world[joint], points, joint, child)
     for side, _ in SIDES:
         world.setdefault(side + "Shoulder", world["upperChest"])
         world.setdefault(side + "Hand", world[side + "LowerArm"])
@@ -124,7 +124,7 @@ def world_rotations(points: SourcePoints, rest: SourcePoints) -> Float:
     return np.stack([world[name] for name in SKELETON.names], axis=1)
 
 
-def _exact(rotation: Float, points: SourcePoints, joint: str, child: str) -> Float:
+def _align_exactly(rotation: Float, points: SourcePoints, joint: str, child: str) -> Float:
     """Apply the remaining rotation that makes the bone point exactly where the source's does (twist bones, drift)."""
     pointing = quaternion.rotate(rotation, engine_direction(child))
     target = points.at(child) - points.at(joint)
@@ -132,7 +132,7 @@ def _exact(rotation: Float, points: SourcePoints, joint: str, child: str) -> Flo
     return quaternion.mul(quaternion.from_two_vectors(pointing, target), rotation)
 
 
-def _bent_like_ours(points: SourcePoints, rotation: Float, joint: str, tolerance: float) -> Float:
+def _align_hinge(points: SourcePoints, rotation: Float, joint: str, tolerance: float) -> Float:
     """Rotate about the bone so that knee or elbow bend about the engine's hinge axis, if off by over `tolerance`."""
     side = "left" if joint.startswith("left") else "right"
     limb = ("UpperArm", "LowerArm", "Hand") if joint.endswith("Arm") else ("UpperLeg", "LowerLeg", "Foot")
@@ -156,7 +156,7 @@ def local_rotations(world: Float) -> Float:
 
 SAMPLE_RATE: Final = 60.0
 """Sample rate of clips made from recordings [Hz]."""
-_NEARLY: Final = 1e-3
+_FRAME_TOLERANCE: Final = 1e-3
 """Fraction of a frame that counts as zero, because headers round the frame time."""
 
 
@@ -189,14 +189,14 @@ def retarget(
     _check(motion, body, fps, drop_frames, sample_rate)
     _, axis = standing_pose(motion, body, up)
     recorded = LocalPose(motion.translation, motion.rotation)
-    local = _resampled(recorded, drop_frames, (fps or motion.header_fps) / sample_rate)
+    local = _resample_pose(recorded, drop_frames, (fps or motion.header_fps) / sample_rate)
     points = source_points(motion, body, world_pose(motion.parents, local), axis)
     leg = leg_length(body, points.positions)
     if not leg > 1e-6 or not np.isfinite(leg):
         raise MotionFileError(motion.file, None, "the legs have no length", "a body with OFFSETs of its limbs expected")
     _check_unit(motion, body_height(leg), unit_m)
     world = world_rotations(points, rest_points(motion, body, axis))
-    rotation = quaternion.continuous(local_rotations(world))
+    rotation = quaternion.align_signs(local_rotations(world))
     root = place_hips(points, world, rotation, ENGINE_LEG / leg)
     positions, _ = forward_kinematics(root, rotation)
     ankles, toes = (positions[:, [SKELETON.index(s + j) for s, _ in SIDES]] for j in ("Foot", "Toes"))
@@ -240,15 +240,15 @@ def _check_unit(motion: SourceMotion, height: float, unit_m: float | None) -> No
         )
 
 
-def _resampled(local: LocalPose, drop: int, frames_per_sample: float) -> LocalPose:
+def _resample_pose(local: LocalPose, drop: int, frames_per_sample: float) -> LocalPose:
     """Resample from frame `drop` on: SLERP for rotations, linear for translations."""
     frames = local.rotation.shape[0] - drop
-    count = int((frames - 1) / frames_per_sample + _NEARLY) + 1
+    count = int((frames - 1) / frames_per_sample + _FRAME_TOLERANCE) + 1
     place = np.minimum(np.arange(count) * frames_per_sample, frames - 1)
     before = np.minimum(place.astype(np.int64), max(frames - 2, 0))
     part = place - before
     before += drop
-    if np.abs(part - np.round(part)).max(initial=0.0) < _NEARLY:
+    if np.abs(part - np.round(part)).max(initial=0.0) < _FRAME_TOLERANCE:
         exact = before + np.round(part).astype(np.int64)
         return LocalPose(local.translation[exact], local.rotation[exact])
     after, weight = before + 1, part[:, None, None]

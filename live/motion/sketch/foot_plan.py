@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.curve import through
+from live.motion.curve import interpolate
 from live.motion.sketch.sketch_file import Key, Sketch
 
 Float = npt.NDArray[np.floating]
@@ -154,4 +154,4 @@ def balance(left: list[Stance], right: list[Stance], beats: Float) -> Float:
     if left[0].arrive <= -ALWAYS and right[0].arrive <= -ALWAYS:  # the sketch begins in the neutral stance
         begin = min(max(begin, 0.0), merged[0][0] - 0.05)
     table = np.array([(begin, 0.0), *merged, (merged[-1][0] + 0.5, 0.0)])
-    return through(table[:, 0], table[:, 1], beats)
+    return interpolate(table[:, 0], table[:, 1], beats)

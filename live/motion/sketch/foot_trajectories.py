@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.curve import through
+from live.motion.curve import interpolate
 from live.motion.skeleton import SKELETON
 from live.motion.sketch.foot_plan import ALWAYS, Stance, place_of
 from live.motion.sketch.sketch_file import Key
@@ -152,8 +152,8 @@ def track(
         places += [ball[index], ball[index], *above[:, 1:]]
         ground += [ball[index], ball[index]]
         landed = landing
-    way = through(np.array(times), np.array(places), beats)
-    stand = through(np.array(ground_times), np.array(ground), beats)
+    way = interpolate(np.array(times), np.array(places), beats)
+    stand = interpolate(np.array(ground_times), np.array(ground), beats)
     pivot, heel, firm = _pivot(path, own, beats), _heel(own, world, beats, leaps), _firm(own, beats, plain=0.0)
     behind = BALL_FORWARD - 0.09 * firm * np.minimum(heel / math.radians(20.0), 1.0)
     yaw = stand[:, 2] + pivot
@@ -162,7 +162,7 @@ def track(
         contact |= (beats >= stance.arrive - 1e-6) & (beats <= stance.leave + 1e-6)
     return FootTrack(
         ball=way[:, :2],
-        height=through(up[:, 0], up[:, 1], beats),
+        height=interpolate(up[:, 0], up[:, 1], beats),
         yaw=way[:, 2] + pivot,
         heel=heel,
         toe=_toe(own, beats),
@@ -197,7 +197,7 @@ def _over_its_place(up: Float, ways: Float, leave: float, arrive: float) -> tupl
     for here, there in ((ways[0], ways[1]), (ways[-1], ways[-2])):
         span = abs((there[0] if len(ways) > 2 else middle) - here[0])
         at = np.linspace(0.0, span, 65)
-        high = through(up[:, 0], up[:, 1], here[0] + np.copysign(at, middle - here[0])) >= _LOW
+        high = interpolate(up[:, 0], up[:, 1], here[0] + np.copysign(at, middle - here[0])) >= _LOW
         low = at[int(np.argmax(high))]
         # a curve with zero slope at its key has covered at most 3 u² of its distance after the share u of its time
         near = math.sqrt(_NEAR / 3.0 / max(math.hypot(*(there - here)[1:]), _NEAR))
@@ -242,9 +242,9 @@ def _lift(stance: Stance, way: float) -> float:
 def _pivot(path: Path, own: list[Stance], beats: Float) -> Float:
     """Return the pivot of the foot on its ball where the body turns further than the hips allow."""
     times = np.array([at for stance in own for at in (stance.arrive, min(stance.leave, ALWAYS))])
-    twist = path.facing(beats) - through(times, np.repeat(path.standing(own)[1], 2), beats)
+    twist = path.facing(beats) - interpolate(times, np.repeat(path.standing(own)[1], 2), beats)
     on_ball = [0.0 if any(_said_toe(key) for key in stance.contacts) else 1.0 for stance in own]
-    return np.asarray((twist - _PIVOT * np.tanh(twist / _PIVOT)) * through(times, np.repeat(on_ball, 2), beats))
+    return np.asarray((twist - _PIVOT * np.tanh(twist / _PIVOT)) * interpolate(times, np.repeat(on_ball, 2), beats))
 
 
 def _angle(centimetres_up: float) -> float:
@@ -312,7 +312,7 @@ def _angles(keys: list[tuple[float, float]], beats: Float) -> Float:
         if at > increasing[-1][0] + 0.01:
             increasing.append((at, value))
     table = np.array(increasing)
-    return np.maximum(through(table[:, 0], table[:, 1], beats), 0.0)
+    return np.maximum(interpolate(table[:, 0], table[:, 1], beats), 0.0)
 
 
 def _firm(own: list[Stance], beats: Float, *, plain: float) -> Float:
@@ -327,4 +327,4 @@ def _firm(own: list[Stance], beats: Float, *, plain: float) -> Float:
         keys.append((stance.arrive, 1.0))
         keys.append((min(stance.leave, ALWAYS), 1.0))
     table = np.array(keys)
-    return through(table[:, 0], table[:, 1], beats)
+    return interpolate(table[:, 0], table[:, 1], beats)

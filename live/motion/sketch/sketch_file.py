@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-from live.base.toml import KeyPath, error_line, line_of, toml_lines, toml_values
+from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_numbers
 from live.motion.sketch.phrase_takes import Take, read_directions, read_takes
 from live.motion.sketch.sketch_attributes import ATTRIBUTES, read_attributes
 from live.motion.sketch.sketch_notation import PAIRS, PARTS, WordError, Words, read_counts, read_phrases
@@ -100,13 +100,13 @@ def parse_sketch(text: str, file: str) -> Sketch:
     if len(text) > MAX_TEXT:
         raise SketchError(file, 1, "file", f"{len(text)} characters are too many", f"at most {MAX_TEXT}")
     try:
-        table = toml_values(text)
+        table = parse_toml(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         problem, remedy = str(error).split("(at ")[0].strip(), "a line is word = value"
         if "overwrite" in problem or "twice" in problem:
             problem, remedy = "a word, count or table is written twice", "put it all on one line, or leave one out"
         raise SketchError(file, error_line(str(error), text), "TOML", problem, remedy) from None
-    return _Reader(table, toml_lines(text), file).sketch()
+    return _Reader(table, toml_line_numbers(text), file).sketch()
 
 
 class _Reader:

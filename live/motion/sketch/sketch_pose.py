@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.curve import followed, hermite, monotone_slopes, smoothed, soft_min
+from live.motion.curve import gaussian_filter, hermite, monotone_slopes, soft_min, spring_response
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.motion.sketch.foot_trajectories import HOME_FORWARD, FootTrack
 from live.motion.sketch.sketch_file import Sketch
@@ -58,15 +58,15 @@ def pose_body(sketch: Sketch, ground: Ground) -> tuple[Float, Float, Float]:
     parents = SKELETON.parents[1:]
     local = pose.rotation.copy()
     local[:, 1:] = quaternion.mul(quaternion.inverse(pose.rotation[:, parents]), pose.rotation[:, 1:])
-    return pose.position[:, 0].copy(), quaternion.continuous(quaternion.unit(local)), np.stack(short, axis=1)
+    return pose.position[:, 0].copy(), quaternion.align_signs(quaternion.unit(local)), np.stack(short, axis=1)
 
 
 # --- pelvis ------------------------------------------------------------------------------------------------------
 
 
 def _pose_pelvis(sketch: Sketch, ground: Ground, pelvis: Channels, pose: Pose) -> None:
-    stride = smoothed(stride_of(ground), 0.1 * SAMPLES_PER_BEAT)
-    weight = smoothed(ground.balance, 0.12 * SAMPLES_PER_BEAT)
+    stride = gaussian_filter(stride_of(ground), 0.1 * SAMPLES_PER_BEAT)
+    weight = gaussian_filter(ground.balance, 0.12 * SAMPLES_PER_BEAT)
     turn = pelvis["turn"] - 0.16 * np.tanh(stride / 0.45)
     tilt = pelvis["tilt"] - (0.0 if "tilt" in pelvis.named else math.radians(3.5) * weight)
     rotation = turned(ground.facing + turn, pelvis["lean"], tilt)
@@ -78,11 +78,11 @@ def _pose_pelvis(sketch: Sketch, ground: Ground, pelvis: Channels, pose: Pose) -
         # laterally the pelvis shifts over the supporting foot; forwards it follows only the middle of both feet
         side = np.stack((np.cos(ground.facing), -np.sin(ground.facing)), axis=1)
         apart = side * np.sum(apart * side, axis=1, keepdims=True)
-    over = smoothed(_SHIFT * apart * np.reshape(sideways, (-1, 1)), 0.05 * SAMPLES_PER_BEAT)
+    over = gaussian_filter(_SHIFT * apart * np.reshape(sideways, (-1, 1)), 0.05 * SAMPLES_PER_BEAT)
     # in a wide stance the pelvis stays near enough to the middle for both legs to reach the floor
     room = np.maximum(_WIDEST - np.linalg.norm(apart, axis=1, keepdims=True), 0.02)
     over = over * room / (room**4 + np.sum(over * over, axis=1, keepdims=True) ** 2) ** 0.25
-    middle = smoothed(middle, 0.22 * SAMPLES_PER_BEAT) + over
+    middle = gaussian_filter(middle, 0.22 * SAMPLES_PER_BEAT) + over
     shift = np.stack((pelvis["left"], np.zeros(len(ground.beats)), pelvis["forward"] - HOME_FORWARD), axis=1)
     shift = quaternion.rotate(about(Y_AXIS, ground.facing), shift)
     position[:, 0] = middle[:, 0] + shift[:, 0]
@@ -129,7 +129,7 @@ def _rise(sketch: Sketch, ground: Ground, pelvis: Channels) -> Float:
     slopes = monotone_slopes(table[:, 0], table[:, 1])
     for index, (at, _) in enumerate(knots):
         slopes[index] = ends.get(at, slopes[index])
-    return smoothed(hermite(table[:, 0], table[:, 1], slopes, beats), 0.02 * SAMPLES_PER_BEAT)
+    return gaussian_filter(hermite(table[:, 0], table[:, 1], slopes, beats), 0.02 * SAMPLES_PER_BEAT)
 
 
 def _ankle(track: FootTrack) -> tuple[Float, Float]:
@@ -182,10 +182,10 @@ def _pose_leg(track: FootTrack, pose: Pose, name: str) -> Float:
 def _pose_trunk(sketch: Sketch, ground: Ground, pelvis: Channels, pose: Pose) -> None:
     beats = ground.beats
     chest, head = Channels(sketch, "chest", beats), Channels(sketch, "head", beats)
-    stride = smoothed(stride_of(ground), 0.1 * SAMPLES_PER_BEAT)
-    weight = followed(ground.balance, 0.5 * SAMPLES_PER_BEAT, 0.7)
+    stride = gaussian_filter(stride_of(ground), 0.1 * SAMPLES_PER_BEAT)
+    weight = spring_response(ground.balance, 0.5 * SAMPLES_PER_BEAT, 0.7)
     height = pose.position[:, 0, 1]
-    drop = followed(STANDING - np.clip(height, STANDING - 0.15, STANDING + 0.05), 0.45 * SAMPLES_PER_BEAT, 0.55)
+    drop = spring_response(STANDING - np.clip(height, STANDING - 0.15, STANDING + 0.05), 0.45 * SAMPLES_PER_BEAT, 0.55)
     turn = chest["turn"] + 0.20 * np.tanh(stride / 0.45) + 0.15 * pelvis["turn"]
     lean = chest["lean"] + math.radians(1.0) + 0.6 * drop + 0.3 * pelvis["lean"]
     tilt = chest["tilt"] + math.radians(2.0) * weight + 0.2 * pelvis["tilt"]
@@ -202,7 +202,7 @@ def _pose_trunk(sketch: Sketch, ground: Ground, pelvis: Channels, pose: Pose) ->
     pose.attach("spine", low)
     pose.attach("chest", quaternion.mul(low, share_of(bend, 0.35)))
     pose.attach("upperChest", upright)
-    nod = 0.9 * followed(drop, 0.3 * SAMPLES_PER_BEAT, 0.5) - 0.5 * drop
+    nod = 0.9 * spring_response(drop, 0.3 * SAMPLES_PER_BEAT, 0.5) - 0.5 * drop
     gaze = turned(
         ground.facing + head["turn"] + 0.2 * chest["turn"],
         head["lean"] + 0.45 * chest["lean"] + nod,

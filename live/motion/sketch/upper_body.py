@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.curve import followed, hermite, monotone_slopes, repeated, smoothed, through
+from live.motion.curve import gaussian_filter, hermite, interpolate, monotone_slopes, repeat_keys, spring_response
 from live.motion.skeleton import SKELETON
 from live.motion.sketch.foot_trajectories import FootTrack
 from live.motion.sketch.sketch_file import Key, Sketch
@@ -38,7 +38,7 @@ class Channels:
             return np.zeros(len(self.beats))
         keys = [(key.beat, key.amounts.get(channel, 0.0)) for key in self.keys if _says(key, channel)]
         times, values = closed(self.sketch, keys, self.beats)
-        return smoothed(through(times, values, self.beats), _SOFT)
+        return gaussian_filter(interpolate(times, values, self.beats), _SOFT)
 
 
 def _says(key: Key, channel: str) -> bool:
@@ -49,7 +49,7 @@ def closed(sketch: Sketch, keys: list[tuple[float, float]], beats: Float) -> tup
     """Return times and values of keys (beat, amount) repeated over `beats`, or from and to zero if not cyclic."""
     if sketch.cyclic:
         table = np.array(keys)
-        return repeated(table[:, 0], table[:, 1], sketch.beats, 0.0, beats)
+        return repeat_keys(table[:, 0], table[:, 1], sketch.beats, 0.0, beats)
     table = np.array([(0.0, 0.0), *keys, (float(sketch.beats), 0.0)])
     return table[:, 0], table[:, 1]
 
@@ -68,9 +68,9 @@ def facing(sketch: Sketch, at: Float) -> Float:
     if len(keys) == 1:
         return np.full(len(at), keys[0, 1])
     if not sketch.cyclic:
-        return through(keys[:, 0], keys[:, 1], at)
+        return interpolate(keys[:, 0], keys[:, 1], at)
     span = np.array((min(at.min(), 0.0), max(at.max(), 0.0)))
-    times, values = repeated(keys[:, 0], keys[:, 1], sketch.beats, turned, span)
+    times, values = repeat_keys(keys[:, 0], keys[:, 1], sketch.beats, turned, span)
     return hermite(times, values, monotone_slopes(times, values), at)
 
 
@@ -178,14 +178,19 @@ def _hand(sketch: Sketch, part: str, beats: Float) -> _Hand:
         cycles = np.arange(math.floor(beats[0] / sketch.beats) - 2, math.ceil(beats[-1] / sketch.beats) + 3)
         times = (times[None] + cycles[:, None] * sketch.beats).ravel()
         values = np.tile(values, (len(cycles), 1))
-    track = smoothed(through(times, values, beats), 0.06 * SAMPLES_PER_BEAT)
+    track = gaussian_filter(interpolate(times, values, beats), 0.06 * SAMPLES_PER_BEAT)
     return _Hand(track[:, :3], track[:, 3:6], track[:, 6], track[:, 7])
 
 
 def pose_arm(sketch: Sketch, ground: Ground, pose: Pose, side: float, name: str) -> None:
     hand = _hand(sketch, f"{name}_hand", ground.beats)
     _, chest = pose.of("upperChest")
-    swing = -side * 0.75 * np.tanh(followed(stride_of(ground), 0.55 * SAMPLES_PER_BEAT, 0.6) / 0.6) * (1.0 - hand.keyed)
+    swing = (
+        -side
+        * 0.75
+        * np.tanh(spring_response(stride_of(ground), 0.55 * SAMPLES_PER_BEAT, 0.6) / 0.6)
+        * (1.0 - hand.keyed)
+    )
     place = hand.place * (1.0 - 0.25 * np.maximum(swing, 0.0))[:, None]  # the elbow bends in the forward swing
     place = quaternion.rotate(about(X_AXIS, -swing), place * (side, 1.0, 1.0))
     shoulder = Channels(sketch, f"{name}_shoulder", ground.beats)
@@ -196,7 +201,7 @@ def pose_arm(sketch: Sketch, ground: Ground, pose: Pose, side: float, name: str)
     pose.attach(f"{name}Shoulder", quaternion.mul(chest, clavicle))
     root = pose.attach(f"{name}UpperArm", chest).copy()
     frame = quaternion.slerp(about(Y_AXIS, ground.facing), chest, np.full(len(chest), 0.6))
-    hung = 0.5 * (followed(root, 0.4 * SAMPLES_PER_BEAT, 0.6) - root)
+    hung = 0.5 * (spring_response(root, 0.4 * SAMPLES_PER_BEAT, 0.6) - root)
     target = root + hung + quaternion.rotate(frame, place)
     raised = np.clip((place[:, 1:2] + 0.15) / 0.5, 0.0, 1.0) ** 2
     pole = (1.0 - raised) * (0.6, -0.6, -0.5) + raised * (0.9, -0.35, -0.25) + hand.elbow / 0.3
@@ -213,6 +218,6 @@ def pose_arm(sketch: Sketch, ground: Ground, pose: Pose, side: float, name: str)
 def _trailing(forearm: Float, wrist: Float, side: float) -> Float:
     """Return the hand's rotation (T, 4): the forearm's, bent by `wrist` [rad], lagging behind fast motion."""
     along = quaternion.rotate(forearm, side * X_AXIS)
-    late = quaternion.unit(followed(along, 0.35 * SAMPLES_PER_BEAT, 0.6))
+    late = quaternion.unit(spring_response(along, 0.35 * SAMPLES_PER_BEAT, 0.6))
     drag = share_of(quaternion.from_two_vectors(along, late), 0.6)
     return quaternion.mul(drag, quaternion.mul(forearm, about(Z_AXIS, side * wrist)))

@@ -27,11 +27,11 @@ Float64 = npt.NDArray[np.float64]
 Float = npt.NDArray[np.floating]
 Bool = npt.NDArray[np.bool_]
 
-EASE: Final = 0.12
+FADE_S: Final = 0.12
 """Time over which a leg's texture fades in and out next to a stance [s]."""
-LOW: Final = 0.05
+MAX_SOLE_HEIGHT: Final = 0.05
 """A sole lower than this [m] is kept where the sketch has it."""
-STRETCHED: Final = 0.992
+MAX_LEG_SHARE: Final = 0.992
 """The hips sink so that no leg is stretched to more than this share of its length, or more than in the sketch."""
 _HIPS: Final = tuple(SKELETON.index(side + "UpperLeg") for side in ("left", "right"))
 _LEG: Final = float(
@@ -40,7 +40,9 @@ _LEG: Final = float(
 _SIDE_OF: Final = {joint: 0 if SKELETON.names[joint].startswith("left") else 1 for joint in LEGS}
 
 
-def stand(sketch: Clip, root: Float, rotation: Float, legs: Mapping[int, Float64], charts: Sequence[Chart]) -> Clip:
+def apply_foot_constraints(
+    sketch: Clip, root: Float, rotation: Float, legs: Mapping[int, Float64], charts: Sequence[Chart]
+) -> Clip:
     """Return the clip with the hips at `root` (T, 3), `rotation` (T, J, 4) above the legs, and textured legs.
 
     `legs` maps leg joints to the offsets (T, 3) added to their angles in the `charts`. Ankles and feet stay where
@@ -53,10 +55,10 @@ def stand(sketch: Clip, root: Float, rotation: Float, legs: Mapping[int, Float64
         )
         ankles, feet = position[:, ANKLES], world[:, ANKLES]
         legs_own = np.linalg.norm(position[:, _HIPS] - ankles, axis=-1)
-        root = _sunk(root, rotation, ankles, np.maximum(legs_own, STRETCHED * _LEG), sketch.sample_rate)
+        root = _lower_hips(root, rotation, ankles, np.maximum(legs_own, MAX_LEG_SHARE * _LEG), sketch.sample_rate)
         rotation = reach_with_feet(root, rotation, ankles, feet)
     if legs:
-        free = freedom(sketch.contact, find_feet(sketch).height, sketch.sample_rate)
+        free = texture_weights(sketch.contact, find_feet(sketch).height, sketch.sample_rate)
         for joint, change in legs.items():
             angles = charts[joint].angles(rotation[:, joint]) + free[:, _SIDE_OF[joint], None] * change
             rotation[:, joint] = np.where(
@@ -65,22 +67,22 @@ def stand(sketch: Clip, root: Float, rotation: Float, legs: Mapping[int, Float64
     clip = replace(
         sketch,
         root_position=np.ascontiguousarray(root, np.float32),
-        rotation=np.ascontiguousarray(quaternion.continuous(rotation), np.float32),
+        rotation=np.ascontiguousarray(quaternion.align_signs(rotation), np.float32),
     )
     return correct_floor(clip).clip if legs or moved else clip
 
 
-def freedom(contact: Bool, height: Float, rate: float) -> Float64:
+def texture_weights(contact: Bool, height: Float, rate: float) -> Float64:
     """Return the weight of texture for each leg, (T, 2), smooth in time.
 
     It is 0 while the foot is in contact or its sole, at `height` (T, 2) [m], is low, because the foot would skate.
     It is 1 from `EASE` away from that.
     """
-    held = (contact | (height < LOW)).astype(np.float64)
-    return np.asarray(1.0 - cover(held, max(1, round(0.5 * EASE * rate))))
+    held = (contact | (height < MAX_SOLE_HEIGHT)).astype(np.float64)
+    return np.asarray(1.0 - cover(held, max(1, round(0.5 * FADE_S * rate))))
 
 
-def _sunk(root: Float, rotation: Float, ankles: Float, longest: Float, rate: float) -> Float:
+def _lower_hips(root: Float, rotation: Float, ankles: Float, longest: Float, rate: float) -> Float:
     """Return the hips lowered, smoothly in time, so that no leg is longer than `longest` (T, 2) [m]."""
     for _ in range(2):
         position, _ = forward_kinematics(root, rotation)
@@ -94,16 +96,18 @@ def _sunk(root: Float, rotation: Float, ankles: Float, longest: Float, rate: flo
     return root
 
 
-APART_M: Final = 0.06
+MAX_DISTANCE_M: Final = 0.06
 """Largest rms distance of upper joints from the sketch's at a measure line: well within the transition threshold."""
 WINDOW_BEATS: Final = 0.75
 """Window before a measure line in which poses are compared and blended (T036)."""
-EASE_BEATS: Final = 0.5
+FADE_BEATS: Final = 0.5
 """Duration of the fade in and out."""
 _ALL: Final = SKELETON.joint_count
 
 
-def tied(step: StepClip, textured: Clip, most: float = APART_M) -> tuple[Clip, tuple[float, float]]:
+def blend_to_sketch(
+    step: StepClip, textured: Clip, max_distance: float = MAX_DISTANCE_M
+) -> tuple[Clip, tuple[float, float]]:
     """Blend `textured`, a clip of the sketch `step`, towards the sketch near both measure lines.
 
     Steps are joined where poses at their measure lines are alike, so the upper body returns towards the sketch there,
@@ -112,20 +116,20 @@ def tied(step: StepClip, textured: Clip, most: float = APART_M) -> tuple[Clip, t
     """
     beat = step.samples_per_measure / step.beats_per_measure
     first, last = step.first, step.first + step.measures * step.samples_per_measure
-    begin = _kept(step.clip, textured, first - WINDOW_BEATS * beat, first, most)
-    end = _kept(step.clip, textured, last - WINDOW_BEATS * beat, last, most)
+    begin = _texture_share(step.clip, textured, first - WINDOW_BEATS * beat, first, max_distance)
+    end = _texture_share(step.clip, textured, last - WINDOW_BEATS * beat, last, max_distance)
     at = np.arange(textured.sample_count)
-    rise = _ease((at - first) / (EASE_BEATS * beat))
-    fall = _ease((last - WINDOW_BEATS * beat - at) / (EASE_BEATS * beat))
+    rise = _smoothstep((at - first) / (FADE_BEATS * beat))
+    fall = _smoothstep((last - WINDOW_BEATS * beat - at) / (FADE_BEATS * beat))
     share = np.minimum(begin + (1.0 - begin) * rise, end + (1.0 - end) * fall)
     rotation = textured.rotation.astype(np.float64)
     joints = list(UPPER)
     rotation[:, joints] = quaternion.slerp(step.clip.rotation[:, joints], rotation[:, joints], share[:, None])
-    signed = np.ascontiguousarray(quaternion.continuous(rotation), np.float32)
+    signed = np.ascontiguousarray(quaternion.align_signs(rotation), np.float32)
     return replace(textured, rotation=signed), (begin, end)
 
 
-def _kept(sketch: Clip, textured: Clip, first: float, last: float, most: float) -> float:
+def _texture_share(sketch: Clip, textured: Clip, first: float, last: float, max_distance: float) -> float:
     """Return the share of texture at which joints are `most` from the sketch's between two samples."""
     part = slice(max(0, int(first)), int(np.ceil(last)) + 1)
     places = []
@@ -136,30 +140,30 @@ def _kept(sketch: Clip, textured: Clip, first: float, last: float, most: float) 
     apart = float(
         np.sqrt((np.linalg.norm(places[0] - places[1], axis=-1)[:, list(UPPER)] ** 2).sum(axis=1).max() / _ALL)
     )
-    return min(1.0, most / max(apart, 1e-9))
+    return min(1.0, max_distance / max(apart, 1e-9))
 
 
-def _ease(u: Float) -> Float64:
+def _smoothstep(u: Float) -> Float64:
     u = np.clip(u, 0.0, 1.0)
     return np.asarray(u * u * (3.0 - 2.0 * u))
 
 
-LEVEL: Final = 0.35
+MAX_ARM_SLOPE: Final = 0.35
 """An arm is level while the vertical part of its unit direction is below this."""
-OPPOSITE: Final = -0.8
+MAX_ARM_COSINE: Final = -0.8
 """Arms point away from each other while the dot product of their directions is below this."""
-STILL: Final = 0.3
+MAX_HAND_SPEED: Final = 0.3
 """Hands are still while they are slower than this [m/s]."""
-HELD_S: Final = 0.5
+MIN_POSE_S: Final = 0.5
 """A pose held for less than this [s] is part of the dance."""
-EDGE_S: Final = 3.0
+MAX_EDGE_S: Final = 3.0
 """A pose that starts later than this [s] after the beginning, or ends earlier before the end, belongs to the dance."""
-LOWERED_S: Final = 0.5
+LOWERING_S: Final = 0.5
 """Time it takes to leave the pose [s]."""
 _ARMS: Final = tuple((SKELETON.index(s + "UpperArm"), SKELETON.index(s + "Hand")) for s in ("left", "right"))
 
 
-def without_calibration(clip: Clip) -> Clip:
+def trim_calibration_poses(clip: Clip) -> Clip:
     """Return the clip without T-poses at its beginning and end.
 
     The clip is unchanged if it has no T-poses or nothing else.
@@ -167,10 +171,13 @@ def without_calibration(clip: Clip) -> Clip:
     position, _ = forward_kinematics(clip.root_position, clip.rotation)
     arms = [position[:, hand] - position[:, shoulder] for shoulder, hand in _ARMS]
     arms = [arm / np.maximum(np.linalg.norm(arm, axis=-1, keepdims=True), 1e-6) for arm in arms]
-    level = np.maximum(np.abs(arms[0][:, 1]), np.abs(arms[1][:, 1])) < LEVEL
-    still = np.max([_speed(position[:, hand], clip.sample_rate) for _, hand in _ARMS], axis=0) < STILL
-    posed = level & still & (np.sum(arms[0] * arms[1], axis=-1) < OPPOSITE)
-    first, last = _held(posed, clip.sample_rate), clip.sample_count - _held(posed[::-1], clip.sample_rate)
+    level = np.maximum(np.abs(arms[0][:, 1]), np.abs(arms[1][:, 1])) < MAX_ARM_SLOPE
+    still = np.max([_speed(position[:, hand], clip.sample_rate) for _, hand in _ARMS], axis=0) < MAX_HAND_SPEED
+    posed = level & still & (np.sum(arms[0] * arms[1], axis=-1) < MAX_ARM_COSINE)
+    first, last = (
+        _calibration_end(posed, clip.sample_rate),
+        clip.sample_count - _calibration_end(posed[::-1], clip.sample_rate),
+    )
     if (first, last) == (0, clip.sample_count) or last - first < clip.sample_rate:
         return clip
     part = slice(first, last)
@@ -185,11 +192,11 @@ def _speed(position: Float, rate: float) -> Float:
     return np.asarray(np.linalg.norm(np.gradient(position, axis=0), axis=-1) * rate)
 
 
-def _held(posed: npt.NDArray[np.bool_], rate: float) -> int:
+def _calibration_end(posed: npt.NDArray[np.bool_], rate: float) -> int:
     """Return the number of samples until the last pose held at the beginning is left, 0 if there is none."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], posed, [False])).astype(np.int8)))
     first = 0
     for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-        if begin - first < EDGE_S * rate and end - begin >= HELD_S * rate:
+        if begin - first < MAX_EDGE_S * rate and end - begin >= MIN_POSE_S * rate:
             first = end
-    return 0 if first == 0 else min(len(posed), first + round(LOWERED_S * rate))
+    return 0 if first == 0 else min(len(posed), first + round(LOWERING_S * rate))

@@ -12,7 +12,7 @@ import numpy.typing as npt
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
-LEAST: Final = 3
+MIN_LENGTH: Final = 3
 """Fewest samples between cuts: a shorter fragment is no movement and leaves no room for a join."""
 
 
@@ -42,7 +42,7 @@ class Fragments:
         return bool(second == first + 1 and self.clip[first] == self.clip[second])
 
 
-def find_cuts(curve: Float64, least: int = LEAST) -> Int64:
+def find_cuts(curve: Float64, min_length: int = MIN_LENGTH) -> Int64:
     """Return the samples at which `curve` (T,) is cut: its ends and the sign changes of its derivative.
 
     A constant stretch keeps the sign before it. Cuts are at least `least` samples apart.
@@ -53,12 +53,12 @@ def find_cuts(curve: Float64, least: int = LEAST) -> Int64:
     last = len(curve) - 1
     cuts = [0]
     for turn in turns.tolist():
-        if turn - cuts[-1] >= least and last - turn >= least:
+        if turn - cuts[-1] >= min_length and last - turn >= min_length:
             cuts.append(turn)
     return np.array([*cuts, last] if last > 0 else cuts, np.int64)
 
 
-def fragments_of(cuts: list[Int64], starts: list[int]) -> Fragments:
+def make_fragments(cuts: list[Int64], starts: list[int]) -> Fragments:
     """Return the fragments between the `cuts` of each clip; clip n starts at sample `starts[n]` of the whole data."""
     begin = [c[:-1] + start for c, start in zip(cuts, starts, strict=True)]
     end = [c[1:] + start for c, start in zip(cuts, starts, strict=True)]
@@ -68,15 +68,15 @@ def fragments_of(cuts: list[Int64], starts: list[int]) -> Fragments:
 
 Bool = npt.NDArray[np.bool_]
 
-REACH: Final = 10
+BLEND_REACH: Final = 10
 """N of P016 [samples at 24 Hz]; 5 to 20 are useful."""
-SHORTEST: Final = 2
+MIN_REACH: Final = 2
 """With fewer samples on each side of the join there is nothing to fit."""
-LEFT_OUT: Final = 2
+FIT_GAP: Final = 2
 """Samples next to the join that are excluded from the quadratic fit (P016)."""
 
 
-def skewed(parts: list[Float64]) -> list[Float64]:
+def skew_to_meet(parts: list[Float64]) -> list[Float64]:
     """Return the fragments (n_i, D) skewed so that neighbours meet at the mean of their ends.
 
     The line through a fragment's old ends is subtracted and the line through its new ends added (P014, P015).
@@ -93,12 +93,12 @@ def skewed(parts: list[Float64]) -> list[Float64]:
     return out
 
 
-def laid(parts: list[Float64]) -> Float64:
+def concatenate_fragments(parts: list[Float64]) -> Float64:
     """Return the fragments concatenated, with shared samples where they meet, (T, D)."""
     return np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
 
 
-def blend(reach: int) -> Float64:
+def blend_weights(reach: int) -> Float64:
     """Return the weight of the quadratic at -reach to reach samples from the join: cos²(π t / 2 N), (2 N + 1,).
 
     It is 1 at the join and 0, with zero slope, at the ends. (The paper prints (cos + 1)², which is 4 and 1 there, and
@@ -107,19 +107,21 @@ def blend(reach: int) -> Float64:
     return np.cos(0.5 * np.pi * np.arange(-reach, reach + 1) / max(reach, 1)) ** 2
 
 
-def quadratic(signal: Float64, join: int, reach: int) -> Float64:
+def fit_quadratic(signal: Float64, join: int, reach: int) -> Float64:
     """Fit a parabola to `signal` (T, D) from `reach` to LEFT_OUT samples away from `join` on both sides (P016).
 
     Return it at all samples within `reach`, (2 reach + 1, D). The fit needs at least two points on each side, so with
     a reach of 2 the samples next to the join are included.
     """
     t = np.arange(-reach, reach + 1.0)
-    fitted = np.abs(t) >= min(LEFT_OUT, reach - 1)
+    fitted = np.abs(t) >= min(FIT_GAP, reach - 1)
     powers = t[:, None] ** np.arange(3)
     return np.asarray(powers @ (np.linalg.pinv(powers[fitted]) @ signal[join - reach : join + reach + 1][fitted]))
 
 
-def smoothed(signal: Float64, joins: Int64, most: int = REACH, consecutive: Bool | None = None) -> Float64:
+def smooth_joins(
+    signal: Float64, joins: Int64, max_reach: int = BLEND_REACH, consecutive: Bool | None = None
+) -> Float64:
     """Return `signal` (T, D) with its kinks at `joins` (n,) blended into parabolas (P016, P017), (T, D).
 
     N, for fit and blend, is the smaller of `most` and half of the shorter of the two fragments. So no two blends
@@ -128,10 +130,10 @@ def smoothed(signal: Float64, joins: Int64, most: int = REACH, consecutive: Bool
     out = signal.copy()
     edges = np.concatenate(([0], joins, [len(signal) - 1]))
     for index, join in enumerate(joins.tolist()):
-        reach = int(min(most, (join - edges[index]) // 2, (edges[index + 2] - join) // 2))
-        if reach < SHORTEST or (consecutive is not None and consecutive[index]):
+        reach = int(min(max_reach, (join - edges[index]) // 2, (edges[index + 2] - join) // 2))
+        if reach < MIN_REACH or (consecutive is not None and consecutive[index]):
             continue
         part = slice(join - reach, join + reach + 1)
-        f = blend(reach)[:, None]
-        out[part] = f * quadratic(signal, join, reach) + (1.0 - f) * signal[part]
+        f = blend_weights(reach)[:, None]
+        out[part] = f * fit_quadratic(signal, join, reach) + (1.0 - f) * signal[part]
     return out

@@ -26,7 +26,7 @@ Float64 = npt.NDArray[np.float64]
 
 RATE: Final = 24.0
 """Sample rate of the bands, as in the paper [Hz]: band 1 is 6 to 12 Hz, band 2 is 3 to 6 Hz."""
-MOST_BANDS: Final = 10
+MAX_BANDS: Final = 10
 """Band 10 at 24 samples a second has a period of a minute."""
 
 
@@ -41,14 +41,14 @@ def split_bands(signal: Float, count: int) -> Float64:
     rest = np.array(signal, np.float64)
     out = np.empty((count + 1, *rest.shape))
     for band in range(count):
-        lower = lower_half(rest, 1 << band)
+        lower = low_pass(rest, 1 << band)
         out[band] = rest - lower
         rest = lower
     out[count] = rest
     return out
 
 
-def lower_half(signal: Float64, spacing: int) -> Float64:
+def low_pass(signal: Float64, spacing: int) -> Float64:
     """Return `signal` (T, ...) low-passed to its lower half of frequencies, with taps `spacing` samples apart."""
     length = len(signal)
     if length < 2:
@@ -59,12 +59,12 @@ def lower_half(signal: Float64, spacing: int) -> Float64:
         after = 2.0 * signal[-1] - signal[-2 : -2 - reach : -1]
         wide = np.concatenate((before, signal, after))
     else:
-        wide = _reflected(signal, reach)
+        wide = _extend_by_reflection(signal, reach)
     parts = [wide[n * spacing : n * spacing + length] for n in range(5)]
     return np.asarray((parts[0] + parts[4] + 4.0 * (parts[1] + parts[3]) + 6.0 * parts[2]) / 16.0)
 
 
-def _reflected(signal: Float64, reach: int) -> Float64:
+def _extend_by_reflection(signal: Float64, reach: int) -> Float64:
     """Return the signal extended by `reach` samples at both ends, reflected as often as needed."""
     last = len(signal) - 1
     at = np.arange(-reach, last + reach + 1)
@@ -78,7 +78,7 @@ def _reflected(signal: Float64, reach: int) -> Float64:
 
 
 VECTOR: Final = "vector"
-FARTHEST: Final = np.radians(150.0)
+MAX_VECTOR_ANGLE: Final = np.radians(150.0)
 """A rotation vector is used where no rotation is farther from the mean than this [rad]."""
 HIP_ORDERS: Final = ("YXZ", "YZX")
 ORDERS: Final = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
@@ -90,17 +90,17 @@ class Chart:
 
     kind: str
     """"vector", or an order of Euler angles (as in `euler_to_quaternion`)."""
-    middle: Float64
+    reference: Float64
     """Reference rotation of the angles, (4,)."""
     margin: float
     """Distance of the rotations it was chosen for from its singularity [rad]."""
 
     def angles(self, rotation: Float) -> Float64:
         """Return the angles [rad] (T, 3) of rotations (T, 4), continuous in time."""
-        away = quaternion.mul(quaternion.inverse(self.middle), np.asarray(rotation, np.float64))
+        away = quaternion.mul(quaternion.inverse(self.reference), np.asarray(rotation, np.float64))
         if self.kind == VECTOR:
-            return _vectors(away)
-        return _settled(np.unwrap(euler_angles(away, self.kind), axis=0))
+            return _rotation_vectors(away)
+        return _center_turns(np.unwrap(euler_angles(away, self.kind), axis=0))
 
     def rotations(self, angles: Float) -> Float64:
         """Return the unit rotations (T, 4) of angles (T, 3) [rad]."""
@@ -108,7 +108,7 @@ class Chart:
             away = quaternion.from_rotation_vector(np.asarray(angles, np.float64))
         else:
             away = euler_to_quaternion(angles, self.kind)
-        return np.asarray(quaternion.unit(quaternion.mul(self.middle, away)), np.float64)
+        return np.asarray(quaternion.unit(quaternion.mul(self.reference, away)), np.float64)
 
 
 def choose_charts(rotation: Float) -> tuple[Chart, ...]:
@@ -123,7 +123,7 @@ def choose_charts(rotation: Float) -> tuple[Chart, ...]:
         middle = middles[joint]
         cosine = np.abs(rotation[:, joint] @ middle)
         angle = float(2.0 * np.arccos(min(1.0, float(cosine.min()))))
-        if angle <= FARTHEST:
+        if angle <= MAX_VECTOR_ANGLE:
             charts.append(Chart(VECTOR, np.asarray(middle, np.float64), np.pi - angle))
         else:
             charts.append(_best_order(rotation[:, joint], middle, ORDERS))
@@ -154,16 +154,16 @@ def euler_angles(rotation: Float, order: str) -> Float64:
     return np.stack((first, middle, last), axis=-1)
 
 
-def _best_order(rotation: Float, middle: Float, orders: tuple[str, ...]) -> Chart:
-    away = quaternion.mul(quaternion.inverse(middle), rotation)
+def _best_order(rotation: Float, reference: Float, orders: tuple[str, ...]) -> Chart:
+    away = quaternion.mul(quaternion.inverse(reference), rotation)
     margins = [0.5 * np.pi - float(np.abs(euler_angles(away, order)[:, 1]).max()) for order in orders]
     best = int(np.argmax(margins))
-    return Chart(orders[best], np.asarray(middle, np.float64), margins[best])
+    return Chart(orders[best], np.asarray(reference, np.float64), margins[best])
 
 
-def _vectors(away: Float) -> Float64:
+def _rotation_vectors(away: Float) -> Float64:
     """Return continuous rotation vectors (T, 3), up to a full turn long, of quaternions (T, 4)."""
-    q = quaternion.continuous(away)
+    q = quaternion.align_signs(away)
     if q[:, 0].mean() < 0.0:
         q = -q
     sine = np.linalg.norm(q[:, 1:], axis=-1, keepdims=True)
@@ -171,7 +171,7 @@ def _vectors(away: Float) -> Float64:
     return np.asarray(np.where(sine < 1e-9, 2.0, angle / np.maximum(sine, 1e-9)) * q[:, 1:])
 
 
-def _settled(angles: Float64) -> Float64:
+def _center_turns(angles: Float64) -> Float64:
     """Return the angles, the outer ones shifted by full turns so that their median is within half a turn of 0."""
     turns = np.round(np.median(angles, axis=0) / (2.0 * np.pi))
     turns[1] = 0.0
@@ -182,7 +182,7 @@ Int64 = npt.NDArray[np.int64]
 
 SWAY: Final = JOINT_COUNT
 """Index of the pseudo-joint after the last one: offset of the hips to their left, up and forward [m]."""
-SLOW: Final = 5
+SLOW_BANDS: Final = 5
 """Bands of heading and sway that are kept. Slower motion is the path itself, which comes from the sketch."""
 COLUMNS: Final = 3 * (JOINT_COUNT + 1)
 """Number of degrees of freedom of a clip: three for each joint and three for the sway."""
@@ -194,7 +194,7 @@ def columns_of(joints: Sequence[int]) -> Int64:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sampled:
+class SampledClip:
     """A clip at `RATE`: hips (T, 3) [m] and rotations (T, J, 4), float64. The last sample holds the clip's end."""
 
     clip: Clip
@@ -202,7 +202,7 @@ class Sampled:
     rotation: Float
 
 
-def sample_clip(clip: Clip) -> Sampled:
+def sample_clip(clip: Clip) -> SampledClip:
     """Return the clip at `RATE` samples a second.
 
     Rotations are interpolated linearly and normalized, because neighbouring samples are only degrees apart.
@@ -219,15 +219,15 @@ def sample_clip(clip: Clip) -> Sampled:
     weight = part.astype(np.float32)[:, None, None]
     sign = np.where(np.sum(a * b, axis=-1, keepdims=True) < 0.0, np.float32(-1.0), np.float32(1.0))
     rotation = a * (1.0 - weight) + b * (weight * sign)
-    return Sampled(clip, hips.astype(np.float64), np.asarray(quaternion.unit(rotation.astype(np.float64))))
+    return SampledClip(clip, hips.astype(np.float64), np.asarray(quaternion.unit(rotation.astype(np.float64))))
 
 
-def charts_for(samples: Sequence[Sampled]) -> tuple[Chart, ...]:
+def charts_for(samples: Sequence[SampledClip]) -> tuple[Chart, ...]:
     """Return charts that cover all of these clips."""
     return choose_charts(np.concatenate([one.rotation for one in samples]))
 
 
-def tracks_of(sampled: Sampled, charts: Sequence[Chart]) -> Float64:
+def tracks_of(sampled: SampledClip, charts: Sequence[Chart]) -> Float64:
     """Return all degrees of freedom (T, COLUMNS) [rad, m] of a clip.
 
     Heading and sway are deviations from their low-passed course. The sway is the hips' offset from their smoothed
@@ -236,8 +236,10 @@ def tracks_of(sampled: Sampled, charts: Sequence[Chart]) -> Float64:
     out = np.empty((len(sampled.root), COLUMNS))
     for joint, chart in enumerate(charts):
         out[:, 3 * joint : 3 * joint + 3] = chart.angles(sampled.rotation[:, joint])
-    out[:, 0] -= split_bands(out[:, 0], SLOW)[-1]
-    out[:, 3 * SWAY :] = turned(sampled.root - _way(sampled.root), -headings(sampled.rotation[:, 0]))
+    out[:, 0] -= split_bands(out[:, 0], SLOW_BANDS)[-1]
+    out[:, 3 * SWAY :] = rotate_about_vertical(
+        sampled.root - _smoothed_path(sampled.root), -headings(sampled.rotation[:, 0])
+    )
     return out
 
 
@@ -246,15 +248,15 @@ def headings(hips: Float) -> Float64:
     return np.asarray(np.unwrap(euler_angles(np.asarray(hips, np.float64), "YXZ")[..., 0]))
 
 
-def turned(vectors: Float, heading: Float) -> Float64:
+def rotate_about_vertical(vectors: Float, heading: Float) -> Float64:
     """Return vectors (T, 3) rotated about the vertical by `heading` (T,) [rad]."""
     sine, cosine = np.sin(heading), np.cos(heading)
     x, y, z = np.moveaxis(vectors, -1, 0)
     return np.stack((cosine * x + sine * z, y, -sine * x + cosine * z), axis=-1)
 
 
-def _way(root: Float) -> Float64:
+def _smoothed_path(root: Float) -> Float64:
     """Return the smoothed path of the hips over the floor, (T, 3): below band `SLOW`, height 0."""
-    way = split_bands(root, SLOW)[-1]
+    way = split_bands(root, SLOW_BANDS)[-1]
     way[:, 1] = 0.0
     return np.asarray(way)

@@ -39,15 +39,15 @@ class TextureBank:
 
     upper: Float32
     """Local rotations of the upper joints, (S, 13, 4), with continuous signs within each clip."""
-    middle: Float32
+    mean_rotations: Float32
     """Mean rotation of each upper joint, (13, 4): reference for the sign of quaternions."""
     begin: Int32
     """Sample at which each fragment begins, (F,)."""
-    first: Int32
+    clip_first: Int32
     """First sample of the clip of each fragment, (F,)."""
-    last: Int32
+    clip_last: Int32
     """Last sample of the clip of each fragment, (F,)."""
-    legs: Float32
+    leg_features: Float32
     """Leg features around the beginning of each fragment, (DIMENSIONS, F)."""
     spread: float
     """Mean squared distance of two fragments: the unit of distances."""
@@ -59,7 +59,7 @@ class TextureBank:
 
     def digest(self) -> str:
         """Return a short hash of the contents."""
-        parts = (self.upper, self.begin, self.legs)
+        parts = (self.upper, self.begin, self.leg_features)
         return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()[:16]
 
     @classmethod
@@ -84,8 +84,8 @@ class TextureBank:
                 continue
             at = clip.first + np.arange(beats * PER_BEAT + 1) * (beat / PER_BEAT)
             _, rotation, _ = read_clip(clip.clip, at)
-            upper.append(quaternion.continuous(rotation[:, list(UPPER)]))
-            tracks.append(legs_of(rotation))
+            upper.append(quaternion.align_signs(rotation[:, list(UPPER)]))
+            tracks.append(leg_positions(rotation))
             count = beats - BEATS_AFTER + 1
             begin.append(start + PER_BEAT * np.arange(count))
             first.append(np.full(count, start))
@@ -96,7 +96,7 @@ class TextureBank:
         begins, firsts, lasts = (np.concatenate(part).astype(np.int32) for part in (begin, first, last))
         rotations = np.concatenate(upper)
         middle = mean_rotation(rotations)
-        legs = prefixes(np.concatenate(tracks), begins, firsts)
+        legs = prefix_features(np.concatenate(tracks), begins, firsts)
         spread = 2.0 * float(legs.var(axis=1).sum())
         return cls(
             np.ascontiguousarray(rotations, np.float32), np.ascontiguousarray(middle, np.float32),
@@ -104,7 +104,7 @@ class TextureBank:
         )  # fmt: skip
 
 
-def legs_of(rotation: Float) -> Float64:
+def leg_positions(rotation: Float) -> Float64:
     """Return knees and ankles in the axes of the hips [m], (T, FEATURES), from local rotations (T, J, 4)."""
     if rotation.shape[1] != JOINT_COUNT:
         raise ValueError(f"{rotation.shape[1]} joints: {JOINT_COUNT} expected")
@@ -117,14 +117,14 @@ def legs_of(rotation: Float) -> Float64:
     return np.concatenate(places, axis=-1)
 
 
-def prefixes(tracks: Float64, begin: Int32, first: Int32) -> Float64:
+def prefix_features(tracks: Float64, begin: Int32, first: Int32) -> Float64:
     """Return leg features from half a beat before to a quarter after the samples `begin` (F,), (DIMENSIONS, F)."""
     moments = (np.arange(SLOTS) - SLOTS // 2 - 1) * (PER_BEAT // 8)
     at = np.maximum(begin[None] + moments[:, None], first[None])
-    return compared(tracks[at])
+    return stack_features(tracks[at])
 
 
-def compared(moments: Float) -> Float64:
+def stack_features(moments: Float) -> Float64:
     """Return the features to compare, (DIMENSIONS, F), of legs at SLOTS moments, (SLOTS, F, FEATURES)."""
     change = DERIVATIVE * np.diff(moments, axis=0)
     both = np.concatenate((moments, change)).astype(np.float64)

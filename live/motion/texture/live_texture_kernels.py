@@ -25,12 +25,12 @@ DIMENSIONS: Final = (2 * SLOTS - 1) * FEATURES
 """Size of the feature vector of a beat: knees and ankles at all moments, and their changes."""
 UPPER_COUNT: Final = 13
 """Joints of the upper body: consecutive joints after the hips, starting at joint 1."""
-HEAD_FROM: Final = 3
+NECK_INDEX: Final = 3
 """Index of the neck among these; the head is the next one."""
 
 
 @kernel("void(f4[:,::1], f4[:,:,::1], f4[:,:,::1])")
-def watch_legs(out: Float32, position: Float32, rotation: Float32) -> None:
+def measure_legs(out: Float32, position: Float32, rotation: Float32) -> None:
     """Write knees and ankles in the axes of the hips to `out` (A, FEATURES).
 
     `position` and `rotation` (A, 9, 3 or 4), world: hips, then thigh, shin, foot and toes of the left and right leg.
@@ -51,30 +51,30 @@ def watch_legs(out: Float32, position: Float32, rotation: Float32) -> None:
 
 
 @kernel("void(f4[:,:,::1], f4[:,::1], f4[:,::1], f8[::1], f8[::1], i4)")
-def keep_moments(
-    kept: Float32, before: Float32, now: Float32, danced_before: Float64, danced: Float64, per_beat: int
+def record_moments(
+    history: Float32, before: Float32, now: Float32, previous_beat: Float64, current_beat: Float64, per_beat: int
 ) -> None:
     """Record the leg features at every 1 / `per_beat` beat passed since the last tick in `kept` (A, slots, n).
 
-    `before` and `now` (A, n) are the features at the last tick and now, at the dancers' beats `danced_before` and
+    `before` and `now` (A, n) are the features at the last tick and now, at the dancers' beats `previous_beat` and
     `danced` (A,). Features are interpolated linearly between them.
     """
-    slots = kept.shape[1]
-    for a in range(kept.shape[0]):
-        way = danced[a] - danced_before[a]
-        first, last = math.floor(danced_before[a] * per_beat) + 1, math.floor(danced[a] * per_beat)
+    slots = history.shape[1]
+    for a in range(history.shape[0]):
+        way = current_beat[a] - previous_beat[a]
+        first, last = math.floor(previous_beat[a] * per_beat) + 1, math.floor(current_beat[a] * per_beat)
         if not way > 0.0 or last - first >= slots:
             first = last
         for moment in range(first, last + 1):
             part = 1.0
             if way > 0.0:
-                part = min(max((moment / per_beat - danced_before[a]) / way, 0.0), 1.0)
-            for n in range(kept.shape[2]):
-                kept[a, int(moment % slots), n] = before[a, n] + part * (now[a, n] - before[a, n])
+                part = min(max((moment / per_beat - previous_beat[a]) / way, 0.0), 1.0)
+            for n in range(history.shape[2]):
+                history[a, int(moment % slots), n] = before[a, n] + part * (now[a, n] - before[a, n])
 
 
 @kernel("i8(i8,i8,i8)")
-def mixed(seed: int, dancer: int, fragment: int) -> int:
+def hash_24bit(seed: int, dancer: int, fragment: int) -> int:
     """Return a 24-bit hash of the three values, used as a random number."""
     value = (seed * 0x9E3779B1 + dancer * 0x85EBCA6B + fragment * 0xC2B2AE35) & 0xFFFFFFFF
     value = ((value ^ (value >> 15)) * 0x2C1B3C6D) & 0xFFFFFFFF
@@ -83,41 +83,48 @@ def mixed(seed: int, dancer: int, fragment: int) -> int:
 
 
 @kernel("void(f4[::1], f4[:,::1], i8)")
-def prefix_of(own: Float32, kept: Float32, line: int) -> None:
+def write_prefix(own: Float32, history: Float32, line: int) -> None:
     """Write the features of the legs around the beat `line` to `own` (D,), from `kept` (moments, FEATURES).
 
     They are knees and ankles at SLOTS moments, then their changes, in the layout of `compared` in `live_bank`.
     """
-    moments = kept.shape[0]
+    moments = history.shape[0]
     for slot in range(SLOTS):
         row = int((8 * line + slot - SLOTS // 2 - 1) % moments)
         for n in range(FEATURES):
-            own[slot * FEATURES + n] = kept[row, n]
+            own[slot * FEATURES + n] = history[row, n]
     for n in range((SLOTS - 1) * FEATURES):
         own[SLOTS * FEATURES + n] = np.float32(DERIVATIVE) * (own[n + FEATURES] - own[n])
 
 
 @kernel("i8(f4[::1], f4[:,::1], f4[::1], i8, f8, f8, i8, i8)")
 def nearest_fragment(
-    far: Float32, legs: Float32, own: Float32, going: int, join: float, taste: float, seed: int, dancer: int
+    distances: Float32,
+    legs: Float32,
+    own: Float32,
+    continuation: int,
+    join: float,
+    preference: float,
+    seed: int,
+    dancer: int,
 ) -> int:
     """Return the fragment, of F, whose legs are most like `own` (D,); `legs` is (D, F), `far` (F,) is scratch.
 
     Every fragment except the continuation `going` (-1: none) costs `join` more. Distances are multiplied by a random
-    factor from 1 to 1 + `taste` for each dancer and fragment, so dancers prefer different fragments.
+    factor from 1 to 1 + `preference` for each dancer and fragment, so dancers prefer different fragments.
     """
-    count = far.shape[0]
+    count = distances.shape[0]
     for f in range(count):
-        far[f] = 0.0
+        distances[f] = 0.0
     for d in range(legs.shape[0]):
         value = own[d]
         for f in range(count):
             away = legs[d, f] - value
-            far[f] += away * away
+            distances[f] += away * away
     best, least = 0, np.inf
     for f in range(count):
-        cost = float(far[f]) * (1.0 + taste * mixed(seed, dancer, f) / 16777216.0)
-        if f != going:
+        cost = float(distances[f]) * (1.0 + preference * hash_24bit(seed, dancer, f) / 16777216.0)
+        if f != continuation:
             cost += join
         if cost < least:
             best, least = f, cost
@@ -157,7 +164,14 @@ def _unit(q: Float32) -> None:
 
 @kernel("i8(f4[:,:,::1], f8, i4[::1], f8, i4[::1], i8, f4[:,::1], b1)")
 def signs_of(
-    upper: Float32, here: float, limits: Int32, there: float, other: Int32, known: int, middle: Float32, whole: bool
+    upper: Float32,
+    sample: float,
+    limits: Int32,
+    other_sample: float,
+    other_limits: Int32,
+    other_signs: int,
+    mean_rotations: Float32,
+    full_texture: bool,
 ) -> int:
     """Return a bit for each joint whose quaternion at sample `here` must be read with the opposite sign.
 
@@ -167,22 +181,22 @@ def signs_of(
     a, b = np.empty(4, np.float32), np.empty(4, np.float32)
     bits = 0
     for n in range(UPPER_COUNT):
-        _read(a, upper, n, here, limits[0], limits[1])
+        _read(a, upper, n, sample, limits[0], limits[1])
         sign = np.float32(1.0)
-        if whole:
-            _read(b, upper, n, there, other[0], other[1])
-            if (known >> n) & 1:
+        if full_texture:
+            _read(b, upper, n, other_sample, other_limits[0], other_limits[1])
+            if (other_signs >> n) & 1:
                 sign = np.float32(-1.0)
         else:
             for k in range(4):
-                b[k] = middle[n, k]
+                b[k] = mean_rotations[n, k]
         if sign * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]) < 0.0:
             bits |= 1 << n
     return bits
 
 
 @kernel("void(f4[::1], f4[::1], f4[::1], f8)")
-def _between(out: Float32, a: Float32, b: Float32, share: float) -> None:
+def _slerp_signed(out: Float32, a: Float32, b: Float32, share: float) -> None:
     """Interpolate from unit quaternion `a` to `b` at constant speed, without flipping signs to the shorter way.
 
     So nothing jumps where the two are half a turn apart.
@@ -201,14 +215,14 @@ def _between(out: Float32, a: Float32, b: Float32, share: float) -> None:
     "void(f4[:,:,::1], f4[:,:,::1], f8[::1], f4[::1], f8[:,::1], i4[:,:,::1], f8[::1], f8, i8[:,::1], f4[:,:,::1],"
     " f4[:,::1], i4[::1], f4[::1])"
 )
-def dress(
+def blend_upper_bodies(
     position: Float32,
     rotation: Float32,
-    danced: Float64,
+    beat: Float64,
     level: Float32,
     origin: Float64,
     limits: Int32,
-    switched: Float64,
+    switch_beat: Float64,
     blend: float,
     signs: Int64,
     upper: Float32,
@@ -232,23 +246,23 @@ def dress(
         for j in range(UPPER_COUNT + 1):
             for k in range(4):
                 was[j, k] = rotation[a, j, k]
-        u = min(max((danced[a] - switched[a]) / blend, 0.0), 1.0)
+        u = min(max((beat[a] - switch_beat[a]) / blend, 0.0), 1.0)
         came = u * u * u * (u * (6.0 * u - 15.0) + 10.0)
         for n in range(UPPER_COUNT):
             joint = first + n
             parent = parents[joint]
-            _read(now, upper, n, origin[0, a] + PER_BEAT * danced[a], limits[0, a, 0], limits[0, a, 1])
+            _read(now, upper, n, origin[0, a] + PER_BEAT * beat[a], limits[0, a, 0], limits[0, a, 1])
             _unit(now)
             if (signs[0, a] >> n) & 1:
                 for k in range(4):
                     now[k] = -now[k]
             if came < 1.0:
-                _read(then, upper, n, origin[1, a] + PER_BEAT * danced[a], limits[1, a, 0], limits[1, a, 1])
+                _read(then, upper, n, origin[1, a] + PER_BEAT * beat[a], limits[1, a, 0], limits[1, a, 1])
                 _unit(then)
                 if (signs[1, a] >> n) & 1:
                     for k in range(4):
                         then[k] = -then[k]
-                _between(now, then, now, came)
+                _slerp_signed(now, then, now, came)
             pw, px, py, pz = was[parent, 0], -was[parent, 1], -was[parent, 2], -was[parent, 3]
             qw, qx, qy, qz = was[joint, 0], was[joint, 1], was[joint, 2], was[joint, 3]
             own[0] = pw * qw - px * qx - py * qy - pz * qz
@@ -256,9 +270,9 @@ def dress(
             own[2] = pw * qy - px * qz + py * qw + pz * qx
             own[3] = pw * qz + px * qy - py * qx + pz * qw
             share = float(level[a])
-            if n == HEAD_FROM or n == HEAD_FROM + 1:
+            if n == NECK_INDEX or n == NECK_INDEX + 1:
                 share *= 1.0 - min(max(float(head[a]), 0.0), 1.0)
-            _between(own, own, now, share)
+            _slerp_signed(own, own, now, share)
             _unit(own)
             pw, px, py, pz = (
                 rotation[a, parent, 0],

@@ -10,58 +10,60 @@ from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.quality.metrics import skates, slides
 from live.motion.skeleton import SKELETON
-from live.motion.texture.frequency_bands import MOST_BANDS, RATE, columns_of, sample_clip, split_bands, tracks_of
-from live.motion.texture.texture_corpus import Material
-from live.motion.texture.texture_settings import Wish
-from live.motion.texture.texture_synthesis import Textured
+from live.motion.texture.frequency_bands import MAX_BANDS, RATE, columns_of, sample_clip, split_bands, tracks_of
+from live.motion.texture.texture_corpus import TextureCorpus
+from live.motion.texture.texture_settings import TextureSettings
+from live.motion.texture.texture_synthesis import TexturedSketch
 
 Float64 = npt.NDArray[np.float64]
 
 SHOWN_BANDS = 7
 
 
-def figures_of(sketch: Clip, material: Material, wish: Wish, found: Sequence[Textured]) -> dict[str, Any]:
+def make_report(
+    sketch: Clip, corpus: TextureCorpus, settings: TextureSettings, found: Sequence[TexturedSketch]
+) -> dict[str, Any]:
     """Return the report of the paths `found`, at least one, as JSON values."""
     names = SKELETON.names
-    joints = [*wish.synthesize, *(one for one in wish.texture if one)]
-    cut, parts = found[0].cut, found[0].data
+    joints = [*settings.synthesize, *(one for one in settings.texture if one)]
+    cut, parts = found[0].cut, found[0].data_fragments
     return {
-        "drive": [names[one] for one in wish.drive],
-        "drive_changes": [[time, [names[one] for one in joints]] for time, joints in wish.changes],
-        "synthesize": [names[one] for one in wish.synthesize],
-        "texture": [names[one] for one in wish.texture],
-        "bands": list(wish.bands),
-        "match_band": wish.match_band,
+        "drive": [names[one] for one in settings.drive],
+        "drive_changes": [[time, [names[one] for one in joints]] for time, joints in settings.drive_changes],
+        "synthesize": [names[one] for one in settings.synthesize],
+        "texture": [names[one] for one in settings.texture],
+        "bands": list(settings.bands),
+        "match_band": settings.match_band,
         "cut": f"{names[cut // 3]}.{'xyz'[cut % 3]}",
-        "candidates": wish.candidates(parts.count),
-        "join_weight": wish.weigh,
-        "scale": wish.scale,
+        "candidates": settings.candidates(parts.count),
+        "join_weight": settings.join_weight,
+        "scale": settings.scale,
         "recordings": [
             {"name": clip.name, "seconds": round(clip.seconds, 3), "fragments": int((parts.clip == n).sum())}
-            for n, clip in enumerate(material.clips)
+            for n, clip in enumerate(corpus.clips)
         ],
         "charts": {
             names[n]: {"chart": chart.kind, "margin_deg": round(float(np.degrees(chart.margin)), 1)}
-            for n, chart in enumerate(material.charts)
+            for n, chart in enumerate(corpus.charts)
         },
-        "sketch_bands_deg": band_levels(sketch, material, joints),
-        "foot_slide_mean_sketch": slide_of(sketch),
-        "paths": [_path(one, material, joints) for one in found],
+        "sketch_bands_deg": band_levels(sketch, corpus, joints),
+        "foot_slide_mean_sketch": mean_foot_slide(sketch),
+        "paths": [_path(one, corpus, joints) for one in found],
     }
 
 
-def _path(one: Textured, material: Material, joints: list[int]) -> dict[str, Any]:
+def _path(one: TexturedSketch, corpus: TextureCorpus, joints: list[int]) -> dict[str, Any]:
     position, _ = forward_kinematics(one.clip.root_position, one.clip.rotation)
-    parts = one.data
+    parts = one.data_fragments
     rows = []
     for index, source in enumerate(one.sources.tolist()):
         clip = int(parts.clip[source])
-        start = int(material.starts[clip])
+        start = int(corpus.starts[clip])
         rows.append(
             {
-                "from_s": round(int(one.parts.begin[index]) / RATE, 3),
-                "to_s": round(int(one.parts.end[index]) / RATE, 3),
-                "recording": material.clips[clip].name,
+                "from_s": round(int(one.fragments.begin[index]) / RATE, 3),
+                "to_s": round(int(one.fragments.end[index]) / RATE, 3),
+                "recording": corpus.clips[clip].name,
                 "fragment": source + 1,
                 "its_from_s": round((int(parts.begin[source]) - start) / RATE, 3),
                 "its_to_s": round((int(parts.end[source]) - start) / RATE, 3),
@@ -69,28 +71,28 @@ def _path(one: Textured, material: Material, joints: list[int]) -> dict[str, Any
             }
         )
     return {
-        "joins": one.parts.count - 1,
-        "joins_consecutive": one.free,
+        "joins": one.fragments.count - 1,
+        "joins_consecutive": one.consecutive_joins,
         "distance_rad": round(one.distance, 4),
         "largest_jump_joined_rad": round(one.jump, 4),
         "kink_rad_s": {"before": round(one.kinks[0], 4), "after": round(one.kinks[1], 4)},
-        "foot_slide_mean": slide_of(one.clip),
+        "foot_slide_mean": mean_foot_slide(one.clip),
         "skating_ratio": round(float(skates(position, one.clip.sample_rate).mean()), 4),
-        "bands_deg": band_levels(one.clip, material, joints),
+        "bands_deg": band_levels(one.clip, corpus, joints),
         "fragments": rows,
     }
 
 
-def slide_of(clip: Clip) -> float | None:
+def mean_foot_slide(clip: Clip) -> float | None:
     """Return the mean speed over the floor of feet in contact [m/s], None without contacts."""
     position, _ = forward_kinematics(clip.root_position, clip.rotation)
     found = slides(position, clip.contact, clip.sample_rate)
     return round(float(found.mean()), 4) if len(found) else None
 
 
-def band_levels(clip: Clip, material: Material, joints: Sequence[int]) -> list[float]:
+def band_levels(clip: Clip, corpus: TextureCorpus, joints: Sequence[int]) -> list[float]:
     """Return the root mean square of bands 1 to 7 of the angles of `joints` [degrees]."""
-    count = min(SHOWN_BANDS, MOST_BANDS)
-    tracks = tracks_of(sample_clip(clip), material.charts)[:, columns_of(joints)]
+    count = min(SHOWN_BANDS, MAX_BANDS)
+    tracks = tracks_of(sample_clip(clip), corpus.charts)[:, columns_of(joints)]
     levels = np.sqrt((split_bands(tracks, count)[:count] ** 2).mean(axis=(1, 2)))
     return [round(float(level), 3) for level in np.degrees(levels)]

@@ -6,9 +6,9 @@ from typing import Final
 
 from live.base.errors import PersonError
 from live.motion.skeleton import SKELETON
-from live.motion.texture.fragment_search import SHARE
-from live.motion.texture.fragments import REACH
-from live.motion.texture.frequency_bands import MOST_BANDS
+from live.motion.texture.fragment_search import CANDIDATE_SHARE
+from live.motion.texture.fragments import BLEND_REACH
+from live.motion.texture.frequency_bands import MAX_BANDS
 
 _NAMES: Final = SKELETON.names
 
@@ -20,7 +20,7 @@ def _with(*ends: str) -> tuple[int, ...]:
 LEGS: Final = _with("UpperLeg", "LowerLeg", "Foot", "Toes")
 LOWER: Final = (0, *LEGS)
 UPPER: Final = tuple(n for n in range(1, len(_NAMES)) if n not in LEGS)
-WORDS: Final[dict[str, tuple[int, ...]]] = {
+JOINT_GROUPS: Final[dict[str, tuple[int, ...]]] = {
     "upper": UPPER,
     "lower": LOWER,
     "legs": LEGS,
@@ -38,19 +38,19 @@ WORDS: Final[dict[str, tuple[int, ...]]] = {
 """Names of joint groups. `hips` and `knees` are the upper and lower legs."""
 
 
-LATEST: Final = 36_000.0
+MAX_TIME_S: Final = 36_000.0
 """Upper limit of times in a sketch [s]."""
 
 
 @dataclass(frozen=True, slots=True)
-class Wish:
+class TextureSettings:
     """Parameters of the method. The defaults are the paper's."""
 
-    drive: tuple[int, ...] = (*WORDS["hips"], *WORDS["knees"])
+    drive: tuple[int, ...] = (*JOINT_GROUPS["hips"], *JOINT_GROUPS["knees"])
     """Joints whose angles are matched."""
-    changes: tuple[tuple[float, tuple[int, ...]], ...] = ()
+    drive_changes: tuple[tuple[float, tuple[int, ...]], ...] = ()
     """From each time [s] on only these of `drive` are matched, in order (P019). Before the first time: `first`."""
-    first: tuple[int, ...] = ()
+    initial_drive: tuple[int, ...] = ()
     """Joints matched before the first of `changes`; empty: all of `drive`."""
     synthesize: tuple[int, ...] = UPPER
     """Joints synthesized from the data alone, in the first of `bands` and all lower ones."""
@@ -62,32 +62,30 @@ class Wish:
     """Band of the driving angles that is matched and cut: the 4th for walking, the 6th for modern dance."""
     cut: int | None = None
     """Column (3 joint + axis) at whose turning points curves are cut; None: the driving one that moves most."""
-    keep: float = SHARE
+    keep: float = CANDIDATE_SHARE
     """K: candidates for each fragment; below 1 a share of all fragments, else their number."""
     paths: int = 1
     """P: number of paths."""
-    apart: bool = False
+    distinct_paths: bool = False
     """Whether paths must differ in every fragment, for different dancers, instead of being the P best."""
-    weigh: float = 0.0
+    join_weight: float = 0.0
     """0: paths as published, with the fewest joins at any distance. Otherwise the cost of a join in median distances of
     the closest matches; 1 to 4 are useful."""
     scale: bool = False
     """Whether fragments are scaled to fit the driving angles (P010)."""
-    reach: int = REACH
+    reach: int = BLEND_REACH
     """N of the joins [samples at 24 Hz]."""
     derivative: float = 1.0
     """Weight of derivatives against values in the matching, after both are normalized to the same spread."""
 
     def __post_init__(self) -> None:
         low, high = self.bands
-        _check(
-            1 <= low <= high <= MOST_BANDS, f"bands {low}-{high}", f"two of 1 to {MOST_BANDS}, the higher band first"
-        )
-        _check(1 <= self.match_band <= MOST_BANDS, f"band {self.match_band}", f"1 to {MOST_BANDS}")
+        _check(1 <= low <= high <= MAX_BANDS, f"bands {low}-{high}", f"two of 1 to {MAX_BANDS}, the higher band first")
+        _check(1 <= self.match_band <= MAX_BANDS, f"band {self.match_band}", f"1 to {MAX_BANDS}")
         _check(bool(self.drive), "no driving joint is given", "hips,knees")
-        times = [time for time, _ in self.changes]
+        times = [time for time, _ in self.drive_changes]
         _check(
-            all(time > 0.0 for time in times[:1]) and times == sorted(set(times)) and all(s for _, s in self.changes),
+            all(time > 0.0 for time in times[:1]) and times == sorted(set(times)) and all(s for _, s in self.drive_changes),
             "changes of driving joints need ascending times above 0 s and joints",
             '"hips,knees @2.5 leftUpperLeg,leftLowerLeg @4 hips"'
         )  # fmt: skip
@@ -95,21 +93,23 @@ class Wish:
         _check(1 <= self.paths <= 64, f"{self.paths} paths", "1 to 64")
         _check(2 <= self.reach <= 100, f"N = {self.reach}", "2 to 100 samples, 5 to 20 are useful")
         _check(0.0 <= self.derivative <= 100.0, f"derivative weight {self.derivative:g}", "0 to 100")
-        _check(0.0 <= self.weigh <= 1000.0, f"join weight {self.weigh:g}", "0 to 1000, 1 to 4 are useful")
+        _check(0.0 <= self.join_weight <= 1000.0, f"join weight {self.join_weight:g}", "0 to 1000, 1 to 4 are useful")
         both = set(self.synthesize) & set(self.texture)
-        _check(not both, f"{_told(both)} cannot be textured and synthesised", "name each joint once")
+        _check(not both, f"{_joint_names(both)} cannot be textured and synthesised", "name each joint once")
         legs = set(self.synthesize) & set(LOWER)
-        _check(not legs, f"{_told(legs)} cannot be synthesised, because feet would slide", "texture them")
+        _check(not legs, f"{_joint_names(legs)} cannot be synthesised, because feet would slide", "texture them")
         _check(bool(self.synthesize or self.texture), "no joint is textured or synthesised", "upper or lower")
         driven = set(self.drive) & set(self.synthesize)
         _check(
-            not driven, f"{_told(driven)} cannot drive and be synthesised", "drive with joints that the sketch moves"
+            not driven,
+            f"{_joint_names(driven)} cannot drive and be synthesised",
+            "drive with joints that the sketch moves",
         )
 
-    def drives_at(self, seconds: float) -> tuple[int, ...]:
+    def drive_at(self, seconds: float) -> tuple[int, ...]:
         """Return the joints that are matched at that time of the sketch."""
-        found = self.first or self.drive
-        for time, joints in self.changes:
+        found = self.initial_drive or self.drive
+        for time, joints in self.drive_changes:
             found = joints if seconds >= time else found
         return found
 
@@ -123,7 +123,7 @@ def _check(good: bool, problem: str, allowed: str) -> None:
         raise PersonError(problem, allowed)
 
 
-def _told(joints: set[int]) -> str:
+def _joint_names(joints: set[int]) -> str:
     return ", ".join(_NAMES[joint] for joint in sorted(joints))
 
 
@@ -132,12 +132,12 @@ def parse_joints(text: str, option: str) -> tuple[int, ...]:
     by_name: dict[str, tuple[int, ...]] = {
         name.casefold(): (index,) for index, name in enumerate(_NAMES) if name != "hips"
     }
-    by_name |= {word.casefold(): joints for word, joints in WORDS.items()}
+    by_name |= {word.casefold(): joints for word, joints in JOINT_GROUPS.items()}
     found: set[int] = set()
     for word in text.replace(" ", ",").split(","):
         if word and word.casefold() not in by_name:
             raise PersonError(
-                f"{option}: no joint is called {word[:40]!r}", ", ".join(WORDS) + f", or {_NAMES[10]} ..."
+                f"{option}: no joint is called {word[:40]!r}", ", ".join(JOINT_GROUPS) + f", or {_NAMES[10]} ..."
             )
         found.update(by_name.get(word.casefold(), ()))
     return tuple(sorted(found))
@@ -156,7 +156,7 @@ def parse_drive(text: str, option: str) -> tuple[tuple[int, ...], Changes]:
             seconds = float(time)
         except ValueError:
             seconds = -1.0
-        if not (0.0 < seconds <= LATEST and words.strip()):
+        if not (0.0 < seconds <= MAX_TIME_S and words.strip()):
             raise PersonError(
                 f"{option}: '@{part.strip()[:40]}': a time above 0 s and joints expected", "hips @2.5 hips,knees"
             )
@@ -169,12 +169,12 @@ def parse_bands(text: str, option: str) -> tuple[int, int]:
     parts = text.strip().split("-")
     if len(parts) in (1, 2) and all(part.strip().isdecimal() for part in parts):
         low, high = int(parts[0]), int(parts[-1])
-        if 1 <= low <= high <= MOST_BANDS:
+        if 1 <= low <= high <= MAX_BANDS:
             return low, high
-    raise PersonError(f"{option} {text[:40]!r}: bands 1 (the highest) to {MOST_BANDS} expected", f"{option} 2-3")
+    raise PersonError(f"{option} {text[:40]!r}: bands 1 (the highest) to {MAX_BANDS} expected", f"{option} 2-3")
 
 
-def column_of(text: str, option: str, drive: Sequence[int]) -> int | None:
+def parse_column(text: str, option: str, drive: Sequence[int]) -> int | None:
     """Parse "leftUpperLeg.x" as a column of a driving joint, or "auto" as None; PersonError otherwise."""
     if text.strip().casefold() == "auto":
         return None

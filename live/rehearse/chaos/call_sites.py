@@ -13,22 +13,22 @@ from pathlib import Path
 from types import CodeType, FrameType, FunctionType
 from typing import Any, Final
 
-from live.rehearse.failure import OURS
+from live.rehearse.failure import PROGRAM_FOLDER
 from live.show import circuit_breakers
 from live.show.show import Show
 
-MECHANISM: Final = Path(circuit_breakers.__file__).relative_to(OURS).as_posix()
+BREAKERS_FILE: Final = Path(circuit_breakers.__file__).relative_to(PROGRAM_FOLDER).as_posix()
 """Callees in this file are the circuit breakers."""
 
 Tick = Callable[[Show, float], bool]
 
 
-class Injected(RuntimeError):
+class InjectedError(RuntimeError):
     """An injected exception."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
-class Site:
+class CallSite:
     """A place in the program that calls a function."""
 
     caller: str
@@ -41,89 +41,93 @@ class Site:
         return f"{self.caller}, line {self.line} -> {self.callee}"
 
     @property
-    def of_the_mechanism(self) -> bool:
+    def is_breaker(self) -> bool:
         """Whether the callee is a circuit breaker: a permanent failure there cannot be isolated."""
-        return self.callee.startswith(MECHANISM)
+        return self.callee.startswith(BREAKERS_FILE)
 
 
-def _own_codes() -> set[CodeType]:
+def _show_codes() -> set[CodeType]:
     """Return the code of all methods of `Show` and its base classes."""
     found = (value for kind in Show.__mro__ if kind is not object for value in vars(kind).values())
     return {value.__code__ for value in found if isinstance(value, FunctionType)}
 
 
-def _name(code: CodeType) -> str:
+def _code_name(code: CodeType) -> str:
     path = Path(code.co_filename)
-    file = path.relative_to(OURS).as_posix() if path.is_relative_to(OURS) else path.name
+    file = path.relative_to(PROGRAM_FOLDER).as_posix() if path.is_relative_to(PROGRAM_FOLDER) else path.name
     return f"{file}, {code.co_qualname}"
 
 
-class Looker:
+class CallSiteTracer:
     """Records all call sites that ticks pass. Thread: the one that runs the show."""
 
     def __init__(self, *, deep: bool = False) -> None:
         """`deep`: also record the calls of the callees."""
-        self._callers = _own_codes()
+        self._callers = _show_codes()
         self._deep = deep
-        self.sites: dict[Site, int] = {}
+        self.sites: dict[CallSite, int] = {}
         """The found sites, with the number of calls."""
         self._names: dict[CodeType, str] = {}
 
     def run(self, tick: Tick, show: Show, time: float) -> bool:
         """Run a tick and record its call sites."""
-        sys.setprofile(self._look)
+        sys.setprofile(self._trace)
         try:
             return tick(show, time)
         finally:
             sys.setprofile(None)
 
-    def _look(self, frame: FrameType, event: str, arg: Any) -> None:
+    def _trace(self, frame: FrameType, event: str, arg: Any) -> None:
         site = self._site(frame, event, arg)
         if site is not None:
             self.sites[site] = self.sites.get(site, 0) + 1
 
-    def _site(self, frame: FrameType, event: str, arg: Any) -> Site | None:
+    def _site(self, frame: FrameType, event: str, arg: Any) -> CallSite | None:
         if event == "call":
             caller = frame.f_back
             if caller is None or caller.f_code not in self._callers:
                 return None
-            if self._deep and caller.f_code in _own_codes() and frame.f_code.co_filename.startswith(str(OURS)):
+            if (
+                self._deep
+                and caller.f_code in _show_codes()
+                and frame.f_code.co_filename.startswith(str(PROGRAM_FOLDER))
+            ):
                 self._callers.add(frame.f_code)
-            return Site(self._named(caller.f_code), caller.f_lineno, self._named(frame.f_code))
+            return CallSite(self._cached_name(caller.f_code), caller.f_lineno, self._cached_name(frame.f_code))
         if event == "c_call" and frame.f_code in self._callers:
-            return Site(self._named(frame.f_code), frame.f_lineno, str(getattr(arg, "__qualname__", arg)))
+            return CallSite(self._cached_name(frame.f_code), frame.f_lineno, str(getattr(arg, "__qualname__", arg)))
         return None
 
-    def _named(self, code: CodeType) -> str:
+    def _cached_name(self, code: CodeType) -> str:
         name = self._names.get(code)
         if name is None:
-            name = self._names[code] = _name(code)
+            name = self._names[code] = _code_name(code)
         return name
 
 
-class Injector:
+class ExceptionInjector:
     """Raises an exception at a site, a number of times, from a show time on. Thread: the show's."""
 
     def __init__(self) -> None:
-        self.site: Site | None = None
-        self.left = 0
+        self.site: CallSite | None = None
+        self.remaining = 0
         """Remaining number of exceptions."""
         self.since = 0.0
         """Show time from which on they are raised [s]."""
-        self.raised = 0
+        self.raised_count = 0
         """Number of exceptions since it was armed."""
 
-    def arm(self, site: Site, times: int, since: float) -> None:
+    def arm(self, site: CallSite, times: int, since: float) -> None:
         """Start raising at `site`."""
-        self.site, self.left, self.since, self.raised = site, times, since, 0
+        self.site, self.remaining, self.since, self.raised_count = site, times, since, 0
 
     def disarm(self) -> None:
         """Stop raising."""
-        self.site, self.left = None, 0
+        self.site, self.remaining = None, 0
 
     def run(self, tick: Tick, show: Show, time: float) -> bool:
         """Run a tick, with the exception if it is due."""
-        if self.site is None or self.left <= 0 or time < self.since:
+        if self.site is None or self.remaining <= 0 or time < self.since:
             return tick(show, time)
         sys.setprofile(self._raise)
         try:
@@ -133,28 +137,28 @@ class Injector:
 
     def _raise(self, frame: FrameType, event: str, arg: Any) -> None:
         site = self.site
-        if site is None or self.left <= 0:
+        if site is None or self.remaining <= 0:
             return
         if event == "call":
             caller = frame.f_back
-            here = caller is not None and caller.f_lineno == site.line and _name(frame.f_code) == site.callee
-            here = here and caller is not None and _name(caller.f_code) == site.caller
+            here = caller is not None and caller.f_lineno == site.line and _code_name(frame.f_code) == site.callee
+            here = here and caller is not None and _code_name(caller.f_code) == site.caller
         elif event == "c_call" and frame.f_lineno == site.line:
-            here = getattr(arg, "__qualname__", str(arg)) == site.callee and _name(frame.f_code) == site.caller
+            here = getattr(arg, "__qualname__", str(arg)) == site.callee and _code_name(frame.f_code) == site.caller
         else:
             here = False
         if here:
-            self.left -= 1
-            self.raised += 1
-            self.note()
-            raise Injected(f"injected at {site}")
+            self.remaining -= 1
+            self.raised_count += 1
+            self.on_raise()
+            raise InjectedError(f"injected at {site}")
 
-    def note(self) -> None:
+    def on_raise(self) -> None:
         """Called before the exception is raised; for subclasses."""
 
 
 @contextmanager
-def instead_of_tick(run: Callable[[Tick, Show, float], bool]) -> Iterator[None]:
+def replaced_tick(run: Callable[[Tick, Show, float], bool]) -> Iterator[None]:
     """Replace `Show.tick` of all shows by `run`, within the context."""
     was: Tick = Show.tick
 
@@ -168,6 +172,6 @@ def instead_of_tick(run: Callable[[Tick, Show, float], bool]) -> Iterator[None]:
         replace_method(Show, "tick", was)
 
 
-def replace_method(owner: type, name: str, made: Callable[..., Any]) -> None:
+def replace_method(owner: type, name: str, replacement: Callable[..., Any]) -> None:
     """Replace a method of a class, in this process."""
-    setattr(owner, name, made)
+    setattr(owner, name, replacement)

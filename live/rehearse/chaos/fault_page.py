@@ -15,7 +15,7 @@ WORDS: Final = 64
 _WORD: Final = struct.Struct("=q")
 
 
-class Word(IntEnum):
+class PageWord(IntEnum):
     """Index of a word in the page; each word is a signed number of 64 bits."""
 
     SITE = 0
@@ -53,7 +53,7 @@ class Word(IntEnum):
     """Longest interval between two such frames since this word was set to 0 [ns]."""
     PID = 17
     """Process that ran the last tick."""
-    BACK = 18
+    REPEATED_TICKS = 18
     """Number of ticks that were run again after they were over."""
 
 
@@ -72,10 +72,10 @@ class FaultPage:
             os.close(descriptor)
         self._words = memoryview(self._page).cast("q")
 
-    def __getitem__(self, word: Word) -> int:
+    def __getitem__(self, word: PageWord) -> int:
         return self._words[word]
 
-    def __setitem__(self, word: Word, value: int) -> None:
+    def __setitem__(self, word: PageWord, value: int) -> None:
         self._words[word] = value
 
     def close(self) -> None:

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 SALT: Final = 0xCA05
-KINDS: Final = {
+FAULT_SECONDS: Final = {
     "exception once": 8.0, "exception three times": 9.0, "exception always": 12.0,
     "exception in a thread": 4.0, "exception in callbacks": 5.0,
     "kill engine": 9.0, "kill engine twice": 14.0, "kill spare": 9.0, "kill nursery": 9.0, "kill sound": 6.0,
@@ -19,37 +19,37 @@ KINDS: Final = {
     "cut web": 3.0, "cut audience": 3.0, "cut OSC": 3.0, "cut the engine's wire": 10.0,
 }  # fmt: skip
 """Kinds of faults, and the time [s] for each: the fault itself and the recovery."""
-ENDS_ENGINE: Final = (
+ENGINE_FAULTS: Final = (
     "exception once", "exception three times", "exception always", "kill engine", "kill engine twice", "stop engine",
     "cut the engine's wire",
 )  # fmt: skip
 """Kinds after which another engine takes over; these restarts are counted."""
-LEAST: Final = {"kill engine twice": 2, "stop engine": 0}
+MIN_ENDED_ENGINES: Final = {"kill engine twice": 2, "stop engine": 0}
 """Minimum number of ended engines. A stopped engine may resume if the watchdog is patient with a busy machine."""
-DISK: Final = ("disk full", "disk read-only", "no descriptors in the supervisor")
+DISK_FAULTS: Final = ("disk full", "disk read-only", "no descriptors in the supervisor")
 """Kinds that may lose lines of the journal."""
 
 
-class Blow(NamedTuple):
+class ChaosFault(NamedTuple):
     """One fault of a chaos run."""
 
     time: float
     """When [s since the show was ready]."""
     kind: str
-    size: float
+    severity: float
     """Severity, 0 to 1."""
-    which: int
+    selector: int
     """Random number that selects the call site, thread or process."""
 
 
-def blows(seed: int, *, until: float, rate: float = 1.0) -> Iterator[Blow]:
+def chaos_schedule(seed: int, *, until: float, rate: float = 1.0) -> Iterator[ChaosFault]:
     """Yield faults until `until` [s]; `rate`: factor by which they come faster than the times in `KINDS`."""
     chance = np.random.default_rng([seed, SALT])
-    time, names = 1.0, list(KINDS)
+    time, names = 1.0, list(FAULT_SECONDS)
     while True:
         for index in chance.permutation(len(names)):
             kind = names[int(index)]
-            if time + KINDS[kind] / rate > until:
+            if time + FAULT_SECONDS[kind] / rate > until:
                 return
-            yield Blow(time, kind, float(chance.random()), int(chance.integers(1 << 20)))
-            time += KINDS[kind] / rate
+            yield ChaosFault(time, kind, float(chance.random()), int(chance.integers(1 << 20)))
+            time += FAULT_SECONDS[kind] / rate

@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from live.show.journal.journal_writer import GAP
-from live.show.journal.skipped_events import LEFT_OUT
+from live.show.journal.journal_writer import GAP_KEY
+from live.show.journal.skipped_events import SKIPPED_KEY
 
 
 @dataclass(slots=True)
-class Measures:
+class MeasureStatistics:
     """Statistics of the measures of a journal."""
 
     begun: int = 0
@@ -36,9 +36,9 @@ class Measures:
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
 
-def measures_of(path: Path) -> Measures:
+def read_measures(path: Path) -> MeasureStatistics:
     """Read the measure lines of a journal. Raises OSError if it does not exist."""
-    found = Measures()
+    found = MeasureStatistics()
     last: int | None = None
     skipped = gap = 0
     with path.open(encoding="utf-8", errors="replace") as file:
@@ -50,10 +50,10 @@ def measures_of(path: Path) -> Measures:
                 continue
             if not isinstance(line, dict):
                 continue
-            missing = line.get(GAP, 0)
+            missing = line.get(GAP_KEY, 0)
             found.lost += missing
             gap += missing
-            found.left_out += line.get(LEFT_OUT, 0)
+            found.left_out += line.get(SKIPPED_KEY, 0)
             found.ended = found.ended or bool(line.get("end"))
             event = line.get("event")
             if isinstance(event, dict):
@@ -65,13 +65,13 @@ def measures_of(path: Path) -> Measures:
             if "measure" in line and "event" not in line:
                 number = int(line["measure"])
                 if last is not None:
-                    _place(found, last, number, skipped, gap)
+                    _classify(found, last, number, skipped, gap)
                 found.begun += 1
                 last, skipped, gap = number, 0, 0
     return found
 
 
-def _place(found: Measures, last: int, number: int, skipped: int, gap: int) -> None:
+def _classify(found: MeasureStatistics, last: int, number: int, skipped: int, gap: int) -> None:
     if number <= last:
         found.twice.append(number)
         return

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from live.rehearse.chaos.injection import ROLES
+from live.rehearse.chaos.injection import ROLES_FOLDER
 
 PROC = Path("/proc")
 
@@ -24,7 +24,7 @@ class Process:
     command: str
 
 
-def process(pid: int) -> Process | None:
+def read_process(pid: int) -> Process | None:
     """Read a process from /proc; None if it does not exist."""
     with contextlib.suppress(OSError, ValueError, IndexError):
         words = (PROC / str(pid) / "stat").read_text(errors="replace").rpartition(")")[2].split()
@@ -33,24 +33,26 @@ def process(pid: int) -> Process | None:
     return None
 
 
-class Tree:
+class ProcessTree:
     """A supervisor and its descendants. Thread: one."""
 
     def __init__(self, supervisor: int, folder: Path) -> None:
         """`folder`: of the run, where engines write their roles."""
         self.supervisor, self._folder = supervisor, folder
-        self._left: set[int] = set()
+        self._orphans: set[int] = set()
 
-    def lose(self) -> None:
+    def kill_supervisor(self) -> None:
         """Kill the supervisor; its children remain part of the tree."""
-        self._left |= {one.pid for one in self.below()}
+        self._orphans |= {one.pid for one in self.descendants()}
         os.kill(self.supervisor, signal.SIGKILL)
 
-    def below(self) -> list[Process]:
+    def descendants(self) -> list[Process]:
         """Return all descendants of the supervisor and the orphans of earlier supervisors."""
-        all_of = [found for name in os.listdir(PROC) if name.isdecimal() and (found := process(int(name))) is not None]
-        below = [one for one in all_of if one.pid in self._left]
-        parents = {self.supervisor, *self._left}
+        all_of = [
+            found for name in os.listdir(PROC) if name.isdecimal() and (found := read_process(int(name))) is not None
+        ]
+        below = [one for one in all_of if one.pid in self._orphans]
+        parents = {self.supervisor, *self._orphans}
         while more := [one for one in all_of if one.parent in parents and one not in below]:
             below += more
             parents = {one.pid for one in more}
@@ -59,19 +61,21 @@ class Tree:
     def roles(self) -> dict[int, str]:
         """Return the start role of each live engine, by process id."""
         roles = {}
-        for one in self.below():
+        for one in self.descendants():
             with contextlib.suppress(OSError):
                 if one.state != "Z":
-                    roles[one.pid] = (self._folder / ROLES / str(one.pid)).read_text(encoding="utf-8")
+                    roles[one.pid] = (self._folder / ROLES_FOLDER / str(one.pid)).read_text(encoding="utf-8")
         return roles
 
-    def sound(self) -> list[int]:
+    def audio_processes(self) -> list[int]:
         """Return the ids of the audio processes."""
-        return [one.pid for one in self.below() if "live.app.processes.audio_main" in one.command and one.state != "Z"]
+        return [
+            one.pid for one in self.descendants() if "live.app.processes.audio_main" in one.command and one.state != "Z"
+        ]
 
     def zombies(self) -> set[int]:
         """Return the ids of zombies; without orphans of earlier supervisors, which the system has to reap."""
-        return {one.pid for one in self.below() if one.state == "Z" and one.pid not in self._left}
+        return {one.pid for one in self.descendants() if one.state == "Z" and one.pid not in self._orphans}
 
     def signal(self, pid: int, number: int) -> bool:
         """Send a signal; return whether the process exists."""
@@ -80,9 +84,9 @@ class Tree:
             return True
         return False
 
-    def go_on(self) -> None:
+    def resume_all(self) -> None:
         """Continue all stopped processes."""
-        for one in [*self.below(), process(self.supervisor)]:
+        for one in [*self.descendants(), read_process(self.supervisor)]:
             if one is not None and one.state in "Tt":
                 self.signal(one.pid, signal.SIGCONT)
 
@@ -95,7 +99,7 @@ def descriptors(pid: int) -> int:
 
 
 @contextlib.contextmanager
-def few_descriptors(pid: int) -> Iterator[None]:
+def limited_descriptors(pid: int) -> Iterator[None]:
     """Prevent a process from opening more descriptors, within the context."""
     was = None
     with contextlib.suppress(OSError, ValueError):
@@ -109,7 +113,7 @@ def few_descriptors(pid: int) -> Iterator[None]:
                 resource.prlimit(pid, resource.RLIMIT_NOFILE, was)
 
 
-def pressure() -> float:
+def cpu_pressure() -> float:
     """Return the share of the last ten seconds in which a process waited for a CPU, 0 to 1; estimated from the load if
     the kernel has no pressure-stall information."""
     with contextlib.suppress(OSError, ValueError, IndexError):

@@ -9,7 +9,7 @@ from typing import Final
 
 SIZE_MB: Final = 64
 FILLER: Final = "filler"
-PIECE: Final = 1 << 16
+CHUNK_SIZE: Final = 1 << 16
 
 
 class SmallDisk:
@@ -17,7 +17,7 @@ class SmallDisk:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.real = False
+        self.is_mounted = False
         """Whether it is a separate file system."""
 
     def open(self) -> None:
@@ -27,14 +27,14 @@ class SmallDisk:
         if os.geteuid() == 0:
             command = ["mount", "-t", "tmpfs", "-o", f"size={SIZE_MB}m", "live-chaos", str(self.path)]
             with contextlib.suppress(OSError):
-                self.real = subprocess.run(command, capture_output=True, check=False).returncode == 0
+                self.is_mounted = subprocess.run(command, capture_output=True, check=False).returncode == 0
 
     def fill(self) -> bool:
         """Fill it to the last byte; False if it is a plain folder."""
-        if not self.real:
+        if not self.is_mounted:
             return False
         with (self.path / FILLER).open("ab", buffering=0) as file, contextlib.suppress(OSError):
-            for size in (PIECE, 4096, 1):
+            for size in (CHUNK_SIZE, 4096, 1):
                 with contextlib.suppress(OSError):
                     while True:
                         file.write(bytes(size))
@@ -46,7 +46,7 @@ class SmallDisk:
         """Free the space again."""
         (self.path / FILLER).unlink(missing_ok=True)
 
-    def keep(self, folder: Path) -> None:
+    def copy_to(self, folder: Path) -> None:
         """Copy its files into `folder`."""
         self.free()
         for file in self.path.iterdir():
@@ -55,6 +55,6 @@ class SmallDisk:
 
     def close(self) -> None:
         """Unmount it."""
-        if self.real:
+        if self.is_mounted:
             subprocess.run(["umount", "-l", str(self.path)], capture_output=True, check=False)
-            self.real = False
+            self.is_mounted = False

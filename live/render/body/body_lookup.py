@@ -1,6 +1,6 @@
 """Lookup of a scene's bodies by name: generated ones, and characters from files."""
 
-from live.base.body_catalogue import BODIES, USUAL
+from live.base.body_catalogue import BODIES, DEFAULT_BODY
 from live.base.stage_snapshot import Scene
 from live.render.body.body_mesh import BodyMesh, build_body
 from live.render.characters.character import Character, load_character
@@ -8,7 +8,7 @@ from live.render.characters.character import Character, load_character
 
 def bodies_of(scene: Scene) -> tuple[str, ...]:
     """Return the names of the bodies in a scene: generated ones, then characters."""
-    bodies = tuple(name for name in BODIES if name == USUAL or name in scene.bodies)
+    bodies = tuple(name for name in BODIES if name == DEFAULT_BODY or name in scene.bodies)
     return bodies + tuple(said.name for said in scene.characters)
 
 

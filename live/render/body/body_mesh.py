@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.body_catalogue import USUAL
+from live.base.body_catalogue import DEFAULT_BODY
 from live.render.body.body_variants import bun_of, parts_of
 from live.render.body.cage import Cage, build_bun_cage, build_cage
 from live.render.body.implicit_surface import Shape
@@ -38,7 +38,7 @@ _TRIANGLES: Final = {LIGHT: 1220, DISTANT: 640}
 _INFLUENCES: Final = 4
 _PROJECTIONS: Final = 4
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
-_SWELLING: Final = 0.006
+_SHADOW_OFFSET: Final = 0.006
 """Offset of the coarse body's skin [m], so that its square limbs cast shadows as wide as round ones."""
 
 
@@ -75,7 +75,7 @@ def _refine(cage: Cage, shape: Shape, level: int) -> Cage:
     return Cage(points, weights, faces)
 
 
-def strongest(weights: Float64) -> tuple[Int32, Float32]:
+def strongest_weights(weights: Float64) -> tuple[Int32, Float32]:
     """Return the four strongest joints of each vertex and their weights, which sum to 1.
 
     The fifth weight is subtracted from all, so that weights fade out smoothly and ties need no preference.
@@ -106,7 +106,7 @@ def _openness(shape: Shape, points: Float64, normals: Float64) -> Float64:
 
 
 @cache
-def build_body(level: int, name: str = USUAL) -> BodyMesh:
+def build_body(level: int, name: str = DEFAULT_BODY) -> BodyMesh:
     """Return the body of a name (`live.base.body_catalogue`) at one of `LEVELS` of detail. ValueError for an unknown
     one. Built once per process, in a fraction of a second."""
     if level not in LEVELS:
@@ -130,8 +130,8 @@ def build_body(level: int, name: str = USUAL) -> BodyMesh:
         points, weights, normals = points[used], weights[used], normals[used]
     openness = _openness(body, points, normals)
     if level == COARSE:
-        points = points + normals * _SWELLING
-    joint, weight = strongest(weights)
+        points = points + normals * _SHADOW_OFFSET
+    joint, weight = strongest_weights(weights)
     return BodyMesh(
         np.ascontiguousarray(points, np.float32),
         np.ascontiguousarray(normals, np.float32),

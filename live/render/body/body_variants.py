@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from live.base.body_catalogue import BODIES, USUAL
+from live.base.body_catalogue import BODIES, DEFAULT_BODY
 from live.render.body import implicit_surface as usual
 from live.render.body.implicit_surface import BODY, Ellipsoid, Loft
 
@@ -32,12 +32,12 @@ class BodyType:
     shoulder: float = 1.0
     chest: tuple[float, float, float] = (1.0, 1.0, 1.0)
     seat: float = 1.0
-    more: tuple[Ellipsoid, ...] = ()
+    extra_parts: tuple[Ellipsoid, ...] = ()
     """Parts added to the torso."""
 
 
 TYPES: Final[dict[str, BodyType]] = {
-    USUAL: BodyType(),
+    DEFAULT_BODY: BodyType(),
     "slim": BodyType(
         torso=((0.0, 0.97, 0.95, 0.95), (0.35, 0.90, 0.90, 0.90), (0.6, 0.90, 0.90, 0.90), (1.0, 0.90, 0.92, 0.88)),
         leg=((0.0, 0.90, 0.90, 0.90), (0.35, 0.83, 0.84, 0.84), (0.65, 0.87, 0.90, 0.84), (1.0, 0.92, 0.95, 0.95)),
@@ -54,7 +54,7 @@ TYPES: Final[dict[str, BodyType]] = {
         arm=((0.0, 1.20, 1.20, 1.20), (0.25, 1.34, 1.36, 1.34), (0.5, 1.18, 1.18, 1.18), (0.64, 1.28, 1.28, 1.25),
              (1.0, 1.15, 1.12, 1.12)),
         neck=1.20, head=1.02, hand=1.10, foot=1.06, shoulder=1.24, chest=(1.28, 1.0, 0.82), seat=0.92,
-        more=(
+        extra_parts=(
             Ellipsoid((0.092, 1.205, -0.045), (0.058, 0.095, 0.048), 0.045),  # the broad back
             Ellipsoid((0.040, 1.090, 0.052), (0.040, 0.085, 0.030), 0.035),  # the belly's muscles
         ),
@@ -68,7 +68,7 @@ TYPES: Final[dict[str, BodyType]] = {
              (1.0, 1.10, 1.08, 1.08)),
         arm=((0.0, 1.22, 1.20, 1.20), (0.3, 1.32, 1.30, 1.30), (0.6, 1.22, 1.20, 1.20), (1.0, 1.12, 1.10, 1.10)),
         neck=1.16, head=1.05, hand=1.05, foot=1.04, shoulder=1.10, chest=(1.16, 1.12, 1.16), seat=1.18,
-        more=(Ellipsoid((0.0, 1.020, 0.060), (0.120, 0.110, 0.085), 0.070),),  # the belly
+        extra_parts=(Ellipsoid((0.0, 1.020, 0.060), (0.120, 0.110, 0.085), 0.070),),  # the belly
     ),
     "child": BodyType(
         torso=(
@@ -84,7 +84,7 @@ TYPES: Final[dict[str, BodyType]] = {
 """The type for each name of `live.base.body_catalogue`."""
 
 
-def _widened(loft: Loft, curve: _Curve) -> Loft:
+def _scaled_loft(loft: Loft, curve: _Curve) -> Loft:
     factors = np.array(curve)
     rows = tuple(
         (
@@ -99,19 +99,19 @@ def _widened(loft: Loft, curve: _Curve) -> Loft:
     return replace(loft, rows=rows)
 
 
-def _even(loft: Loft, factor: float) -> Loft:
-    return _widened(loft, ((0.0, factor, factor, factor),))
+def _evenly_scaled_loft(loft: Loft, factor: float) -> Loft:
+    return _scaled_loft(loft, ((0.0, factor, factor, factor),))
 
 
-def _grown(part: Ellipsoid, *factors: float) -> Ellipsoid:
+def _scaled(part: Ellipsoid, *factors: float) -> Ellipsoid:
     three = factors if len(factors) == 3 else factors * 3
     return replace(part, radii=(part.radii[0] * three[0], part.radii[1] * three[1], part.radii[2] * three[2]))
 
 
-def _around(part: Ellipsoid, centre: tuple[float, float, float], factor: float) -> Ellipsoid:
+def _scaled_about(part: Ellipsoid, centre: tuple[float, float, float], factor: float) -> Ellipsoid:
     """Scale a part about `centre`."""
     x, y, z = (c + (p - c) * factor for p, c in zip(part.centre, centre, strict=True))
-    return replace(_grown(part, factor), centre=(x, y, z))
+    return replace(_scaled(part, factor), centre=(x, y, z))
 
 
 _HEAD_ROOT: Final = (0.0, 1.530, 0.0)
@@ -124,41 +124,43 @@ def parts_of(name: str) -> tuple[Loft | Ellipsoid, ...]:
     if name not in TYPES:
         raise ValueError(f"body {name!r}: there are {', '.join(BODIES)}")
     kind = TYPES[name]
-    if name == USUAL:
+    if name == DEFAULT_BODY:
         return BODY
     parts: list[Loft | Ellipsoid] = []
     for part in BODY:
         match part:
             case usual.TORSO:
-                parts += [_widened(part, kind.torso), *kind.more]
+                parts += [_scaled_loft(part, kind.torso), *kind.extra_parts]
             case usual.LEG:
-                parts.append(_widened(part, kind.leg))
+                parts.append(_scaled_loft(part, kind.leg))
             case usual.ARM:
-                parts.append(_widened(part, kind.arm))
+                parts.append(_scaled_loft(part, kind.arm))
             case _:
-                parts.append(_of_small(part, kind))
+                parts.append(_scaled_small_part(part, kind))
     return tuple(parts)
 
 
-def _of_small(part: Loft | Ellipsoid, kind: BodyType) -> Loft | Ellipsoid:
+def _scaled_small_part(part: Loft | Ellipsoid, kind: BodyType) -> Loft | Ellipsoid:
     if isinstance(part, Loft):
         if part is usual.NECK:
-            return _even(part, kind.neck)
+            return _evenly_scaled_loft(part, kind.neck)
         if part in (usual.FOOT, usual.TOES):
-            return _even(part, kind.foot)
-        return _even(part, kind.hand if part in (usual.PALM, usual.FINGERS, usual.THUMB) else kind.shoulder)
+            return _evenly_scaled_loft(part, kind.foot)
+        return _evenly_scaled_loft(
+            part, kind.hand if part in (usual.PALM, usual.FINGERS, usual.THUMB) else kind.shoulder
+        )
     if part is usual.CHEST:
-        return _grown(part, *kind.chest)
+        return _scaled(part, *kind.chest)
     if part is usual.SEAT:
-        return _grown(part, kind.seat)
+        return _scaled(part, kind.seat)
     if part is usual.DELTOID:
-        return _grown(part, kind.shoulder)
+        return _scaled(part, kind.shoulder)
     if part is usual.HEEL:
         return part
-    return _around(part, _HEAD_ROOT, kind.head) if part.centre[1] > _HEAD_ROOT[1] - 0.03 else part
+    return _scaled_about(part, _HEAD_ROOT, kind.head) if part.centre[1] > _HEAD_ROOT[1] - 0.03 else part
 
 
 def bun_of(name: str) -> tuple[Loft | Ellipsoid, ...]:
     """Return the hair bun of the body of that name."""
     factor = TYPES[name].head
-    return tuple(_around(part, _HEAD_ROOT, factor) if isinstance(part, Ellipsoid) else part for part in usual.BUN)
+    return tuple(_scaled_about(part, _HEAD_ROOT, factor) if isinstance(part, Ellipsoid) else part for part in usual.BUN)

@@ -15,7 +15,7 @@ from live.motion.skeleton import JOINT_COUNT, MIRROR, SKELETON
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 Point = tuple[float, float, float]
-Bond = dict[str, float]
+JointWeights = dict[str, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,7 +30,7 @@ class Cage:
     """Corner indices, shape (F, 4)."""
 
 
-class _Half:
+class _HalfBuilder:
     """Builder of the left half; rings are lists of four corners, ordered around the direction of extrusion."""
 
     def __init__(self) -> None:
@@ -38,8 +38,8 @@ class _Half:
         self.weights: list[Float64] = []
         self.faces: list[tuple[int, int, int, int]] = []
 
-    def ring(self, points: list[Point], bond: Bond | list[Bond]) -> list[int]:
-        bonds = bond if isinstance(bond, list) else [bond] * len(points)
+    def ring(self, points: list[Point], weights: JointWeights | list[JointWeights]) -> list[int]:
+        bonds = weights if isinstance(weights, list) else [weights] * len(points)
         first = len(self.points)
         self.points += points
         self.weights += [_weights(one) for one in bonds]
@@ -57,7 +57,7 @@ class _Half:
         self.faces.append((ring[0], ring[1], ring[2], ring[3]))
 
 
-def _weights(bond: Bond) -> Float64:
+def _weights(bond: JointWeights) -> Float64:
     row = np.zeros(JOINT_COUNT)
     for name, weight in bond.items():
         row[SKELETON.index(name)] = weight
@@ -65,7 +65,7 @@ def _weights(bond: Bond) -> Float64:
 
 
 # Torso, neck and head from the hip crease up: y [m], half-width, front, back, shift in z, weights.
-_TRUNK: Final[tuple[tuple[float, float, float, float, Bond], ...]] = (
+_TRUNK: Final[tuple[tuple[float, float, float, float, JointWeights], ...]] = (
     (0.940, 0.140, 0.085, -0.100, {"hips": 0.90, "leftUpperLeg": 0.10}),
     (1.045, 0.100, 0.082, -0.065, {"hips": 0.28, "spine": 0.62, "chest": 0.10}),
     (1.140, 0.108, 0.085, -0.070, {"spine": 0.35, "chest": 0.60, "upperChest": 0.05}),
@@ -77,7 +77,7 @@ _TRUNK: Final[tuple[tuple[float, float, float, float, Bond], ...]] = (
 _SHOULDER_ROW: Final = 5
 
 # Head rows: the four corners (front middle, front, back, back middle).
-_HEAD: Final[tuple[tuple[tuple[Point, Point, Point, Point], Bond], ...]] = (
+_HEAD: Final[tuple[tuple[tuple[Point, Point, Point, Point], JointWeights], ...]] = (
     (
         ((0.0, 1.492, 0.074), (0.040, 1.508, 0.040), (0.044, 1.530, -0.050), (0.0, 1.530, -0.072)),
         {"neck": 0.45, "head": 0.55},
@@ -89,7 +89,7 @@ _HEAD: Final[tuple[tuple[tuple[Point, Point, Point, Point], Bond], ...]] = (
 
 # Arm rings along x: x, half-height, half-depth, weights; centre line at the height of the shoulder joint.
 _ARM_LINE: Final = (1.380, -0.010)
-_ARM: Final[tuple[tuple[float, float, float, Bond], ...]] = (
+_ARM: Final[tuple[tuple[float, float, float, JointWeights], ...]] = (
     (0.215, 0.042, 0.040, {"leftShoulder": 0.14, "leftUpperArm": 0.86}),
     (0.335, 0.028, 0.029, {"leftUpperArm": 1.0}),
     (0.430, 0.025, 0.026, {"leftUpperArm": 0.50, "leftLowerArm": 0.50}),
@@ -104,7 +104,7 @@ _THUMB_RING: Final = 6
 
 # Leg rings down y: y, half-width, front, back, weights; centre line under the hip joint.
 _LEG_X: Final = 0.090
-_LEG: Final[tuple[tuple[float, float, float, float, Bond], ...]] = (
+_LEG: Final[tuple[tuple[float, float, float, float, JointWeights], ...]] = (
     (0.760, 0.062, 0.066, -0.068, {"hips": 0.08, "leftUpperLeg": 0.92}),
     (0.590, 0.042, 0.050, -0.046, {"leftUpperLeg": 1.0}),
     (0.475, 0.035, 0.039, -0.036, {"leftUpperLeg": 0.50, "leftLowerLeg": 0.50}),
@@ -119,14 +119,14 @@ _HEEL: Final[tuple[Point, ...]] = (
     (0.114, 0.004, 0.030),
 )
 # Foot rings forward z: z, low y, high y, inner x, outer x, weights.
-_FOOT: Final[tuple[tuple[float, float, float, float, float, Bond], ...]] = (
+_FOOT: Final[tuple[tuple[float, float, float, float, float, JointWeights], ...]] = (
     (0.120, 0.002, 0.038, 0.056, 0.126, {"leftFoot": 0.52, "leftToes": 0.48}),
     (0.184, 0.003, 0.020, 0.066, 0.110, {"leftToes": 1.0}),
 )
 _BUN: Final = ((0.0, 1.668, -0.094), 0.030)
 
 
-def _trunk(half: _Half) -> list[list[int]]:
+def _trunk(half: _HalfBuilder) -> list[list[int]]:
     crease: list[Point] = [(0.0, 0.812, 0.034), (0.150, 0.862, 0.060), (0.140, 0.828, -0.085), (0.0, 0.808, -0.050)]
     side = {"hips": 0.50, "leftUpperLeg": 0.50}
     rows = [half.ring(crease, [{"hips": 1.0}, side, {"hips": 0.42, "leftUpperLeg": 0.58}, {"hips": 1.0}])]
@@ -143,7 +143,7 @@ def _trunk(half: _Half) -> list[list[int]]:
     return rows
 
 
-def _arm(half: _Half, low: list[int], high: list[int]) -> None:
+def _arm(half: _HalfBuilder, low: list[int], high: list[int]) -> None:
     y, z = _ARM_LINE
     previous = [high[2], high[1], low[1], low[2]]
     for number, (x, tall, deep, bond) in enumerate(_ARM):
@@ -162,7 +162,7 @@ def _arm(half: _Half, low: list[int], high: list[int]) -> None:
     half.cap(previous)
 
 
-def _thumb(half: _Half, near: list[int], far: list[int]) -> None:
+def _thumb(half: _HalfBuilder, near: list[int], far: list[int]) -> None:
     base = [far[2], far[1], near[1], near[2]]
     tip: list[Point] = [
         (0.782, 1.356, 0.050),
@@ -175,7 +175,7 @@ def _thumb(half: _Half, near: list[int], far: list[int]) -> None:
     half.cap(ring)
 
 
-def _leg(half: _Half, crease: list[int]) -> None:
+def _leg(half: _HalfBuilder, crease: list[int]) -> None:
     previous = [crease[0], crease[3], crease[2], crease[1]]
     for y, width, front, back, bond in _LEG:
         inner, outer = _LEG_X - width, _LEG_X + width
@@ -194,7 +194,7 @@ def _leg(half: _Half, crease: list[int]) -> None:
     half.cap(across)
 
 
-def _mirrored(half: _Half) -> Cage:
+def _mirrored(half: _HalfBuilder) -> Cage:
     points = np.array(half.points)
     weights = np.array(half.weights)
     faces = np.array(half.faces, np.int64)
@@ -215,7 +215,7 @@ def _mirrored(half: _Half) -> Cage:
 
 def build_cage() -> Cage:
     """Return the cage of the body without its hair bun, in the rest pose."""
-    half = _Half()
+    half = _HalfBuilder()
     rows = _trunk(half)
     _leg(half, rows[0])
     _arm(half, rows[_SHOULDER_ROW], rows[_SHOULDER_ROW + 1])

@@ -15,7 +15,7 @@ import numpy.typing as npt
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
-_CARRIED: Final = 3e-5
+_DATA_COST: Final = 3e-5
 """Cost of a full change of weights along a metre [m^4]."""
 _FLIP: Final = 0.25
 """A triangle must not rotate by more than the angle with this cosine."""
@@ -45,7 +45,7 @@ def _quadrics(points: Float64, triangles: Int64) -> Float64:
 class _Mesh:
     """Triangle mesh that supports edge collapse."""
 
-    def __init__(self, points: Float64, triangles: Int64, cost: Float64) -> None:
+    def __init__(self, points: Float64, triangles: Int64, vertex_data: Float64) -> None:
         self.points = points
         self.faces: dict[int, tuple[int, int, int]] = dict(enumerate(map(tuple, triangles.tolist())))
         self.faces_of: list[set[int]] = [set() for _ in range(len(points))]
@@ -54,7 +54,7 @@ class _Mesh:
                 self.faces_of[corner].add(face)
         self.quadric = _quadrics(points, triangles)
         self.homogeneous = np.concatenate([points, np.ones((len(points), 1))], axis=1)
-        self._carried = cost
+        self._vertex_data = vertex_data
 
     def neighbours(self, vertex: int) -> set[int]:
         found = {corner for face in self.faces_of[vertex] for corner in self.faces[face]}
@@ -65,8 +65,8 @@ class _Mesh:
         """Return the cost of collapsing `gone` onto `kept`: quadric error, and difference of vertex data."""
         at = self.homogeneous[kept]
         shape = float(at @ (self.quadric[gone] + self.quadric[kept]) @ at)
-        apart = float(np.abs(self._carried[gone] - self._carried[kept]).sum())
-        return shape + _CARRIED * math.dist(self.points[gone], self.points[kept]) * (0.2 + apart)
+        apart = float(np.abs(self._vertex_data[gone] - self._vertex_data[kept]).sum())
+        return shape + _DATA_COST * math.dist(self.points[gone], self.points[kept]) * (0.2 + apart)
 
     def allowed(self, gone: int, kept: int) -> bool:
         """Whether the mesh stays closed and no triangle flips."""
@@ -103,7 +103,7 @@ def _normal(corners: Float64) -> Float64:
     return np.array([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx])
 
 
-class _Queue:
+class _CollapseQueue:
     """Priority queue of possible collapses, cheapest first; entries of changed vertices are stale."""
 
     def __init__(self, mesh: _Mesh, partner: list[int]) -> None:
@@ -111,7 +111,7 @@ class _Queue:
         self._heap: list[tuple[float, int, int, int, int]] = []
         self._version = [0] * len(mesh.points)
 
-    def offer(self, vertex: int) -> None:
+    def push(self, vertex: int) -> None:
         """Add every collapse along the edges of a vertex."""
         for other in self._mesh.neighbours(vertex):
             for gone, kept in ((vertex, other), (other, vertex)):
@@ -119,7 +119,7 @@ class _Queue:
                     versions = self._version[gone], self._version[kept]
                     heapq.heappush(self._heap, (self._mesh.cost(gone, kept), gone, kept, *versions))
 
-    def take(self) -> tuple[int, int] | None:
+    def pop(self) -> tuple[int, int] | None:
         """Remove and return the cheapest collapse that is not stale, or None."""
         while self._heap:
             _, gone, kept, at_gone, at_kept = heapq.heappop(self._heap)
@@ -127,34 +127,34 @@ class _Queue:
                 return gone, kept
         return None
 
-    def changed(self, gone: int, kept: int) -> None:
+    def invalidate(self, gone: int, kept: int) -> None:
         """Mark entries of `gone` and of all vertices around `kept` as stale."""
         self._version[gone] = -1
         for one in self._mesh.neighbours(kept) | {kept}:
             self._version[one] += 1
 
 
-def simplify(points: Float64, triangles: Int64, carried: Float64, wanted: int) -> tuple[Int64, Int64]:
+def simplify(points: Float64, triangles: Int64, vertex_data: Float64, target_count: int) -> tuple[Int64, Int64]:
     """Return kept vertices (indices into `points`), and about `wanted` triangles among them, or more if necessary.
 
     `carried` (V, C): vertex data (joint weights); collapses between different values cost more.
     The mesh [m] must be closed and symmetric about x = 0.
     """
-    mesh = _Mesh(points, triangles, carried)
+    mesh = _Mesh(points, triangles, vertex_data)
     partner = mirror_partners(points).tolist()
-    queue = _Queue(mesh, partner)
+    queue = _CollapseQueue(mesh, partner)
     for vertex in np.flatnonzero(points[:, 0] >= -1e-9).tolist():
-        queue.offer(vertex)
-    while len(mesh.faces) > wanted and (pair := queue.take()) is not None:
+        queue.push(vertex)
+    while len(mesh.faces) > target_count and (pair := queue.pop()) is not None:
         gone, kept = pair
         pairs = [pair] if partner[gone] == gone else [pair, (partner[gone], partner[kept])]
         if gone in pairs[-1][1:] or kept == partner[gone] or not all(mesh.allowed(*one) for one in pairs):
             continue
         for one in pairs:
             mesh.collapse(*one)
-            queue.changed(*one)
+            queue.invalidate(*one)
         for vertex in mesh.neighbours(kept) | {kept}:
-            queue.offer(vertex)
+            queue.push(vertex)
     left = np.array(list(mesh.faces.values()), np.int64)
     used = np.unique(left)
     return used, np.searchsorted(used, left)

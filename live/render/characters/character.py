@@ -9,18 +9,18 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.body_catalogue import MOST, USUAL, CharacterFile, Worn
+from live.base.body_catalogue import DEFAULT_BODY, MAX_CHARACTERS, CharacterFile, MaterialOverride
 from live.base.errors import PersonError
 from live.motion.formats.file_error import MotionFileError
 from live.motion.skeleton import SKELETON
-from live.render.body.body_mesh import COARSE, FINE, LIGHT, BodyMesh, strongest
+from live.render.body.body_mesh import COARSE, FINE, LIGHT, BodyMesh, strongest_weights
 from live.render.body.body_variants import parts_of
 from live.render.body.implicit_surface import Shape
-from live.render.characters.lod import reduce_to
+from live.render.characters.lod import simplify_to
 from live.render.characters.materials import EXTRAS, Layers, extras_of, layers_of
 from live.render.characters.model import Material, Model
 from live.render.characters.model_reader import read_model
-from live.render.characters.skeleton_fit import Fitted, find_joints, fit
+from live.render.characters.skeleton_fit import FittedCharacter, find_joints, fit
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -28,11 +28,11 @@ Int64 = npt.NDArray[np.int64]
 
 TRIANGLES: Final = {COARSE: 1200, LIGHT: 3600, FINE: 60_000}
 """Maximum number of triangles of each level."""
-_REACHES: Final = (0.06, 0.10, 0.16)
+_OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class WornMesh:
+class CharacterMesh:
     """Mesh of a character at one level of detail, with its surface attributes (V vertices)."""
 
     body: BodyMesh
@@ -51,8 +51,8 @@ class Character:
     model: Model
     joints: Mapping[str, int | None]
     """The character's node for each of the engine's joints."""
-    fitted: Fitted
-    levels: Mapping[int, WornMesh]
+    fitted: FittedCharacter
+    levels: Mapping[int, CharacterMesh]
     """By `COARSE`, `LIGHT`, `FINE`."""
     layers: npt.NDArray[np.uint8]
     """Images, shape (L, S, S, 4): square roots of linear RGB, and opacity."""
@@ -64,25 +64,25 @@ class Character:
     """Normal and emission parameters of materials, see `extras_of`."""
 
 
-def load_character(said: CharacterFile) -> Character:
+def load_character(character_file: CharacterFile) -> Character:
     """Return a character, cached until its file changes; PersonError if it cannot be drawn."""
-    path = Path(said.path)
+    path = Path(character_file.path)
     try:
         stat = path.stat()
         stamp = stat.st_mtime_ns, stat.st_size
     except OSError:
         stamp = 0, 0
     try:
-        return _loaded(said, stamp)
+        return _load(character_file, stamp)
     except MotionFileError as error:
         raise PersonError(f"{error.file}: {error.problem}", error.expected) from None
 
 
-@lru_cache(maxsize=MOST)
-def _loaded(said: CharacterFile, stamp: tuple[int, int]) -> Character:
-    model = read_model(Path(said.path))
-    joints = find_joints(model, dict(said.joints))
-    materials = _materials(model, dict(said.materials))
+@lru_cache(maxsize=MAX_CHARACTERS)
+def _load(character_file: CharacterFile, stamp: tuple[int, int]) -> Character:
+    model = read_model(Path(character_file.path))
+    joints = find_joints(model, dict(character_file.joints))
+    materials = _materials(model, dict(character_file.materials))
     hidden = {number for number, material in enumerate(materials) if material is None}
     kept = tuple(part for part in model.parts if part.material not in hidden)
     if not kept:
@@ -93,28 +93,32 @@ def _loaded(said: CharacterFile, stamp: tuple[int, int]) -> Character:
     fitted = fit(model, joints)
     extras = extras_of([None if known is None else known[0] for known in materials], layer_of)
     surface = _surface(model, materials, layer_of)
-    triangle = np.concatenate([part.triangle + first for part, first in zip(model.parts, _firsts(model), strict=True)])
+    triangle = np.concatenate(
+        [part.triangle + first for part, first in zip(model.parts, _vertex_offsets(model), strict=True)]
+    )
     openness = _openness(fitted)
     levels = {level: _level(fitted, surface, openness, triangle, wanted) for level, wanted in TRIANGLES.items()}
     two_sided = any(materials[part.material][0].two_sided for part in model.parts)  # type: ignore[index]
     return Character(model, joints, fitted, levels, layers, two_sided, _reach(fitted), extras)
 
 
-def _firsts(model: Model) -> list[int]:
+def _vertex_offsets(model: Model) -> list[int]:
     return [0, *np.cumsum([len(part.position) for part in model.parts]).tolist()][:-1]
 
 
-def _materials(model: Model, said: Mapping[str, Worn]) -> list[tuple[Material, Worn] | None]:
+def _materials(
+    model: Model, overrides: Mapping[str, MaterialOverride]
+) -> list[tuple[Material, MaterialOverride] | None]:
     """Return all materials with their changes, None for hidden ones."""
-    for name in said:
+    for name in overrides:
         if all(material.name != name for material in model.materials):
             known = ", ".join(material.name for material in model.materials[:20])
             raise MotionFileError(model.file, None, f"no material is called {name!r}", f"there are: {known}")
-    changed = [(material, said.get(material.name, Worn())) for material in model.materials]
+    changed = [(material, overrides.get(material.name, MaterialOverride())) for material in model.materials]
     return [None if worn.hidden else (material, worn) for material, worn in changed]
 
 
-def _surface(model: Model, materials: list[tuple[Material, Worn] | None], layer_of: Layers) -> Float64:
+def _surface(model: Model, materials: list[tuple[Material, MaterialOverride] | None], layer_of: Layers) -> Float64:
     """Return uv, tint, finish and material number of all vertices, shape (V, 11)."""
     rows = []
     for part in model.parts:
@@ -122,41 +126,45 @@ def _surface(model: Model, materials: list[tuple[Material, Worn] | None], layer_
         assert known is not None
         material, worn = known
         colour = np.array(material.colour[:3]) * (1.0 if worn.colour is None else np.array(worn.colour))
-        sheen = (0.06 if material.drawn else 0.35 * (1.0 - material.rough)) if worn.sheen is None else worn.sheen
+        sheen = (
+            (0.06 if material.toon_shaded else 0.35 * (1.0 - material.roughness)) if worn.sheen is None else worn.sheen
+        )
         layer = 0 if material.image is None else layer_of.get((material.image, False), 0)
-        extra = part.material + 1 if material.has_more and part.material < EXTRAS - 1 else 0
+        extra = part.material + 1 if material.has_extras and part.material < EXTRAS - 1 else 0
         row = [*np.sqrt(colour), sheen, layer, material.cutoff, material.colour[3], extra / 255.0, part.material]
         rows.append(np.column_stack([part.uv, np.tile(row, (len(part.uv), 1))]))
     return np.concatenate(rows)
 
 
-def _openness(fitted: Fitted) -> Float64:
+def _openness(fitted: FittedCharacter) -> Float64:
     """Return the share of ambient light at each vertex, from the usual body, which has the same joints."""
-    shape, points = Shape(parts_of(USUAL)), fitted.position
+    shape, points = Shape(parts_of(DEFAULT_BODY)), fitted.position
     inside = np.minimum(shape.distance(points), 0.0)
     total = np.zeros(len(points))
-    for reach in _REACHES:
+    for reach in _OCCLUSION_REACH:
         total += np.clip((shape.distance(points + fitted.normal * reach) - inside) / reach, 0.25, 1.0)
-    return total / len(_REACHES)
+    return total / len(_OCCLUSION_REACH)
 
 
-def _level(fitted: Fitted, surface: Float64, openness: Float64, triangle: Int64, wanted: int) -> WornMesh:
+def _level(fitted: FittedCharacter, surface: Float64, openness: Float64, triangle: Int64, wanted: int) -> CharacterMesh:
     position, normal, weight = fitted.position, fitted.normal, fitted.weight
     if len(triangle) > wanted:
-        level = reduce_to(position, weight, surface[:, -1].astype(np.int64), triangle, wanted)
-        position, normal, weight, surface = level.places(position), *map(level.mean, (normal, weight, surface))
+        level = simplify_to(position, weight, surface[:, -1].astype(np.int64), triangle, wanted)
+        position, normal, weight, surface = level.mean_positions(position), *map(level.mean, (normal, weight, surface))
         openness, triangle = level.mean(openness[:, None])[:, 0], level.triangle
     normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
-    joint, share = strongest(weight)
-    body = BodyMesh(_packed(position), _packed(normal), joint, share, _packed(openness), triangle.astype(np.int32))
-    return WornMesh(body, _packed(surface[:, :2]), _packed(surface[:, 2:6]), _packed(surface[:, 6:10]))
+    joint, share = strongest_weights(weight)
+    body = BodyMesh(
+        _as_float32(position), _as_float32(normal), joint, share, _as_float32(openness), triangle.astype(np.int32)
+    )
+    return CharacterMesh(body, _as_float32(surface[:, :2]), _as_float32(surface[:, 2:6]), _as_float32(surface[:, 6:10]))
 
 
-def _packed(array: Float64) -> Float32:
+def _as_float32(array: Float64) -> Float32:
     return np.ascontiguousarray(array, np.float32)
 
 
-def _reach(fitted: Fitted) -> float:
+def _reach(fitted: FittedCharacter) -> float:
     rest = SKELETON.rest_positions()
     main = rest[fitted.weight.argmax(axis=1)]
     return float(np.linalg.norm(fitted.position - main, axis=1).max())

@@ -17,19 +17,19 @@ from live.motion.skeleton import JOINT_COUNT, SKELETON
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
-_FINER: Final = {"head": 2.0, "Hand": 1.7, "Toes": 1.5, "Foot": 1.3, "neck": 1.3}
-_TRIES: Final = 14
+_DETAIL_FACTORS: Final = {"head": 2.0, "Hand": 1.7, "Toes": 1.5, "Foot": 1.3, "neck": 1.3}
+_ITERATIONS: Final = 14
 _SMALLEST: Final = 0.002
 _LARGEST: Final = 0.25
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Level:
+class SimplifiedMesh:
     """Simplified mesh: which old vertices each new one averages, and the new triangles."""
 
     group: Int64
     """New vertex for each old one, shape (V,)."""
-    place: Int64
+    cell_of_vertex: Int64
     """Cell of each new vertex, shape (N,)."""
     cell: Int64
     """Cell of each old vertex, shape (V,)."""
@@ -40,35 +40,39 @@ class Level:
         """Return means over the old vertices of each new one, (V, C) to (N, C)."""
         return _mean(values, self.group)
 
-    def places(self, position: Float64) -> Float64:
+    def mean_positions(self, position: Float64) -> Float64:
         """Return means over cells, for every new vertex, (V, 3) to (N, 3)."""
-        return np.asarray(_mean(position, self.cell)[self.place])
+        return np.asarray(_mean(position, self.cell)[self.cell_of_vertex])
 
 
-def reduce_to(position: Float64, weight: Float64, material: Int64, triangle: Int64, wanted: int) -> Level:
+def simplify_to(
+    position: Float64, weight: Float64, material: Int64, triangle: Int64, max_triangles: int
+) -> SimplifiedMesh:
     """Return the finest level with at most `wanted` triangles; vertices of different `material` (V,) stay separate."""
     ends = np.concatenate([triangle[:, [0, 1]], triangle[:, [1, 2]]])
     links = coo_matrix((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(len(position),) * 2)
     island = connected_components(links, directed=False)[1] * (int(material.max()) + 1) + material
     main = weight.argmax(axis=1)
-    finer = np.array([_finer(name) for name in SKELETON.names])[main][:, None]
+    finer = np.array([_detail_factor(name) for name in SKELETON.names])[main][:, None]
     low, high = _SMALLEST, _LARGEST
     best = _level(position, main, island, triangle, finer, _LARGEST)
-    for _ in range(_TRIES):
+    for _ in range(_ITERATIONS):
         size = 0.5 * (low + high)
         level = _level(position, main, island, triangle, finer, size)
-        if len(level.triangle) <= wanted:
+        if len(level.triangle) <= max_triangles:
             high, best = size, level
         else:
             low = size
     return best
 
 
-def _finer(name: str) -> float:
-    return next((by for word, by in _FINER.items() if name.endswith(word)), 1.0)
+def _detail_factor(name: str) -> float:
+    return next((by for word, by in _DETAIL_FACTORS.items() if name.endswith(word)), 1.0)
 
 
-def _level(position: Float64, main: Int64, island: Int64, triangle: Int64, finer: Float64, size: float) -> Level:
+def _level(
+    position: Float64, main: Int64, island: Int64, triangle: Int64, finer: Float64, size: float
+) -> SimplifiedMesh:
     grid = np.floor(position * finer / size).astype(np.int64) + 4096
     key = ((grid[:, 0] * 8192 + grid[:, 1]) * 8192 + grid[:, 2]) * JOINT_COUNT + main
     cell = np.unique(key, return_inverse=True)[1].reshape(-1)
@@ -79,7 +83,7 @@ def _level(position: Float64, main: Int64, island: Int64, triangle: Int64, finer
     kept = group[triangle[whole]]
     first = np.argmin(kept, axis=1)[:, None]
     kept = np.unique(np.take_along_axis(kept, (first + np.arange(3)) % 3, axis=1), axis=0)
-    return Level(group, both // (int(island.max()) + 1), cell, kept)
+    return SimplifiedMesh(group, both // (int(island.max()) + 1), cell, kept)
 
 
 def _mean(values: Float64, group: Int64) -> Float64:

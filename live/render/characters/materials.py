@@ -16,9 +16,9 @@ from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.gltf_document import JsonPlace
 from live.render.characters.model import Material, Model
 
-BRIGHTEST: Final = 8.0
+MAX_EMISSION: Final = 8.0
 """Maximum emission of a material, relative to white cloth in full light."""
-_MASKED = {"MASK": 0.5, "BLEND": 0.35}
+_DEFAULT_CUTOFF = {"MASK": 0.5, "BLEND": 0.35}
 PLAIN = Material("", (0.8, 0.8, 0.8, 1.0), None, 0.0, False, 0.8, False)
 """Material of parts without one."""
 
@@ -43,36 +43,36 @@ def _material(root: JsonPlace, place: JsonPlace, number: int) -> Material:
         extensions.has(each) for each in ("KHR_materials_unlit", "VRMC_materials_mtoon")
     )
     mode = place.text("alphaMode", "OPAQUE")
-    cutoff = place.number("alphaCutoff", _MASKED[mode]) if mode in _MASKED else 0.0
+    cutoff = place.number("alphaCutoff", _DEFAULT_CUTOFF[mode]) if mode in _DEFAULT_CUTOFF else 0.0
     plain = name, colour, image, min(cutoff, 0.95), place.flag("doubleSided"), rough, drawn
     if extensions is not None and extensions.has("KHR_materials_unlit"):
         return Material(*plain)
-    return Material(*plain, *_bumps(root, place), *_glow(root, place, extensions))
+    return Material(*plain, *_normal_map(root, place), *_emission(root, place, extensions))
 
 
-def _bumps(root: JsonPlace, place: JsonPlace) -> tuple[int | None, float]:
+def _normal_map(root: JsonPlace, place: JsonPlace) -> tuple[int | None, float]:
     """Return the normal map's image, if it is placed like the base colour, and its strength."""
     if not place.has("normalTexture"):
         return None, 1.0
     texture = place.object("normalTexture")
-    if _lies(texture) != texture_place(place):
+    if _texture_transform(texture) != material_transform(place):
         return None, 1.0
     return image_of(root, texture), min(max(texture.number("scale", 1.0), -4.0), 4.0)
 
 
-def _glow(
+def _emission(
     root: JsonPlace, place: JsonPlace, extensions: JsonPlace | None
 ) -> tuple[tuple[float, float, float], int | None]:
     """Return the emission and its image, which must be placed like the base colour."""
     strength = 1.0
     if extensions is not None and extensions.has("KHR_materials_emissive_strength"):
         strength = extensions.object("KHR_materials_emissive_strength").number("emissiveStrength", 1.0)
-    strength = min(max(strength, 0.0), BRIGHTEST)
+    strength = min(max(strength, 0.0), MAX_EMISSION)
     r, g, b = (min(max(part, 0.0), 1.0) * strength for part in place.numbers("emissiveFactor", 3, (0.0, 0.0, 0.0)))
     if not place.has("emissiveTexture"):
         return (r, g, b), None
     texture = place.object("emissiveTexture")
-    if _lies(texture) != texture_place(place):  # placed differently, the wrong parts would glow
+    if _texture_transform(texture) != material_transform(place):  # placed differently, the wrong parts would glow
         return (0.0, 0.0, 0.0), None
     return (r, g, b), image_of(root, texture)
 
@@ -83,19 +83,19 @@ def image_of(root: JsonPlace, texture: JsonPlace) -> int | None:
     return source.whole("source", below=root.length("images")) if source.has("source") else None
 
 
-def texture_place(place: JsonPlace) -> tuple[int, tuple[float, float], tuple[float, float]]:
+def material_transform(place: JsonPlace) -> tuple[int, tuple[float, float], tuple[float, float]]:
     """Return the set of texture coordinates of a material's images, their offset and scale: those of the base colour,
     or, if it has no image, of the normals or the emission."""
     pbr = place.object("pbrMetallicRoughness") if place.has("pbrMetallicRoughness") else None
     if pbr is not None and pbr.has("baseColorTexture"):
-        return _lies(pbr.object("baseColorTexture"))
+        return _texture_transform(pbr.object("baseColorTexture"))
     for name in ("normalTexture", "emissiveTexture"):
         if place.has(name):
-            return _lies(place.object(name))
+            return _texture_transform(place.object(name))
     return 0, (0.0, 0.0), (1.0, 1.0)
 
 
-def _lies(texture: JsonPlace) -> tuple[int, tuple[float, float], tuple[float, float]]:
+def _texture_transform(texture: JsonPlace) -> tuple[int, tuple[float, float], tuple[float, float]]:
     uv = texture.whole("texCoord", 0, below=8)
     extensions = texture.object("extensions") if texture.has("extensions") else None
     if extensions is None or not extensions.has("KHR_texture_transform"):
@@ -113,15 +113,15 @@ SIDE_LIMIT: Final = 8192
 PIXEL_LIMIT: Final = 150_000_000
 """Maximum number of pixels of all images of a character."""
 _SIDE: Final = 1024
-_ROOM: Final = 24 << 20
+_TEXEL_LIMIT: Final = 24 << 20
 """Maximum number of texels of all layers."""
-WHOLE: Final = _ROOM // (_SIDE * _SIDE) - 1
+FULL_SIZE_IMAGES: Final = _TEXEL_LIMIT // (_SIDE * _SIDE) - 1
 """Up to so many images keep their size."""
 _SMALLER: Final = "export the character with images of 1024 or 2048 pixels"
 
 _LINEAR: Final = np.arange(256) / 255.0
 _LINEAR_OF: Final = np.where(_LINEAR <= 0.04045, _LINEAR / 12.92, ((_LINEAR + 0.055) / 1.055) ** 2.4)
-_ROOTS: Final = np.rint(np.sqrt(_LINEAR_OF) * 255.0).astype(np.uint8)
+_SQRT_LINEAR: Final = np.rint(np.sqrt(_LINEAR_OF) * 255.0).astype(np.uint8)
 """Square root of linear light for each sRGB byte (IEC 61966-2-1); all colours of dancers are stored so."""
 
 
@@ -136,14 +136,14 @@ def read_layers(images: list[bytes], file: str, numbers: frozenset[int] = frozen
         raise MotionFileError(file, None, f"images of more than {PIXEL_LIMIT // 10**6} megapixels", _SMALLER)
     side = 4
     longest = max((max(image.size) for image in opened), default=1)
-    while side < min(longest, _SIDE) and (2 * side) ** 2 * (len(opened) + 1) <= _ROOM:
+    while side < min(longest, _SIDE) and (2 * side) ** 2 * (len(opened) + 1) <= _TEXEL_LIMIT:
         side *= 2
     layers = np.full((len(opened) + 1, side, side, 4), 255, np.uint8)
     for number, image in enumerate(opened):
         layers[number + 1] = _pixels(image, side, number, file)
     for number in range(len(layers)):
         if number - 1 not in numbers:
-            layers[number, ..., :3] = _ROOTS[layers[number, ..., :3]]
+            layers[number, ..., :3] = _SQRT_LINEAR[layers[number, ..., :3]]
     return layers
 
 
@@ -176,23 +176,27 @@ Layers = dict[tuple[int, bool], int]
 
 EXTRAS: Final = 32
 """Size of the table of extras, one more than its materials; as in surface.glsl."""
-LEFT_OUT: Final = "images of normals and glow are left out: too many, too large or broken"
+LEFT_OUT_NOTE: Final = "images of normals and glow are left out: too many, too large or broken"
 
 
-def layers_of(model: Model, worn: list[Material]) -> tuple[UInt8, Layers, tuple[str, ...]]:
+def layers_of(model: Model, materials: list[Material]) -> tuple[UInt8, Layers, tuple[str, ...]]:
     """Return all drawn images as layers, the layer of each, and notes.
 
     Normals and emission are only included if the colours keep their size, and left out if they are broken.
     MotionFileError for broken colours.
     """
-    colours = {(each.image, False) for each in worn if each.image is not None}
-    glow = {(each.glow_image, False) for each in worn if each.glow_image is not None and max(each.glow) > 0.0}
-    bumps = {(each.normal, True) for each in worn if each.normal is not None}
+    colours = {(each.image, False) for each in materials if each.image is not None}
+    glow = {
+        (each.emission_image, False)
+        for each in materials
+        if each.emission_image is not None and max(each.emission) > 0.0
+    }
+    bumps = {(each.normal_image, True) for each in materials if each.normal_image is not None}
     first, more = sorted(colours), [*sorted(glow - colours), *sorted(bumps)]
-    if more and len(first) + len(more) <= WHOLE:
+    if more and len(first) + len(more) <= FULL_SIZE_IMAGES:
         with contextlib.suppress(MotionFileError):
             return *_read(model, [*first, *more]), ()
-    return *_read(model, first), (LEFT_OUT,) if more else ()
+    return *_read(model, first), (LEFT_OUT_NOTE,) if more else ()
 
 
 def _read(model: Model, wanted: list[tuple[int, bool]]) -> tuple[UInt8, Layers]:
@@ -210,9 +214,9 @@ def extras_of(materials: list[Material | None], layers: Layers) -> Float32:
     for number, material in enumerate(materials[: EXTRAS - 1], start=1):
         if material is None:
             continue
-        bumps = 0 if material.normal is None else layers.get((material.normal, True), 0)
-        glow = 0 if material.glow_image is None else layers.get((material.glow_image, False), -1)
-        glows = glow >= 0 and max(material.glow) > 0.0  # without its image the whole material would glow
-        rows[2 * number] = bumps, material.bumps, max(glow, 0), glows
-        rows[2 * number + 1, :3] = material.glow
+        bumps = 0 if material.normal_image is None else layers.get((material.normal_image, True), 0)
+        glow = 0 if material.emission_image is None else layers.get((material.emission_image, False), -1)
+        glows = glow >= 0 and max(material.emission) > 0.0  # without its image the whole material would glow
+        rows[2 * number] = bumps, material.normal_strength, max(glow, 0), glows
+        rows[2 * number + 1, :3] = material.emission
     return rows

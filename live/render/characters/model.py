@@ -25,28 +25,28 @@ class Material:
     cutoff: float
     """Alpha cutoff: pixels with less opacity are not drawn; 0: opaque."""
     two_sided: bool
-    rough: float
+    roughness: float
     """Roughness: 0 is a mirror, 1 is matt."""
-    drawn: bool
+    toon_shaded: bool
     """Whether the material is unlit or toon-shaded (MToon)."""
-    normal: int | None = None
+    normal_image: int | None = None
     """The normal map (OpenGL convention: green is up); None: none."""
-    bumps: float = 1.0
+    normal_strength: float = 1.0
     """Strength of the normal map."""
-    glow: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Emission in linear RGB."""
-    glow_image: int | None = None
+    emission_image: int | None = None
     """The emission's image; None: none."""
 
     @property
     def images(self) -> set[int]:
         """All images that the material needs."""
-        return {image for image in (self.image, self.normal, self.glow_image) if image is not None}
+        return {image for image in (self.image, self.normal_image, self.emission_image) if image is not None}
 
     @property
-    def has_more(self) -> bool:
+    def has_extras(self) -> bool:
         """Whether the material has normals or emission."""
-        return self.normal is not None or max(self.glow) > 0.0
+        return self.normal_image is not None or max(self.emission) > 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,7 +83,7 @@ class Model:
     """-1: none."""
     order: tuple[int, ...]
     """All nodes, parents first."""
-    place: Float64
+    node_position: Float64
     """Position of each node in the rest pose, shape (N, 3)."""
     joints: frozenset[int]
     """Nodes that skins refer to."""

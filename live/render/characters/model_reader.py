@@ -12,7 +12,7 @@ from live.motion.formats.file_error import MotionFileError, shown
 from live.motion.formats.gltf_accessors import Accessors, Resolve
 from live.motion.formats.gltf_document import GltfFile, JsonPlace, open_gltf
 from live.motion.formats.gltf_skeleton import Nodes
-from live.render.characters.materials import PLAIN, read_materials, texture_place
+from live.render.characters.materials import PLAIN, material_transform, read_materials
 from live.render.characters.model import TRIANGLE_LIMIT, Model, Part
 from live.render.characters.vrm_licence import bones_of, first_person, kind_of, licence_of
 
@@ -22,7 +22,7 @@ Int64 = npt.NDArray[np.int64]
 BYTE_LIMIT: Final = 100_000_000
 """Maximum size of a character's file, or of one that it refers to [bytes]."""
 IMAGE_LIMIT: Final = 64
-_FAR: Final = 1 << 40
+_INDEX_LIMIT: Final = 1 << 40
 _TRIANGLES: Final = 4
 _SMALLER: Final = "export it with fewer triangles and images of 1024 pixels (Blender: Decimate)"
 
@@ -96,7 +96,7 @@ class _Reader:
             names=tuple(self._nodes.name(node) for node in range(self._nodes.count)),
             parents=tuple(self._nodes.parents),
             order=tuple(self._nodes.order),
-            place=self._matrix[:, :3, 3].copy(),
+            node_position=self._matrix[:, :3, 3].copy(),
             joints=frozenset(self._joints),
             bones=bones_of(self._root, self._nodes),
             parts=tuple(parts),
@@ -135,7 +135,7 @@ class _Reader:
                 self._notes.append("meshes for the first-person view are left out")
                 continue
             own = skins[place.whole("skin", below=len(skins))] if place.has("skin") else None
-            if own is None and not self._carried(node):
+            if own is None and not self._is_under_joint(node):
                 self._notes.append(f"{self._nodes.name(node)!r} is attached to no bone and is left out")
                 continue
             for primitive in self._root.element("meshes", mesh).elements("primitives"):
@@ -143,7 +143,7 @@ class _Reader:
                 if part is not None:
                     yield part
 
-    def _carried(self, node: int) -> bool:
+    def _is_under_joint(self, node: int) -> bool:
         while node >= 0 and node not in self._joints:
             node = self._nodes.parents[node]
         return node >= 0
@@ -155,7 +155,7 @@ class _Reader:
         if primitive.has("extensions") and primitive.object("extensions").has("KHR_draco_mesh_compression"):
             raise primitive.error("", "is compressed (Draco)", "export without compression")
         attributes = primitive.object("attributes")
-        position = self._accessors.read(attributes.whole("POSITION", below=_FAR), "VEC3")
+        position = self._accessors.read(attributes.whole("POSITION", below=_INDEX_LIMIT), "VEC3")
         triangle = self._triangles_of(primitive, len(position))
         if not len(triangle):
             return None
@@ -165,7 +165,7 @@ class _Reader:
             nodes, weight = np.full((len(position), 1), node, np.int64), np.ones((len(position), 1))
             moved = np.broadcast_to(self._matrix[node], (len(position), 4, 4))
         else:
-            nodes, weight, moved = self._bound(attributes, skin, len(position))
+            nodes, weight, moved = self._skinning(attributes, skin, len(position))
         place = np.einsum("vij,vj->vi", moved[:, :3, :3], position) + moved[:, :3, 3]
         turned = np.einsum("vij,vj->vi", moved[:, :3, :3], normal)
         return Part(place, np.asarray(quaternion.unit(turned)), uv, nodes, weight, triangle, number)
@@ -177,18 +177,20 @@ class _Reader:
                 self._materials.append(PLAIN)
             return self._materials.index(PLAIN), np.zeros((count, 2))
         number = primitive.whole("material", below=self._root.length("materials"))
-        which, offset, scale = texture_place(self._root.element("materials", number))
+        which, offset, scale = material_transform(self._root.element("materials", number))
         key = f"TEXCOORD_{which}"
         if not attributes.has(key):
             return number, np.zeros((count, 2))
-        uv = self._accessors.read(attributes.whole(key, below=_FAR), "VEC2")
+        uv = self._accessors.read(attributes.whole(key, below=_INDEX_LIMIT), "VEC2")
         if len(uv) != count:
             raise attributes.error(key, f"has {len(uv)} elements for {count} vertices", "one for each expected")
         return number, uv * scale + offset
 
     def _triangles_of(self, primitive: JsonPlace, count: int) -> Int64:
         if primitive.has("indices"):
-            numbers = self._accessors.read(primitive.whole("indices", below=_FAR), "SCALAR")[:, 0].astype(np.int64)
+            numbers = self._accessors.read(primitive.whole("indices", below=_INDEX_LIMIT), "SCALAR")[:, 0].astype(
+                np.int64
+            )
         else:
             numbers = np.arange(count, dtype=np.int64)
         if len(numbers) and not 0 <= int(numbers.min()) <= int(numbers.max()) < count:
@@ -201,7 +203,7 @@ class _Reader:
 
     def _normals(self, attributes: JsonPlace, position: Float64, triangle: Int64) -> Float64:
         if attributes.has("NORMAL"):
-            normal = self._accessors.read(attributes.whole("NORMAL", below=_FAR), "VEC3")
+            normal = self._accessors.read(attributes.whole("NORMAL", below=_INDEX_LIMIT), "VEC3")
             if len(normal) == len(position):
                 return np.asarray(quaternion.unit(normal))
         a, b, c = (position[triangle[:, corner]] for corner in range(3))
@@ -211,15 +213,17 @@ class _Reader:
             np.add.at(total, triangle[:, corner], facing)
         return np.asarray(quaternion.unit(total))
 
-    def _bound(self, attributes: JsonPlace, skin: JsonPlace, count: int) -> tuple[Int64, Float64, Float64]:
+    def _skinning(self, attributes: JsonPlace, skin: JsonPlace, count: int) -> tuple[Int64, Float64, Float64]:
         """Return nodes (V, K) and weights (V, K) of each vertex, and its matrix to the rest pose, (V, 4, 4)."""
         joints = np.array(skin.wholes("joints", below=self._nodes.count), np.int64)
         numbers, weights = [], []
         for which in range(2):
             if not attributes.has(f"JOINTS_{which}"):
                 continue
-            number = self._accessors.read(attributes.whole(f"JOINTS_{which}", below=_FAR), "VEC4").astype(np.int64)
-            weight = self._accessors.read(attributes.whole(f"WEIGHTS_{which}", below=_FAR), "VEC4")
+            number = self._accessors.read(attributes.whole(f"JOINTS_{which}", below=_INDEX_LIMIT), "VEC4").astype(
+                np.int64
+            )
+            weight = self._accessors.read(attributes.whole(f"WEIGHTS_{which}", below=_INDEX_LIMIT), "VEC4")
             if len(number) != count or len(weight) != count:
                 raise attributes.error(f"JOINTS_{which}", f"has {len(number)} elements for {count}", "one for each")
             if number.size and not 0 <= int(number.min()) <= int(number.max()) < len(joints):
@@ -241,7 +245,7 @@ class _Reader:
     def _inverse_binds(self, skin: JsonPlace, count: int) -> Float64:
         if not skin.has("inverseBindMatrices"):
             return np.tile(np.eye(4), (count, 1, 1))
-        numbers = self._accessors.read(skin.whole("inverseBindMatrices", below=_FAR), "MAT4")
+        numbers = self._accessors.read(skin.whole("inverseBindMatrices", below=_INDEX_LIMIT), "MAT4")
         if len(numbers) < count:
             words = f"has {len(numbers)} matrices for {count} joints"
             raise skin.error("inverseBindMatrices", words, "one for each joint expected")

@@ -19,14 +19,14 @@ from live.motion.retarget.joint_mapping import find_body_among, split_name
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.characters.model import Model
 
-NEEDED = (
+REQUIRED_JOINTS = (
     "hips", "head", "leftUpperArm", "leftLowerArm", "rightUpperArm", "rightLowerArm", "leftUpperLeg", "leftLowerLeg",
     "leftFoot", "rightUpperLeg", "rightLowerLeg", "rightFoot",
 )  # fmt: skip
 """Joints that every character must have."""
 
 
-def find_joints(model: Model, said: Mapping[str, str]) -> dict[str, int | None]:
+def find_joints(model: Model, overrides: Mapping[str, str]) -> dict[str, int | None]:
     """Return the character's node for each of the engine's joints, or None.
 
     VRM files define the mapping; for others it is derived from names and hierarchy (Mixamo, Rigify, Unreal's mannequin
@@ -36,10 +36,10 @@ def find_joints(model: Model, said: Mapping[str, str]) -> dict[str, int | None]:
     if model.bones:
         found |= {name: model.bones[name] for name in SKELETON.names if name in model.bones}
     else:
-        found |= _by_names(model)
-    for joint, name in said.items():
-        found[joint] = _named(model, joint, name)
-    missing = [name for name in NEEDED if found[name] is None]
+        found |= _joints_by_name(model)
+    for joint, name in overrides.items():
+        found[joint] = _node_named(model, joint, name)
+    missing = [name for name in REQUIRED_JOINTS if found[name] is None]
     if missing:
         some = ", ".join(shown(model.names[node]) for node in sorted(model.joints)[:8])
         raise MotionFileError(
@@ -55,7 +55,7 @@ def find_joints(model: Model, said: Mapping[str, str]) -> dict[str, int | None]:
     return found
 
 
-def _named(model: Model, joint: str, name: str) -> int:
+def _node_named(model: Model, joint: str, name: str) -> int:
     if joint not in SKELETON.names:
         known = ", ".join(SKELETON.names)
         raise MotionFileError(model.file, None, f"{shown(joint)} is no joint of a dancer", f"one of {known}")
@@ -66,7 +66,7 @@ def _named(model: Model, joint: str, name: str) -> int:
     raise MotionFileError(model.file, None, f"no bone is called {shown(name)}", f"there are: {some} ...")
 
 
-def _by_names(model: Model) -> dict[str, int | None]:
+def _joints_by_name(model: Model) -> dict[str, int | None]:
     bones = set(model.joints)
     for node in model.joints:
         parent = model.parents[node]
@@ -98,7 +98,7 @@ def _numbered_neck(model: Model, found: dict[str, int | None], chest: int) -> No
         found["neck"] = chain[1] if len(chain) > 2 else None
 
 
-def owners(model: Model, joints: Mapping[str, int | None]) -> list[int]:
+def joint_of_node(model: Model, joints: Mapping[str, int | None]) -> list[int]:
     """Return the engine's joint that moves each node: its own or that of the nearest ancestor; hips if none."""
     own = {node: SKELETON.index(name) for name, node in joints.items() if node is not None}
     result = [SKELETON.index("hips")] * len(model.names)
@@ -114,7 +114,7 @@ def owners(model: Model, joints: Mapping[str, int | None]) -> list[int]:
 Float64 = npt.NDArray[np.float64]
 
 _REST: Final = SKELETON.rest_positions().astype(np.float64)
-_SOFT: Final = 0.05
+_SMOOTHING_RADIUS: Final = 0.05
 """Radius around a joint in which the displacement is nearly constant [m]."""
 _BLOCK: Final = 20_000
 
@@ -139,7 +139,7 @@ def warp(position: Float64, place: Float64, weight: Float64) -> Float64:
 
 def _kernel(a: Float64, b: Float64) -> Float64:
     squared = ((a[:, None, :] - b[None, :, :]) ** 2).sum(axis=2)
-    return np.asarray(-np.sqrt(squared + _SOFT * _SOFT))
+    return np.asarray(-np.sqrt(squared + _SMOOTHING_RADIUS * _SMOOTHING_RADIUS))
 
 
 def _anchors(position: Float64, place: Float64, weight: Float64) -> tuple[Float64, Float64]:
@@ -181,16 +181,16 @@ _LIMBS: Final = tuple(
     )
 )  # fmt: skip
 """Bones that are rotated to their directions in the rest pose: from a joint to the next."""
-_SPLIT: Final = 0.035
+_BLEND_WIDTH: Final = 0.035
 """Half-width of the weight blend at a joint that the character lacks [m]."""
 
 
-def _at(name: str) -> int:
+def _joint(name: str) -> int:
     return SKELETON.index(name)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fitted:
+class FittedCharacter:
     """All parts of a character, concatenated, in the engine's rest pose (V vertices)."""
 
     position: Float64
@@ -201,34 +201,34 @@ class Fitted:
     """Skin weights for the engine's joints, rows sum to 1, shape (V, J)."""
     height: float
     """Height of the character in its file [m]."""
-    moved: float
+    max_joint_offset: float
     """Maximum distance of joints from the rest pose after scaling [m], which measures different proportions."""
 
 
-def fit(model: Model, joints: Mapping[str, int | None]) -> Fitted:
+def fit(model: Model, joints: Mapping[str, int | None]) -> FittedCharacter:
     """Fit a character to the skeleton; `joints` as from `find_joints`. MotionFileError if that is impossible."""
-    own = owners(model, joints)
+    own = joint_of_node(model, joints)
     weight = _weights(model, own)
     position = np.concatenate([part.position for part in model.parts])
     normal = np.concatenate([part.normal for part in model.parts])
     axes = _axes(model, joints)
-    position, normal, places = position @ axes.T, normal @ axes.T, model.place @ axes.T
+    position, normal, places = position @ axes.T, normal @ axes.T, model.node_position @ axes.T
     known = np.array([joints[name] is not None for name in SKELETON.names])
     place = np.array([places[joints[name] or 0] for name in SKELETON.names])
     scale = _scale(model, place)
     height = float(np.ptp(position[:, 1]))
-    feet = weight[:, [_at(side + each) for side in ("left", "right") for each in ("Foot", "Toes")]].sum(axis=1) > 0.5
+    feet = weight[:, [_joint(side + each) for side in ("left", "right") for each in ("Foot", "Toes")]].sum(axis=1) > 0.5
     floor = position[feet if feet.any() else slice(None), 1].min()
-    ankles = place[[_at("leftFoot"), _at("rightFoot")]].mean(axis=0)
-    origin = np.array([place[_at("hips"), 0], floor, ankles[2] - _REST[_at("leftFoot"), 2] / scale])
+    ankles = place[[_joint("leftFoot"), _joint("rightFoot")]].mean(axis=0)
+    origin = np.array([place[_joint("hips"), 0], floor, ankles[2] - _REST[_joint("leftFoot"), 2] / scale])
     position, place = (position - origin) * scale, (place - origin) * scale
     _fill_in(place, known)
-    weight = _split(weight, position, place, known)
-    position, normal, place = _posed(position, normal, place, weight)
+    weight = _split_weights(weight, position, place, known)
+    position, normal, place = _pose_limbs(position, normal, place, weight)
     if not np.isfinite(position).all():
         raise MotionFileError(model.file, None, "its bones lie in one place", "a character in its rest pose expected")
     moved = float(np.linalg.norm(place - _REST, axis=1)[known].max())
-    return Fitted(warp(position, place, weight), normal, weight, height, moved)
+    return FittedCharacter(warp(position, place, weight), normal, weight, height, moved)
 
 
 def _weights(model: Model, own: list[int]) -> Float64:
@@ -247,7 +247,7 @@ def _axes(model: Model, joints: Mapping[str, int | None]) -> Float64:
     """Return the character's left, up and forward directions as rows; up is one of the file's axes."""
 
     def at(name: str) -> Float64:
-        return np.asarray(model.place[joints[name] or 0])
+        return np.asarray(model.node_position[joints[name] or 0])
 
     rise = at("head") - 0.5 * (at("leftFoot") + at("rightFoot"))
     up = np.zeros(3)
@@ -263,16 +263,16 @@ def _axes(model: Model, joints: Mapping[str, int | None]) -> Float64:
 
 def _scale(model: Model, place: Float64) -> float:
     """Return the scale that makes the height of head over ankles equal to the rest pose's."""
-    own = place[_at("head"), 1] - 0.5 * (place[_at("leftFoot"), 1] + place[_at("rightFoot"), 1])
-    legs = [np.linalg.norm(place[_at(bone)] - place[_at(tip)]) for bone, tip in _LIMBS if "Hand" not in tip]
+    own = place[_joint("head"), 1] - 0.5 * (place[_joint("leftFoot"), 1] + place[_joint("rightFoot"), 1])
+    legs = [np.linalg.norm(place[_joint(bone)] - place[_joint(tip)]) for bone, tip in _LIMBS if "Hand" not in tip]
     if not own > 1e-6 or min(legs) < 0.01 * own:
         raise MotionFileError(model.file, None, "some of its bones have no length", "correct joints = { ... }")
-    return float((_REST[_at("head"), 1] - _REST[_at("leftFoot"), 1]) / own)
+    return float((_REST[_joint("head"), 1] - _REST[_joint("leftFoot"), 1]) / own)
 
 
 def _fill_in(place: Float64, known: npt.NDArray[np.bool_]) -> None:
     """Set positions for the joints that the character lacks, in `place` (J, 3)."""
-    trunk = [_at(name) for name in _TRUNK]
+    trunk = [_joint(name) for name in _TRUNK]
     for number, joint in enumerate(trunk):
         if known[joint]:
             continue
@@ -281,8 +281,8 @@ def _fill_in(place: Float64, known: npt.NDArray[np.bool_]) -> None:
         part = (_REST[joint, 1] - _REST[below, 1]) / (_REST[above, 1] - _REST[below, 1])
         place[joint] = place[below] + part * (place[above] - place[below])
     for side in ("left", "right"):
-        shoulder, arm, fore, hand = (_at(side + each) for each in ("Shoulder", "UpperArm", "LowerArm", "Hand"))
-        foot, toes = _at(side + "Foot"), _at(side + "Toes")
+        shoulder, arm, fore, hand = (_joint(side + each) for each in ("Shoulder", "UpperArm", "LowerArm", "Hand"))
+        foot, toes = _joint(side + "Foot"), _joint(side + "Toes")
         if not known[shoulder]:
             place[shoulder] = place[arm] + _REST[shoulder] - _REST[arm]
         if not known[hand]:
@@ -292,19 +292,19 @@ def _fill_in(place: Float64, known: npt.NDArray[np.bool_]) -> None:
             place[toes, 1] = max(place[toes, 1], 0.02)
 
 
-def _split(weight: Float64, position: Float64, place: Float64, known: npt.NDArray[np.bool_]) -> Float64:
+def _split_weights(weight: Float64, position: Float64, place: Float64, known: npt.NDArray[np.bool_]) -> Float64:
     """Move skin weights beyond a joint that the character lacks from its parent to that joint."""
     pairs = [(_TRUNK[n], _TRUNK[n + 1]) for n in range(len(_TRUNK) - 1)]
     pairs += [(side + a, side + b) for side in ("left", "right") for a, b in (("Foot", "Toes"), ("LowerArm", "Hand"))]
     for below, name in pairs:
-        joint, parent = _at(name), _at(below)
+        joint, parent = _joint(name), _joint(below)
         if known[joint]:
             continue
         along = place[joint] - place[parent]
         if name.endswith("Toes"):
             along = np.array([0.0, 0.0, 1.0])
         along = along / max(float(np.linalg.norm(along)), 1e-9)
-        part = np.clip(((position - place[joint]) @ along) / (2.0 * _SPLIT) + 0.5, 0.0, 1.0)
+        part = np.clip(((position - place[joint]) @ along) / (2.0 * _BLEND_WIDTH) + 0.5, 0.0, 1.0)
         part = part * part * (3.0 - 2.0 * part)
         gone = weight[:, parent] * part
         weight[:, joint] += gone
@@ -312,19 +312,21 @@ def _split(weight: Float64, position: Float64, place: Float64, known: npt.NDArra
     return weight
 
 
-def _posed(position: Float64, normal: Float64, place: Float64, weight: Float64) -> tuple[Float64, Float64, Float64]:
+def _pose_limbs(
+    position: Float64, normal: Float64, place: Float64, weight: Float64
+) -> tuple[Float64, Float64, Float64]:
     """Rotate limbs to their rest-pose directions, with the skin blended by dual quaternions."""
     turn = np.tile((1.0, 0.0, 0.0, 0.0), (JOINT_COUNT, 1))
     for bone, tip in _LIMBS:
-        turn[_at(bone)] = quaternion.from_two_vectors(
-            place[_at(tip)] - place[_at(bone)], _REST[_at(tip)] - _REST[_at(bone)]
+        turn[_joint(bone)] = quaternion.from_two_vectors(
+            place[_joint(tip)] - place[_joint(bone)], _REST[_joint(tip)] - _REST[_joint(bone)]
         )
     for side in ("left", "right"):
-        turn[_at(side + "Hand")] = turn[_at(side + "LowerArm")]
-        ahead = (place[_at(side + "Toes")] - place[_at(side + "Foot")]) * (1.0, 0.0, 1.0)
+        turn[_joint(side + "Hand")] = turn[_joint(side + "LowerArm")]
+        ahead = (place[_joint(side + "Toes")] - place[_joint(side + "Foot")]) * (1.0, 0.0, 1.0)
         if np.linalg.norm(ahead) > 0.02:
-            turn[_at(side + "Foot")] = quaternion.from_two_vectors(ahead, np.array([0.0, 0.0, 1.0]))
-        turn[_at(side + "Toes")] = turn[_at(side + "Foot")]
+            turn[_joint(side + "Foot")] = quaternion.from_two_vectors(ahead, np.array([0.0, 0.0, 1.0]))
+        turn[_joint(side + "Toes")] = turn[_joint(side + "Foot")]
     posed = place.copy()
     for joint, parent in enumerate(SKELETON.parents):
         if parent >= 0:

@@ -12,8 +12,8 @@ from live.render.adaptive_quality import Quality
 from live.render.body.body_lookup import bodies_of, characters_of, mesh_of
 from live.render.body.body_mesh import BodyMesh
 from live.render.characters.character_buffers import CharacterBuffers
-from live.render.dancers.group_styles import WARDROBE_TEXELS, GroupStyles, dress
-from live.render.dancers.instance_lists import Instances, Sight
+from live.render.dancers.group_styles import WARDROBE_TEXELS, GroupStyles, dancer_colours
+from live.render.dancers.instance_lists import InstanceLists, ViewVolume
 from live.render.gl_release import release_all
 from live.render.render_kernels import pose_texels
 from live.render.shader import set_uniform
@@ -45,16 +45,16 @@ _NUMPY: Final = {"3f": ("f4", 3), "1f": ("f4",), "4u1": ("u1", 4), "4f1": ("u1",
 
 
 VERTEX_BYTES: Final = 36
-SHORT: Final = 65_535
+MAX_SHORT_VERTICES: Final = 65_535
 """Maximum number of vertices for 16-bit indices."""
 
 
 def index_bytes(mesh: BodyMesh) -> bytes:
     """Return the vertex indices of all triangles, in 16 bits if they suffice, else in 32."""
-    return mesh.triangle.astype(np.uint32 if len(mesh.position) > SHORT else np.uint16).tobytes()
+    return mesh.triangle.astype(np.uint32 if len(mesh.position) > MAX_SHORT_VERTICES else np.uint16).tobytes()
 
 
-def layout(program: moderngl.Program) -> tuple[str, list[str]]:
+def attribute_layout(program: moderngl.Program) -> tuple[str, list[str]]:
     """Return buffer format and attribute names; attributes that the program does not use become padding."""
     form, names = [], []
     for name, kind, size in _ATTRIBUTES:
@@ -78,7 +78,7 @@ def pose_texture(ctx: moderngl.Context, capacity: int) -> moderngl.Texture:
     return texture
 
 
-class Crowd:
+class DancerBatch:
     """Pose texture, instance lists, bodies and the groups' styles; call `update` once a frame."""
 
     def __init__(self, ctx: moderngl.Context, scene: Scene, quality: Quality, size: tuple[int, int]) -> None:
@@ -91,42 +91,42 @@ class Crowd:
         self.body_names = bodies_of(scene)
         """Names of the bodies in this scene."""
         self._scene = scene
-        self._worn = {name: CharacterBuffers(ctx, one) for name, one in characters_of(scene).items()}
-        self.reach = max((one.reach for one in self._worn.values()), default=0.0)
+        self._characters = {name: CharacterBuffers(ctx, one) for name, one in characters_of(scene).items()}
+        self.reach = max((one.reach for one in self._characters.values()), default=0.0)
         """Maximum distance of characters' surfaces from their joints [m]."""
         self._meshes: dict[tuple[Any, ...], tuple[moderngl.Buffer, moderngl.Buffer]] = {}
         self._vertex_arrays: dict[tuple[Any, ...], moderngl.VertexArray] = {}
-        self._dressed: set[int] = set()
+        self._bound_programs: set[int] = set()
         self._capacity = 0
         self._bodies = scene.bodies
-        self.fit(scene)
-        self.look_from(scene.camera, size)
+        self.set_scene(scene)
+        self.set_camera(scene.camera, size)
 
-    def fit(self, scene: Scene) -> None:
+    def set_scene(self, scene: Scene) -> None:
         """Set the colours of a scene, and allocate for its dancers."""
         self._colours = np.array(scene.look.group_colours or ((0.8, 0.8, 0.8),), np.float32)
         if scene.dancer_count > self._capacity or self._capacity == 0:
             self._allocate(max(scene.dancer_count, 1))
 
-    def look_from(self, camera: Camera, size: tuple[int, int]) -> None:
+    def set_camera(self, camera: Camera, size: tuple[int, int]) -> None:
         """Set camera and picture size for culling and level of detail."""
-        self._sight = Sight.of(camera, size)
+        self._view_volume = ViewVolume.of(camera, size)
 
-    def recolour(self, colours: npt.NDArray[np.floating]) -> None:
+    def set_colours(self, colours: npt.NDArray[np.floating]) -> None:
         """Set the groups' colours (G, 3), from the next frame on."""
         self._colours = colours.astype(np.float32)
         self._group[:] = -1
 
-    def restyle(self, row: npt.NDArray[np.float64]) -> None:
+    def set_styles(self, row: npt.NDArray[np.float64]) -> None:
         """Set the groups' styles from a parameter row, from the next frame on."""
         variety, sheen = self.styles.variety, self.styles.sheen
-        self.styles.take(row)
+        self.styles.apply_row(row)
         if not (np.array_equal(variety, self.styles.variety) and np.array_equal(sheen, self.styles.sheen)):
             self._group[:] = -1
 
     def _allocate(self, capacity: int) -> None:
         self._release_data()
-        self._dressed.clear()
+        self._bound_programs.clear()
         self._capacity = capacity
         self.poses = pose_texture(self._ctx, capacity)
         width, self.rows = self.poses.size
@@ -138,7 +138,7 @@ class Crowd:
         body = np.zeros(capacity, np.int32)
         known = self._bodies[:capacity]
         body[: len(known)] = [self.body_names.index(name) for name in known]
-        self._instances = Instances(self._ctx, capacity, body, len(self.body_names))
+        self._instances = InstanceLists(self._ctx, capacity, body, len(self.body_names))
 
     @property
     def box(self) -> Float32:
@@ -153,24 +153,24 @@ class Crowd:
 
     def update(self, view: StageView, light: Float32) -> None:
         """Upload poses, colours and instance lists; `light` (3,): direction towards the key light."""
-        if self.styles.any:
+        if self.styles.has_effects:
             self.styles.bind()
         count = len(view.joint_position)
         if count > self._capacity:
             self._allocate(count)
-        if not self._instances.fill(view, self._sight, light, self.quality, self.styles, self.reach):
+        if not self._instances.fill(view, self._view_volume, light, self.quality, self.styles, self.reach):
             return
         pose_texels(view.joint_position, view.joint_rotation, self.rest, self._instances.drawn, self.texels)
         self.poses.write(self.texels)
         if not np.array_equal(view.group, self._group[:count]):
-            self._dress(view, count)
+            self._upload_colours(view, count)
 
-    def _dress(self, view: StageView, count: int) -> None:
+    def _upload_colours(self, view: StageView, count: int) -> None:
         """Upload the dancers' colours; only needed if groups or their colours have changed."""
         self._group[:count] = view.group
         blocks, rows = self._wardrobe.width // WARDROBE_TEXELS, self.rows
         padded = np.zeros((blocks * rows, WARDROBE_TEXELS, 4), np.uint8)
-        padded[:count] = dress(view.group, self._colours, self.styles.variety, self.styles.sheen)
+        padded[:count] = dancer_colours(view.group, self._colours, self.styles.variety, self.styles.sheen)
         columns = padded.reshape(blocks, rows, WARDROBE_TEXELS, 4).transpose(1, 0, 2, 3)
         self._wardrobe.write(np.ascontiguousarray(columns))
 
@@ -194,7 +194,7 @@ class Crowd:
         level: int,
         which: str = "all",
         poses: moderngl.Texture | None = None,
-        worn: moderngl.Program | None = None,
+        character_program: moderngl.Program | None = None,
     ) -> None:
         """Draw the bodies of the dancers on a list (`live.render.dancers.group_styles.LISTS`) with a program that
         includes `skin.glsl`, in the current poses or in those of the texture `poses`; characters with `worn`, which
@@ -203,17 +203,17 @@ class Crowd:
             count = self._instances.count(which, body)
             if count == 0:
                 continue
-            character = self._worn.get(name) if worn is not None else None
-            linked = program if character is None or worn is None else worn
+            character = self._characters.get(name) if character_program is not None else None
+            linked = program if character is None or character_program is None else character_program
             key = (linked.glo, level, which, body)
             if key not in self._vertex_arrays:
                 vertices, indices = self._mesh((level, name))
-                form, names = layout(linked)
+                form, names = attribute_layout(linked)
                 content = [(vertices, form, *names), (self._instances.buffer(which, body), "1f/i", "in_dancer")]
                 content += [] if character is None else [character.content(linked, level)]
-                size = 4 if vertices.size // VERTEX_BYTES > SHORT else 2
+                size = 4 if vertices.size // VERTEX_BYTES > MAX_SHORT_VERTICES else 2
                 self._vertex_arrays[key] = self._ctx.vertex_array(linked, content, indices, index_element_size=size)
-            self.dress_program(linked)
+            self.bind_program(linked)
             if poses is not None:
                 poses.use(POSE_UNIT)
             if character is None:
@@ -221,8 +221,8 @@ class Crowd:
             else:
                 character.render(linked, self._vertex_arrays[key], count)
 
-    def draw_other(
-        self, program: moderngl.Program, which: str, make: "VertexMaker", mode: int, vertices: int = -1
+    def draw_geometry(
+        self, program: moderngl.Program, which: str, make: "VertexFactory", mode: int, vertices: int = -1
     ) -> None:
         """Draw other geometry for each dancer on a list: `make(body)` returns its buffer, format and attribute names,
         and is called once per body; `vertices` of it are drawn, all if -1."""
@@ -235,13 +235,13 @@ class Crowd:
                 self._vertex_arrays[key] = self._ctx.vertex_array(
                     program, [make(name), (self._instances.buffer(which, body), "1f/i", "in_dancer")]
                 )
-            self.dress_program(program)
+            self.bind_program(program)
             self._vertex_arrays[key].render(mode, vertices=vertices, instances=count)
 
-    def dress_program(self, program: moderngl.Program) -> None:
+    def bind_program(self, program: moderngl.Program) -> None:
         """Bind poses and wardrobe for a program."""
-        if program.glo not in self._dressed:
-            self._dressed.add(program.glo)
+        if program.glo not in self._bound_programs:
+            self._bound_programs.add(program.glo)
             set_uniform(program, "poses", POSE_UNIT)
             set_uniform(program, "pose_layout", (self.rows, 2 * JOINT_COUNT))
             set_uniform(program, "wardrobe", WARDROBE_UNIT)
@@ -264,11 +264,11 @@ class Crowd:
             vertices.release()
             indices.release()
         self._meshes.clear()
-        release_all(*self._worn.values())
+        release_all(*self._characters.values())
         self.styles.release()
 
 
-class VertexMaker(Protocol):
+class VertexFactory(Protocol):
     """Factory of the vertices that are drawn for a dancer with a given body."""
 
     def __call__(self, body: str) -> tuple[Any, ...]:

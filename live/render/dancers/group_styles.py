@@ -9,7 +9,14 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.base.picture_parameters import COLOURS, GROUPS, OF_GROUPS, STYLE_OF_GROUP, STYLE_SIZE, STYLES
+from live.base.picture_parameters import (
+    COLOURS_START,
+    GROUP_COUNT,
+    GROUP_PARAMETERS,
+    STYLE_ADDRESS_PREFIX,
+    STYLE_SIZE,
+    STYLES_START,
+)
 from live.render.shader import STYLES_BINDING
 
 Bool = npt.NDArray[np.bool_]
@@ -26,7 +33,9 @@ LISTS: Final = (
 """Draw lists: `all` cast shadows, `mirrored` are visible in the floor, `near` and `far` are plain lit bodies; the
 others are drawn in a style."""
 _PLAIN: Final = ("all", "mirrored", "near", "far")
-_PLACES: Final = {name.removeprefix(STYLE_OF_GROUP): known.first - STYLES for name, known in OF_GROUPS.items()}
+_PLACES: Final = {
+    name.removeprefix(STYLE_ADDRESS_PREFIX): known.first - STYLES_START for name, known in GROUP_PARAMETERS.items()
+}
 _LAYOUT: Final = (
     ("solid", "silhouette", "ink", "xray"),
     ("silhouette/colour", "particles"),
@@ -44,7 +53,7 @@ def _columns() -> npt.NDArray[np.intp]:
     for row, names in enumerate(_LAYOUT):
         places: list[int] = []
         for name in names:
-            size = OF_GROUPS[STYLE_OF_GROUP + name].size
+            size = GROUP_PARAMETERS[STYLE_ADDRESS_PREFIX + name].size
             places += range(_PLACES[name], _PLACES[name] + size)
         columns[row, : len(places)] = places
     return columns.reshape(-1)
@@ -58,30 +67,30 @@ class GroupStyles:
     """The block; call `take` if the parameter row has changed. Masks are by group, shape (16,)."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        self._data = np.zeros((GROUPS, STYLE_TEXELS * 4), np.float32)
+        self._data = np.zeros((GROUP_COUNT, STYLE_TEXELS * 4), np.float32)
         self._buffer = ctx.buffer(reserve=self._data.nbytes, dynamic=True)
-        self.any = False
+        self.has_effects = False
         """Whether any group is not drawn as plain lit bodies."""
-        self.plain: Bool = np.ones(GROUPS, np.bool_)
+        self.plain: Bool = np.ones(GROUP_COUNT, np.bool_)
         """Groups whose bodies are drawn plain and lit."""
         self.masks: dict[str, Bool] = {}
         """The groups that need each kind of drawing: bodies, casting (a shadow), ink, particles, ribbons, trails,
         xray."""
-        self.ways: Int32 = np.full(GROUPS, sum(1 << LISTS.index(name) for name in _PLAIN), np.int32)
+        self.list_bits: Int32 = np.full(GROUP_COUNT, sum(1 << LISTS.index(name) for name in _PLAIN), np.int32)
         """For each group the bits of the `LISTS` that its dancers are on, shape (16,)."""
-        self.spacing = np.ones(GROUPS)
+        self.spacing = np.ones(GROUP_COUNT)
         """Beats between ghosts."""
         self.share = 1.0
         """Largest share of a dancer's points that any group shows, 0 to 1."""
-        self.variety: Float32 = np.full(GROUPS, 0.2, np.float32)
-        self.sheen: Float32 = np.ones(GROUPS, np.float32)
+        self.variety: Float32 = np.full(GROUP_COUNT, 0.2, np.float32)
+        self.sheen: Float32 = np.ones(GROUP_COUNT, np.float32)
         """Variation and sheen of the clothes by group."""
 
-    def take(self, row: Float64) -> None:
-        """Apply a parameter row, shape (live.base.picture_parameters.SIZE,)."""
-        own = row[STYLES:].reshape(GROUPS, STYLE_SIZE)
+    def apply_row(self, row: Float64) -> None:
+        """Apply a parameter row, shape (live.base.picture_parameters.ROW_SIZE,)."""
+        own = row[STYLES_START:].reshape(GROUP_COUNT, STYLE_SIZE)
         self._data[:, _USED] = own[:, _COLUMNS[_USED]]
-        self._data[:, 24:27] = row[COLOURS:STYLES].reshape(GROUPS, 3)
+        self._data[:, 24:27] = row[COLOURS_START:STYLES_START].reshape(GROUP_COUNT, 3)
         self._buffer.write(self._data)
 
         def of(name: str) -> Float64:
@@ -93,14 +102,16 @@ class GroupStyles:
         self.masks = {name: of(name) > 0.0 for name in ("ink", "particles", "ribbons", "trails", "xray")}
         self.masks["bodies"] = (fill > 0.0) & ~self.plain
         self.masks["casting"] = fill + xray + of("particles") > 0.0
-        self.any = not self.plain.all() or any(self.masks[name].any() for name in ("particles", "ribbons", "trails"))
-        self.ways[:] = self._lists()
+        self.has_effects = not self.plain.all() or any(
+            self.masks[name].any() for name in ("particles", "ribbons", "trails")
+        )
+        self.list_bits[:] = self._lists()
         self.share = float((of("particles/share") * self.masks["particles"]).max())
         self.spacing = np.maximum(of("trails/spacing"), 0.25)
         self.variety, self.sheen = of("variety").astype(np.float32), of("sheen").astype(np.float32)
 
     def _lists(self) -> Int32:
-        masks, bits = self.masks, np.zeros(GROUPS, np.int32)
+        masks, bits = self.masks, np.zeros(GROUP_COUNT, np.int32)
         of = {"all": masks["casting"], "mirrored": masks["casting"]}
         of |= {name: masks[name] for name in ("particles", "ribbons", "trails", "xray")}
         for where in ("near", "far"):
@@ -123,7 +134,7 @@ TIGHTS: Final = 1
 SKIN: Final = 2
 HAIR: Final = 3
 MATERIALS: Final = 4
-WHO: Final = 4
+IDENTITY: Final = 4
 """Texel after the materials: the dancer's group (no square root), and three random numbers."""
 WARDROBE_TEXELS: Final = 5
 """Texels per dancer in the wardrobe texture."""
@@ -131,13 +142,13 @@ WARDROBE_TEXELS: Final = 5
 _SHEEN: Final = (0.30, 0.30, 0.14, 0.35)
 _DARK_SKIN, _PALE_SKIN = (0.20, 0.098, 0.058), (0.56, 0.33, 0.225)
 _BLACK_HAIR, _BROWN_HAIR = (0.012, 0.009, 0.008), (0.070, 0.035, 0.016)
-_DEPTH: Final = 1.25
+_SATURATION: Final = 1.25
 """Saturation of cloth relative to the group's colour, because light on it makes it paler."""
 _VARIETY: Final = 0.2
 _SEED: Final = 7
 
 
-def dress(
+def dancer_colours(
     group: Int32, colours: Float32, variety: Float32 | None = None, sheen: Float32 | None = None
 ) -> npt.NDArray[np.uint8]:
     """Return the colours of A dancers as square roots of linear RGB and sheen, 0 to 255, shape (A, 5 texels, 4).
@@ -150,7 +161,7 @@ def dress(
     shine = np.ones((len(group), 1)) if sheen is None else sheen[group % len(sheen)][:, None]
     cloth = colours[group % len(colours)].astype(np.float64)
     grey = cloth @ np.array([0.2126, 0.7152, 0.0722])
-    cloth = np.maximum(grey[:, None] + _DEPTH * (cloth - grey[:, None]), 0.0)
+    cloth = np.maximum(grey[:, None] + _SATURATION * (cloth - grey[:, None]), 0.0)
     cloth *= 0.61 + np.minimum(1.3 * differ, 0.7) * (draw[:, :1] - 0.5)
     turn = 0.5 * differ * (draw[:, 1:2] - 0.5)  # a little of the neighbouring hue
     cloth = np.where(
@@ -159,16 +170,16 @@ def dress(
     out = np.empty((len(group), WARDROBE_TEXELS, 4))
     out[:, CLOTH, :3] = cloth
     out[:, TIGHTS, :3] = cloth * np.array([0.34, 0.33, 0.36])
-    out[:, SKIN, :3] = _between(_DARK_SKIN, _PALE_SKIN, np.sqrt(draw[:, 2:3]))
-    out[:, HAIR, :3] = _between(_BLACK_HAIR, _BROWN_HAIR, draw[:, 3:4] ** 2)
+    out[:, SKIN, :3] = _mix(_DARK_SKIN, _PALE_SKIN, np.sqrt(draw[:, 2:3]))
+    out[:, HAIR, :3] = _mix(_BLACK_HAIR, _BROWN_HAIR, draw[:, 3:4] ** 2)
     out[:, :MATERIALS, :3] = np.sqrt(np.clip(out[:, :MATERIALS, :3], 0.0, 1.0))
     out[:, :MATERIALS, 3] = np.array(_SHEEN)
     out[:, CLOTH : TIGHTS + 1, 3] *= np.minimum(shine, 1.0 / max(_SHEEN))
-    out[:, WHO, 0], out[:, WHO, 1:] = (group % GROUPS) / 255.0, draw[:, [1, 2, 3]]
+    out[:, IDENTITY, 0], out[:, IDENTITY, 1:] = (group % GROUP_COUNT) / 255.0, draw[:, [1, 2, 3]]
     return np.ascontiguousarray(np.rint(out * 255.0), np.uint8)
 
 
-def _between(
+def _mix(
     a: tuple[float, float, float], b: tuple[float, float, float], part: npt.NDArray[np.float64]
 ) -> npt.NDArray[np.float64]:
     return np.array(a) * (1.0 - part) + np.array(b) * part

@@ -14,36 +14,47 @@ from live.base.stage_snapshot import Camera, StageView
 from live.render.adaptive_quality import Quality
 from live.render.camera import view_matrix, world_to_clip
 from live.render.dancers.group_styles import LISTS, GroupStyles
-from live.render.render_kernels import FAR, MIRRORED, NEAR, PRESENT, SEEN, SHADOWING, bounds, listed, sights, split
+from live.render.render_kernels import (
+    CASTING,
+    FAR,
+    MIRRORED,
+    NEAR,
+    PRESENT,
+    VISIBLE,
+    bounding_box,
+    choose_detail,
+    cull_dancers,
+    fill_lists,
+)
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
-AROUND_JOINTS: Final = 0.35
+BODY_REACH: Final = 0.35
 """The generated body, in any style, reaches at most this far beyond its joints [m]."""
-FROM_HIPS: Final = 1.35
+HIP_REACH: Final = 1.35
 """Maximum distance of any joint from the hips [m]."""
-_NEEDS: Final = {
-    "all": SHADOWING, "mirrored": MIRRORED, "particles": PRESENT, "ribbons": PRESENT, "trails": PRESENT, "xray": SEEN,
+_REQUIRED_BITS: Final = {
+    "all": CASTING, "mirrored": MIRRORED, "particles": PRESENT, "ribbons": PRESENT, "trails": PRESENT, "xray": VISIBLE,
 }  # fmt: skip
 """Visibility bits required by each list; the others need SEEN and NEAR or FAR. Effects that leave their dancer are
 always drawn."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sight:
+class ViewVolume:
     """View volume of a camera, for culling."""
 
     forward: Float32
     """View direction, a unit vector, shape (3,)."""
-    start: float
+    eye_distance: float
     """Position of the camera along that direction [m]."""
     planes: Float32
     """Planes of the frustum, facing inwards: n . p + d >= 0 with unit vectors n, shape (5, 4)."""
 
     @staticmethod
-    def of(camera: Camera, size: tuple[int, int]) -> "Sight":
+    def of(camera: Camera, size: tuple[int, int]) -> "ViewVolume":
         """Return the view volume of a camera for a picture of `size` pixels."""
         forward = np.ascontiguousarray(-view_matrix(camera)[2, :3], np.float32)
         rows = world_to_clip(camera, size)
@@ -51,15 +62,15 @@ class Sight:
         planes = rows[3] + np.array([rows[0], -rows[0], rows[1], -rows[1], rows[2]])
         planes /= np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
         start = float(forward @ np.array(camera.eye, np.float32))
-        return Sight(forward, start, np.ascontiguousarray(planes, np.float32))
+        return ViewVolume(forward, start, np.ascontiguousarray(planes, np.float32))
 
 
-class Instances:
+class InstanceLists:
     """Instance lists of at most `capacity` dancers, whose bodies are `body` (A,), 0 to `bodies` - 1."""
 
     def __init__(self, ctx: moderngl.Context, capacity: int, body: Int32, bodies: int) -> None:
         self._body = body
-        self._sight = np.zeros(capacity, np.uint8)
+        self._visibility = np.zeros(capacity, np.uint8)
         self.drawn = np.zeros(capacity, np.bool_)
         """Whether each dancer is on any list, shape (capacity,)."""
         self.box = np.zeros((2, 3), np.float32)
@@ -68,7 +79,7 @@ class Instances:
         self._numbers = np.zeros((len(LISTS), bodies, capacity), np.float32)
         self._count = np.zeros((len(LISTS), bodies), np.int32)
         self._needs = np.array(
-            [_NEEDS.get(name, SEEN | (NEAR if name.endswith("near") else FAR)) for name in LISTS], np.uint8
+            [_REQUIRED_BITS.get(name, VISIBLE | (NEAR if name.endswith("near") else FAR)) for name in LISTS], np.uint8
         )
         self._buffers = {
             (name, kind): ctx.buffer(reserve=capacity * 4, dynamic=True) for name in LISTS for kind in range(bodies)
@@ -90,18 +101,26 @@ class Instances:
         return self._buffers[name, body]
 
     def fill(
-        self, view: StageView, sight: Sight, light: Float32, quality: Quality, styles: GroupStyles, reach: float
+        self,
+        view: StageView,
+        view_volume: ViewVolume,
+        light: Float32,
+        quality: Quality,
+        styles: GroupStyles,
+        reach: float,
     ) -> bool:
         """Fill all lists for a moment and a view volume; return whether any list has dancers.
 
         `light` (3,): direction towards the key light; `reach`: distance of surfaces from joints [m], if above usual.
         """
-        here = self._sight[: len(view.present)]
-        sights(view.joint_position, view.present, sight.planes, light, FROM_HIPS + max(reach, AROUND_JOINTS), here)
-        bounds(view.joint_position, here, self.box)
-        near_to = sight.start + quality.far_from
-        split(view.joint_position, sight.forward, near_to, quality.near_count, here, self._scratch)
-        listed(here, view.group, self._body, styles.ways, self._needs, self._numbers, self._count, self.drawn)
+        here = self._visibility[: len(view.present)]
+        cull_dancers(
+            view.joint_position, view.present, view_volume.planes, light, HIP_REACH + max(reach, BODY_REACH), here
+        )
+        bounding_box(view.joint_position, here, self.box)
+        near_to = view_volume.eye_distance + quality.far_from
+        choose_detail(view.joint_position, view_volume.forward, near_to, quality.near_count, here, self._scratch)
+        fill_lists(here, view.group, self._body, styles.list_bits, self._needs, self._numbers, self._count, self.drawn)
         self._counts = counts = self._count.tolist()
         for at, kind, numbers, buffer in self._rows:
             count = counts[at][kind]

@@ -7,21 +7,21 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.base.picture_parameters import GROUPS, LONGEST_RIBBON, MOST_GHOSTS
+from live.base.picture_parameters import GROUP_COUNT, LONGEST_RIBBON, MAX_GHOSTS
 from live.base.stage_snapshot import StageView
 from live.motion.skeleton import SKELETON
-from live.render.dancers.dancer_batch import Crowd, pose_texture
+from live.render.dancers.dancer_batch import DancerBatch, pose_texture
 from live.render.gl_release import release_all
 from live.render.render_kernels import limb_tips
 
 Float32 = npt.NDArray[np.float32]
 
-PER_BEAT: Final = 12
+SAMPLES_PER_BEAT: Final = 12
 """Samples per beat; the ribbon is a smooth curve between them."""
-SAMPLES: Final = int(LONGEST_RIBBON) * PER_BEAT + 6
+SAMPLES: Final = int(LONGEST_RIBBON) * SAMPLES_PER_BEAT + 6
 LIMBS: Final = 4
 """Left and right hand, left and right foot."""
-_WIDEST: Final = 4096
+_ROW_LIMIT: Final = 4096
 """Dancers in one row of the texture."""
 _JOINTS: Final = np.array([SKELETON.index(n) for n in ("leftHand", "rightHand", "leftToes", "rightToes")], np.int32)
 _TIPS: Final = np.array([[0.12, -0.01, 0.0], [-0.12, -0.01, 0.0], [0.0, -0.005, 0.04], [0.0, -0.005, 0.04]], np.float32)
@@ -39,17 +39,17 @@ class LimbHistory:
 
     def _allocate(self, capacity: int) -> None:
         self._capacity = capacity
-        self.blocks = -(-capacity // _WIDEST)
-        self.columns = min(capacity, _WIDEST)
+        self.blocks = -(-capacity // _ROW_LIMIT)
+        self.columns = min(capacity, _ROW_LIMIT)
         shape = (self.blocks * self.columns, LIMBS, 4)
         self._now, self._before, self._between = (np.zeros(shape, np.float32) for _ in range(3))
         self.texture = self._ctx.texture((self.columns * LIMBS, (SAMPLES + 1) * self.blocks), 4, dtype="f4")
         self.texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        self.forget()
+        self.clear()
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Clear the history."""
-        self.valid = 0
+        self.valid_count = 0
         """Number of valid samples, counted from the newest."""
         self._beat = math.nan
         self._grid = 0
@@ -60,17 +60,17 @@ class LimbHistory:
             self.texture.release()
             self._allocate(capacity)
         limb_tips(view.joint_position, view.joint_rotation, view.present, _JOINTS, _TIPS, self._now)
-        grid = math.floor(view.beat * PER_BEAT)
+        grid = math.floor(view.beat * SAMPLES_PER_BEAT)
         if not (self._beat <= view.beat and grid - self._grid < SAMPLES):
-            self.forget()
+            self.clear()
             self._grid = grid
         for sample in range(self._grid + 1, grid + 1):
-            share = (sample / PER_BEAT - self._beat) / max(view.beat - self._beat, 1e-9)
+            share = (sample / SAMPLES_PER_BEAT - self._beat) / max(view.beat - self._beat, 1e-9)
             np.subtract(self._now, self._before, out=self._between)
             self._between *= np.float32(share)
             self._between += self._before
             self._write(self._between, sample % SAMPLES)
-            self.valid = min(self.valid + 1, SAMPLES)
+            self.valid_count = min(self.valid_count + 1, SAMPLES)
         self._write(self._now, SAMPLES)
         self._grid, self._beat = grid, view.beat
         self._now, self._before = self._before, self._now
@@ -81,14 +81,19 @@ class LimbHistory:
     @property
     def ring(self) -> tuple[float, float, float, float]:
         """Row of the newest sample, number of rows, beats since that sample, samples per beat."""
-        return float(self._grid % SAMPLES), float(SAMPLES), self._beat - self._grid / PER_BEAT, float(PER_BEAT)
+        return (
+            float(self._grid % SAMPLES),
+            float(SAMPLES),
+            self._beat - self._grid / SAMPLES_PER_BEAT,
+            float(SAMPLES_PER_BEAT),
+        )
 
     def release(self) -> None:
         """Free the texture."""
         release_all(self.texture)
 
 
-_LEAP: Final = 16.0
+_JUMP_BEATS: Final = 16.0
 """More beats than this between two pictures are a jump."""
 
 
@@ -101,50 +106,50 @@ class PoseHistory:
 
     def _allocate(self, capacity: int) -> None:
         self._capacity = capacity
-        self.textures = [pose_texture(self._ctx, capacity) for _ in range(MOST_GHOSTS)]
+        self.textures = [pose_texture(self._ctx, capacity) for _ in range(MAX_GHOSTS)]
         width, rows = self.textures[0].size
-        self._texels = np.zeros((MOST_GHOSTS, rows, width, 4), np.float32)
-        self.forget()
+        self._texels = np.zeros((MAX_GHOSTS, rows, width, 4), np.float32)
+        self.clear()
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Remove all ghosts."""
-        self._left = np.full((MOST_GHOSTS, GROUPS), np.nan)  # beat of each ghost
-        self._next = np.zeros(GROUPS, np.int64)
+        self._ghost_beat = np.full((MAX_GHOSTS, GROUP_COUNT), np.nan)  # beat of each ghost
+        self._next = np.zeros(GROUP_COUNT, np.int64)
         self._beat = math.nan
 
-    def update(self, view: StageView, crowd: Crowd) -> None:
+    def update(self, view: StageView, batch: DancerBatch) -> None:
         """Add a moment whose poses `crowd` already holds."""
-        if crowd.capacity != self._capacity:
+        if batch.capacity != self._capacity:
             release_all(*self.textures)
-            self._allocate(crowd.capacity)
+            self._allocate(batch.capacity)
         beat = view.beat
-        if not self._beat <= beat < self._beat + _LEAP:
-            self.forget()
+        if not self._beat <= beat < self._beat + _JUMP_BEATS:
+            self.clear()
             self._beat = beat
-        spacing = crowd.styles.spacing
+        spacing = batch.styles.spacing
         line = np.floor(beat / spacing)
-        leaving = (line > np.floor(self._beat / spacing)) & crowd.styles.masks["trails"]
+        leaving = (line > np.floor(self._beat / spacing)) & batch.styles.masks["trails"]
         for group in np.flatnonzero(leaving).tolist():
-            self._leave(group, float(line[group] * spacing[group]), view, crowd)
+            self._store_ghosts(group, float(line[group] * spacing[group]), view, batch)
         self._beat = beat
 
-    def _leave(self, group: int, beat: float, view: StageView, crowd: Crowd) -> None:
+    def _store_ghosts(self, group: int, beat: float, view: StageView, batch: DancerBatch) -> None:
         """Store the current poses of a group's dancers as ghosts."""
-        slot = int(self._next[group]) % MOST_GHOSTS
+        slot = int(self._next[group]) % MAX_GHOSTS
         self._next[group] += 1
-        self._left[slot, group] = beat
-        rows, width = crowd.texels.shape[:2]
+        self._ghost_beat[slot, group] = beat
+        rows, width = batch.texels.shape[:2]
         blocks = -(-self._capacity // rows)
         mine = np.zeros(blocks * rows, np.bool_)
-        mine[: len(view.group)] = view.group % GROUPS == group
+        mine[: len(view.group)] = view.group % GROUP_COUNT == group
         shape = (rows, blocks, width // blocks, 4)
         where = mine.reshape(blocks, rows).T[:, :, None, None]
-        np.copyto(self._texels[slot].reshape(shape), crowd.texels.reshape(shape), where=where)
+        np.copyto(self._texels[slot].reshape(shape), batch.texels.reshape(shape), where=where)
         self.textures[slot].write(self._texels[slot])
 
     def ages(self, slot: int) -> Float32:
         """Return the age of each group's ghosts in a slot [beats], -1 if there are none, shape (16,)."""
-        return np.asarray(np.nan_to_num(self._beat - self._left[slot], nan=-1.0), np.float32)
+        return np.asarray(np.nan_to_num(self._beat - self._ghost_beat[slot], nan=-1.0), np.float32)
 
     def release(self) -> None:
         """Free the textures."""

@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.body_catalogue import USUAL
+from live.base.body_catalogue import DEFAULT_BODY
 from live.motion.skeleton import JOINT_COUNT
-from live.render.body.body_mesh import LIGHT, BodyMesh, build_body, strongest
+from live.render.body.body_mesh import LIGHT, BodyMesh, build_body, strongest_weights
 
 Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
@@ -29,12 +29,12 @@ class BodyPoints:
     """The joints that move each point, shape (P, 4)."""
     weight: Float32
     """Weight of each of these joints, rows sum to 1, shape (P, 4)."""
-    chance: Float32
+    random: Float32
     """Rank in the order from 0 to 1, and three random numbers, shape (P, 4)."""
 
 
 @cache
-def build_points(count: int, name: str = USUAL) -> BodyPoints:
+def build_points(count: int, name: str = DEFAULT_BODY) -> BodyPoints:
     """Return `count` points on the body of that name; deterministic."""
     return points_on(build_body(LIGHT, name), count)
 
@@ -42,8 +42,8 @@ def build_points(count: int, name: str = USUAL) -> BodyPoints:
 def points_on(mesh: BodyMesh, count: int) -> BodyPoints:
     """Return `count` points on a surface; deterministic."""
     draw = np.random.default_rng(_SEED)
-    corners = mesh.triangle[_chosen(mesh, count)]
-    share = _within(draw.random((count, 2)))
+    corners = mesh.triangle[_pick_triangles(mesh, count)]
+    share = _barycentric(draw.random((count, 2)))
     dense = np.zeros((len(mesh.position), JOINT_COUNT))
     for column in range(mesh.joint.shape[1]):
         dense[np.arange(len(dense)), mesh.joint[:, column]] += mesh.weight[:, column]
@@ -51,7 +51,7 @@ def points_on(mesh: BodyMesh, count: int) -> BodyPoints:
         "position": (mesh.position[corners] * share[:, :, None]).sum(axis=1),
         "normal": (mesh.normal[corners] * share[:, :, None]).sum(axis=1),
     }
-    joint, weight = strongest((dense[corners] * share[:, :, None]).sum(axis=1))
+    joint, weight = strongest_weights((dense[corners] * share[:, :, None]).sum(axis=1))
     chance = np.column_stack([(np.arange(count) + 0.5) / count, draw.random((count, 3))])
     normal = mixed["normal"] / np.maximum(np.linalg.norm(mixed["normal"], axis=1, keepdims=True), 1e-9)
     return BodyPoints(
@@ -59,7 +59,7 @@ def points_on(mesh: BodyMesh, count: int) -> BodyPoints:
     )
 
 
-def _chosen(mesh: BodyMesh, count: int) -> npt.NDArray[np.int64]:
+def _pick_triangles(mesh: BodyMesh, count: int) -> npt.NDArray[np.int64]:
     """Return a triangle for each point, by area, with the van der Corput sequence, so that any first n are even."""
     a, b, c = (mesh.position[mesh.triangle[:, corner]].astype(np.float64) for corner in range(3))
     area = np.cumsum(np.linalg.norm(np.cross(b - a, c - a), axis=1))
@@ -71,7 +71,7 @@ def _chosen(mesh: BodyMesh, count: int) -> npt.NDArray[np.int64]:
     return np.asarray(np.searchsorted(area, place * area[-1]))
 
 
-def _within(draw: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def _barycentric(draw: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     """Return uniform barycentric coordinates for random numbers (N, 2), shape (N, 3)."""
     root = np.sqrt(draw[:, 0])
     return np.column_stack([1.0 - root, root * (1.0 - draw[:, 1]), root * draw[:, 1]])

@@ -15,7 +15,7 @@ _Line = tuple[list[Point], list[str], float, float]
 """Points [m], the joint of each, radius [m], brightness."""
 
 # between joints: from, to, radius [m]
-_LONG: Final = (
+_LONG_BONES: Final = (
     ("UpperArm", "LowerArm", 0.016), ("LowerArm", "Hand", 0.013),
     ("UpperLeg", "LowerLeg", 0.020), ("LowerLeg", "Foot", 0.017), ("Foot", "Toes", 0.012),
 )  # fmt: skip
@@ -80,7 +80,7 @@ def _skull() -> list[_Line]:
 
 def _limbs(side: str, sign: float) -> list[_Line]:
     lines: list[_Line] = [
-        ([_rest(side + a), _rest(side + b)], [side + a, side + b], radius, 1.0) for a, b, radius in _LONG
+        ([_rest(side + a), _rest(side + b)], [side + a, side + b], radius, 1.0) for a, b, radius in _LONG_BONES
     ]
     collar: list[Point] = [(0.012 * sign, 1.385, 0.045), _rest(f"{side}UpperArm")]
     blade: list[Point] = [

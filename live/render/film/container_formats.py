@@ -6,7 +6,7 @@ from typing import Final
 
 
 @dataclass(frozen=True, slots=True)
-class FilmKind:
+class VideoFormat:
     """Container, codecs and options of one video format."""
 
     container: str
@@ -19,29 +19,29 @@ class FilmKind:
     """Pixel format with alpha; None: not supported."""
     audio: str
     """Name of the audio encoder."""
-    words: str
+    description: str
     """Description for people."""
     options: tuple[tuple[str, str], ...] = ()
     """Options of the video encoder without alpha."""
     alpha_options: tuple[tuple[str, str], ...] = ()
     """Options of the video encoder with alpha."""
-    seconds_whole: float = 2.0
+    key_frame_interval: float = 2.0
     """Key frame interval [s] (H.264): at most this much of an unfinished live film is lost."""
 
     @property
-    def rgb(self) -> bool:
+    def is_rgb(self) -> bool:
         """Whether frames stay in RGB, without conversion to YUV."""
         return not self.pixels.startswith("yuv")
 
 
-KINDS: Final = {
-    ".mp4": FilmKind("mp4", "libx264", "yuv420p", None, "aac", "H.264, for playback"),
-    ".mov": FilmKind(
+FORMATS: Final = {
+    ".mp4": VideoFormat("mp4", "libx264", "yuv420p", None, "aac", "H.264, for playback"),
+    ".mov": VideoFormat(
         "mov", "prores_ks", "yuv422p10le", "yuva444p10le", "pcm_s16le",
         "ProRes 422 HQ, with alpha ProRes 4444, for editing and grading",
         (("profile", "hq"), ("vendor", "apl0")), (("profile", "4444"), ("vendor", "apl0"), ("alpha_bits", "16")),
     ),
-    ".mkv": FilmKind(
+    ".mkv": VideoFormat(
         "matroska", "ffv1", "bgr0", "bgra", "pcm_s16le", "FFV1, lossless",
         (("level", "3"), ("slicecrc", "1")), (("level", "3"), ("slicecrc", "1")),
     ),
@@ -49,9 +49,9 @@ KINDS: Final = {
 """By file name extension."""
 
 
-def kind_of(path: Path) -> FilmKind:
+def format_of(path: Path) -> VideoFormat:
     """Return the format for this file name. Raises ValueError that lists the known extensions."""
-    kind = KINDS.get(path.suffix.lower())
+    kind = FORMATS.get(path.suffix.lower())
     if kind is None:
-        raise ValueError(f"{path}: a film's name ends in {', '.join(KINDS)}")
+        raise ValueError(f"{path}: a film's name ends in {', '.join(FORMATS)}")
     return kind

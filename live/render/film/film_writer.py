@@ -14,7 +14,7 @@ import av
 import numpy as np
 import numpy.typing as npt
 
-from live.render.film.container_formats import kind_of
+from live.render.film.container_formats import format_of
 from live.render.film.streams import FilmEncoder, FilmSound
 
 Picture = npt.NDArray[np.uint8]
@@ -55,7 +55,7 @@ class FilmWriter:
     Encodes in its own thread behind a few preallocated frames.
     `size`: width and height of the incoming frames [pixels]; an odd size loses its last column or row, which is
     reported in `notes`. `sound`: see `FilmSound`; it is cut or padded to the length of the video.
-    `alpha`: frames are RGBA with straight alpha, as `MattePass` draws them.
+    `alpha`: frames are RGBA with straight alpha, as `AlphaPass` draws them.
     `live`: when the encoder is behind, a frame is dropped and counted in `dropped`, and the previous frame is repeated,
     so that the film keeps time and the show is never delayed; otherwise `write` waits. A live film is written in
     fragments (mp4): after a power failure, the part written so far can be played.
@@ -83,7 +83,7 @@ class FilmWriter:
         if width < 2 or height < 2:
             raise ValueError(f"a film of {width}x{height} pixels: at least 2 each way are needed")
         self.path = Path(path)
-        self._kind, self._alpha = kind_of(self.path), alpha
+        self._kind, self._alpha = format_of(self.path), alpha
         if alpha and self._kind.alpha_pixels is None:
             raise ValueError(f"{path}: a film of this kind has no alpha")
         self.size = (width - width % 2, height - height % 2)
@@ -101,7 +101,7 @@ class FilmWriter:
         chosen = {"preset": preset or ("ultrafast" if live else "veryfast"), "crf": str(crf)}
         self._options = chosen if self._kind.video == "libx264" else {}
         self._sources = [av.VideoFrame(*self.size, "rgba" if alpha else "rgb24") for _ in range(depth)]
-        self._pixels = [pixels_of(source, 4 if alpha else 3) for source in self._sources]
+        self._pixels = [frame_pixels(source, 4 if alpha else 3) for source in self._sources]
         self._free: SimpleQueue[int] = SimpleQueue()
         self._jobs: SimpleQueue[_Job] = SimpleQueue()
         self._repeats = 0
@@ -171,7 +171,7 @@ class FilmWriter:
         """Open the file, encode all frames and close it, in the encoder's thread."""
         try:
             if self._live:
-                give_way()
+                lower_thread_priority()
             flags = "hybrid_fragmented+delay_moov" if self._live else "faststart"
             options = {"movflags": flags, "movie_timescale": "90000"}  # lengths in ms would cut the last picture short
             options = options if self._kind.container in ("mp4", "mov") else {}
@@ -196,11 +196,11 @@ class FilmWriter:
             if job.slot is None:
                 encoder.finish()
                 return
-            encoder.picture(self._sources[job.slot])
+            encoder.encode(self._sources[job.slot])
             self._free.put(job.slot)
 
 
-def give_way() -> None:
+def lower_thread_priority() -> None:
     """Lower the priority of this thread, and of the encoder threads that it will start, below the show's."""
     if sys.platform == "linux":
         thread = threading.get_native_id()
@@ -208,7 +208,7 @@ def give_way() -> None:
             os.setpriority(os.PRIO_PROCESS, thread, os.getpriority(os.PRIO_PROCESS, thread) + 5)
 
 
-def pixels_of(source: Any, channels: int) -> Picture:
+def frame_pixels(source: Any, channels: int) -> Picture:
     """Return the pixels of an RGB or RGBA frame as an array (height, width, channels) that shares its memory."""
     plane = source.planes[0]
     rows = np.frombuffer(plane, np.uint8)[: source.height * plane.line_size].reshape(source.height, plane.line_size)

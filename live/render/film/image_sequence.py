@@ -19,16 +19,16 @@ from live.render.film.streams import FilmSound
 
 Picture = npt.NDArray[np.uint8]
 
-SOUND: Final = "sound.wav"
-_AT_ONCE: Final = 2
+SOUND_FILE: Final = "sound.wav"
+_THREADS: Final = 2
 """Frames that are compressed at the same time."""
-_WAITING: Final = 4
+_MAX_PENDING: Final = 4
 """Frames that may be queued for compression; beyond that `write` waits."""
 _COMPRESSION: Final = 3
 """zlib level: twice as fast as the default, files a tenth larger."""
 
 
-class PictureFolder:
+class ImageSequenceWriter:
     """Writes frames like `FilmWriter`, as PNG in sRGB, numbered from 1.
 
     `path`: the file name with a printf number, `frames/%05d.png`; the folder is created if its parent exists.
@@ -51,16 +51,16 @@ class PictureFolder:
         self.notes: tuple[str, ...] = ()
         self.frames = self.dropped = 0
         self._shape = (size[1], size[0], 4 if alpha else 3)
-        self._sound, self._heard = sound, 0
+        self._sound, self._samples_written = sound, 0
         self._closed = False
         self._info = PngInfo()
         self._info.add(b"sRGB", b"\x00")
         try:
             path.parent.mkdir(exist_ok=True)
-            self._wave = None if sound is None else _wave_file(path.parent / SOUND, sound)
+            self._wave = None if sound is None else _wave_file(path.parent / SOUND_FILE, sound)
         except OSError as error:
             raise self._error(error) from error
-        self._pool = ThreadPoolExecutor(_AT_ONCE, "pictures")
+        self._pool = ThreadPoolExecutor(_THREADS, "pictures")
         self._jobs: deque[Future[None]] = deque()
 
     def write(self, picture: Picture, count: int = 1) -> None:
@@ -72,8 +72,8 @@ class PictureFolder:
         first = self.frames + 1
         self.frames += count
         self._jobs.append(self._pool.submit(self._save, np.ascontiguousarray(picture).copy(), first, count))
-        self._settle(_WAITING)
-        self._hear()
+        self._wait_for_jobs(_MAX_PENDING)
+        self._write_sound()
 
     def _save(self, picture: Picture, first: int, count: int) -> None:
         names = [Path(str(self.path) % number) for number in range(first, first + count)]
@@ -81,9 +81,9 @@ class PictureFolder:
         for name in names[1:]:
             copyfile(names[0], name)
 
-    def _settle(self, left: int) -> None:
+    def _wait_for_jobs(self, max_pending: int) -> None:
         """Wait until at most `left` jobs remain."""
-        while len(self._jobs) > left:
+        while len(self._jobs) > max_pending:
             try:
                 self._jobs.popleft().result()
             except OSError as error:
@@ -91,15 +91,15 @@ class PictureFolder:
                 self._pool.shutdown(cancel_futures=True)
                 raise self._error(error) from error
 
-    def _hear(self) -> None:
+    def _write_sound(self) -> None:
         """Write the sound up to the length of the video; missing samples are silence."""
         if self._wave is None or self._sound is None:
             return
         due = round(self.frames / self.fps * self._sound.rate)
-        piece = np.zeros((due - self._heard, self._sound.channels), np.float32)
-        read = self._sound.read(self._heard, due - self._heard)[: len(piece)]
+        piece = np.zeros((due - self._samples_written, self._sound.channels), np.float32)
+        read = self._sound.read(self._samples_written, due - self._samples_written)[: len(piece)]
         piece[: len(read)] = read
-        self._heard = due
+        self._samples_written = due
         whole = np.round(np.clip(np.nan_to_num(piece), -1.0, 1.0) * 32767.0).astype("<i2")
         try:
             self._wave.writeframesraw(whole.tobytes())
@@ -115,7 +115,7 @@ class PictureFolder:
         if self._closed:
             return
         try:
-            self._settle(0)
+            self._wait_for_jobs(0)
             if self._wave is not None:
                 self._wave.close()
         except OSError as error:
@@ -124,7 +124,7 @@ class PictureFolder:
             self._closed = True
             self._pool.shutdown()
 
-    def __enter__(self) -> "PictureFolder":
+    def __enter__(self) -> "ImageSequenceWriter":
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:

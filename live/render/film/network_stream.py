@@ -9,27 +9,27 @@ import av
 import numpy as np
 import numpy.typing as npt
 
-from live.render.film.container_formats import FilmKind
-from live.render.film.film_writer import give_way, pixels_of
+from live.render.film.container_formats import VideoFormat
+from live.render.film.film_writer import frame_pixels, lower_thread_priority
 from live.render.film.streams import FilmEncoder, FilmSound
 
 Picture = npt.NDArray[np.uint8]
 
 SCHEMES: Final = ("udp", "rtp", "tcp", "srt")
 """Supported protocols; SRT only where PyAV was built with it."""
-STREAM: Final = FilmKind(
+STREAM_FORMAT: Final = VideoFormat(
     "mpegts", "libx264", "yuv420p", None, "aac", "MPEG-TS",
-    (("preset", "ultrafast"), ("tune", "zerolatency"), ("crf", "23")), seconds_whole=0.5,
+    (("preset", "ultrafast"), ("tune", "zerolatency"), ("crf", "23")), key_frame_interval=0.5,
 )  # fmt: skip
 SLOTS: Final = 3
 """Maximum number of frames that wait for the encoder."""
-PACKETS: Final = "?pkt_size=1316"
+PACKET_OPTION: Final = "?pkt_size=1316"
 """Seven transport stream packets in each datagram: more would be fragmented on the network."""
-AGAIN: Final = 1.0
+RETRY_DELAY: Final = 1.0
 """Seconds from a failure until the stream is opened again."""
 
 
-def has_srt() -> bool:
+def is_srt_supported() -> bool:
     """Whether this build of PyAV supports SRT."""
     try:
         with av.open("srt://127.0.0.1:1?connect_timeout=1&timeout=1", "r", timeout=0.2):
@@ -40,7 +40,7 @@ def has_srt() -> bool:
         return True
 
 
-class SharedStream:
+class NetworkStream:
     """Sends frames of one size to `url` (`udp://HOST:PORT`, `rtp://`, `tcp://`, `srt://`).
 
     A thread encodes and sends. A frame that arrives while `SLOTS` others wait is dropped and counted in `dropped`, and
@@ -57,16 +57,16 @@ class SharedStream:
         self.size = (size[0] - size[0] % 2, size[1] - size[1] % 2)
         self.sent = self.dropped = self.opened = 0
         """Frames sent, frames dropped, number of times the stream was opened."""
-        self.trouble = ""
+        self.error = ""
         """Why nothing is sent now; empty while the stream works."""
         self._sound = sound
         self._sources = [av.VideoFrame(*self.size, "rgb24") for _ in range(SLOTS)]
-        self._pixels = [pixels_of(source, 3) for source in self._sources]
+        self._pixels = [frame_pixels(source, 3) for source in self._sources]
         self._free: SimpleQueue[int] = SimpleQueue()
         self._jobs: SimpleQueue[tuple[int, int] | None] = SimpleQueue()
         for slot in range(SLOTS):
             self._free.put(slot)
-        self._leaving = threading.Event()
+        self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="share", daemon=True)
         self._thread.start()
 
@@ -83,24 +83,24 @@ class SharedStream:
 
     def close(self) -> None:
         """End the stream; waits at most 2 s for a hung connection."""
-        self._leaving.set()
+        self._closing.set()
         self._jobs.put(None)
         self._thread.join(timeout=2.0)
 
     def _run(self) -> None:
-        give_way()
-        while not self._leaving.is_set():
+        lower_thread_priority()
+        while not self._closing.is_set():
             try:
                 self._send_all()
             except Exception as error:  # the show must not stop: report the error and try again
-                self.trouble = getattr(error, "strerror", None) or str(error) or type(error).__name__
-            if self._leaving.wait(AGAIN):
+                self.error = getattr(error, "strerror", None) or str(error) or type(error).__name__
+            if self._closing.wait(RETRY_DELAY):
                 return
 
     def _send_all(self) -> None:
-        whole = "" if not self.url.startswith("udp") or "pkt_size" in self.url else PACKETS
+        whole = "" if not self.url.startswith("udp") or "pkt_size" in self.url else PACKET_OPTION
         url = self.url + (whole if not whole or "?" not in self.url else whole.replace("?", "&"))
-        form = "rtp_mpegts" if self.url.startswith("rtp") else STREAM.container
+        form = "rtp_mpegts" if self.url.startswith("rtp") else STREAM_FORMAT.container
         with av.open(url, "w", format=form, timeout=5.0) as container:
             encoder: FilmEncoder | None = None
             first = 0
@@ -110,9 +110,9 @@ class SharedStream:
                     if encoder is None:
                         first = frame
                         encoder = _encoder(container, self, frame)
-                        self.opened, self.trouble = self.opened + 1, ""
+                        self.opened, self.error = self.opened + 1, ""
                     encoder.skip(max(frame - first - encoder.count, 0))
-                    encoder.picture(self._sources[slot])
+                    encoder.encode(self._sources[slot])
                     self.sent += 1
                 finally:
                     self._free.put(slot)
@@ -120,11 +120,11 @@ class SharedStream:
                 encoder.finish()
 
 
-def _encoder(container: Any, stream: SharedStream, frame: int) -> FilmEncoder:
+def _encoder(container: Any, stream: NetworkStream, frame: int) -> FilmEncoder:
     sound = stream._sound
     if sound is not None:
         begin, whole = round(frame / stream.fps * sound.rate), sound
         sound = FilmSound(whole.rate, whole.channels, lambda first, count: whole.read(begin + first, count))
-    encoder = FilmEncoder(container, stream.size, stream.fps, STREAM, {}, sound)
+    encoder = FilmEncoder(container, stream.size, stream.fps, STREAM_FORMAT, {}, sound)
     container.start_encoding()
     return encoder

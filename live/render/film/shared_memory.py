@@ -33,15 +33,17 @@ import numpy.typing as npt
 Picture = npt.NDArray[np.uint8]
 
 MAGIC: Final = b"CGLPIC01"
-HEADER: Final = 4096
-PLACES: Final = 4
-_HEAD: Final = np.dtype(
+HEADER_SIZE: Final = 4096
+SLOTS: Final = 4
+_HEADER_TYPE: Final = np.dtype(
     [
         ("magic", "S8"), ("header", "<u4"), ("width", "<u4"), ("height", "<u4"), ("channels", "<u4"),
         ("places", "<u4"), ("open", "<u4"), ("newest", "<u8"),
     ]
 )  # fmt: skip
-_PLACE: Final = np.dtype({"names": ["number", "time"], "formats": ["<u8", "<f8"], "offsets": [0, 8], "itemsize": 64})
+_SLOT_TYPE: Final = np.dtype(
+    {"names": ["number", "time"], "formats": ["<u8", "<f8"], "offsets": [0, 8], "itemsize": 64}
+)
 
 
 def ring_path(name: str) -> Path:
@@ -53,7 +55,7 @@ def ring_path(name: str) -> Path:
     return (memory if memory.is_dir() else Path(tempfile.gettempdir())) / name
 
 
-class SharedRing:
+class FrameRing:
     """Writes frames of one size into a ring buffer that other programs read. Thread: one.
 
     An existing ring buffer of this name is replaced: its readers see that it has ended and open the new one. Raises
@@ -62,44 +64,44 @@ class SharedRing:
 
     def __init__(self, name: str, size: tuple[int, int]) -> None:
         self.path, self.size = ring_path(name), size
-        self.pictures = 0
-        if self.path.exists() and not _end(self.path):
+        self.frames = 0
+        if self.path.exists() and not _mark_ended(self.path):
             raise ValueError(f"{self.path} exists and is no ring buffer of frames")
         width, height = size
         fresh = self.path.with_name(f"{self.path.name}.{os.getpid()}.new")
         with fresh.open("w+b") as file:
-            file.truncate(HEADER + PLACES * width * height * 3)
+            file.truncate(HEADER_SIZE + SLOTS * width * height * 3)
             self._memory = mmap.mmap(file.fileno(), 0)
             self._inode = os.fstat(file.fileno()).st_ino
-        self._head = np.frombuffer(self._memory, _HEAD, 1)
-        self._places = np.frombuffer(self._memory, _PLACE, PLACES, 64)
-        self._pixels = np.frombuffer(self._memory, np.uint8, offset=HEADER).reshape(PLACES, height, width, 3)
-        self._head[0] = (MAGIC, HEADER, width, height, 3, PLACES, 1, 0)
+        self._header = np.frombuffer(self._memory, _HEADER_TYPE, 1)
+        self._slots = np.frombuffer(self._memory, _SLOT_TYPE, SLOTS, 64)
+        self._pixels = np.frombuffer(self._memory, np.uint8, offset=HEADER_SIZE).reshape(SLOTS, height, width, 3)
+        self._header[0] = (MAGIC, HEADER_SIZE, width, height, 3, SLOTS, 1, 0)
         fresh.replace(self.path)
 
     def write(self, picture: Picture, time: float) -> None:
         """Write one frame, uint8 RGB (height, width, 3), drawn at `time` [s of the show]."""
-        number = self.pictures + 1
-        place = (number - 1) % PLACES
-        self._places["number"][place] = 0
+        number = self.frames + 1
+        place = (number - 1) % SLOTS
+        self._slots["number"][place] = 0
         np.copyto(self._pixels[place], picture)
-        self._places["time"][place] = time
-        self._places["number"][place] = number
-        self._head["newest"][0] = self.pictures = number
+        self._slots["time"][place] = time
+        self._slots["number"][place] = number
+        self._header["newest"][0] = self.frames = number
 
     def close(self) -> None:
         """Mark the ring buffer as ended, and remove the file if no other show has replaced it."""
         if self._memory.closed:
             return
-        self._head["open"][0] = 0
-        del self._head, self._places, self._pixels  # a mapping with views on it cannot be closed
+        self._header["open"][0] = 0
+        del self._header, self._slots, self._pixels  # a mapping with views on it cannot be closed
         self._memory.close()
         with contextlib.suppress(OSError):
             if self.path.stat().st_ino == self._inode:
                 self.path.unlink()
 
 
-def _end(path: Path) -> bool:
+def _mark_ended(path: Path) -> bool:
     """Mark a ring buffer as ended for its readers; False if the file is no ring buffer."""
     with path.open("r+b") as file:
         if file.read(len(MAGIC)) != MAGIC:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc, VideoReformatter
 
-from live.render.film.container_formats import FilmKind
+from live.render.film.container_formats import VideoFormat
 
 Samples = npt.NDArray[np.float32]
 
@@ -33,7 +33,7 @@ class FilmSound:
     read: Callable[[int, int], Samples]
 
     @staticmethod
-    def of(samples: Samples, rate: int, *, start: float = 0.0, loop: bool = False) -> "FilmSound":
+    def from_samples(samples: Samples, rate: int, *, start: float = 0.0, loop: bool = False) -> "FilmSound":
         """Return sound from an array, shape (n,) or (n, channels); of more than two channels the first two are used.
 
         The film begins at `start` [s] of the array (before 0: silence first). After the end of the array there is
@@ -58,7 +58,7 @@ class FilmSound:
         return FilmSound(rate, heard.shape[1], read)
 
 
-class SoundTrack:
+class AudioStream:
     """The audio stream of an open film, kept as long as the video."""
 
     def __init__(self, container: Any, sound: FilmSound, codec: str = "aac") -> None:
@@ -78,7 +78,7 @@ class SoundTrack:
         )
         self._count = 0
 
-    def follow(self, seconds: Fraction, *, last: bool = False) -> None:
+    def encode_until(self, seconds: Fraction, *, last: bool = False) -> None:
         """Encode the sound up to the length of the video [s]; with `last` pad with silence and finish."""
         missing = round(seconds * self._sound.rate) - self._count
         if missing > 0:
@@ -114,7 +114,7 @@ class FilmEncoder:
         container: Any,
         size: tuple[int, int],
         fps: Fraction,
-        kind: FilmKind,
+        kind: VideoFormat,
         options: dict[str, str],
         sound: FilmSound | None,
         *,
@@ -130,20 +130,20 @@ class FilmEncoder:
         self._stream.time_base = 1 / fps
         self._stream.options = {**dict(kind.alpha_options if alpha else kind.options), **options}
         codec = self._stream.codec_context
-        if not kind.rgb:
+        if not kind.is_rgb:
             codec.colorspace, codec.color_primaries = Colorspace.ITU709, ColorPrimaries.BT709
             codec.color_trc, codec.color_range = ColorTrc.BT709, ColorRange.MPEG
         if kind.video == "libx264":
-            codec.gop_size = max(1, round(kind.seconds_whole * fps))
+            codec.gop_size = max(1, round(kind.key_frame_interval * fps))
         self._reformatter = VideoReformatter()
-        self._track = SoundTrack(container, sound, kind.audio) if sound else None
+        self._audio = AudioStream(container, sound, kind.audio) if sound else None
         self._last: Any = None
         self.count = 0
         """Frames so far."""
 
-    def picture(self, source: Any) -> None:
+    def encode(self, source: Any) -> None:
         """Encode a new frame."""
-        if self._kind.rgb:
+        if self._kind.is_rgb:
             self._last = self._reformatter.reformat(source, format=self._pixels)
         else:
             self._last = self._reformatter.reformat(
@@ -156,8 +156,8 @@ class FilmEncoder:
         self._last.pts, self._last.time_base, self._last.duration = self.count, 1 / self._fps, 1
         self._container.mux(self._stream.encode(self._last))
         self.count += 1
-        if self._track:
-            self._track.follow(self.count / self._fps)
+        if self._audio:
+            self._audio.encode_until(self.count / self._fps)
 
     def skip(self, frames: int) -> None:
         """Leave out `frames` frames: the previous frame is shown longer."""
@@ -166,5 +166,5 @@ class FilmEncoder:
     def finish(self) -> None:
         """Flush the encoders."""
         self._container.mux(self._stream.encode(None))
-        if self._track:
-            self._track.follow(self.count / self._fps, last=True)
+        if self._audio:
+            self._audio.encode_until(self.count / self._fps, last=True)

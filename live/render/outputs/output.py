@@ -11,12 +11,12 @@ from typing import Final, Literal
 Point = tuple[float, float]
 Rotation = Literal[0, 90, 180, 270]
 
-WHOLE: Final = (0.0, 0.0, 1.0, 1.0)
+FULL_CROP: Final = (0.0, 0.0, 1.0, 1.0)
 """The crop that shows all of the picture."""
-UNBENT: Final[tuple[Point, Point, Point, Point]] = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+FULL_WINDOW: Final[tuple[Point, Point, Point, Point]] = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 """Corners that fill the window: upper left, upper right, lower right, lower left."""
-MESH_LEAST: Final = 2
-MESH_MOST: Final = 17
+MIN_MESH_POINTS: Final = 2
+MAX_MESH_POINTS: Final = 17
 """Smallest and largest number of points of a mesh in a row, and in a column."""
 
 
@@ -47,9 +47,9 @@ class Output:
     name: str = "picture"
     monitor: str | None = None
     """Its monitor, by number, name or place; None: the show's default monitor."""
-    crop: tuple[float, float, float, float] = WHOLE
+    crop: tuple[float, float, float, float] = FULL_CROP
     """The part of the picture that is shown: x, y of its upper left corner, width, height."""
-    corners: tuple[Point, Point, Point, Point] = UNBENT
+    corners: tuple[Point, Point, Point, Point] = FULL_WINDOW
     """Places of the frame's corners in the window: upper left, upper right, lower right, lower left."""
     mesh: tuple[tuple[Point, ...], ...] = ()
     """Rows of points in the frame, from the upper left one; the regular grid does not warp. Empty: no mesh."""
@@ -66,9 +66,9 @@ class Output:
     """Values above 1 darken the middle tones, to match another projector."""
 
     @property
-    def is_bent(self) -> bool:
+    def is_warped(self) -> bool:
         """Whether the output is warped, rotated or mirrored."""
-        return self.corners != UNBENT or bool(self.mesh) or self.rotation != 0 or self.mirror
+        return self.corners != FULL_WINDOW or bool(self.mesh) or self.rotation != 0 or self.mirror
 
     @property
     def is_tinted(self) -> bool:
@@ -78,4 +78,4 @@ class Output:
     @property
     def is_plain(self) -> bool:
         """Whether the window shows the whole picture without changes."""
-        return not self.is_bent and not self.is_tinted and self.crop == WHOLE
+        return not self.is_warped and not self.is_tinted and self.crop == FULL_CROP

@@ -7,29 +7,29 @@ import numpy as np
 import numpy.typing as npt
 
 from live.render.outputs.output import Output, Point
-from live.render.outputs.output_pass import turned
-from live.render.outputs.warp import bent, homography, mapped, unbent
+from live.render.outputs.output_pass import rotation_matrix
+from live.render.outputs.warp import homography, map_points, unwarp_point, warp_grid
 
 Float64 = npt.NDArray[np.float64]
 
 
-def picture_place(output: Output, place: Point) -> Point:
+def window_to_picture(output: Output, place: Point) -> Point:
     """Return the place of the picture that is shown at a place of the window."""
     back = np.linalg.inv(homography(output.corners)).astype(np.float64)
-    x, y = mapped(back, place).tolist()
-    part = turned(output) @ (*unbent(output.mesh, (x, y)), 1.0)
+    x, y = map_points(back, place).tolist()
+    part = rotation_matrix(output) @ (*unwarp_point(output.mesh, (x, y)), 1.0)
     left, top, width, height = output.crop
     return float(left + part[0] * width), float(top + part[1] * height)
 
 
-def window_place(output: Output, place: Point) -> Point:
+def picture_to_window(output: Output, place: Point) -> Point:
     """Return the place in the window of a place of the picture; outside the mesh, offset from its border."""
     left, top, width, height = output.crop
-    matrix = turned(output).astype(np.float64)
+    matrix = rotation_matrix(output).astype(np.float64)
     part = np.array([(place[0] - left) / width, (place[1] - top) / height])
     frame: Float64 = np.linalg.solve(matrix[:, :2], part - matrix[:, 2]).astype(np.float64)
     if output.mesh:
         within = np.clip(frame, 0.0, 1.0)
-        frame = bent(output.mesh, within[:1], within[1:])[0, 0] + frame - within
-    x, y = mapped(homography(output.corners), frame).tolist()
+        frame = warp_grid(output.mesh, within[:1], within[1:])[0, 0] + frame - within
+    x, y = map_points(homography(output.corners), frame).tolist()
     return x, y

@@ -10,17 +10,17 @@ from PIL import Image
 
 from live.base.errors import PersonError
 from live.render.gl_release import release_all
-from live.render.lettering import letter
+from live.render.lettering import bake_atlas
 from live.render.outputs.output import Output, Point
-from live.render.outputs.test_card import CARDS, TINTS, Card, words_of
-from live.render.outputs.warp import MOST_VERTICES, vertices
-from live.render.shader import program, set_uniform
+from live.render.outputs.test_card import CARDS, TINTS, Card, render_label
+from live.render.outputs.warp import MAX_VERTICES, vertices
+from live.render.shader import compile_program, set_uniform
 
 LARGEST_MASK: Final = 8192
-SIGNAL: Final = 2.2
+DISPLAY_GAMMA: Final = 2.2
 """Display gamma: light = signal ** SIGNAL."""
 
-_TURNS: Final = {
+_ROTATIONS: Final = {
     0: ((1, 0, 0), (0, 1, 0)),
     90: ((0, 1, 0), (-1, 0, 1)),
     180: ((-1, 0, 1), (0, -1, 1)),
@@ -41,22 +41,22 @@ class OutputPass:
             ("TINTED", int(output.is_tinted)), ("GAMMA", int(output.gamma != 1.0)),
             ("BLACK", int(output.edge.black > 0.0)), ("MASKED", int(output.mask is not None)),
         )  # fmt: skip
-        self._programs = [program(ctx, *shaders, (("CARD", card), *kinds)) for card in (0, 1)]
-        self._buffer = ctx.buffer(reserve=MOST_VERTICES * 20, dynamic=True)
+        self._programs = [compile_program(ctx, *shaders, (("CARD", card), *kinds)) for card in (0, 1)]
+        self._buffer = ctx.buffer(reserve=MAX_VERTICES * 20, dynamic=True)
         place = [(self._buffer, "3f 2f", "in_place", "in_frame")]
         self._arrays = [ctx.vertex_array(linked, place) for linked in self._programs]
-        picture = words_of(output.name, detail)
-        self._words = _grey(ctx, picture)
-        self._mask = _grey(ctx, np.full((1, 1), 255, np.uint8) if output.mask is None else read_mask(output))
-        self._sheet = _grey(ctx, np.full((1, 1), 255, np.uint8))
-        self._tell("sheet_size", (1, 1))
+        picture = render_label(output.name, detail)
+        self._label = _grey_texture(ctx, picture)
+        self._mask = _grey_texture(ctx, np.full((1, 1), 255, np.uint8) if output.mask is None else read_mask(output))
+        self._join_card = _grey_texture(ctx, np.full((1, 1), 255, np.uint8))
+        self._set_uniforms("sheet_size", (1, 1))
         for unit, name in enumerate(("picture", "mask", "words", "sheet"), start=1):
-            self._tell(name, unit)
-        self._tell("words_size", (picture.shape[1], picture.shape[0]))
-        self._tell("card_tint", TINTS[number % len(TINTS)])
+            self._set_uniforms(name, unit)
+        self._set_uniforms("words_size", (picture.shape[1], picture.shape[0]))
+        self._set_uniforms("card_tint", TINTS[number % len(TINTS)])
         self.set(output)
 
-    def _tell(self, name: str, value: object) -> None:
+    def _set_uniforms(self, name: str, value: object) -> None:
         for linked in self._programs:
             set_uniform(linked, name, value)
 
@@ -68,20 +68,20 @@ class OutputPass:
         self._count = len(data)
         edge = output.edge
         across, down = bool(edge.left or edge.right), bool(edge.top or edge.bottom)
-        self._tell("crop", output.crop)
-        self._tell("turned", turned(output).T.ravel().tolist())
-        self._tell("edge", (edge.left, edge.right, edge.top, edge.bottom))
-        self._tell("blend", (edge.gamma, edge.black, (1 + across) * (1 + down)))
-        self._tell("bent", output.is_bent)
+        self._set_uniforms("crop", output.crop)
+        self._set_uniforms("turned", rotation_matrix(output).T.ravel().tolist())
+        self._set_uniforms("edge", (edge.left, edge.right, edge.top, edge.bottom))
+        self._set_uniforms("blend", (edge.gamma, edge.black, (1 + across) * (1 + down)))
+        self._set_uniforms("bent", output.is_warped)
 
-    def take_sheet(self, sheet: npt.NDArray[np.uint8]) -> None:
+    def set_join_card(self, image: npt.NDArray[np.uint8]) -> None:
         """Set the join card of the audience: brightness, row 0 on top, shape (H, W)."""
-        self._sheet.release()
-        self._sheet = _grey(self._ctx, np.ascontiguousarray(sheet))
-        self._tell("sheet_size", (sheet.shape[1], sheet.shape[0]))
+        self._join_card.release()
+        self._join_card = _grey_texture(self._ctx, np.ascontiguousarray(image))
+        self._set_uniforms("sheet_size", (image.shape[1], image.shape[0]))
 
     def draw(
-        self, picture: moderngl.Texture, target: moderngl.Framebuffer, *, card: Card = "off", left: float = 1.0
+        self, picture: moderngl.Texture, target: moderngl.Framebuffer, *, card: Card = "off", light_share: float = 1.0
     ) -> None:
         """Draw `picture`, or a test card, over all of `target`; `left`: the light allowed by the flash limit."""
         width, height = target.viewport[2:]
@@ -91,25 +91,27 @@ class OutputPass:
         set_uniform(linked, "window_size", (width, height))
         set_uniform(linked, "frame_size", (width, height) if upright else (height, width))
         set_uniform(linked, "picture_size", picture.size)
-        set_uniform(linked, "light", (self._output.brightness, self._output.gamma, left ** (1.0 / SIGNAL)))
+        set_uniform(
+            linked, "light", (self._output.brightness, self._output.gamma, light_share ** (1.0 / DISPLAY_GAMMA))
+        )
         set_uniform(linked, "card", CARDS.index(card))
         target.use()
         target.clear(0.0, 0.0, 0.0, 1.0)
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         picture.use(1)
         self._mask.use(2)
-        self._words.use(3)
-        self._sheet.use(4)
+        self._label.use(3)
+        self._join_card.use(4)
         array.render(moderngl.TRIANGLES, vertices=self._count)
 
     def release(self) -> None:
         """Free everything."""
-        release_all(*self._arrays, self._buffer, self._words, self._mask, self._sheet, *self._programs)
+        release_all(*self._arrays, self._buffer, self._label, self._mask, self._join_card, *self._programs)
 
 
-def turned(output: Output) -> npt.NDArray[np.float32]:
+def rotation_matrix(output: Output) -> npt.NDArray[np.float32]:
     """Return the matrix (2, 3) from (u, v, 1) of the frame to the cropped picture, upright: rotation, then mirror."""
-    matrix = np.array(_TURNS[output.rotation], np.float32)
+    matrix = np.array(_ROTATIONS[output.rotation], np.float32)
     if output.mirror:
         matrix[0] = (0.0, 0.0, 1.0) - matrix[0]
     return matrix
@@ -129,7 +131,7 @@ def read_mask(output: Output) -> npt.NDArray[np.uint8]:
         raise PersonError(f"mask {path}: cannot be read as an image: {error}", "save it as PNG") from None
 
 
-def _grey(ctx: moderngl.Context, picture: npt.NDArray[np.uint8]) -> moderngl.Texture:
+def _grey_texture(ctx: moderngl.Context, picture: npt.NDArray[np.uint8]) -> moderngl.Texture:
     """Create a texture with one channel."""
     texture = ctx.texture((picture.shape[1], picture.shape[0]), 1, picture.tobytes(), alignment=1)
     texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
@@ -137,10 +139,10 @@ def _grey(ctx: moderngl.Context, picture: npt.NDArray[np.uint8]) -> moderngl.Tex
     return texture
 
 
-_LIMIT: Final = 1600
+_MAX_MARKS: Final = 1600
 """Maximum number of points and letters together."""
-_LETTERS: Final = 1024
-_PER_HEIGHT: Final = 38
+_MAX_LETTERS: Final = 1024
+_LINES_PER_HEIGHT: Final = 38
 """Number of text lines that fill the window's height."""
 _RADIUS: Final = 0.022
 """Radius of a point's mark, as a share of the window's height."""
@@ -154,12 +156,12 @@ class HandlePass:
 
     def __init__(self, ctx: moderngl.Context, height: int) -> None:
         self._ctx = ctx
-        self._program = program(ctx, "handle_vertex.glsl", "handle_fragment.glsl")
-        self._buffer = ctx.buffer(reserve=_LIMIT * 32, dynamic=True)
+        self._program = compile_program(ctx, "handle_vertex.glsl", "handle_fragment.glsl")
+        self._buffer = ctx.buffer(reserve=_MAX_MARKS * 32, dynamic=True)
         self._array = ctx.vertex_array(self._program, [(self._buffer, "4f 4f/i", "in_box", "in_what")])
-        self._height = max(12, round(height / _PER_HEIGHT))
-        self._lettering = letter(self._height)
-        baked = self._lettering.picture
+        self._height = max(12, round(height / _LINES_PER_HEIGHT))
+        self._lettering = bake_atlas(self._height)
+        baked = self._lettering.coverage
         self._atlas = ctx.texture((baked.shape[1], baked.shape[0]), 1, baked.tobytes(), alignment=1)
         self._atlas.filter = (moderngl.NEAREST, moderngl.NEAREST)
         set_uniform(self._program, "atlas", 1)
@@ -167,7 +169,7 @@ class HandlePass:
     def draw(self, points: Sequence[Point], chosen: int, lines: tuple[str, ...], target: moderngl.Framebuffer) -> None:
         """Draw marks at `points` [shares of the window], one of them chosen, and lines of text over `target`."""
         size = target.viewport[2:]
-        marks = np.concatenate([self._panel(lines, size), self._points(points, chosen, size)])[:_LIMIT]
+        marks = np.concatenate([self._panel(lines, size), self._points(points, chosen, size)])[:_MAX_MARKS]
         self._buffer.write(np.ascontiguousarray(marks, np.float32))
         set_uniform(self._program, "window_size", size)
         target.use()
@@ -197,7 +199,7 @@ class HandlePass:
         wide = max(self._lettering.width(line) for line in lines) + 2.0 * inset
         tall = len(lines) * cell[1] + 2.0 * inset
         x, y = round(0.5 * (size[0] - wide)), round(0.68 * size[1])
-        letters = self._lettering.lay_out(lines, (round(x + inset), round(y + inset)), _LETTERS)
+        letters = self._lettering.lay_out(lines, (round(x + inset), round(y + inset)), _MAX_LETTERS)
         marks = np.zeros((len(letters) + 1, 8), np.float32)
         marks[0, :4] = x, y, wide, tall
         marks[1:, 0:2], marks[1:, 2:4] = letters[:, 0:2], cell

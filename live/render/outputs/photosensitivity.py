@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.render.gl_release import release_all
-from live.render.shader import program, set_uniform
+from live.render.shader import compile_program, set_uniform
 
 Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
@@ -24,16 +24,16 @@ DARK: Final = 0.8
 """A change counts if its darker level is below this."""
 RED_CHANGE: Final = 20.0 / 320.0
 """Smallest change of R - G - B of saturated red (R / (R + G + B) of 0.8 or more) that counts, at any brightness."""
-ALLOWED: Final = 0.95
+RISE_SHARE: Final = 0.95
 """A rise is cut off at this share of the counting change, so that it does not count."""
 AREA: Final = 0.25
 """Share of the picture that has to change."""
-TOGETHER: Final = 0.12
+CHANGE_WINDOW: Final = 0.12
 """Cells that change within this time [s] count as one change."""
 SECOND: Final = 1.0
-MOST: Final = 3
+MAX_RISES: Final = 3
 """Maximum number of rises in a second: each flash has one."""
-WATCHED: Final = 2
+WATCH_RISES: Final = 2
 """From this number of rises on, the luminance of a frame must be known before it is shown."""
 
 
@@ -47,10 +47,10 @@ class FlashLimit:
         self._rising, self._falling = np.zeros(cells, np.bool_), np.zeros(cells, np.bool_)
         self._rose, self._fell = np.full(cells, -np.inf), np.full(cells, -np.inf)
         self._rises: list[float] = []
-        self._up: bool | None = None  # whether the last change was a rise
-        self._turned = -np.inf  # when that was
-        self._few = max(int(np.ceil(AREA * cells)) - 1, 0)
-        self.held = 0
+        self._last_was_rise: bool | None = None  # whether the last change was a rise
+        self._last_change_time = -np.inf  # when that was
+        self._max_changed_cells = max(int(np.ceil(AREA * cells)) - 1, 0)
+        self.dimmed_count = 0
         """Number of dimmed frames."""
 
     def rises(self, time: float) -> int:
@@ -62,37 +62,37 @@ class FlashLimit:
     @property
     def is_watching(self) -> bool:
         """Whether there were so many rises lately that each frame must be measured before it is shown."""
-        return len(self._rises) >= WATCHED
+        return len(self._rises) >= WATCH_RISES
 
-    def judge(self, time: float, luminance: Float64, *, lifted: bool = False) -> float:
+    def limit(self, time: float, luminance: Float64, *, bypass: bool = False) -> float:
         """Return the share of light, 0 to 1, at which a frame may be shown at `time` [s], and record the frame.
 
         `luminance`: of its cells, 0 to 1, shape (cells,). `lifted`: do not dim the frame, only count.
         """
-        left = 1.0 if lifted else self.most(time, luminance)
-        self.show(time, luminance * left, held=left < 1.0)
+        left = 1.0 if bypass else self.max_light(time, luminance)
+        self.record(time, luminance * left, dimmed=left < 1.0)
         return left
 
-    def most(self, time: float, luminance: Float64) -> float:
+    def max_light(self, time: float, luminance: Float64) -> float:
         """Return the maximum share of light, 0 to 1, at which a frame may be shown at `time` [s]."""
-        return self._most(time, luminance) if self.rises(time) >= MOST else 1.0
+        return self._max_light(time, luminance) if self.rises(time) >= MAX_RISES else 1.0
 
-    def show(self, time: float, shown: Float64, *, held: bool = False) -> None:
+    def record(self, time: float, shown: Float64, *, dimmed: bool = False) -> None:
         """Record a frame shown at `time` [s] with this luminance; `held`: whether it was dimmed."""
-        self.held += held
-        self._note(time, shown)
+        self.dimmed_count += dimmed
+        self._update_cells(time, shown)
 
-    def _most(self, time: float, luminance: Float64) -> float:
+    def _max_light(self, time: float, luminance: Float64) -> float:
         """Return the maximum share of light at which too few cells rise for a counted change."""
-        if self._up:
+        if self._last_was_rise:
             return 1.0  # it has risen already: more light is not another change
-        free = max(self._few - int(np.count_nonzero(self._rose > time - TOGETHER)), 0)
+        free = max(self._max_changed_cells - int(np.count_nonzero(self._rose > time - CHANGE_WINDOW)), 0)
         dark = (self._low < self._dark) & ~self._rising
-        share = np.where(dark, (self._low + ALLOWED * self._change) / np.maximum(luminance, 1e-9), np.inf)
+        share = np.where(dark, (self._low + RISE_SHARE * self._change) / np.maximum(luminance, 1e-9), np.inf)
         place = min(free, len(share) - 1)
         return float(min(np.partition(share, place)[place], 1.0))
 
-    def _note(self, time: float, shown: Float64) -> None:
+    def _update_cells(self, time: float, shown: Float64) -> None:
         """Update the extremes and directions of all cells."""
         self._low, self._high = np.minimum(self._low, shown), np.maximum(self._high, shown)
         up = (shown - self._low >= self._change) & (self._low < self._dark) & ~self._rising
@@ -105,15 +105,15 @@ class FlashLimit:
             since[now] = time
             extreme[now] = shown[now]
         self._falling[up], self._rising[down] = False, False
-        self._turn(time)
+        self._count_change(time)
 
-    def _turn(self, time: float) -> None:
+    def _count_change(self, time: float) -> None:
         """Count a change of the whole picture if enough cells have changed together in the opposite direction, all
         since the last change: a fall just before a rise is not one after it."""
         for rises, since in ((True, self._rose), (False, self._fell)):
-            lately = (since > time - TOGETHER) & (since >= self._turned)
-            if self._up is not rises and np.count_nonzero(lately) > self._few:
-                self._up, self._turned = rises, time
+            lately = (since > time - CHANGE_WINDOW) & (since >= self._last_change_time)
+            if self._last_was_rise is not rises and np.count_nonzero(lately) > self._max_changed_cells:
+                self._last_was_rise, self._last_change_time = rises, time
                 if rises:
                     self._rises.append(time)
 
@@ -127,7 +127,7 @@ class FlashMeter:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._program = program(ctx, "bare_vertex.glsl", "flash_fragment.glsl")
+        self._program = compile_program(ctx, "bare_vertex.glsl", "flash_fragment.glsl")
         set_uniform(self._program, "picture", 1)
         set_uniform(self._program, "cells", CELLS)
         self._triangle = ctx.vertex_array(self._program, [])
@@ -135,7 +135,7 @@ class FlashMeter:
         self._target = ctx.framebuffer([self._texture])
         self._size = CELLS[0] * CELLS[1] * 8
         self._buffers = [ctx.buffer(reserve=self._size) for _ in range(2)]
-        self._turn = 0
+        self._buffer_index = 0
 
     def measure(self, picture: moderngl.Texture) -> None:
         """Start measuring a frame; does not wait for the GPU."""
@@ -143,16 +143,16 @@ class FlashMeter:
         self._target.use()
         picture.use(1)
         self._triangle.render(moderngl.TRIANGLES, vertices=3)
-        self._turn = 1 - self._turn
-        self._target.read_into(self._buffers[self._turn], components=2, dtype="f4", alignment=1)
+        self._buffer_index = 1 - self._buffer_index
+        self._target.read_into(self._buffers[self._buffer_index], components=2, dtype="f4", alignment=1)
 
-    def before(self) -> Float64:
+    def previous(self) -> Float64:
         """Return luminance and saturated red, 0 to 1, of the cells of the last frame but one, shape (2, 144)."""
-        return self._read(self._buffers[1 - self._turn])
+        return self._read(self._buffers[1 - self._buffer_index])
 
-    def now(self) -> Float64:
+    def current(self) -> Float64:
         """Return the same for the last measured frame; waits until it is drawn."""
-        return self._read(self._buffers[self._turn])
+        return self._read(self._buffers[self._buffer_index])
 
     def _read(self, buffer: moderngl.Buffer) -> Float64:
         return np.frombuffer(buffer.read(size=self._size), np.float32).reshape(-1, 2).T.astype(np.float64)
@@ -162,7 +162,7 @@ class FlashMeter:
         release_all(self._target, self._texture, *self._buffers, self._triangle, self._program)
 
 
-class FlashGuard:
+class FlashLimiter:
     """Decides how much of its light each frame may have. Waits for the GPU only when there are many flashes."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
@@ -170,32 +170,32 @@ class FlashGuard:
         count = CELLS[0] * CELLS[1]
         self.limits = FlashLimit(count), FlashLimit(count, change=RED_CHANGE, dark=np.inf)
         """For luminance, and for saturated red."""
-        self.held = 0
+        self.dimmed_count = 0
         """Number of dimmed frames."""
-        self._open: float | None = None  # the time of a frame that was shown and not recorded yet
+        self._unrecorded_time: float | None = None  # the time of a frame that was shown and not recorded yet
 
-    def left(self, picture: moderngl.Texture, time: float) -> float:
+    def allowed_light(self, picture: moderngl.Texture, time: float) -> float:
         """Return the share of light, 0 to 1, at which this frame may be shown at `time` [s]."""
         self._meter.measure(picture)
-        if self._open is not None:
-            for limit, cells in zip(self.limits, self._meter.before(), strict=True):
-                limit.show(self._open, cells)
-            self._open = None
+        if self._unrecorded_time is not None:
+            for limit, cells in zip(self.limits, self._meter.previous(), strict=True):
+                limit.record(self._unrecorded_time, cells)
+            self._unrecorded_time = None
         for limit in self.limits:
             limit.rises(time)
         if not any(limit.is_watching for limit in self.limits):
-            self._open = time
+            self._unrecorded_time = time
             return 1.0
-        now = self._meter.now()
-        left = min(limit.most(time, cells) for limit, cells in zip(self.limits, now, strict=True))
+        now = self._meter.current()
+        left = min(limit.max_light(time, cells) for limit, cells in zip(self.limits, now, strict=True))
         for limit, cells in zip(self.limits, now, strict=True):
-            limit.show(time, cells * left)
-        self.held += left < 1.0
+            limit.record(time, cells * left)
+        self.dimmed_count += left < 1.0
         return left
 
-    def rest(self) -> None:
+    def suspend(self) -> None:
         """Suspend the limit: the next frame counts as the first one."""
-        self._open = None
+        self._unrecorded_time = None
 
     def release(self) -> None:
         """Free everything."""

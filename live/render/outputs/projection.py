@@ -17,15 +17,15 @@ from live.base.stage_snapshot import Scene, StageView
 from live.render.gl_release import release_all
 from live.render.outputs.output import Output
 from live.render.outputs.output_pass import OutputPass
-from live.render.outputs.photosensitivity import FlashGuard
-from live.render.outputs.screen import Pictures, Screen, picture_size
+from live.render.outputs.photosensitivity import FlashLimiter
+from live.render.outputs.screen import FrameBuffers, Screen, picture_size
 from live.render.renderer import Renderer
-from live.render.window.monitors import Monitor, find_place
+from live.render.window.monitors import Monitor, resolve_monitor
 from live.render.window.window import Window
 from live.render.window.window_input import PointerMoved, PointerPressed, PointerReleased, WindowInput
 
 
-class Shown:
+class OutputFrame:
     """The whole frame as projected, for films and other programs: without crop, warp, soft edge, mask or test card, but
     dimmed by the flash limit. Costs nothing while no light is limited. GL objects are created here and for a new size.
     """
@@ -39,14 +39,14 @@ class Shown:
         self._texture = self._ctx.texture(size, 4)
         self._target = self._ctx.framebuffer([self._texture])
 
-    def of(self, pictures: Pictures, left: float) -> moderngl.Framebuffer:
+    def render(self, pictures: FrameBuffers, left: float) -> moderngl.Framebuffer:
         """Return the last frame with `left` of its light."""
         if left >= 1.0:
             return pictures.last
         if self._texture.size != pictures.size:
             release_all(self._target, self._texture)
             self._make(pictures.size)
-        self._pass.draw(pictures.texture, self._target, left=left)
+        self._pass.draw(pictures.texture, self._target, light_share=left)
         return self._target
 
     def release(self) -> None:
@@ -59,7 +59,7 @@ OPERATOR: Final = "operator"
 
 
 @dataclass(frozen=True, slots=True)
-class Places:
+class WindowLayout:
     """The windows to open, and their monitors."""
 
     outputs: tuple[Output, ...] = (Output(),)
@@ -78,16 +78,16 @@ class Places:
 class Projection:
     """All windows of a show and what draws into them. Thread: main thread only."""
 
-    def __init__(self, scene: Scene, places: Places) -> None:
+    def __init__(self, scene: Scene, layout: WindowLayout) -> None:
         """Raises NoWindow, UnknownMonitor, and PersonError for a mask that cannot be read."""
         self._closing = contextlib.ExitStack()
         try:
-            self._open(scene, places)
+            self._open(scene, layout)
         except BaseException:
             self._closing.close()
             raise
 
-    def _open(self, scene: Scene, places: Places) -> None:
+    def _open(self, scene: Scene, places: WindowLayout) -> None:
         self.screens: list[Screen] = []
         """One for each output, in order."""
         for number, output in enumerate(places.outputs):
@@ -99,43 +99,43 @@ class Projection:
         if places.operator is not None:
             window = Window(
                 f"{TITLE}: {OPERATOR}", monitor=places.operator, size=places.size, hidden=places.hidden,
-                shares=self.window,
+                share_with=self.window,
             )  # fmt: skip
             self._closing.callback(window.close)
-            self.operator = Screen(Output(OPERATOR), window, 0, fits=True)
+            self.operator = Screen(Output(OPERATOR), window, 0, keep_aspect=True)
         self.window.make_current()
-        self.pictures = Pictures(self.window.ctx, self._wanted_size())
-        self._noted = None if self.operator is None else Pictures(self.window.ctx, self.pictures.size)
+        self.pictures = FrameBuffers(self.window.ctx, self._required_size())
+        self._operator_buffers = None if self.operator is None else FrameBuffers(self.window.ctx, self.pictures.size)
         self.renderer = Renderer(self.window.ctx, scene, size=self.pictures.size, steps=True)
-        self.flashes = FlashGuard(self.window.ctx)
+        self.flash_limiter = FlashLimiter(self.window.ctx)
         """The flash limiter."""
-        self._lifted, self._left = False, 1.0
-        self._shown: Shown | None = None
+        self._limit_bypassed, self._light_share = False, 1.0
+        self._output_frame: OutputFrame | None = None
         self._closing.callback(self._release)
-        self._draw_once()
+        self._warm_up()
 
-    def _draw_once(self) -> None:
+    def _warm_up(self) -> None:
         """Draw everything once: drivers compile a program at its first draw, which would delay the show."""
-        for screen in self.all[::-1]:  # the first one last: its context has to stay current
+        for screen in self.all_screens[::-1]:  # the first one last: its context has to stay current
             screen.window.make_current()
-            screen.draw_once(self.pictures)
+            screen.warm_up(self.pictures)
         for time in (-2.0, -1.0):
-            self.flashes.left(self.pictures.texture, time)
-        self.flashes.rest()
+            self.flash_limiter.allowed_light(self.pictures.texture, time)
+        self.flash_limiter.suspend()
 
-    def _screen(self, output: Output, places: Places, number: int) -> Screen:
+    def _screen(self, output: Output, places: WindowLayout, number: int) -> Screen:
         """Open one output's window."""
-        monitor = places.monitor if output.monitor is None else find_place(output.monitor)
+        monitor = places.monitor if output.monitor is None else resolve_monitor(output.monitor)
         several = len(places.outputs) > 1
         window = Window(
             f"{TITLE}: {output.name}" if several else TITLE, monitor=monitor, fullscreen=places.fullscreen,
-            size=places.size, hidden=places.hidden, shares=self.screens[0].window if self.screens else None,
+            size=places.size, hidden=places.hidden, share_with=self.screens[0].window if self.screens else None,
         )  # fmt: skip
         self._closing.callback(window.close)
         return Screen(output, window, number)
 
     @property
-    def all(self) -> Sequence[Screen]:
+    def all_screens(self) -> Sequence[Screen]:
         """All screens, the operator's last."""
         return self.screens if self.operator is None else [*self.screens, self.operator]
 
@@ -158,14 +158,14 @@ class Projection:
 
     def poll(self) -> Iterator[tuple[Screen, WindowInput]]:
         """Yield the inputs at each window since the last call; never waits."""
-        for screen in self.all:
+        for screen in self.all_screens:
             for value in screen.window.poll():
                 yield screen, value
 
-    def on_picture(self, screen: Screen, value: WindowInput) -> WindowInput:
+    def to_picture(self, screen: Screen, value: WindowInput) -> WindowInput:
         """Return an input with the pointer's place in pixels of the picture instead of the window."""
         if isinstance(value, PointerMoved | PointerPressed | PointerReleased):
-            x, y = screen.on_picture((value.x, value.y), self.size)
+            x, y = screen.to_picture((value.x, value.y), self.size)
             return replace(value, x=x, y=y)
         return value
 
@@ -173,11 +173,11 @@ class Projection:
         """Render the next frame, which becomes visible with `show`. Overlay and guides appear only in the operator's
         window, if there is one."""
         self.window.make_current()
-        self._fit()
-        self._lifted = view.flashes
-        if self.operator is None or self._noted is None:
+        self._update_size()
+        self._limit_bypassed = view.flash_limit_lifted
+        if self.operator is None or self._operator_buffers is None:
             self.renderer.draw(view, self.pictures.next)
-            self.pictures.take()
+            self.pictures.swap()
             return
         overlay, guides = view.overlay, view.guide_count
         view.overlay, view.guide_count = (), 0
@@ -185,54 +185,58 @@ class Projection:
             self.renderer.draw(view, self.pictures.next)
         finally:
             view.overlay, view.guide_count = overlay, guides
-        self.pictures.take()
-        self.window.ctx.copy_framebuffer(self._noted.next, self.pictures.last)
-        self.renderer.annotate(view, self._noted.next)
-        self._noted.take()
+        self.pictures.swap()
+        self.window.ctx.copy_framebuffer(self._operator_buffers.next, self.pictures.last)
+        self.renderer.annotate(view, self._operator_buffers.next)
+        self._operator_buffers.swap()
 
-    def take_sheet(self, sheet: npt.NDArray[np.uint8]) -> None:
+    def set_join_card(self, image: npt.NDArray[np.uint8]) -> None:
         """Set the join card of the audience: brightness, row 0 on top, shape (H, W)."""
-        for screen in self.all[::-1]:
-            screen.take_sheet(sheet)
+        for screen in self.all_screens[::-1]:
+            screen.set_join_card(image)
         self.window.make_current()
 
-    def take_shaders(self) -> None:
-        """Reload the shaders, see `Renderer.take_shaders`. Raises PersonError if one does not compile."""
+    def reload_shaders(self) -> None:
+        """Reload the shaders, see `Renderer.reload_shaders`. Raises PersonError if one does not compile."""
         self.window.make_current()
-        self.renderer.take_shaders()
+        self.renderer.reload_shaders()
         try:
-            for screen in self.all[::-1]:
-                screen.take_shaders()
+            for screen in self.all_screens[::-1]:
+                screen.reload_shaders()
         finally:
             self.window.make_current()
 
     def show(self, time: float) -> None:
         """Show the last frame on all outputs at `time` [s], dimmed by the flash limit."""
-        self._left = left = 1.0
-        if self._lifted:
-            self.flashes.rest()
+        self._light_share = left = 1.0
+        if self._limit_bypassed:
+            self.flash_limiter.suspend()
         else:
-            self._left = left = self.flashes.left(self.pictures.texture, time)
-        others = self.all[1:]
+            self._light_share = left = self.flash_limiter.allowed_light(self.pictures.texture, time)
+        others = self.all_screens[1:]
         if others:
             self.window.ctx.finish()  # other contexts see only completed drawing
         for screen in others:
             screen.window.make_current()
-            noted = screen is self.operator and self._noted is not None
-            screen.draw(self._noted if noted and self._noted is not None else self.pictures, left)
+            noted = screen is self.operator and self._operator_buffers is not None
+            screen.draw(self._operator_buffers if noted and self._operator_buffers is not None else self.pictures, left)
             screen.window.swap()
         if others:
             self.window.make_current()
         self.screens[0].draw(self.pictures, left)
         self.window.swap()
 
-    def prepare_shown(self) -> None:
+    def prepare_output_frame(self) -> None:
         """Create what `shown` needs; call it before the show if `shown` will be used."""
-        self._shown = Shown(self.window.ctx, self.pictures.size)
+        self._output_frame = OutputFrame(self.window.ctx, self.pictures.size)
 
-    def shown(self) -> moderngl.Framebuffer:
+    def output_frame(self) -> moderngl.Framebuffer:
         """Return the last shown frame, whole and with its limited light, see `Shown`."""
-        return self.pictures.last if self._shown is None else self._shown.of(self.pictures, self._left)
+        return (
+            self.pictures.last
+            if self._output_frame is None
+            else self._output_frame.render(self.pictures, self._light_share)
+        )
 
     def reveal(self, *, fullscreen: bool) -> None:
         """Show windows that were opened hidden."""
@@ -241,32 +245,32 @@ class Projection:
         if self.operator is not None:
             self.operator.window.reveal(fullscreen=False)
 
-    def _wanted_size(self) -> tuple[int, int]:
+    def _required_size(self) -> tuple[int, int]:
         return picture_size([one.output for one in self.screens], [one.window.size for one in self.screens])
 
-    def _fit(self) -> None:
+    def _update_size(self) -> None:
         """Adapt the frame size to the sizes of the windows."""
-        size = self._wanted_size()
+        size = self._required_size()
         if size == self.pictures.size:
             return
-        for screen in self.all:
-            screen.forget()
+        for screen in self.all_screens:
+            screen.forget_textures()
         self.pictures.resize(size)
-        if self._noted is not None:
-            self._noted.resize(size)
+        if self._operator_buffers is not None:
+            self._operator_buffers.resize(size)
         self.renderer.resize(size)
 
     def _release(self) -> None:
-        for screen in self.all:
+        for screen in self.all_screens:
             screen.release()
         self.window.make_current()
-        self.flashes.release()
-        if self._shown is not None:
-            self._shown.release()
+        self.flash_limiter.release()
+        if self._output_frame is not None:
+            self._output_frame.release()
         self.renderer.release()
         self.pictures.release()
-        if self._noted is not None:
-            self._noted.release()
+        if self._operator_buffers is not None:
+            self._operator_buffers.release()
 
     def close(self) -> None:
         """Release GL objects and close all windows."""

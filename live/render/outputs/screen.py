@@ -12,18 +12,18 @@ import numpy as np
 import numpy.typing as npt
 
 from live.render.gl_release import release_all
-from live.render.outputs.output import UNBENT, WHOLE, Output, Point
-from live.render.outputs.output_coordinates import picture_place
+from live.render.outputs.output import FULL_CROP, FULL_WINDOW, Output, Point
+from live.render.outputs.output_coordinates import window_to_picture
 from live.render.outputs.output_pass import HandlePass, OutputPass
 from live.render.outputs.test_card import Card
-from live.render.outputs.warp_editor import Editing, FloorEditing
+from live.render.outputs.warp_editor import FloorEditor, WarpEditor
 from live.render.window.window import Window
 
-LARGEST: Final = 8192
+MAX_SIDE: Final = 8192
 """Maximum side length of the rendered frame [pixels]."""
 
 
-class Pictures:
+class FrameBuffers:
     """Double buffer of rendered frames. GL objects are created here and in `resize`."""
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int]) -> None:
@@ -47,7 +47,7 @@ class Pictures:
         """The framebuffer for the next frame."""
         return self._framebuffers[1 - self._last]
 
-    def take(self) -> None:
+    def swap(self) -> None:
         """Swap the buffers after a complete frame was drawn into `next`."""
         self._last = 1 - self._last
 
@@ -78,35 +78,35 @@ def picture_size(outputs: Sequence[Output], windows: Sequence[tuple[int, int]]) 
         upright = (width, height) if output.rotation in (0, 180) else (height, width)
         for axis in range(2):
             most[axis] = max(most[axis], upright[axis] / output.crop[2 + axis])
-    if len(outputs) == 1 and outputs[0].crop == WHOLE:
+    if len(outputs) == 1 and outputs[0].crop == FULL_CROP:
         return round(most[0]), round(most[1])
-    share = min(1.0, LARGEST / max(most))
+    share = min(1.0, MAX_SIDE / max(most))
     return math.ceil(most[0] * share - 1e-6), math.ceil(most[1] * share - 1e-6)
 
 
 class Screen:
     """Draws the rendered frame into one window. Thread: main thread only, as GLFW requires."""
 
-    def __init__(self, output: Output, window: Window, number: int, *, fits: bool = False) -> None:
+    def __init__(self, output: Output, window: Window, number: int, *, keep_aspect: bool = False) -> None:
         """`number`: of the output, from 0. `fits`: keep the aspect ratio with black bars, for an operator's window.
         Raises PersonError for a mask that cannot be read."""
         self.output, self.window = output, window
         self.card: Card = "off"
         """The test card that is shown."""
-        self._fits = fits
-        self._sheet: npt.NDArray[np.uint8] | None = None
+        self._keeps_aspect = keep_aspect
+        self._join_card: npt.NDArray[np.uint8] | None = None
         self._fitted: tuple[Any, ...] = ()
         window.make_current()
         self._number, self._detail = number, f"{window.size[0]} x {window.size[1]}   {window.monitor.name}"
-        self._pass = self._made_pass()
-        self._known: dict[int, moderngl.Texture] = {}
-        self.editing: Editing | FloorEditing | None = None
+        self._pass = self._make_pass()
+        self._shared_textures: dict[int, moderngl.Texture] = {}
+        self.editing: WarpEditor | FloorEditor | None = None
         """The editor of its points while they are moved; else None."""
         self.lines: tuple[str, ...] = ()
         """Lines of text over the window while it is edited."""
         self._handles: HandlePass | None = None
 
-    def _made_pass(self) -> OutputPass:
+    def _make_pass(self) -> OutputPass:
         return OutputPass(self.window.ctx, self.output, self._number, self._detail)
 
     def set(self, output: Output) -> None:
@@ -115,49 +115,49 @@ class Screen:
         self.window.make_current()
         self._pass.set(output)
 
-    def edit(self, on: bool) -> None:
+    def edit(self, enabled: bool) -> None:
         """Start or end manual editing of corners and mesh."""
-        self._begin(Editing(self.output) if on else None)
+        self._begin(WarpEditor(self.output) if enabled else None)
 
     def edit_floor(self, corners: Sequence[Point]) -> None:
         """Start marking the corners of the real floor; `corners`: their present places, as shares of the frame."""
-        self._begin(FloorEditing(self.output, corners))
+        self._begin(FloorEditor(self.output, corners))
 
-    def _begin(self, editing: Editing | FloorEditing | None) -> None:
+    def _begin(self, editing: WarpEditor | FloorEditor | None) -> None:
         self.editing = editing
         if editing is not None and self._handles is None:
             self.window.make_current()
             self._handles = HandlePass(self.window.ctx, self.window.size[1])
 
-    def take_sheet(self, sheet: npt.NDArray[np.uint8]) -> None:
+    def set_join_card(self, image: npt.NDArray[np.uint8]) -> None:
         """Set the join card of the audience (QR code)."""
-        self._sheet = sheet
+        self._join_card = image
         self.window.make_current()
-        self._pass.take_sheet(sheet)
+        self._pass.set_join_card(image)
 
-    def take_shaders(self) -> None:
+    def reload_shaders(self) -> None:
         """Reload the shaders. Raises PersonError if one does not compile; the old ones then stay in use."""
         self.window.make_current()
-        made = self._made_pass()
+        made = self._make_pass()
         self._pass.release()
         self._pass = made
         self._pass.set(self.output)
-        if self._sheet is not None:
-            self._pass.take_sheet(self._sheet)
+        if self._join_card is not None:
+            self._pass.set_join_card(self._join_card)
         self._fitted = ()
 
-    def forget(self) -> None:
+    def forget_textures(self) -> None:
         """Drop the references to shared textures, before the frame buffers are created again."""
-        self._known.clear()  # this context does not own them
+        self._shared_textures.clear()  # this context does not own them
 
-    def draw(self, pictures: Pictures, left: float) -> None:
+    def draw(self, pictures: FrameBuffers, light_share: float) -> None:
         """Draw the last frame into the window, whose context must be current. `left`: see `OutputPass.draw`."""
         target: Any = self.window.target
-        self._throw(pictures, target, left)
+        self._draw_output(pictures, target, light_share)
         if self.editing is not None and self._handles is not None:
             self._handles.draw(self.editing.points, self.editing.chosen, self.lines, target)
 
-    def draw_once(self, pictures: Pictures) -> None:
+    def warm_up(self, pictures: FrameBuffers) -> None:
         """Draw everything once off screen, so that drivers compile their programs."""
         scratch = self.window.ctx.texture((16, 16), 4)
         target = self.window.ctx.framebuffer([scratch])
@@ -166,29 +166,29 @@ class Screen:
         target.release()
         scratch.release()
 
-    def _throw(self, pictures: Pictures, target: Any, left: float) -> None:
+    def _draw_output(self, pictures: FrameBuffers, target: Any, left: float) -> None:
         untouched = self.output.is_plain and self.card == "off" and left >= 1.0 and pictures.size == self.window.size
         if untouched and pictures.ctx is self.window.ctx:
             self.window.ctx.copy_framebuffer(target, pictures.last)
             return
-        if self._fits and self._fitted != (self.window.size, pictures.size):
+        if self._keeps_aspect and self._fitted != (self.window.size, pictures.size):
             self._fitted = (self.window.size, pictures.size)
-            self.set(Output(self.output.name, corners=_fitted(self.window.size, pictures.size)))
-        self._pass.draw(self._texture(pictures), target, card=self.card, left=left)
+            self.set(Output(self.output.name, corners=_letterbox_corners(self.window.size, pictures.size)))
+        self._pass.draw(self._texture(pictures), target, card=self.card, light_share=left)
 
-    def _texture(self, pictures: Pictures) -> moderngl.Texture:
+    def _texture(self, pictures: FrameBuffers) -> moderngl.Texture:
         """Return the last frame as a texture of this window's context."""
         texture = pictures.texture
         if pictures.ctx is self.window.ctx:
             return texture
-        if texture.glo not in self._known:
-            self._known[texture.glo] = self.window.ctx.external_texture(texture.glo, texture.size, 4, 0, "f1")
-        return self._known[texture.glo]
+        if texture.glo not in self._shared_textures:
+            self._shared_textures[texture.glo] = self.window.ctx.external_texture(texture.glo, texture.size, 4, 0, "f1")
+        return self._shared_textures[texture.glo]
 
-    def on_picture(self, place: tuple[float, float], picture: tuple[int, int]) -> tuple[float, float]:
+    def to_picture(self, place: tuple[float, float], picture: tuple[int, int]) -> tuple[float, float]:
         """Return the place of a window pixel in a frame of size `picture` [pixels]."""
         window = self.window.size
-        x, y = picture_place(self.output, (place[0] / window[0], place[1] / window[1]))
+        x, y = window_to_picture(self.output, (place[0] / window[0], place[1] / window[1]))
         return x * picture[0], y * picture[1]
 
     def release(self) -> None:
@@ -199,11 +199,11 @@ class Screen:
             self._handles.release()
 
 
-def _fitted(window: tuple[int, int], picture: tuple[int, int]) -> tuple[Point, Point, Point, Point]:
+def _letterbox_corners(window: tuple[int, int], picture: tuple[int, int]) -> tuple[Point, Point, Point, Point]:
     """Return the corners at which a frame keeps its aspect ratio in a window."""
     share = (window[0] * picture[1]) / (window[1] * picture[0])
     across, down = (1.0 / share, 1.0) if share > 1.0 else (1.0, share)
     x, y = 0.5 - 0.5 * across, 0.5 - 0.5 * down
     if (x, y) == (0.0, 0.0):
-        return UNBENT
+        return FULL_WINDOW
     return (x, y), (1.0 - x, y), (1.0 - x, 1.0 - y), (x, 1.0 - y)

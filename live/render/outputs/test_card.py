@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
-from live.render.lettering import readable
+from live.render.lettering import without_accents
 
 Card = Literal["off", "grid", "bars", "name", "safe", "focus", "qr"]
 CARDS: Final[tuple[Card, ...]] = get_args(Card)
@@ -16,22 +16,22 @@ CARDS: Final[tuple[Card, ...]] = get_args(Card)
 TINTS: Final = ((1.0, 1.0, 1.0), (0.45, 0.9, 1.0), (1.0, 0.85, 0.35), (0.95, 0.55, 1.0), (0.6, 1.0, 0.5))
 """Colours of the outputs' cards in turn, to distinguish overlapping lines."""
 
-JOIN: Final = "qr"
+JOIN_CARD: Final = "qr"
 """Not a test card: the key that cycles through the cards skips it."""
 _HEIGHT: Final = 160
 
 
 def next_card(card: Card) -> Card:
     """Return the next card; the picture after the last."""
-    cards = [each for each in CARDS if each != JOIN]
+    cards = [each for each in CARDS if each != JOIN_CARD]
     return cards[(cards.index(card) + 1) % len(cards)] if card in cards else "off"
 
 
-def words_of(name: str, detail: str) -> npt.NDArray[np.uint8]:
+def render_label(name: str, detail: str) -> npt.NDArray[np.uint8]:
     """Render the output's name above a smaller line, white on black: coverage, row 0 on top, shape (160, W)."""
     large, small = ImageFont.load_default(size=92), ImageFont.load_default(size=38)
-    shown = readable("".join(letter if letter.isprintable() else "?" for letter in name))
-    detail = readable(detail)
+    shown = without_accents("".join(letter if letter.isprintable() else "?" for letter in name))
+    detail = without_accents(detail)
     width = round(max(large.getlength(shown), small.getlength(detail))) + 16
     image = Image.new("L", (width, _HEIGHT))
     draw = ImageDraw.Draw(image)
@@ -40,27 +40,29 @@ def words_of(name: str, detail: str) -> npt.NDArray[np.uint8]:
     return np.array(image, np.uint8)
 
 
-MODULE: Final = 14
+MODULE_SIZE: Final = 14
 """Pixels per module of the QR code."""
-QUIET: Final = 4
+QUIET_ZONE: Final = 4
 """Width of the quiet zone in modules (ISO/IEC 18004)."""
-INVITES: Final = "Dance with us  ·  Vem bailar connosco"
+INVITATION: Final = "Dance with us  ·  Vem bailar connosco"
 _TEXT: Final = 44
-BAND: Final = 84
+BAND_HEIGHT: Final = 84
 """Height of a line of text [pixels]."""
 
 
 def join_card(code: Sequence[str], link: str) -> npt.NDArray[np.uint8]:
     """Render the join card: brightness, row 0 on top, shape (H, W). `code`: rows of "0" and "1"; the link is below."""
     modules = np.array([[letter == "1" for letter in row] for row in code], np.bool_).reshape(len(code), -1)
-    modules = np.pad(modules, QUIET)
-    picture = np.kron(np.where(modules, 0, 255).astype(np.uint8), np.ones((MODULE, MODULE), np.uint8))
-    words = [_fitted(words, picture.shape[1] - 2 * MODULE * QUIET) for words in (INVITES, link)]
+    modules = np.pad(modules, QUIET_ZONE)
+    picture = np.kron(np.where(modules, 0, 255).astype(np.uint8), np.ones((MODULE_SIZE, MODULE_SIZE), np.uint8))
+    words = [_fit_font(words, picture.shape[1] - 2 * MODULE_SIZE * QUIET_ZONE) for words in (INVITATION, link)]
     bands = [_band(text, font, picture.shape[1]) for text, font in words]
-    return np.concatenate([bands[0], picture[MODULE * (QUIET - 2) : -MODULE * (QUIET - 2)], bands[1]])
+    return np.concatenate(
+        [bands[0], picture[MODULE_SIZE * (QUIET_ZONE - 2) : -MODULE_SIZE * (QUIET_ZONE - 2)], bands[1]]
+    )
 
 
-def _fitted(words: str, width: int) -> tuple[str, "ImageFont.FreeTypeFont | ImageFont.ImageFont"]:
+def _fit_font(words: str, width: int) -> tuple[str, "ImageFont.FreeTypeFont | ImageFont.ImageFont"]:
     """Return the text and the largest font in which it fits into `width`."""
     size = _TEXT
     while size > 10 and ImageFont.load_default(size=size).getlength(words) > width:
@@ -69,6 +71,6 @@ def _fitted(words: str, width: int) -> tuple[str, "ImageFont.FreeTypeFont | Imag
 
 
 def _band(words: str, font: "ImageFont.FreeTypeFont | ImageFont.ImageFont", width: int) -> npt.NDArray[np.uint8]:
-    image = Image.new("L", (width, BAND), 255)
-    ImageDraw.Draw(image).text((width // 2, BAND // 2), words, fill=0, font=font, anchor="mm")
+    image = Image.new("L", (width, BAND_HEIGHT), 255)
+    ImageDraw.Draw(image).text((width // 2, BAND_HEIGHT // 2), words, fill=0, font=font, anchor="mm")
     return np.array(image, np.uint8)

@@ -8,13 +8,13 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError
-from live.render.outputs.output import MESH_LEAST, MESH_MOST, Output, Point
+from live.render.outputs.output import MAX_MESH_POINTS, MIN_MESH_POINTS, Output, Point
 
 Float64 = npt.NDArray[np.float64]
 
-LEAST_AREA: Final = 1e-4
+MIN_AREA: Final = 1e-4
 """Corners that enclose less than this share of the window show nothing."""
-FARTHEST: Final = 4.0
+MAX_CORNER_DISTANCE: Final = 4.0
 """Maximum distance of a corner from the window, in window sizes."""
 
 
@@ -37,7 +37,7 @@ def homography(corners: Sequence[Point]) -> Float64:
     ])  # fmt: skip
 
 
-def mapped(matrix: Float64, points: npt.ArrayLike) -> Float64:
+def map_points(matrix: Float64, points: npt.ArrayLike) -> Float64:
     """Return points (..., 2) mapped by a homography, shape (..., 2)."""
     given = np.asarray(points, np.float64)
     through = np.concatenate([given, np.ones((*given.shape[:-1], 1))], axis=-1) @ matrix.T
@@ -48,29 +48,31 @@ def mapped(matrix: Float64, points: npt.ArrayLike) -> Float64:
 def check_corners(corners: Sequence[Point]) -> None:
     """Raise PersonError unless the corners are convex, in order, not mirrored, and enclose an area."""
     points = np.array(corners, np.float64)
-    if np.abs(points - 0.5).max() > FARTHEST + 0.5:
-        raise PersonError(f"a corner lies more than {FARTHEST:g} windows away", "0 and 1 are the window's borders")
+    if np.abs(points - 0.5).max() > MAX_CORNER_DISTANCE + 0.5:
+        raise PersonError(
+            f"a corner lies more than {MAX_CORNER_DISTANCE:g} windows away", "0 and 1 are the window's borders"
+        )
     sides = np.roll(points, -1, axis=0) - points
     after = np.roll(sides, -1, axis=0)
     turns = sides[:, 0] * after[:, 1] - sides[:, 1] * after[:, 0]
     x, y = points.T
     area = 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
     order = "give them as upper left, upper right, lower right, lower left"
-    if abs(area) < LEAST_AREA and not (turns.min() < -LEAST_AREA and turns.max() > LEAST_AREA):
+    if abs(area) < MIN_AREA and not (turns.min() < -MIN_AREA and turns.max() > MIN_AREA):
         raise PersonError("the corners enclose nothing", order)
     if turns.max() < 0.0:
         raise PersonError("the corners turn the picture over", f"{order}; `mirror = true` mirrors it")
-    if turns.min() <= LEAST_AREA:
-        what = "cross" if _cross(points) else "have a dent, or three of them lie in a line"
+    if turns.min() <= MIN_AREA:
+        what = "cross" if _is_crossed(points) else "have a dent, or three of them lie in a line"
         raise PersonError(f"the corners {what}", order)
 
 
-def _cross(points: Float64) -> bool:
+def _is_crossed(points: Float64) -> bool:
     """Whether two opposite sides of the four points cross."""
-    return any(_meet(points[i], points[i + 1], points[i + 2], points[(i + 3) % 4]) for i in (0, 1))
+    return any(_segments_cross(points[i], points[i + 1], points[i + 2], points[(i + 3) % 4]) for i in (0, 1))
 
 
-def _meet(a: Float64, b: Float64, c: Float64, d: Float64) -> bool:
+def _segments_cross(a: Float64, b: Float64, c: Float64, d: Float64) -> bool:
     def side(p: Float64, q: Float64, r: Float64) -> float:
         return float((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]))
 
@@ -79,15 +81,15 @@ def _meet(a: Float64, b: Float64, c: Float64, d: Float64) -> bool:
 
 Float32 = npt.NDArray[np.float32]
 
-PIECES: Final = 12
+SUBDIVISIONS: Final = 12
 """Subdivisions of a mesh cell in each direction."""
-MOST_VERTICES: Final = ((MESH_MOST - 1) * PIECES) ** 2 * 6
+MAX_VERTICES: Final = ((MAX_MESH_POINTS - 1) * SUBDIVISIONS) ** 2 * 6
 """Vertices of the largest mesh."""
 
 Mesh = Sequence[Sequence[Point]]
 
 
-def regular(columns: int, rows: int) -> tuple[tuple[Point, ...], ...]:
+def regular_mesh(columns: int, rows: int) -> tuple[tuple[Point, ...], ...]:
     """Return the regular mesh, which does not warp."""
     return tuple(tuple((i / (columns - 1), j / (rows - 1)) for i in range(columns)) for j in range(rows))
 
@@ -101,9 +103,10 @@ def check_mesh(mesh: Mesh) -> None:
         raise PersonError(
             "the rows of the mesh have different numbers of points", f"{columns} in each, as in the first"
         )
-    if not (MESH_LEAST <= columns <= MESH_MOST and MESH_LEAST <= rows <= MESH_MOST):
+    if not (MIN_MESH_POINTS <= columns <= MAX_MESH_POINTS and MIN_MESH_POINTS <= rows <= MAX_MESH_POINTS):
         raise PersonError(
-            f"a mesh of {columns} by {rows} points", f"{MESH_LEAST} to {MESH_MOST} points in a row and in a column"
+            f"a mesh of {columns} by {rows} points",
+            f"{MIN_MESH_POINTS} to {MAX_MESH_POINTS} points in a row and in a column",
         )
     points = np.array(mesh, np.float64)
     across, down = np.diff(points, axis=1), np.diff(points, axis=0)
@@ -117,7 +120,7 @@ def check_mesh(mesh: Mesh) -> None:
                 )
 
 
-def bent(mesh: Mesh, across: Float64, down: Float64) -> Float64:
+def warp_grid(mesh: Mesh, across: Float64, down: Float64) -> Float64:
     """Return the warped places of a regular grid: for shares `across` (m,) and `down` (n,), shape (n, m, 2).
 
     Uses Catmull-Rom splines through the points. They keep straight lines straight: the regular mesh does not warp.
@@ -128,7 +131,7 @@ def bent(mesh: Mesh, across: Float64, down: Float64) -> Float64:
     return result
 
 
-def unbent(mesh: Mesh, place: Point) -> Point:
+def unwarp_point(mesh: Mesh, place: Point) -> Point:
     """Return the point of the regular frame that is drawn at a place of the warped one (inverse of `bent`).
 
     Uses the same triangles that are drawn. Outside the mesh the nearest triangle is extrapolated.
@@ -147,8 +150,8 @@ def _triangles(mesh: tuple[tuple[Point, ...], ...]) -> tuple[Float64, Float64]:
     """Return the corners of the drawn triangles in the regular frame (T, 3, 2), and the matrix (3 T, 3) from (x, y, 1)
     to the barycentric coordinates of the first, second and third corners of all triangles."""
     grids = []
-    across, down = _shares(mesh)
-    for grid in (bent(mesh, across, down), np.stack(np.meshgrid(across, down), axis=-1)):
+    across, down = _grid_lines(mesh)
+    for grid in (warp_grid(mesh, across, down), np.stack(np.meshgrid(across, down), axis=-1)):
         a, b, c, d = grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]
         grids.append(np.stack([a, b, c, a, c, d], axis=2).reshape(-1, 3, 2))
     there, corners = grids
@@ -160,10 +163,10 @@ def _triangles(mesh: tuple[tuple[Point, ...], ...]) -> tuple[Float64, Float64]:
     return corners, np.ascontiguousarray(shares.swapaxes(0, 1).reshape(-1, 3))
 
 
-def _shares(mesh: Mesh) -> tuple[Float64, Float64]:
+def _grid_lines(mesh: Mesh) -> tuple[Float64, Float64]:
     """Return the grid lines of the subdivided mesh as shares of the frame, across and down."""
     columns, rows = len(mesh[0]), len(mesh)
-    return np.linspace(0.0, 1.0, (columns - 1) * PIECES + 1), np.linspace(0.0, 1.0, (rows - 1) * PIECES + 1)
+    return np.linspace(0.0, 1.0, (columns - 1) * SUBDIVISIONS + 1), np.linspace(0.0, 1.0, (rows - 1) * SUBDIVISIONS + 1)
 
 
 def _spline(points: Float64, shares: Float64) -> Float64:
@@ -182,8 +185,8 @@ def vertices(output: Output) -> Float32:
     """Return the triangle vertices of an output: (x w, y w, w, u, v) with (x, y) in the window and (u, v) in the
     frame, shape (V, 5). The GPU divides by w, so the corner pin is exact in every pixel."""
     if output.mesh:
-        across, down = _shares(output.mesh)
-        places = bent(output.mesh, across, down)
+        across, down = _grid_lines(output.mesh)
+        places = warp_grid(output.mesh, across, down)
     else:
         across = down = np.array([0.0, 1.0])
         places = np.stack(np.meshgrid(across, down), axis=-1)

@@ -14,20 +14,20 @@ import numpy as np
 from live.base.errors import PersonError
 from live.base.projector_perspective import CORNERS
 from live.base.projector_perspective import check_corners as check_floor_corners
-from live.render.outputs.output import MESH_MOST, UNBENT, Output, Point
-from live.render.outputs.output_coordinates import picture_place, window_place
-from live.render.outputs.warp import bent, check_corners, check_mesh, homography, mapped, regular
+from live.render.outputs.output import FULL_WINDOW, MAX_MESH_POINTS, Output, Point
+from live.render.outputs.output_coordinates import picture_to_window, window_to_picture
+from live.render.outputs.warp import check_corners, check_mesh, homography, map_points, regular_mesh, warp_grid
 
-REACH: Final = 0.06
+GRAB_DISTANCE: Final = 0.06
 """Maximum distance at which a point can be grabbed, as a share of the window's width."""
-KEPT: Final = 200
+MAX_UNDO_STEPS: Final = 200
 """Maximum number of undo steps."""
 
 State = TypeVar("State")
 """Type of the edited value."""
 
 
-class MovedPoints(ABC, Generic[State]):
+class PointEditor(ABC, Generic[State]):
     """Editor for points with undo. Places are shares of the window. Invalid moves are refused; see `problem`."""
 
     def __init__(self) -> None:
@@ -37,8 +37,8 @@ class MovedPoints(ABC, Generic[State]):
         """Whether there are unsaved changes."""
         self.problem = ""
         """Why the last move was refused; empty if it was not."""
-        self._before: list[State] = []
-        self._held = False
+        self._undo_stack: list[State] = []
+        self._grabbed = False
 
     @property
     @abstractmethod
@@ -50,7 +50,7 @@ class MovedPoints(ABC, Generic[State]):
         """Move the chosen point there; return False and set `problem` if that is invalid."""
 
     @abstractmethod
-    def _now(self) -> State:
+    def _current_state(self) -> State:
         """Return the present state."""
 
     @abstractmethod
@@ -61,54 +61,54 @@ class MovedPoints(ABC, Generic[State]):
         """Choose the next point, or the previous one for `step` -1."""
         self.chosen = (self.chosen + step) % len(self.points)
 
-    def take_hold(self, place: Point, aspect: float) -> bool:
+    def grab(self, place: Point, aspect: float) -> bool:
         """Grab the nearest point at a place of the window; `aspect`: width / height. False if none is near."""
         far = np.array(self.points) - place
         distance = np.hypot(far[:, 0], far[:, 1] / aspect)
         nearest = int(distance.argmin())
-        if distance[nearest] > REACH:
+        if distance[nearest] > GRAB_DISTANCE:
             return False
-        self.chosen, self._held = nearest, True
-        self._keep()
+        self.chosen, self._grabbed = nearest, True
+        self._push_undo()
         return True
 
-    def let_go(self) -> None:
+    def release(self) -> None:
         """Release the grabbed point."""
-        self._held = False
+        self._grabbed = False
 
-    def pull(self, place: Point) -> None:
+    def drag(self, place: Point) -> None:
         """Move the grabbed point there; does nothing if none is grabbed."""
-        if self._held:
+        if self._grabbed:
             self._move(place)
 
     def nudge(self, x: float, y: float) -> None:
         """Move the chosen point by (x, y) [shares of the window]."""
-        self._keep()
+        self._push_undo()
         at = self.points[self.chosen]
         if not self._move((at[0] + x, at[1] + y)):
-            self._before.pop()
+            self._undo_stack.pop()
 
     def undo(self) -> None:
         """Undo the last change."""
-        if self._before:
-            self._restore(self._before.pop())
+        if self._undo_stack:
+            self._restore(self._undo_stack.pop())
             self.is_changed, self.problem = True, ""
 
-    def _keep(self) -> None:
+    def _push_undo(self) -> None:
         self.is_changed = True
-        self._before.append(self._now())
-        del self._before[:-KEPT]
+        self._undo_stack.append(self._current_state())
+        del self._undo_stack[:-MAX_UNDO_STEPS]
 
 
-FIRST_MESH: Final = 3
+INITIAL_MESH_SIZE: Final = 3
 """Points in each direction of a new mesh."""
 
 
-FARTHEST_POINT: Final = (-1.0, 2.0)
+POINT_RANGE: Final = (-1.0, 2.0)
 """Range of a mesh point's coordinates [shares of the frame]."""
 
 
-class Editing(MovedPoints[Output]):
+class WarpEditor(PointEditor[Output]):
     """Editor for the warp of one output. A move that would fold or cross it is refused; see `problem`."""
 
     def __init__(self, output: Output) -> None:
@@ -124,14 +124,14 @@ class Editing(MovedPoints[Output]):
         if not self.on_mesh:
             return list(self.output.corners)
         flat = [point for row in self.output.mesh for point in row]
-        return [(float(x), float(y)) for x, y in mapped(homography(self.output.corners), flat)]
+        return [(float(x), float(y)) for x, y in map_points(homography(self.output.corners), flat)]
 
     def _move(self, place: Point) -> bool:
         output = self.output
         try:
             if self.on_mesh:
-                back = mapped(np.linalg.inv(homography(output.corners)).astype(np.float64), place)
-                u, v = (float(np.clip(share, *FARTHEST_POINT)) for share in back)
+                back = map_points(np.linalg.inv(homography(output.corners)).astype(np.float64), place)
+                u, v = (float(np.clip(share, *POINT_RANGE)) for share in back)
                 rows = [list(row) for row in output.mesh]
                 rows[self.chosen // len(rows[0])][self.chosen % len(rows[0])] = (u, v)
                 mesh = tuple(tuple(row) for row in rows)
@@ -150,36 +150,36 @@ class Editing(MovedPoints[Output]):
 
     # -- the mesh ----------------------------------------------------------------------------------------------
 
-    def switch(self) -> None:
+    def toggle_mesh(self) -> None:
         """Switch between editing corners and mesh; creates a mesh if there is none."""
         self.on_mesh, self.chosen = not self.on_mesh, 0
         if self.on_mesh and not self.output.mesh:
-            self._keep()
-            self.output = replace(self.output, mesh=regular(FIRST_MESH, FIRST_MESH))
+            self._push_undo()
+            self.output = replace(self.output, mesh=regular_mesh(INITIAL_MESH_SIZE, INITIAL_MESH_SIZE))
 
     def refine(self, more: int) -> None:
         """Add `more` rows and columns to the mesh; resamples the present warp."""
         mesh = self.output.mesh
         if not self.on_mesh or not mesh:
             return
-        columns, rows = (min(max(n + more, 2), MESH_MOST) for n in (len(mesh[0]), len(mesh)))
-        places = bent(mesh, np.linspace(0.0, 1.0, columns), np.linspace(0.0, 1.0, rows))
-        self._keep()
+        columns, rows = (min(max(n + more, 2), MAX_MESH_POINTS) for n in (len(mesh[0]), len(mesh)))
+        places = warp_grid(mesh, np.linspace(0.0, 1.0, columns), np.linspace(0.0, 1.0, rows))
+        self._push_undo()
         self.output = replace(self.output, mesh=tuple(tuple((float(x), float(y)) for x, y in row) for row in places))
         self.chosen = 0
 
     # -- back --------------------------------------------------------------------------------------------------
 
-    def straighten(self) -> None:
+    def reset(self) -> None:
         """Reset the corners, or the mesh, to no warp."""
-        self._keep()
+        self._push_undo()
         if self.on_mesh:
             mesh = self.output.mesh
-            self.output = replace(self.output, mesh=regular(len(mesh[0]), len(mesh)))
+            self.output = replace(self.output, mesh=regular_mesh(len(mesh[0]), len(mesh)))
         else:
-            self.output = replace(self.output, corners=UNBENT)
+            self.output = replace(self.output, corners=FULL_WINDOW)
 
-    def _now(self) -> Output:
+    def _current_state(self) -> Output:
         return self.output
 
     def _restore(self, state: Output) -> None:
@@ -188,7 +188,7 @@ class Editing(MovedPoints[Output]):
         self.chosen = min(self.chosen, len(self.points) - 1)
 
 
-class FloorEditing(MovedPoints[list[Point]]):
+class FloorEditor(PointEditor[list[Point]]):
     """Editor for the four floor corners in the frame, moved in one output's window. The output does not change."""
 
     on_mesh = False
@@ -204,16 +204,16 @@ class FloorEditing(MovedPoints[list[Point]]):
     @property
     def points(self) -> list[Point]:
         """The corners in the window."""
-        return [window_place(self.output, corner) for corner in self.corners]
+        return [picture_to_window(self.output, corner) for corner in self.corners]
 
     @property
-    def what(self) -> str:
+    def corner_name(self) -> str:
         """Name of the chosen corner."""
         return f"floor's {CORNERS[self.chosen]} corner"
 
     def _move(self, place: Point) -> bool:
         wanted = list(self.corners)
-        wanted[self.chosen] = picture_place(self.output, place)
+        wanted[self.chosen] = window_to_picture(self.output, place)
         try:
             check_floor_corners(wanted)
         except PersonError as error:
@@ -222,18 +222,18 @@ class FloorEditing(MovedPoints[list[Point]]):
         self.corners, self.problem, self.is_changed = wanted, "", True
         return True
 
-    def switch(self) -> None:
+    def toggle_mesh(self) -> None:
         """Does nothing: there is no mesh."""
 
     def refine(self, more: int) -> None:
         """Does nothing: a floor has four corners."""
 
-    def straighten(self) -> None:
+    def reset(self) -> None:
         """Reset the corners to their places before editing."""
-        self._keep()
+        self._push_undo()
         self.corners = list(self._start)
 
-    def _now(self) -> list[Point]:
+    def _current_state(self) -> list[Point]:
         return list(self.corners)
 
     def _restore(self, state: list[Point]) -> None:

@@ -4,10 +4,10 @@ import moderngl
 
 from live.render.gl_release import release_all
 from live.render.pass_context import HDR
-from live.render.shader import program, set_uniform
+from live.render.shader import compile_program, set_uniform
 
 
-class SmoothPass:
+class AntialiasPass:
     """Owns the target that the scene is drawn into, which shares the dancers' depth, and smooths edges in it."""
 
     def __init__(
@@ -15,44 +15,44 @@ class SmoothPass:
     ) -> None:
         """`hdr`: the target holds compressed light in half floats; otherwise display values in 8 bits."""
         self._ctx, self._kind = ctx, HDR if hdr else "f1"
-        self._program = program(ctx, "full_vertex.glsl", "smooth_fragment.glsl", (("HDR", int(hdr)),))
+        self._program = compile_program(ctx, "full_vertex.glsl", "smooth_fragment.glsl", (("HDR", int(hdr)),))
         self._triangle = ctx.vertex_array(self._program, [])
-        self.crisp = 0.0
+        self.sharpness = 0.0
         """Strength of sharpening, for a picture that will be enlarged."""
         self._make(depth, size)
 
     def _make(self, depth: moderngl.Texture, size: tuple[int, int]) -> None:
-        self._drawn, self._softened = (self._ctx.texture(size, 4, dtype=self._kind) for _ in range(2))
-        for texture in (self._drawn, self._softened):
+        self._drawn, self._smoothed = (self._ctx.texture(size, 4, dtype=self._kind) for _ in range(2))
+        for texture in (self._drawn, self._smoothed):
             texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
             texture.repeat_x = texture.repeat_y = False
         self.target = self._ctx.framebuffer([self._drawn], depth)
-        self._result = self._ctx.framebuffer([self._softened], depth)
+        self._result = self._ctx.framebuffer([self._smoothed], depth)
         self.target.depth_mask = self._result.depth_mask = False
-        self._from, self._to = self._ctx.framebuffer([self._drawn]), self._ctx.framebuffer([self._softened])
+        self._from, self._to = self._ctx.framebuffer([self._drawn]), self._ctx.framebuffer([self._smoothed])
 
-    def draw(self, target: moderngl.Framebuffer, where: tuple[int, int, int, int]) -> None:
+    def draw(self, target: moderngl.Framebuffer, region: tuple[int, int, int, int]) -> None:
         """Copy `self.target` to `target`, with the dancers' edges smoothed."""
-        self.soften(where)
+        self.smooth(region)
         self._ctx.copy_framebuffer(target, self._to)
 
-    def soften(self, where: tuple[int, int, int, int]) -> moderngl.Texture:
+    def smooth(self, region: tuple[int, int, int, int]) -> moderngl.Texture:
         """Return the content of `self.target` with the dancers' edges smoothed.
 
         `where`: rectangle (x, y, width, height) that contains all dancers.
         """
         self._ctx.copy_framebuffer(self._to, self._from)  # without the shared depth
         self._result.use()
-        self._result.scissor = where
+        self._result.scissor = region
         self._ctx.enable(moderngl.DEPTH_TEST)
         self._ctx.depth_func = ">"
         self._drawn.use(1)
         set_uniform(self._program, "drawn", 1)
-        set_uniform(self._program, "crisp", self.crisp)
+        set_uniform(self._program, "crisp", self.sharpness)
         self._triangle.render(moderngl.TRIANGLES, vertices=3)
         self._ctx.depth_func = "<"
-        self._result.scissor = (0, 0, *self._softened.size)  # the scissor also applies to copies
-        return self._softened
+        self._result.scissor = (0, 0, *self._smoothed.size)  # the scissor also applies to copies
+        return self._smoothed
 
     def resize(self, depth: moderngl.Texture, size: tuple[int, int]) -> None:
         """New size of the picture [pixels] and the depth that goes with it."""
@@ -60,7 +60,7 @@ class SmoothPass:
         self._make(depth, size)
 
     def _release_targets(self) -> None:
-        release_all(self.target, self._result, self._from, self._to, self._drawn, self._softened)
+        release_all(self.target, self._result, self._from, self._to, self._drawn, self._smoothed)
 
     def release(self) -> None:
         """Free everything."""

@@ -7,16 +7,16 @@ from typing import Final
 
 import moderngl
 
-from live.base.picture_parameters import BACKGROUNDS, BY_ADDRESS
+from live.base.picture_parameters import BY_ADDRESS, MAX_BACKGROUNDS
 from live.base.stage_snapshot import Background, StageView
 from live.render.gl_release import release_all
 from live.render.media_background import Picture, Video, is_video, read_image
-from live.render.pass_context import Making, Moment, ScenePass
-from live.render.shader import program, set_uniform
-from live.render.uniforms import WALL_BEHIND
+from live.render.pass_context import Moment, PassSetup, ScenePass
+from live.render.shader import compile_program, set_uniform
+from live.render.uniforms import WALL_DISTANCE
 
-_ROWS: Final = tuple(BY_ADDRESS[f"/dance/background/{number}"].first for number in range(1, BACKGROUNDS + 1))
-_WALL: Final = 1.5
+_ROWS: Final = tuple(BY_ADDRESS[f"/dance/background/{number}"].first for number in range(1, MAX_BACKGROUNDS + 1))
+_WALL_WIDTH: Final = 1.5
 """Default width of a picture on the wall, in stage widths."""
 
 
@@ -24,7 +24,7 @@ _WALL: Final = 1.5
 class _Source:
     """One background: its settings, texture and video decoder, if it is a video."""
 
-    said: Background
+    settings: Background
     texture: moderngl.Texture
     video: Video | None
 
@@ -32,24 +32,26 @@ class _Source:
 class BackgroundPass(ScenePass):
     """Draws the backgrounds; costs nothing while none is visible. Videos follow the show's time or beat."""
 
-    def __init__(self, making: Making) -> None:
+    def __init__(self, making: PassSetup) -> None:
         """Raises PersonError for a file that cannot be decoded."""
         self._ctx, self._size = making.ctx, making.size
         self._scene = making.scene
-        self._program = program(making.ctx, "background_vertex.glsl", "background_fragment.glsl")
+        self._program = compile_program(making.ctx, "background_vertex.glsl", "background_fragment.glsl")
         self._quad = making.ctx.vertex_array(self._program, [])
-        self._sources = [self._open(said, making.patient) if said.file else None for said in making.scene.backgrounds]
+        self._sources = [
+            self._open(said, making.blocking_video) if said.file else None for said in making.scene.backgrounds
+        ]
 
     def _open(self, said: Background, patient: bool) -> _Source:
         path = Path(said.file)
-        video = Video(path, patient=patient) if is_video(path) else None
+        video = Video(path, blocking=patient) if is_video(path) else None
         picture = None if video is not None else read_image(path)
         size = video.size if picture is None else (picture.shape[1], picture.shape[0])  # type: ignore[union-attr]
         texture = self._ctx.texture(size, 3, alignment=1)
         texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR if picture is not None else moderngl.LINEAR, moderngl.LINEAR)
         texture.repeat_x = texture.repeat_y = False
         if picture is not None:
-            _show(texture, picture)
+            _upload(texture, picture)
             texture.build_mipmaps()
         else:
             texture.write(bytes(3 * size[0] * size[1]), alignment=1)
@@ -57,35 +59,35 @@ class BackgroundPass(ScenePass):
 
     def active(self, moment: Moment) -> bool:
         """Whether any background is visible."""
-        return any(self._seen(moment))
+        return any(self._visible_sources(moment))
 
-    def _seen(self, moment: Moment) -> Iterator[tuple[_Source, float]]:
+    def _visible_sources(self, moment: Moment) -> Iterator[tuple[_Source, float]]:
         """Yield the visible backgrounds and their opacity."""
         for place, source in zip(_ROWS, self._sources, strict=False):
-            amount = moment.amount(place)
+            amount = moment.parameter(place)
             if source is not None and amount > 0.0:
                 yield source, amount
 
     @property
     def problems(self) -> list[str]:
         """Errors of videos; their last frames stay visible."""
-        videos = [(Path(one.said.file).name, one.video) for one in self._sources if one is not None and one.video]
+        videos = [(Path(one.settings.file).name, one.video) for one in self._sources if one is not None and one.video]
         return [f"background {name}: {video.problem}" for name, video in videos if video.problem]
 
-    def over_active(self, moment: Moment) -> bool:
+    def light_active(self, moment: Moment) -> bool:
         """The same as `active`: called only then."""
         return True
 
     def prepare(self, moment: Moment) -> None:
         """Upload the due video frames."""
-        for source, _ in self._seen(moment):
+        for source, _ in self._visible_sources(moment):
             if source.video is None:
                 continue
-            picture = source.video.at(video_place(moment.view, source.said.beats, source.video.seconds))
+            picture = source.video.picture_at(video_position(moment.view, source.settings.beats, source.video.seconds))
             if picture is not None:
-                _show(source.texture, picture)
+                _upload(source.texture, picture)
 
-    def over(self, moment: Moment) -> None:
+    def draw_light(self, moment: Moment) -> None:
         """Draw the visible backgrounds behind the dancers, in order."""
         ctx = self._ctx
         ctx.enable(moderngl.DEPTH_TEST | moderngl.BLEND)
@@ -93,7 +95,7 @@ class BackgroundPass(ScenePass):
         ctx.depth_func = "<="
         ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
         set_uniform(self._program, "shown_texture", 1)
-        for source, amount in self._seen(moment):
+        for source, amount in self._visible_sources(moment):
             self._draw(source, amount)
         ctx.depth_func = "<"
         ctx.disable(moderngl.BLEND)
@@ -102,8 +104,8 @@ class BackgroundPass(ScenePass):
         aspect = source.texture.width / source.texture.height
         source.texture.use(1)
         set_uniform(self._program, "amount", amount)
-        set_uniform(self._program, "brightness", source.said.brightness)
-        if source.said.fit == "picture":
+        set_uniform(self._program, "brightness", source.settings.brightness)
+        if source.settings.fit == "picture":
             own = self._size[0] / self._size[1]
             crop = (min(own / aspect, 1.0), min(aspect / own, 1.0))
             set_uniform(self._program, "wall", (0.0, 0.0, 0.0, 0.0))
@@ -111,9 +113,9 @@ class BackgroundPass(ScenePass):
             set_uniform(self._program, "mirrored", 0)
             self._quad.render(moderngl.TRIANGLE_STRIP, vertices=4)
             return
-        width = source.said.width or _WALL * self._scene.stage_size[0]
-        depth = -0.5 * self._scene.stage_size[1] - WALL_BEHIND + 0.02
-        set_uniform(self._program, "wall", (0.5 * width, source.said.bottom, width / aspect, depth))
+        width = source.settings.width or _WALL_WIDTH * self._scene.stage_size[0]
+        depth = -0.5 * self._scene.stage_size[1] - WALL_DISTANCE + 0.02
+        set_uniform(self._program, "wall", (0.5 * width, source.settings.bottom, width / aspect, depth))
         set_uniform(self._program, "crop", (1.0, 1.0))
         for mirrored in (0, 1):
             set_uniform(self._program, "mirrored", mirrored)
@@ -134,10 +136,10 @@ class BackgroundPass(ScenePass):
         release_all(self._quad, self._program)
 
 
-def video_place(view: StageView, beats: float | None, seconds: float) -> float:
+def video_position(view: StageView, beats: float | None, seconds: float) -> float:
     """Return the position [s] in a looping video of `seconds` length; with `beats`, one loop takes that many beats."""
     return (view.beat / beats) % 1.0 * seconds if beats else view.time % seconds
 
 
-def _show(texture: moderngl.Texture, picture: Picture) -> None:
+def _upload(texture: moderngl.Texture, picture: Picture) -> None:
     texture.write(picture.tobytes(), alignment=1)

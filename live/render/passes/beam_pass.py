@@ -4,29 +4,29 @@ from typing import Final
 
 import moderngl
 
-from live.base.picture_parameters import BY_ADDRESS, SPOTS
+from live.base.picture_parameters import BY_ADDRESS, SPOT_COUNT
 from live.render.gl_release import release_all
-from live.render.pass_context import HDR, Making, Moment, ScenePass
-from live.render.shader import program, set_uniform
+from live.render.pass_context import HDR, Moment, PassSetup, ScenePass
+from live.render.shader import compile_program, set_uniform
 
 _DIVISOR: Final = 4
 """Light in haze is soft: it is drawn at 1/n of the picture's size and enlarged."""
-_BEFORE: Final = 0.45
+_FRONT_SHARE: Final = 0.45
 """Mean share of a beam's light in front of a dancer: the dancer hides the rest."""
-_SWITCHES: Final = (
+_LAMP_ROWS: Final = (
     BY_ADDRESS["/dance/light/beams"].first,
-    *(BY_ADDRESS[f"/dance/spot/{number}"].first for number in range(1, SPOTS + 1)),
+    *(BY_ADDRESS[f"/dance/spot/{number}"].first for number in range(1, SPOT_COUNT + 1)),
 )
 
 
 class BeamPass(ScenePass):
     """Draws the beams; costs nothing while all are dark."""
 
-    def __init__(self, making: Making) -> None:
+    def __init__(self, making: PassSetup) -> None:
         self._ctx = making.ctx
-        self._beams = program(making.ctx, "full_vertex.glsl", "beam_fragment.glsl")
-        self._over = program(making.ctx, "full_vertex.glsl", "beam_over_fragment.glsl")
-        self._triangles = [making.ctx.vertex_array(linked, []) for linked in (self._beams, self._over)]
+        self._beams = compile_program(making.ctx, "full_vertex.glsl", "beam_fragment.glsl")
+        self._composite = compile_program(making.ctx, "full_vertex.glsl", "beam_over_fragment.glsl")
+        self._triangles = [making.ctx.vertex_array(linked, []) for linked in (self._beams, self._composite)]
         self._make(making.size)
 
     def _make(self, size: tuple[int, int]) -> None:
@@ -38,9 +38,9 @@ class BeamPass(ScenePass):
 
     def active(self, moment: Moment) -> bool:
         """Whether any beam is lit."""
-        return any(moment.amount(place) > 0.0 for place in _SWITCHES)
+        return any(moment.parameter(place) > 0.0 for place in _LAMP_ROWS)
 
-    def over_active(self, moment: Moment) -> bool:
+    def light_active(self, moment: Moment) -> bool:
         """The same as `active`: called only then."""
         return True
 
@@ -50,16 +50,16 @@ class BeamPass(ScenePass):
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         self._triangles[0].render(moderngl.TRIANGLES, vertices=3)
 
-    def over(self, moment: Moment) -> None:
+    def draw_light(self, moment: Moment) -> None:
         """Add the light to the picture: all of it where the stage is visible, a part in front of dancers."""
         ctx = self._ctx
         self._light.use(1)
-        set_uniform(self._over, "beams", 1)
+        set_uniform(self._composite, "beams", 1)
         ctx.enable(moderngl.DEPTH_TEST | moderngl.BLEND)
         ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_COLOR
-        for test, share in (("<=", 1.0), (">", _BEFORE)):
+        for test, share in (("<=", 1.0), (">", _FRONT_SHARE)):
             ctx.depth_func = test
-            set_uniform(self._over, "share", share)
+            set_uniform(self._composite, "share", share)
             self._triangles[1].render(moderngl.TRIANGLES, vertices=3)
         ctx.depth_func = "<"
         ctx.disable(moderngl.BLEND)
@@ -71,4 +71,4 @@ class BeamPass(ScenePass):
 
     def release(self) -> None:
         """Free everything."""
-        release_all(self._target, self._light, *self._triangles, self._beams, self._over)
+        release_all(self._target, self._light, *self._triangles, self._beams, self._composite)

@@ -6,8 +6,8 @@ import moderngl
 
 from live.base.picture_parameters import BY_ADDRESS
 from live.render.gl_release import release_all
-from live.render.pass_context import HDR, Making, Moment, Surfaces
-from live.render.shader import program, set_uniform
+from live.render.pass_context import HDR, Moment, PassSetup, Surfaces
+from live.render.shader import compile_program, set_uniform
 
 _DIVISOR: Final = 4
 _AMOUNT: Final = BY_ADDRESS["/dance/pass/bloom"].first
@@ -20,11 +20,11 @@ class BloomPass:
 
     needs_surfaces = False
 
-    def __init__(self, making: Making) -> None:
+    def __init__(self, making: PassSetup) -> None:
         ctx = self._ctx = making.ctx
-        self._bright = program(ctx, "full_vertex.glsl", "bright_fragment.glsl")
-        self._spread = program(ctx, "full_vertex.glsl", "spread_fragment.glsl")
-        self._add = program(ctx, "full_vertex.glsl", "bloom_fragment.glsl")
+        self._bright = compile_program(ctx, "full_vertex.glsl", "bright_fragment.glsl")
+        self._spread = compile_program(ctx, "full_vertex.glsl", "spread_fragment.glsl")
+        self._add = compile_program(ctx, "full_vertex.glsl", "bloom_fragment.glsl")
         self._triangles = [ctx.vertex_array(linked, []) for linked in (self._bright, self._spread, self._add)]
         self._make(making.size)
 
@@ -38,30 +38,30 @@ class BloomPass:
 
     def active(self, moment: Moment) -> bool:
         """Whether its amount is not 0."""
-        return moment.amount(_AMOUNT) > 0.0
+        return moment.parameter(_AMOUNT) > 0.0
 
     def strength(self, moment: Moment) -> float:
         """Return the factor of the glow."""
-        return STRENGTH * moment.amount(_AMOUNT)
+        return STRENGTH * moment.parameter(_AMOUNT)
 
-    def gather(self, source: moderngl.Texture) -> moderngl.Texture:
+    def compute_glow(self, source: moderngl.Texture) -> moderngl.Texture:
         """Return the glow of `source`, linear light at a quarter of its size."""
-        self._step(self._targets[0], self._bright, 0, source)
+        self._draw_step(self._targets[0], self._bright, 0, source)
         for read, into, stride in ((0, 1, (1.0 / self._small[0], 0.0)), (1, 0, (0.0, 1.0 / self._small[1]))):
             set_uniform(self._spread, "stride", stride)
-            self._step(self._targets[into], self._spread, 1, self._glows[read])
+            self._draw_step(self._targets[into], self._spread, 1, self._glows[read])
         return self._glows[0]
 
     def draw(
         self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
     ) -> None:
         """Draw `source` with its glow."""
-        self.gather(source).use(2)
+        self.compute_glow(source).use(2)
         set_uniform(self._add, "glow", 2)
         set_uniform(self._add, "strength", self.strength(moment))
-        self._step(target, self._add, 2, source)
+        self._draw_step(target, self._add, 2, source)
 
-    def _step(
+    def _draw_step(
         self, target: moderngl.Framebuffer, linked: moderngl.Program, triangle: int, source: moderngl.Texture
     ) -> None:
         target.use()

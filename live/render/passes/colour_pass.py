@@ -7,9 +7,9 @@ import numpy as np
 
 from live.base.picture_parameters import BY_ADDRESS, VIGNETTE
 from live.render.gl_release import release_all
-from live.render.pass_context import Making, Moment, Surfaces
-from live.render.shader import Full, program, set_uniform
-from live.render.uniforms import VIGNETTING
+from live.render.pass_context import Moment, PassSetup, Surfaces
+from live.render.shader import FullscreenShader, compile_program, set_uniform
+from live.render.uniforms import VIGNETTE_STRENGTH
 
 
 class FinalPass:
@@ -18,7 +18,7 @@ class FinalPass:
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
         self._programs = [
-            program(ctx, "full_vertex.glsl", "finish_fragment.glsl", (("GLOW", glow),)) for glow in (0, 1)
+            compile_program(ctx, "full_vertex.glsl", "finish_fragment.glsl", (("GLOW", glow),)) for glow in (0, 1)
         ]
         self._triangles = [ctx.vertex_array(linked, []) for linked in self._programs]
 
@@ -49,9 +49,7 @@ _ROOT: Final = "/dance/pass/grade"
 _AMOUNT: Final = BY_ADDRESS[_ROOT].first
 _COLOURS: Final = {name: BY_ADDRESS[f"{_ROOT}/{name}"] for name in ("lift", "gamma", "gain")}
 _NUMBERS: Final = {name: BY_ADDRESS[f"{_ROOT}/{name}"] for name in ("contrast", "temperature")}
-_PLACES: Final = np.concatenate(
-    [np.arange(p.first, p.first + p.size) for p in (*_COLOURS.values(), *_NUMBERS.values())]
-)
+_ROWS: Final = np.concatenate([np.arange(p.first, p.first + p.size) for p in (*_COLOURS.values(), *_NUMBERS.values())])
 _NEUTRAL: Final = np.concatenate([p.start for p in (*_COLOURS.values(), *_NUMBERS.values())])
 
 
@@ -60,21 +58,21 @@ class GradePass:
 
     needs_surfaces = False
 
-    def __init__(self, making: Making) -> None:
-        self._full = Full(making.ctx, "grade_fragment.glsl")
+    def __init__(self, making: PassSetup) -> None:
+        self._full = FullscreenShader(making.ctx, "grade_fragment.glsl")
 
     def active(self, moment: Moment) -> bool:
         """Whether its amount is not 0 and any value is not neutral."""
-        return moment.amount(_AMOUNT) > 0.0 and not np.array_equal(moment.frame.row[_PLACES], _NEUTRAL)
+        return moment.parameter(_AMOUNT) > 0.0 and not np.array_equal(moment.uniforms.row[_ROWS], _NEUTRAL)
 
     def draw(
         self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
     ) -> None:
         """Draw `source` with the grade."""
-        full, row = self._full, moment.frame.row
-        full.set("amount", moment.amount(_AMOUNT))
+        full, row = self._full, moment.uniforms.row
+        full.set("amount", moment.parameter(_AMOUNT))
         for name, known in _COLOURS.items():
-            full.set(name, tuple(row[known.where].tolist()))
+            full.set(name, tuple(row[known.row_slice].tolist()))
         for name, known in _NUMBERS.items():
             full.set(name, float(row[known.first]))
         full.draw(target, light=source)
@@ -92,18 +90,18 @@ class VignettePass:
 
     needs_surfaces = False
 
-    def __init__(self, making: Making) -> None:
-        self._full = Full(making.ctx, "vignette_fragment.glsl")
+    def __init__(self, making: PassSetup) -> None:
+        self._full = FullscreenShader(making.ctx, "vignette_fragment.glsl")
 
     def active(self, moment: Moment) -> bool:
         """Whether its amount is not 0."""
-        return moment.amount(VIGNETTE) > 0.0
+        return moment.parameter(VIGNETTE) > 0.0
 
     def draw(
         self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
     ) -> None:
         """Draw `source` with darker corners."""
-        self._full.set("strength", VIGNETTING * moment.amount(VIGNETTE))
+        self._full.set("strength", VIGNETTE_STRENGTH * moment.parameter(VIGNETTE))
         self._full.draw(target, light=source)
 
     def resize(self, size: tuple[int, int]) -> None:

@@ -5,32 +5,32 @@ from typing import Final
 
 import moderngl
 
-from live.base.custom_pass import NUMBERS, OwnPass
-from live.base.picture_parameters import OWN
-from live.render.custom_pass import compiled
+from live.base.custom_pass import NUMBERS_PER_PASS, CustomShader
+from live.base.picture_parameters import CUSTOM_PASS_SLICE
+from live.render.custom_pass import compile_pass
 from live.render.gl_release import release_all
-from live.render.pass_context import HDR, Making, Moment, Surfaces
+from live.render.pass_context import HDR, Moment, PassSetup, Surfaces
 from live.render.shader import set_uniform
 
 _READS_SURFACES: Final = re.compile(r"\b(depth|normal|dancer)\s*\(")
 _READS_LAST: Final = re.compile(r"\blast\s*\(")
-_RETURN_BEATS: Final = 4096.0
+_BEAT_PERIOD: Final = 4096.0
 
 
-class OwnPicturePass:
+class CustomPass:
     """Draws with the last source that compiled; `take` replaces it."""
 
-    def __init__(self, making: Making, own: OwnPass, slot: int) -> None:
+    def __init__(self, making: PassSetup, own: CustomShader, slot: int) -> None:
         """`slot`: index of its parameters in the picture's row. Raises PersonError if it does not compile."""
-        self._ctx, self._first = making.ctx, OWN.start + slot * NUMBERS
+        self._ctx, self._first = making.ctx, CUSTOM_PASS_SLICE.start + slot * NUMBERS_PER_PASS
         self._size = making.size
-        self._program = compiled(making.ctx, own)
+        self._program = compile_pass(making.ctx, own)
         self._triangle = making.ctx.vertex_array(self._program, [])
-        self._learn(own)
+        self._read_source(own)
         self._make(making.size)
 
-    def _learn(self, own: OwnPass) -> None:
-        self.own = own
+    def _read_source(self, own: CustomShader) -> None:
+        self.definition = own
         self.needs_surfaces = _READS_SURFACES.search(own.source) is not None
         self._needs_last = _READS_LAST.search(own.source) is not None
 
@@ -39,20 +39,20 @@ class OwnPicturePass:
         self._last = self._ctx.texture(size if self._needs_last else (1, 1), 4, dtype=HDR)
         self._last.filter = (moderngl.LINEAR, moderngl.LINEAR)
         self._last.repeat_x = self._last.repeat_y = False
-        self._kept = self._ctx.framebuffer([self._last])
-        self._kept.clear()
+        self._last_target = self._ctx.framebuffer([self._last])
+        self._last_target.clear()
 
-    def take(self, own: OwnPass) -> None:
+    def replace_source(self, own: CustomShader) -> None:
         """Replace the source. Raises PersonError if it does not compile; the old one then stays in use."""
-        program = compiled(self._ctx, own)
+        program = compile_pass(self._ctx, own)
         release_all(self._triangle, self._program)
         self._program, self._triangle = program, self._ctx.vertex_array(program, [])
-        self._learn(own)
+        self._read_source(own)
         self.resize(self._size)
 
     def active(self, moment: Moment) -> bool:
         """Whether its amount is not 0."""
-        return moment.amount(self._first) > 0.0
+        return moment.parameter(self._first) > 0.0
 
     def draw(
         self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
@@ -62,28 +62,28 @@ class OwnPicturePass:
         target.use()
         textures = {"own_light_": source, "own_last_": source if moment.cut else self._last}
         if surfaces is not None:
-            textures |= {"own_depth_": surfaces.depth, "own_shape_": surfaces.shape, "own_who_": surfaces.who}
+            textures |= {"own_depth_": surfaces.depth, "own_shape_": surfaces.shape, "own_who_": surfaces.identity}
         for unit, (name, texture) in enumerate(textures.items(), start=1):
             texture.use(unit)
             set_uniform(linked, name, unit)
         values = {
-            "amount": moment.amount(first), "beat": view.beat % _RETURN_BEATS, "phase": view.phase,
+            "amount": moment.parameter(first), "beat": view.beat % _BEAT_PERIOD, "phase": view.phase,
             "measure": view.measure + 1.0, "tempo": view.tempo, "energy": getattr(view, "energy", 0.0),
             "time": view.time, "size": target.size,
         }  # fmt: skip
         for name, value in values.items():
             set_uniform(linked, name, value)
-        for index, known in enumerate(self.own.parameters, start=1):
-            set_uniform(linked, known.name, moment.amount(first + index))
+        for index, known in enumerate(self.definition.parameters, start=1):
+            set_uniform(linked, known.name, moment.parameter(first + index))
         self._triangle.render(moderngl.TRIANGLES, vertices=3)
         if self._needs_last:
-            self._ctx.copy_framebuffer(self._kept, target)
+            self._ctx.copy_framebuffer(self._last_target, target)
 
     def resize(self, size: tuple[int, int]) -> None:
         """New size of the picture [pixels]."""
-        release_all(self._kept, self._last)
+        release_all(self._last_target, self._last)
         self._make(size)
 
     def release(self) -> None:
         """Free everything."""
-        release_all(self._kept, self._last, self._triangle, self._program)
+        release_all(self._last_target, self._last, self._triangle, self._program)

@@ -4,54 +4,57 @@ import moderngl
 
 from live.render.adaptive_quality import Quality
 from live.render.camera import FAR, NEAR
-from live.render.dancers.dancer_batch import Crowd
+from live.render.dancers.dancer_batch import DancerBatch
 from live.render.gl_release import release_all
 from live.render.pass_context import HDR, Surfaces
-from live.render.shader import WORN, program, set_uniform
+from live.render.shader import WORN, compile_program, set_uniform
 
 
 class DancerPass:
     """Forward pass: draws and lights near and far dancers into the bound target, with depth."""
 
-    def __init__(self, ctx: moderngl.Context, quality: Quality, *, worn: bool = False) -> None:
+    def __init__(self, ctx: moderngl.Context, quality: Quality, *, characters: bool = False) -> None:
         self._ctx, self.quality = ctx, quality
         files = "dancer_vertex.glsl", "dancer_fragment.glsl"
-        self._program = program(ctx, *files, (("SOFT", 1),))
-        self._worn = program(ctx, *files, (("SOFT", 1), *WORN)) if worn else None
+        self._program = compile_program(ctx, *files, (("SOFT", 1),))
+        self._character_program = compile_program(ctx, *files, (("SOFT", 1), *WORN)) if characters else None
 
-    def draw(self, crowd: Crowd, floor_map: moderngl.Texture) -> None:
+    def draw(self, crowd: DancerBatch, floor_map: moderngl.Texture) -> None:
         """Draw all dancers of this frame, the near ones first (they hide others)."""
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         floor_map.use(1)
-        for linked in filter(None, (self._program, self._worn)):
+        for linked in filter(None, (self._program, self._character_program)):
             set_uniform(linked, "floor_map", 1)
-        crowd.draw(self._program, self.quality.near_level, "near", worn=self._worn)
-        crowd.draw(self._program, self.quality.far_level, "far", worn=self._worn)
+        crowd.draw(self._program, self.quality.near_level, "near", character_program=self._character_program)
+        crowd.draw(self._program, self.quality.far_level, "far", character_program=self._character_program)
 
     def release(self) -> None:
         """Free the programs."""
-        release_all(*filter(None, (self._program, self._worn)))
+        release_all(*filter(None, (self._program, self._character_program)))
 
 
-class SurfacePass:
+class GBufferPass:
     """Deferred pass: `draw` fills the G-buffer and the depth texture; `shade` lights them into the bound target.
 
     The target of `shade` must have `depth` attached too: its depth test selects the pixels that show a dancer. Test
     and shader both only read the depth, so there is no feedback loop.
     """
 
-    def __init__(self, ctx: moderngl.Context, quality: Quality, size: tuple[int, int], *, worn: bool = False) -> None:
+    def __init__(
+        self, ctx: moderngl.Context, quality: Quality, size: tuple[int, int], *, characters: bool = False
+    ) -> None:
         self._ctx, self.quality = ctx, quality
-        self._surface, self._named = (
-            program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0), ("WHO", who))) for who in (0, 1)
-        )
-        self._worn = [
-            program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0), ("WHO", who), *WORN))
+        self._surface, self._id_program = (
+            compile_program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0), ("WHO", who)))
             for who in (0, 1)
-            if worn
+        )
+        self._character_programs = [
+            compile_program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0), ("WHO", who), *WORN))
+            for who in (0, 1)
+            if characters
         ]
         self._shades = [
-            program(
+            compile_program(
                 ctx, "full_vertex.glsl", "shade_fragment.glsl",
                 (("NEAR", NEAR), ("FAR", FAR), ("HDR", hdr), ("BESIDE", beside)),
             )
@@ -62,35 +65,35 @@ class SurfacePass:
         self._make(size)
 
     def _make(self, size: tuple[int, int]) -> None:
-        self._cover, self._shape = self._ctx.texture(size, 4), self._ctx.texture(size, 4)
+        self._coverage, self._shape = self._ctx.texture(size, 4), self._ctx.texture(size, 4)
         self.depth = self._ctx.depth_texture(size)
         self.depth.compare_func = ""
-        self._who = self._ctx.texture(size, 4)
-        for texture in (self._cover, self._shape, self.depth, self._who):
+        self._ids = self._ctx.texture(size, 4)
+        for texture in (self._coverage, self._shape, self.depth, self._ids):
             texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
             texture.repeat_x = texture.repeat_y = False
-        self._target = self._ctx.framebuffer([self._cover, self._shape], self.depth)
-        self._named_target = self._ctx.framebuffer([self._cover, self._shape, self._who], self.depth)
-        self.surfaces = Surfaces(self.depth, self._shape, self._who)
+        self._target = self._ctx.framebuffer([self._coverage, self._shape], self.depth)
+        self._id_target = self._ctx.framebuffer([self._coverage, self._shape, self._ids], self.depth)
+        self.surfaces = Surfaces(self.depth, self._shape, self._ids)
 
-    def draw(self, crowd: Crowd, *, named: bool = False) -> None:
+    def draw(self, crowd: DancerBatch, *, with_ids: bool = False) -> None:
         """Draw the surfaces of all dancers, the near ones first (they hide others); `named`: with their numbers."""
-        target, linked = (self._named_target, self._named) if named else (self._target, self._surface)
+        target, linked = (self._id_target, self._id_program) if with_ids else (self._target, self._surface)
         target.use()
         target.clear()
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-        worn = self._worn[named] if self._worn else None
-        crowd.draw(linked, self.quality.near_level, "near", worn=worn)
-        crowd.draw(linked, self.quality.far_level, "far", worn=worn)
+        worn = self._character_programs[with_ids] if self._character_programs else None
+        crowd.draw(linked, self.quality.near_level, "near", character_program=worn)
+        crowd.draw(linked, self.quality.far_level, "far", character_program=worn)
 
-    def shade(self, floor_map: moderngl.Texture, *, hdr: bool = False, beside: bool = True) -> None:
+    def shade(self, floor_map: moderngl.Texture, *, hdr: bool = False, extra_lamps: bool = True) -> None:
         """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light; `beside`:
         with the additional lamps, which are off in the default light."""
-        which = 2 * hdr + beside
+        which = 2 * hdr + extra_lamps
         linked = self._shades[which]
         self._ctx.enable(moderngl.DEPTH_TEST)
         self._ctx.depth_func = ">"
-        textures = {"cover": self._cover, "shape": self._shape, "depth": self.depth, "floor_map": floor_map}
+        textures = {"cover": self._coverage, "shape": self._shape, "depth": self.depth, "floor_map": floor_map}
         for unit, (name, texture) in enumerate(textures.items(), start=1):
             texture.use(unit)
             set_uniform(linked, name, unit)
@@ -103,15 +106,15 @@ class SurfacePass:
         self._make(size)
 
     def _release_target(self) -> None:
-        release_all(self._target, self._named_target, self._cover, self._shape, self._who, self.depth)
+        release_all(self._target, self._id_target, self._coverage, self._shape, self._ids, self.depth)
 
     def release(self) -> None:
         """Free everything."""
         self._release_target()
-        release_all(*self._triangles, self._surface, self._named, *self._worn, *self._shades)
+        release_all(*self._triangles, self._surface, self._id_program, *self._character_programs, *self._shades)
 
 
-class LitTarget:
+class MultisampleTarget:
     """Multisampled target for a forward-shaded scene: half floats with depth; `resolve` returns a texture."""
 
     def __init__(self, ctx: moderngl.Context, samples: int, size: tuple[int, int]) -> None:
@@ -120,13 +123,13 @@ class LitTarget:
 
     def _make(self, size: tuple[int, int]) -> None:
         ctx = self._ctx
-        self._many = ctx.renderbuffer(size, 4, samples=self._samples, dtype=HDR)
+        self._samples_buffer = ctx.renderbuffer(size, 4, samples=self._samples, dtype=HDR)
         self._depth = ctx.depth_renderbuffer(size, samples=self._samples)
-        self.framebuffer = ctx.framebuffer([self._many], self._depth)
-        self._flat = ctx.texture(size, 4, dtype=HDR)
-        self._flat.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        self._flat.repeat_x = self._flat.repeat_y = False
-        self._flat_target = ctx.framebuffer([self._flat])
+        self.framebuffer = ctx.framebuffer([self._samples_buffer], self._depth)
+        self._resolved = ctx.texture(size, 4, dtype=HDR)
+        self._resolved.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        self._resolved.repeat_x = self._resolved.repeat_y = False
+        self._resolved_target = ctx.framebuffer([self._resolved])
 
     def begin(self) -> moderngl.Framebuffer:
         """Bind and clear the target."""
@@ -136,8 +139,8 @@ class LitTarget:
 
     def resolve(self) -> moderngl.Texture:
         """Average the samples of each pixel; return the texture (compressed light)."""
-        self._ctx.copy_framebuffer(self._flat_target, self.framebuffer)
-        return self._flat
+        self._ctx.copy_framebuffer(self._resolved_target, self.framebuffer)
+        return self._resolved
 
     def resize(self, size: tuple[int, int]) -> None:
         """New size of the picture [pixels]."""
@@ -146,4 +149,4 @@ class LitTarget:
 
     def release(self) -> None:
         """Free everything."""
-        release_all(self.framebuffer, self._many, self._depth, self._flat_target, self._flat)
+        release_all(self.framebuffer, self._samples_buffer, self._depth, self._resolved_target, self._resolved)

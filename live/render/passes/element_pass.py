@@ -18,18 +18,18 @@ from live.base.stage_snapshot import (
     ELEMENT_CORNERS,
     FLOW,
     LIGHT_CAPACITY,
+    PARTICIPANT,
     PATH,
-    PHONE,
+    PHONE_LIGHT,
     RADIAL,
     REPULSOR,
     SPREADER,
     UNIFORM,
-    VOICE,
     VORTEX,
     StageView,
 )
 from live.render.gl_release import release_all
-from live.render.shader import program, set_uniform
+from live.render.shader import compile_program, set_uniform
 
 _KINDS: Final = (
     ("ATTRACTOR", ATTRACTOR),
@@ -38,8 +38,8 @@ _KINDS: Final = (
     ("CROSSING", CROSSING),
     ("FLOW", FLOW),
     ("PATH", PATH),
-    ("VOICE", VOICE),
-    ("PHONE", PHONE),
+    ("VOICE", PARTICIPANT),
+    ("PHONE", PHONE_LIGHT),
     ("UNIFORM", UNIFORM),
     ("RADIAL", RADIAL),
     ("VORTEX", VORTEX),
@@ -48,7 +48,7 @@ _KINDS: Final = (
 )
 _CORNER_BINDING: Final = 1
 """Uniform block binding of the corners; 0 is the frame's."""
-_RETURN_BEATS: Final = 64.0
+_BEAT_PERIOD: Final = 64.0
 """Period [beats] of all motion along floor lines: small numbers keep float32 exact."""
 _COLUMNS: Final = 8
 _PIECE_COLUMNS: Final = 12
@@ -59,10 +59,10 @@ class ElementPass:
 
     def __init__(self, ctx: moderngl.Context, texel: float) -> None:
         self._ctx = ctx
-        self._pools = program(ctx, "element_vertex.glsl", "element_fragment.glsl", _KINDS)
-        self._regions = program(ctx, "element_region_vertex.glsl", "element_region_fragment.glsl", _KINDS)
-        self._lines = program(ctx, "element_line_vertex.glsl", "element_line_fragment.glsl", _KINDS)
-        self.fit(texel)
+        self._pools = compile_program(ctx, "element_vertex.glsl", "element_fragment.glsl", _KINDS)
+        self._regions = compile_program(ctx, "element_region_vertex.glsl", "element_region_fragment.glsl", _KINDS)
+        self._lines = compile_program(ctx, "element_line_vertex.glsl", "element_line_fragment.glsl", _KINDS)
+        self.set_texel(texel)
         for linked in (self._pools, self._regions, self._lines):
             if "Corners" in linked:
                 block = linked["Corners"]
@@ -81,7 +81,7 @@ class ElementPass:
             self._lines, [(self._piece_buffer, "4f 4f 4f/i", "in_piece", "in_element", "in_form")]
         )
 
-    def fit(self, texel: float) -> None:
+    def set_texel(self, texel: float) -> None:
         """Set the width of the map's texels [m]."""
         for linked in (self._pools, self._regions, self._lines):
             set_uniform(linked, "texel", texel)
@@ -92,7 +92,7 @@ class ElementPass:
         lights = min(max(view.light_count, 0), LIGHT_CAPACITY)
         if not count and not lights:
             return
-        beat = view.beat % _RETURN_BEATS
+        beat = view.beat % _BEAT_PERIOD
         for linked in (self._pools, self._regions, self._lines):
             set_uniform(linked, "beat", beat)
         self._stage(view, count)
@@ -131,7 +131,7 @@ class ElementPass:
         staging = self._staging[first : first + count]
         staging[:] = 0.0
         staging[:, :2] = view.light[:count, :2]
-        staging[:, 2] = PHONE
+        staging[:, 2] = PHONE_LIGHT
         staging[:, 3], staging[:, 5], staging[:, 7] = (
             view.light[:count, 3],
             view.light[:count, 2],

@@ -13,14 +13,14 @@ import numpy as np
 from live.base.stage_snapshot import StageView
 from live.render.adaptive_quality import Quality
 from live.render.body.body_mesh import COARSE
-from live.render.dancers.dancer_batch import Crowd
+from live.render.dancers.dancer_batch import DancerBatch
 from live.render.gl_release import release_all
 from live.render.passes.element_pass import ElementPass
 from live.render.passes.set_pass import SetPass
-from live.render.shader import WORN, program, set_uniform
+from live.render.shader import WORN, compile_program, set_uniform
 
 _TAPS: Final = 5
-_SPREAD: Final = (0.6, 1.3, 2.6)
+_BLUR_RADII: Final = (0.6, 1.3, 2.6)
 """Blur radius of the three layers in texels of a map of 256."""
 
 
@@ -31,13 +31,14 @@ class FloorPass:
         self._ctx = ctx
         self.casters: list[Callable[[], None]] = []
         """Other shadow casters: each draws into the bound layers."""
-        self._casts = [
-            program(ctx, "shadow_vertex.glsl", "shadow_fragment.glsl", (("SOFT", 0), ("STYLED", styled)))
+        self._shadow_programs = [
+            compile_program(ctx, "shadow_vertex.glsl", "shadow_fragment.glsl", (("SOFT", 0), ("STYLED", styled)))
             for styled in (0, 1)
         ]
         self._taps = taps = round(_TAPS * max(quality.floor_map / 256, 1.0))
         self._blurs = [
-            program(ctx, "full_vertex.glsl", "blur_fragment.glsl", (("TAPS", taps), ("LAST", last))) for last in (0, 1)
+            compile_program(ctx, "full_vertex.glsl", "blur_fragment.glsl", (("TAPS", taps), ("LAST", last)))
+            for last in (0, 1)
         ]
         self._triangles = [ctx.vertex_array(blur, []) for blur in self._blurs]
         self._floor_size = floor_size
@@ -46,21 +47,21 @@ class FloorPass:
         self._set = SetPass(ctx, texel)
         self._framebuffers: dict[int, list[moderngl.Framebuffer]] = {}
         self._maps: dict[int, tuple[moderngl.Texture, ...]] = {}
-        self.choose(quality.floor_map)
+        self.select_resolution(quality.floor_map)
 
-    def choose(self, long_side: int) -> None:
+    def select_resolution(self, long_side: int) -> None:
         """Select a map with `long_side` texels along its longer side; each size is created once."""
         if long_side not in self._maps:
             self._maps[long_side] = self._make(long_side)
-        self._layers, self._between, self.texture = textures = self._maps[long_side]
+        self._layers, self._half_blurred, self.texture = textures = self._maps[long_side]
         self._targets = self._framebuffers[long_side]
         width, depth = textures[-1].size
         for blur, stride in zip(self._blurs, ((1.0 / width, 0.0), (0.0, 1.0 / depth)), strict=True):
             set_uniform(blur, "layers", 1)
             set_uniform(blur, "stride", stride)
             set_uniform(blur, "weights", _weights(self._taps, long_side / 256))
-        self._elements.fit(max(self._floor_size) / long_side)
-        self._set.fit(max(self._floor_size) / long_side)
+        self._elements.set_texel(max(self._floor_size) / long_side)
+        self._set.set_texel(max(self._floor_size) / long_side)
 
     def _make(self, long_side: int) -> tuple[moderngl.Texture, ...]:
         scale = long_side / max(self._floor_size)
@@ -76,7 +77,7 @@ class FloorPass:
         texture.repeat_x = texture.repeat_y = False
         return texture
 
-    def draw(self, crowd: Crowd, view: StageView, *, shadows: bool = True) -> None:
+    def draw(self, crowd: DancerBatch, view: StageView, *, shadows: bool = True) -> None:
         """Fill `texture` for this frame, with the dancers' `shadows` or without."""
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         if shadows:
@@ -87,19 +88,19 @@ class FloorPass:
         self._elements.draw(view)
         self._set.draw(view)
 
-    def _draw_shadows(self, crowd: Crowd) -> None:
+    def _draw_shadows(self, crowd: DancerBatch) -> None:
         ctx = self._ctx
         self._targets[0].use()
         self._targets[0].clear()
         ctx.enable(moderngl.BLEND)
         ctx.blend_equation = moderngl.MAX, moderngl.MAX
-        crowd.draw(self._casts[crowd.styles.any], COARSE)
+        crowd.draw(self._shadow_programs[crowd.styles.has_effects], COARSE)
         for cast in self.casters:
             cast()
         ctx.blend_equation = moderngl.FUNC_ADD, moderngl.FUNC_ADD
         ctx.disable(moderngl.BLEND)
         for source, target, triangle in zip(
-            (self._layers, self._between), self._targets[1:], self._triangles, strict=True
+            (self._layers, self._half_blurred), self._targets[1:], self._triangles, strict=True
         ):
             target.use()
             source.use(1)
@@ -110,37 +111,37 @@ class FloorPass:
         for long_side, textures in self._maps.items():
             release_all(*self._framebuffers[long_side], *textures)
         release_all(*self._triangles)
-        release_all(self._elements, self._set, *self._casts, *self._blurs)
+        release_all(self._elements, self._set, *self._shadow_programs, *self._blurs)
 
 
 def _weights(taps: int, scale: float) -> list[tuple[float, ...]]:
     """Return the blur weights by distance in texels for the three layers, shape (taps + 1, 3); both sides sum to 1."""
     steps = np.arange(taps + 1)[:, None]
-    weights = np.exp(-0.5 * (steps / (scale * np.array(_SPREAD))) ** 2)
+    weights = np.exp(-0.5 * (steps / (scale * np.array(_BLUR_RADII))) ** 2)
     weights /= 2.0 * weights.sum(axis=0) - weights[0]
     return [tuple(row) for row in weights.tolist()]
 
 
-_BEYOND: Final = 4
+_EXTRA_ROWS: Final = 4
 """Additional rows above the floor that the blur reads."""
 
 
-class MirrorPass:
+class ReflectionPass:
     """Fills `texture` with the blurred reflections of the dancers in the floor, as square roots of light."""
 
-    def __init__(self, ctx: moderngl.Context, size: tuple[int, int], divisor: int, *, worn: bool = False) -> None:
+    def __init__(self, ctx: moderngl.Context, size: tuple[int, int], divisor: int, *, characters: bool = False) -> None:
         self._ctx, self._divisor = ctx, divisor
         self._programs = [
-            program(ctx, "mirror_vertex.glsl", "mirror_fragment.glsl", (("SOFT", 0), ("STYLED", styled)))
+            compile_program(ctx, "mirror_vertex.glsl", "mirror_fragment.glsl", (("SOFT", 0), ("STYLED", styled)))
             for styled in (0, 1)
         ]
-        self._worn = [
-            program(ctx, "mirror_vertex.glsl", "mirror_fragment.glsl", (("SOFT", 0), ("STYLED", styled), *WORN))
+        self._character_programs = [
+            compile_program(ctx, "mirror_vertex.glsl", "mirror_fragment.glsl", (("SOFT", 0), ("STYLED", styled), *WORN))
             for styled in (0, 1)
-            if worn
+            if characters
         ]
-        self._gloss = program(ctx, "full_vertex.glsl", "gloss_fragment.glsl")
-        self._triangle = ctx.vertex_array(self._gloss, [])
+        self._blur = compile_program(ctx, "full_vertex.glsl", "gloss_fragment.glsl")
+        self._triangle = ctx.vertex_array(self._blur, [])
         self._make(size)
 
     def _make(self, size: tuple[int, int]) -> None:
@@ -152,34 +153,39 @@ class MirrorPass:
         self._depth = self._ctx.depth_renderbuffer(small)
         self._target = self._ctx.framebuffer([self._drawn], self._depth)
         self._result = self._ctx.framebuffer([self.texture])
-        self._dark = False
+        self._is_black = False
 
-    def draw(self, crowd: Crowd, *, seen: bool = True, rows: int | None = None) -> None:
+    def draw(self, crowd: DancerBatch, *, visible: bool = True, rows: int | None = None) -> None:
         """Fill `texture` for this frame: with the dancers' reflections, or black if `seen` is false.
 
         `rows`: rows of the picture, from below, in which the floor is visible; None: all.
         """
-        if not seen:
-            if not self._dark:
+        if not visible:
+            if not self._is_black:
                 self._result.scissor = (0, 0, *self.texture.size)
                 self._result.clear()
-            self._dark = True
+            self._is_black = True
             return
-        self._dark = False
+        self._is_black = False
         width, height = self.texture.size
-        height = height if rows is None else min(-(-rows // self._divisor) + _BEYOND, height)
+        height = height if rows is None else min(-(-rows // self._divisor) + _EXTRA_ROWS, height)
         self._target.scissor = self._result.scissor = (0, 0, width, height)
         self._target.use()
         self._target.clear()
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         self._ctx.front_face = "cw"  # mirrored
-        styled = crowd.styles.any
-        crowd.draw(self._programs[styled], COARSE, "mirrored", worn=self._worn[styled] if self._worn else None)
+        styled = crowd.styles.has_effects
+        crowd.draw(
+            self._programs[styled],
+            COARSE,
+            "mirrored",
+            character_program=self._character_programs[styled] if self._character_programs else None,
+        )
         self._ctx.front_face = "ccw"
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         self._result.use()
         self._drawn.use(1)
-        set_uniform(self._gloss, "drawn", 1)
+        set_uniform(self._blur, "drawn", 1)
         self._triangle.render(moderngl.TRIANGLES, vertices=3)
 
     def resize(self, size: tuple[int, int]) -> None:
@@ -193,4 +199,4 @@ class MirrorPass:
     def release(self) -> None:
         """Free everything."""
         self._release_target()
-        release_all(self._triangle, *self._programs, *self._worn, self._gloss)
+        release_all(self._triangle, *self._programs, *self._character_programs, self._blur)

@@ -6,16 +6,16 @@ import moderngl
 
 from live.base.picture_parameters import BY_ADDRESS
 from live.render.camera import FAR, NEAR
-from live.render.pass_context import Making, Moment, Surfaces
-from live.render.shader import Full
+from live.render.pass_context import Moment, PassSetup, Surfaces
+from live.render.shader import FullscreenShader
 
 _ROOT: Final = "/dance/pass/ink"
 _AMOUNT: Final = BY_ADDRESS[_ROOT].first
 _WIDTH: Final = BY_ADDRESS[f"{_ROOT}/width"].first
 _PAPER: Final = BY_ADDRESS[f"{_ROOT}/paper"].first
-_COLOUR: Final = BY_ADDRESS[f"{_ROOT}/colour"].where
-_PAPER_COLOUR: Final = BY_ADDRESS[f"{_ROOT}/paper/colour"].where
-_LINES: Final = 720.0
+_COLOUR: Final = BY_ADDRESS[f"{_ROOT}/colour"].row_slice
+_PAPER_COLOUR: Final = BY_ADDRESS[f"{_ROOT}/paper/colour"].row_slice
+_REFERENCE_HEIGHT: Final = 720.0
 """Line widths are in pixels at this picture height; they scale with the height."""
 
 
@@ -24,30 +24,30 @@ class InkPass:
 
     needs_surfaces = True
 
-    def __init__(self, making: Making) -> None:
-        self._full = Full(making.ctx, "ink_fragment.glsl", (("NEAR", NEAR), ("FAR", FAR)))
+    def __init__(self, making: PassSetup) -> None:
+        self._full = FullscreenShader(making.ctx, "ink_fragment.glsl", (("NEAR", NEAR), ("FAR", FAR)))
         self.resize(making.size)
 
     def active(self, moment: Moment) -> bool:
         """Whether its amount is not 0."""
-        return moment.amount(_AMOUNT) > 0.0
+        return moment.parameter(_AMOUNT) > 0.0
 
     def draw(
         self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
     ) -> None:
         """Draw `source` with lines of ink."""
         assert surfaces is not None
-        full, row = self._full, moment.frame.row
-        full.set("amount", moment.amount(_AMOUNT))
-        full.set("width", max(moment.amount(_WIDTH) * self._scale, 0.6))
-        full.set("paper", moment.amount(_PAPER))
+        full, row = self._full, moment.uniforms.row
+        full.set("amount", moment.parameter(_AMOUNT))
+        full.set("width", max(moment.parameter(_WIDTH) * self._scale, 0.6))
+        full.set("paper", moment.parameter(_PAPER))
         full.set("ink", tuple(row[_COLOUR].tolist()))
         full.set("paper_colour", tuple(row[_PAPER_COLOUR].tolist()))
-        full.draw(target, light=source, depth=surfaces.depth, shape=surfaces.shape, who=surfaces.who)
+        full.draw(target, light=source, depth=surfaces.depth, shape=surfaces.shape, who=surfaces.identity)
 
     def resize(self, size: tuple[int, int]) -> None:
         """New size of the picture [pixels]."""
-        self._scale = size[1] / _LINES
+        self._scale = size[1] / _REFERENCE_HEIGHT
 
     def release(self) -> None:
         """Free the program."""

@@ -7,12 +7,12 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.stage_snapshot import GUIDE_CAPACITY, StageView
-from live.render.frame_stats import SHOWN
+from live.render.frame_stats import GRAPH_FRAMES
 from live.render.gl_release import release_all
-from live.render.lettering import Lettering, letter
-from live.render.shader import program, set_uniform
+from live.render.lettering import GlyphAtlas, bake_atlas
+from live.render.shader import compile_program, set_uniform
 
-_LIMIT: Final = 1024
+_MAX_LETTERS: Final = 1024
 """Maximum number of letters."""
 _LINES_PER_HEIGHT: Final = 42
 """Number of text lines that fill the picture's height."""
@@ -23,10 +23,10 @@ class OverlayPass:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._program = program(ctx, "overlay_vertex.glsl", "overlay_fragment.glsl")
-        self._buffer = ctx.buffer(reserve=(_LIMIT + 1) * 16, dynamic=True)
+        self._program = compile_program(ctx, "overlay_vertex.glsl", "overlay_fragment.glsl")
+        self._buffer = ctx.buffer(reserve=(_MAX_LETTERS + 1) * 16, dynamic=True)
         self._array = ctx.vertex_array(self._program, [(self._buffer, "4f/i", "in_letter")])
-        self._lettering: Lettering | None = None
+        self._lettering: GlyphAtlas | None = None
         self._atlas: moderngl.Texture | None = None
         self._height = 0
         self._lines: tuple[str, ...] = ()
@@ -38,7 +38,7 @@ class OverlayPass:
             return
         height = max(12, round(size[1] / _LINES_PER_HEIGHT))
         if height != self._height:
-            self._bake(height)
+            self._make_atlas(height)
         if lines != self._lines:
             self._lay_out(lines)
         assert self._atlas is not None
@@ -51,10 +51,10 @@ class OverlayPass:
         self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._count)
         self._ctx.disable(moderngl.BLEND)
 
-    def _bake(self, height: int) -> None:
+    def _make_atlas(self, height: int) -> None:
         self._height, self._lines = height, ()
-        self._lettering = letter(height)
-        picture = self._lettering.picture
+        self._lettering = bake_atlas(height)
+        picture = self._lettering.coverage
         if self._atlas is not None:
             self._atlas.release()
         self._atlas = self._ctx.texture((picture.shape[1], picture.shape[0]), 1, picture.tobytes(), alignment=1)
@@ -65,7 +65,7 @@ class OverlayPass:
         assert self._lettering is not None
         edge = 0.8 * self._height
         inset = 0.6 * self._height
-        letters = self._lettering.lay_out(lines, (round(edge + inset), round(edge + inset)), _LIMIT)
+        letters = self._lettering.lay_out(lines, (round(edge + inset), round(edge + inset)), _MAX_LETTERS)
         wide = max(self._lettering.width(line) for line in lines) + 2 * inset
         tall = len(lines) * self._lettering.cell[1] + 2 * inset
         set_uniform(self._program, "panel", (edge, edge, wide, tall))
@@ -89,7 +89,7 @@ class GuidePass:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._program = program(ctx, "guide_vertex.glsl", "guide_fragment.glsl")
+        self._program = compile_program(ctx, "guide_vertex.glsl", "guide_fragment.glsl")
         self._buffer = ctx.buffer(reserve=GUIDE_CAPACITY * 40, dynamic=True)
         self._array = ctx.vertex_array(self._program, [(self._buffer, "3f 3f 4f/i", "in_begin", "in_end", "in_colour")])
 
@@ -112,15 +112,15 @@ class GuidePass:
         release_all(self._array, self._buffer, self._program)
 
 
-class GraphPass:
+class FrameTimeGraphPass:
     """Draws a bar graph of the last frame intervals; late frames stand out. Costs nothing while it is off."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._program = program(ctx, "graph_vertex.glsl", "graph_fragment.glsl", (("FRAMES", SHOWN),))
-        self._buffer = ctx.buffer(reserve=(SHOWN + 3) * 4, dynamic=True)
+        self._program = compile_program(ctx, "graph_vertex.glsl", "graph_fragment.glsl", (("FRAMES", GRAPH_FRAMES),))
+        self._buffer = ctx.buffer(reserve=(GRAPH_FRAMES + 3) * 4, dynamic=True)
         self._array = ctx.vertex_array(self._program, [(self._buffer, "1f/i", "in_time")])
-        self._values: npt.NDArray[np.float32] = np.zeros(SHOWN + 3, np.float32)
+        self._values: npt.NDArray[np.float32] = np.zeros(GRAPH_FRAMES + 3, np.float32)
         self.times = self._values[3:]
         """Frame intervals [ms], oldest first; the caller fills the first `count`."""
         self.count = 0
@@ -140,7 +140,7 @@ class GraphPass:
         edge = max(8.0, size[1] / 42.0)
         set_uniform(self._program, "panel", (edge, edge, 0.28 * size[0], 0.11 * size[1]))
         set_uniform(self._program, "period", self.period)
-        self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=SHOWN + 3)
+        self._array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=GRAPH_FRAMES + 3)
         self._ctx.disable(moderngl.BLEND)
 
     def release(self) -> None:

@@ -9,11 +9,11 @@ from typing import Final
 import moderngl
 import numpy as np
 
-from live.base.set_geometry import Item, triangles_of
+from live.base.set_geometry import SetItem, item_triangles
 from live.base.stage_snapshot import SET_CAPACITY, StageView
 from live.render.gl_release import release_all
-from live.render.pass_context import Making, Moment, ScenePass
-from live.render.shader import program, set_uniform
+from live.render.pass_context import Moment, PassSetup, ScenePass
+from live.render.shader import compile_program, set_uniform
 
 _WALL_THICKNESS: Final = 0.05
 """Half the drawn thickness of a wall [m]."""
@@ -24,13 +24,13 @@ class SetPass:
 
     def __init__(self, ctx: moderngl.Context, texel: float) -> None:
         self._ctx = ctx
-        self._program = program(ctx, "set_vertex.glsl", "set_fragment.glsl")
-        self.fit(texel)
+        self._program = compile_program(ctx, "set_vertex.glsl", "set_fragment.glsl")
+        self.set_texel(texel)
         self._staging = np.zeros((2 * SET_CAPACITY, 6), np.float32)
         self._buffer = ctx.buffer(reserve=self._staging.nbytes, dynamic=True)
         self._array = ctx.vertex_array(self._program, [(self._buffer, "4f 2f/i", "in_ends", "in_form")])
 
-    def fit(self, texel: float) -> None:
+    def set_texel(self, texel: float) -> None:
         """Set the width of the map's texels [m]."""
         set_uniform(self._program, "texel", texel)
 
@@ -57,23 +57,25 @@ class SetPass:
         release_all(self._array, self._buffer, self._program)
 
 
-NEAR_FLOOR = 0.5
+AMBIENT_HEIGHT = 0.5
 """Height [m] below which ambient light is reduced."""
 
 
 class ItemPass(ScenePass):
     """Draws the props of a scene; does nothing without any."""
 
-    def __init__(self, making: Making) -> None:
+    def __init__(self, making: PassSetup) -> None:
         ctx = self._ctx = making.ctx
-        data = vertices_of(making.scene.items)
+        data = build_vertices(making.scene.items)
         self._count = len(data)
         if not self._count:
             return
         self._buffer = ctx.buffer(data.tobytes())
-        self._surface = program(ctx, "item_vertex.glsl", "item_surface_fragment.glsl")
-        self._lit = program(ctx, "item_vertex.glsl", "item_fragment.glsl")
-        self._cast = program(ctx, "item_shadow_vertex.glsl", "shadow_fragment.glsl", (("SOFT", 0), ("STYLED", 0)))
+        self._surface = compile_program(ctx, "item_vertex.glsl", "item_surface_fragment.glsl")
+        self._lit = compile_program(ctx, "item_vertex.glsl", "item_fragment.glsl")
+        self._cast = compile_program(
+            ctx, "item_shadow_vertex.glsl", "shadow_fragment.glsl", (("SOFT", 0), ("STYLED", 0))
+        )
         names = ("in_position", "in_normal", "in_colour")
         self._arrays = [
             ctx.vertex_array(linked, [(self._buffer, "3f 3f 4f", *names)]) for linked in (self._surface, self._lit)
@@ -84,17 +86,17 @@ class ItemPass(ScenePass):
         """Whether there are props."""
         return self._count > 0
 
-    def cast(self) -> None:
+    def draw_shadows(self) -> None:
         """Draw the shadows of the props into the bound layers of the floor map."""
         if self._count:
             self._shadow.render(moderngl.TRIANGLES, vertices=self._count)
 
-    def surfaces(self, moment: Moment) -> None:
+    def draw_surfaces(self, moment: Moment) -> None:
         """See `ScenePass`."""
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         self._arrays[0].render(moderngl.TRIANGLES, vertices=self._count)
 
-    def lit(self, moment: Moment) -> None:
+    def draw_lit(self, moment: Moment) -> None:
         """See `ScenePass`."""
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         moment.floor.use(1)
@@ -107,12 +109,12 @@ class ItemPass(ScenePass):
             release_all(*self._arrays, self._shadow, self._buffer, self._surface, self._lit, self._cast)
 
 
-def vertices_of(items: tuple[Item, ...]) -> "np.ndarray[tuple[int, int], np.dtype[np.float32]]":
+def build_vertices(items: tuple[SetItem, ...]) -> "np.ndarray[tuple[int, int], np.dtype[np.float32]]":
     """Return position, normal, square root of the colour and ambient openness of all vertices, shape (V, 10)."""
     rows = [np.zeros((0, 10), np.float32)]
     for item in items:
-        corners, normals = (part.reshape(-1, 3) for part in triangles_of(item))
+        corners, normals = (part.reshape(-1, 3) for part in item_triangles(item))
         colour = np.tile(np.sqrt(item.colour), (len(corners), 1))
-        openness = np.clip(0.55 + 0.45 * corners[:, 1:2] / NEAR_FLOOR, 0.0, 1.0)
+        openness = np.clip(0.55 + 0.45 * corners[:, 1:2] / AMBIENT_HEIGHT, 0.0, 1.0)
         rows.append(np.concatenate([corners, normals, colour, openness], axis=1).astype(np.float32))
     return np.ascontiguousarray(np.concatenate(rows))

@@ -8,10 +8,10 @@ from typing import Final
 import moderngl
 
 from live.render.gl_release import release_all
-from live.render.shader import program, set_uniform
-from live.render.uniforms import WALL_BEHIND
+from live.render.shader import compile_program, set_uniform
+from live.render.uniforms import WALL_DISTANCE
 
-_WALL: Final = 3
+_WALL_PROGRAM: Final = 3
 """Index of the program for pixels above the floor."""
 
 
@@ -22,7 +22,7 @@ class StagePass:
         """`hdr`: output compressed light, for later tone mapping; otherwise display values."""
         self._ctx = ctx
         self._programs = [
-            program(
+            compile_program(
                 ctx, "full_vertex.glsl", "stage_fragment.glsl",
                 (("HDR", int(hdr)), ("FLOOR", floor), ("POOLS", pools), ("EDGE", edge)),
             )
@@ -52,7 +52,7 @@ class StagePass:
             texture.use(unit)
         regions = ((0, 0, width, floor_rows), (0, floor_rows, width, height - floor_rows))
         floor = 2 if pools else int(resized)
-        for which, region in ((floor, regions[0]), (_WALL, regions[1])):
+        for which, region in ((floor, regions[0]), (_WALL_PROGRAM, regions[1])):
             linked, triangle = self._programs[which], self._triangles[which]
             if region[3] <= 0:
                 continue
@@ -77,35 +77,37 @@ class BackdropPass:
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int], *, coarse: bool) -> None:
         self._ctx, self._divisor = ctx, 2 if coarse else 1
-        self._program = program(ctx, "full_vertex.glsl", "backdrop_fragment.glsl", (("WALL_BEHIND", WALL_BEHIND),))
+        self._program = compile_program(
+            ctx, "full_vertex.glsl", "backdrop_fragment.glsl", (("WALL_BEHIND", WALL_DISTANCE),)
+        )
         self._triangle = ctx.vertex_array(self._program, [])
         self._make(size)
 
     def _make(self, size: tuple[int, int]) -> None:
         self.texture = self._ctx.texture(size, 4, dtype="f2")
         self.texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        self._fine, self._fine_target = self.texture, self._ctx.framebuffer([self.texture])
+        self._full_size, self._full_size_target = self.texture, self._ctx.framebuffer([self.texture])
         small = (max(size[0] // self._divisor, 1), max(size[1] // self._divisor, 1))
         self._small = self._ctx.texture(small, 4, dtype="f2")
         self._small.filter = (moderngl.LINEAR, moderngl.LINEAR)
         self._small.repeat_x = self._small.repeat_y = False
         self._small_target = self._ctx.framebuffer([self._small])
-        self._kept = False
+        self._is_cached = False
 
     def draw(self, *, moving: bool) -> None:
         """Fill `texture` if it is not cached; `moving`: light or camera have changed since the last frame."""
-        if self._kept:
+        if self._is_cached:
             return
         coarse = moving and self._divisor > 1
-        self.texture = self._small if coarse else self._fine
-        (self._small_target if coarse else self._fine_target).use()
+        self.texture = self._small if coarse else self._full_size
+        (self._small_target if coarse else self._full_size_target).use()
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         self._triangle.render(moderngl.TRIANGLES, vertices=3)
-        self._kept = not coarse
+        self._is_cached = not coarse
 
-    def forget(self) -> None:
+    def invalidate(self) -> None:
         """Invalidate the cache, after light or camera have changed."""
-        self._kept = False
+        self._is_cached = False
 
     def resize(self, size: tuple[int, int]) -> None:
         """Set the size of the picture [pixels]; also for a new scene. Invalidates the cache."""
@@ -113,7 +115,7 @@ class BackdropPass:
         self._make(size)
 
     def _release_targets(self) -> None:
-        release_all(self._fine_target, self._fine, self._small_target, self._small)
+        release_all(self._full_size_target, self._full_size, self._small_target, self._small)
 
     def release(self) -> None:
         """Free everything."""

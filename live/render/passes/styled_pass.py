@@ -9,48 +9,52 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from live.base.picture_parameters import MOST_GHOSTS
+from live.base.picture_parameters import MAX_GHOSTS
 from live.base.stage_snapshot import StageView
-from live.render.dancers.dancer_batch import Crowd
+from live.render.dancers.dancer_batch import DancerBatch
 from live.render.dancers.motion_trails import PoseHistory
 from live.render.dancers.xray_skeleton import bone_vertices
 from live.render.gl_release import release_all
-from live.render.pass_context import Making, Moment, ScenePass
+from live.render.pass_context import Moment, PassSetup, ScenePass
 from live.render.passes.particle_pass import ParticlePass
 from live.render.passes.trail_pass import RibbonPass
-from live.render.shader import WORN, program, set_uniform
+from live.render.shader import WORN, compile_program, set_uniform
 
 
 class StyledPass:
     """Draws styled bodies (flat, dissolving, with contours) into the bound target: lit, or as G-buffer (`surface`)."""
 
-    def __init__(self, ctx: moderngl.Context, *, worn: bool = False) -> None:
+    def __init__(self, ctx: moderngl.Context, *, characters: bool = False) -> None:
         self._ctx = ctx
         self._programs = [
             (
-                program(ctx, "styled_vertex.glsl", "styled_fragment.glsl", (("SOFT", 1), ("SURFACE", surface))),
-                program(ctx, "contour_vertex.glsl", "contour_fragment.glsl", (("SOFT", 1), ("SURFACE", surface))),
+                compile_program(ctx, "styled_vertex.glsl", "styled_fragment.glsl", (("SOFT", 1), ("SURFACE", surface))),
+                compile_program(
+                    ctx, "contour_vertex.glsl", "contour_fragment.glsl", (("SOFT", 1), ("SURFACE", surface))
+                ),
             )
             for surface in (0, 1)
         ]
-        self._worn = [
-            program(ctx, "styled_vertex.glsl", "styled_fragment.glsl", (("SOFT", 1), ("SURFACE", surface), *WORN))
+        self._character_programs = [
+            compile_program(
+                ctx, "styled_vertex.glsl", "styled_fragment.glsl", (("SOFT", 1), ("SURFACE", surface), *WORN)
+            )
             for surface in (0, 1)
-            if worn
+            if characters
         ]
 
-    def draw(self, crowd: Crowd, floor_map: moderngl.Texture, *, surface: bool = False) -> None:
+    def draw(self, crowd: DancerBatch, floor_map: moderngl.Texture, *, surface: bool = False) -> None:
         """Draw all styled bodies."""
         ctx, quality = self._ctx, crowd.quality
         body, ink = self._programs[surface]
         ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         ctx.depth_func = "<="
         floor_map.use(1)
-        worn = self._worn[surface] if self._worn else None
+        worn = self._character_programs[surface] if self._character_programs else None
         for linked in filter(None, (body, worn)):
             set_uniform(linked, "floor_map", 1)
         for where, level in (("near", quality.near_level), ("far", quality.far_level)):
-            crowd.draw(body, level, f"bodies {where}", worn=worn)
+            crowd.draw(body, level, f"bodies {where}", character_program=worn)
         ctx.front_face = "cw"  # draw the back faces of the enlarged body
         for where, level in (("near", quality.near_level), ("far", quality.far_level)):
             crowd.draw(ink, level, f"ink {where}")
@@ -59,25 +63,25 @@ class StyledPass:
 
     def release(self) -> None:
         """Free the programs."""
-        release_all(*(one for both in self._programs for one in both), *self._worn)
+        release_all(*(one for both in self._programs for one in both), *self._character_programs)
 
 
 class XrayPass:
     """Draws glowing skeletons in transparent bodies over the bound target, which must not write depth."""
 
-    def __init__(self, making: Making) -> None:
+    def __init__(self, making: PassSetup) -> None:
         ctx = self._ctx = making.ctx
         constants = (("SOFT", 0),)
-        self._glass = program(ctx, "styled_vertex.glsl", "glass_fragment.glsl", constants)
-        self._bone = program(ctx, "bone_vertex.glsl", "bone_fragment.glsl", constants)
+        self._glass = compile_program(ctx, "styled_vertex.glsl", "glass_fragment.glsl", constants)
+        self._bone = compile_program(ctx, "bone_vertex.glsl", "bone_fragment.glsl", constants)
         self._bones = ctx.buffer(bone_vertices().tobytes())
 
-    def draw(self, crowd: Crowd) -> None:
+    def draw(self, crowd: DancerBatch) -> None:
         """Draw all dancers with the x-ray style."""
         self._ctx.enable(moderngl.CULL_FACE)
         crowd.draw(self._glass, crowd.quality.ghost_level, "xray")
         self._ctx.disable(moderngl.CULL_FACE)
-        crowd.draw_other(self._bone, "xray", self._vertices, moderngl.TRIANGLES)
+        crowd.draw_geometry(self._bone, "xray", self._vertices, moderngl.TRIANGLES)
 
     def _vertices(self, body: str) -> tuple[Any, ...]:
         return self._bones, "4f 4f 4f", "in_begin", "in_end", "in_bone"
@@ -90,20 +94,20 @@ class XrayPass:
 class GhostPass:
     """Draws ghosts over the bound target, which must not write depth; call `follow` each frame while there are any."""
 
-    def __init__(self, making: Making) -> None:
+    def __init__(self, making: PassSetup) -> None:
         ctx = self._ctx = making.ctx
-        self._program = program(ctx, "ghost_vertex.glsl", "ghost_fragment.glsl", (("SOFT", 0),))
+        self._program = compile_program(ctx, "ghost_vertex.glsl", "ghost_fragment.glsl", (("SOFT", 0),))
         self.history = PoseHistory(ctx, max(making.scene.dancer_count, 1))
 
-    def follow(self, crowd: Crowd, view: StageView) -> None:
+    def record(self, crowd: DancerBatch, view: StageView) -> None:
         """Record the poses of this frame where a ghost is due."""
         self.history.update(view, crowd)
 
-    def draw(self, crowd: Crowd) -> None:
+    def draw(self, crowd: DancerBatch) -> None:
         """Draw all ghosts, the oldest first."""
         self._ctx.enable(moderngl.CULL_FACE)
-        ages = [self.history.ages(slot) for slot in range(MOST_GHOSTS)]
-        for slot in sorted(range(MOST_GHOSTS), key=lambda slot: -float(ages[slot].max())):
+        ages = [self.history.ages(slot) for slot in range(MAX_GHOSTS)]
+        for slot in sorted(range(MAX_GHOSTS), key=lambda slot: -float(ages[slot].max())):
             if ages[slot].max() >= 0.0:
                 set_uniform(self._program, "ages", [tuple(four) for four in np.reshape(ages[slot], (4, 4)).tolist()])
                 crowd.draw(self._program, crowd.quality.ghost_level, "trails", poses=self.history.textures[slot])
@@ -114,55 +118,55 @@ class GhostPass:
         release_all(self._program, self.history)
 
 
-_LIGHT = ("trails", "ribbons", "xray", "particles")
+_TRANSLUCENT_STYLES = ("trails", "ribbons", "xray", "particles")
 
 
 class StylePasses(ScenePass):
     """All style passes: styled bodies are drawn with the other dancers; translucent styles over the stage."""
 
-    def __init__(self, making: Making) -> None:
-        self._ctx, self._many = making.ctx, making.quality.samples > 0
-        self._styled = StyledPass(making.ctx, worn=bool(making.scene.characters))
+    def __init__(self, making: PassSetup) -> None:
+        self._ctx, self._multisampled = making.ctx, making.quality.samples > 0
+        self._styled = StyledPass(making.ctx, characters=bool(making.scene.characters))
         self._ghosts, self._ribbons = GhostPass(making), RibbonPass(making)
         self._particles, self._xray = ParticlePass(making), XrayPass(making)
 
     def active(self, moment: Moment) -> bool:
         """Whether any group has a style other than plain."""
-        if moment.crowd.styles.any:
+        if moment.batch.styles.has_effects:
             return True
-        self._ghosts.history.forget()
-        self._ribbons.history.forget()
+        self._ghosts.history.clear()
+        self._ribbons.history.clear()
         return False
 
     def prepare(self, moment: Moment) -> None:
         """Record motion for ribbons and ghosts while any group shows them."""
-        styles = moment.crowd.styles
+        styles = moment.batch.styles
         for each, name in ((self._ribbons, "ribbons"), (self._ghosts, "trails")):
             if styles.masks[name].any():
-                each.follow(moment.crowd, moment.view)
+                each.record(moment.batch, moment.view)
             else:
-                each.history.forget()
+                each.history.clear()
 
-    def surfaces(self, moment: Moment) -> None:
+    def draw_surfaces(self, moment: Moment) -> None:
         """Draw styled bodies into the G-buffer."""
-        if _bodies(moment):
-            self._styled.draw(moment.crowd, moment.floor, surface=True)
+        if _has_bodies(moment):
+            self._styled.draw(moment.batch, moment.floor, surface=True)
 
-    def lit(self, moment: Moment) -> None:
+    def draw_lit(self, moment: Moment) -> None:
         """Draw styled bodies into a multisampled target."""
-        if _bodies(moment):
-            self._styled.draw(moment.crowd, moment.floor)
+        if _has_bodies(moment):
+            self._styled.draw(moment.batch, moment.floor)
 
-    def over_active(self, moment: Moment) -> bool:
+    def light_active(self, moment: Moment) -> bool:
         """Whether `over` draws. Without multisampling, styled bodies are also lit there: their depth is known."""
-        return _light(moment) or (_bodies(moment) and not self._many)
+        return _has_translucent(moment) or (_has_bodies(moment) and not self._multisampled)
 
-    def over(self, moment: Moment) -> None:
+    def draw_light(self, moment: Moment) -> None:
         """Light styled bodies if not done yet, then draw the translucent styles over the stage, the softest first."""
-        ctx, crowd = self._ctx, moment.crowd
+        ctx, crowd = self._ctx, moment.batch
         target = ctx.fbo
         target.depth_mask = False
-        if _bodies(moment) and not self._many:
+        if _has_bodies(moment) and not self._multisampled:
             self._styled.draw(crowd, moment.floor)
         ctx.enable(moderngl.DEPTH_TEST | moderngl.BLEND)
         ctx.disable(moderngl.CULL_FACE)
@@ -178,16 +182,16 @@ class StylePasses(ScenePass):
             self._particles.draw(crowd, moment.view)
         ctx.depth_func = "<"
         ctx.disable(moderngl.BLEND | moderngl.DEPTH_TEST)
-        target.depth_mask = self._many
+        target.depth_mask = self._multisampled
 
     def release(self) -> None:
         """Free everything."""
         release_all(self._styled, self._ghosts, self._ribbons, self._particles, self._xray)
 
 
-def _bodies(moment: Moment) -> bool:
-    return moment.crowd.count("bodies near") + moment.crowd.count("bodies far") > 0
+def _has_bodies(moment: Moment) -> bool:
+    return moment.batch.count("bodies near") + moment.batch.count("bodies far") > 0
 
 
-def _light(moment: Moment) -> bool:
-    return any(moment.crowd.count(name) for name in _LIGHT)
+def _has_translucent(moment: Moment) -> bool:
+    return any(moment.batch.count(name) for name in _TRANSLUCENT_STYLES)

@@ -8,20 +8,20 @@ import numpy.typing as npt
 
 from live.base.picture_parameters import BY_ADDRESS
 from live.base.stage_snapshot import StageView
-from live.render.dancers.dancer_batch import Crowd
+from live.render.dancers.dancer_batch import DancerBatch
 from live.render.dancers.motion_trails import LIMBS, LimbHistory
 from live.render.gl_release import release_all
-from live.render.pass_context import HDR, Making, Moment, Surfaces
-from live.render.shader import Full, program, set_uniform
+from live.render.pass_context import HDR, Moment, PassSetup, Surfaces
+from live.render.shader import FullscreenShader, compile_program, set_uniform
 
 _ROOT: Final = "/dance/pass/trails"
 _AMOUNT: Final = BY_ADDRESS[_ROOT].first
 _BEATS: Final = BY_ADDRESS[f"{_ROOT}/beats"].first
 _ZOOM: Final = BY_ADDRESS[f"{_ROOT}/zoom"].first
-_COLOUR: Final = BY_ADDRESS[f"{_ROOT}/colour"].where
+_COLOUR: Final = BY_ADDRESS[f"{_ROOT}/colour"].row_slice
 
 
-_STRENGTH: Final = 0.55
+_INITIAL_BRIGHTNESS: Final = 0.55
 """Initial brightness of a trail: below the dancer's, so that the dancer stands out."""
 
 
@@ -30,10 +30,12 @@ class TrailsPass:
 
     needs_surfaces = False
 
-    def __init__(self, making: Making) -> None:
+    def __init__(self, making: PassSetup) -> None:
         self._ctx = making.ctx
-        self._full, self._keep = (Full(making.ctx, "trails_fragment.glsl", (("SHOWN", shown),)) for shown in (1, 0))
-        self._drew = False
+        self._full, self._feedback = (
+            FullscreenShader(making.ctx, "trails_fragment.glsl", (("SHOWN", shown),)) for shown in (1, 0)
+        )
+        self._has_last = False
         self._make(making.size)
 
     def _make(self, size: tuple[int, int]) -> None:
@@ -42,31 +44,34 @@ class TrailsPass:
             texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
             texture.repeat_x = texture.repeat_y = False
         self._targets = [self._ctx.framebuffer([texture]) for texture in self._textures]
-        self._turn = 0
-        self._drew = False
+        self._index = 0
+        self._has_last = False
 
     def active(self, moment: Moment) -> bool:
         """Whether its amount is not 0."""
-        here = moment.amount(_AMOUNT) > 0.0
+        here = moment.parameter(_AMOUNT) > 0.0
         if not here:
-            self._drew = False  # the stored frame is outdated when trails are switched on again
+            self._has_last = False  # the stored frame is outdated when trails are switched on again
         return here
 
     def draw(
         self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
     ) -> None:
         """Draw `source` and the faded previous frame."""
-        half = max(moment.amount(_BEATS) * moment.amount(_AMOUNT), 1e-3)
-        there = self._drew and not moment.cut
+        half = max(moment.parameter(_BEATS) * moment.parameter(_AMOUNT), 1e-3)
+        there = self._has_last and not moment.cut
         # the colour parameter is the colour of faded white after one half-life
-        tint = [min(max(value, 1e-3), 1.0) ** (moment.beats / half) for value in moment.frame.row[_COLOUR].tolist()]
-        last, turn = self._textures[self._turn], 1 - self._turn
-        for full, into, strength in ((self._keep, self._targets[turn], 1.0), (self._full, target, _STRENGTH)):
+        tint = [min(max(value, 1e-3), 1.0) ** (moment.beats / half) for value in moment.uniforms.row[_COLOUR].tolist()]
+        last, turn = self._textures[self._index], 1 - self._index
+        for full, into, strength in (
+            (self._feedback, self._targets[turn], 1.0),
+            (self._full, target, _INITIAL_BRIGHTNESS),
+        ):
             full.set("left", strength * 0.5 ** (moment.beats / half) if there else 0.0)
-            full.set("shrink", 2.0 ** (-moment.amount(_ZOOM) * moment.beats))
+            full.set("shrink", 2.0 ** (-moment.parameter(_ZOOM) * moment.beats))
             full.set("tint", tuple(tint))
             full.draw(into, light=source, last=last)
-        self._turn, self._drew = turn, True
+        self._index, self._has_last = turn, True
 
     def resize(self, size: tuple[int, int]) -> None:
         """New size of the picture [pixels]; the trails are cleared."""
@@ -75,7 +80,7 @@ class TrailsPass:
 
     def release(self) -> None:
         """Free everything."""
-        release_all(*self._targets, *self._textures, self._full, self._keep)
+        release_all(*self._targets, *self._textures, self._full, self._feedback)
 
 
 Float32 = npt.NDArray[np.float32]
@@ -86,29 +91,29 @@ _LIMBS_UNIT: Final = 2
 class RibbonPass:
     """Draws ribbons over the bound target, which must not write depth; call `follow` each frame while there are any."""
 
-    def __init__(self, making: Making) -> None:
+    def __init__(self, making: PassSetup) -> None:
         ctx = self._ctx = making.ctx
-        self._program = program(ctx, "ribbon_vertex.glsl", "ribbon_fragment.glsl", (("SOFT", 0),))
+        self._program = compile_program(ctx, "ribbon_vertex.glsl", "ribbon_fragment.glsl", (("SOFT", 0),))
         self._pieces = making.quality.ribbon_pieces
-        self._strip = ctx.buffer(_strip(self._pieces).tobytes())
+        self._strip = ctx.buffer(_build_strip(self._pieces).tobytes())
         self.history = LimbHistory(ctx, max(making.scene.dancer_count, 1))
 
-    def follow(self, crowd: Crowd, view: StageView) -> None:
+    def record(self, crowd: DancerBatch, view: StageView) -> None:
         """Record the places of hands and feet in this frame."""
         self.history.update(view, crowd.capacity)
 
-    def draw(self, crowd: Crowd) -> None:
+    def draw(self, crowd: DancerBatch) -> None:
         """Draw all ribbons, as long as the quality level allows."""
         pieces = min(crowd.quality.ribbon_pieces, self._pieces)
-        set_uniform(self._program, "drawn_back", float(_back(pieces / self._pieces)))
+        set_uniform(self._program, "drawn_back", float(_length_share(pieces / self._pieces)))
         history = self.history
         set_uniform(self._program, "ring", history.ring)
-        set_uniform(self._program, "known", history.valid)
+        set_uniform(self._program, "known", history.valid_count)
         set_uniform(self._program, "limbs_layout", (history.columns, history.blocks))
         set_uniform(self._program, "limbs", _LIMBS_UNIT)
         history.texture.use(_LIMBS_UNIT)
         vertices = pieces * LIMBS * len(_CORNERS)
-        crowd.draw_other(self._program, "ribbons", self._vertices, moderngl.TRIANGLES, vertices)
+        crowd.draw_geometry(self._program, "ribbons", self._vertices, moderngl.TRIANGLES, vertices)
 
     def _vertices(self, body: str) -> tuple[Any, ...]:
         return self._strip, "4f", "in_strip"
@@ -121,14 +126,14 @@ class RibbonPass:
 _CORNERS: Final = ((0, -1.0), (1, -1.0), (1, 1.0), (0, -1.0), (1, 1.0), (0, 1.0))
 
 
-def _back(share: Any) -> Any:
+def _length_share(share: Any) -> Any:
     """Map a share of a ribbon's pieces to a share of its length: pieces are finer at the new end."""
     return share**1.25
 
 
-def _strip(pieces: int) -> Float32:
+def _build_strip(pieces: int) -> Float32:
     """Return two triangles for each piece of each limb's ribbon, the newest first: age (0 to 1), side, limb."""
-    back = _back(np.arange(pieces + 1) / pieces)
+    back = _length_share(np.arange(pieces + 1) / pieces)
     rows = [
         (back[piece + which], side, limb, 0.0)
         for piece in range(pieces)

@@ -8,27 +8,27 @@ import ctypes
 import sys
 from typing import Any, Final
 
-from live.render.window.monitors import Monitor, list_monitors, same_monitor, start_glfw
+from live.render.window.monitors import Monitor, list_monitors, match_monitor, start_glfw
 
 TITLE: Final = "ChoreoGraphics Live, behind the picture"
 
 
-class NoGuard(RuntimeError):
+class NoFallbackWindow(RuntimeError):
     """No fallback window is possible here; the message states why."""
 
 
-class GuardWindow:
+class FallbackWindow:
     """The fallback window, hidden at first. Thread: main thread only, like all of GLFW."""
 
     def __init__(self) -> None:
-        """Raises NoGuard where there is no X server."""
+        """Raises NoFallbackWindow where there is no X server."""
         if not start_glfw():
-            raise NoGuard("there is no screen")
+            raise NoFallbackWindow("there is no screen")
         import glfw
 
         self._glfw: Any = glfw
         if sys.platform != "linux" or glfw.get_platform() != glfw.PLATFORM_X11:
-            raise NoGuard("only X11 can place a window below others")
+            raise NoFallbackWindow("only X11 can place a window below others")
         self._x11 = ctypes.CDLL("libX11.so.6")
         self._monitor: Monitor | None = None
         self._handle = self._open()
@@ -44,7 +44,7 @@ class GuardWindow:
         glfw.window_hint(glfw.CLIENT_API, glfw.NO_API)
         window = glfw.create_window(64, 64, TITLE, None, None)
         if not window:
-            raise NoGuard("the display server creates no window")
+            raise NoFallbackWindow("the display server creates no window")
         glfw.set_input_mode(window, glfw.CURSOR, glfw.CURSOR_HIDDEN)
         return window
 
@@ -71,7 +71,7 @@ class GuardWindow:
         covered = self._monitor
         if covered is None:
             return
-        now = same_monitor(covered, list_monitors())
+        now = match_monitor(covered, list_monitors())
         if now is not None and (now.position, now.size) != (covered.position, covered.size):
             self.cover(now)
 

@@ -108,7 +108,7 @@ def monitor_changes() -> int:
     return _changes
 
 
-def take_messages() -> list[str]:
+def pop_messages() -> list[str]:
     """Return GLFW's error messages since the last call, without repetitions; none are printed."""
     taken = list(_messages)
     _messages.clear()
@@ -165,7 +165,7 @@ def find_monitor(text: str, monitors: list[Monitor] | None = None) -> Monitor:
     raise UnknownMonitor(f"{text!r} {what}; choose by number or name:{listing}")
 
 
-def same_monitor(wanted: Monitor, there: list[Monitor]) -> Monitor | None:
+def match_monitor(wanted: Monitor, there: list[Monitor]) -> Monitor | None:
     """Return the monitor of `there` that is `wanted` after reconnection: same name, the nearest one if several."""
     named = [monitor for monitor in there if monitor.name == wanted.name]
     if not named:
@@ -177,7 +177,7 @@ def same_monitor(wanted: Monitor, there: list[Monitor]) -> Monitor | None:
 _PLACE = re.compile(r"\s*(left of|right of|above|below)\s+(.+?)\s*", re.IGNORECASE)
 
 
-def find_place(text: str, monitors: list[Monitor] | None = None) -> Monitor:
+def resolve_monitor(text: str, monitors: list[Monitor] | None = None) -> Monitor:
     """Return the monitor given by `primary`, a position relative to another (the nearest there), a number or a name.
 
     `monitors`: the candidates (default: the connected ones), the primary one first. Raises `UnknownMonitor`.
@@ -188,7 +188,7 @@ def find_place(text: str, monitors: list[Monitor] | None = None) -> Monitor:
     match = _PLACE.fullmatch(text)
     if match is None:
         return find_monitor(text, monitors)
-    side, other = match[1].casefold(), find_place(match[2], there)
+    side, other = match[1].casefold(), resolve_monitor(match[2], there)
     beside = [(far, each) for each in there if (far := _distance(side, other, each)) is not None]
     if not beside:
         listing = "".join(f"\n  {monitor}" for monitor in there)

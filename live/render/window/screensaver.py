@@ -11,10 +11,10 @@ import subprocess
 import sys
 from typing import Any, Final
 
-PERIOD: Final = 20.0
+RESET_PERIOD: Final = 20.0
 """Seconds between two resets of the idle time."""
 _WHY: Final = "a show is on"
-_CHILDREN: Final = {
+_INHIBIT_COMMANDS: Final = {
     "linux": (
         "systemd-inhibit", "--what=idle:sleep:handle-lid-switch", "--who=ChoreoGraphics Live", f"--why={_WHY}",
         "--mode=block", "cat",
@@ -25,7 +25,7 @@ _WINDOWS_AWAKE: Final = 0x80000000 | 0x00000001 | 0x00000002  # continuous, syst
 _WINDOWS_USUAL: Final = 0x80000000
 
 
-class Awake:
+class ScreensaverInhibitor:
     """Inhibits display sleep from `begin` to `end`. Failures never affect a show. Thread: main thread only."""
 
     def __init__(self, x11_display: int | None = None) -> None:
@@ -35,17 +35,17 @@ class Awake:
         self._saver: Any = None
         self._child: subprocess.Popen[bytes] | None = None
         self._next = 0.0
-        self.means: list[str] = []
+        self.methods: list[str] = []
         """Names of the inhibition methods in use."""
 
-    def begin(self) -> "Awake":
+    def start(self) -> "ScreensaverInhibitor":
         """Start the inhibition."""
         if self._display is not None:
             self._suspend()
         self._start_child()
         if sys.platform == "win32":
             ctypes.windll.kernel32.SetThreadExecutionState(_WINDOWS_AWAKE)
-            self.means.append("SetThreadExecutionState")
+            self.methods.append("SetThreadExecutionState")
         return self
 
     def _suspend(self) -> None:
@@ -55,7 +55,7 @@ class Awake:
             return
         self._x11.XResetScreenSaver.argtypes = [ctypes.c_void_p]
         self._x11.XFlush.argtypes = [ctypes.c_void_p]
-        self.means.append("XResetScreenSaver")
+        self.methods.append("XResetScreenSaver")
         try:
             saver = ctypes.CDLL("libXss.so.1")
         except OSError:
@@ -64,11 +64,11 @@ class Awake:
         saver.XScreenSaverSuspend(self._display, 1)
         self._saver = saver
         self._x11.XFlush(self._display)
-        self.means.append("XScreenSaverSuspend")
+        self.methods.append("XScreenSaverSuspend")
 
     def _start_child(self) -> None:
         """Start a child that holds a system lock until its standard input ends, at the latest with this process."""
-        command = _CHILDREN.get(sys.platform, ())
+        command = _INHIBIT_COMMANDS.get(sys.platform, ())
         if not command or shutil.which(command[0]) is None:
             return
         quiet = subprocess.DEVNULL
@@ -76,16 +76,16 @@ class Awake:
             self._child = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet)
         except OSError:
             return
-        self.means.append(command[0])
+        self.methods.append(command[0])
 
-    def frame(self, time: float) -> None:
+    def refresh(self, time: float) -> None:
         """Call once a frame, at `time` [s]; resets the idle time every `PERIOD`."""
         if self._x11 is not None and time >= self._next:
-            self._next = time + PERIOD
+            self._next = time + RESET_PERIOD
             self._x11.XResetScreenSaver(self._display)
             self._x11.XFlush(self._display)
 
-    def end(self) -> None:
+    def stop(self) -> None:
         """End the inhibition. Call it while the X server is still connected."""
         if self._saver is not None:
             self._saver.XScreenSaverSuspend(self._display, 0)
@@ -99,7 +99,7 @@ class Awake:
             self._child = None
         if sys.platform == "win32":
             ctypes.windll.kernel32.SetThreadExecutionState(_WINDOWS_USUAL)
-        self.means.clear()
+        self.methods.clear()
 
 
 def x11_display() -> int | None:

@@ -12,16 +12,16 @@ import moderngl
 from live.render.window.monitors import (
     Monitor,
     UnknownMonitor,
+    match_monitor,
     monitor_changes,
     monitor_handles,
-    same_monitor,
+    pop_messages,
     screen_problem,
     start_glfw,
-    take_messages,
 )
 from live.render.window.window_input import InputQueue, MonitorsChanged, WindowInput
 
-SETTLE_PERIOD = 60
+CHECK_PERIOD = 60
 """Polls between two checks of monitor positions, because a moved or resized monitor causes no event."""
 
 
@@ -62,7 +62,7 @@ class Window:
         size: tuple[int, int] = (1280, 720),
         samples: int = 0,
         hidden: bool = False,
-        shares: "Window | None" = None,
+        share_with: "Window | None" = None,
     ) -> None:
         """`hidden`: the window is invisible until `reveal`."""
         if not start_glfw():
@@ -71,25 +71,25 @@ class Window:
 
         self._glfw = glfw
         self._window_size = size
-        self._place: tuple[int, int, int, int] | None = None
+        self._restore_rect: tuple[int, int, int, int] | None = None
         self._fullscreen = fullscreen and not hidden
-        self._covers: Monitor | None = None
+        self._covered_monitor: Monitor | None = None
         self._borderless = False
         self._seen_changes = monitor_changes()
         self._polls = 0
         self._monitor, handle = self._choose(monitor)
         covering = hidden and fullscreen
         self._window_size = self._monitor.size if covering else size  # so that renderers are created with this size
-        other = None if shares is None else shares._handle
+        other = None if share_with is None else share_with._handle
         self._handle: Any = self._open(title, handle if self._fullscreen else None, samples, hidden, other)
         self._window_size = size
         glfw.make_context_current(self._handle)
-        glfw.swap_interval(1 if shares is None else 0)  # one display paces the show; waiting for two would add up
+        glfw.swap_interval(1 if share_with is None else 0)  # one display paces the show; waiting for two would add up
         loader: Any = _Loader(glfw)  # moderngl accepts any object with these methods, its stub only a dictionary
         self.ctx: moderngl.Context = moderngl.create_context(require=410, context=loader)
         self._inputs = InputQueue(glfw, self._handle)
         if self._fullscreen:
-            self._settle(forced=not glfw.get_window_monitor(self._handle))
+            self._update_placement(forced=not glfw.get_window_monitor(self._handle))
             self._show_cursor(False)
         self._fit_target()
 
@@ -99,7 +99,7 @@ class Window:
         if not there:
             raise NoWindow("no window can be opened: no monitor is connected; without a screen, use --headless")
         listed = [each for each, _ in there]
-        found = same_monitor(monitor, listed) if monitor else listed[0]
+        found = match_monitor(monitor, listed) if monitor else listed[0]
         if found is None:
             what = f"{monitor.name} is not connected any more" if monitor else ""
             raise UnknownMonitor(f"{what}; there is: {', '.join(map(str, listed))}")
@@ -127,11 +127,11 @@ class Window:
             glfw.window_hint_string(getattr(glfw, name), "choreographics-live")
         if handle is not None:
             width, height = self._monitor.size
-            self._covers = self._monitor
-        take_messages()
+            self._covered_monitor = self._monitor
+        pop_messages()
         window = glfw.create_window(width, height, title, handle, other)
         if not window:
-            reason = "; ".join(take_messages()) or "GLFW gave no reason"
+            reason = "; ".join(pop_messages()) or "GLFW gave no reason"
             raise NoWindow(
                 f"no window with OpenGL 4.1 can be opened: {reason}; "
                 "install the graphics driver (Debian, Ubuntu: apt-get install libgl1 libegl1) or use --headless"
@@ -154,9 +154,9 @@ class Window:
         return self._fullscreen
 
     @property
-    def is_home(self) -> bool:
+    def on_monitor(self) -> bool:
         """Whether the window is on its monitor; False if it is full screen and its monitor is disconnected."""
-        return not self._fullscreen or self._covers is not None
+        return not self._fullscreen or self._covered_monitor is not None
 
     @property
     def monitor(self) -> Monitor:
@@ -170,12 +170,12 @@ class Window:
         changes = monitor_changes()
         if changes != self._seen_changes:
             self._seen_changes = changes
-            self._settle(forced=True)
+            self._update_placement(forced=True)
             self._inputs.put(MonitorsChanged())
-        elif self._fullscreen and self._polls % SETTLE_PERIOD == 0:
-            self._settle(forced=False)
+        elif self._fullscreen and self._polls % CHECK_PERIOD == 0:
+            self._update_placement(forced=False)
         self._fit_target()
-        return self._inputs.take()
+        return self._inputs.pop_all()
 
     def make_current(self) -> None:
         """Make this window's context current."""
@@ -187,7 +187,7 @@ class Window:
 
     def messages(self) -> list[str]:
         """Return GLFW's error messages since the last call; none are printed."""
-        return take_messages()
+        return pop_messages()
 
     def toggle_fullscreen(self) -> None:
         """Switch to full screen on the monitor that shows most of the window, or back to the previous position."""
@@ -196,10 +196,10 @@ class Window:
             self._leave_fullscreen()
         else:
             (x, y), (width, height) = self._glfw.get_window_pos(self._handle), self._glfw.get_window_size(self._handle)
-            self._place = (x, y, width, height)
-            self._monitor = self._monitor_under(self._place)
+            self._restore_rect = (x, y, width, height)
+            self._monitor = self._monitor_under(self._restore_rect)
             self._fullscreen = True
-            self._settle(forced=True)
+            self._update_placement(forced=True)
         self._fit_target()
 
     def reveal(self, *, fullscreen: bool) -> None:
@@ -207,10 +207,10 @@ class Window:
         self._glfw.poll_events()  # monitors may have changed since
         if fullscreen:
             self._fullscreen = True
-            self._settle(forced=True)
+            self._update_placement(forced=True)
         self._glfw.show_window(self._handle)
         if fullscreen:
-            self._settle(forced=True)
+            self._update_placement(forced=True)
         self._fit_target()
 
     def close(self) -> None:
@@ -221,21 +221,21 @@ class Window:
             self._glfw.destroy_window(self._handle)
             self._handle = None
 
-    def _settle(self, forced: bool) -> None:
+    def _update_placement(self, forced: bool) -> None:
         """Move a full-screen window to the current position of its monitor, or to a remaining one."""
         if not self._fullscreen:
             return
         there = monitor_handles()
-        found = same_monitor(self._monitor, [monitor for monitor, _ in there])
+        found = match_monitor(self._monitor, [monitor for monitor, _ in there])
         if found is None:
-            if self._covers is not None:
-                self._covers = None
+            if self._covered_monitor is not None:
+                self._covered_monitor = None
                 self._leave_fullscreen()
             return
-        covered = self._covers
+        covered = self._covered_monitor
         if not forced and covered and (covered.position, covered.size) == (found.position, found.size):
             return
-        self._monitor = self._covers = found
+        self._monitor = self._covered_monitor = found
         self._cover(found, next(handle for monitor, handle in there if monitor is found))
 
     def _cover(self, monitor: Monitor, handle: Any) -> None:
@@ -254,15 +254,15 @@ class Window:
     def _leave_fullscreen(self) -> None:
         """Leave full screen: to the previous position, or centred on its monitor (the first one if disconnected)."""
         glfw = self._glfw
-        self._covers = None
+        self._covered_monitor = None
         self._show_cursor(True)
         if self._borderless:
             glfw.set_window_attrib(self._handle, glfw.DECORATED, True)
             glfw.set_window_attrib(self._handle, glfw.FLOATING, False)
             self._borderless = False
         there = [monitor for monitor, _ in monitor_handles()]
-        home = same_monitor(self._monitor, there) or next(iter(there), self._monitor)
-        place = self._place
+        home = match_monitor(self._monitor, there) or next(iter(there), self._monitor)
+        place = self._restore_rect
         if place is None or not any(_overlap(place, monitor) for monitor in there):
             place = self._centred(home)
         glfw.set_window_monitor(self._handle, None, *place, glfw.DONT_CARE)
@@ -271,7 +271,7 @@ class Window:
         """Return the monitor that shows most of (x, y, width, height); the current one if none shows any of it."""
         there = [monitor for monitor, _ in monitor_handles()]
         best = max(there, key=lambda monitor: _overlap(place, monitor), default=self._monitor)
-        return best if _overlap(place, best) else same_monitor(self._monitor, there) or best
+        return best if _overlap(place, best) else match_monitor(self._monitor, there) or best
 
     def _centred(self, monitor: Monitor) -> tuple[int, int, int, int]:
         """Return the rectangle (x, y, width, height) of a window centred on a monitor, no larger than it."""

@@ -106,7 +106,7 @@ class InputQueue:
         glfw.set_window_size_callback(window, self._on_window_size)
         glfw.set_window_close_callback(window, self._on_close)
 
-    def take(self) -> list[WindowInput]:
+    def pop_all(self) -> list[WindowInput]:
         """Return the inputs since the last call, in order; only the last of consecutive pointer moves."""
         taken, self._inputs = self._inputs, []
         return taken

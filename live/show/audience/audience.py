@@ -15,7 +15,7 @@ from live.base.stage_snapshot import LIGHT_CAPACITY, StageView
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.show.audience.voting import Turn, Vote, called, choices_of
+from live.show.audience.voting import Turn, Vote, resolve_choices, winner_events
 from live.show.group.elements import SCORE, Elements
 from live.show.patch.section_io import AudienceSection
 
@@ -28,27 +28,27 @@ AUDIENCE_EVENTS: Final = (
 )  # fmt: skip
 """Events that `act` handles."""
 SOURCE: Final = "audience"
-FULL: Final = 4.0
+FULL_VOICES: Final = 4.0
 """Votes that pull with full strength: see `QUORUM` of the fair kernels."""
-MOST_PLACES: Final = 4
-LED: Final = 0.25
+MAX_PLACES: Final = 4
+LED_GAIN: Final = 0.25
 """Audience gain while an element of an operator or musician is active."""
 SHARPNESS: Final = 4.0
 """Sharpness of repulsion: a place with half the weight of the heaviest repels 2 to the power of this less."""
-SHAKEN: Final = 0.5
-CALMED: Final = 0.3
+SHAKE_BEGIN: Final = 0.5
+SHAKE_END: Final = 0.3
 """A spread starts above the first share of shaking players, and again only after the share fell below the second."""
-MOST_BANNED: Final = 4096
-FOLLOWING: Final = 0.06
+MAX_BANNED: Final = 4096
+LIGHT_MOVE_HALFLIFE: Final = 0.06
 """Half-life [s] of a light's approach to its phone's position."""
-FADING: Final = 0.12
+LIGHT_FADE_HALFLIFE: Final = 0.12
 """Half-life [s] of a light's fade in and out."""
-REPEL: Final = 2
+REPEL_MODE: Final = 2
 """Mode of a touch that repels dancers."""
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class TouchCluster:
     """Cluster of touches: position (x, z) [m], weight relative to the heaviest place, and whether it repels."""
 
     x: float
@@ -73,31 +73,31 @@ class Audience:
         """Number of the last vote and its winner; empty: none."""
         self.banned: dict[int, None] = {}
         """Numbers of banned phones, oldest first."""
-        self.order = 0
+        self.command_count = 0
         """Number of operator commands the gateway has to follow; aggregates made before the last one are ignored."""
         self.phones = 0
         self._votes = 0
         self._share = 0.0
-        self._places: tuple[Place, ...] = ()
+        self._places: tuple[TouchCluster, ...] = ()
         self._shaken = False
         self._number: Int64 = np.zeros(LIGHT_CAPACITY, np.int64)
         """Phone number of each light; 0: unused."""
-        self._lit: npt.NDArray[np.bool_] = np.zeros(LIGHT_CAPACITY, np.bool_)
+        self._light_on: npt.NDArray[np.bool_] = np.zeros(LIGHT_CAPACITY, np.bool_)
         self._goal: Float32 = np.zeros((LIGHT_CAPACITY, 2), np.float32)
         self._light: Float32 = np.zeros((LIGHT_CAPACITY, 5), np.float32)
 
-    def take_patch(self, fresh: "Audience") -> None:
+    def apply_patch(self, fresh: "Audience") -> None:
         """Adopt the regions of an edited patch; weights are kept by name."""
         if fresh.regions != self.regions:
             known = dict(zip(self.regions, self.weights, strict=True))
             self.regions, self.weights = fresh.regions, [known.get(name, 1.0) for name in fresh.regions]
             self.turn = None
-            self.order += 1
+            self.command_count += 1
         self._vote_measures = fresh._vote_measures
 
     # -- events ------------------------------------------------------------------------------------------------
 
-    def act(
+    def handle(
         self, event: ControlEvent, elements: Elements, *, beat: float, beats_per_measure: int, measure: int,
         position: Float32, known: dict[str, tuple[str, ...]],
     ) -> None:  # fmt: skip
@@ -106,12 +106,12 @@ class Audience:
         `known`: names that can be voted for, by kind.
         """
         if isinstance(event, events.AudienceHeard):
-            self._hear(event)
+            self._handle_input(event)
         else:
-            self._obey(event, measure, known)
-        self._gather(elements, event.time, beat, beats_per_measure, position)
+            self._handle_command(event, measure, known)
+        self._apply_places(elements, event.time, beat, beats_per_measure, position)
 
-    def _obey(self, event: ControlEvent, measure: int, known: dict[str, tuple[str, ...]]) -> None:
+    def _handle_command(self, event: ControlEvent, measure: int, known: dict[str, tuple[str, ...]]) -> None:
         """Handle an operator command."""
         match event:
             case events.OpenAudience():
@@ -119,7 +119,7 @@ class Audience:
                 if not event.on:
                     self._places, self._share = (), 0.0
                     self._number[:] = 0
-                    self._lit[:] = False
+                    self._light_on[:] = False
             case events.SetAudienceGain():
                 self.gain = event.gain
             case events.MuteAudience():
@@ -127,10 +127,10 @@ class Audience:
             case events.AllowShaking():
                 self.shaking = event.on
             case events.WeighRegion():
-                for index in self._named(event.name):
+                for index in self._region_indices(event.name):
                     self.weights[index] = event.weight
             case events.GiveTurn():
-                named = self._named(event.name)
+                named = self._region_indices(event.name)
                 begins = measure + 1
                 one = len(named) == 1 and event.name.strip() != "*"
                 self.turn = Turn(named[0], begins, begins + max(round(event.measures), 1)) if one else None
@@ -139,12 +139,12 @@ class Audience:
             case events.AskVote():
                 self._votes += 1
                 closes = measure + 1 + self._vote_measures
-                self.vote = Vote(self._votes, event.what, choices_of(event, known), closes)
+                self.vote = Vote(self._votes, event.what, resolve_choices(event, known), closes)
             case events.DropVote():
                 self.vote = None
-        self.order += 1
+        self.command_count += 1
 
-    def _named(self, name: str) -> list[int]:
+    def _region_indices(self, name: str) -> list[int]:
         if name.strip() in ("", "*"):
             return list(range(len(self.regions)))
         folded = [each.casefold().strip() for each in self.regions]
@@ -156,54 +156,54 @@ class Audience:
     def _ban(self, number: int, on: bool) -> None:
         if on and number > 0:
             self.banned[number] = None
-            if len(self.banned) > MOST_BANNED:
+            if len(self.banned) > MAX_BANNED:
                 del self.banned[next(iter(self.banned))]
-            self._lit[self._number == number] = False
+            self._light_on[self._number == number] = False
             self._light[self._number == number, 3] = 0.0
         elif not on:
             self.banned = {} if number <= 0 else {each: None for each in self.banned if each != number}
 
     # -- input from phones ---------------------------------------------------------------------------------------
 
-    def _hear(self, event: events.AudienceHeard) -> None:
+    def _handle_input(self, event: events.AudienceHeard) -> None:
         self.phones = max(event.phones, 0)
-        if event.order != self.order or not self.open:
+        if event.order != self.command_count or not self.open:
             return
         if event.places:
             self._share = min(max(event.share, 0), 1000) / 1000.0
-            rows = _rows(event.places, 4)[:MOST_PLACES]
-            self._places = tuple(Place(x / 100, z / 100, w / 1000, mode == REPEL) for x, z, w, mode in rows)
+            rows = _rows(event.places, 4)[:MAX_PLACES]
+            self._places = tuple(TouchCluster(x / 100, z / 100, w / 1000, mode == REPEL_MODE) for x, z, w, mode in rows)
         if event.lights:
-            self._see(_rows(event.lights, 5)[:LIGHT_CAPACITY])
+            self._update_lights(_rows(event.lights, 5)[:LIGHT_CAPACITY])
         if event.votes and self.vote is not None:
-            self.vote = self.vote.counted(_rows(event.votes, 0)[0])
+            self.vote = self.vote.with_counts(_rows(event.votes, 0)[0])
         share = event.shaken / 1000.0
-        self._shaken = share > (CALMED if self._shaken else SHAKEN)
+        self._shaken = share > (SHAKE_END if self._shaken else SHAKE_BEGIN)
 
-    def _see(self, rows: list[tuple[int, ...]]) -> None:
+    def _update_lights(self, rows: list[tuple[int, ...]]) -> None:
         """Update the lights; those not listed fade out."""
-        self._lit[:] = False
+        self._light_on[:] = False
         for number, x, z, hue, mode in rows:
             if number <= 0 or number in self.banned:
                 continue
             own = np.flatnonzero(self._number == number)
-            row = int(own[0]) if len(own) else int(np.argmin(np.where(self._lit, 2.0, self._light[:, 3])))
+            row = int(own[0]) if len(own) else int(np.argmin(np.where(self._light_on, 2.0, self._light[:, 3])))
             self._goal[row] = x / 100, z / 100
             if not len(own):
                 self._light[row, :2], self._light[row, 3] = self._goal[row], 0.0
-            self._number[row], self._lit[row] = number, True
-            self._light[row, 2], self._light[row, 4] = (hue % 1000) / 1000, float(mode == REPEL)
+            self._number[row], self._light_on[row] = number, True
+            self._light[row, 2], self._light[row, 4] = (hue % 1000) / 1000, float(mode == REPEL_MODE)
 
-    def _gather(self, elements: Elements, time: float, beat: float, size: int, position: Float32) -> None:
+    def _apply_places(self, elements: Elements, time: float, beat: float, size: int, position: Float32) -> None:
         """Apply the places as elements: attracting ones as Voice, repelling ones as Repel."""
         heard = self.open and not self.muted
         pull = self.gain * self._share if heard else 0.0
-        if pull > 0.0 and _led(elements, beat):
-            pull *= LED
+        if pull > 0.0 and _operator_active(elements, beat):
+            pull *= LED_GAIN
         attracting = [place for place in self._places if not place.repels and pull > 0.0]
         total = sum(place.weight for place in attracting) or 1.0
         now = {"beat": beat, "next_line": beat, "beats_per_measure": size, "position": position}
-        for index in range(MOST_PLACES):
+        for index in range(MAX_PLACES):
             source = f"{SOURCE} {index + 1}"
             place = self._places[index] if index < len(self._places) and pull > 0.0 else None
             place = place if place is not None and place.weight > 0.0 else None
@@ -211,16 +211,16 @@ class Audience:
             elements.forget(source, beat, other=None if place is None else away, at_once=not heard)
             if place is None:
                 continue
-            strength = pull * (place.weight**SHARPNESS if away else FULL * place.weight / total)
+            strength = pull * (place.weight**SHARPNESS if away else FULL_VOICES * place.weight / total)
             if away:
-                elements.act(events.Repel(time=time, source=source, x=place.x, z=place.z, strength=strength,
+                elements.handle(events.Repel(time=time, source=source, x=place.x, z=place.z, strength=strength,
                                           measures=2.0, drag=True), **now)  # type: ignore[arg-type]  # fmt: skip
             else:
-                elements.act(events.Voice(time=time, source=source, x=place.x, z=place.z, strength=strength),
+                elements.handle(events.Voice(time=time, source=source, x=place.x, z=place.z, strength=strength),
                              **now)  # type: ignore[arg-type]  # fmt: skip
-        if self._shaken and self.shaking and heard and not elements.has(f"{SOURCE} shakes"):
+        if self._shaken and self.shaking and heard and not elements.has_source(f"{SOURCE} shakes"):
             spread = events.Spread(time=time, source=f"{SOURCE} shakes", measures=2.0)
-            elements.act(spread, **now)  # type: ignore[arg-type]
+            elements.handle(spread, **now)  # type: ignore[arg-type]
 
     # -- time ----------------------------------------------------------------------------------------------------
 
@@ -228,17 +228,17 @@ class Audience:
         """Begin a measure (from 0): update turns, and return the events of a vote that closes."""
         turn = self.turn
         if turn is not None and measure in (turn.begins, turn.ends):
-            self.order += 1
+            self.command_count += 1
             self.turn = None if measure >= turn.ends else turn
         vote = self.vote
         if vote is None or measure < vote.closes:
             return []
         winner = vote.winner(self._seed)
         self.vote, self.result = None, (vote.number, winner)
-        self.order += 1
-        return called(vote.what, winner, time) if winner else []
+        self.command_count += 1
+        return winner_events(vote.kind, winner, time) if winner else []
 
-    def heard_regions(self, measure: int) -> list[float]:
+    def region_weights(self, measure: int) -> list[float]:
         """Return the weight of each region in a measure; during a turn all others have 0."""
         turn = self.turn
         if turn is None or not turn.begins <= measure < turn.ends:
@@ -250,9 +250,9 @@ class Audience:
         if not self._number.any():
             return
         light = self._light
-        light[:, :2] += (self._goal - light[:, :2]) * np.float32(1.0 - 0.5 ** (TICK / FOLLOWING))
-        light[:, 3] += (self._lit - light[:, 3]) * np.float32(1.0 - 0.5 ** (TICK / FADING))
-        self._number[~self._lit & (light[:, 3] < 0.01)] = 0
+        light[:, :2] += (self._goal - light[:, :2]) * np.float32(1.0 - 0.5 ** (TICK / LIGHT_MOVE_HALFLIFE))
+        light[:, 3] += (self._light_on - light[:, 3]) * np.float32(1.0 - 0.5 ** (TICK / LIGHT_FADE_HALFLIFE))
+        self._number[~self._light_on & (light[:, 3] < 0.01)] = 0
 
     # -- drawing -------------------------------------------------------------------------------------------------
 
@@ -273,12 +273,12 @@ class Audience:
             "places": len(self._places), "banned": list(self.banned)[-16:],
             "lights": [[int(self._number[row]), *(round(float(v), 1) for v in self._light[row, :2])]
                        for row in np.flatnonzero(self._number)],
-            "vote": None if vote is None else {"what": vote.what, "closes": vote.closes + 1} | vote.tally,
+            "vote": None if vote is None else {"what": vote.kind, "closes": vote.closes + 1} | vote.tally,
             "won": self.result[1],
         }  # fmt: skip
 
 
-def _led(elements: Elements, beat: float) -> bool:
+def _operator_active(elements: Elements, beat: float) -> bool:
     """Whether an element of an operator or musician is active; these have priority over the audience."""
     return any(
         element.source != SCORE and not element.source.startswith(SOURCE) and not element.fair

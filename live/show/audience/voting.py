@@ -9,7 +9,7 @@ from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.events import ControlEvent
 
-VOTES: Final = ("step", "scene", "look", "cue")
+VOTE_KINDS: Final = ("step", "scene", "look", "cue")
 """Kinds of votes."""
 SOURCE: Final = "audience vote"
 _CHANCE: Final = 0xA0D1
@@ -29,17 +29,17 @@ class Vote:
     """A vote that is open until the line of measure `closes` (from 0)."""
 
     number: int
-    what: str
+    kind: str
     choices: tuple[str, ...]
     closes: int
     counts: tuple[int, ...] = ()
     """Votes for each choice, in hundredths."""
 
-    def counted(self, said: tuple[int, ...]) -> "Vote":
+    def with_counts(self, counts: tuple[int, ...]) -> "Vote":
         """Return the vote with these counts, (number of the vote, hundredths for each choice); unchanged if they
         belong to another vote."""
-        good = len(said) == len(self.choices) + 1 and said[0] == self.number and min(said) >= 0
-        return replace(self, counts=said[1:]) if good else self
+        good = len(counts) == len(self.choices) + 1 and counts[0] == self.number and min(counts) >= 0
+        return replace(self, counts=counts[1:]) if good else self
 
     def winner(self, seed: int) -> str:
         """Return the choice with most votes, a tie broken by chance; empty if there are no votes."""
@@ -55,11 +55,11 @@ class Vote:
         return {"choices": {name: count / 100 for name, count in zip(self.choices, counts, strict=True)}}
 
 
-def choices_of(event: events.AskVote, known: dict[str, tuple[str, ...]]) -> tuple[str, ...]:
+def resolve_choices(event: events.AskVote, known: dict[str, tuple[str, ...]]) -> tuple[str, ...]:
     """Return the choices with their names in the patch; raises PersonError for unknown ones."""
     what = event.what.strip().casefold()
-    if what not in VOTES or what != event.what:
-        raise PersonError(f"there is no vote on {event.what!r}", f"one of {', '.join(VOTES)}")
+    if what not in VOTE_KINDS or what != event.what:
+        raise PersonError(f"there is no vote on {event.what!r}", f"one of {', '.join(VOTE_KINDS)}")
     names = {name.casefold().strip(): name for name in known[what]}
     found = []
     for asked in filter(None, (event.first, event.second, event.third, event.fourth)):
@@ -72,9 +72,9 @@ def choices_of(event: events.AskVote, known: dict[str, tuple[str, ...]]) -> tupl
     return tuple(found)
 
 
-def called(what: str, winner: str, time: float) -> list[ControlEvent]:
+def winner_events(kind: str, winner: str, time: float) -> list[ControlEvent]:
     """Return the events that the winner of a vote triggers."""
-    match what:
+    match kind:
         case "step":
             return [events.CallStep(time=time, source=SOURCE, name=winner)]
         case "scene":

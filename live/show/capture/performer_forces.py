@@ -7,17 +7,17 @@ import numpy as np
 from live.clock.timeline import Timeline
 from live.control.events.elements import Attract, Repel
 from live.control.events.groups import Performer
-from live.show.capture.performer import HOLD, Captured
+from live.show.capture.performer import HOLD_S, CapturedPerformer
 from live.show.group.group_motion import GroupMotion
 
-DRAWS_EVERY: Final = 8
+ATTRACT_INTERVAL_TICKS: Final = 8
 """Ticks between updates of an attractor's position."""
-DRAWS_FOR: Final = 1024.0
+MAX_ATTRACT_MEASURES: Final = 1024.0
 """Duration of an attractor [measures]; it ends earlier when the performer's data stop."""
 SOURCE: Final = "mocap"
 
 
-class Presence:
+class PerformerForces:
     """Effects of all performers of one show. Thread: the show's."""
 
     def __init__(self, motion: GroupMotion) -> None:
@@ -28,25 +28,25 @@ class Presence:
         """Count one tick."""
         self._tick += 1
 
-    def touch(self, captured: Captured, time: float, timeline: Timeline, next_line: float) -> None:
+    def update(self, captured: CapturedPerformer, time: float, timeline: Timeline, next_line: float) -> None:
         """Update a performer's obstacle and attractor at `time` [s]; `next_line`: the beat of the next measure line."""
         source = f"{SOURCE} {captured.section.name}"
-        there = time - captured.last <= HOLD
-        x, z = captured.stands(time) if there and (captured.obstacle or captured.attract) else (0.0, 0.0)
+        there = time - captured.last_time <= HOLD_S
+        x, z = captured.position(time) if there and (captured.obstacle or captured.attract) else (0.0, 0.0)
         if there and captured.obstacle and not captured.is_danced:
             self._motion.performers.track(Performer(time=time, source=SOURCE, name=captured.section.name, x=x, z=z))
         sign = np.sign(captured.attract) if there else 0.0
         elements, beat = self._motion.elements, timeline.beat_at(time)
-        if sign != captured.draws:
-            elements.end_of(source, beat)
-            captured.draws = sign
-        if sign and self._tick % DRAWS_EVERY == 0:
+        if sign != captured.attraction_sign:
+            elements.end_source(source, beat)
+            captured.attraction_sign = sign
+        if sign and self._tick % ATTRACT_INTERVAL_TICKS == 0:
             kind = Attract if sign > 0.0 else Repel
             event = kind(
-                time=time, source=source, x=x, z=z, strength=abs(captured.attract), measures=DRAWS_FOR,
+                time=time, source=source, x=x, z=z, strength=abs(captured.attract), measures=MAX_ATTRACT_MEASURES,
                 group=captured.attracts, drag=True,
             )  # fmt: skip
-            elements.act(
+            elements.handle(
                 event, beat=beat, next_line=next_line, beats_per_measure=timeline.beats_per_measure,
                 position=self._motion.state.position,
             )  # fmt: skip

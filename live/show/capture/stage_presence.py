@@ -12,16 +12,16 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.contact_kernels import SOFT_LANDING
+from live.agents.crowd.contact_kernels import EDGE_TIME
 from live.agents.crowd.obstacles import Surroundings
 from live.base.stage_snapshot import StageView
 from live.control.events.events import Performer
 
 LOST_S: Final = 2.0
 """Time [s] without data after which a real dancer counts as gone."""
-FASTEST: Final = 6.0
+MAX_SPEED: Final = 6.0
 """Speed limit [m/s]; faster jumps are tracking errors."""
-PERFORMER: Final = "performer "
+OBSTACLE_PREFIX: Final = "performer "
 """Prefix of real dancers' names among the obstacles."""
 
 
@@ -40,9 +40,9 @@ class Performers:
         if last is not None and event.time - last.time > 1e-3:
             since = event.time - last.time
             velocity = ((event.x - last.x) / since, (event.z - last.z) / since)
-            fast = max(math.hypot(*velocity) / FASTEST, 1.0)
+            fast = max(math.hypot(*velocity) / MAX_SPEED, 1.0)
             velocity = (velocity[0] / fast, velocity[1] / fast)
-        taken = self._surroundings.put_obstacle(_name(event.name), event.x, event.z, self._radius, *velocity)
+        taken = self._surroundings.set_obstacle(_name(event.name), event.x, event.z, self._radius, *velocity)
         if taken:
             self._last[event.name] = event
         return taken
@@ -55,51 +55,51 @@ class Performers:
             del self._last[name]
             self._surroundings.remove(_name(name))
 
-    def show(self, view: StageView) -> None:
+    def mark_obstacles(self, view: StageView) -> None:
         """Mark the snapshot's obstacles that are real dancers: they are not drawn."""
         if self._last:
             for row, name in enumerate(self._surroundings.obstacle_names[: view.obstacle_count]):
-                view.obstacle[row, 3] = not name.startswith(PERFORMER)
+                view.obstacle[row, 3] = not name.startswith(OBSTACLE_PREFIX)
 
 
 def _name(performer: str) -> str:
     """Return the obstacle name of a real dancer; no item of the set has such a name."""
-    return PERFORMER + performer
+    return OBSTACLE_PREFIX + performer
 
 
 Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
-BACK: Final = 1.2
+MAX_RETURN_SPEED: Final = 1.2
 """Maximum speed [m/s] of the return from beyond an edge, after the stage has become smaller: a walk."""
 
 
-class Edges:
+class CanonBounds:
     """Positions of one performer's dancers at the last tick, and their limits. Thread: the show's."""
 
     def __init__(self, half: Float64) -> None:
         """`half` (2,): half width and half depth of the stage [m]; the show updates this array in place."""
         self._half = half
-        self.place: Float64 = np.zeros((0, 2))
+        self.last_position: Float64 = np.zeros((0, 2))
         """Position of each dancer at the last tick [m], (n, 2)."""
         self._time = 0.0
         self._floor: tuple[float, ...] = ()
         self._mirrored = False
 
-    def bent(self, there: Float64, time: float) -> Float64:
+    def correction(self, positions: Float64, time: float) -> Float64:
         """Return the displacement (n, 2) [m] that keeps dancers inside whose paths lead `there` (n, 2) [m] at `time`
         [s]."""
         passed = time - self._time
         if passed <= 0.0:
-            return np.zeros_like(there)
-        speed, half = (there - self.place) / passed, self._half
-        most = (half - self.place) / SOFT_LANDING
-        least = -(half + self.place) / SOFT_LANDING
-        kept = np.minimum(np.maximum(speed, np.minimum(least, BACK)), np.maximum(most, -BACK))
+            return np.zeros_like(positions)
+        speed, half = (positions - self.last_position) / passed, self._half
+        most = (half - self.last_position) / EDGE_TIME
+        least = -(half + self.last_position) / EDGE_TIME
+        kept = np.minimum(np.maximum(speed, np.minimum(least, MAX_RETURN_SPEED)), np.maximum(most, -MAX_RETURN_SPEED))
         return np.asarray((kept - speed) * passed)
 
-    def settle(
-        self, there: Float64, time: float, floor: tuple[float, ...], repeats: Bool, *, mirrored: bool = False
+    def update(
+        self, positions: Float64, time: float, floor: tuple[float, ...], in_canon: Bool, *, mirrored: bool = False
     ) -> Float64:
         """Advance one tick: as `bent`, and store the result; only dancers who `repeats` (n,) are moved.
 
@@ -107,19 +107,19 @@ class Edges:
         acts at once. `mirrored`: whether paths are mirrored; after a change they continue from the last positions.
         """
         if floor != self._floor:
-            way = np.clip(there, -self._half, self._half) - there
+            way = np.clip(positions, -self._half, self._half) - positions
         elif mirrored != self._mirrored:
-            way = self.place - there
+            way = self.last_position - positions
         else:
-            way = self.bent(there, time)
-        way[~repeats] = 0.0
-        self.place, self._time, self._floor, self._mirrored = there + way, time, floor, mirrored
+            way = self.correction(positions, time)
+        way[~in_canon] = 0.0
+        self.last_position, self._time, self._floor, self._mirrored = positions + way, time, floor, mirrored
         return way
 
     def add(self, place: Float64) -> None:
         """Add dancers at `place` (n, 2) [m]."""
-        self.place = np.concatenate([self.place, place])
+        self.last_position = np.concatenate([self.last_position, place])
 
     def keep(self, kept: Bool) -> None:
         """Keep only these dancers, (n,)."""
-        self.place = self.place[kept]
+        self.last_position = self.last_position[kept]

@@ -5,17 +5,17 @@ from pathlib import Path
 
 import numpy as np
 
-from live.base.body_catalogue import USUAL, CharacterFile, Worn
+from live.base.body_catalogue import DEFAULT_BODY, CharacterFile, MaterialOverride
 from live.base.errors import PersonError
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import find_beside
+from live.show.patch.patch_reader import find_resource
 from live.show.patch.section_picture import CharacterSection
 
 _BODIES_SEED = 23
 _CHARACTERS_SEED = 29
 
 
-def files_of(patch: Patch, path: Path) -> tuple[CharacterFile, ...]:
+def character_files(patch: Patch, path: Path) -> tuple[CharacterFile, ...]:
     """Return the patch's characters with their files; `path` is the patch's own. Raises PersonError for missing
     files."""
     return tuple(_file_of(section, number, path) for number, section in enumerate(patch.character))
@@ -23,13 +23,14 @@ def files_of(patch: Patch, path: Path) -> tuple[CharacterFile, ...]:
 
 def _file_of(section: CharacterSection, number: int, path: Path) -> CharacterFile:
     place = ("character", number, "file")
-    found = find_beside(section.file, path)
+    found = find_resource(section.file, path)
     if found is None or not found.is_file():
         raise PersonError(f"there is no file {section.file!r}", f"put it next to {path.name}", place)
     if Path(section.file).is_absolute() or not found.resolve().is_relative_to(path.parent.resolve()):
         raise PersonError(f"{section.file!r} is outside of {path.parent}", "copy it into the patch's folder", place)
     materials = tuple(
-        (name, Worn(changed.colour, changed.sheen, changed.hidden)) for name, changed in section.materials.items()
+        (name, MaterialOverride(changed.colour, changed.sheen, changed.hidden))
+        for name, changed in section.materials.items()
     )
     return CharacterFile(section.name, str(found), tuple(section.joints.items()), materials)
 
@@ -40,14 +41,14 @@ def check_characters(patch: Patch, path: Path) -> None:
         return
     from live.render.characters.character import load_character  # late, as it loads image decoders
 
-    for number, said in enumerate(files_of(patch, path)):
+    for number, said in enumerate(character_files(patch, path)):
         try:
             load_character(said)
         except PersonError as error:
             raise PersonError(error.message, error.remedy, ("character", number, "file")) from None
 
 
-def drawable(patch: Patch, path: Path) -> tuple[CharacterFile, ...]:
+def drawable_characters(patch: Patch, path: Path) -> tuple[CharacterFile, ...]:
     """Return the characters of a patch that can be drawn now. Others are skipped, so that a show can be resumed."""
     if not patch.character:
         return ()
@@ -74,7 +75,7 @@ def bodies_of(patch: Patch) -> tuple[str, ...]:
     chosen = np.random.default_rng([patch.seed, _CHARACTERS_SEED])
     names: list[str] = []
     for group in patch.group:
-        bodies = group.bodies or (USUAL,)
+        bodies = group.bodies or (DEFAULT_BODY,)
         drawn = [bodies[index] for index in chance.integers(len(bodies), size=group.dancers).tolist()]
         worn = [each.name for each in patch.character if _wears(each, group.name)]
         if worn:

@@ -12,20 +12,20 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.entrances.entrances import ON
-from live.agents.separation.collision_prediction_kernels import find_lacks, find_threatened
-from live.agents.separation.path_separation import PathParting
-from live.agents.separation.path_separation_kernels import walk_on
+from live.agents.separation.collision_prediction_kernels import escape_margins, predict_collisions
+from live.agents.separation.path_separation import PathSeparation
+from live.agents.separation.path_separation_kernels import extrapolate_paths
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
-from live.graph.node_features import PER_BEAT
+from live.graph.node_features import MOMENTS_PER_BEAT
 from live.graph.select.candidates import turn_vectors
-from live.motion.pose.inertialization_kernels import LONGEST
-from live.show.dancers.correction_update import Coming
+from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
+from live.show.dancers.correction_update import NextCorrection
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.root_correction import Carried
+from live.show.dancers.root_correction import RootCorrection
 from live.show.group.group_motion import GroupMotion
 from live.show.measure_span import MeasureSpan
-from live.show.selection.clip_cut import Cutting, Moment
+from live.show.selection.clip_cut import ClipCutter, Moment
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -33,45 +33,45 @@ Int64 = npt.NDArray[np.int64]
 Cut = Callable[[Moment, Int32, MeasureSpan, Timeline], None]
 """Switches the dancers of a moment to other nodes, (n,), from now on."""
 
-AHEAD: Final = (0.4, 0.8)
+PREDICTION_SECONDS: Final = (0.4, 0.8)
 """Prediction times [s]. Collisions between dancers are checked at the first, those with obstacles and performers, which
 no plan includes, at all of them."""
-GLANCE_TICKS: Final = 2
+PREDICTION_TICKS: Final = 2
 """Ticks from one prediction to the next: all dancers are checked at every fourth tick."""
-AT_ONCE: Final = 4
+MAX_CUTS_PER_TICK: Final = 4
 """Most dancers who may leave their step in one tick. Others are found again at the next check."""
-GRAZE: Final = 0.03
+OBSTACLE_TOLERANCE: Final = 0.03
 """Overlap with obstacles and performers [m] that is tolerated before a dancer leaves the step."""
-SLACK: Final = 0.2
+DANCER_TOLERANCE: Final = 0.2
 """Overlap of two dancers [m] that root correction and pushing resolve without a change of step."""
-WAY_OUT: Final = 8
+ESCAPE_QUARTERS: Final = 8
 """Quarters of a beat over which an escape path is judged."""
 NEAR: Final = 3.0
 """Dancers farther away than this [m] are ignored."""
 MARGIN: Final = 0.15
 """Clearance that an escape path should keep [m]. The worst and the mean shortfall are added."""
-CLOSE: Final = 6.0
+SHORTFALL_WEIGHT: Final = 6.0
 """Weight of a metre of shortfall, relative to a metre between bodies."""
-WAY: Final = 1.0
+TARGET_WEIGHT: Final = 1.0
 """Weight of a metre between an escape path's end and the dancer's target, relative to a metre between bodies."""
-GAIN: Final = 0.06
+MIN_GAIN: Final = 0.06
 """Least reduction of the shortfall [m] for which a dancer leaves the step."""
 
 
-class Avoiding:
+class CollisionAvoidance:
     """Predicts collisions and makes dancers leave their steps. `tick` is called once a tick."""
 
     def __init__(
-        self, dancers: Dancers, motion: GroupMotion, sent: Callable[[], Float64], cutting: Cutting, cut: Cut
+        self, dancers: Dancers, motion: GroupMotion, targets: Callable[[], Float64], cutting: ClipCutter, cut: Cut
     ) -> None:
         """`sent` returns the targets of all dancers for the measure's end, (A, 2) [m]; `cutting` finds candidates, and
         `cut` applies them."""
         count = len(motion.casting.group)
-        self._half_stage = motion.floor.half  # the same array for the whole show
-        self._dancers, self._motion, self._sent = dancers, motion, sent
+        self._half_stage = motion.stage_area.half  # the same array for the whole show
+        self._dancers, self._motion, self._targets = dancers, motion, targets
         self._cutting, self._cut = cutting, cut
-        self._ways: Float64 = np.zeros((len(AHEAD) + 1, count, 2))
-        self._things: Float64 = np.zeros((len(AHEAD) + 1, len(motion.surroundings.obstacles), 2))
+        self._ways: Float64 = np.zeros((len(PREDICTION_SECONDS) + 1, count, 2))
+        self._things: Float64 = np.zeros((len(PREDICTION_SECONDS) + 1, len(motion.surroundings.obstacles), 2))
         self._tick = -1
         self._met: Float64 = np.zeros(count)
         self._waiting: list[int] = []  # dancers with a predicted collision, the earliest first
@@ -80,96 +80,98 @@ class Avoiding:
 
     def tick(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
         """Predict at every second tick, each time farther ahead; after the last prediction, select who must leave."""
-        self._tick = (self._tick + 1) % (GLANCE_TICKS * len(AHEAD))
-        k, rest = divmod(self._tick, GLANCE_TICKS)
+        self._tick = (self._tick + 1) % (PREDICTION_TICKS * len(PREDICTION_SECONDS))
+        k, rest = divmod(self._tick, PREDICTION_TICKS)
         if not rest:
-            self._look(k, span, timeline, time)
-            if k == len(AHEAD) - 1:
-                self._judge()
-        now, self._waiting = self._waiting[:AT_ONCE], self._waiting[AT_ONCE:]
+            self._predict(k, span, timeline, time)
+            if k == len(PREDICTION_SECONDS) - 1:
+                self._select_threatened()
+        now, self._waiting = self._waiting[:MAX_CUTS_PER_TICK], self._waiting[MAX_CUTS_PER_TICK:]
         for row in now:
-            self._leave(row, span, timeline, time)
+            self._avoid(row, span, timeline, time)
 
-    def _look(self, k: int, span: MeasureSpan, timeline: Timeline, time: float) -> None:
+    def _predict(self, k: int, span: MeasureSpan, timeline: Timeline, time: float) -> None:
         """Predict the hips of all dancers at the moment `k` of AHEAD."""
         if k == 0:
-            self._ways[0] = self._dancers.shown
+            self._ways[0] = self._dancers.drawn_hips
         if k == 0 or self._motion.surroundings.obstacle_count:  # only obstacles need later moments
-            ahead = AHEAD[k] - GLANCE_TICKS * TICK * k  # counted from the first prediction
-            self._ways[k + 1] = self._dancers.ahead(span.fraction(timeline.beat_at(time + ahead)))
+            ahead = PREDICTION_SECONDS[k] - PREDICTION_TICKS * TICK * k  # counted from the first prediction
+            self._ways[k + 1] = self._dancers.predicted_hips(span.fraction(timeline.beat_at(time + ahead)))
 
-    def _judge(self) -> None:
+    def _select_threatened(self) -> None:
         """Queue the dancers who must leave their step."""
         around, model = self._motion.surroundings, self._motion.model
         things, count = around.obstacles, around.obstacle_count
-        for n, seconds in enumerate((0.0, *AHEAD) if count else ()):
+        for n, seconds in enumerate((0.0, *PREDICTION_SECONDS) if count else ()):
             self._things[n, :count] = things[:count, :2] + seconds * things[:count, 3:5]
-        free = (self._motion.entrances.state == ON) & (self._motion.partners.of < 0)
-        find_threatened(
+        free = (self._motion.entrances.state == ON) & (self._motion.partners.partner < 0)
+        predict_collisions(
             self._ways, model.radius, model.responsibility * free, self._motion.present,
-            self._ways[0, :, 0].argsort(), self._things, things[:, 2] + np.float32(SLACK - GRAZE),
-            count, SLACK, self._met,
+            self._ways[0, :, 0].argsort(), self._things, things[:, 2] + np.float32(DANCER_TOLERANCE - OBSTACLE_TOLERANCE),
+            count, DANCER_TOLERANCE, self._met,
         )  # fmt: skip
         self._waiting = []
         if self._met.max(initial=0.0) > 0.0:
             # dancers after a cut are escaping already; partners stay together and are moved by correction or pushing
-            rows = np.flatnonzero((self._met > 0.0) & free & ~self._dancers.inertia.settling_now)
+            rows = np.flatnonzero((self._met > 0.0) & free & ~self._dancers.inertia.fading)
             self._waiting = rows[np.argsort(self._met[rows], kind="stable")].tolist()
 
-    def _leave(self, row: int, span: MeasureSpan, timeline: Timeline, time: float) -> None:
+    def _avoid(self, row: int, span: MeasureSpan, timeline: Timeline, time: float) -> None:
         """Cut dancer `row` to the step with the best escape path, if it improves the clearance enough."""
-        if self._dancers.inertia.age[row] < LONGEST or self._motion.entrances.state[row] != ON:
+        if self._dancers.inertia.age[row] < MAX_FADE_TIME or self._motion.entrances.state[row] != ON:
             return  # changed while queued
         apart = np.hypot(*(self._ways[0] - self._ways[0, row]).T)
         near = self._motion.present & (apart < NEAR)
         near[row] = False
         who = np.flatnonzero(near)
-        out = self._out(np.concatenate([[row], who]), span, timeline, time)
+        out = self._predicted_paths(np.concatenate([[row], who]), span, timeline, time)
         others = self._others(row, who, out[:, 1:], timeline.tempo)
-        stays = _trouble_of(out[:, :1], others)[0]
-        if stays <= GAIN:
+        stays = _shortfall(out[:, :1], others)[0]
+        if stays <= MIN_GAIN:
             return  # no escape can reduce this by GAIN
         moment = Moment(self._dancers, np.array([row], np.int32), span, timeline, time)
         nodes = self._cutting.candidates()
-        trouble = self._trouble(moment, nodes, others)
-        cost = self._cutting.distances(moment, nodes)[0] + CLOSE * trouble
+        trouble = self._escape_shortfall(moment, nodes, others)
+        cost = self._cutting.distances(moment, nodes)[0] + SHORTFALL_WEIGHT * trouble
         ends = self._ends(moment, nodes)
-        cost += CLOSE * np.hypot(*np.maximum(np.abs(ends) - self._half_stage, 0.0).T)
-        cost += WAY * np.hypot(*(ends - self._sent()[row]).T)
+        cost += SHORTFALL_WEIGHT * np.hypot(*np.maximum(np.abs(ends) - self._half_stage, 0.0).T)
+        cost += TARGET_WEIGHT * np.hypot(*(ends - self._targets()[row]).T)
         best = int(np.argmin(cost))
-        if trouble[best] < stays - GAIN:
+        if trouble[best] < stays - MIN_GAIN:
             self._cut(moment, nodes[best : best + 1], span, timeline)
             self.count += 1
 
-    def _out(self, rows: Int64, span: MeasureSpan, timeline: Timeline, time: float) -> Float64:
-        """Predict the dancers `rows` (n,) in the next quarters of a beat without changes, (WAY_OUT, n, 2) [m]."""
+    def _predicted_paths(self, rows: Int64, span: MeasureSpan, timeline: Timeline, time: float) -> Float64:
+        """Predict the dancers `rows` (n,) in the next quarters of a beat without changes, (ESCAPE_QUARTERS, n, 2) [m]."""
         beat = timeline.beat_at(time)
-        quarters = np.arange(1, WAY_OUT + 1) / PER_BEAT
-        return np.stack([self._dancers.ahead(span.fraction(beat + quarter), rows) for quarter in quarters.tolist()])
+        quarters = np.arange(1, ESCAPE_QUARTERS + 1) / MOMENTS_PER_BEAT
+        return np.stack(
+            [self._dancers.predicted_hips(span.fraction(beat + quarter), rows) for quarter in quarters.tolist()]
+        )
 
     def _others(self, row: int, who: Int64, out: Float64, tempo: float) -> Float64:
-        """Return positions and contact distances of all others near `row`: x, z, distance [m], (M, WAY_OUT, 3).
+        """Return positions and contact distances of all others near `row`: x, z, distance [m], (M, ESCAPE_QUARTERS, 3).
 
-        The others are the dancers `who` (n,), predicted at `out` (WAY_OUT, n, 2) [m], and the obstacles.
+        The others are the dancers `who` (n,), predicted at `out` (ESCAPE_QUARTERS, n, 2) [m], and the obstacles.
         """
         model, around = self._motion.model, self._motion.surroundings
         things = around.obstacles[: around.obstacle_count].astype(np.float64)
-        seconds = np.arange(1, WAY_OUT + 1)[:, None, None] / PER_BEAT * 60.0 / tempo
-        found = np.empty((WAY_OUT, len(who) + len(things), 3))
+        seconds = np.arange(1, ESCAPE_QUARTERS + 1)[:, None, None] / MOMENTS_PER_BEAT * 60.0 / tempo
+        found = np.empty((ESCAPE_QUARTERS, len(who) + len(things), 3))
         found[:, : len(who), :2] = out
         found[:, len(who) :, :2] = things[:, :2] + seconds * things[:, 3:5]
         found[:, :, 2] = np.concatenate([model.radius[who], things[:, 2]]) + model.radius[row]
         return found.transpose(1, 0, 2)
 
-    def _trouble(self, moment: Moment, nodes: Int32, others: Float64) -> Float64:
+    def _escape_shortfall(self, moment: Moment, nodes: Int32, others: Float64) -> Float64:
         """Return the clearance shortfall [m] of an escape through each of `nodes` (C,), (C,)."""
         moments = self._dancers.graph.moments
         now = int(moments.at(moment.phase)[0])
-        at = np.minimum(now + np.arange(1, WAY_OUT + 1), moments.hips.shape[1] - 1)
+        at = np.minimum(now + np.arange(1, ESCAPE_QUARTERS + 1), moments.hips.shape[1] - 1)
         turn = moment.facing[0] - moments.facing[nodes, now]
         way = moments.hips[nodes[:, None], at] - moments.hips[nodes, now][:, None]
         place = moment.hips[0] + turn_vectors(way, np.broadcast_to(turn[:, None], way.shape[:2]))
-        return _trouble_of(place.transpose(1, 0, 2), others)
+        return _shortfall(place.transpose(1, 0, 2), others)
 
     def _ends(self, moment: Moment, nodes: Int32) -> Float64:
         """Return where the measure would end with each of `nodes` (C,), (C, 2) [m]."""
@@ -179,11 +181,11 @@ class Avoiding:
         return np.asarray(moment.hips[0] + turn_vectors(moments.hips[nodes, -1] - moments.hips[nodes, now], turn))
 
 
-def _trouble_of(ways: Float64, others: Float64) -> Float64:
-    """Return the shortfall of each of `ways` (WAY_OUT, C, 2) from MARGIN to the `others` (M, WAY_OUT, 3) [m]: the sum
+def _shortfall(ways: Float64, others: Float64) -> Float64:
+    """Return the shortfall of each of `ways` (ESCAPE_QUARTERS, C, 2) from MARGIN to the `others` (M, ESCAPE_QUARTERS, 3) [m]: the sum
     of the worst and the mean, (C,)."""
     lacks = np.empty(ways.shape[1])
-    find_lacks(lacks, np.ascontiguousarray(ways), np.ascontiguousarray(others), MARGIN)
+    escape_margins(lacks, np.ascontiguousarray(ways), np.ascontiguousarray(others), MARGIN)
     return lacks
 
 
@@ -194,12 +196,14 @@ PUSH_MARGIN: Final = 0.1
 PUSH_STIFFNESS: Final = 24.0
 
 
-class Pushing:
+class ContactResolver:
     """Pushes apart dancers who are about to touch, and displaces their measures and paths."""
 
-    def __init__(self, carried: Carried, coming: Coming, parting: PathParting) -> None:
-        self._carried, self._coming, self._parting = carried, coming, parting
-        count = len(carried.node)
+    def __init__(
+        self, correction: RootCorrection, next_correction: NextCorrection, path_separation: PathSeparation
+    ) -> None:
+        self._correction, self._next_correction, self._path_separation = correction, next_correction, path_separation
+        count = len(correction.node)
         self._soon = np.zeros((len(PUSH_AHEAD), count, 2), np.float32)
         self._fractions = np.zeros(1 + len(PUSH_AHEAD))
         self.count = 0
@@ -207,30 +211,34 @@ class Pushing:
 
     def tick(self, fraction: float, rate: float) -> None:
         """Advance by one tick at `fraction` of the measure, which advances at `rate` [1/s]."""
-        carried, dancers = self._carried, self._carried.dancers
-        paths, present, then, later = carried.paths, dancers.present, self._coming.paths, dancers.coming
+        carried, dancers = self._correction, self._correction.dancers
+        paths, present, then, later = carried.paths, dancers.present, self._next_correction.paths, dancers.coming
         self._fractions[:] = fraction
         self._fractions[1:] += PUSH_AHEAD * rate
-        walk_on(
-            paths.path, paths.share, present.correction, present.aimed,
-            then.path, then.share, later.correction, later.aimed,
-            dancers.decided and self._coming.traced, dancers.graph.window,
-            self._fractions, dancers.shown, self._soon,
+        extrapolate_paths(
+            paths.path, paths.share, present.correction, present.aim_origin,
+            then.path, then.share, later.correction, later.aim_origin,
+            dancers.decided and self._next_correction.traced, dancers.graph.window,
+            self._fractions, dancers.drawn_hips, self._soon,
         )  # fmt: skip
-        moved = self._parting.push(dancers.shown, self._soon, margin=PUSH_MARGIN, stiffness=PUSH_STIFFNESS, dt=TICK)
+        moved = self._path_separation.push_apart(
+            dancers.drawn_hips, self._soon, margin=PUSH_MARGIN, stiffness=PUSH_STIFFNESS, dt=TICK
+        )
         if moved is not None:
-            self._move(moved)
+            self._displace(moved)
 
-    def _move(self, moved: Float64) -> None:
+    def _displace(self, displacement: Float64) -> None:
         """Displace the measures of all dancers, and all state derived from them, by `moved` (A, 2) [m]."""
-        carried, coming, dancers = self._carried, self._coming, self._carried.dancers
-        carried.motion.partners.move(moved, dancers.shown)
-        carried.keep_on_stage(moved, dancers.shown.astype(np.float64), np.maximum(carried.room, np.abs(dancers.shown)))
-        moved[np.abs(moved) < 1e-7] = 0.0
-        self.count += int(np.count_nonzero(moved.any(axis=1)))
+        carried, coming, dancers = self._correction, self._next_correction, self._correction.dancers
+        carried.motion.partners.share_push(displacement, dancers.drawn_hips)
+        carried.keep_on_stage(
+            displacement, dancers.drawn_hips.astype(np.float64), np.maximum(carried.room, np.abs(dancers.drawn_hips))
+        )
+        displacement[np.abs(displacement) < 1e-7] = 0.0
+        self.count += int(np.count_nonzero(displacement.any(axis=1)))
         for danced in dancers.measures():
-            danced.placement[:, :2] += moved
+            danced.placement[:, :2] += displacement
         for place in (carried.begin, carried.end, coming.end):
-            place += moved
+            place += displacement
         for paths in (carried.paths, coming.paths):
-            paths.path += moved[:, None].astype(np.float32)
+            paths.path += displacement[:, None].astype(np.float32)

@@ -6,22 +6,22 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.entrances.entrances import ON
-from live.agents.separation.path_separation import PathParting, Paths
+from live.agents.separation.path_separation import Paths, PathSeparation
 from live.clock.ticks import TICK
-from live.motion.pose.root_warp import MOST_HELD
+from live.motion.pose.root_warp import MAX_HELD_SHIFT
 from live.motion.pose.root_warp_kernels import (
-    DODGE,
+    DESIRED,
     PLAN,
-    WISH,
+    SEPARATION,
+    apply_desired,
+    apply_goals,
+    desire_corrections,
     follow_goals,
-    limit_wishes,
-    stray_wishes,
-    take_goals,
-    take_wishes,
+    limit_desired,
 )
-from live.show.dancers.hip_path_prediction import trace
-from live.show.dancers.measure_state import LEAST_LEFT
-from live.show.dancers.root_correction import Carried, runs
+from live.show.dancers.hip_path_prediction import trace_paths
+from live.show.dancers.measure_state import MIN_REMAINING_WARP
+from live.show.dancers.root_correction import RootCorrection, consecutive_slices
 from live.show.group.group_motion import LEASH
 
 Float64 = npt.NDArray[np.float64]
@@ -29,29 +29,29 @@ Int64 = npt.NDArray[np.int64]
 
 TRACE_TICKS: Final = 8
 """Ticks after the decision over which the coming paths are traced."""
-EASE: Final = 0.2
+EASE_SHARE: Final = 0.2
 """Share by which corrections return to the decided ones in the first round of separation, so that no dancer keeps a
 larger detour than necessary."""
-EASED: Final = 0.9
+EASE_DECAY: Final = 0.9
 """Factor of that share from round to round: in the end separation prevails over the decision."""
 
 
-class Coming:
-    """Correction state of the next measure. At the line it is moved into `Carried`, that of the present one."""
+class NextCorrection:
+    """Correction state of the next measure. At the line it is moved into `RootCorrection`, that of the present one."""
 
-    def __init__(self, carried: Carried, parting: PathParting, most: float) -> None:
+    def __init__(self, correction: RootCorrection, path_separation: PathSeparation, max_correction: float) -> None:
         """`most` [m]: largest correction; 0 for none."""
-        count = len(carried.node)
-        self._carried, self._parting, self.most = carried, parting, most
+        count = len(correction.node)
+        self._correction, self._path_separation, self.max_correction = correction, path_separation, max_correction
         self.paths = Paths(count)
         self.end: Float64 = np.zeros((count, 2))
         """End of the measure without correction [m], (A, 2)."""
         self.target, self.wish = np.zeros((2, count, 2))
         """Targets within the steps' reach, and predicted agents [m], (A, 2) each."""
-        self.room: Float64 = carried.room.copy()
-        """As in `Carried`, for the coming measure."""
+        self.room: Float64 = correction.room.copy()
+        """As in `RootCorrection`, for the coming measure."""
         self._traced = 0
-        self.fresh = False
+        self.just_decided = False
         """Whether this is the tick of the decision."""
         self._goal, self._plan = np.zeros((2, count, 2))
         self._ease = 0.0
@@ -62,107 +62,109 @@ class Coming:
         """Whether all paths are traced."""
         return self._traced >= len(self.end)
 
-    def decided(self, begin: Float64, target: Float64, wish: Float64) -> None:
+    def accept_decision(self, begin: Float64, target: Float64, wish: Float64) -> None:
         """Accept the chosen measure, which begins at `begin` (A, 2) [m]; other parameters as the attributes."""
         self.target[:], self.wish[:] = target, wish
-        self.room[:] = np.maximum(self._carried.motion.floor.half, np.abs(begin))
-        self._traced, self.fresh = 0, True
+        self.room[:] = np.maximum(self._correction.motion.stage_area.half, np.abs(begin))
+        self._traced, self.just_decided = 0, True
 
-    def put_elsewhere(self, who: Int64) -> None:
+    def replace_measures(self, who: Int64) -> None:
         """Update the dancers `who` (n,) whose present measures were replaced: their coming ones begin elsewhere."""
-        self._plan[who] = self._carried.dancers.coming.correction[who, :2]
-        for some in runs(who[who < self._traced]):
-            trace(self.paths, self._carried.dancers, self._carried.dancers.coming, some)
+        self._plan[who] = self._correction.dancers.coming.correction[who, :2]
+        for some in consecutive_slices(who[who < self._traced]):
+            trace_paths(self.paths, self._correction.dancers, self._correction.dancers.coming, some)
 
-    def tick(self, *, part: bool) -> None:
+    def tick(self, *, separate: bool) -> None:
         """Trace a piece of the paths; once all are traced, run a round of separation if `part` is true."""
-        carried, dancers, count = self._carried, self._carried.dancers, len(self.end)
+        carried, dancers, count = self._correction, self._correction.dancers, len(self.end)
         coming = dancers.coming
-        if self.fresh:  # limits the load of the tick of the decision
-            self.fresh = False
+        if self.just_decided:  # limits the load of the tick of the decision
+            self.just_decided = False
             return
         if self._traced < count:
             piece = slice(self._traced, min(self._traced + -(-count // TRACE_TICKS), count))
-            trace(self.paths, dancers, coming, piece)
+            trace_paths(self.paths, dancers, coming, piece)
             self._traced = piece.stop
             if self._traced == count:
-                self._plan[:], self._ease = coming.correction[:, :2], EASE
-            if self._traced == count and self.most > 0.0:
-                carried.allow(np.minimum(dancers.graph.node_give[coming.node], self.most))
+                self._plan[:], self._ease = coming.correction[:, :2], EASE_SHARE
+            if self._traced == count and self.max_correction > 0.0:
+                carried.set_reach_margin(np.minimum(dancers.graph.node_reach_margin[coming.node], self.max_correction))
             return
-        if not part:
+        if not separate:
             return
         goal = self._goal
         goal[:] = coming.correction[:, :2]
         goal += self._ease * (self._plan - goal)
-        self._ease *= EASED
-        self._parting.part(self.paths, goal, coming.aimed, carried.most)
-        carried.level(goal, self.end, coming=True)
+        self._ease *= EASE_DECAY
+        self._path_separation.separate(self.paths, goal, coming.aim_origin, carried.max_separation)
+        carried.align_partner_ends(goal, self.end, coming=True)
         carried.keep_on_stage(goal, self.end, self.room)
         coming.correction[:, :2] = goal
 
     def cross_measure_line(self) -> None:
         """Make the coming measure the present one. The path arrays are swapped."""
-        carried = self._carried
-        carried.asked[:], carried.foreseen[:], carried.room[:] = self.target, self.wish, self.room
+        carried = self._correction
+        carried.target_at_decision[:], carried.agent_at_decision[:], carried.room[:] = self.target, self.wish, self.room
         if self.traced:
             carried.paths, self.paths = self.paths, carried.paths
             carried.node[:] = carried.dancers.coming.node
             carried.end[:] = self.end
 
 
-FAITHFUL: Final = 0.4
+MIN_CORRECTION_SHARE: Final = 0.4
 """Largest correction at obedience 0, as a share of the legs' reach margin."""
-DEAF: Final = 0.08
+DEAD_ZONE: Final = 0.08
 """Dead zone [m]: a smaller deviation of an agent from the dancer's plan causes no re-aiming."""
-GO_BACK: Final = 0.03
+DETOUR_DECAY: Final = 0.03
 """Decay of detours per tick. Separation restores a detour that is still needed in the same tick, so dancers return to
 their targets once they have passed each other."""
 AIM_RATE: Final = 14.0
 """Rate at which a correction follows its goal, critically damped [1/s]."""
 
 
-class ReAiming:
+class CorrectionUpdate:
     """Recomputes the corrections within the present measure."""
 
-    def __init__(self, carried: Carried, parting: PathParting, most: float) -> None:
+    def __init__(self, correction: RootCorrection, path_separation: PathSeparation, max_correction: float) -> None:
         """`most` [m]: largest correction."""
-        self._carried, self._parting, self.most = carried, parting, most
-        self._phase = np.zeros(len(carried.node))
+        self._correction, self._path_separation, self.max_correction = correction, path_separation, max_correction
+        self._phase = np.zeros(len(correction.node))
 
     def tick(self, fraction: float, *, aim: bool) -> None:
         """Advance by one tick at `fraction` of the measure; recompute the goals only if `aim` is true."""
-        carried, dancers = self._carried, self._carried.dancers
+        carried, dancers = self._correction, self._correction.dancers
         if dancers.decided:
             return
         present = dancers.present
         dancers.variation.phases(self._phase, fraction, present.warp)
         if aim:
-            self._aim_anew(fraction)
+            self._recompute_goals(fraction)
         follow_goals(
-            carried.rows, present.correction, present.aimed, self._phase, present.node, dancers.graph.node_rise,
-            AIM_RATE, TICK, LEAST_LEFT,
+            carried.rows, present.correction, present.aim_origin, self._phase, present.node, dancers.graph.node_warp_curve,
+            AIM_RATE, TICK, MIN_REMAINING_WARP,
         )  # fmt: skip
 
-    def _aim_anew(self, fraction: float) -> None:
+    def _recompute_goals(self, fraction: float) -> None:
         """Recompute the corrections' goals from the decided ones, the agents' deviations and path separation."""
-        carried, dancers, rows = self._carried, self._carried.dancers, self._carried.rows
+        carried, dancers, rows = self._correction, self._correction.dancers, self._correction.rows
         present, graph, variation = dancers.present, dancers.graph, dancers.variation
-        if variation.obeys:
+        if variation.any_obedience:
             position, state = carried.motion.state.position, carried.motion.entrances.state
-            obedience, late, share = variation.obedience, variation.late, min(fraction, 1.0)
-            stray_wishes(rows, position, obedience, late, dancers.shown, share, DEAF, LEASH)
-            limit_wishes(
-                rows, present.placement, present.correction, present.node, graph.node_gives, graph.node_holds,
-                dancers.lock.state, FAITHFUL + (1.0 - FAITHFUL) * variation.obedience, self.most, MOST_HELD,
+            obedience, late, share = variation.obedience, variation.delays, min(fraction, 1.0)
+            desire_corrections(rows, position, obedience, late, dancers.drawn_hips, share, DEAD_ZONE, LEASH)
+            limit_desired(
+                rows, present.placement, present.correction, present.node, graph.node_reach_margins, graph.node_lift_shares,
+                dancers.lock.state, MIN_CORRECTION_SHARE + (1.0 - MIN_CORRECTION_SHARE) * variation.obedience, self.max_correction, MAX_HELD_SHIFT,
                 state, ON, carried.room,
             )  # fmt: skip
         else:
-            rows[WISH] = rows[PLAN]
-        led = present.correction, present.aimed, self._phase, present.node, graph.node_rise
-        rows[DODGE] *= 1.0 - GO_BACK
-        take_wishes(rows, *led, carried.most, LEAST_LEFT)
-        self._parting.part(carried.paths, carried.goal, present.aimed, carried.most, place=fraction)
-        carried.level(carried.goal, carried.end, coming=False)
+            rows[DESIRED] = rows[PLAN]
+        led = present.correction, present.aim_origin, self._phase, present.node, graph.node_warp_curve
+        rows[SEPARATION] *= 1.0 - DETOUR_DECAY
+        apply_desired(rows, *led, carried.max_separation, MIN_REMAINING_WARP)
+        self._path_separation.separate(
+            carried.paths, carried.goal, present.aim_origin, carried.max_separation, place=fraction
+        )
+        carried.align_partner_ends(carried.goal, carried.end, coming=False)
         carried.keep_on_stage(carried.goal, carried.end, carried.room)
-        take_goals(rows, *led, carried.hasty, LEAST_LEFT)
+        apply_goals(rows, *led, carried.speed_limit, MIN_REMAINING_WARP)

@@ -4,9 +4,9 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.motion.pose.gather_kernels import ask_dancers, clip_hips, standing_feet
+from live.motion.pose.gather_kernels import clip_hips, gather_dancers, standing_feet
 from live.motion.pose.pose_pipeline import PosePipeline
-from live.show.dancers.measure_state import Danced, turn_vectors
+from live.show.dancers.measure_state import MeasureState, turn_vectors
 from live.show.dancers.variation import Variation
 
 Float32 = npt.NDArray[np.float32]
@@ -16,18 +16,18 @@ Bool = npt.NDArray[np.bool_]
 Rows = npt.NDArray[np.int64]
 
 
-class Dancing:
+class CurrentMeasures:
     """The past, the present and the next measure of A dancers."""
 
     def __init__(self, graph: MotionGraph, variation: Variation, dancer_count: int) -> None:
         self.graph = graph
         self.variation = variation
-        self.past, self.present, self.coming = (Danced(graph, dancer_count) for _ in range(3))
+        self.past, self.present, self.coming = (MeasureState(graph, dancer_count) for _ in range(3))
         self._pipeline = PosePipeline(dancer_count)
         self._everybody = np.arange(dancer_count)
         self._phase = np.zeros(dancer_count)
 
-    def take_graph(self, graph: MotionGraph) -> None:
+    def set_graph(self, graph: MotionGraph) -> None:
         """Switch to a graph in which all nodes of the old one keep their indices."""
         self.graph = graph
         for danced in (self.past, self.present, self.coming):
@@ -48,11 +48,11 @@ class Dancing:
         self.past, self.present, self.coming = self.present, self.coming, self.past
         self.coming.undecide()
 
-    def measures(self) -> tuple[Danced, Danced, Danced]:
+    def measures(self) -> tuple[MeasureState, MeasureState, MeasureState]:
         """The past, the present and the next measure, indexed by the first result of `whose`."""
         return self.past, self.present, self.coming
 
-    def whose(self, fraction: float) -> tuple[Int32, Float64]:
+    def measure_and_phase(self, fraction: float) -> tuple[Int32, Float64]:
         """Index in `measures` of each dancer's measure, (A,), and the phase in it, (A,)."""
         phase = self.phases(fraction)
         which = 1 - ((phase < 0.0) & (self.past.node >= 0)) + ((phase > 1.0) & self.decided)
@@ -65,13 +65,13 @@ class Dancing:
         sample = np.floor(first + fraction * (library.node_last[danced.node] - first)).astype(np.int64)
         root = library.clip_root[sample][:, (0, 2)].astype(np.float64)
         place = np.empty((len(root), 4))
-        danced.turned(np.full(len(root), fraction), place)
+        danced.placements_at(np.full(len(root), fraction), place)
         return np.ascontiguousarray(place[:, :2] + turn_vectors(root, place[:, 2]), np.float32)
 
-    def ahead(self, fraction: float, rows: Rows | None = None) -> Float64:
+    def predicted_hips(self, fraction: float, rows: Rows | None = None) -> Float64:
         """Hips at `fraction` of the measure as the clips have them [m], time warps and transitions included: of all
         dancers, (A, 2), or of `rows` (n,), (n, 2)."""
-        self._ask(fraction, rows)
+        self._request_samples(fraction, rows)
         rows = self._everybody if rows is None else rows
         pipeline, out = self._pipeline, np.empty((len(rows), 2))
         clip_hips(out, rows, pipeline.sample, pipeline.placement, pipeline.share, self.graph.library.clip_root)
@@ -82,14 +82,14 @@ class Dancing:
 
         During a blend, a foot counts only if both clips have it on the floor.
         """
-        self._ask(fraction)
+        self._request_samples(fraction)
         out = np.empty((len(self._everybody), 2), np.bool_)
         standing_feet(out, self._pipeline.sample, self._pipeline.share, self.graph.library.clip_contact)
         return out
 
     # -- sample requests to the pose pipeline ------------------------------------------------------------------
 
-    def _ask(self, fraction: float, rows: Rows | None = None) -> None:
+    def _request_samples(self, fraction: float, rows: Rows | None = None) -> None:
         """Fill the pose pipeline's requests (samples, placements, weights) at `fraction` of the measure, for all
         dancers or for `rows` (n,)."""
         present, phase = self.present, self._phase if rows is None else np.empty(len(rows))
@@ -113,16 +113,16 @@ class Dancing:
         return phase
 
     def _fill(
-        self, rows: npt.NDArray[np.int64], own: Danced, then: Danced | None, phase: Float64, fraction: float
+        self, rows: npt.NDArray[np.int64], own: MeasureState, then: MeasureState | None, phase: Float64, fraction: float
     ) -> None:
         """Fill the requests of dancers who are at `phase` (n,) of the measure `own`, with `then` after it."""
         graph, pipeline, after = self.graph, self._pipeline, own if then is None else then
         library = graph.library
-        ask_dancers(
+        gather_dancers(
             rows, phase, fraction, graph.window, then is not None,
-            own.node, own.placement, own.correction, own.aimed, own.on_support, own.take, own.take_share, own.amplitude,
+            own.node, own.placement, own.correction, own.aim_origin, own.on_support, own.take, own.take_share, own.amplitude,
             after.node, after.placement, after.take, after.take_share, after.amplitude,
             library.node_first, library.node_last, library.node_lead, graph.node_start, graph.node_facing_start,
-            graph.node_turns, graph.node_rise,
+            graph.node_turns, graph.node_warp_curve,
             pipeline.sample, pipeline.placement, pipeline.share, pipeline.mean, pipeline.amplitude,
         )  # fmt: skip

@@ -4,24 +4,24 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.candidates import begun
+from live.graph.select.candidates import starting_placement
 from live.motion.foot_contact import TOES_OVER_SOLE
-from live.motion.pose.foot_lock import LEG_JOINTS, FootLock, Landing
-from live.motion.pose.foot_lock_kernels import hold_where_wanted
-from live.motion.pose.gather_kernels import clear_feet
-from live.motion.pose.hand_hold import Hands
-from live.motion.pose.inertialization import Inertia
-from live.motion.pose.inertialization_kernels import LONGEST
+from live.motion.pose.foot_lock import LEG_JOINTS, CutFootLift, FootLock
+from live.motion.pose.foot_lock_kernels import mask_contacts
+from live.motion.pose.gather_kernels import set_clearance
+from live.motion.pose.hand_hold import HandHolds
+from live.motion.pose.inertialization import Inertialization
+from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
 from live.motion.pose.pose_pipeline import PosePipeline, PoseSkeleton
 from live.motion.skeleton import JOINT_COUNT, SOLE_BELOW_ANKLE
 from live.motion.texture.live_bank import TextureBank
-from live.show.capture.performer import Captured
-from live.show.dancers.current_measure import Dancing
-from live.show.dancers.live_texture import Texturing
+from live.show.capture.performer import CapturedPerformer
+from live.show.dancers.current_measure import CurrentMeasures
+from live.show.dancers.live_texture import LiveTexture
 from live.show.dancers.measure_state import UNDECIDED, turn_vectors
 from live.show.dancers.variation import Variation
 from live.show.partner.leader_input import Tracks
-from live.show.partner.partner_response import Answering
+from live.show.partner.partner_response import PartnerResponse
 
 __all__ = ["UNDECIDED", "Dancers", "turn_vectors"]
 
@@ -36,61 +36,61 @@ LANDED = 0.03
 locked farther away, it would soon be released and slide."""
 
 
-class Dancers(Dancing):
+class Dancers(CurrentMeasures):
     """Motion state of A dancers: measures, foot lock, hand holds, inertialization, texture, capture and partners."""
 
     def __init__(self, graph: MotionGraph, variation: Variation, dancer_count: int) -> None:
         super().__init__(graph, variation, dancer_count)
         self.lock = FootLock(dancer_count)
-        self.hands = Hands(dancer_count)
+        self.hands = HandHolds(dancer_count)
         self._locked_at = 0.0
         self._aside = PosePipeline(1)
         self._legs = PosePipeline(dancer_count, PoseSkeleton.legs_only()[0])
         for name in ("sample", "placement", "share"):  # the legs share the whole body's requests
             setattr(self._legs, name, getattr(self._pipeline, name))
-        self.inertia = Inertia(dancer_count, JOINT_COUNT)
+        self.inertia = Inertialization(dancer_count, JOINT_COUNT)
         for pipeline in (self._pipeline, self._legs):
-            pipeline.settling, pipeline.age = self.inertia.settling, self.inertia.age
-        self.landing = Landing(dancer_count)
-        self._legs.watched = LEG_JOINTS
-        self.texturing = Texturing(TextureBank.empty(), variation, dancer_count, seed=0, beats=1)
+            pipeline.difference, pipeline.age = self.inertia.difference, self.inertia.age
+        self.landing = CutFootLift(dancer_count)
+        self._legs.difference_rows = LEG_JOINTS
+        self.texture = LiveTexture(TextureBank.empty(), variation, dancer_count, seed=0, beats=1)
         """Texture of the upper bodies (P024)."""
-        self.captured: dict[str, Captured] = {}
+        self.captured: dict[str, CapturedPerformer] = {}
         """Performers captured live, by name: some dancers show their poses."""
         self.beats = 1
         """Beats of a danced measure."""
-        self.answering: Answering | None = None
+        self.partner_response: PartnerResponse | None = None
         """Live partner response, None if the patch has none (H024)."""
-        self._settled = np.full(dancer_count, LONGEST, np.float32)
+        self._settled = np.full(dancer_count, MAX_FADE_TIME, np.float32)
         self._bare_legs = np.zeros_like(self._legs.position), np.zeros_like(self._legs.rotation)
-        self.shown: Float32 = np.zeros((dancer_count, 2), np.float32)
+        self.drawn_hips: Float32 = np.zeros((dancer_count, 2), np.float32)
         """Hips of each dancer at the last tick, as drawn [m], shape (A, 2)."""
 
     def start(self, node: Int32, position: Float64, heading: Float64) -> None:
         """Put each dancer at the beginning of `node` (A,), with hips at `position` (A, 2) [m] and `heading` (A,)."""
         danced = self.present
         danced.node[:] = node
-        danced.placement[:] = begun(self.graph, node, position, heading)
-        danced.correction[:] = danced.aimed[:] = 0.0
+        danced.placement[:] = starting_placement(self.graph, node, position, heading)
+        danced.correction[:] = danced.aim_origin[:] = 0.0
         danced.decided = True
         self.past.undecide()
         self.coming.undecide()
-        self.shown[:] = position
+        self.drawn_hips[:] = position
 
     def place(self, rows: npt.NDArray[np.intp], position: Float64, heading: Float64) -> None:
         """Put the invisible dancers `rows` (n,) at `position` (n, 2) [m] and `heading` (n,), where their present
         measure begins."""
         danced = self.present
-        danced.placement[rows] = begun(self.graph, danced.node[rows], position, heading)
-        danced.correction[rows] = danced.aimed[rows] = 0.0
+        danced.placement[rows] = starting_placement(self.graph, danced.node[rows], position, heading)
+        danced.correction[rows] = danced.aim_origin[rows] = 0.0
         self.past.node[rows] = UNDECIDED
         self.lock.state[rows] = 0.0
-        self.inertia.forget(rows)
-        self.shown[rows] = position
+        self.inertia.clear(rows)
+        self.drawn_hips[rows] = position
 
-    def wearers(self) -> Rows:
+    def captured_dancers(self) -> Rows:
         """Dancers who mostly show captured poses, (n,)."""
-        worn = [each.rows[each.share > 0.5] for each in self.captured.values()]
+        worn = [each.rows[each.fade > 0.5] for each in self.captured.values()]
         return np.concatenate(worn) if worn else np.zeros(0, np.int64)
 
     @property
@@ -100,16 +100,16 @@ class Dancers(Dancing):
 
     def tick(self, fraction: float, time: float, dt: float) -> None:
         """Advance foot lock and texturing to the tick at `time` [s], `dt` [s] after the last one."""
-        self.inertia.place(time)
+        self.inertia.update_age(time)
         contact = self.contact(fraction)
-        hold_where_wanted(contact, self.variation.lock)
-        if self.answering is not None:
-            contact &= ~self.answering.along.carried[:, None]
+        mask_contacts(contact, self.variation.lock)
+        if self.partner_response is not None:
+            contact &= ~self.partner_response.path.answering[:, None]
         position, rotation = self._legs.run(self.graph.library.leg_store)
-        self.texturing.tick(self._phase, position, rotation, dt)
-        if self.inertia.any_settles:
-            contact &= self._landed(position) | ~self.inertia.settling_now[:, None]
-        self.shown[:] = position[:, 0, ::2]
+        self.texture.tick(self._phase, position, rotation, dt)
+        if self.inertia.any_fading:
+            contact &= self._landed(position) | ~self.inertia.fading[:, None]
+        self.drawn_hips[:] = position[:, 0, ::2]
         self.lock.tick(position, contact, dt)
         self._locked_at = time
 
@@ -118,48 +118,50 @@ class Dancers(Dancing):
 
         `time` [s] is at most a tick after the last one. Fills and returns `out` if given, else the dancers' own arrays.
         """
-        self._ask(fraction)
-        self.inertia.place(time)
+        self._request_samples(fraction)
+        self.inertia.update_age(time)
         pipeline, variation = self._pipeline, self.variation
         pipeline.head[:] = variation.head
-        pipeline.lock = variation.locks or self.lock.farthest > 1e-3  # released feet still have to swing back
+        pipeline.lock = variation.any_lock or self.lock.max_shift > 1e-3  # released feet still have to swing back
         if pipeline.lock:
-            self.lock.place(pipeline.feet, max(time - self._locked_at, 0.0))
-            clear_feet(pipeline.feet, pipeline.sample, pipeline.share, self.graph.library.clip_height)
-            if self.inertia.any_settles:
-                self.landing.clear(pipeline.feet, self.inertia.age)
+            self.lock.write_feet(pipeline.feet, max(time - self._locked_at, 0.0))
+            set_clearance(pipeline.feet, pipeline.sample, pipeline.share, self.graph.library.clip_height)
+            if self.inertia.any_fading:
+                self.landing.apply(pipeline.feet, self.inertia.age)
         position, rotation = pipeline.run(self.graph.library.store, out)
-        self.texturing.dress(self._phase, position, rotation)
+        self.texture.apply(self._phase, position, rotation)
         for captured in self.captured.values():
-            captured.dress(position, rotation, time, (self.variation.measure + fraction) * self.beats)
-        if self.answering is not None:
-            self.answering.show(self._phase, position, rotation)
-            self.answering.stand(position, rotation, max(time - self._locked_at, 0.0))
-        self.hands.pose(position, rotation, max(time - self._locked_at, 0.0))
-        if self.answering is not None:
-            self.answering.reach(position, rotation, max(time - self._locked_at, 0.0))
+            captured.apply_poses(position, rotation, time, (self.variation.measure + fraction) * self.beats)
+        if self.partner_response is not None:
+            self.partner_response.blend_poses(self._phase, position, rotation)
+            self.partner_response.lock_feet(position, rotation, max(time - self._locked_at, 0.0))
+        self.hands.apply(position, rotation, max(time - self._locked_at, 0.0))
+        if self.partner_response is not None:
+            self.partner_response.join_hands(position, rotation, max(time - self._locked_at, 0.0))
         return position, rotation
 
-    def answer(self, there: Bool, tracks: Tracks, fraction: float, time: float, dt: float) -> Float64:
+    def tick_partner_response(self, there: Bool, tracks: Tracks, fraction: float, time: float, dt: float) -> Float64:
         """Advance the partner response by a tick, after `tick`; see `Answering.tick`.
 
         Returns the displacement of each dancer [m], (A, 2).
         """
-        assert self.answering is not None  # callers check
+        assert self.partner_response is not None  # callers check
         phase = self.phases(fraction)
         faces = np.ascontiguousarray(self._legs.rotation[:, 0])
-        self.answering.live[:] = False
+        self.partner_response.streamed[:] = False
         for captured in self.captured.values():
-            self.answering.live[captured.rows[captured.share > 0.0]] = True
-        self.answering.tick(phase, self.shown, faces, there, tracks, lambda rows: self.seen(rows, fraction, time), dt)
-        return self.answering.along.moved
+            self.partner_response.streamed[captured.rows[captured.fade > 0.0]] = True
+        self.partner_response.tick(
+            phase, self.drawn_hips, faces, there, tracks, lambda rows: self.drawn_poses(rows, fraction, time), dt
+        )
+        return self.partner_response.path.displacement
 
-    def seen(self, rows: Int32, fraction: float, time: float) -> tuple[Float32, Float32]:
+    def drawn_poses(self, rows: Int32, fraction: float, time: float) -> tuple[Float32, Float32]:
         """Return world positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,) as drawn, but without
         head turns and foot lock."""
-        position, rotation = self.unmended(rows, fraction, time)
+        position, rotation = self.raw_poses(rows, fraction, time)
         phase = self.phases(fraction)
-        self.texturing.dress(phase, position, rotation, rows)
+        self.texture.apply(phase, position, rotation, rows)
         for captured in self.captured.values():
             if np.isin(rows, captured.rows).any():
                 whole = (
@@ -167,26 +169,26 @@ class Dancers(Dancing):
                     np.empty((len(phase), *rotation.shape[1:]), np.float32),
                 )
                 whole[0][rows], whole[1][rows] = position, rotation
-                captured.dress(*whole, time, (self.variation.measure + fraction) * self.beats)
+                captured.apply_poses(*whole, time, (self.variation.measure + fraction) * self.beats)
                 position[:], rotation[:] = whole[0][rows], whole[1][rows]
-        if self.answering is not None:
-            self.answering.show(phase, position, rotation, rows)
+        if self.partner_response is not None:
+            self.partner_response.blend_poses(phase, position, rotation, rows)
         return position, rotation
 
     def _landed(self, position: Float32) -> Bool:
         """Return which feet of legs at `position` (A, 9, 3) [m] have reached their places in the clips, (A, 2)."""
         low = np.minimum(position[:, 3::4, 1] - SOLE_BELOW_ANKLE, position[:, 4::4, 1] - TOES_OVER_SOLE) < LANDED
-        settling = np.flatnonzero(self.inertia.settling_now).tolist()
+        settling = np.flatnonzero(self.inertia.fading).tolist()
         self._legs.age = self._settled
-        there, _ = self._legs.run(self.graph.library.leg_store, self._bare_legs, alone=settling)
+        there, _ = self._legs.run(self.graph.library.leg_store, self._bare_legs, only=settling)
         self._legs.age = self.inertia.age
         away = position[:, 3::4] - there[:, 3::4]
-        return np.asarray(low & self.landing.near(np.hypot(away[..., 0], away[..., 2])))
+        return np.asarray(low & self.landing.may_lock(np.hypot(away[..., 0], away[..., 2])))
 
-    def unmended(self, rows: Int32, fraction: float, time: float) -> tuple[Float32, Float32]:
+    def raw_poses(self, rows: Int32, fraction: float, time: float) -> tuple[Float32, Float32]:
         """Return world positions (n, J, 3) and rotations (n, J, 4) of the dancers `rows` (n,), as `pose`, but before
         head turns, foot lock and later layers. These poses must stay continuous in a cut."""
-        self._ask(fraction, rows.astype(np.int64))
+        self._request_samples(fraction, rows.astype(np.int64))
         whole = self._pipeline
         if len(self._aside.age) != len(rows):  # kept: often the same count again
             self._aside = PosePipeline(len(rows))
@@ -194,7 +196,7 @@ class Dancers(Dancing):
         aside.sample[:], aside.placement[:] = whole.sample[:, rows], whole.placement[:, rows]
         aside.share[:], aside.mean[:] = whole.share[:, rows], whole.mean[:, rows]
         aside.amplitude[:] = whole.amplitude[rows]
-        aside.settling = self.inertia.settling[rows]
-        aside.age[:] = np.clip(time - self.inertia.began[rows], 0.0, LONGEST)
+        aside.difference = self.inertia.difference[rows]
+        aside.age[:] = np.clip(time - self.inertia.cut_time[rows], 0.0, MAX_FADE_TIME)
         out = np.empty((len(rows), joints, 3), np.float32), np.empty((len(rows), joints, 4), np.float32)
         return aside.run(self.graph.library.store, out)

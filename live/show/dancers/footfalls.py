@@ -22,7 +22,7 @@ FLAT: Final = 2
 
 _ANKLES: Final = np.array([SKELETON.index(f"{side}Foot") for side in ("left", "right")])
 _TOES: Final = np.array([SKELETON.index(f"{side}Toes") for side in ("left", "right")])
-FINEST: Final = 1.0 / 240.0
+SAMPLE_INTERVAL: Final = 1.0 / 240.0
 """Sampling interval of contacts [s]: a brush of the floor may be shorter than a frame."""
 RAISED: Final = 0.022
 """A heel or ball of a standing foot raised to this height [m] strikes when it comes down ..."""
@@ -30,8 +30,8 @@ DOWN: Final = 0.004
 """... to this height [m]."""
 LANDED: Final = 0.012
 """A foot of a dancer captured live stands once its sole is this near to the floor [m], until it is RAISED."""
-SOFTEST: Final = 0.35
-LOUD_LIFT: Final = 0.12
+MIN_STRENGTH: Final = 0.35
+FULL_STRENGTH_LIFT: Final = 0.12
 """A foot that falls from this height [m] strikes with full strength; one that never left the floor, with SOFTEST."""
 
 
@@ -52,7 +52,7 @@ class Footfall:
     """On the stage (x, z) [m]."""
 
 
-class Footfalls:
+class FootfallDetector:
     """Finds the footfalls between frames. `frame` must be called for every frame, right after it was filled.
 
     A foot strikes when the clips annotate a new contact, at the exact moment whatever the frame rate, and when the heel
@@ -68,7 +68,7 @@ class Footfalls:
         self._heights: Float64 = np.zeros((2, *feet))
         self._raised: Bool = np.zeros((2, *feet), np.bool_)
 
-    def frame(self, view: StageView) -> list[Footfall]:
+    def detect(self, view: StageView) -> list[Footfall]:
         """Return the footfalls since the last frame, in order of time."""
         position = view.joint_position
         there = view.present
@@ -93,8 +93,8 @@ class Footfalls:
     def _landings(self, before: float, view: StageView, heights: Float64) -> list[Footfall]:
         """Return the footfalls from contacts in the clips. A fall just before a measure line is reported on it."""
         falls: list[Footfall] = []
-        steps = max(1, math.ceil((view.time - before) / FINEST))
-        was, seen = self._contact, self._show.dancers.wearers()
+        steps = max(1, math.ceil((view.time - before) / SAMPLE_INTERVAL))
+        was, seen = self._contact, self._show.dancers.captured_dancers()
         for step in range(1, steps + 1):
             time = before + (view.time - before) * step / steps
             contact = self._show.dancers.contact(self._fraction(float(time)))
@@ -104,7 +104,9 @@ class Footfalls:
             for dancer, foot in np.argwhere(contact & ~was):
                 ball, heel = heights[:, dancer, foot]
                 part = BALL if heel > RAISED else HEEL if ball > RAISED else FLAT
-                strength = min(SOFTEST + (1.0 - SOFTEST) * self._highest[dancer, foot] / LOUD_LIFT, 1.0)
+                strength = min(
+                    MIN_STRENGTH + (1.0 - MIN_STRENGTH) * self._highest[dancer, foot] / FULL_STRENGTH_LIFT, 1.0
+                )
                 falls.append(self._fall(float(time), view, int(dancer), int(foot), part, strength))
             was = contact
         self._contact = was.copy()

@@ -12,24 +12,24 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.errors import PersonError, named
-from live.library.capture_material import UNBEATEN, read_material
+from live.base.errors import PersonError, error_context
+from live.library.capture_material import NO_BEAT_TAG, read_material
 from live.motion.skeleton import SKELETON
 from live.motion.texture.live_bank import TextureBank
 from live.motion.texture.live_texture_kernels import (
     DIMENSIONS,
     FEATURES,
     PER_BEAT,
-    dress,
-    keep_moments,
+    blend_upper_bodies,
+    measure_legs,
     nearest_fragment,
-    prefix_of,
+    record_moments,
     signs_of,
-    watch_legs,
+    write_prefix,
 )
 from live.show.dancers.variation import Variation
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import find_beside
+from live.show.patch.patch_reader import find_resource
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -40,22 +40,22 @@ PREFIX: Final = 0.25
 """Part of a beat whose leg motion is used before the beat is matched [beats]."""
 BLEND: Final = 0.5
 """Duration of a blend from one fragment to another [beats]."""
-JOIN: Final = 0.5
+SWITCH_COST: Final = 0.5
 """Cost of leaving a recording that continues, as a share of the mean distance between beats."""
-TASTE: Final = 0.6
+DISTANCE_JITTER: Final = 0.6
 """Random weighting of distances per dancer, 0 for none, so that dancers with the same steps choose differently."""
 FADE_HALFLIFE: Final = 0.15
 """Half-life [s] of the fade towards the fader's value: fast fader moves cause no pop."""
-TURNS: Final = 10
+CHOICE_TICKS: Final = 10
 """Choices are spread over this many ticks: all at once would overload one tick."""
-WHOLE: Final = 0.99
+FULL_TEXTURE: Final = 0.99
 """With more texture than this, the step's own upper body is invisible."""
 _MOMENTS: Final = 16
 _EIGHTHS: Final = 8
 _NEVER: Final = -(1 << 40)
 
 
-class Texturing:
+class LiveTexture:
     """Texture state of the upper bodies of A dancers."""
 
     def __init__(self, bank: TextureBank, variation: Variation, count: int, *, seed: int, beats: int) -> None:
@@ -67,9 +67,9 @@ class Texturing:
         """Present texture weight, 0 to 1, (A,)."""
         self.fragment: Int32 = np.full(count, -1, np.int32)
         """Beat of the recordings chosen last, -1 before the first, (A,)."""
-        self.chosen: Int64 = np.full(count, _NEVER, np.int64)
+        self.chosen_beat: Int64 = np.full(count, _NEVER, np.int64)
         """The danced beat for which it was chosen, (A,)."""
-        self.switched: Float64 = np.full(count, -1e9)
+        self.switch_beat: Float64 = np.full(count, -1e9)
         """The danced beat at which the last change of recording began, (A,)."""
         self._origin: Float64 = np.zeros((2, count))
         self._limits: Int32 = np.zeros((2, count, 2), np.int32)
@@ -87,9 +87,9 @@ class Texturing:
     @property
     def active(self) -> bool:
         """Whether any dancer is textured, or will be."""
-        return self.bank.count > 0 and bool(self.level.any() or self._variation.textures)
+        return self.bank.count > 0 and bool(self.level.any() or self._variation.any_texture)
 
-    def danced(self, phase: Float64) -> Float64:
+    def beats_at(self, phase: Float64) -> Float64:
         """Return the beats danced so far by dancers at `phase` (A,) of the present measure, (A,)."""
         return np.asarray((self._variation.measure + phase) * self._beats)
 
@@ -101,18 +101,18 @@ class Texturing:
         if not self.active:
             self._since[:] = np.inf
             return
-        danced = self.danced(phase)
-        watch_legs(self._now, position, rotation)
+        danced = self.beats_at(phase)
+        measure_legs(self._now, position, rotation)
         new = ~np.isfinite(self._since)
         if new.any():
             self._since[new], self._before[new], self._danced_before[new] = danced[new], self._now[new], danced[new]
-        keep_moments(self._kept, self._before, self._now, self._danced_before, danced, _EIGHTHS)
+        record_moments(self._kept, self._before, self._now, self._danced_before, danced, _EIGHTHS)
         self._before[:], self._danced_before[:] = self._now, danced
         wanted = self._variation.texture
         line = np.floor(danced - PREFIX).astype(np.int64)
-        due = ((wanted > 0.0) | (self.level > 0.0)) & (line > self.chosen) & (danced >= self.switched + BLEND)
+        due = ((wanted > 0.0) | (self.level > 0.0)) & (line > self.chosen_beat) & (danced >= self.switch_beat + BLEND)
         due &= line - 0.5 >= self._since
-        for dancer in np.flatnonzero(due)[: -(-len(due) // TURNS)].tolist():
+        for dancer in np.flatnonzero(due)[: -(-len(due) // CHOICE_TICKS)].tolist():
             self._choose(dancer, int(line[dancer]), float(danced[dancer]))
         self._fade(wanted, dt)
 
@@ -121,37 +121,41 @@ class Texturing:
         self.level += (part * (wanted * (self.fragment >= 0) - self.level)).astype(np.float32)
         out = (wanted == 0.0) & (self.level < 1e-3)
         self.level[out] = 0.0
-        self.fragment[out], self.chosen[out] = -1, _NEVER
+        self.fragment[out], self.chosen_beat[out] = -1, _NEVER
 
     def _choose(self, dancer: int, line: int, danced: float) -> None:
         """Choose the beat of the recordings for `dancer` from the danced beat `line` on."""
         bank, last = self.bank, int(self.fragment[dancer])
-        prefix_of(self._own, self._kept[dancer], line)
+        write_prefix(self._own, self._kept[dancer], line)
         going = -1
         if last >= 0:
-            then = last + int(line - self.chosen[dancer])
-            if then < bank.count and bank.first[then] == bank.first[last]:
+            then = last + int(line - self.chosen_beat[dancer])
+            if then < bank.count and bank.clip_first[then] == bank.clip_first[last]:
                 going = then
-        join = JOIN * bank.spread
-        best = nearest_fragment(self._far, bank.legs, self._own, going, join, TASTE, self._seed, dancer)
-        self.fragment[dancer], self.chosen[dancer] = best, line
+        join = SWITCH_COST * bank.spread
+        best = nearest_fragment(
+            self._far, bank.leg_features, self._own, going, join, DISTANCE_JITTER, self._seed, dancer
+        )
+        self.fragment[dancer], self.chosen_beat[dancer] = best, line
         if best == going:
             return
-        origin, ends = float(bank.begin[best] - PER_BEAT * line), (bank.first[best], bank.last[best])
+        origin, ends = float(bank.begin[best] - PER_BEAT * line), (bank.clip_first[best], bank.clip_last[best])
         if last >= 0:
             self._origin[1, dancer], self._limits[1, dancer] = self._origin[0, dancer], self._limits[0, dancer]
         else:
             self._origin[1, dancer], self._limits[1, dancer] = origin, ends
         self._origin[0, dancer], self._limits[0, dancer] = origin, ends
-        self.switched[dancer] = danced
+        self.switch_beat[dancer] = danced
         at, limits = self._origin[:, dancer] + PER_BEAT * danced, self._limits[:, dancer]
-        whole, known = bool(self.level[dancer] > WHOLE), int(self._signs[0, dancer])
+        whole, known = bool(self.level[dancer] > FULL_TEXTURE), int(self._signs[0, dancer])
         self._signs[1, dancer] = known
-        self._signs[0, dancer] = signs_of(bank.upper, at[0], limits[0], at[1], limits[1], known, bank.middle, whole)
+        self._signs[0, dancer] = signs_of(
+            bank.upper, at[0], limits[0], at[1], limits[1], known, bank.mean_rotations, whole
+        )
         if last < 0:
             self._signs[1, dancer] = self._signs[0, dancer]
 
-    def dress(self, phase: Float64, position: Float32, rotation: Float32, rows: Int32 | None = None) -> None:
+    def apply(self, phase: Float64, position: Float32, rotation: Float32, rows: Int32 | None = None) -> None:
         """Texture the world poses `position` (A, J, 3) and `rotation` (A, J, 4) at `phase` (A,) of the measure, or only
         those of the dancers `rows` (n,), (n, J, 3) and (n, J, 4).
 
@@ -159,22 +163,22 @@ class Texturing:
         """
         if not (self.bank.count and self.level.any()):
             return
-        bank, danced, head = self.bank, self.danced(phase), self._variation.head.astype(np.float32)
+        bank, danced, head = self.bank, self.beats_at(phase), self._variation.head.astype(np.float32)
         if rows is None:
-            dress(
-                position, rotation, danced, self.level, self._origin, self._limits, self.switched, BLEND,
+            blend_upper_bodies(
+                position, rotation, danced, self.level, self._origin, self._limits, self.switch_beat, BLEND,
                 self._signs, bank.upper, self._offsets, self._parents, head,
             )  # fmt: skip
             return
         limits = np.ascontiguousarray(self._limits[:, rows])
         origin, signs = np.ascontiguousarray(self._origin[:, rows]), np.ascontiguousarray(self._signs[:, rows])
-        dress(
-            position, rotation, danced[rows], self.level[rows], origin, limits, self.switched[rows], BLEND,
+        blend_upper_bodies(
+            position, rotation, danced[rows], self.level[rows], origin, limits, self.switch_beat[rows], BLEND,
             signs, bank.upper, self._offsets, self._parents, head[rows],
         )  # fmt: skip
 
 
-def bank_of(patch: Patch, path: Path) -> TextureBank | None:
+def load_texture_bank(patch: Patch, path: Path) -> TextureBank | None:
     """Return the patch's texture recordings, cut at their beats; None if it names none.
 
     Raises PersonError for recordings that are missing, unreadable or without beats, and for a patch that uses texture
@@ -191,15 +195,15 @@ def bank_of(patch: Patch, path: Path) -> TextureBank | None:
             )
         return None
     places = []
-    with named(f"{path}: texture.recordings"):
+    with error_context(f"{path}: texture.recordings"):
         for name in section.recordings:
-            found = find_beside(name, path)
+            found = find_resource(name, path)
             if found is None:
                 raise PersonError(
                     f"there is no file and no folder {name[:200]!r}", "give its path relative to the patch"
                 )
             places.append(found)
-        clips = [clip for clip in read_material(places, fps=section.fps).clips if UNBEATEN not in clip.tags]
+        clips = [clip for clip in read_material(places, fps=section.fps).clips if NO_BEAT_TAG not in clip.tags]
         try:
             return TextureBank.of(clips)
         except ValueError as error:

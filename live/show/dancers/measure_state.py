@@ -7,48 +7,48 @@ from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import own_end, take_placement, turn_vectors
 from live.graph.takes import NO_TAKE
 from live.motion.pose.gather_kernels import same_measures
-from live.motion.pose.root_warp_kernels import bound_aims, re_aim_dancers
+from live.motion.pose.root_warp_kernels import limit_goals, redirect_dancers
 from live.motion.pose.turn_kernels import end_dancers, place_dancers
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
-__all__ = ["UNDECIDED", "Danced", "turn_vectors"]
+__all__ = ["UNDECIDED", "MeasureState", "turn_vectors"]
 
 UNDECIDED = -1
-LEAST_LEFT = 0.15
+MIN_REMAINING_WARP = 0.15
 """Share of the warp curve that must be left for a correction to be re-aimed: with less, the change would be a jerk."""
 
 
-class _Ends:
+class _CachedEnds:
     """Cache of where the measures of a `Danced` end in their clips' own axes, with the inputs of that result."""
 
-    def __init__(self, danced: "Danced") -> None:
-        self._node, self._take, self._share = danced.node.copy(), danced.take.copy(), danced.take_share[0].copy()
-        self._graph = danced.graph
+    def __init__(self, measure: "MeasureState") -> None:
+        self._node, self._take, self._share = measure.node.copy(), measure.take.copy(), measure.take_share[0].copy()
+        self._graph = measure.graph
         self.hips, self.heading = own_end(self._graph, self._node, self._take, self._share.astype(np.float64))
 
-    def still(self, danced: "Danced") -> bool:
+    def is_valid(self, measure: "MeasureState") -> bool:
         """Whether `danced` still holds the same measures."""
-        same = same_measures(danced.node, self._node, danced.take, self._take, danced.take_share[0], self._share)
-        return self._graph is danced.graph and same
+        same = same_measures(measure.node, self._node, measure.take, self._take, measure.take_share[0], self._share)
+        return self._graph is measure.graph and same
 
-    def leap(self, rows: Int32, node: Int32) -> None:
+    def replace_node(self, rows: Int32, node: Int32) -> None:
         """Update the dancers `rows` (n,) to `node` (n,) without another take. All other rows stay valid."""
         self._node[rows], self._take[rows], self._share[rows] = node, NO_TAKE, 0.0
         known = np.maximum(node, 0)
         self.hips[rows], self.heading[rows] = self._graph.node_end[known], self._graph.node_facing[known]
 
 
-class Danced:
+class MeasureState:
     """One measure of A dancers, as plain arrays. `copy_from` replaces all of them at a measure line."""
 
-    ARRAYS = ("node", "placement", "correction", "aimed", "on_support", "take", "take_share", "amplitude", "warp")
+    ARRAYS = ("node", "placement", "correction", "aim_origin", "on_support", "take", "take_share", "amplitude", "warp")
 
     def __init__(self, graph: MotionGraph, count: int) -> None:
         self.graph = graph
-        self._ends: _Ends | None = None
+        self._ends: _CachedEnds | None = None
         self.decided = False
         """Whether the measure of every dancer is chosen."""
         self.node: Int32 = np.full(count, UNDECIDED, np.int32)
@@ -57,7 +57,7 @@ class Danced:
         """x, z [m], yaw [rad] of the clip's axes on the stage, shape (A, 3)."""
         self.correction: Float64 = np.zeros((count, 3))
         """Offset added over the measure so that it ends at its target: x, z [m], yaw [rad], shape (A, 3)."""
-        self.aimed: Float64 = np.zeros((count, 3))
+        self.aim_origin: Float64 = np.zeros((count, 3))
         """The part x, z [m] of it already applied at the last re-aim, and the warp curve's value then, (A, 3)."""
         self.on_support: Float64 = np.zeros(count)
         """1 where the turn happens on the support foot (T048-T050), 0 where it is spread over the measure, (A,)."""
@@ -70,7 +70,7 @@ class Danced:
         self.warp: Float64 = np.zeros((4, count))
         """Time warp of the measure: amplitude and start as shares of it, frequency, sign, (4, A) (T055)."""
 
-    def copy_from(self, other: "Danced") -> None:
+    def copy_from(self, other: "MeasureState") -> None:
         """Copy all state of `other`. Views into the arrays stay valid."""
         for name in self.ARRAYS:
             getattr(self, name)[:] = getattr(other, name)
@@ -81,17 +81,17 @@ class Danced:
         self.node[:] = UNDECIDED
         self.decided = False
 
-    def turned(self, fraction: Float64, out: Float64) -> None:
+    def placements_at(self, fraction: Float64, out: Float64) -> None:
         """Fill `out` (A, 4) with the placements, corrections included, at `fraction` (A,) of the measure."""
         place_dancers(
             out,
             self.placement,
             self.correction,
-            self.aimed,
+            self.aim_origin,
             fraction,
             np.maximum(self.node, 0),
             self.graph.node_turns,
-            self.graph.node_rise,
+            self.graph.node_warp_curve,
             self.on_support,
         )
 
@@ -101,27 +101,35 @@ class Danced:
         In the rest of a measure no dancer moves faster than with a correction of `most` (A,) [m] over the whole
         measure, or than they already do.
         """
-        rise = self.graph.node_rise
-        bound_aims(goal, self.correction, self.aimed, phase, self.node, rise, most, LEAST_LEFT)
+        rise = self.graph.node_warp_curve
+        limit_goals(goal, self.correction, self.aim_origin, phase, self.node, rise, most, MIN_REMAINING_WARP)
 
     def re_aim(self, correction: Float64, phase: Float64) -> None:
         """Change the corrections to `correction` (A, 2) [m] from `phase` (A,) of the measures on.
 
         Positions stay continuous, and velocities too if `correction` changes smoothly from call to call. Dancers in
-        the last LEAST_LEFT of their warp curve keep their correction.
+        the last MIN_REMAINING_WARP of their warp curve keep their correction.
         """
-        re_aim_dancers(self.correction, self.aimed, correction, phase, self.node, self.graph.node_rise, LEAST_LEFT)
+        redirect_dancers(
+            self.correction,
+            self.aim_origin,
+            correction,
+            phase,
+            self.node,
+            self.graph.node_warp_curve,
+            MIN_REMAINING_WARP,
+        )
 
-    def leap(self, rows: Int32, node: Int32, placement: Float64) -> None:
+    def replace_node(self, rows: Int32, node: Int32, placement: Float64) -> None:
         """Switch the dancers `rows` (n,) to `node` (n,), with the clip's axes at `placement` (n, 3).
 
         Their correction and their other take are removed. Time warp and amplitude stay.
         """
         self.node[rows], self.placement[rows] = node, placement
-        self.correction[rows] = self.aimed[rows] = 0.0
+        self.correction[rows] = self.aim_origin[rows] = 0.0
         self.take[rows], self.take_share[:, rows] = NO_TAKE, 0.0
         if self._ends is not None:
-            self._ends.leap(rows, node)
+            self._ends.replace_node(rows, node)
 
     def take_placement(self, placement: Float64) -> Float64:
         """Placements of the other takes' clips, (A, 4), for own clips at `placement` (A, 4)."""
@@ -130,8 +138,8 @@ class Danced:
     def own_end(self) -> tuple[Float64, Float64]:
         """Hips (A, 2) [m] and heading (A,) [rad] at the measure's end in the clips' own axes, other takes included."""
         known = self._ends
-        if known is None or not known.still(self):
-            self._ends = known = _Ends(self)
+        if known is None or not known.is_valid(self):
+            self._ends = known = _CachedEnds(self)
         return known.hips, known.heading
 
     def end_placement(self) -> Float64:
@@ -147,8 +155,8 @@ class Danced:
         graph, (end, facing), count = self.graph, self.own_end(), len(self.node)
         hips, heading, axes = np.empty((count, 2)), np.empty(count), np.empty((count, 3))
         end_dancers(
-            hips, heading, axes, self.placement, self.correction, self.aimed, self.node, graph.node_turns,
-            graph.node_rise, self.on_support, end, facing, graph.node_end, graph.node_facing,
+            hips, heading, axes, self.placement, self.correction, self.aim_origin, self.node, graph.node_turns,
+            graph.node_warp_curve, self.on_support, end, facing, graph.node_end, graph.node_facing,
         )  # fmt: skip
         return hips, heading, axes
 

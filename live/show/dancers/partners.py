@@ -12,16 +12,16 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.agent_command import Wants
+from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentState, Steering
-from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
-from live.graph.select.candidates import turn_vectors, wrapped
-from live.graph.select.selector import Choosing, with_direction
+from live.graph.select.candidates import turn_vectors, wrap_angle
+from live.graph.select.selector import StepSelector, with_direction
 from live.motion.pose.hand_hold import LEFT, NOBODY, RIGHT
 from live.show.group.casting import Casting
 from live.show.patch.patch import Patch
-from live.show.selection.choices import Choices
+from live.show.selection.choices import StepChoices
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -32,16 +32,16 @@ ALONE: Final = 0
 FACING: Final = 1
 BESIDE: Final = 2
 SHADOW: Final = 3
-MANNERS: Final = {None: ALONE, "facing": FACING, "beside": BESIDE, "shadow": SHADOW}
+ARRANGEMENTS: Final = {None: ALONE, "facing": FACING, "beside": BESIDE, "shadow": SHADOW}
 SHADOW_ANGLE: Final = math.radians(35.0)
 """Angle of a shadow behind the line of the leader's shoulders, on the leader's left [rad]."""
-TURN: Final = math.radians(30.0)
+MAX_TURN: Final = math.radians(30.0)
 """Largest turn of a pair in one measure [rad]: both dancers have to walk around the middle."""
-MEET: Final = 0.3
+APPROACH_DISTANCE: Final = 0.3
 """Partners farther apart than arm's length by more than this [m] are still approaching each other."""
-CLOSE: Final = 0.2
+TOO_CLOSE: Final = 0.2
 """Partners closer than arm's length by more than this [m] are not moved together."""
-MOST: Final = 0.4
+MAX_END_CORRECTION: Final = 0.4
 """Largest correction of a pair's distance error at the end of a measure [m]."""
 _PLACE: Final = np.array(
     [[0.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [math.cos(SHADOW_ANGLE), -math.sin(SHADOW_ANGLE)]]
@@ -60,10 +60,10 @@ class Partners:
     def __init__(self, patch: Patch, casting: Casting) -> None:
         count = len(casting.group)
         self._group = casting.group
-        self._manner = np.array([MANNERS[section.partners] for section in patch.group], np.int32)
+        self._arrangement = np.array([ARRANGEMENTS[section.partners] for section in patch.group], np.int32)
         self._arm = np.array([section.arm_length for section in patch.group])
-        self._holds = [_holds(int(m), s.hands) for m, s in zip(self._manner, patch.group, strict=True)]
-        self.of: Int32 = np.full(count, NOBODY, np.int32)
+        self._holds = [_held_hands(int(m), s.hands) for m, s in zip(self._arrangement, patch.group, strict=True)]
+        self.partner: Int32 = np.full(count, NOBODY, np.int32)
         """Partner of each dancer, NOBODY for none, shape (A,)."""
         self.leader: Int32 = np.zeros(0, np.int32)
         """Leaders of the P pairs, shape (P,)."""
@@ -74,23 +74,23 @@ class Partners:
         """The hands to be held, as `Hands.tick` expects them."""
         self._meeting: Bool = np.zeros(count, np.bool_)
         self._own: Int32 = np.arange(count, dtype=np.int32)
-        self._dance = bool(self._manner.any())  # whether any group has partners
+        self._dance = bool(self._arrangement.any())  # whether any group has partners
         self.offset: Float64 = np.zeros((2, count, 2))
         """From leader to follower [m] at the end of the present and of the coming measure, by follower, (2, A, 2)."""
 
     @property
-    def arm(self) -> Float64:
+    def arm_length(self) -> Float64:
         """Distance of the two dancers of each pair [m], shape (P,)."""
         return np.asarray(self._arm[self._group[self.leader]])
 
     @property
     def mirrored(self) -> Bool:
         """Dancers who dance the mirror image of their partner's steps, shape (A,): followers who face their leaders."""
-        mirrored = np.zeros(len(self.of), np.bool_)
-        mirrored[self.follower] = self._manner[self._group[self.leader]] == FACING
+        mirrored = np.zeros(len(self.partner), np.bool_)
+        mirrored[self.follower] = self._arrangement[self._group[self.leader]] == FACING
         return mirrored
 
-    def timing(self) -> Int32:
+    def timing_source(self) -> Int32:
         """The dancer whose timing each dancer uses, shape (A,): a follower's leader, else the dancer."""
         if not len(self.leader):
             return self._own
@@ -100,25 +100,25 @@ class Partners:
 
     # -- pairing -------------------------------------------------------------------------------------------------
 
-    def part(self, there: Bool) -> None:
+    def end_pairs(self, there: Bool) -> None:
         """End the pairs whose dancers are not both `there` (A,) and in the same group with partners."""
         lead, follow = self.leader, self.follower
         if not len(lead):
             return
-        manner = self._manner[self._group[lead]]
+        manner = self._arrangement[self._group[lead]]
         stay = there[lead] & there[follow] & (self._group[lead] == self._group[follow]) & (manner != ALONE)
         if not stay.all():
             self._set(lead[stay], follow[stay])
 
-    def pair(self, there: Bool) -> None:
+    def form_pairs(self, there: Bool) -> None:
         """Pair dancers who are `there` (A,) and have no partner, in index order. Called at measure lines."""
         if not self._dance:
             return
-        self.part(there)
+        self.end_pairs(there)
         self.offset[0] = self.offset[1]
         leaders, followers = [self.leader], [self.follower]
-        for index in np.flatnonzero(self._manner).tolist():
-            single = np.flatnonzero((self._group == index) & there & (self.of < 0)).astype(np.int32)
+        for index in np.flatnonzero(self._arrangement).tolist():
+            single = np.flatnonzero((self._group == index) & there & (self.partner < 0)).astype(np.int32)
             pairs = len(single) // 2
             leaders.append(single[0 : 2 * pairs : 2])
             followers.append(single[1 : 2 * pairs : 2])
@@ -128,8 +128,8 @@ class Partners:
     def _set(self, leader: Int32, follower: Int32) -> None:
         order = np.argsort(leader)
         self.leader, self.follower = leader[order], follower[order]
-        self.of[:] = NOBODY
-        self.of[leader], self.of[follower] = follower, leader
+        self.partner[:] = NOBODY
+        self.partner[leader], self.partner[follower] = follower, leader
         self.other[:], self.hand[:] = NOBODY, 0
         for lead, follow in zip(self.leader.tolist(), self.follower.tolist(), strict=True):
             for n, hands in enumerate(self._holds[self._group[lead]]):
@@ -137,27 +137,27 @@ class Partners:
 
     # -- relative placement --------------------------------------------------------------------------------------
 
-    def places(self, heading: Float64) -> Float64:
+    def follower_offsets(self, heading: Float64) -> Float64:
         """Offsets from leaders with `heading` (P,) [rad] to their followers [m], shape (P, 2)."""
-        manner = self._manner[self._group[self.leader]]
-        return turn_vectors(_PLACE[manner] * self.arm[:, None], heading)
+        manner = self._arrangement[self._group[self.leader]]
+        return turn_vectors(_PLACE[manner] * self.arm_length[:, None], heading)
 
-    def faces(self, heading: Float64) -> Float64:
+    def follower_headings(self, heading: Float64) -> Float64:
         """Headings of the followers of leaders with `heading` (P,) [rad], shape (P,)."""
-        return np.asarray(heading + _AHEAD[self._manner[self._group[self.leader]]])
+        return np.asarray(heading + _AHEAD[self._arrangement[self._group[self.leader]]])
 
-    def begin(self, position: Float32, heading: Float64) -> None:
+    def place_pairs(self, position: Float32, heading: Float64) -> None:
         """Change starting positions (A, 2) [m] and headings (A,) so that each pair stands around its leader's place."""
         lead, follow = self.leader, self.follower
-        half = 0.5 * self.places(heading[lead])
+        half = 0.5 * self.follower_offsets(heading[lead])
         middle = position[lead].astype(np.float64)
         position[lead], position[follow] = middle - half, middle + half
-        heading[follow] = self.faces(heading[lead])
+        heading[follow] = self.follower_headings(heading[lead])
         self.offset[:, follow] = 2.0 * half
 
     # -- targets of the next measure -----------------------------------------------------------------------------
 
-    def aim(self, wish: Float64, heading: Float64, stand: Float64, now: Float64, known: Bool) -> None:
+    def adjust_targets(self, wish: Float64, heading: Float64, stand: Float64, now: Float64, known: Bool) -> None:
         """Change the targets `wish` (A, 2) [m] and `heading` (A,) [rad] so that pairs stay together.
 
         `stand` (A, 2) and `now` (A,) are positions and headings at the beginning of the measure. The leader's heading
@@ -165,11 +165,11 @@ class Partners:
         formation (`known`), to the leader's target.
         """
         lead, follow = self.leader, self.follower
-        self._meeting[follow] = np.hypot(*(stand[follow] - stand[lead]).T) > self.arm + MEET
-        turn = wrapped(heading[lead] - now[lead])
-        heading[lead] = now[lead] + np.clip(turn, -TURN, TURN)
-        heading[follow] = self.faces(heading[lead])
-        half = 0.5 * self.places(heading[lead])
+        self._meeting[follow] = np.hypot(*(stand[follow] - stand[lead]).T) > self.arm_length + APPROACH_DISTANCE
+        turn = wrap_angle(heading[lead] - now[lead])
+        heading[lead] = now[lead] + np.clip(turn, -MAX_TURN, MAX_TURN)
+        heading[follow] = self.follower_headings(heading[lead])
+        half = 0.5 * self.follower_offsets(heading[lead])
         middle = np.where(known[lead, None], wish[lead], 0.5 * (wish[lead] + wish[follow]))
         wish[lead], wish[follow] = middle - half, middle + half
 
@@ -177,23 +177,23 @@ class Partners:
         """Bring the targets `target` (A, 2) [m] of pairs to arm's length for leaders with `heading` (A,). The middle of
         each pair stays."""
         lead, follow = self.leader, self.follower
-        half = 0.5 * self.places(heading[lead])
+        half = 0.5 * self.follower_offsets(heading[lead])
         middle = 0.5 * (target[lead] + target[follow])
         target[lead], target[follow] = middle - half, middle + half
 
-    def follow(self, reached: Float64, facing: Float64, target: Float64, heading: Float64) -> None:
+    def set_follower_targets(self, reached: Float64, facing: Float64, target: Float64, heading: Float64) -> None:
         """Write the targets of pairs whose leaders' measures will end at `reached` (P, 2) [m] with `facing` (P,)."""
-        offset = self.places(facing)
+        offset = self.follower_offsets(facing)
         self.offset[1, self.follower] = offset
         target[self.leader] = reached
         target[self.follower] = reached + offset
-        heading[self.leader], heading[self.follower] = facing, self.faces(facing)
+        heading[self.leader], heading[self.follower] = facing, self.follower_headings(facing)
 
-    def sides(self, node_side: Int32) -> Int32:
+    def follower_sides(self, node_side: Int32) -> Int32:
         """Sides wanted by followers whose leaders dance nodes of `node_side` (P,), (P,): mirrored for facing pairs."""
-        return np.where(self._manner[self._group[self.leader]] == FACING, -node_side, node_side).astype(np.int32)
+        return np.where(self._arrangement[self._group[self.leader]] == FACING, -node_side, node_side).astype(np.int32)
 
-    def own_sides(self, side: Int32, now: Int32) -> Int32:
+    def wanted_sides(self, side: Int32, now: Int32) -> Int32:
         """Sides wanted by all dancers (A,), who now dance nodes of the sides `now` (A,).
 
         Leaders without a preference keep their side: after a change of feet, followers seldom find a matching step.
@@ -202,18 +202,18 @@ class Partners:
         side[self.leader] = np.where(side[self.leader] == 0, now[self.leader], side[self.leader])
         return side
 
-    def move(self, moved: Float64, place: Float32) -> None:
+    def share_push(self, moved: Float64, place: Float32) -> None:
         """Apply the displacement `moved` (A, 2) [m] of a dancer at `place` (A, 2) to the partner too.
 
         Partners who are too close to each other are moved separately.
         """
         lead, follow = self.leader, self.follower
         if len(lead):
-            held = (np.hypot(*(place[follow] - place[lead]).T) > self.arm - CLOSE)[:, None]
+            held = (np.hypot(*(place[follow] - place[lead]).T) > self.arm_length - TOO_CLOSE)[:, None]
             both = moved[lead] + moved[follow]
             moved[lead], moved[follow] = np.where(held, both, moved[lead]), np.where(held, both, moved[follow])
 
-    def level(self, ends: Float64, *, coming: bool) -> None:
+    def align_ends(self, ends: Float64, *, coming: bool) -> None:
         """Move the ends (A, 2) [m] of the present or the `coming` measures so that pairs end at arm's length.
 
         Each of the two takes half of the error, which is limited to MOST. Pairs that are still approaching are skipped.
@@ -223,30 +223,30 @@ class Partners:
             return
         amiss = ends[follow] - ends[lead] - self.offset[int(coming), follow]
         size = np.hypot(*amiss.T)
-        amiss *= (np.minimum(size, MOST) / np.maximum(size, 1e-9) * ~self._meeting[follow])[:, None]
+        amiss *= (np.minimum(size, MAX_END_CORRECTION) / np.maximum(size, 1e-9) * ~self._meeting[follow])[:, None]
         ends[lead] += 0.5 * amiss
         ends[follow] -= 0.5 * amiss
 
 
-def _holds(manner: int, hands: str) -> tuple[tuple[int, int], ...]:
+def _held_hands(arrangement: int, hands: str) -> tuple[tuple[int, int], ...]:
     """Return the hands that partners of a manner hold."""
-    if manner == ALONE or hands == "none":
+    if arrangement == ALONE or hands == "none":
         return ()
-    return _HANDS[manner] if hands == "both" else _HANDS[manner][:1]
+    return _HANDS[arrangement] if hands == "both" else _HANDS[arrangement][:1]
 
 
 CLOSING_S: Final = 0.6
 """Time in which approaching partners should meet, if their speed allows [s]."""
 RATE: Final = 1.0
 """Largest speed at which each end of a rod is moved to restore its length [m/s]."""
-FIRM: Final = 0.5
+FIRM_THRESHOLD: Final = 0.5
 """From this firmness on, the leader's command counts for both."""
 
 
 class PairSteering:
     """Advances agents as `Advance` does, with the two agents of a pair as the ends of a rod."""
 
-    def __init__(self, advance: Advance, partners: Partners) -> None:
+    def __init__(self, advance: CrowdStepper, partners: Partners) -> None:
         self._advance, self._partners = advance, partners
 
     def resize(self, half_width: float, half_depth: float) -> None:
@@ -255,56 +255,56 @@ class PairSteering:
 
     def steer(self, steering: Steering) -> None:
         """Set the steering parameters. The stage's size stays."""
-        self._advance.steer(steering)
+        self._advance.set_steering(steering)
 
     def yield_to(self, rows: npt.NDArray[np.integer], responsibility: npt.NDArray[np.floating]) -> None:
         """Set the share of avoidance, (n,), that the agents `rows` (n,) take."""
-        self._advance.yield_to(rows, responsibility)
+        self._advance.set_responsibility(rows, responsibility)
 
     def __call__(
         self,
         current: AgentState,
         out: AgentState,
         *,
-        wants: Wants,
+        commands: AgentCommand,
         surroundings: Surroundings,
         time: float,
         dt: float,
     ) -> None:
-        """Read `current` and write `out`, `dt` [s] later. `wants` is changed to common commands for each pair."""
+        """Read `current` and write `out`, `dt` [s] later. `commands` is changed to common commands for each pair."""
         if len(self._partners.leader):
-            self._ask(wants, current)
-        self._advance(current, out, wants=wants, surroundings=surroundings, time=time, dt=dt)
+            self._share_commands(commands, current)
+        self._advance(current, out, commands=commands, surroundings=surroundings, time=time, dt=dt)
         if len(self._partners.leader):
-            self._hold(out, dt)
+            self._restore_rods(out, dt)
 
-    def _ask(self, wants: Wants, state: AgentState) -> None:
+    def _share_commands(self, commands: AgentCommand, state: AgentState) -> None:
         """Give both agents of a pair the same command. Partners who are still apart approach each other."""
-        lead, follow, arm = self._partners.leader, self._partners.follower, self._partners.arm
-        firm = wants.firm[lead] > FIRM
-        both = 0.5 * (wants.velocity[lead] + wants.velocity[follow])
-        both = np.where(firm[:, None], wants.velocity[lead], both)
-        wants.firm[follow] = wants.firm[lead]
-        wants.alignment[follow], wants.cohesion[follow] = wants.alignment[lead], wants.cohesion[lead]
-        speed = np.minimum(wants.speed[lead], wants.speed[follow])
-        wants.speed[lead], wants.speed[follow] = speed, speed
+        lead, follow, arm = self._partners.leader, self._partners.follower, self._partners.arm_length
+        firm = commands.firmness[lead] > FIRM_THRESHOLD
+        both = 0.5 * (commands.velocity[lead] + commands.velocity[follow])
+        both = np.where(firm[:, None], commands.velocity[lead], both)
+        commands.firmness[follow] = commands.firmness[lead]
+        commands.alignment[follow], commands.cohesion[follow] = commands.alignment[lead], commands.cohesion[lead]
+        speed = np.minimum(commands.speed[lead], commands.speed[follow])
+        commands.speed[lead], commands.speed[follow] = speed, speed
         between = (state.position[follow] - state.position[lead]).astype(np.float64)
         apart = np.maximum(np.hypot(*between.T), 1e-6)
-        far = np.where(apart - arm > MEET, apart - arm, 0.0)
+        far = np.where(apart - arm > APPROACH_DISTANCE, apart - arm, 0.0)
         close = between * (np.minimum(0.5 * far / CLOSING_S, speed) / apart)[:, None]
-        wants.velocity[lead] = both + close
-        wants.velocity[follow] = both - close
+        commands.velocity[lead] = both + close
+        commands.velocity[follow] = both - close
         for rows in (lead, follow):  # separation must not push partners apart
-            wants.separation[rows] = np.minimum(wants.separation[rows], arm)
+            commands.separation[rows] = np.minimum(commands.separation[rows], arm)
 
-    def _hold(self, state: AgentState, dt: float) -> None:
+    def _restore_rods(self, state: AgentState, dt: float) -> None:
         """Restore the rod's length, and equalize the velocities of its ends along it."""
-        lead, follow, arm = self._partners.leader, self._partners.follower, self._partners.arm
+        lead, follow, arm = self._partners.leader, self._partners.follower, self._partners.arm_length
         between = (state.position[follow] - state.position[lead]).astype(np.float64)
         apart = np.maximum(np.hypot(*between.T), 1e-6)
         way = between / apart[:, None]
         amiss = apart - arm
-        held = amiss <= MEET
+        held = amiss <= APPROACH_DISTANCE
         move = np.where(held, np.clip(0.5 * amiss, -RATE * dt, RATE * dt), 0.0)[:, None] * way
         state.position[lead] += move
         state.position[follow] -= move
@@ -318,16 +318,20 @@ TOO_FAR: Final = 0.4
 """A follower whose measure would end farther than this [m] from the target may dance either side of the step."""
 
 
-def place_followers(
-    partners: Partners, choosing: Choosing, choices: Choices, heading: Float64, asked: tuple[Any, ...]
+def set_follower_targets(
+    partners: Partners,
+    choosing: StepSelector,
+    choices: StepChoices,
+    heading: Float64,
+    search_arguments: tuple[Any, ...],
 ) -> tuple[Int32, Int32]:
-    """Set the targets of followers after all dancers have chosen; `asked` are the arguments of `Choosing.choose`.
+    """Set the targets of followers after all dancers have chosen; `asked` are the arguments of `StepSelector.choose`.
 
     A leader ends where clip and correction lead, with the heading that the turn reaches. Both are written to the
     targets and to `heading` (A,) [rad], together with the followers' targets. Returns the followers (P,) and the sides
     they want: the mirror image of the leader's side for facing pairs, else the same side.
     """
-    node, _, wish, _, _, _, manner, _ = asked
+    node, _, wish, _, _, _, manner, _ = search_arguments
     lead, follow = partners.leader, partners.follower
     end, edge = choices.end[lead], choices.edge[lead, 0]
     chosen = np.where(edge < 0, node[lead], choosing.graph.edge_target[np.maximum(edge, 0)])
@@ -337,25 +341,27 @@ def place_followers(
     facing = heading[lead] - end[:, 3]
     lost = edge < 0  # cannot happen in a pruned graph
     reached[lost], facing[lost] = choices.target[lead][lost], heading[lead][lost]
-    partners.follow(reached, facing, choices.target, heading)
+    partners.set_follower_targets(reached, facing, choices.target, heading)
     wish[follow] = with_direction(np.column_stack([choices.target[follow], heading[follow]]))
-    return follow, partners.sides(choosing.graph.library.node_side[chosen])
+    return follow, partners.follower_sides(choosing.graph.library.node_side[chosen])
 
 
-def choose_following(rows: Int32, sides: Int32, choosing: Choosing, choices: Choices, asked: tuple[Any, ...]) -> None:
+def choose_followers(
+    rows: Int32, sides: Int32, choosing: StepSelector, choices: StepChoices, search_arguments: tuple[Any, ...]
+) -> None:
     """Choose again for the followers `rows` (n,) who want these `sides` (n,).
 
     Staying together counts more than dancing on the same feet: followers who end too far away choose from both sides.
     """
-    _choose(rows, sides, choosing, asked)
+    _choose(rows, sides, choosing, search_arguments)
     off = np.hypot(*(choices.end[rows, :2] - choices.target[rows]).T)
     far = rows[off > TOO_FAR]
     if len(far):
-        _choose(far, np.zeros(len(far), np.int32), choosing, asked)
+        _choose(far, np.zeros(len(far), np.int32), choosing, search_arguments)
 
 
-def _choose(rows: Int32, sides: Int32, choosing: Choosing, asked: tuple[Any, ...]) -> None:
-    node, placement, wish, row, ahead, _, manner, out = asked
+def _choose(rows: Int32, sides: Int32, choosing: StepSelector, search_arguments: tuple[Any, ...]) -> None:
+    node, placement, wish, row, ahead, _, manner, out = search_arguments
     results: Any = tuple(np.ascontiguousarray(array[rows]) for array in out)
     choosing.choose(
         slice(0, len(rows)), node[rows], placement[rows], wish[rows], row[rows], ahead, sides, manner[rows], results

@@ -16,6 +16,6 @@ class Purpose(IntEnum):
     """The warp over the whole sequence (T056)."""
 
 
-def chance_of(seed: int, purpose: Purpose, measure: int) -> np.random.Generator:
+def generator_for(seed: int, purpose: Purpose, measure: int) -> np.random.Generator:
     """Return the generator of a purpose and measure. Measures before the first downbeat have numbers below 0."""
     return np.random.default_rng([seed, purpose, measure % (1 << 32)])

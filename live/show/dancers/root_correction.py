@@ -10,8 +10,8 @@ from live.agents.entrances.entrances import ON
 from live.agents.separation.path_separation import Paths
 from live.motion.pose import root_warp_kernels
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.hip_path_prediction import trace
-from live.show.dancers.measure_state import Danced
+from live.show.dancers.hip_path_prediction import trace_paths
+from live.show.dancers.measure_state import MeasureState
 from live.show.group.group_motion import GroupMotion
 
 Float32 = npt.NDArray[np.float32]
@@ -19,19 +19,19 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
 
-LEAST_DODGE: Final = 0.1
+MIN_SEPARATION_CORRECTION: Final = 0.1
 """Least correction allowed for path separation [m], whatever the legs' reach margin."""
-IN_HASTE: Final = 1.5
+SEPARATION_SPEED_FACTOR: Final = 1.5
 """Factor by which corrections for path separation may be faster than others."""
 
 
-def runs(who: Int64) -> list[slice]:
+def consecutive_slices(who: Int64) -> list[slice]:
     """Return the indices `who` (n,), which are in rising order, as slices of consecutive ones."""
     parts = np.split(who, np.flatnonzero(np.diff(who) > 1) + 1)
     return [slice(int(part[0]), int(part[-1]) + 1) for part in parts if len(part)]
 
 
-class Carried:
+class RootCorrection:
     """Correction state of A dancers. The arrays of shape (A, 2) [m] are views of `rows`, which the kernels use."""
 
     def __init__(self, dancers: Dancers, motion: GroupMotion) -> None:
@@ -48,52 +48,55 @@ class Carried:
         """Goals of the corrections."""
         self.predicted: Float64 = self.rows[root_warp_kernels.PREDICTED]
         """Predicted agent of each dancer at the end of the present measure, within the steps' reach."""
-        self.asked, self.foreseen = self.rows[root_warp_kernels.ASKED], self.rows[root_warp_kernels.FORESEEN]
+        self.target_at_decision, self.agent_at_decision = (
+            self.rows[root_warp_kernels.TARGET_AT_DECISION],
+            self.rows[root_warp_kernels.AGENT_AT_DECISION],
+        )
         """The same at the time of the decision, and without the limit of the steps' reach."""
-        self.room: Float64 = np.tile(motion.floor.half, (count, 1))
+        self.room: Float64 = np.tile(motion.stage_area.half, (count, 1))
         """Largest distance from the centre at the end of the present measure, in x and z [m], (A, 2). A dancer who
         began it outside a stage that has shrunk may stay there, but go no farther out."""
-        self.most, self.hasty = np.zeros(count), np.zeros(count)
+        self.max_separation, self.speed_limit = np.zeros(count), np.zeros(count)
         """Largest correction for path separation [m], and the one that limits its speed [m], (A,)."""
 
-    def allow(self, give: Float64) -> None:
+    def set_reach_margin(self, give: Float64) -> None:
         """Set the legs' reach margins [m], (A,), for path separation."""
-        self.most[:] = np.maximum(give, LEAST_DODGE)
-        self.hasty[:] = IN_HASTE * self.most
+        self.max_separation[:] = np.maximum(give, MIN_SEPARATION_CORRECTION)
+        self.speed_limit[:] = SEPARATION_SPEED_FACTOR * self.max_separation
 
-    def begin_measure(self, present: Danced, reference: Float32, *, traced: bool) -> None:
+    def begin_measure(self, present: MeasureState, reference: Float32, *, traced: bool) -> None:
         """Begin the measure `present`, whose paths are known already if `traced`. Writes the agents' `reference`
         (A, 2) [m]."""
         if not traced or not same_indices(self.node, present.node):
-            trace(self.paths, self.dancers, present, slice(0, len(self.node)))
+            trace_paths(self.paths, self.dancers, present, slice(0, len(self.node)))
             self.end[:] = present.end_position() - present.correction[:, :2]
         if (self.node < 0).all():  # first measure: the target is the steps' own end
-            self.asked[:] = self.foreseen[:] = self.end + present.correction[:, :2]
+            self.target_at_decision[:] = self.agent_at_decision[:] = self.end + present.correction[:, :2]
         self.node[:] = present.node
-        root_warp_kernels.begin_rows(
+        root_warp_kernels.begin_measure(
             self.rows, self.paths.path, present.correction, self.motion.state.position, reference
         )
 
-    def put_elsewhere(self, who: Int64) -> None:
+    def replace_measures(self, who: Int64) -> None:
         """Update the dancers `who` (n,) whose measures were replaced in the middle of this one."""
         present = self.dancers.present
-        for some in runs(who):
-            trace(self.paths, self.dancers, present, some)
+        for some in consecutive_slices(who):
+            trace_paths(self.paths, self.dancers, present, some)
         self.node[who] = present.node[who]
         self.begin[who] = self.paths.path[who, 0]
         self.end[who] = present.end_position()[who] - present.correction[who, :2]
         for place in (root_warp_kernels.PLAN, root_warp_kernels.AIM, root_warp_kernels.GOAL):
             self.rows[place, who] = present.correction[who, :2]
-        self.rows[root_warp_kernels.DODGE, who] = self.rows[root_warp_kernels.AIM_SPEED, who] = 0.0
+        self.rows[root_warp_kernels.SEPARATION, who] = self.rows[root_warp_kernels.AIM_SPEED, who] = 0.0
 
     def keep_on_stage(self, way: Float64, end: Float64, room: Float64) -> None:
         """Limit the displacements `way` (A, 2) [m] from `end` (A, 2) so that dancers on the stage stay in `room`."""
-        root_warp_kernels.keep_ends(way, end, self.motion.entrances.state, ON, room)
+        root_warp_kernels.clamp_ends(way, end, self.motion.entrances.state, ON, room)
 
-    def level(self, way: Float64, end: Float64, *, coming: bool) -> None:
+    def align_partner_ends(self, way: Float64, end: Float64, *, coming: bool) -> None:
         """Change the displacements `way` (A, 2) [m] of measures that end at `end` (A, 2) so that partners stay
         together."""
         if len(self.motion.partners.leader):
             ends = end + way
-            self.motion.partners.level(ends, coming=coming)
+            self.motion.partners.align_ends(ends, coming=coming)
             way[:] = ends - end

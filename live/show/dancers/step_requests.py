@@ -11,18 +11,18 @@ from live.control.events.events import ControlEvent
 from live.graph.search.live_sequence import HORIZON, LiveSequence
 from live.graph.search.sequence import parse_sequence
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.variation import Variation, Variety
+from live.show.dancers.variation import Variation, VariationSettings
 from live.show.desk.refusals import Refusals
 from live.show.group.casting import Casting
-from live.show.partner.partner_response import Answering
+from live.show.partner.partner_response import PartnerResponse
 from live.show.patch.patch import Patch
-from live.show.score.canon import Echo
+from live.show.score.canon import Canon
 from live.show.score.step_names import UnknownStep, find_step
 from live.show.selection.interrupts import Interrupts
 from live.show.selection.scheduler import Scheduler
 
 
-class Directions:
+class StepRequests:
     """Applies each request to its groups. Requests that are impossible are refused and change nothing."""
 
     def __init__(
@@ -39,17 +39,17 @@ class Directions:
         self._groups = {section.name.casefold(): index for index, section in enumerate(patch.group)}
         self._dancers, self._variation = dancers, variation
         self._scheduler, self._interrupts, self._refusals = scheduler, interrupts, refusals
-        self.asked: int | None = None
+        self.explained_dancer: int | None = None
         """The dancer (index) whose step choice is explained to an operator, None for none."""
 
-    def take_patch(self, fresh: "Directions") -> None:
+    def apply_patch(self, fresh: "StepRequests") -> None:
         """Update the group names."""
         self._groups = fresh._groups
 
-    def act(self, event: ControlEvent) -> None:
+    def handle(self, event: ControlEvent) -> None:
         """Apply an event of `DIRECTIONS`."""
         try:
-            _ACTS[type(event)](self, event)
+            _HANDLERS[type(event)](self, event)
         except (UnknownStep, PersonError) as error:
             self._refusals.add(f"{event.source}: {error}")
 
@@ -67,55 +67,56 @@ class Directions:
         wanted = parse_sequence(event.steps, graph.library)
         danced = self._dancers.coming if self._dancers.decided else self._dancers.present
         nodes = danced.node[np.isin(self._group, members)]
-        if LiveSequence(graph, []).ask(wanted[: HORIZON + 1], nodes) is None:
+        if LiveSequence(graph, []).feasible_delay(wanted[: HORIZON + 1], nodes) is None:
             raise PersonError(f"{event.steps!r} cannot be joined from here", "`live dance` reports what is missing")
         for index in members:
             programme = self._scheduler.programmes[index]
-            if len(members) == 1 or not isinstance(programme, Echo):  # for all groups, echoes stay echoes
-                programme.dance(wanted)
+            if len(members) == 1 or not isinstance(programme, Canon):  # for all groups, echoes stay echoes
+                programme.set_sequence(wanted)
 
     def _set_motion(self, event: events.SetMotion) -> None:
         members = self._members(event.group)
-        if event.parameter not in Variety.names():
+        if event.parameter not in VariationSettings.names():
             raise PersonError(
-                f"there is no motion parameter {event.parameter!r}", f"one of {', '.join(sorted(Variety.names()))}"
+                f"there is no motion parameter {event.parameter!r}",
+                f"one of {', '.join(sorted(VariationSettings.names()))}",
             )
-        if event.parameter == "texture" and event.value > 0.0 and not self._dancers.texturing.bank.count:
+        if event.parameter == "texture" and event.value > 0.0 and not self._dancers.texture.bank.count:
             raise PersonError("there are no recordings for the texture", "name them under [texture] in the patch")
         for index in members:
             self._variation.set(event.parameter, event.value, index)
 
     def _set_partner(self, event: events.SetPartner) -> None:
-        answering = self._answering()
+        answering = self._partner_response()
         if event.parameter not in ("on", "amount", "window", "hands"):
             raise PersonError(f"a partner has no parameter {event.parameter!r}", "one of on, amount, window, hands")
         value = event.value >= 0.5 if event.parameter == "on" else event.value
-        answering.change(event.partner, event.parameter, value)
+        answering.set_value(event.partner, event.parameter, value)
 
     def _pair_partner(self, event: events.PairPartner) -> None:
-        answering = self._answering()
+        answering = self._partner_response()
         if event.role not in ("leader", "follower"):
             raise PersonError(f"a partner has no role {event.role!r}", "leader or follower")
         for index in answering.find(event.partner):
             path = event.role == "leader" and event.who.strip().casefold() == "path"
-            if event.role == "leader" and path != answering.asked[index].by_path:
+            if event.role == "leader" and path != answering.settings[index].by_path:
                 raise PersonError(
-                    f"partner {answering.asked[index].name!r} is led by "
+                    f"partner {answering.settings[index].name!r} is led by "
                     f"{'a path' if not path else 'dancers'}: its examples fit only that",
                     "add another [[partner]] to the patch",
                 )
-        answering.change(event.partner, event.role, event.who)
+        answering.set_value(event.partner, event.role, event.who)
 
     def _walk_on(self, event: events.WalkOn) -> None:
-        self._answering().walk_on(event.partner, (event.x, event.z), anew=event.anew)
+        self._partner_response().extend_path(event.partner, (event.x, event.z), restart=event.anew)
 
-    def _answering(self) -> Answering:
-        if self._dancers.answering is None:
+    def _partner_response(self) -> PartnerResponse:
+        if self._dancers.partner_response is None:
             raise PersonError("the show has no partners", "add [[partner]] to the patch")
-        return self._dancers.answering
+        return self._dancers.partner_response
 
     def _set_facing(self, event: events.SetFacing) -> None:
-        headings = self._scheduler.aims.headings
+        headings = self._scheduler.targets.headings
         facing = headings.parse(event.facing)
         for index in self._members(event.group):
             headings.set(index, facing)
@@ -125,7 +126,7 @@ class Directions:
             self._scheduler.programmes[index].improvise(event.on)
 
     def _ask_why(self, event: events.AskWhy) -> None:
-        self.asked = event.dancer - 1 if 1 <= event.dancer <= len(self._group) else None
+        self.explained_dancer = event.dancer - 1 if 1 <= event.dancer <= len(self._group) else None
 
     def _members(self, name: str) -> list[int]:
         """Return the indices of the groups with this name; "" and "*" mean all. Raises PersonError for no match."""
@@ -137,17 +138,17 @@ class Directions:
         return [index]
 
 
-_ACTS: Final[dict[type, Callable[..., None]]] = {
-    events.CallStep: Directions._call_step,
-    events.StepNow: Directions._step_now,
-    events.SetSequence: Directions._set_sequence,
-    events.SetMotion: Directions._set_motion,
-    events.SetPartner: Directions._set_partner,
-    events.WalkOn: Directions._walk_on,
-    events.PairPartner: Directions._pair_partner,
-    events.SetFacing: Directions._set_facing,
-    events.Improvise: Directions._improvise,
-    events.AskWhy: Directions._ask_why,
+_HANDLERS: Final[dict[type, Callable[..., None]]] = {
+    events.CallStep: StepRequests._call_step,
+    events.StepNow: StepRequests._step_now,
+    events.SetSequence: StepRequests._set_sequence,
+    events.SetMotion: StepRequests._set_motion,
+    events.SetPartner: StepRequests._set_partner,
+    events.WalkOn: StepRequests._walk_on,
+    events.PairPartner: StepRequests._pair_partner,
+    events.SetFacing: StepRequests._set_facing,
+    events.Improvise: StepRequests._improvise,
+    events.AskWhy: StepRequests._ask_why,
 }
-DIRECTIONS: Final = tuple(_ACTS)
+STEP_REQUEST_EVENTS: Final = tuple(_HANDLERS)
 """The events that `act` accepts."""

@@ -12,17 +12,17 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError
-from live.motion.pose.pipeline_kernels import drift_ahead
-from live.show.dancers.rng import Purpose, chance_of
+from live.motion.pose.pipeline_kernels import drift_leads
+from live.show.dancers.rng import Purpose, generator_for
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
 
-KNOT_LOW: Final = 0.125
-KNOT_HIGH: Final = 0.5
+MIN_DRIFT_FREQUENCY: Final = 0.125
+MAX_DRIFT_FREQUENCY: Final = 0.5
 """Range of drift frequencies [cycles per measure]: one cycle takes two to eight measures."""
-SPAN: Final = np.array([1.0, 11.0, 11.0, 1.0]) / 24.0
+SPLINE_WEIGHTS: Final = np.array([1.0, 11.0, 11.0, 1.0]) / 24.0
 """Weights of a uniform cubic B-spline's integral over one span."""
 
 
@@ -41,29 +41,37 @@ class Drift:
 
     def begin_measure(self, measure: int) -> None:
         """Begin the measure `measure` (from 0): advance the phase and the spline knots."""
-        self.phase += self._passed() if self._passes is None else self._passes
+        self.phase += self._phase_advance() if self._passes is None else self._passes
         first = 3 if self._knots_of == measure - 1 else 0
         if first:
             self._knots[:, :-1] = self._knots[:, 1:]
         self._knots_of = measure
         for n in range(first, 4):
             if self._drawn[0] != measure + n:
-                self.foresee(measure + n)
+                self.draw_knots(measure + n)
             self._knots[:, n] = self._drawn[1]
         self._passes = None
 
-    def foresee(self, measure: int) -> None:
+    def draw_knots(self, measure: int) -> None:
         """Draw the knots of `measure`, up to three measures ahead of it."""
-        drawn = chance_of(self._seed, Purpose.DRIFT, measure).uniform(0.0, 1.0, (2, self._count))
-        drawn[1] = KNOT_LOW + (KNOT_HIGH - KNOT_LOW) * drawn[1]
+        drawn = generator_for(self._seed, Purpose.DRIFT, measure).uniform(0.0, 1.0, (2, self._count))
+        drawn[1] = MIN_DRIFT_FREQUENCY + (MAX_DRIFT_FREQUENCY - MIN_DRIFT_FREQUENCY) * drawn[1]
         self._drawn = measure, drawn
-        self._passes = self._passed()
+        self._passes = self._phase_advance()
 
-    def _passed(self) -> Float64:
+    def _phase_advance(self) -> Float64:
         """Return the change of the phase over the present measure [rad], (A,)."""
-        return np.asarray(2.0 * np.pi * (SPAN @ self._frequency_knots))
+        return np.asarray(2.0 * np.pi * (SPLINE_WEIGHTS @ self._frequency_knots))
 
-    def at(self, out: Float64, rows: Int64, fraction: float, most: Float64, liked: Int32, like: Int32) -> None:
+    def at(
+        self,
+        out: Float64,
+        rows: Int64,
+        fraction: float,
+        most: Float64,
+        previous_timing_source: Int32,
+        timing_source: Int32,
+    ) -> None:
         """Write the drift of the dancers `rows` (n,), positive ahead [share of a measure], to `out` (n,).
 
         `most` (A,) is the largest drift of each dancer. Over the measure each dancer changes from the timing of dancer
@@ -71,14 +79,14 @@ class Drift:
         corrected). A and f are uniform cubic B-splines, which stay between their random values, so |A'| + A φ' < 1
         always holds and no clip runs backwards.
         """
-        drift_ahead(out, rows, fraction, self.phase, self._knots, most, liked, like)
+        drift_leads(out, rows, fraction, self.phase, self._knots, most, previous_timing_source, timing_source)
 
 
 SIDES: Final = {"left": (1.0, 0.0), "right": (-1.0, 0.0), "back": (0.0, 1.0), "front": (0.0, -1.0)}
 """Sides at which a ripple may begin, as the audience sees them, and the direction (x, z) in which it runs."""
-NARROW: Final = 0.5
+MIN_EXTENT: Final = 0.5
 """Least extent of a group [m]: narrower groups count as this wide, so that delays do not flicker on one spot."""
-STEP: Final = 1.0 / 16.0
+DELAY_STEP: Final = 1.0 / 16.0
 """Delays are multiples of this [beats]."""
 _NUMBER: Final = r"[+-]?[0-9]{1,3}(?:\.[0-9]{1,6})?"
 _POINT: Final = re.compile(rf"({_NUMBER})[ ,]+({_NUMBER})")
@@ -105,7 +113,7 @@ class Ripple:
             origin = place.mean(axis=0) if self.side == "centre" else np.array(self.point)
             way = np.hypot(*(place - origin).T)
         way = way - way.min()
-        return np.asarray(np.round(self.beats / STEP * way / max(float(way.max()), NARROW)) * STEP)
+        return np.asarray(np.round(self.beats / DELAY_STEP * way / max(float(way.max()), MIN_EXTENT)) * DELAY_STEP)
 
 
 def parse_ripple(words: str, beats: float) -> Ripple:

@@ -9,19 +9,19 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.errors import named
+from live.base.errors import error_context
 from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import F_MAX, draw_measure_warps
 from live.motion.pose.gather_kernels import delay_phases
-from live.show.dancers.measure_state import Danced
-from live.show.dancers.rng import Purpose, chance_of
-from live.show.dancers.timing_offsets import KNOT_HIGH, Drift, Ripple, parse_ripple
+from live.show.dancers.measure_state import MeasureState
+from live.show.dancers.rng import Purpose, generator_for
+from live.show.dancers.timing_offsets import MAX_DRIFT_FREQUENCY, Drift, Ripple, parse_ripple
 from live.show.patch.patch import Patch
 from live.show.patch.section_motion import MotionSection
 
 
 @dataclass(frozen=True, slots=True)
-class Variety:
+class VariationSettings:
     """Variation parameters of one group. The live controls `/dance/motion/...` set the same fields."""
 
     warp_beats: float = 0.0
@@ -60,9 +60,9 @@ class Variety:
         return tuple(field.name for field in fields(cls))
 
 
-def variety_of(section: MotionSection) -> Variety:
+def settings_of(section: MotionSection) -> VariationSettings:
     """Return the parameters of a patch's motion section."""
-    return Variety(
+    return VariationSettings(
         warp_beats=section.warp_beats,
         warp_sequence=float(section.warp_over == "sequence"),
         larger=section.larger,
@@ -79,12 +79,12 @@ def variety_of(section: MotionSection) -> Variety:
     )
 
 
-def varieties_of(patch: Patch) -> list[Variety]:
+def group_settings_of(patch: Patch) -> list[VariationSettings]:
     """Return the parameters of each group of a patch.
 
     A group that mirrors another dances mirror images only; the other, unless its patch says so, dances none.
     """
-    varieties = [variety_of(patch.motion_of(section)) for section in patch.group]
+    varieties = [settings_of(patch.motion_of(section)) for section in patch.group]
     for index, section in enumerate(patch.group):
         obedience = patch.locomotion.obedience if section.obedience is None else section.obedience
         varieties[index] = replace(varieties[index], obedience=obedience)
@@ -103,15 +103,15 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
 
-STEEPEST: Final = 0.9
+MAX_SPEED_CHANGE: Final = 0.9
 """Largest change of a clip's speed by a time warp, as a share (T054: from 1 on it would run backwards)."""
-LATEST: Final = 0.95
+MAX_DELAY: Final = 0.95
 """Largest delay, as a share of a measure."""
-MOST_LATER: Final = 0.2
+MAX_DELAY_CHANGE: Final = 0.2
 """Largest change of a delay within one measure, as a share of a measure, where no warp changes the speed as well."""
-SLOWEST: Final = 0.15
+MIN_SPEED: Final = 0.15
 """Lowest clip speed while a delay changes, as a share of the normal speed."""
-FARTHEST: Final = 0.12
+MAX_DRIFT: Final = 0.12
 """Largest drift ahead or behind, as a share of a measure: less than the beat by which steps are decided."""
 
 
@@ -119,7 +119,7 @@ def ripples_of(patch: Patch) -> list[Ripple]:
     """Return the ripple of each group of a patch. Raises PersonError for a ripple with an unknown origin."""
     ripples = []
     for index, section in enumerate(patch.group):
-        with named(f"group {section.name!r}", ("group", index, "ripple")):
+        with error_context(f"group {section.name!r}", ("group", index, "ripple")):
             ripples.append(parse_ripple(section.ripple, section.ripple_beats))
     return ripples
 
@@ -129,7 +129,7 @@ class Variation:
 
     def __init__(
         self,
-        varieties: list[Variety],
+        settings: list[VariationSettings],
         group: Int32,
         *,
         seed: int,
@@ -138,14 +138,14 @@ class Variation:
         late: tuple[float, ...] = (),
         ripples: tuple[Ripple, ...] = (),
     ) -> None:
-        """`group` (A,) is shared with the show, which calls `regrouped` when it has changed.
+        """`group` (A,) is shared with the show, which calls `update_groups` when it has changed.
 
         `late`: delay of each group [beats] (canon, T147), less than a measure; `ripples`: additional delays within
         each group.
         """
-        self._varieties = varieties
+        self._settings = settings
         self._group = group
-        self._late = np.array(late or [0.0] * len(varieties)) / beats_per_measure
+        self._group_delays = np.array(late or [0.0] * len(settings)) / beats_per_measure
         self._seed = seed
         self._beats = beats_per_measure
         self._window = window
@@ -153,25 +153,25 @@ class Variation:
         self.drift = Drift(count, seed)
         """Time warp of each dancer over the whole sequence (T056)."""
         self.measure = 0
-        self.ripples = list(ripples or [Ripple()] * len(varieties))
+        self.ripples = list(ripples or [Ripple()] * len(settings))
         """Ripple of each group."""
-        self._written, self._rippled = tuple(varieties), tuple(self.ripples)  # as in the patch
-        self.late: Float64 = self._late[group]
+        self._patch_settings, self._patch_ripples = tuple(settings), tuple(self.ripples)  # as in the patch
+        self.delays: Float64 = self._group_delays[group]
         """Intended delay of each dancer at the end of the present measure (canon and ripple), as a share of a measure,
         shape (A,)."""
-        self._late_before = self.late.copy()
-        self._like = self._liked = np.arange(count, dtype=np.int32)
+        self._late_before = self.delays.copy()
+        self._timing_source = self._previous_timing_source = np.arange(count, dtype=np.int32)
         self._paired: npt.NDArray[np.intp] = np.zeros(0, np.intp)
         self._even: Float64 = np.zeros(count)
         self._everybody: Int64 = np.arange(count)
-        self.regrouped()
+        self.update_groups()
 
     @classmethod
     def of(cls, patch: Patch, group: Int32, *, seed: int, window: float) -> "Variation":
         """Create the variation of a patch; `group` (A,) as in the constructor."""
         beats = patch.clock.beats_per_measure
         return cls(
-            varieties_of(patch),
+            group_settings_of(patch),
             group,
             seed=seed,
             beats_per_measure=beats,
@@ -180,19 +180,19 @@ class Variation:
             ripples=tuple(ripples_of(patch)),
         )
 
-    def regrouped(self) -> None:
+    def update_groups(self) -> None:
         """Update the values of each dancer from the groups' parameters and members."""
-        for name in Variety.names():
-            values = np.array([getattr(variety, name) for variety in self._varieties], np.float64)
+        for name in VariationSettings.names():
+            values = np.array([getattr(variety, name) for variety in self._settings], np.float64)
             setattr(self, name, values[self._group])
         self._drifts = bool(self.warp_sequence.any())
         # largest drift of each dancer [share of a measure], (A,)
-        self._farthest: Float64 = np.minimum(self.warp_beats / self._beats, FARTHEST) * (self.warp_sequence != 0.0)
-        self.obeys = bool(self.obedience.any())
+        self._farthest: Float64 = np.minimum(self.warp_beats / self._beats, MAX_DRIFT) * (self.warp_sequence != 0.0)
+        self.any_obedience = bool(self.obedience.any())
         """Whether any dancer has obedience above 0."""
-        self.textures = bool(self.texture.any())
+        self.any_texture = bool(self.texture.any())
         """Whether any dancer's upper body is textured."""
-        self.locks = bool(self.lock.any())
+        self.any_lock = bool(self.lock.any())
         """Whether any dancer has foot lock."""
 
     # the fields of Variety for each dancer, shape (A,)
@@ -216,68 +216,76 @@ class Variation:
         """Side that each dancer wants: -1 as made, 1 mirrored, 0 either, shape (A,)."""
         return np.sign(self.mirror).astype(np.int32)
 
-    def take_patch(self, fresh: "Variation") -> None:
+    def apply_patch(self, fresh: "Variation") -> None:
         """Apply the fields that differ between the old and the new patch. Values set live stay otherwise.
 
         `fresh` is the variation of a show with the new patch that has not run.
         """
-        for index, (old, new) in enumerate(zip(self._written, fresh._written, strict=True)):
-            edited = {name: getattr(new, name) for name in Variety.names() if getattr(new, name) != getattr(old, name)}
-            self._varieties[index] = replace(self._varieties[index], **edited)
-        for index, (ripple, new_ripple) in enumerate(zip(self._rippled, fresh._rippled, strict=True)):
+        for index, (old, new) in enumerate(zip(self._patch_settings, fresh._patch_settings, strict=True)):
+            edited = {
+                name: getattr(new, name)
+                for name in VariationSettings.names()
+                if getattr(new, name) != getattr(old, name)
+            }
+            self._settings[index] = replace(self._settings[index], **edited)
+        for index, (ripple, new_ripple) in enumerate(zip(self._patch_ripples, fresh._patch_ripples, strict=True)):
             if ripple != new_ripple:
                 self.ripples[index] = new_ripple
-        self._written, self._rippled, self._late = fresh._written, fresh._rippled, fresh._late
+        self._patch_settings, self._patch_ripples, self._group_delays = (
+            fresh._patch_settings,
+            fresh._patch_ripples,
+            fresh._group_delays,
+        )
         self._window = fresh._window
-        self.regrouped()
+        self.update_groups()
 
     def set(self, name: str, value: float, group: int) -> None:
         """Set one field of one group, by its index, for all later draws."""
-        self._varieties[group] = replace(self._varieties[group], **{name: value})
-        self.regrouped()
+        self._settings[group] = replace(self._settings[group], **{name: value})
+        self.update_groups()
 
     @property
-    def varieties(self) -> list[Variety]:
+    def settings(self) -> list[VariationSettings]:
         """Current parameters of each group."""
-        return list(self._varieties)
+        return list(self._settings)
 
-    def take(self, varieties: list[Variety]) -> None:
+    def set_all(self, settings: list[VariationSettings]) -> None:
         """Set all fields of all groups, for all later draws."""
-        self._varieties[:] = varieties
-        self.regrouped()
+        self._settings[:] = settings
+        self.update_groups()
 
-    def draw(self, measure: int, danced: Danced) -> None:
+    def draw(self, measure: int, measure_state: MeasureState) -> None:
         """Write the variation of measure `measure` (from 0) into `danced`, whose nodes are chosen already."""
         count = len(self._group)
-        chance = chance_of(self._seed, Purpose.MEASURE, measure)
+        chance = generator_for(self._seed, Purpose.MEASURE, measure)
         # everything is drawn for all dancers, so that no control changes the random numbers of another
         warps = draw_measure_warps(chance, count, window=self._window, a_max=0.0)
         amplitude, take, mix, arms = chance.uniform(0.0, 1.0, (4, count))
         most = self.warp_beats / self._beats * (self.warp_sequence == 0.0)
         frequency = np.minimum(warps.frequency, F_MAX)
-        steep = STEEPEST / (2.0 * np.pi * frequency)
-        danced.warp[0] = np.minimum(most * chance.uniform(0.0, 1.0, count), steep)
-        danced.warp[1:] = frequency, warps.start, warps.sign
-        danced.warp[:] = danced.warp[:, self._like]
-        danced.on_support[:] = self.on_support
-        danced.take[:] = danced.graph.takes.draw(danced.node, take)
-        takes = danced.take != NO_TAKE
-        danced.take_share[0] = takes * self.mix * mix
-        danced.take_share[0, self._paired] = 0.0
-        danced.take_share[1] = np.maximum(danced.take_share[0], takes * (arms < self.arms))
-        danced.amplitude[:] = 1.0 + self.amplitude * np.floor(3.0 * amplitude - 1.0)
+        steep = MAX_SPEED_CHANGE / (2.0 * np.pi * frequency)
+        measure_state.warp[0] = np.minimum(most * chance.uniform(0.0, 1.0, count), steep)
+        measure_state.warp[1:] = frequency, warps.start, warps.sign
+        measure_state.warp[:] = measure_state.warp[:, self._timing_source]
+        measure_state.on_support[:] = self.on_support
+        measure_state.take[:] = measure_state.graph.takes.draw(measure_state.node, take)
+        takes = measure_state.take != NO_TAKE
+        measure_state.take_share[0] = takes * self.mix * mix
+        measure_state.take_share[0, self._paired] = 0.0
+        measure_state.take_share[1] = np.maximum(measure_state.take_share[0], takes * (arms < self.arms))
+        measure_state.amplitude[:] = 1.0 + self.amplitude * np.floor(3.0 * amplitude - 1.0)
         slow = self.amplitude_sequence != 0.0
         if slow.any():
-            danced.amplitude[0, slow] = self._slow_amplitude(measure)[slow]
-            danced.amplitude[1, slow] = self._slow_amplitude(measure + 1)[slow]
-        danced.amplitude *= 1.0 + self.larger
+            measure_state.amplitude[0, slow] = self._slow_amplitude(measure)[slow]
+            measure_state.amplitude[1, slow] = self._slow_amplitude(measure + 1)[slow]
+        measure_state.amplitude *= 1.0 + self.larger
 
     def _slow_amplitude(self, measure: int) -> Float64:
         """Amplitude at the line before `measure`, (A,): each value is used for two lines (T059).
 
         The monotone cubic (PCHIP) is flat between equal values, so it eases between different ones.
         """
-        chance = chance_of(self._seed, Purpose.AMPLITUDE, measure // 2)
+        chance = generator_for(self._seed, Purpose.AMPLITUDE, measure // 2)
         return np.asarray(1.0 + self.amplitude * (chance.integers(0, 3, len(self._group)) - 1.0))
 
     def begin_measure(self, measure: int) -> None:
@@ -290,7 +298,7 @@ class Variation:
         ahead."""
         rows = self._everybody if rows is None else rows
         ahead = np.empty(len(rows))
-        self.drift.at(ahead, rows, fraction, self._farthest, self._liked, self._like)
+        self.drift.at(ahead, rows, fraction, self._farthest, self._previous_timing_source, self._timing_source)
         return ahead
 
     # -- intended delays: canon and ripple ------------------------------------------------------------------------
@@ -301,32 +309,40 @@ class Variation:
         Drift and intended delays are included. With `rows` (n,), only for these dancers, into `out` (n,). Returns the
         lowest and the highest phase.
         """
-        ahead, before, late = self._even, self._late_before, self.late
+        ahead, before, late = self._even, self._late_before, self.delays
         if rows is not None:
             warp, ahead, before, late = np.ascontiguousarray(warp[:, rows]), ahead[rows], before[rows], late[rows]
         if self._drifts:
             ahead = self.sequence_warp(fraction, rows)
         return delay_phases(out, fraction, warp, self._window, ahead, before, late)
 
-    def delay(self, like: Int32, place: npt.NDArray[np.floating], there: npt.NDArray[np.bool_], danced: Danced) -> None:
+    def update_delays(
+        self,
+        timing_source: Int32,
+        place: npt.NDArray[np.floating],
+        there: npt.NDArray[np.bool_],
+        measure_state: MeasureState,
+    ) -> None:
         """Set the delays at the end of the measure that begins, from the positions `place` (A, 2) [m].
 
         `like` (A,) is the dancer whose timing each dancer uses (partners), `there` (A,) whether they are on the stage.
         Delays change no faster than the measure `danced`, with its warp, allows.
         """
-        if like is not self._like:
-            self._paired = np.flatnonzero(np.bincount(like, minlength=len(like))[like] > 1)
-        self._liked, self._like = self._like, like
-        self._late_before[:] = self.late
-        if not (self._late.any() or self.late.any() or any(ripple.beats for ripple in self.ripples)):
+        if timing_source is not self._timing_source:
+            self._paired = np.flatnonzero(np.bincount(timing_source, minlength=len(timing_source))[timing_source] > 1)
+        self._previous_timing_source, self._timing_source = self._timing_source, timing_source
+        self._late_before[:] = self.delays
+        if not (self._group_delays.any() or self.delays.any() or any(ripple.beats for ripple in self.ripples)):
             return
-        late = self._late[self._group] * self._beats
+        late = self._group_delays[self._group] * self._beats
         for index, ripple in enumerate(self.ripples):
             rows = np.flatnonzero((self._group == index) & there) if ripple.beats else ()
             if len(rows):
                 late[rows] += ripple.delays(np.asarray(place, np.float64)[rows])
-        late = np.minimum(late / self._beats, LATEST)[like]
-        steep = 2.0 * np.pi * danced.warp[0] * danced.warp[1]
-        steep = steep + 2.0 * np.pi * KNOT_HIGH * self._farthest
-        most = np.clip((1.0 - SLOWEST - steep) / 1.5, 0.0, MOST_LATER)  # an ease is 1.5 times as steep as a line
-        self.late += np.clip(late - self.late, -most, most)
+        late = np.minimum(late / self._beats, MAX_DELAY)[timing_source]
+        steep = 2.0 * np.pi * measure_state.warp[0] * measure_state.warp[1]
+        steep = steep + 2.0 * np.pi * MAX_DRIFT_FREQUENCY * self._farthest
+        most = np.clip(
+            (1.0 - MIN_SPEED - steep) / 1.5, 0.0, MAX_DELAY_CHANGE
+        )  # an ease is 1.5 times as steep as a line
+        self.delays += np.clip(late - self.delays, -most, most)

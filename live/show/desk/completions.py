@@ -12,7 +12,7 @@ FORMATIONS: Final = ("circle", "line", "grid", "wedge", "two lines", "spiral", "
 """Used where a patch names no formation of its own."""
 
 
-def names_of(patch: Patch, steps: Sequence[str]) -> dict[str, list[str]]:
+def completion_names(patch: Patch, steps: Sequence[str]) -> dict[str, list[str]]:
     """Return the known names by address of the control."""
     cues, performers = [cue.name for cue in patch.cue], [performer.name for performer in patch.mocap]
     return {
@@ -31,6 +31,6 @@ def names_of(patch: Patch, steps: Sequence[str]) -> dict[str, list[str]]:
     }
 
 
-def names_in(show: Show) -> dict[str, list[str]]:
+def show_completions(show: Show) -> dict[str, list[str]]:
     """Return the known names of a running show."""
-    return names_of(show.patch, show.graph.library.steps)
+    return completion_names(show.patch, show.graph.library.steps)

@@ -17,16 +17,16 @@ from live.show.score.playhead import END, Playhead
 
 DEBOUNCE: Final = 0.25
 """A second GO of one source within this time [s] is ignored as a bounce."""
-SOURCES: Final = 64
+MAX_SOURCES: Final = 64
 """Maximum number of sources remembered for this; the oldest is dropped."""
-MOST: Final = 16
+MAX_COUNTING: Final = 16
 """Maximum number of cues that count in at the same time."""
-AHEAD: Final = 512
+LOOKAHEAD_MEASURES: Final = 512
 """Look-ahead for the start of the section that a cue waits for [measures]."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Given:
+class _TriggeredCue:
     """A triggered cue whose beat has not come."""
 
     index: int
@@ -34,11 +34,11 @@ class _Given:
     """Its danced beat."""
     earliest: float
     """Earliest danced beat, because of the count-in."""
-    back: ControlEvent | None = None
+    revert_event: ControlEvent | None = None
     """If its jump is already requested: the event that reverts it."""
 
 
-class Cues:
+class CueList:
     """The cue list of one show. Thread: the show's."""
 
     def __init__(self, cues: Sequence[CueSection], playhead: Playhead, *, beats: int) -> None:
@@ -50,14 +50,14 @@ class Cues:
         """Index of the last fired cue, -1: none yet."""
         self.fired = self.bounced = 0
         """Fired cues, and GO presses ignored as bounces."""
-        self._given: list[_Given] = []
+        self._triggered: list[_TriggeredCue] = []
         self.late_ticks_max = 0
         """Largest delay of a cue after the tick that contains its beat [ticks]."""
-        self._before, self._tick = -math.inf, 1.0
-        self._pressed: dict[str, float] = {}
-        self._ways: tuple[object, ...] = ()
+        self._last_beat, self._tick_beats = -math.inf, 1.0
+        self._last_go: dict[str, float] = {}
+        self._score_state: tuple[object, ...] = ()
 
-    def take_patch(self, fresh: "Cues") -> None:
+    def apply_patch(self, fresh: "CueList") -> None:
         """Adopt the cues of an edited patch. The standby cue and counting cues are kept by name if they still exist."""
         cues = fresh._cues
         names = [cue.name for cue in cues]
@@ -68,49 +68,49 @@ class Cues:
 
         self.standby = moved(self.standby, min(self.standby, len(names)))
         self.last = moved(self.last, -1)
-        self._given = [replace(one, index=new) for one in self._given if (new := moved(one.index, -1)) >= 0]
+        self._triggered = [replace(one, index=new) for one in self._triggered if (new := moved(one.index, -1)) >= 0]
         self._cues = cues
 
     # -- commands ------------------------------------------------------------------------------------------------
 
-    def go(self, event: events.Go, danced: float) -> list[ControlEvent]:
+    def go(self, event: events.Go, danced_beats: float) -> list[ControlEvent]:
         """Trigger the standby cue; raises PersonError if there is none."""
-        last = self._pressed.get(event.source, -math.inf)
+        last = self._last_go.get(event.source, -math.inf)
         if 0.0 <= event.time - last < DEBOUNCE:
             self.bounced += 1
             return []
-        self._pressed.pop(event.source, None)
-        self._pressed[event.source] = event.time
-        if len(self._pressed) > SOURCES:
-            del self._pressed[next(iter(self._pressed))]
+        self._last_go.pop(event.source, None)
+        self._last_go[event.source] = event.time
+        if len(self._last_go) > MAX_SOURCES:
+            del self._last_go[next(iter(self._last_go))]
         if self.standby >= len(self._cues):
             raise PersonError("no cue stands by", "/dance/standby names one" if self._cues else "the patch has none")
-        return self._give(self.standby, danced)
+        return self._trigger(self.standby, danced_beats)
 
-    def give(self, name: str, danced: float) -> list[ControlEvent]:
+    def trigger(self, name: str, danced_beats: float) -> list[ControlEvent]:
         """Trigger this cue and put the next one on standby; raises PersonError if there is no such cue."""
-        return self._give(self._find(name), danced)
+        return self._trigger(self._find(name), danced_beats)
 
     def stand_by(self, name: str) -> None:
         """Put this cue on standby."""
         self.standby = self._find(name)
 
-    def back(self) -> list[ControlEvent]:
+    def step_back(self) -> list[ControlEvent]:
         """Cancel the last triggered cue that has not fired; otherwise put the previous cue on standby."""
-        if not self._given:
+        if not self._triggered:
             if self.standby == 0:
                 raise PersonError("the first cue stands by already")
             self.standby -= 1
             return []
-        given = self._given.pop()
+        given = self._triggered.pop()
         self.standby = given.index
-        return [] if given.back is None else [given.back]
+        return [] if given.revert_event is None else [given.revert_event]
 
     def stop(self) -> None:
         """Cancel all counting cues; the first of them is on standby again."""
-        if self._given:
-            self.standby = min(given.index for given in self._given)
-        self._given.clear()
+        if self._triggered:
+            self.standby = min(given.index for given in self._triggered)
+        self._triggered.clear()
 
     def _find(self, name: str) -> int:
         folded = name.casefold().strip()
@@ -120,65 +120,65 @@ class Cues:
         known = ", ".join(cue.name for cue in self._cues)
         raise PersonError(f"no cue is called {name!r}", f"there are: {known}" if known else "the patch has none")
 
-    def _give(self, index: int, danced: float) -> list[ControlEvent]:
-        if len(self._given) >= MOST:
-            raise PersonError(f"{MOST} cues are counting in already")
-        earliest = danced + self._cues[index].count_in
-        self._given.append(_Given(index, self._due(self._cues[index], earliest), earliest))
+    def _trigger(self, index: int, danced_beats: float) -> list[ControlEvent]:
+        if len(self._triggered) >= MAX_COUNTING:
+            raise PersonError(f"{MAX_COUNTING} cues are counting in already")
+        earliest = danced_beats + self._cues[index].count_in
+        self._triggered.append(_TriggeredCue(index, self._due(self._cues[index], earliest), earliest))
         self.standby = index + 1
-        return self._jumps(danced)
+        return self._jumps(danced_beats)
 
     # -- time ----------------------------------------------------------------------------------------------------
 
-    def fire(self, danced: float, time: float) -> list[ControlEvent]:
+    def fire(self, danced_beats: float, time: float) -> list[ControlEvent]:
         """Return the events of all cues due by the danced beat, in the order of their beats."""
-        self._look()
-        before, self._before = self._before, max(danced, self._before)
-        if danced > before > -math.inf:
-            self._tick = danced - before
+        self._update_due_beats()
+        before, self._last_beat = self._last_beat, max(danced_beats, self._last_beat)
+        if danced_beats > before > -math.inf:
+            self._tick_beats = danced_beats - before
         made: list[ControlEvent] = []
-        due = sorted((given for given in self._given if given.due <= danced), key=lambda given: given.due)
+        due = sorted((given for given in self._triggered if given.due <= danced_beats), key=lambda given: given.due)
         for given in due:
-            late = math.ceil((before - given.due) / self._tick) if given.due < before else 0
+            late = math.ceil((before - given.due) / self._tick_beats) if given.due < before else 0
             self.late_ticks_max = max(self.late_ticks_max, late)
-            self._given.remove(given)
-            made += self._happen(given, time)
+            self._triggered.remove(given)
+            made += self._fire_cue(given, time)
         return made
 
-    def begin_measure(self, danced: float) -> list[ControlEvent]:
+    def begin_measure(self, danced_beats: float) -> list[ControlEvent]:
         """Begin a measure: return the jumps of cues that fire at its end."""
-        self._look()
-        return self._jumps(danced)
+        self._update_due_beats()
+        return self._jumps(danced_beats)
 
-    def _look(self) -> None:
+    def _update_due_beats(self) -> None:
         """Update the due beat of cues that wait for a section, whenever the future of the score may have changed."""
         playhead = self._playhead
-        ways = (playhead.measure, playhead.going, playhead.practice, playhead.held, playhead.waiting)
-        if not self._given or ways == self._ways:
+        ways = (playhead.measure, playhead.pending_jump, playhead.practice, playhead.held, playhead.waiting)
+        if not self._triggered or ways == self._score_state:
             return
-        self._ways = ways
-        for number, given in enumerate(self._given):
+        self._score_state = ways
+        for number, given in enumerate(self._triggered):
             if self._cues[given.index].when == "section":
-                self._given[number] = replace(given, due=self._due(self._cues[given.index], given.earliest))
+                self._triggered[number] = replace(given, due=self._due(self._cues[given.index], given.earliest))
 
-    def let_go(self, danced: float) -> None:
+    def resume(self, danced_beats: float) -> None:
         """Resume after a hold: a cue whose beat has passed fires at the next line or beat of its kind."""
-        for number, given in enumerate(self._given):
-            if given.due < danced:
-                due = self._due(self._cues[given.index], danced)
-                self._given[number] = replace(given, due=due)
+        for number, given in enumerate(self._triggered):
+            if given.due < danced_beats:
+                due = self._due(self._cues[given.index], danced_beats)
+                self._triggered[number] = replace(given, due=due)
 
-    def _happen(self, given: _Given, time: float) -> list[ControlEvent]:
-        cue = self._cues[given.index]
+    def _fire_cue(self, triggered: _TriggeredCue, time: float) -> list[ControlEvent]:
+        cue = self._cues[triggered.index]
         source = f"cue {cue.name}"
         made = cue.events(time, source)
-        if cue.section is not None and given.back is None:
+        if cue.section is not None and triggered.revert_event is None:
             made.append(events.JumpTo(time=time, source=source, section=cue.section))
-        self.last, self.fired = given.index, self.fired + 1
-        if cue.then == "auto" and given.index + 1 < len(self._cues) and len(self._given) < MOST:
-            due = given.due + (cue.after or 1) * self._beats
-            self._given.append(_Given(given.index + 1, due, due))
-            self.standby = max(self.standby, given.index + 2)
+        self.last, self.fired = triggered.index, self.fired + 1
+        if cue.then == "auto" and triggered.index + 1 < len(self._cues) and len(self._triggered) < MAX_COUNTING:
+            due = triggered.due + (cue.after or 1) * self._beats
+            self._triggered.append(_TriggeredCue(triggered.index + 1, due, due))
+            self.standby = max(self.standby, triggered.index + 2)
         return made
 
     def _due(self, cue: CueSection, earliest: float) -> float:
@@ -192,53 +192,53 @@ class Cues:
             case "measure":
                 return float(self._beats * max(line, self._playhead.measure + 1))
         first = max(line, self._playhead.measure + 1)
-        for measure in range(first, first + AHEAD):
+        for measure in range(first, first + LOOKAHEAD_MEASURES):
             place = self._playhead.ahead(measure)
             if place.section != END and place.measure == 0 and self._playhead.entered(measure):
                 return self._beats * measure
         return math.inf
 
-    def _jumps(self, danced: float) -> list[ControlEvent]:
+    def _jumps(self, danced_beats: float) -> list[ControlEvent]:
         """Return jumps of cues that fire at the next line now, so that the measure can be planned ahead."""
         made: list[ControlEvent] = []
         line = (self._playhead.measure + 1) * self._beats
-        for number, given in enumerate(self._given):
+        for number, given in enumerate(self._triggered):
             cue = self._cues[given.index]
-            if cue.section is None or given.back is not None or given.due != line or danced > line:
+            if cue.section is None or given.revert_event is not None or given.due != line or danced_beats > line:
                 continue
             source = f"cue {cue.name}"
             place = self._playhead.ahead(self._playhead.measure + 1)
             if place.section == END:
                 continue
-            there = self._playhead.stretches[place.section].name
+            there = self._playhead.sections[place.section].name
             back = events.JumpTo(time=0.0, source=source, section=there, measure=place.measure + 1)
-            self._given[number] = replace(given, back=back)
+            self._triggered[number] = replace(given, revert_event=back)
             made.append(events.JumpTo(time=0.0, source=source, section=cue.section))
         return made
 
     # -- reports ---------------------------------------------------------------------------------------------------
 
-    def count_in(self, danced: float) -> tuple[float, str] | None:
+    def count_in(self, danced_beats: float) -> tuple[float, str] | None:
         """Return beats left and name of the next cue that counts in; None if there is none."""
-        given = min(self._given, key=lambda given: given.due, default=None)
-        return None if given is None else (given.due - danced, self._cues[given.index].name)
+        given = min(self._triggered, key=lambda given: given.due, default=None)
+        return None if given is None else (given.due - danced_beats, self._cues[given.index].name)
 
     def state(self) -> list[float]:
         """Return the numbers that belong to the state hash."""
-        return [self.standby, self.last, *(number for given in self._given for number in (given.index, given.due))]
+        return [self.standby, self.last, *(number for given in self._triggered for number in (given.index, given.due))]
 
     @property
     def standby_name(self) -> str:
         """Name of the standby cue; empty if there is none."""
         return self._cues[self.standby].name if self.standby < len(self._cues) else ""
 
-    def facts(self, danced: float) -> dict[str, Any]:
+    def facts(self, danced_beats: float) -> dict[str, Any]:
         """Return names, and remaining beats of counting cues, for the status (null: no section begins)."""
 
         def told(index: int) -> str | None:
             return self._cues[index].name if 0 <= index < len(self._cues) else None
 
-        waiting = sorted(self._given, key=lambda given: given.due)
+        waiting = sorted(self._triggered, key=lambda given: given.due)
         return {
             "standby": told(self.standby),
             "text": self._cues[self.standby].text if self.standby < len(self._cues) else "",
@@ -247,7 +247,7 @@ class Cues:
             "counting_in": [
                 {
                     "cue": told(given.index),
-                    "beats": round(given.due - danced, 2) if math.isfinite(given.due) else None,
+                    "beats": round(given.due - danced_beats, 2) if math.isfinite(given.due) else None,
                 }
                 for given in waiting
             ],

@@ -14,25 +14,25 @@ from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.show.capture.capture_manager import Mocap
+from live.show.capture.capture_manager import CaptureManager
 from live.show.dancers.variation import Variation
-from live.show.desk.camera_rig import CameraRig, Spots, check_whom
-from live.show.desk.cue_list import Cues
+from live.show.desk.camera_rig import CameraRig, Spots, check_follow
+from live.show.desk.cue_list import CueList
 from live.show.desk.parameter_table import FIELDS, ParameterTable
 from live.show.desk.parameters import Parameters
 from live.show.desk.scenes import SCENE_EVENTS, Scenes, start_row
-from live.show.desk.undo_history import Edits, parts_of
+from live.show.desk.undo_history import UndoHistory, editable_parts
 from live.show.group.group_motion import GroupMotion
 from live.show.patch.patch import Patch
-from live.show.score.score_runner import Prompter
+from live.show.score.score_runner import ScoreRunner
 from live.show.selection.scheduler import Scheduler
 
 MASTER_EVENTS: Final = (events.FadePicture, events.FreezePicture, events.AllowFlashes, events.ShowCard)
 """Events that `Master.act` handles."""
-QUICKEST: Final = 0.125
+MIN_FADE_BEATS: Final = 0.125
 """Minimum length of a fade [beats]: quick, but no flash."""
-EVERYBODY: Final = "*"
-MOST_CARDS: Final = 64
+ALL_OUTPUTS: Final = "*"
+MAX_CARDS: Final = 64
 """Maximum number of outputs whose cards are kept; names come over the network."""
 
 
@@ -54,14 +54,14 @@ class Master:
         Names and cards are checked where the windows are; they are kept here for a warm standby.
         """
         self._from = 1.0
-        self._length, self._passed = 1.0, 1.0
+        self._length, self._elapsed = 1.0, 1.0
 
-    def act(self, event: events.ControlEvent) -> None:
+    def handle(self, event: events.ControlEvent) -> None:
         """Handle an event of `MASTER_EVENTS`."""
         match event:
             case events.FadePicture():
                 self._from, self.goal = self.level, event.level
-                self._length, self._passed = max(event.beats, QUICKEST), 0.0
+                self._length, self._elapsed = max(event.beats, MIN_FADE_BEATS), 0.0
             case events.FreezePicture():
                 self.frozen = event.on
             case events.AllowFlashes():
@@ -70,24 +70,24 @@ class Master:
                 self._show_card(event.output.strip().casefold(), event.card.strip().casefold())
 
     def _show_card(self, output: str, card: str) -> None:
-        if output == EVERYBODY:
+        if output == ALL_OUTPUTS:
             self.cards.clear()
         self.cards.pop(output, None)
-        if card != "off" or EVERYBODY in self.cards:
+        if card != "off" or ALL_OUTPUTS in self.cards:
             self.cards[output] = card
-        while len(self.cards) > MOST_CARDS:
+        while len(self.cards) > MAX_CARDS:
             self.cards.pop(next(iter(self.cards)))
 
     def tick(self, beats: float) -> None:
         """Advance by `beats`."""
-        if self._passed >= self._length:
+        if self._elapsed >= self._length:
             return
-        self._passed += beats
-        share = min(self._passed / self._length, 1.0)
+        self._elapsed += beats
+        share = min(self._elapsed / self._length, 1.0)
         eased = share * share * (3.0 - 2.0 * share)
         self.level = self.goal if share >= 1.0 else self._from + (self.goal - self._from) * eased
 
-    def words(self) -> tuple[str, ...]:
+    def status_lines(self) -> tuple[str, ...]:
         """Return the overlay's lines; none in the normal state."""
         lines = ["FROZEN: the picture stands still"] if self.frozen else []
         if self.level < 1.0:
@@ -108,31 +108,33 @@ DESK_EVENTS: Final = (
 """Events that `Desk.act` handles."""
 ENERGY_HALFLIFE: Final = 0.25
 """Half-life of the light's response to the energy of the music [s]."""
-CALM: Final = 2.0
+PANIC_FADE_BEATS: Final = 2.0
 """Fade time to the patch's own light after a panic [beats]."""
 
 
-class Desk:
+class LightDesk:
     """The desk of one show. Its effects on the show are returned as events. Thread: the show's."""
 
     def __init__(
-        self, patch: Patch, prompter: Prompter, motion: GroupMotion, scheduler: Scheduler, variation: Variation,
-        mocap: Mocap,
+        self, patch: Patch, score_runner: ScoreRunner, motion: GroupMotion, scheduler: Scheduler, variation: Variation,
+        mocap: CaptureManager,
     ) -> None:  # fmt: skip
         """Raises PersonError for a scene that names unknown parts."""
         table = ParameterTable([section.name for section in patch.group])
         self.parameters = Parameters(table, start_row(patch), variation)
         beats = patch.clock.beats_per_measure
-        self.rig = CameraRig(self.parameters, motion, patch.camera.follow, beats=beats)
+        self.camera_rig = CameraRig(self.parameters, motion, patch.camera.follow, beats=beats)
         """The moving camera."""
-        check_whom(patch, motion)
+        check_follow(patch, motion)
         self.spots = Spots(self.parameters, motion)
         self.energy = 0.5
         """Smoothed energy of the music, 0 to 1."""
-        self.scenes = Scenes(patch, self.parameters, self.rig)
-        self._prompter = prompter
-        self.cues = Cues(patch.cue, prompter.playhead, beats=patch.clock.beats_per_measure)
-        self.edits = Edits(parts_of(self.parameters, self.scenes, self.cues, motion, scheduler, variation, mocap))
+        self.scenes = Scenes(patch, self.parameters, self.camera_rig)
+        self._score_runner = score_runner
+        self.cues = CueList(patch.cue, score_runner.playhead, beats=patch.clock.beats_per_measure)
+        self.undo_history = UndoHistory(
+            editable_parts(self.parameters, self.scenes, self.cues, motion, scheduler, variation, mocap)
+        )
         self.beats = patch.clock.beats_per_measure
         """Beats of a danced measure."""
         self.master = Master()
@@ -142,42 +144,42 @@ class Desk:
 
     # -- events ------------------------------------------------------------------------------------------------
 
-    def act(self, event: ControlEvent, *, timeline: Timeline, danced: float) -> list[ControlEvent]:
+    def handle(self, event: ControlEvent, *, timeline: Timeline, danced_beats: float) -> list[ControlEvent]:
         """Handle an event of `DESK_EVENTS` at the danced beat; raises PersonError if it names unknown parts."""
         if type(event) in SCENE_EVENTS:  # frequent events first
-            self.scenes.act(event, beats_per_measure=float(timeline.beats_per_measure))
+            self.scenes.handle(event, beats_per_measure=float(timeline.beats_per_measure))
             return []
         match event:
             case events.Go():
-                return [*self._let_go(event, danced), *self.cues.go(event, danced)]
+                return [*self._release_hold(event, danced_beats), *self.cues.go(event, danced_beats)]
             case events.GiveCue():
-                return [*self._let_go(event, danced), *self.cues.give(event.name, danced)]
+                return [*self._release_hold(event, danced_beats), *self.cues.trigger(event.name, danced_beats)]
             case events.StandBy():
                 self.cues.stand_by(event.name)
             case events.StepBack():
-                return self.cues.back()
+                return self.cues.step_back()
             case events.Panic():
                 return self._panic(event)
             case events.HoldShow():
-                return self._hold(event) if event.on else self._let_go(event, danced)
+                return self._hold(event) if event.on else self._release_hold(event, danced_beats)
             case events.FollowSpot():
                 beats = max(event.measures, 0.0) * timeline.beats_per_measure
                 self.spots.follow(event.spot, event.whom, event.level, beats=beats)
             case events.Undo():
-                self.edits.undo()
+                self.undo_history.undo()
             case events.Redo():
-                self.edits.redo()
+                self.undo_history.redo()
             case events.FadePicture() | events.FreezePicture() | events.AllowFlashes() | events.ShowCard():
-                self.master.act(event)
+                self.master.handle(event)
         return []
 
     def _panic(self, event: ControlEvent) -> list[ControlEvent]:
         self.cues.stop()
         self.parameters.held = False
-        self.parameters.reset(beats=CALM)
-        self.rig.chase.turn_to(self.rig.start)
+        self.parameters.reset(beats=PANIC_FADE_BEATS)
+        self.camera_rig.follower.set_selection(self.camera_rig.start_selection)
         self.held = True
-        self._prompter.calm(True)
+        self._score_runner.suppress(True)
         time, source = event.time, event.source
         return [events.Clear(time=time, source=source), events.HoldScore(time=time, source=source, on=True),
                 events.MuteAudience(time=time, source=source, on=True)]  # fmt: skip
@@ -186,21 +188,21 @@ class Desk:
         self.held = self.parameters.held = True
         return [events.HoldScore(time=event.time, source=event.source, on=True)]
 
-    def _let_go(self, event: ControlEvent, danced: float) -> list[ControlEvent]:
+    def _release_hold(self, event: ControlEvent, danced_beats: float) -> list[ControlEvent]:
         if not self.held:
             return []
         self.held = self.parameters.held = False
-        self._prompter.calm(False)
-        self.cues.let_go(danced)
+        self._score_runner.suppress(False)
+        self.cues.resume(danced_beats)
         return [events.HoldScore(time=event.time, source=event.source, on=False)]
 
-    def notice(self, event: ControlEvent) -> None:
+    def observe(self, event: ControlEvent) -> None:
         """Observe an event handled elsewhere: a value set directly ends its fade."""
         if isinstance(event, events.SetMotion) and event.parameter in FIELDS:
             everybody = event.group in ("", "*")
             known = self.parameters.table
-            groups = known.groups if everybody or not known.has(event.group) else [known.group(event.group)]
-            self.parameters.told(event.parameter, groups)
+            groups = known.groups if everybody or not known.has_group(event.group) else [known.group_index(event.group)]
+            self.parameters.cancel_fades(event.parameter, groups)
 
     # -- time --------------------------------------------------------------------------------------------------
 
@@ -209,19 +211,19 @@ class Desk:
         beats = ticks * TICK * timeline.tempo / 60.0
         self.parameters.tick(beats)
         self.master.tick(beats)
-        self.rig.tick(ticks * TICK, beats)
+        self.camera_rig.tick(ticks * TICK, beats)
         self.spots.tick(ticks * TICK)
-        self.energy = damper(self.energy, self._prompter.mood.of("energy"), ENERGY_HALFLIFE, ticks * TICK)
+        self.energy = damper(self.energy, self._score_runner.mood.value("energy"), ENERGY_HALFLIFE, ticks * TICK)
 
-    def fire(self, danced: float, time: float) -> list[ControlEvent]:
+    def fire(self, danced_beats: float, time: float) -> list[ControlEvent]:
         """Return the events of cues due by the danced beat, at `time` [s]."""
-        return [] if self.held else self.cues.fire(danced, time)
+        return [] if self.held else self.cues.fire(danced_beats, time)
 
-    def begin_measure(self, danced: float) -> list[ControlEvent]:
+    def begin_measure(self, danced_beats: float) -> list[ControlEvent]:
         """Begin a measure: return the jumps of cues."""
-        self.rig.chase.begin_measure()
+        self.camera_rig.follower.begin_measure()
         self.spots.begin_measure()
-        return [] if self.held else self.cues.begin_measure(danced)
+        return [] if self.held else self.cues.begin_measure(danced_beats)
 
     # -- reports -------------------------------------------------------------------------------------------------
 
@@ -229,14 +231,14 @@ class Desk:
         """Return the arrays that belong to the state hash; none until the desk is used."""
         used = self.parameters.touched or self.cues.state() != [0, -1] or self.held
         own = (self.parameters.value, np.array([self.held, *self.cues.state()], np.float64)) if used else ()
-        return (*own, *self.rig.chase.hashed(), *self.spots.hashed())
+        return (*own, *self.camera_rig.follower.hashed(), *self.spots.hashed())
 
-    def words(self, danced: float) -> tuple[str, ...]:
+    def status_lines(self, danced_beats: float) -> tuple[str, ...]:
         """Return the overlay's lines on cues; none in a show without cues."""
-        facts = self.cues.facts(danced)
+        facts = self.cues.facts(danced_beats)
         still = "score, fades and cues" if self.parameters.held else "score and cues"
         lines = [f"HELD: {still} stand still"] if self.held else []
-        counted = self.cues.count_in(danced)
+        counted = self.cues.count_in(danced_beats)
         if counted is not None:
             beats = f"{max(math.ceil(counted[0]), 0)} beats" if math.isfinite(counted[0]) else "the next section"
             lines.append(f"GO in {beats}: {counted[1]}")
@@ -244,16 +246,16 @@ class Desk:
             lines.append("stands by: " + "   ".join(word for word in (facts["standby"], facts["text"]) if word))
         if facts["next"] is not None:
             lines.append(f"then: {facts['next']}")
-        return (*self.master.words(), *lines)
+        return (*self.master.status_lines(), *lines)
 
-    def facts(self, danced: float) -> dict[str, Any]:
+    def facts(self, danced_beats: float) -> dict[str, Any]:
         """Return cues, fades, edits and hold for the status."""
         return {
-            "cues": {**self.cues.facts(danced), "held": self.held},
+            "cues": {**self.cues.facts(danced_beats), "held": self.held},
             "scenes": self.scenes.names,
             "fading": self.parameters.fading,
             "master": self.master.facts(),
-            **self.rig.facts(),
+            **self.camera_rig.facts(),
             **self.spots.facts(),
-            **self.edits.facts(),
+            **self.undo_history.facts(),
         }

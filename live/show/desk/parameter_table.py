@@ -45,12 +45,12 @@ def addresses() -> list[str]:
     """Return all addresses that have a value."""
     return [
         *(known.address for known in picture_parameters.PARAMETERS),
-        *picture_parameters.OF_GROUPS,
+        *picture_parameters.GROUP_PARAMETERS,
         *MOTION_PARAMETERS,
     ]
 
 
-def split(key: str) -> tuple[str, str]:
+def split_key(key: str) -> tuple[str, str]:
     """Return address and group of a key such as `/dance/motion/larger ember`; the group is "*" if there is none."""
     address, _, group = key.strip().partition(" ")
     return address, group.strip() or "*"
@@ -58,12 +58,12 @@ def split(key: str) -> tuple[str, str]:
 
 def check_setting(key: str, value: object) -> None:
     """Raise PersonError if `key` is no parameter, or `value` is invalid for it; group names are not checked."""
-    address, group = split(key)
+    address, group = split_key(key)
     if address in (VIEW, LOOK):
         if not isinstance(value, str) or group != "*":
             raise PersonError(f"{key!r} = {value!r}", f"the name of a {'view' if address == VIEW else 'look'} expected")
         return
-    numbers_of(address, value)
+    parse_value(address, value)
     if group != "*" and address in picture_parameters.BY_ADDRESS:
         raise PersonError(f"{key!r}: light and camera belong to no group", f"write {address!r}")
 
@@ -74,20 +74,20 @@ def _argument(unit: str, low: float, high: float) -> Argument:
     return Argument("value", "float", "", unit, low, high)
 
 
-def numbers_of(address: str, value: object) -> tuple[float, ...]:
+def parse_value(address: str, value: object) -> tuple[float, ...]:
     """Return the value of the parameter at `address` as numbers; PersonError states the allowed values."""
     if address in MOTION_PARAMETERS:
         argument = MOTION_PARAMETERS[address][1]
-        checked = argument.checked(value)
+        checked = argument.check(value)
         if isinstance(checked, Reason):
             raise PersonError(f"{address!r} = {value!r}: {checked}", f"expected {argument.expected}")
         return (float(checked),)
-    known = picture_parameters.OF_GROUPS.get(address) or picture_parameters.BY_ADDRESS.get(address)
+    known = picture_parameters.GROUP_PARAMETERS.get(address) or picture_parameters.BY_ADDRESS.get(address)
     if known is None:
         raise PersonError(f"{address!r} has no value that can be set", f"there are: {', '.join(addresses())}")
     parts: list[Any] = list(value) if isinstance(value, list | tuple) else [value]
     argument = _argument(known.unit, known.low, known.high)
-    if len(parts) != known.size or any(isinstance(argument.checked(part), Reason) for part in parts):
+    if len(parts) != known.size or any(isinstance(argument.check(part), Reason) for part in parts):
         many = "" if known.size == 1 else f"{known.size} numbers, each "
         raise PersonError(f"{address!r} = {value!r}", f"expected {many}{argument.expected.removeprefix('value ')}")
     return tuple(float(part) for part in parts)
@@ -98,48 +98,48 @@ class ParameterTable:
 
     def __init__(self, groups: Sequence[str]) -> None:
         self._groups = tuple(name.casefold() for name in groups)
-        self._at: dict[str, list[Parameter]] = {}
+        self._by_address: dict[str, list[Parameter]] = {}
         for known in picture_parameters.PARAMETERS:
-            self._at[known.address] = [Parameter(known.address, -1, known.first, known.size)]
-        for address, known in picture_parameters.OF_GROUPS.items():
-            self._at[address] = [
-                Parameter(address, group, picture_parameters.of_group(address, group).first, known.size)
+            self._by_address[known.address] = [Parameter(known.address, -1, known.first, known.size)]
+        for address, known in picture_parameters.GROUP_PARAMETERS.items():
+            self._by_address[address] = [
+                Parameter(address, group, picture_parameters.group_parameter(address, group).first, known.size)
                 for group in range(len(groups))
             ]
         for address, (field, argument) in MOTION_PARAMETERS.items():
             switch = argument.type == "bool" or field in _SWITCHES
-            place = picture_parameters.SIZE + FIELDS.index(field)
-            self._at[address] = [
+            place = picture_parameters.ROW_SIZE + FIELDS.index(field)
+            self._by_address[address] = [
                 Parameter(address, group, place + group * len(FIELDS), 1, switch) for group in range(len(groups))
             ]
-        self.size = picture_parameters.SIZE + len(groups) * len(FIELDS)
+        self.size = picture_parameters.ROW_SIZE + len(groups) * len(FIELDS)
         """Numbers in the row."""
-        self.switches = frozenset(one.first for found in self._at.values() for one in found if one.switch)
+        self.switches = frozenset(one.first for found in self._by_address.values() for one in found if one.switch)
         """Places of numbers that cannot fade."""
 
-    def take_patch(self, fresh: "ParameterTable") -> None:
+    def apply_patch(self, fresh: "ParameterTable") -> None:
         """Adopt the group names of an edited patch."""
         self._groups = fresh._groups
 
     def find(self, address: str, group: str = "*") -> list[Parameter]:
         """Return the parameters at an address, of one group or (`*`) of all; raises PersonError for an unknown
         group."""
-        found = self._at[address]
+        found = self._by_address[address]
         if group.strip() in ("", "*"):
             return found
-        index = self.group(group)
+        index = self.group_index(group)
         return [one for one in found if one.group == index]
 
     def places(self, address: str, group: str = "*") -> list[int]:
         """Return the places of these parameters in the row; empty for an unknown parameter or group."""
-        found = self._at.get(address, ())
+        found = self._by_address.get(address, ())
         if group.strip() not in ("", "*"):
-            index = self.group(group) if self.has(group) else -2
+            index = self.group_index(group) if self.has_group(group) else -2
             found = [one for one in found if one.group == index]
         return [place for one in found for place in one.numbers]
 
     @property
-    def names(self) -> tuple[str, ...]:
+    def group_names(self) -> tuple[str, ...]:
         """Names of the groups, by index."""
         return self._groups
 
@@ -148,11 +148,11 @@ class ParameterTable:
         """Indices of all groups."""
         return range(len(self._groups))
 
-    def has(self, group: str) -> bool:
+    def has_group(self, group: str) -> bool:
         """Whether a group has this name."""
         return group.strip().casefold() in self._groups
 
-    def group(self, name: str) -> int:
+    def group_index(self, name: str) -> int:
         """Return the index of a group; raises PersonError with the known names."""
         folded = name.strip().casefold()
         if folded not in self._groups:

@@ -12,24 +12,24 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base import picture_parameters
-from live.show.dancers.variation import Variation, Variety
+from live.show.dancers.variation import Variation, VariationSettings
 from live.show.desk.parameter_table import FIELDS, Parameter, ParameterTable
 
 Float64 = npt.NDArray[np.float64]
 
-SOFT: Final = 0.125
+MIN_LIGHT_FADE_BEATS: Final = 0.125
 """Fade time of light that is set at once [beats]: quick, but no flash; cameras cut."""
-NEW: Final = 4.0
+PATCH_FADE_BEATS: Final = 4.0
 """Fade time of picture values from an edited patch [beats]."""
-STRIDE: Final = 4
+VARIATION_UPDATE_TICKS: Final = 4
 """Ticks between updates of `Variation` during a fade."""
 
 
 class Parameters:
     """The values of one show. Thread: the show's."""
 
-    _heard: "list[Variety] | None" = None  # class default: snapshots of older engines lack it
-    _numbers: Float64
+    _cached_varieties: "list[VariationSettings] | None" = None  # class default: snapshots of older engines lack it
+    _cached_numbers: Float64
 
     def __init__(self, table: ParameterTable, start: Float64, variation: Variation) -> None:
         """`start`: the picture's row from the patch, shape (picture.SIZE,)."""
@@ -37,12 +37,12 @@ class Parameters:
         self._variation = variation
         self.value: Float64 = np.zeros(table.size)
         """All present values, shape (P,)."""
-        self.value[: picture_parameters.SIZE] = start
-        self._listen()
+        self.value[: picture_parameters.ROW_SIZE] = start
+        self._read_variation()
         self.start: Float64 = self.value.copy()
         """Values of the patch, shape (P,)."""
         self._from, self._goal = self.value.copy(), self.value.copy()
-        self._began, self._length = np.zeros(table.size), np.ones(table.size)
+        self._start_beat, self._length = np.zeros(table.size), np.ones(table.size)
         self._fading = np.zeros(table.size, np.bool_)
         self._running = self._ticks = 0
         self.beat = 0.0
@@ -55,7 +55,7 @@ class Parameters:
     @property
     def picture(self) -> Float64:
         """The picture's present row, shape (picture.SIZE,): a view."""
-        return self.value[: picture_parameters.SIZE]
+        return self.value[: picture_parameters.ROW_SIZE]
 
     @property
     def fading(self) -> int:
@@ -70,56 +70,58 @@ class Parameters:
 
     def fade(self, goals: Mapping[int, float], *, beats: float) -> None:
         """Fade numbers of the row, by place, to new values within `beats`."""
-        self._listen()
+        self._read_variation()
         self.touched = True
         at_once: list[int] = []
         for place, goal in goals.items():
             light = (
-                place < picture_parameters.SIZE
+                place < picture_parameters.ROW_SIZE
                 and not picture_parameters.CAMERA.start <= place < picture_parameters.CAMERA.stop
             )
-            length = 0.0 if place in self.table.switches else max(beats, SOFT) if light else beats
+            length = 0.0 if place in self.table.switches else max(beats, MIN_LIGHT_FADE_BEATS) if light else beats
             self._fading[place] = fades = length > 1e-9
             if not fades:
                 self.value[place] = goal
                 at_once.append(place)
                 continue
             self._from[place], self._goal[place] = self.value[place], goal
-            self._began[place], self._length[place] = self.beat, length
+            self._start_beat[place], self._length[place] = self.beat, length
         self._running = int(np.count_nonzero(self._fading))
-        told = [place for place in at_once if place >= picture_parameters.SIZE]
+        told = [place for place in at_once if place >= picture_parameters.ROW_SIZE]
         if told:
-            self._tell(np.array(told, np.intp))
+            self._write_variation(np.array(told, np.intp))
 
-    def told(self, field: str, groups: Iterable[int]) -> None:
+    def cancel_fades(self, field: str, groups: Iterable[int]) -> None:
         """End the fades of a field for these groups, because it was set elsewhere."""
         for group in groups:
-            self._fading[picture_parameters.SIZE + group * len(FIELDS) + FIELDS.index(field)] = False
+            self._fading[picture_parameters.ROW_SIZE + group * len(FIELDS) + FIELDS.index(field)] = False
         self._running = int(np.count_nonzero(self._fading))
 
     def reset(self, *, beats: float) -> None:
         """Fade all values to those of the patch."""
         self.fade(dict(enumerate(self.start.tolist())), beats=beats)
 
-    def take_patch(self, fresh: "Parameters") -> None:
+    def apply_patch(self, fresh: "Parameters") -> None:
         """Fade picture values that changed in an edited patch within `NEW` beats; the others stay as set.
 
         `Variation` adopts its own changes.
         """
-        changed = np.flatnonzero(fresh.start[: picture_parameters.SIZE] != self.start[: picture_parameters.SIZE])
+        changed = np.flatnonzero(
+            fresh.start[: picture_parameters.ROW_SIZE] != self.start[: picture_parameters.ROW_SIZE]
+        )
         self.start = fresh.start
         if len(changed):
-            self.fade({int(place): float(self.start[place]) for place in changed}, beats=NEW)
+            self.fade({int(place): float(self.start[place]) for place in changed}, beats=PATCH_FADE_BEATS)
 
-    def present(self) -> Float64:
+    def snapshot(self) -> Float64:
         """Return all present values, shape (P,): a copy; the state does not change."""
         row = self.value.copy()
-        row[picture_parameters.SIZE :] = self._varied()
+        row[picture_parameters.ROW_SIZE :] = self._variation_numbers()
         return row
 
     def goals(self) -> Float64:
         """Return the value or fade target of all numbers, shape (P,): a copy."""
-        self._listen()
+        self._read_variation()
         return np.where(self._fading, self._goal, self.value)
 
     def goals_at(self, places: Iterable[int]) -> dict[int, float]:
@@ -135,12 +137,12 @@ class Parameters:
         self.beat += beats
         self._ticks += 1
         if self._running:
-            self._move(told=self._ticks % STRIDE == 0)
+            self._move(update_variation=self._ticks % VARIATION_UPDATE_TICKS == 0)
 
-    def _move(self, *, told: bool) -> None:
+    def _move(self, *, update_variation: bool) -> None:
         """Update all fading values."""
         rows = self._fading.nonzero()[0]
-        share = np.clip((self.beat - self._began[rows]) / self._length[rows], 0.0, 1.0)
+        share = np.clip((self.beat - self._start_beat[rows]) / self._length[rows], 0.0, 1.0)
         eased = share * share * (3.0 - 2.0 * share)
         done = share >= 1.0
         goal = self._goal[rows]
@@ -150,8 +152,8 @@ class Parameters:
             self._orbit(float(eased[eye[0]]))
         self._fading[rows[done]] = False
         self._running -= int(np.count_nonzero(done))
-        if len(rows) and rows[-1] >= picture_parameters.SIZE and (told or done.any()):
-            self._tell(rows[rows >= picture_parameters.SIZE])
+        if len(rows) and rows[-1] >= picture_parameters.ROW_SIZE and (update_variation or done.any()):
+            self._write_variation(rows[rows >= picture_parameters.ROW_SIZE])
 
     def _orbit(self, share: float) -> None:
         """Move the camera around its target, not through it: distance, bearing and height change evenly."""
@@ -171,37 +173,37 @@ class Parameters:
         eye, target = picture_parameters.EYE, picture_parameters.TARGET
         for row in (self.value, self._from, self._goal) if self._fading[eye.start] else (self.value,):
             around = row if self._fading[target.start] else self.value
-            row[eye] = turned(row[eye], around[target], angle)
+            row[eye] = turn_eye(row[eye], around[target], angle)
 
     # -- variation of dancers ----------------------------------------------------------------------------------
 
-    def _listen(self) -> None:
+    def _read_variation(self) -> None:
         """Copy the groups' variation into the row, because other code sets it too."""
-        self.value[picture_parameters.SIZE :] = self._varied()
+        self.value[picture_parameters.ROW_SIZE :] = self._variation_numbers()
 
-    def _varied(self) -> Float64:
+    def _variation_numbers(self) -> Float64:
         """Return the groups' variation as numbers, cached until it changes: read only."""
-        varieties = self._variation.varieties
-        if self._heard is None or varieties != self._heard:
-            self._heard = varieties
-            self._numbers = np.concatenate([_numbers(variety) for variety in varieties])
-        return self._numbers
+        varieties = self._variation.settings
+        if self._cached_varieties is None or varieties != self._cached_varieties:
+            self._cached_varieties = varieties
+            self._cached_numbers = np.concatenate([_numbers(variety) for variety in varieties])
+        return self._cached_numbers
 
-    def _tell(self, rows: npt.NDArray[np.intp]) -> None:
+    def _write_variation(self, rows: npt.NDArray[np.intp]) -> None:
         """Write the variation to `Variation`; only numbers in `rows` change."""
         new = self.value[rows]
-        self._listen()
+        self._read_variation()
         self.value[rows] = new
-        groups = self.value[picture_parameters.SIZE :].reshape(-1, len(FIELDS)).tolist()
-        self._variation.take([Variety(**dict(zip(FIELDS, row, strict=True))) for row in groups])
+        groups = self.value[picture_parameters.ROW_SIZE :].reshape(-1, len(FIELDS)).tolist()
+        self._variation.set_all([VariationSettings(**dict(zip(FIELDS, row, strict=True))) for row in groups])
 
 
-def turned(eye: Float64, target: Float64, angle: float) -> Float64:
+def turn_eye(eye: Float64, target: Float64, angle: float) -> Float64:
     """Return an eye position turned around its target by `angle` [rad], from +z towards +x."""
     cos, sin = math.cos(angle), math.sin(angle)
     x, z = float(eye[0] - target[0]), float(eye[2] - target[2])
     return np.array([target[0] + cos * x + sin * z, eye[1], target[2] + cos * z - sin * x])
 
 
-def _numbers(variety: Variety) -> list[float]:
+def _numbers(variety: VariationSettings) -> list[float]:
     return [getattr(variety, name) for name in FIELDS]

@@ -7,10 +7,10 @@ class Refusals:
     def __init__(self) -> None:
         self.count = 0
         """Number of refused events, such as calls of an unknown step."""
-        self.words = ""
+        self.last_reason = ""
         """Reason of the last refusal, for the operator."""
 
-    def add(self, words: str) -> None:
+    def add(self, reason: str) -> None:
         """Record a refusal with its reason."""
         self.count += 1
-        self.words = words
+        self.last_reason = reason

@@ -12,26 +12,26 @@ from typing import Final
 import numpy as np
 
 from live.base import picture_parameters
-from live.base.custom_pass import ROOT, own_numbers
+from live.base.custom_pass import PASS_ADDRESS, custom_pass_numbers
 from live.base.errors import PersonError
 from live.base.stage_snapshot import PASSES, Camera
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.show.desk.camera_rig import NOBODY, CameraRig
-from live.show.desk.parameter_table import LOOK, VIEW, ParameterTable, numbers_of, split
+from live.show.desk.camera_rig import NO_FOLLOW_WORDS, CameraRig
+from live.show.desk.parameter_table import LOOK, VIEW, ParameterTable, parse_value, split_key
 from live.show.desk.parameters import Parameters
 from live.show.patch.name_checks import PROJECTOR
 from live.show.patch.patch import Patch
 from live.show.patch.section_cues import LOOK_ADDRESSES, ViewSection
 from live.show.patch.section_picture import Setting
 from live.show.patch.section_stage import CameraSection
-from live.show.view.render_scene import camera_of_section, projector_camera, scene_of
+from live.show.view.render_scene import camera_of_section, make_scene, projector_camera
 
 _ANGLE: Final = 34.0
 _ANGLE_FROM_ABOVE: Final = 20.0
-_WIDE: Final = 1.7
+_MIN_ASPECT: Final = 1.7
 """Minimum aspect ratio of pictures, for which these views contain the whole stage."""
-_AROUND: Final = 16.0
+_ORBIT_MEASURES: Final = 16.0
 """Measures of one orbit of the view `around`."""
 
 
@@ -49,16 +49,16 @@ def camera_settings(camera: Camera, moves: CameraSection | None = None) -> dict[
 
 def start_row(patch: Patch) -> picture_parameters.Float64:
     """Return the picture's row at the start of a patch, shape (picture.SIZE,)."""
-    row = picture_parameters.picture_of(scene_of(patch))
-    moves = camera_settings(picture_parameters.camera_of(row), patch.camera)
+    row = picture_parameters.picture_row(make_scene(patch))
+    moves = camera_settings(picture_parameters.camera_from_row(row), patch.camera)
     for address in ("/dance/camera/orbit", "/dance/camera/following", "/dance/camera/along", "/dance/camera/plan"):
-        row[picture_parameters.BY_ADDRESS[address].where] = moves[address]
+        row[picture_parameters.BY_ADDRESS[address].row_slice] = moves[address]
     for number, background in enumerate(patch.background, start=1):
         row[picture_parameters.BY_ADDRESS[f"/dance/background/{number}"].first] = background.seen
     for key, address in LOOK_ADDRESSES.items():
         value = getattr(patch.look, key)
         if value is not None:
-            row[picture_parameters.BY_ADDRESS[address].where] = value
+            row[picture_parameters.BY_ADDRESS[address].row_slice] = value
     return row
 
 
@@ -70,32 +70,32 @@ def view_settings(patch: Patch) -> dict[str, tuple[dict[str, Setting], str | Non
     turned = (front.eye[2], front.eye[1], 0.0)
     views["front"] = camera_settings(front), None
     views["side"] = camera_settings(Camera(turned, front.target, _ANGLE)), None
-    views["around"] = camera_settings(front, CameraSection(orbit_measures=_AROUND)), None
+    views["around"] = camera_settings(front, CameraSection(orbit_measures=_ORBIT_MEASURES)), None
     views["top"] = camera_settings(_from_above(width, depth), CameraSection(plan=1.0)), None
     projector = projector_camera(patch)
     if projector is not None:
         views[PROJECTOR] = camera_settings(projector), None
     own = {view.name.casefold().strip() for view in patch.view}
     views = {name: view for name, view in views.items() if name not in own}
-    return views | {view.name: _own(view) for view in patch.view}
+    return views | {view.name: _view_of_section(view) for view in patch.view}
 
 
-def _own(view: ViewSection) -> tuple[dict[str, Setting], str | None]:
+def _view_of_section(view: ViewSection) -> tuple[dict[str, Setting], str | None]:
     return camera_settings(camera_of_section(view), view), view.follow
 
 
 def _from_the_front(width: float, depth: float) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    away = 0.54 * width / (math.tan(math.radians(0.5 * _ANGLE)) * _WIDE)
+    away = 0.54 * width / (math.tan(math.radians(0.5 * _ANGLE)) * _MIN_ASPECT)
     return (0.0, 0.9 + 0.2 * away, 0.5 * depth + away), (0.0, 0.9, 0.0)
 
 
 def _from_above(width: float, depth: float) -> Camera:
     half = math.tan(math.radians(0.5 * _ANGLE_FROM_ABOVE))
-    height = max(0.56 * depth / half, 0.56 * width / (half * _WIDE))
+    height = max(0.56 * depth / half, 0.56 * width / (half * _MIN_ASPECT))
     return Camera((0.0, height, 0.0), (0.0, 0.0, 0.0), _ANGLE_FROM_ABOVE)
 
 
-MOST: Final = 1000
+MAX_STORED: Final = 1000
 """Maximum number of stored scenes."""
 START: Final = "start"
 
@@ -108,7 +108,7 @@ class Scene:
     goals: Mapping[int, float]
     measures: float
     """Length of the cross-fade [measures]."""
-    whom: str | None = None
+    follow: str | None = None
     """Dancers that its camera follows."""
 
 
@@ -118,7 +118,7 @@ class Scenes:
     def __init__(self, patch: Patch, parameters: Parameters, rig: CameraRig) -> None:
         """Raises PersonError for a scene that names unknown parts."""
         self._parameters, self._rig = parameters, rig
-        self._own = own_numbers(patch.picture.own_passes)
+        self._custom_passes = custom_pass_numbers(patch.picture.own_passes)
         self.stored: dict[str, Scene] = {}
         """Scenes stored live, by case-folded name."""
         table, start = parameters.table, parameters.start
@@ -127,34 +127,34 @@ class Scenes:
         self._views = {START: Scene(START, {place: float(start[place]) for place in camera}, 0.0)}
         self._looks = {START: Scene(START, {place: float(start[place]) for place in light}, 1.0)}
         self._backgrounds = [section.name for section in patch.background]
-        self._views[START] = replace(self._views[START], whom=patch.camera.follow)
+        self._views[START] = replace(self._views[START], follow=patch.camera.follow)
         for name, (settings, whom) in view_settings(patch).items():
             self._views[_folded(name)] = Scene(name, self._goals(table, settings), 0.0, whom)
         for look in patch.looks:
             self._looks[_folded(look.name)] = Scene(look.name, self._goals(table, look.settings()), look.measures)
         self._scenes = {START: Scene(START, dict(enumerate(start.tolist())), 2.0)}
         for scene in patch.scene:
-            whom = self._whom_of(scene.set)
+            whom = self._follow_of(scene.set)
             self._scenes[_folded(scene.name)] = Scene(scene.name, self._goals(table, scene.set), scene.measures, whom)
 
-    def _whom_of(self, settings: Mapping[str, Setting]) -> str | None:
+    def _follow_of(self, settings: Mapping[str, Setting]) -> str | None:
         view = settings.get(VIEW)
-        return None if view is None else _of(self._views, str(view), "view").whom
+        return None if view is None else _find_scene(self._views, str(view), "view").follow
 
-    def take_patch(self, fresh: "Scenes") -> None:
+    def apply_patch(self, fresh: "Scenes") -> None:
         """Adopt views, looks and scenes of an edited patch; scenes stored live stay."""
         self._views, self._looks, self._scenes = fresh._views, fresh._looks, fresh._scenes
-        self._own = fresh._own
+        self._custom_passes = fresh._custom_passes
 
     def _goals(self, table: ParameterTable, settings: Mapping[str, Setting]) -> dict[int, float]:
         goals: dict[int, float] = {}
         for key, value in settings.items():
-            address, group = split(key)
+            address, group = split_key(key)
             if address in (VIEW, LOOK):
                 kept = self._views if address == VIEW else self._looks
-                goals |= _of(kept, str(value), "view" if address == VIEW else "look").goals
+                goals |= _find_scene(kept, str(value), "view" if address == VIEW else "look").goals
                 continue
-            numbers = numbers_of(address, value)
+            numbers = parse_value(address, value)
             for one in table.find(address, group):
                 goals |= dict(zip(one.numbers, numbers, strict=True))
         return goals
@@ -164,39 +164,43 @@ class Scenes:
         """Names of all scenes."""
         return [scene.name for scene in (self._scenes | self.stored).values()]
 
-    def act(self, event: ControlEvent, *, beats_per_measure: float) -> None:
+    def handle(self, event: ControlEvent, *, beats_per_measure: float) -> None:
         """Handle an event of `SCENE_EVENTS`; raises PersonError if it names unknown parts."""
-        _ACTS[type(event)](self, event, beats_per_measure)
+        _HANDLERS[type(event)](self, event, beats_per_measure)
 
     def recall(self, name: str, *, measures: float, beats_per_measure: float) -> None:
         """Fade to a scene in `measures`; below 0: in the scene's own time. Raises PersonError for an unknown scene."""
-        scene = _of(self._scenes | self.stored, name, "scene")
-        self._go(scene, measures, beats_per_measure)
+        scene = _find_scene(self._scenes | self.stored, name, "scene")
+        self._fade_to(scene, measures, beats_per_measure)
 
-    def _go(self, scene: Scene, measures: float, size: float) -> None:
+    def _fade_to(self, scene: Scene, measures: float, size: float) -> None:
         lasts = scene.measures if measures < 0.0 else measures
-        if scene.whom is not None:
-            self._rig.chase.follow(scene.whom, cut=lasts <= 0.0)
+        if scene.follow is not None:
+            self._rig.follower.follow(scene.follow, cut=lasts <= 0.0)
         self._parameters.fade(scene.goals, beats=lasts * size)
 
-    def _set(self, event: events.SetPicture, size: float) -> None:
-        known = picture_parameters.BY_ADDRESS.get(event.parameter) or picture_parameters.OF_GROUPS.get(event.parameter)
+    def _set_picture(self, event: events.SetPicture, size: float) -> None:
+        known = picture_parameters.BY_ADDRESS.get(event.parameter) or picture_parameters.GROUP_PARAMETERS.get(
+            event.parameter
+        )
         if known is None:
             raise PersonError(f"the picture has no {event.parameter!r}")
-        numbers = numbers_of(known.address, (event.x, event.y, event.z)[: known.size])
+        numbers = parse_value(known.address, (event.x, event.y, event.z)[: known.size])
         for parameter in self._parameters.table.find(known.address, event.group):
             self._parameters.set(parameter, numbers, beats=event.measures * size)
 
-    def _pass(self, event: events.SetPass, size: float) -> None:
-        address = "/".join(filter(None, (ROOT, _folded(event.name), event.parameter.strip())))
-        own = self._own.get(address)
+    def _set_pass(self, event: events.SetPass, size: float) -> None:
+        address = "/".join(filter(None, (PASS_ADDRESS, _folded(event.name), event.parameter.strip())))
+        own = self._custom_passes.get(address)
         if own is not None:
             amount = min(max(event.amount, own.low), own.high)
-            self._parameters.fade({picture_parameters.OWN.start + own.place: amount}, beats=event.measures * size)
+            self._parameters.fade(
+                {picture_parameters.CUSTOM_PASS_SLICE.start + own.index: amount}, beats=event.measures * size
+            )
             return
         known = picture_parameters.BY_ADDRESS.get(address)
         if known is None or known.size != 1:
-            names = [one.removeprefix(f"{ROOT}/") for one in self._own]
+            names = [one.removeprefix(f"{PASS_ADDRESS}/") for one in self._custom_passes]
             what = f"parameter {event.parameter!r}" if event.parameter else "pass"
             raise PersonError(
                 f"no {what} is called {event.name!r}" if not event.parameter else f"{event.name!r} has no {what}",
@@ -207,12 +211,12 @@ class Scenes:
             self._parameters.set(parameter, (amount,), beats=event.measures * size)
 
     def _view(self, event: events.RecallView, size: float) -> None:
-        self._go(_of(self._views, event.name, "view"), max(event.measures, 0.0), size)
+        self._fade_to(_find_scene(self._views, event.name, "view"), max(event.measures, 0.0), size)
 
-    def _accompany(self, event: events.Accompany, size: float) -> None:
-        nobody = event.whom.strip().casefold() in NOBODY
+    def _follow(self, event: events.Accompany, size: float) -> None:
+        nobody = event.whom.strip().casefold() in NO_FOLLOW_WORDS
         if not nobody:
-            self._rig.chase.follow(event.whom, cut=event.measures <= 0.0)
+            self._rig.follower.follow(event.whom, cut=event.measures <= 0.0)
         goals = {picture_parameters.FOLLOWING: 0.0 if nobody else 1.0}
         if event.along >= 0.0:
             goals[picture_parameters.ALONG] = event.along
@@ -231,7 +235,7 @@ class Scenes:
         self._parameters.fade(goals, beats=max(event.measures, 0.0) * size)
 
     def _look(self, event: events.RecallLook, size: float) -> None:
-        self._go(_of(self._looks, event.name, "look"), event.measures, size)
+        self._fade_to(_find_scene(self._looks, event.name, "look"), event.measures, size)
 
     def _recall(self, event: events.RecallScene, size: float) -> None:
         self.recall(event.name, measures=event.measures, beats_per_measure=size)
@@ -240,20 +244,20 @@ class Scenes:
         folded = _folded(event.name)
         if folded == START:
             raise PersonError(f"{START!r} is the patch's own scene", "give yours another name")
-        if folded not in self.stored and len(self.stored) >= MOST:
-            raise PersonError(f"{MOST} scenes are stored already", "replace one of them")
+        if folded not in self.stored and len(self.stored) >= MAX_STORED:
+            raise PersonError(f"{MAX_STORED} scenes are stored already", "replace one of them")
         old = (self._scenes | self.stored).get(folded)
         goals = self._parameters.goals()
         measures = 2.0 if old is None else old.measures
         values = dict(enumerate(np.asarray(goals).tolist()))
-        self.stored[folded] = Scene(event.name, values, measures, self._rig.chase.whom)
+        self.stored[folded] = Scene(event.name, values, measures, self._rig.follower.selection)
 
 
 def _folded(name: str) -> str:
     return name.casefold().strip()
 
 
-def _of(kept: Mapping[str, Scene], name: str, what: str) -> Scene:
+def _find_scene(kept: Mapping[str, Scene], name: str, what: str) -> Scene:
     found = kept.get(_folded(name))
     if found is None:
         raise PersonError(
@@ -262,15 +266,15 @@ def _of(kept: Mapping[str, Scene], name: str, what: str) -> Scene:
     return found
 
 
-_ACTS: Final[dict[type, Callable[..., None]]] = {
-    events.SetPass: Scenes._pass,
-    events.SetPicture: Scenes._set,
+_HANDLERS: Final[dict[type, Callable[..., None]]] = {
+    events.SetPass: Scenes._set_pass,
+    events.SetPicture: Scenes._set_picture,
     events.RecallView: Scenes._view,
-    events.Accompany: Scenes._accompany,
+    events.Accompany: Scenes._follow,
     events.ShowBackground: Scenes._background,
     events.RecallLook: Scenes._look,
     events.RecallScene: Scenes._recall,
     events.StoreScene: Scenes._store,
 }
-SCENE_EVENTS: Final = tuple(_ACTS)
+SCENE_EVENTS: Final = tuple(_HANDLERS)
 """Events that `act` handles."""

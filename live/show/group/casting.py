@@ -3,9 +3,9 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.groups.group_expression import needs_places, selection
+from live.agents.groups.group_expression import depends_on_positions, select_dancers
 from live.agents.groups.roster import Roster
-from live.base.errors import named
+from live.base.errors import error_context
 from live.show.patch.patch import Patch
 
 Int32 = npt.NDArray[np.int32]
@@ -33,31 +33,31 @@ class Casting:
         for section, size in zip(patch.group, sizes, strict=True):
             words = frozenset(word.casefold() for word in section.attributes)
             own += [words | {SOLOIST} if dancer < section.soloists else words for dancer in range(size)]
-        self._own = (*own, *[frozenset[str]()] * (count - len(own)))
+        self._attributes = (*own, *[frozenset[str]()] * (count - len(own)))
         """Attributes of each dancer besides the group, A long."""
         self._named = {name.casefold(): words.casefold() for name, words in patch.selections.items()}
-        self.roster = self._made()
+        self.roster = self._build_roster()
         """All attributes of each dancer, for selections."""
 
     def check(self) -> None:
         """Raise a PersonError if a selection of the patch has unknown words, or refers to itself."""
         for name in self._named:
-            with named(f"selections: {name}", ("selections", name)):
-                selection(name, self.roster, np.zeros((len(self.group), 2)), self.half)
+            with error_context(f"selections: {name}", ("selections", name)):
+                select_dancers(name, self.roster, np.zeros((len(self.group), 2)), self.half)
 
-    def take_patch(self, fresh: "Casting") -> None:
+    def apply_patch(self, fresh: "Casting") -> None:
         """Apply the group names, attributes and selections of another patch. The dancers' groups stay."""
-        self.names, self._own, self._named = fresh.names, fresh._own, fresh._named
-        self.roster = self._made()
+        self.names, self._attributes, self._named = fresh.names, fresh._attributes, fresh._named
+        self.roster = self._build_roster()
 
-    def _made(self) -> Roster:
-        words = (frozenset({*own, self.names[g]}) for own, g in zip(self._own, self.group.tolist(), strict=True))
+    def _build_roster(self) -> Roster:
+        words = (frozenset({*own, self.names[g]}) for own, g in zip(self._attributes, self.group.tolist(), strict=True))
         return Roster(tuple(words), self._named, frozenset(self.names))
 
     @property
     def soloists(self) -> Bool:
         """Whether each dancer has the right of way, shape (A,)."""
-        return np.array([SOLOIST in own for own in self._own], np.bool_)
+        return np.array([SOLOIST in own for own in self._attributes], np.bool_)
 
     def index_of(self, name: str) -> int | None:
         """Return the index of the group with this name, None if there is none."""
@@ -75,15 +75,15 @@ class Casting:
         index = self.index_of(words)
         if index is not None:
             return np.asarray(self.group == index)
-        return selection(words.casefold(), self.roster, position, self.half)
+        return select_dancers(words.casefold(), self.roster, position, self.half)
 
-    def means_places(self, words: str) -> bool:
+    def depends_on_places(self, words: str) -> bool:
         """Whether the selection depends on where the dancers stand; for words that `select` has accepted."""
         if words.strip() in EVERYONE or self.index_of(words) is not None:
             return False
-        return needs_places(words.casefold(), self.roster)
+        return depends_on_positions(words.casefold(), self.roster)
 
     def regroup(self, who: Bool, index: int) -> None:
         """Move the dancers in the mask `who` (A,) to group `index`."""
         self.group[who] = index
-        self.roster = self._made()
+        self.roster = self._build_roster()

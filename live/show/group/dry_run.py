@@ -5,32 +5,32 @@ import numpy as np
 import numpy.typing as npt
 from shapely import LineString, Point
 
-from live.agents.evolutions.dry_run import TooNear, rehearse
+from live.agents.evolutions.dry_run import TooNear, simulate_plan
 from live.agents.evolutions.intention import Segment
 from live.agents.formations.stage_fit import fit_stage
 from live.show.group.group_motion import AGENT_RADIUS
-from live.show.patch.score_checks import written_length
+from live.show.patch.score_checks import score_length
 from live.show.show import Show
 
-LONGEST = 400
+MAX_MEASURES = 400
 """Most measures of a dry run."""
-NEARLY = 0.1
+REACH_TOLERANCE = 0.1
 """Tolerance beyond the steps' reach [m]: so small an error is invisible."""
-TOLD = 6
+MAX_WARNINGS = 6
 """Most warnings of each kind."""
 
 
-def rehearsal_notes(show: Show) -> list[str]:
+def dry_run_warnings(show: Show) -> list[str]:
     """Return warnings about the segments of a fresh show, one line each; measures count from 1."""
     patch, evolutions = show.patch, show.motion.evolutions
     if not patch.segment:
         return []
-    length = written_length(patch)
-    measures = min(length or max(s.measure + s.measures for s in patch.segment), LONGEST)
+    length = score_length(patch)
+    measures = min(length or max(s.measure + s.measures for s in patch.segment), MAX_MEASURES)
     if patch.section and length is not None:  # as written, every section once
         show.playhead.loop((0, length - 1))
-    segments = [segment for measure in range(measures) for segment in evolutions.score_of(measure)]
-    rehearsal = rehearse(
+    segments = [segment for measure in range(measures) for segment in evolutions.score_segments(measure)]
+    rehearsal = simulate_plan(
         show.casting.roster,
         evolutions.repertoire,
         segments,
@@ -41,19 +41,19 @@ def rehearsal_notes(show: Show) -> list[str]:
         radius=AGENT_RADIUS,
         seed=show.seed,
     )
-    reach = show.scheduler.farthest() + patch.locomotion.correction_m
+    reach = show.scheduler.step_reach() + patch.locomotion.correction_m
     present = show.motion.present
     far: dict[int, list[tuple[float, float]]] = {}
-    for one in rehearsal.too_far(reach + NEARLY):
+    for one in rehearsal.too_far(reach + REACH_TOLERANCE):
         if present[one.dancer]:
-            far.setdefault(one.measure, []).append((one.way, one.reach))
+            far.setdefault(one.measure, []).append((one.distance, one.reach))
     notes = [
         f"measure {measure + 1}: {_dancers(len(ways))} {max(way for way, _ in ways):.1f} m to go, their steps reach "
-        f"{min(most for _, most in ways) - NEARLY:.1f} m: give the segment more measures, or the group "
+        f"{min(most for _, most in ways) - REACH_TOLERANCE:.1f} m: give the segment more measures, or the group "
         "a step that goes farther"
         for measure, ways in sorted(far.items())
     ]
-    far_notes = notes + _blocked(show, rehearsal.places, rehearsal.under)
+    far_notes = notes + _obstacle_warnings(show, rehearsal.places, rehearsal.under)
     near = _near(show, segments, [one for one in rehearsal.too_near if present[one.first] and present[one.second]])
     return [*_first(_formation_notes(show)), *_first(far_notes), *_first(near)]
 
@@ -84,7 +84,7 @@ def _segment_of(show: Show, segments: list[Segment], one: TooNear) -> int:
     for number, segment in enumerate(segments):
         if segment.start <= one.measure < segment.end_beat(beats) / beats:
             sure = casting.select(segment.group, show.state.position)[[one.first, one.second]].any()
-            if found < 0 or sure or casting.means_places(segment.group):
+            if found < 0 or sure or casting.depends_on_places(segment.group):
                 found = number
     return found
 
@@ -97,7 +97,7 @@ def _formation_notes(show: Show) -> list[str]:
         if section.formation is None:
             continue
         who = show.casting.select(section.group, show.state.position) & show.motion.present
-        if not who.any() and not show.casting.means_places(section.group):
+        if not who.any() and not show.casting.depends_on_places(section.group):
             notes.append(f"measure {section.measure}: nobody is {section.group!r} as the groups are at the beginning")
             continue
         formation = show.motion.evolutions.formation(section.formation, int(who.sum()))
@@ -110,15 +110,15 @@ def _formation_notes(show: Show) -> list[str]:
 
 
 def _first(notes: list[str]) -> list[str]:
-    more = len(notes) - TOLD
-    return notes if more <= 0 else [*notes[:TOLD], f"... and {more} more of this kind"]
+    more = len(notes) - MAX_WARNINGS
+    return notes if more <= 0 else [*notes[:MAX_WARNINGS], f"... and {more} more of this kind"]
 
 
 def _dancers(count: int) -> str:
     return "a dancer has" if count == 1 else f"{count} dancers have"
 
 
-def _blocked(show: Show, places: npt.NDArray[np.float32], under: npt.NDArray[np.bool_]) -> list[str]:
+def _obstacle_warnings(show: Show, places: npt.NDArray[np.float32], under: npt.NDArray[np.bool_]) -> list[str]:
     """Return warnings about items of the set in the dancers' ways.
 
     `places` (M + 1, A, 2) [m] at the measure lines; `under` (M, A): whether a dancer is under a segment.

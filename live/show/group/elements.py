@@ -10,12 +10,12 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.agent_command import Wants
+from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentState
 from live.agents.elements.element import Element, Points
 from live.agents.elements.element_field import ElementField
-from live.agents.elements.element_kinds import ATTRACTOR, EVERYBODY, FLOW_NAMES, KIND_NAMES, REPULSOR, VOICE
-from live.base.errors import PersonError, named
+from live.agents.elements.element_kinds import ATTRACTOR, EVERYBODY, FLOW_NAMES, KIND_NAMES, PARTICIPANT, REPULSOR
+from live.base.errors import PersonError, error_context
 from live.base.stage_snapshot import StageView
 from live.control.events import events
 from live.show.group.casting import EVERYONE, Casting
@@ -29,7 +29,7 @@ VOICE_MEASURES: Final = 2.0
 
 
 @dataclass(frozen=True, slots=True)
-class Placing:
+class ElementRequest:
     """A request for an element: kind, group (as an expression) and duration, but no start time."""
 
     kind: str
@@ -59,7 +59,7 @@ class Placing:
             closed=self.closed,
             radius=self.radius,
             fair=self.fair,
-            flow=FLOW_NAMES[self.flow or "uniform"],
+            flow_kind=FLOW_NAMES[self.flow or "uniform"],
             target=self.dancer,
             target_group=target_group,
         )
@@ -70,10 +70,10 @@ class Placing:
         return int(self.whom) - 1 if self.whom.isdecimal() and len(self.whom) < 7 else -1
 
 
-def placing_of_section(section: ElementSection) -> Placing:
+def request_of_section(section: ElementSection) -> ElementRequest:
     """Return the request of an element section of the score."""
     points = section.points or ((section.at,) if section.to is None else (section.at, section.to))
-    return Placing(
+    return ElementRequest(
         section.kind,
         points,
         section.strength,
@@ -86,21 +86,21 @@ def placing_of_section(section: ElementSection) -> Placing:
     )
 
 
-def placing_of_event(event: ElementEvent) -> Placing:
+def request_of_event(event: ElementEvent) -> ElementRequest:
     """Return the request of a control event. Raises PersonError for an unknown kind or invalid points."""
     match event:
         case events.Attract() | events.Repel():
             kind = "attract" if isinstance(event, events.Attract) else "repel"
-            return Placing(kind, ((event.x, event.z),), event.strength, event.measures, event.group)
+            return ElementRequest(kind, ((event.x, event.z),), event.strength, event.measures, event.group)
         case events.Spread():
-            return Placing("spread", measures=event.measures, group=event.group)
+            return ElementRequest("spread", measures=event.measures, group=event.group)
         case events.Voice():
-            return Placing("attract", ((event.x, event.z),), event.strength, VOICE_MEASURES, fair=True)
+            return ElementRequest("attract", ((event.x, event.z),), event.strength, VOICE_MEASURES, fair=True)
         case events.PlaceElement():
             if event.kind not in KIND_NAMES or (event.flow and event.flow not in FLOW_NAMES):
                 raise PersonError(f"no element is called {event.kind or event.flow!r}")
-            points = points_of(event.points) if event.points else ((0.0, 0.0),)
-            return Placing(
+            points = parse_points(event.points) if event.points else ((0.0, 0.0),)
+            return ElementRequest(
                 event.kind,
                 points,
                 event.strength,
@@ -113,7 +113,7 @@ def placing_of_event(event: ElementEvent) -> Placing:
             )
 
 
-def points_of(text: str) -> Points:
+def parse_points(text: str) -> Points:
     """Parse points written as "x z, x z" [m]. Raises PersonError for anything else."""
     try:
         numbers = [[float(word) for word in pair.split()] for pair in text.replace(";", ",").split(",")]
@@ -130,7 +130,7 @@ Places = npt.NDArray[np.floating]
 BITS: Final = 64
 
 
-class Addressees:
+class GroupMasks:
     """Assigns a bit to each group expression, and a mask of these bits to each dancer.
 
     Expressions with places are evaluated once. All others are updated when dancers change their groups.
@@ -139,7 +139,7 @@ class Addressees:
     def __init__(self, casting: Casting) -> None:
         self._casting = casting
         self._words: list[str | None] = [None] * BITS
-        self._lasting = [False] * BITS
+        self._follows_groups = [False] * BITS
         self.bits: UInt64 = np.zeros(len(casting.group), np.uint64)
         """Mask of the groups of each dancer, shape (A,)."""
 
@@ -156,22 +156,22 @@ class Addressees:
         """Return the bit number of these words. Raises as `mask` does."""
         folded = words.casefold().strip()
         who = self._casting.select(words, position)
-        lasting = not self._casting.means_places(words)
+        lasting = not self._casting.depends_on_places(words)
         if lasting and folded in self._words:
             return self._words.index(folded)
         free = next((n for n in range(BITS) if self._words[n] is None or not used >> n & 1), None)
         if free is None:
             raise PersonError(f"elements for more than {BITS} groups at a time", "let some of them end first")
-        self._words[free], self._lasting[free] = folded, lasting
+        self._words[free], self._follows_groups[free] = folded, lasting
         if not lasting:
             self._words[free] = f"{folded}, when it was asked"
         self._write(free, who)
         return free
 
-    def regrouped(self, position: Places) -> None:
+    def update_groups(self, position: Places) -> None:
         """Evaluate all expressions without places again."""
         for number, words in enumerate(self._words):
-            if words is not None and self._lasting[number]:
+            if words is not None and self._follows_groups[number]:
                 self._write(number, self._casting.select(words, position))
 
     def _write(self, number: int, who: npt.NDArray[np.bool_]) -> None:
@@ -193,7 +193,7 @@ class Elements:
         count = len(casting.group)
         half = (patch.stage.width / 2, patch.stage.depth / 2)
         self._score = score or Score(patch)
-        self._addressees = Addressees(casting)
+        self._group_masks = GroupMasks(casting)
         self._field = ElementField(
             count,
             half_width=half[0],
@@ -204,17 +204,17 @@ class Elements:
         )
         self._ahead: Float32 = np.zeros(count, np.float32)
         self._last_of: dict[str, Element] = {}
-        self._placed = -1
-        self._of_line: list[Element] = []
+        self._placed_measure = -1
+        self._measure_elements: list[Element] = []
         self.gain = 1.0
         """Strength factor of elements that begin from now on."""
         for index, section in enumerate(patch.element):  # errors are reported at the start, not in measure 200
-            with named(f"element in measure {section.measure:g}", ("element", index)):
-                self._made(placing_of_section(section), "", 0.0, 4, np.zeros((count, 2), np.float32))
+            with error_context(f"element in measure {section.measure:g}", ("element", index)):
+                self._build(request_of_section(section), "", 0.0, 4, np.zeros((count, 2), np.float32))
 
-    def take_patch(self, fresh: "Elements") -> None:
+    def apply_patch(self, fresh: "Elements") -> None:
         """Evaluate group expressions again, as names or members may have changed."""
-        self._addressees.regrouped(np.zeros((len(self._ahead), 2), np.float32))
+        self._group_masks.update_groups(np.zeros((len(self._ahead), 2), np.float32))
 
     @property
     def influence(self) -> Float32:
@@ -228,9 +228,9 @@ class Elements:
 
     def attractor_of(self, dancer: int) -> npt.NDArray[np.float64] | None:
         """Return the centre of the newest attractor for a dancer [m], (2,); None if there is none."""
-        bits = int(self._addressees.bits[dancer])
+        bits = int(self._group_masks.bits[dancer])
         for element in reversed(self._field.elements):
-            if element.kind in (ATTRACTOR, VOICE) and (element.groups == EVERYBODY or element.groups & bits):
+            if element.kind in (ATTRACTOR, PARTICIPANT) and (element.groups == EVERYBODY or element.groups & bits):
                 middle: npt.NDArray[np.float64] = np.mean(np.array(element.points, np.float64), axis=0)
                 return middle
         return None
@@ -240,31 +240,31 @@ class Elements:
 
         Called when the measure begins, and earlier by the look-ahead. Only the first call has an effect.
         """
-        if measure <= self._placed:
+        if measure <= self._placed_measure:
             return
-        self._placed = measure
+        self._placed_measure = measure
         if measure >= 0 and self._score.playhead.jumped(measure):  # elements from before the jump end
             self._field.end(beat, source=SCORE)
-        self._of_line.clear()
+        self._measure_elements.clear()
         for section in self._score.elements(measure):
             start = beat + (section.measure - int(section.measure)) * beats_per_measure
-            placed = self._place(placing_of_section(section), SCORE, start, beats_per_measure, position)
-            self._of_line.append(placed)
+            placed = self._place(request_of_section(section), SCORE, start, beats_per_measure, position)
+            self._measure_elements.append(placed)
 
     def withdraw(self, measure: int) -> None:
         """Remove the elements placed ahead of time for `measure`, which has not begun."""
-        if measure > self._placed:
+        if measure > self._placed_measure:
             return
-        self._placed = measure - 1
-        for element in self._of_line:
+        self._placed_measure = measure - 1
+        for element in self._measure_elements:
             self._field.remove(element)
-        self._of_line.clear()
+        self._measure_elements.clear()
 
-    def act(
+    def handle(
         self, event: ElementEvent, *, beat: float, next_line: float, beats_per_measure: int, position: Float32
     ) -> None:
         """Place the element of an event at `beat`, or at the next line. Raises PersonError if it is invalid."""
-        placing = placing_of_event(event)
+        placing = request_of_event(event)
         voice = isinstance(event, events.Voice)
         later = not isinstance(event, events.Voice) and event.next
         drag = isinstance(event, events.Attract | events.Repel) and event.drag
@@ -272,7 +272,7 @@ class Elements:
         start = next_line if later else beat
         if last is not None and (drag or voice) and last.table_kind == self._kind(placing):
             self._last_of[event.source] = self._field.move(
-                last, self._made(placing, event.source, start, beats_per_measure, position)
+                last, self._build(placing, event.source, start, beats_per_measure, position)
             )
             return
         placed = self._place(placing, event.source, start, beats_per_measure, position)
@@ -281,24 +281,28 @@ class Elements:
         self._last_of[event.source] = placed
 
     @staticmethod
-    def _kind(placing: Placing) -> int:
-        return VOICE if placing.fair else KIND_NAMES[placing.kind]
+    def _kind(request: ElementRequest) -> int:
+        return PARTICIPANT if request.fair else KIND_NAMES[request.kind]
 
-    def _made(self, placing: Placing, source: str, start: float, beats_per_measure: int, position: Float32) -> Element:
-        if placing.dancer >= len(self._addressees.bits):
-            raise PersonError(f"no dancer has the number {placing.whom}", f"there are {len(self._addressees.bits)}")
-        used = 0 if placing.group.strip() in EVERYONE and not placing.whom else self._used()
-        groups = self._addressees.mask(placing.group, position, used)
+    def _build(
+        self, request: ElementRequest, source: str, start: float, beats_per_measure: int, position: Float32
+    ) -> Element:
+        if request.dancer >= len(self._group_masks.bits):
+            raise PersonError(f"no dancer has the number {request.whom}", f"there are {len(self._group_masks.bits)}")
+        used = 0 if request.group.strip() in EVERYONE and not request.whom else self._used()
+        groups = self._group_masks.mask(request.group, position, used)
         target = -1
-        if placing.whom and placing.dancer < 0:
-            target = self._addressees.bit(placing.whom, position, used | (groups if groups != EVERYBODY else 0))
-        element = placing.element(
+        if request.whom and request.dancer < 0:
+            target = self._group_masks.bit(request.whom, position, used | (groups if groups != EVERYBODY else 0))
+        element = request.element(
             groups=groups, target_group=target, source=source, start=start, beats_per_measure=beats_per_measure
         )
         return element if self.gain == 1.0 else replace(element, strength=element.strength * self.gain)
 
-    def _place(self, placing: Placing, source: str, start: float, beats_per_measure: int, position: Float32) -> Element:
-        element = self._made(placing, source, start, beats_per_measure, position)
+    def _place(
+        self, request: ElementRequest, source: str, start: float, beats_per_measure: int, position: Float32
+    ) -> Element:
+        element = self._build(request, source, start, beats_per_measure, position)
         self._field.add(element)
         return element
 
@@ -312,7 +316,7 @@ class Elements:
                 used |= 1 << element.target_group
         return used
 
-    def has(self, source: str) -> bool:
+    def has_source(self, source: str) -> bool:
         """Whether an element of this source is active."""
         return any(element.source == source for element in self._field.elements)
 
@@ -335,14 +339,14 @@ class Elements:
         """Fade out all elements from `beat` on, from their present levels. Elements that have not begun are removed."""
         self._field.clear(beat)
 
-    def end_of(self, source: str, beat: float) -> None:
+    def end_source(self, source: str, beat: float) -> None:
         """Fade out the elements of this source from `beat` on, from their present levels."""
         if self._last_of.pop(source, None) is not None:
             self._field.end(beat, source=source)
 
-    def regrouped(self, position: Float32) -> None:
+    def update_groups(self, position: Float32) -> None:
         """Update the masks after dancers have changed their groups."""
-        self._addressees.regrouped(position)
+        self._group_masks.update_groups(position)
 
     def resize(self, half_width: float, half_depth: float) -> None:
         """Set the stage's half sizes [m]."""
@@ -350,20 +354,20 @@ class Elements:
 
     # -- each tick -----------------------------------------------------------------------------------------------
 
-    def refresh(self, beat: float, wants: Wants, state: AgentState) -> None:
+    def refresh(self, beat: float, wants: AgentCommand, state: AgentState) -> None:
         """Update which elements act at `beat`. Called once a tick, before `wish`."""
-        self._field.refresh(beat, wants, state, self._addressees.bits)
+        self._field.refresh(beat, wants, state, self._group_masks.bits)
 
-    def wish(self, wants: Wants, state: AgentState, *, time: float, beat: float, ahead: bool) -> None:
+    def blend(self, wants: AgentCommand, state: AgentState, *, time: float, beat: float, ahead: bool) -> None:
         """Blend the elements' influence at `beat` on agents in `state` into the commands `wants`.
 
         `ahead`: for the look-ahead, on a copy; `refresh` must be called before the next call without it.
         """
         influence = self._ahead if ahead else None
         if ahead:
-            self._field.foresee(beat)
-        self._field.wish(wants, state, self._addressees.bits, time=time, influence=influence)
+            self._field.preview(beat)
+        self._field.apply(wants, state, self._group_masks.bits, time=time, influence=influence)
 
     def show(self, view: StageView) -> None:
         """Copy the acting elements into the drawing snapshot."""
-        self._field.show(view)
+        self._field.write_view(view)

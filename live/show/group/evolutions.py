@@ -8,36 +8,36 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.agent_command import Wants
+from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentState
 from live.agents.evolutions.facing import Facing, Orientation
 from live.agents.evolutions.intention import (
-    By,
+    AssignmentMethod,
     Evolve,
-    Follow,
+    FollowMode,
     Hold,
     Intention,
     Matching,
+    PathMode,
     Pause,
     Repertoire,
     Segment,
     Trajectory,
-    Way,
 )
 from live.agents.evolutions.running_plan import Plan
 from live.agents.evolutions.slot_assignment import Cost
-from live.agents.evolutions.start_delays import Order, Ripple
+from live.agents.evolutions.start_delays import Ripple, StartOrder
 from live.agents.formations.formation import Formation, formation_of
 from live.agents.groups.roster import Line
-from live.base.errors import PersonError, named
+from live.base.errors import PersonError, error_context
 from live.control.events import events
 from live.show.group.casting import EVERYONE, Casting
-from live.show.group.elements import points_of
+from live.show.group.elements import parse_points
 from live.show.group.formations import Formations, NamedFormation
 from live.show.patch.patch import Patch
-from live.show.patch.score_conflicts import Claims, check_called, check_regroups, check_segments
+from live.show.patch.score_conflicts import DancerSelections, check_group_calls, check_regroups, check_segments
 from live.show.patch.section_motion import GroupSection
-from live.show.patch.section_score import SegmentSection, spec_of
+from live.show.patch.section_score import SegmentSection, formation_spec
 from live.show.score.score import Score
 
 Float64 = npt.NDArray[np.float64]
@@ -47,14 +47,14 @@ SegmentEvent = events.Evolve | events.Travel | events.Pause
 def matching_of(word: str) -> Matching:
     """Return the slot assignment named by a patch or control. Raises PersonError for other words."""
     if word == "number":
-        return Matching(by=By.ID)
+        return Matching(by=AssignmentMethod.ID)
     try:
         return Matching(cost=Cost(word))
     except ValueError:
         raise PersonError(f"match {word[:40]!r} is unknown", f"there are: {', '.join(Cost)}, number") from None
 
 
-def everyone(words: str) -> str:
+def selection_expression(words: str) -> str:
     """Return a plan's selection expression for the words of a patch or control; "*" becomes ""."""
     return "" if words.strip() in EVERYONE else words.casefold().strip()
 
@@ -70,9 +70,9 @@ def segment_of_section(section: SegmentSection, *, start: int, formation: str, p
     if section.hold:
         intention = Hold(formation, matching)
     elif section.formation is not None:
-        intention = Evolve(formation, matching, Way(section.way), orientation, section.soft)
+        intention = Evolve(formation, matching, PathMode(section.way), orientation, section.soft)
     elif section.path is not None:
-        follow = Follow.FILE if section.single_file else Follow.SHIFTED
+        follow = FollowMode.FILE if section.single_file else FollowMode.SHIFTED
         intention = Trajectory(path, follow, orientation=orientation, soft=section.soft)
     else:
         intention = Pause()
@@ -81,10 +81,10 @@ def segment_of_section(section: SegmentSection, *, start: int, formation: str, p
         mirror = Line.through(*section.mirror)
     return Segment(
         intention,
-        everyone(section.group),
+        selection_expression(section.group),
         start,
         section.measures,
-        Ripple(section.ripple_beats, Order(section.ripple_from)),
+        Ripple(section.ripple_beats, StartOrder(section.ripple_from)),
         mirror,
         section.beats_later,
     )
@@ -95,14 +95,14 @@ def segment_of_event(event: SegmentEvent, *, start: int, formation: str, path: s
 
     `formation` is the formation's name in the plan. Raises PersonError for invalid points of a path.
     """
-    group, measures = everyone(event.group), max(1, math.ceil(event.measures - 1e-9))
+    group, measures = selection_expression(event.group), max(1, math.ceil(event.measures - 1e-9))
     match event:
         case events.Evolve():
             evolve = Evolve(formation, matching_of(event.match))
             return Segment(evolve, group, start, measures, Ripple(event.ripple)), None
         case events.Travel():
-            follow = Follow.FILE if event.single_file else Follow.SHIFTED
-            return Segment(Trajectory(path, follow), group, start, measures), np.array(points_of(event.points))
+            follow = FollowMode.FILE if event.single_file else FollowMode.SHIFTED
+            return Segment(Trajectory(path, follow), group, start, measures), np.array(parse_points(event.points))
         case events.Pause():
             return Segment(Pause(), group, start, measures), None
 
@@ -110,7 +110,7 @@ def segment_of_event(event: SegmentEvent, *, start: int, formation: str, path: s
 Float32 = npt.NDArray[np.float32]
 Bool = npt.NDArray[np.bool_]
 
-LIVE_WAYS: Final = 16
+MAX_LIVE_PATHS: Final = 16
 """Most paths drawn live that are kept; a new one replaces the oldest."""
 
 
@@ -123,56 +123,56 @@ class Evolutions:
         """Create the plan of a patch. Raises PersonError for an invalid formation, path or group."""
         self._patch, self._casting = patch, casting
         self._score = score or Score(patch)
-        self._formations = Formations([spec_of(table) for table in patch.formation], seed=seed)
-        self._formations.warm({*(group.dancers for group in patch.group), patch.dancer_count})
+        self._formations = Formations([formation_spec(table) for table in patch.formation], seed=seed)
+        self._formations.precompute({*(group.dancers for group in patch.group), patch.dancer_count})
         half = (patch.stage.width / 2, patch.stage.depth / 2)
         self._beats = patch.clock.beats_per_measure
         self._plan = Plan(casting.roster, Repertoire(), measure_beats=self._beats, half=half, radius=radius, seed=seed)
-        self._added = self._measure = -1
-        self._of_line: list[Segment] = []
+        self._planned_measure = self._measure = -1
+        self._measure_segments: list[Segment] = []
         self._next, self._fresh = 0, False  # the measure after this one, and whether this one has just begun
         self._heading: Float64 | None = None  # headings at the line, until the next measure is prepared
-        self._ways = 0
-        claims = Claims(patch, casting)
+        self._live_path_count = 0
+        claims = DancerSelections(patch, casting)
         for index, section in enumerate(patch.segment):  # errors are reported at the start, not in measure 200
-            with named(f"segment in measure {section.measure}", ("segment", index)):
+            with error_context(f"segment in measure {section.measure}", ("segment", index)):
                 if section.formation is not None:
-                    self._name(section.formation)
+                    self._register_formation(section.formation)
                 claims.bits(section.group)
         for index, regroup in enumerate(patch.regroup):
-            with named(f"regroup in measure {regroup.measure}", ("regroup", index)):
+            with error_context(f"regroup in measure {regroup.measure}", ("regroup", index)):
                 claims.bits(regroup.dancers)
         check_segments(patch.segment, self._score, claims)
         check_regroups(patch.regroup, self._score, casting)
-        check_called(patch, claims, self._formations.find)
+        check_group_calls(patch, claims, self._formations.find)
 
-    def take_patch(self, fresh: "Evolutions") -> None:
+    def apply_patch(self, fresh: "Evolutions") -> None:
         """Apply the formations of another patch. Dancers in an edited one go to its new places.
 
         Formations that were defined live and are not in the patch stay.
         """
-        for formation in self._formations.take_patch(fresh._formations):
+        for formation in self._formations.apply_patch(fresh._formations):
             if formation.name in self._plan.repertoire.formations:
                 self._plan.repertoire = self._plan.repertoire.with_formation(formation)
-                self._move_to(formation.name, self._added)
-        self.regrouped()
+                self._move_to(formation.name, self._planned_measure)
+        self.update_groups()
 
     def starting_places(self) -> Float64:
         """Return the starting places of all groups' dancers, one group after the other, (dancers, 2) [m]."""
         places = []
         for index, section in enumerate(self._patch.group):
-            with named(f"group {section.name!r}", ("group", index, "formation")):
-                places.append(self._beginning(section))
+            with error_context(f"group {section.name!r}", ("group", index, "formation")):
+                places.append(self._group_starting_places(section))
         return np.concatenate(places)
 
-    def _beginning(self, section: GroupSection) -> Float64:
+    def _group_starting_places(self, section: GroupSection) -> Float64:
         """Return the starting places of a group's dancers, (dancers, 2) [m]. Partners share a place."""
         if section.partners is None:
-            return self._formations.beginning(section)
+            return self._formations.starting_places(section)
         pairs = section.model_copy(update={"dancers": (section.dancers + 1) // 2})
-        return np.repeat(self._formations.beginning(pairs), 2, axis=0)[: section.dancers]
+        return np.repeat(self._formations.starting_places(pairs), 2, axis=0)[: section.dancers]
 
-    def _name(self, words: str, *, live: bool = False) -> str:
+    def _register_formation(self, words: str, *, live: bool = False) -> str:
         """Return the plan's name of the formation with this name or notation, and add it to the repertoire."""
         formation = self._formations.find(words, live=live)
         if self._plan.repertoire.formations.get(formation.name) is not formation:
@@ -181,27 +181,27 @@ class Evolutions:
 
     # -- measures ------------------------------------------------------------------------------------------------
 
-    def _take_up(self, measure: int) -> None:
+    def _plan_up_to(self, measure: int) -> None:
         """Plan the score's segments of the measures up to `measure`, once."""
-        for number in range(max(self._added + 1, measure - 1), measure + 1):
-            self._of_line = self.score_of(number)
-            for segment in self._of_line:
+        for number in range(max(self._planned_measure + 1, measure - 1), measure + 1):
+            self._measure_segments = self.score_segments(number)
+            for segment in self._measure_segments:
                 self._plan.add(segment)
-        self._added = max(self._added, measure)
+        self._planned_measure = max(self._planned_measure, measure)
 
     def withdraw(self, measure: int) -> None:
         """Replace the planned segments of `measure`, which has not begun, after the score has jumped."""
-        if measure > self._added:
+        if measure > self._planned_measure:
             return
-        self._plan.withdraw(self._of_line)
-        self._added = measure - 1
-        self._take_up(measure)
+        self._plan.remove(self._measure_segments)
+        self._planned_measure = measure - 1
+        self._plan_up_to(measure)
 
-    def score_of(self, measure: int) -> list[Segment]:
+    def score_segments(self, measure: int) -> list[Segment]:
         """Return the score's segments for `measure` (from 0), and add their formations and paths to the repertoire."""
         segments = []
         for index, section in enumerate(self._score.segments(measure)):
-            formation = "" if section.formation is None else self._name(section.formation)
+            formation = "" if section.formation is None else self._register_formation(section.formation)
             way = f"score {index} of measure {section.measure}"
             if section.path is not None:
                 self._plan.repertoire = self._plan.repertoire.with_path(way, np.array(section.path))
@@ -224,10 +224,10 @@ class Evolutions:
         if measure < 0:
             return
         self._plan.available = available
-        self._take_up(measure)
+        self._plan_up_to(measure)
         self._plan.begin_measure(measure, position, heading)
         self._plan.forget(measure + 1)
-        self._take_up(measure + 1)
+        self._plan_up_to(measure + 1)
         self._next, self._heading, self._fresh = measure + 1, heading, True
 
     def prepare(self, measure: int, position: Float32, heading: Float64) -> None:
@@ -237,25 +237,25 @@ class Evolutions:
 
     # -- live ----------------------------------------------------------------------------------------------------
 
-    def act(self, event: SegmentEvent, *, measure: int, beat: float, position: Float32, heading: Float64) -> None:
+    def handle(self, event: SegmentEvent, *, measure: int, beat: float, position: Float32, heading: Float64) -> None:
         """Apply an event at the danced `beat`, in `measure`, or at its end. Raises PersonError for an empty or invalid
         request."""
         if not self._casting.select(event.group, position).any():
             raise PersonError(f"nobody is {event.group!r} now")
-        way = f"live {self._ways % LIVE_WAYS}"
-        formation = self._name(event.formation, live=True) if isinstance(event, events.Evolve) else ""
+        way = f"live {self._live_path_count % MAX_LIVE_PATHS}"
+        formation = self._register_formation(event.formation, live=True) if isinstance(event, events.Evolve) else ""
         segment, drawn = segment_of_event(event, start=max(measure + 1, 0), formation=formation, path=way)
         if drawn is not None:
-            self._ways += 1
+            self._live_path_count += 1
             self._plan.repertoire = self._plan.repertoire.with_path(way, drawn)
         if event.next or beat < 0.0:
-            self._plan.add(segment, instead=True)
+            self._plan.add(segment, replace=True)
         else:
             self._plan.start_now(segment, beat, position, heading)
 
     def define(self, event: events.DefineFormation, *, measure: int) -> None:
         """Define or replace a formation by name, within `measure`. Dancers in it go to its new places (T087)."""
-        self._take(self._formations.define(event.name, event.formation), measure)
+        self._replace_formation(self._formations.define(event.name, event.formation), measure)
 
     @property
     def formations(self) -> dict[str, NamedFormation]:
@@ -267,9 +267,9 @@ class Evolutions:
         for name, formation in formations.items():
             self._formations.restore(name, formation)
             if formation is not None:
-                self._take(formation, self._measure)
+                self._replace_formation(formation, self._measure)
 
-    def _take(self, formation: NamedFormation, measure: int) -> None:
+    def _replace_formation(self, formation: NamedFormation, measure: int) -> None:
         """Put the formation into the repertoire. Dancers in it go to its new places from `measure` + 1 on."""
         self._plan.repertoire = self._plan.repertoire.with_formation(formation)
         self._move_to(formation.name, measure + 1)
@@ -278,7 +278,7 @@ class Evolutions:
         """Send dancers in the formation `name`, or on the way there, to its places from `measure` on."""
         for motion in self._plan.motions:
             if isinstance(motion.intention, Hold | Evolve) and motion.intention.formation == name:
-                self._plan.add(replace(motion.segment, start=max(measure, 0), later=0.0))
+                self._plan.add(replace(motion.segment, start=max(measure, 0), delay=0.0))
 
     def resize(self, half: tuple[float, float], fitting: Float64 | None, *, measure: int) -> None:
         """Set the stage's half sizes [m] within `measure`, and fit formations to `fitting` (2,) [m] or to none (None).
@@ -290,7 +290,7 @@ class Evolutions:
             return
         for motion in self._plan.motions:
             if isinstance(motion.intention, Hold | Evolve):
-                self._plan.add(replace(motion.segment, start=max(measure + 1, 0), later=0.0))
+                self._plan.add(replace(motion.segment, start=max(measure + 1, 0), delay=0.0))
 
     def release(self, who: Bool) -> None:
         """End the running segments of the dancers in the mask `who` (A,)."""
@@ -300,7 +300,7 @@ class Evolutions:
         """Remove all segments, planned ones included, of the dancers in the mask `who` (A,)."""
         self._plan.clear(who)
 
-    def regrouped(self) -> None:
+    def update_groups(self) -> None:
         """Update the plan after dancers have changed their groups."""
         self._plan.roster = self._casting.roster
 
@@ -316,9 +316,9 @@ class Evolutions:
         """Whether no segment is partly computed."""
         return self._plan.idle
 
-    def drop_begun(self) -> None:
+    def drop_incomplete(self) -> None:
         """Drop segments that are partly computed, and free their dancers."""
-        self._plan.drop_begun()
+        self._plan.drop_incomplete()
 
     def work(self, position: Float32) -> None:
         """Do one small piece of the pending computation, for agents at `position` (A, 2) [m].
@@ -327,16 +327,16 @@ class Evolutions:
         """
         if self._heading is not None and not self._fresh:
             heading, self._heading = self._heading, None
-            self._plan.prepare(self._next, position, heading, if_known=True)
+            self._plan.prepare(self._next, position, heading, if_controlled=True)
         self._fresh = False
         self._plan.work()
 
-    def write(self, wants: Wants, state: AgentState, beat: float, beats_per_second: float) -> None:
+    def write(self, wants: AgentCommand, state: AgentState, beat: float, beats_per_second: float) -> None:
         """Write the commands of agents under a segment at the danced `beat`."""
-        self._plan.write(wants, state, beat, beats_per_second)
+        self._plan.write_commands(wants, state, beat, beats_per_second)
 
     def target(self, beat: float) -> tuple[Bool, Float32, Float32]:
         """Return which dancers are under a segment at a future danced `beat`, (A,), their places, (A, 2) [m], and their
         headings."""
-        setting = self._plan.target(beat)
-        return setting.under == 1, setting.position, setting.heading
+        setting = self._plan.predicted_state(beat)
+        return setting.controlled == 1, setting.position, setting.heading

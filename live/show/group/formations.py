@@ -11,20 +11,20 @@ import numpy.typing as npt
 
 from live.agents.evolutions.intention import Places
 from live.agents.formations.formation import check_formation, formation_of
-from live.agents.formations.formation_notation import spec_from_words
+from live.agents.formations.formation_notation import parse_formation
 from live.agents.formations.formation_spec import FormationSpec
-from live.base.errors import PersonError, named
+from live.base.errors import PersonError, error_context
 from live.show.patch.section_motion import GroupSection
 
 Float64 = npt.NDArray[np.float64]
 
-BODY: Final = 0.3
+SLOT_MARGIN: Final = 0.3
 """Margin around each place of a formation that is fitted to a smaller stage [m]."""
-KEPT: Final = 64
+CACHE_SIZE: Final = 64
 """Size of the caches: counts per formation, and unnamed formations."""
 
 
-known_formation = lru_cache(maxsize=1024)(formation_of)
+cached_formation = lru_cache(maxsize=1024)(formation_of)
 """Cached `formation_of`. Callers must not change the result."""
 
 
@@ -35,7 +35,7 @@ class NamedFormation:
     name: str
     spec: FormationSpec
     seed: int
-    _made: "OrderedDict[int, Places]"
+    _cache: "OrderedDict[int, Places]"
     half: Float64 | None = None
     """Half sizes of the stage that the formation is fitted to [m], (2,); None for no fitting."""
 
@@ -45,20 +45,20 @@ class NamedFormation:
         check_formation(spec)
         return NamedFormation(name, spec, seed, OrderedDict())
 
-    def made(self, count: int) -> Places:
+    def places_for(self, count: int) -> Places:
         """Return the places for `count` dancers, scaled and moved to fit a stage that has shrunk."""
-        if count not in self._made:
-            formation = known_formation(self.spec, count, self.seed)
-            self._made[count] = Places(self.name, formation.slots, formation.heading, formation.marks)
-            if len(self._made) > KEPT:
-                self._made.popitem(last=False)
-        places = self._made[count]
-        return places if self.half is None else replace(places, slots=fitted(places.slots, self.half))
+        if count not in self._cache:
+            formation = cached_formation(self.spec, count, self.seed)
+            self._cache[count] = Places(self.name, formation.slots, formation.heading, formation.marks)
+            if len(self._cache) > CACHE_SIZE:
+                self._cache.popitem(last=False)
+        places = self._cache[count]
+        return places if self.half is None else replace(places, slots=fit_slots(places.slots, self.half))
 
 
-def fitted(slots: npt.NDArray[np.floating], half: Float64) -> Float64:
+def fit_slots(slots: npt.NDArray[np.floating], half: Float64) -> Float64:
     """Return the `slots` (S, 2) [m], scaled down and moved to fit a stage of these half sizes [m] with a margin."""
-    edge = np.maximum(half - BODY, 0.0)
+    edge = np.maximum(half - SLOT_MARGIN, 0.0)
     if not len(slots):
         return np.asarray(slots, np.float64)
     low, high = slots.min(axis=0), slots.max(axis=0)
@@ -76,10 +76,10 @@ class Formations:
         self._seed = seed
         self._named: dict[str, NamedFormation] = {}
         for index, spec in enumerate(specs):
-            with named(f"formation {spec.name!r}", ("formation", index)):
+            with error_context(f"formation {spec.name!r}", ("formation", index)):
                 self._named[spec.name.casefold()] = NamedFormation.of(spec.name, spec, seed)
-        self._written = dict(self._named)
-        self._said: OrderedDict[str, NamedFormation] = OrderedDict()
+        self._from_patch = dict(self._named)
+        self._unnamed: OrderedDict[str, NamedFormation] = OrderedDict()
         self._half: Float64 | None = None
 
     def find(self, words: str, *, live: bool = False) -> NamedFormation:
@@ -90,21 +90,21 @@ class Formations:
         folded = words.casefold().strip()
         if folded in self._named:
             return self._named[folded]
-        if words not in self._said:
+        if words not in self._unnamed:
             if live and folded.startswith("path:"):
                 raise PersonError(
                     "a path cannot be read while a show runs", "give it a name in the patch's [[formation]]"
                 )
             try:
-                spec = spec_from_words(words)
+                spec = parse_formation(words)
             except PersonError as error:
                 names = ", ".join(formation.name for formation in self._named.values())
                 raise PersonError(f"{error}", f"formations of this show: {names}" if names else None) from None
-            self._said[words] = NamedFormation.of(words, spec, self._seed)
-            self._said[words].half = self._half
-            if len(self._said) > KEPT:
-                self._said.popitem(last=False)
-        return self._said[words]
+            self._unnamed[words] = NamedFormation.of(words, spec, self._seed)
+            self._unnamed[words].half = self._half
+            if len(self._unnamed) > CACHE_SIZE:
+                self._unnamed.popitem(last=False)
+        return self._unnamed[words]
 
     def define(self, name: str, words: str) -> NamedFormation:
         """Define or replace the formation `name` by formation notation. Raises PersonError if it is invalid."""
@@ -115,24 +115,26 @@ class Formations:
         self._named[name.casefold().strip()] = formation
         return formation
 
-    def take_patch(self, fresh: "Formations") -> list[NamedFormation]:
+    def apply_patch(self, fresh: "Formations") -> list[NamedFormation]:
         """Apply the formations of another patch, and return those that were edited.
 
         Formations defined live stay, unless the patch has edited the one of that name.
         """
         edited = []
-        for name, formation in fresh._written.items():
-            old = self._written.get(name)
+        for name, formation in fresh._from_patch.items():
+            old = self._from_patch.get(name)
             if old is None or old.spec != formation.spec:
                 formation.half = self._half
                 self._named[name] = formation
                 edited.append(formation)
-        for name, old in self._written.items():
-            if name not in fresh._written and self._named.get(name) is old:
+        for name, old in self._from_patch.items():
+            if name not in fresh._from_patch and self._named.get(name) is old:
                 del self._named[name]
-        self._written = {
-            name: self._written[name] if name in self._written and self._written[name].spec == new.spec else new
-            for name, new in fresh._written.items()
+        self._from_patch = {
+            name: self._from_patch[name]
+            if name in self._from_patch and self._from_patch[name].spec == new.spec
+            else new
+            for name, new in fresh._from_patch.items()
         }
         return edited
 
@@ -155,17 +157,17 @@ class Formations:
         if half is None and self._half is None:
             return False
         self._half = half
-        for formation in (*self._named.values(), *self._said.values()):
+        for formation in (*self._named.values(), *self._unnamed.values()):
             formation.half = half
         return True
 
-    def warm(self, counts: set[int]) -> None:
+    def precompute(self, counts: set[int]) -> None:
         """Fill the caches of all named formations for these counts, so that nothing is computed while a show runs."""
         for formation in self._named.values():
             for count in sorted(counts):
-                formation.made(count)
+                formation.places_for(count)
 
-    def beginning(self, section: GroupSection) -> Float64:
+    def starting_places(self, section: GroupSection) -> Float64:
         """Return the starting places of a group's dancers, (dancers, 2) [m].
 
         Formation notation uses the group's centre and size. Dancers without a place stand in rows around its centre.
@@ -174,8 +176,8 @@ class Formations:
         if folded in self._named:
             spec = self._named[folded].spec
         else:
-            spec = replace(spec_from_words(section.formation), centre=section.centre, size=section.size)
-        places = known_formation(spec, section.dancers, self._seed).slots
+            spec = replace(parse_formation(section.formation), centre=section.centre, size=section.size)
+        places = cached_formation(spec, section.dancers, self._seed).slots
         missing = section.dancers - len(places)
         if missing > 0:
             rows = FormationSpec(shape="grid", centre=section.centre, size=section.size)

@@ -27,7 +27,7 @@ GROUP_EVENTS = (
 """The events that `act` accepts."""
 
 
-class GroupControls:
+class GroupCommands:
     """Applies events to the group motion of a show."""
 
     def __init__(
@@ -40,23 +40,23 @@ class GroupControls:
         self._score = score or Score(patch)
         self._joining: dict[int, int] = {}
 
-    def act(self, event: ControlEvent, *, time: float, timeline: Timeline, span: MeasureSpan) -> None:
+    def handle(self, event: ControlEvent, *, time: float, timeline: Timeline, span: MeasureSpan) -> None:
         """Apply an event at `time` [s]. Raises PersonError if it names something unknown or impossible."""
         motion, position = self._motion, self._motion.state.position
         beat, size = timeline.beat_at(time), timeline.beats_per_measure
         match event:
             case events.Attract() | events.Repel() | events.Spread() | events.Voice() | events.PlaceElement():
-                motion.elements.act(event, beat=beat, next_line=span.end, beats_per_measure=size, position=position)
+                motion.elements.handle(event, beat=beat, next_line=span.end, beats_per_measure=size, position=position)
             case events.Evolve() | events.Travel() | events.Pause():
-                danced = span.danced(beat, self._patch.clock.beats_per_measure)
+                danced = span.danced_beats(beat, self._patch.clock.beats_per_measure)
                 heading = self._dancers.present.end_heading()
-                motion.evolutions.act(event, measure=span.number, beat=danced, position=position, heading=heading)
+                motion.evolutions.handle(event, measure=span.number, beat=danced, position=position, heading=heading)
             case events.DefineFormation():
                 motion.evolutions.define(event, measure=span.number)
             case events.Release():
-                motion.evolutions.release(self._who(event.group))
+                motion.evolutions.release(self._select(event.group))
             case events.Regroup():
-                self._regroup(self._who(event.dancers), self._group(event.group))
+                self._regroup(self._select(event.dancers), self._group(event.group))
             case events.SetRipple():
                 ripple = parse_ripple(event.begins, event.beats)
                 everybody = event.group.strip() in ("", "*")
@@ -69,21 +69,21 @@ class GroupControls:
             case events.SetStage():
                 motion.resize(event.width, event.depth, measure=span.number, beat=beat, beats_per_measure=size)
             case _:
-                self._furnish(event)
+                self._handle_set_event(event)
 
-    def _furnish(self, event: ControlEvent) -> None:
+    def _handle_set_event(self, event: ControlEvent) -> None:
         """Apply an event of the set or of a performer."""
         surroundings = self._motion.surroundings
         match event:
             case events.PlaceObstacle():
-                self._taken(surroundings.put_obstacle(event.name, event.x, event.z, event.radius))
+                self._require_free_slot(surroundings.set_obstacle(event.name, event.x, event.z, event.radius))
             case events.PlaceWall():
-                self._taken(surroundings.put_wall(event.name, event.x, event.z, event.x2, event.z2))
+                self._require_free_slot(surroundings.set_wall(event.name, event.x, event.z, event.x2, event.z2))
             case events.RemoveObstacle():
                 if not surroundings.remove(event.name):
                     raise PersonError(f"nothing on the stage is called {event.name!r}")
             case events.Performer():
-                self._taken(self._motion.performers.track(event))
+                self._require_free_slot(self._motion.performers.track(event))
 
     def clear(self, time: float, timeline: Timeline) -> None:
         """End all elements and all evolutions."""
@@ -93,7 +93,7 @@ class GroupControls:
     def cross_measure_line(self, measure: int) -> None:
         """Apply the score's regroupings of `measure` (from 0), and move dancers who enter to their groups."""
         for section in self._score.regroups(measure):
-            self._regroup(self._who(section.dancers), self._group(section.group))
+            self._regroup(self._select(section.dancers), self._group(section.group))
         for group in sorted(set(self._joining.values())):
             rows = [row for row, index in self._joining.items() if index == group]
             who = np.zeros(len(self._motion.casting.group), np.bool_)
@@ -101,7 +101,7 @@ class GroupControls:
             self._regroup(who, group)
         self._joining.clear()
 
-    def _who(self, words: str) -> Bool:
+    def _select(self, words: str) -> Bool:
         return self._motion.casting.select(words, self._motion.state.position)
 
     def _group(self, name: str) -> int:
@@ -114,7 +114,7 @@ class GroupControls:
     def _gate(self, name: str) -> int | None:
         if name.strip() in ("", "*"):
             return None
-        index = self._motion.entrances.gate_named(name.strip())
+        index = self._motion.entrances.gate_index(name.strip())
         if index is None:
             names = ", ".join(gate.name for gate in self._motion.gates)
             raise PersonError(f"no gate is called {name!r}", f"there are: {names}")
@@ -123,14 +123,14 @@ class GroupControls:
     def _regroup(self, who: Bool, index: int) -> None:
         motion = self._motion
         motion.casting.regroup(who, index)
-        motion.elements.regrouped(motion.state.position)
-        motion.evolutions.regrouped()
-        self._variation.regrouped()
+        motion.elements.update_groups(motion.state.position)
+        motion.evolutions.update_groups()
+        self._variation.update_groups()
 
     def _enter(self, event: events.Enter) -> None:
         own = event.group.strip() in ("", "*")
         group, gate = 0 if own else self._group(event.group), self._gate(event.gate)
-        rows = self._motion.entrances.call(int(event.count), gate)
+        rows = self._motion.entrances.call_in(int(event.count), gate)
         for row in rows.tolist():
             self._joining[row] = int(self._motion.casting.group[row]) if own else group
         if len(rows) < int(event.count):
@@ -140,13 +140,13 @@ class GroupControls:
     def _leave(self, event: events.Leave) -> None:
         motion = self._motion
         gate = self._gate(event.gate)
-        who = self._who(event.dancers)
+        who = self._select(event.dancers)
         gone = motion.entrances.send_off(who, gate, motion.state.position)
         motion.evolutions.clear(who)
         if not gone:
             raise PersonError(f"nobody on the stage is {event.dancers!r}")
 
     @staticmethod
-    def _taken(taken: bool) -> None:
-        if not taken:
+    def _require_free_slot(placed: bool) -> None:
+        if not placed:
             raise PersonError("there is no place for more obstacles", "remove some of them first")

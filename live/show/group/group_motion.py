@@ -9,15 +9,15 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.agent_command import Wants
-from live.agents.agent_command_kernels import hold_on_leash, hurry_firm, rest_wants
+from live.agents.agent_command import AgentCommand
+from live.agents.agent_command_kernels import hold_on_leash, raise_firm_speeds, reset_commands
 from live.agents.crowd.agent_state import AgentModel, AgentState
-from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
 from live.agents.entrances.entrances import ENTERING, ON, WAITING, Entrances
 from live.agents.entrances.gate import Gate
-from live.agents.prediction import LookAhead
-from live.agents.separation.path_separation import Parting
+from live.agents.prediction import CrowdPrediction
+from live.agents.separation.path_separation import PlaceSeparation
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
@@ -26,24 +26,30 @@ from live.show.dancers.partners import PairSteering, Partners
 from live.show.group.casting import Casting
 from live.show.group.elements import Elements
 from live.show.group.evolutions import Evolutions
-from live.show.group.stage_area import Floor, furnish, gates_of, refurnish, show_set, steering_of
+from live.show.group.stage_area import StageArea, gates_of, place_item, show_set, steering_of, update_set
 from live.show.measure_span import MeasureSpan
-from live.show.partner.partner_agents import AnsweringAgents
-from live.show.partner.partner_response import Answering
+from live.show.partner.partner_agents import PartnerAgents
+from live.show.partner.partner_response import PartnerResponse
 from live.show.patch.patch import Patch
 from live.show.score.score import Score
-from live.show.selection.lookahead import TAKEN, AgentsAhead
+from live.show.selection.lookahead import RELEASE_INFLUENCE, AgentLookAhead
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
-FROM_THE_EDGE = 0.3
+EDGE_MARGIN = 0.3
 """Least distance of starting places from the edge of the stage [m]."""
 
 
 def starting_places(
-    evolutions: Evolutions, partners: Partners, part: Parting, gate: Gate, on: Bool, half: Float32, heading: Float64
+    evolutions: Evolutions,
+    partners: Partners,
+    separation: PlaceSeparation,
+    gate: Gate,
+    on: Bool,
+    half: Float32,
+    heading: Float64,
 ) -> Float32:
     """Return starting places [m], (A, 2), and write headings [rad] to `heading` (A,).
 
@@ -54,14 +60,14 @@ def starting_places(
     placed = evolutions.starting_places()
     position = np.zeros((count, 2), np.float32)
     position[: len(placed)] = placed
-    position[len(placed) :] = gate.places(count - len(placed))
-    edge = half - np.float32(FROM_THE_EDGE)
-    partners.pair(on)
-    partners.begin(position, heading)
+    position[len(placed) :] = gate.waiting_places(count - len(placed))
+    edge = half - np.float32(EDGE_MARGIN)
+    partners.form_pairs(on)
+    partners.place_pairs(position, heading)
     position[on] = np.clip(position[on], -edge, edge)
     wanted = position.copy()
     for _ in range(8):  # formations of two groups may lie on each other
-        part(position, wanted, float(edge.max()))
+        separation(position, wanted, float(edge.max()))
         position[on] = np.clip(position[on], -edge, edge)
         partners.gather(position, heading)
     position[~on] = wanted[~on]
@@ -71,15 +77,15 @@ def starting_places(
 Rows = npt.NDArray[np.intp]
 
 AGENT_RADIUS: Final = 0.25
-DANCER_GAP: Final = 0.7
+MIN_DANCER_DISTANCE: Final = 0.7
 """Least distance of two dancers at the end of a measure [m]: a bit more than shoulder width."""
 LEASH: Final = 0.6
 """Largest distance of an agent from its dancer on the stage, outside evolutions [m]."""
 LONG_LEASH: Final = 0.9
 """Largest distance of an agent from its dancer while entering or leaving [m]."""
-HURRY: Final = 1.6
+MAX_SPEED_FACTOR: Final = 1.6
 """Factor by which agents in an evolution may exceed the steps' mean speed, as they accelerate and brake."""
-STANDING: Final = 0.9
+STANDING_SEPARATION: Final = 0.9
 """Distance under which standing dancers make room for each other [m]."""
 
 
@@ -98,14 +104,14 @@ class GroupMotion:
         radius = np.array([section.radius for section in patch.group], np.float32)[casting.group]
         responsibility = np.where(casting.soloists, 0.0, 1.0).astype(np.float32)
         self.model = AgentModel(radius, responsibility, steering, seed)
-        self.floor = Floor(patch.stage)
+        self.stage_area = StageArea(patch.stage)
         self.gates = gates_of(patch, *half)
         self.entrances = Entrances(count, patch.dancer_count, self.gates, half)
         self.surroundings = Surroundings()
         self.performers = Performers(self.surroundings, AGENT_RADIUS)
         for item in patch.obstacle:
-            furnish(self.surroundings, item)
-        self.part = Parting(count, DANCER_GAP, half_width=half[0], half_depth=half[1], seed=seed)
+            place_item(self.surroundings, item)
+        self.separation = PlaceSeparation(count, MIN_DANCER_DISTANCE, half_width=half[0], half_depth=half[1], seed=seed)
         score = score or Score(patch)
         self.evolutions = Evolutions(patch, casting, radius=radius, seed=seed, score=score)
         self.elements = Elements(patch, casting, seed=seed, score=score)
@@ -113,16 +119,18 @@ class GroupMotion:
         self.starting_heading: Float64 = np.zeros(count)
         """Headings at the beginning of the show [rad], shape (A,)."""
         places = starting_places(
-            self.evolutions, self.partners, self.part, self.gates[0], self.entrances.present, self._half,
+            self.evolutions, self.partners, self.separation, self.gates[0], self.entrances.present, self._half,
             self.starting_heading,
         )  # fmt: skip
-        self.state = AgentState.at(places)
-        self._spare = AgentState.at(self.state.position)
-        self._advance = PairSteering(Advance(self.model), self.partners)
-        self.wants = Wants(count)
-        self._along = AnsweringAgents(self.model.radius, AGENT_RADIUS)
-        look = LookAhead(count, self._advance, self.surroundings, self._ask_ahead)
-        self._ahead = AgentsAhead(look, self.evolutions, self.elements, self.entrances, self.floor, count, self._beats)
+        self.state = AgentState.at_rest(places)
+        self._spare = AgentState.at_rest(self.state.position)
+        self._advance = PairSteering(CrowdStepper(self.model), self.partners)
+        self.commands = AgentCommand(count)
+        self._partner_agents = PartnerAgents(self.model.radius, AGENT_RADIUS)
+        look = CrowdPrediction(count, self._advance, self.surroundings, self._compute_commands_ahead)
+        self._ahead = AgentLookAhead(
+            look, self.evolutions, self.elements, self.entrances, self.stage_area, count, self._beats
+        )
         self._now: tuple[Timeline, MeasureSpan] | None = None
         self._speed: Float32 = np.zeros(count, np.float32)
         self._leash: Float32 = np.zeros(count, np.float32)
@@ -134,20 +142,20 @@ class GroupMotion:
         """
         self._now = (timeline, span)
         entered = self.entrances.cross_measure_line(self.state.position)
-        self.partners.pair(self.entrances.state == ON)
+        self.partners.form_pairs(self.entrances.state == ON)
         if len(entered):
             self.state.velocity[entered] = 0.0
         self.elements.begin_measure(span.number, beat, timeline.beats_per_measure, self.state.position)
         self.evolutions.begin_measure(span.number, self.state.position, heading, self.entrances.staying)
         return entered
 
-    def go_along(self, answering: Answering | None, shown: Float32) -> None:
+    def follow_partner_response(self, partner_response: PartnerResponse | None, shown: Float32) -> None:
         """Move the agents of dancers in a partner response to where they are `shown` (A, 2) [m], so that others avoid
         them, but not so near to their leaders that these avoid them too."""
-        self._along.go_along(answering, shown, self.state)
+        self._partner_agents.follow_partner_response(partner_response, shown, self.state)
 
     @property
-    def staying(self) -> Bool:
+    def on_stage(self) -> Bool:
         """Whether each dancer is on the stage, shape (A,)."""
         return np.asarray(self.entrances.state == ON)
 
@@ -159,7 +167,14 @@ class GroupMotion:
     # -- time ----------------------------------------------------------------------------------------------------
 
     def tick(
-        self, time: float, timeline: Timeline, span: MeasureSpan, *, speed: Float32, dancer: Float32, pace: Float32
+        self,
+        time: float,
+        timeline: Timeline,
+        span: MeasureSpan,
+        *,
+        speed: Float32,
+        reference: Float32,
+        reference_velocity: Float32,
     ) -> None:
         """Advance by one tick.
 
@@ -167,47 +182,49 @@ class GroupMotion:
         positions in the measure, and `pace` (A, 2) [m/s] the velocities of these.
         """
         self._now, self._speed = (timeline, span), speed
-        self.floor.tick(timeline.beat_at(time))
-        self.entrances.settle(self.state.position)
+        self.stage_area.tick(timeline.beat_at(time))
+        self.entrances.update_arrivals(self.state.position)
         if len(self.partners.leader):
-            self.partners.part(self.entrances.state == ON)
+            self.partners.end_pairs(self.entrances.state == ON)
         self.performers.tick(time)
         self.evolutions.work(self.state.position)
-        self._ask(self.wants, self.state, time, ahead=False)
+        self._compute_commands(self.commands, self.state, time, ahead=False)
         if self.evolutions.running:
-            self.evolutions.release(self.elements.influence >= TAKEN)
-        self._advance(self.state, self._spare, wants=self.wants, surroundings=self.surroundings, time=time, dt=TICK)
+            self.evolutions.release(self.elements.influence >= RELEASE_INFLUENCE)
+        self._advance(
+            self.state, self._spare, commands=self.commands, surroundings=self.surroundings, time=time, dt=TICK
+        )
         self.state, self._spare = self._spare, self.state
         # in an evolution agents stay at the planned places, which are the dancers' targets
         hold_on_leash(
-            self.state.position, self.state.velocity, dancer, pace, self.wants.rows,
+            self.state.position, self.state.velocity, reference, reference_velocity, self.commands.rows,
             self.entrances.state, ENTERING, ON, LEASH, LONG_LEASH, self._leash,
         )  # fmt: skip
 
-    def _ask_ahead(self, wants: Wants, state: AgentState, time: float) -> None:
-        self._ask(wants, state, time, ahead=True)
+    def _compute_commands_ahead(self, wants: AgentCommand, state: AgentState, time: float) -> None:
+        self._compute_commands(wants, state, time, ahead=True)
 
-    def _ask(self, wants: Wants, state: AgentState, time: float, *, ahead: bool) -> None:
+    def _compute_commands(self, wants: AgentCommand, state: AgentState, time: float, *, ahead: bool) -> None:
         """Fill the commands `wants` for agents in `state` at `time` [s]. With `ahead`, nothing else changes."""
         if self._now is None:
             return
         timeline, span = self._now
         beat, size = timeline.beat_at(time), self._beats
-        rest_wants(wants.rows, self._speed, STANDING)
+        reset_commands(wants.rows, self._speed, STANDING_SEPARATION)
         if self.evolutions.running:
-            danced = span.danced(beat, size)
-            rate = (span.danced(timeline.beat_at(time + TICK), size) - danced) / TICK
+            danced = span.danced_beats(beat, size)
+            rate = (span.danced_beats(timeline.beat_at(time + TICK), size) - danced) / TICK
             self.evolutions.write(wants, state, danced, rate)
-            hurry_firm(wants.rows, self._speed, HURRY)
+            raise_firm_speeds(wants.rows, self._speed, MAX_SPEED_FACTOR)
         if not ahead:
             self.elements.refresh(beat, wants, state)
-        self.elements.wish(wants, state, time=time, beat=beat, ahead=ahead)
-        self._along.ask(wants, state)
+        self.elements.blend(wants, state, time=time, beat=beat, ahead=ahead)
+        self._partner_agents.set_commands(wants, state)
         self.entrances.write(wants, state.position)
 
     # -- look-ahead ----------------------------------------------------------------------------------------------
 
-    def look(self, time: float, seconds: float, heading: Float64, late: Float64) -> None:
+    def begin_lookahead(self, time: float, seconds: float, heading: Float64, late: Float64) -> None:
         """Begin to predict the agents `seconds` [s] ahead of `time` [s], and to prepare the next measure's segments.
 
         `heading` (A,) [rad] are the headings at its beginning, `late` (A,) [beats] the intended delays.
@@ -226,11 +243,11 @@ class GroupMotion:
         self.elements.withdraw(measure)
         self.evolutions.withdraw(measure)
 
-    def work(self, steps: int) -> None:
+    def run_lookahead(self, steps: int) -> None:
         """Run at most `steps` coarse steps of the look-ahead."""
         self._ahead.work(steps)
 
-    def ahead(self) -> tuple[Float64, Bool, Float64]:
+    def predicted_ends(self) -> tuple[Float64, Bool, Float64]:
         """Return the predicted positions at the end of the next measure, (A, 2) [m], which dancers are in an evolution
         then, (A,), and their headings, (A,) [rad].
 
@@ -243,7 +260,7 @@ class GroupMotion:
     def resize(self, width: float, depth: float, *, measure: int, beat: float, beats_per_measure: float) -> None:
         """Set the stage to `width` by `depth` [m] from `beat` of `measure` on. Raises PersonError if impossible."""
         there = int(np.count_nonzero(self.entrances.state != WAITING))
-        if not self.floor.resize(width, depth, dancers=there, beat=beat, beats_per_measure=beats_per_measure):
+        if not self.stage_area.resize(width, depth, dancers=there, beat=beat, beats_per_measure=beats_per_measure):
             return
         half = width / 2, depth / 2
         self.gates = gates_of(self._patch, *half)
@@ -251,15 +268,15 @@ class GroupMotion:
         self.casting.half = half
         self._advance.resize(*half)
         self.elements.resize(*half)
-        self.evolutions.resize(half, self.floor.fitting, measure=measure)
+        self.evolutions.resize(half, self.stage_area.fit_size, measure=measure)
 
-    def yield_to(self, rows: npt.NDArray[np.integer], led: Bool) -> None:
+    def set_yielding(self, rows: npt.NDArray[np.integer], led: Bool) -> None:
         """Make all others yield to the agents `rows` (n,) while these are `led` (n,) by a performer."""
         usual = np.where(self.casting.soloists[rows], 0.0, 1.0)
         self.model.responsibility[rows] = np.where(led, 0.0, usual)
         self._advance.yield_to(rows, self.model.responsibility[rows])
 
-    def take_patch(self, fresh: "GroupMotion") -> None:
+    def apply_patch(self, fresh: "GroupMotion") -> None:
         """Apply gates, steering and set of another patch. Items moved live stay in place."""
         old, new = self._patch, fresh._patch
         if old.steering != new.steering:
@@ -267,12 +284,12 @@ class GroupMotion:
         if old.gate != new.gate:
             self.gates = gates_of(new, *self.casting.half)
             self.entrances.resize(self.gates, self.casting.half)
-        refurnish(self.surroundings, old.obstacle, new.obstacle)
+        update_set(self.surroundings, old.obstacle, new.obstacle)
 
     def show(self, view: StageView) -> None:
         """Copy visible dancers, stage size, elements, obstacles, walls and performers into the drawing snapshot."""
         np.greater_equal(self.entrances.state, ENTERING, out=view.present)
-        view.stage_size = float(2.0 * self.floor.border[0]), float(2.0 * self.floor.border[1])
+        view.stage_size = float(2.0 * self.stage_area.border[0]), float(2.0 * self.stage_area.border[1])
         self.elements.show(view)
         show_set(self.surroundings, view)
-        self.performers.show(view)
+        self.performers.mark_obstacles(view)

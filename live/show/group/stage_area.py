@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from live.agents.crowd.agent_state import Steering
 from live.agents.crowd.obstacles import Surroundings
-from live.agents.entrances.gate import Gate, wings
+from live.agents.entrances.gate import Gate, default_gates
 from live.base.errors import PersonError
 from live.base.stage_snapshot import FLOOR_MARGIN, StageView
 from live.show.patch.patch import Patch
@@ -21,22 +21,22 @@ from live.show.patch.section_stage import ObstacleSection, StageSection
 
 Float64 = npt.NDArray[np.float64]
 
-SMALLEST: Final = 2.0
+MIN_SIZE: Final = 2.0
 """Least width and depth of a stage [m], as in the patch."""
-LARGEST: Final = 2.0
+MAX_SCALE: Final = 2.0
 """Largest size of a stage, relative to the patch's."""
-DARK: Final = 0.5
+OUTER_MARGIN: Final = 0.5
 """Least margin of the drawn floor around the stage [m]."""
-ROOM: Final = 0.8
+AREA_PER_DANCER: Final = 0.8
 """Least area per dancer [m²]."""
-MEASURES: Final = 2.0
+RESIZE_MEASURES: Final = 2.0
 """Least time in which the border moves inwards [measures], so that measures decided already end first. Half of that
 outwards."""
-PACE: Final = 0.12
+MAX_BORDER_SPEED: Final = 0.12
 """Mean speed limit of the border [m per beat]: about as fast as steps travel."""
 
 
-class Floor:
+class StageArea:
     """Size of one show's stage. `resize` is called for events, `tick` once a tick."""
 
     def __init__(self, stage: StageSection) -> None:
@@ -50,10 +50,10 @@ class Floor:
     @property
     def largest(self) -> Float64:
         """Largest half width and half depth that `resize` accepts [m], shape (2,)."""
-        return np.asarray(np.minimum(LARGEST * self._patch, self._patch + (FLOOR_MARGIN - DARK)))
+        return np.asarray(np.minimum(MAX_SCALE * self._patch, self._patch + (FLOOR_MARGIN - OUTER_MARGIN)))
 
     @property
-    def fitting(self) -> Float64 | None:
+    def fit_size(self) -> Float64 | None:
         """Half width and half depth [m] to which formations must be fitted, None if the patch's stage fits."""
         return None if (self.half >= self._patch).all() else self.half.copy()
 
@@ -63,21 +63,22 @@ class Floor:
         Raises PersonError if the floor is too small for that, or the stage too small for so many `dancers`.
         """
         half = np.array([width / 2, depth / 2])
-        if (half > self.largest + 1e-9).any() or not (half >= SMALLEST / 2 - 1e-9).all():
+        if (half > self.largest + 1e-9).any() or not (half >= MIN_SIZE / 2 - 1e-9).all():
             most = 2.0 * self.largest
             raise PersonError(
                 f"the stage cannot be {width:g} x {depth:g} m", f"use 2 x 2 to {most[0]:g} x {most[1]:g} m"
             )
-        if width * depth < ROOM * dancers and (half < self._patch).any():
+        if width * depth < AREA_PER_DANCER * dancers and (half < self._patch).any():
             raise PersonError(
-                f"{dancers} dancers have no room on {width:g} x {depth:g} m", f"they need {ROOM * dancers:.1f} m²"
+                f"{dancers} dancers have no room on {width:g} x {depth:g} m",
+                f"they need {AREA_PER_DANCER * dancers:.1f} m²",
             )
         if (half == self.half).all():
             return False
         self._from[:] = self.border
         far = np.abs(half - self.border).max()
-        least = MEASURES * beats_per_measure * (1.0 if (half < self.border).any() else 0.5)
-        self._began, self._ends = beat, beat + max(least, float(far) / PACE)
+        least = RESIZE_MEASURES * beats_per_measure * (1.0 if (half < self.border).any() else 0.5)
+        self._began, self._ends = beat, beat + max(least, float(far) / MAX_BORDER_SPEED)
         self.half[:] = half
         return True
 
@@ -90,15 +91,15 @@ class Floor:
         self.border[:] = self._from + (self.half - self._from) * (share * share * (3.0 - 2.0 * share))
 
 
-def furnish(surroundings: Surroundings, item: ObstacleSection) -> None:
+def place_item(surroundings: Surroundings, item: ObstacleSection) -> None:
     """Put an item of the set on the stage."""
     if item.wall_to is not None:
-        surroundings.put_wall(item.name, *item.at, *item.wall_to)
+        surroundings.set_wall(item.name, *item.at, *item.wall_to)
     else:
-        surroundings.put_obstacle(item.name, *item.at, item.radius)
+        surroundings.set_obstacle(item.name, *item.at, item.radius)
 
 
-def refurnish(surroundings: Surroundings, old: Iterable[ObstacleSection], new: Iterable[ObstacleSection]) -> None:
+def update_set(surroundings: Surroundings, old: Iterable[ObstacleSection], new: Iterable[ObstacleSection]) -> None:
     """Apply the differences between two sets. Items that are the same in both stay where they are, also if moved
     live."""
     kept = {item.name: item for item in old}
@@ -107,7 +108,7 @@ def refurnish(surroundings: Surroundings, old: Iterable[ObstacleSection], new: I
         if before is not None and (before.wall_to is None) != (item.wall_to is None):
             surroundings.remove(item.name)
         if item != before:
-            furnish(surroundings, item)
+            place_item(surroundings, item)
     for name in kept:
         surroundings.remove(name)
 
@@ -129,7 +130,7 @@ def gates_of(patch: Patch, half_width: float, half_depth: float) -> tuple[Gate, 
         Gate.at_edge(gate.name, gate.at, gate.width, half_width=half_width, half_depth=half_depth)
         for gate in patch.gate
     )
-    return named or wings(half_width, half_depth)
+    return named or default_gates(half_width, half_depth)
 
 
 def steering_of(patch: Patch) -> Steering:

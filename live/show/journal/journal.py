@@ -23,9 +23,9 @@ from live.show.journal.journal_reader import (
     JournalLine,
     read_journal,
 )
-from live.show.journal.journal_writer import SNAPSHOTS, JournalFile, keep_aside
+from live.show.journal.journal_writer import SNAPSHOT_SUFFIX, JournalFile, move_aside
 from live.show.show import Show
-from live.show.state.snapshot import Keeping, Taken
+from live.show.state.snapshot import CapturedSnapshot, SnapshotPolicy
 
 __all__ = [
     "FORMAT",
@@ -34,13 +34,13 @@ __all__ = [
     "JournalLine",
     "JournalSink",
     "JournalWriter",
-    "keep_aside",
-    "line_of",
+    "event_line",
+    "move_aside",
     "read_journal",
 ]
 
 
-BEHIND: Final = 1024
+REPORTED_BACKLOG: Final = 1024
 """Number of waiting lines from which on a slow disk is reported."""
 
 
@@ -51,7 +51,7 @@ class JournalSink(Protocol):
         """Accept one line, without its line break."""
         ...
 
-    def snapshot(self, taken: Taken) -> None:
+    def snapshot(self, taken: CapturedSnapshot) -> None:
         """Accept a snapshot; the sink seals it."""
         ...
 
@@ -76,16 +76,16 @@ class JournalWriter:
 
         `sink`: destination instead of a file at `path`. `snapshots`: whether snapshots are taken.
         """
-        self.kept: Path | None = None
+        self.older_journal: Path | None = None
         """New path of an older journal of the same name; None if there was none."""
         if sink is None:
             try:
-                self.kept = keep_aside(path)
-                sink = JournalFile(path, path.with_name(path.name + SNAPSHOTS))
+                self.older_journal = move_aside(path)
+                sink = JournalFile(path, path.with_name(path.name + SNAPSHOT_SUFFIX))
             except OSError as error:
                 raise JournalError(f"cannot write the journal {path}: {error.strerror}") from None
         self.sink = sink
-        self._keeping = Keeping(sink.snapshot) if snapshots else None
+        self._snapshots = SnapshotPolicy(sink.snapshot) if snapshots else None
         if header is not None:
             columns = {kind.__name__: columns_of(kind) for kind in IN_ROWS}
             facts = {"version": __version__, "ticks_per_second": round(1 / TICK), "columns": columns}
@@ -96,36 +96,36 @@ class JournalWriter:
         """Lines lost because the disk did not keep up or refused them."""
         return self.sink.facts()["dropped"]
 
-    def event(self, tick: int, event: ControlEvent) -> None:
+    def record_event(self, tick: int, event: ControlEvent) -> None:
         """Record an event that acts from the tick after `tick` on."""
-        self.sink.put(line_of(tick, event))
+        self.sink.put(event_line(tick, event))
 
-    def measure(self, tick: int, measure: int, state: str) -> None:
+    def record_measure(self, tick: int, measure: int, state: str) -> None:
         """Record the state hash at the first tick of a measure (measures from 1)."""
         self._put({"tick": tick, "measure": measure, "hash": state})
 
     def prepare(self, show: Show) -> None:
         """Prepare for snapshots of this show; takes some milliseconds, so call it before the show begins."""
-        if self._keeping is not None:
-            self._keeping.prepare(show)
+        if self._snapshots is not None:
+            self._snapshots.prepare(show)
 
-    def keep(self, show: Show, tick: int, *, begins: bool) -> None:
+    def take_snapshot(self, show: Show, tick: int, *, begins: bool) -> None:
         """Take a snapshot of each measure, some ticks after its line; `begins`: the measure began with this tick."""
-        if self._keeping is not None:
-            self._keeping.after(show, tick, begins=begins)
+        if self._snapshots is not None:
+            self._snapshots.after_tick(show, tick, begins=begins)
 
     def facts(self) -> dict[str, int]:
         """Return figures for the status, see `JournalSink.facts`."""
-        failed = {} if self._keeping is None else {"snapshots_failed": self._keeping.failed}
+        failed = {} if self._snapshots is None else {"snapshots_failed": self._snapshots.failed}
         return self.sink.facts() | failed
 
     @property
     def problem(self) -> str:
         """The current problem, for the operator; empty if there is none. Counts in it change only by factors of two."""
-        if trouble := trouble_of(self.facts()):
+        if trouble := disk_problem(self.facts()):
             return trouble
-        if self._keeping is not None and self._keeping.problem:
-            return f"journal: {self._keeping.problem}"
+        if self._snapshots is not None and self._snapshots.problem:
+            return f"journal: {self._snapshots.problem}"
         return ""
 
     def close(self, tick: int, *, ended: bool = True) -> None:
@@ -138,33 +138,33 @@ class JournalWriter:
         self.sink.put(_compact(line))
 
 
-def trouble_of(facts: Mapping[str, int]) -> str:
+def disk_problem(facts: Mapping[str, int]) -> str:
     """Describe the disk problem in `JournalSink.facts`, in words that change seldom; empty if there is none."""
     if dropped := facts.get("dropped", 0):
         if facts.get("missing", dropped):
-            return f"journal: {_about(dropped)} lines could not be written: is the disk full?"
-        return f"journal: {_about(dropped)} lines are missing; writing works again"
-    if facts.get("behind", 0) >= BEHIND:
-        return f"journal: the disk is {_about(facts['behind'])} lines behind"
+            return f"journal: {_rounded(dropped)} lines could not be written: is the disk full?"
+        return f"journal: {_rounded(dropped)} lines are missing; writing works again"
+    if facts.get("behind", 0) >= REPORTED_BACKLOG:
+        return f"journal: the disk is {_rounded(facts['behind'])} lines behind"
     return ""
 
 
-def _about(count: int) -> str:
+def _rounded(count: int) -> str:
     """Return a count rounded down to a power of two, in words."""
     return str(count) if count < 2 else f"{1 << (count.bit_length() - 1)} or more"
 
 
-def line_of(tick: int, event: ControlEvent) -> str:
+def event_line(tick: int, event: ControlEvent) -> str:
     """Return the line of an event that acts from the tick after `tick` on, without default values."""
     if isinstance(event, IN_ROWS):
         return _compact({"tick": tick, "event": event_to_row(event)})
-    usual = _usual(type(event).__name__)
+    usual = _defaults(type(event).__name__)
     values = {key: value for key, value in event_to_json(event).items() if usual.get(key, MISSING) != value}
     return _compact({"tick": tick, "event": values})
 
 
 @cache
-def _usual(name: str) -> dict[str, Any]:
+def _defaults(name: str) -> dict[str, Any]:
     return {field.name: field.default for field in fields(EVENT_TYPES[name]) if field.default is not MISSING}
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from live.control.events.event_json import event_to_json
 from live.show.journal.journal_reader import Journal, JournalLine
 
-PLACES = ("patch_path", "recordings", "version", "journal", "columns", "origin")
+IGNORED_KEYS = ("patch_path", "recordings", "version", "journal", "columns", "origin")
 """Header keys that are not compared, because they do not affect the show."""
 
 
@@ -41,7 +41,7 @@ class Differences:
     """Number of events and measures in each journal."""
 
     @property
-    def none(self) -> bool:
+    def equal(self) -> bool:
         """Whether both journals are of the same show."""
         return not self.header and self.event is None and self.state is None
 
@@ -56,7 +56,7 @@ def differences(first: Journal, second: Journal) -> Differences:
 def _header(first: dict[str, Any], second: dict[str, Any]) -> Iterator[str]:
     for key in sorted(first.keys() | second.keys()):
         a, b = first.get(key), second.get(key)
-        if key in PLACES or a == b:
+        if key in IGNORED_KEYS or a == b:
             continue
         if key == "patch" and isinstance(a, dict) and isinstance(b, dict):
             yield from (f"patch.{name}" for name in sorted(a.keys() | b.keys()) if a.get(name) != b.get(name))
@@ -65,11 +65,11 @@ def _header(first: dict[str, Any], second: dict[str, Any]) -> Iterator[str]:
 
 
 def _events(journal: Journal) -> Iterator[JournalLine]:
-    return (line for line in journal.usable() if line.event is not None)
+    return (line for line in journal.lines_with_damage() if line.event is not None)
 
 
 def _states(journal: Journal) -> Iterator[JournalLine]:
-    return (line for line in journal.usable() if line.measure is not None)
+    return (line for line in journal.lines_with_damage() if line.measure is not None)
 
 
 def _same_event(a: JournalLine, b: JournalLine) -> bool:

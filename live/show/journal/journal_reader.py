@@ -10,24 +10,24 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final, TextIO
 
-from live.base.compression import values_in
+from live.base.compression import json_value_bound
 from live.clock.ticks import TICK
 from live.control.events.event import ControlEvent
 from live.control.events.event_json import event_from_json
 from live.control.events.events import TicksSkipped
-from live.show.journal.journal_writer import GAP
-from live.show.journal.skipped_events import Gap, left_out
+from live.show.journal.journal_writer import GAP_KEY
+from live.show.journal.skipped_events import Gap, skipped_gaps
 
 FORMAT: Final = 2
 """Current format. Format 1 had no snapshots, and wrote default values."""
-READ: Final = (1, 2)
-LONGEST: Final = 1 << 24
+READABLE_FORMATS: Final = (1, 2)
+MAX_LINE: Final = 1 << 24
 """Maximum length of a line in characters, so that a file that is not a journal is not read into memory."""
-MOST_VALUES: Final = 1 << 20
+MAX_VALUES: Final = 1 << 20
 """Maximum number of JSON values in a line, for the same reason."""
 
 
-LONGEST_GAP: Final = 64 * 600
+MAX_TICK_GAP: Final = 64 * 600
 """Maximum number of ticks between two lines (ten minutes); measures are recorded more often."""
 
 
@@ -47,7 +47,7 @@ class JournalLine:
     measure: int | None = None
     state: str | None = None
     end: bool = False
-    left_out: bool = False
+    skipped: bool = False
     """Whether the event was skipped in crash recovery: it must not be applied."""
     number: int = 0
     """Line number in the file, from 1."""
@@ -76,23 +76,23 @@ class Journal:
     @property
     def lines(self) -> Iterator[JournalLine]:
         """Its lines in order; JournalError at the first damaged one. A truncated last line is ignored."""
-        for line in self.usable():
+        for line in self.lines_with_damage():
             if line.damaged is not None:
                 raise JournalError(line.damaged)
             yield line
 
-    def usable(self) -> Iterator[JournalLine]:
+    def lines_with_damage(self) -> Iterator[JournalLine]:
         """Yield its lines in order; damaged ones have `damaged` set and the tick of the line before."""
         with self.path.open(encoding="utf-8", errors="replace") as file:
-            _row(file)
-            yield from _lines(file, self.path, self._columns, left_out(self.path))
+            _read_row(file)
+            yield from _lines(file, self.path, self._columns, skipped_gaps(self.path))
 
-    def rows_with(self, *words: str) -> Iterator[JournalLine]:
+    def lines_containing(self, *words: str) -> Iterator[JournalLine]:
         """Yield its undamaged lines that contain one of these words; fast, because only these are parsed."""
         with self.path.open(encoding="utf-8", errors="replace") as file:
-            _row(file)
+            _read_row(file)
             number = 1
-            while (row := _row(file)) is not None:
+            while (row := _read_row(file)) is not None:
                 number += 1
                 if any(word in row for word in words):
                     with contextlib.suppress(JournalError, ValueError, TypeError, OverflowError):
@@ -125,27 +125,29 @@ def read_journal(path: Path) -> Journal:
     """Open a journal and read its header; JournalError names the file and what was expected."""
     try:
         with path.open(encoding="utf-8") as file:
-            row = _row(file) or ""
+            row = _read_row(file) or ""
             file.read(1 << 16)
     except OSError as error:
         raise JournalError(f"cannot read the journal {path}: {error.strerror}") from None
     except UnicodeDecodeError:
         raise JournalError(f"{path} is not a journal: it is not text") from None
     header = _parse(row, path, 1)
-    if header.get("journal") not in READ:
+    if header.get("journal") not in READABLE_FORMATS:
         found = f"format {header['journal']!r}" if "journal" in header else "no 'journal' key"
-        raise JournalError(f"{path}, line 1: a journal of format {' or '.join(map(str, READ))} expected, found {found}")
+        raise JournalError(
+            f"{path}, line 1: a journal of format {' or '.join(map(str, READABLE_FORMATS))} expected, found {found}"
+        )
     return Journal(path, header)
 
 
-def _row(file: TextIO) -> str | None:
+def _read_row(file: TextIO) -> str | None:
     """Return the next line without its line break; None after the last one and for a truncated one."""
-    row = file.readline(LONGEST)
+    row = file.readline(MAX_LINE)
     return row[:-1] if row.endswith("\n") else None
 
 
 def _parse(row: str, path: Path, number: int) -> dict[str, Any]:
-    if values_in(row) > MOST_VALUES:
+    if json_value_bound(row) > MAX_VALUES:
         raise JournalError(f"{path}, line {number}: more values than a line may have")
     try:
         value = json.loads(row)
@@ -158,7 +160,7 @@ def _parse(row: str, path: Path, number: int) -> dict[str, Any]:
 
 def _lines(file: TextIO, path: Path, columns: Columns, gaps: Sequence[Gap]) -> Iterator[JournalLine]:
     last, number, lost = 0, 1, 0
-    while (row := _row(file)) is not None:
+    while (row := _read_row(file)) is not None:
         number += 1
         try:
             value = _parse(row, path, number)
@@ -176,22 +178,22 @@ def _lines(file: TextIO, path: Path, columns: Columns, gaps: Sequence[Gap]) -> I
             words = f"{path}, line {number}: {missing} lines are missing before it; they could not be written"
             yield JournalLine(last, number=number, damaged=words)
         for gap in gaps:
-            if gap.anew and number == gap.first:
-                yield _anew(gap, path, last, columns)
+            if gap.inserted and number == gap.first:
+                yield _inserted_event(gap, path, last, columns)
         last = line.tick
         over = [gap for gap in gaps if gap.first <= number <= gap.mark]
         if over:
             state = None if any(number < gap.mark for gap in over) else line.state
-            line = replace(line, left_out=any(number in gap.events for gap in over), state=state)
+            line = replace(line, skipped=any(number in gap.events for gap in over), state=state)
         yield line
         if isinstance(line.event, TicksSkipped):
             last += line.event.count
 
 
-def _anew(gap: Gap, path: Path, last: int, columns: Columns) -> JournalLine:
+def _inserted_event(gap: Gap, path: Path, last: int, columns: Columns) -> JournalLine:
     """Return the event that was inserted before a stretch that was simulated again."""
     try:
-        value = _parse(gap.anew, path, gap.mark) | {"tick": max(gap.ticks[0], last)}
+        value = _parse(gap.inserted, path, gap.mark) | {"tick": max(gap.ticks[0], last)}
         return _line(value, path, gap.mark, last, columns)
     except JournalError as error:
         return JournalLine(last, number=gap.mark, damaged=str(error))
@@ -199,7 +201,7 @@ def _anew(gap: Gap, path: Path, last: int, columns: Columns) -> JournalLine:
 
 def _missing(value: dict[str, Any]) -> int:
     """Return the number of lines missing before this one, as recorded in it."""
-    count = value.get(GAP, 0)
+    count = value.get(GAP_KEY, 0)
     return count if isinstance(count, int) else 0
 
 
@@ -210,7 +212,7 @@ def _line(
     tick = value.get("tick")
     if not isinstance(tick, int) or isinstance(tick, bool) or tick < last or tick > 1 << 40:
         raise JournalError(f"{path}, line {number}: 'tick' must be a number not below {last}, found {tick!r}")
-    if tick - last > LONGEST_GAP and not far:
+    if tick - last > MAX_TICK_GAP and not far:
         raise JournalError(f"{path}, line {number}: damaged: its tick {tick} is far after {last}")
     if "event" in value:
         try:
@@ -228,7 +230,7 @@ def _line(
     return JournalLine(tick, end=bool(value.get("end")), number=number)
 
 
-KEPT_PROBLEMS = 1000
+MAX_PROBLEMS = 1000
 """Maximum number of problems kept in words; all are counted."""
 
 
@@ -276,11 +278,11 @@ class Survey:
 def survey(journal: Journal) -> Survey:
     """Survey a journal in one pass."""
     found = Survey(journal)
-    for line in journal.usable():
+    for line in journal.lines_with_damage():
         found.ticks = max(found.ticks, line.tick)
         if line.damaged is not None:
             found.damaged += 1
-            if len(found.problems) < KEPT_PROBLEMS:
+            if len(found.problems) < MAX_PROBLEMS:
                 found.problems.append(line.damaged)
         elif line.event is not None:
             key = line.event.source, type(line.event).__name__

@@ -20,7 +20,7 @@ from live.base.fault_isolation import FAULTS
 Item = TypeVar("Item")
 
 
-class Clerk(Generic[Item]):
+class WriterThread(Generic[Item]):
     """Base of file writers with a thread of their own; items are dropped and counted if the disk is slow or full.
 
     Thread: `put` and `close` from the show's thread; `_begin`, `_write` and `_finish`, which subclasses define, run in
@@ -30,7 +30,7 @@ class Clerk(Generic[Item]):
     def __init__(self, name: str, capacity: int) -> None:
         """Start the thread. `name`: of the thread; `capacity`: maximum number of waiting items."""
         self._waiting: queue.Queue[Item | None] = queue.Queue(capacity)
-        self._ends = False
+        self._closing = False
         self.dropped = 0
         """Items lost because the disk was too slow or refused them."""
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
@@ -58,13 +58,13 @@ class Clerk(Generic[Item]):
             return
         self._thread.join(2.0)
 
-    def end(self) -> bool:
+    def request_close(self) -> bool:
         """Start to write all waiting items and close, without blocking. Returns whether it is done; call it until
         then."""
-        if not self._ends:
+        if not self._closing:
             with contextlib.suppress(queue.Full):
                 self._waiting.put_nowait(None)
-                self._ends = True
+                self._closing = True
         return not self._thread.is_alive()
 
     def _run(self) -> None:
@@ -79,7 +79,7 @@ class Clerk(Generic[Item]):
                 self.dropped += 1
             except Exception as error:  # one bad item must not end the thread
                 self.dropped += 1
-                FAULTS.note(f"the writer of the {self._thread.name}", error)
+                FAULTS.record(f"the writer of the {self._thread.name}", error)
         try:
             self._finish()
         except OSError:
@@ -98,23 +98,23 @@ class Clerk(Generic[Item]):
 if sys.platform != "win32":
     import fcntl
 
-LOOK: Final = 0.02
+LOCK_RETRY_S: Final = 0.02
 """Interval between attempts to lock the file [s]."""
-MOST: Final = 1 << 26
+MAX_READ_BACK: Final = 1 << 26
 """Maximum number of bytes that are read back."""
 
 
-class WholeWrites:
+class AtomicAppendFile:
     """An unbuffered file with atomic appends: a partial write is undone. Thread: one at a time."""
 
-    def __init__(self, path: Path, *, more: bool = False) -> None:
+    def __init__(self, path: Path, *, append: bool = False) -> None:
         """Create the file, or append to it (`more`); raises OSError on failure."""
         self._path = path
-        self._file = path.open("ab" if more else "wb", buffering=0)
+        self._file = path.open("ab" if append else "wb", buffering=0)
         self.end = self._file.seek(0, os.SEEK_END)
         """Size of the file [bytes]."""
 
-    def add(self, data: bytes) -> None:
+    def append(self, data: bytes) -> None:
         """Append data; on OSError nothing of it remains in the file."""
         done = 0
         try:
@@ -122,7 +122,7 @@ class WholeWrites:
                 done += self._file.write(data[done:])
         except OSError:
             with contextlib.suppress(OSError):
-                self.cut(self.end)
+                self.truncate(self.end)
             raise
         self.end += len(data)
 
@@ -132,15 +132,15 @@ class WholeWrites:
 
         If the file is shorter than `begin`, another process has rewritten it: then its last MOST bytes are read.
         """
-        begin = max(begin if begin <= self.end else 0, self.end - MOST)
+        begin = max(begin if begin <= self.end else 0, self.end - MAX_READ_BACK)
         with self._path.open("rb") as file:
             file.seek(begin)
             *whole, torn = file.read(self.end - begin).split(b"\n")
         if torn:
-            self.cut(self.end - len(torn))
+            self.truncate(self.end - len(torn))
         return whole
 
-    def claim(self, within: float = 0.0) -> None:
+    def lock(self, within: float = 0.0) -> None:
         """Lock the file against other writers until it is closed; BlockingIOError if another process still holds the
         lock after `within` seconds. Does nothing on file systems without locks (flock(2))."""
         if sys.platform == "win32":
@@ -155,9 +155,9 @@ class WholeWrites:
                     raise
             except OSError:
                 return
-            time.sleep(LOOK)
+            time.sleep(LOCK_RETRY_S)
 
-    def cut(self, end: int) -> None:
+    def truncate(self, end: int) -> None:
         """Truncate the file to `end` bytes."""
         self._file.truncate(end)
         self.end = self._file.seek(end)
@@ -167,7 +167,7 @@ class WholeWrites:
         """Whether the file was deleted, so that appended data would be lost."""
         return os.fstat(self._file.fileno()).st_nlink == 0
 
-    def again(self) -> None:
+    def recreate(self) -> None:
         """Create a deleted file again, empty, with its folder; OSError on failure, or if there is another one now."""
         self._path.parent.mkdir(parents=True, exist_ok=True)
         file = self._path.open("xb", buffering=0)
@@ -179,14 +179,14 @@ class WholeWrites:
         self._file.close()
 
 
-CAPACITY: Final = 65536
+MAX_WAITING_LINES: Final = 65536
 """Maximum number of lines that wait for the disk."""
-CLAIM_WITHIN: Final = 5.0
+LOCK_TIMEOUT: Final = 5.0
 """Time limit for getting the lock [s]; a previous writer process ends, or is killed, within it."""
 
 
 @dataclass(frozen=True, slots=True)
-class Written:
+class WriteProgress:
     """Progress of a line writer."""
 
     number: int = 0
@@ -198,18 +198,18 @@ class Written:
 
 
 @dataclass(frozen=True, slots=True)
-class Unwritten:
+class UnfinishedFile:
     """State of a file whose writer process has ended, with lines that may or may not be in it."""
 
     first: str
     """The file's first line, in case the file must be created again."""
-    written: Written
+    written: WriteProgress
     """Last known progress."""
     lines: Sequence[tuple[int, str]]
     """All lines since then, in order, each with its number."""
 
 
-class LineWriter(Clerk[tuple[str, int, int]]):
+class LineWriter(WriterThread[tuple[str, int, int]]):
     """Writer for lines of text; lines are dropped and counted if the disk is slow or full.
 
     Each line is written completely or not at all, and writing resumes once there is room. A deleted file is created
@@ -217,8 +217,8 @@ class LineWriter(Clerk[tuple[str, int, int]]):
     """
 
     def __init__(
-        self, path: Path, *, name: str, more: bool = False, mark: Callable[[str, int], str] | None = None,
-        unwritten: Unwritten | None = None, aside: Callable[[Path], object] = lambda path: None,
+        self, path: Path, *, name: str, append: bool = False, mark: Callable[[str, int], str] | None = None,
+        unwritten: UnfinishedFile | None = None, aside: Callable[[Path], object] = lambda path: None,
     ) -> None:  # fmt: skip
         """Raises OSError if the file cannot be created. `name`: of the thread; `more`: append to the file.
 
@@ -228,22 +228,22 @@ class LineWriter(Clerk[tuple[str, int, int]]):
         """
         self._path = path
         self._due, self._aside = unwritten, aside
-        self._file = None if unwritten is not None else WholeWrites(path, more=more)
+        self._file = None if unwritten is not None else AtomicAppendFile(path, append=append)
         if self._file is not None and mark is not None:
             with contextlib.suppress(BlockingIOError):
-                self._file.claim()
+                self._file.lock()
         self._mark = mark
         self._missed = 0  # lines dropped by a full queue since the last one queued
         self._first = b"" if unwritten is None else unwritten.first.encode() + b"\n"
         self._owed: bytes = b""  # must be written before anything else
-        self._there = 0
+        self._lines_in_file = 0
         self.missing = 0
         """Lines lost since the last one written."""
         self.lines, self.bytes = 0, 0
         """Lines queued, and bytes written, since the start."""
-        self.written: Written | None = None
+        self.written: WriteProgress | None = None
         """Progress; None until the file is open."""
-        super().__init__(name, CAPACITY)
+        super().__init__(name, MAX_WAITING_LINES)
 
     def line(self, line: str, number: int = 0) -> None:
         """Queue one line, without its line break; never blocks. `number`: its number in `written`."""
@@ -260,9 +260,9 @@ class LineWriter(Clerk[tuple[str, int, int]]):
             return
         if not begins_with(self._path, self._first):
             self._aside(self._path)
-        file = WholeWrites(self._path, more=True)
+        file = AtomicAppendFile(self._path, append=True)
         try:
-            file.claim(CLAIM_WITHIN)
+            file.lock(LOCK_TIMEOUT)
         except OSError:
             file.close()
             raise
@@ -272,21 +272,21 @@ class LineWriter(Clerk[tuple[str, int, int]]):
         if file.end == 0 and not (due.lines and due.lines[0][1] == due.first):
             self._owed = self._first
             self.missing += 1  # at least one: the former content is unknown
-        for number, line in not_there(due.lines, there):
+        for number, line in missing_lines(due.lines, there):
             try:
                 self._write((line, 0, number))
             except OSError:
                 self.dropped += 1
         last = max((number for number, _ in due.lines), default=due.written.number)
-        self.written = Written(last, file.end, self.missing)
+        self.written = WriteProgress(last, file.end, self.missing)
 
     def _write(self, item: tuple[str, int, int]) -> None:
         line, missed, number = item
         self.missing += missed
         try:
             self._begin()
-            self._look_after_the_file()
-            self._settle()
+            self._recreate_if_deleted()
+            self._write_owed()
             text = self._mark(line, self.missing) if self._mark is not None and self.missing else line
             self._add(text.encode() + b"\n")
         except OSError:
@@ -300,32 +300,36 @@ class LineWriter(Clerk[tuple[str, int, int]]):
             self.missing = 0
         finally:
             if self._file is not None and number:
-                self.written = Written(number, self._file.end, self.missing)
+                self.written = WriteProgress(number, self._file.end, self.missing)
 
-    def _look_after_the_file(self) -> None:
+    def _recreate_if_deleted(self) -> None:
         assert self._file is not None
         if self._file.removed:
-            self._file.again()
-            self.missing, self.dropped, self._there = self.missing + self._there, self.dropped + self._there, 0
+            self._file.recreate()
+            self.missing, self.dropped, self._lines_in_file = (
+                self.missing + self._lines_in_file,
+                self.dropped + self._lines_in_file,
+                0,
+            )
             self._owed = self._first if self._mark is not None else b""
 
-    def _settle(self) -> None:
+    def _write_owed(self) -> None:
         if self._owed:
             self._add(self._owed)
             self._owed = b""
 
     def _add(self, data: bytes) -> None:
         assert self._file is not None
-        self._file.add(data)
+        self._file.append(data)
         self.bytes += len(data)
-        self._there += data is not self._owed
+        self._lines_in_file += data is not self._owed
 
     def _finish(self) -> None:
         if self._file is not None:
             self._file.close()
 
 
-def not_there(lines: Sequence[tuple[int, str]], there: Sequence[bytes]) -> Sequence[tuple[int, str]]:
+def missing_lines(lines: Sequence[tuple[int, str]], present: Sequence[bytes]) -> Sequence[tuple[int, str]]:
     """Return those of `lines` that follow the last one that is `there` (complete lines of a file, in the same order).
 
     Earlier lines that are not in the file were lost and are not written out of order. A line with a gap mark equals
@@ -336,7 +340,7 @@ def not_there(lines: Sequence[tuple[int, str]], there: Sequence[bytes]) -> Seque
     for place in range(len(texts) - 1, -1, -1):
         places.setdefault(texts[place], []).append(place)  # descending, so that pop() returns the first
     begin = 0
-    for row in there:
+    for row in present:
         found = places.get(row) or places.get(without_mark(row)) or []
         while found and found[-1] < begin:
             found.pop()
@@ -363,14 +367,14 @@ def without_mark(row: bytes) -> bytes:
 
 KEEP_EVERY: Final = 8
 """One in this many snapshots is kept."""
-WAITING: Final = 2
+MAX_WAITING_SNAPSHOTS: Final = 2
 """Maximum number of snapshots that wait for the disk; more are dropped and counted."""
-MARK: Final = b'{"snapshot":'
+SNAPSHOT_MARK: Final = b'{"snapshot":'
 """Start of each snapshot's first line."""
 LONGEST_HEADER: Final = 4096
-GAP: Final = "gap"
+GAP_KEY: Final = "gap"
 """Key in a journal line: number of lines missing before it."""
-SNAPSHOTS: Final = ".snap"
+SNAPSHOT_SUFFIX: Final = ".snap"
 """Suffix of the snapshot file, appended to the journal's name."""
 
 
@@ -382,7 +386,7 @@ class Sealable(Protocol):
         ...
 
 
-def keep_aside(path: Path) -> Path | None:
+def move_aside(path: Path) -> Path | None:
     """Move an existing file and its snapshots to the first free of path.1, path.2 …; None if there is no file."""
     if not path.is_file() or path.stat().st_size == 0:
         return None
@@ -390,36 +394,36 @@ def keep_aside(path: Path) -> Path | None:
     while (kept := path.with_name(f"{path.name}.{number}")).exists():
         number += 1
     path.replace(kept)
-    beside = path.with_name(path.name + SNAPSHOTS)
+    beside = path.with_name(path.name + SNAPSHOT_SUFFIX)
     if beside.is_file():
-        beside.replace(kept.with_name(kept.name + SNAPSHOTS))
+        beside.replace(kept.with_name(kept.name + SNAPSHOT_SUFFIX))
     return kept
 
 
-class SnapshotFile(Clerk[Sealable]):
+class SnapshotFile(WriterThread[Sealable]):
     """Writer for snapshots; they are dropped and counted if the disk is slow or full."""
 
     def __init__(self, path: Path, *, kept: int = 0) -> None:
         """Raises OSError if the file cannot be created; `kept`: bytes of an existing file to keep."""
-        self._file = WholeWrites(path, more=kept > 0)
-        self._file.cut(min(kept, self._file.end))
+        self._file = AtomicAppendFile(path, append=kept > 0)
+        self._file.truncate(min(kept, self._file.end))
         self.kept = self._file.end
         """Size of the part that is kept permanently [bytes]."""
         self.written, self.bytes = 0, 0
         """Snapshots and bytes written, since the start."""
-        super().__init__("snapshots", WAITING)
+        super().__init__("snapshots", MAX_WAITING_SNAPSHOTS)
 
     def _write(self, item: Sealable) -> None:
         self._add(item.seal())
 
     def _add(self, sealed: bytes) -> None:
         if self._file.removed:
-            self._file.again()
+            self._file.recreate()
             self.kept = 0
         stays = self.written % KEEP_EVERY == 0
         if stays:
-            self._file.cut(self.kept)
-        self._file.add(sealed)
+            self._file.truncate(self.kept)
+        self._file.append(sealed)
         self.written += 1
         self.bytes += len(sealed)
         if stays:
@@ -431,22 +435,22 @@ class SnapshotFile(Clerk[Sealable]):
 
 def with_gap(line: str, missing: int) -> str:
     """Return a journal line (one JSON object) with the number of lines missing before it."""
-    return f'{line[:-1]},"{GAP}":{missing}}}'
+    return f'{line[:-1]},"{GAP_KEY}":{missing}}}'
 
 
 class JournalFile:
     """A `JournalSink` with two files, for lines and for snapshots."""
 
-    def __init__(self, path: Path, snapshots: Path, *, unwritten: Unwritten | None = None, kept: int = 0) -> None:
+    def __init__(self, path: Path, snapshots: Path, *, unwritten: UnfinishedFile | None = None, kept: int = 0) -> None:
         """Raises OSError if a file cannot be created; `snapshots` is created with the first snapshot.
 
         `unwritten`: continue existing files, with the first `kept` bytes of the snapshots; then nothing is raised.
         """
-        self._lines = LineWriter(path, name="journal", mark=with_gap, unwritten=unwritten, aside=keep_aside)
-        self._beside = snapshots
+        self._lines = LineWriter(path, name="journal", mark=with_gap, unwritten=unwritten, aside=move_aside)
+        self._snapshot_path = snapshots
         self._kept = kept
         if unwritten is None:
-            self._beside.unlink(missing_ok=True)
+            self._snapshot_path.unlink(missing_ok=True)
         self._snapshots: SnapshotFile | None = None
         self._refused = 0
 
@@ -455,22 +459,22 @@ class JournalFile:
         self._lines.line(line, number)
 
     @property
-    def written(self) -> tuple[Written, int] | None:
+    def written(self) -> tuple[WriteProgress, int] | None:
         """Progress of the lines, and permanently kept bytes of the snapshots; None until it is known."""
         if self._lines.written is None:
             return None
         return self._lines.written, self._kept if self._snapshots is None else self._snapshots.kept
 
-    def end(self) -> bool:
+    def request_close(self) -> bool:
         """Start to write everything and close, without blocking. Returns whether it is done; call it until then."""
-        ended = [file.end() for file in (self._lines, self._snapshots) if file is not None]
+        ended = [file.request_close() for file in (self._lines, self._snapshots) if file is not None]
         return all(ended)
 
     def snapshot(self, taken: Sealable) -> None:
         """Accept a snapshot."""
         if self._snapshots is None:
             try:
-                self._snapshots = SnapshotFile(self._beside, kept=self._kept)
+                self._snapshots = SnapshotFile(self._snapshot_path, kept=self._kept)
             except OSError:
                 self._refused += 1
                 return
@@ -499,7 +503,10 @@ class JournalFile:
 
 def read_snapshots(path: Path, problems: list[str]) -> Iterator[bytes]:
     """Yield the snapshots of a file; damaged ones are skipped and reported in `problems`."""
-    from live.show.state.snapshot import SnapshotError, facts_of  # imports numpy, which a writer process does not need
+    from live.show.state.snapshot import (  # imports numpy, which a writer process does not need
+        SnapshotError,
+        snapshot_header,
+    )
 
     try:
         file = path.open("rb")
@@ -516,7 +523,7 @@ def read_snapshots(path: Path, problems: list[str]) -> Iterator[bytes]:
             file.seek(begin)
             data = file.read() if end is None else file.read(end - begin)
             try:
-                facts_of(data)
+                snapshot_header(data)
                 yield data
             except SnapshotError as error:
                 problems.append(f"{path}, snapshot {number}: {error}")
@@ -528,9 +535,9 @@ def _next_mark(file: BinaryIO, begin: int) -> int | None:
     file.seek(begin)
     kept, place = b"", begin
     while block := file.read(1 << 20):
-        found = (kept + block).find(MARK)
+        found = (kept + block).find(SNAPSHOT_MARK)
         if found >= 0:
             return place - len(kept) + found
         place += len(block)
-        kept = (kept + block)[-len(MARK) :]
+        kept = (kept + block)[-len(SNAPSHOT_MARK) :]
     return None

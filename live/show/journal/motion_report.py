@@ -17,7 +17,7 @@ Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
 
-class FrameReport:
+class MotionReport:
     """Collector of motion figures: call `frame` for every frame, evenly spaced in time, then `result`."""
 
     def __init__(self, show: Show) -> None:
@@ -26,7 +26,7 @@ class FrameReport:
         self._previous: tuple[float, Float32, Bool] | None = None
         self._trace: MotionTrace | None = None
         self._times: list[float] = []
-        self._joins: list[tuple[float, float, Int32]] = []
+        self._transitions: list[tuple[float, float, Int32]] = []
         """For each measure line: its time, the length of the blend before it, the dancers that changed the clip."""
         self._clips: set[int] = set()
         self._line = 0.0
@@ -41,9 +41,9 @@ class FrameReport:
         self._steps: list[dict[str, Any]] = []
         self._path_errors: list[float] = []
         self._heading_errors: list[float] = []
-        self._there = show.motion.present.copy()
+        self._visible = show.motion.present.copy()
         """Dancers visible in the last frame; dancers off stage are not reported."""
-        self._always = self._there.copy()
+        self._always_visible = self._visible.copy()
         """Dancers visible in all frames; smoothness is measured for these."""
 
     def frame(self, view: StageView) -> None:
@@ -51,8 +51,8 @@ class FrameReport:
         if self._show.span.number != self._measure:
             self._begin_measure()
         self._feet(view)
-        self._there = view.present.copy()
-        self._always &= view.present
+        self._visible = view.present.copy()
+        self._always_visible &= view.present
         self._distances(view)
         self._beat_times(view)
 
@@ -61,7 +61,7 @@ class FrameReport:
         show = self._show
         dancers, library = show.dancers, show.graph.library
         self._measure = show.span.number
-        self._note_joins()
+        self._record_transitions()
         there = show.motion.present
         for dancer, node in enumerate(dancers.node):
             if not there[dancer]:
@@ -93,7 +93,7 @@ class FrameReport:
         cost = graph.edge_cost[edges][graph.edge_target[edges] == node]
         return round(float(cost[0]), 4) if len(cost) else None
 
-    def _note_joins(self) -> None:
+    def _record_transitions(self) -> None:
         """Record the dancers that changed the clip at the measure line just crossed, and the clips in use."""
         show = self._show
         library, node = show.graph.library, show.dancers.node
@@ -101,7 +101,7 @@ class FrameReport:
         if self._times:  # the first measure begins with no blend
             seconds = library.beats_per_measure * 60.0 / show.timeline.tempo
             changed = np.flatnonzero(library.node_measure[node] == 0).astype(np.int32)
-            self._joins.append((show.timeline.time_at(self._line), show.graph.window * seconds, changed))
+            self._transitions.append((show.timeline.time_at(self._line), show.graph.window * seconds, changed))
 
     def _feet(self, view: StageView) -> None:
         position = view.joint_position.copy()
@@ -110,7 +110,7 @@ class FrameReport:
             time, before, stood = self._previous
             dt = view.time - time
             if dt > 0:
-                both = self._there & view.present
+                both = self._visible & view.present
                 feet = np.stack([before, position])[:, both], np.stack([stood, contact])[:, both]
                 self._slides.append(slides(*feet, 1.0 / dt))
                 if self._trace is None:
@@ -178,18 +178,18 @@ class FrameReport:
         """Return the largest velocity change and acceleration at transitions, relative to the raw clips at this
         tempo."""
         values: dict[str, Any] = {"join_velocity_ratio": None, "join_acceleration_ratio": None}
-        if self._trace is None or not self._joins:
+        if self._trace is None or not self._transitions:
             return values
         show, rate = self._show, self._rate
-        half = half_width(max(blend for _, blend, _ in self._joins))
+        half = half_width(max(blend for _, blend, _ in self._transitions))
         seconds = show.graph.library.beats_per_measure * 60.0 / show.timeline.tempo
         raw = RawClips(tuple(show.graph.library.clips[clip] for clip in sorted(self._clips)), seconds, rate).p99(half)
         for key, trace, peer in zip(values, self._trace.largest(), raw, strict=True):
             joins = [
                 largest_around(trace[:, dancer], np.array([line - 0.5 * blend - self._times[0]]), half, rate)
-                for line, blend, changed in self._joins
+                for line, blend, changed in self._transitions
                 for dancer in changed
-                if self._always[dancer]
+                if self._always_visible[dancer]
             ]
             values[key] = ratio(np.concatenate(joins), peer) if joins else None
         return values
@@ -201,7 +201,7 @@ class FrameReport:
         kinematic: list[float] = []
         if self._trace is not None:
             times = np.array(self._music)
-            for speed in self._trace.speeds().T[self._always]:
+            for speed in self._trace.speeds().T[self._always_visible]:
                 own = motion_beats(speed, self._rate, self._times[0])
                 near.append(offsets(times, own))
                 music += [value] if (value := alignment(times, own)) is not None else []

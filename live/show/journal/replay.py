@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
-from live.base.compression import unpacked
+from live.base.compression import decompress_text
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events.events import ControlEvent, PatchChanged, StepsAdded, StepsChanged, TicksSkipped
@@ -15,13 +15,13 @@ from live.library.clip_text import clips_from_text
 from live.motion.step_clip import StepClip
 from live.show.journal.journal_reader import Journal, JournalLine
 from live.show.journal.journal_writer import read_snapshots
-from live.show.journal.skipped_events import left_out
-from live.show.loader import LoadedShow, show_of
+from live.show.journal.skipped_events import skipped_gaps
+from live.show.loader import LoadedShow, load_from_patch
 from live.show.patch.patch import Patch
-from live.show.patch.patch_update import graph_for
-from live.show.selection.graph_update import changed_graph, clip_key, library_hash, steps_hash
-from live.show.show import Show, act
-from live.show.state.snapshot import SnapshotError, facts_of, patch_hash, restore
+from live.show.patch.patch_update import rebuilt_graph
+from live.show.selection.graph_update import clip_key, library_hash, steps_hash, updated_graph
+from live.show.show import Show, apply_safely
+from live.show.state.snapshot import SnapshotError, patch_hash, restore, snapshot_header
 
 
 class ReplayError(Exception):
@@ -29,25 +29,27 @@ class ReplayError(Exception):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Start:
+class ReplayStart:
     """Start of a replay: a show in its state after `tick`."""
 
     show: Show
     tick: int
 
 
-def reload(journal: Journal) -> Show:
+def fresh_show(journal: Journal) -> Show:
     """Return a fresh show of the journal's patch, steps and seed; ReplayError if the steps have changed."""
-    return first_start(journal, loaded_by(journal)).show
+    return first_start(journal, load_journal(journal)).show
 
 
-def loaded_by(journal: Journal) -> LoadedShow:
+def load_journal(journal: Journal) -> LoadedShow:
     """Load the initial patch and steps of a journal, with later steps in reserve; ReplayError as above."""
-    changed = (row.event for row in journal.rows_with('"StepsChanged"') if isinstance(row.event, StepsChanged))
-    return loaded_of(journal.header, _added(journal), changed)
+    changed = (row.event for row in journal.lines_containing('"StepsChanged"') if isinstance(row.event, StepsChanged))
+    return load_from_header(journal.header, _added(journal), changed)
 
 
-def loaded_of(header: dict[str, Any], added: Iterable[list[str]], changed: Iterable[StepsChanged] = ()) -> LoadedShow:
+def load_from_header(
+    header: dict[str, Any], added: Iterable[list[str]], changed: Iterable[StepsChanged] = ()
+) -> LoadedShow:
     """Load a show from a journal's header, the clip keys of each StepsAdded and all StepsChanged events; ReplayError
     as above."""
     try:
@@ -62,8 +64,8 @@ def loaded_of(header: dict[str, Any], added: Iterable[list[str]], changed: Itera
         raise ReplayError(f"the journal's first line does not hold a complete show: {error}") from None
     try:
         later = frozenset(key for keys in added for key in keys)
-        names, was = [str(name) for name in header.get("steps", ())], _as_they_were(changed)
-        loaded = show_of(patch, path, recordings=recordings, later=later, names=names, was=was)
+        names, was = [str(name) for name in header.get("steps", ())], _original_clips(changed)
+        loaded = load_from_patch(patch, path, recordings=recordings, reserved=later, names=names, former=was)
     except (PersonError, ValueError, TypeError, OSError) as error:
         raise ReplayError(str(error)) from None
     found = library_hash(loaded.graph.library)
@@ -80,20 +82,20 @@ def loaded_of(header: dict[str, Any], added: Iterable[list[str]], changed: Itera
     return loaded
 
 
-def first_start(journal: Journal, loaded: LoadedShow) -> Start:
+def first_start(journal: Journal, loaded: LoadedShow) -> ReplayStart:
     """Return the start at tick 0."""
     try:
-        return Start(loaded.start(seed=journal.header["seed"], tempo=journal.header["tempo"]), 0)
+        return ReplayStart(loaded.start(seed=journal.header["seed"], tempo=journal.header["tempo"]), 0)
     except PersonError as error:
         raise ReplayError(str(error)) from None
 
 
-def start_before(journal: Journal, loaded: LoadedShow, measure: int, problems: list[str]) -> Start:
+def start_before(journal: Journal, loaded: LoadedShow, measure: int, problems: list[str]) -> ReplayStart:
     """Return the last start before `measure` (from 1): a snapshot, or tick 0. Damage is added to `problems`."""
-    best, gaps = None, left_out(journal.path)
+    best, gaps = None, skipped_gaps(journal.path)
     for data in read_snapshots(snapshots_of(journal), problems):
-        facts = facts_of(data)
-        if facts["measure"] < measure and not any(gap.holds(facts["tick"]) for gap in gaps):
+        facts = snapshot_header(data)
+        if facts["measure"] < measure and not any(gap.invalidates(facts["tick"]) for gap in gaps):
             best = data
     if best is not None:
         try:
@@ -103,12 +105,12 @@ def start_before(journal: Journal, loaded: LoadedShow, measure: int, problems: l
     return first_start(journal, loaded)
 
 
-def starts(journal: Journal, loaded: LoadedShow, tick: float, problems: list[str]) -> Iterator[Start]:
+def later_starts(journal: Journal, loaded: LoadedShow, tick: float, problems: list[str]) -> Iterator[ReplayStart]:
     """Yield the snapshots taken after `tick`, in order."""
-    gaps = left_out(journal.path)
+    gaps = skipped_gaps(journal.path)
     for data in read_snapshots(snapshots_of(journal), problems):
-        now = facts_of(data)["tick"]
-        if now > tick and not any(gap.holds(now) for gap in gaps):
+        now = snapshot_header(data)["tick"]
+        if now > tick and not any(gap.invalidates(now) for gap in gaps):
             try:
                 yield _restored(journal, loaded, data)
             except SnapshotError as error:
@@ -120,43 +122,43 @@ def snapshots_of(journal: Journal) -> Path:
     return journal.path.with_name(journal.path.name + ".snap")
 
 
-def _restored(journal: Journal, loaded: LoadedShow, data: bytes) -> Start:
+def _restored(journal: Journal, loaded: LoadedShow, data: bytes) -> ReplayStart:
     """Return the start at a snapshot, with the patch and steps of that time."""
-    facts = facts_of(data)
+    facts = snapshot_header(data)
     for event in _changes(journal):
         if (facts["steps_hash"], facts["patch_hash"]) == (steps_hash(loaded.graph), patch_hash(loaded.patch)):
             break
         try:
-            loaded = _changed(loaded, event)
+            loaded = _apply_change(loaded, event)
         except ValueError as error:
             raise SnapshotError(f"the journal is damaged: {error}") from None
-    return Start(restore(loaded, data), facts["tick"])
+    return ReplayStart(restore(loaded, data), facts["tick"])
 
 
-def _changed(loaded: LoadedShow, event: ControlEvent) -> LoadedShow:
+def _apply_change(loaded: LoadedShow, event: ControlEvent) -> LoadedShow:
     """Return the loaded show after an event that changed its patch or steps; ValueError for a damaged event."""
     match event:
         case StepsAdded():
             clips = [loaded.reserve[key] for key in event.clips.split("\n") if key in loaded.reserve]
             return replace(loaded, graph=insert_clips(loaded.graph, clips))
         case StepsChanged():
-            graph = changed_graph(loaded.graph, event.gone.split("\n"), clips_from_text(event.now))
+            graph = updated_graph(loaded.graph, event.gone.split("\n"), clips_from_text(event.now))
             return replace(loaded, graph=graph)
         case PatchChanged():
-            patch = Patch.model_validate_json(unpacked(event.patch))
-            return replace(loaded, patch=patch, graph=graph_for(loaded.graph, loaded.patch, patch))
+            patch = Patch.model_validate_json(decompress_text(event.patch))
+            return replace(loaded, patch=patch, graph=rebuilt_graph(loaded.graph, loaded.patch, patch))
         case _:
             return loaded
 
 
 def _changes(journal: Journal) -> Iterator[ControlEvent]:
     """Yield the events that changed patch or steps, in order."""
-    for row in journal.rows_with('"StepsAdded"', '"StepsChanged"', '"PatchChanged"'):
+    for row in journal.lines_containing('"StepsAdded"', '"StepsChanged"', '"PatchChanged"'):
         if isinstance(row.event, StepsAdded | StepsChanged | PatchChanged):
             yield row.event
 
 
-def _as_they_were(changed: Iterable[StepsChanged]) -> dict[str, StepClip]:
+def _original_clips(changed: Iterable[StepsChanged]) -> dict[str, StepClip]:
     """Return the original clips whose files were changed or removed during the show."""
     was: dict[str, StepClip] = {}
     came: set[str] = set()
@@ -170,24 +172,24 @@ def _as_they_were(changed: Iterable[StepsChanged]) -> dict[str, StepClip]:
 
 def _added(journal: Journal) -> Iterator[list[str]]:
     """Yield the clip keys of each event that added steps."""
-    for row in journal.rows_with('"StepsAdded"'):
+    for row in journal.lines_containing('"StepsAdded"'):
         if isinstance(row.event, StepsAdded):
             yield row.event.clips.split("\n")
 
 
-__all__ = ["ReplayError", "Replayed", "Replaying", "reload", "replay"]
+__all__ = ["ReplayError", "ReplayResult", "Replayer", "fresh_show", "replay"]
 
-KEPT_DIFFERENCES: Final = 1000
+MAX_DIFFERENCES: Final = 1000
 """Maximum number of differences kept; after the first one usually all measures differ."""
 
 
 @dataclass(slots=True)
-class Replayed:
+class ReplayResult:
     """Result of a replay."""
 
     ticks: int = 0
     """The last tick."""
-    begun: int = 0
+    first_tick: int = 0
     """The first tick."""
     measures: int = 0
     """Number of measures compared."""
@@ -195,7 +197,7 @@ class Replayed:
     """Number of measures whose state differs."""
     differences: tuple[tuple[int, int, str, str], ...] = ()
     """The first of them: measure, tick, recorded hash, hash of the replay."""
-    lacking: list[tuple[int, int]] = field(default_factory=list)
+    not_compared: list[tuple[int, int]] = field(default_factory=list)
     """Ranges of measures (first, last) that could not be compared: their lines could not be written or read, or the
     show skipped their ticks."""
     last: int | None = None
@@ -205,16 +207,16 @@ class Replayed:
     problems: list[str] = field(default_factory=list)
     """Unusable parts of the journal, in words."""
 
-    def note(self, measures: Iterable[int], *, compared: bool = True) -> None:
+    def record(self, measures: Iterable[int], *, compared: bool = True) -> None:
         """Record that `measures` were compared, or (`compared` false) that all up to the last of them never will be."""
         latest = max(measures, default=0)
         lacks = latest - 1 if compared else latest
         if self.last is not None and lacks > self.last:
-            self.lacking.append((self.last + 1, lacks))
+            self.not_compared.append((self.last + 1, lacks))
         self.last = max(latest, self.last or 0)
 
 
-class Replaying:
+class Replayer:
     """Runs a show through the lines of a journal, step by step."""
 
     def __init__(
@@ -223,30 +225,30 @@ class Replaying:
         """`show` is in its state after `tick`. `compare`: whether state hashes are compared; `to`: the last measure."""
         self.show = show
         self.tick = tick
-        self.over = False
+        self.ended = False
         """Whether the replay has ended."""
         self.damaged: float | None = None
         """If the replay has stopped before a damaged line: the tick up to which lines may be lost."""
-        self.found = Replayed(ticks=tick, begun=tick)
+        self.result = ReplayResult(ticks=tick, first_tick=tick)
         self._lines = lines
         self._line: JournalLine | None = None
         self._compare, self._to = compare, to
         self._begun = tick
         self._hash: tuple[int, str] | None = None
-        self._take()
+        self._next_line()
 
-    def _take(self) -> None:
+    def _next_line(self) -> None:
         """Read the next line that is relevant."""
         for line in self._lines:
             if line.tick < self._begun or (line.tick == self._begun and line.measure is not None):
                 continue  # lines before the snapshot, and its own measure line
             self._line = line
             return
-        self._line, self.over = None, True
+        self._line, self.ended = None, True
 
     def advance(self, until: float) -> None:
         """Run up to the tick `until` or the end of the journal; events at that tick wait for the next call."""
-        while not self.over and self.damaged is None:
+        while not self.ended and self.damaged is None:
             line = self._line
             assert line is not None
             if line.tick > self.tick:
@@ -256,12 +258,12 @@ class Replaying:
             elif line.measure is None and self.tick >= until:
                 break
             else:
-                self._act(line)
-        self.found.ticks = self.tick
+                self._apply_line(line)
+        self.result.ticks = self.tick
 
     def advance_to(self, measure: int) -> None:
         """Run until `measure` (from 1) begins, or to the end of the journal."""
-        while not self.over and self.damaged is None and self.show.span.number + 1 < measure:
+        while not self.ended and self.damaged is None and self.show.span.number + 1 < measure:
             self.advance(self.tick + 1)
 
     def _run_tick(self) -> None:
@@ -269,61 +271,63 @@ class Replaying:
         if not self.show.tick(self.tick * TICK):
             return
         if self._to is not None and self.show.span.number >= self._to:
-            self.over = True
+            self.ended = True
         if self._compare:
             self._hash = self.tick, self.show.state_hash()
 
-    def _act(self, line: JournalLine) -> None:
+    def _apply_line(self, line: JournalLine) -> None:
         if line.damaged is not None:
             self._stop(line)
             return
-        if line.event is not None and not line.left_out:
-            self.found.failed += act(self.show, line.event) is None
+        if line.event is not None and not line.skipped:
+            self.result.failed += apply_safely(self.show, line.event) is None
             if isinstance(line.event, TicksSkipped):
                 self.tick += line.event.count
         elif line.measure is not None and line.state is not None and self._compare:
             self._compare_with(line)
-        self._take()
+        self._next_line()
 
     def _stop(self, line: JournalLine | None) -> None:
         """Stop before a damaged line. Its events acted no later than the tick of the next undamaged line."""
         while line is not None and line.damaged is not None:
-            self.found.problems.append(line.damaged)
+            self.result.problems.append(line.damaged)
             line = next(self._lines, None)
         self.damaged = math.inf if line is None else line.tick
 
     def _compare_with(self, line: JournalLine) -> None:
-        found, measure = self.found, line.measure or 0
-        found.note([measure])
+        found, measure = self.result, line.measure or 0
+        found.record([measure])
         found.measures += 1
         now = "no measure began here" if self._hash is None or self._hash[0] != line.tick else self._hash[1]
         if now == line.state:
             return
         found.different += 1
-        if len(found.differences) < KEPT_DIFFERENCES:
+        if len(found.differences) < MAX_DIFFERENCES:
             found.differences += ((measure, line.tick, line.state or "", now),)
 
 
-def replay(show: Show, journal: Journal) -> Replayed:
+def replay(show: Show, journal: Journal) -> ReplayResult:
     """Run `show` (fresh, of the journal's patch and seed) through the journal, as fast as possible."""
-    return run_from(Start(show, 0), journal)
+    return run_from(ReplayStart(show, 0), journal)
 
 
-def run_from(start: Start, journal: Journal, *, loaded: LoadedShow | None = None, to: int | None = None) -> Replayed:
+def run_from(
+    start: ReplayStart, journal: Journal, *, loaded: LoadedShow | None = None, to: int | None = None
+) -> ReplayResult:
     """Replay from any start; `to`: the last measure (from 1).
 
     After a damaged line the replay resumes at the next snapshot, if `loaded` is given and there is one.
     """
-    running = Replaying(start.show, journal.usable(), tick=start.tick, to=to)
-    found = running.found
+    running = Replayer(start.show, journal.lines_with_damage(), tick=start.tick, to=to)
+    found = running.result
     while True:
         running.advance(math.inf)
         if running.damaged is None:
             return found
-        after = None if loaded is None else next(starts(journal, loaded, running.damaged, found.problems), None)
+        after = None if loaded is None else next(later_starts(journal, loaded, running.damaged, found.problems), None)
         if after is None:
-            found.note((line.measure for line in journal.usable() if line.measure), compared=False)
+            found.record((line.measure for line in journal.lines_with_damage() if line.measure), compared=False)
             return found
         found.problems.append(f"the replay resumes at the snapshot in measure {after.show.span.number + 1}")
-        running = Replaying(after.show, journal.usable(), tick=after.tick, to=to)
-        running.found = found
+        running = Replayer(after.show, journal.lines_with_damage(), tick=after.tick, to=to)
+        running.result = found

@@ -14,17 +14,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-LEFT_OUT: Final = "left_out"
-SINCE: Final = "since"
+SKIPPED_KEY: Final = "left_out"
+SINCE_KEY: Final = "since"
 """Key of an event that acted at an earlier tick than that of its line; the ticks since were simulated again."""
-LONGEST: Final = 1 << 26
+MAX_LINE: Final = 1 << 26
 """Maximum length of a line in characters."""
-MOST: Final = 65536
+MAX_SKIPPED: Final = 65536
 """Maximum number of events that one line can skip; two seconds have far fewer."""
-MOST_ANEW: Final = 256
+MAX_INSERTED: Final = 256
 """Maximum number of such inserted events (tripped stages); each one takes three engine crashes."""
 TICK_OF: Final = re.compile(r'"tick":\s*(\d{1,13})')
-KEPT: Final = "TicksSkipped"
+NEVER_SKIPPED: Final = "TicksSkipped"
 """Event type that is never skipped, because it only counts ticks."""
 
 
@@ -39,25 +39,25 @@ class Gap:
     events: frozenset[int]
     ticks: tuple[int, int]
     """Ticks of the first event and of the declaring line."""
-    anew: str = ""
+    inserted: str = ""
     """The declaring line, if it is itself an event that acts at the first of these ticks."""
 
-    def holds(self, tick: int) -> bool:
+    def invalidates(self, tick: int) -> bool:
         """Whether a state recorded after that tick is invalid."""
         return self.ticks[0] < tick <= self.ticks[1]
 
 
-def can_be_left_out(event: object) -> bool:
+def can_be_skipped(event: object) -> bool:
     """Whether an event, in its journal form, may be skipped."""
-    return not (isinstance(event, dict) and event.get("type") == KEPT)
+    return not (isinstance(event, dict) and event.get("type") == NEVER_SKIPPED)
 
 
-def left_out_line(tick: int, count: int) -> dict[str, Any]:
+def gap_line(tick: int, count: int) -> dict[str, Any]:
     """Return the line that declares the last `count` events before this tick as skipped."""
-    return {"tick": tick, LEFT_OUT: count}
+    return {"tick": tick, SKIPPED_KEY: count}
 
 
-def without_the_last(lines: Sequence[tuple[int, str]], count: int) -> list[tuple[int, str]]:
+def drop_last_events(lines: Sequence[tuple[int, str]], count: int) -> list[tuple[int, str]]:
     """Return lines (tick, text) without the last `count` events and the measures recorded since the first of them."""
     kept: list[tuple[int, str]] = []
     for tick, line in reversed(lines):
@@ -69,30 +69,30 @@ def without_the_last(lines: Sequence[tuple[int, str]], count: int) -> list[tuple
     return kept[::-1]
 
 
-def left_out(path: Path) -> list[Gap]:
+def skipped_gaps(path: Path) -> list[Gap]:
     """Return all gaps of skipped events in a journal; fast, because only the declaring lines are parsed."""
     most, anew = 0, list[tuple[int, int, str]]()
     for number, row in _rows(path):
-        if f'"{LEFT_OUT}"' in row:
-            most = max(most, _count(row, LEFT_OUT))
-        elif f'"{SINCE}":' in row and _is_event(row) and len(anew) < MOST_ANEW:
-            anew.append((number, _count(row, SINCE), row))
+        if f'"{SKIPPED_KEY}"' in row:
+            most = max(most, _count(row, SKIPPED_KEY))
+        elif f'"{SINCE_KEY}":' in row and _is_event(row) and len(anew) < MAX_INSERTED:
+            anew.append((number, _count(row, SINCE_KEY), row))
     if not most and not anew:
         return []
     gaps: list[Gap] = []
-    events: deque[tuple[int, int]] = deque(maxlen=min(most, MOST))
+    events: deque[tuple[int, int]] = deque(maxlen=min(most, MAX_SKIPPED))
     first: dict[int, int] = {}
     for number, row in _rows(path):
         tick = _tick(row)
         for mark, since, _ in anew:
             if number <= mark and tick > since:
                 first.setdefault(mark, number)
-        if f'"{LEFT_OUT}"' in row and (count := _count(row, LEFT_OUT)) > 0:
+        if f'"{SKIPPED_KEY}"' in row and (count := _count(row, SKIPPED_KEY)) > 0:
             last = [events.pop() for _ in range(min(count, len(events)))]
             if last:
                 ticks = last[-1][1], tick
                 gaps.append(Gap(last[-1][0], number, frozenset(line for line, _ in last), ticks))
-        elif _is_event(row) and f'"{SINCE}":' not in row:
+        elif _is_event(row) and f'"{SINCE_KEY}":' not in row:
             events.append((number, tick))
     for mark, since, row in anew:
         gaps.append(Gap(first.get(mark, mark), mark, frozenset([mark]), (since, _tick(row)), row))
@@ -102,13 +102,13 @@ def left_out(path: Path) -> list[Gap]:
 def _rows(path: Path) -> Iterator[tuple[int, str]]:
     """Yield all rows but the first, with their numbers (from 1)."""
     with path.open(encoding="utf-8", errors="replace") as file:
-        for number, row in enumerate(iter(lambda: file.readline(LONGEST), ""), 1):
+        for number, row in enumerate(iter(lambda: file.readline(MAX_LINE), ""), 1):
             if number > 1:
                 yield number, row
 
 
 def _is_event(row: str) -> bool:
-    return '"event":' in row and f'"type":"{KEPT}"' not in row
+    return '"event":' in row and f'"type":"{NEVER_SKIPPED}"' not in row
 
 
 def _tick(row: str) -> int:

@@ -6,19 +6,19 @@ from typing import Final
 
 import numpy as np
 
-from live.base.errors import PersonError, named
+from live.base.errors import PersonError, error_context
 from live.show.group.casting import Casting
 from live.show.patch.patch import Patch
 
 NOBODY: Final = -1
-MOST_LEADERS: Final = 4
+MAX_LEADERS: Final = 4
 """Maximum number of leaders read at once; each needs its own search."""
-MOST_WALKERS: Final = 8
+MAX_PATH_FOLLOWERS: Final = 8
 """Maximum number of followers led by a path, which is faster to read."""
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class PartnerSettings:
     """Settings of one partner."""
 
     name: str
@@ -51,10 +51,10 @@ class Pair:
     own_place: bool
 
 
-def asked_of(patch: Patch) -> list[Asked]:
+def partner_settings(patch: Patch) -> list[PartnerSettings]:
     """Return the partner settings of a patch."""
     return [
-        Asked(
+        PartnerSettings(
             one.name, one.leader, one.follower, one.on, one.amount, min(one.window, one.stretch), one.place, one.hands
         )
         for one in patch.partner
@@ -63,15 +63,15 @@ def asked_of(patch: Patch) -> list[Asked]:
 
 def check_partners(patch: Patch, casting: Casting) -> None:
     """Raise PersonError, with the patch keys, for invalid partners of a patch."""
-    asked = asked_of(patch)
+    asked = partner_settings(patch)
     for index, one in enumerate(asked):
         try:
-            pairs_of_one(index, one, casting)
+            build_partner_pairs(index, one, casting)
         except PersonError as error:
             raise PersonError(
-                f"partner {one.name!r}: {error.message}", error.remedy, ("partner", index, *error.place)
+                f"partner {one.name!r}: {error.message}", error.remedy, ("partner", index, *error.key_path)
             ) from None
-        hand_in_hand = [patch.group[casting.group[pair.follower]] for pair in pairs_of_one(index, one, casting)]
+        hand_in_hand = [patch.group[casting.group[pair.follower]] for pair in build_partner_pairs(index, one, casting)]
         for group in hand_in_hand:
             if group.partners is not None:
                 raise PersonError(
@@ -79,22 +79,22 @@ def check_partners(patch: Patch, casting: Casting) -> None:
                     f"take partners out of the group {group.name!r}, or name another follower",
                     ("partner", index, "follower"),
                 )
-    pairs = pairs_of(asked, casting)
-    with named("partner", ("partner",)):
+    pairs = build_pairs(asked, casting)
+    with error_context("partner", ("partner",)):
         check_pairs(asked, pairs)
 
 
-def pairs_of(asked: Sequence[Asked], casting: Casting) -> list[Pair]:
+def build_pairs(settings: Sequence[PartnerSettings], casting: Casting) -> list[Pair]:
     """Return all pairs; raises PersonError for words that select no dancer, and for counts that do not match."""
-    return [pair for index, one in enumerate(asked) for pair in pairs_of_one(index, one, casting)]
+    return [pair for index, one in enumerate(settings) for pair in build_partner_pairs(index, one, casting)]
 
 
-def pairs_of_one(index: int, one: Asked, casting: Casting) -> list[Pair]:
+def build_partner_pairs(index: int, one: PartnerSettings, casting: Casting) -> list[Pair]:
     """Return the pairs of one partner; `place` of a PersonError is the wrong key."""
-    followers = _who(one.follower, casting, "follower")
+    followers = _select(one.follower, casting, "follower")
     if one.by_path:
         return [Pair(index, row, row, True) for row in followers]
-    leaders = _who(one.leader, casting, "leader")
+    leaders = _select(one.leader, casting, "leader")
     both = sorted(set(leaders) & set(followers))
     if both:
         raise PersonError(
@@ -113,9 +113,9 @@ def pairs_of_one(index: int, one: Asked, casting: Casting) -> list[Pair]:
     return [Pair(index, lead, follow, own) for lead, follow in zip(leaders, followers, strict=True)]
 
 
-def _who(words: str, casting: Casting, key: str) -> list[int]:
-    with named(f"{key} {words[:80]!r}", (key,)):
-        if casting.means_places(words):
+def _select(words: str, casting: Casting, key: str) -> list[int]:
+    with error_context(f"{key} {words[:80]!r}", (key,)):
+        if casting.depends_on_places(words):
             raise PersonError("places select other dancers from moment to moment", "name groups, attributes or numbers")
         rows = np.flatnonzero(casting.select(words, np.zeros((len(casting.group), 2)))).tolist()
         if not rows:
@@ -123,13 +123,13 @@ def _who(words: str, casting: Casting, key: str) -> list[int]:
         return [int(row) for row in rows]
 
 
-def check_pairs(asked: Sequence[Asked], pairs: Sequence[Pair]) -> None:
+def check_pairs(settings: Sequence[PartnerSettings], pairs: Sequence[Pair]) -> None:
     """Raise PersonError for a dancer who answers two leaders, for cycles, and for too many leaders."""
     answers: dict[int, Pair] = {}
     for pair in pairs:
         before = answers.setdefault(pair.follower, pair)
         if before is not pair:
-            names = asked[before.partner].name, asked[pair.partner].name
+            names = settings[before.partner].name, settings[pair.partner].name
             raise PersonError(
                 f"dancer {pair.follower + 1} answers in {names[0]!r} and in {names[1]!r}",
                 "name the dancer in only one of them",
@@ -149,16 +149,18 @@ def check_pairs(asked: Sequence[Asked], pairs: Sequence[Pair]) -> None:
             if len(way) > len(answers) + 1:
                 break
     leaders = {(pair.partner, pair.leader) for pair in pairs if pair.leader != pair.follower}
-    if len(leaders) > MOST_LEADERS:
+    if len(leaders) > MAX_LEADERS:
         raise PersonError(
-            f"{len(leaders)} leaders are answered; {MOST_LEADERS} at most", "let several dancers answer one leader"
+            f"{len(leaders)} leaders are answered; {MAX_LEADERS} at most", "let several dancers answer one leader"
         )
     walkers = sum(pair.leader == pair.follower for pair in pairs)
-    if walkers > MOST_WALKERS:
-        raise PersonError(f"{walkers} followers are led by a path; {MOST_WALKERS} at most", "name fewer followers")
+    if walkers > MAX_PATH_FOLLOWERS:
+        raise PersonError(
+            f"{walkers} followers are led by a path; {MAX_PATH_FOLLOWERS} at most", "name fewer followers"
+        )
 
 
-def in_order(pairs: Sequence[Pair]) -> list[Pair]:
+def leaders_first(pairs: Sequence[Pair]) -> list[Pair]:
     """Return the pairs with leaders before the dancers who answer them (there are no cycles)."""
     answers = {pair.follower: pair for pair in pairs if pair.leader != pair.follower}
 

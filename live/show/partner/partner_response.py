@@ -13,118 +13,125 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError
-from live.motion.partner_live.hand_holds import Holding
-from live.motion.partner_live.stage_partner import ReadLeader
+from live.motion.partner_live.hand_holds import LiveHandHolds
+from live.motion.partner_live.stage_partner import LeaderReader
 from live.show.dancers.variation import Variation
 from live.show.group.casting import Casting
-from live.show.partner.leader_input import AnswerLeaders, See, Tracks
-from live.show.partner.partner_pairs import Asked, Pair, asked_of, check_pairs, in_order, pairs_of
-from live.show.partner.partner_sources import AnswerBank
-from live.show.partner.response_path import TakenAlong
-from live.show.partner.response_pose import AnswerPoses, holds_of
+from live.show.partner.leader_input import LeaderReaders, PoseSource, Tracks
+from live.show.partner.partner_pairs import (
+    Pair,
+    PartnerSettings,
+    build_pairs,
+    check_pairs,
+    leaders_first,
+    partner_settings,
+)
+from live.show.partner.partner_sources import ExampleBank
+from live.show.partner.response_path import ResponsePath
+from live.show.partner.response_pose import ResponsePoses, active_holds
 from live.show.patch.patch import Patch
-from live.show.selection.drawn_paths import DrawnWay
+from live.show.selection.drawn_paths import DrawnPath
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
-HOLD: Final = 0.25
+LIVE_STOP_S: Final = 0.25
 """Time [s] without motion after which a captured leader counts as stopped; until then followers hold their pose."""
-STANDS: Final = 2.0
+STEP_STOP_BEATS: Final = 2.0
 """Beats without motion after which a leader who dances steps counts as stopped."""
 
 
-class Answering:
+class PartnerResponse:
     """The partners of one show with A dancers. Thread: the show's."""
 
-    def __init__(self, patch: Patch, casting: Casting, variation: Variation, bank: AnswerBank | None) -> None:
+    def __init__(self, patch: Patch, casting: Casting, variation: Variation, bank: ExampleBank | None) -> None:
         """Without a bank no dancer answers. Invalid partners were reported before (`check_partners`)."""
         count = len(casting.group)
-        self.bank = bank or AnswerBank(())
+        self.bank = bank or ExampleBank(())
         self._casting, self._variation = casting, variation
         self._beats = patch.clock.beats_per_measure
-        self.asked: list[Asked] = asked_of(patch) if self.bank.lores else []
+        self.settings: list[PartnerSettings] = partner_settings(patch) if self.bank.example_sets else []
         self.pairs: list[Pair] = []
-        self.leaders = AnswerLeaders(self.bank)
+        self.leaders = LeaderReaders(self.bank)
         """Readers of the leaders."""
-        self.along = TakenAlong(count)
+        self.path = ResponsePath(count)
         """Fade and root motion of the followers."""
-        self.live: Bool = np.zeros(count, np.bool_)
+        self.streamed: Bool = np.zeros(count, np.bool_)
         """Dancers moved by a live stream, (A,): such a leader has stopped after HOLD."""
-        self._poses = AnswerPoses(self.leaders, self.along)
-        self.holding = Holding(count)
+        self._poses = ResponsePoses(self.leaders, self.path)
+        self.hand_holds = LiveHandHolds(count)
         """Hand holds between followers and leaders."""
-        self._ways: dict[int, DrawnWay] = {}
+        self._drawn_paths: dict[int, DrawnPath] = {}
         self._agents: Float32 = np.zeros((count, 2), np.float32)
-        self._danced: Float64 = np.zeros(count)
-        self._written, self._roster = list(self.asked), casting.roster
+        self._danced_beats: Float64 = np.zeros(count)
+        self._patch_settings, self._roster = list(self.settings), casting.roster
         self._leaving: list[Pair] = []
-        self.ask(self.asked)
+        self.apply_settings(self.settings)
 
-    def take_patch(self, fresh: "Answering") -> None:
+    def apply_patch(self, fresh: "PartnerResponse") -> None:
         """Adopt the partner tables of an edited patch; live settings stay for unchanged tables.
 
         The example bank is fixed at the start (`edit.fitted` ensures that).
         """
-        for index, (old, new) in enumerate(zip(self._written, fresh._written, strict=True)):
+        for index, (old, new) in enumerate(zip(self._patch_settings, fresh._patch_settings, strict=True)):
             if old != new:
-                self.asked[index] = new
-        self._written = fresh._written
-        self.settle()
+                self.settings[index] = new
+        self._patch_settings = fresh._patch_settings
+        self.refresh_pairs()
 
     # -- pairs ---------------------------------------------------------------------------------------------------
 
-    def ask(self, asked: list[Asked]) -> None:
+    def apply_settings(self, settings: list[PartnerSettings]) -> None:
         """Apply these settings; on PersonError nothing changes."""
-        pairs = in_order(pairs_of(asked, self._casting))
-        check_pairs(asked, pairs)
-        self.asked = asked
-        self._take(pairs)
+        pairs = leaders_first(build_pairs(settings, self._casting))
+        check_pairs(settings, pairs)
+        self.settings = settings
+        self._set_pairs(pairs)
 
-    def settle(self) -> None:
+    def refresh_pairs(self) -> None:
         """Form the pairs again after groups changed; on an error the old pairs stay."""
-        if self.asked:
+        if self.settings:
             with contextlib.suppress(PersonError):
-                self.ask(self.asked)
+                self.apply_settings(self.settings)
 
     def find(self, name: str) -> list[int]:
         """Return the indices of the partners with this name; "" and "*" are all. Raises PersonError for none."""
-        if name.strip() in ("", "*") and self.asked:
-            return list(range(len(self.asked)))
-        found = [n for n, one in enumerate(self.asked) if one.name.casefold() == name.casefold().strip()]
+        if name.strip() in ("", "*") and self.settings:
+            return list(range(len(self.settings)))
+        found = [n for n, one in enumerate(self.settings) if one.name.casefold() == name.casefold().strip()]
         if not found:
-            known = ", ".join(one.name for one in self.asked) or "none: write [[partner]]"
+            known = ", ".join(one.name for one in self.settings) or "none: write [[partner]]"
             raise PersonError(f"no partner is called {name!r}", f"there are: {known}")
         return found
 
-    def change(self, name: str, key: str, value: object) -> None:
+    def set_value(self, name: str, key: str, value: object) -> None:
         """Set one key of `Asked` for the partners called `name`; raises PersonError if the result is invalid."""
-        asked = list(self.asked)
+        asked = list(self.settings)
         for index in self.find(name):
             if key == "window":
-                value = min(float(str(value)), self.bank.lores[index].stretch)
+                value = min(float(str(value)), self.bank.example_sets[index].stretch)
             asked[index] = replace(asked[index], **{key: value})  # type: ignore[arg-type]
-        self.ask(asked)
+        self.apply_settings(asked)
 
-    def walk_on(self, name: str, point: tuple[float, float], *, anew: bool) -> None:
+    def extend_path(self, name: str, point: tuple[float, float], *, restart: bool) -> None:
         """Extend the drawn path of the path-led partners called `name` to `point` [m]; PersonError for none."""
-        meant = [index for index in self.find(name) if self.asked[index].by_path]
+        meant = [index for index in self.find(name) if self.settings[index].by_path]
         if not meant:
             raise PersonError(f"partner {name!r} is led by dancers, not by a way", 'leader = "path" in the patch')
         for index in meant:
             rows = [pair.follower for pair in self.pairs if pair.partner == index]
-            way = self._ways.get(index)
-            if way is None or anew or way.rows != rows:
-                way = self._ways[index] = DrawnWay(rows, self._agents)
+            way = self._drawn_paths.get(index)
+            if way is None or restart or way.rows != rows:
+                way = self._drawn_paths[index] = DrawnPath(rows, self._agents)
             way.add(point)
 
-    def _take(self, pairs: list[Pair]) -> None:
+    def _set_pairs(self, pairs: list[Pair]) -> None:
         """Read the leaders of these pairs; a follower with another leader fades out of the old answer first."""
         old = (*self._leaving, *self.pairs)
-        self._leaving = [pair for pair in old if pair not in pairs and self.along.level[pair.follower] > 0.0]
-        self.leaders.take(pairs, self._leaving)
+        self._leaving = [pair for pair in old if pair not in pairs and self.path.level[pair.follower] > 0.0]
+        self.leaders.update(pairs, self._leaving)
         self.pairs = pairs
 
     # -- time ----------------------------------------------------------------------------------------------------
@@ -133,14 +140,21 @@ class Answering:
         """Begin a measure: update the pairs if groups have changed."""
         if self._casting.roster is not self._roster:
             self._roster = self._casting.roster
-            self.settle()
+            self.refresh_pairs()
 
-    def danced(self, phase: Float64) -> Float64:
+    def danced_beats(self, phase: Float64) -> Float64:
         """Return the danced beat of each dancer at `phase` (A,) of the present measure."""
         return np.asarray((self._variation.measure + phase) * self._beats)
 
     def tick(
-        self, phase: Float64, hips: Float32, faces: Float32, there: Bool, tracks: Tracks, see: See, dt: float
+        self,
+        phase: Float64,
+        hips: Float32,
+        hip_rotations: Float32,
+        present: Bool,
+        tracks: Tracks,
+        poses_of: PoseSource,
+        dt: float,
     ) -> None:
         """Advance by one tick of `dt` [s]: read the leaders and move the followers.
 
@@ -148,68 +162,72 @@ class Answering:
         (A,): present on the stage. `tracks`: positions (A, 2) [m] and velocities (A, 2) [m/s] of their agents. `see`
         returns the present poses of some dancers.
         """
-        if not self.asked:
+        if not self.settings:
             return
-        danced = self.danced(phase)
-        passed = np.clip(danced - self._danced, 0.0, 1.0)
-        self._danced[:] = danced
-        self.leaders.look(self.asked, danced, there, tracks, see)
-        self.along.begin_tick()
+        danced = self.danced_beats(phase)
+        passed = np.clip(danced - self._danced_beats, 0.0, 1.0)
+        self._danced_beats[:] = danced
+        self.leaders.read_due(self.settings, danced, present, tracks, poses_of)
+        self.path.begin_tick()
         self._agents[:] = tracks[0]
-        self._let_go()
-        for pair in self._acting():
-            one, read = self.asked[pair.partner], self.leaders.of(pair)
-            self.along.go(
-                pair, one, read, wanted=pair in self.pairs and self._wanted(pair, one, read, there),
-                danced=danced[pair.leader], measures=float(passed[pair.follower]) / self._beats,
+        self._release_unused()
+        for pair in self._active_pairs():
+            one, read = self.settings[pair.partner], self.leaders.reader(pair)
+            self.path.move_follower(
+                pair, one, read, wanted=pair in self.pairs and self._should_answer(pair, one, read, present),
+                danced_beats=danced[pair.leader], measures=float(passed[pair.follower]) / self._beats,
                 hips=hips, agents=self._agents, dt=dt,
             )  # fmt: skip
-            self.along.face(pair.follower, faces[pair.follower], read.turned[0, 0])
-        self._leaving = [pair for pair in self._leaving if self.along.level[pair.follower] > 0.0]
-        self._poses.tick(self._acting(), see, dt)
-        self.holding.tick(holds_of(self._acting(), self.asked, self.leaders, self.along.share), see, dt)
-        for index, way in list(self._ways.items()):
-            if not way.tick(tracks[0], self.along.seeks, self.along.goal, float(passed.max())):
-                del self._ways[index]
+            self.path.update_turn(pair.follower, hip_rotations[pair.follower], read.answer_rotation[0, 0])
+        self._leaving = [pair for pair in self._leaving if self.path.level[pair.follower] > 0.0]
+        self._poses.tick(self._active_pairs(), poses_of, dt)
+        self.hand_holds.tick(
+            active_holds(self._active_pairs(), self.settings, self.leaders, self.path.weight), poses_of, dt
+        )
+        for index, way in list(self._drawn_paths.items()):
+            if not way.tick(tracks[0], self.path.seeking, self.path.goal, float(passed.max())):
+                del self._drawn_paths[index]
 
-    def _acting(self) -> list[Pair]:
+    def _active_pairs(self) -> list[Pair]:
         """Return the pairs that may be shown: a follower still leaving one leader has no other yet."""
         busy = {pair.follower for pair in self._leaving}
         return [*(pair for pair in self.pairs if pair.follower not in busy), *self._leaving]
 
-    def _let_go(self) -> None:
+    def _release_unused(self) -> None:
         """Release the held state of leaders without a visible follower."""
-        for key, read in self.leaders.read.items():
+        for key, read in self.leaders.readers.items():
             if read.held and not any(
-                self.along.level[pair.follower] > 0.0 for pair in self._acting() if (pair.partner, pair.leader) == key
+                self.path.level[pair.follower] > 0.0
+                for pair in self._active_pairs()
+                if (pair.partner, pair.leader) == key
             ):
-                read.let_go()
+                read.release()
                 for pair in self.pairs:
                     if (pair.partner, pair.leader) == key:
-                        self.along.forget(pair.follower)
+                        self.path.reset(pair.follower)
 
-    def _wanted(self, pair: Pair, one: Asked, read: ReadLeader, there: Bool) -> bool:
+    def _should_answer(self, pair: Pair, one: PartnerSettings, read: LeaderReader, there: Bool) -> bool:
         """Whether the follower should answer: both are present, and the leader has not stopped."""
-        if not (one.on and one.amount > 0.0 and read.known and there[pair.leader] and there[pair.follower]):
+        if not (one.on and one.amount > 0.0 and read.answering and there[pair.leader] and there[pair.follower]):
             return False
         if one.by_path:
             return True  # a way may rest
-        stands = HOLD / read.lore.period if self.live[pair.leader] else STANDS
-        return read.still <= stands * read.lore.per_beat
+        stands = LIVE_STOP_S / read.examples.period if self.streamed[pair.leader] else STEP_STOP_BEATS
+        return read.still_frames <= stands * read.examples.per_beat
 
     # -- drawing -------------------------------------------------------------------------------------------------
 
-    def stand(self, position: Float32, rotation: Float32, age: float) -> None:
+    def lock_feet(self, position: Float32, rotation: Float32, age: float) -> None:
         """Apply foot lock to the answering dancers in world poses (A, J, 3) and (A, J, 4), `age` [s] after the last
         tick."""
-        self._poses.stand(position, rotation, age)
+        self._poses.lock_feet(position, rotation, age)
 
-    def reach(self, position: Float32, rotation: Float32, age: float) -> None:
+    def join_hands(self, position: Float32, rotation: Float32, age: float) -> None:
         """Join held hands in world poses (A, J, 3) and (A, J, 4), `age` [s] after the last tick."""
-        self.holding.reach(position, rotation, self.along.share, age)
+        self.hand_holds.apply(position, rotation, self.path.weight, age)
 
-    def show(self, phase: Float64, position: Float32, rotation: Float32, rows: Int32 | None = None) -> None:
+    def blend_poses(self, phase: Float64, position: Float32, rotation: Float32, rows: Int32 | None = None) -> None:
         """Blend the answers into world poses `position` (A, J, 3) and `rotation` (A, J, 4) of dancers at `phase`
         (A,) of the measure; with `rows` (n,) only of these dancers, (n, J, 3) and (n, J, 4)."""
         if self.pairs or self._leaving:
-            self._poses.show(self._acting(), self.danced(phase), position, rotation, rows)
+            self._poses.blend_poses(self._active_pairs(), self.danced_beats(phase), position, rotation, rows)

@@ -4,42 +4,42 @@ import hashlib
 from pathlib import Path
 from typing import Final
 
-from live.base.errors import PersonError, named
+from live.base.errors import PersonError, error_context
 from live.graph.step_library import StepLibrary
-from live.library.partner_pairs import read_pairs, with_holds
-from live.motion.partner.evaluation import Near
+from live.library.partner_pairs import add_found_holds, read_pairs
+from live.motion.partner.evaluation import HoldCriterion
 from live.motion.partner.partner_synthesis import CONTINUITY, RATE, WALK_CONTINUITY, WALK_RATE
 from live.motion.partner.sketched_examples import sketched_pairs, sketched_walks
-from live.motion.partner.units import Units, in_beats
-from live.motion.partner_live.stage_partner import MADE, WAY_RATE, Lore, frames_of
+from live.motion.partner.units import Units, retime_to_beats
+from live.motion.partner_live.stage_partner import PATH_RATE, RECORDING_RATE, PartnerExamples, frames_per_beat
 from live.motion.step_clip import StepClip
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import find_beside
-from live.show.patch.score_checks import UNIT
+from live.show.patch.patch_reader import find_resource
+from live.show.patch.score_checks import UNIT_PREFIX
 from live.show.patch.section_motion import PartnerSection
 
-SHOWN: Final = 20
-WALK: Final = "walk"
+MAX_LISTED: Final = 20
+DEFAULT_WALK_STEP: Final = "walk"
 """Step used for a dancer led by a path, where it exists and no other is named."""
-FEWEST: Final = 2
+MIN_UNITS: Final = 2
 """Minimum number of units, so that there is a choice."""
 
 
-class AnswerBank:
+class ExampleBank:
     """Example motion for each `[[partner]]` of a patch; immutable."""
 
-    def __init__(self, lores: tuple[Lore, ...]) -> None:
-        self.lores = lores
+    def __init__(self, example_sets: tuple[PartnerExamples, ...]) -> None:
+        self.example_sets = example_sets
 
     @property
     def labels(self) -> frozenset[str]:
         """Case-folded names of the recordings or steps whose units may be danced."""
-        return frozenset(one.name.casefold() for lore in self.lores for one in lore.units.examples)
+        return frozenset(one.name.casefold() for lore in self.example_sets for one in lore.units.examples)
 
     def digest(self) -> str:
         """Return a short hash of all motion in it."""
         found = hashlib.blake2b(digest_size=8)
-        for lore in self.lores:
+        for lore in self.example_sets:
             found.update(f"{lore.per_beat} {lore.unit_beats} {lore.stretch:g} {lore.units.count}".encode())
             for one in lore.units.examples:
                 found.update(one.name.encode())
@@ -50,53 +50,62 @@ class AnswerBank:
         return found.hexdigest()
 
 
-def answer_bank(patch: Patch, path: Path, library: StepLibrary) -> AnswerBank | None:
+def load_example_bank(patch: Patch, path: Path, library: StepLibrary) -> ExampleBank | None:
     """Return the example motion for the partners of a patch, None if it has none; raises PersonError for unusable
     files."""
     if not patch.partner:
         return None
-    made: dict[tuple[object, ...], Lore] = {}
+    made: dict[tuple[object, ...], PartnerExamples] = {}
     lores = []
     for index, section in enumerate(patch.partner):
-        key = section.examples, section.steps, section.unit_beats, section.stretch, section.by_path, section.near
+        key = (
+            section.examples,
+            section.steps,
+            section.unit_beats,
+            section.stretch,
+            section.led_by_path,
+            section.hold_limits,
+        )
         if key not in made:
-            with named(f"partner {section.name!r}", ("partner", index, "examples")):
-                made[key] = _lore(section, patch, path, library)
+            with error_context(f"partner {section.name!r}", ("partner", index, "examples")):
+                made[key] = _load_examples(section, patch, path, library)
         lores.append(made[key])
-    bank = AnswerBank(tuple(lores))
+    bank = ExampleBank(tuple(lores))
     _check_reactions(patch, bank)
     return bank
 
 
-def _check_reactions(patch: Patch, bank: AnswerBank) -> None:
+def _check_reactions(patch: Patch, bank: ExampleBank) -> None:
     """Raise PersonError for a reaction to a unit that no examples contain."""
     for index, one in enumerate(patch.react):
         name = (one.on or "").casefold()
-        if not name.startswith(UNIT):
+        if not name.startswith(UNIT_PREFIX):
             continue
-        label = name.removeprefix(UNIT)
+        label = name.removeprefix(UNIT_PREFIX)
         if label not in bank.labels and label.rpartition("/")[0] not in bank.labels:
-            known = ", ".join(sorted(bank.labels)[:SHOWN])
+            known = ", ".join(sorted(bank.labels)[:MAX_LISTED])
             raise PersonError(
                 f"{one.on!r}: no partner's examples have a {label!r}", f"there are: {known}", ("react", index, "on")
             )
 
 
-def _lore(section: PartnerSection, patch: Patch, path: Path, library: StepLibrary) -> Lore:
+def _load_examples(section: PartnerSection, patch: Patch, path: Path, library: StepLibrary) -> PartnerExamples:
     tempo = patch.clock.bpm
     units, unit_beats = _units(section, path, library)
-    if units.count < FEWEST:
+    if units.count < MIN_UNITS:
         raise PersonError(f"{units.count} unit; there is nothing to choose from with fewer than two", "more examples")
-    rate, k = (WALK_RATE, WALK_CONTINUITY) if section.by_path else (RATE, CONTINUITY)
-    per_beat = frames_of(tempo, WAY_RATE) if section.by_path else frames_of(tempo)
-    timed = in_beats(units, unit_beats=unit_beats, samples=frames_of(tempo, MADE), period=60.0 / tempo)
+    rate, k = (WALK_RATE, WALK_CONTINUITY) if section.led_by_path else (RATE, CONTINUITY)
+    per_beat = frames_per_beat(tempo, PATH_RATE) if section.led_by_path else frames_per_beat(tempo)
+    timed = retime_to_beats(
+        units, unit_beats=unit_beats, samples=frames_per_beat(tempo, RECORDING_RATE), period=60.0 / tempo
+    )
     k *= per_beat * tempo / 60.0 / rate
-    return Lore(timed, unit_beats=unit_beats, per_beat=per_beat, tempo=tempo, stretch=section.stretch, k=k)
+    return PartnerExamples(timed, unit_beats=unit_beats, per_beat=per_beat, tempo=tempo, stretch=section.stretch, k=k)
 
 
 def _steps(section: PartnerSection, library: StepLibrary) -> list[StepClip]:
     """Return the show's steps from which examples are made."""
-    names = {name.casefold() for name in section.steps} or ({WALK} if section.by_path else set())
+    names = {name.casefold() for name in section.steps} or ({DEFAULT_WALK_STEP} if section.led_by_path else set())
     known = {clip.step.casefold() for clip in library.clips}
     for name in section.steps:
         if name.casefold() not in known:
@@ -110,23 +119,25 @@ def _units(section: PartnerSection, path: Path, library: StepLibrary) -> tuple[U
     if section.examples is None:
         try:
             clips = _steps(section, library)
-            if not section.by_path:
-                return sketched_pairs(clips, unit_beats=section.unit_beats, near=_near(section)), section.unit_beats
+            if not section.led_by_path:
+                return sketched_pairs(
+                    clips, unit_beats=section.unit_beats, hold_criterion=_hold_criterion(section)
+                ), section.unit_beats
             return sketched_walks(clips, unit_beats=section.unit_beats), section.unit_beats
         except ValueError as error:
             raise PersonError(str(error), "fewer unit_beats, or other steps") from None
-    found = find_beside(section.examples, path)
+    found = find_resource(section.examples, path)
     if found is None:
         raise PersonError(f"there is no file {section.examples[:200]!r}", "put the file in the patch's folder")
     known = read_pairs(found)
     walks = known.leaders[0] is None
-    if walks != section.by_path:
+    if walks != section.led_by_path:
         kind, remedy = ("walks", 'leader = "path"') if walks else ("pairs with a leader", "leader")
         raise PersonError(f"{found} holds {kind}", remedy)
-    near = _near(section)
-    return known.units if near is None else with_holds(known, near), 1 if walks else known.wanted.unit_beats
+    near = _hold_criterion(section)
+    return known.units if near is None else add_found_holds(known, near), 1 if walks else known.pairs_file.unit_beats
 
 
-def _near(section: PartnerSection) -> Near | None:
+def _hold_criterion(section: PartnerSection) -> HoldCriterion | None:
     """Return the criterion for a hold where none is written down, None for none."""
-    return None if section.near is None else Near(*section.near)
+    return None if section.hold_limits is None else HoldCriterion(*section.hold_limits)

@@ -10,71 +10,71 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.partner_live.stage_partner import ReadLeader
-from live.motion.partner_live.stage_partner_kernels import turn_between
-from live.show.partner.leader_input import answer_at
-from live.show.partner.partner_pairs import Asked, Pair
+from live.motion.partner_live.stage_partner import LeaderReader
+from live.motion.partner_live.stage_partner_kernels import heading_difference
+from live.show.partner.leader_input import answer_position
+from live.show.partner.partner_pairs import Pair, PartnerSettings
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
-NEAR: Final = 0.9
+MIN_SEEK_DISTANCE: Final = 0.9
 """Distance [m] to the answer below which the dancer does not go there first."""
-PATIENCE: Final = 3.0
+MAX_SEEK_MEASURES: Final = 3.0
 """Measures after which the answer fades in regardless of the distance."""
-FASTEST: Final = 0.7
+MAX_PULL_SPEED: Final = 0.7
 """Maximum speed [m/s] of the pull to the answer's position, in addition to the dancer's own motion."""
-CLOSES: Final = 0.4
+PULL_TIME_CONSTANT_S: Final = 0.4
 """Time constant of that pull [s]."""
 FADE_HALFLIFE: Final = 0.15
 """Half-life [s] of the approach to the amount setting."""
-STRAYS: Final = 0.12
+MAX_AGENT_DISTANCE: Final = 0.12
 """Maximum distance [m] between a path-led dancer and the agent."""
 
 
-class TakenAlong:
+class ResponsePath:
     """Fade and root motion of the answers of A dancers. Thread: the show's."""
 
     def __init__(self, count: int) -> None:
         self.level: Float64 = np.zeros(count)
         """Fade level of each dancer's answer, 0 to 1, linear in time, (A,)."""
-        self.share: Float64 = np.zeros(count)
+        self.weight: Float64 = np.zeros(count)
         """Visible weight of the answer, (A,)."""
         self.following: Bool = np.zeros(count, np.bool_)
         """Dancers moved by an answer to a leader, (A,)."""
-        self.carried: Bool = np.zeros(count, np.bool_)
+        self.answering: Bool = np.zeros(count, np.bool_)
         """Dancers moved by any answer, including path-led ones, (A,)."""
-        self.led: Bool = np.zeros(count, np.bool_)
+        self.leading: Bool = np.zeros(count, np.bool_)
         """Leaders of following dancers, (A,)."""
-        self.seeks: Bool = np.zeros(count, np.bool_)
+        self.seeking: Bool = np.zeros(count, np.bool_)
         """Dancers on their way to the answer's position `goal` (A, 2) [m], (A,)."""
         self.goal: Float64 = np.zeros((count, 2))
-        self.moved: Float64 = np.zeros((count, 2))
+        self.displacement: Float64 = np.zeros((count, 2))
         """Displacement of each dancer in this tick [m], (A, 2)."""
-        self.answered: Float64 = np.zeros((count, 2))
+        self.answer_position: Float64 = np.zeros((count, 2))
         """Position of the answer at the last tick [m], (A, 2)."""
-        self.place: Float64 = np.zeros((count, 2))
+        self.last_position: Float64 = np.zeros((count, 2))
         """Position of the dancer at the last tick [m], (A, 2)."""
         self.turn: Float64 = np.zeros(count)
         """Angle from the dancer's facing to the answer's [rad], (A,)."""
-        self._before: Float64 = np.zeros((count, 2))  # target position at the last tick
+        self._last_target: Float64 = np.zeros((count, 2))  # target position at the last tick
         self._amount: Float64 = np.zeros(count)
         self._waited: Float64 = np.zeros(count)
-        self._known: Bool = np.zeros(count, np.bool_)
+        self._has_last: Bool = np.zeros(count, np.bool_)
 
     def begin_tick(self) -> None:
         """Clear the results of the last tick."""
-        self.moved[:] = 0.0
-        for those in (self.following, self.carried, self.led, self.seeks):
+        self.displacement[:] = 0.0
+        for those in (self.following, self.answering, self.leading, self.seeking):
             those[:] = False
 
-    def forget(self, row: int) -> None:
+    def reset(self, row: int) -> None:
         """Forget the answer's last position of a dancer, because the answer is a new one."""
-        self._known[row] = False
+        self._has_last[row] = False
 
-    def go(
-        self, pair: Pair, one: Asked, read: ReadLeader, *, wanted: bool, danced: float, measures: float,
+    def move_follower(
+        self, pair: Pair, one: PartnerSettings, read: LeaderReader, *, wanted: bool, danced_beats: float, measures: float,
         hips: Float32, agents: Float32, dt: float,
     ) -> None:  # fmt: skip
         """Move the follower of a pair by the faded answer, which fades in while it is `wanted`.
@@ -83,21 +83,21 @@ class TakenAlong:
         have their `hips` at (A, 2) [m], their agents at `agents` (A, 2) [m].
         """
         row = pair.follower
-        seen = answer = answer_at(read, danced)
+        seen = answer = answer_position(read, danced_beats)
         if one.by_path:  # a path-led dancer stays near the agent, and does not overstep where it stops
             away = answer - agents[row]
-            answer = agents[row] + away * min(1.0, STRAYS / max(float(np.hypot(*away)), 1e-9))
-        if not read.answered or (read.held and not self.level[row]):
+            answer = agents[row] + away * min(1.0, MAX_AGENT_DISTANCE / max(float(np.hypot(*away)), 1e-9))
+        if not read.has_answer or (read.held and not self.level[row]):
             return
-        if not self._known[row] or self.level[row] == 0.0:
-            self._known[row] = True
-            self._remember(row, seen, answer, hips[row])
+        if not self._has_last[row] or self.level[row] == 0.0:
+            self._has_last[row] = True
+            self._record(row, seen, answer, hips[row])
         gap = answer - hips[row]
-        far = not pair.own_place and float(np.hypot(*gap)) > NEAR
-        if wanted and self.level[row] == 0.0 and far and self._waited[row] < PATIENCE:
+        far = not pair.own_place and float(np.hypot(*gap)) > MIN_SEEK_DISTANCE
+        if wanted and self.level[row] == 0.0 and far and self._waited[row] < MAX_SEEK_MEASURES:
             self._waited[row] += measures
-            self.seeks[row], self.goal[row] = True, answer
-            self._remember(row, seen, answer, hips[row])
+            self.seeking[row], self.goal[row] = True, answer
+            self._record(row, seen, answer, hips[row])
             return
         self._waited[row] = 0.0
         level = min(max(self.level[row] + (measures if wanted else -measures), 0.0), 1.0)
@@ -106,31 +106,33 @@ class TakenAlong:
         if not level:
             self._amount[row] = one.amount
         share = level * level * (3.0 - 2.0 * level) * float(self._amount[row])
-        self.share[row] = share
+        self.weight[row] = share
         if share > 0.0:
-            self._carry(pair, one, share, answer, hips, dt)
-        self._remember(row, seen, answer, hips[row] + self.moved[row])
-        self.carried[row] = share > 0.0
+            self._blend_motion(pair, one, share, answer, hips, dt)
+        self._record(row, seen, answer, hips[row] + self.displacement[row])
+        self.answering[row] = share > 0.0
         self.following[row] = share > 0.0 and not one.by_path
-        self.led[pair.leader] |= self.following[row]
+        self.leading[pair.leader] |= self.following[row]
 
-    def _remember(self, row: int, seen: Float64, answer: Float64, place: Float32 | Float64) -> None:
-        self.answered[row], self._before[row], self.place[row] = seen, answer, place
+    def _record(self, row: int, seen: Float64, answer: Float64, place: Float32 | Float64) -> None:
+        self.answer_position[row], self._last_target[row], self.last_position[row] = seen, answer, place
 
-    def _carry(self, pair: Pair, one: Asked, share: float, answer: Float64, hips: Float32, dt: float) -> None:
+    def _blend_motion(
+        self, pair: Pair, one: PartnerSettings, share: float, answer: Float64, hips: Float32, dt: float
+    ) -> None:
         """Blend the motion of the answer and of the own steps by the fade, and add the pull to the answer's
         position."""
         row = pair.follower
-        own = hips[row] - self.place[row]
-        move = share * (answer - self._before[row] - own)
+        own = hips[row] - self.last_position[row]
+        move = share * (answer - self._last_target[row] - own)
         if not pair.own_place or one.by_path:
             gap = answer - (hips[row] + move)
             size = float(np.hypot(*gap))
-            pull = share * min(size * (1.0 - math.exp(-dt / CLOSES)), FASTEST * dt)
+            pull = share * min(size * (1.0 - math.exp(-dt / PULL_TIME_CONSTANT_S)), MAX_PULL_SPEED * dt)
             move = move + gap * (pull / max(size, 1e-9))
-        self.moved[row] = move
+        self.displacement[row] = move
 
-    def face(self, row: int, face: Float32, answered: Float32) -> None:
+    def update_turn(self, row: int, rotation: Float32, answer_rotation: Float32) -> None:
         """Update the angle between the dancer's own `face` (4,) and the answer's hip rotation `answered` (4,)."""
         known = self.level[row] > 0.0
-        self.turn[row] = turn_between(face, answered, float(self.turn[row]) if known else 0.0)
+        self.turn[row] = heading_difference(rotation, answer_rotation, float(self.turn[row]) if known else 0.0)

@@ -6,34 +6,34 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.candidates import own_end, turn_vectors, wrapped
-from live.graph.select.selector import Choosing
+from live.graph.select.candidates import own_end, turn_vectors, wrap_angle
+from live.graph.select.selector import StepSelector
 from live.graph.takes import NO_TAKE
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.measure_state import Danced
-from live.show.selection.choices import Choices
-from live.show.selection.step_targets import Aims
+from live.show.dancers.measure_state import MeasureState
+from live.show.selection.choices import StepChoices
+from live.show.selection.step_targets import StepTargets
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
-HALF_SHARE: Final = 0.125
+SHARE_REFINEMENT: Final = 0.125
 """Half the spacing of the shares of T069: a chosen share is refined within this range."""
-LEAST_MIX: Final = 0.1
+MIN_END_DISTANCE: Final = 0.1
 """The share is not refined for the end position if two takes end nearer to each other than this [m]."""
-STRAY_MIX: Final = 0.1
+MAX_END_SHIFT: Final = 0.1
 """A mixture drawn for variety moves the end of a measure by at most this distance [m]."""
 
 
-class Drafting:
+class MeasureDraft:
     """Works out the next measure of every dancer: call `vary`, `mix` and `turn`, in this order."""
 
-    def __init__(self, dancers: Dancers, choices: Choices, aims: Aims) -> None:
-        """`take_graph` must be called first."""
+    def __init__(self, dancers: Dancers, choices: StepChoices, aims: StepTargets) -> None:
+        """`set_graph` must be called first."""
         self._dancers, self._choices, self._aims = dancers, choices, aims
-        self.draft = Danced(dancers.graph, len(dancers.node))
+        self.draft = MeasureState(dancers.graph, len(dancers.node))
 
-    def take_graph(self, graph: MotionGraph, choosing: Choosing) -> None:
+    def set_graph(self, graph: MotionGraph, choosing: StepSelector) -> None:
         """Switch to this graph; no dancer's next measure is decided then."""
         self.draft.graph = graph
         self._choosing = choosing
@@ -59,7 +59,7 @@ class Drafting:
         if draft.take_share[0].any():
             end, _ = own_end(graph, draft.node, draft.take, np.ones(len(draft.node)))
             stray = np.hypot(*(end - graph.node_end[draft.node]).T)
-            most = STRAY_MIX / np.maximum(stray, 1e-9)
+            most = MAX_END_SHIFT / np.maximum(stray, 1e-9)
             draft.take_share[0] = np.minimum(draft.take_share[0], most)
         draft.take[needed] = candidates.take[row[needed]]
         draft.take_share[0, needed] = self._refined(row, axes, support)[needed]
@@ -71,9 +71,9 @@ class Drafting:
         """Set each dancer's turn beyond the measure's own; headings stay as they are until the decision."""
         draft, graph = self.draft, self._dancers.graph
         yaw = axes[:, 2] + graph.edge_transform[np.maximum(self._choices.edge[:, 0], 0), 2]
-        draft.correction[:] = draft.aimed[:] = 0.0
-        most = self._choosing.most[draft.node, 0]
-        draft.correction[:, 2] = np.clip(wrapped(self._aims.heading - yaw - self._own_heading(draft)), -most, most)
+        draft.correction[:] = draft.aim_origin[:] = 0.0
+        most = self._choosing.max_turns[draft.node, 0]
+        draft.correction[:, 2] = np.clip(wrap_angle(self._aims.heading - yaw - self._local_heading(draft)), -most, most)
 
     def _refined(self, row: Int32, axes: Float64, support: Float64) -> Float64:
         """Shares (A,) with which candidates `row` (A,) end nearest to their targets, within half a step of T069."""
@@ -83,11 +83,11 @@ class Drafting:
         way = candidates.end[row] - graph.node_end[candidates.node[row]]
         way = turn_vectors(way / np.maximum(share, 0.25)[:, None], yaw)  # from the clip's end to the other take's
         off = choices.target - choices.end[:, :2]
-        more = (off * way).sum(axis=1) / np.maximum((way**2).sum(axis=1), LEAST_MIX**2)
-        return np.asarray(share + np.clip(more, -HALF_SHARE, HALF_SHARE))
+        more = (off * way).sum(axis=1) / np.maximum((way**2).sum(axis=1), MIN_END_DISTANCE**2)
+        return np.asarray(share + np.clip(more, -SHARE_REFINEMENT, SHARE_REFINEMENT))
 
-    def _own_heading(self, danced: Danced) -> Float64:
+    def _local_heading(self, danced: MeasureState) -> Float64:
         """Heading at the end of each measure, or its average (T122), in the clip's own axes, (A,) [rad]."""
         own = danced.own_end()[1]
         average = self._dancers.variation.face_average
-        return np.asarray(own + average * wrapped(self._dancers.graph.node_facing_mean[danced.node] - own))
+        return np.asarray(own + average * wrap_angle(self._dancers.graph.node_facing_mean[danced.node] - own))

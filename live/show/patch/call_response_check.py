@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Protocol
 
-from live.show.patch.section_base import Amiss
+from live.show.patch.section_base import InvalidEntry
 from live.show.patch.section_motion import GroupSection
 from live.show.patch.section_score import ImproviseSection
-from live.show.score.section_span import Sectioned, Stay, stay_of
+from live.show.score.section_span import HasSections, SectionSpan, span_of
 
 
-class Answering(Sectioned, Protocol):
+class ScoreGroups(HasSections, Protocol):
     """The part of a patch that these checks read."""
 
     @property
@@ -21,44 +21,44 @@ class Answering(Sectioned, Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class _Voice:
+class _GroupPart:
     """One group in one `[[improvise]]`."""
 
     index: int
     group: str
-    asked: ImproviseSection
-    stay: Stay
+    section: ImproviseSection
+    span: SectionSpan
 
     @property
     def caller(self) -> str | None:
         """Name of the group that it answers, casefolded."""
-        return None if self.asked.answers is None else self.asked.answers.casefold()
+        return None if self.section.answers is None else self.section.answers.casefold()
 
     @property
     def only_repeats(self) -> bool:
         """Whether it dances nothing of its own: it listens, and answers with the same steps."""
-        return self.asked.listening is not None and self.asked.answer == "same"
+        return self.section.listening is not None and self.section.answer == "same"
 
-    def covers(self, other: "_Voice") -> bool:
+    def covers(self, other: "_GroupPart") -> bool:
         """Whether it lasts at least over all measures of the other one."""
-        here, there = self.stay, other.stay
+        here, there = self.span, other.span
         return here.section == there.section and here.begin <= there.begin and here.end >= there.end
 
 
-def check_answers(patch: Answering) -> None:
+def check_call_response(patch: ScoreGroups) -> None:
     """Raise Amiss if no group calls, or if an improvisation ends before its first answer."""
     for index, entry in enumerate(patch.improvise):
         if entry.answers is None:
             continue
-        stay = stay_of(patch, entry.section, entry.measure, entry.measures)
+        stay = span_of(patch, entry.section, entry.measure, entry.measures)
         lasts = stay.end - stay.begin
         if lasts <= entry.phrase:
             words = (
                 f"phrase {entry.phrase}: every second phrase is an answer, but it ends after {lasts:g} measures: "
                 f"{f'{int(lasts) // 2} at most' if lasts >= 2 else 'at least 2 measures are needed'}"
             )
-            raise Amiss(words, "improvise", index, "phrase")
-    for circle in _circles(patch):
+            raise InvalidEntry(words, "improvise", index, "phrase")
+    for circle in _answer_cycles(patch):
         if all(voice.only_repeats for voice in circle):
             names = " and ".join(repr(voice.group) for voice in circle)
             words = (
@@ -68,13 +68,13 @@ def check_answers(patch: Answering) -> None:
                 else f"nobody calls: every group answers {names}, and so does that group itself; "
                 "write an [[improvise]] for each group"
             )
-            raise Amiss(words, "improvise", circle[-1].index, "answers")
+            raise InvalidEntry(words, "improvise", circle[-1].index, "answers")
 
 
-def answer_doubts(patch: Answering) -> list[str]:
+def call_response_warnings(patch: ScoreGroups) -> list[str]:
     """Return notes on calls that overlap, phrases of different length, and a last call without an answer."""
     notes = []
-    for circle in _circles(patch):
+    for circle in _answer_cycles(patch):
         if len(circle) == 1:
             notes.append(f'group {circle[0].group!r} answers itself: `group = "*"` means it, too')
             continue
@@ -83,26 +83,26 @@ def answer_doubts(patch: Answering) -> list[str]:
             f"groups {names} answer each other: they call at the same time, and then each repeats the other; leave "
             "answers out of one of them to let them take turns"
         )
-    of_group = _of_group(_voices(patch))
+    of_group = _by_group(_group_parts(patch))
     for voice in (voice for voices in of_group.values() for voice in voices if voice.caller is not None):
-        notes += _unfit(voice, of_group.get(voice.caller or "", []))
+        notes += _phrase_mismatches(voice, of_group.get(voice.caller or "", []))
     return list(dict.fromkeys(notes))
 
 
-def _unfit(voice: _Voice, callers: list[_Voice]) -> Iterator[str]:
+def _phrase_mismatches(voice: _GroupPart, callers: list[_GroupPart]) -> Iterator[str]:
     """Notes on phrases of an answering group that do not fit those of its callers."""
-    size = voice.asked.phrase
+    size = voice.section.phrase
     where = f"improvise {voice.index + 1}"
     for other in callers:
-        theirs, here, there = other.asked.phrase, voice.stay, other.stay
+        theirs, here, there = other.section.phrase, voice.span, other.span
         meet = here.section == there.section and here.begin < there.end and there.begin < here.end
-        written = "phrase" in other.asked.model_fields_set or other.asked.motion or other.asked.answers
+        written = "phrase" in other.section.model_fields_set or other.section.motion or other.section.answers
         if meet and written and theirs % size and size % theirs:
             yield (
                 f"{where}: {voice.group!r} answers in phrases of {size} measures, and {other.group!r} calls in "
                 f"phrases of {theirs}: answers begin in the middle of its phrases; phrase = {theirs} for both"
             )
-    lasts = voice.stay.end - voice.stay.begin
+    lasts = voice.span.end - voice.span.begin
     if isfinite(lasts) and 0 < (left := int(lasts) % (2 * size)) <= size:
         yield (
             f"{where}: it ends after {int(lasts)} measures, and the call of its last {left} has no answer: "
@@ -110,32 +110,32 @@ def _unfit(voice: _Voice, callers: list[_Voice]) -> Iterator[str]:
         )
 
 
-def _voices(patch: Answering) -> list[_Voice]:
+def _group_parts(patch: ScoreGroups) -> list[_GroupPart]:
     voices = []
     for index, entry in enumerate(patch.improvise):
-        stay = stay_of(patch, entry.section, entry.measure, entry.measures)
+        stay = span_of(patch, entry.section, entry.measure, entry.measures)
         names = [group.name.casefold() for group in patch.group] if entry.group == "*" else [entry.group.casefold()]
-        voices += [_Voice(index, name, entry, stay) for name in names]
+        voices += [_GroupPart(index, name, entry, stay) for name in names]
     return voices
 
 
-def _of_group(voices: list[_Voice]) -> dict[str, list[_Voice]]:
-    found: dict[str, list[_Voice]] = {}
+def _by_group(voices: list[_GroupPart]) -> dict[str, list[_GroupPart]]:
+    found: dict[str, list[_GroupPart]] = {}
     for voice in voices:
         found.setdefault(voice.group, []).append(voice)
     return found
 
 
-def _circles(patch: Answering) -> Iterator[list[_Voice]]:
+def _answer_cycles(patch: ScoreGroups) -> Iterator[list[_GroupPart]]:
     """Cycles of groups over the same measures in which each answers the next, and the last answers the first."""
-    of_group = _of_group(_voices(patch))
+    of_group = _by_group(_group_parts(patch))
     told: set[frozenset[tuple[int, str]]] = set()
     for voice in (voice for voices in of_group.values() for voice in voices if voice.caller is not None):
         circle = [voice]
         while circle[-1].caller is not None:
             here = circle[-1]
             there = next((one for one in of_group.get(here.caller or "", []) if one.covers(here)), None)
-            if there is None or there.asked.answers is None:
+            if there is None or there.section.answers is None:
                 break
             if there is circle[0]:
                 members = frozenset((one.index, one.group) for one in circle)

@@ -7,14 +7,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from live.show.patch.score_checks import Written
+from live.show.patch.score_checks import ScoreTables
 from live.show.patch.section_cues import CueSection
 
 CUE: Final = "/dance/cue"
 SIGNAL: Final = "/dance/signal"
 Node = int | str
 """A cue, by its index, or a signal, by its folded name."""
-Ways = dict[Node, list[tuple[float, Node]]]
+Edges = dict[Node, list[tuple[float, Node]]]
 """For each node the nodes that it triggers, with the least number of beats in between."""
 
 
@@ -24,40 +24,40 @@ class CueLoop:
 
     cue: int
     """Its index in the patch."""
-    itself: bool
+    direct: bool
     """Whether it calls itself directly."""
-    beats: float
+    min_beats: float
     """Least number of beats until it comes again."""
-    place: tuple[str | int, ...]
+    key_path: tuple[str | int, ...]
     """The keys of the call that begins the loop."""
 
 
-def cue_loops(patch: Written, within: float = math.inf) -> Iterator[CueLoop]:
+def cue_loops(patch: ScoreTables, within: float = math.inf) -> Iterator[CueLoop]:
     """Yield the loops that take at most `within` beats; of loops that share cues, only the first one found."""
-    names = names_of(patch.cue)
+    names = cue_index_by_name(patch.cue)
     for index, cue in enumerate(patch.cue):
         for row, call in enumerate(cue.calls):
-            if _called(call, names) == index:
-                wait = _wait(cue, patch.clock.beats_per_measure)
+            if _call_target(call, names) == index:
+                wait = _least_wait(cue, patch.clock.beats_per_measure)
                 yield CueLoop(index, True, wait, ("cue", index, "calls", row))
-    ways = _circling(_ways(patch))
+    ways = _cyclic_edges(_trigger_edges(patch))
     told: set[Node] = set()
     for index, cue in enumerate(patch.cue):
         if index in told or index not in ways:
             continue
         for row, call in enumerate(cue.calls):
-            there = _called(call, names)
+            there = _call_target(call, names)
             if there is None or there == index or there not in ways:
                 continue
-            first = 0.0 if isinstance(there, str) else _wait(patch.cue[there], patch.clock.beats_per_measure)
-            beats, path = _shortest(ways, there, index, within - first)
+            first = 0.0 if isinstance(there, str) else _least_wait(patch.cue[there], patch.clock.beats_per_measure)
+            beats, path = _shortest_path(ways, there, index, within - first)
             if path:
                 told |= set(path)
                 yield CueLoop(index, False, first + beats, ("cue", index, "calls", row))
                 break
 
 
-def names_of(cues: Sequence[CueSection]) -> dict[str, int]:
+def cue_index_by_name(cues: Sequence[CueSection]) -> dict[str, int]:
     """Index of each cue by number and by folded name; the first one wins."""
     names: dict[str, int] = {}
     for index, cue in enumerate(cues):
@@ -67,7 +67,7 @@ def names_of(cues: Sequence[CueSection]) -> dict[str, int]:
     return names
 
 
-def _called(call: Sequence[Any], names: dict[str, int]) -> Node | None:
+def _call_target(call: Sequence[Any], names: dict[str, int]) -> Node | None:
     """The cue or signal that a call triggers; None for any other call."""
     if len(call) < 2 or call[0] not in (CUE, SIGNAL):
         return None
@@ -75,35 +75,35 @@ def _called(call: Sequence[Any], names: dict[str, int]) -> Node | None:
     return name if call[0] == SIGNAL else names.get(name)
 
 
-def _wait(cue: CueSection, beats: int) -> float:
+def _least_wait(cue: CueSection, beats: int) -> float:
     """Least number of beats before a cue happens that was called at the point of its last run."""
     least = {"now": 0.0, "beat": 1.0}.get(cue.when, float(beats))
     return max(cue.count_in, least)
 
 
-def _ways(patch: Written) -> Ways:
+def _trigger_edges(patch: ScoreTables) -> Edges:
     """All edges between cues, with signals as nodes in between."""
-    beats, names = patch.clock.beats_per_measure, names_of(patch.cue)
-    ways: Ways = {}
+    beats, names = patch.clock.beats_per_measure, cue_index_by_name(patch.cue)
+    ways: Edges = {}
 
     def lead(begins: Node, after: float, there: Node | None) -> None:
         if there is not None:
-            wait = 0.0 if isinstance(there, str) else _wait(patch.cue[there], beats)
+            wait = 0.0 if isinstance(there, str) else _least_wait(patch.cue[there], beats)
             ways.setdefault(begins, []).append((after + wait, there))
 
     for index, cue in enumerate(patch.cue):
         for call in cue.calls:
-            lead(index, 0.0, _called(call, names))
+            lead(index, 0.0, _call_target(call, names))
         if cue.then == "auto" and index + 1 < len(patch.cue):
             ways.setdefault(index, []).append((float((cue.after or 1) * beats), index + 1))
     for reaction in patch.react:
         if reaction.on is not None and reaction.call is not None:
             after = {"now": 0.0, "beat": 1.0}.get(reaction.when, float(beats))
-            lead(_folded(reaction.on), after, _called((reaction.call, *reaction.values), names))
+            lead(_folded(reaction.on), after, _call_target((reaction.call, *reaction.values), names))
     return ways
 
 
-def _circling(ways: Ways) -> Ways:
+def _cyclic_edges(ways: Edges) -> Edges:
     """The edges without the nodes that no cycle leads to; empty for most patches."""
     into = Counter(there for leads in ways.values() for _, there in leads)
     left = dict(ways)
@@ -116,7 +116,7 @@ def _circling(ways: Ways) -> Ways:
     return left
 
 
-def _shortest(ways: Ways, begins: Node, end: Node, within: float) -> tuple[float, list[Node]]:
+def _shortest_path(ways: Edges, begins: Node, end: Node, within: float) -> tuple[float, list[Node]]:
     """Least beats between two nodes, and the path (Dijkstra); an empty path if all take more than `within` beats."""
     before: dict[Node, Node | None] = {}
     coming: list[tuple[float, int, Node, Node | None]] = [(0.0, 0, begins, None)]

@@ -10,29 +10,29 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
-from live.base.compression import packed
+from live.base.compression import compress_text
 from live.base.errors import PersonError
 from live.base.fault_isolation import FAULTS, keep_running
 from live.control.events.events import ControlEvent, PatchChanged
 from live.graph.motion_graph import MotionGraph
 from live.render.custom_pass import try_passes
-from live.show.background_work import freed, polite, written_text
+from live.show.background_work import free_patches, patch_json, short_switch_interval
 from live.show.dancers.character_casting import check_characters
-from live.show.loader import LoadedShow, patch_for, told_with_place
+from live.show.loader import LoadedShow, adapt_edited_patch, locate_errors
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import TomlSources, field_words, own_pass_files, patch_files, read_sources
-from live.show.patch.patch_update import Prepared, fitted, prepare, version_of
+from live.show.patch.patch_reader import TomlSources, custom_pass_files, key_text, patch_files, read_sources
+from live.show.patch.patch_update import PreparedPatch, patch_version, prepare_patch, split_deferred
 from live.show.selection.graph_update import LibraryWatch, Stamp
 from live.show.show import Show
 from live.show.state.constants import walk_ahead
-from live.show.venue.venue_output import in_hall
-from live.show.view.render_scene import backgrounds_of
+from live.show.venue.venue_output import with_venue_projector
+from live.show.view.render_scene import make_backgrounds
 
 POLL_S: Final = 0.05
 """Seconds between two polls; two equal polls are required, so that no half-written file is read."""
-STEPS_EVERY: Final = 20
+LIBRARY_POLL_INTERVAL: Final = 20
 """The step folder is polled once in this many polls: recordings are long files that take long to write."""
-LONGEST: Final = 2_000_000
+MAX_PACKED_CHARS: Final = 2_000_000
 """Largest length of a packed patch [characters]; enough for more than 20,000 entries."""
 
 
@@ -52,21 +52,21 @@ class PatchWatch:
         self._loaded, self._show, self._post, self._now = loaded, show, post, now
         self._library = library
         self._patch, self._graph = show.patch, show.graph
-        self._text = written_text(self._patch)
-        self._asked = self._patch  # as last written, including keys that wait for the next start
+        self._text = patch_json(self._patch)
+        self._last_written = self._patch  # as last written, including keys that wait for the next start
         if library is not None:
-            library.prove = lambda graph: show.another(self._patch, graph)
-        self._seen = self._taken = stamp_of_files(loaded.path)
-        self._failed, self._over = 0, (0, 0)
-        self._ended = threading.Event()
+            library.check = lambda graph: show.make_show(self._patch, graph)
+        self._last_stamp = self._handled_stamp = file_stamp(loaded.path)
+        self._failure_count, self._freed_counts = 0, (0, 0)
+        self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._run, name="patch watch", daemon=True)
-        self.version = version_of(self._text)
+        self.version = patch_version(self._text)
         """Version of the patch that was offered last; at first that of the patch the show began with."""
         self.problem = ""
         """Why the last edit was refused; empty if it was accepted."""
-        self.told = ""
+        self.message = ""
         """Message on what the last edit changes and which keys wait for a new start; empty before the first edit."""
-        self.waits: tuple[str, ...] = ()
+        self.deferred_keys: tuple[str, ...] = ()
         """Keys of the last edit that take effect only after a new start."""
 
     def start(self) -> None:
@@ -75,118 +75,118 @@ class PatchWatch:
 
     def stop(self) -> None:
         """Stop the thread and wait until its current read has ended."""
-        self._ended.set()
+        self._stopped.set()
         if self._thread.is_alive():
             self._thread.join(timeout=10.0)
 
-    def facts(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return status values: the patch in force, the last edit's problem, and keys that wait for a new start."""
-        return {"version": self.version, "problem": self.problem, "waits": list(self.waits)}
+        return {"version": self.version, "problem": self.problem, "waits": list(self.deferred_keys)}
 
     def _run(self) -> None:
-        keep_running("the watch of the patch", self._watch, self._ended.wait)
+        keep_running("the watch of the patch", self._watch, self._stopped.wait)
 
     def _watch(self) -> None:
         turn = 0
-        while not self._ended.wait(POLL_S):
+        while not self._stopped.wait(POLL_S):
             turn += 1
-            self.look(steps=turn % STEPS_EVERY == 0)
-            self.tidy()
+            self.poll(with_library=turn % LIBRARY_POLL_INTERVAL == 0)
+            self.free_replaced()
 
-    def tidy(self) -> None:
+    def free_replaced(self) -> None:
         """Free the shows of patches that were tried or replaced (they hold reference cycles). Call after `look`."""
-        over = self._failed, self._show.reloading.taken
-        if over != self._over:
-            self._over = over
-            freed(self._show.reloading.spent)
+        over = self._failure_count, self._show.patch_updates.applied_count
+        if over != self._freed_counts:
+            self._freed_counts = over
+            free_patches(self._show.patch_updates.replaced)
             gc.collect()
 
-    def look(self, *, steps: bool = True) -> bool:
+    def poll(self, *, with_library: bool = True) -> bool:
         """Poll the files once, with `steps` the step folder too; return True if a patch was offered."""
-        joined = steps and self._library is not None and self._library.look()
-        stamp = stamp_of_files(self._loaded.path)
-        settled, self._seen = stamp == self._seen, stamp
+        joined = with_library and self._library is not None and self._library.poll()
+        stamp = file_stamp(self._loaded.path)
+        settled, self._last_stamp = stamp == self._last_stamp, stamp
         again = joined and bool(self.problem)  # the step that the problem names may exist now
-        if not (settled and stamp != self._taken) and not again:
+        if not (settled and stamp != self._handled_stamp) and not again:
             return False
-        self._taken = stamp
+        self._handled_stamp = stamp
         try:
-            with polite():
-                return self._read()
+            with short_switch_interval():
+                return self._reload()
         except (PersonError, OSError) as error:
             self.problem = f"patch: {error}; the last good one goes on"
             return False
         except Exception as error:  # a fault of the program: keep watching, and report it to the author of the edit
-            FAULTS.note("the reader of the patch", error)
+            FAULTS.record("the reader of the patch", error)
             self.problem = f"patch: it cannot be taken ({type(error).__name__}: {error}); the last good one goes on"
             return False
 
-    def _read(self) -> bool:
+    def _reload(self) -> bool:
         """Read, validate and offer the current files."""
         graph = self._graph if self._library is None else self._library.graph
         patch, sources = read_sources(self._loaded.path)
-        patch = patch_for(patch, graph, self._patch, recordings=self._loaded.recordings is not None)
-        patch = in_hall(patch, self._loaded.projector)
+        patch = adapt_edited_patch(patch, graph, self._patch, recordings=self._loaded.recordings is not None)
+        patch = with_venue_projector(patch, self._loaded.projector)
         self._check_files(patch, sources)
-        patch, self.waits = fitted(patch, self._patch)
-        text = written_text(patch)
+        patch, self.deferred_keys = split_deferred(patch, self._patch)
+        text = patch_json(patch)
         if text == self._text:  # only comments or keys that wait changed, or the edit was undone
             mended, self.problem = bool(self.problem), ""
-            self._tell((), sources)
-            if mended and not self.told:
-                self.told = "patch: mended; it is the same as the patch in force"
+            self._set_message((), sources)
+            if mended and not self.message:
+                self.message = "patch: mended; it is the same as the patch in force"
             return False
-        if len(packed(text)) > LONGEST:
+        if len(compress_text(text)) > MAX_PACKED_CHARS:
             raise PersonError("the patch is too long to be taken while the show runs")
         if patch.picture.own != self._patch.picture.own:
             try_passes(patch.picture.own_passes)
-        prepared = self._proved(text, graph, sources)
-        walk_ahead(prepared.fresh.patch, "patch")  # snapshots need this
-        self._text, self._patch, self._graph, self.version = text, patch, prepared.fresh.graph, prepared.version
+        prepared = self._validated(text, graph, sources)
+        walk_ahead(prepared.new_show.patch, "patch")  # snapshots need this
+        self._text, self._patch, self._graph, self.version = text, patch, prepared.new_show.graph, prepared.version
         if self._library is not None:
-            self._library.graph = prepared.fresh.graph
-            self._library.again()
+            self._library.graph = prepared.new_show.graph
+            self._library.retry()
         self.problem = ""
         self._show.offer_patch(prepared)
-        self._post(PatchChanged(time=self._now(), source="patch", patch=packed(text), version=prepared.version))
-        self._tell(prepared.different, sources)
+        self._post(PatchChanged(time=self._now(), source="patch", patch=compress_text(text), version=prepared.version))
+        self._set_message(prepared.changed_fields, sources)
         return True
 
     def _check_files(self, patch: Patch, sources: TomlSources) -> None:
         """Raise PersonError for a file that the next start would refuse, so that the author hears of it now."""
-        with told_with_place(sources):
-            if patch.character != self._asked.character:
+        with locate_errors(sources):
+            if patch.character != self._last_written.character:
                 check_characters(patch, self._loaded.path)
-            if patch.background != self._asked.background:
-                backgrounds_of(patch, self._loaded.path)
-        self._asked = patch
+            if patch.background != self._last_written.background:
+                make_backgrounds(patch, self._loaded.path)
+        self._last_written = patch
 
-    def _proved(self, text: str, graph: MotionGraph, sources: TomlSources) -> Prepared:
+    def _validated(self, text: str, graph: MotionGraph, sources: TomlSources) -> PreparedPatch:
         try:
-            return prepare(text, self._show.another, self._patch, graph)
+            return prepare_patch(text, self._show.make_show, self._patch, graph)
         except PersonError as error:
-            self._failed += 1
-            where = f"{sources.told(error.place)}: {field_words(error.place)}: " if error.place else ""
+            self._failure_count += 1
+            where = f"{sources.location_text(error.key_path)}: {key_text(error.key_path)}: " if error.key_path else ""
             raise PersonError(f"{where}{error.message}", error.remedy) from None
 
-    def _tell(self, different: tuple[str, ...], sources: TomlSources) -> None:
+    def _set_message(self, different: tuple[str, ...], sources: TomlSources) -> None:
         words = [f"patch: new from the next measure on: {', '.join(different)}"] if different else []
-        if self.waits:
-            where = sources.told(_place(self.waits[0]))
-            words.append(f"from the next start on (e.g. {where}): {', '.join(self.waits)}")
-        self.told = "; ".join(words)
+        if self.deferred_keys:
+            where = sources.location_text(_key_path(self.deferred_keys[0]))
+            words.append(f"from the next start on (e.g. {where}): {', '.join(self.deferred_keys)}")
+        self.message = "; ".join(words)
 
 
-def _place(key: str) -> tuple[str | int, ...]:
+def _key_path(key: str) -> tuple[str | int, ...]:
     """Path of a key that is written as in "group.1.dancers"."""
     return tuple(int(part) - 1 if part.isdecimal() else part for part in key.split("."))
 
 
-def stamp_of_files(path: Path) -> Stamp:
+def file_stamp(path: Path) -> Stamp:
     """Names, modification times and sizes of the files of a patch."""
     rows = []
     try:
-        for file in (*patch_files(path), *own_pass_files(path)):
+        for file in (*patch_files(path), *custom_pass_files(path)):
             facts = file.stat()
             rows.append((str(file), facts.st_mtime_ns, facts.st_size))
     except (OSError, PersonError):  # the files are being moved: the next poll reads them

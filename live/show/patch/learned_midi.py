@@ -20,31 +20,31 @@ from live.show.patch.section_io import MidiMapSection
 HEAD: Final = "# MIDI mappings learned while the show ran (/dance/midi/learn); a part of {patch}.\n"
 
 
-class _Midi(Section):
+class _MidiTable(Section):
     learned: tuple[MidiMapSection, ...] = ()
 
 
-class _Learned(Section):
+class _LearnedFile(Section):
     """The whole file."""
 
-    midi: _Midi = _Midi()
+    midi: _MidiTable = _MidiTable()
 
 
-def changed_learned(patch: Path, learned: Sequence[Binding], forgotten: Sequence[str]) -> str:
+def updated_mapping_text(patch: Path, learned: Sequence[Binding], forgotten: Sequence[str]) -> str:
     """Return the new text of the file next to `patch`: without the mappings of the controls `forgotten`, and with
     `learned`, each of which replaces a mapping of the same MIDI message. PersonError if the present file is invalid."""
     path = learned_path(patch)
     before = read_text(path, "MIDI map") if is_file(path) else ""
-    parse_model(before, str(path), _Learned, "MIDI map")
+    parse_model(before, str(path), _LearnedFile, "MIDI map")
     try:
-        text = with_learned(before or HEAD.format(patch=patch.name), learned, forgotten)
+        text = merge_mappings(before or HEAD.format(patch=patch.name), learned, forgotten)
     except TOMLKitError as error:
         raise PersonError(f"{path}: {error}", "repair it, and learn the mapping again") from None
-    parse_model(text, str(path), _Learned, "MIDI map")
+    parse_model(text, str(path), _LearnedFile, "MIDI map")
     return text
 
 
-def with_learned(text: str, learned: Sequence[Binding], forgotten: Sequence[str]) -> str:
+def merge_mappings(text: str, learned: Sequence[Binding], forgotten: Sequence[str]) -> str:
     """Return the TOML `text` with these changes; comments and everything else are kept."""
     document = tomlkit.parse(text)
     if "midi" not in document:
@@ -56,7 +56,7 @@ def with_learned(text: str, learned: Sequence[Binding], forgotten: Sequence[str]
     places = {(one.kind, one.number, one.channel) for one in learned}
     for index in reversed(range(len(rows))):
         row = rows[index]
-        if row["control"] in forgotten or _place(row) in places:
+        if row["control"] in forgotten or _binding_place(row) in places:
             del rows[index]
     for one in learned:
         rows.append(_table(one))
@@ -67,9 +67,9 @@ def with_learned(text: str, learned: Sequence[Binding], forgotten: Sequence[str]
     return tomlkit.dumps(document)
 
 
-def _place(row: Any) -> tuple[str, int, int]:
+def _binding_place(row: Any) -> tuple[str, int, int]:
     binding = MidiMapSection.model_validate(row.unwrap()).binding
-    return binding.place
+    return binding.trigger
 
 
 def _table(binding: Binding) -> Any:

@@ -8,10 +8,10 @@ from typing import Annotated, Any
 from pydantic import Field, model_validator
 
 from live.base.errors import PersonError
-from live.base.projector_perspective import matched
-from live.show.patch.name_checks import check_cues, check_named, check_trackers
+from live.base.projector_perspective import camera_from_corners
+from live.show.patch.name_checks import check_call_names, check_cues, check_trackers
 from live.show.patch.score_checks import check_score
-from live.show.patch.section_base import Amiss, Name, Section
+from live.show.patch.section_base import InvalidEntry, Name, Section
 from live.show.patch.section_cues import CueSection, NamedLookSection, SceneSection, ViewSection
 from live.show.patch.section_elements import ElementSection
 from live.show.patch.section_io import (
@@ -106,7 +106,7 @@ class Patch(Section):
     at: Annotated[tuple[AtSection, ...], Field(max_length=20000)] = ()
     signal: Annotated[tuple[SignalSection, ...], Field(max_length=20000)] = ()
 
-    def written(self) -> dict[str, Any]:
+    def to_json_values(self) -> dict[str, Any]:
         """Return the keys that were written, as values for JSON; parsed again they give the same patch.
 
         Keys left out stay left out, because that has a meaning in `[group.motion]` and in cues.
@@ -144,12 +144,12 @@ class Patch(Section):
                 folded = name.casefold().strip()
                 if folded in known:
                     words = f"two {what.removesuffix('s')}s are called {name[:60]!r}: give each its own name"
-                    raise Amiss(words, what, index, "name")
+                    raise InvalidEntry(words, what, index, "name")
                 known.add(folded)
         return self
 
     @model_validator(mode="after")
-    def _trackers_are_there(self) -> "Patch":
+    def _trackers_exist(self) -> "Patch":
         check_trackers(self.psn, self.mocap)
         return self
 
@@ -157,29 +157,31 @@ class Patch(Section):
     def _projector_sees_the_floor(self) -> "Patch":
         if self.projector is not None:
             try:
-                matched(self.projector.at, self.projector.corners, (self.stage.width, self.stage.depth),
+                camera_from_corners(self.projector.at, self.projector.corners, (self.stage.width, self.stage.depth),
                         self.projector.aspect)  # fmt: skip
             except PersonError as error:
-                raise Amiss(str(error), "projector", "corners") from None
+                raise InvalidEntry(str(error), "projector", "corners") from None
         return self
 
     @model_validator(mode="after")
-    def _characters_are_worn(self) -> "Patch":
+    def _characters_are_assigned(self) -> "Patch":
         groups = {group.name.casefold() for group in self.group}
         for index, each in enumerate(self.character):
             for name in each.groups:
                 if name.casefold() not in groups:
-                    raise Amiss(f"character {each.name!r}: no group is called {name!r}", "character", index, "groups")
+                    raise InvalidEntry(
+                        f"character {each.name!r}: no group is called {name!r}", "character", index, "groups"
+                    )
             if each.dancers and max(each.dancers) > self.dancer_count:
                 words = f"character {each.name!r}: there is no dancer {max(each.dancers)}, only {self.dancer_count}"
-                raise Amiss(words, "character", index, "dancers")
+                raise InvalidEntry(words, "character", index, "dancers")
         return self
 
     @model_validator(mode="after")
-    def _elements_come(self) -> "Patch":
+    def _elements_begin(self) -> "Patch":
         for number, element in enumerate(self.element, start=1):
             if self.loop_measures is not None and element.measure >= self.loop_measures + 1:
-                raise Amiss(
+                raise InvalidEntry(
                     f"element {number} begins in measure {element.measure:g}, but the score begins again after "
                     f"{self.loop_measures} (loop_measures): it would never begin",
                     *("element", number - 1, "measure"),
@@ -191,45 +193,47 @@ class Patch(Section):
         return next((other for other in self.group if other.name == group.like), group)
 
     @model_validator(mode="after")
-    def _leaders_are_there(self) -> "Patch":
+    def _leaders_exist(self) -> "Patch":
         names = {group.name: group for group in self.group}
         for index, group in enumerate(self.group):
             if group.like is None:
                 continue
             leader, place = names.get(group.like), ("group", index, "like")
             if leader is None or leader is group:
-                raise Amiss(f"group {group.name!r} is like {group.like!r}: no other group is called that", *place)
+                raise InvalidEntry(
+                    f"group {group.name!r} is like {group.like!r}: no other group is called that", *place
+                )
             if leader.like is not None:
                 words = f"group {group.name!r}: name {leader.like!r}, which {leader.name!r} is like itself"
-                raise Amiss(words, *place)
+                raise InvalidEntry(words, *place)
         return self
 
     @model_validator(mode="after")
-    def _facings_mean_something(self) -> "Patch":
+    def _facings_are_valid(self) -> "Patch":
         names = tuple(group.name.casefold() for group in self.group)
         for index, group in enumerate(self.group):
             try:
                 parse_facing(group.facing, dancers=self.dancer_count + self.reserve, groups=names)
             except PersonError as error:
-                raise Amiss(f"group {group.name!r}: {error}", "group", index, "facing") from None
+                raise InvalidEntry(f"group {group.name!r}: {error}", "group", index, "facing") from None
         return self
 
     @model_validator(mode="after")
-    def _regrouped_somewhere(self) -> "Patch":
+    def _regroup_targets_exist(self) -> "Patch":
         names = {group.name.casefold() for group in self.group}
         for index, section in enumerate(self.regroup):
             if section.group.casefold() not in names:
                 words = f"regroup in measure {section.measure}: no group is called {section.group!r}"
-                raise Amiss(words, "regroup", index, "group")
+                raise InvalidEntry(words, "regroup", index, "group")
         return self
 
     @model_validator(mode="after")
-    def _score_can_be(self) -> "Patch":
+    def _score_is_valid(self) -> "Patch":
         check_score(self)
         return self
 
     @model_validator(mode="after")
-    def _cues_lead_somewhere(self) -> "Patch":
+    def _cue_names_exist(self) -> "Patch":
         check_cues(self)
-        check_named(self)
+        check_call_names(self)
         return self

@@ -17,12 +17,12 @@ from pydantic import BaseModel, ValidationError
 from live.base.custom_pass import NAME
 from live.base.errors import PersonError
 from live.base.stage_snapshot import PASSES
-from live.base.toml import KeyPath, error_line, line_of, toml_lines, toml_remedy, toml_values
-from live.library.disk_cache import read_plain
-from live.show.background_work import validated
+from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_numbers, toml_remedy
+from live.library.disk_cache import read_regular_file
+from live.show.background_work import validate_model
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import MAIN_FILE, PATCHES, PatchError, is_file, learned_path
-from live.show.patch.section_base import Amiss
+from live.show.patch.section_base import InvalidEntry
 
 
 @dataclass(eq=False)
@@ -36,7 +36,7 @@ class TomlText:
     @cached_property
     def lines(self) -> dict[KeyPath, int]:
         """Line of every key; computed only when an error needs it."""
-        return toml_lines(self.text)
+        return toml_line_numbers(self.text)
 
     def line(self, path: KeyPath) -> int:
         """Return the line of a key of this file, or of the nearest table around it."""
@@ -46,7 +46,7 @@ class TomlText:
 def parse_text(text: str, file: str, what: str) -> TomlText:
     """Parse a text; PersonError with file and line if it is not TOML. `what` names its kind, as in "patch"."""
     try:
-        return TomlText(file, text, toml_values(text))
+        return TomlText(file, text, parse_toml(text))
     except tomllib.TOMLDecodeError as error:
         line = error_line(str(error), text)
         raise PersonError(
@@ -72,9 +72,9 @@ class TomlSources:
     def __post_init__(self) -> None:
         for text in self.texts:
             for key, value in text.data.items():
-                self._take((key,), value, self.data, text)
+                self._merge((key,), value, self.data, text)
 
-    def _take(self, path: KeyPath, value: Any, into: dict[str, Any], text: TomlText) -> None:
+    def _merge(self, path: KeyPath, value: Any, into: dict[str, Any], text: TomlText) -> None:
         """Merge one key of one text; PersonError if another text has it already."""
         key = str(path[-1])
         if len(path) == 1 and isinstance(value, list) and isinstance(into.get(key, []), list):
@@ -85,7 +85,7 @@ class TomlSources:
             self._keys.setdefault(path, text)
             table = into.setdefault(key, {})
             for name, inner in value.items():
-                self._take((*path, name), inner, table, text)
+                self._merge((*path, name), inner, table, text)
         elif key in into:
             there = self._keys[path]
             raise PersonError(
@@ -97,7 +97,7 @@ class TomlSources:
             into[key] = value
             self._keys[path] = text
 
-    def where(self, path: KeyPath) -> tuple[str, int]:
+    def location(self, path: KeyPath) -> tuple[str, int]:
         """Return file and line of a merged key, as ("element", 57, "measure"), or of the nearest table around it."""
         if len(path) > 1 and isinstance(path[1], int):
             rows = self._rows.get(str(path[0]), [])
@@ -110,9 +110,9 @@ class TomlSources:
                 return found.file, found.line(path)
         return self.texts[0].file, self.texts[0].line(path)
 
-    def told(self, path: KeyPath) -> str:
+    def location_text(self, path: KeyPath) -> str:
         """Return the same in words."""
-        file, line = self.where(path)
+        file, line = self.location(path)
         return f"{file}, line {line}"
 
 
@@ -125,7 +125,7 @@ Model = TypeVar("Model", bound=BaseModel)
 def read_text(path: Path, what: str) -> str:
     """Return the text of a file; PersonError if it cannot be read. `what` names its kind, as in "patch"."""
     try:
-        data = read_plain(path, MAX_BYTES)
+        data = read_regular_file(path, MAX_BYTES)
         if len(data) > MAX_BYTES:
             raise PersonError(f"{path}: {path.stat().st_size} bytes; a {what} has at most {MAX_BYTES}")
         return data.decode("utf-8-sig")  # some editors write a byte order mark
@@ -139,10 +139,10 @@ def read_text(path: Path, what: str) -> str:
 
 def parse_model(text: str, file: str, model: type[Model], what: str) -> Model:
     """Return the model of `text`; PersonError with file, line and problem. `file` is its name in errors."""
-    return model_of(TomlSources([parse_text(text, file, what)]), model, what)
+    return validate_sources(TomlSources([parse_text(text, file, what)]), model, what)
 
 
-def model_of(
+def validate_sources(
     sources: TomlSources,
     model: type[Model],
     what: str,
@@ -155,32 +155,34 @@ def model_of(
     try:
         return model.model_validate(sources.data) if check is None else check(model, sources.data)
     except ValidationError as error:
-        raise PersonError(_explain(error, sources, model, what)) from None
+        raise PersonError(_validation_message(error, sources, model, what)) from None
 
 
-def _explain(error: ValidationError, sources: TomlSources, model: type[BaseModel], what: str) -> str:
+def _validation_message(error: ValidationError, sources: TomlSources, model: type[BaseModel], what: str) -> str:
     problems = []
     found = error.errors(include_url=False)
     for problem in found[:SHOWN_PROBLEMS]:
         where = tuple(problem["loc"])
         fault = problem.get("ctx", {}).get("error")
-        if isinstance(fault, Amiss):
-            where += fault.place
-        problems.append(f"{sources.told(where)}: {field_words(where) or f'the {what}'}: {_words(problem, model)}")
+        if isinstance(fault, InvalidEntry):
+            where += fault.key_path
+        problems.append(
+            f"{sources.location_text(where)}: {key_text(where) or f'the {what}'}: {_problem_text(problem, model)}"
+        )
     more = len(found) - SHOWN_PROBLEMS
     return "; ".join(problems) + (f"; and {more} more" if more > 0 else "")
 
 
-def field_words(where: tuple[str | int, ...]) -> str:
+def key_text(where: tuple[str | int, ...]) -> str:
     """Return a key as messages show it: "element.3.measure", with tables counted from 1."""
     return ".".join(str(part + 1) if isinstance(part, int) else part for part in where)
 
 
-def _words(problem: Any, model: type[BaseModel]) -> str:
+def _problem_text(problem: Any, model: type[BaseModel]) -> str:
     """One problem in words: the value read, and what is allowed."""
     kind, message, read = problem["type"], problem["msg"], problem["input"]
     if kind == "extra_forbidden":
-        return f"unknown key; {_known_keys(problem['loc'], model)}"
+        return f"unknown key; {_allowed_keys(problem['loc'], model)}"
     if kind == "missing":
         return "missing; it must be given"
     if kind == "value_error":
@@ -196,18 +198,20 @@ def _words(problem: Any, model: type[BaseModel]) -> str:
         return f"a table expected, found {str(read)[:40]}" + (f"; there is one: write [{name}]" if several else "")
     if kind == "tuple_type" and isinstance(read, dict):
         return f"a list of tables expected, found one table; write [[{name}]] each time"
-    shown = repr(read) if isinstance(read, str | int | float | bool) else _KINDS.get(type(read), type(read).__name__)
+    shown = (
+        repr(read) if isinstance(read, str | int | float | bool) else _TYPE_NAMES.get(type(read), type(read).__name__)
+    )
     if isinstance(read, str) and kind.endswith(("_parsing", "_type")):
         message = message.partition(", unable to")[0]
-        return f"{message[:1].lower()}{message[1:]}, found the text {shown[:60]}" + _unquoted(read)
+        return f"{message[:1].lower()}{message[1:]}, found the text {shown[:60]}" + _quote_remedy(read)
     return f"{message[:1].lower()}{message[1:]}, found {shown[:60]}"
 
 
-_KINDS: Final[dict[Any, str]] = {list: "a list", tuple: "a list", dict: "a table"}
+_TYPE_NAMES: Final[dict[Any, str]] = {list: "a list", tuple: "a list", dict: "a table"}
 """Names of TOML's compound types."""
 
 
-def _unquoted(read: str) -> str:
+def _quote_remedy(read: str) -> str:
     """Remedy for a number or boolean in quotes."""
     value = read.strip().casefold()
     if value in ("true", "false"):
@@ -216,7 +220,7 @@ def _unquoted(read: str) -> str:
     return "; write the number without quotes, with a point" if number.isdecimal() else ""
 
 
-def _known_keys(where: tuple[str | int, ...], of: type[BaseModel]) -> str:
+def _allowed_keys(where: tuple[str | int, ...], of: type[BaseModel]) -> str:
     """The allowed keys in place of an unknown one, with the nearest spelling first if one is near."""
     model: Any = of
     for part in where[:-1]:
@@ -235,13 +239,13 @@ def _known_keys(where: tuple[str | int, ...], of: type[BaseModel]) -> str:
 
 FOLDERS: Final = ("formations", "looks", "score")
 """Folders next to show.toml with further TOML files of the patch, in reading order."""
-OWN_PASSES: Final = "passes"
+CUSTOM_PASS_FOLDER: Final = "passes"
 """The folder next to a patch with its custom passes: NAME.glsl."""
-MOST_FILES: Final = 256
-MOST_BYTES: Final = 16_000_000
+MAX_FILES: Final = 256
+MAX_PATCH_BYTES: Final = 16_000_000
 
 
-def find_beside(name: str, patch_path: Path) -> Path | None:
+def find_resource(name: str, patch_path: Path) -> Path | None:
     """Find a file or folder that a patch names: in the patch's folder first, then in the project's patches."""
     for folder in (patch_path.parent, PATCHES):
         with contextlib.suppress(OSError, ValueError):  # invalid file name
@@ -259,21 +263,21 @@ def read_sources(path: Path) -> tuple[Patch, TomlSources]:
     """Read the patch in `path`, for show.toml with its folders; return also the source of each key."""
     try:
         sources = TomlSources([parse_text(read_text(file, "patch"), str(file), "patch") for file in patch_files(path)])
-        _add_own_passes(sources.data, path)
-        return model_of(sources, Patch, "patch", validated), sources
+        _add_custom_passes(sources.data, path)
+        return validate_sources(sources, Patch, "patch", validate_model), sources
     except PersonError as error:
-        raise PatchError(error.message, error.remedy, error.place) from None
+        raise PatchError(error.message, error.remedy, error.key_path) from None
 
 
-def own_pass_files(path: Path) -> list[Path]:
+def custom_pass_files(path: Path) -> list[Path]:
     """Return the custom pass files next to the patch in `path`."""
     try:
-        return sorted((path.parent / OWN_PASSES).glob("*.glsl"))[:MOST_FILES]
+        return sorted((path.parent / CUSTOM_PASS_FOLDER).glob("*.glsl"))[:MAX_FILES]
     except OSError:
         return []
 
 
-def _add_own_passes(data: dict[str, Any], path: Path) -> None:
+def _add_custom_passes(data: dict[str, Any], path: Path) -> None:
     """Insert the sources of the custom passes that a patch names; a missing file is reported later, with the name."""
     table = data.get("picture")
     named = table.get("passes") if isinstance(table, dict) else None
@@ -283,7 +287,7 @@ def _add_own_passes(data: dict[str, Any], path: Path) -> None:
     for name in named:
         if not isinstance(name, str) or name in PASSES or NAME.fullmatch(name) is None:
             continue
-        file = path.parent / OWN_PASSES / f"{name}.glsl"
+        file = path.parent / CUSTOM_PASS_FOLDER / f"{name}.glsl"
         if is_file(file):
             found.append({"name": name, "source": read_text(file, "pass")})
     if found:
@@ -302,14 +306,14 @@ def patch_files(path: Path) -> list[Path]:
         with contextlib.suppress(OSError):  # it may have been removed meanwhile
             more = sorted(file for file in (path.parent / folder).glob("*.toml") if not file.name.startswith("."))
             files += [file for file in more if is_file(file)]
-    if len(files) > MOST_FILES:
-        raise PatchError(f"{path.parent}: {len(files)} files; a patch has at most {MOST_FILES}")
+    if len(files) > MAX_FILES:
+        raise PatchError(f"{path.parent}: {len(files)} files; a patch has at most {MAX_FILES}")
     size = 0
     for file in files:
         with contextlib.suppress(OSError):
             size += file.stat().st_size
-    if size > MOST_BYTES:
-        raise PatchError(f"{path.parent}: {size} bytes in {len(files)} files; a patch has at most {MOST_BYTES}")
+    if size > MAX_PATCH_BYTES:
+        raise PatchError(f"{path.parent}: {size} bytes in {len(files)} files; a patch has at most {MAX_PATCH_BYTES}")
     return files
 
 
@@ -318,4 +322,4 @@ def parse_patch(text: str, file: str) -> Patch:
     try:
         return parse_model(text, file, Patch, "patch")
     except PersonError as error:
-        raise PatchError(error.message, error.remedy, error.place) from None
+        raise PatchError(error.message, error.remedy, error.key_path) from None

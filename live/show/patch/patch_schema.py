@@ -20,7 +20,7 @@ DRAFT: Final = "http://json-schema.org/draft-07/schema#"
 
 def patch_schema() -> dict[str, Any]:
     """Return the schema of a whole patch or of a file of its folder; so no key is required."""
-    found = _plain(Patch.model_json_schema())
+    found = _to_draft7(Patch.model_json_schema())
     found["properties"]["formation"]["items"] = _formation()
     found.pop("required", None)  # only show.toml has them
     return {"$schema": DRAFT, **found, "title": "A patch of ChoreoGraphics Live"}
@@ -28,15 +28,15 @@ def patch_schema() -> dict[str, Any]:
 
 def _formation() -> dict[str, Any]:
     """Schema of a `[[formation]]`, which has a reader of its own."""
-    spec: dict[str, Any] = _plain(TypeAdapter(FormationSpec).json_schema())
+    spec: dict[str, Any] = _to_draft7(TypeAdapter(FormationSpec).json_schema())
     properties = {}
-    for name, told in _docs(FormationSpec).items():
+    for name, told in _field_docs(FormationSpec).items():
         field = spec["properties"][name]
         properties[name] = {"description": told, **{key: field[key] for key in ("default", "enum") if key in field}}
     return {"type": "object", "properties": properties, "additionalProperties": False, "required": ["name"]}
 
 
-def _docs(cls: type) -> dict[str, str]:
+def _field_docs(cls: type) -> dict[str, str]:
     """The attribute docstring of each field of a dataclass."""
     body = ast.parse(textwrap.dedent(inspect.getsource(cls))).body[0]
     assert isinstance(body, ast.ClassDef)
@@ -47,10 +47,10 @@ def _docs(cls: type) -> dict[str, str]:
     return found
 
 
-def _plain(schema: Any) -> Any:
+def _to_draft7(schema: Any) -> Any:
     """Convert to draft 7, and remove null, which TOML does not have."""
     if isinstance(schema, list):
-        return [_plain(item) for item in schema]
+        return [_to_draft7(item) for item in schema]
     if not isinstance(schema, dict):
         return schema
     found = {}
@@ -60,7 +60,7 @@ def _plain(schema: Any) -> Any:
         if key == "$ref":
             value = value.replace("#/$defs/", "#/definitions/")
         name = {"$defs": "definitions", "prefixItems": "items"}.get(key, key)
-        found[name] = _plain(value)
+        found[name] = _to_draft7(value)
     some = found.get("anyOf")
     if some is not None:
         some = [item for item in some if item != {"type": "null"}]

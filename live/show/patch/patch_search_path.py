@@ -17,7 +17,7 @@ PATCHES: Final = next(
 """The project's own patches: next to the package in a checkout, inside it when installed."""
 
 MAIN_FILE: Final = "show.toml"
-LEARNED: Final = ".midi"
+LEARNED_SUFFIX: Final = ".midi"
 """Suffix of the file of learned MIDI mappings: NAME.midi.toml next to NAME.toml."""
 
 DEFAULT_PATCH: Final = PATCHES / "first_show.toml"
@@ -27,7 +27,7 @@ class PatchError(PersonError):
     """A patch that cannot be used: for each problem file, line, field, the value and what is allowed."""
 
 
-def user_settings() -> Path:
+def user_settings_folder() -> Path:
     """Return the user's settings folder; `LIVE_CONFIG_DIR` overrides it."""
     return Path(os.environ.get("LIVE_CONFIG_DIR") or platformdirs.user_config_dir("choreographics-live"))
 
@@ -43,7 +43,7 @@ def find_patch(name: str | None) -> Path:
     if os.path.isdir(name):
         raise PatchError(f"the folder {name!r} holds no show.toml", "put one there, or name a TOML file")
     folders = (path.parent.name for path in PATCHES.glob("*/show.toml"))
-    files = (path.stem for path in PATCHES.glob("*.toml") if not path.stem.endswith(LEARNED))
+    files = (path.stem for path in PATCHES.glob("*.toml") if not path.stem.endswith(LEARNED_SUFFIX))
     known = ", ".join(sorted([*files, *folders])) or "none"
     raise PatchError(
         f"there is no patch {name[:200]!r}",
@@ -61,4 +61,4 @@ def is_file(path: Path) -> bool:
 
 def learned_path(path: Path) -> Path:
     """Return the file of learned MIDI mappings next to the patch in `path`."""
-    return path.with_name(f"{path.stem}{LEARNED}.toml")
+    return path.with_name(f"{path.stem}{LEARNED_SUFFIX}.toml")

@@ -12,63 +12,63 @@ from typing import Any, Final
 
 import numpy as np
 
-from live.base.compression import unpacked
+from live.base.compression import decompress_text
 from live.base.errors import PersonError
 from live.control.events.events import PatchChanged
 from live.graph.build.metric import Metric
 from live.graph.library_insert import Int32, stranded, without_clips
 from live.graph.motion_graph import MotionGraph, build_graph
-from live.show.background_work import validated
+from live.show.background_work import validate_model
 from live.show.desk.refusals import Refusals
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import Section
 from live.show.score.step_names import UnknownStep
 
-AT_THE_START: Final = (
+START_ONLY_KEYS: Final = (
     "seed", "steps", "reserve", "music", "sound", "clock", "link", "midi.input", "midi.output", "midi.clock_out",
     "midi.time_code_bpm", "midi.time_code_offset_s", "osc", "stage", "background", "item",
     "picture.passes", "character", "texture", "steering.separation", "steering.combine",
 )  # fmt: skip
 """Keys that are read only when a show starts."""
-GROUP_AT_THE_START: Final = (
+GROUP_START_ONLY_KEYS: Final = (
     "dancers", "soloists", "radius", "partners", "arm_length", "hands", "formation", "centre", "size"
 )  # fmt: skip
 """The same within a `[[group]]`."""
 
 
-def fitted(new: Patch, running: Patch) -> tuple[Patch, tuple[str, ...]]:
+def split_deferred(new: Patch, current: Patch) -> tuple[Patch, tuple[str, ...]]:
     """Return the patch `new` as far as a show of the patch `running` can apply it, and the keys that need a new start.
 
     Those keep their running values. If the number of groups changes, all groups wait: `group`.
     """
     waits: list[str] = []
     changes: dict[str, Any] = {}
-    for key in AT_THE_START:
+    for key in START_ONLY_KEYS:
         name, _, inner = key.partition(".")
-        old, edited = getattr(running, name), changes.get(name, getattr(new, name))
+        old, edited = getattr(current, name), changes.get(name, getattr(new, name))
         if inner:
             kept, wanted = getattr(old, inner), getattr(edited, inner)
             if kept != wanted:
                 waits.append(key)
                 changes[name] = edited.model_copy(update={inner: kept})
         elif old != edited:
-            waits += _keys(name, old, edited)
+            waits += _differing_keys(name, old, edited)
             changes[name] = old
     if "picture.passes" in waits:  # the sources belong to the names
-        changes["picture"] = changes["picture"].model_copy(update={"own": running.picture.own})
-    if len(new.gate) != len(running.gate):
+        changes["picture"] = changes["picture"].model_copy(update={"own": current.picture.own})
+    if len(new.gate) != len(current.gate):
         waits.append("gate")
-        changes["gate"] = running.gate
-    if _examples(new) != _examples(running):
+        changes["gate"] = current.gate
+    if _example_settings(new) != _example_settings(current):
         waits.append("partner")
-        changes["partner"] = running.partner
-    if len(new.group) != len(running.group):
+        changes["partner"] = current.partner
+    if len(new.group) != len(current.group):
         waits.append("group")
-        changes["group"] = running.group
+        changes["group"] = current.group
     else:
         groups = []
-        for number, (group, old_group) in enumerate(zip(new.group, running.group, strict=True), start=1):
-            kept = {key: getattr(old_group, key) for key in GROUP_AT_THE_START}
+        for number, (group, old_group) in enumerate(zip(new.group, current.group, strict=True), start=1):
+            kept = {key: getattr(old_group, key) for key in GROUP_START_ONLY_KEYS}
             kept = {key: value for key, value in kept.items() if value != getattr(group, key)}
             waits += [f"group.{number}.{key}" for key in kept]
             groups.append(group.model_copy(update=kept) if kept else group)
@@ -76,45 +76,45 @@ def fitted(new: Patch, running: Patch) -> tuple[Patch, tuple[str, ...]]:
     return new.model_copy(update=changes), tuple(waits)
 
 
-def _examples(patch: Patch) -> list[tuple[object, ...]]:
+def _example_settings(patch: Patch) -> list[tuple[object, ...]]:
     """The settings of each partner's examples, which are read when a show starts."""
     keys = "name", "examples", "steps", "stretch", "unit_beats", "by_path", "near"
     return [tuple(getattr(one, key) for key in keys) for one in patch.partner]
 
 
-def _keys(name: str, old: Any, new: Any) -> list[str]:
+def _differing_keys(name: str, old: Any, new: Any) -> list[str]:
     """Names in the patch of the keys of a section that differ."""
     if not isinstance(old, Section):
         return [name]
     return [f"{name}.{key}" for key in type(old).model_fields if getattr(old, key) != getattr(new, key)]
 
 
-def changed(old: Patch, new: Patch) -> tuple[str, ...]:
+def changed_fields(old: Patch, new: Patch) -> tuple[str, ...]:
     """Return the names of the fields of a patch that differ."""
     return tuple(name for name in Patch.model_fields if getattr(old, name) != getattr(new, name))
 
 
-def version_of(text: str) -> str:
+def patch_version(text: str) -> str:
     """Return a short hash of a patch written as JSON."""
     return hashlib.blake2b(text.encode(), digest_size=4).hexdigest()
 
 
-KEPT = 4
+KEPT_COUNT = 4
 """Number of prepared patches kept until an event names them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Prepared:
+class PreparedPatch:
     """A validated patch: a show of it starts."""
 
     version: str
-    fresh: Any
+    new_show: Any
     """That show, in its initial state."""
-    different: tuple[str, ...]
+    changed_fields: tuple[str, ...]
     """Names of the fields that differ from the running patch."""
 
 
-def graph_for(graph: MotionGraph, running: Patch, new: Patch) -> MotionGraph:
+def rebuilt_graph(graph: MotionGraph, running: Patch, new: Patch) -> MotionGraph:
     """Return the graph of the same library for a show of `new`, rebuilt if `[locomotion]` changes transitions.
 
     Nodes keep their indices. ValueError if no steps connect any more.
@@ -130,28 +130,28 @@ def graph_for(graph: MotionGraph, running: Patch, new: Patch) -> MotionGraph:
     return without_clips(made, leaving) if leaving else made
 
 
-Start = Callable[[Patch, MotionGraph], Any]
+ShowFactory = Callable[[Patch, MotionGraph], Any]
 """Builds a new show from a patch and a graph."""
 
 
-def prepare(text: str, start: Start, running: Patch, graph: MotionGraph) -> Prepared:
+def prepare_patch(text: str, make_show: ShowFactory, running: Patch, graph: MotionGraph) -> PreparedPatch:
     """Validate a patch, written as JSON, for a show that runs with the patch `running` in `graph`.
 
     PersonError if it would not start, or cannot replace the running one. Slow: do not call it in a live frame.
     """
     try:
-        patch = validated(Patch, _values(text))
-        if fitted(patch, running)[1]:
+        patch = validate_model(Patch, _parse_json(text))
+        if split_deferred(patch, running)[1]:
             raise PersonError("the patch needs a new start")
-        fresh = start(patch, graph_for(graph, running, patch))
-        return Prepared(version_of(text), fresh, changed(running, patch))
+        fresh = make_show(patch, rebuilt_graph(graph, running, patch))
+        return PreparedPatch(patch_version(text), fresh, changed_fields(running, patch))
     except UnknownStep as error:
-        raise PersonError(str(error), place=error.place) from None
+        raise PersonError(str(error), key_path=error.place) from None
     except ValueError as error:  # of pydantic or the graph, or a damaged text
         raise PersonError(str(error)) from None
 
 
-def _values(text: str) -> dict[str, Any]:
+def _parse_json(text: str) -> dict[str, Any]:
     """Parse a patch written as JSON; ValueError for anything else."""
     try:
         found = json.loads(text)
@@ -162,51 +162,51 @@ def _values(text: str) -> dict[str, Any]:
     return found
 
 
-class Reloading:
+class PatchUpdates:
     """State of a patch reload, from the event that reports the edit until the show applies it."""
 
     def __init__(self, refusals: Refusals) -> None:
         self._refusals = refusals
-        self._offered: dict[str, Prepared] = {}
-        self.waiting: Prepared | None = None
+        self._prepared: dict[str, PreparedPatch] = {}
+        self.waiting: PreparedPatch | None = None
         """The patch that the show applies as soon as it can."""
-        self._tried: int | None = None
+        self._tried_measure: int | None = None
         self.version = ""
         """Version of the patch in force; empty for the one that the show began with."""
-        self.taken = 0
+        self.applied_count = 0
         """Number of patches applied."""
-        self.last: tuple[str, ...] = ()
+        self.last_changed: tuple[str, ...] = ()
         """Fields that the last one changed."""
-        self.spent: list[Patch] = []
+        self.replaced: list[Patch] = []
         """Replaced patches, for another thread to free."""
 
-    def offer(self, prepared: Prepared) -> None:
+    def offer(self, prepared: PreparedPatch) -> None:
         """Keep a patch for the event that names its version. Thread: any."""
-        self._offered[prepared.version] = prepared
-        for version in list(self._offered)[:-KEPT]:
-            self._offered.pop(version, None)
+        self._prepared[prepared.version] = prepared
+        for version in list(self._prepared)[:-KEPT_COUNT]:
+            self._prepared.pop(version, None)
 
-    def ask(self, event: PatchChanged, start: Start, running: Patch, graph: MotionGraph) -> None:
+    def request(self, event: PatchChanged, make_show: ShowFactory, running: Patch, graph: MotionGraph) -> None:
         """Handle the request to apply a patch; if it was not prepared, as in a replay, prepare it here."""
-        prepared = self._offered.pop(event.version, None)
+        prepared = self._prepared.pop(event.version, None)
         if prepared is None:
             try:
-                prepared = prepare(unpacked(event.patch), start, running, graph)
+                prepared = prepare_patch(decompress_text(event.patch), make_show, running, graph)
             except (PersonError, ValueError) as error:
                 self._refusals.add(f"{event.source}: {error}")
                 return
-        self.waiting, self._tried = prepared, None
+        self.waiting, self._tried_measure = prepared, None
 
-    def drop(self) -> None:
+    def discard(self) -> None:
         """Discard the waiting edit; its file has to be saved again."""
         self.waiting = None
 
-    def due(self, measure: int) -> bool:
+    def is_due(self, measure: int) -> bool:
         """Return whether a patch waits that was not yet tried in this `measure`; True at most once in each."""
-        tried, self._tried = self._tried == measure, measure
+        tried, self._tried_measure = self._tried_measure == measure, measure
         return self.waiting is not None and not tried
 
-    def take(self, running: Patch, nodes: Int32) -> Any:
+    def pop_ready(self, running: Patch, nodes: Int32) -> Any:
         """Return the new show whose patch is to be applied now, or None if there is none.
 
         It waits, too, while dancers in `nodes` (A,) would have no next step in its graph.
@@ -214,12 +214,12 @@ class Reloading:
         prepared = self.waiting
         if prepared is None:
             return None
-        if stranded(prepared.fresh.graph, nodes).any():
+        if stranded(prepared.new_show.graph, nodes).any():
             self._refusals.add("patch: [locomotion] would leave dancers without a next step; it waits")
             return None
         self.waiting = None
-        self.version, self.taken = prepared.version, self.taken + 1
-        self.last = prepared.different
-        self.spent.append(running)
-        del self.spent[:-KEPT]
-        return prepared.fresh
+        self.version, self.applied_count = prepared.version, self.applied_count + 1
+        self.last_changed = prepared.changed_fields
+        self.replaced.append(running)
+        del self.replaced[:-KEPT_COUNT]
+        return prepared.new_show

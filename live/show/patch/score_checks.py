@@ -3,16 +3,16 @@
 from collections.abc import Iterator, Sequence
 from typing import Any, Final, Protocol
 
-from live.show.patch.call_response_check import check_answers
-from live.show.patch.section_base import Amiss
+from live.show.patch.call_response_check import check_call_response
+from live.show.patch.section_base import InvalidEntry
 from live.show.patch.section_cues import CueSection
 from live.show.patch.section_motion import GroupSection, PartnerSection
 from live.show.patch.section_music import ClockSection, ReactSection
 from live.show.patch.section_score import AtSection, ImproviseSection, ScoreSection, SequenceSection, SignalSection
-from live.show.score.section_span import stay_of
+from live.show.score.section_span import span_of
 
 
-class Written(Protocol):
+class ScoreTables(Protocol):
     """The part of a patch that these checks read."""
 
     @property
@@ -39,43 +39,45 @@ class Written(Protocol):
     def partner(self) -> Sequence[PartnerSection]: ...
 
 
-UNIT: Final = "unit:"
+UNIT_PREFIX: Final = "unit:"
 """Prefix in `[[react]]` for the names of partner units."""
-PLACED: Final = ("element", "segment", "regroup", "sequence", "improvise", "at", "signal")
+PLACED_TABLES: Final = ("element", "segment", "regroup", "sequence", "improvise", "at", "signal")
 """Tables whose entries have a measure, and may have a section."""
-OLDER: Final = ("segment", "regroup")
+LENIENT_TABLES: Final = ("segment", "regroup")
 """Tables for which a measure after `loop_measures` was always allowed."""
 
 
-def check_score(patch: Written) -> None:
+def check_score(patch: ScoreTables) -> None:
     """Raise Amiss for the first error."""
     lengths = _section_lengths(patch)
-    for kind in PLACED:
+    for kind in PLACED_TABLES:
         for index, entry in enumerate(getattr(patch, kind)):
             _check_place(patch, lengths, kind, index, entry)
     _check_beats(patch)
     _check_groups(patch)
     _check_improvised(patch)
-    check_answers(patch)
+    check_call_response(patch)
     _check_signals(patch)
     _check_calls(patch, set(lengths))
 
 
-def written_length(patch: Written) -> int | None:
+def score_length(patch: ScoreTables) -> int | None:
     """Return the number of measures of the whole written score; None if it has no end."""
     return sum(section.measures for section in patch.section) if patch.section else patch.loop_measures
 
 
-def _section_lengths(patch: Written) -> dict[str, int]:
+def _section_lengths(patch: ScoreTables) -> dict[str, int]:
     """Measures of each section by its name."""
     lengths: dict[str, int] = {}
     for index, section in enumerate(patch.section):
         name = section.name.casefold()
         if name in lengths:
-            raise Amiss(f"two sections are called {section.name!r}: give each its own name", "section", index, "name")
+            raise InvalidEntry(
+                f"two sections are called {section.name!r}: give each its own name", "section", index, "name"
+            )
         lengths[name] = section.measures
     if patch.section and patch.loop_measures is not None:
-        raise Amiss(
+        raise InvalidEntry(
             "loop_measures and [[section]]: leave loop_measures out; after its last section a score begins again",
             "loop_measures",
         )
@@ -83,29 +85,29 @@ def _section_lengths(patch: Written) -> dict[str, int]:
         if section.then is not None and section.then.casefold() not in (*lengths, "end"):
             known = ", ".join(["end", *(one.name for one in patch.section)])
             words = f"no section is called {section.then!r}; there are: {known}"
-            raise Amiss(words, "section", index, "then")
+            raise InvalidEntry(words, "section", index, "then")
     return lengths
 
 
-def _check_place(patch: Written, lengths: dict[str, int], kind: str, index: int, entry: Any) -> None:
+def _check_place(patch: ScoreTables, lengths: dict[str, int], kind: str, index: int, entry: Any) -> None:
     if entry.measure is None:
         return
     if entry.section is None:
-        length = written_length(patch)
-        if length is None or int(entry.measure) <= length or (kind in OLDER and not patch.section):
+        length = score_length(patch)
+        if length is None or int(entry.measure) <= length or (kind in LENIENT_TABLES and not patch.section):
             return
         words = f"measure {entry.measure:g}: the score has {length} measures, it would never begin"
-        raise Amiss(words, kind, index, "measure")
+        raise InvalidEntry(words, kind, index, "measure")
     length = lengths.get(entry.section.casefold())
     if length is None:
         known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
-        raise Amiss(f"no section is called {entry.section!r}; there are: {known}", kind, index, "section")
+        raise InvalidEntry(f"no section is called {entry.section!r}; there are: {known}", kind, index, "section")
     if int(entry.measure) > length:
         words = f"measure {entry.measure:g}: section {entry.section!r} has {length} measures, it would never begin"
-        raise Amiss(words, kind, index, "measure")
+        raise InvalidEntry(words, kind, index, "measure")
 
 
-def _check_beats(patch: Written) -> None:
+def _check_beats(patch: ScoreTables) -> None:
     beats = patch.clock.beats_per_measure
     placed: tuple[tuple[str, Sequence[Any]], ...] = (("at", patch.at), ("signal", patch.signal))
     for kind, entries in placed:
@@ -114,39 +116,41 @@ def _check_beats(patch: Written) -> None:
                 words = (
                     f"beat {entry.beat:g}: a measure of this show has {beats} beats, so less than {beats + 1} expected"
                 )
-                raise Amiss(words, kind, index, "beat")
+                raise InvalidEntry(words, kind, index, "beat")
 
 
-def _check_groups(patch: Written) -> None:
+def _check_groups(patch: ScoreTables) -> None:
     names = {group.name.casefold() for group in patch.group}
     known = ", ".join(group.name for group in patch.group)
     placed: tuple[tuple[str, Sequence[Any]], ...] = (("sequence", patch.sequence), ("improvise", patch.improvise))
     for kind, entries in placed:
         for index, entry in enumerate(entries):
             if entry.group != "*" and entry.group.casefold() not in names:
-                raise Amiss(f"no group is called {entry.group!r}; there are: {known}", kind, index, "group")
+                raise InvalidEntry(f"no group is called {entry.group!r}; there are: {known}", kind, index, "group")
     for index, reaction in enumerate(patch.react):
         if reaction.sets is not None and reaction.group != "*" and reaction.group.casefold() not in names:
-            raise Amiss(f"no group is called {reaction.group!r}; there are: {known}", "react", index, "group")
+            raise InvalidEntry(f"no group is called {reaction.group!r}; there are: {known}", "react", index, "group")
     for index, entry in enumerate(patch.improvise):
         if entry.answers is not None and entry.answers.casefold() not in names:
-            raise Amiss(f"no group is called {entry.answers!r}; there are: {known}", "improvise", index, "answers")
+            raise InvalidEntry(
+                f"no group is called {entry.answers!r}; there are: {known}", "improvise", index, "answers"
+            )
 
 
-def _check_improvised(patch: Written) -> None:
+def _check_improvised(patch: ScoreTables) -> None:
     """Raise Amiss if two improvisations of one group overlap, or if one lasts longer than its section."""
     taken: dict[tuple[int, str], list[tuple[int, float, int]]] = {}
     for index, entry in enumerate(patch.improvise):
-        stay = stay_of(patch, entry.section, entry.measure, entry.measures)
+        stay = span_of(patch, entry.section, entry.measure, entry.measures)
         if stay.size is not None and entry.measures is not None and stay.begin + entry.measures > stay.size:
             last = stay.first + stay.size if entry.section is None else stay.size
             words = f"measures {entry.measures} from measure {entry.measure} on: its section ends with {last}"
-            raise Amiss(words, "improvise", index, "measures")
+            raise InvalidEntry(words, "improvise", index, "measures")
         groups = [group.name.casefold() for group in patch.group] if entry.group == "*" else [entry.group.casefold()]
         for group in groups:
             for other_begin, other_end, other in taken.setdefault((stay.section, group), []):
                 if stay.begin < other_end and other_begin < stay.end:
-                    raise Amiss(
+                    raise InvalidEntry(
                         f"group {group!r} improvises already there, as improvise {other + 1} says: end one of them "
                         "with measures, or leave one out",
                         *("improvise", index, "measure"),
@@ -154,37 +158,37 @@ def _check_improvised(patch: Written) -> None:
             taken[stay.section, group].append((stay.begin, stay.end, index))
 
 
-def _check_signals(patch: Written) -> None:
+def _check_signals(patch: ScoreTables) -> None:
     known = signals_of(patch)
     calls: dict[str, set[str]] = {}
     for index, reaction in enumerate(patch.react):
         if reaction.on is None:
             continue
         name = reaction.on.casefold()
-        if name.startswith(UNIT) and name != UNIT:
+        if name.startswith(UNIT_PREFIX) and name != UNIT_PREFIX:
             if not patch.partner:
-                raise Amiss(f"{reaction.on!r}: there is no partner: write [[partner]]", "react", index, "on")
+                raise InvalidEntry(f"{reaction.on!r}: there is no partner: write [[partner]]", "react", index, "on")
             continue
         if name not in known:
             words = (
                 f"no signal is called {reaction.on!r}: name it in a [[signal]]; there are: {', '.join(sorted(known))}"
             )
-            raise Amiss(words, "react", index, "on")
+            raise InvalidEntry(words, "react", index, "on")
         if reaction.call == "/dance/signal" and reaction.when != "measure":
             given = str(reaction.values[0]).casefold()
             calls.setdefault(name, set()).add(given)
-            if name in _reached(calls, given):
+            if name in _triggered_signals(calls, given):
                 words = f'signal {name!r} would give itself again and again: when = "measure" for one of them'
-                raise Amiss(words, "react", index, "values")
+                raise InvalidEntry(words, "react", index, "values")
 
 
-def signals_of(patch: Written) -> set[str]:
+def signals_of(patch: ScoreTables) -> set[str]:
     """Return all signals that can occur, by their folded names."""
     known = {"drop", "build", *(one.name.casefold() for one in patch.signal)}
     return known | {one.signal.casefold() for one in patch.at if one.signal is not None}
 
 
-def _reached(calls: dict[str, set[str]], name: str) -> set[str]:
+def _triggered_signals(calls: dict[str, set[str]], name: str) -> set[str]:
     """The signals that one triggers, directly or through others, itself included."""
     found, more = {name}, [name]
     while more:
@@ -194,19 +198,19 @@ def _reached(calls: dict[str, set[str]], name: str) -> set[str]:
     return found
 
 
-def _check_calls(patch: Written, sections: set[str]) -> None:
+def _check_calls(patch: ScoreTables, sections: set[str]) -> None:
     """Raise Amiss for a call that jumps to an unknown section."""
     for call, values, place in calls_of(patch):
         if call == "/dance/section" and str(values[0]).casefold() not in sections:
             known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
-            raise Amiss(f"no section is called {values[0]!r}; there are: {known}", *place)
+            raise InvalidEntry(f"no section is called {values[0]!r}; there are: {known}", *place)
 
 
-Called = tuple[str, tuple[Any, ...], tuple[str | int, ...]]
+CallEntry = tuple[str, tuple[Any, ...], tuple[str | int, ...]]
 """A call: address, values, and the keys that lead to the values."""
 
 
-def calls_of(patch: Written) -> Iterator[Called]:
+def calls_of(patch: ScoreTables) -> Iterator[CallEntry]:
     """Yield every call of a patch's score and cues."""
     for index, at in enumerate(patch.at):
         if at.call is not None:

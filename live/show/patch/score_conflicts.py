@@ -5,51 +5,51 @@ from typing import Final
 
 import numpy as np
 
-from live.base.errors import PersonError, named
+from live.base.errors import PersonError, error_context
 from live.control.events.groups import DefineFormation
 from live.control.registry.registry import REGISTRY
 from live.graph.motion_graph import MotionGraph
 from live.graph.search.sequence import parse_sequence
 from live.show.group.casting import EVERYONE, Casting
 from live.show.patch.patch import Patch
-from live.show.patch.score_checks import Called, calls_of
+from live.show.patch.score_checks import CallEntry, calls_of
 from live.show.patch.section_score import RegroupSection, SegmentSection
 from live.show.score.score import Score
-from live.show.score.step_names import UnknownStep, find_step, refuse_alone
+from live.show.score.step_names import UnknownStep, check_connected, find_step
 
-STEPS_OF: Final = ("/dance/step", "/dance/now")
+STEP_CONTROLS: Final = ("/dance/step", "/dance/now")
 """Controls whose first value is a step ..."""
-SEQUENCES_OF: Final = ("/dance/sequence",)
+SEQUENCE_CONTROLS: Final = ("/dance/sequence",)
 """... and those whose first value are steps with commas between them."""
 
 
-class Claims:
+class DancerSelections:
     """Resolves the dancer selections of a score to bit sets, a bit for each dancer; 0 if they depend on positions."""
 
     def __init__(self, patch: Patch, casting: Casting) -> None:
         self._casting = casting
         self._groups = {section.name.casefold(): 1 << index for index, section in enumerate(patch.group)}
-        self._moves = bool(patch.regroup)
+        self._groups_change = bool(patch.regroup)
         self._known: dict[str, int] = {}
-        self._somewhere = np.zeros((len(casting.group), 2))
+        self._dummy_positions = np.zeros((len(casting.group), 2))
 
     def bits(self, words: str) -> int:
         """Return the dancers that `words` select at any position; PersonError if they select none."""
         folded = words.casefold().strip()
         if folded not in self._known:
-            self._known[folded] = self._meant(words, folded)
+            self._known[folded] = self._resolve(words, folded)
         return self._known[folded]
 
-    def _meant(self, words: str, folded: str) -> int:
-        who = self._casting.select(words, self._somewhere)
-        if self._moves:  # dancers change groups, so that other selections depend on the time
+    def _resolve(self, words: str, folded: str) -> int:
+        who = self._casting.select(words, self._dummy_positions)
+        if self._groups_change:  # dancers change groups, so that other selections depend on the time
             return (1 << len(self._groups)) - 1 if folded in EVERYONE else self._groups.get(folded, 0)
-        if self._casting.means_places(words):
+        if self._casting.depends_on_places(words):
             return 0
         return int.from_bytes(np.packbits(who, bitorder="little").tobytes(), "little")
 
 
-def check_segments(segments: Sequence[SegmentSection], score: Score, claims: Claims) -> None:
+def check_segments(segments: Sequence[SegmentSection], score: Score, claims: DancerSelections) -> None:
     """Raise PersonError for two segments that claim a dancer at the same time; selections by position are skipped."""
     running: dict[int, list[tuple[int, int, int, int]]] = {}
     for index, segment in enumerate(segments):
@@ -68,7 +68,7 @@ def check_segments(segments: Sequence[SegmentSection], score: Score, claims: Cla
                 mine, other = segments[row[2]], segments[clash[2]]
                 of = "" if mine.section is None else f" of section {mine.section!r}"
                 until = clash[1] - row[0] + mine.measure - 1  # counted in the measures of this segment
-                where = "" if mine.section == other.section else f" ({written_at(other.section, other.measure)})"
+                where = "" if mine.section == other.section else f" ({place_text(other.section, other.measure)})"
                 raise PersonError(
                     f"segment {row[2] + 1} begins in measure {mine.measure}{of} with dancers whom segment "
                     f"{clash[2] + 1}{where} has until the end of measure {until}",
@@ -80,7 +80,7 @@ def check_segments(segments: Sequence[SegmentSection], score: Score, claims: Cla
             active.append(row)
 
 
-def written_at(section: str | None, measure: float) -> str:
+def place_text(section: str | None, measure: float) -> str:
     """Return the place of an entry, in words."""
     return f"measure {measure:g}" + (" of the whole score" if section is None else f" of section {section!r}")
 
@@ -91,7 +91,7 @@ def check_regroups(regroups: Iterable[RegroupSection], score: Score, casting: Ca
     somewhere = np.zeros((len(casting.group), 2))
     for index, section in enumerate(regroups):
         place = score.place_of(section.section, section.measure)
-        if place is None or casting.means_places(section.dancers):
+        if place is None or casting.depends_on_places(section.dancers):
             continue
         who = casting.select(section.dancers, somewhere)
         for other, group in claimed.setdefault(place, []):
@@ -106,18 +106,18 @@ def check_regroups(regroups: Iterable[RegroupSection], score: Score, casting: Ca
         claimed[place].append((who, section.group.casefold()))
 
 
-def check_calls(patch: Patch, graph: MotionGraph) -> None:
+def check_step_calls(patch: Patch, graph: MotionGraph) -> None:
     """Raise PersonError for an unknown step in a call of the score, the music, a cue or a MIDI mapping."""
-    for called in steps_called(patch):
-        refuse_unknown(graph, called)
+    for called in step_calls(patch):
+        check_step_call(graph, called)
 
 
-def refuse_unknown(graph: MotionGraph, called: Called) -> None:
-    """Raise PersonError if a call of `steps_called` names a step that is unknown, or connects to no other."""
+def check_step_call(graph: MotionGraph, called: CallEntry) -> None:
+    """Raise PersonError if a call of `step_calls` names a step that is unknown, or connects to no other."""
     call, values, place = called
-    with named(f"call {call}", place):
-        if call in SEQUENCES_OF:
-            refuse_alone(graph, parse_sequence(str(values[0]), graph.library))
+    with error_context(f"call {call}", place):
+        if call in SEQUENCE_CONTROLS:
+            check_connected(graph, parse_sequence(str(values[0]), graph.library))
             return
         try:
             find_step(graph, str(values[0]))
@@ -125,18 +125,18 @@ def refuse_unknown(graph: MotionGraph, called: Called) -> None:
             raise PersonError(str(error)) from None
 
 
-def steps_called(patch: Patch) -> Iterator[Called]:
+def step_calls(patch: Patch) -> Iterator[CallEntry]:
     """Yield the calls of a patch that name steps; see `calls_of`."""
     for called in calls_of(patch):
-        if called[0] in (*STEPS_OF, *SEQUENCES_OF):
+        if called[0] in (*STEP_CONTROLS, *SEQUENCE_CONTROLS):
             yield called
     for index, line in enumerate(patch.midi.map):
-        name = line.values.get("name" if line.control in STEPS_OF else "steps")
-        if line.control in (*STEPS_OF, *SEQUENCES_OF) and name is not None:
+        name = line.values.get("name" if line.control in STEP_CONTROLS else "steps")
+        if line.control in (*STEP_CONTROLS, *SEQUENCE_CONTROLS) and name is not None:
             yield line.control, (name,), ("midi", "map", index, "values")
 
 
-def check_called(patch: Patch, claims: Claims, find: Callable[[str], object]) -> None:
+def check_group_calls(patch: Patch, claims: DancerSelections, find: Callable[[str], object]) -> None:
     """Raise PersonError for an unknown group or formation in a call of the score or of a cue.
 
     `find` resolves a formation's name or words. Formations that a call of the patch defines are known.
@@ -146,7 +146,7 @@ def check_called(patch: Patch, claims: Claims, find: Callable[[str], object]) ->
     defined = {event.name.casefold().strip() for event, _, _ in made if isinstance(event, DefineFormation)}
     for event, call, place in made:
         group, formation = getattr(event, "group", None), getattr(event, "formation", None)
-        with named(f"call {call}", place):
+        with error_context(f"call {call}", place):
             if isinstance(group, str):
                 claims.bits(group)
             if isinstance(formation, str) and formation.casefold().strip() not in defined:

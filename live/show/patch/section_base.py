@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-Far = Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)]
+WorldCoordinate = Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)]
 Place = tuple[
     Annotated[float, Field(ge=-100, le=100, allow_inf_nan=False)],
     Annotated[float, Field(ge=-100, le=100, allow_inf_nan=False)],
@@ -18,13 +18,13 @@ Size = tuple[
 ]
 
 
-class Amiss(ValueError):
+class InvalidEntry(ValueError):
     """An error below the table that is being validated, with the keys that lead to its line."""
 
     def __init__(self, message: str, *place: str | int) -> None:
         """`place` is relative to the validated table: ("element", 2, "measure") is the third element's measure."""
         super().__init__(message)
-        self.place = place
+        self.key_path = place
 
 
 class Section(BaseModel):

@@ -10,7 +10,7 @@ from live.control.events.events import ControlEvent
 from live.control.registry.registry import REGISTRY
 from live.show.desk.parameter_table import check_setting
 from live.show.patch.section_base import Name, Section
-from live.show.patch.section_picture import Draw, Setting, check_drawn, drawn
+from live.show.patch.section_picture import Draw, Setting, check_draw, draw_settings
 from live.show.patch.section_stage import CameraSection, LookSection
 
 Measures = Annotated[float, Field(ge=0, le=1024, allow_inf_nan=False)]
@@ -69,11 +69,11 @@ class NamedLookSection(LookSection):
     def settings(self) -> dict[str, Setting]:
         """Return the parameters that it sets, by address."""
         said = {address: getattr(self, key) for key, address in LOOK_ADDRESSES.items()}
-        return {address: value for address, value in said.items() if value is not None} | drawn(self.draw)
+        return {address: value for address, value in said.items() if value is not None} | draw_settings(self.draw)
 
     @model_validator(mode="after")
-    def _can_be_drawn(self) -> "NamedLookSection":
-        check_drawn(self.draw, f"look {self.name!r}")
+    def _draw_is_valid(self) -> "NamedLookSection":
+        check_draw(self.draw, f"look {self.name!r}")
         return self
 
 
@@ -89,7 +89,7 @@ class SceneSection(Section):
     address, as in `"/dance/motion/larger ember" = 0.3`; `"/dance/camera" = "a view"` and `"/dance/look" = "a look"`."""
 
     @model_validator(mode="after")
-    def _can_be_set(self) -> "SceneSection":
+    def _settings_are_valid(self) -> "SceneSection":
         for key, value in self.set.items():
             try:
                 check_setting(key, value)

@@ -6,8 +6,8 @@ from pydantic import Field, model_validator
 
 from live.show.patch.section_base import Name, Place, Section
 
-Words = Annotated[str, Field(min_length=1, max_length=400)]
-Line = Annotated[tuple[Place, ...], Field(min_length=2, max_length=1000)]
+Selection = Annotated[str, Field(min_length=1, max_length=400)]
+Polyline = Annotated[tuple[Place, ...], Field(min_length=2, max_length=1000)]
 
 
 class ElementSection(Section):
@@ -22,13 +22,13 @@ class ElementSection(Section):
     """The section it belongs to, whose first measure is its measure 1; left out: measures of the whole score."""
     measures: Annotated[float, Field(gt=0, le=10000)] = 4.0
     """How many measures it lasts; it fades in and out over a beat."""
-    group: Words = "*"
+    group: Selection = "*"
     """The dancers: a group, or groups, attributes, numbers and places as in `ember & left + 12-14`."""
     at: Place = (0.0, 0.0)
     """Where it is (x, z) [m]."""
     to: Place | None = None
     """The other end of a line, bar or uniform flow (x, z) [m]."""
-    points: Line | None = None
+    points: Polyline | None = None
     """A drawn line instead of `at` and `to`: points (x, z) [m]."""
     closed: bool = False
     """The drawn line is closed: a region, or a round path."""
@@ -42,13 +42,13 @@ class ElementSection(Section):
     """Target of follow, pursue and evade: a dancer's number from 1, or a group."""
 
     @model_validator(mode="after")
-    def _forwards(self) -> "ElementSection":
+    def _strength_is_valid(self) -> "ElementSection":
         if self.strength < 0 and self.kind != "flow":
             raise ValueError(f"{self.kind}: only a flow can have a strength below 0")
         return self
 
     @model_validator(mode="after")
-    def _all_there(self) -> "ElementSection":
+    def _has_required_keys(self) -> "ElementSection":
         if self.kind in ("follow", "pursue", "evade") and not self.whom:
             raise ValueError(f"{self.kind} needs whom: a dancer's number or a group")
         drawn = self.kind == "path" or (self.kind == "flow" and self.flow == "drawn")

@@ -4,8 +4,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from live.control.dmx_mapping import SENDS, Channel, widths_of
-from live.control.midi.midi_binding import DEFAULTS, BadBinding, Binding, Kind, Mode, joined
+from live.control.dmx_mapping import SENDS, Channel, channel_count
+from live.control.midi.midi_binding import DEFAULTS, BadBinding, Binding, Kind, Mode, merge_bindings
 from live.show.patch.section_base import Name, Place, Section
 
 Target = Annotated[str, Field(pattern=r"^(\[[0-9A-Fa-f:.]+\]|[^:\s]+):\d{1,5}$", max_length=200)]
@@ -90,7 +90,7 @@ class MidiMapSection(Section):
         )
 
     @model_validator(mode="after")
-    def _works(self) -> "MidiMapSection":
+    def _binding_is_valid(self) -> "MidiMapSection":
         _ = self.binding
         return self
 
@@ -118,10 +118,10 @@ class MidiSection(Section):
     @property
     def bindings(self) -> tuple[Binding, ...]:
         """The map in force: learned mappings, and written ones for other MIDI messages."""
-        return joined(self.written, [section.binding for section in self.learned])
+        return merge_bindings(self.written_bindings, [section.binding for section in self.learned])
 
     @property
-    def written(self) -> tuple[Binding, ...]:
+    def written_bindings(self) -> tuple[Binding, ...]:
         """The written map, or the defaults."""
         if self.map:
             return tuple(section.binding for section in self.map)
@@ -145,7 +145,7 @@ class DmxSection(Section):
 
     @model_validator(mode="after")
     def _known(self) -> Self:
-        width = widths_of(self.sends) * (2 if self.fine and self.sends != "dancer" else 1)
+        width = channel_count(self.sends) * (2 if self.fine and self.sends != "dancer" else 1)
         if not width:
             raise ValueError(f"nothing is called {self.sends!r}: {', '.join(SENDS)}, or the address of a number")
         if self.channel + width > 513:
@@ -153,7 +153,7 @@ class DmxSection(Section):
         return self
 
     @property
-    def made(self) -> Channel:
+    def dmx_channel(self) -> Channel:
         """The channel in the form of the DMX process."""
         return Channel(self.channel, self.sends, self.dancer, self.beats, self.fine)
 
@@ -183,7 +183,7 @@ class PsnSection(Section):
     """The existing trackers, by name or number: a `[[mocap]]` with another `tracker` is refused, so that a typing error
     is found before the show. Left out: any."""
 
-    def on_floor(self, place: tuple[float, float, float]) -> tuple[float, float]:
+    def to_floor(self, place: tuple[float, float, float]) -> tuple[float, float]:
         """Return the position on the floor, x, z [m]."""
         right, front = (
             (-1.0 if axis.startswith("-") else 1.0) * place["xyz".index(axis[-1])] for axis in self.axes.split()
@@ -213,7 +213,7 @@ class AudienceSection(Section):
     limit if all phones share an address (the venue's `network`), or if this is as high as `phones`."""
 
 
-Words = Annotated[str, Field(min_length=1, max_length=250)]
+Selection = Annotated[str, Field(min_length=1, max_length=250)]
 
 
 class MocapSection(Section):
@@ -222,7 +222,7 @@ class MocapSection(Section):
 
     name: Name
     """Name of the performer, as in `/dance/mocap/NAME/shown`."""
-    dancer: Words | None = None
+    dancer: Selection | None = None
     """The dancer to drive: the first one of a selection such as `3`, `ember & 1` or a group; `none` for no dancer. Left
     out: the first dancer that no other performer drives."""
     tracker: Annotated[str, Field(min_length=1, max_length=64)] | None = None
@@ -238,7 +238,7 @@ class MocapSection(Section):
     """Rotation of the capture floor on the stage, towards +x."""
     scale: Annotated[float, Field(ge=0, le=10)] = 1.0
     """Scale of travelled distances; feet slide if it is not 1."""
-    canon: Words = "none"
+    canon: Selection = "none"
     """Dancers who repeat the motion in canon, such as `mist` or `mist & 1-4`."""
     canon_beats: Annotated[float, Field(ge=0, le=16)] = 2.0
     """Delay in beats from one dancer of the canon to the next."""
@@ -246,7 +246,7 @@ class MocapSection(Section):
     """Whether dancers avoid the performer as a real person; they always do as another dancer."""
     attract: Annotated[float, Field(ge=-10, le=10)] = 0.0
     """How strongly the performer attracts dancers; below 0 they are repelled."""
-    attracts: Words = "*"
+    attracts: Selection = "*"
     """Dancers who are attracted or repelled, as in `mist & 1-4`; `*` is all."""
     delay_ms: Annotated[float, Field(ge=0, le=1000)] = 40.0
     """Delay between receiving and showing a pose; it absorbs the jitter of the network."""

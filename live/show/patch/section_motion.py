@@ -9,8 +9,8 @@ from pydantic import Field, field_validator, model_validator
 
 from live.base.body_catalogue import BODIES
 from live.base.errors import PersonError
-from live.show.patch.section_base import Amiss, Colour, Name, Place, Section, Share, Size
-from live.show.patch.section_picture import Draw, check_drawn
+from live.show.patch.section_base import Colour, InvalidEntry, Name, Place, Section, Share, Size
+from live.show.patch.section_picture import Draw, check_draw
 
 
 class LocomotionSection(Section):
@@ -65,9 +65,9 @@ class MotionSection(Section):
     """Steps and their mirror images, only the originals, or only the mirror images where they exist (T042)."""
 
 
-LONG: Final = 0.4
+DEFAULT_HOLD_TIME: Final = 0.4
 """Default time [s] for which hands must be near to count as held."""
-Who = Annotated[str, Field(min_length=1, max_length=400)]
+Selection = Annotated[str, Field(min_length=1, max_length=400)]
 
 
 class PartnerSection(Section):
@@ -75,10 +75,10 @@ class PartnerSection(Section):
 
     name: Name
     """Name for `/dance/partner/...` and for signals `unit:...`."""
-    leader: Who
+    leader: Selection
     """The leader: a group, or groups, attributes and numbers as in `ember & 1`; also a dancer driven by live motion.
     `path`: no leader; each follower walks along the path of their own agent, by examples of walks."""
-    follower: Who
+    follower: Selection
     """The followers, likewise: as many as leaders, in their order, or any number for one leader."""
     examples: Annotated[str, Field(min_length=1, max_length=1000)] | None = None
     """A TOML file of pairs (docs/partner.md), looked up in the patch's folder, then in the project's patches; left out:
@@ -107,21 +107,23 @@ class PartnerSection(Section):
     """For how long they must be so near [s]; left out: 0.4. A hold ends at 1.5 times the distance."""
 
     @model_validator(mode="after")
-    def _somebody_to_hold(self) -> Self:
+    def _hold_keys_fit(self) -> Self:
         if self.hold_distance is None and self.hold_time is not None:
-            raise Amiss("hold_time without hold_distance: no holds are looked for; give hold_distance", "hold_time")
-        if self.hold_distance is not None and (self.by_path or self.place == "own"):
-            why = 'a follower with leader = "path"' if self.by_path else 'a follower with place = "own"'
-            raise Amiss(f"{why} holds no hands; leave hold_distance out", "hold_distance")
+            raise InvalidEntry(
+                "hold_time without hold_distance: no holds are looked for; give hold_distance", "hold_time"
+            )
+        if self.hold_distance is not None and (self.led_by_path or self.place == "own"):
+            why = 'a follower with leader = "path"' if self.led_by_path else 'a follower with place = "own"'
+            raise InvalidEntry(f"{why} holds no hands; leave hold_distance out", "hold_distance")
         return self
 
     @property
-    def near(self) -> tuple[float, float] | None:
+    def hold_limits(self) -> tuple[float, float] | None:
         """Distance [m] and time [s] for which near hands count as held; None if no holds are looked for."""
-        return None if self.hold_distance is None else (self.hold_distance, self.hold_time or LONG)
+        return None if self.hold_distance is None else (self.hold_distance, self.hold_time or DEFAULT_HOLD_TIME)
 
     @property
-    def by_path(self) -> bool:
+    def led_by_path(self) -> bool:
         """Whether each follower is led by their own path instead of a leader."""
         return self.leader.strip().casefold() == "path"
 
@@ -133,7 +135,7 @@ ATTRACTOR: Final = "attractor"
 DEGREES: Final = "degrees"
 DANCER: Final = "dancer"
 GROUP: Final = "group"
-_WAYS: Final = "public, path, centre, attractor, a number of degrees, `dancer 3`, `group tide`"
+_FACING_HELP: Final = "public, path, centre, attractor, a number of degrees, `dancer 3`, `group tide`"
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,15 +171,15 @@ def parse_facing(words: str, *, dancers: int, groups: tuple[str, ...]) -> Facing
     name = said.removeprefix("group ").strip()
     if name in groups:
         return Facing(GROUP, name=name)
-    raise PersonError(f"facing {words[:60]!r} means nothing", f"possible are {_WAYS}")
+    raise PersonError(f"facing {words[:60]!r} means nothing", f"possible are {_FACING_HELP}")
 
 
-_REPEATED = re.compile(r"^(?P<step>.*?)(?:\s+x\s*(?P<times>[0-9]{1,3}))?$")
+_REPEAT_PATTERN = re.compile(r"^(?P<step>.*?)(?:\s+x\s*(?P<times>[0-9]{1,3}))?$")
 
 
 def parse_entry(entry: str) -> tuple[str, int]:
     """Return step name and number of repeats of an entry like "groove x4"; the default is 1 repeat."""
-    match = _REPEATED.match(entry.strip())
+    match = _REPEAT_PATTERN.match(entry.strip())
     if match is None:
         return entry.strip(), 1
     return match["step"].strip(), int(match["times"] or 1)
@@ -245,7 +247,7 @@ class GroupSection(Section):
 
     @field_validator("steps")
     @classmethod
-    def _known_form(cls, steps: tuple[str, ...]) -> tuple[str, ...]:
+    def _steps_are_valid(cls, steps: tuple[str, ...]) -> tuple[str, ...]:
         for entry in steps:
             name, times = parse_entry(entry)
             if not name or times < 1:
@@ -253,14 +255,14 @@ class GroupSection(Section):
         return steps
 
     @model_validator(mode="after")
-    def _dances_something(self) -> "GroupSection":
+    def _keys_fit(self) -> "GroupSection":
         if self.like is None and not self.steps:
             raise ValueError(f"group {self.name!r} has nothing to dance: give it steps, or say which group it is like")
         if self.like is not None and self.steps:
             raise ValueError(f"group {self.name!r} has steps and like = {self.like!r}: leave one out")
         if self.like is None and (self.beats_later or self.mirrored):
             raise ValueError(f"group {self.name!r}: beats_later and mirrored need like = another group's name")
-        check_drawn(self.draw, f"group {self.name!r}")
+        check_draw(self.draw, f"group {self.name!r}")
         for key in self.draw:
             if " " in key.strip():
                 raise ValueError(f"group {self.name!r}: draw {key!r}: leave out the group's name")

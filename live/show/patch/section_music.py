@@ -66,7 +66,7 @@ class ClockSection(Section):
         return self
 
     @model_validator(mode="after")
-    def _nobody_twice(self) -> "ClockSection":
+    def _sources_differ(self) -> "ClockSection":
         if len(set(self.priority)) < len(self.priority):
             raise ValueError("priority: a source is given twice")
         return self
@@ -75,7 +75,7 @@ class ClockSection(Section):
 Value = Annotated[float, Field(ge=-10, le=10, allow_inf_nan=False)]
 
 
-Picture = Annotated[str, Field(min_length=1, max_length=64, pattern="^/dance/")]
+PictureAddress = Annotated[str, Field(min_length=1, max_length=64, pattern="^/dance/")]
 
 
 class ReactSection(Section):
@@ -89,7 +89,9 @@ class ReactSection(Section):
     """The feature, 0 to 1 in the range heard so far: loudness, onset density, brightness, bass, progress of a build-up;
     of MIDI notes their velocity, density, number sounding, and pitch."""
     sets: (
-        Literal["larger", "amplitude", "mix", "arms", "texture", "head", "warp_beats", "strength"] | Picture | None
+        Literal["larger", "amplitude", "mix", "arms", "texture", "head", "warp_beats", "strength"]
+        | PictureAddress
+        | None
     ) = None
     """What it sets: a parameter of `[motion]`, the strength of elements that begin from then on, or a number of the
     picture by its address, as in `/dance/light/rim`."""
@@ -119,12 +121,12 @@ class ReactSection(Section):
         if (self.to is None) == (self.on is None):
             raise ValueError("either `to` and `sets`, or `on` and `call` expected")
         if self.sets is not None and self.sets.startswith("/"):
-            self._can_follow(self.sets)
+            self._check_address(self.sets)
         if self.call is not None and not isinstance(self.event(0.0), ControlEvent):
             raise ValueError(f"call {self.call!r} with {list(self.values)!r}: {self.event(0.0)}; see docs/osc.md")
         return self
 
-    def _can_follow(self, address: str) -> None:
+    def _check_address(self, address: str) -> None:
         known = BY_ADDRESS.get(address)
         if known is None or known.kind != "number":
             numbers = ", ".join(one.address for one in BY_ADDRESS.values() if one.kind == "number")

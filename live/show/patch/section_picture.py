@@ -6,14 +6,14 @@ from typing import Annotated, Final
 
 from pydantic import Field, field_validator, model_validator
 
-from live.base.body_catalogue import BODIES, MOST
-from live.base.custom_pass import MOST_CHARACTERS, MOST_PASSES, OwnPass, own_numbers, read_own_pass
+from live.base.body_catalogue import BODIES, MAX_CHARACTERS
+from live.base.custom_pass import MAX_CHARACTERS, MAX_PASSES, CustomShader, custom_pass_numbers, parse_custom_pass
 from live.base.errors import PersonError
-from live.base.picture_parameters import BY_ADDRESS, OF_GROUPS, STYLE_OF_GROUP
+from live.base.picture_parameters import BY_ADDRESS, GROUP_PARAMETERS, STYLE_ADDRESS_PREFIX
 from live.base.stage_snapshot import PASSES
 from live.motion.skeleton import SKELETON
-from live.show.desk.parameter_table import check_setting, numbers_of, split
-from live.show.patch.section_base import Amiss, Colour, Name, Section, Share
+from live.show.desk.parameter_table import check_setting, parse_value, split_key
+from live.show.patch.section_base import Colour, InvalidEntry, Name, Section, Share
 
 Number = float | tuple[float, float, float]
 
@@ -23,7 +23,7 @@ class OwnPassSection(Section):
 
     name: Annotated[str, Field(max_length=32)]
     """The name of its file."""
-    source: Annotated[str, Field(max_length=MOST_CHARACTERS)]
+    source: Annotated[str, Field(max_length=MAX_CHARACTERS)]
     """Its source in GLSL."""
 
 
@@ -36,79 +36,83 @@ class PictureSection(Section):
     patch."""
     set: Annotated[dict[str, Number], Field(max_length=200)] = Field(default={})
     """Initial values of picture parameters, by the control's address, as in `"/dance/pass/ink" = 1`."""
-    own: Annotated[tuple[OwnPassSection, ...], Field(max_length=MOST_PASSES)] = ()
+    own: Annotated[tuple[OwnPassSection, ...], Field(max_length=MAX_PASSES)] = ()
     """Sources of the custom passes, taken from their files, so that a journal contains them."""
 
     @cached_property
-    def own_passes(self) -> tuple[OwnPass, ...]:
+    def own_passes(self) -> tuple[CustomShader, ...]:
         """The custom passes; PersonError if one is invalid."""
-        return tuple(read_own_pass(one.name, one.source) for one in self.own)
+        return tuple(parse_custom_pass(one.name, one.source) for one in self.own)
 
     @model_validator(mode="after")
-    def _passes_are_there(self) -> "PictureSection":
+    def _passes_exist(self) -> "PictureSection":
         own = [one.name for one in self.own]
         try:
             assert self.own_passes is not None
         except PersonError as error:
-            raise Amiss(str(error), "passes") from None
+            raise InvalidEntry(str(error), "passes") from None
         for name in self.passes:
             if name not in PASSES and name not in own:
                 known = f"there are {', '.join(PASSES)}, and files passes/NAME.glsl beside the patch"
-                raise Amiss(f"there is no pass {name!r}: {known}", "passes")
+                raise InvalidEntry(f"there is no pass {name!r}: {known}", "passes")
             if self.passes.count(name) > 1 or (name in PASSES and name in own):
-                raise Amiss(f"the pass {name!r} is there twice: leave one out", "passes")
+                raise InvalidEntry(f"the pass {name!r} is there twice: leave one out", "passes")
         return self
 
     @model_validator(mode="after")
-    def _can_be_set(self) -> "PictureSection":
-        own = own_numbers(self.own_passes)
+    def _settings_are_valid(self) -> "PictureSection":
+        own = custom_pass_numbers(self.own_passes)
         for address, value in self.set.items():
             if address in own:
                 known = own[address]
                 if not isinstance(value, float) or not known.low <= value <= known.high:
-                    raise Amiss(f"{address!r} = {value!r}: {known.low:g} to {known.high:g} expected", "set", address)
+                    raise InvalidEntry(
+                        f"{address!r} = {value!r}: {known.low:g} to {known.high:g} expected", "set", address
+                    )
                 continue
             if address not in BY_ADDRESS:
-                raise Amiss(f"{address!r} is no parameter of the picture; docs/osc.md lists them", "set", address)
+                raise InvalidEntry(
+                    f"{address!r} is no parameter of the picture; docs/osc.md lists them", "set", address
+                )
             try:
-                numbers_of(address, value)
+                parse_value(address, value)
             except PersonError as error:
-                raise Amiss(str(error), "set", address) from None
+                raise InvalidEntry(str(error), "set", address) from None
         return self
 
-    def start(self) -> tuple[tuple[str, tuple[float, ...]], ...]:
+    def initial_values(self) -> tuple[tuple[str, tuple[float, ...]], ...]:
         """Return the addresses and initial values of the parameters."""
         return tuple(
             (address, value if isinstance(value, tuple) else (float(value),)) for address, value in self.set.items()
         )
 
 
-def _key(address: str) -> str:
-    return address.removeprefix(STYLE_OF_GROUP).replace("/", "_")
+def _draw_key(address: str) -> str:
+    return address.removeprefix(STYLE_ADDRESS_PREFIX).replace("/", "_")
 
 
-KEYS: Final = tuple(_key(address) for address in OF_GROUPS if address.startswith(STYLE_OF_GROUP))
+DRAW_KEYS: Final = tuple(_draw_key(address) for address in GROUP_PARAMETERS if address.startswith(STYLE_ADDRESS_PREFIX))
 """All keys of a drawing style."""
 Setting = float | bool | str | tuple[float, float, float]
 Draw = Annotated[dict[str, Setting], Field(max_length=400)]
 """Values by the control's address without `/dance/draw/`, with `_` or `/` between words: `ink_width`."""
 
 
-def drawn(said: Mapping[str, Setting]) -> dict[str, Setting]:
+def draw_settings(values: Mapping[str, Setting]) -> dict[str, Setting]:
     """Return the same values by the addresses of their controls, followed by the group's name if there is one."""
     settings = {}
-    for key, value in said.items():
+    for key, value in values.items():
         name, space, group = key.strip().partition(" ")
-        settings[STYLE_OF_GROUP + name.replace("_", "/") + space + group] = value
+        settings[STYLE_ADDRESS_PREFIX + name.replace("_", "/") + space + group] = value
     return settings
 
 
-def check_drawn(said: Mapping[str, Setting], where: str) -> None:
+def check_draw(values: Mapping[str, Setting], where: str) -> None:
     """Raise ValueError, with `where` in front, for an unknown key or an invalid value."""
-    for key, value in drawn(said).items():
-        address = split(key)[0]
-        if address not in OF_GROUPS or not address.startswith(STYLE_OF_GROUP):
-            raise ValueError(f"{where}: nothing is drawn by {_key(address)!r}; there are: {', '.join(KEYS)}")
+    for key, value in draw_settings(values).items():
+        address = split_key(key)[0]
+        if address not in GROUP_PARAMETERS or not address.startswith(STYLE_ADDRESS_PREFIX):
+            raise ValueError(f"{where}: nothing is drawn by {_draw_key(address)!r}; there are: {', '.join(DRAW_KEYS)}")
         try:
             check_setting(key, value)
         except PersonError as error:
@@ -155,22 +159,22 @@ class CharacterSection(Section):
 
     @field_validator("name")
     @classmethod
-    def _is_its_own(cls, name: str) -> str:
+    def _name_is_free(cls, name: str) -> str:
         if name in BODIES:
             raise ValueError(f"{name!r} is a body that every show has: give the character another name")
         return name
 
 
-Characters = Annotated[tuple[CharacterSection, ...], Field(max_length=MOST)]
+Characters = Annotated[tuple[CharacterSection, ...], Field(max_length=MAX_CHARACTERS)]
 
 
-Place = Annotated[str, Field(min_length=1, max_length=1000)]
+MotionPath = Annotated[str, Field(min_length=1, max_length=1000)]
 
 
 class TextureSection(Section):
     """`[texture]`: recordings that give dancers' upper bodies their motion, by the share `texture` of `[motion]`."""
 
-    recordings: Annotated[tuple[Place, ...], Field(max_length=64)] = ()
+    recordings: Annotated[tuple[MotionPath, ...], Field(max_length=64)] = ()
     """Motion files, or folders of them, looked up in the patch's folder, then in the project's patches. Beats are those
     in TOML files there, else they are estimated from the feet."""
     fps: Annotated[float, Field(ge=1, le=10_000)] | None = None

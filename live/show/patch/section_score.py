@@ -14,7 +14,7 @@ from live.base.errors import PersonError
 from live.control.events.events import ControlEvent, Signal
 from live.control.registry.registry import REGISTRY
 from live.show.patch.section_base import Name, Place, Section, Share
-from live.show.patch.section_elements import Line, Words
+from live.show.patch.section_elements import Polyline, Selection
 
 Measure = Annotated[int, Field(ge=1, le=100000)]
 Beat = Annotated[float, Field(ge=1, lt=33, allow_inf_nan=False)]
@@ -101,7 +101,7 @@ class SignalSection(Section):
     """Threshold, 0 to 1 in the range heard so far; left out: 0.75, and 0.25 for `quiet`, `sparse` and `dark`."""
 
     @model_validator(mode="after")
-    def _said_where(self) -> "SignalSection":
+    def _keys_fit(self) -> "SignalSection":
         if self.section is not None and self.measure is None:
             raise ValueError(f"signal {self.name!r}: section needs measure")
         if self.level is not None and self.on in (None, "drop"):
@@ -131,7 +131,7 @@ class SequenceSection(Section):
 
 
 Weight = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]
-Heard = Literal[
+Feature = Literal[
     "energy", "loudness", "density", "brightness", "low", "build", "note_energy", "note_density", "chord", "pitch"
 ]
 
@@ -139,7 +139,7 @@ Heard = Literal[
 class ImproviseRule(Section):
     """`[[improvise.rule]]`: changes the weights of steps while a feature of the music is within a range."""
 
-    of: Heard
+    of: Feature
     """The feature, 0 to 1 in the range heard so far; energy is the mean of loudness and density, of the music or of
     MIDI notes; the last four are of MIDI notes, as in `[[react]]`."""
     above: Share | None = None
@@ -150,7 +150,7 @@ class ImproviseRule(Section):
     """Factors for the weights of steps: 3 is three times as often, 0 never."""
 
     @model_validator(mode="after")
-    def _says_when(self) -> "ImproviseRule":
+    def _has_range(self) -> "ImproviseRule":
         if self.above is None and self.below is None:
             raise ValueError("above or below expected: from where on, or up to where, the rule holds")
         return self
@@ -167,7 +167,7 @@ class ImproviseMotion(Section):
     """Its values, as by OSC."""
 
     @model_validator(mode="after")
-    def _can_be_called(self) -> "ImproviseMotion":
+    def _call_is_valid(self) -> "ImproviseMotion":
         if self.call is not None and not isinstance(self.event(0.0), ControlEvent):
             raise ValueError(f"call {self.call!r} with {list(self.values)!r}: {self.event(0.0)}; see docs/osc.md")
         return self
@@ -209,7 +209,7 @@ class ImproviseSection(Section):
     """Rules that follow the music; if several hold, their factors are multiplied."""
 
     @model_validator(mode="after")
-    def _makes_sense(self) -> "ImproviseSection":
+    def _keys_fit(self) -> "ImproviseSection":
         if self.at_least > self.most:
             raise ValueError(f"at_least {self.at_least} is more than most {self.most}")
         if self.steps and not any(self.steps.values()):
@@ -223,7 +223,7 @@ class ImproviseSection(Section):
         return self
 
 
-def _readable(table: dict[str, Any]) -> dict[str, Any]:
+def _check_formation(table: dict[str, Any]) -> dict[str, Any]:
     try:
         spec = spec_from_table(table)
     except PersonError as error:
@@ -233,7 +233,7 @@ def _readable(table: dict[str, Any]) -> dict[str, Any]:
     return table
 
 
-FormationTable = Annotated[dict[str, Any], AfterValidator(_readable)]
+FormationTable = Annotated[dict[str, Any], AfterValidator(_check_formation)]
 """`[[formation]]`: the keys of docs/formations.md."""
 
 
@@ -242,7 +242,7 @@ def formation_names(tables: tuple[dict[str, Any], ...]) -> list[str]:
     return [str(table["name"]) for table in tables]
 
 
-def spec_of(table: dict[str, Any]) -> FormationSpec:
+def formation_spec(table: dict[str, Any]) -> FormationSpec:
     """Return the formation of a validated table."""
     return spec_from_table(table)
 
@@ -254,7 +254,7 @@ class RegroupSection(Section):
     """The first measure in which they dance with the other group, from 1."""
     section: Name | None = None
     """The section it belongs to, whose first measure is its measure 1; left out: measures of the whole score."""
-    dancers: Words
+    dancers: Selection
     """The dancers: groups, attributes, numbers and places as in `ember & left + 12-14`; places count at that time."""
     group: Name
     """The group whose steps they dance from then on."""
@@ -269,14 +269,14 @@ class SegmentSection(Section):
     """The section it belongs to, whose first measure is its measure 1; left out: measures of the whole score."""
     measures: Annotated[int, Field(ge=1, le=10000)] = 4
     """Measures until all have arrived, exactly on a measure line."""
-    group: Words = "*"
+    group: Selection = "*"
     """The dancers: a group, or groups, attributes, numbers and places as in `ember & left + 12-14`; places count when
     it begins."""
     formation: Annotated[str, Field(min_length=1, max_length=250)] | None = None
     """Their target: a `[[formation]]`, or words for one (`star:6`, `text:LIVE`, `circle poisson`)."""
     hold: bool = False
     """They hold the formation all the time; dancers not yet in place go there within the first measure."""
-    path: Line | None = None
+    path: Polyline | None = None
     """Instead of a formation: a drawn line (x, z) [m] along which they travel in their present formation."""
     single_file: bool = False
     """They travel one behind another, on the line itself."""

@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from live.base.errors import PersonError
 from live.base.projector_perspective import check_corners
-from live.show.patch.section_base import Amiss, Colour, Far, Name, Place, Section, Share
+from live.show.patch.section_base import Colour, InvalidEntry, Name, Place, Section, Share, WorldCoordinate
 
 Extent = Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)]
 Shift = Annotated[float, Field(ge=-5, le=5, allow_inf_nan=False)]
@@ -113,9 +113,9 @@ class SteeringSection(Section):
 class CameraSection(Section):
     """`[camera]`: position [m], direction, lens and motion of the camera."""
 
-    eye: tuple[Far, Far, Far] = (0.0, 3.4, 11.5)
+    eye: tuple[WorldCoordinate, WorldCoordinate, WorldCoordinate] = (0.0, 3.4, 11.5)
     """Position of the camera: x, y (up), z [m]."""
-    target: tuple[Far, Far, Far] = (0.0, 0.9, 0.0)
+    target: tuple[WorldCoordinate, WorldCoordinate, WorldCoordinate] = (0.0, 0.9, 0.0)
     """The point that it looks at [m]."""
     field_of_view_deg: Annotated[float, Field(ge=5, le=120)] = 40.0
     """Vertical field of view [degrees]."""
@@ -147,7 +147,7 @@ FloorCorners = Annotated[tuple[tuple[Shift, Shift], ...], Field(min_length=4, ma
 class ProjectorSection(Section):
     """`[projector]`: its perspective, given by its position and the floor's corners in its picture."""
 
-    at: tuple[Far, Far, Far]
+    at: tuple[WorldCoordinate, WorldCoordinate, WorldCoordinate]
     """Position of the projector's lens: x, y (up), z [m]."""
     corners: FloorCorners
     """The floor's corners in the picture: back left, back right, front right, front left as the audience sees them;
@@ -156,17 +156,17 @@ class ProjectorSection(Section):
     """Aspect ratio of that picture, width by height."""
 
     @model_validator(mode="after")
-    def _a_floor(self) -> "ProjectorSection":
-        refuse_no_floor(self.corners)
+    def _corners_are_valid(self) -> "ProjectorSection":
+        check_floor_corners(self.corners)
         return self
 
 
-def refuse_no_floor(corners: FloorCorners) -> None:
+def check_floor_corners(corners: FloorCorners) -> None:
     """Raise Amiss, at `corners`, if no perspective of a floor has these corners."""
     try:
         check_corners(corners)
     except PersonError as error:
-        raise Amiss(str(error), "corners") from None
+        raise InvalidEntry(str(error), "corners") from None
 
 
 class LookSection(Section):
@@ -180,7 +180,7 @@ class LookSection(Section):
     """Colour of the key light from the front, which casts the shadows."""
     key: Annotated[float, Field(ge=0, le=4)] | None = None
     """Strength of the light from the front; 1 is usual."""
-    key_direction: tuple[Far, Far, Far] | None = None
+    key_direction: tuple[WorldCoordinate, WorldCoordinate, WorldCoordinate] | None = None
     """Direction of the key light: x, y (up), z."""
     rim_light: Colour | None = None
     """Colour of the light from behind."""

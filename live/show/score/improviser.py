@@ -10,23 +10,23 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.errors import PersonError, named
+from live.base.errors import PersonError, error_context
 from live.control.events.events import ControlEvent
-from live.graph.motion_graph import NEVER, MotionGraph
-from live.graph.search.sequence_spec import Wanted
+from live.graph.motion_graph import UNREACHABLE, MotionGraph
+from live.graph.search.sequence_spec import SequenceEntry
 from live.show.patch.section_score import ImproviseSection
 from live.show.score.music_reactions import Mood
 from live.show.score.playhead import END, Place
 from live.show.score.score import Score
-from live.show.score.sequence_lookup import where_of
-from live.show.score.step_history import Ledger
-from live.show.score.step_names import UnknownStep, find_step, in_place, length_of
+from live.show.score.sequence_lookup import describe_place
+from live.show.score.step_history import StepHistory
+from live.show.score.step_names import UnknownStep, find_step, is_in_place, step_measures
 
-NOBODY: Final = -1
+NO_INDEX: Final = -1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Table:
+class ImproviseTable:
     """One `[[improvise]]` table resolved for one group: step indices and the measures it covers."""
 
     section: int
@@ -34,7 +34,7 @@ class Table:
     """First measure within the section, from 0."""
     end: int | None
     """Measure after the last; None: no end."""
-    asked: ImproviseSection
+    settings: ImproviseSection
     steps: tuple[int, ...]
     weights: npt.NDArray[np.float64]
     factors: tuple[npt.NDArray[np.float64], ...]
@@ -44,7 +44,7 @@ class Table:
     listening: int | None
 
 
-def table_of(
+def resolve_table(
     section: ImproviseSection,
     score: Score,
     graph: MotionGraph,
@@ -52,7 +52,7 @@ def table_of(
     groups: list[str],
     group: int,
     where: tuple[str | int, ...] = (),
-) -> Table | None:
+) -> ImproviseTable | None:
     """Resolve one `[[improvise]]` table for `group`, whose own steps are `own`; None if its place never comes.
 
     Raises PersonError for unknown names, or limits that cannot be kept.
@@ -60,7 +60,9 @@ def table_of(
     place = score.place_of(section.section, section.measure)
     if place is None:
         return None
-    with named(where_of(section.section, section.measure, f"improvise of group {groups[group]!r}"), where):
+    with error_context(
+        describe_place(section.section, section.measure, f"improvise of group {groups[group]!r}"), where
+    ):
         try:
             given = {find_step(graph, name): weight for name, weight in section.steps.items()}
             weights = given or dict.fromkeys(own, 1.0)
@@ -77,19 +79,19 @@ def table_of(
                 f"with one step alone it would come more than {section.most} times in a row",
                 "give it more steps, or most = 1000",
             )
-        caller = NOBODY
+        caller = NO_INDEX
         if section.answers is not None:
             caller = [name.casefold() for name in groups].index(section.answers.casefold())
-    size = score.playhead.stretches[place[0]].measures if place[0] != END else None
+    size = score.playhead.sections[place[0]].measures if place[0] != END else None
     end = size if section.measures is None else place[1] + section.measures
-    return Table(place[0], place[1], end, section, steps, np.array(list(weights.values())), tuple(factors), caller,
+    return ImproviseTable(place[0], place[1], end, section, steps, np.array(list(weights.values())), tuple(factors), caller,
                  listening)  # fmt: skip
 
 
 Nodes = npt.NDArray[np.int32]
-Kept = tuple[int, int, int]
+DrawState = tuple[int, int, int]
 """Last drawn step, measures left of it, and the index of the table that drew it."""
-Told = tuple[int, tuple[Wanted, ...], int]
+StepChoice = tuple[int, tuple[SequenceEntry, ...], int]
 
 STEP_SALT: Final = 0x1A9
 """Salt that separates these random numbers from those of a group's own steps."""
@@ -98,23 +100,23 @@ STEP_SALT: Final = 0x1A9
 class Improviser:
     """The step choices of one group. Ask for measures in order."""
 
-    def __init__(self, tables: list[Table], usual: Table, score: Score, ledger: Ledger, mood: Mood, *, group: int,
+    def __init__(self, tables: list[ImproviseTable], default_table: ImproviseTable, score: Score, history: StepHistory, mood: Mood, *, group: int,
                  seed: int, graph: MotionGraph) -> None:  # fmt: skip
         """`usual`: the table used when improvisation is requested where the score has none."""
-        self._tables, self._usual = tables, usual
-        self._score, self._ledger, self._mood, self._group = score, ledger, mood, group
+        self._tables, self._default_table = tables, default_table
+        self._score, self._history, self._mood, self._group = score, history, mood, group
         self._seed, self._graph = seed, graph
-        self.kept: Kept = (NOBODY, 0, NOBODY)
+        self.draw_state: DrawState = (NO_INDEX, 0, NO_INDEX)
         """State needed to ask for a measure again."""
-        self.asked = False
+        self.forced = False
         """Whether improvisation is requested by command, regardless of the score."""
 
-    def take_patch(self, fresh: "Improviser") -> None:
+    def apply_patch(self, fresh: "Improviser") -> None:
         """Adopt the tables of an edited patch."""
-        self._tables, self._usual = fresh._tables, fresh._usual
-        self._ledger.kept = max(self._ledger.kept, fresh._ledger.kept)
+        self._tables, self._default_table = fresh._tables, fresh._default_table
+        self._history.capacity = max(self._history.capacity, fresh._history.capacity)
 
-    def take_graph(self, graph: MotionGraph) -> None:
+    def set_graph(self, graph: MotionGraph) -> None:
         """Use a graph that contains all nodes and steps of the old one."""
         self._graph = graph
 
@@ -124,89 +126,98 @@ class Improviser:
             within = place.measure >= table.begin and (table.end is None or place.measure < table.end)
             if within and place.section == table.section:
                 return index
-        if not self.asked:
+        if not self.forced:
             return None
         return 0 if self._tables else len(self._tables)
 
-    def holds(self, measure: int) -> bool:
+    def is_improvised(self, measure: int) -> bool:
         """Whether the group improvises in `measure`."""
         return self._table(self._score.place(measure)) is not None
 
-    def note(self, measure: int, step: int, into: int) -> None:
+    def record(self, measure: int, step: int, into: int) -> None:
         """Record the step that the group dances in `measure`, whatever its origin."""
-        self._ledger.note(self._group, measure, step, into)
+        self._history.record(self._group, measure, step, into)
 
-    def told(self, measure: int, nodes: Nodes, *, stands: bool) -> Told | None:
+    def choose(self, measure: int, nodes: Nodes, *, standing: bool) -> StepChoice | None:
         """Return what the group dances in `measure`, see `Part.told`; None if it does not improvise."""
         place = self._score.place(measure)
         index = self._table(place)
         if index is None:
             return None
-        table = [*self._tables, self._usual][index]
-        told = self._answer(table, measure, place) if table.caller != NOBODY else None
-        return self._drawn(table, index, place, measure, nodes, stands) if told is None else told
+        table = [*self._tables, self._default_table][index]
+        told = self._respond(table, measure, place) if table.caller != NO_INDEX else None
+        return self._continue_draw(table, index, place, measure, nodes, standing) if told is None else told
 
-    def _answer(self, table: Table, measure: int, place: Place) -> Told | None:
+    def _respond(self, table: ImproviseTable, measure: int, place: Place) -> StepChoice | None:
         """In every second phrase return what the caller danced one phrase earlier, otherwise the listening step."""
-        size = table.asked.phrase
-        if not self._answers(table, place):
-            return None if table.listening is None else self._once(table.listening, measure)
-        if table.asked.answer == "other":
+        size = table.settings.phrase
+        if not self._is_response(table, place):
+            return None if table.listening is None else self._repeat(table.listening, measure)
+        if table.settings.answer == "other":
             return None
-        said = self._ledger.said(table.caller, measure - size)
+        said = self._history.step_at(table.caller, measure - size)
         if said is None:
             return None
         step, into = said
-        return step, (Wanted(step, length_of(self._graph, step)),), into
+        return step, (SequenceEntry(step, step_measures(self._graph, step)),), into
 
     @staticmethod
-    def _answers(table: Table, place: Place) -> bool:
-        return bool((place.measure - table.begin) // table.asked.phrase % 2)
+    def _is_response(table: ImproviseTable, place: Place) -> bool:
+        return bool((place.measure - table.begin) // table.settings.phrase % 2)
 
-    def _once(self, step: int, measure: int) -> Told:
+    def _repeat(self, step: int, measure: int) -> StepChoice:
         """Repeat one step."""
-        length = length_of(self._graph, step)
-        before = self._ledger.said(self._group, measure - 1)
+        length = step_measures(self._graph, step)
+        before = self._history.step_at(self._group, measure - 1)
         into = (before[1] + 1) % length if before is not None and before[0] == step else 0
-        return step, (Wanted(step, length),), into
+        return step, (SequenceEntry(step, length),), into
 
     # -- chance ------------------------------------------------------------------------------------------------
 
-    def _drawn(self, table: Table, index: int, place: Place, measure: int, nodes: Nodes, stands: bool) -> Told:
+    def _continue_draw(
+        self, table: ImproviseTable, index: int, place: Place, measure: int, nodes: Nodes, standing: bool
+    ) -> StepChoice:
         """Return the drawn step until its measures are over, then draw the next."""
-        step, left, whose = self.kept
+        step, left, whose = self.draw_state
         last, run = self._run(measure)
-        length = 0 if step == NOBODY else length_of(self._graph, step)
-        if whose != index or last != step or self._ledger.said(self._group, measure - 1) != (step, length - left - 1):
+        length = 0 if step == NO_INDEX else step_measures(self._graph, step)
+        if (
+            whose != index
+            or last != step
+            or self._history.step_at(self._group, measure - 1) != (step, length - left - 1)
+        ):
             left = 0  # another step was danced in between
         if left <= 0:
-            if last not in table.steps or run >= table.asked.at_least:
-                last = self._draw(table, place, measure, nodes, stands)
+            if last not in table.steps or run >= table.settings.at_least:
+                last = self._draw(table, place, measure, nodes, standing)
             step = last
-            left = length = length_of(self._graph, step)
-        self.kept = (step, left - 1, index)
-        return step, (Wanted(step, length),), length - left
+            left = length = step_measures(self._graph, step)
+        self.draw_state = (step, left - 1, index)
+        return step, (SequenceEntry(step, length),), length - left
 
     def _run(self, measure: int) -> tuple[int, int]:
         """Return the step before `measure`, and how often in a row it has begun."""
-        said = self._ledger.said(self._group, measure - 1)
+        said = self._history.step_at(self._group, measure - 1)
         if said is None:
-            return NOBODY, 0
+            return NO_INDEX, 0
         step, run = said[0], 0
         while said is not None and said[0] == step:
             run += said[1] == 0
             measure -= 1
-            said = self._ledger.said(self._group, measure - 1)
+            said = self._history.step_at(self._group, measure - 1)
         return step, run
 
-    def _draw(self, table: Table, place: Place, measure: int, nodes: Nodes, stands: bool) -> int:
+    def _draw(self, table: ImproviseTable, place: Place, measure: int, nodes: Nodes, standing: bool) -> int:
         """Draw by weight among the allowed steps, preferring steps that are reachable at once."""
         weights = self._weights(table, place, measure)
         steps = np.array(table.steps)
         hops = self._graph.hops[steps][:, nodes].max(axis=1, initial=0)
         possible = weights > 0.0
-        still = possible & np.array([in_place(self._graph, step) for step in table.steps])
-        for good in ([still & (hops <= 1)] if stands else []) + [possible & (hops <= 1), possible & (hops < NEVER)]:
+        still = possible & np.array([is_in_place(self._graph, step) for step in table.steps])
+        for good in ([still & (hops <= 1)] if standing else []) + [
+            possible & (hops <= 1),
+            possible & (hops < UNREACHABLE),
+        ]:
             if good.any():
                 possible = good
                 break
@@ -218,26 +229,26 @@ class Improviser:
         row = int(np.searchsorted(np.cumsum(weights), chance * weights.sum(), side="right"))
         return int(steps[min(row, len(steps) - 1)])
 
-    def _weights(self, table: Table, place: Place, measure: int) -> npt.NDArray[np.float64]:
+    def _weights(self, table: ImproviseTable, place: Place, measure: int) -> npt.NDArray[np.float64]:
         """Return the current step weights: limits, then the music rules, skipping any that would leave no step."""
         step, run = self._run(measure)
         allowed = table.weights.copy()
-        if run >= table.asked.most and step in table.steps:
+        if run >= table.settings.most and step in table.steps:
             allowed[table.steps.index(step)] = 0.0
         if not allowed.any():
             allowed = table.weights.copy()
         others = allowed.copy()
-        if table.caller != NOBODY and table.asked.answer == "other" and self._answers(table, place):
-            size = table.asked.phrase
+        if table.caller != NO_INDEX and table.settings.answer == "other" and self._is_response(table, place):
+            size = table.settings.phrase
             called = measure - (place.measure - table.begin) % size - size
-            phrase = (self._ledger.said(table.caller, m) for m in range(called, called + size))
+            phrase = (self._history.step_at(table.caller, m) for m in range(called, called + size))
             danced = {said[0] for said in phrase if said is not None}
             others[[step in danced for step in table.steps]] = 0.0
         if not others.any():
             others = allowed
         favoured = others.copy()
-        for rule, factors in zip(table.asked.rule, table.factors, strict=True):
-            value = self._mood.of(rule.of)
+        for rule, factors in zip(table.settings.rule, table.factors, strict=True):
+            value = self._mood.value(rule.of)
             if (rule.above is None or value >= rule.above) and (rule.below is None or value <= rule.below):
                 favoured *= factors
         return favoured if favoured.any() else others
@@ -259,7 +270,7 @@ class ImprovisedMotion:
                 end = place[1] + section.measures if section.measures is not None else None
                 self._tables.append((index, place[0], place[1], end, section))
 
-    def take_patch(self, fresh: "ImprovisedMotion") -> None:
+    def apply_patch(self, fresh: "ImprovisedMotion") -> None:
         """Adopt the tables of an edited patch."""
         self._tables = fresh._tables
 

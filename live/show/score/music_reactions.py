@@ -1,6 +1,6 @@
-"""Reactions to music: `Reactions` (the patch's `[[react]]` tables), `Mood` and `Occasions` (T016).
+"""Reactions to music: `Reactions` (the patch's `[[react]]` tables), `Mood` and `MusicSignals` (T016).
 
-`Mood` smooths music features over the last beats for improvisation. `Occasions` turns music events (louder, build-up,
+`Mood` smooths music features over the last beats for improvisation. `MusicSignals` turns music events (louder, build-up,
 drop) into named signals.
 """
 
@@ -10,35 +10,35 @@ from typing import Any, Final
 
 from live.control.events.events import ControlEvent, MusicHeard, NotesHeard, SetMotion, SetPicture
 from live.show.patch.patch import Patch
-from live.show.patch.score_checks import UNIT
+from live.show.patch.score_checks import UNIT_PREFIX
 from live.show.patch.section_music import ReactSection
 from live.show.patch.section_score import SignalSection
 
-DENSE: Final = 6.0
+FULL_DENSITY: Final = 6.0
 """Onsets per beat that map to level 1."""
-BEATS: Final = 4.0
+SMOOTHING_BEATS: Final = 4.0
 """Time constant of the smoothing [beats]."""
 NAMES: Final = ("loudness", "density", "brightness", "low", "build")
 NOTE_NAMES: Final = ("note_energy", "note_density", "chord", "pitch")
 """Features of MIDI notes."""
-FULL: Final = 8.0
+FULL_CHORD: Final = 8.0
 """Simultaneous notes that map to level 1."""
 
 
-def level_of(event: MusicHeard, name: str) -> float:
+def music_level(event: MusicHeard, name: str) -> float:
     """Return the music feature `name` of `NAMES`, 0 to 1."""
-    return min(event.density / DENSE, 1.0) if name == "density" else float(getattr(event, name))
+    return min(event.density / FULL_DENSITY, 1.0) if name == "density" else float(getattr(event, name))
 
 
-def note_level_of(event: NotesHeard, name: str) -> float:
+def note_level(event: NotesHeard, name: str) -> float:
     """Return the note feature `name` of `NOTE_NAMES`, 0 to 1."""
     match name:
         case "note_energy":
             return event.energy
         case "note_density":
-            return min(event.density / DENSE, 1.0)
+            return min(event.density / FULL_DENSITY, 1.0)
         case "chord":
-            return min(event.chord / FULL, 1.0)
+            return min(event.chord / FULL_CHORD, 1.0)
     return event.pitch
 
 
@@ -52,25 +52,25 @@ class Mood:
     def __init__(self) -> None:
         self._values = {**dict.fromkeys(NAMES, 0.5), "build": 0.0}
         self._values |= {**dict.fromkeys(NOTE_NAMES, 0.0), "pitch": 0.5}
-        self._heard = False
+        self._has_music = False
         self.notes: NotesHeard | None = None
         """The last NotesHeard event."""
 
-    def hear_notes(self, event: NotesHeard) -> None:
+    def update_notes(self, event: NotesHeard) -> None:
         """Update the note features."""
-        share = 1.0 - math.exp(-event.beats / BEATS) if self.notes is not None else 1.0
+        share = 1.0 - math.exp(-event.beats / SMOOTHING_BEATS) if self.notes is not None else 1.0
         self.notes = event
         for name in NOTE_NAMES:
-            self._values[name] += share * (note_level_of(event, name) - self._values[name])
+            self._values[name] += share * (note_level(event, name) - self._values[name])
 
-    def hear(self, event: MusicHeard) -> None:
+    def update(self, event: MusicHeard) -> None:
         """Update the music features by one beat."""
-        share = 1.0 - math.exp(-1.0 / BEATS) if self._heard else 1.0
-        self._heard = True
+        share = 1.0 - math.exp(-1.0 / SMOOTHING_BEATS) if self._has_music else 1.0
+        self._has_music = True
         for name in NAMES:
-            self._values[name] += share * (level_of(event, name) - self._values[name])
+            self._values[name] += share * (music_level(event, name) - self._values[name])
 
-    def of(self, name: str) -> float:
+    def value(self, name: str) -> float:
         """Return a feature by name, 0 to 1.
 
         `energy` is the mean of loudness and density, of the music or of the notes, whichever is higher.
@@ -81,16 +81,16 @@ class Mood:
         music, notes = values["loudness"] + values["density"], values["note_energy"] + values["note_density"]
         if self.notes is None:
             return 0.5 * music
-        return 0.5 * (max(music, notes) if self._heard else notes)
+        return 0.5 * (max(music, notes) if self._has_music else notes)
 
 
-BUILDING: Final = 0.5
+BUILD_BEGIN: Final = 0.5
 """Level at which a build-up begins."""
 
-NOT_BUILDING: Final = 0.2
+BUILD_END: Final = 0.2
 """Level at which a build-up ends."""
 
-SMOOTH: Final = 0.25
+FADE_MEASURES: Final = 0.25
 """Fade time of light that follows the music [measures]: about until the next beat."""
 STRENGTH: Final = "strength"
 
@@ -102,13 +102,13 @@ class Reactions:
     """
 
     def __init__(self, patch: Patch) -> None:
-        self._follows = [section for section in patch.react if section.to is not None]
-        self._calls = [section for section in patch.react if section.on is not None]
-        self._values: list[float | None] = [None] * len(self._follows)
-        self._waiting: list[ReactSection] = []
-        self.soon: list[ReactSection] = []
+        self._value_sections = [section for section in patch.react if section.to is not None]
+        self._call_sections = [section for section in patch.react if section.on is not None]
+        self._values: list[float | None] = [None] * len(self._value_sections)
+        self._line_calls: list[ReactSection] = []
+        self.pending_calls: list[ReactSection] = []
         """Sections whose calls are due before the next line; the caller empties it."""
-        self.calm = False
+        self.suppressed = False
         """Whether calls are suppressed; values still follow the music."""
         self._building = False
         self._last: MusicHeard | None = None
@@ -117,33 +117,33 @@ class Reactions:
         self.drops = 0
         """Drops heard so far."""
 
-    def take_patch(self, fresh: "Reactions") -> None:
+    def apply_patch(self, fresh: "Reactions") -> None:
         """Adopt the tables of an edited patch; values that are already followed continue smoothly."""
-        known = dict(zip(self._follows, self._values, strict=True))
-        self._follows, self._calls = fresh._follows, fresh._calls
-        self._values = [known.get(section) for section in self._follows]
-        self._waiting = [section for section in self._waiting if section in self._calls]
-        self.soon = [section for section in self.soon if section in self._calls]
-        if not any(section.sets == STRENGTH for section in self._follows):
+        known = dict(zip(self._value_sections, self._values, strict=True))
+        self._value_sections, self._call_sections = fresh._value_sections, fresh._call_sections
+        self._values = [known.get(section) for section in self._value_sections]
+        self._line_calls = [section for section in self._line_calls if section in self._call_sections]
+        self.pending_calls = [section for section in self.pending_calls if section in self._call_sections]
+        if not any(section.sets == STRENGTH for section in self._value_sections):
             self.strength = 1.0
 
-    def hear(self, event: MusicHeard) -> list[ControlEvent]:
+    def handle_music(self, event: MusicHeard) -> list[ControlEvent]:
         """Return the immediate changes caused by one beat of the music."""
         self._last = event
         self.drops += event.drop
-        begins = event.build >= BUILDING and not self._building
-        self._building = event.build >= (NOT_BUILDING if self._building else BUILDING)
-        self._happens([*(["drop"] if event.drop else []), *(["build"] if begins else [])])
-        return self._follow(event.time, {name: level_of(event, name) for name in NAMES}, 1.0)
+        begins = event.build >= BUILD_BEGIN and not self._building
+        self._building = event.build >= (BUILD_END if self._building else BUILD_BEGIN)
+        self._trigger([*(["drop"] if event.drop else []), *(["build"] if begins else [])])
+        return self._follow(event.time, {name: music_level(event, name) for name in NAMES}, 1.0)
 
-    def hear_notes(self, event: NotesHeard) -> list[ControlEvent]:
+    def handle_notes(self, event: NotesHeard) -> list[ControlEvent]:
         """Return the immediate changes caused by the current notes."""
-        return self._follow(event.time, {name: note_level_of(event, name) for name in NOTE_NAMES}, event.beats)
+        return self._follow(event.time, {name: note_level(event, name) for name in NOTE_NAMES}, event.beats)
 
     def _follow(self, time: float, levels: Mapping[str, float], beats: float) -> list[ControlEvent]:
         """Return the changes that follow these levels, `beats` after the previous levels."""
         changes: list[ControlEvent] = []
-        for index, section in enumerate(self._follows):
+        for index, section in enumerate(self._value_sections):
             heard = levels.get(section.to or "")
             if heard is None:
                 continue
@@ -151,36 +151,38 @@ class Reactions:
             if section.sets == STRENGTH:
                 self.strength = max(value, 0.0)
             elif section.sets is not None and section.sets.startswith("/"):
-                changes.append(SetPicture(time=time, source="music", parameter=section.sets, x=value, measures=SMOOTH))
+                changes.append(
+                    SetPicture(time=time, source="music", parameter=section.sets, x=value, measures=FADE_MEASURES)
+                )
             elif section.sets is not None:
                 group = "" if section.group == "*" else section.group
                 changes.append(SetMotion(time=time, source="music", parameter=section.sets, value=value, group=group))
         return changes
 
-    def signal(self, name: str) -> None:
+    def handle_signal(self, name: str) -> None:
         """Handle a signal."""
-        self._happens([name.casefold()])
+        self._trigger([name.casefold()])
 
-    def unit(self, label: str) -> None:
+    def handle_unit(self, label: str) -> None:
         """Handle a unit danced by an answering partner: `turn/2` triggers `unit:turn/2` and `unit:turn`."""
-        name = UNIT + label.casefold()
-        self._happens([name, name.rpartition("/")[0]])
+        name = UNIT_PREFIX + label.casefold()
+        self._trigger([name, name.rpartition("/")[0]])
 
-    def _happens(self, names: list[str]) -> None:
-        if self.calm:
+    def _trigger(self, names: list[str]) -> None:
+        if self.suppressed:
             return
-        for section in self._calls:
-            if (section.on or "").casefold() in names and section not in self._waiting + self.soon:
-                (self._waiting if section.when == "measure" else self.soon).append(section)
+        for section in self._call_sections:
+            if (section.on or "").casefold() in names and section not in self._line_calls + self.pending_calls:
+                (self._line_calls if section.when == "measure" else self.pending_calls).append(section)
 
-    def forget(self) -> None:
+    def clear_calls(self) -> None:
         """Discard all waiting calls."""
-        self._waiting.clear()
-        self.soon.clear()
+        self._line_calls.clear()
+        self.pending_calls.clear()
 
     def cross_measure_line(self, time: float) -> list[ControlEvent]:
         """Return the calls that waited for the measure line."""
-        waiting, self._waiting = self._waiting, []
+        waiting, self._line_calls = self._line_calls, []
         return [event for section in waiting if isinstance(event := section.event(time), ControlEvent)]
 
     def facts(self) -> dict[str, Any]:
@@ -191,59 +193,59 @@ class Reactions:
         names = ("loudness", "density", "brightness", "low", "build", "loudness_db")
         return {**{name: round(getattr(last, name), 3) for name in names}, "drops": self.drops}
 
-    def _smoothed(self, index: int, section: ReactSection, heard: float, beats: float) -> float:
+    def _smoothed(self, index: int, section: ReactSection, level: float, beats: float) -> float:
         before = self._values[index]
         share = 1.0 if before is None or section.beats == 0.0 else 1.0 - math.exp(-beats / section.beats)
-        value = heard if before is None else before + share * (heard - before)
+        value = level if before is None else before + share * (level - before)
         self._values[index] = value
         return section.low + (section.high - section.low) * value
 
 
-MUCH: Final = 0.75
-LITTLE: Final = 0.25
-BACK: Final = 0.1
+HIGH_LEVEL: Final = 0.75
+LOW_LEVEL: Final = 0.25
+HYSTERESIS: Final = 0.1
 """Hysteresis: a passed level triggers again after it was left by this much (three times as much for a build-up)."""
-_HEARD: Final = {
-    "build": ("build", True, BUILDING),
-    "loud": ("loudness", True, MUCH),
-    "quiet": ("loudness", False, LITTLE),
-    "dense": ("density", True, MUCH),
-    "sparse": ("density", False, LITTLE),
-    "bright": ("brightness", True, MUCH),
-    "dark": ("brightness", False, LITTLE),
+_TRIGGERS: Final = {
+    "build": ("build", True, BUILD_BEGIN),
+    "loud": ("loudness", True, HIGH_LEVEL),
+    "quiet": ("loudness", False, LOW_LEVEL),
+    "dense": ("density", True, HIGH_LEVEL),
+    "sparse": ("density", False, LOW_LEVEL),
+    "bright": ("brightness", True, HIGH_LEVEL),
+    "dark": ("brightness", False, LOW_LEVEL),
 }
 
 
-class Occasions:
+class MusicSignals:
     """Detector for the patch's music signals. Takes MusicHeard in order. Thread: the show's."""
 
     def __init__(self, signals: Iterable[SignalSection]) -> None:
         self._signals = [signal for signal in signals if signal.on is not None]
-        self._there = [False] * len(self._signals)
+        self._active = [False] * len(self._signals)
 
-    def take_patch(self, fresh: "Occasions") -> None:
+    def apply_patch(self, fresh: "MusicSignals") -> None:
         """Adopt the signals of an edited patch."""
-        known = dict(zip(self._signals, self._there, strict=True))
+        known = dict(zip(self._signals, self._active, strict=True))
         self._signals = fresh._signals
-        self._there = [known.get(signal, False) for signal in self._signals]
+        self._active = [known.get(signal, False) for signal in self._signals]
 
-    def hear(self, event: MusicHeard) -> list[str]:
+    def detect(self, event: MusicHeard) -> list[str]:
         """Return the names of the signals that one beat of the music triggers."""
         names = []
         for index, signal in enumerate(self._signals):
             if signal.on == "drop":
                 comes = event.drop
             else:
-                name, high, level = _HEARD[signal.on or "build"]
+                name, high, level = _TRIGGERS[signal.on or "build"]
                 level = level if signal.level is None else signal.level
-                heard = level_of(event, name)
-                back = 3.0 * BACK if name == "build" else BACK
-                if self._there[index]:
+                heard = music_level(event, name)
+                back = 3.0 * HYSTERESIS if name == "build" else HYSTERESIS
+                if self._active[index]:
                     is_there = heard > level - back if high else heard < level + back
                 else:
                     is_there = heard >= level if high else heard <= level
-                comes = is_there and not self._there[index]
-                self._there[index] = is_there
+                comes = is_there and not self._active[index]
+                self._active[index] = is_there
             if comes:
                 names.append(signal.name)
         return names

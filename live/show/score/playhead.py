@@ -14,7 +14,7 @@ When = Literal["measure", "section"]
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class SectionTiming:
     """A section as the playhead sees it."""
 
     name: str
@@ -22,7 +22,7 @@ class Stretch:
     """Length of one pass; None: no end."""
     repeat: int = 1
     """Number of passes before the next section; 0: until an operator advances."""
-    then: int = END
+    next_section: int = END
     """Index of the next section, or END."""
 
 
@@ -39,13 +39,13 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True)
-class Stand:
+class PlayheadState:
     """Position of the score in one measure of the show, with the state needed to continue."""
 
     place: Place
     passes: int
     """Passes of this visit to the section, including the present one."""
-    begun: tuple[int, ...]
+    begin_counts: tuple[int, ...]
     """How often each section has begun."""
     entered: bool
     """Whether the score entered this place with this measure; a held measure starts nothing again."""
@@ -54,7 +54,7 @@ class Stand:
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class PlayheadRequest:
     """Requests that wait for a line."""
 
     section: int | None = None
@@ -66,110 +66,110 @@ class Asked:
     """Whether to leave the section after this pass, regardless of its repeats."""
 
 
-LATER: Final = 4
+KEPT_MEASURES: Final = 4
 """Past measures that are kept, because callers may still ask about the last one."""
 
 
 class Playhead:
     """Position of each measure. Deterministic: the same calls give the same places. Thread: the show's."""
 
-    def __init__(self, stretches: Sequence[Stretch]) -> None:
+    def __init__(self, sections: Sequence[SectionTiming]) -> None:
         """At least one stretch; before the first `cross` the score waits for measure 0 of the first."""
-        self.stretches = tuple(stretches)
+        self.sections = tuple(sections)
         self.measure = -1
         """Current measure of the show."""
         self.held = False
         """Whether the score stays in its measure."""
         self.practice: tuple[int, int] | None = None
         """First and last measure of the practice loop in the written score, from 0; None: no practice."""
-        self._asked = Asked()
-        self._stands = {-1: Stand(Place(END, -1), 0, (0,) * len(self.stretches), entered=True)}
-        self._firsts: list[int] = []
+        self._request = PlayheadRequest()
+        self._states = {-1: PlayheadState(Place(END, -1), 0, (0,) * len(self.sections), entered=True)}
+        self._section_starts: list[int] = []
         """First measure of each section in the written score."""
         first = 0
-        for stretch in self.stretches:
-            self._firsts.append(first)
+        for stretch in self.sections:
+            self._section_starts.append(first)
             first += stretch.measures or 0
 
-    def take_patch(self, fresh: "Playhead") -> None:
+    def apply_patch(self, fresh: "Playhead") -> None:
         """Adopt the sections of an edited score. The section is found by name, else by its written measure number.
 
         In a section that is shorter now, the measure wraps around. A jump to a removed section and practice in removed
         measures are cancelled.
         """
-        old, names = self.stretches, {stretch.name.casefold(): i for i, stretch in enumerate(fresh.stretches)}
+        old, names = self.sections, {stretch.name.casefold(): i for i, stretch in enumerate(fresh.sections)}
         known = [names.get(stretch.name.casefold()) for stretch in old]
-        begun = [0] * len(fresh.stretches)
-        stand = self._stands[self.measure]
-        for index, count in zip(known, stand.begun, strict=True):
+        begun = [0] * len(fresh.sections)
+        stand = self._states[self.measure]
+        for index, count in zip(known, stand.begin_counts, strict=True):
             if index is not None:
                 begun[index] = count
-        written = self.written(stand.place)
-        self.stretches, self._firsts = fresh.stretches, fresh._firsts
-        place, asked = stand.place, self._asked
+        written = self.written_measure(stand.place)
+        self.sections, self._section_starts = fresh.sections, fresh._section_starts
+        place, asked = stand.place, self._request
         if place.section != END:
-            place = self._found(known[place.section], place, written)
+            place = self._relocate(known[place.section], place, written)
         if asked.section not in (None, END):
             index = known[asked.section or 0]
-            size = None if index is None else self.stretches[index].measures
+            size = None if index is None else self.sections[index].measures
             there = index is not None and (size is None or asked.measure < size)
-            asked = replace(asked, section=index) if there else Asked(leave=asked.leave)
+            asked = replace(asked, section=index) if there else PlayheadRequest(leave=asked.leave)
         if self.practice is not None and self.length is not None and self.practice[1] >= self.length:
             self.practice = None
-        self._stands = {self.measure: replace(stand, place=place, begun=tuple(begun))}
-        self._ask(asked)
+        self._states = {self.measure: replace(stand, place=place, begin_counts=tuple(begun))}
+        self._set_request(asked)
 
-    def _found(self, index: int | None, place: Place, written: int) -> Place:
+    def _relocate(self, index: int | None, place: Place, written: int) -> Place:
         """Return `place` in the present sections; its section has the number `index` now."""
         if index is not None:
-            size = self.stretches[index].measures
+            size = self.sections[index].measures
             return replace(place, section=index, measure=place.measure if size is None else place.measure % size)
         try:
-            return self.of_written(written)
+            return self.place_of_written(written)
         except ValueError:
             return Place(0, 0)
 
     # -- position ----------------------------------------------------------------------------------------------
 
-    def cross(self, measure: int) -> None:
+    def begin_measure(self, measure: int) -> None:
         """Begin `measure` (from 0; below 0 before the first downbeat)."""
         if measure < 0:
-            self._stands = {measure: replace(self._stands[self.measure], place=Place(END, measure))}
+            self._states = {measure: replace(self._states[self.measure], place=Place(END, measure))}
         else:
-            last = self._stand(max(measure - 1, -1)) if self.measure < measure - 1 else self._stands[self.measure]
-            stand = self._stands.get(measure) or self._next(last, measure)
-            self._stands = {k: kept for k, kept in self._stands.items() if measure - LATER <= k < measure}
-            self._stands[measure] = stand
-            self._settle(stand)
+            last = self._state_at(max(measure - 1, -1)) if self.measure < measure - 1 else self._states[self.measure]
+            stand = self._states.get(measure) or self._next(last, measure)
+            self._states = {k: kept for k, kept in self._states.items() if measure - KEPT_MEASURES <= k < measure}
+            self._states[measure] = stand
+            self._clear_done(stand)
         self.measure = measure
 
     def place(self, measure: int) -> Place:
         """Return the place of `measure`: the current one, one of the last few, or a future one if no more requests
         come."""
-        return self._stand(measure).place
+        return self._state_at(measure).place
 
     ahead = place
 
     def section_name(self, place: Place) -> str:
         """Return the name of the place's section; empty outside of all sections."""
-        return "" if place.section == END else self.stretches[place.section].name
+        return "" if place.section == END else self.sections[place.section].name
 
     def entered(self, measure: int) -> bool:
         """Whether the score enters its place with `measure`; False while held and outside of all sections."""
-        stand = self._stand(measure)
+        stand = self._state_at(measure)
         return stand.entered and stand.place.section != END
 
     def jumped(self, measure: int) -> bool:
         """Whether a request brought the score to its place in `measure`."""
-        return self._stand(measure).jumped
+        return self._state_at(measure).jumped
 
-    def written(self, place: Place) -> int:
+    def written_measure(self, place: Place) -> int:
         """Return the measure of `place` in the written score (each section once, in order), from 0."""
-        return place.measure if place.section == END else self._firsts[place.section] + place.measure
+        return place.measure if place.section == END else self._section_starts[place.section] + place.measure
 
-    def of_written(self, measure: int) -> Place:
+    def place_of_written(self, measure: int) -> Place:
         """Return the place of a measure of the written score; raises ValueError if there is none."""
-        for index, (first, stretch) in enumerate(zip(self._firsts, self.stretches, strict=True)):
+        for index, (first, stretch) in enumerate(zip(self._section_starts, self.sections, strict=True)):
             if measure >= first and (stretch.measures is None or measure < first + stretch.measures):
                 return Place(index, measure - first)
         raise ValueError(f"the score has no measure {measure + 1}: it has {self.length}")
@@ -177,24 +177,24 @@ class Playhead:
     @property
     def length(self) -> int | None:
         """Measures of the written score; None if it has no end."""
-        last = self.stretches[-1].measures
-        return None if last is None else self._firsts[-1] + last
+        last = self.sections[-1].measures
+        return None if last is None else self._section_starts[-1] + last
 
     @property
     def passes(self) -> int:
         """Number of the current pass through the section, from 1 at each arrival."""
-        return self._stand(self.measure).passes
+        return self._state_at(self.measure).passes
 
     @property
     def waiting(self) -> bool:
         """Whether the current section repeats until an operator advances."""
         section = self.place(self.measure).section
-        return section != END and self.stretches[section].repeat == 0 and not self._asked.leave
+        return section != END and self.sections[section].repeat == 0 and not self._request.leave
 
     @property
-    def going(self) -> tuple[int, int, When] | None:
+    def pending_jump(self) -> tuple[int, int, When] | None:
         """The waiting jump: section, measure and when it happens; None if there is none."""
-        asked = self._asked
+        asked = self._request
         if asked.section is None:
             return None
         return asked.section, asked.measure, "section" if asked.at_section else "measure"
@@ -206,13 +206,13 @@ class Playhead:
 
         The last jump counts. Raises ValueError for a missing place.
         """
-        if not 0 <= section < len(self.stretches):
+        if not 0 <= section < len(self.sections):
             raise ValueError(f"there is no section {section}")
-        size = self.stretches[section].measures
+        size = self.sections[section].measures
         if measure < 0 or (size is not None and measure >= size):
-            raise ValueError(f"section {self.stretches[section].name!r} has no measure {measure + 1}: it has {size}")
+            raise ValueError(f"section {self.sections[section].name!r} has no measure {measure + 1}: it has {size}")
         self.practice = None
-        self._ask(Asked(section, measure, when == "section"))
+        self._set_request(PlayheadRequest(section, measure, when == "section"))
 
     def advance(self, when: When = "section") -> None:
         """Leave the section for the next one, after the present pass regardless of repeats, or at the next line.
@@ -221,19 +221,19 @@ class Playhead:
         """
         here = self.place(self.measure).section
         if here == END or when == "measure":
-            then = 0 if here == END else self.stretches[here].then
+            then = 0 if here == END else self.sections[here].next_section
             if then == END:
-                self._ask(Asked(END))
+                self._set_request(PlayheadRequest(END))
             else:
                 self.jump(then)
             return
         self.practice = None
-        self._ask(replace(self._asked, leave=True))
+        self._set_request(replace(self._request, leave=True))
 
     def hold(self, on: bool) -> None:
         """Keep the score in its present measure, or resume it; the dancers continue with their current steps."""
         self.held = on
-        self._ask(self._asked)
+        self._set_request(self._request)
 
     def loop(self, practice: tuple[int, int] | None) -> None:
         """Practice: from the next line on repeat these measures of the written score (from 0, both included); None:
@@ -242,82 +242,84 @@ class Playhead:
             first, last = practice
             if first > last:
                 raise ValueError(f"measures {first + 1} to {last + 1}: the first one comes last")
-            self.of_written(first), self.of_written(last)
+            self.place_of_written(first), self.place_of_written(last)
         self.practice = practice
-        self._ask(Asked())
+        self._set_request(PlayheadRequest())
 
     # -- transitions -------------------------------------------------------------------------------------------
 
-    def _ask(self, asked: Asked) -> None:
-        self._asked = asked
-        self._stands = {k: stand for k, stand in self._stands.items() if k <= self.measure}
+    def _set_request(self, request: PlayheadRequest) -> None:
+        self._request = request
+        self._states = {k: stand for k, stand in self._states.items() if k <= self.measure}
 
-    def _stand(self, measure: int) -> Stand:
-        if measure in self._stands:
-            return self._stands[measure]
+    def _state_at(self, measure: int) -> PlayheadState:
+        if measure in self._states:
+            return self._states[measure]
         if measure < self.measure:
-            return replace(self._stands[self.measure], place=Place(END, measure), entered=False)
+            return replace(self._states[self.measure], place=Place(END, measure), entered=False)
         last = self.measure
-        while last + 1 in self._stands:
+        while last + 1 in self._states:
             last += 1
         for number in range(last + 1, measure + 1):
-            self._stands[number] = self._next(self._stands[number - 1], number)
-        return self._stands[measure]
+            self._states[number] = self._next(self._states[number - 1], number)
+        return self._states[measure]
 
-    def _settle(self, stand: Stand) -> None:
+    def _clear_done(self, state: PlayheadState) -> None:
         """Clear the requests that took effect with this measure."""
-        if stand.jumped:
-            self._asked = Asked()
+        if state.jumped:
+            self._request = PlayheadRequest()
 
-    def _pending(self, number: int) -> Asked:
+    def _pending(self, number: int) -> PlayheadRequest:
         """Return the requests for the line of `number`; each takes effect once, at the first possible measure."""
-        happened = any(stand.jumped for k, stand in self._stands.items() if self.measure < k < number)
-        return Asked() if happened else self._asked
+        happened = any(stand.jumped for k, stand in self._states.items() if self.measure < k < number)
+        return PlayheadRequest() if happened else self._request
 
-    def _next(self, stand: Stand, number: int) -> Stand:
+    def _next(self, state: PlayheadState, number: int) -> PlayheadState:
         """Return the position in `number`, the measure after `stand`."""
         if number < 0:
-            return replace(stand, place=Place(END, number))
-        here, asked = stand.place, self._pending(number)
+            return replace(state, place=Place(END, number))
+        here, asked = state.place, self._pending(number)
         if asked.section is not None and not asked.at_section:
-            return self._begun(stand, asked.section, asked.measure, 1, jumped=True)
+            return self._enter(state, asked.section, asked.measure, 1, jumped=True)
         if self.practice is not None:
-            return self._practised(stand)
+            return self._next_in_practice(state)
         if here.section == END:
             if here.measure < 0:
-                return self._begun(stand, 0, 0, 1)
-            return replace(stand, place=Place(END, here.measure + 1), entered=False, jumped=False)
+                return self._enter(state, 0, 0, 1)
+            return replace(state, place=Place(END, here.measure + 1), entered=False, jumped=False)
         if self.held:
-            return replace(stand, entered=False, jumped=False)
-        stretch = self.stretches[here.section]
+            return replace(state, entered=False, jumped=False)
+        stretch = self.sections[here.section]
         if stretch.measures is None or here.measure + 1 < stretch.measures:
             there = replace(here, measure=here.measure + 1)
-            return replace(stand, place=there, entered=True, jumped=False)
+            return replace(state, place=there, entered=True, jumped=False)
         if asked.section is not None:
-            return self._begun(stand, asked.section, asked.measure, 1, jumped=True)
+            return self._enter(state, asked.section, asked.measure, 1, jumped=True)
         if asked.leave:
-            return self._begun(stand, stretch.then, 0, 1, jumped=True)
-        if stretch.repeat == 0 or stand.passes < stretch.repeat:
-            return self._begun(stand, here.section, 0, stand.passes + 1)
-        return self._begun(stand, stretch.then, 0, 1)
+            return self._enter(state, stretch.next_section, 0, 1, jumped=True)
+        if stretch.repeat == 0 or state.passes < stretch.repeat:
+            return self._enter(state, here.section, 0, state.passes + 1)
+        return self._enter(state, stretch.next_section, 0, 1)
 
-    def _practised(self, stand: Stand) -> Stand:
+    def _next_in_practice(self, state: PlayheadState) -> PlayheadState:
         assert self.practice is not None
         first, last = self.practice
-        here = self.written(stand.place) if stand.place.section != END else END
+        here = self.written_measure(state.place) if state.place.section != END else END
         if first <= here < last:
-            there = self.of_written(here + 1)
-            if there.section == stand.place.section:
-                place = replace(stand.place, measure=there.measure)
-                return replace(stand, place=place, entered=True, jumped=False)
-            return self._begun(stand, there.section, there.measure, 1)
-        there = self.of_written(first)
-        return self._begun(stand, there.section, there.measure, stand.passes + 1)
+            there = self.place_of_written(here + 1)
+            if there.section == state.place.section:
+                place = replace(state.place, measure=there.measure)
+                return replace(state, place=place, entered=True, jumped=False)
+            return self._enter(state, there.section, there.measure, 1)
+        there = self.place_of_written(first)
+        return self._enter(state, there.section, there.measure, state.passes + 1)
 
-    def _begun(self, stand: Stand, section: int, measure: int, passes: int, *, jumped: bool = False) -> Stand:
+    def _enter(
+        self, state: PlayheadState, section: int, measure: int, passes: int, *, jumped: bool = False
+    ) -> PlayheadState:
         """Return the position at the start of a visit or pass of a section."""
         if section == END:
-            return Stand(Place(END, 0), 0, stand.begun, entered=False, jumped=jumped)
-        turn = stand.begun[section]
-        begun = (*stand.begun[:section], turn + 1, *stand.begun[section + 1 :])
-        return Stand(Place(section, measure, turn), passes, begun, entered=True, jumped=jumped)
+            return PlayheadState(Place(END, 0), 0, state.begin_counts, entered=False, jumped=jumped)
+        turn = state.begin_counts[section]
+        begun = (*state.begin_counts[:section], turn + 1, *state.begin_counts[section + 1 :])
+        return PlayheadState(Place(section, measure, turn), passes, begun, entered=True, jumped=jumped)

@@ -6,31 +6,31 @@ from typing import Any, Final
 from live.show.patch.patch import Patch
 from live.show.patch.section_elements import ElementSection
 from live.show.patch.section_score import AtSection, RegroupSection, SegmentSection, SignalSection
-from live.show.score.playhead import END, Place, Playhead, Stretch
+from live.show.score.playhead import END, Place, Playhead, SectionTiming
 
-WHOLE: Final = ""
+UNNAMED_SECTION: Final = ""
 """Name of the single section of a score without sections."""
 
 
 KINDS: Final = ("element", "segment", "regroup", "at", "signal")
 
 
-class Written:
+class WrittenScore:
     """The written score, which does not change over time: entries by place, and the parts of the groups."""
 
     def __init__(self) -> None:
         self.entries: dict[str, dict[tuple[int, int], list[Any]]] = {}
         """Entries by kind, then by section and measure."""
-        self.made: dict[int, Any] = {}
+        self.built_sequences: dict[int, Any] = {}
         """Sequences already built, shared by groups that have the same."""
         self.parts: list[Any] = []
         """Data of the groups' parts: see `live.show.score.part`."""
 
 
-def stretches_of(patch: Patch) -> tuple[Stretch, ...]:
+def section_timings(patch: Patch) -> tuple[SectionTiming, ...]:
     """Return the sections of a patch for its playhead; one of `loop_measures` if it has none."""
     if not patch.section:
-        return (Stretch(WHOLE, patch.loop_measures, 1, 0),)
+        return (SectionTiming(UNNAMED_SECTION, patch.loop_measures, 1, 0),)
     names = [section.name.casefold() for section in patch.section]
 
     def after(index: int) -> int:
@@ -40,7 +40,7 @@ def stretches_of(patch: Patch) -> tuple[Stretch, ...]:
         return END if then.casefold() == "end" else names.index(then.casefold())
 
     return tuple(
-        Stretch(section.name, section.measures, 0 if section.wait else section.repeat, after(index))
+        SectionTiming(section.name, section.measures, 0 if section.wait else section.repeat, after(index))
         for index, section in enumerate(patch.section)
     )
 
@@ -50,13 +50,13 @@ class Score:
 
     def __init__(self, patch: Patch, playhead: Playhead | None = None) -> None:
         """`playhead` gives the position in the score; None: a new one."""
-        self.playhead = Playhead(stretches_of(patch)) if playhead is None else playhead
-        self._sections = {stretch.name.casefold(): i for i, stretch in enumerate(self.playhead.stretches)}
-        self.written = Written()
+        self.playhead = Playhead(section_timings(patch)) if playhead is None else playhead
+        self._sections = {stretch.name.casefold(): i for i, stretch in enumerate(self.playhead.sections)}
+        self.written = WrittenScore()
         for kind in KINDS:
             self.written.entries[kind] = self._by_place(getattr(patch, kind))
 
-    def take_patch(self, fresh: "Score") -> None:
+    def apply_patch(self, fresh: "Score") -> None:
         """Adopt the entries of another score; the playhead keeps the position."""
         self._sections, self.written = fresh._sections, fresh.written
 
@@ -66,7 +66,7 @@ class Score:
             index = self._sections.get(section.casefold())
             return None if index is None else (index, int(measure) - 1)
         try:
-            place = self.playhead.of_written(int(measure) - 1)
+            place = self.playhead.place_of_written(int(measure) - 1)
         except ValueError:
             return None
         return place.section, place.measure
@@ -79,7 +79,7 @@ class Score:
                 found.setdefault(place, []).append(entry)
         return found
 
-    def _of(self, kind: str, measure: int) -> list[Any]:
+    def _entries_at(self, kind: str, measure: int) -> list[Any]:
         """Return the entries that begin with `measure` (from 0); empty before the first, after the end, or while
         held."""
         if measure < 0 or not self.playhead.entered(measure):
@@ -93,20 +93,20 @@ class Score:
 
     def elements(self, measure: int) -> list[ElementSection]:
         """Return elements whose first measure is `measure` (from 0); each may start within it. Empty below 0."""
-        return self._of("element", measure)
+        return self._entries_at("element", measure)
 
     def regroups(self, measure: int) -> list[RegroupSection]:
         """Return the group changes at `measure` (from 0)."""
-        return self._of("regroup", measure)
+        return self._entries_at("regroup", measure)
 
     def segments(self, measure: int) -> list[SegmentSection]:
         """Return segments whose first measure is `measure` (from 0)."""
-        return self._of("segment", measure)
+        return self._entries_at("segment", measure)
 
     def calls(self, measure: int) -> list[AtSection]:
         """Return the calls within `measure` (from 0)."""
-        return self._of("at", measure)
+        return self._entries_at("at", measure)
 
     def signals(self, measure: int) -> list[SignalSection]:
         """Return the signals that the score gives within `measure` (from 0)."""
-        return self._of("signal", measure)
+        return self._entries_at("signal", measure)

@@ -6,17 +6,17 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from live.show.patch.score_checks import written_length
+from live.show.patch.score_checks import score_length
 from live.show.patch.section_score import SegmentSection
 from live.show.score.playhead import END
 from live.show.show import Show
 
-USUAL: Final = 16
+DEFAULT_MEASURES: Final = 16
 """Measures drawn of a score without entries."""
-MOST: Final = 20_000
+MAX_MEASURES: Final = 20_000
 """Maximum number of measures drawn."""
 Kind = Literal["section", "signal", "sequence", "improvised", "own", "segment", "element", "regroup", "call"]
-NOBODY: Final = np.zeros(0, np.int32)
+NO_NODES: Final = np.zeros(0, np.int32)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class Box:
     first: int
     """From 0."""
     last: int
-    words: str
+    label: str
     kind: Kind
 
 
@@ -57,7 +57,7 @@ class Sheet:
                 {
                     "name": track.name,
                     "boxes": [
-                        {"first": box.first + 1, "last": box.last + 1, "kind": box.kind, "words": box.words}
+                        {"first": box.first + 1, "last": box.last + 1, "kind": box.kind, "words": box.label}
                         for box in track.boxes
                     ],
                 }
@@ -66,9 +66,9 @@ class Sheet:
         }
 
 
-def sheet_of(show: Show) -> Sheet:
+def build_sheet(show: Show) -> Sheet:
     """Return the score of a fresh show, which is used up. Random choices are shown as if all steps were reachable."""
-    length = min(_length(show), MOST)
+    length = min(_length(show), MAX_MEASURES)
     show.playhead.loop((0, length - 1))
     steps, others = _steps(show, length)
     patch = show.patch
@@ -84,10 +84,10 @@ def sheet_of(show: Show) -> Sheet:
 
 def _length(show: Show) -> int:
     """Return the measures of the written score; if it has no end, up to the end of the last entry."""
-    length = written_length(show.patch)
+    length = score_length(show.patch)
     if length is not None:
         return length
-    last = USUAL
+    last = DEFAULT_MEASURES
     patch = show.patch
     placed: tuple[Iterable[Any], ...] = (patch.element, patch.segment, patch.regroup, patch.sequence, patch.at,
                                          patch.signal, patch.improvise)  # fmt: skip
@@ -116,18 +116,18 @@ def _steps(show: Show, length: int) -> tuple[list[list[Box]], dict[str, list[Box
     steps: list[list[Box]] = [[] for _ in show.patch.group]
     others: dict[str, list[Box]] = {"signals": [], "motion": [], "calls": []}
     for measure in range(length):
-        show.playhead.cross(measure)
+        show.playhead.begin_measure(measure)
         for index in show.scheduler.order:
             programme = show.scheduler.programmes[index]
-            step = programme.wanted(measure, NOBODY)
+            step = programme.step_for(measure, NO_NODES)
             name = "*" if step < 0 else show.graph.library.steps[step]
             kind = programme.part_kind(measure)
             row = steps[index]
-            if row and row[-1].words == name and row[-1].kind == kind and _same_section(show, measure):
+            if row and row[-1].label == name and row[-1].kind == kind and _same_section(show, measure):
                 row[-1] = Box(row[-1].first, measure, name, kind)
             else:
                 row.append(Box(measure, measure, name, kind))
-        _others(show, measure, length, others)
+        _add_boxes(show, measure, length, others)
     return steps, others
 
 
@@ -136,10 +136,10 @@ def _same_section(show: Show, measure: int) -> bool:
     return before.section == now.section != END
 
 
-def _others(show: Show, measure: int, length: int, rows: dict[str, list[Box]]) -> None:
-    score, beats = show.prompter.score, show.patch.clock.beats_per_measure
+def _add_boxes(show: Show, measure: int, length: int, rows: dict[str, list[Box]]) -> None:
+    score, beats = show.score_runner.score, show.patch.clock.beats_per_measure
     for signal in score.signals(measure):
-        rows["signals"].append(Box(measure, measure, _at(signal.name, signal.beat), "signal"))
+        rows["signals"].append(Box(measure, measure, _with_beat(signal.name, signal.beat), "signal"))
     for segment in score.segments(measure):
         rows["motion"].append(
             Box(measure, min(measure + segment.measures, length) - 1, _segment_words(segment), "segment")
@@ -147,25 +147,25 @@ def _others(show: Show, measure: int, length: int, rows: dict[str, list[Box]]) -
     for element in score.elements(measure):
         beat = (element.measure - int(element.measure)) * beats + 1.0
         last = int(np.ceil(element.measure - int(element.measure) + element.measures)) + measure - 1
-        words = _at(element.kind + _for(element.group), beat)
+        words = _with_beat(element.kind + _group_suffix(element.group), beat)
         rows["motion"].append(Box(measure, min(last, length - 1), words, "element"))
     for regroup in score.regroups(measure):
         rows["motion"].append(Box(measure, measure, f"{regroup.dancers} to {regroup.group}", "regroup"))
     for call in score.calls(measure):
         if call.signal is not None:
-            rows["signals"].append(Box(measure, measure, _at(call.signal, call.beat), "signal"))
+            rows["signals"].append(Box(measure, measure, _with_beat(call.signal, call.beat), "signal"))
         else:
             said = call.call or f"scene {call.scene}"
             words = " ".join([said.removeprefix("/dance/"), *(_value(value) for value in call.values)])
-            rows["calls"].append(Box(measure, measure, _at(words, call.beat), "call"))
+            rows["calls"].append(Box(measure, measure, _with_beat(words, call.beat), "call"))
 
 
 def _segment_words(segment: SegmentSection) -> str:
     what = segment.formation if segment.formation is not None else "travel" if segment.path is not None else "pause"
-    return ("hold " if segment.hold else "") + what + _for(segment.group)
+    return ("hold " if segment.hold else "") + what + _group_suffix(segment.group)
 
 
-def _for(group: str) -> str:
+def _group_suffix(group: str) -> str:
     return "" if group.strip() in ("", "*") else f" ({group})"
 
 
@@ -173,5 +173,5 @@ def _value(value: str | float | bool) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def _at(words: str, beat: float) -> str:
+def _with_beat(words: str, beat: float) -> str:
     return words if beat == 1.0 else f"{words} @{beat:g}"

@@ -8,7 +8,7 @@ from typing import Protocol
 from live.show.patch.section_score import ScoreSection
 
 
-class Sectioned(Protocol):
+class HasSections(Protocol):
     """The fields of a patch that are used here."""
 
     @property
@@ -18,7 +18,7 @@ class Sectioned(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Stay:
+class SectionSpan:
     """Span of an entry within its section."""
 
     section: int
@@ -33,10 +33,10 @@ class Stay:
     """First measure of the section in the written score, from 0."""
 
 
-def stay_of(patch: Sectioned, section: str | None, measure: float, measures: float | None) -> Stay:
+def span_of(patch: HasSections, section: str | None, measure: float, measures: float | None) -> SectionSpan:
     """Return the span of an entry that begins in `measure` (from 1) of `section`, or of the written score if None."""
     if not patch.section:
-        return _stay(-1, int(measure) - 1, measures, patch.loop_measures, 0)
+        return _make_span(-1, int(measure) - 1, measures, patch.loop_measures, 0)
     first = 0
     for index, one in enumerate(patch.section):
         if section is None:
@@ -45,11 +45,11 @@ def stay_of(patch: Sectioned, section: str | None, measure: float, measures: flo
             here = one.name.casefold() == section.casefold()
         if here:
             begin = int(measure) - 1 - (first if section is None else 0)
-            return _stay(index, begin, measures, one.measures, first)
+            return _make_span(index, begin, measures, one.measures, first)
         first += one.measures
-    return _stay(len(patch.section), int(measure) - 1, measures, None, first)
+    return _make_span(len(patch.section), int(measure) - 1, measures, None, first)
 
 
-def _stay(section: int, begin: int, measures: float | None, size: int | None, first: int) -> Stay:
+def _make_span(section: int, begin: int, measures: float | None, size: int | None, first: int) -> SectionSpan:
     end = min(inf if measures is None else begin + measures, inf if size is None else float(size))
-    return Stay(section, begin, end, size, first)
+    return SectionSpan(section, begin, end, size, first)

@@ -4,38 +4,38 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
 
-from live.base.errors import PersonError, named
+from live.base.errors import PersonError, error_context
 from live.graph.motion_graph import MotionGraph
 from live.graph.search.sequence import parse_sequence
-from live.graph.search.sequence_spec import Wanted
+from live.graph.search.sequence_spec import SequenceEntry
 from live.show.patch.section_score import SequenceSection
 from live.show.score.score import Score
-from live.show.score.step_names import refuse_alone
+from live.show.score.step_names import check_connected
 
 
 @dataclass(frozen=True, slots=True)
-class Sequence:
+class ScoreSequence:
     """One sequence of the score for one group."""
 
     begin: int
     """First measure within its section, from 0."""
     end: int
     """Measure after the last."""
-    entries: tuple[Wanted, ...]
+    entries: tuple[SequenceEntry, ...]
     """Steps of one pass, in order."""
     ends: tuple[int, ...]
     """Cumulative measures at the end of each step."""
     index: int
     """Index of the `[[sequence]]` in the patch, from 0."""
 
-    def at(self, measure: int) -> tuple[int, int]:
+    def entry_at(self, measure: int) -> tuple[int, int]:
         """Return the entry index for `measure` of the section, and the measures of that entry already over."""
         into = (measure - self.begin) % self.ends[-1]
         index = bisect_right(self.ends, into)
         return index, into - (self.ends[index - 1] if index else 0)
 
 
-class Sequences:
+class SequenceLookup:
     """Sequences of one group with `choose = "sequence"`; those with `choose = "random"` are improvised."""
 
     def __init__(
@@ -43,7 +43,7 @@ class Sequences:
         sections: list[tuple[int, SequenceSection]],
         score: Score,
         graph: MotionGraph,
-        made: dict[int, tuple[int, Sequence]] | None = None,
+        built: dict[int, tuple[int, ScoreSequence]] | None = None,
     ) -> None:
         """`sections` with their patch indices; `made`: sequences already built for other groups, by these indices, with
         their sections.
@@ -51,24 +51,24 @@ class Sequences:
         Raises PersonError for an unknown step, a step that does not end with its sequence, and for sequences that
         overlap or exceed their section.
         """
-        self._of: dict[int, list[Sequence]] = {}
-        known: dict[tuple[str, ...], tuple[Wanted, ...]] = {}
-        made = {} if made is None else made
+        self._by_section: dict[int, list[ScoreSequence]] = {}
+        known: dict[tuple[str, ...], tuple[SequenceEntry, ...]] = {}
+        built = {} if built is None else built
         for index, section in sections:
-            if index in made:
-                self._of.setdefault(made[index][0], []).append(made[index][1])
+            if index in built:
+                self._by_section.setdefault(built[index][0], []).append(built[index][1])
                 continue
             place = score.place_of(section.section, section.measure)
             if place is None:
                 continue
-            where = where_of(section.section, section.measure, "sequence")
+            where = describe_place(section.section, section.measure, "sequence")
             if section.steps not in known:
-                with named(where, ("sequence", index, "steps")):
+                with error_context(where, ("sequence", index, "steps")):
                     known[section.steps] = tuple(parse_sequence(", ".join(section.steps), graph.library))
-                    refuse_alone(graph, known[section.steps])
-            with named(where, ("sequence", index, "measures")):
+                    check_connected(graph, known[section.steps])
+            with error_context(where, ("sequence", index, "measures")):
                 sequence = _sequence(known[section.steps], section, place[1], graph, index)
-                size = score.playhead.stretches[place[0]].measures
+                size = score.playhead.sections[place[0]].measures
                 if size is not None and sequence.end > size:
                     before = (
                         section.measure - 1 - place[1]
@@ -77,33 +77,33 @@ class Sequences:
                     raise PersonError(
                         f"it goes on to measure {before + sequence.end}, and {its}", f"measures = {size - place[1]}"
                     )
-            made[index] = place[0], sequence
-            self._of.setdefault(place[0], []).append(sequence)
-        for sequences in self._of.values():
+            built[index] = place[0], sequence
+            self._by_section.setdefault(place[0], []).append(sequence)
+        for sequences in self._by_section.values():
             sequences.sort(key=lambda sequence: sequence.begin)
-            _refuse_overlaps(sequences, dict(sections))
-        self._begins = {index: [one.begin for one in sequences] for index, sequences in self._of.items()}
+            _check_overlaps(sequences, dict(sections))
+        self._begins = {index: [one.begin for one in sequences] for index, sequences in self._by_section.items()}
 
     def __bool__(self) -> bool:
-        return bool(self._of)
+        return bool(self._by_section)
 
-    def at(self, section: int, measure: int) -> Sequence | None:
+    def at(self, section: int, measure: int) -> ScoreSequence | None:
         """Return the sequence at `measure` (from 0) of a section, None if there is none."""
-        sequences = self._of.get(section)
+        sequences = self._by_section.get(section)
         if sequences is None:
             return None
         index = bisect_right(self._begins[section], measure) - 1
         return sequences[index] if index >= 0 and measure < sequences[index].end else None
 
 
-def where_of(section: str | None, measure: float, what: str) -> str:
+def describe_place(section: str | None, measure: float, what: str) -> str:
     """Return the position of a score entry in words, for messages."""
     return f"{what} in measure {measure:g}" + ("" if section is None else f" of section {section!r}")
 
 
 def _sequence(
-    entries: tuple[Wanted, ...], section: SequenceSection, begin: int, graph: MotionGraph, number: int
-) -> Sequence:
+    entries: tuple[SequenceEntry, ...], section: SequenceSection, begin: int, graph: MotionGraph, number: int
+) -> ScoreSequence:
     ends = tuple(accumulate(entry.measures for entry in entries))
     measures = ends[-1] if section.measures is None else section.measures
     rest = measures % ends[-1]
@@ -116,15 +116,17 @@ def _sequence(
             f"step {name!r} has {entry.measures} measures, and only {gap} of the {measures} are left for it",
             f"measures = {measures - gap} or {measures - gap + entry.measures}, or other steps",
         )
-    return Sequence(begin, begin + measures, entries, ends, number)
+    return ScoreSequence(begin, begin + measures, entries, ends, number)
 
 
-def _refuse_overlaps(sequences: list[Sequence], written: dict[int, SequenceSection]) -> None:
+def _check_overlaps(sequences: list[ScoreSequence], written: dict[int, SequenceSection]) -> None:
     """Raise PersonError if two sequences of a group overlap; they are sorted by begin."""
     for before, after in pairwise(sequences):
         if after.begin < before.end:
             entry, other = written[after.index], written[before.index]
-            where = "" if entry.section == other.section else f" ({where_of(other.section, other.measure, 'it is')})"
+            where = (
+                "" if entry.section == other.section else f" ({describe_place(other.section, other.measure, 'it is')})"
+            )
             of = "" if entry.section is None else f" of section {entry.section!r}"
             last = before.end - after.begin + entry.measure - 1  # counted as the entry counts its measures
             raise PersonError(

@@ -6,32 +6,32 @@ from typing import Final
 
 from live.show.patch.section_score import ImproviseSection
 
-REMEMBERED: Final = 128
+MIN_CAPACITY: Final = 128
 """Default number of measures kept per group; long phrases need more."""
 
 
-def remembered(sections: Sequence[ImproviseSection]) -> int:
+def required_capacity(sections: Sequence[ImproviseSection]) -> int:
     """Return the number of measures of history that these sections need."""
     longest = max((section.phrase for section in sections), default=0)
     limits = [section.most for section in sections if section.most < 1000]
-    return max(REMEMBERED, 2 * longest + 64, 16 * max(limits, default=0))
+    return max(MIN_CAPACITY, 2 * longest + 64, 16 * max(limits, default=0))
 
 
-class Ledger:
+class StepHistory:
     """Wanted step per group and measure, with the measures of that step already over."""
 
-    def __init__(self, groups: int, kept: int = REMEMBERED) -> None:
+    def __init__(self, groups: int, capacity: int = MIN_CAPACITY) -> None:
         """`kept`: the number of measures kept."""
-        self.kept = kept
-        self._of: list[OrderedDict[int, tuple[int, int]]] = [OrderedDict() for _ in range(groups)]
+        self.capacity = capacity
+        self._steps: list[OrderedDict[int, tuple[int, int]]] = [OrderedDict() for _ in range(groups)]
 
-    def note(self, group: int, measure: int, step: int, into: int) -> None:
+    def record(self, group: int, measure: int, step: int, into: int) -> None:
         """Record the step wanted from `group` in `measure`; a later record of the same measure replaces it."""
-        said = self._of[group]
+        said = self._steps[group]
         said[measure] = step, into
-        while len(said) > self.kept:
+        while len(said) > self.capacity:
             said.popitem(last=False)
 
-    def said(self, group: int, measure: int) -> tuple[int, int] | None:
+    def step_at(self, group: int, measure: int) -> tuple[int, int] | None:
         """Return the step wanted from `group` in `measure`; None if it is not recorded."""
-        return self._of[group].get(measure)
+        return self._steps[group].get(measure)

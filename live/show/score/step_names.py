@@ -8,7 +8,7 @@ import numpy as np
 
 from live.base.errors import PersonError
 from live.graph.motion_graph import MotionGraph
-from live.graph.search.sequence_spec import Wanted
+from live.graph.search.sequence_spec import SequenceEntry
 
 IN_PLACE: Final = 0.15
 """A measure that travels less than this [m] counts as in place."""
@@ -36,13 +36,13 @@ def find_step(graph: MotionGraph, name: str) -> int:
     return index
 
 
-def length_of(graph: MotionGraph, step: int) -> int:
+def step_measures(graph: MotionGraph, step: int) -> int:
     """Return the measures of a step: the longest of its variations."""
     library = graph.library
     return int(library.node_measures[library.node_step == step].max())
 
 
-def refuse_alone(graph: MotionGraph, entries: Iterable[Wanted]) -> None:
+def check_connected(graph: MotionGraph, entries: Iterable[SequenceEntry]) -> None:
     """Raise PersonError for a step among `entries` that connects to no other."""
     for step in {entry.step for entry in entries if entry.step is not None}:
         if not len(graph.entries(step)):
@@ -52,7 +52,7 @@ def refuse_alone(graph: MotionGraph, entries: Iterable[Wanted]) -> None:
             )
 
 
-def in_place(graph: MotionGraph, step: int) -> bool:
+def is_in_place(graph: MotionGraph, step: int) -> bool:
     """Whether a variation of the step has a measure in place, so that a standing group does not drift away."""
     library = graph.library
     return bool(np.hypot(*library.node_travel[(library.node_step == step) & graph.alive].T).min() < IN_PLACE)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from live.graph.select.candidates import turn_vectors
 from live.graph.select.reachability import direction_of
-from live.graph.select.selector import TERMS, Choosing
+from live.graph.select.selector import TERMS, StepSelector
 from live.graph.takes import NO_TAKE
 
 Float64 = npt.NDArray[np.float64]
@@ -23,7 +23,7 @@ BEHIND_MEASURES: Final = 3
 """... in this many measures in a row is behind: the steps do not reach the targets (T075)."""
 
 
-class Choices:
+class StepChoices:
     """The last choice for A dancers, and the errors of the one before."""
 
     def __init__(self, count: int) -> None:
@@ -37,7 +37,7 @@ class Choices:
         """End of the chosen one without correction: x, z [m], turn [rad], remaining heading error [rad], (A, 4)."""
         self.node: Int32 = np.full((count, 2), -1, np.int32)
         """Nodes, chosen and runner-up, shape (A, 2)."""
-        self.stand: Float64 = np.zeros((count, 2))
+        self.start_position: Float64 = np.zeros((count, 2))
         """Position at the beginning of the measure [m], shape (A, 2)."""
         self.heading: Float64 = np.zeros(count)
         """Heading at the beginning of the measure [rad], shape (A,)."""
@@ -51,12 +51,12 @@ class Choices:
         """Distance between the target and the end of the measure before [m], shape (A,)."""
         self.lag: Float64 = np.zeros(count)
         """Distance between the wish and the end of the measure before [m], shape (A,)."""
-        self.behind: Int32 = np.zeros(count, np.int32)
+        self.measures_behind: Int32 = np.zeros(count, np.int32)
         """Number of measures in a row that ended farther than BEHIND_M from the wish, shape (A,)."""
         self._decided = False
 
     @property
-    def out(self) -> tuple[Int32, Int32, Float64, Float64]:
+    def outputs(self) -> tuple[Int32, Int32, Float64, Float64]:
         """The arrays that the choice writes."""
         return self.edge, self.candidate, self.terms, self.end
 
@@ -68,32 +68,32 @@ class Choices:
         if self._decided:
             self.error[:] = np.hypot(*(self.target - stand).T) * there
             self.lag[:] = np.hypot(*(self.wish - stand).T) * there
-            self.behind[:] = np.where(self.lag > BEHIND_M, self.behind + 1, 0)
-        self.stand[:], self.heading[:] = stand, heading
+            self.measures_behind[:] = np.where(self.lag > BEHIND_M, self.measures_behind + 1, 0)
+        self.start_position[:], self.heading[:] = stand, heading
         self._decided = True
 
     # -- explanations ------------------------------------------------------------------------------------------
 
-    def why(self, dancer: int, choosing: Choosing) -> dict[str, Any]:
+    def explain(self, dancer: int, choosing: StepSelector) -> dict[str, Any]:
         """Return the explanation of a dancer's next (or present) measure, for the overlay and for JSON."""
         library = choosing.graph.library
         rows = {}
         for rank, word in enumerate(("chosen", "runner_up")):
             node = int(self.node[dancer, rank])
-            rows[word] = None if node < 0 else self._told(dancer, rank, choosing)
+            rows[word] = None if node < 0 else self._explain_candidate(dancer, rank, choosing)
         step = int(self.step[dancer])
         return {
             "dancer": dancer + 1,
             "wanted": "any" if step < 0 else library.steps[step],
             **rows,
-            "stands": _rounded(self.stand[dancer]),
+            "stands": _rounded(self.start_position[dancer]),
             "wish": _rounded(self.wish[dancer]),
             "prediction": _rounded(self.target[dancer]),
             "error_m": round(float(self.error[dancer]), 3),
             "lag_m": round(float(self.lag[dancer]), 3),
         }
 
-    def _told(self, dancer: int, rank: int, choosing: Choosing) -> dict[str, Any]:
+    def _explain_candidate(self, dancer: int, rank: int, choosing: StepSelector) -> dict[str, Any]:
         library, candidates = choosing.graph.library, choosing.candidates
         row = int(self.candidate[dancer, rank])
         take = int(candidates.take[row])
@@ -107,11 +107,13 @@ class Choices:
         }
 
 
-def why_in_words(told: dict[str, Any]) -> tuple[str, ...]:
-    """Return an explanation by `Choices.why` as lines for the overlay."""
-    lines = [f"dancer {told['dancer']}: {told['wanted']}, {told['error_m']:.2f} m off, {told['lag_m']:.2f} m behind"]
+def explanation_lines(explanation: dict[str, Any]) -> tuple[str, ...]:
+    """Return an explanation by `StepChoices.why` as lines for the overlay."""
+    lines = [
+        f"dancer {explanation['dancer']}: {explanation['wanted']}, {explanation['error_m']:.2f} m off, {explanation['lag_m']:.2f} m behind"
+    ]
     for word in ("chosen", "runner_up"):
-        row = told[word]
+        row = explanation[word]
         if row is None:
             continue
         mixed = f" + {row['share']:.0%} {row['with']}" if "with" in row else ""
@@ -127,8 +129,8 @@ def _rounded(values: Float64) -> list[float]:
 Bool = npt.NDArray[np.bool_]
 
 
-def behind(
-    choices: Choices, group: Int32, names: tuple[str, ...], steps: tuple[str, ...], present: Bool
+def reachability_report(
+    choices: StepChoices, group: Int32, names: tuple[str, ...], steps: tuple[str, ...], present: Bool
 ) -> dict[str, Any]:
     """Return by group: mean distances of the last measure [m], the number of dancers behind, and a recording that would
     help.
@@ -140,20 +142,20 @@ def behind(
         members = (group == index) & present
         if not members.any():
             continue
-        rows = np.flatnonzero(members & (choices.behind >= BEHIND_MEASURES))
+        rows = np.flatnonzero(members & (choices.measures_behind >= BEHIND_MEASURES))
         told[name] = {
             "error_m": round(float(choices.error[members].mean()), 3),
             "lag_m": round(float(choices.lag[members].mean()), 3),
             "behind": len(rows),
-            "record": _record(choices, rows, steps) if len(rows) else None,
+            "record": _recording_advice(choices, rows, steps) if len(rows) else None,
         }
     return told
 
 
-def _record(choices: Choices, rows: npt.NDArray[np.intp], steps: tuple[str, ...]) -> str:
+def _recording_advice(choices: StepChoices, rows: npt.NDArray[np.intp], steps: tuple[str, ...]) -> str:
     """Return the recording that the dancers `rows` (n,) lack most: step, direction relative to the dancer, distance."""
-    way = turn_vectors(choices.wish[rows] - choices.stand[rows], -choices.heading[rows])
-    got = turn_vectors(choices.target[rows] - choices.stand[rows], -choices.heading[rows])
+    way = turn_vectors(choices.wish[rows] - choices.start_position[rows], -choices.heading[rows])
+    got = turn_vectors(choices.target[rows] - choices.start_position[rows], -choices.heading[rows])
     directions = [direction_of(one) for one in way]
     most = max(sorted(set(directions)), key=directions.count)
     those = np.array([direction == most for direction in directions])

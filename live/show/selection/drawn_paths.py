@@ -16,11 +16,11 @@ REACHED: Final = 0.4
 """Distance at which a point counts as reached, if another follows [m]: corners are cut by less than that."""
 ARRIVED: Final = 0.15
 """Distance at which the last point counts as reached [m]."""
-WAITS: Final = 8.0
+WAIT_BEATS: Final = 8.0
 """Beats that dancers wait at the last point before they leave the path."""
 
 
-class DrawnWay:
+class DrawnPath:
     """One path, and the progress of its dancers along it. Each keeps the initial offset from their middle."""
 
     def __init__(self, rows: list[int], place: Float32) -> None:
@@ -30,7 +30,7 @@ class DrawnWay:
         self._gone = 0  # number of dropped points
         self._next = dict.fromkeys(rows, 0)
         middle = place[rows].astype(np.float64).mean(axis=0)
-        self._beside = {row: place[row] - middle for row in rows}
+        self._offsets = {row: place[row] - middle for row in rows}
         self._waited = 0.0
 
     def add(self, point: Place) -> None:
@@ -51,12 +51,12 @@ class DrawnWay:
         here = True
         for row in self.rows:
             at = max(self._next[row] - self._gone, 0)
-            wanted = self._points[at] + self._beside[row]
+            wanted = self._points[at] + self._offsets[row]
             while at < len(self._points) - 1 and np.hypot(*(wanted - place[row])) < REACHED:
                 at += 1
-                wanted = self._points[at] + self._beside[row]
+                wanted = self._points[at] + self._offsets[row]
             self._next[row] = at + self._gone
             seeks[row], goal[row] = True, wanted
             here &= at == len(self._points) - 1 and bool(np.hypot(*(wanted - place[row])) < ARRIVED)
         self._waited = self._waited + beats if here else 0.0
-        return self._waited < WAITS
+        return self._waited < WAIT_BEATS

@@ -18,17 +18,17 @@ from live.control.events import events
 from live.control.events.events import ControlEvent, StepsAdded, StepsChanged
 from live.graph.library_insert import insert_clips, stranded, without_clips
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.selector import Choosing
+from live.graph.select.selector import StepSelector
 from live.graph.step_library import StepLibrary
 from live.library.clip_text import clips_from_text, clips_to_text
 from live.library.step_folder import load_folder
 from live.motion.step_clip import StepClip
-from live.show.background_work import polite
+from live.show.background_work import short_switch_interval
 from live.show.dancers.dancers import Dancers
 from live.show.desk.refusals import Refusals
 from live.show.score.step_names import UnknownStep
 
-GrownGraph = tuple[MotionGraph, Choosing]
+GrownGraph = tuple[MotionGraph, StepSelector]
 
 
 def clip_key(clip: StepClip) -> str:
@@ -36,7 +36,7 @@ def clip_key(clip: StepClip) -> str:
     return f"{clip.step} | {clip.clip.name} | {'mirrored' if clip.mirrored else 'as made'}"
 
 
-def changed_graph(graph: MotionGraph, gone: Sequence[str], came: Sequence[StepClip]) -> MotionGraph:
+def updated_graph(graph: MotionGraph, removed: Sequence[str], added: Sequence[StepClip]) -> MotionGraph:
     """Return the graph with the clips `came`, in which the clips with the keys `gone` are not begun any more.
 
     Raises ValueError for an unknown key, or if no clip is left.
@@ -44,13 +44,13 @@ def changed_graph(graph: MotionGraph, gone: Sequence[str], came: Sequence[StepCl
     library = graph.library
     left = set(np.unique(library.node_clip[graph.leaving]).tolist())
     names: dict[str, int] = {clip_key(clip): n for n, clip in enumerate(library.clips) if n not in left}
-    unknown = next((name for name in gone if name not in names), None)
+    unknown = next((name for name in removed if name not in names), None)
     if unknown is not None:
         raise ValueError(f"there is no clip {unknown[:80]!r} that could be taken away")
-    return without_clips(insert_clips(graph, came) if came else graph, [names[name] for name in gone])
+    return without_clips(insert_clips(graph, added) if added else graph, [names[name] for name in removed])
 
 
-class NewSteps:
+class GraphUpdates:
     """Holds new motion graphs from the watcher's thread until the measure line at which they are used."""
 
     def __init__(self, reserve: Mapping[str, StepClip] | None, refusals: Refusals) -> None:
@@ -65,15 +65,15 @@ class NewSteps:
         """Whether no graph waits for the measure line."""
         return self._next is None
 
-    def stock(self, reserve: Mapping[str, StepClip]) -> None:
+    def set_reserve(self, reserve: Mapping[str, StepClip]) -> None:
         """Set the clips for events that add them, by key."""
         self._reserve = dict(reserve)
 
     def offer(self, library: str, graph: MotionGraph) -> None:
         """Store a graph for the event that names its library's hash. Thread: any."""
-        self._offered[library] = graph, Choosing.of(graph)
+        self._offered[library] = graph, StepSelector.of(graph)
 
-    def hear(self, event: events.StepsAdded | events.StepsChanged, graph: MotionGraph) -> None:
+    def handle(self, event: events.StepsAdded | events.StepsChanged, graph: MotionGraph) -> None:
         """Handle an event: its steps are used from the next measure on; `graph` is the present one."""
         if isinstance(event, events.StepsAdded):
             self._add(event, graph)
@@ -90,7 +90,7 @@ class NewSteps:
                 return
             known = graph if self._next is None else self._next[0]
             grown = insert_clips(known, [self._reserve[key] for key in keys])
-            offered = grown, Choosing.of(grown)
+            offered = grown, StepSelector.of(grown)
         self._next = offered
 
     def _change(self, event: events.StepsChanged, graph: MotionGraph) -> None:
@@ -100,11 +100,11 @@ class NewSteps:
         if offered is None:
             try:
                 known = graph if self._next is None else self._next[0]
-                grown = changed_graph(known, event.gone.split("\n"), clips_from_text(event.now))
+                grown = updated_graph(known, event.gone.split("\n"), clips_from_text(event.now))
             except ValueError as error:
                 self._refusals.add(f"{event.source}: {error}")
                 return
-            offered = grown, Choosing.of(grown)
+            offered = grown, StepSelector.of(grown)
         self._next = offered
 
     def drop(self) -> None:
@@ -112,11 +112,11 @@ class NewSteps:
         self._next = None
 
     @property
-    def coming(self) -> MotionGraph | None:
+    def waiting_graph(self) -> MotionGraph | None:
         """The graph that waits for the next measure line, None if there is none."""
         return None if self._next is None else self._next[0]
 
-    def take(self, dancers: Dancers) -> GrownGraph | None:
+    def pop(self, dancers: Dancers) -> GrownGraph | None:
         """Return and clear the waiting graph; None if there is none, or if it would leave a dancer without a next step,
         in which case it keeps waiting."""
         offered = self._next
@@ -151,7 +151,7 @@ def steps_hash(graph: MotionGraph) -> str:
 POLL_S: Final = 1.0
 """Polling interval of the folder [s]. It is read only when unchanged for one interval, so that no file is read half
 written."""
-LONGEST: Final = 4_000_000
+MAX_EVENT_CHARACTERS: Final = 4_000_000
 """Most characters of changed clips in one event: larger changes wait for the next start."""
 Stamp = tuple[tuple[str, int, int], ...]
 
@@ -181,14 +181,14 @@ class LibraryWatch:
         """The graph offered last."""
         self._offer, self._post, self._now = offer, post, now
         self._known = {clip_key(clip): clip for clip in graph.library.clips}
-        self._seen = self._taken = stamp_of(folder)
-        self._ended = threading.Event()
+        self._last_stamp = self._handled_stamp = folder_stamp(folder)
+        self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._run, name="library watch", daemon=True)
-        self.prove: Callable[[MotionGraph], object] = lambda graph: None
+        self.check: Callable[[MotionGraph], object] = lambda graph: None
         """Check that raises a PersonError or UnknownStep if the show cannot use a graph."""
         self.problem = ""
         """Why the last change of the folder was refused, empty if it was not."""
-        self.joined = ""
+        self.last_change = ""
         """Description of the last change, empty before the first."""
 
     def start(self) -> None:
@@ -197,47 +197,47 @@ class LibraryWatch:
 
     def stop(self) -> None:
         """Stop the thread, and wait for a read in progress."""
-        self._ended.set()
+        self._stopped.set()
         if self._thread.is_alive():
             self._thread.join(timeout=10.0)
 
     def _run(self) -> None:
-        keep_running("the watch of the steps", self._watch, self._ended.wait)
+        keep_running("the watch of the steps", self._watch, self._stopped.wait)
 
     def _watch(self) -> None:
-        while not self._ended.wait(POLL_S):
-            self.look()
+        while not self._stopped.wait(POLL_S):
+            self.poll()
 
-    def again(self) -> None:
+    def retry(self) -> None:
         """Try a refused change again, after a change of the patch."""
         if self.problem:
-            self._taken = ()
+            self._handled_stamp = ()
 
-    def look(self) -> bool:
+    def poll(self) -> bool:
         """Poll once. Returns whether clips were added, changed or removed."""
-        stamp = stamp_of(self._folder)
-        settled, self._seen = stamp == self._seen, stamp
-        if not settled or stamp == self._taken:
+        stamp = folder_stamp(self._folder)
+        settled, self._last_stamp = stamp == self._last_stamp, stamp
+        if not settled or stamp == self._handled_stamp:
             return False
-        self._taken = stamp
+        self._handled_stamp = stamp
         try:
-            with polite():
+            with short_switch_interval():
                 clips = load_folder(self._folder) if self._read is None else self._read()
                 self.problem = ""
-                return self._take(clips)
+                return self._update(clips)
         except (PersonError, UnknownStep, ValueError, OSError) as error:
             self.problem = f"new steps: {error}"
             return False
         except Exception as error:  # a bug: keep watching, and report it
-            FAULTS.note("the reader of new steps", error)
+            FAULTS.record("the reader of new steps", error)
             self.problem = f"new steps: they cannot be read ({type(error).__name__}: {error})"
             return False
 
-    def _take(self, clips: list[StepClip]) -> bool:
+    def _update(self, clips: list[StepClip]) -> bool:
         """Update the graph to these clips. Returns whether it changed."""
         fitting = [clip for clip in clips if clip.beats_per_measure == self.graph.library.beats_per_measure]
         if len(fitting) < len(clips):
-            names = words_of(clip for clip in clips if clip not in fitting and clip_key(clip) not in self._known)
+            names = step_list(clip for clip in clips if clip not in fitting and clip_key(clip) not in self._known)
             beats = self.graph.library.beats_per_measure
             if names:
                 self.problem = f"new steps: {names} do not fit this show, whose measures have {beats} beats"
@@ -262,24 +262,24 @@ class LibraryWatch:
         graph = insert_clips(self.graph, came)
         found = library_hash(graph.library)
         self.graph = graph
-        self.joined = f"new steps: {words_of(came)} can be danced"
+        self.last_change = f"new steps: {step_list(came)} can be danced"
         self._offer(found, graph)
         keys = "\n".join(clip_key(clip) for clip in came)
         self._post(StepsAdded(time=self._now(), source="library", clips=keys, library=found))
 
     def _change(self, gone: list[StepClip], came: list[StepClip]) -> None:
         names = [clip_key(clip) for clip in gone]
-        graph = changed_graph(self.graph, names, came)
-        self.prove(graph)
+        graph = updated_graph(self.graph, names, came)
+        self.check(graph)
         was, now = clips_to_text(gone), clips_to_text(came)
-        if len(was) + len(now) > LONGEST:
-            raise ValueError(f"{words_of(gone)}: the change is too large for a running show; restart to use it")
+        if len(was) + len(now) > MAX_EVENT_CHARACTERS:
+            raise ValueError(f"{step_list(gone)}: the change is too large for a running show; restart to use it")
         found = steps_hash(graph)
         self.graph = graph
         lost = [clip for clip in gone if clip.step not in {other.step for other in came}]
-        told = [f"{words_of(came)} danced as they are now"] if came else []
-        told += [f"{words_of(lost)} not begun any more"] if lost else []
-        self.joined = f"new steps: {', '.join(told)}"
+        told = [f"{step_list(came)} danced as they are now"] if came else []
+        told += [f"{step_list(lost)} not begun any more"] if lost else []
+        self.last_change = f"new steps: {', '.join(told)}"
         self._offer(found, graph)
         event = StepsChanged(
             time=self._now(), source="library", gone="\n".join(names), was=was, now=now, library=found
@@ -287,7 +287,7 @@ class LibraryWatch:
         self._post(event)
 
 
-def words_of(clips: Iterable[StepClip]) -> str:
+def step_list(clips: Iterable[StepClip]) -> str:
     """Return the steps of clips as a sorted list in words, at most 200 characters."""
     return ", ".join(sorted({clip.step for clip in clips}))[:200]
 
@@ -305,7 +305,7 @@ def same_clip(one: StepClip, other: StepClip) -> bool:
     )
 
 
-def stamp_of(folder: Path) -> Stamp:
+def folder_stamp(folder: Path) -> Stamp:
     """Return names, times and sizes of the files of a folder, to detect changes."""
     rows = []
     try:

@@ -15,13 +15,13 @@ import numpy.typing as npt
 from live.agents.entrances.entrances import ON
 from live.clock.timeline import Timeline
 from live.control.events.events import StepNow
-from live.show.dancers.collision_avoidance import Avoiding
+from live.show.dancers.collision_avoidance import CollisionAvoidance
 from live.show.dancers.dancers import Dancers
 from live.show.group.group_motion import GroupMotion
 from live.show.measure_span import MeasureSpan
 from live.show.patch.patch import Patch
 from live.show.score.step_names import find_step
-from live.show.selection.clip_cut import Cutting, Moment
+from live.show.selection.clip_cut import ClipCutter, Moment
 from live.show.selection.scheduler import Scheduler
 
 Float32 = npt.NDArray[np.float32]
@@ -29,9 +29,9 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 
-PLANNED: Final = 2.0
+PLANNING_BEATS: Final = 2.0
 """From this many beats before the line on, the next measure may be planned already."""
-NOTHING: Final = -1
+NO_STEP: Final = -1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,24 +51,24 @@ class Interrupts:
     def __init__(self, patch: Patch, dancers: Dancers, motion: GroupMotion, scheduler: Scheduler) -> None:
         count = len(motion.casting.group)
         self._dancers, self._motion, self._scheduler = dancers, motion, scheduler
-        self.cutting = Cutting(dancers)
+        self.clip_cutter = ClipCutter(dancers)
         self._cues: list[_Cue] = []
         self._half: tuple[int, int] | None = None
         self._decided = False
-        self._step: Int32 = np.full(count, NOTHING, np.int32)  # the step after a cut that the plan does not include
+        self._step: Int32 = np.full(count, NO_STEP, np.int32)  # the step after a cut that the plan does not include
         self._unplanned: Bool = np.zeros(count, np.bool_)
-        self._avoiding = Avoiding(dancers, motion, self._sent, self.cutting, self._cut)
-        self.cues = 0
+        self._collision_avoidance = CollisionAvoidance(dancers, motion, self._targets, self.clip_cutter, self._cut)
+        self.cue_count = 0
         """Number of cues that have acted."""
 
     @property
-    def avoided(self) -> int:
+    def avoidance_count(self) -> int:
         """Number of times a dancer has left the step because of a collision."""
-        return self._avoiding.count
+        return self._collision_avoidance.count
 
-    def _sent(self) -> Float64:
+    def _targets(self) -> Float64:
         """Return the targets of all dancers for the end of the present measure, (A, 2) [m]."""
-        return self._scheduler.carrying.predicted
+        return self._scheduler.root_correction.predicted
 
     def cue(self, event: StepNow) -> None:
         """Queue a cue. Raises UnknownStep for an unknown step, PersonError for unknown words in the selection."""
@@ -78,10 +78,14 @@ class Interrupts:
         groups = tuple(index for index in range(len(casting.names)) if who[casting.group == index].all())
         self._cues.append(_Cue(step, who, math.ceil(event.measures), groups))
 
-    def figures(self) -> dict[str, int]:
+    def statistics(self) -> dict[str, int]:
         """Return statistics for the status: cues that have acted, dancers cut by them, and dancers cut by collision
         avoidance."""
-        return {"cues": self.cues, "cut": self.cutting.cuts - self.avoided, "avoided": self.avoided}
+        return {
+            "cues": self.cue_count,
+            "cut": self.clip_cutter.cuts - self.avoidance_count,
+            "avoided": self.avoidance_count,
+        }
 
     def clear(self) -> None:
         """Drop cues that have not acted yet."""
@@ -89,37 +93,37 @@ class Interrupts:
 
     def tick(self, span: MeasureSpan, timeline: Timeline, time: float) -> None:
         """Cut the dancers who must leave their step at the tick at `time` [s]."""
-        self._dancers.inertia.place(time)  # a frame drawn since the last tick has left ages of another time
+        self._dancers.inertia.update_age(time)  # a frame drawn since the last tick has left ages of another time
         if self._decided and self._dancers.decided and self._unplanned.any():
-            self._go_on()  # not in the tick of the decision, to limit its load
+            self._replan()  # not in the tick of the decision, to limit its load
         self._decided = self._dancers.decided
         half = span.number, math.floor(2.0 * timeline.beats_per_measure * span.fraction(timeline.beat_at(time)) + 1e-9)
         if half != self._half:
             self._half = half
             for cue in self._cues:
-                self._act(cue, span, timeline, time)
+                self._apply_cue(cue, span, timeline, time)
             self._cues.clear()
-        self._avoiding.tick(span, timeline, time)
+        self._collision_avoidance.tick(span, timeline, time)
 
     # -- cues ----------------------------------------------------------------------------------------------------
 
-    def _act(self, cue: _Cue, span: MeasureSpan, timeline: Timeline, time: float) -> None:
-        self.cues += 1
-        planned = self._dancers.decided or span.end - timeline.beat_at(time) <= PLANNED
+    def _apply_cue(self, cue: _Cue, span: MeasureSpan, timeline: Timeline, time: float) -> None:
+        self.cue_count += 1
+        planned = self._dancers.decided or span.end - timeline.beat_at(time) <= PLANNING_BEATS
         measures = cue.measures - planned
         for index in cue.groups:
             if measures > 0:
                 self._scheduler.programmes[index].call(cue.step, measures=measures)
-        rows = np.flatnonzero(cue.who & self._here).astype(np.int32)
+        rows = np.flatnonzero(cue.who & self._on_stage).astype(np.int32)
         if not len(rows):
             return
         moment = Moment(self._dancers, rows, span, timeline, time)
-        nodes = self.cutting.candidates(cue.step)
-        best = np.argmin(self.cutting.distances(moment, nodes), axis=1)
+        nodes = self.clip_cutter.candidates(cue.step)
+        best = np.argmin(self.clip_cutter.distances(moment, nodes), axis=1)
         self._cut(moment, nodes[best], span, timeline, step=cue.step if cue.measures else None)
 
     @property
-    def _here(self) -> Bool:
+    def _on_stage(self) -> Bool:
         """Whether each dancer is on the stage, shape (A,). Dancers who enter or leave are not cut."""
         return np.asarray(self._motion.entrances.state == ON)
 
@@ -127,14 +131,14 @@ class Interrupts:
         self, moment: Moment, node: Int32, span: MeasureSpan, timeline: Timeline, *, step: int | None = None
     ) -> None:
         """Cut, and replace the next measure accordingly: at once, or, while it is being planned, after that."""
-        self.cutting.cut(moment, node, step)
-        if not self._dancers.decided and span.end - timeline.beat_at(moment.time) <= PLANNED:
-            self._step[moment.rows], self._unplanned[moment.rows] = NOTHING if step is None else step, True
+        self.clip_cutter.cut(moment, node, step)
+        if not self._dancers.decided and span.end - timeline.beat_at(moment.time) <= PLANNING_BEATS:
+            self._step[moment.rows], self._unplanned[moment.rows] = NO_STEP if step is None else step, True
 
-    def _go_on(self) -> None:
+    def _replan(self) -> None:
         """Choose the next measure again for dancers whose cut came after their planning had begun."""
         dancers, rows = self._dancers, np.flatnonzero(self._unplanned).astype(np.int32)
         planned = dancers.graph.library.node_step[dancers.coming.node[rows]]
-        step = np.where(self._step[rows] == NOTHING, planned, self._step[rows]).astype(np.int32)
-        self.cutting.follow(rows, dancers.present, dancers.coming, step=step)
-        self._unplanned[:], self._step[:] = False, NOTHING
+        step = np.where(self._step[rows] == NO_STEP, planned, self._step[rows]).astype(np.int32)
+        self.clip_cutter.choose_next(rows, dancers.present, dancers.coming, step=step)
+        self._unplanned[:], self._step[:] = False, NO_STEP

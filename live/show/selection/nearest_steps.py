@@ -7,10 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.candidates import joined, turn_vectors
+from live.graph.select.candidates import following_placement, turn_vectors
 from live.graph.takes import NO_TAKE
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.measure_state import Danced
+from live.show.dancers.measure_state import MeasureState
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -29,8 +29,10 @@ def decide_nearest(dancers: Dancers, half: npt.NDArray[np.floating]) -> Float64:
     follows = edge >= 0
     coming, known = dancers.coming, np.maximum(edge, 0)
     coming.node[:] = np.where(follows, dancers.graph.edge_target[known], dancers.node)
-    coming.placement[:] = np.where(follows[:, None], joined(axes, dancers.graph.edge_transform[known]), axes)
-    _dance_plainly(coming)
+    coming.placement[:] = np.where(
+        follows[:, None], following_placement(axes, dancers.graph.edge_transform[known]), axes
+    )
+    _set_plain(coming)
     return hips
 
 
@@ -38,7 +40,7 @@ def repeat_measure(dancers: Dancers) -> None:
     """Decide that all dancers repeat their present measure at the same placement."""
     dancers.coming.node[:] = dancers.present.node
     dancers.coming.placement[:] = dancers.present.placement
-    _dance_plainly(dancers.coming)
+    _set_plain(dancers.coming)
 
 
 def nearest_edges(
@@ -57,7 +59,7 @@ def nearest_edges(
     whose = np.repeat(some, count[some])
     begins = np.cumsum(count[some]) - count[some]
     edge = np.arange(len(whose)) - np.repeat(begins - first[some], count[some])
-    place = joined(axes[whose], graph.edge_transform[edge])
+    place = following_placement(axes[whose], graph.edge_transform[edge])
     end = place[:, :2] + turn_vectors(graph.node_end[graph.edge_target[edge]], place[:, 2])
     outside = np.maximum(np.abs(end) - half, 0.0).sum(axis=1)
     cost = np.hypot(*(end - hips[whose]).T) + OUTSIDE * outside + graph.edge_cost[edge]
@@ -67,9 +69,9 @@ def nearest_edges(
     return chosen
 
 
-def _dance_plainly(coming: Danced) -> None:
+def _set_plain(coming: MeasureState) -> None:
     """Set a measure to its plain clip: no correction, mixed take, variation or turn."""
-    coming.correction[:] = coming.aimed[:] = 0.0
+    coming.correction[:] = coming.aim_origin[:] = 0.0
     coming.on_support[:] = 0.0
     coming.take[:], coming.take_share[:] = NO_TAKE, 0.0
     coming.amplitude[:], coming.warp[:] = 1.0, 0.0

@@ -14,19 +14,19 @@ import numpy.typing as npt
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.candidates import joined
-from live.graph.select.selector import Choosing
+from live.graph.select.candidates import following_placement
+from live.graph.select.selector import StepSelector
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.root_correction_control import Carrying
+from live.show.dancers.root_correction_control import RootCorrectionControl
 from live.show.group.group_motion import GroupMotion
 from live.show.measure_span import MeasureSpan
 from live.show.patch.patch import Patch
-from live.show.score.canon import Programme
-from live.show.score.group_programs import take_programmes
-from live.show.selection.choices import Choices, behind
+from live.show.score.canon import StepSource
+from live.show.score.group_programs import update_programs
+from live.show.selection.choices import StepChoices, reachability_report
 from live.show.selection.nearest_steps import decide_nearest
-from live.show.selection.planning import Planning
-from live.show.selection.step_targets import Aims
+from live.show.selection.planning import MeasurePlan
+from live.show.selection.step_targets import StepTargets
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -36,7 +36,7 @@ LOOK_BEATS: Final = 1.75
 """Beats before the measure line at which the look-ahead begins."""
 DECIDE_BEATS: Final = 1.0
 """Beats before it at which the next steps are decided: never later than the blend begins."""
-ANEW_TICKS: Final = 8.0
+MIN_REPLAN_TICKS: Final = 8.0
 """With fewer ticks until the decision, the planning of a measure is not restarted."""
 
 
@@ -48,9 +48,9 @@ class Scheduler:
         patch: Patch,
         dancers: Dancers,
         motion: GroupMotion,
-        programmes: list[Programme],
+        programmes: list[StepSource],
         group: Int32,
-        choosing: Choosing | None = None,
+        choosing: StepSelector | None = None,
     ) -> None:
         """`group` (A,) is shared with the show, which may change it between measures; `choosing` is the selector of the
         dancers' graph if it exists already."""
@@ -59,15 +59,15 @@ class Scheduler:
         self._motion = motion
         self._group = group
         self.programmes = programmes
-        self.carrying = Carrying(patch, dancers, motion)
-        self.aims = Aims(patch, dancers, motion, programmes, group)
-        self.order = self.aims.order
-        self.speed: Float32 = self.aims.speed
+        self.root_correction = RootCorrectionControl(patch, dancers, motion)
+        self.targets = StepTargets(patch, dancers, motion, programmes, group)
+        self.order = self.targets.order
+        self.speed: Float32 = self.targets.speed
         """Top speed of each agent [m/s], shape (A,)."""
         count = len(group)
-        self.choices = Choices(count)
-        self._planning = Planning(patch, dancers, motion, self.aims, self.choices, group)
-        self.take_graph(dancers.graph, choosing or Choosing.of(dancers.graph))
+        self.choices = StepChoices(count)
+        self._planning = MeasurePlan(patch, dancers, motion, self.targets, self.choices, group)
+        self.set_graph(dancers.graph, choosing or StepSelector.of(dancers.graph))
         self.last_target: Float64 | None = None
         """Targets of the last decision, within the steps' reach [m], (A, 2); None before the first decision."""
         self.last_heading = np.zeros(count)
@@ -77,26 +77,26 @@ class Scheduler:
         self.dead_ends = 0
         """Number of decisions in which a dancer had no next measure and repeated the present one, since the start."""
 
-    def take_graph(self, graph: MotionGraph, choosing: Choosing) -> None:
+    def set_graph(self, graph: MotionGraph, choosing: StepSelector) -> None:
         """Switch to this graph. Called while no next measure is decided."""
         self.choosing = choosing
-        self._planning.take_graph(graph, choosing)
-        self.aims.take_graph(graph, choosing)
-        self.foresight = self.aims.foresight
+        self._planning.set_graph(graph, choosing)
+        self.targets.set_graph(graph, choosing)
+        self.step_costs = self.targets.step_costs
 
-    def take_patch(self, fresh: "Scheduler") -> None:
+    def apply_patch(self, fresh: "Scheduler") -> None:
         """Apply the groups' programmes of another patch. Called while no next measure is decided."""
-        take_programmes(self.programmes, fresh.programmes, fresh._patch)
-        self.aims.reorder()
+        update_programs(self.programmes, fresh.programmes, fresh._patch)
+        self.targets.reorder()
 
-    def farthest(self) -> Float64:
+    def step_reach(self) -> Float64:
         """Return the reach in one measure of the group's farthest step, for each dancer [m], shape (A,)."""
-        return self.aims.farthest()
+        return self.targets.step_reach()
 
     def set_speed(self, measure: int, timeline: Timeline) -> None:
         """Set the agents' top speeds to what the group's steps and the correction can follow."""
         self._planning.set_seconds(timeline.beats_per_measure * 60.0 / timeline.tempo)
-        self.aims.set_speed(measure, timeline)
+        self.targets.set_speed(measure, timeline)
 
     @property
     def at_rest(self) -> bool:
@@ -121,19 +121,19 @@ class Scheduler:
             self._planning.begin(span, timeline, time)
             return
         ticks = math.ceil((left - DECIDE_BEATS) * 60.0 / timeline.tempo / TICK)
-        self._planning.pieces.work(ticks)
+        self._planning.pieces.run_share(ticks)
 
-    def plan_anew(self, span: MeasureSpan, timeline: Timeline, time: float) -> bool:
+    def replan(self, span: MeasureSpan, timeline: Timeline, time: float) -> bool:
         """Drop the plan of the measure after `span`, so that it is planned again. Returns False if it is too late."""
         if self._dancers.decided:
             return False
         if not self._planning.begun:
             return True
-        if (span.end - timeline.beat_at(time) - DECIDE_BEATS) * 60.0 / timeline.tempo < ANEW_TICKS * TICK:
+        if (span.end - timeline.beat_at(time) - DECIDE_BEATS) * 60.0 / timeline.tempo < MIN_REPLAN_TICKS * TICK:
             return False
-        self._planning.give_up()
+        self._planning.cancel()
         for programme in self.programmes:
-            programme.take_back(span.number + 1)
+            programme.undo(span.number + 1)
         return True
 
     def drop_plan(self) -> None:
@@ -147,17 +147,17 @@ class Scheduler:
         if not self._planning.begun:
             self._planning.begin(span, timeline, time)
         self._planning.finish(span.number + 1)
-        self._take()
-        self._planning.forget()
-        self.last_target, self.last_heading = self.choices.target.copy(), self.aims.heading.copy()
+        self._apply_choices()
+        self._planning.clear()
+        self.last_target, self.last_heading = self.choices.target.copy(), self.targets.heading.copy()
 
-    def _take(self) -> None:
+    def _apply_choices(self) -> None:
         """Place the chosen measures where the present ones will end, and pass them to the root correction."""
         dancers, graph, choices = self._dancers, self._dancers.graph, self.choices
         coming, edge = dancers.coming, choices.edge[:, 0]
         hips, _, axes = dancers.present.ends_and_axes()  # current: the present measure may have been re-aimed
         coming.copy_from(self._planning.draft)
-        coming.placement[:] = joined(axes, graph.edge_transform[np.maximum(edge, 0)])
+        coming.placement[:] = following_placement(axes, graph.edge_transform[np.maximum(edge, 0)])
         stuck = edge < 0
         if stuck.any():  # cannot happen in a pruned graph; such dancers repeat their measure
             self.dead_ends += int(stuck.sum())
@@ -165,19 +165,19 @@ class Scheduler:
         self.detours += int(
             np.count_nonzero((choices.step >= 0) & (graph.library.node_step[coming.node] != choices.step))
         )
-        self.carrying.decided(hips, choices.target, choices.wish)
+        self.root_correction.accept_decision(hips, choices.target, choices.wish)
 
     def decide_nearest(self, half: npt.NDArray[np.floating]) -> None:
         """Decide without a plan: the nearest measure that may follow; `half` (2,) [m]: half sizes of the stage."""
         begin = decide_nearest(self._dancers, half)
         end = self._dancers.coming.end_position()
-        self.carrying.decided(begin, end, end)
+        self.root_correction.accept_decision(begin, end, end)
 
     # -- report --------------------------------------------------------------------------------------------------
 
-    def behind(self) -> dict[str, Any]:
+    def reachability_report(self) -> dict[str, Any]:
         """Return the distances of each group's dancers from their targets, and recordings that would help (T075)."""
-        return behind(
+        return reachability_report(
             self.choices,
             self._group,
             tuple(section.name for section in self._patch.group),

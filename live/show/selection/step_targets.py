@@ -5,23 +5,23 @@ import numpy.typing as npt
 
 from live.clock.timeline import Timeline
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.candidates import wrapped
-from live.graph.select.selector import Choosing
+from live.graph.select.candidates import wrap_angle
+from live.graph.select.selector import StepSelector
 from live.show.dancers.dancers import Dancers
 from live.show.group.group_motion import GroupMotion
 from live.show.patch.patch import Patch
 from live.show.patch.section_motion import ATTRACTOR, CENTRE, DANCER, DEGREES, GROUP, PATH, PUBLIC, Facing, parse_facing
-from live.show.score.canon import Echo, Programme
-from live.show.score.step_program import GroupProgramme
-from live.show.selection.choices import Choices
-from live.show.selection.lookahead import Foresight
+from live.show.score.canon import Canon, StepSource
+from live.show.score.step_program import StepProgram
+from live.show.selection.choices import StepChoices
+from live.show.selection.lookahead import StepCosts
 
 Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 
-MOVES = 0.25
+MIN_DIRECTION_LENGTH = 0.25
 """A displacement shorter than this [m] in a measure has no direction: a standing dancer keeps the heading (T126)."""
-CLOSE = 0.3
+MIN_FACING_DISTANCE = 0.3
 """Dancers do not turn towards targets nearer than this [m]."""
 
 
@@ -47,7 +47,7 @@ class Headings:
         casting = self._motion.casting
         return parse_facing(words, dancers=len(casting.group), groups=casting.names)
 
-    def take_patch(self, fresh: "Headings") -> None:
+    def apply_patch(self, fresh: "Headings") -> None:
         """Apply the facings that differ between the old and the new patch. Others keep their live values."""
         for index, (old, new) in enumerate(zip(self._patch.group, fresh._patch.group, strict=True)):
             if old.facing != new.facing:
@@ -62,15 +62,15 @@ class Headings:
         """Set the facing of a group, from the next decided measure on."""
         self._facing[group] = facing
 
-    def begin(self, heading: Float64) -> None:
+    def reset(self, heading: Float64) -> None:
         """Initialize with the dancers' `heading` (A,) [rad]."""
         self._raw[:] = heading
 
-    def take_back(self) -> None:
+    def undo(self) -> None:
         """Undo the last call of `next`."""
         self._raw[:] = self._before
 
-    def next(self, start: Float64, wish: Float64, planned: Float64, known: Bool) -> Float64:
+    def advance(self, start: Float64, wish: Float64, planned: Float64, known: Bool) -> Float64:
         """Return headings (A,) [rad] for the end of the next measure of dancers who go from `start` to `wish` (A, 2).
 
         `planned` (A,) are the headings of dancers in an evolution (`known`), which are smoothed already. Called once
@@ -83,9 +83,9 @@ class Headings:
             if len(members):
                 wanted[members] = self._wanted(facing, members, start, wish, wanted)
         passing = self._motion.entrances.passing  # dancers who enter or leave face the way they go
-        wanted[passing] = _towards(wish - start, MOVES, wanted)[passing]
+        wanted[passing] = _towards(wish - start, MIN_DIRECTION_LENGTH, wanted)[passing]
         wanted[known] = planned[known]
-        newest = self._raw[0] + wrapped(wanted - self._raw[0])
+        newest = self._raw[0] + wrap_angle(wanted - self._raw[0])
         smooth = 0.25 * newest + 0.5 * self._raw[0] + 0.25 * self._raw[1]
         smooth[known | passing] = newest[known | passing]
         self._raw[1], self._raw[0] = self._raw[0], newest
@@ -102,11 +102,11 @@ class Headings:
             case k if k == DEGREES:
                 return np.full(len(members), facing.heading)
             case k if k == PATH:
-                return _towards((wish - start)[members], MOVES, last[members])
+                return _towards((wish - start)[members], MIN_DIRECTION_LENGTH, last[members])
         place = self._place(facing, members)
         if place is None:
             return last[members]
-        return _towards(place - wish[members], CLOSE, last[members])
+        return _towards(place - wish[members], MIN_FACING_DISTANCE, last[members])
 
     def _place(self, facing: Facing, members: npt.NDArray[np.intp]) -> Float64 | None:
         """Return the place that the members face [m], (2,) or (n, 2); None if there is none."""
@@ -133,18 +133,18 @@ def _towards(way: Float64, least: float, last: Float64) -> Float64:
 Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 
-STANDS: float = 0.15
+STANDING_DISTANCE: float = 0.15
 """A group stands if the median of its dancers' ways in the next measure is shorter than this [m]."""
-HELD_BACK: float = 0.2
+TARGET_CORRECTION_SHARE: float = 0.2
 """Share of the possible correction that targets may use beyond a step's reach. The rest is kept for path separation.
 Steps in place may use all of it."""
 
 
-class Aims:
+class StepTargets:
     """Targets of A dancers for one measure, computed piece by piece."""
 
     def __init__(
-        self, patch: Patch, dancers: Dancers, motion: GroupMotion, programmes: list[Programme], group: Int32
+        self, patch: Patch, dancers: Dancers, motion: GroupMotion, programmes: list[StepSource], group: Int32
     ) -> None:
         """`group` (A,) is shared with the show, which may change it between measures."""
         self._patch, self._dancers, self._motion = patch, dancers, motion
@@ -156,7 +156,9 @@ class Aims:
         count = len(group)
         self.speed: Float32 = np.zeros(count, np.float32)
         """Top speed of each agent that its dancer's steps can follow [m/s], shape (A,)."""
-        self._asked: list[tuple[int | None, int]] = [(None, 0)] * len(programmes)  # measure and step of each group
+        self._wanted_steps: list[tuple[int | None, int]] = [(None, 0)] * len(
+            programmes
+        )  # measure and step of each group
         self.step = np.zeros(count, np.int32)
         """The wanted step of each dancer, below 0 for any, shape (A,)."""
         self.row = np.zeros(count, np.int32)
@@ -166,22 +168,22 @@ class Aims:
 
     def reorder(self) -> None:
         """Update the order after a change of the groups that echo others."""
-        self.order.sort(key=lambda index: (isinstance(self._programmes[index], Echo), index))
+        self.order.sort(key=lambda index: (isinstance(self._programmes[index], Canon), index))
 
-    def take_graph(self, graph: MotionGraph, choosing: Choosing) -> None:
+    def set_graph(self, graph: MotionGraph, choosing: StepSelector) -> None:
         """Switch to this graph."""
         library = graph.library
         self._choosing = choosing
-        self.foresight = Foresight(graph)
+        self.step_costs = StepCosts(graph)
         self.ahead = np.zeros((2 * len(self._programmes), library.node_count))
         """Number of wrong measures for each next node, for each group and its travel step, (2 G, N)."""
-        reach = [library.reach(step) for step in range(len(library.steps))]
+        reach = [library.max_travel(step) for step in range(len(library.steps))]
         # reach of one measure of each step [m]; last, for ANY_STEP, the largest
         self._reach = np.array([*reach, max(reach)])
         for programme in self._programmes:
-            programme.take_graph(graph)
+            programme.set_graph(graph)
 
-    def farthest(self) -> Float64:
+    def step_reach(self) -> Float64:
         """Return the reach in one measure of the group's farthest step, for each dancer [m], shape (A,)."""
         most = np.zeros(len(self._group))
         for index, programme in enumerate(self._programmes):
@@ -194,48 +196,52 @@ class Aims:
         seconds = timeline.beats_per_measure * 60.0 / timeline.tempo
         speeds = np.empty(len(self._programmes))
         for index in self.order:
-            programme, (asked_for, step) = self._programmes[index], self._asked[index]
+            programme, (asked_for, step) = self._programmes[index], self._wanted_steps[index]
             if asked_for != measure:
-                step = programme.wanted(measure, self._dancers.node[self._group == index])
+                step = programme.step_for(measure, self._dancers.node[self._group == index])
             steps = [step] if programme.travel_step is None else [step, programme.travel_step]
             reach = max(float(self._reach[s]) for s in steps)
             speeds[index] = (reach + 0.2 * self._patch.locomotion.correction_m) / seconds
         self.speed[:] = speeds[self._group]
 
-    def look(self, choices: Choices) -> None:
+    def set_wishes(self, choices: StepChoices) -> None:
         """Set the wished positions and headings for the end of the next measure. The look-ahead must be finished."""
         present = self._dancers.present
-        wish, known, planned = self._motion.ahead()
+        wish, known, planned = self._motion.predicted_ends()
         choices.begin(*present.ends(), self._motion.present)
         choices.wish[:] = wish
-        self.heading[:] = self.headings.next(choices.stand, wish, planned, known)
+        self.heading[:] = self.headings.advance(choices.start_position, wish, planned, known)
         if len(self._motion.partners.leader):
-            self._motion.partners.aim(choices.wish, self.heading, choices.stand, choices.heading, known)
+            self._motion.partners.adjust_targets(
+                choices.wish, self.heading, choices.start_position, choices.heading, known
+            )
 
-    def ask(self, index: int, measure: int, choices: Choices) -> None:
+    def set_wanted_step(self, index: int, measure: int, choices: StepChoices) -> None:
         """Set the wanted step of the dancers of group `index` in `measure`: the group's next one, or its travel step
         for dancers whose way is too far for that."""
         programme, members = self._programmes[index], self._group == index
-        way = np.hypot(*(choices.wish - choices.stand).T)
-        if isinstance(programme, GroupProgramme):
-            programme.stands = not members.any() or bool(np.median(way[members]) < STANDS)
-        step = programme.wanted(measure, self._dancers.node[members])
-        self._asked[index] = measure, step
+        way = np.hypot(*(choices.wish - choices.start_position).T)
+        if isinstance(programme, StepProgram):
+            programme.standing = not members.any() or bool(np.median(way[members]) < STANDING_DISTANCE)
+        step = programme.step_for(measure, self._dancers.node[members])
+        self._wanted_steps[index] = measure, step
         self.step[members] = step
         self.row[members] = 2 * index
-        self.ahead[2 * index] = self.foresight.sequence(programme.coming, programme.into)
+        self.ahead[2 * index] = self.step_costs.sequence_cost(programme.upcoming, programme.measures_done)
         if programme.travel_step is not None and self._reach[programme.travel_step] > self._reach[step]:
             far = members & (way > self._reach[step] + 0.5 * self._patch.locomotion.correction_m)
             self.step[far] = programme.travel_step
             self.row[far] = 2 * index + 1
-            self.ahead[2 * index + 1] = self.foresight.step(programme.travel_step)
+            self.ahead[2 * index + 1] = self.step_costs.step_distance(programme.travel_step)
 
-    def limit(self, choices: Choices, bound: Float64) -> None:
+    def limit_targets(self, choices: StepChoices, bound: Float64) -> None:
         """Limit the targets (predicted agents) to the reach of the steps with `bound` (A,) [m] of correction."""
-        change = wrapped(self.heading - choices.heading)
-        way = choices.wish - choices.stand
-        reached = self._choosing.ways.limit(self.step, choices.heading, change, way, HELD_BACK * bound, bound)
-        choices.target[:] = choices.stand + reached
+        change = wrap_angle(self.heading - choices.heading)
+        way = choices.wish - choices.start_position
+        reached = self._choosing.reach_table.limit_travel(
+            self.step, choices.heading, change, way, TARGET_CORRECTION_SHARE * bound, bound
+        )
+        choices.target[:] = choices.start_position + reached
         if len(self._motion.partners.leader):
             self._motion.partners.gather(choices.target, self.heading)
         choices.step[:] = self.step

@@ -4,13 +4,13 @@ import math
 from typing import Any
 
 from live.control.audio.click_output import ClickOutput
-from live.control.audio.devices import device_refuses
+from live.control.audio.devices import device_error
 from live.control.events.events import ControlEvent, One, SetClick
 from live.control.link.link_session import LinkSession
 from live.show.show import Show
 
 
-class OnClick:
+class ClickConnection:
     """Connection of a show to its click output. Thread: the show's."""
 
     def __init__(self, show: Show, output: ClickOutput) -> None:
@@ -22,7 +22,7 @@ class OnClick:
         try:
             self.output.start()
         except Exception as error:  # PortAudioError, whose class exists only where PortAudio is installed
-            raise device_refuses(error, "--click", self.output.device.name) from None
+            raise device_error(error, "--click", self.output.device.name) from None
 
     def stop(self) -> None:
         """Close the output."""
@@ -30,28 +30,28 @@ class OnClick:
 
     def status(self) -> dict[str, Any]:
         """Return figures for the status line."""
-        return self.output.facts()
+        return self.output.status()
 
     def frame(self) -> None:
         """Pass the Timeline and the end of a count-in to the output, after each frame."""
         show = self._show
         left = show.follower.counting_in
         one = math.floor(show.timeline.beat_at(show.time) + left) if left else -math.inf
-        self.output.show(show.timeline, one)
+        self.output.set_timeline(show.timeline, one)
 
-    def heard(self, event: ControlEvent) -> None:
+    def handle(self, event: ControlEvent) -> None:
         """Handle an event of the show."""
         if isinstance(event, SetClick):
             self.output.track.on = event.on
 
 
-class OnLink:
+class LinkConnection:
     """Connection of a show to its Link session. Thread: the show's."""
 
     def __init__(self, show: Show, session: LinkSession) -> None:
         self._show = show
         self._session = session
-        self._hand = show.follower.hand_tempo[0]
+        self._manual_count = show.follower.manual_tempo[0]
 
     def start(self) -> None:
         """Join the session."""
@@ -65,14 +65,14 @@ class OnLink:
         """Pass Timeline and tempo to the session after each frame, and a manual tempo while the session is the
         source."""
         follower = self._show.follower
-        self._session.show(self._show.timeline, follower.tempo)
-        count, tempo = follower.hand_tempo
-        if count != self._hand:
-            self._hand = count
+        self._session.set_timeline(self._show.timeline, follower.tempo)
+        count, tempo = follower.manual_tempo
+        if count != self._manual_count:
+            self._manual_count = count
             if follower.source == "link":
                 self._session.set_tempo(tempo)
 
-    def heard(self, event: ControlEvent) -> None:
+    def handle(self, event: ControlEvent) -> None:
         """Handle an event of the show: in lead mode a "this is the one" resynchronizes all peers."""
         if isinstance(event, One) and self._session.mode == "lead":
             self._session.resync()

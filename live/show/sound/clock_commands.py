@@ -3,7 +3,7 @@
 import math
 from typing import Final
 
-from live.clock.follower.manual_control import Seed
+from live.clock.follower.manual_control import TrackerHint
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.control.events import events
 from live.control.events.events import ControlEvent
@@ -16,7 +16,7 @@ CLOCK_EVENTS: Final = (
 """The events for the follower."""
 
 
-def follower_of(patch: Patch, tempo: float | None) -> TimelineFollower:
+def make_follower(patch: Patch, tempo: float | None) -> TimelineFollower:
     """Return the follower of a show. `tempo` [bpm] overrides the patch's, for music other than the patch's."""
     clock, music = patch.clock, patch.music
     return TimelineFollower(
@@ -30,37 +30,37 @@ def follower_of(patch: Patch, tempo: float | None) -> TimelineFollower:
     )
 
 
-def first_seeds(patch: Patch, follower: TimelineFollower, known: bool) -> list[Seed]:
+def initial_seeds(patch: Patch, follower: TimelineFollower, known: bool) -> list[TrackerHint]:
     """Return the seeds of a beat tracker at the start; `known`: the patch's own music is played.
 
     The position of that music's first downbeat is not among them: its player reports it later, in audio time.
     """
     seeds = []
     if not patch.clock.follow_metre:
-        seeds.append(Seed("metre", 0.0, float(follower.timeline.beats_per_measure)))
+        seeds.append(TrackerHint("metre", 0.0, float(follower.timeline.beats_per_measure)))
     if known and patch.music.bpm is not None:
-        seeds.append(Seed("tempo", math.nan, patch.music.bpm))
+        seeds.append(TrackerHint("tempo", math.nan, patch.music.bpm))
     return seeds
 
 
-def tell(follower: TimelineFollower, event: ControlEvent) -> str:
+def apply_clock_event(follower: TimelineFollower, event: ControlEvent) -> str:
     """Apply an event of CLOCK_EVENTS; return the reason if it was refused, else ""."""
     refused = follower.refused
     match event:
         case events.BeatHeard() | events.SourceChanged():
-            _tell_heard(follower, event)
+            _apply_observation(follower, event)
         case events.Tap():
             follower.tap(event.time)
         case events.One():
-            follower.one(event.time)
+            follower.set_downbeat(event.time)
         case events.SetTempo():
             follower.set_tempo(event.tempo, event.time)
         case _:
-            _tell_hand(follower, event)
+            _apply_manual(follower, event)
     return follower.refusal if follower.refused > refused else ""
 
 
-def _tell_hand(follower: TimelineFollower, event: ControlEvent) -> None:
+def _apply_manual(follower: TimelineFollower, event: ControlEvent) -> None:
     match event:
         case events.Nudge():
             follower.nudge(event.seconds, event.time)
@@ -75,13 +75,13 @@ def _tell_hand(follower: TimelineFollower, event: ControlEvent) -> None:
         case events.CountIn():
             follower.count_in(event.measures, event.time)
         case events.ChooseSource():
-            follower.choose(event.name)
+            follower.select_source(event.name)
 
 
-def _tell_heard(follower: TimelineFollower, event: events.BeatHeard | events.SourceChanged) -> None:
+def _apply_observation(follower: TimelineFollower, event: events.BeatHeard | events.SourceChanged) -> None:
     match event:
         case events.BeatHeard():
-            follower.heard(
+            follower.observe(
                 event.beat_time,
                 event.period,
                 event.confidence,

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from live.base.stage_snapshot import StageView
 from live.render.film.streams import FilmSound
-from live.show.dancers.footfalls import Footfall, Footfalls
+from live.show.dancers.footfalls import Footfall, FootfallDetector
 from live.show.show import Show
 
 Float64 = npt.NDArray[np.float64]
@@ -55,7 +55,7 @@ def tap_voices(seed: int, rate: int) -> list[list[Float32]]:
     ball = [_strike(_BALL, chance, rate) for _ in range(VARIANTS)]
     heel = [_strike(_HEEL, chance, rate) for _ in range(VARIANTS)]
     late = max(1, round(0.002 * rate))  # heel and ball of a flat foot land slightly apart
-    flat = [_loudest(h + 0.8 * np.concatenate((np.zeros(late), b[:-late]))) for b, h in zip(ball, heel, strict=True)]
+    flat = [_normalize(h + 0.8 * np.concatenate((np.zeros(late), b[:-late]))) for b, h in zip(ball, heel, strict=True)]
     return [[voice.astype(np.float32) for voice in voices] for voices in (ball, heel, flat)]
 
 
@@ -73,20 +73,20 @@ def _strike(plate: _Plate, chance: np.random.Generator, rate: int) -> Float64:
             hertz = frequency * detune * (1.0 + spread * chance.uniform(-1.0, 1.0))
             if hertz < 0.45 * rate:
                 sound += level * np.sin(2.0 * math.pi * hertz * time) * np.exp(-time / decay)
-    return _loudest(sound * _fade_out(len(time)))
+    return _normalize(sound * _fade_out(len(time)))
 
 
 def _click(hertz: float, rate: int) -> Float32:
     time = np.arange(round(CLICK_SECONDS * rate)) / rate
     sound = np.sin(2.0 * math.pi * hertz * time) * np.exp(-time / 0.007)
-    return _loudest(sound * _fade_out(len(time))).astype(np.float32)
+    return _normalize(sound * _fade_out(len(time))).astype(np.float32)
 
 
 def _fade_out(count: int) -> Float64:
     return np.asarray(np.minimum(1.0, 8.0 * np.arange(count, 0, -1) / count))
 
 
-def _loudest(sound: Float64) -> Float64:
+def _normalize(sound: Float64) -> Float64:
     return np.asarray(sound / max(float(np.abs(sound).max()), 1e-9))
 
 
@@ -100,11 +100,11 @@ MUSIC_LEVEL: Final = 0.8
 """Level of the music when mixed with click or taps; alone it is unchanged."""
 WIDTH: Final = 0.8
 """Stereo pan of a dancer at the edge of the stage, 0 to 1."""
-EARLIEST: Final = 0.5
+MAX_LATENESS: Final = 0.5
 """Clicks and taps that are late by more than this are dropped [s]; others begin at once."""
 
 
-class ShowSound:
+class Soundtrack:
     """Mixer for a film's sound: call `frame` after each frame; the encoder reads `film`.
 
     Tap level grows with the number of dancers, but less than proportionally, and falls with the distance from the
@@ -118,15 +118,15 @@ class ShowSound:
         self.rate = RATE if music is None else music.rate
         self._click = click_voices(self.rate) if click else None
         self._taps = tap_voices(show.seed, self.rate) if taps else None
-        self._falls = Footfalls(show) if taps else None
+        self._falls = FootfallDetector(show) if taps else None
         camera = show.patch.camera
         self._eye = camera.eye
-        self._usual = math.dist(camera.eye, camera.target)
+        self._usual_distance = math.dist(camera.eye, camera.target)
         self._share = TAP_LEVEL / len(show.group) ** 0.6
-        self._sounding: deque[float] = deque()
-        self.left_out = 0
+        self._voice_ends: deque[float] = deque()
+        self.dropped_taps = 0
         """Taps dropped because all voices were in use."""
-        self._made = round(begin * self.rate)
+        self._samples_done = round(begin * self.rate)
         self._ahead: Float32 = np.zeros((0, 2), np.float32)
         self._ahead_taps: Float32 = np.zeros((0, 2), np.float32)
         self._blocks: deque[Float32] = deque()
@@ -142,14 +142,14 @@ class ShowSound:
         if self._click is not None:
             self._add_clicks(view)
         if self._falls is not None:
-            for fall in self._falls.frame(view):
+            for fall in self._falls.detect(view):
                 self._add_tap(fall)
-        self._finish(max(0, math.floor(view.time * self.rate) - self._made))
+        self._finish(max(0, math.floor(view.time * self.rate) - self._samples_done))
 
     def _add_clicks(self, view: StageView) -> None:
         assert self._click is not None
         timeline = self._show.timeline
-        first = timeline.beat_at(self._made / self.rate) - 1e-6 if self._beat is None else self._beat
+        first = timeline.beat_at(self._samples_done / self.rate) - 1e-6 if self._beat is None else self._beat
         for beat in range(math.floor(first) + 1, math.floor(view.beat + 1e-9) + 1):
             place = (beat - timeline.measure_origin) % timeline.beats_per_measure
             accent = min(place, timeline.beats_per_measure - place) < 1e-3
@@ -161,14 +161,14 @@ class ShowSound:
         assert self._taps is not None
         voices = self._taps[fall.part]
         voice = voices[(2 * fall.dancer + fall.foot) % VARIANTS]
-        while self._sounding and self._sounding[0] <= fall.time:
-            self._sounding.popleft()
-        if len(self._sounding) >= MAX_VOICES:
-            self.left_out += 1
+        while self._voice_ends and self._voice_ends[0] <= fall.time:
+            self._voice_ends.popleft()
+        if len(self._voice_ends) >= MAX_VOICES:
+            self.dropped_taps += 1
             return
-        self._sounding.append(fall.time + len(voice) / self.rate)
+        self._voice_ends.append(fall.time + len(voice) / self.rate)
         x, z = fall.place
-        near = self._usual / max(math.dist(self._eye, (x, 0.0, z)), 0.3 * self._usual)
+        near = self._usual_distance / max(math.dist(self._eye, (x, 0.0, z)), 0.3 * self._usual_distance)
         level = self._share * fall.strength * min(near, 2.0)
         side = WIDTH * min(max(2.0 * x / self._show.patch.stage.width, -1.0), 1.0)
         turn = 0.25 * math.pi * (1.0 + side)
@@ -177,8 +177,8 @@ class ShowSound:
 
     def _add(self, ahead: Float32, time: float, voice: Float32, gains: tuple[float, float]) -> Float32:
         """Return the future samples with a voice added at `time` [s]; a late voice begins at once."""
-        begin = round(time * self.rate) - self._made
-        if begin < -EARLIEST * self.rate or time < 0.0:
+        begin = round(time * self.rate) - self._samples_done
+        if begin < -MAX_LATENESS * self.rate or time < 0.0:
             return ahead
         begin = max(begin, 0)
         if begin + len(voice) > len(ahead):
@@ -191,9 +191,9 @@ class ShowSound:
         block = _first(self._ahead, count) + np.tanh(_first(self._ahead_taps, count))
         self._ahead, self._ahead_taps = self._ahead[count:], self._ahead_taps[count:]
         if self._music is not None and count:
-            heard = self._music.read(self._made, count)
+            heard = self._music.read(self._samples_done, count)
             block[: len(heard)] += MUSIC_LEVEL * heard  # mono is broadcast to both channels
-        self._made += count
+        self._samples_done += count
         self._blocks.append(block)
 
     def _read(self, first: int, count: int) -> Float32:

@@ -37,11 +37,11 @@ COUNTER: Final = -4
 SET: Final = -5
 DEQUE: Final = -6
 """Maximum length or None, then the items."""
-WHOLE: Final = -7
+ARRAY: Final = -7
 """A contiguous array: dtype string, shape; its content is the next of the contents."""
-LAID: Final = -8
+ARRAY_LAYOUT: Final = -8
 """An array with another memory layout: dtype string, shape in memory order, axes, whether it is writeable."""
-PART: Final = -9
+ARRAY_VIEW: Final = -9
 """A view of another array: the other array, first byte, dtype string, shape, strides."""
 SCRATCH: Final = -10
 """A scratch array, computed before it is read: its name."""
@@ -51,44 +51,46 @@ METHOD: Final = False
 
 HEAD: Final = struct.Struct(">I")
 """Size of the tree [bytes], before the tree."""
-MOST_TREE: Final = 1 << 22
+MAX_TREE_BYTES: Final = 1 << 22
 """Maximum size of a tree [bytes]."""
-MOST_NUMBERS: Final = 1 << 25
+MAX_ARRAY_BYTES: Final = 1 << 25
 """Maximum size of all arrays together [bytes], so that a damaged or hostile state cannot exhaust memory."""
-MOST_BYTES: Final = HEAD.size + MOST_TREE + MOST_NUMBERS
-_LONG: Final = 1
-_LONGEST: Final = 512
+MAX_STATE_BYTES: Final = HEAD.size + MAX_TREE_BYTES + MAX_ARRAY_BYTES
+_BIG_INT: Final = 1
+_MAX_INT_BYTES: Final = 512
 
 
-class Unreadable(Exception):
+class StateDecodeError(Exception):
     """Bytes that are not a valid state of a show; the message gives the reason."""
 
 
-def packed_tree(tree: Any) -> bytes:
+def encode_tree(tree: Any) -> bytes:
     """Return a tree as bytes."""
-    out: bytes = msgpack.packb(tree, default=_long, unicode_errors="surrogatepass")
+    out: bytes = msgpack.packb(tree, default=_encode_big_int, unicode_errors="surrogatepass")
     return out
 
 
-def read_tree(data: bytes | memoryview) -> Any:
+def decode_tree(data: bytes | memoryview) -> Any:
     """Decode a tree; Unreadable for invalid bytes."""
-    if len(data) > MOST_TREE:
-        raise Unreadable(f"its tree has {len(data)} bytes, more than {MOST_TREE}")
+    if len(data) > MAX_TREE_BYTES:
+        raise StateDecodeError(f"its tree has {len(data)} bytes, more than {MAX_TREE_BYTES}")
     try:
-        return msgpack.unpackb(data, strict_map_key=False, unicode_errors="surrogatepass", ext_hook=_short, raw=False)
-    except Unreadable:
+        return msgpack.unpackb(
+            data, strict_map_key=False, unicode_errors="surrogatepass", ext_hook=_decode_big_int, raw=False
+        )
+    except StateDecodeError:
         raise
     except Exception as error:  # damaged bytes raise many types of errors
-        raise Unreadable(f"its tree is damaged: {type(error).__name__}: {error}") from None
+        raise StateDecodeError(f"its tree is damaged: {type(error).__name__}: {error}") from None
 
 
-def _long(value: object) -> msgpack.ExtType:
-    if not isinstance(value, int) or value.bit_length() > 8 * _LONGEST - 1:
+def _encode_big_int(value: object) -> msgpack.ExtType:
+    if not isinstance(value, int) or value.bit_length() > 8 * _MAX_INT_BYTES - 1:
         raise TypeError(f"{type(value).__name__} is not a valid value of a state")
-    return msgpack.ExtType(_LONG, value.to_bytes(value.bit_length() // 8 + 1, "big", signed=True))
+    return msgpack.ExtType(_BIG_INT, value.to_bytes(value.bit_length() // 8 + 1, "big", signed=True))
 
 
-def _short(code: int, data: bytes) -> int:
-    if code != _LONG or len(data) > _LONGEST:
-        raise Unreadable(f"extension {code} of {len(data)} bytes")
+def _decode_big_int(code: int, data: bytes) -> int:
+    if code != _BIG_INT or len(data) > _MAX_INT_BYTES:
+        raise StateDecodeError(f"extension {code} of {len(data)} bytes")
     return int.from_bytes(data, "big", signed=True)

@@ -9,23 +9,23 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.crowd.contact_kernels import CAPACITY
-from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
 from live.agents.elements import element_table_kernels
 from live.agents.elements.element import Element
-from live.agents.elements.element_kinds import FLOW_NAMES, KIND_COUNT, POINT_LIMIT, VERTEX_COUNT
-from live.agents.elements.element_table import SLOTS, ElementTable
+from live.agents.elements.element_kinds import FLOW_NAMES, KIND_COUNT, MAX_POINTS, MAX_VERTICES
+from live.agents.elements.element_table import GRID_SLOTS, ElementTable
 from live.agents.evolutions.intention import Places
-from live.agents.evolutions.planned_segment import Motion
-from live.agents.evolutions.segment_start import Departure, Journey
+from live.agents.evolutions.planned_segment import PlannedSegment
+from live.agents.evolutions.segment_start import PlannedMotion, SegmentStart
 from live.agents.evolutions.trajectory import Locomotion
-from live.motion.partner_live.hand_holds import Holding
-from live.motion.partner_live.stage_partner import ReadLeader
+from live.motion.partner_live.hand_holds import LiveHandHolds
+from live.motion.partner_live.stage_partner import LeaderReader
 from live.motion.skeleton import JOINT_COUNT
-from live.show.capture.performer import Captured
-from live.show.capture.pose_buffer import CANON_MEMORY, MEMORY, HeardPoses
-from live.show.state.constants import at
-from live.show.state.kind import FARTHEST
+from live.show.capture.performer import CapturedPerformer
+from live.show.capture.pose_buffer import CANON_CAPACITY, CAPACITY, PoseBuffer
+from live.show.state.constants import attribute_at
+from live.show.state.kind import MAX_MAGNITUDE
 
 Array = npt.NDArray[Any]
 
@@ -37,20 +37,20 @@ _OF_READERS: Final = (
 )  # fmt: skip
 
 
-def advance(value: Advance) -> bool:
+def advance(value: CrowdStepper) -> bool:
     """Whether agent and steering parameters are in range; only the stage may be infinite."""
-    begin = 2 * at(value, "_agent_count")
-    fixed: Array = at(value, "_fixed")
+    begin = 2 * attribute_at(value, "_agent_count")
+    fixed: Array = attribute_at(value, "_fixed")
     stage, others = fixed[begin : begin + 2], np.delete(fixed, [begin, begin + 1])
-    return bool((stage > 0.0).all() and np.abs(others).max() <= FARTHEST)
+    return bool((stage > 0.0).all() and np.abs(others).max() <= MAX_MAGNITUDE)
 
 
 def element_table(value: ElementTable) -> bool:
     """Whether the rows hold valid indices of corners, grids and elements; only an element's end may be infinite."""
-    rows: Array = at(value, "_all_rows")
-    first, most = at(value, "_first"), at(value, "_capacity")
+    rows: Array = attribute_at(value, "_all_rows")
+    first, most = attribute_at(value, "_first"), attribute_at(value, "_capacity")
     others = np.delete(rows, element_table_kernels.END, axis=1)
-    whole = not np.isnan(rows).any() and bool(np.abs(others).max(initial=0.0) <= FARTHEST)
+    whole = not np.isnan(rows).any() and bool(np.abs(others).max(initial=0.0) <= MAX_MAGNITUDE)
     within = all(
         low <= rows[:, place].min(initial=0.0) and rows[:, place].max(initial=0.0) <= high
         for place, low, high in _ROWS_WITHIN
@@ -60,16 +60,16 @@ def element_table(value: ElementTable) -> bool:
 
 _ROWS_WITHIN: Final = (
     (element_table_kernels.KIND, 0, KIND_COUNT - 1),
-    (element_table_kernels.CORNERS, 0, VERTEX_COUNT),
-    (element_table_kernels.FLOW_KIND, -1, len(FLOW_NAMES)),
-    (element_table_kernels.SLOT, -1, SLOTS - 1),
+    (element_table_kernels.CORNERS, 0, MAX_VERTICES),
+    (element_table_kernels.FLOW_KIND, -1, max(FLOW_NAMES.values())),
+    (element_table_kernels.SLOT, -1, GRID_SLOTS - 1),
     (element_table_kernels.TARGET_GROUP, -1, 63),
 )
 
 
 def element(value: Element) -> bool:
     """Whether kind, target group and number of points are in range."""
-    return 0 <= value.kind < KIND_COUNT and -1 <= value.target_group < 64 and len(value.points) <= POINT_LIMIT
+    return 0 <= value.kind < KIND_COUNT and -1 <= value.target_group < 64 and len(value.points) <= MAX_POINTS
 
 
 def surroundings(value: Surroundings) -> bool:
@@ -90,34 +90,34 @@ def places(value: Places) -> bool:
     return value.slots.shape == (count, 2) and value.heading.shape == (count,) and len(value.marks) in (0, count)
 
 
-def departure(value: Departure) -> bool:
+def departure(value: SegmentStart) -> bool:
     """Whether every dancer has a position, heading, radius and words."""
-    count = len(value.numbers)
+    count = len(value.dancer_indices)
     return (
-        value.numbers.shape == value.heading.shape == value.radius.shape == (count,)
+        value.dancer_indices.shape == value.heading.shape == value.radius.shape == (count,)
         and value.position.shape == (count, 2)
-        and len(value.words) == count
+        and len(value.attributes) == count
     )
 
 
-def journey(value: Journey) -> bool:
+def journey(value: PlannedMotion) -> bool:
     """Whether every dancer with a slot has a trajectory."""
     return value.slot.shape == (value.locomotion.count,)
 
 
-def motion(value: Motion) -> bool:
+def motion(value: PlannedSegment) -> bool:
     """Whether every moving dancer has a trajectory."""
-    count = len(value.who)
-    ways = value.journey is None or value.journey.locomotion.count == count
-    return value.who.shape == value.keep.shape == (count,) and ways
+    count = len(value.dancers)
+    ways = value.motion is None or value.motion.locomotion.count == count
+    return value.dancers.shape == value.controlled.shape == (count,) and ways
 
 
-def heard_poses(value: HeardPoses) -> bool:
+def heard_poses(value: PoseBuffer) -> bool:
     """Whether there is one more pose than time stamps."""
-    root, turned, stamp, count = value.kept
+    root, turned, stamp, count = value.arrays
     size = len(stamp)
     return (
-        size in (MEMORY, CANON_MEMORY)
+        size in (CAPACITY, CANON_CAPACITY)
         and stamp.shape == (size, 2)
         and root.shape == (size + 1, 3)
         and turned.shape == (size + 1, JOINT_COUNT, 4)
@@ -125,28 +125,30 @@ def heard_poses(value: HeardPoses) -> bool:
     )
 
 
-def captured(value: Captured) -> bool:
+def captured(value: CapturedPerformer) -> bool:
     """Whether all arrays have a row for each dancer that shows this performer's poses."""
     count = len(value.rows)
-    ones = (value.rows, value.delay, value.share, value.turned)
-    place = at(value, "edges.place")
-    return all(array.shape == (count,) for array in ones) and value.moved.shape == place.shape == (count, 2)
+    ones = (value.rows, value.delay, value.fade, value.turn_angle)
+    place = attribute_at(value, "bounds.place")
+    return all(array.shape == (count,) for array in ones) and value.offset.shape == place.shape == (count, 2)
 
 
-def holding(value: Holding) -> bool:
+def holding(value: LiveHandHolds) -> bool:
     """Whether all arrays have a row for each hand hold."""
-    laid: list[tuple[int, ...]] = at(value, "_laid")
-    if not hasattr(value, "_who"):
+    laid: list[tuple[int, ...]] = attribute_at(value, "_row_keys")
+    if not hasattr(value, "_dancers"):
         return not laid
-    who, hands, where, far = (at(value, name) for name in ("_who", "_hands", "_where", "_far"))
-    count, looked = len(laid), len(at(value, "_looked"))
+    who, hands, where, far = (attribute_at(value, name) for name in ("_dancers", "_hands", "_pose_rows", "_palm_table"))
+    count, looked = len(laid), len(attribute_at(value, "_seen_dancers"))
     rows = (who, hands, where)
     within = where.min(initial=0) >= 0 and where.max(initial=-1) < looked
     return all(array.shape == (count, 2) for array in rows) and far.shape == (count, 6) and bool(within)
 
 
-def read_leader(value: ReadLeader) -> bool:
+def read_leader(value: LeaderReader) -> bool:
     """Whether the decoder has the same units and array sizes as that of its examples."""
-    reader, like = value.partner.reader, value.lore.reader
-    same = all(at(reader, name) is at(like, name) for name in _INDICES) and reader.units is like.units
-    return same and all(at(reader, name).shape == at(like, name).shape for name in _OF_READERS)
+    reader, like = value.partner.decoder, value.examples.decoder
+    same = (
+        all(attribute_at(reader, name) is attribute_at(like, name) for name in _INDICES) and reader.units is like.units
+    )
+    return same and all(attribute_at(reader, name).shape == attribute_at(like, name).shape for name in _OF_READERS)

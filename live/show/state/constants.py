@@ -11,11 +11,11 @@ import numpy as np
 
 from live.show.state.kind import PLAIN
 
-LONG: Final = 512
+MAX_WALKED: Final = 512
 """The entries of containers longer than this get no names; they are written if something else refers to them."""
 
 
-def at(root: object, path: str) -> Any:
+def attribute_at(root: object, path: str) -> Any:
     """Return the nested attribute of `root` at the dotted `path`; paths are literals of this program."""
     here: Any = root
     for word in path.split("."):
@@ -23,21 +23,21 @@ def at(root: object, path: str) -> Any:
     return here
 
 
-class Walked:
+class NamedObjects:
     """All objects inside one constant, by name."""
 
-    def __init__(self, value: object, name: str, met: Iterable[Mapping[int, str]] = ()) -> None:
+    def __init__(self, value: object, name: str, known: Iterable[Mapping[int, str]] = ()) -> None:
         """`met`: objects that have a name already."""
         self.value = value
         self.names: dict[int, str] = {}
         self.objects: dict[str, object] = {}
         self.classes: set[type] = set()
-        self._met = tuple(met)
+        self._known = tuple(known)
         self._walk(value, name)
 
     def _walk(self, value: Any, name: str) -> None:
         key, cls = id(value), type(value)
-        if cls in PLAIN or isinstance(value, type) or key in self.names or any(key in met for met in self._met):
+        if cls in PLAIN or isinstance(value, type) or key in self.names or any(key in met for met in self._known):
             return
         self.names[key] = name
         self.objects[name] = value
@@ -45,7 +45,7 @@ class Walked:
             if isinstance(value.base, np.ndarray):
                 self._walk(value.base, f"{name}.base")
             return
-        if isinstance(value, Mapping | list | tuple) and len(value) > LONG:
+        if isinstance(value, Mapping | list | tuple) and len(value) > MAX_WALKED:
             return
         if isinstance(value, Mapping):
             for word, each in value.items():
@@ -60,13 +60,13 @@ class Walked:
             self._walk(getattr(value, attribute, None), f"{name}.{attribute}")
 
 
-_ahead: dict[str, Walked] = {}
+_ahead: dict[str, NamedObjects] = {}
 
 
 def walk_ahead(value: object, name: str) -> None:
     """Walk in advance through an object that will become a show's constant of this name, to save time in the frame. It
     must share nothing with the constants before it. Thread: any one."""
-    _ahead[name] = Walked(value, name)
+    _ahead[name] = NamedObjects(value, name)
 
 
 class Constants:
@@ -82,19 +82,19 @@ class Constants:
         self.name_of: dict[int, str] = {}
         self.named: dict[str, object] = {}
         self.classes: set[type] = set()
-        self.parts: dict[str, Walked] = {}
+        self.parts: dict[str, NamedObjects] = {}
         for name, path in constant.items():
-            value = at(root, path)
+            value = attribute_at(root, path)
             known = (None if before is None else before.parts.get(name), _ahead.get(name))
             part = next((each for each in known if each is not None and each.value is value), None)
-            part = part or Walked(value, name, [self.name_of])
+            part = part or NamedObjects(value, name, [self.name_of])
             self.parts[name] = part
             self.name_of |= part.names
             self.named |= part.objects
             self.classes |= part.classes
         self.scratch: dict[str, Any] = {}
         for path in scratch:
-            found = at(root, path)
+            found = attribute_at(root, path)
             rows = enumerate(found) if isinstance(found, tuple) else [("", found)]
             self.scratch |= {f"{path}{number}": array for number, array in rows}
         self.scratch_of = {id(array): name for name, array in self.scratch.items()}

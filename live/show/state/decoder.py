@@ -14,23 +14,23 @@ import numpy as np
 import numpy.typing as npt
 
 from live.show.state.byte_format import (
+    ARRAY,
+    ARRAY_LAYOUT,
+    ARRAY_VIEW,
     COUNTER,
     DEQUE,
     DICT,
     HEAD,
-    LAID,
     LIST,
+    MAX_ARRAY_BYTES,
     METHOD,
-    MOST_NUMBERS,
     ORDERED,
-    PART,
     SCRATCH,
     SET,
     VALUE,
-    WHOLE,
     Row,
-    Unreadable,
-    read_tree,
+    StateDecodeError,
+    decode_tree,
 )  # fmt: skip
 from live.show.state.constants import Constants
 from live.show.state.kind import NUMBERS, PLAIN, Kind
@@ -41,9 +41,9 @@ Array = npt.NDArray[Any]
 NUMPY: Final = frozenset(NUMBERS.values())
 """Permitted array types."""
 SCALARS: Final = {word[1:]: np.dtype(word) for word in NUMPY}
-MOST_AXES: Final = 8
-MOST_ROWS: Final = 1 << 18
-DEEPEST: Final = 64
+MAX_AXES: Final = 8
+MAX_ROWS: Final = 1 << 18
+MAX_DEPTH: Final = 64
 """Maximum nesting of values."""
 
 
@@ -53,38 +53,38 @@ def read_state(data: bytes, constants: Constants) -> Any:
     `constants` are those of a fresh show. The caller must check the result with `type_check.py`.
     """
     try:
-        root = _Reader(*_halves(data), constants).read()
-    except Unreadable:
+        root = _Decoder(*_split(data), constants).read()
+    except StateDecodeError:
         raise
     except Exception as error:  # crafted bytes may raise anything, but have no other effect
-        raise Unreadable(f"{type(error).__name__}: {error}"[:400]) from None
+        raise StateDecodeError(f"{type(error).__name__}: {error}"[:400]) from None
     return root
 
 
-def _halves(data: bytes) -> tuple[Any, memoryview]:
+def _split(data: bytes) -> tuple[Any, memoryview]:
     if len(data) < HEAD.size:
-        raise Unreadable("it is cut off")
+        raise StateDecodeError("it is cut off")
     (size,) = HEAD.unpack_from(data)
     view = memoryview(data)[HEAD.size :]
     if size > len(view):
-        raise Unreadable("its tree is cut off")
-    return read_tree(view[:size]), view[size:]
+        raise StateDecodeError("its tree is cut off")
+    return decode_tree(view[:size]), view[size:]
 
 
-class _Reader:
+class _Decoder:
     """Creates the objects of one tree."""
 
     def __init__(self, tree: Any, content: memoryview, constants: Constants) -> None:
         if not (isinstance(tree, list) and len(tree) == 4 and isinstance(tree[0], dict) and isinstance(tree[1], dict)):
-            raise Unreadable("its tree is not an array of kinds, rows, sizes and a root")
+            raise StateDecodeError("its tree is not an array of kinds, rows, sizes and a root")
         kinds, self._rows, sizes, self._root = tree
         if not _whole_numbers(sizes) or min(sizes, default=0) < 0 or sum(sizes) != len(content):
-            raise Unreadable("the content of its arrays does not have the stated size")
+            raise StateDecodeError("the content of its arrays does not have the stated size")
         self._sizes = iter(sizes)
-        self._room = MOST_NUMBERS
-        if len(self._rows) > MOST_ROWS:
-            raise Unreadable(f"it has {len(self._rows)} rows, more than {MOST_ROWS}")
-        found = {number: _kind(number, said) for number, said in kinds.items()}
+        self._room = MAX_ARRAY_BYTES
+        if len(self._rows) > MAX_ROWS:
+            raise StateDecodeError(f"it has {len(self._rows)} rows, more than {MAX_ROWS}")
+        found = {number: _decode_kind(number, said) for number, said in kinds.items()}
         self._kinds = {number: kind for number, (kind, _, _) in found.items()}
         self._names = {number: (plain, others) for number, (_, plain, others) in found.items()}
         self._content, self._place = content, 0
@@ -96,13 +96,13 @@ class _Reader:
         """Decode all rows and return the root."""
         for number, row in self._rows.items():
             if type(number) is not int or not (isinstance(row, list) and row and type(row[0]) is int):
-                raise Unreadable(f"row {number!r:.40} is invalid")
-            if row[0] != PART:
+                raise StateDecodeError(f"row {number!r:.40} is invalid")
+            if row[0] != ARRAY_VIEW:
                 self._made[number] = self._empty(row)
         if next(self._sizes, None) is not None:
-            raise Unreadable("there is content without an array")
+            raise StateDecodeError("there is content without an array")
         for number, row in self._rows.items():
-            if row[0] == PART:
+            if row[0] == ARRAY_VIEW:
                 self._made[number] = self._part(row)
         later = [number for number, row in self._rows.items() if row[0] < 0]
         for number, row in self._rows.items():
@@ -119,28 +119,28 @@ class _Reader:
         if code >= 0:
             kind = self._kinds.get(code)
             if kind is None:
-                raise Unreadable(f"there is no kind {code}")
+                raise StateDecodeError(f"there is no kind {code}")
             plain, others = self._names[code]
             if len(row) != 2 + len(others) or not isinstance(row[1], list) or len(row[1]) != len(plain):
-                raise Unreadable(f"{kind.name!r} has not as many values as fields")
+                raise StateDecodeError(f"{kind.name!r} has not as many values as fields")
             return object.__new__(kind.cls)
-        if code in (WHOLE, LAID):
+        if code in (ARRAY, ARRAY_LAYOUT):
             return self._array(row)
         if code == SCRATCH:
             return self._scratch_array(row)
         if code == DEQUE:
             if len(row) < 2 or not (row[1] is None or (type(row[1]) is int and 0 <= row[1] < 1 << 20)):
-                raise Unreadable("a deque has no valid length")
+                raise StateDecodeError("a deque has no valid length")
             return deque(maxlen=row[1])
         made = _CONTAINERS.get(code)
         if made is None:
-            raise Unreadable(f"there is no row code {code}")
+            raise StateDecodeError(f"there is no row code {code}")
         return made()
 
     def _array(self, row: Row) -> Array:
         numbers, shape = row[1], row[2]
-        if numbers not in NUMPY or not _whole_numbers(shape) or len(shape) > MOST_AXES or min(shape, default=0) < 0:
-            raise Unreadable(f"an array of type {numbers!r:.20} and shape {shape!r:.80} is invalid")
+        if numbers not in NUMPY or not _whole_numbers(shape) or len(shape) > MAX_AXES or min(shape, default=0) < 0:
+            raise StateDecodeError(f"an array of type {numbers!r:.20} and shape {shape!r:.80} is invalid")
         count = 1
         for length in shape:
             count *= length
@@ -148,17 +148,17 @@ class _Reader:
         begin, used, size = self._place, next(self._sizes, -1), count * kind.itemsize
         self._room -= size
         if not 0 <= used <= size or self._room < 0:
-            raise Unreadable("the content of an array is cut off, or too large")
+            raise StateDecodeError("the content of an array is cut off, or too large")
         self._place += used
         found: Array = np.zeros(shape, kind)
         found.reshape(-1).view(np.uint8)[:used] = np.frombuffer(self._content[begin : begin + used], np.uint8)
         if kind == np.bool_ and found.view(np.uint8).max(initial=0) > 1:
-            raise Unreadable("an array of booleans holds other values")
-        if row[0] == WHOLE:
+            raise StateDecodeError("an array of booleans holds other values")
+        if row[0] == ARRAY:
             return found
         axes, writeable = row[3], row[4]
         if not _whole_numbers(axes) or sorted(axes) != list(range(len(shape))) or type(writeable) is not bool:
-            raise Unreadable("an array has invalid axes")
+            raise StateDecodeError("an array has invalid axes")
         if axes != sorted(axes):
             found = found.transpose(np.argsort(axes))
         found.flags.writeable = writeable
@@ -168,7 +168,7 @@ class _Reader:
         name = row[1]
         like = self._constants.scratch.get(name) if isinstance(name, str) else None
         if like is None or name in self._scratch:
-            raise Unreadable(f"there is no scratch array {name!r:.80}, or it occurs twice")
+            raise StateDecodeError(f"there is no scratch array {name!r:.80}, or it occurs twice")
         found: Array = np.zeros_like(like)
         self._scratch[name] = found
         return found
@@ -177,11 +177,11 @@ class _Reader:
         _, whole, offset, numbers, shape, strides = row
         base = self._value(whole)
         if not isinstance(base, np.ndarray) or numbers not in NUMPY or not base.flags.c_contiguous:
-            raise Unreadable("the base of an array view is not a contiguous array")
+            raise StateDecodeError("the base of an array view is not a contiguous array")
         if not (_whole_numbers([offset]) and _whole_numbers(shape) and _whole_numbers(strides)):
-            raise Unreadable("an array view has no valid offset, shape or strides")
-        if len(shape) != len(strides) or len(shape) > MOST_AXES or min(shape, default=0) < 0 or offset < 0:
-            raise Unreadable("an array view has no valid offset, shape or strides")
+            raise StateDecodeError("an array view has no valid offset, shape or strides")
+        if len(shape) != len(strides) or len(shape) > MAX_AXES or min(shape, default=0) < 0 or offset < 0:
+            raise StateDecodeError("an array view has no valid offset, shape or strides")
         kind = np.dtype(numbers)
         if 0 in shape:
             return np.zeros(shape, kind)
@@ -190,9 +190,9 @@ class _Reader:
             low, high = low + min((length - 1) * stride, 0), high + max((length - 1) * stride, 0)
         whole_bytes = base.dtype == kind or not any(each.kind == "b" for each in (base.dtype, kind))
         if low < 0 or high + kind.itemsize > base.nbytes or offset % kind.itemsize or not whole_bytes:
-            raise Unreadable("an array view lies outside of its base")
+            raise StateDecodeError("an array view lies outside of its base")
         if any(stride % kind.itemsize for stride in strides):
-            raise Unreadable("an array view is not aligned to its items")
+            raise StateDecodeError("an array view is not aligned to its items")
         found: Array = np.ndarray(shape, kind, base, offset, strides)
         return found
 
@@ -202,10 +202,10 @@ class _Reader:
         kind = self._kinds[row[0]]
         plain, others = self._names[row[0]]
         for name, value in zip(plain, row[1], strict=True):
-            object.__setattr__(made, name, _plain(value))
+            object.__setattr__(made, name, _decode_plain(value))
         for name, value in zip(others, row[2:], strict=True):
             object.__setattr__(made, name, self._value(value))
-        for name, anew in kind.anew.items():
+        for name, anew in kind.factories.items():
             object.__setattr__(made, name, anew())
 
     def _fill(self, made: Any, row: Row) -> None:
@@ -218,48 +218,48 @@ class _Reader:
                 made.extend(values)
         elif code in (DICT, ORDERED, COUNTER):
             if len(row) % 2 == 0:
-                raise Unreadable("a dict has a key without a value")
+                raise StateDecodeError("a dict has a key without a value")
             for key, value in zip(row[1::2], row[2::2], strict=True):
                 made[self._value(key)] = self._value(value)
 
-    def _value(self, said: Any, depth: int = 0) -> Any:
-        if type(said) in PLAIN:
-            return said
-        if type(said) is not list or not said or depth > DEEPEST:
-            raise Unreadable("a value is invalid, or nested too deep")
-        first = said[0]
+    def _value(self, encoded: Any, depth: int = 0) -> Any:
+        if type(encoded) in PLAIN:
+            return encoded
+        if type(encoded) is not list or not encoded or depth > MAX_DEPTH:
+            raise StateDecodeError("a value is invalid, or nested too deep")
+        first = encoded[0]
         if first is None:
-            return tuple([self._value(each, depth + 1) for each in said[1:]])
+            return tuple([self._value(each, depth + 1) for each in encoded[1:]])
         if first is VALUE:
-            return self._special(said, depth)
+            return self._special(encoded, depth)
         if first is METHOD:
-            return self._method(said, depth)
-        if len(said) == 1:
+            return self._method(encoded, depth)
+        if len(encoded) == 1:
             if type(first) is int and first in self._made:
                 return self._made[first]
             if type(first) is str and first in self._constants.named:
                 return self._constants.named[first]
-        raise Unreadable(f"{said!r:.80} names no known object")
+        raise StateDecodeError(f"{encoded!r:.80} names no known object")
 
-    def _special(self, said: list[Any], depth: int) -> Any:
-        word = said[1]
-        if word == "complex" and all(type(part) is float for part in said[2:]):
-            return complex(said[2], said[3])
+    def _special(self, encoded: list[Any], depth: int) -> Any:
+        word = encoded[1]
+        if word == "complex" and all(type(part) is float for part in encoded[2:]):
+            return complex(encoded[2], encoded[3])
         if word == "frozenset":
-            return frozenset([self._value(each, depth + 1) for each in said[2:]])
-        if word in SCALARS and len(said) == 3 and type(said[2]) in (int, float, bool):
-            return SCALARS[word].type(said[2])
+            return frozenset([self._value(each, depth + 1) for each in encoded[2:]])
+        if word in SCALARS and len(encoded) == 3 and type(encoded[2]) in (int, float, bool):
+            return SCALARS[word].type(encoded[2])
         kind = BY_NAME.get(word) if isinstance(word, str) else None
-        if kind is not None and issubclass(kind.cls, Enum) and len(said) == 3 and type(said[2]) in PLAIN:
-            return kind.cls(said[2])
-        raise Unreadable(f"{said!r:.80} is not a valid value")
+        if kind is not None and issubclass(kind.cls, Enum) and len(encoded) == 3 and type(encoded[2]) in PLAIN:
+            return kind.cls(encoded[2])
+        raise StateDecodeError(f"{encoded!r:.80} is not a valid value")
 
-    def _method(self, said: list[Any], depth: int) -> Any:
-        _, whose, name = said
+    def _method(self, encoded: list[Any], depth: int) -> Any:
+        _, whose, name = encoded
         owner = self._value(whose, depth + 1)
         found = next((kind for kind in self._kinds.values() if type(owner) is kind.cls), None)
         if found is None or not isinstance(name, str) or (found.name, name) not in METHODS:
-            raise Unreadable(f"{type(owner).__name__} has no method {name!r:.40} that a state may hold")
+            raise StateDecodeError(f"{type(owner).__name__} has no method {name!r:.40} that a state may hold")
         return METHODS[found.name, name].__get__(owner)
 
 
@@ -268,27 +268,29 @@ _CONTAINERS: Final[dict[int, Callable[[], Any]]] = {
 }  # fmt: skip
 
 
-def _kind(number: object, said: Any) -> tuple[Kind, list[str], list[str]]:
+def _decode_kind(number: object, encoded: Any) -> tuple[Kind, list[str], list[str]]:
     """Return a kind named by the tree, with its fields in the tree's order; they must equal the fields known here."""
-    if type(number) is not int or number < 0 or not isinstance(said, list) or len(said) != 3:
-        raise Unreadable("its table of kinds is invalid")
-    name, plain, others = said
+    if type(number) is not int or number < 0 or not isinstance(encoded, list) or len(encoded) != 3:
+        raise StateDecodeError("its table of kinds is invalid")
+    name, plain, others = encoded
     kind = BY_NAME.get(name) if isinstance(name, str) else None
     if kind is None or issubclass(kind.cls, Enum) or not isinstance(plain, list) or not isinstance(others, list):
-        raise Unreadable(f"there is no kind {name!r:.80}")
+        raise StateDecodeError(f"there is no kind {name!r:.80}")
     names = [*plain, *others]
     differ = sorted(set(map(str, names)) ^ set(kind.names))
     if differ or len(names) != len(kind.names):
-        raise Unreadable(f"{kind.name!r} is of another version there, with other fields: {', '.join(differ)}"[:400])
+        raise StateDecodeError(
+            f"{kind.name!r} is of another version there, with other fields: {', '.join(differ)}"[:400]
+        )
     return kind, plain, others
 
 
-def _plain(said: Any, depth: int = 0) -> Any:
-    if type(said) in PLAIN:
-        return said
-    if type(said) is not list or depth > DEEPEST:
-        raise Unreadable("a plain value is invalid, or nested too deep")
-    return tuple([_plain(each, depth + 1) for each in said])
+def _decode_plain(encoded: Any, depth: int = 0) -> Any:
+    if type(encoded) in PLAIN:
+        return encoded
+    if type(encoded) is not list or depth > MAX_DEPTH:
+        raise StateDecodeError("a plain value is invalid, or nested too deep")
+    return tuple([_decode_plain(each, depth + 1) for each in encoded])
 
 
 def _whole_numbers(found: Any) -> bool:

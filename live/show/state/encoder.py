@@ -13,45 +13,45 @@ from typing import Any, Final
 
 import numpy as np
 
-from live.show.state.byte_format import HEAD, LAID, VALUE, WHOLE, Row, Rows, packed_tree
+from live.show.state.byte_format import ARRAY, ARRAY_LAYOUT, HEAD, VALUE, Row, Rows, encode_tree
 from live.show.state.kind import PLAIN, Kind, Type
 from live.show.state.kinds import BY_CLASS, BY_NAME
 
 _PLAIN: Final = frozenset({"int", "float", "bool", "str", "none", "bytes"})
-_FIXED: Final = frozenset({*_PLAIN, "complex", "tuple", "row", "frozenset", "|"})
+_IMMUTABLE: Final = frozenset({*_PLAIN, "complex", "tuple", "row", "frozenset", "|"})
 """Type words of immutable values."""
 _NUMBERS: Final = (np.float64, np.float32, np.int64, np.int32, np.bool_)
 
 Values = tuple[Any, ...]
 
 
-class Unwritable(Exception):
+class StateEncodeError(Exception):
     """A show holds something that a snapshot cannot hold; the message names it."""
 
 
-class Shape:
+class CapturePlan:
     """Capture plan for objects of one kind: its plain fields, its immutable fields, and all others (links)."""
 
-    __slots__ = ("check", "fixed_at", "kind", "links", "links_at", "many_plain", "values")
+    __slots__ = ("check", "immutable_at", "kind", "links", "links_at", "many_plain", "values")
 
     def __init__(self, kind: Kind) -> None:
-        plain, others = split_names(kind)
+        plain, others = split_fields(kind)
         types = kind.types()
-        fixed = tuple(name for name in others if _is_fixed(types[name]))
+        fixed = tuple(name for name in others if _is_immutable(types[name]))
         links = tuple(name for name in others if name not in fixed)
-        self.kind, self.check, self.many_plain = kind, _checked(kind), len(plain)
-        self.values, self.links = values_of(plain + fixed), values_of(links)
-        self.fixed_at = tuple(map(others.index, fixed))
+        self.kind, self.check, self.many_plain = kind, _field_check(kind), len(plain)
+        self.values, self.links = values_getter(plain + fixed), values_getter(links)
+        self.immutable_at = tuple(map(others.index, fixed))
         self.links_at = tuple(map(others.index, links))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Part:
+class EncodedLinks:
     """The encoded part of an object that stays valid as long as its links are the same."""
 
     number: int
     value: Any
-    shape: Shape
+    shape: CapturePlan
     links: list[Any]
     dynamic: tuple[int, ...]
     """Indices of the links to containers; these are encoded again in each cut."""
@@ -61,15 +61,15 @@ class Part:
     """Numbers of the arrays whose contents are part of each cut."""
 
 
-Cut = tuple[Part, Values, list[Any], list[bytes]]
+CapturedObject = tuple[EncodedLinks, Values, list[Any], list[bytes]]
 """A captured object: its part, its plain and immutable values, its encoded containers, its array contents."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Written:
+class CapturedState:
     """A captured state; immutable."""
 
-    objects: list[Cut]
+    objects: list[CapturedObject]
     rows: Rows
     """Rows of containers and of arrays in them; they may hold immutable values unencoded."""
     content: dict[int, bytes]
@@ -80,16 +80,16 @@ class Written:
     last: int
     """The highest row number."""
 
-    def packed(self) -> bytes:
+    def encode(self) -> bytes:
         """Return the state in the format of `byte_format.py`; Unwritable for objects of unknown kinds. Thread: any
         one."""
-        return _Packing(self).packed()
+        return _Encoder(self).encode()
 
 
-class _Packing:
+class _Encoder:
     """Encoding of one state."""
 
-    def __init__(self, written: Written) -> None:
+    def __init__(self, written: CapturedState) -> None:
         self._written, self._names = written, written.names
         self._last = written.last
         self._kinds: dict[type, int] = {}
@@ -97,8 +97,8 @@ class _Packing:
         self._memo: dict[int, list[Any]] = {}
         """Encoded immutable values by id; the state keeps them alive."""
 
-    def packed(self) -> bytes:
-        said, written = self._said, self._written
+    def encode(self) -> bytes:
+        said, written = self._encode, self._written
         rows, content = written.rows.copy(), written.content.copy()
         for part, values, containers, arrays in written.objects:
             part.shape.check(part.value)
@@ -113,28 +113,28 @@ class _Packing:
             self._rows[number] = [said(each) for each in found]
         root = said(written.root)
         kinds = {
-            number: [kind.name, *split_names(kind)] for cls, number in self._kinds.items() for kind in [BY_CLASS[cls]]
+            number: [kind.name, *split_fields(kind)] for cls, number in self._kinds.items() for kind in [BY_CLASS[cls]]
         }
-        contents = [content[number] for number, row in self._rows.items() if row[0] in (WHOLE, LAID)]
-        tree = packed_tree([kinds, self._rows, list(map(len, contents)), root])
+        contents = [content[number] for number, row in self._rows.items() if row[0] in (ARRAY, ARRAY_LAYOUT)]
+        tree = encode_tree([kinds, self._rows, list(map(len, contents)), root])
         return b"".join((HEAD.pack(len(tree)), tree, *contents))
 
-    def _row(self, shape: Shape, values: Values) -> Row:
+    def _row(self, shape: CapturePlan, values: Values) -> Row:
         """Return the row of an object without its links."""
         number, many = self._kinds.setdefault(shape.kind.cls, len(self._kinds)), shape.many_plain
-        row: Row = [number, values[:many], *[None] * (len(shape.fixed_at) + len(shape.links_at))]
-        for place, each in zip(shape.fixed_at, values[many:], strict=True):
-            row[2 + place] = self._said(each)
+        row: Row = [number, values[:many], *[None] * (len(shape.immutable_at) + len(shape.links_at))]
+        for place, each in zip(shape.immutable_at, values[many:], strict=True):
+            row[2 + place] = self._encode(each)
         return row
 
-    def _said(self, value: Any) -> Any:
+    def _encode(self, value: Any) -> Any:
         cls = type(value)
         if cls in PLAIN:
             return value
         if cls is list:  # an encoded value; only its items may need encoding
-            return [each if type(each) in PLAIN else self._said(each) for each in value]
+            return [each if type(each) in PLAIN else self._encode(each) for each in value]
         if cls is tuple:
-            return [None, *[each if type(each) in PLAIN else self._said(each) for each in value]]
+            return [None, *[each if type(each) in PLAIN else self._encode(each) for each in value]]
         key = id(value)
         found = self._memo.get(key)
         if found is None:
@@ -152,11 +152,13 @@ class _Packing:
         if cls in _NUMBERS:
             return [VALUE, value.dtype.str[1:], value.item()]
         kind = BY_CLASS.get(cls)
-        if kind is None or not is_fixed(kind):
-            raise Unwritable(f"{cls.__module__}.{cls.__qualname__} is mutable, where only immutable values may be")
+        if kind is None or not is_immutable(kind):
+            raise StateEncodeError(
+                f"{cls.__module__}.{cls.__qualname__} is mutable, where only immutable values may be"
+            )
         if issubclass(cls, Enum):
             return [VALUE, kind.name, value.value]
-        shape = shape_of(kind)
+        shape = capture_plan(kind)
         self._last += 1
         number = self._last
         self._rows[number] = self._row(shape, shape.values(value))
@@ -164,7 +166,7 @@ class _Packing:
 
 
 @cache
-def split_names(kind: Kind) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def split_fields(kind: Kind) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the fields of a kind in the order of writing: plain values, and all others."""
     types = kind.types()
     plain = tuple(name for name, found in types.items() if _is_plain(found))
@@ -172,21 +174,25 @@ def split_names(kind: Kind) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 
 @cache
-def shape_of(kind: Kind) -> Shape:
+def capture_plan(kind: Kind) -> CapturePlan:
     """Return the capture plan of a kind."""
-    return Shape(kind)
+    return CapturePlan(kind)
 
 
 @cache
-def is_fixed(kind: Kind) -> bool:
+def is_immutable(kind: Kind) -> bool:
     """Whether objects of this kind, and all they hold, are immutable."""
     if issubclass(kind.cls, Enum):
         return True
     parameters = getattr(kind.cls, "__dataclass_params__", None)
-    return parameters is not None and parameters.frozen and all(_is_fixed(kind_of) for kind_of in kind.types().values())
+    return (
+        parameters is not None
+        and parameters.frozen
+        and all(_is_immutable(kind_of) for kind_of in kind.types().values())
+    )
 
 
-def values_of(names: tuple[str, ...]) -> Callable[[Any], Values]:
+def values_getter(names: tuple[str, ...]) -> Callable[[Any], Values]:
     """Return a function that reads the values of these fields from an object."""
     if len(names) > 1:
         return attrgetter(*names)
@@ -195,29 +201,33 @@ def values_of(names: tuple[str, ...]) -> Callable[[Any], Values]:
 
 def _is_plain(found: Type) -> bool:
     """Whether a type is a plain value, or a tuple of such."""
-    return (found.word in _PLAIN or found.word in ("|", "tuple", "row")) and all(map(_is_plain, found.of))
+    return (found.word in _PLAIN or found.word in ("|", "tuple", "row")) and all(map(_is_plain, found.items))
 
 
-def _is_fixed(found: Type) -> bool:
+def _is_immutable(found: Type) -> bool:
     known = BY_NAME.get(found.word)
-    return (is_fixed(known) if known is not None else found.word in _FIXED) and all(map(_is_fixed, found.of))
+    return (is_immutable(known) if known is not None else found.word in _IMMUTABLE) and all(
+        map(_is_immutable, found.items)
+    )
 
 
-def _checked(kind: Kind) -> Callable[[Any], None]:
+def _field_check(kind: Kind) -> Callable[[Any], None]:
     """Return a function that raises Unwritable for an object with an unlisted field."""
     if not kind.cls.__dictoffset__:
         return lambda value: None
-    known = frozenset((*kind.names, *kind.anew))
+    known = frozenset((*kind.names, *kind.factories))
 
     def check(value: Any) -> None:
         if not known.issuperset(value.__dict__):
             missing = ", ".join(sorted(set(value.__dict__) - known))
-            raise Unwritable(f"the field {missing} of {kind.cls.__qualname__} is not listed in its kind {kind.name!r}")
+            raise StateEncodeError(
+                f"the field {missing} of {kind.cls.__qualname__} is not listed in its kind {kind.name!r}"
+            )
 
     return check
 
 
-FIXED_CLASSES: Final = frozenset(
-    {*PLAIN, complex, *_NUMBERS, *(kind.cls for kind in BY_NAME.values() if is_fixed(kind))}
+IMMUTABLE_CLASSES: Final = frozenset(
+    {*PLAIN, complex, *_NUMBERS, *(kind.cls for kind in BY_NAME.values() if is_immutable(kind))}
 )
 """Classes of immutable values; these are referenced until the state is packed."""

@@ -28,7 +28,7 @@ NUMBERS: Final = {
 }  # fmt: skip
 """Array types by type word, as numpy dtype strings."""
 
-FARTHEST: Final = 1e9
+MAX_MAGNITUDE: Final = 1e9
 """Maximum magnitude of array values; it fits a 32-bit integer."""
 
 PLAIN: Final = frozenset({type(None), bool, int, float, str, bytes})
@@ -41,26 +41,26 @@ class Type:
     hold any number."""
 
     word: str
-    of: tuple["Type", ...] = ()
-    finds: str = ""
+    items: tuple["Type", ...] = ()
+    index_of: str = ""
     any_shape: bool = False
     any_number: bool = False
 
     @property
-    def either(self) -> tuple["Type", ...]:
+    def alternatives(self) -> tuple["Type", ...]:
         """The alternatives of a union; else the type itself."""
-        return self.of if self.word == "|" else (self,)
+        return self.items if self.word == "|" else (self,)
 
     @property
-    def is_loose(self) -> bool:
+    def any_shape_inside(self) -> bool:
         """Whether any array in it may have any shape."""
-        return self.any_shape or any(each.is_loose for each in self.of)
+        return self.any_shape or any(each.any_shape_inside for each in self.items)
 
     def __str__(self) -> str:
         if self.word == "|":
-            return "|".join(map(str, self.of))
-        inside = f"[{','.join(map(str, self.of))}]" if self.of or self.word == "tuple" else ""
-        return f"{self.word}{f'({self.finds})' if self.finds else ''}{'*' if self.any_shape else ''}{inside}"
+            return "|".join(map(str, self.items))
+        inside = f"[{','.join(map(str, self.items))}]" if self.items or self.word == "tuple" else ""
+        return f"{self.word}{f'({self.index_of})' if self.index_of else ''}{'*' if self.any_shape else ''}{inside}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,52 +69,52 @@ class Kind:
 
     name: str
     cls: type
-    words: str
+    schema: str
     """The fields, as `name:type` separated by white space."""
-    anew: Mapping[str, Callable[[], Any]] = field(default_factory=dict)
+    factories: Mapping[str, Callable[[], Any]] = field(default_factory=dict)
     """Attributes that are not written (process-specific or derived), with factories for their values after reading."""
-    after: Callable[[Any], object] | None = None
+    after_read: Callable[[Any], object] | None = None
     """Called with each object after all are read and checked."""
-    whole: Callable[[Any], bool] | None = None
+    is_consistent: Callable[[Any], bool] | None = None
     """Consistency check of an object; called after all fields were checked."""
 
     @property
     def names(self) -> tuple[str, ...]:
         """The field names, in order."""
-        return tuple(word.partition(":")[0] for word in self.words.split())
+        return tuple(word.partition(":")[0] for word in self.schema.split())
 
     def types(self) -> dict[str, Type]:
         """Return the fields and their types."""
-        return {name: type_of(text) for name, _, text in (word.partition(":") for word in self.words.split())}
+        return {name: parse_type(text) for name, _, text in (word.partition(":") for word in self.schema.split())}
 
 
-def nothing() -> None:
+def no_value() -> None:
     """Factory for process-specific attributes: None."""
 
 
 _WORDS: Final = re.compile(r"[\w.-]+|[][|,()*~]")
 
 
-def type_of(text: str) -> Type:
+def parse_type(text: str) -> Type:
     """Parse a type; ValueError if it is invalid."""
     words = _WORDS.findall(text)
     if "".join(words) != text:
         raise ValueError(f"{text!r} is not a type")
-    found = _either(words)
+    found = _parse_union(words)
     if words:
         raise ValueError(f"{text!r} is not a type: {words[0]!r} is unexpected")
     return found
 
 
-def _either(words: list[str]) -> Type:
-    found = [_one(words)]
+def _parse_union(words: list[str]) -> Type:
+    found = [_parse_one(words)]
     while words and words[0] == "|":
         words.pop(0)
-        found.append(_one(words))
+        found.append(_parse_one(words))
     return found[0] if len(found) == 1 else Type("|", tuple(found))
 
 
-def _one(words: list[str]) -> Type:
+def _parse_one(words: list[str]) -> Type:
     word, finds, inside = words.pop(0), "", []
     if words and words[0] == "(":
         finds = words[1]
@@ -125,7 +125,7 @@ def _one(words: list[str]) -> Type:
     if words and words[0] == "[":
         words.pop(0)
         while words[0] != "]":
-            inside.append(_either(words))
+            inside.append(_parse_union(words))
             if words[0] == ",":
                 words.pop(0)
         words.pop(0)

@@ -8,28 +8,28 @@ from collections.abc import Callable
 from dataclasses import fields
 from typing import Any, Final
 
-from live.base.custom_pass import OwnNumber
+from live.base.custom_pass import CustomPassNumber
 from live.control.events.events import EVENT_TYPES
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.selector import Choosing
+from live.graph.select.selector import StepSelector
 from live.motion.partner.time_scaled_units import Stretches
 from live.motion.partner.units import Units
-from live.motion.partner_live.stage_partner import Lore
+from live.motion.partner_live.stage_partner import PartnerExamples
 from live.motion.pose.pose_pipeline import PoseSkeleton
 from live.motion.texture.live_bank import TextureBank
 from live.show.desk.parameter_table import ParameterTable
 from live.show.group.group_motion import GroupMotion
-from live.show.partner.partner_sources import AnswerBank
+from live.show.partner.partner_sources import ExampleBank
 from live.show.patch.patch import Patch
 from live.show.patch.section_cues import CueSection
 from live.show.patch.section_io import MocapSection
 from live.show.patch.section_music import ReactSection
 from live.show.patch.section_score import AtSection, ImproviseSection, SignalSection
-from live.show.score.improviser import Table
-from live.show.score.score import Written
-from live.show.score.sequence_lookup import Sequences
+from live.show.score.improviser import ImproviseTable
+from live.show.score.score import WrittenScore
+from live.show.score.sequence_lookup import SequenceLookup
 from live.show.selection.interrupts import Interrupts
-from live.show.selection.lookahead import Foresight
+from live.show.selection.lookahead import StepCosts
 from live.show.state.kind import Kind
 from live.show.state.kinds_core import KINDS as CORE
 from live.show.state.kinds_dance import KINDS as DANCE
@@ -43,28 +43,28 @@ _EVENTS: Final = [
     for name, cls in EVENT_TYPES.items()
 ]
 
-CONSTANT: Final[dict[str, type]] = {
-    "constant-answer-bank": AnswerBank,
+CONSTANT_KINDS: Final[dict[str, type]] = {
+    "constant-answer-bank": ExampleBank,
     "constant-at-section": AtSection,
-    "constant-choosing": Choosing,
+    "constant-choosing": StepSelector,
     "constant-cue-section": CueSection,
-    "constant-foresight": Foresight,
+    "constant-foresight": StepCosts,
     "constant-improvise-section": ImproviseSection,
-    "constant-lore": Lore,
+    "constant-lore": PartnerExamples,
     "constant-mocap-section": MocapSection,
     "constant-motion-graph": MotionGraph,
-    "constant-own-number": OwnNumber,
+    "constant-own-number": CustomPassNumber,
     "constant-parameter-table": ParameterTable,
     "constant-patch": Patch,
     "constant-pose-skeleton": PoseSkeleton,
     "constant-react-section": ReactSection,
-    "constant-sequences": Sequences,
+    "constant-sequences": SequenceLookup,
     "constant-signal-section": SignalSection,
     "constant-stretches": Stretches,
-    "constant-table": Table,
+    "constant-table": ImproviseTable,
     "constant-texture-bank": TextureBank,
     "constant-units": Units,
-    "constant-written": Written,
+    "constant-written": WrittenScore,
 }
 """Classes of constants, which are referred to by name and never written."""
 
@@ -73,7 +73,7 @@ BY_CLASS: Final = {kind.cls: kind for kind in BY_NAME.values()}
 
 METHODS: Final[dict[tuple[str, str], Callable[..., Any]]] = {
     ("interrupts", "_cut"): Interrupts._cut,
-    ("interrupts", "_sent"): Interrupts._sent,
-    ("group-motion", "_ask_ahead"): GroupMotion._ask_ahead,
+    ("interrupts", "_sent"): Interrupts._targets,
+    ("group-motion", "_ask_ahead"): GroupMotion._compute_commands_ahead,
 }
 """The bound methods that a state may hold, by kind and name."""

@@ -2,195 +2,195 @@
 
 from typing import Final
 
-from live.show.background_work import Pieces
-from live.show.capture.capture_manager import Mocap
-from live.show.capture.performer import Captured
-from live.show.capture.performer_forces import Presence
-from live.show.capture.pose_buffer import Anchor, HeardPoses
-from live.show.capture.stage_presence import Edges, Performers
-from live.show.dancers.collision_avoidance import Avoiding, Pushing
-from live.show.dancers.correction_update import Coming, ReAiming
+from live.show.background_work import TaskQueue
+from live.show.capture.capture_manager import CaptureManager
+from live.show.capture.performer import CapturedPerformer
+from live.show.capture.performer_forces import PerformerForces
+from live.show.capture.pose_buffer import DriftCorrection, PoseBuffer
+from live.show.capture.stage_presence import CanonBounds, Performers
+from live.show.dancers.collision_avoidance import CollisionAvoidance, ContactResolver
+from live.show.dancers.correction_update import CorrectionUpdate, NextCorrection
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.live_texture import Texturing
-from live.show.dancers.measure_state import Danced, _Ends
+from live.show.dancers.live_texture import LiveTexture
+from live.show.dancers.measure_state import MeasureState, _CachedEnds
 from live.show.dancers.partners import PairSteering, Partners
-from live.show.dancers.root_correction import Carried
-from live.show.dancers.root_correction_control import Carrying
+from live.show.dancers.root_correction import RootCorrection
+from live.show.dancers.root_correction_control import RootCorrectionControl
 from live.show.dancers.timing_offsets import Drift, Ripple
-from live.show.dancers.variation import Variation, Variety
+from live.show.dancers.variation import Variation, VariationSettings
 from live.show.group.casting import Casting
-from live.show.group.elements import Addressees, Elements
+from live.show.group.elements import Elements, GroupMasks
 from live.show.group.evolutions import Evolutions
 from live.show.group.group_motion import GroupMotion
-from live.show.partner.leader_input import AnswerLeaders
-from live.show.partner.partner_agents import AnsweringAgents
-from live.show.partner.partner_response import Answering
-from live.show.partner.response_path import TakenAlong
-from live.show.partner.response_pose import AnswerPoses
-from live.show.patch.background_check import Drafting
-from live.show.selection.choices import Choices
-from live.show.selection.clip_cut import Cutting, Moment
+from live.show.partner.leader_input import LeaderReaders
+from live.show.partner.partner_agents import PartnerAgents
+from live.show.partner.partner_response import PartnerResponse
+from live.show.partner.response_path import ResponsePath
+from live.show.partner.response_pose import ResponsePoses
+from live.show.patch.background_check import MeasureDraft
+from live.show.selection.choices import StepChoices
+from live.show.selection.clip_cut import ClipCutter, Moment
 from live.show.selection.interrupts import Interrupts, _Cue
-from live.show.selection.lookahead import AgentsAhead
-from live.show.selection.planning import Planning
+from live.show.selection.lookahead import AgentLookAhead
+from live.show.selection.planning import MeasurePlan
 from live.show.selection.scheduler import Scheduler
-from live.show.selection.step_search import Searching
-from live.show.selection.step_targets import Aims, Headings
+from live.show.selection.step_search import StepSearch
+from live.show.selection.step_targets import Headings, StepTargets
 from live.show.state import consistency as whole
 from live.show.state.kind import Kind
 
 KINDS: Final = [
-    Kind("addressees", Addressees, "_casting:casting _words:list[str|none] _lasting:list[bool] bits:u8"),
-    Kind("agents-ahead", AgentsAhead, """
-        _look:look-ahead _evolutions:evolutions _elements:elements _entrances:entrances _floor:floor _count:int
+    Kind("addressees", GroupMasks, "_casting:casting _words:list[str|none] _follows_groups:list[bool] bits:u8"),
+    Kind("agents-ahead", AgentLookAhead, """
+        _look_ahead:look-ahead _evolutions:evolutions _elements:elements _entrances:entrances _stage_area:floor _count:int
         _beats:int _late:f8
     """),
-    Kind("aims", Aims, """
+    Kind("aims", StepTargets, """
         _patch:constant-patch _dancers:dancers _motion:group-motion _programmes:list[echo|group-programme]
-        _group:i4(group) order:list[int] headings:headings speed:f4 _asked:list[tuple[int|none,int]] step:i4(step)
-        row:i4(aim) heading:f8 _choosing:constant-choosing foresight:constant-foresight ahead:f8 _reach:f8
+        _group:i4(group) order:list[int] headings:headings speed:f4 _wanted_steps:list[tuple[int|none,int]] step:i4(step)
+        row:i4(aim) heading:f8 _choosing:constant-choosing step_costs:constant-foresight ahead:f8 _reach:f8
     """),
-    Kind("anchor", Anchor, "offset:tuple[float,float] apart:tuple[float,float] _mean:tuple[float,float]"),
-    Kind("answer-leaders", AnswerLeaders, """
-        _bank:constant-answer-bank read:dict[tuple[int,int],read-leader] news:list[tuple[int,str,str]] told:int
-        _fresh:list[str]
+    Kind("anchor", DriftCorrection, "offset:tuple[float,float] difference:tuple[float,float] _mean:tuple[float,float]"),
+    Kind("answer-leaders", LeaderReaders, """
+        _bank:constant-answer-bank readers:dict[tuple[int,int],read-leader] recent_units:list[tuple[int,str,str]] unit_count:int
+        _new_labels:list[str]
     """),
-    Kind("answer-poses", AnswerPoses, """
-        _leaders:answer-leaders _along:taken-along standing:standing _offsets:f4 _parents:i4(joint)
+    Kind("answer-poses", ResponsePoses, """
+        _leaders:answer-leaders _path:taken-along foot_lock:standing _offsets:f4 _parents:i4(joint)
     """),
-    Kind("answering", Answering, """
-        bank:constant-answer-bank _casting:casting _variation:variation _beats:int asked:list[answer-pairs.asked]
-        pairs:list[answer-pairs.pair] leaders:answer-leaders along:taken-along live:b1 _poses:answer-poses
-        holding:holding _ways:dict[int,drawn-way] _agents:f4 _danced:f8 _written:list[answer-pairs.asked]
+    Kind("answering", PartnerResponse, """
+        bank:constant-answer-bank _casting:casting _variation:variation _beats:int settings:list[answer-pairs.asked]
+        pairs:list[answer-pairs.pair] leaders:answer-leaders path:taken-along streamed:b1 _poses:answer-poses
+        hand_holds:holding _drawn_paths:dict[int,drawn-way] _agents:f4 _danced_beats:f8 _patch_settings:list[answer-pairs.asked]
         _roster:roster _leaving:list[answer-pairs.pair]
     """),
-    Kind("answering-agents", AnsweringAgents, "_radius:f4 _usual:float _answering:answering|none"),
-    Kind("avoiding", Avoiding, """
-        _half_stage:f8 _dancers:dancers _motion:group-motion _sent:method _cutting:cutting _cut:method _ways:f8
+    Kind("answering-agents", PartnerAgents, "_radius:f4 _default_radius:float _partner_response:answering|none"),
+    Kind("avoiding", CollisionAvoidance, """
+        _half_stage:f8 _dancers:dancers _motion:group-motion _targets:method _cutting:cutting _cut:method _ways:f8
         _things:f8 _tick:int _met:f8 _waiting:list[int] count:int
     """),
-    Kind("captured", Captured, """
-        edges:edges rows:i8(dancer)* delay:f8* share:f8* moved:f8* turned:f8* poses:heard-poses draws:float
-        follower:int _spot:tuple[float,float] _target:tuple[float,float] _tracked:float anchor:anchor
-        _suit:tuple[float,float] _anchored:bool section:constant-mocap-section shown:bool mirrored:bool obstacle:bool
+    Kind("captured", CapturedPerformer, """
+        bounds:edges rows:i8(dancer)* delay:f8* fade:f8* offset:f8* turn_angle:f8* poses:heard-poses attraction_sign:float
+        follower:int _tracker_position:tuple[float,float] _tracker_target:tuple[float,float] _tracker_time:float drift_correction:anchor
+        _suit_position:tuple[float,float] _anchored:bool section:constant-mocap-section shown:bool mirrored:bool obstacle:bool
         attract:float attracts:str dancer:str|none canon:str canon_beats:float turn:float scale:float
         origin:tuple[float,float,float]
-    """, whole=whole.captured),
-    Kind("carried", Carried, """
+    """, is_consistent=whole.captured),
+    Kind("carried", RootCorrection, """
         dancers:dancers motion:group-motion paths:paths node:i4(node) rows:f8 begin:f8 end:f8 goal:f8 predicted:f8
-        asked:f8 foreseen:f8 room:f8 most:f8 hasty:f8
+        target_at_decision:f8 agent_at_decision:f8 room:f8 max_separation:f8 speed_limit:f8
     """),
-    Kind("carrying", Carrying, """
-        _patch:constant-patch _dancers:dancers _motion:group-motion parting:path-parting _carried:carried
-        _coming:coming _re_aiming:re-aiming _pushing:pushing|none reference:f4 pace:f4 lag:f8 _odd:bool _slid:f8
+    Kind("carrying", RootCorrectionControl, """
+        _patch:constant-patch _dancers:dancers _motion:group-motion path_separation:path-parting _correction:carried
+        _next_correction:coming _correction_update:re-aiming _contact_resolver:pushing|none reference:f4 reference_velocity:f4 lag:f8 _skip_separation:bool _slid:f8
         _stood:f8 _ended:bool _begun:bool _open:bool
     """),
     Kind("casting", Casting, """
-        group:i4(group) names:row[str] half:tuple[float,float] _own:row[frozenset[str]] _named:dict[str,str]
+        group:i4(group) names:row[str] half:tuple[float,float] _attributes:row[frozenset[str]] _named:dict[str,str]
         roster:roster
     """),
-    Kind("choices", Choices, """
-        edge:i4(edge) candidate:i4(candidate) terms:f8 end:f8 node:i4(node) stand:f8 heading:f8 step:i4(step) wish:f8
-        target:f8 error:f8 lag:f8 behind:i4 _decided:bool
+    Kind("choices", StepChoices, """
+        edge:i4(edge) candidate:i4(candidate) terms:f8 end:f8 node:i4(node) start_position:f8 heading:f8 step:i4(step) wish:f8
+        target:f8 error:f8 lag:f8 measures_behind:i4 _decided:bool
     """),
-    Kind("coming", Coming, """
-        _carried:carried _parting:path-parting most:float paths:paths end:f8 target:f8 wish:f8 room:f8 _traced:int
-        fresh:bool _goal:f8 _plan:f8 _ease:float
+    Kind("coming", NextCorrection, """
+        _correction:carried _path_separation:path-parting max_correction:float paths:paths end:f8 target:f8 wish:f8 room:f8 _traced:int
+        just_decided:bool _goal:f8 _plan:f8 _ease:float
     """),
-    Kind("cutting", Cutting, "_dancers:dancers _joints:f8 _parents:i4(joint) cuts:int"),
+    Kind("cutting", ClipCutter, "_dancers:dancers _joints:f8 _parents:i4(joint) cuts:int"),
     Kind("cutting.moment", Moment, """
-        rows:i4 time:float dt:float fraction:float other:float body:tuple[f4,f4] which:i4 phase:f8 held:b1 feature:f8
+        rows:i4 time:float dt:float fraction:float other_fraction:float body:tuple[f4,f4] which:i4 phase:f8 held:b1 feature:f8
         hips:f8 facing:f8
     """),
-    Kind("danced", Danced, """
+    Kind("danced", MeasureState, """
         graph:constant-motion-graph _ends:danced.ends|none decided:bool node:i4(node) placement:f8 correction:f8
-        aimed:f8 on_support:f8 take:i4(node) take_share:f4 amplitude:f8 warp:f8
+        aim_origin:f8 on_support:f8 take:i4(node) take_share:f4 amplitude:f8 warp:f8
     """),
-    Kind("danced.ends", _Ends, """
+    Kind("danced.ends", _CachedEnds, """
         _node:i4(node) _take:i4(node) _share:f4 _graph:constant-motion-graph hips:f8 heading:f8
     """),
     Kind("dancers", Dancers, """
         graph:constant-motion-graph variation:variation past:danced present:danced coming:danced
         _pipeline:pose-pipeline _everybody:i8(dancer) _phase:f8 lock:foot-lock hands:hands _locked_at:float
-        _aside:pose-pipeline _legs:pose-pipeline inertia:inertia landing:landing texturing:texturing
-        captured:dict[str,captured] beats:int answering:answering|none _settled:f4 _bare_legs:tuple[f4,f4] shown:f4
+        _aside:pose-pipeline _legs:pose-pipeline inertia:inertia landing:landing texture:texturing
+        captured:dict[str,captured] beats:int partner_response:answering|none _settled:f4 _bare_legs:tuple[f4,f4] drawn_hips:f4
     """),
-    Kind("drafting", Drafting, "_dancers:dancers _choices:choices _aims:aims draft:danced _choosing:constant-choosing"),
+    Kind("drafting", MeasureDraft, "_dancers:dancers _choices:choices _aims:aims draft:danced _choosing:constant-choosing"),
     Kind("drift", Drift, """
         _count:int _seed:int phase:f8 _knots:f8 _amplitude_knots:f8 _frequency_knots:f8 _drawn:tuple[int|none,f8]
         _knots_of:int|none _passes:f8|none
     """),
-    Kind("edges", Edges, "_half:f8 place:f8* _time:float _floor:row[float] _mirrored:bool"),
+    Kind("edges", CanonBounds, "_half:f8 last_position:f8* _time:float _floor:row[float] _mirrored:bool"),
     Kind("elements", Elements, """
-        _score:score _addressees:addressees _field:element-field _ahead:f4 _last_of:dict[str,element] _placed:int
-        _of_line:list[element] gain:float
+        _score:score _group_masks:addressees _field:element-field _ahead:f4 _last_of:dict[str,element] _placed_measure:int
+        _measure_elements:list[element] gain:float
     """),
     Kind("evolutions", Evolutions, """
-        _patch:constant-patch _casting:casting _score:score _formations:formations _beats:int _plan:plan _added:int
-        _measure:int _of_line:list[segment] _next:int _fresh:bool _heading:f8|none _ways:int
+        _patch:constant-patch _casting:casting _score:score _formations:formations _beats:int _plan:plan _planned_measure:int
+        _measure:int _measure_segments:list[segment] _next:int _fresh:bool _heading:f8|none _live_path_count:int
     """),
     Kind("group-motion", GroupMotion, """
-        _patch:constant-patch casting:casting _seed:int _beats:int _half:f4 model:agent-model floor:floor
-        gates:row[gate] entrances:entrances surroundings:surroundings performers:performers part:parting
+        _patch:constant-patch casting:casting _seed:int _beats:int _half:f4 model:agent-model stage_area:floor
+        gates:row[gate] entrances:entrances surroundings:surroundings performers:performers separation:parting
         evolutions:evolutions elements:elements partners:partners starting_heading:f8 state:agent-state
-        _spare:agent-state _advance:pair-steering wants:wants _along:answering-agents _ahead:agents-ahead
+        _spare:agent-state _advance:pair-steering commands:wants _partner_agents:answering-agents _ahead:agents-ahead
         _now:tuple[timeline,measure-span]|none _speed:f4 _leash:f4~
     """),
     Kind("headings", Headings, "_patch:constant-patch _motion:group-motion _facing:list[facing] _raw:f8 _before:f8"),
-    Kind("heard-poses", HeardPoses, "count:int _gap:float _catch:float _root:f4* _turned:f4* stamp:f8*~",
-         whole=whole.heard_poses),
+    Kind("heard-poses", PoseBuffer, "count:int _blend_start:float _blend_s:float _root:f4* _rotation:f4* stamp:f8*~",
+         is_consistent=whole.heard_poses),
     Kind("interrupts", Interrupts, """
-        _dancers:dancers _motion:group-motion _scheduler:scheduler cutting:cutting _cues:list[interrupts.cue]
-        _half:tuple[int,int]|none _decided:bool _step:i4(step) _unplanned:b1 _avoiding:avoiding cues:int
+        _dancers:dancers _motion:group-motion _scheduler:scheduler clip_cutter:cutting _cues:list[interrupts.cue]
+        _half:tuple[int,int]|none _decided:bool _step:i4(step) _unplanned:b1 _collision_avoidance:avoiding cue_count:int
     """),
     Kind("interrupts.cue", _Cue, "step:int who:b1 measures:int groups:row[int]"),
-    Kind("mocap", Mocap, """
+    Kind("mocap", CaptureManager, """
         _patch:constant-patch _motion:group-motion _dancers:dancers _scheduler:scheduler performers:dict[str,captured]
-        _led:b1 _place:f8 _speed:f8 _presence:presence _time:float
+        _driven:b1 _place:f8 _speed:f8 _forces:presence _time:float
     """),
     Kind("pair-steering", PairSteering, "_advance:advance _partners:partners"),
     Kind("partners", Partners, """
-        _group:i4(group) _manner:i4 _arm:f8 _holds:list[row[tuple[int,int]]] of:i4(dancer) leader:i4(dancer)*
+        _group:i4(group) _arrangement:i4 _arm:f8 _holds:list[row[tuple[int,int]]] partner:i4(dancer) leader:i4(dancer)*
         follower:i4(dancer)* other:i4(dancer) hand:i4(side) _meeting:b1 _own:i4(dancer) _dance:bool offset:f8
     """),
     Kind("performers", Performers, "_surroundings:surroundings _radius:float _last:dict[str,event-Performer]"),
-    Kind("pieces", Pieces, "_waiting:deque[tuple[float,method]] left:float"),
-    Kind("planning", Planning, """
-        _dancers:dancers _motion:group-motion _group:i4(group) _aims:aims _choices:choices _drafting:drafting
-        _searching:searching pieces:pieces _looked:bool
+    Kind("pieces", TaskQueue, "_waiting:deque[tuple[float,method]] remaining:float"),
+    Kind("planning", MeasurePlan, """
+        _dancers:dancers _motion:group-motion _group:i4(group) _targets:aims _choices:choices _drafter:drafting
+        _search:searching pieces:pieces _looked:bool
     """),
-    Kind("presence", Presence, "_motion:group-motion _tick:int"),
-    Kind("pushing", Pushing, "_carried:carried _coming:coming _parting:path-parting _soon:f4 _fractions:f8 count:int"),
-    Kind("re-aiming", ReAiming, "_carried:carried _parting:path-parting most:float _phase:f8"),
+    Kind("presence", PerformerForces, "_motion:group-motion _tick:int"),
+    Kind("pushing", ContactResolver, "_correction:carried _next_correction:coming _path_separation:path-parting _soon:f4 _fractions:f8 count:int"),
+    Kind("re-aiming", CorrectionUpdate, "_correction:carried _path_separation:path-parting max_correction:float _phase:f8"),
     Kind("ripple", Ripple, "beats:float side:str point:tuple[float,float]"),
     Kind("scheduler", Scheduler, """
         _patch:constant-patch _dancers:dancers _motion:group-motion _group:i4(group)
-        programmes:list[echo|group-programme] carrying:carrying aims:aims order:list[int] speed:f4 choices:choices
-        _planning:planning choosing:constant-choosing foresight:constant-foresight last_target:f8|none last_heading:f8
+        programmes:list[echo|group-programme] root_correction:carrying targets:aims order:list[int] speed:f4 choices:choices
+        _planning:planning choosing:constant-choosing step_costs:constant-foresight last_target:f8|none last_heading:f8
         detours:int dead_ends:int
     """),
-    Kind("searching", Searching, """
-        _patch:constant-patch _dancers:dancers _motion:group-motion _aims:aims _choices:choices _asked_from:i4(node)
+    Kind("searching", StepSearch, """
+        _patch:constant-patch _dancers:dancers _motion:group-motion _targets:aims _choices:choices _search_nodes:i4(node)
         _arguments:row[any] _following:tuple[i4(dancer)*,i4(dancer)*] seconds:float _choosing:constant-choosing
         _give:f8 _usual_give:float
     """),
-    Kind("taken-along", TakenAlong, """
-        level:f8 share:f8 following:b1 carried:b1 led:b1 seeks:b1 goal:f8 moved:f8 answered:f8 place:f8 turn:f8
-        _before:f8 _amount:f8 _waited:f8 _known:b1
+    Kind("taken-along", ResponsePath, """
+        level:f8 weight:f8 following:b1 answering:b1 leading:b1 seeking:b1 goal:f8 displacement:f8 answer_position:f8 last_position:f8 turn:f8
+        _last_target:f8 _amount:f8 _waited:f8 _has_last:b1
     """),
-    Kind("texturing", Texturing, """
-        bank:constant-texture-bank _variation:variation _seed:int _beats:int level:f4 fragment:i4(fragment) chosen:i8
-        switched:f8 _origin:f8 _limits:i4 _signs:i8 _kept:f4 _before:f4 _now:f4 _own:f4 _far:f4 _since:f8~
+    Kind("texturing", LiveTexture, """
+        bank:constant-texture-bank _variation:variation _seed:int _beats:int level:f4 fragment:i4(fragment) chosen_beat:i8
+        switch_beat:f8 _origin:f8 _limits:i4 _signs:i8 _kept:f4 _before:f4 _now:f4 _own:f4 _far:f4 _since:f8~
         _danced_before:f8 _offsets:f4 _parents:i4(joint)
     """),
     Kind("variation", Variation, """
-        _varieties:list[variety] _group:i4(group) _late:f8 _seed:int _beats:int _window:float drift:drift measure:int
-        ripples:list[ripple] _written:row[variety] _rippled:row[ripple] late:f8 _late_before:f8 _like:i4(dancer)
-        _liked:i4(dancer) _paired:i8(dancer)* _even:f8 _everybody:i8(dancer) warp_beats:f8 warp_sequence:f8 larger:f8
+        _settings:list[variety] _group:i4(group) _group_delays:f8 _seed:int _beats:int _window:float drift:drift measure:int
+        ripples:list[ripple] _patch_settings:row[variety] _patch_ripples:row[ripple] delays:f8 _late_before:f8 _timing_source:i4(dancer)
+        _previous_timing_source:i4(dancer) _paired:i8(dancer)* _even:f8 _everybody:i8(dancer) warp_beats:f8 warp_sequence:f8 larger:f8
         amplitude:f8 amplitude_sequence:f8 mix:f8 arms:f8 head:f8 lock:f8 on_support:f8 face_average:f8 obedience:f8
-        texture:f8 mirror:f8 _drifts:bool _farthest:f8 obeys:bool textures:bool locks:bool
+        texture:f8 mirror:f8 _drifts:bool _farthest:f8 any_obedience:bool any_texture:bool any_lock:bool
     """),
-    Kind("variety", Variety, """
+    Kind("variety", VariationSettings, """
         warp_beats:float warp_sequence:float larger:float amplitude:float amplitude_sequence:float mix:float
         arms:float head:float lock:float on_support:float face_average:float obedience:float texture:float
         mirror:float

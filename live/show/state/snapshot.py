@@ -24,25 +24,25 @@ from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
 from live.show.selection.graph_update import steps_hash
 from live.show.show import Show
-from live.show.state.byte_format import MOST_BYTES, Unreadable
-from live.show.state.constants import Constants, at
+from live.show.state.byte_format import MAX_STATE_BYTES, StateDecodeError
+from live.show.state.constants import Constants, attribute_at
 from live.show.state.decoder import read_state
-from live.show.state.encoder import Written
-from live.show.state.state_writer import StateWriter
+from live.show.state.encoder import CapturedState
+from live.show.state.state_writer import StateCapture
 from live.show.state.type_check import check_state
 
 Array = npt.NDArray[Any]
 
 FORMAT: Final = 2
 """Format 1 was a pickle, and is refused."""
-CONSTANT: Final = {
+CONSTANT_PATHS: Final = {
     "graph": "graph",
     "patch": "patch",
     "choosing": "scheduler.choosing",
-    "foresight": "scheduler.aims.foresight",
+    "foresight": "scheduler.targets.step_costs",
     "cosines": "motion.elements._field._cosines",
-    "score": "prompter.score.written",
-    "texture": "dancers.texturing.bank",
+    "score": "score_runner.score.written",
+    "texture": "dancers.texture.bank",
     "skeleton": "dancers._pipeline.skeleton",
     "legs": "dancers._legs.skeleton",
     "answers": "answers",
@@ -53,13 +53,13 @@ CONSTANT: Final = {
     "cues": "desk.cues._cues",
 }
 """Constants, determined by patch, steps and seed: paths by their names in snapshots. A fresh show provides them."""
-VARIABLE: Final = ("scheduler.choosing.most", "scheduler.choosing.facts")
+VARIABLE_PATHS: Final = ("scheduler.choosing.max_turns", "scheduler.choosing.facts")
 """Tables inside constants that change in the course of a show."""
-SCRATCH: Final = (
+SCRATCH_PATHS: Final = (
     "dancers._pipeline.position", "dancers._pipeline.rotation", "dancers._pipeline.feet",
     "dancers._legs.position", "dancers._legs.rotation", "dancers._legs.feet", "dancers._bare_legs",
     "motion.elements._field._mesh", "motion.elements._field._start", "motion.elements._field._sums",
-    "motion.elements._field._near", "motion._advance._advance._rows", "motion._advance._advance._numbers",
+    "motion.elements._field._nearest", "motion._advance._advance._rows", "motion._advance._advance._numbers",
 )  # fmt: skip
 """Scratch arrays, which are computed before they are read."""
 
@@ -68,7 +68,7 @@ class SnapshotError(Exception):
     """A snapshot that cannot be taken or used; the message gives the reason."""
 
 
-class _Of:
+class _Origin:
     """Graph and patch of snapshots, with their hashes."""
 
     def __init__(self, graph: MotionGraph, patch: Patch) -> None:
@@ -83,15 +83,15 @@ class _Of:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Taken:
+class CapturedSnapshot:
     """A state captured within the frame; `seal` does the slow part later."""
 
-    written: Written
+    written: CapturedState
     tick: int
     measure: int
     """The current measure, from 1."""
     seed: int
-    of: _Of
+    origin: _Origin
 
     def seal(self) -> bytes:
         """Return the snapshot: a line of JSON, and the compressed state. Thread: any one.
@@ -99,7 +99,7 @@ class Taken:
         SnapshotError if the show held an object of an unknown kind, or an unlisted field.
         """
         try:
-            payload = self.written.packed()
+            payload = self.written.encode()
         except Exception as error:
             raise _unwritable(error) from error
         packed = zlib.compress(payload, 1)
@@ -109,13 +109,13 @@ class Taken:
             "tick": self.tick,
             "measure": self.measure,
             "seed": self.seed,
-            **self.of.hashes(),
+            **self.origin.hashes(),
             "size": len(payload),
         }
-        return _line(header | {"check": _check(header, packed)}) + b"\n" + packed
+        return _line(header | {"check": _checksum(header, packed)}) + b"\n" + packed
 
 
-class Snapshots:
+class Snapshotter:
     """Takes snapshots of one show. Thread: the show's."""
 
     def __init__(self, show: Show) -> None:
@@ -126,12 +126,12 @@ class Snapshots:
 
     def _begin(self) -> None:
         show = self.show
-        self._of = _Of(show.graph, show.patch)
-        self._constants = Constants(show, CONSTANT, SCRATCH, self._constants)
-        self._writer = StateWriter(self._constants)
-        self._variable = [at(show, path) for path in VARIABLE]
+        self._origin = _Origin(show.graph, show.patch)
+        self._constants = Constants(show, CONSTANT_PATHS, SCRATCH_PATHS, self._constants)
+        self._writer = StateCapture(self._constants)
+        self._variable = [attribute_at(show, path) for path in VARIABLE_PATHS]
 
-    def take(self, tick: int) -> Taken | None:
+    def capture(self, tick: int) -> CapturedSnapshot | None:
         """Capture the state after `tick`; None while planning is in progress: try again at the next tick.
 
         SnapshotError if the show holds an object of an unknown kind.
@@ -139,31 +139,33 @@ class Snapshots:
         show = self.show
         if not at_rest(show):
             return None
-        if show.graph is not self._of.graph or show.patch is not self._of.patch:
+        if show.graph is not self._origin.graph or show.patch is not self._origin.patch:
             self._begin()
         try:
-            written = self._writer.write((show, tuple(array.copy() for array in self._variable)))
+            written = self._writer.capture((show, tuple(array.copy() for array in self._variable)))
         except Exception as error:
             raise _unwritable(error) from error
-        return Taken(written, tick, show.span.number + 1, show.seed, self._of)
+        return CapturedSnapshot(written, tick, show.span.number + 1, show.seed, self._origin)
 
 
 def at_rest(show: Show) -> bool:
     """Whether no planning is in progress, so that the state is plain values."""
-    steps = at(show, "_new_steps").at_rest
-    return bool(show.scheduler.at_rest and show.motion.evolutions.at_rest and steps and show.reloading.waiting is None)
+    steps = attribute_at(show, "_new_steps").at_rest
+    return bool(
+        show.scheduler.at_rest and show.motion.evolutions.at_rest and steps and show.patch_updates.waiting is None
+    )
 
 
 def snapshot(show: Show, tick: int | None = None) -> bytes:
     """Return the show's state after `tick` (None: the one at `show.time`); SnapshotError while planning is in
     progress."""
-    taken = Snapshots(show).take(round(show.time / TICK) if tick is None else tick)
+    taken = Snapshotter(show).capture(round(show.time / TICK) if tick is None else tick)
     if taken is None:
         raise SnapshotError("planning is in progress: take the snapshot some ticks later")
     return taken.seal()
 
 
-def facts_of(data: bytes) -> dict[str, Any]:
+def snapshot_header(data: bytes) -> dict[str, Any]:
     """Return a snapshot's header (tick, measure, seed …) after verifying its checksum; SnapshotError for damage."""
     line, _, packed = data.partition(b"\n")
     try:
@@ -174,7 +176,7 @@ def facts_of(data: bytes) -> dict[str, Any]:
         raise SnapshotError("not a snapshot, or its first line is damaged") from None
     if kind != FORMAT or version != __version__:
         raise SnapshotError(f"the snapshot is of version {version} (format {kind}), this is {__version__} ({FORMAT})")
-    if not whole or not 0 <= facts["size"] <= MOST_BYTES or _check(facts, packed) != check:
+    if not whole or not 0 <= facts["size"] <= MAX_STATE_BYTES or _checksum(facts, packed) != check:
         raise SnapshotError("the snapshot is damaged: its checksum is wrong")
     known: dict[str, Any] = facts
     return known
@@ -186,7 +188,7 @@ def restore(loaded: LoadedShow, data: bytes, *, fresh: Show | None = None) -> Sh
     `fresh`: an unused show that `loaded` has started; it must not be used afterwards. Default: start one. Listeners of
     the old show (`seed_tracker`) must be registered again.
     """
-    facts = facts_of(data)
+    facts = snapshot_header(data)
     for key, found, words in (
         ("steps_hash", steps_hash(loaded.graph), "steps"),
         ("patch_hash", patch_hash(loaded.patch), "patch"),
@@ -196,11 +198,11 @@ def restore(loaded: LoadedShow, data: bytes, *, fresh: Show | None = None) -> Sh
     root = loaded.start(seed=facts["seed"], begin=False) if fresh is None else fresh
     try:
         show, variable = _read(_unpacked(data, facts["size"]), root)
-    except Unreadable as error:
+    except StateDecodeError as error:
         raise SnapshotError(f"the snapshot cannot be read: {error}") from None
-    for path, values in zip(VARIABLE, variable, strict=True):
-        at(root, path)[...] = values
-    at(show, "_new_steps").stock(loaded.reserve)
+    for path, values in zip(VARIABLE_PATHS, variable, strict=True):
+        attribute_at(root, path)[...] = values
+    attribute_at(show, "_new_steps").set_reserve(loaded.reserve)
     return show
 
 
@@ -209,27 +211,27 @@ def _unpacked(data: bytes, size: int) -> bytes:
     try:
         payload = unpacker.decompress(data.partition(b"\n")[2], size + 1)
     except zlib.error as error:
-        raise Unreadable(str(error)) from None
+        raise StateDecodeError(str(error)) from None
     if len(payload) != size:
-        raise Unreadable(f"{size} bytes expected, found {'more' if len(payload) > size else len(payload)}")
+        raise StateDecodeError(f"{size} bytes expected, found {'more' if len(payload) > size else len(payload)}")
     return payload
 
 
 def _read(payload: bytes, fresh: Show) -> tuple[Show, tuple[Array, ...]]:
-    found = read_state(payload, Constants(fresh, CONSTANT, SCRATCH))
+    found = read_state(payload, Constants(fresh, CONSTANT_PATHS, SCRATCH_PATHS))
     if not isinstance(found, tuple) or len(found) != 2 or not isinstance(found[1], tuple):
-        raise Unreadable("it holds no show")
+        raise StateDecodeError("it holds no show")
     show, variable = found
-    check_state(show, "show", fresh, many_of(fresh))
-    like = [at(fresh, path) for path in VARIABLE]
-    if [_form(each) for each in variable] != [_form(each) for each in like]:
-        raise Unreadable("its tables have other shapes")
+    check_state(show, "show", fresh, index_limits(fresh))
+    like = [attribute_at(fresh, path) for path in VARIABLE_PATHS]
+    if [_array_form(each) for each in variable] != [_array_form(each) for each in like]:
+        raise StateDecodeError("its tables have other shapes")
     return show, variable
 
 
-def many_of(show: Show) -> dict[str, int]:
+def index_limits(show: Show) -> dict[str, int]:
     """Return the number of items that each index type of the kinds can refer to."""
-    graph, bank, choosing = show.graph, show.dancers.texturing.bank, show.scheduler.choosing
+    graph, bank, choosing = show.graph, show.dancers.texture.bank, show.scheduler.choosing
     return {
         "node": graph.library.node_count,
         "edge": len(graph.edge_target),
@@ -242,11 +244,11 @@ def many_of(show: Show) -> dict[str, int]:
         "side": 2,
         "presence": 1 + LEAVING,
         "gate": len(show.motion.gates),
-        "fragment": 0 if bank is None else bank.legs.shape[1],
+        "fragment": 0 if bank is None else bank.leg_features.shape[1],
     }
 
 
-def _form(found: object) -> tuple[Any, ...]:
+def _array_form(found: object) -> tuple[Any, ...]:
     return (found.dtype, found.shape) if isinstance(found, np.ndarray) else ()
 
 
@@ -263,22 +265,22 @@ def _line(facts: dict[str, Any]) -> bytes:
     return json.dumps(facts, separators=(",", ":")).encode()
 
 
-def _check(facts: dict[str, Any], packed: bytes) -> str:
+def _checksum(facts: dict[str, Any], packed: bytes) -> str:
     return hashlib.blake2b(_line(facts) + packed, digest_size=16).hexdigest()
 
 
 AFTER_LINE: Final = 6
 """Ticks between a measure line and its snapshot, because the frame of the line is busy."""
-PATIENCE: Final = 8
+MAX_FAILURES: Final = 8
 """Failures in a row after which no more snapshots are tried, because each costs time in the frame."""
 
 
-class Keeping:
+class SnapshotPolicy:
     """Snapshot policy: one per measure, at the first tick without planning in progress (T148). Thread: the show's."""
 
-    def __init__(self, put: Callable[[Taken], None]) -> None:
+    def __init__(self, put: Callable[[CapturedSnapshot], None]) -> None:
         self._put = put
-        self._source: Snapshots | None = None
+        self._source: Snapshotter | None = None
         self._due: int | None = None
         self._in_a_row = 0
         self.failed = 0
@@ -288,19 +290,19 @@ class Keeping:
 
     def prepare(self, show: Show) -> None:
         """Prepare for snapshots of this show, which takes some milliseconds; otherwise the first snapshot does it."""
-        self._source = Snapshots(show)
+        self._source = Snapshotter(show)
 
-    def after(self, show: Show, tick: int, *, begins: bool) -> None:
+    def after_tick(self, show: Show, tick: int, *, begins: bool) -> None:
         """Take a snapshot if one is due. Call it after each tick; `begins`: a measure began with `tick`."""
         if begins:
             self._due = tick + AFTER_LINE
-        if self._due is None or tick < self._due or self._in_a_row >= PATIENCE:
+        if self._due is None or tick < self._due or self._in_a_row >= MAX_FAILURES:
             return
         if self._source is None or self._source.show is not show:
             self.prepare(show)
         assert self._source is not None
         try:
-            taken = self._source.take(tick)
+            taken = self._source.capture(tick)
         except SnapshotError as error:
             self.failed += 1
             self._in_a_row += 1

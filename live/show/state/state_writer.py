@@ -15,65 +15,73 @@ from typing import Any, Final
 import numpy as np
 
 from live.show.state.byte_format import (
+    ARRAY,
+    ARRAY_LAYOUT,
+    ARRAY_VIEW,
     COUNTER,
     DEQUE,
     DICT,
-    LAID,
     LIST,
     METHOD,
     ORDERED,
-    PART,
     SCRATCH,
     SET,
-    WHOLE,
     Row,
     Rows,
 )  # fmt: skip
 from live.show.state.constants import Constants
-from live.show.state.encoder import FIXED_CLASSES, Cut, Part, Shape, Unwritable, Written, shape_of
+from live.show.state.encoder import (
+    IMMUTABLE_CLASSES,
+    CapturedObject,
+    CapturedState,
+    CapturePlan,
+    EncodedLinks,
+    StateEncodeError,
+    capture_plan,
+)
 from live.show.state.kinds import BY_CLASS, METHODS
 
 Encode = Callable[[Any], Any]
 Contents = list[tuple[int, Callable[[], bytes]]]
 
-LARGE: Final = 1 << 15
+TRIM_BYTES: Final = 1 << 15
 """Array size from which trailing zeros are trimmed [bytes]: the search is faster than copying."""
-LEAST: Final = 512
+MIN_COPIED_BYTES: Final = 512
 """Bytes that are always copied."""
 
 
-class _Array:
+class _ArrayEntry:
     """Cache entry of an array: its number, the rows and contents it needs, and its reference count."""
 
-    __slots__ = ("contents", "number", "pins", "ref", "rows", "turn", "value")
+    __slots__ = ("contents", "number", "ref", "references", "rows", "turn", "value")
 
     def __init__(self, value: Any, number: int) -> None:
         self.value, self.number = value, number
         self.ref: list[Any] = [number]
         self.rows: Rows = {}
         self.contents: Contents = []
-        self.pins = self.turn = 0
+        self.references = self.turn = 0
 
 
-class _Object:
+class _ObjectEntry:
     """Cache entry of an object: its links and their encoded form."""
 
-    __slots__ = ("arrays", "children", "dynamic", "held", "part", "reads", "ref", "shape", "turn", "value")
+    __slots__ = ("arrays", "children", "dynamic", "held", "part", "readers", "ref", "shape", "turn", "value")
 
-    def __init__(self, value: Any, number: int, shape: Shape) -> None:
+    def __init__(self, value: Any, number: int, shape: CapturePlan) -> None:
         self.value, self.shape, self.ref = value, shape, [number]
         self.held: tuple[Any, ...] | None = None
         self.dynamic: tuple[int, ...] = ()
         """Indices of links to containers, which are encoded each time."""
-        self.children: list[_Object] = []
-        self.arrays: list[_Array] = []
-        self.reads: list[Callable[[], bytes]] = []
-        self.part: Part
+        self.children: list[_ObjectEntry] = []
+        self.arrays: list[_ArrayEntry] = []
+        self.readers: list[Callable[[], bytes]] = []
+        self.part: EncodedLinks
         """The encoded links, valid as long as the links are the same."""
         self.turn = 0
 
 
-class StateWriter:
+class StateCapture:
     """Repeated capture of the state of one show. Thread: the show's.
 
     It runs within a frame. Most objects hold the same links as last time: then only their arrays and plain values are
@@ -84,47 +92,47 @@ class StateWriter:
         self._constants = constants
         self._names, self._scratch = constants.name_of, constants.scratch_of
         self._encoders = _Encoders(self.encoder)
-        self._objects: dict[int, _Object] = {}
-        self._arrays: dict[int, _Array] = {}
-        self._last = self._turn = self._many = 0
+        self._objects: dict[int, _ObjectEntry] = {}
+        self._arrays: dict[int, _ArrayEntry] = {}
+        self._last = self._turn = self._kept_count = 0
         self._begin()
 
     def _begin(self) -> None:
         self._memo: dict[int, list[Any]] = {}
-        self._queue: list[_Object] = []
-        self._cuts: list[Cut] = []
+        self._queue: list[_ObjectEntry] = []
+        self._captured: list[CapturedObject] = []
         self._rows: Rows = {}
         self._content: dict[int, bytes] = {}
 
-    def write(self, root: Any) -> Written:
+    def capture(self, root: Any) -> CapturedState:
         """Capture `root` and all that it holds; Unwritable for an object of an unknown kind."""
         self._turn += 1
         self._begin()
         found = self._ref(root)
-        self._take()
-        self._forget()
-        return Written(self._cuts, self._rows, self._content, found, self._names, self._last)
+        self._capture_queue()
+        self._prune()
+        return CapturedState(self._captured, self._rows, self._content, found, self._names, self._last)
 
-    def _take(self) -> None:
+    def _capture_queue(self) -> None:
         """Capture all queued objects and, transitively, all they refer to."""
-        turn, queue, cuts, encoders, memo = self._turn, self._queue, self._cuts, self._encoders, self._memo
+        turn, queue, cuts, encoders, memo = self._turn, self._queue, self._captured, self._encoders, self._memo
         for known in queue:
             value, shape = known.value, known.shape
             held = shape.links(value)
             if known.held is None or not all(map(is_, held, known.held)):
-                self._look(known, held)
+                self._encode_links(known, held)
             rest = []
             for place in known.dynamic:
                 each = held[place]
                 found = memo.get(id(each))
                 rest.append(encoders[type(each)](each) if found is None else found)
-            cuts.append((known.part, shape.values(value), rest, [read() for read in known.reads]))
+            cuts.append((known.part, shape.values(value), rest, [read() for read in known.readers]))
             for child in known.children:
                 if child.turn != turn:
                     child.turn = turn
                     queue.append(child)
 
-    def _look(self, known: _Object, held: tuple[Any, ...]) -> None:
+    def _encode_links(self, known: _ObjectEntry, held: tuple[Any, ...]) -> None:
         """Encode an object's links again, because they have changed."""
         before = known.arrays
         links: list[Any] = []
@@ -135,25 +143,25 @@ class StateWriter:
         for place, value in enumerate(held):
             cls = type(value)
             if cls is np.ndarray:
-                array = self._known(value)
-                array.pins += 1
+                array = self._array_entry(value)
+                array.references += 1
                 known.arrays.append(array)
                 rows.update(array.rows)
                 contents.update(array.contents)
                 links.append(array.ref)
-            elif cls in FIXED_CLASSES:
+            elif cls in IMMUTABLE_CLASSES:
                 links.append(value)
             elif cls in _CONTAINERS:
                 dynamic.append(place)
                 links.append(None)
             else:
                 links.append(self._link(value, known))
-        known.held, known.dynamic, known.reads = held, tuple(dynamic), list(contents.values())
-        known.part = Part(known.ref[0], known.value, known.shape, links, known.dynamic, rows, list(contents))
+        known.held, known.dynamic, known.readers = held, tuple(dynamic), list(contents.values())
+        known.part = EncodedLinks(known.ref[0], known.value, known.shape, links, known.dynamic, rows, list(contents))
         for array in before:
-            array.pins -= 1
+            array.references -= 1
 
-    def _link(self, value: Any, known: _Object) -> list[Any]:
+    def _link(self, value: Any, known: _ObjectEntry) -> list[Any]:
         cls = type(value)
         if cls in self._constants.classes or cls not in BY_CLASS:
             name = self._names.get(id(value))
@@ -163,34 +171,34 @@ class StateWriter:
         known.children.append(child)
         return child.ref
 
-    def _object(self, value: Any) -> _Object:
+    def _object(self, value: Any) -> _ObjectEntry:
         known = self._objects.get(id(value))
         if known is None or known.value is not value:
             kind = BY_CLASS.get(type(value))
             if kind is None:
-                raise Unwritable(
+                raise StateEncodeError(
                     f"{type(value).__module__}.{type(value).__qualname__} is of no kind that a state may hold"
                 )
             self._last += 1
-            known = self._objects[id(value)] = _Object(value, self._last, shape_of(kind))
+            known = self._objects[id(value)] = _ObjectEntry(value, self._last, capture_plan(kind))
         return known
 
-    def _forget(self) -> None:
+    def _prune(self) -> None:
         """Remove unused objects and arrays from the cache once there are many."""
-        if len(self._objects) + len(self._arrays) <= 2 * self._many + 256:
+        if len(self._objects) + len(self._arrays) <= 2 * self._kept_count + 256:
             return
         for key, known in list(self._objects.items()):
             if known.turn != self._turn:
                 del self._objects[key]
                 for array in known.arrays:
-                    array.pins -= 1
+                    array.references -= 1
         for key, array in list(self._arrays.items()):
-            if not array.pins and array.turn != self._turn:
+            if not array.references and array.turn != self._turn:
                 del self._arrays[key]
-        self._many = len(self._objects) + len(self._arrays)
+        self._kept_count = len(self._objects) + len(self._arrays)
 
     def _ref(self, value: Any) -> Any:
-        if type(value) in FIXED_CLASSES:
+        if type(value) in IMMUTABLE_CLASSES:
             return value
         found = self._memo.get(id(value))
         return self._encoders[type(value)](value) if found is None else found
@@ -221,11 +229,11 @@ class StateWriter:
         owner, name = value.__self__, value.__func__.__name__
         kind = BY_CLASS.get(type(owner))
         if kind is None or (kind.name, name) not in METHODS:
-            raise Unwritable(f"the method {type(owner).__name__}.{name} is not listed in METHODS")
+            raise StateEncodeError(f"the method {type(owner).__name__}.{name} is not listed in METHODS")
         return [METHOD, self._ref(owner), name]
 
     def _tuple(self, value: tuple[Any, ...]) -> Any:
-        if FIXED_CLASSES.issuperset(map(type, value)):
+        if IMMUTABLE_CLASSES.issuperset(map(type, value)):
             return value
         return [None, *map(self._ref, value)]
 
@@ -241,7 +249,7 @@ class StateWriter:
 
     def _values(self, value: Any, row: Row) -> list[Any]:
         found = self._row(value, row)
-        row += value if FIXED_CLASSES.issuperset(map(type, value)) else map(self._ref, value)
+        row += value if IMMUTABLE_CLASSES.issuperset(map(type, value)) else map(self._ref, value)
         return found
 
     def _list(self, value: list[Any]) -> list[Any]:
@@ -257,7 +265,7 @@ class StateWriter:
         row: Row = [code]
         found = self._row(value, row)
         row += chain.from_iterable(value.items())
-        if not FIXED_CLASSES.issuperset(map(type, row)):
+        if not IMMUTABLE_CLASSES.issuperset(map(type, row)):
             row[1:] = map(self._ref, row[1:])
         return found
 
@@ -270,50 +278,50 @@ class StateWriter:
     # -- arrays -------------------------------------------------------------------------------------------------
 
     def _array(self, value: Any) -> list[Any]:
-        known = self._known(value)
+        known = self._array_entry(value)
         self._rows.update(known.rows)
         for number, read in known.contents:
             self._content[number] = read()
         return known.ref
 
-    def _known(self, value: Any) -> _Array:
+    def _array_entry(self, value: Any) -> _ArrayEntry:
         known = self._arrays.get(id(value))
         if known is None or known.value is not value:
             self._last += 1
-            known = self._arrays[id(value)] = _Array(value, self._last)
+            known = self._arrays[id(value)] = _ArrayEntry(value, self._last)
             self._describe(known, value)
         known.turn = self._turn
         return known
 
-    def _describe(self, known: _Array, value: Any) -> None:
+    def _describe(self, known: _ArrayEntry, value: Any) -> None:
         """Set how an array is written: by name, or by its row and a reader of its content; a view includes its base."""
         name = self._names.get(id(value))
         if name is not None:
             known.ref = [name]
             return
         if value.dtype.hasobject:
-            raise Unwritable("a state cannot hold an array of objects")
+            raise StateEncodeError("a state cannot hold an array of objects")
         name = self._scratch.get(id(value))
         if name is not None:
             known.rows[known.number] = [SCRATCH, name]
             return
         base, numbers = value.base, value.dtype.str
         if isinstance(base, np.ndarray) and base.flags.c_contiguous:
-            whole = self._known(base)
-            whole.pins += 1
+            whole = self._array_entry(base)
+            whole.references += 1
             offset = value.__array_interface__["data"][0] - base.__array_interface__["data"][0]
             known.rows |= whole.rows
             known.contents += whole.contents
-            known.rows[known.number] = [PART, whole.ref, offset, numbers, list(value.shape), list(value.strides)]
+            known.rows[known.number] = [ARRAY_VIEW, whole.ref, offset, numbers, list(value.shape), list(value.strides)]
             return
         axes = sorted(range(value.ndim), key=lambda axis: -abs(value.strides[axis]))
         laid = value.transpose(axes)
         if value.flags.c_contiguous and value.flags.writeable:
-            row, laid = [WHOLE, numbers, list(value.shape)], value
+            row, laid = [ARRAY, numbers, list(value.shape)], value
         else:
-            row = [LAID, numbers, list(laid.shape), axes, bool(value.flags.writeable)]
+            row = [ARRAY_LAYOUT, numbers, list(laid.shape), axes, bool(value.flags.writeable)]
         known.rows[known.number] = row
-        known.contents.append((known.number, laid.tobytes if laid.nbytes < LARGE else partial(used_bytes, laid)))
+        known.contents.append((known.number, laid.tobytes if laid.nbytes < TRIM_BYTES else partial(used_bytes, laid)))
 
 
 def used_bytes(array: Any) -> bytes:
@@ -322,7 +330,7 @@ def used_bytes(array: Any) -> bytes:
         return bytes(array.tobytes())
     content = array.reshape(-1).view(np.bool_)  # numpy scans booleans fastest
     end = len(content)
-    while end > LEAST and not content[end // 2 : end].any():
+    while end > MIN_COPIED_BYTES and not content[end // 2 : end].any():
         end //= 2
     return bytes(content[:end].tobytes())
 

@@ -12,9 +12,9 @@ from typing import Any, Final
 import numpy as np
 
 from live.control.events.event import ControlEvent
-from live.show.state.byte_format import Unreadable
-from live.show.state.kind import FARTHEST, NUMBERS, Kind, Type
-from live.show.state.kinds import BY_CLASS, BY_NAME, CONSTANT
+from live.show.state.byte_format import StateDecodeError
+from live.show.state.kind import MAX_MAGNITUDE, NUMBERS, Kind, Type
+from live.show.state.kinds import BY_CLASS, BY_NAME, CONSTANT_KINDS
 
 _CLASSES: Final[dict[str, tuple[type, ...]]] = {
     "int": (int, bool), "float": (float, int, np.float64), "bool": (bool,), "str": (str,), "none": (type(None),),
@@ -25,27 +25,27 @@ _CLASSES: Final[dict[str, tuple[type, ...]]] = {
 """The classes of each type word other than kinds."""
 
 
-def check_state(root: Any, found: str, fresh: object, many: Mapping[str, int]) -> None:
+def check_state(root: Any, found: str, fresh: object, index_limits: Mapping[str, int]) -> None:
     """Raise Unreadable, naming the field, unless `root` is a valid object of the kind `found`.
 
     `fresh`: the root of an unused show; `many`: the number of items of each index type.
     """
-    types = _Types(many)
+    types = _TypeChecker(index_limits)
     try:
         types.check(root, Type(found))
         _check_shapes(root, fresh)
         types.finish()
-    except Unreadable:
+    except StateDecodeError:
         raise
     except Exception as error:  # crafted objects may lack attributes
-        raise Unreadable(f"{type(error).__name__}: {error}"[:400]) from None
+        raise StateDecodeError(f"{type(error).__name__}: {error}"[:400]) from None
 
 
-class _Types:
+class _TypeChecker:
     """Traversal of a value and all it holds."""
 
     def __init__(self, many: Mapping[str, int]) -> None:
-        self._many = many
+        self._index_limits = many
         self._known: set[tuple[int, Type]] = set()
         self._objects: list[tuple[Any, Kind]] = []
         self._waiting: list[tuple[Any, Type, str]] = []
@@ -55,35 +55,35 @@ class _Types:
         self._waiting.append((root, wanted, ""))
         while self._waiting:
             value, wanted, where = self._waiting.pop()
-            found = next((each for each in wanted.either if _fits(value, each)), None)
+            found = next((each for each in wanted.alternatives if _fits(value, each)), None)
             if found is None:
-                raise Unreadable(f"{where} is {type(value).__name__}, {wanted} expected"[:300])
-            if found.finds:
+                raise StateDecodeError(f"{where} is {type(value).__name__}, {wanted} expected"[:300])
+            if found.index_of:
                 self._within(value, found, where)
             if isinstance(value, np.ndarray) and value.dtype.kind in "fc" and not found.any_number:
                 most = np.abs(value).max(initial=0.0)
-                if not most <= FARTHEST:
-                    raise Unreadable(f"{where} holds {most}, more than {FARTHEST:g}")
+                if not most <= MAX_MAGNITUDE:
+                    raise StateDecodeError(f"{where} holds {most}, more than {MAX_MAGNITUDE:g}")
             if (id(value), found) not in self._known:
-                self._look(value, found, where)
+                self._visit(value, found, where)
         for value, kind in self._objects:
-            if kind.whole is not None and not kind.whole(value):
-                raise Unreadable(f"the fields of a {kind.name!r} are inconsistent")
+            if kind.is_consistent is not None and not kind.is_consistent(value):
+                raise StateDecodeError(f"the fields of a {kind.name!r} are inconsistent")
 
     def finish(self) -> None:
         """Let objects compute their unwritten attributes."""
         for value, kind in self._objects:
-            if kind.after is not None:
-                kind.after(value)
+            if kind.after_read is not None:
+                kind.after_read(value)
 
     def _within(self, value: Any, wanted: Type, where: str) -> None:
         """Check that indices are in range; -1 means none."""
-        many = self._many[wanted.finds]
+        many = self._index_limits[wanted.index_of]
         low, high = (value, value) if type(value) is int else (value.min(initial=0), value.max(initial=-1))
         if low < -1 or high >= many:
-            raise Unreadable(f"{where} holds {wanted.finds} indices {low} to {high}, there are {many}")
+            raise StateDecodeError(f"{where} holds {wanted.index_of} indices {low} to {high}, there are {many}")
 
-    def _look(self, value: Any, found: Type, where: str) -> None:
+    def _visit(self, value: Any, found: Type, where: str) -> None:
         kind = BY_CLASS.get(type(value))
         if kind is not None:
             self._known.add((id(value), found))
@@ -92,22 +92,22 @@ class _Types:
                 self._waiting.append((getattr(value, name), wanted, f"{kind.name}.{name}"))
         elif found.word in _INSIDE:
             self._known.add((id(value), found))
-            self._waiting += [(each, wanted, where) for each, wanted in _inside(value, found, where)]
+            self._waiting += [(each, wanted, where) for each, wanted in _items(value, found, where)]
 
 
 _INSIDE: Final = frozenset({"list", "row", "tuple", "set", "frozenset", "deque", "dict", "ordered", "counter"})
 
 
-def _inside(value: Any, found: Type, where: str) -> Iterable[tuple[Any, Type]]:
+def _items(value: Any, found: Type, where: str) -> Iterable[tuple[Any, Type]]:
     """Return the items of a container with their types."""
     if found.word == "tuple":
-        return zip(value, found.of, strict=True)
+        return zip(value, found.items, strict=True)
     if found.word in ("dict", "ordered"):
-        keys, values = found.of
+        keys, values = found.items
         return [*((each, keys) for each in value), *((each, values) for each in value.values())]
     if found.word == "counter":
-        return [*((each, found.of[0]) for each in value), *((each, Type("int")) for each in value.values())]
-    return ((each, found.of[0]) for each in value)
+        return [*((each, found.items[0]) for each in value), *((each, Type("int")) for each in value.values())]
+    return ((each, found.items[0]) for each in value)
 
 
 def _fits(value: Any, found: Type) -> bool:
@@ -119,9 +119,9 @@ def _fits(value: Any, found: Type) -> bool:
     if word == "event":
         return isinstance(value, ControlEvent)
     if word in _CLASSES:
-        return cls in _CLASSES[word] and (word != "tuple" or len(value) == len(found.of))
+        return cls in _CLASSES[word] and (word != "tuple" or len(value) == len(found.items))
     kind = BY_NAME.get(word)
-    return cls is (CONSTANT[word] if kind is None else kind.cls)
+    return cls is (CONSTANT_KINDS[word] if kind is None else kind.cls)
 
 
 _types: dict[str, dict[str, Type]] = {}
@@ -146,11 +146,11 @@ def _check_shapes(root: Any, fresh: Any) -> None:
         if kind is not None:
             known.add(id(value))
             for name, wanted in types_of(kind).items():
-                if not wanted.is_loose:
+                if not wanted.any_shape_inside:
                     waiting.append((getattr(value, name), getattr(like, name), f"{kind.name}.{name}"))
         elif isinstance(value, np.ndarray):
             if value.shape != like.shape or (value.size and value.strides != like.strides):
-                raise Unreadable(f"{where} has the shape {value.shape}, {like.shape} expected")
+                raise StateDecodeError(f"{where} has the shape {value.shape}, {like.shape} expected")
         elif isinstance(value, dict):
             waiting += [(each, like[key], where) for key, each in value.items() if key in like]
         elif isinstance(value, list | tuple) and len(value) == len(like):

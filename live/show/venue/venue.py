@@ -11,17 +11,17 @@ from pydantic import Field, field_validator
 from tomlkit.exceptions import TOMLKitError
 
 from live.base.errors import PersonError
-from live.base.host_name import HOST_NAME
+from live.base.host_name import HOST_NAME_PATTERN
 from live.clock.ticks import TICK
 from live.show.patch.patch_reader import parse_model, read_text
-from live.show.patch.patch_search_path import PATCHES, is_file, user_settings
+from live.show.patch.patch_search_path import PATCHES, is_file, user_settings_folder
 from live.show.patch.section_base import Name, Section
 from live.show.patch.section_io import Endpoints, Targets
 from live.show.venue.venue_audience import VenueAudience
-from live.show.venue.venue_output import MOST_OUTPUTS, VenueOutput, VenueProjector, check_outputs
+from live.show.venue.venue_output import MAX_OUTPUTS, VenueOutput, VenueProjector, check_outputs
 
-Sooner = Annotated[float, Field(ge=-500, le=500, allow_inf_nan=False)]
-Later = Annotated[float, Field(ge=0, le=500, allow_inf_nan=False)]
+SignedDelay = Annotated[float, Field(ge=-500, le=500, allow_inf_nan=False)]
+Delay = Annotated[float, Field(ge=0, le=500, allow_inf_nan=False)]
 Numbers = Annotated[list[Annotated[int, Field(ge=1, le=128)]], Field(min_length=1, max_length=128)]
 Spread = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]
 
@@ -44,17 +44,17 @@ class VenueAudio(Section):
 class VenueLatency(Section):
     """`[latency]`: delays in the hall; `live calibrate` measures them."""
 
-    input_ms: Sooner = 0.0
+    input_ms: SignedDelay = 0.0
     """From a sound in the hall to its samples in the program."""
-    output_ms: Sooner | None = None
+    output_ms: SignedDelay | None = None
     """From samples in the program to the sound in the hall; default: the value reported by the device."""
-    display_ms: Later = TICK * 1000.0
+    display_ms: Delay = TICK * 1000.0
     """From drawing to the display; default: one frame at 60 Hz."""
-    projector_ms: Later = 0.0
+    projector_ms: Delay = 0.0
     """Additional delay of the projector and the devices before it."""
-    click_ms: Sooner = 0.0
+    click_ms: SignedDelay = 0.0
     """Additional delay of the click, beyond the value reported by its device."""
-    round_trip_ms: Sooner | None = None
+    round_trip_ms: SignedDelay | None = None
     """The last measured delay from output to input; for information."""
     round_trip_spread_ms: Spread | None = None
     """Spread of the single measurements."""
@@ -94,7 +94,7 @@ class VenuePsn(Section):
     """Such as `236.10.10.10:56565`, or with the network card's address, `236.10.10.10:56565@192.168.1.5`."""
 
 
-Host = Annotated[str, Field(pattern=HOST_NAME)]
+Host = Annotated[str, Field(pattern=HOST_NAME_PATTERN)]
 
 
 class VenueWeb(Section):
@@ -119,7 +119,7 @@ class Venue(Section):
     latency: VenueLatency = VenueLatency()
     projector: VenueProjector | None = None
     """Position of the projector, and the floor's corners in its picture."""
-    output: Annotated[tuple[VenueOutput, ...], Field(max_length=MOST_OUTPUTS)] = ()
+    output: Annotated[tuple[VenueOutput, ...], Field(max_length=MAX_OUTPUTS)] = ()
     """Its projectors; without any the picture fills one window."""
     operator: Annotated[str, Field(min_length=1, max_length=200)] | None = None
     """The monitor of the operator's window, in the form of `--operator`."""
@@ -138,9 +138,9 @@ class Venue(Section):
         return name
 
 
-def user_venues() -> Path:
+def user_venue_folder() -> Path:
     """Return the user's folder of venues."""
-    return user_settings() / "venues"
+    return user_settings_folder() / "venues"
 
 
 VENUES: Final = PATCHES / "venues"
@@ -156,13 +156,13 @@ def venue_path(name: str) -> Path:
         raise PersonError(
             f"--venue {name[:80]!r}: a name of letters, digits, - and _ expected, not a file", "--venue hall"
         )
-    own = user_venues() / f"{name}.toml"
+    own = user_venue_folder() / f"{name}.toml"
     return own if is_file(own) or not is_file(VENUES / own.name) else VENUES / own.name
 
 
 def known_venues() -> list[str]:
     """Return the names of all venues."""
-    return sorted({path.stem for folder in (user_venues(), VENUES) for path in folder.glob("*.toml")})
+    return sorted({path.stem for folder in (user_venue_folder(), VENUES) for path in folder.glob("*.toml")})
 
 
 def read_venue(name: str) -> Venue:
@@ -176,15 +176,15 @@ def read_venue(name: str) -> Venue:
     return parse_model(read_text(path, "venue"), str(path), Venue, "venue")
 
 
-HEAD = "# A venue: what is true of the hall and not of the show.\n\n"
+FILE_HEADER = "# A venue: what is true of the hall and not of the show.\n\n"
 
 
-def with_values(text: str, name: str, values: Mapping[str, Mapping[str, object]], comment: str) -> str:
+def update_toml(text: str, name: str, values: Mapping[str, Mapping[str, object]], comment: str) -> str:
     """Return the TOML `text` (empty for a new file) with `values` by table and key; all else is kept, with comments.
 
     `comment` is appended to each new or changed line.
     """
-    document = tomlkit.parse(text or f"{HEAD}name = {tomlkit.item(name).as_string()}\n")
+    document = tomlkit.parse(text or f"{FILE_HEADER}name = {tomlkit.item(name).as_string()}\n")
     for table, keys in values.items():
         if table not in document:
             document[table] = tomlkit.table()
@@ -197,12 +197,12 @@ def with_values(text: str, name: str, values: Mapping[str, Mapping[str, object]]
     return tomlkit.dumps(document)
 
 
-def changed_venue(path: Path, name: str, values: Mapping[str, Mapping[str, object]], comment: str) -> str:
+def updated_venue_text(path: Path, name: str, values: Mapping[str, Mapping[str, object]], comment: str) -> str:
     """Return the new text of a venue's file; PersonError if the present text is invalid."""
     before = read_text(path, "venue") if is_file(path) else ""
     parse_model(before, str(path), Venue, "venue")
     try:
-        text = with_values(before, name, values, comment)
+        text = update_toml(before, name, values, comment)
     except TOMLKitError as error:
         raise PersonError(f"{path}: {error}", "write the measured values into it yourself") from None
     parse_model(text, str(path), Venue, "venue")

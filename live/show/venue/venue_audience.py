@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from live.show.patch.section_base import Amiss, Section
+from live.show.patch.section_base import InvalidEntry, Section
 
 File = Annotated[str, Field(min_length=1, max_length=400)]
 
@@ -39,18 +39,20 @@ class VenueAudience(Section):
             try:
                 network = ipaddress.ip_network(text, strict=False)
             except ValueError:
-                raise Amiss(
+                raise InvalidEntry(
                     f'an address or a network as in "10.0.0.0/24" expected, found {text[:60]!r}', index
                 ) from None
             if network.prefixlen == 0:
-                raise Amiss(f"{text!r} matches every address, so phones could forge theirs; name the proxies", index)
+                raise InvalidEntry(
+                    f"{text!r} matches every address, so phones could forge theirs; name the proxies", index
+                )
         return proxies
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
         if self.network == "proxy" and not self.proxies:
-            raise Amiss('network = "proxy" needs proxies: the addresses that requests come from', "network")
+            raise InvalidEntry('network = "proxy" needs proxies: the addresses that requests come from', "network")
         if (self.certificate is None) != (self.key is None):
             given = "certificate" if self.key is None else "key"
-            raise Amiss("certificate and key belong together: give both", given)
+            raise InvalidEntry("certificate and key belong together: give both", given)
         return self

@@ -7,32 +7,32 @@ from typing import Annotated, Final, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from live.base.errors import PersonError, named
-from live.base.projector_perspective import matched
-from live.render.outputs.output import UNBENT, WHOLE, Output, Rotation, SoftEdge
-from live.render.outputs.warp import FARTHEST, check_corners, check_mesh
+from live.base.errors import PersonError, error_context
+from live.base.projector_perspective import camera_from_corners
+from live.render.outputs.output import FULL_CROP, FULL_WINDOW, Output, Rotation, SoftEdge
+from live.render.outputs.warp import MAX_CORNER_DISTANCE, check_corners, check_mesh
 from live.show.patch.patch import Patch
-from live.show.patch.section_base import Amiss, Far, Name, Section, Share
-from live.show.patch.section_stage import CameraSection, FloorCorners, ProjectorSection, refuse_no_floor
+from live.show.patch.section_base import InvalidEntry, Name, Section, Share, WorldCoordinate
+from live.show.patch.section_stage import CameraSection, FloorCorners, ProjectorSection, check_floor_corners
 
-Near = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST + 1, allow_inf_nan=False)]
-Point = tuple[Near, Near]
-Breadth = Annotated[float, Field(ge=0, le=0.5, allow_inf_nan=False)]
+WindowCoordinate = Annotated[float, Field(ge=-MAX_CORNER_DISTANCE, le=MAX_CORNER_DISTANCE + 1, allow_inf_nan=False)]
+Point = tuple[WindowCoordinate, WindowCoordinate]
+BlendWidth = Annotated[float, Field(ge=0, le=0.5, allow_inf_nan=False)]
 Curve = Annotated[float, Field(ge=0.5, le=4, allow_inf_nan=False)]
 
-MOST_OUTPUTS: Final = 8
+MAX_OUTPUTS: Final = 8
 
 
 class VenueSoftEdge(Section):
     """`soft_edge`: edge blending with overlapping projectors."""
 
-    left: Breadth = 0.0
+    left: BlendWidth = 0.0
     """Width of the blend at the left edge, as a share of this output's picture."""
-    right: Breadth = 0.0
+    right: BlendWidth = 0.0
     """Width at the right edge."""
-    top: Breadth = 0.0
+    top: BlendWidth = 0.0
     """Width at the upper edge."""
-    bottom: Breadth = 0.0
+    bottom: BlendWidth = 0.0
     """Width at the lower edge."""
     gamma: Curve = 2.2
     """The projector's gamma: light = signal ** gamma."""
@@ -53,9 +53,9 @@ class VenueOutput(Section):
     """Its name in `/dance/output/card` and on its test card."""
     monitor: Annotated[str, Field(min_length=1, max_length=200)] | None = None
     """Its monitor: a number, a name as in `live devices`, or a position, as in "right of primary"."""
-    crop: tuple[Share, Share, Share, Share] = WHOLE
+    crop: tuple[Share, Share, Share, Share] = FULL_CROP
     """The part of the picture that it shows: x, y of the upper left corner, width, height, each 0 to 1."""
-    corners: tuple[Point, Point, Point, Point] = UNBENT
+    corners: tuple[Point, Point, Point, Point] = FULL_WINDOW
     """Positions of its corners in the window: upper left, upper right, lower right, lower left; (0, 0) is the window's
     upper left corner, (1, 1) its lower right one."""
     mesh: Annotated[tuple[tuple[Point, ...], ...], Field(max_length=64)] = ()
@@ -133,14 +133,14 @@ def check_outputs(outputs: Sequence[VenueOutput]) -> None:
     names: set[str] = set()
     for number, one in enumerate(outputs):
         if one.name.casefold() in names:
-            raise Amiss(f"another output has the name {one.name!r}, too", number, "name")
+            raise InvalidEntry(f"another output has the name {one.name!r}, too", number, "name")
         names.add(one.name.casefold())
 
 
 class VenueProjector(Section):
     """`[projector]`: as in a patch, and with precedence over it, because the projector belongs to the hall."""
 
-    at: tuple[Far, Far, Far]
+    at: tuple[WorldCoordinate, WorldCoordinate, WorldCoordinate]
     """Position of its lens: x, y (up), z [m]."""
     corners: FloorCorners | None = None
     """The floor's corners in the picture, as in a patch; left out if not measured yet."""
@@ -152,16 +152,16 @@ class VenueProjector(Section):
     @model_validator(mode="after")
     def _a_floor(self) -> Self:
         if self.corners is not None:
-            refuse_no_floor(self.corners)
+            check_floor_corners(self.corners)
         return self
 
 
-def in_hall(patch: Patch, projector: VenueProjector | None) -> Patch:
+def with_venue_projector(patch: Patch, projector: VenueProjector | None) -> Patch:
     """Return the patch adapted to a hall's projector; PersonError if its picture cannot match this show's stage."""
     if projector is None or projector.corners is None:
         return patch
-    with named("venue: projector.corners"):
-        matched(projector.at, projector.corners, (patch.stage.width, patch.stage.depth), projector.aspect)
+    with error_context("venue: projector.corners"):
+        camera_from_corners(projector.at, projector.corners, (patch.stage.width, patch.stage.depth), projector.aspect)
     section = ProjectorSection(at=projector.at, corners=projector.corners, aspect=projector.aspect)
     values = {key: getattr(patch, key) for key in Patch.model_fields} | {"projector": section}
     written = patch.model_fields_set | {"projector"}

@@ -25,8 +25,8 @@ FOOT_M: Final = 0.07
 RED_M: Final = 0.25
 """Distance from the target at which a measure is drawn red [m]."""
 OVER_FLOOR: Final = 0.012
-AGENT: Final = (0.35, 0.75, 1.0, 0.9)
-STANDS: Final = (1.0, 0.95, 0.3, 0.9)
+AGENT_COLOUR: Final = (0.35, 0.75, 1.0, 0.9)
+LOCKED_COLOUR: Final = (1.0, 0.95, 0.3, 0.9)
 FEET: Final = (SKELETON.index("leftFoot"), SKELETON.index("rightFoot"))
 
 
@@ -35,13 +35,13 @@ def draw_guides(show: Show, view: StageView) -> None:
     there = np.flatnonzero(view.present)
     hips = view.joint_position[there, 0][:, (0, 2)].astype(np.float64)
     agent = show.state.position[there].astype(np.float64)
-    count = _strokes(view, 0, hips, agent, AGENT)
+    count = _strokes(view, 0, hips, agent, AGENT_COLOUR)
     for way in ((CROSS_M, 0.0), (0.0, CROSS_M)):
-        count = _strokes(view, count, agent - way, agent + way, AGENT)
+        count = _strokes(view, count, agent - way, agent + way, AGENT_COLOUR)
     held = (show.dancers.lock.state[there, :, HELD] > 0.0).T
     for side, joint in enumerate(FEET):
         foot = view.joint_position[there[held[side]], joint][:, (0, 2)].astype(np.float64)
-        count = _outline(view, count, foot, FOOT_M, 4, STANDS)
+        count = _outline(view, count, foot, FOOT_M, 4, LOCKED_COLOUR)
     target = show.scheduler.last_target
     if target is None:
         view.guide_count = count

@@ -5,18 +5,18 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Final
 
-from live.base.body_catalogue import BODIES, USUAL, CharacterFile
-from live.base.errors import PersonError, named
-from live.base.projector_perspective import matched
-from live.base.set_geometry import Item
+from live.base.body_catalogue import BODIES, DEFAULT_BODY, CharacterFile
+from live.base.errors import PersonError, error_context
+from live.base.projector_perspective import camera_from_corners
+from live.base.set_geometry import SetItem
 from live.base.stage_snapshot import Background, Camera, Look, Scene
 from live.motion.skeleton import JOINT_COUNT
 from live.render.media_background import check_background
 from live.show.dancers.character_casting import bodies_of
-from live.show.desk.parameter_table import numbers_of
+from live.show.desk.parameter_table import parse_value
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import find_beside
-from live.show.patch.section_picture import drawn
+from live.show.patch.patch_reader import find_resource
+from live.show.patch.section_picture import draw_settings
 from live.show.patch.section_stage import CameraSection
 
 _LOOK: Final = {field.name for field in fields(Look)}
@@ -27,8 +27,8 @@ def projector_camera(patch: Patch) -> Camera | None:
     section = patch.projector
     if section is None:
         return None
-    with named("projector.corners", ("projector", "corners")):
-        return matched(section.at, section.corners, (patch.stage.width, patch.stage.depth), section.aspect)
+    with error_context("projector.corners", ("projector", "corners")):
+        return camera_from_corners(section.at, section.corners, (patch.stage.width, patch.stage.depth), section.aspect)
 
 
 def camera_of_section(section: CameraSection) -> Camera:
@@ -36,13 +36,13 @@ def camera_of_section(section: CameraSection) -> Camera:
     return Camera(section.eye, section.target, section.field_of_view_deg, section.roll_deg, section.shift)
 
 
-def camera_at_first(patch: Patch) -> Camera:
+def initial_camera(patch: Patch) -> Camera:
     """Return the initial camera: `[camera]` if the patch has it, else that of the `[projector]`."""
     projector = None if "camera" in patch.model_fields_set else projector_camera(patch)
     return projector or camera_of_section(patch.camera)
 
 
-def backgrounds_of(patch: Patch, path: Path, *, whole: bool = True) -> tuple[Background, ...]:
+def make_backgrounds(patch: Patch, path: Path, *, whole: bool = True) -> tuple[Background, ...]:
     """Return the backgrounds of the patch at `path`; PersonError for a file that is missing or cannot be shown.
 
     Unless `whole`, such a background has no file and is not drawn.
@@ -58,18 +58,18 @@ def backgrounds_of(patch: Patch, path: Path, *, whole: bool = True) -> tuple[Bac
 
 
 def _background_file(name: str, path: Path, number: int) -> str:
-    with named("file", ("background", number, "file")):
-        file = find_beside(name, path)
+    with error_context("file", ("background", number, "file")):
+        file = find_resource(name, path)
         if file is None:
             raise PersonError(f"there is no {name!r}", f"put it next to {path.name}, or correct the name")
         check_background(file)
     return str(file)
 
 
-def scene_of(
+def make_scene(
     patch: Patch, path: Path | None = None, characters: tuple[CharacterFile, ...] = (), *, whole: bool = True
 ) -> Scene:
-    """Return the scene of a patch; `characters`: the files of its own characters. `whole`: see `backgrounds_of`."""
+    """Return the scene of a patch; `characters`: the files of its own characters. `whole`: see `make_backgrounds`."""
     look = {key: value for key, value in patch.look.model_dump().items() if value is not None and key in _LOOK}
     defaults = Look()
     colours = tuple(
@@ -77,21 +77,21 @@ def scene_of(
         for i, group in enumerate(patch.group)
     )
     styles = tuple(
-        tuple((address, numbers_of(address, value)) for address, value in drawn(group.draw).items())
+        tuple((address, parse_value(address, value)) for address, value in draw_settings(group.draw).items())
         for group in patch.group
     )
     known = {*BODIES, *(each.name for each in characters)}
     return Scene(
         stage_size=(patch.stage.width, patch.stage.depth),
         look=Look(**look, group_colours=colours, group_styles=styles),
-        camera=camera_at_first(patch),
+        camera=initial_camera(patch),
         dancer_count=patch.dancer_count,
         joint_count=JOINT_COUNT,
-        backgrounds=() if path is None else backgrounds_of(patch, path, whole=whole),
-        items=tuple(Item(**section.model_dump()) for section in patch.item),
+        backgrounds=() if path is None else make_backgrounds(patch, path, whole=whole),
+        items=tuple(SetItem(**section.model_dump()) for section in patch.item),
         passes=patch.picture.passes,
-        own=patch.picture.own_passes,
-        start=patch.picture.start(),
-        bodies=tuple(name if name in known else USUAL for name in bodies_of(patch)),
+        custom_passes=patch.picture.own_passes,
+        start_values=patch.picture.initial_values(),
+        bodies=tuple(name if name in known else DEFAULT_BODY for name in bodies_of(patch)),
         characters=characters,
     )

@@ -12,27 +12,29 @@ from live.clock.timeline import Timeline
 from live.motion.skeleton import JOINT_COUNT
 from live.show.audience.audience import Audience
 from live.show.dancers.dancers import Dancers
-from live.show.desk.light_desk import Desk
+from live.show.desk.light_desk import LightDesk
 from live.show.group.group_motion import GroupMotion
 from live.show.journal.state_hash import hash_of
 from live.show.measure_span import MeasureSpan
 
 Int32 = npt.NDArray[np.int32]
 
-AHEAD: Final = 2.0 * TICK
+MAX_EXTRAPOLATION: Final = 2.0 * TICK
 """Maximum extrapolation beyond a measure line [s]; a frame is at most one tick after the last tick."""
-NEVER_STILL: Final = ("brightness", "flashes", "overlay", "guide", "guide_count")
+LIVE_FIELDS: Final = ("brightness", "flashes", "overlay", "guide", "guide_count")
 """Fields of a view that still change while the picture is frozen."""
 
 
-class Seen:
+class ViewBuilder:
     """Builder of drawing snapshots from the dancers and agents of one show; read-only."""
 
-    def __init__(self, dancers: Dancers, motion: GroupMotion, group: Int32, desk: Desk, audience: Audience) -> None:
+    def __init__(
+        self, dancers: Dancers, motion: GroupMotion, group: Int32, desk: LightDesk, audience: Audience
+    ) -> None:
         """`group` (A,) is shared with the show."""
         self._dancers, self._motion, self._group, self._desk = dancers, motion, group, desk
         self._audience = audience
-        self._still: StageView | None = None
+        self._frozen_view: StageView | None = None
 
     def view(self) -> StageView:
         """Return an empty drawing snapshot of the right size, to be filled each frame."""
@@ -42,19 +44,19 @@ class Seen:
 
     def fill(
         self, view: StageView, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float, brightness: float,
-        ticked: float,
+        last_tick: float,
     ) -> None:  # fmt: skip
         """Fill the snapshot for `time` [s], at most a tick after the last one (`ticked`); poses are at the exact beat.
 
         While the picture is frozen only its light changes; a new view gets the stored picture (`keep`).
         """
-        view.brightness, view.flashes = brightness, self._desk.master.flashes
+        view.brightness, view.flash_limit_lifted = brightness, self._desk.master.flashes
         if self._desk.master.frozen and view.filled:
             return
-        if self._desk.master.frozen and self._still is not None:
-            _copy(self._still, view)
+        if self._desk.master.frozen and self._frozen_view is not None:
+            _copy_view(self._frozen_view, view)
             return
-        self._fill(view, time, timeline, span, tempo=tempo, ticked=ticked)
+        self._fill(view, time, timeline, span, tempo=tempo, ticked=last_tick)
 
     def _fill(
         self, view: StageView, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float, ticked: float
@@ -64,7 +66,7 @@ class Seen:
         fraction = span.fraction(beat)
         # a frame beyond the measure line extrapolates, because only the next tick crosses the line; the limit matters
         # after a stall, when several lines are overdue and no pose exists that far ahead
-        on = min(max(beat - span.end, 0.0), AHEAD * timeline.tempo / 60.0) / timeline.beats_per_measure
+        on = min(max(beat - span.end, 0.0), MAX_EXTRAPOLATION * timeline.tempo / 60.0) / timeline.beats_per_measure
         self._dancers.pose(fraction + on, time, out=(view.joint_position, view.joint_rotation))
         self._motion.show(view)
         self._audience.show(view)
@@ -73,23 +75,23 @@ class Seen:
         view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
         view.phase = fraction * timeline.beats_per_measure
         view.energy = self._desk.energy
-        counted = self._desk.cues.count_in(span.danced(beat, self._desk.beats))
+        counted = self._desk.cues.count_in(span.danced_beats(beat, self._desk.beats))
         view.count_in = 0.0 if counted is None else max(counted[0], 0.0)
         if view.picture is not None:
             view.picture[:] = self._desk.parameters.picture
             after = min(max(time - ticked, 0.0), 2.0 * TICK)
             self._desk.spots.place(view, after)
-            self._desk.rig.place(view.picture, after, after * timeline.tempo / 60.0)
+            self._desk.camera_rig.place(view.picture, after, after * timeline.tempo / 60.0)
 
-    def keep(self, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float) -> None:
+    def update_frozen_view(self, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float) -> None:
         """Store the picture when it is frozen, for views of a restored show; drop it when it is released."""
         if not self._desk.master.frozen:
-            self._still = None
-        elif self._still is None:
+            self._frozen_view = None
+        elif self._frozen_view is None:
             still = self.view()
             still.guide = np.zeros((0, 10), np.float32)  # the largest array, and never frozen
             self._fill(still, time, timeline, span, tempo=tempo, ticked=time)
-            self._still = still
+            self._frozen_view = still
 
     def state_hash(self, time: float, timeline: Timeline, span: MeasureSpan, *, brightness: float) -> str:
         """Return a short hash over every bit of the agents' and dancers' states and poses at the tick `time` [s]."""
@@ -97,19 +99,19 @@ class Seen:
         beat = timeline.beat_at(time)
         return hash_of(
             motion.state.flat, motion.entrances.state, self._group, danced.node, danced.placement, danced.correction,
-            danced.aimed, danced.take, danced.warp, dancers.lock.state, dancers.variation.drift.phase,
+            danced.aim_origin, danced.take, danced.warp, dancers.lock.state, dancers.variation.drift.phase,
             *dancers.pose(span.fraction(beat), time),
-            motion.floor.half, motion.floor.border,
+            motion.stage_area.half, motion.stage_area.border,
             np.array([beat, timeline.tempo, brightness]),
             *self._desk.hashed(),
             *(part for captured in dancers.captured.values() for part in captured.hashed()),
         )  # fmt: skip
 
 
-def _copy(still: StageView, view: StageView) -> None:
+def _copy_view(still: StageView, view: StageView) -> None:
     """Copy a stored picture into `view`."""
     for field in fields(StageView):
-        if field.name in NEVER_STILL:
+        if field.name in LIVE_FIELDS:
             continue
         kept, there = getattr(still, field.name), getattr(view, field.name)
         if isinstance(kept, np.ndarray) and there is not None:

@@ -16,22 +16,22 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from live import __version__
-from live.show.journal.journal_writer import Unwritten, Written
-from live.supervisor.adoption.hung_engine import end_if_hung, holders
-from live.supervisor.adoption.rendezvous import ENDING, in_folder, own_folder, same_user, told_by
+from live.show.journal.journal_writer import UnfinishedFile, WriteProgress
+from live.supervisor.adoption.hung_engine import kill_if_hung, socket_holders
+from live.supervisor.adoption.rendezvous import ENDING, parse_first_line, path_in_folder, private_folder, same_user
 from live.supervisor.heartbeat import Heartbeat
-from live.supervisor.line_channel import Wire, WireBroken
+from live.supervisor.line_channel import ChannelError, LineChannel
 
 ANSWERS_WITHIN: Final = 6.0
 """Seconds for an engine without a supervisor to answer: it checks once per frame, and a frame may be slow."""
-REST_WITHIN: Final = 20.0
+TRANSFER_TIMEOUT: Final = 20.0
 """Seconds for the transfer of the show so far."""
-MOST: Final = 16
+MAX_DESCRIPTORS: Final = 16
 """Most descriptors that are received."""
-KNOWN: Final = ("heart", "process", "rendezvous", "osc", "sound", "sound_peer")
-NEEDED: Final = ("heart", "process", "rendezvous")
+KNOWN_DESCRIPTORS: Final = ("heart", "process", "rendezvous", "osc", "sound", "sound_peer")
+REQUIRED_DESCRIPTORS: Final = ("heart", "process", "rendezvous")
 PAUSE: Final = 0.05
-UNKNOWN: Final = 1
+UNKNOWN_EXIT_CODE: Final = 1
 """Exit code used for a process that is no child; an exit code it has announced itself takes precedence."""
 
 
@@ -43,10 +43,10 @@ class EngineHung(Exception):
     """An engine of this show hung without a supervisor and was killed: the show resumes from its journal."""
 
 
-class Adopted:
+class AdoptedProcess:
     """Process that is no child of this one, with the interface of `subprocess.Popen`.
 
-    The system reports an exit code only to the parent, so the code is `UNKNOWN`.
+    The system reports an exit code only to the parent, so the code is `UNKNOWN_EXIT_CODE`.
     """
 
     def __init__(self, pid: int, descriptor: int) -> None:
@@ -56,9 +56,9 @@ class Adopted:
         self._code: int | None = None
 
     def poll(self) -> int | None:
-        """Return `UNKNOWN` once it has ended; None while it runs."""
+        """Return `UNKNOWN_EXIT_CODE` once it has ended; None while it runs."""
         if self._code is None and select.select([self._descriptor], [], [], 0)[0]:
-            self._code = UNKNOWN
+            self._code = UNKNOWN_EXIT_CODE
             os.close(self._descriptor)
         return self._code
 
@@ -83,20 +83,20 @@ class Adoption:
 
     name: str
     """Name of the socket at which it was found."""
-    wire: Wire
-    heart: Heartbeat
-    process: Adopted
+    channel: LineChannel
+    heartbeat: Heartbeat
+    process: AdoptedProcess
     descriptors: dict[str, int]
     """Received descriptors: rendezvous, and osc, sound, sound_peer if they exist."""
     show: str
     facts: dict[str, Any]
     screen: dict[str, Any]
-    unwritten: Unwritten
+    unwritten: UnfinishedFile
     """Journal lines to write once the engine has stopped writing."""
     snapshots_kept: int
     lines: list[str] = field(default_factory=list)
-    """The show so far, as returned by `Log.since`."""
-    early: list[str] = field(default_factory=list)
+    """The show so far, as returned by `RecoveryLog.since`."""
+    early_lines: list[str] = field(default_factory=list)
     """Lines that the engine has sent since."""
 
 
@@ -107,7 +107,7 @@ def find_engine(label: str) -> Adoption | None:
     """
     with _sockets(f"{label}.") as paths:
         for name, path in paths.items():
-            if (found := _ask(name, path)) is not None:
+            if (found := _adopt_at(name, path)) is not None:
                 return found
     return None
 
@@ -120,12 +120,12 @@ def end_engines(label: str) -> list[int]:
         for path in paths.values():
             sock = None
             with contextlib.suppress(TimeoutError):
-                sock = _reached(path)
+                sock = _connect(path)
             if sock is None:
                 continue
             with sock, contextlib.suppress(OSError, ValueError):
                 sock.sendall(b'{"alive":"end"}\n')
-                told = told_by(sock.recv(1 << 12))
+                told = parse_first_line(sock.recv(1 << 12))
                 if told.get("alive") == "ends":
                     ended.append(int(told["pid"]))
     return ended
@@ -135,18 +135,18 @@ def end_engines(label: str) -> list[int]:
 def _sockets(begin: str) -> Iterator[dict[str, str]]:
     """Yield the sockets whose names begin with `begin`, with paths that are valid within the context."""
     try:
-        folder = own_folder()
+        folder = private_folder()
     except OSError:
         yield {}
         return
     try:
         names = sorted(name for name in os.listdir(folder) if name.startswith(begin) and name.endswith(ENDING))
-        yield {name: in_folder(folder, name) for name in names}
+        yield {name: path_in_folder(folder, name) for name in names}
     finally:
         os.close(folder)
 
 
-def _reached(path: str) -> socket.socket | None:
+def _connect(path: str) -> socket.socket | None:
     """Return a connection; None if no process listens any more, in which case the name is removed.
 
     TimeoutError if the queue is full: a process listens but does not accept.
@@ -169,9 +169,9 @@ def _reached(path: str) -> socket.socket | None:
     return None
 
 
-def _ask(name: str, path: str) -> Adoption | None:
+def _adopt_at(name: str, path: str) -> Adoption | None:
     try:
-        sock = _reached(path)
+        sock = _connect(path)
     except TimeoutError:
         _end_if_hung(name, path, lambda: False)
         return None
@@ -180,9 +180,9 @@ def _ask(name: str, path: str) -> Adoption | None:
     descriptors: list[int] = []
     try:
         sock.sendall(f'{{"alive":"adopt","version":"{__version__}"}}\n'.encode())
-        words, descriptors = _hello(sock)
-        return _taken_over(name, sock, words, descriptors)
-    except (OSError, ValueError, KeyError, TypeError, WireBroken) as error:
+        words, descriptors = _receive_hello(sock)
+        return _read_adoption(name, sock, words, descriptors)
+    except (OSError, ValueError, KeyError, TypeError, ChannelError) as error:
         for descriptor in descriptors:
             with contextlib.suppress(OSError):
                 os.close(descriptor)
@@ -201,23 +201,23 @@ def _ask(name: str, path: str) -> Adoption | None:
 
 def _end_if_hung(name: str, path: str, answers: Callable[[], bool]) -> None:
     """Watch the engine: EngineHung if it hung and was killed, CannotAdopt if it is slow; returns if it has ended."""
-    killed = end_if_hung(name, answers)
+    killed = kill_if_hung(name, answers)
     if killed:
         with contextlib.suppress(OSError):
             os.unlink(path)
         numbers = ", ".join(map(str, killed))
         raise EngineHung(f"an engine (process {numbers}) without a supervisor hung and was killed")
-    if holders(name):
+    if socket_holders(name):
         raise CannotAdopt("an engine without a supervisor does not answer yet: try again")
 
 
-def _hello(sock: socket.socket) -> tuple[bytes, list[int]]:
+def _receive_hello(sock: socket.socket) -> tuple[bytes, list[int]]:
     """Return the first line with any data after it, and the descriptors; ConnectionError if the engine has gone."""
     words, descriptors = b"", []
     deadline = time.monotonic() + ANSWERS_WITHIN
     while b"\n" not in words:
         sock.settimeout(max(0.01, deadline - time.monotonic()))
-        data, found, _, _ = socket.recv_fds(sock, 1 << 16, MOST)
+        data, found, _, _ = socket.recv_fds(sock, 1 << 16, MAX_DESCRIPTORS)
         descriptors += found
         words += data
         if not data or len(words) > 1 << 20:
@@ -225,38 +225,38 @@ def _hello(sock: socket.socket) -> tuple[bytes, list[int]]:
     return words, descriptors
 
 
-def _taken_over(name: str, sock: socket.socket, words: bytes, found: list[int]) -> Adoption | None:
-    told = told_by(words)
+def _read_adoption(name: str, sock: socket.socket, words: bytes, found: list[int]) -> Adoption | None:
+    told = parse_first_line(words)
     if told.get("alive") == "refused":
         sock.close()
         if told.get("supervised"):
             return None
         raise CannotAdopt(f"{told.get('why')!s:.200}; to end it: kill {told.get('pid')!s:.12}")
     names = told["descriptors"]
-    known = len(names) == len(found) and set(NEEDED) <= set(names) <= set(KNOWN)
+    known = len(names) == len(found) and set(REQUIRED_DESCRIPTORS) <= set(names) <= set(KNOWN_DESCRIPTORS)
     if told["alive"] != "engine" or not known or not words.endswith(b"\n"):
         raise ValueError(names)
     descriptors = dict(zip(names, found, strict=True))
     if not isinstance(told["facts"], dict) or not isinstance(told["screen"], dict) or not isinstance(told["show"], str):
         raise TypeError(told["alive"])
     heart = Heartbeat(descriptors.pop("heart"))
-    process = Adopted(int(told["pid"]), descriptors.pop("process"))
+    process = AdoptedProcess(int(told["pid"]), descriptors.pop("process"))
     lines: list[str] = []
-    wire = Wire(sock)
-    deadline = time.monotonic() + REST_WITHIN
+    wire = LineChannel(sock)
+    deadline = time.monotonic() + TRANSFER_TIMEOUT
     while '{"alive":"adopted"}' not in lines:
         if wire.ended:
             raise ConnectionError("the engine has gone")
         if time.monotonic() > deadline:
             raise TimeoutError
         select.select([sock], [], [], PAUSE)
-        lines += wire.lines()
-    rest = told_by(lines[0].encode())
+        lines += wire.read_lines()
+    rest = parse_first_line(lines[0].encode())
     count, end = int(rest["lines"]), lines.index('{"alive":"adopted"}')
     owed, since = lines[1 : 1 + count], lines[1 + count : end]
-    written = Written(0, int(rest["end"]), int(rest["missing"]))
+    written = WriteProgress(0, int(rest["end"]), int(rest["missing"]))
     return Adoption(
         name, wire, heart, process, descriptors, told["show"], told["facts"],
-        told["screen"], Unwritten(since[0] if since else "", written, [(0, line) for line in owed]),
+        told["screen"], UnfinishedFile(since[0] if since else "", written, [(0, line) for line in owed]),
         int(rest["snapshots"]), since, lines[end + 1 :],
     )  # fmt: skip

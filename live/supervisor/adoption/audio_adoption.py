@@ -12,17 +12,17 @@ import socket
 import time
 from typing import Final
 
-from live.supervisor.adoption.adoption import Adopted
+from live.supervisor.adoption.adoption import AdoptedProcess
 from live.supervisor.heartbeat import Heartbeat
-from live.supervisor.line_channel import Wire
-from live.supervisor.process import Child, Starter
-from live.supervisor.supervisor_link import Lifeline
+from live.supervisor.line_channel import LineChannel
+from live.supervisor.process import Child, ProcessManager
+from live.supervisor.supervisor_link import SupervisorLink
 
 ANSWERS_WITHIN: Final = 3.0
 """Seconds for the answer; the process checks five times a second."""
 
 
-def adopt_sound(starter: Starter, sound: socket.socket) -> Child | None:
+def adopt_audio(starter: ProcessManager, sound: socket.socket) -> Child | None:
     """Adopt the process at the other end of `sound`; None if there is no answer and another one is needed."""
     mine, theirs = socket.socketpair()
     heart = Heartbeat()
@@ -31,55 +31,55 @@ def adopt_sound(starter: Starter, sound: socket.socket) -> Child | None:
         theirs.close()
         mine.settimeout(ANSWERS_WITHIN)
         word, found, _, _ = socket.recv_fds(mine, 1 << 10, 1)
-        child = Child.adopted("audio", Wire(mine), heart, Adopted(int(json.loads(word)["pid"]), found[0]))
+        child = Child.adopted("audio", LineChannel(mine), heart, AdoptedProcess(int(json.loads(word)["pid"]), found[0]))
     except (OSError, ValueError, KeyError, IndexError):
         theirs.close()
         mine.close()
         heart.close()
         return None
-    starter.listen(child.wire, lambda line: None, child.kill)
+    starter.register(child.channel, lambda line: None, child.kill)
     return child
 
 
-class SoundLifeline:
+class AudioLink:
     """Supervisor link of the audio process, and its end of the engine's socket. Thread: its own."""
 
-    def __init__(self, sock: socket.socket, lifeline: Lifeline, *, round_s: float, largest: int) -> None:
+    def __init__(self, sock: socket.socket, link: SupervisorLink, *, round_s: float, largest: int) -> None:
         """`round_s`: most seconds that `orders` waits; `largest`: most bytes of a command."""
-        self._sock, self.lifeline = sock, lifeline
+        self._sock, self.link = sock, link
         self._round, self._largest = round_s, largest
-        self.deserted = False
+        self.orphaned = False
         """Whether both supervisor and engine have gone."""
 
-    def orders(self) -> list[bytes]:
+    def receive_commands(self) -> list[bytes]:
         """Return the commands of the engine that arrive within a round."""
-        wire = [] if self.lifeline.alone else [self.lifeline.wire.socket]
+        wire = [] if self.link.orphaned else [self.link.channel.socket]
         ready, _, _ = select.select([self._sock, *wire], [], [], self._round)
         if wire:
-            self.lifeline.listen()
+            self.link.receive()
         if self._sock not in ready:
             return []
         data, found = b"", list[int]()
         with contextlib.suppress(BlockingIOError):
             data, found, _, _ = socket.recv_fds(self._sock, self._largest, 2)
             if not data and not found:
-                self.deserted = self.lifeline.alone
-                time.sleep(0.0 if self.deserted else self._round)
+                self.orphaned = self.link.orphaned
+                time.sleep(0.0 if self.orphaned else self._round)
                 return []
         if len(found) == 2:
-            self._take(found)
+            self._accept_supervisor(found)
             return []
         for descriptor in found:
             os.close(descriptor)
         return [data] if data else []
 
-    def _take(self, found: list[int]) -> None:
+    def _accept_supervisor(self, found: list[int]) -> None:
         """Link to another supervisor."""
-        self.lifeline = Lifeline.inherited(*found)
+        self.link = SupervisorLink.inherited(*found)
         process = os.pidfd_open(os.getpid())
         try:
-            socket.send_fds(self.lifeline.wire.socket, [json.dumps({"pid": os.getpid()}).encode()], [process])
+            socket.send_fds(self.link.channel.socket, [json.dumps({"pid": os.getpid()}).encode()], [process])
         except OSError:  # it has given up waiting and started another process
-            self.deserted = True
+            self.orphaned = True
         finally:
             os.close(process)

@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Final
 
-from live.supervisor.process_stats import machine, usage_of
-from live.supervisor.restart_policy import CEILING
+from live.supervisor.process_stats import read_machine, usage_of
+from live.supervisor.restart_policy import MAX_SILENCE
 from live.supervisor.watchdog import MachineLoad, Verdict, Watchdog
 
 ROUND: Final = 0.05
@@ -23,10 +23,14 @@ GONE_WITHIN: Final = 5.0
 """Seconds for a killed process to disappear."""
 
 
-def holders(name: str) -> list[int]:
+def socket_holders(name: str) -> list[int]:
     """Return the other processes of this user that hold the listening socket `name`; at most one in a show."""
     inodes = set(_inodes(name))
-    return [int(pid) for pid in os.listdir("/proc") if pid.isdecimal() and inodes & set(_held(pid))] if inodes else []
+    return (
+        [int(pid) for pid in os.listdir("/proc") if pid.isdecimal() and inodes & set(_open_files(pid))]
+        if inodes
+        else []
+    )
 
 
 def _inodes(name: str) -> Iterator[str]:
@@ -37,7 +41,7 @@ def _inodes(name: str) -> Iterator[str]:
                 yield f"socket:[{words[6]}]"
 
 
-def _held(pid: str) -> Iterator[str]:
+def _open_files(pid: str) -> Iterator[str]:
     if int(pid) == os.getpid():
         return
     with contextlib.suppress(OSError):
@@ -49,7 +53,7 @@ def _held(pid: str) -> Iterator[str]:
                 yield os.readlink(f"{folder}/{descriptor}")
 
 
-def end_if_hung(name: str, answers: Callable[[], bool]) -> list[int]:
+def kill_if_hung(name: str, answers: Callable[[], bool]) -> list[int]:
     """Watch the process that holds the socket `name` until it `answers`, has ended or hangs; kill it if it hangs.
 
     Returns the numbers of killed processes. Uses the same watchdog as for a supervisor's own engine: time without a
@@ -57,25 +61,25 @@ def end_if_hung(name: str, answers: Callable[[], bool]) -> list[int]:
     """
     begin = time.monotonic()
     load, last_read = MachineLoad(ROUND), begin
-    watched = {pid: Watchdog() for pid in holders(name)}
-    while watched and time.monotonic() - begin < CEILING + 1.0:
+    watched = {pid: Watchdog() for pid in socket_holders(name)}
+    while watched and time.monotonic() - begin < MAX_SILENCE + 1.0:
         before = time.monotonic()
         if answers():
             return []
         time.sleep(ROUND)
         now = time.monotonic()
-        load.woke(max(now - before - ROUND, 0.0), now - before)
+        load.record_wakeup(max(now - before - ROUND, 0.0), now - before)
         if now - last_read > READ_EVERY:
-            load.read(now, machine())
+            load.record_reading(now, read_machine())
             last_read = now
-        verdicts = [dog.look(now, begin, partial(usage_of, pid), load.slowdown) for pid, dog in watched.items()]
+        verdicts = [dog.update(now, begin, partial(usage_of, pid), load.slowdown) for pid, dog in watched.items()]
         if all(verdict is Verdict.HUNG for verdict in verdicts):
-            return [pid for pid in holders(name) if pid in watched and _killed(pid)]
-        watched = {pid: dog for pid, dog in watched.items() if pid in holders(name)}
+            return [pid for pid in socket_holders(name) if pid in watched and _kill(pid)]
+        watched = {pid: dog for pid, dog in watched.items() if pid in socket_holders(name)}
     return []
 
 
-def _killed(pid: int) -> bool:
+def _kill(pid: int) -> bool:
     try:
         descriptor = os.pidfd_open(pid)
     except OSError:

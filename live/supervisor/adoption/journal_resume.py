@@ -12,60 +12,60 @@ from pathlib import Path
 from typing import Any, Final
 
 from live.clock.ticks import TICK
-from live.show.journal.journal_writer import SNAPSHOTS, Unwritten, Written, read_snapshots
-from live.supervisor.recovery_log import CHANGES, Log
+from live.show.journal.journal_writer import SNAPSHOT_SUFFIX, UnfinishedFile, WriteProgress, read_snapshots
+from live.supervisor.recovery_log import PATCH_EVENTS, RecoveryLog
 
-WITHIN: Final = 300.0
+MAX_INTERRUPTION: Final = 300.0
 """Longest interruption [s]; after that the show starts from the beginning."""
 LARGEST: Final = 1 << 30
 """Most bytes of a journal that is read."""
-END: Final = b'"end":true'
+END_MARK: Final = b'"end":true'
 
 
 @dataclass(frozen=True, slots=True)
-class CutOff:
+class InterruptedShow:
     """State of an interrupted show."""
 
     lines: list[str]
-    """The show so far, as returned by `Log.since`."""
-    unwritten: Unwritten
+    """The show so far, as returned by `RecoveryLog.since`."""
+    unwritten: UnfinishedFile
     """State for continuing its journal."""
     snapshots_kept: int
     """Bytes of the snapshot file that stay."""
-    gone: float
+    interrupted_s: float
     """Longest possible time since the interruption [s]."""
 
 
-def cut_off(path: Path) -> CutOff | None:
+def read_interrupted(path: Path) -> InterruptedShow | None:
     """Read the journal `path`; None if the show never began, has ended, is too old or predates the machine's start."""
     try:
         written = path.stat()
-        if written.st_size > LARGEST or not _since_the_start(written.st_mtime):
+        if written.st_size > LARGEST or not _is_recent(written.st_mtime):
             return None
         data = path.read_bytes()
     except OSError:
         return None
     whole = data[: data.rfind(b"\n") + 1]
     rows = whole.splitlines()
-    if len(rows) < 2 or END in rows[-1]:
+    if len(rows) < 2 or END_MARK in rows[-1]:
         return None
     header, last = _json(rows[0]), _json(rows[-1])
     origin, tick = header.get("origin"), last.get("tick")
     if not isinstance(origin, float) or not isinstance(tick, int) or header.get("journal") is None:
         return None
     gone = time.perf_counter() - (origin + tick * TICK)
-    if not -1.0 < gone < WITHIN:
+    if not -1.0 < gone < MAX_INTERRUPTION:
         return None
     first = rows[0].decode("utf-8", "replace")
     snapshot, kept = _last_snapshot(path, rows, tick)
-    unwritten = Unwritten(first, Written(0, len(whole), 0), ())
-    return CutOff(_so_far(rows, snapshot), unwritten, kept, gone)
+    unwritten = UnfinishedFile(first, WriteProgress(0, len(whole), 0), ())
+    return InterruptedShow(_replay_lines(rows, snapshot), unwritten, kept, gone)
 
 
-def _since_the_start(written: float) -> bool:
+def _is_recent(written: float) -> bool:
     """Return whether a file time is recent and after this machine's start."""
     now = time.time()
-    return max(now - time.clock_gettime(time.CLOCK_BOOTTIME), now - WITHIN) < written
+    return max(now - time.clock_gettime(time.CLOCK_BOOTTIME), now - MAX_INTERRUPTION) < written
 
 
 def _json(row: bytes) -> dict[str, Any]:
@@ -79,11 +79,11 @@ def _json(row: bytes) -> dict[str, Any]:
 def _last_snapshot(path: Path, rows: list[bytes], last: int) -> tuple[tuple[int, bytes] | None, int]:
     """Return the last snapshot readable with the header's patch and steps, with its tick, and the end of the intact
     snapshots."""
-    changed = next((row for row in rows if any(name.encode() in row for name in CHANGES)), b"")
+    changed = next((row for row in rows if any(name.encode() in row for name in PATCH_EVENTS)), b"")
     until = min(last, int(_json(changed).get("tick", last)) - bool(changed))
     problems: list[str] = []
     found, end = None, 0
-    for data in read_snapshots(path.with_name(path.name + SNAPSHOTS), problems):
+    for data in read_snapshots(path.with_name(path.name + SNAPSHOT_SUFFIX), problems):
         tick = int(_json(data.partition(b"\n")[0])["tick"])
         end += len(data) if not problems else 0
         if tick <= until:
@@ -91,12 +91,12 @@ def _last_snapshot(path: Path, rows: list[bytes], last: int) -> tuple[tuple[int,
     return found, end
 
 
-def _so_far(rows: list[bytes], snapshot: tuple[int, bytes] | None) -> list[str]:
-    log = Log()
+def _replay_lines(rows: list[bytes], snapshot: tuple[int, bytes] | None) -> list[str]:
+    log = RecoveryLog()
     for row in rows:
         if snapshot is not None and _json(row[:40].partition(b",")[0] + b"}").get("tick", 0) > snapshot[0]:
             text = base64.b64encode(snapshot[1]).decode()
-            log.take(json.dumps({"tick": snapshot[0], "snapshot": text}, separators=(",", ":")))
+            log.add_line(json.dumps({"tick": snapshot[0], "snapshot": text}, separators=(",", ":")))
             snapshot = None
-        log.take(row.decode("utf-8", "replace"))
-    return list(log.since())
+        log.add_line(row.decode("utf-8", "replace"))
+    return list(log.replay_lines())

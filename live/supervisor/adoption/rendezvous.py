@@ -20,9 +20,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from live import __version__
-from live.show.journal.journal_writer import Unwritten
-from live.supervisor.line_channel import Wire
-from live.supervisor.recovery_log import Log
+from live.show.journal.journal_writer import UnfinishedFile
+from live.supervisor.line_channel import LineChannel
+from live.supervisor.recovery_log import RecoveryLog
 
 FOLDER: Final = "choreographics-live"
 ENDING: Final = ".sock"
@@ -34,7 +34,7 @@ LONGEST_WORD: Final = 4096
 """Most bytes of a request."""
 
 
-def own_folder() -> int:
+def private_folder() -> int:
     """Return a descriptor of the folder for such sockets; OSError if it cannot be created or is not private."""
     base = os.environ.get("XDG_RUNTIME_DIR", "")
     known = os.path.isabs(base) and os.path.isdir(base)
@@ -49,20 +49,20 @@ def own_folder() -> int:
     return descriptor
 
 
-def in_folder(folder: int, name: str) -> str:
+def path_in_folder(folder: int, name: str) -> str:
     """Return the path of a file in the folder: short, as socket addresses require, and independent of later renames."""
     return f"/proc/self/fd/{folder}/{name}"
 
 
-class Meeting:
+class RendezvousListener:
     """The supervisor's side: listens and refuses all clients while it lives. Thread: the supervisor's."""
 
     def __init__(self, label: str) -> None:
         """`label`: of the show; OSError if it cannot listen."""
         self.name = f"{label}.{os.getpid()}{ENDING}"
-        folder = own_folder()
+        folder = private_folder()
         try:
-            path = in_folder(folder, self.name)
+            path = path_in_folder(folder, self.name)
             with contextlib.suppress(FileNotFoundError):
                 os.unlink(path)
             self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -78,7 +78,7 @@ class Meeting:
             os.close(folder)
 
     @classmethod
-    def inherited(cls, descriptor: int, name: str) -> "Meeting":
+    def inherited(cls, descriptor: int, name: str) -> "RendezvousListener":
         """Make one from the socket of the previous supervisor, received from its engine."""
         meeting = cls.__new__(cls)
         meeting.name, meeting.socket = name, socket.socket(fileno=descriptor)
@@ -96,19 +96,19 @@ class Meeting:
         """Stop listening and remove the socket: the show is over."""
         self.socket.close()
         with contextlib.suppress(OSError):
-            folder = own_folder()
+            folder = private_folder()
             try:
-                os.unlink(in_folder(folder, self.name))
+                os.unlink(path_in_folder(folder, self.name))
             finally:
                 os.close(folder)
 
 
-class Rendezvous:
+class EngineRendezvous:
     """The engine's side, without a supervisor. Thread: the show's; nothing waits."""
 
     def __init__(self, descriptor: int) -> None:
         self._socket = socket.socket(fileno=descriptor)
-        self._guests: list[tuple[float, socket.socket, bytearray]] = []
+        self._clients: list[tuple[float, socket.socket, bytearray]] = []
         self.refused = 0
         """Refused clients: other users or invalid requests."""
 
@@ -116,23 +116,23 @@ class Rendezvous:
         """Return the descriptor, to be handed on."""
         return self._socket.fileno()
 
-    def look(self) -> socket.socket | None:
+    def poll(self) -> socket.socket | None:
         """Return the connection of a supervisor that asks for this engine, or None. Accepts at most one client per
         call."""
         now = time.monotonic()
         with contextlib.suppress(OSError):
             sock, _ = self._socket.accept()
-            if same_user(sock) and len(self._guests) < BACKLOG:
+            if same_user(sock) and len(self._clients) < BACKLOG:
                 sock.setblocking(False)
-                self._guests.append((now, sock, bytearray()))
+                self._clients.append((now, sock, bytearray()))
             else:
-                self._send_away(sock)
-        for guest in list(self._guests):
-            if (found := self._hear(guest, now)) is not None:
+                self._reject(sock)
+        for guest in list(self._clients):
+            if (found := self._read_request(guest, now)) is not None:
                 return found
         return None
 
-    def _hear(self, guest: tuple[float, socket.socket, bytearray], now: float) -> socket.socket | None:
+    def _read_request(self, guest: tuple[float, socket.socket, bytearray], now: float) -> socket.socket | None:
         since, sock, words = guest
         try:
             data = sock.recv(LONGEST_WORD)
@@ -143,23 +143,23 @@ class Rendezvous:
         words += data or b""
         if (data is None and now - since < PATIENCE) or (data and b"\n" not in words and len(words) < LONGEST_WORD):
             return None
-        self._guests.remove(guest)
-        told = told_by(bytes(words))
+        self._clients.remove(guest)
+        told = parse_first_line(bytes(words))
         if told.get("alive") == "end":
             _answer(sock, alive="ends", pid=os.getpid())
             sock.close()
             os.kill(os.getpid(), signal.SIGTERM)  # as if the person had sent it: everything is closed in order
         elif told.get("alive") != "adopt":
-            self._send_away(sock)
+            self._reject(sock)
         elif told.get("version") != __version__:
             why = f"the engine is of version {__version__}, the supervisor of {told.get('version')!s:.40}"
             _answer(sock, alive="refused", why=why, pid=os.getpid())
-            self._send_away(sock)
+            self._reject(sock)
         else:
             return sock
         return None
 
-    def _send_away(self, sock: socket.socket) -> None:
+    def _reject(self, sock: socket.socket) -> None:
         self.refused += 1
         sock.close()
 
@@ -173,7 +173,7 @@ def same_user(sock: socket.socket) -> bool:
     return False
 
 
-def told_by(words: bytes) -> dict[str, Any]:
+def parse_first_line(words: bytes) -> dict[str, Any]:
     """Return the JSON object of the first line; empty if it is not valid."""
     with contextlib.suppress(ValueError, RecursionError):
         told = json.loads(words.partition(b"\n")[0])
@@ -181,13 +181,13 @@ def told_by(words: bytes) -> dict[str, Any]:
     return {}
 
 
-def hand_over(sock: socket.socket, told: Mapping[str, Any], descriptors: Mapping[str, int]) -> bool:
+def send_engine(sock: socket.socket, values: Mapping[str, Any], descriptors: Mapping[str, int]) -> bool:
     """Send the engine's identity and descriptors; return False if the supervisor has gone."""
     process = -1
     try:
         process = os.pidfd_open(os.getpid())
         there = {**descriptors, "process": process}
-        hello = {"alive": "engine", "pid": os.getpid(), "descriptors": list(there), **told}
+        hello = {"alive": "engine", "pid": os.getpid(), "descriptors": list(there), **values}
         word = json.dumps(hello, separators=(",", ":")).encode() + b"\n"
         if socket.send_fds(sock, [word], list(there.values())) == len(word):
             return True
@@ -200,16 +200,16 @@ def hand_over(sock: socket.socket, told: Mapping[str, Any], descriptors: Mapping
     return False
 
 
-def tell_the_rest(wire: Wire, unwritten: Unwritten, kept: int, log: Log) -> None:
+def send_unwritten(channel: LineChannel, unwritten: UnfinishedFile, kept: int, log: RecoveryLog) -> None:
     """Send the lines to write and those that a spare needs; from then on both ends count lines from zero."""
     written = unwritten.written
-    wire.tell(
+    channel.send_json(
         alive="unwritten", number=written.number, end=written.end, missing=written.missing, snapshots=kept,
         lines=len(unwritten.lines),
     )  # fmt: skip
-    since = list(log.since())
-    wire.put("\n".join([*(line for _, line in unwritten.lines), *since, '{"alive":"adopted"}']))
-    wire.taken = 0
+    since = list(log.replay_lines())
+    channel.send_line("\n".join([*(line for _, line in unwritten.lines), *since, '{"alive":"adopted"}']))
+    channel.sent = 0
 
 
 def _answer(sock: socket.socket, **told: Any) -> None:

@@ -28,10 +28,10 @@ from live.base.errors import PersonError
 
 VALID: Final = datetime.timedelta(days=3 * 365)
 """Validity of a certificate. An expired one is reported but still accepted: see `tls`."""
-SINCE: Final = datetime.timedelta(days=1)
+CLOCK_TOLERANCE: Final = datetime.timedelta(days=1)
 """Certificates are valid from this long ago, for machines whose clock is behind."""
 KEY_FILE: Final = "identity.pem"
-PEERS: Final = "paired"
+PEERS_FOLDER: Final = "paired"
 LONGEST_FILE: Final = 64 * 1024
 LONGEST_NAME: Final = 40
 _NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
@@ -43,7 +43,7 @@ def network_folder() -> Path:
     return Path(root) / "network"
 
 
-def plain_name(name: str) -> str:
+def safe_name(name: str) -> str:
     """Return a machine's name reduced to characters safe in a file name: letters, digits, `.`, `_` and `-`."""
     words = re.sub(r"[^A-Za-z0-9._-]+", "-", name).strip("-._")[:LONGEST_NAME]
     return words or "machine"
@@ -72,7 +72,7 @@ class Peer:
         """When its certificate expires."""
         return x509.load_der_x509_certificate(self.certificate).not_valid_after_utc
 
-    def signed(self, signature: bytes, data: bytes) -> bool:
+    def verify(self, signature: bytes, data: bytes) -> bool:
         """Return whether it signed the data."""
         key = x509.load_der_x509_certificate(self.certificate).public_key()
         if not isinstance(key, Ed25519PublicKey):
@@ -113,9 +113,9 @@ def load_identity(folder: Path | None = None) -> Identity:
     folder = folder or network_folder()
     path = folder / KEY_FILE
     try:
-        _own_folder(folder)
+        _make_private_folder(folder)
         if not path.exists():
-            _make(path)
+            _create_identity(path)
         data = _read_private(path)
     except OSError as error:
         raise PersonError(f"this machine's key {path} cannot be read or made: {error.strerror}") from None
@@ -139,14 +139,16 @@ def renew_identity(folder: Path | None = None) -> Identity:
     return load_identity(folder)
 
 
-def _make(path: Path) -> None:
+def _create_identity(path: Path) -> None:
     """Create key and certificate atomically; if two processes do so, the first one wins."""
     key = Ed25519PrivateKey.generate()
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, f"choreographics-live {secrets.token_hex(8)}")])
     now = datetime.datetime.now(datetime.UTC)
     known = x509.SubjectKeyIdentifier.from_public_key(key.public_key())
     certificate = (
-        x509.CertificateBuilder(name, name, key.public_key(), x509.random_serial_number(), now - SINCE, now + VALID)
+        x509.CertificateBuilder(
+            name, name, key.public_key(), x509.random_serial_number(), now - CLOCK_TOLERANCE, now + VALID
+        )
         .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
         .add_extension(known, critical=False)
         .sign(key, None)
@@ -161,9 +163,9 @@ class Pairings:
 
     def __init__(self, folder: Path | None = None) -> None:
         """Reads nothing yet."""
-        self._folder = (folder or network_folder()) / PEERS
+        self._folder = (folder or network_folder()) / PEERS_FOLDER
 
-    def changed(self) -> object:
+    def version(self) -> object:
         """Return a value that differs once a pairing has been added or removed."""
         found = []
         with contextlib.suppress(OSError):
@@ -199,12 +201,12 @@ class Pairings:
         same = next((peer for peer in known.values() if peer.certificate == certificate), None)
         if same is not None:
             return same
-        wanted = plain_name(name)
+        wanted = safe_name(name)
         numbered = (f"{wanted}-{number}" for number in range(2, 1 << 20))
         free = wanted if wanted not in known else next(each for each in numbered if each not in known)
         try:
-            _own_folder(self._folder.parent)
-            _own_folder(self._folder)
+            _make_private_folder(self._folder.parent)
+            _make_private_folder(self._folder)
             pem = parsed.public_bytes(serialization.Encoding.PEM)
             _write_private(self._folder / f"{free}.pem", pem, replace=True)
         except OSError as error:
@@ -223,22 +225,22 @@ class Pairings:
         return True
 
 
-def _own_folder(folder: Path) -> None:
+def _make_private_folder(folder: Path) -> None:
     """Create a folder if needed and make sure that no other user has access."""
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    _refuse_others(folder, 0o077, "chmod 700")
+    _check_private(folder, 0o077, "chmod 700")
 
 
 def _read_private(path: Path) -> bytes:
     with path.open("rb") as file:
-        _refuse_others(path, 0o077, "chmod 600", os.fstat(file.fileno()))
+        _check_private(path, 0o077, "chmod 600", os.fstat(file.fileno()))
         return file.read(LONGEST_FILE)
 
 
-def _refuse_others(path: Path, bits: int, remedy: str, told: os.stat_result | None = None) -> None:
-    told = told or path.stat()
-    if told.st_mode & bits or told.st_uid != os.geteuid():
-        mode = stat.S_IMODE(told.st_mode)
+def _check_private(path: Path, bits: int, remedy: str, status: os.stat_result | None = None) -> None:
+    status = status or path.stat()
+    if status.st_mode & bits or status.st_uid != os.geteuid():
+        mode = stat.S_IMODE(status.st_mode)
         raise PersonError(f"{path} is not this user's alone (mode {mode:o}): others could be this machine",
                           f"{remedy} {path}")  # fmt: skip
 

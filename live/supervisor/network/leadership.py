@@ -26,21 +26,21 @@ from typing import Final
 
 PULSE: Final = 0.1
 """Seconds between two pulses."""
-SILENCE: Final = 1.5
+LEADER_TIMEOUT: Final = 1.5
 """Seconds of silence after which a deputy takes its leader for dead. A supervisor that merely shares its processor is
 late by tenths of a second."""
-RETURN: Final = 2.2
+FORMER_LEADER_TIMEOUT: Final = 2.2
 """The same for a machine that led before and is not ready yet: it knows the show, but others may have a newer state."""
-HAND_OVER: Final = 2.6
+HAND_OVER_AFTER: Final = 2.6
 """Seconds without a running engine after which a leader hands over. A spare engine takes over within 0.3 s of a death,
 and within 2.5 s of a hang on a quiet machine."""
-FRESH: Final = 0.5
+MAX_PULSE_AGE: Final = 0.5
 """Greatest age of a follower's last message for a hand-over [s]."""
-LOST: Final = 3.0
+LINK_TIMEOUT: Final = 3.0
 """Seconds without a message after which a link is closed; the side that opened it reconnects."""
-MEET: Final = 2.5
+MERGE_TIMEOUT: Final = 2.5
 """Seconds within which machines that can reach each other again have one leader."""
-MOST_AHEAD: Final = 16
+MAX_EPOCHS_AHEAD: Final = 16
 """Claims to an epoch farther ahead are ignored: so many changes of leader cannot have been missed."""
 
 
@@ -69,7 +69,7 @@ class Pulse:
     """Of a follower: whether it could resume the show now."""
     deputy: bool = False
     """Of a leader: whether the receiver is its deputy."""
-    other: bool = False
+    other_deputy: bool = False
     """Of a leader: whether another machine is its deputy."""
     silent: float | None = 0.0
     """Seconds since the leader's own last message, as far as this machine knows; None: it follows no machine."""
@@ -112,7 +112,7 @@ class Lead:
 
 
 @dataclass(frozen=True, slots=True)
-class Dark:
+class StepDown:
     """Stop leading: nothing is shown, sent or played until this machine follows or leads."""
 
     why: str
@@ -132,18 +132,18 @@ class Drop:
     link: str
 
 
-Action = Send | Lead | Dark | Follow | Drop
+Action = Send | Lead | StepDown | Follow | Drop
 
 
 @dataclass(slots=True)
 class _Link:
-    heard: float
+    last_message: float
     """When its last message came [s]."""
     upstream: bool
     """Whether this machine was configured to follow that one."""
     ready: bool = False
     term: Term | None = None
-    told_at: float = -1e9
+    claim_sent_at: float = -1e9
     """When the current term was last sent to it."""
 
 
@@ -151,7 +151,7 @@ class _Link:
 class Leadership:
     """State of one machine in the election. Times [s] are of any monotonic clock. Thread: one."""
 
-    me: str
+    name: str
     """Unique name of this machine."""
     role: Role
     term: Term = field(init=False)
@@ -165,28 +165,28 @@ class Leadership:
     """Seconds for which this machine has listened and received nothing from a leader."""
     refused: int = 0
     """Claims and other messages that were rejected."""
-    led: bool = False
+    has_led: bool = False
     """Whether this machine has run a show as leader."""
-    _other: bool = False
+    _other_deputy: bool = False
     _idle: float = 0.0
     _links: dict[str, _Link] = field(default_factory=dict)
     _pulse_at: float = -1e9
 
     def __post_init__(self) -> None:
         """Start in epoch 1 as a leader; a follower has no term of its own yet."""
-        self.term = Term(1, self.me) if self.leads else Term(0, "")
+        self.term = Term(1, self.name) if self.leads else Term(0, "")
 
     @property
     def leads(self) -> bool:
         """Whether this machine leads."""
         return self.role is Role.LEADS
 
-    def joined(self, link: str, now: float, *, upstream: bool = False) -> list[Action]:
+    def link_opened(self, link: str, now: float, *, upstream: bool = False) -> list[Action]:
         """A link to a paired machine is open. `upstream`: this machine was configured to follow it."""
         self._links[link] = _Link(now, upstream)
         return [Send(link, self._pulse(link))]
 
-    def left(self, link: str) -> None:
+    def link_closed(self, link: str) -> None:
         """A link has closed; the machine behind it may still run."""
         self._links.pop(link, None)
         if link == self.deputy:
@@ -194,33 +194,33 @@ class Leadership:
         if link == self.leader:
             self.leader = None
 
-    def gone(self, *, ready: bool) -> list[Action]:
+    def leader_gone(self, *, ready: bool) -> list[Action]:
         """The followed machine refuses connections, so no supervisor runs there. Promote at once if this is the ready
         deputy."""
         if self.leads or self.leader is not None or not (self.is_deputy and ready):
             return []
-        return self.take_over("because its leader has gone")
+        return self.promote("because its leader has gone")
 
-    def heard(self, link: str, message: Message, now: float) -> list[Action]:
+    def handle(self, link: str, message: Message, now: float) -> list[Action]:
         """Handle a message."""
         there = self._links.get(link)
         if there is None:
             return []
-        there.heard = now
+        there.last_message = now
         if isinstance(message, Claim):
-            return self._claim(link, message.term)
+            return self._handle_claim(link, message.term)
         if isinstance(message, HandOver):
             if self.leads or link != self.leader or message.term != self.term:
                 self.refused += 1
                 return []
-            return self.take_over("because no engine ran on the other machine")
+            return self.promote("because no engine ran on the other machine")
         there.term, there.ready = message.term, message.ready
         if self.leads:
             # a machine with a greater term sends a signed claim
-            return self._tell(link, there, now) if message.term < self.term else []
-        return self._follows(link, there, message, now)
+            return self._send_claim(link, there, now) if message.term < self.term else []
+        return self._handle_pulse(link, there, message, now)
 
-    def look(self, now: float, turn: float, *, ready: bool, idle: float | None = None) -> list[Action]:
+    def update(self, now: float, turn: float, *, ready: bool, idle: float | None = None) -> list[Action]:
         """Update; to be called every few hundredths of a second.
 
         `turn` [s]: time since the last call in which this process ran; `ready`: whether this machine could resume the
@@ -228,27 +228,27 @@ class Leadership:
         """
         found: list[Action] = []
         for link, there in list(self._links.items()):
-            if now - there.heard > LOST:
-                self.left(link)
+            if now - there.last_message > LINK_TIMEOUT:
+                self.link_closed(link)
                 found.append(Drop(link))
         if self.leads:
-            self.led = self.led or idle is not None
-            found += self._look_leading(now, idle or 0.0)
+            self.has_led = self.has_led or idle is not None
+            found += self._update_leading(now, idle or 0.0)
         else:
             self.silent += turn
             if self._may_take_over(ready):
-                found += self.take_over(f"after {self.silent:.1f} s of silence")
+                found += self.promote(f"after {self.silent:.1f} s of silence")
         if now - self._pulse_at >= PULSE:
             self._pulse_at = now
             found += [Send(link, self._pulse(link, ready, idle or 0.0)) for link in self._links]
         return found
 
-    def take_over(self, why: str) -> list[Action]:
+    def promote(self, why: str) -> list[Action]:
         """Start to lead, on command or after silence."""
         if self.leads:
             return []
-        self.role, self.leader, self.is_deputy, self._other = Role.LEADS, None, False, False
-        self.term = Term(self.term.epoch + 1, self.me)
+        self.role, self.leader, self.is_deputy, self._other_deputy = Role.LEADS, None, False, False
+        self.term = Term(self.term.epoch + 1, self.name)
         silent, self.deputy, self.silent, self._pulse_at = self.silent, None, 0.0, -1e9
         return [Lead(why, silent), *(Send(link, Claim(self.term)) for link in self._links)]
 
@@ -258,54 +258,59 @@ class Leadership:
         if self.leads:
             mine = link == self.deputy
             return Pulse(
-                self.term, True, deputy=mine, other=self.deputy is not None and not mine, idle=round(idle, 3)
+                self.term, True, deputy=mine, other_deputy=self.deputy is not None and not mine, idle=round(idle, 3)
             )  # fmt: skip
         return Pulse(self.term, False, ready=ready, silent=None if self.leader is None else round(self.silent, 3))
 
-    def _tell(self, link: str, there: _Link, now: float) -> list[Action]:
+    def _send_claim(self, link: str, there: _Link, now: float) -> list[Action]:
         """Send the current term to a machine that has an older one, at most every FRESH."""
-        if now - there.told_at < FRESH:
+        if now - there.claim_sent_at < MAX_PULSE_AGE:
             return []
-        there.told_at = now
+        there.claim_sent_at = now
         return [Send(link, Claim(self.term))]
 
-    def _look_leading(self, now: float, idle: float) -> list[Action]:
+    def _update_leading(self, now: float, idle: float) -> list[Action]:
         able = [
             link for link, there in self._links.items()
-            if there.ready and there.term == self.term and now - there.heard < FRESH
+            if there.ready and there.term == self.term and now - there.last_message < MAX_PULSE_AGE
         ]  # fmt: skip
         kept = self._links.get(self.deputy or "")
         if kept is None or not kept.ready or kept.term != self.term:
             self.deputy = next(iter(able), None)
-        if idle <= HAND_OVER or self.deputy not in able:
+        if idle <= HAND_OVER_AFTER or self.deputy not in able:
             return []
         deputy = self.deputy
-        self._give_way(deputy)
+        self._step_down(deputy)
         words = "no engine ran here for too long: the standby machine takes over"
-        return [Dark(words), Send(deputy, HandOver(self.term)), Follow(deputy)]
+        return [StepDown(words), Send(deputy, HandOver(self.term)), Follow(deputy)]
 
     def _may_take_over(self, ready: bool) -> bool:
         # a leader without a running engine before it fell silent was about to hand over
-        hung = self.silent > FRESH and self._idle + self.silent > HAND_OVER
+        hung = self.silent > MAX_PULSE_AGE and self._idle + self.silent > HAND_OVER_AFTER
         if self.is_deputy and ready:
-            return self.silent > SILENCE or hung
-        return self.led and not self._other and (self.silent > RETURN or hung)
+            return self.silent > LEADER_TIMEOUT or hung
+        return self.has_led and not self._other_deputy and (self.silent > FORMER_LEADER_TIMEOUT or hung)
 
-    def _follows(self, link: str, there: _Link, pulse: Pulse, now: float) -> list[Action]:
+    def _handle_pulse(self, link: str, there: _Link, pulse: Pulse, now: float) -> list[Action]:
         """Handle a pulse of the followed machine, of one to follow from now on, or of one with an older term."""
-        alive = pulse.leads or (pulse.silent is not None and pulse.silent < FRESH)
+        alive = pulse.leads or (pulse.silent is not None and pulse.silent < MAX_PULSE_AGE)
         found: list[Action] = []
         if link != self.leader:
             if self.leader is not None:
-                return self._tell(link, there, now) if pulse.leads and pulse.term < self.term else []
+                return self._send_claim(link, there, now) if pulse.leads and pulse.term < self.term else []
             if not (alive and self._would_follow(there, pulse)):
                 return []
-            self.leader, self.is_deputy, self._other = link, False, False
+            self.leader, self.is_deputy, self._other_deputy = link, False, False
             found.append(Follow(link))
         if alive or pulse.silent is not None:
             self.silent = min(self.silent, 0.0 if pulse.leads else (pulse.silent or 0.0) + PULSE)
         if alive:
-            self.term, self.is_deputy, self._other, self._idle = pulse.term, pulse.deputy, pulse.other, pulse.idle
+            self.term, self.is_deputy, self._other_deputy, self._idle = (
+                pulse.term,
+                pulse.deputy,
+                pulse.other_deputy,
+                pulse.idle,
+            )
         return found
 
     def _would_follow(self, there: _Link, pulse: Pulse) -> bool:
@@ -314,22 +319,22 @@ class Leadership:
         known = pulse.term == self.term or pulse.term.epoch > self.term.epoch
         if known and (pulse.leads or there.upstream):
             return True
-        waits = self.led or (self.is_deputy and self.silent < RETURN)
+        waits = self.has_led or (self.is_deputy and self.silent < FORMER_LEADER_TIMEOUT)
         return there.upstream and not waits
 
-    def _claim(self, link: str, term: Term) -> list[Action]:
+    def _handle_claim(self, link: str, term: Term) -> list[Action]:
         if term == self.term:
             return []
-        if term < self.term or term.epoch - self.term.epoch > MOST_AHEAD:
+        if term < self.term or term.epoch - self.term.epoch > MAX_EPOCHS_AHEAD:
             self.refused += 1
             tells = self.leads or self.leader is not None
             return [Send(link, Claim(self.term))] if tells and term < self.term else []
         led = self.leads
         self.term = term
-        self._give_way(link)
+        self._step_down(link)
         words = f"another machine leads now (epoch {term.epoch}): this one goes dark"
-        return [*([Dark(words)] if led else []), Follow(link)]
+        return [*([StepDown(words)] if led else []), Follow(link)]
 
-    def _give_way(self, link: str) -> None:
+    def _step_down(self, link: str) -> None:
         self.role, self.leader, self.deputy = Role.FOLLOWS, link, None
-        self.is_deputy, self._other, self.silent, self._idle = False, False, 0.0, 0.0
+        self.is_deputy, self._other_deputy, self.silent, self._idle = False, False, 0.0, 0.0

@@ -29,20 +29,20 @@ from typing import Any, Final
 from cryptography.hazmat.primitives.kdf.scrypt import Scrypt
 
 from live.base.errors import PersonError
-from live.supervisor.network.identity import Identity, Pairings, Peer, plain_name
+from live.supervisor.network.identity import Identity, Pairings, Peer, safe_name
 from live.supervisor.network.tls import tls13
 
 PORT: Final = 9021
-WITHIN: Final = 300.0
+PHRASE_LIFETIME: Final = 300.0
 """Seconds for which a phrase is valid."""
 ANSWERS_WITHIN: Final = 15.0
 """Seconds that one attempt may take."""
 HANDSHAKE_WITHIN: Final = 5.0
-TRIES: Final = 3
+MAX_WRONG_PHRASES: Final = 3
 """Wrong attempts after which a phrase is no longer valid."""
 AT_ONCE: Final = 8
 """Most attempts at the same time; further connections are refused."""
-LONGEST: Final = 8192
+MAX_LINE_BYTES: Final = 8192
 """Most bytes of a line."""
 QUINTS: Final = 3
 _CONSONANTS: Final = "bdfghjklmnprstvz"
@@ -60,7 +60,7 @@ def _quint(bits: int) -> str:
     return c[bits >> 12] + v[bits >> 10 & 3] + c[bits >> 6 & 15] + v[bits >> 4 & 3] + c[bits & 15]
 
 
-def plain_phrase(typed: str) -> str:
+def normalized_phrase(typed: str) -> str:
     """Return the lower-case letters of a typed phrase; nothing else counts."""
     return "".join(mark for mark in typed.lower() if mark.isalpha())
 
@@ -88,45 +88,45 @@ class Transcript:
     def proofs(self, phrase: str) -> tuple[bytes, bytes]:
         """Return the proofs of client and server that they know the phrase. Takes some hundredths of a second."""
         digest = self.digest()
-        key = Scrypt(salt=digest, length=32, n=1 << 15, r=8, p=1).derive(plain_phrase(phrase).encode())
+        key = Scrypt(salt=digest, length=32, n=1 << 15, r=8, p=1).derive(normalized_phrase(phrase).encode())
         return tuple(hmac.digest(key, side + digest, "sha256") for side in (b"client", b"server"))  # type: ignore[return-value]
 
 
-class Refused(Exception):
+class ProtocolError(Exception):
     """A received message violates the protocol."""
 
 
 @dataclass
-class Shown:
+class PairingServer:
     """The side that shows the phrase. `run` returns the paired machine; PersonError if there is none."""
 
     identity: Identity
     pairings: Pairings
     phrase: str
     name: str = field(default_factory=socket.gethostname)
-    listening: Callable[[int], None] = lambda port: None
+    on_listening: Callable[[int], None] = lambda port: None
     """Called with the port once it is open."""
-    wrong: int = 0
+    wrong_phrases: int = 0
     """Wrong phrases so far."""
-    strangers: int = 0
+    invalid_attempts: int = 0
     """Connections that did not follow the protocol."""
 
-    async def run(self, host: str | None, port: int, *, within: float = WITHIN) -> Peer:
+    async def run(self, host: str | None, port: int, *, timeout: float = PHRASE_LIFETIME) -> Peer:
         """Wait for the other machine on the addresses of `host` (None: all addresses of this machine)."""
-        self._found: asyncio.Future[Peer] = asyncio.get_running_loop().create_future()
+        self._paired: asyncio.Future[Peer] = asyncio.get_running_loop().create_future()
         self._now, self._scrypt = 0, asyncio.Lock()
         context = tls13(ssl.PROTOCOL_TLS_SERVER)
         context.load_cert_chain(self.identity.path)
         try:
             server = await asyncio.start_server(
                 self._attempt, host, port, ssl=context, ssl_handshake_timeout=HANDSHAKE_WITHIN,
-                ssl_shutdown_timeout=1.0, limit=LONGEST, backlog=AT_ONCE,
+                ssl_shutdown_timeout=1.0, limit=MAX_LINE_BYTES, backlog=AT_ONCE,
             )  # fmt: skip
         except OSError as error:
             raise PersonError(f"cannot listen at port {port}: {error.strerror}", "choose another port") from None
-        self.listening(server.sockets[0].getsockname()[1])
+        self.on_listening(server.sockets[0].getsockname()[1])
         try:
-            return await asyncio.wait_for(self._found, within)
+            return await asyncio.wait_for(self._paired, timeout)
         except TimeoutError:
             raise PersonError("no machine was paired: the phrase was not typed in time", "live pair") from None
         finally:
@@ -140,11 +140,11 @@ class Shown:
         try:
             async with asyncio.timeout(ANSWERS_WITHIN):
                 await self._serve(reader, writer)
-        except (Refused, TimeoutError, OSError):
-            self.strangers += 1
+        except (ProtocolError, TimeoutError, OSError):
+            self.invalid_attempts += 1
         except PersonError as error:
-            if not self._found.done():
-                self._found.set_exception(error)
+            if not self._paired.done():
+                self._paired.set_exception(error)
         finally:
             self._now -= 1
             writer.close()
@@ -153,35 +153,35 @@ class Shown:
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         nonce = secrets.token_bytes(32)
-        await _say(writer, pair=1, name=self.name, nonce=nonce.hex())
-        told = await _hear(reader)
+        await _send(writer, pair=1, name=self.name, nonce=nonce.hex())
+        told = await _receive(reader)
         certificate, theirs = _bytes(told, "certificate"), _bytes(told, "nonce", 32)
         proof, signature = _bytes(told, "proof", 32), _bytes(told, "signature", 64)
         name = told.get("name")
-        if not isinstance(name, str) or len(name) > 255 or self._found.done():
-            raise Refused
-        peer = Peer(plain_name(name), certificate)
+        if not isinstance(name, str) or len(name) > 255 or self._paired.done():
+            raise ProtocolError
+        peer = Peer(safe_name(name), certificate)
         transcript = Transcript(self.identity.certificate, certificate, self.name, name, nonce, theirs)
         if not _signed(peer, signature, transcript.digest()):
-            raise Refused
+            raise ProtocolError
         async with self._scrypt:
-            if self.wrong >= TRIES or self._found.done():
-                raise Refused
+            if self.wrong_phrases >= MAX_WRONG_PHRASES or self._paired.done():
+                raise ProtocolError
             client, server = await asyncio.to_thread(transcript.proofs, self.phrase)
             if not hmac.compare_digest(client, proof):
-                self.wrong += 1
-                await _say(writer, wrong=TRIES - self.wrong)
-                if self.wrong >= TRIES:
+                self.wrong_phrases += 1
+                await _send(writer, wrong=MAX_WRONG_PHRASES - self.wrong_phrases)
+                if self.wrong_phrases >= MAX_WRONG_PHRASES:
                     raise PersonError(
-                        f"{TRIES} wrong phrases: this one is no longer valid", "live pair shows another one"
+                        f"{MAX_WRONG_PHRASES} wrong phrases: this one is no longer valid", "live pair shows another one"
                     )
                 return
             if certificate == self.identity.certificate:
                 raise PersonError("that is this machine itself: processes of one user on one machine need no pairing")
             kept = self.pairings.add(peer.name, certificate)
-            await _say(writer, proof=server.hex())
-            if not self._found.done():
-                self._found.set_result(kept)
+            await _send(writer, proof=server.hex())
+            if not self._paired.done():
+                self._paired.set_result(kept)
 
 
 async def pair_with(
@@ -194,10 +194,10 @@ async def pair_with(
     try:
         async with asyncio.timeout(2 * ANSWERS_WITHIN):
             reader, writer = await asyncio.open_connection(
-                host, port, ssl=context, ssl_handshake_timeout=HANDSHAKE_WITHIN, limit=LONGEST
+                host, port, ssl=context, ssl_handshake_timeout=HANDSHAKE_WITHIN, limit=MAX_LINE_BYTES
             )
             try:
-                return await _ask(identity, pairings, phrase, name, reader, writer)
+                return await _exchange(identity, pairings, phrase, name, reader, writer)
             finally:
                 writer.close()
                 with contextlib.suppress(OSError, TimeoutError):
@@ -205,30 +205,30 @@ async def pair_with(
     except (OSError, TimeoutError) as error:
         why = getattr(error, "strerror", None) or "no answer"
         raise PersonError(f"no machine waits for pairing at {host}:{port}: {why}", "live pair there") from None
-    except Refused:
+    except ProtocolError:
         raise PersonError(
             f"the machine at {host}:{port} does not wait for pairing, or the connection is intercepted"
         ) from None
 
 
-async def _ask(
+async def _exchange(
     identity: Identity, pairings: Pairings, phrase: str, name: str, reader: asyncio.StreamReader,
     writer: asyncio.StreamWriter,
 ) -> Peer:  # fmt: skip
-    told = await _hear(reader)
+    told = await _receive(reader)
     theirs, there = _bytes(told, "nonce", 32), told.get("name")
     secure = writer.get_extra_info("ssl_object")
     certificate = None if secure is None else secure.getpeercert(binary_form=True)
     if told.get("pair") != 1 or not isinstance(there, str) or len(there) > 255 or certificate is None:
-        raise Refused
+        raise ProtocolError
     nonce = secrets.token_bytes(32)
     transcript = Transcript(certificate, identity.certificate, there, name, theirs, nonce)
     client, server = await asyncio.to_thread(transcript.proofs, phrase)
-    await _say(
+    await _send(
         writer, name=name, certificate=identity.certificate.hex(), nonce=nonce.hex(), proof=client.hex(),
         signature=identity.sign(transcript.digest()).hex(),
     )  # fmt: skip
-    answer = await _hear(reader)
+    answer = await _receive(reader)
     if "wrong" in answer:
         raise PersonError(
             "the phrase is wrong, or the connection is intercepted; nothing was paired",
@@ -241,36 +241,36 @@ async def _ask(
     try:
         return pairings.add(there, certificate)
     except ValueError:
-        raise Refused from None
+        raise ProtocolError from None
 
 
 def _signed(peer: Peer, signature: bytes, data: bytes) -> bool:
     try:
-        return peer.signed(signature, data)
+        return peer.verify(signature, data)
     except ValueError:  # not a certificate
         return False
 
 
-async def _say(writer: asyncio.StreamWriter, **values: Any) -> None:
+async def _send(writer: asyncio.StreamWriter, **values: Any) -> None:
     writer.write(json.dumps(values, separators=(",", ":")).encode() + b"\n")
     await writer.drain()
 
 
-async def _hear(reader: asyncio.StreamReader) -> dict[str, Any]:
+async def _receive(reader: asyncio.StreamReader) -> dict[str, Any]:
     try:
         told = json.loads(await reader.readline())
     except (ValueError, RecursionError):  # too long, no JSON, or nested too deeply
-        raise Refused from None
+        raise ProtocolError from None
     if not isinstance(told, dict):
-        raise Refused
+        raise ProtocolError
     return told
 
 
-def _bytes(told: dict[str, Any], key: str, length: int | None = None) -> bytes:
+def _bytes(message: dict[str, Any], key: str, length: int | None = None) -> bytes:
     try:
-        found = bytes.fromhex(told[key])
+        found = bytes.fromhex(message[key])
     except (KeyError, TypeError, ValueError):
-        raise Refused from None
+        raise ProtocolError from None
     if length is not None and len(found) != length:
-        raise Refused
+        raise ProtocolError
     return found

@@ -24,7 +24,7 @@ class Hello:
     """First message on every connection, from both sides."""
 
     version: str
-    me: str
+    sender: str
     """Unique name of the sending process."""
     challenge: bytes
 
@@ -39,7 +39,7 @@ class SignedClaim:
 
 
 @dataclass(frozen=True, slots=True)
-class GiveShow:
+class FollowRequest:
     """Request to follow the show from line `number` of that stream, if it is still available."""
 
     stream: str
@@ -47,88 +47,88 @@ class GiveShow:
 
 
 @dataclass(frozen=True, slots=True)
-class ShowComes:
+class StreamStart:
     """Announces that the following lines are of that stream, from `number`; `anew`: from its start."""
 
     stream: str
     number: int
-    anew: bool
+    restart: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Cannot:
+class CannotFollow:
     """The sender cannot stand by."""
 
     why: str
 
 
-Said = Hello | Pulse | SignedClaim | HandOver | GiveShow | ShowComes | Cannot
+PeerMessage = Hello | Pulse | SignedClaim | HandOver | FollowRequest | StreamStart | CannotFollow
 
 
-class Senseless(ValueError):
+class InvalidMessage(ValueError):
     """A line that is not a valid message."""
 
 
-def signed_claim(identity: Identity, hearer: Peer, challenge: bytes, number: int, claim: Claim) -> str:
-    """Return the line of a claim, valid for `hearer` only."""
-    data = _signed_data(challenge, identity.fingerprint, hearer.fingerprint, number, claim.term)
+def signed_claim(identity: Identity, receiver: Peer, challenge: bytes, number: int, claim: Claim) -> str:
+    """Return the line of a claim, valid for `receiver` only."""
+    data = _signed_data(challenge, identity.fingerprint, receiver.fingerprint, number, claim.term)
     return _line("claim", **_term(claim.term), number=number, signature=identity.sign(data).hex())
 
 
-def verified(claim: SignedClaim, sender: Peer, hearer: Identity, challenge: bytes, after: int) -> Claim | None:
+def verified(claim: SignedClaim, sender: Peer, receiver: Identity, challenge: bytes, after: int) -> Claim | None:
     """Return the claim if `sender` signed it for this connection and its number is above `after`, else None."""
-    data = _signed_data(challenge, sender.fingerprint, hearer.fingerprint, claim.number, claim.term)
-    if claim.number <= after or not sender.signed(claim.signature, data):
+    data = _signed_data(challenge, sender.fingerprint, receiver.fingerprint, claim.number, claim.term)
+    if claim.number <= after or not sender.verify(claim.signature, data):
         return None
     return Claim(claim.term)
 
 
-def line_of(message: Hello | Pulse | HandOver | GiveShow | ShowComes | Cannot) -> str:
+def format_message(message: Hello | Pulse | HandOver | FollowRequest | StreamStart | CannotFollow) -> str:
     """Return a message as a line."""
     match message:
         case Hello():
-            return _line("hello", version=message.version, me=message.me, challenge=message.challenge.hex())
+            return _line("hello", version=message.version, me=message.sender, challenge=message.challenge.hex())
         case Pulse():
             return _line(
                 "pulse", **_term(message.term), leads=message.leads, ready=message.ready, deputy=message.deputy,
-                other=message.other, silent=message.silent, idle=message.idle,
+                other=message.other_deputy, silent=message.silent, idle=message.idle,
             )  # fmt: skip
         case HandOver():
             return _line("hand over", **_term(message.term))
-        case GiveShow():
+        case FollowRequest():
             return _line("follow", stream=message.stream, number=message.number)
-        case ShowComes():
-            return _line("show", stream=message.stream, number=message.number, anew=message.anew)
-        case Cannot():
+        case StreamStart():
+            return _line("show", stream=message.stream, number=message.number, anew=message.restart)
+        case CannotFollow():
             return _line("cannot", why=message.why)
 
 
-def said(told: dict[str, Any]) -> Said:
+def parse_message(values: dict[str, Any]) -> PeerMessage:
     """Parse a line that begins with `alive`; Senseless if it is not valid."""
-    match told.get("alive"):
+    match values.get("alive"):
         case "hello":
-            return Hello(_text(told, "version"), _text(told, "me"), _hex(told, "challenge", CHALLENGE))
+            return Hello(_text(values, "version"), _text(values, "me"), _hex(values, "challenge", CHALLENGE))
         case "pulse":
-            silent = None if told.get("silent") is None else _seconds(told, "silent")
-            flags = (_flag(told, "leads"), _flag(told, "ready"), _flag(told, "deputy"), _flag(told, "other"))
-            return Pulse(_term_of(told), *flags, silent=silent, idle=_seconds(told, "idle"))
+            silent = None if values.get("silent") is None else _seconds(values, "silent")
+            flags = (_flag(values, "leads"), _flag(values, "ready"), _flag(values, "deputy"), _flag(values, "other"))
+            return Pulse(_term_of(values), *flags, silent=silent, idle=_seconds(values, "idle"))
         case "claim":
-            return SignedClaim(_term_of(told), _whole(told, "number"), _hex(told, "signature", 64))
+            return SignedClaim(_term_of(values), _integer(values, "number"), _hex(values, "signature", 64))
         case "hand over":
-            return HandOver(_term_of(told))
+            return HandOver(_term_of(values))
         case "follow":
-            return GiveShow(_text(told, "stream"), _whole(told, "number"))
+            return FollowRequest(_text(values, "stream"), _integer(values, "number"))
         case "show":
-            return ShowComes(_text(told, "stream"), _whole(told, "number"), _flag(told, "anew"))
+            return StreamStart(_text(values, "stream"), _integer(values, "number"), _flag(values, "anew"))
         case "cannot":
-            return Cannot(str(told.get("why"))[:1024])
+            return CannotFollow(str(values.get("why"))[:1024])
         case _:
-            raise Senseless
+            raise InvalidMessage
 
 
-def message_of(told: Said) -> Message | None:
+def leadership_message(message: PeerMessage) -> Message | None:
     """Return the message if it concerns leadership and needs no signature, else None."""
-    return told if isinstance(told, Pulse | HandOver) else None
+    return message if isinstance(message, Pulse | HandOver) else None
 
 
 def read_line(line: str) -> dict[str, Any]:
@@ -140,8 +140,8 @@ def read_line(line: str) -> dict[str, Any]:
     return told if isinstance(told, dict) else {}
 
 
-def _signed_data(challenge: bytes, sender: str, hearer: str, number: int, term: Term) -> bytes:
-    return json.dumps([CONTEXT, challenge.hex(), sender, hearer, number, term.epoch, term.leader]).encode()
+def _signed_data(challenge: bytes, sender: str, receiver: str, number: int, term: Term) -> bytes:
+    return json.dumps([CONTEXT, challenge.hex(), sender, receiver, number, term.epoch, term.leader]).encode()
 
 
 def _line(name: str, **values: Any) -> str:
@@ -152,43 +152,43 @@ def _term(term: Term) -> dict[str, Any]:
     return {"epoch": term.epoch, "leader": term.leader}
 
 
-def _term_of(told: dict[str, Any]) -> Term:
-    return Term(_whole(told, "epoch"), _text(told, "leader"))
+def _term_of(values: dict[str, Any]) -> Term:
+    return Term(_integer(values, "epoch"), _text(values, "leader"))
 
 
-def _text(told: dict[str, Any], key: str) -> str:
-    found = told.get(key)
+def _text(values: dict[str, Any], key: str) -> str:
+    found = values.get(key)
     if not isinstance(found, str) or len(found) > LONGEST_NAME or not (found.isprintable() and found.isascii()):
-        raise Senseless
+        raise InvalidMessage
     return found
 
 
-def _whole(told: dict[str, Any], key: str) -> int:
-    found = told.get(key)
+def _integer(values: dict[str, Any], key: str) -> int:
+    found = values.get(key)
     if not isinstance(found, int) or isinstance(found, bool) or not 0 <= found < HIGHEST:
-        raise Senseless
+        raise InvalidMessage
     return found
 
 
-def _flag(told: dict[str, Any], key: str) -> bool:
-    found = told.get(key)
+def _flag(values: dict[str, Any], key: str) -> bool:
+    found = values.get(key)
     if not isinstance(found, bool):
-        raise Senseless
+        raise InvalidMessage
     return found
 
 
-def _seconds(told: dict[str, Any], key: str) -> float:
-    found = told.get(key)
+def _seconds(values: dict[str, Any], key: str) -> float:
+    found = values.get(key)
     if not isinstance(found, int | float) or isinstance(found, bool) or not 0.0 <= found < 1e9 or math.isnan(found):
-        raise Senseless
+        raise InvalidMessage
     return float(found)
 
 
-def _hex(told: dict[str, Any], key: str, length: int) -> bytes:
-    found = told.get(key)
+def _hex(values: dict[str, Any], key: str, length: int) -> bytes:
+    found = values.get(key)
     if not isinstance(found, str) or len(found) != 2 * length:
-        raise Senseless
+        raise InvalidMessage
     try:
         return bytes.fromhex(found)
     except ValueError:
-        raise Senseless from None
+        raise InvalidMessage from None

@@ -13,36 +13,36 @@ from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from live import __version__
-from live.show.journal.skipped_events import LEFT_OUT, MOST
-from live.supervisor.engine_failover import Engines
+from live.show.journal.skipped_events import MAX_SKIPPED, SKIPPED_KEY
+from live.supervisor.engine_failover import EngineFailover
 from live.supervisor.heartbeat import Phase
-from live.supervisor.network.leadership import Action, Dark, Drop, Follow, Lead, Leadership, Role, Send
+from live.supervisor.network.leadership import Action, Drop, Follow, Lead, Leadership, Role, Send, StepDown
 from live.supervisor.network.leadership import Claim as ClaimMessage
 from live.supervisor.network.peer_messages import (
-    Cannot,
-    GiveShow,
+    CannotFollow,
+    FollowRequest,
     Hello,
-    Senseless,
-    ShowComes,
+    InvalidMessage,
     SignedClaim,
-    line_of,
-    message_of,
+    StreamStart,
+    format_message,
+    leadership_message,
+    parse_message,
     read_line,
-    said,
     signed_claim,
     verified,
 )
 from live.supervisor.network.peers import Link, Peers
-from live.supervisor.process import ROUND, Starter
-from live.supervisor.supervisor_config import Orders, Report
+from live.supervisor.process import ROUND, ProcessManager
+from live.supervisor.supervisor_config import Report, SupervisorConfig
 
 LONGEST_WHY: Final = 400
 """Most characters of a reason from another machine."""
-PARTING: Final = 2.0
+DRAIN_TIMEOUT: Final = 2.0
 """Seconds for which a machine that cannot stand by waits at its end until the leader has read the reason."""
-TURN: Final = 2.5 * ROUND
+MAX_TURN: Final = 2.5 * ROUND
 """Longest turn that counts [s]: in a longer one this process did not run and could not listen."""
-BEATS_WITHIN: Final = 1.0
+MAX_BEAT_AGE: Final = 1.0
 """Greatest age of its last heartbeat for an engine that follows to be ready [s]."""
 RECENT: Final = 8 * 1024 * 1024
 """Most bytes of recent lines that are kept for machines that reconnect, ..."""
@@ -51,65 +51,74 @@ RECENT_LINES: Final = 8192
 MOST_TICKS: Final = 64 * 600
 """Lines farther ahead of all before are refused: ten minutes."""
 LATEST_TICK: Final = 64 * 86400 * 30
-MOST_OF_SHOW: Final = 64 * 1024 * 1024
+MAX_SHOW_BYTES: Final = 64 * 1024 * 1024
 """Most bytes of lines since the last snapshot that are accepted from another machine."""
-LINE_COSTS: Final = 200
+LINE_OVERHEAD_BYTES: Final = 200
 """Bytes of memory per line besides its text."""
 
 
-class Remote:
+class RemoteStandby:
     """Leader and standby side; without either it does nothing. Thread: the supervisor's."""
 
     def __init__(
-        self, orders: Orders, starter: Starter, engines: Engines, report: Report, say: Callable[[str], None]
+        self,
+        config: SupervisorConfig,
+        starter: ProcessManager,
+        engines: EngineFailover,
+        report: Report,
+        say: Callable[[str], None],
     ) -> None:
         self._starter, self._engines, self._report, self._say = starter, engines, report, say
         self._now = self._turn = 0.0
-        self._before: float | None = None
-        self._delayed = run_delay()
-        self._commanded = self._parting = False
-        self._ready: object = None  # the engine that reported itself ready
-        self._danced: float | None = None
+        self._updated_at: float | None = None
+        self._run_delay = run_delay()
+        self._promote_requested = self._drain_on_close = False
+        self._ready_engine: object = None  # the engine that reported itself ready
+        self._last_run: float | None = None
         self._stream, self._number = secrets.token_hex(8), 0
         self._recent: deque[str] = deque()
         self._recent_bytes = 0
-        self._theirs, self._their_number, self._taken = "", 0, 0
-        self._from = ""  # the link whose lines are the show's
+        self._leader_stream, self._leader_line, self._received_bytes = "", 0, 0
+        self._source_link = ""  # the link whose lines are the show's
         self._peers: Peers | None = None
-        who = "" if orders.identity is None else orders.identity.fingerprint[:16]
-        role = Role.LEADS if orders.follow is None else Role.FOLLOWS
-        self._lead = Leadership(f"{who}-{secrets.token_hex(4)}", role)
-        if orders.follow is not None:
-            report.follows = "{}:{}".format(*orders.follow)
+        who = "" if config.identity is None else config.identity.fingerprint[:16]
+        role = Role.LEADS if config.follow is None else Role.FOLLOWS
+        self._leadership = Leadership(f"{who}-{secrets.token_hex(4)}", role)
+        if config.follow is not None:
+            report.follows = "{}:{}".format(*config.follow)
             engines.role = "standby"
-        if orders.lead is None and orders.follow is None:
+        if config.lead is None and config.follow is None:
             return
-        assert orders.identity is not None
-        assert orders.pairings is not None
+        assert config.identity is not None
+        assert config.pairings is not None
         self._peers = Peers(
-            starter, orders.identity, orders.pairings, door=orders.lead, upstream=orders.follow, say=say
+            starter, config.identity, config.pairings, listener=config.lead, upstream=config.follow, say=say
         )  # fmt: skip
-        self._peers.on_link, self._peers.on_line, self._peers.on_end = self._greet, self._hear, self._ended
-        self._peers.on_nobody = lambda: self._act(self._lead.gone(ready=self._is_ready()))
-        signal.signal(signal.SIGUSR1, self._command)
+        self._peers.on_link, self._peers.on_line, self._peers.on_end = (
+            self._send_hello,
+            self._receive,
+            self._link_closed,
+        )
+        self._peers.on_refused = lambda: self._act(self._leadership.leader_gone(ready=self._is_ready()))
+        signal.signal(signal.SIGUSR1, self._request_promotion)
 
-    def look(self, now: float) -> None:
+    def update(self, now: float) -> None:
         """Update links and leadership, and act on the result."""
         if self._peers is None:
             return
-        turn = min(now - (now if self._before is None else self._before), TURN)
+        turn = min(now - (now if self._updated_at is None else self._updated_at), MAX_TURN)
         delay = run_delay()
-        self._before, self._now, self._delayed, waited = now, now, delay, delay - self._delayed
-        self._peers.look(now)
+        self._updated_at, self._now, self._run_delay, waited = now, now, delay, delay - self._run_delay
+        self._peers.update(now)
         if self._engines.code is not None:
             return  # the show is over; only pending data is sent
-        if self._commanded:
-            self._commanded = False
-            self.take_over("on command")
-        ready, lead = self._is_ready(), self._lead
-        self._act(lead.look(now, max(0.0, turn - waited), ready=ready, idle=self._idle(now)))
+        if self._promote_requested:
+            self._promote_requested = False
+            self.promote("on command")
+        ready, lead = self._is_ready(), self._leadership
+        self._act(lead.update(now, max(0.0, turn - waited), ready=ready, idle=self._idle(now)))
         report = self._report
-        report.followers = sum(link.takes_show for link in self._peers.links.values())
+        report.followers = sum(link.follows for link in self._peers.links.values())
         report.ready, report.is_deputy, report.epoch = ready and not lead.leads, lead.is_deputy, lead.term.epoch
         report.deputy = "" if lead.deputy is None else lead.deputy.rpartition(" #")[0]
         report.strangers, report.expired, report.claims_refused = (
@@ -118,20 +127,20 @@ class Remote:
             lead.refused,
         )
 
-    def take_over(self, why: str) -> None:
+    def promote(self, why: str) -> None:
         """Take over, if this machine stands by and has received a show."""
-        if self._peers is None or self._lead.leads:
+        if self._peers is None or self._leadership.leads:
             return
         if not self._engines.log.header:
             self._say("this machine cannot take over: it has not received a show yet")
             return
-        self._act(self._lead.take_over(why))
+        self._act(self._leadership.promote(why))
 
-    def told_following(self, ready: bool) -> None:
+    def set_ready(self, ready: bool) -> None:
         """Record whether the engine could resume the show now."""
-        self._ready = self._engines.engine if ready else None
+        self._ready_engine = self._engines.engine if ready else None
 
-    def pass_on(self, line: str) -> None:
+    def broadcast(self, line: str) -> None:
         """Send a line of the show to all followers."""
         if self._peers is None or self._report.fenced:
             return
@@ -141,45 +150,45 @@ class Remote:
         while self._recent_bytes > RECENT or len(self._recent) > RECENT_LINES:
             self._recent_bytes -= len(self._recent.popleft())
         for link in self._peers.links.values():
-            if link.takes_show:
-                link.wire.put(line)
+            if link.follows:
+                link.channel.send_line(line)
 
-    def cannot(self, why: str) -> None:
+    def report_cannot_follow(self, why: str) -> None:
         """Report to the leader that this machine cannot stand by."""
         leader = self._leader()
         if leader is not None:
-            leader.wire.put(line_of(Cannot(why)))
-            self._parting = True
+            leader.channel.send_line(format_message(CannotFollow(why)))
+            self._drain_on_close = True
 
     def close(self) -> None:
         """Close all links."""
         if self._peers is not None:
-            self._peers.close(PARTING if self._parting else 0.0)
+            self._peers.close(DRAIN_TIMEOUT if self._drain_on_close else 0.0)
 
-    def _command(self, _number: int, _frame: object) -> None:
-        self._commanded = True
+    def _request_promotion(self, _number: int, _frame: object) -> None:
+        self._promote_requested = True
 
     # -- inputs of the decision ------------------------------------------------------------------------------------
 
     def _leader(self) -> Link | None:
-        return None if self._peers is None else self._peers.links.get(self._lead.leader or "")
+        return None if self._peers is None else self._peers.links.get(self._leadership.leader or "")
 
     def _is_ready(self) -> bool:
         engine = self._engines.engine
         return (
-            engine is not None and self._engines.code is None and self._ready is engine
-            and engine.phase is Phase.RUNNING and self._now - engine.heart.last < BEATS_WITHIN
+            engine is not None and self._engines.code is None and self._ready_engine is engine
+            and engine.phase is Phase.RUNNING and self._now - engine.heartbeat.last < MAX_BEAT_AGE
             and bool(self._engines.log.header)
         )  # fmt: skip
 
     def _idle(self, now: float) -> float | None:
         """Return the seconds since an engine last ran here; None before the first one."""
         engine = self._engines.engine
-        if engine is not None and engine.phase is Phase.RUNNING and self._engines.since is not None:
-            self._danced = max(self._danced or 0.0, engine.heart.last)
-        elif engine is not None and engine.phase is Phase.LEAVING and self._danced is not None:
-            self._danced = now  # the show ends
-        return None if self._danced is None else max(0.0, now - self._danced)
+        if engine is not None and engine.phase is Phase.RUNNING and self._engines.running_since is not None:
+            self._last_run = max(self._last_run or 0.0, engine.heartbeat.last)
+        elif engine is not None and engine.phase is Phase.LEAVING and self._last_run is not None:
+            self._last_run = now  # the show ends
+        return None if self._last_run is None else max(0.0, now - self._last_run)
 
     # -- actions ---------------------------------------------------------------------------------------------------
 
@@ -189,11 +198,11 @@ class Remote:
                 case Send():
                     self._send(action)
                 case Lead():
-                    self._begin_to_lead(action)
-                case Dark():
+                    self._start_leading(action)
+                case StepDown():
                     self._go_dark(action.why)
                 case Follow():
-                    self._ask_for_show(action.link)
+                    self._request_show(action.link)
                 case Drop():
                     assert self._peers is not None
                     if (link := self._peers.links.get(action.link)) is not None:
@@ -202,74 +211,74 @@ class Remote:
     def _send(self, action: Send) -> None:
         assert self._peers is not None
         link = self._peers.links.get(action.link)
-        if link is None or link.theirs is None:
+        if link is None or link.peer_challenge is None:
             return
         if isinstance(action.message, ClaimMessage):
-            link.number += 1
-            line = signed_claim(self._peers.identity, link.peer, link.theirs, link.number, action.message)
-            link.wire.put(line)
+            link.claims_sent += 1
+            line = signed_claim(self._peers.identity, link.peer, link.peer_challenge, link.claims_sent, action.message)
+            link.channel.send_line(line)
         else:
-            link.wire.put(line_of(action.message))
+            link.channel.send_line(format_message(action.message))
 
-    def _begin_to_lead(self, action: Lead) -> None:
+    def _start_leading(self, action: Lead) -> None:
         report, why = self._report, action.why
         report.silent_s = round(action.silent, 3)
-        report.follows, report.fenced, report.epoch = "", False, self._lead.term.epoch
-        self._engines.role, self._danced, self._ready = "heir", self._now, None
+        report.follows, report.fenced, report.epoch = "", False, self._leadership.term.epoch
+        self._engines.role, self._last_run, self._ready_engine = "heir", self._now, None
         self._say(f"this machine takes over {why} (epoch {report.epoch})")
-        self._engines.go()
+        self._engines.promote_engine()
 
     def _go_dark(self, why: str) -> None:
         self._report.fenced = True
-        self._danced = None
+        self._last_run = None
         self._say(why)
         if self._engines.engine is not None:
-            self._engines.engine.wire.tell(alive="facts", facts=self._engines.facts())
+            self._engines.engine.channel.send_json(alive="facts", facts=self._engines.facts())
 
-    def _ask_for_show(self, name: str) -> None:
+    def _request_show(self, name: str) -> None:
         assert self._peers is not None
         link = self._peers.links.get(name)
         if link is None:
             return
         self._report.follows = link.peer.name
-        link.takes_show = False
-        link.wire.put(line_of(GiveShow(self._theirs or "-", self._their_number)))
+        link.follows = False
+        link.channel.send_line(format_message(FollowRequest(self._leader_stream or "-", self._leader_line)))
 
     # -- received messages -----------------------------------------------------------------------------------------
 
-    def _greet(self, link: Link) -> None:
-        link.wire.put(line_of(Hello(__version__, self._lead.me, link.challenge)))
+    def _send_hello(self, link: Link) -> None:
+        link.channel.send_line(format_message(Hello(__version__, self._leadership.name, link.challenge)))
 
-    def _ended(self, link: Link) -> None:
-        self._lead.left(link.name)
+    def _link_closed(self, link: Link) -> None:
+        self._leadership.link_closed(link.name)
 
-    def _hear(self, link: Link, line: str) -> None:
+    def _receive(self, link: Link, line: str) -> None:
         told = read_line(line)
         if "alive" not in told:
-            self._hear_show(link, told, line)
+            self._receive_show_line(link, told, line)
             return
         try:
-            message = said(told)
-        except Senseless:
-            self._refuse(link)
+            message = parse_message(told)
+        except InvalidMessage:
+            self._reject(link)
             return
         if isinstance(message, Hello):
-            self._meet(link, message)
-        elif link.theirs is None:
-            self._refuse(link)
+            self._handle_hello(link, message)
+        elif link.peer_challenge is None:
+            self._reject(link)
         elif isinstance(message, SignedClaim):
-            self._check(link, message)
-        elif isinstance(message, GiveShow):
-            self._give_show(link, message)
-        elif isinstance(message, ShowComes):
-            self._show_comes(link, message)
-        elif isinstance(message, Cannot):
+            self._handle_claim(link, message)
+        elif isinstance(message, FollowRequest):
+            self._serve_show(link, message)
+        elif isinstance(message, StreamStart):
+            self._handle_stream_start(link, message)
+        elif isinstance(message, CannotFollow):
             self._say(f"another machine cannot stand by: {one_line(message.why)}")
             self._drop(link)
-        elif (decided := message_of(message)) is not None:
-            self._act(self._lead.heard(link.name, decided, self._now))
+        elif (decided := leadership_message(message)) is not None:
+            self._act(self._leadership.handle(link.name, decided, self._now))
 
-    def _refuse(self, link: Link) -> None:
+    def _reject(self, link: Link) -> None:
         """Count an invalid message and drop its sender."""
         self._report.lines_refused += 1
         self._drop(link)
@@ -278,98 +287,100 @@ class Remote:
         assert self._peers is not None
         self._peers.drop(link)
 
-    def _meet(self, link: Link, hello: Hello) -> None:
+    def _handle_hello(self, link: Link, hello: Hello) -> None:
         assert self._peers is not None
-        if link.theirs is not None or hello.me == self._lead.me:
-            self._refuse(link)
+        if link.peer_challenge is not None or hello.sender == self._leadership.name:
+            self._reject(link)
             return
         if hello.version != __version__:
             why = f"the other machine is of version {hello.version}, this one of {__version__}"
-            if link.upstream and not self._lead.leads:
-                link.wire.put(line_of(Cannot(why)))
-                self._parting = True
+            if link.upstream and not self._leadership.leads:
+                link.channel.send_line(format_message(CannotFollow(why)))
+                self._drain_on_close = True
                 self._say(f"{why}: it cannot be followed; install the same version on both")
                 self._engines.code = 2
             else:
                 self._drop(link)
             return
-        for other in [other for other in self._peers.links.values() if other.me == hello.me]:
+        for other in [other for other in self._peers.links.values() if other.peer_name == hello.sender]:
             self._drop(other)  # a broken link that this machine has not noticed yet
-        link.theirs, link.me = hello.challenge, hello.me
-        self._act(self._lead.joined(link.name, self._now, upstream=link.upstream))
+        link.peer_challenge, link.peer_name = hello.challenge, hello.sender
+        self._act(self._leadership.link_opened(link.name, self._now, upstream=link.upstream))
 
-    def _check(self, link: Link, signed: SignedClaim) -> None:
+    def _handle_claim(self, link: Link, signed: SignedClaim) -> None:
         assert self._peers is not None
-        claim = verified(signed, link.peer, self._peers.identity, link.challenge, link.heard)
+        claim = verified(signed, link.peer, self._peers.identity, link.challenge, link.last_claim)
         if claim is None:
-            self._lead.refused += 1
+            self._leadership.refused += 1
             self._drop(link)
             return
-        link.heard = signed.number
-        self._act(self._lead.heard(link.name, claim, self._now))
+        link.last_claim = signed.number
+        self._act(self._leadership.handle(link.name, claim, self._now))
 
     # -- the show --------------------------------------------------------------------------------------------------
 
-    def _give_show(self, link: Link, wanted: GiveShow) -> None:
+    def _serve_show(self, link: Link, wanted: FollowRequest) -> None:
         """Let a machine follow: from where it was after a short break of its link, else from the last snapshot."""
-        link.takes_show = True
+        link.follows = True
         first = self._number - len(self._recent)
         anew = wanted.stream != self._stream or not first <= wanted.number <= self._number
         number = self._number if anew else wanted.number
-        link.wire.put(line_of(ShowComes(self._stream, number, anew)))
-        lines = self._engines.log.since() if anew else list(self._recent)[number - first :]
+        link.channel.send_line(format_message(StreamStart(self._stream, number, anew)))
+        lines = self._engines.log.replay_lines() if anew else list(self._recent)[number - first :]
         for line in lines:
-            link.wire.put(line)
+            link.channel.send_line(line)
 
-    def _show_comes(self, link: Link, told: ShowComes) -> None:
+    def _handle_stream_start(self, link: Link, told: StreamStart) -> None:
         if link is not self._leader():
             return
-        if told.anew:
-            self._begin_anew()
-        elif (told.stream, told.number) != (self._theirs, self._their_number):
-            self._refuse(link)
+        if told.restart:
+            self._restart_stream()
+        elif (told.stream, told.number) != (self._leader_stream, self._leader_line):
+            self._reject(link)
             return
-        self._theirs, self._their_number, self._from = told.stream, told.number, link.name
+        self._leader_stream, self._leader_line, self._source_link = told.stream, told.number, link.name
 
-    def _begin_anew(self) -> None:
+    def _restart_stream(self) -> None:
         """Follow another show from its first line; followers of this machine do so, too."""
         if self._engines.log.header or self._engines.role != "standby":
             self._engines.stand_by()
         report = self._report
-        report.fenced, self._ready, self._taken = False, None, 0
+        report.fenced, self._ready_engine, self._received_bytes = False, None, 0
         report.compared = report.different = report.repaired = 0
         self._stream, self._number, self._recent_bytes = secrets.token_hex(8), 0, 0
         self._recent.clear()
         assert self._peers is not None
         for link in self._peers.links.values():
-            if link.takes_show:
-                link.wire.put(line_of(ShowComes(self._stream, 0, True)))
+            if link.follows:
+                link.channel.send_line(format_message(StreamStart(self._stream, 0, True)))
 
-    def _hear_show(self, link: Link, told: dict[str, Any], line: str) -> None:
-        if link is not self._leader() or link.name != self._from:
+    def _receive_show_line(self, link: Link, told: dict[str, Any], line: str) -> None:
+        if link is not self._leader() or link.name != self._source_link:
             if not told:
-                self._refuse(link)
+                self._reject(link)
             return  # late lines of a former leader
-        if not self._is_of_show(told):
+        if not self._is_show_line(told):
             self._report.lines_refused += 1
             return
-        self._taken = len(line) if "snapshot" in told else self._taken + len(line) + LINE_COSTS
-        if self._taken > MOST_OF_SHOW:
+        self._received_bytes = (
+            len(line) if "snapshot" in told else self._received_bytes + len(line) + LINE_OVERHEAD_BYTES
+        )
+        if self._received_bytes > MAX_SHOW_BYTES:
             self._say(f"{link.peer.name} sends more data than a show can have: it is not followed any more")
-            self._refuse(link)
+            self._reject(link)
             return
-        self._their_number += 1
+        self._leader_line += 1
         if "journal" in told and self._engines.log.header:
             return
         if told.get("end"):
             self._say("the leader has ended the show")
             self._engines.code = 0
             return
-        self._engines.take(line)
+        self._engines.handle_line(line)
         if self._engines.engine is not None:
-            self._engines.engine.wire.put(line)
+            self._engines.engine.channel.send_line(line)
 
-    def _is_of_show(self, told: dict[str, Any]) -> bool:
+    def _is_show_line(self, told: dict[str, Any]) -> bool:
         """Return whether a line can belong to the followed show."""
         if "journal" in told:
             return True
@@ -379,10 +390,10 @@ class Remote:
         log = self._engines.log
         if not log.header or (log.tick and tick > log.tick + MOST_TICKS):
             return False
-        kinds = (("event", dict), ("measure", int), ("hash", str), ("snapshot", str), (LEFT_OUT, int))
+        kinds = (("event", dict), ("measure", int), ("hash", str), ("snapshot", str), (SKIPPED_KEY, int))
         if not all(isinstance(told[key], kind) for key, kind in kinds if key in told):
             return False
-        return ("measure" in told) <= ("hash" in told) and 0 <= told.get(LEFT_OUT, 0) <= MOST
+        return ("measure" in told) <= ("hash" in told) and 0 <= told.get(SKIPPED_KEY, 0) <= MAX_SKIPPED
 
 
 def run_delay() -> float:

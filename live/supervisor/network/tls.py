@@ -11,7 +11,7 @@ import socket
 import ssl
 from typing import Final
 
-from live.supervisor.line_channel import Wire
+from live.supervisor.line_channel import LineChannel
 from live.supervisor.network.identity import Identity, Pairings, Peer
 
 NO_CHECK_TIME: Final = 0x200000
@@ -22,7 +22,7 @@ MOST_AT_ONCE: Final = 4 * 1024 * 1024
 """Bytes read from one peer before others are served."""
 
 
-class Trust:
+class TrustStore:
     """Paired machines, as contexts of `ssl`; reloaded when a pairing is added or removed."""
 
     def __init__(self, identity: Identity, pairings: Pairings) -> None:
@@ -31,7 +31,7 @@ class Trust:
         self._read()
 
     def _read(self) -> None:
-        self._seen = self._pairings.changed()
+        self._version = self._pairings.version()
         mine = self._identity.as_peer()
         self.peers: dict[str, Peer] = {peer.fingerprint: peer for peer in (mine, *self._pairings.read())}
         """Peers by fingerprint, this machine included."""
@@ -39,10 +39,10 @@ class Trust:
             self._context(kind) for kind in (ssl.PROTOCOL_TLS_SERVER, ssl.PROTOCOL_TLS_CLIENT)
         )
 
-    def look(self) -> bool:
+    def reload_if_changed(self) -> bool:
         """Reload the pairings if they have changed; return whether they were reloaded. If they cannot be read, nothing
         changes."""
-        if self._pairings.changed() == self._seen:
+        if self._pairings.version() == self._version:
             return False
         try:
             self._read()
@@ -50,7 +50,7 @@ class Trust:
             return False
         return True
 
-    def of(self, sock: ssl.SSLSocket) -> Peer | None:
+    def peer_of(self, sock: ssl.SSLSocket) -> Peer | None:
         """Return the peer at the other end of a stream; None if it is not paired."""
         found = sock.getpeercert(binary_form=True)
         peer = None if found is None else Peer("", found)
@@ -91,7 +91,7 @@ class Handshake:
         """Why it failed."""
         self._until = until
 
-    def done(self, now: float) -> bool | None:
+    def advance(self, now: float) -> bool | None:
         """Continue; return whether it succeeded, or None while it is in progress."""
         try:
             self.socket.do_handshake()
@@ -108,7 +108,7 @@ class Handshake:
         return False
 
 
-class SecureWire(Wire):
+class SecureChannel(LineChannel):
     """Line channel to a paired peer."""
 
     socket: ssl.SSLSocket
@@ -117,7 +117,7 @@ class SecureWire(Wire):
         """`sock`: a TLS socket after its handshake."""
         super().__init__(sock, backlog=backlog, longest=longest)
         self.peer = peer
-        self.refused = False
+        self.rejected = False
         """Whether the other side rejected this machine."""
 
     def _receive(self, got: int) -> bytes | None:
@@ -128,7 +128,7 @@ class SecureWire(Wire):
         except (ssl.SSLWantReadError, ssl.SSLWantWriteError):
             return None
         except ssl.SSLError as error:
-            self.refused = "ALERT" in str(error.reason)
+            self.rejected = "ALERT" in str(error.reason)
             return b""
         except OSError:
             return b""

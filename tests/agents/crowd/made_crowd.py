@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from live.agents.agent_command import Wants
+from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
-from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
 
 
@@ -22,10 +22,10 @@ class MadeCrowd:
             Steering(**{**unbounded, **steering}),
             seed=1,
         )
-        self.advance = Advance(model)
-        self.state, self.spare = AgentState.at(position), AgentState(count)
+        self.advance = CrowdStepper(model)
+        self.state, self.spare = AgentState.at_rest(position), AgentState(count)
         self.goal = None if goal is None else np.asarray(goal, float).reshape(-1, 2)
-        self.wants, self.surroundings = Wants(count), Surroundings()
+        self.wants, self.surroundings = AgentCommand(count), Surroundings()
         self.wants.speed[:] = 1.8
         self.tick, self.time = tick, 0.0
 

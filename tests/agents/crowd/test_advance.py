@@ -56,8 +56,8 @@ def test_whatever_is_asked_nobody_is_lost_or_leaves_the_stage(count, seed, avoid
     crowd.wants.rows[:, :7] = chance.choice([0.0, 0.3, 1.0, -1.0, 30.0], (count, 7))
     crowd.wants.rows[:, 6] = np.clip(crowd.wants.rows[:, 6], 0, 1)
     if walls:
-        crowd.surroundings.put_wall("w", *chance.uniform(-3, 3, 4))
-        crowd.surroundings.put_obstacle("o", *chance.uniform(-3, 3, 2), 0.5, 1.0, -1.0)
+        crowd.surroundings.set_wall("w", *chance.uniform(-3, 3, 4))
+        crowd.surroundings.set_obstacle("o", *chance.uniform(-3, 3, 2), 0.5, 1.0, -1.0)
     crowd.run(1.5)
     assert np.isfinite(crowd.state.flat).all()
     assert np.abs(crowd.state.position).max(initial=0) <= 3.0
@@ -82,12 +82,12 @@ def test_who_stands_at_her_goal_gives_way_and_comes_back():
 def test_a_firm_agent_keeps_her_velocity_exactly_until_a_collision_comes():
     crowd = MadeCrowd([[-3, 0], [0, 1.2], [0, -1.2], [4, 0]])
     crowd.wants.velocity[0] = (1.0, 0.0)
-    crowd.wants.firm[0] = 1.0
+    crowd.wants.firmness[0] = 1.0
     track = crowd.run(4.0)
     straight = -3 + np.arange(len(track)) / 64
     assert np.abs(track[:, 0, 0] - straight).max() < 1e-4
     assert np.abs(track[:, 0, 1]).max() == 0.0
-    crowd.wants.firm[:] = 1.0
+    crowd.wants.firmness[:] = 1.0
     assert nearest(crowd.run(4.0)) > 0.495  # now one who stands firm is in her way
 
 
@@ -130,8 +130,8 @@ def test_limits_of_speed_acceleration_and_turn_are_kept():
 
 def test_walls_and_obstacles_stop_and_turn_aside():
     crowd = MadeCrowd([[0, 0], [-3, 3.0]], [[4, 0], [3, 3.1]])
-    crowd.surroundings.put_wall("w", 2.0, -5.0, 2.0, 2.0)
-    crowd.surroundings.put_obstacle("pillar", 0.0, 3.0, 0.6)
+    crowd.surroundings.set_wall("w", 2.0, -5.0, 2.0, 2.0)
+    crowd.surroundings.set_obstacle("pillar", 0.0, 3.0, 0.6)
     track = crowd.run(9.0)
     assert track[:, 0, 0].max() <= 1.751
     assert np.hypot(*(track[:, 1] - [0, 3]).T).min() > 0.849
@@ -144,7 +144,7 @@ def test_a_tracked_dancer_who_walks_at_an_agent_moves_her():
     crowd = MadeCrowd([[0, 0]])
     for step in range(200):
         x = -3.0 + step / 64
-        crowd.surroundings.put_obstacle("real", x, 0.0, 0.3, vx=1.0)
+        crowd.surroundings.set_obstacle("real", x, 0.0, 0.3, vx=1.0)
         crowd.run(1 / 64)
         assert np.hypot(*(crowd.state.position[0] - [x, 0])) > 0.53
 

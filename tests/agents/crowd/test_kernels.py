@@ -9,7 +9,6 @@ from live.agents.crowd.agent_state import Steering
 from live.agents.crowd.contact_kernels import CONTACT_MARGIN
 from live.agents.crowd.neighbour_kernels import sum_neighbours
 from live.agents.crowd.spatial_grid_kernels import (
-    ASK_ROWS,
     AVOID_X,
     AVOID_Z,
     FLOCK_X,
@@ -17,7 +16,8 @@ from live.agents.crowd.spatial_grid_kernels import (
     NEIGHBOUR_RANGE,
     PUSH_X,
     PUSH_Z,
-    SLEEP,
+    REQUEST_ROWS,
+    SLEEP_TIME,
     SORTED_ROWS,
     SUM_ROWS,
     WEIGHT,
@@ -35,14 +35,14 @@ def _sums(position, velocity, give=None, separation=1.2, horizon=3.0, steering=N
     wants = np.zeros((a, 8), np.float32)
     wants[:, 0], wants[:, 2], wants[:, 7] = 5.0, 1.0, 1.0
     for i in asleep:
-        wants[i, 0], state[6 * a + i] = 0.0, SLEEP
+        wants[i, 0], state[6 * a + i] = 0.0, SLEEP_TIME
     model = np.zeros((a, 2), np.float32)
     model[:, 0], model[:, 1] = 0.25, 1.0 if give is None else 2.0 - np.asarray(give)
     rows, slots = np.zeros((SORTED_ROWS, width), np.float32), np.zeros(width, np.int32)
     cells, grid = np.zeros((CELL_ROWS, 8 * a + 258), np.int32), np.empty(4)
     n = sort_agents(state, wants.ravel(), model.ravel(), rows, slots, np.zeros(2 * width, np.int32), cells, grid)
     assert n == a
-    asks = np.zeros((ASK_ROWS, width), np.float32)
+    asks = np.zeros((REQUEST_ROWS, width), np.float32)
     asks[0], asks[1], asks[2], asks[3] = 1.0 / separation**2, 1.0 / horizon, 0.4, 0.2
     sums, pairs = np.zeros((SUM_ROWS, width), np.float32), np.zeros(12 * width, np.int32)
     params = (steering or Steering()).vector()

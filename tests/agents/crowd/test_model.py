@@ -7,8 +7,8 @@ from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
 
 
 def test_the_arrays_of_a_state_are_contiguous_parts_of_one():
-    state = AgentState.at(np.arange(6.0).reshape(3, 2))
-    for array in (state.position, state.velocity, state.acceleration, state.rest, state.heed):
+    state = AgentState.at_rest(np.arange(6.0).reshape(3, 2))
+    for array in (state.position, state.velocity, state.acceleration, state.rest, state.rest_separation):
         assert array.flags.c_contiguous
         assert np.shares_memory(array, state.flat)
     other = AgentState(3)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from live.agents.agent_command import Wants
+from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
-from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
 
 
@@ -13,14 +13,14 @@ def walk(start, goal, surroundings, firm=0.0, seconds=9.0):
     """Agents go from `start` to `goal`; where they are then, and how near anybody came to (0, 0)."""
     count, goal = len(start), np.array(goal, float)
     model = AgentModel(np.full(count, 0.25, np.float32), np.ones(count, np.float32), Steering(), 1)
-    state, advance, wants = AgentState.at(np.array(start, float)), Advance(model), Wants(count)
-    spare, nearest = AgentState.at(state.position), np.inf
+    state, advance, wants = AgentState.at_rest(np.array(start, float)), CrowdStepper(model), AgentCommand(count)
+    spare, nearest = AgentState.at_rest(state.position), np.inf
     for tick in range(round(seconds * 64)):
-        wants.rest()
+        wants.clear()
         wants.speed[:], way = 1.2, goal - state.position
         far = np.maximum(np.hypot(*way.T), 1e-6)
         wants.velocity[:] = way * (np.minimum(1.2, far) / far)[:, None]
-        wants.firm[:] = firm
+        wants.firmness[:] = firm
         advance(state, spare, wants=wants, surroundings=surroundings, time=tick / 64, dt=1 / 64)
         state, spare = spare, state
         nearest = min(nearest, float(np.hypot(*state.position.T).min()))
@@ -31,7 +31,7 @@ def walk(start, goal, surroundings, firm=0.0, seconds=9.0):
 @pytest.mark.parametrize("angle", [0.0, 0.7, 2.0])
 def test_an_obstacle_square_in_the_way_is_gone_around(firm, angle):
     surroundings = Surroundings()
-    surroundings.put_obstacle("box", 0.0, 0.0, 0.6)
+    surroundings.set_obstacle("box", 0.0, 0.0, 0.6)
     begin = 3.0 * np.array([np.sin(angle), np.cos(angle)])
     end, nearest = walk([begin], [-begin], surroundings, firm)
     assert end[0] == pytest.approx(-begin, abs=0.05)
@@ -40,7 +40,7 @@ def test_an_obstacle_square_in_the_way_is_gone_around(firm, angle):
 
 def test_who_wants_to_be_where_it_stands_rests_beside_it():
     surroundings = Surroundings()
-    surroundings.put_obstacle("singer", 0.0, 0.0, 0.6)
+    surroundings.set_obstacle("singer", 0.0, 0.0, 0.6)
     start = [(0.0, 3.0), (3.0, 0.0), (-3.0, 0.1)]
     before, _ = walk(start, [(0.0, 0.0)] * 3, surroundings)
     after, _ = walk(start, [(0.0, 0.0)] * 3, surroundings, seconds=12.0)
@@ -50,6 +50,6 @@ def test_who_wants_to_be_where_it_stands_rests_beside_it():
 
 def test_nobody_goes_through_a_wall():
     surroundings = Surroundings()
-    surroundings.put_wall("wall", -4.0, 0.0, 4.0, 0.0)
+    surroundings.set_wall("wall", -4.0, 0.0, 4.0, 0.0)
     end, _ = walk([(0.0, 2.0), (1.0, 2.0)], [(0.0, -2.0), (1.0, -2.0)], surroundings)
     assert (end[:, 1] >= 0.25 - 1e-3).all()

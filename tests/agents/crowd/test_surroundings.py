@@ -15,7 +15,7 @@ def test_rows_hold_what_a_dictionary_would(edits):
     for number, puts, x in edits:
         name = str(number)
         if puts:
-            assert surroundings.put_obstacle(name, x, 1.0, 0.5, vx=2.0)
+            assert surroundings.set_obstacle(name, x, 1.0, 0.5, vx=2.0)
             expected[name] = np.float32(x)
         else:
             assert surroundings.remove(name) == (expected.pop(name, None) is not None)
@@ -26,13 +26,13 @@ def test_rows_hold_what_a_dictionary_would(edits):
 def test_what_has_no_place_or_is_no_number_is_counted_and_refused():
     surroundings = Surroundings()
     for number in range(CAPACITY):
-        assert surroundings.put_wall(str(number), 0, 0, 1, 1)
-    assert not surroundings.put_wall("one more", 0, 0, 1, 1)
-    assert surroundings.put_wall("3", 5, 5, 6, 6)  # one that stands there can be moved
-    assert not surroundings.put_obstacle("a", float("nan"), 0, 1)
-    assert not surroundings.put_obstacle("a", 0, 0, -1)
-    assert not surroundings.put_obstacle("a", 1e30, 0, 1)
-    assert surroundings.refused == 4
+        assert surroundings.set_wall(str(number), 0, 0, 1, 1)
+    assert not surroundings.set_wall("one more", 0, 0, 1, 1)
+    assert surroundings.set_wall("3", 5, 5, 6, 6)  # one that stands there can be moved
+    assert not surroundings.set_obstacle("a", float("nan"), 0, 1)
+    assert not surroundings.set_obstacle("a", 0, 0, -1)
+    assert not surroundings.set_obstacle("a", 1e30, 0, 1)
+    assert surroundings.refused_count == 4
     assert surroundings.obstacle_count == 0
     assert surroundings.walls[3].tolist() == [5, 5, 6, 6]
 
@@ -40,7 +40,7 @@ def test_what_has_no_place_or_is_no_number_is_counted_and_refused():
 def test_nothing_is_allocated_when_things_come_and_go():
     surroundings = Surroundings()
     rows = surroundings.obstacles
-    surroundings.put_obstacle("a", 0, 0, 1)
+    surroundings.set_obstacle("a", 0, 0, 1)
     surroundings.remove("a")
-    surroundings.put_obstacle("b", 2, 0, 1)
+    surroundings.set_obstacle("b", 2, 0, 1)
     assert surroundings.obstacles is rows

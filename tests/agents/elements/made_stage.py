@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from live.agents.agent_command import Wants
+from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
-from live.agents.crowd.crowd_step import Advance
+from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
 from live.agents.elements.element_field import ElementField
 
@@ -19,8 +19,8 @@ class MadeStage:
         position = np.atleast_2d(np.asarray(position, np.float32))
         self.count = len(position)
         half = (size[0] / 2, size[1] / 2)
-        self.state, self.spare = AgentState.at(position), AgentState.at(position)
-        self.wants = Wants(self.count)
+        self.state, self.spare = AgentState.at_rest(position), AgentState.at_rest(position)
+        self.wants = AgentCommand(self.count)
         self.wants.speed[:] = SPEED
         self.groups = np.zeros(self.count, np.uint64) if groups is None else np.array(groups, np.uint64)
         self.field = ElementField(
@@ -30,18 +30,18 @@ class MadeStage:
             assert self.field.add(element)
         steering = Steering(half_width=half[0], half_depth=half[1])
         ones = np.ones(self.count, np.float32)
-        self.advance = Advance(AgentModel(0.25 * ones, ones, steering, seed))
+        self.advance = CrowdStepper(AgentModel(0.25 * ones, ones, steering, seed))
         self.surroundings = Surroundings()
         self.ticks = 0
 
     def wish(self, beat=8.0, *, planned=None, time=None):
         """The wants after one call at `beat`, as shares of the top speed, shape (A, 2)."""
-        self.wants.rest()
+        self.wants.clear()
         if planned is not None:
             self.wants.velocity[:] = planned
-            self.wants.firm[:] = 1.0
+            self.wants.firmness[:] = 1.0
         self.field.refresh(beat, self.wants, self.state, self.groups)
-        self.field.wish(self.wants, self.state, self.groups, time=beat / 2 if time is None else time)
+        self.field.apply(self.wants, self.state, self.groups, time=beat / 2 if time is None else time)
         return self.wants.velocity / SPEED
 
     def run(self, seconds):

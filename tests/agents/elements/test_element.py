@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from live.agents.elements.element import Element, line_length, line_through, rectangle
-from live.agents.elements.element_kinds import ATTRACTOR, CROSSING, EVADE, FLOW, FOLLOW, PATH, REPULSOR, VOICE
+from live.agents.elements.element_kinds import ATTRACTOR, CROSSING, EVADE, FLOW, FOLLOW, PARTICIPANT, PATH, REPULSOR
 from live.base.errors import PersonError
 
 
@@ -22,12 +22,12 @@ def test_an_element_fades_over_a_beat_at_both_ends():
 
 
 def test_an_element_that_is_ended_fades_from_the_level_it_has():
-    element = Element(ATTRACTOR, start_beat=8.0, end_beat=16.0).ending(8.25)
+    element = Element(ATTRACTOR, start_beat=8.0, end_beat=16.0).faded_out(8.25)
     begun = 1.0 - 0.75**4
     assert [element.level(b) for b in (8.25, 8.375, 8.25 + begun, 9.0)] == pytest.approx([begun, begun - 0.125, 0, 0])
     late = Element(ATTRACTOR, start_beat=8.0, end_beat=16.0)
-    assert late.ending(15.9) is late  # it is fading out already
-    endless = Element(ATTRACTOR).ending(100.0)
+    assert late.faded_out(15.9) is late  # it is fading out already
+    endless = Element(ATTRACTOR).faded_out(100.0)
     assert endless.level(100.5) == 0.5
 
 
@@ -67,5 +67,5 @@ def test_places_are_made_of_lines_angles_and_sizes():
     (ax, az), (bx, bz) = line_through(1.0, 2.0, math.pi / 2)
     assert (bx - ax, bz - az) == pytest.approx((2.0, 0.0))
     assert line_length(rectangle(0.0, 0.0, 4.0, 2.0)) == pytest.approx(4 + 2 + 4)
-    assert Element(ATTRACTOR, ((1.0, 2.0),)).moved(1.0, -1.0).points == ((2.0, 1.0),)
-    assert Element(ATTRACTOR, fair=True).table_kind == VOICE
+    assert Element(ATTRACTOR, ((1.0, 2.0),)).translated(1.0, -1.0).points == ((2.0, 1.0),)
+    assert Element(ATTRACTOR, fair=True).table_kind == PARTICIPANT

@@ -17,12 +17,12 @@ from live.agents.elements.element_kinds import (
     FLOW,
     FOLLOW,
     GRID,
+    PARTICIPANT,
     PATH,
     PURSUE,
     RADIAL,
     REPULSOR,
     SPREADER,
-    VOICE,
     VORTEX,
     WANDER,
 )
@@ -36,9 +36,9 @@ ONE_OF_EACH = (
     Element(REPULSOR, ((0.0, 0.0), (1.0, 1.0))),
     Element(SPREADER),
     Element(CROSSING, ((0.0, 0.0), (1.0, 1.0))),
-    Element(FLOW, ((0.0, 0.0), (1.0, 1.0), (2.0, 0.0)), flow=DRAWN),
-    Element(FLOW, flow=VORTEX),
-    Element(FLOW, flow=RADIAL, radius=2.0),
+    Element(FLOW, ((0.0, 0.0), (1.0, 1.0), (2.0, 0.0)), flow_kind=DRAWN),
+    Element(FLOW, flow_kind=VORTEX),
+    Element(FLOW, flow_kind=RADIAL, radius=2.0),
     Element(WANDER),
     Element(FLOCK),
     Element(FOLLOW, target=0),
@@ -53,7 +53,7 @@ def test_without_elements_a_plan_stays_as_it_is():
     stage = MadeStage([[0, 0], [1, 1]])
     stage.wish(planned=(0.5, 0.25))
     assert (stage.wants.velocity == (0.5, 0.25)).all()
-    assert (stage.wants.firm == 1.0).all()
+    assert (stage.wants.firmness == 1.0).all()
     assert (stage.field.influence == 0.0).all()
 
 
@@ -63,7 +63,7 @@ def test_an_element_takes_over_from_the_plan_as_it_fades_in():
     for beat, level in ((8.0, 0.0), (8.25, 1.0 - 0.75**4), (8.75, 1.0 - 0.25**4), (9.0, 1.0)):
         wish = stage.wish(beat, planned=(0.0, 1.0))
         assert wish[0] == pytest.approx([level * full, (1.0 - level) / SPEED], abs=1e-5)
-        assert stage.wants.firm[0] == pytest.approx(1.0 - level)
+        assert stage.wants.firmness[0] == pytest.approx(1.0 - level)
         assert stage.field.influence[0] == pytest.approx(level)
         assert stage.wants.separation[0] == pytest.approx(level)
 
@@ -121,7 +121,7 @@ def test_a_look_ahead_on_copies_changes_nothing():
     wish, influence = stage.wish(), stage.field.influence.copy()
     other = MadeStage([[3, 3], [-2, 1]])
     own = np.zeros(2, np.float32)
-    stage.field.wish(other.wants, other.state, other.groups, time=9.0, influence=own)
+    stage.field.apply(other.wants, other.state, other.groups, time=9.0, influence=own)
     assert (stage.field.influence == influence).all()
     assert (stage.wish() == wish).all()
     assert own.any()
@@ -157,7 +157,7 @@ def test_elements_end_by_source_kind_and_group():
     assert field.end(10.0, groups=0b10) == 3
     assert [e.source for e in field.elements] == ["phone 1", "phone 1", "phone 2"]  # what has not begun is gone at once
     field.refresh(10.5, *_quiet())
-    assert sorted(level for _, level in field.shown()) == [0.5, 0.5, 1.0]
+    assert sorted(level for _, level in field.active_levels()) == [0.5, 0.5, 1.0]
     field.refresh(11.5, *_quiet())
     assert [(e.source, e.kind) for e in field.elements] == [("phone 1", ATTRACTOR)]
     field.clear(11.5)
@@ -182,7 +182,7 @@ def test_the_snapshot_shows_kind_place_and_level():
     stage = MadeStage([[0, 0]], Element(SPREADER), Element(ATTRACTOR, ((1.0, 2.0),), start_beat=7.5))
     stage.wish(8.0)
     view = StageView.allocate(0, 22)
-    stage.field.show(view)
+    stage.field.write_view(view)
     assert view.element_count == 2
     assert view.element_kind[:2].tolist() == [ATTRACTOR, SPREADER]
     assert view.element_position[0].tolist() == [1.0, 2.0]
@@ -197,10 +197,10 @@ def test_the_snapshot_has_room_for_so_many_corners_and_leaves_out_whole_lines():
     field.add(Element(ATTRACTOR, ((1.0, 1.0),), fair=True))
     field.refresh(8.0, *_quiet())
     view = StageView.allocate(0, 22)
-    field.show(view)
+    field.write_view(view)
     corners, first = view.element_corners[:41], view.element_first[:41]
     assert view.element_count == 41
-    assert view.element_kind[:41].tolist() == [ATTRACTOR] * 40 + [VOICE]
+    assert view.element_kind[:41].tolist() == [ATTRACTOR] * 40 + [PARTICIPANT]
     assert corners.tolist() == [31] * 33 + [0] * 8  # 33 * 31 = 1023
     for number in range(33):
         line = view.element_corner[first[number] : first[number] + 31]
@@ -210,7 +210,7 @@ def test_the_snapshot_has_room_for_so_many_corners_and_leaves_out_whole_lines():
 
 def test_a_flow_grid_has_to_fit():
     field = ElementField(1, half_width=6.0, half_depth=4.0)
-    flow = Element(FLOW, ((0.0, 0.0),), flow=GRID)
+    flow = Element(FLOW, ((0.0, 0.0),), flow_kind=GRID)
     for grid in (None, np.zeros((2, 2, 2), np.float32), np.full((24, 32, 2), np.nan, np.float32)):
         with pytest.raises(PersonError):
             field.add(flow, grid)
@@ -220,7 +220,7 @@ def test_a_flow_grid_has_to_fit():
 def test_ten_drawn_flows_share_eight_grids():
     stage = MadeStage([[0, 0]])
     for k in range(10):
-        stage.field.add(Element(FLOW, ((0.0, 0.0), (1.0 + k, 1.0)), flow=DRAWN, groups=1 << k))
+        stage.field.add(Element(FLOW, ((0.0, 0.0), (1.0 + k, 1.0)), flow_kind=DRAWN, groups=1 << k))
     stage.groups[0] = 1
     assert (stage.wish() == 0.0).all()  # the oldest has given way
     stage.groups[0] = 1 << 9

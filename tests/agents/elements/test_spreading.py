@@ -19,13 +19,13 @@ def vmr(position, columns, rows, inset=(0.0, 0.0)):
 
 def test_the_potential_solves_poissons_equation_with_reflecting_edges():
     nx, nz, dx, dz, s = 12, 7, 0.9, 1.1, 0.8
-    mesh = np.zeros((3, kernels.MESH, kernels.MESH), np.float32)
+    mesh = np.zeros((3, kernels.MAX_MESH_NODES, kernels.MAX_MESH_NODES), np.float32)
     source = np.random.default_rng(0).normal(size=(nz, nx))
     source -= source.mean()
     mesh[0, :nz, :nx] = source
-    cosines = np.zeros((2, kernels.MESH + 1, kernels.MESH, kernels.MESH), np.float32)
+    cosines = np.zeros((2, kernels.MAX_MESH_NODES + 1, kernels.MAX_MESH_NODES, kernels.MAX_MESH_NODES), np.float32)
     kernels.fill_cosines(cosines)
-    kernels.solve(mesh, nx, nz, cosines, dx, dz, s)
+    kernels.solve_poisson(mesh, nx, nz, cosines, dx, dz, s)
     wave = np.add.outer((np.pi * np.arange(nz) / (nz * dz)) ** 2, (np.pi * np.arange(nx) / (nx * dx)) ** 2)
     wave[0, 0] = 1.0
     expected = dctn(source) * np.exp(-0.5 * s * s * wave) / wave
@@ -54,11 +54,11 @@ def test_a_mirrored_crowd_spreads_in_mirror_image():
     area = np.array([-6.0, 6.0, -4.0, 4.0])
     wishes = []
     for sign in (1.0, -1.0):
-        mesh = np.zeros((3, kernels.MESH, kernels.MESH), np.float32)
-        cosines = np.zeros((2, kernels.MESH + 1, kernels.MESH, kernels.MESH), np.float32)
+        mesh = np.zeros((3, kernels.MAX_MESH_NODES, kernels.MAX_MESH_NODES), np.float32)
+        cosines = np.zeros((2, kernels.MAX_MESH_NODES + 1, kernels.MAX_MESH_NODES, kernels.MAX_MESH_NODES), np.float32)
         kernels.fill_cosines(cosines)
         wish = np.zeros((20, 2))
-        start, order = np.zeros(kernels.CELLS**2 + 1, np.int32), np.zeros(20, np.int32)
+        start, order = np.zeros(kernels.MAX_CELLS**2 + 1, np.int32), np.zeros(20, np.int32)
         position = np.ascontiguousarray(places * np.array([sign, 1.0], np.float32))
         kernels.spread(position, np.arange(20, dtype=np.int32), 20, area, mesh, cosines, start, order, wish)
         wishes.append(wish)

@@ -2,31 +2,31 @@
 
 import numpy as np
 
-from live.agents.agent_command import ABSENT, ON_STAGE, PASSING, Wants
+from live.agents.agent_command import ABSENT, ON_STAGE, PASSING, AgentCommand
 from live.agents.entrances.entrances import CALLED, ENTERING, LEAVING, ON, WAITING, Entrances
-from live.agents.entrances.gate import wings
+from live.agents.entrances.gate import default_gates
 
 SIZE = (6.0, 4.0)
 
 
-def walk(entrances: Entrances, position: np.ndarray, seconds: float) -> Wants:
+def walk(entrances: Entrances, position: np.ndarray, seconds: float) -> AgentCommand:
     """Everybody goes exactly where she wants."""
-    wants = Wants(len(position))
+    wants = AgentCommand(len(position))
     for _ in range(round(seconds * 64)):
-        wants.rest()
+        wants.clear()
         wants.speed[:] = 1.2
-        entrances.settle(position)
+        entrances.update_arrivals(position)
         entrances.write(wants, position)
         position += wants.velocity / 64 * (wants.presence != ABSENT)[:, None]
     return wants
 
 
 def test_who_is_called_comes_at_the_next_line_and_walks_in() -> None:
-    entrances = Entrances(6, 4, wings(*SIZE), SIZE)
+    entrances = Entrances(6, 4, default_gates(*SIZE), SIZE)
     position = np.zeros((6, 2), np.float32)
     position[:4] = [(-2, 0), (2, 0), (0, 2), (0, -2)]
     assert entrances.present.tolist() == [True] * 4 + [False] * 2
-    rows = entrances.call(1, entrances.gate_named("RIGHT"))
+    rows = entrances.call_in(1, entrances.gate_index("RIGHT"))
     assert rows.tolist() == [4]
     assert entrances.state[4] == CALLED
     assert not entrances.present[4]
@@ -42,7 +42,7 @@ def test_who_is_called_comes_at_the_next_line_and_walks_in() -> None:
 
 
 def test_who_leaves_is_gone_at_the_first_line_after_she_is_out() -> None:
-    entrances = Entrances(3, 3, wings(*SIZE), SIZE)
+    entrances = Entrances(3, 3, default_gates(*SIZE), SIZE)
     position = np.array([(-4, 0), (4, 0), (0, -3)], np.float32)
     assert entrances.send_off(np.array([True, False, True]), None, position) == 2
     assert entrances.state.tolist() == [LEAVING, ON, LEAVING]
@@ -56,10 +56,10 @@ def test_who_leaves_is_gone_at_the_first_line_after_she_is_out() -> None:
 
 
 def test_more_than_wait_cannot_come_and_each_has_her_own_place() -> None:
-    entrances = Entrances(8, 2, wings(*SIZE), SIZE)
+    entrances = Entrances(8, 2, default_gates(*SIZE), SIZE)
     position = np.zeros((8, 2), np.float32)
-    assert len(entrances.call(100, None)) == 6
-    assert len(entrances.call(1, None)) == 0
+    assert len(entrances.call_in(100, None)) == 6
+    assert len(entrances.call_in(1, None)) == 0
     entrances.cross_measure_line(position)
     assert (entrances.state[2:] == ENTERING).all()
     goals = entrances.goal[2:]
@@ -68,9 +68,9 @@ def test_more_than_wait_cannot_come_and_each_has_her_own_place() -> None:
 
 
 def test_a_call_can_be_taken_back() -> None:
-    entrances = Entrances(2, 1, wings(*SIZE), SIZE)
+    entrances = Entrances(2, 1, default_gates(*SIZE), SIZE)
     position = np.zeros((2, 2), np.float32)
-    entrances.call(1, None)
+    entrances.call_in(1, None)
     assert entrances.send_off(np.array([False, True]), None, position) == 0
     assert len(entrances.cross_measure_line(position)) == 0
     assert entrances.state[1] == WAITING

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.entrances.gate import APART, OUTSIDE, Gate, wings
+from live.agents.entrances.gate import WAITING_DISTANCE, WAITING_SPACING, Gate, default_gates
 
 metres = st.floats(-50, 50)
 
@@ -21,25 +21,25 @@ def test_a_gate_lies_on_the_edge_and_its_places_outside(
     on_depth = math.isclose(abs(gate.z), half[1]) and abs(gate.x) <= half[0] + 1e-9
     assert on_side or on_depth
     assert math.hypot(gate.out_x, gate.out_z) == 1.0
-    places = gate.places(7)
+    places = gate.waiting_places(7)
     out = (places - (gate.x, gate.z)) @ (gate.out_x, gate.out_z)
-    assert out.min() >= OUTSIDE - 1e-9
-    inside = gate.inside(0.5)
+    assert out.min() >= WAITING_DISTANCE - 1e-9
+    inside = gate.inner_point(0.5)
     assert abs(inside[0]) <= half[0]
     assert abs(inside[1]) <= half[1]
 
 
 def test_those_who_wait_stand_apart_and_within_the_gates_width() -> None:
-    gate = wings(6.0, 4.0)[2]
-    places = gate.places(20)
+    gate = default_gates(6.0, 4.0)[2]
+    places = gate.waiting_places(20)
     apart = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1))[np.triu_indices(20, 1)]
-    assert apart.min() >= APART - 1e-9
+    assert apart.min() >= WAITING_SPACING - 1e-9
     assert np.abs(places[:, 0] - gate.x).max() <= gate.width / 2
-    assert (places[:, 1] <= -4.0 - OUTSIDE + 1e-9).all()
+    assert (places[:, 1] <= -4.0 - WAITING_DISTANCE + 1e-9).all()
 
 
 def test_the_wings_of_a_stage_that_names_none() -> None:
-    assert [(gate.name, gate.x, gate.z) for gate in wings(6.0, 4.0)] == [
+    assert [(gate.name, gate.x, gate.z) for gate in default_gates(6.0, 4.0)] == [
         ("left", -6.0, 0.0),
         ("right", 6.0, 0.0),
         ("back", 0.0, -4.0),

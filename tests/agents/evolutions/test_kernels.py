@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live.agents.evolutions import evolution_kernels
-from live.agents.evolutions.trajectory import Locomotion, Setting
+from live.agents.evolutions.trajectory import GroupState, Locomotion
 
 
 def locomotion(ways, times, soft=0.25):
@@ -34,11 +34,11 @@ def test_places_and_velocities_agree_and_hold_before_and_after():
     curve = [[[0, 0], [1, 0.2], [2, 1], [2, 2], [1, 3]], [[5, 5], [5, 4], [5, 3], [5, 2], [5, 1]]]
     moved = locomotion(curve, [[2.0, 6.0], [3.0, 9.0]])
     beats = np.linspace(1, 10, 1801)
-    places, headings = moved.sampled(beats)
-    out = Setting(2)
+    places, headings = moved.sample(beats)
+    out = GroupState(2)
     speeds = []
     for beat in beats:
-        moved.at(float(beat), out)
+        moved.evaluate(float(beat), out)
         speeds.append(out.velocity.copy())
     assert np.array(speeds)[1:-1] == pytest.approx(np.gradient(places, beats, axis=0)[1:-1], abs=0.02)
     assert places[0] == pytest.approx(np.array([[0, 0], [5, 5]]))
@@ -49,9 +49,9 @@ def test_places_and_velocities_agree_and_hold_before_and_after():
 
 def test_rows_that_are_not_kept_are_left_alone():
     moved = locomotion([[[0, 0], [1, 0]], [[2, 0], [3, 0]]], [[0.0, 1.0]] * 2)
-    out = Setting(5)
+    out = GroupState(5)
     moved.write(1.0, np.array([4, 1], np.int32), np.array([1, 0], np.uint8), out)
-    assert out.under.tolist() == [0, 0, 0, 0, 1]
+    assert out.controlled.tolist() == [0, 0, 0, 0, 1]
     assert out.position[4].tolist() == [1.0, 0.0]
 
 
@@ -59,8 +59,8 @@ def test_samples_are_the_places_of_straight_ways():
     moved = locomotion([[[0, 0], [4, 1]], [[1, 1], [0, 0]]], [[0.0, 4.0], [2.0, 4.0]])
     beats = np.linspace(-1, 5, 13)
     sample = np.zeros((13, 2, 2), np.float32)
-    evolution_kernels.sample_ways(beats, moved.ways, moved.times, moved.soft, 0, 2, sample)
-    assert sample == pytest.approx(moved.sampled(beats)[0], abs=1e-5)
+    evolution_kernels.sample_paths(beats, moved.path_knots, moved.times, moved.ramp, 0, 2, sample)
+    assert sample == pytest.approx(moved.sample(beats)[0], abs=1e-5)
 
 
 def test_the_nearest_approach_is_found_between_samples():
@@ -92,7 +92,7 @@ def test_two_who_meet_are_parted_in_opposite_senses_and_the_ends_stay(freedom):
     t = np.linspace(-1, 1, 33)
     sample = np.stack([np.stack([t * 3, t * 0], 1), np.stack([-t * 3, t * 0], 1)]).astype(np.float32)
     offset = np.zeros_like(sample)
-    assert evolution_kernels.part_ways(sample, offset, 0.5, 1.0, freedom, 5) >= 1
+    assert evolution_kernels.separate_paths(sample, offset, 0.5, 1.0, freedom, 5) >= 1
     assert (offset[:, [0, -1]] == 0).all()
     assert offset[0] == pytest.approx(-offset[1], abs=1e-6)
     apart = np.hypot(*np.moveaxis(sample[0] + offset[0] - sample[1] - offset[1], -1, 0))
@@ -100,7 +100,7 @@ def test_two_who_meet_are_parted_in_opposite_senses_and_the_ends_stay(freedom):
     if freedom == 0.0:
         assert offset[:, 16, 0] == pytest.approx([0, 0], abs=1e-6)  # square to the way on which they meet
     other = np.zeros_like(sample)
-    evolution_kernels.part_ways(sample, other, 0.5, 1.0, freedom, 8)
+    evolution_kernels.separate_paths(sample, other, 0.5, 1.0, freedom, 8)
     assert not np.allclose(offset, other)
 
 
@@ -108,7 +108,7 @@ def test_smoothing_is_a_quarter_a_half_a_quarter():
     ways = np.random.default_rng(1).normal(size=(2, 6, 2)).astype(np.float32)
     expected = ways.copy()
     expected[:, 1:-1] = 0.25 * ways[:, :-2] + 0.5 * ways[:, 1:-1] + 0.25 * ways[:, 2:]
-    evolution_kernels.smooth_ways(ways)
+    evolution_kernels.smooth_paths(ways)
     assert ways == pytest.approx(expected, abs=1e-6)
 
 

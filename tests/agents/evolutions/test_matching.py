@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.evolutions.incremental_assignment import DividedMatching
+from live.agents.evolutions.incremental_assignment import IncrementalAssignment
 from live.agents.evolutions.slot_assignment import Cost, Fill, allowed, assign, by_id, distances, sections
 
 
@@ -104,7 +104,7 @@ def test_sections_are_kept_together_and_overflow_onto_unmarked_slots():
 def test_the_divided_form_keeps_sections_too(dancers, slots, seed):
     chance = np.random.default_rng(seed)
     dancer, slot = chance.integers(0, 3, dancers).astype(np.int32), chance.integers(0, 3, slots).astype(np.int32)
-    matching = DividedMatching()
+    matching = IncrementalAssignment()
     matching.begin(
         places(dancers, seed).reshape(-1, 2), places(slots, seed + 1).reshape(-1, 2), dancer_section=dancer,
         slot_section=slot, exact=8,
@@ -121,7 +121,7 @@ def test_the_divided_form_keeps_sections_too(dancers, slots, seed):
 @pytest.mark.parametrize("count", [129, 400, 1001])
 def test_in_pieces_hundreds_find_their_slots_and_no_two_would_gain_by_swapping(count):
     start, goal = places(count, 1, 20.0), places(count, 2, 20.0)
-    matching = DividedMatching()
+    matching = IncrementalAssignment()
     matching.begin(start, goal)
     pieces = 0
     while not matching.done:
@@ -139,7 +139,7 @@ def test_in_pieces_hundreds_find_their_slots_and_no_two_would_gain_by_swapping(c
 @pytest.mark.parametrize(("dancers", "slots"), [(300, 200), (200, 300)])
 @pytest.mark.parametrize("fill", list(Fill))
 def test_in_pieces_unequal_numbers(dancers, slots, fill):
-    matching = DividedMatching()
+    matching = IncrementalAssignment()
     matching.begin(places(dancers, 1, 9.0), places(slots, 2, 9.0), fill=fill)
     taken = [s for s in matching.finish() if s >= 0]
     assert len(taken) == len(set(taken)) == 200

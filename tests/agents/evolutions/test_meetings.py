@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.evolutions.evolution_kernels import count_meetings, longest_steps, meet, nearest_approach
+from live.agents.evolutions.evolution_kernels import count_collisions, longest_steps, nearest_approach, pair_collides
 
 COUNT, TIMES = 12, 33
 
@@ -25,6 +25,6 @@ def test_who_meets_is_who_comes_nearer_than_that(seed, speed, clear):
     near = distance < np.float32(clear)
     for i in range(COUNT):
         for j in range(i + 1, COUNT):
-            assert meet(ways, i, j, clear, step[i] + step[j]) == near[i, j]
-    assert count_meetings(ways, step, 0, COUNT, clear) == np.triu(near, 1).sum()
-    assert sum(count_meetings(ways, step, n, n + 3, clear) for n in range(0, COUNT, 3)) == np.triu(near, 1).sum()
+            assert pair_collides(ways, i, j, clear, step[i] + step[j]) == near[i, j]
+    assert count_collisions(ways, step, 0, COUNT, clear) == np.triu(near, 1).sum()
+    assert sum(count_collisions(ways, step, n, n + 3, clear) for n in range(0, COUNT, 3)) == np.triu(near, 1).sum()

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.agents.evolutions import paths
-from live.agents.evolutions.collision_check import Clearance, approaches, mended
-from live.agents.evolutions.paths import divided
+from live.agents.evolutions.collision_check import Clearance, approaches, repair_collisions
+from live.agents.evolutions.paths import bend_paths
 from live.agents.evolutions.slot_assignment import assign
-from live.agents.evolutions.start_delays import Arrive, Order, Ripple, delays, squeezed, times
+from live.agents.evolutions.start_delays import Arrival, Ripple, StartOrder, delays, limit_delays, start_and_arrival
 from live.agents.evolutions.trajectory import Locomotion
 
 
@@ -26,9 +26,9 @@ def scattered(count, spacing, chance, half=(7.0, 5.0)):
     return np.array(found)
 
 
-def journey(start, goal, waits=None, end=8.0, arrive=Arrive.TOGETHER):
-    own = times(0.0, end, np.zeros(len(start)) if waits is None else waits, arrive)
-    return Locomotion(paths.straight(start, goal), own, np.zeros((len(start), 1, 2)))
+def journey(start, goal, waits=None, end=8.0, arrive=Arrival.TOGETHER):
+    own = start_and_arrival(0.0, end, np.zeros(len(start)) if waits is None else waits, arrive)
+    return Locomotion(paths.straight_paths(start, goal), own, np.zeros((len(start), 1, 2)))
 
 
 @given(st.integers(2, 30), st.floats(0.6, 1.2), st.integers(0, 10_000), st.floats(0, 0.5))
@@ -39,9 +39,9 @@ def test_capt_together_on_straight_ways_nobody_comes_nearer_than_spacing_over_ro
     count = min(len(start), len(goal))
     start, goal = start[:count], goal[:count]
     moved = journey(start, goal[assign(start, goal)])
-    moved = Locomotion(moved.ways, moved.times, moved.turns, soft)
+    moved = Locomotion(moved.path_knots, moved.times, moved.turns, soft)
     clearance = Clearance(moved, 0.25)
-    clearance.look(0, count)
+    clearance.compute_rows(0, count)
     assert clearance.distance.min() >= spacing / math.sqrt(2) - 1e-4
 
 
@@ -59,26 +59,26 @@ def test_divide_and_conquer_parts_dancers_who_swap_places(seed):
     angle = np.arange(10) * 2 * np.pi / 10
     ring = np.stack([np.sin(angle), np.cos(angle)], 1) * 3
     moved = journey(ring, -ring)
-    bent = divided(moved, 0.54, seed=seed)
+    bent = bend_paths(moved, 0.54, seed=seed)
     assert len(approaches(moved, 0.25)) == 45  # all meet all in the middle: the hardest there is
     assert approaches(bent, 0.25) == []
-    assert bent.ways[:, 0] == pytest.approx(ring, abs=1e-6)
-    assert bent.ways[:, -1] == pytest.approx(-ring, abs=1e-6)
-    assert (bent.ways == divided(moved, 0.54, seed=seed).ways).all()
-    assert np.abs(divided(moved, 0.54, seed=seed, half=(3.1, 3.1)).ways).max() <= 3.1 + 1e-6
+    assert bent.path_knots[:, 0] == pytest.approx(ring, abs=1e-6)
+    assert bent.path_knots[:, -1] == pytest.approx(-ring, abs=1e-6)
+    assert (bent.path_knots == bend_paths(moved, 0.54, seed=seed).path_knots).all()
+    assert np.abs(bend_paths(moved, 0.54, seed=seed, half=(3.1, 3.1)).path_knots).max() <= 3.1 + 1e-6
 
 
-@pytest.mark.parametrize("arrive", [Arrive.APART, Arrive.TOGETHER])
+@pytest.mark.parametrize("arrive", [Arrival.APART, Arrival.TOGETHER])
 def test_a_ripple_is_mended_and_stays_one(arrive):
     chance = np.random.default_rng(5)
     met = changed = 0
     for seed in range(8):
         start, goal = scattered(40, 0.75, chance), scattered(40, 0.75, chance)
         moved_to = goal[assign(start, goal)]
-        waits = delays(Ripple(6.0, Order.RANDOM), start, np.arange(40), seed=seed)
+        waits = delays(Ripple(6.0, StartOrder.RANDOM), start, np.arange(40), seed=seed)
         rippled = journey(start, moved_to, waits, arrive=arrive)
         met += len(approaches(rippled, 0.25))
-        result = mended(rippled, 0.25, waits, begin=0.0, end=8.0, arrive=arrive)
+        result = repair_collisions(rippled, 0.25, waits, begin=0.0, end=8.0, arrive=arrive)
         assert result.remaining == ()
         assert approaches(result.locomotion, 0.25) == []
         assert result.locomotion.times[:, 1].max() <= 8.0 + 1e-9
@@ -90,27 +90,27 @@ def test_a_ripple_is_mended_and_stays_one(arrive):
 
 def test_what_cannot_be_mended_is_said():
     moved = journey(np.array([[0, 0], [0.1, 0]]), np.array([[3, 0], [3.1, 0]]))
-    result = mended(moved, 0.25, np.zeros(2), begin=0.0, end=8.0)
+    result = repair_collisions(moved, 0.25, np.zeros(2), begin=0.0, end=8.0)
     assert [(a.first, a.second) for a in result.remaining] == [(0, 1)]
 
 
 @given(
-    st.integers(1, 20), st.floats(0, 8), st.sampled_from(Order), st.sampled_from(Arrive), st.integers(0, 999),
+    st.integers(1, 20), st.floats(0, 8), st.sampled_from(StartOrder), st.sampled_from(Arrival), st.integers(0, 999),
     st.floats(0.5, 16),
 )  # fmt: skip
 def test_laws_of_delays(count, beats, order, arrive, seed, end):
     start = np.random.default_rng(seed).uniform(-5, 5, (count, 2))
     waits = delays(Ripple(beats, order, arrive), start, np.arange(count), seed=seed)
     assert waits.min() == 0.0
-    if order in (Order.CENTRE, Order.OUTSIDE):  # two are equally far from the middle
+    if order in (StartOrder.CENTRE, StartOrder.OUTSIDE):  # two are equally far from the middle
         assert waits.max() == pytest.approx(beats) or (count <= 2 and waits.max() == 0.0)
     else:
         assert waits.max() == pytest.approx(beats if count > 1 else 0.0)
-    own = times(0.0, end, squeezed(waits, end), arrive)
+    own = start_and_arrival(0.0, end, limit_delays(waits, end), arrive)
     assert (own[:, 1] - own[:, 0] >= 0.25 * end - 1e-9).all()
     assert own[:, 1].max() == pytest.approx(end)
     assert own[:, 0].min() == 0.0
-    if arrive is Arrive.TOGETHER:
+    if arrive is Arrival.TOGETHER:
         assert (own[:, 1] == end).all()
     else:
         assert np.ptp(own[:, 1] - own[:, 0]) < 1e-9
@@ -119,14 +119,14 @@ def test_laws_of_delays(count, beats, order, arrive, seed, end):
 def test_orders():
     start = np.array([[-2, 1], [3, 0], [0, -1], [0, 3.0]])
     wait = lambda order: delays(Ripple(2.0, order), start, np.arange(4)).tolist()  # noqa: E731
-    assert wait(Order.LEFT) == [0, 2, 1, 1]  # the same x: together
-    assert wait(Order.RIGHT) == [2, 0, 1, 1]
-    assert wait(Order.FRONT) == pytest.approx([2 / 3, 4 / 3, 2, 0])
-    assert wait(Order.BACK) == pytest.approx([4 / 3, 2 / 3, 0, 2])
-    assert wait(Order.ID) == pytest.approx([0, 2 / 3, 4 / 3, 2])
-    assert np.argsort(wait(Order.CENTRE)).tolist() == np.argsort(np.hypot(*(start - start.mean(0)).T)).tolist()
-    assert wait(Order.OUTSIDE) == pytest.approx([2 - w for w in wait(Order.CENTRE)])
-    one = delays(Ripple(2.0, Order.RANDOM), start[1:], np.arange(1, 4), seed=3)
+    assert wait(StartOrder.LEFT) == [0, 2, 1, 1]  # the same x: together
+    assert wait(StartOrder.RIGHT) == [2, 0, 1, 1]
+    assert wait(StartOrder.FRONT) == pytest.approx([2 / 3, 4 / 3, 2, 0])
+    assert wait(StartOrder.BACK) == pytest.approx([4 / 3, 2 / 3, 0, 2])
+    assert wait(StartOrder.ID) == pytest.approx([0, 2 / 3, 4 / 3, 2])
+    assert np.argsort(wait(StartOrder.CENTRE)).tolist() == np.argsort(np.hypot(*(start - start.mean(0)).T)).tolist()
+    assert wait(StartOrder.OUTSIDE) == pytest.approx([2 - w for w in wait(StartOrder.CENTRE)])
+    one = delays(Ripple(2.0, StartOrder.RANDOM), start[1:], np.arange(1, 4), seed=3)
     assert np.argsort(one).tolist() == [
-        n for n in np.argsort(delays(Ripple(2.0, Order.RANDOM), start, np.arange(4), seed=3)) - 1 if n >= 0
+        n for n in np.argsort(delays(Ripple(2.0, StartOrder.RANDOM), start, np.arange(4), seed=3)) - 1 if n >= 0
     ]

@@ -11,14 +11,14 @@ from live.agents.elements.element_kinds import (
     FLOW,
     FOLLOW,
     GRID,
+    MAX_VERTICES,
     PATH,
     PURSUE,
     RADIAL,
-    VERTEX_COUNT,
     VORTEX,
     WANDER,
 )
-from live.agents.elements.polyline_flow import corners_of, grid_along
+from live.agents.elements.polyline_flow import flow_grid_along, simplified_vertices
 from tests.agents.elements.made_stage import MadeStage
 
 
@@ -26,11 +26,11 @@ def test_flows_go_where_they_are_drawn():
     agents = [[2.0, 0.0], [-1.0, 1.0]]
     uniform = MadeStage(agents, Element(FLOW, ((0.0, 0.0), (3.0, 4.0)))).wish()
     assert uniform == pytest.approx(np.tile([0.6, 0.8], (2, 1)), abs=1e-6)
-    out = MadeStage(agents, Element(FLOW, flow=RADIAL)).wish()
+    out = MadeStage(agents, Element(FLOW, flow_kind=RADIAL)).wish()
     assert out[0] == pytest.approx([1.0 - np.exp(-2.0 / 1.2), 0.0], abs=1e-6)
-    inwards = MadeStage(agents, Element(FLOW, flow=RADIAL, strength=-1.0)).wish()
+    inwards = MadeStage(agents, Element(FLOW, flow_kind=RADIAL, strength=-1.0)).wish()
     assert inwards == pytest.approx(-out, abs=1e-6)
-    turn = MadeStage(agents, Element(FLOW, flow=VORTEX)).wish()
+    turn = MadeStage(agents, Element(FLOW, flow_kind=VORTEX)).wish()
     assert np.abs((turn * out).sum(1)).max() < 1e-6
     assert turn[0, 1] > 0.0
     limited = MadeStage(agents, Element(FLOW, ((0.0, 0.0), (3.0, 4.0)), radius=1.3)).wish()
@@ -38,7 +38,7 @@ def test_flows_go_where_they_are_drawn():
 
 
 def test_a_vortex_carries_dancers_round():
-    stage = MadeStage([[2.5, 0.0], [0.0, -2.0]], Element(FLOW, flow=VORTEX, start_beat=-9.0))
+    stage = MadeStage([[2.5, 0.0], [0.0, -2.0]], Element(FLOW, flow_kind=VORTEX, start_beat=-9.0))
     kept = stage.run(8.0)
     angle = np.unwrap(np.arctan2(kept[..., 1], kept[..., 0]), axis=0)
     assert (angle[-1] - angle[0] > 2.0).all()
@@ -48,21 +48,21 @@ def test_a_vortex_carries_dancers_round():
 def test_a_drawn_flow_runs_along_its_line_and_back_to_it():
     t = np.linspace(0.0, np.pi, 500)
     arc = tuple(map(tuple, np.stack([-4 * np.cos(t), 3 - 4 * np.sin(t)], 1)))
-    assert len(corners_of(arc)) <= VERTEX_COUNT
+    assert len(simplified_vertices(arc)) <= MAX_VERTICES
     start = [[-4.5, 2.5], [-2.0, 0.5], [-3.0, 2.8]]
-    stage = MadeStage(start, Element(FLOW, arc, flow=DRAWN, start_beat=-9.0))
+    stage = MadeStage(start, Element(FLOW, arc, flow_kind=DRAWN, start_beat=-9.0))
     kept = stage.run(7.0)
     near = np.abs(np.hypot(kept[24:, :, 0], kept[24:, :, 1] - 3.0) - 4.0)
     assert near.mean() < 0.5
     assert (kept[-1, :, 0] > 1.0).all()
-    assert np.abs(grid_along(arc, 6.0, 4.0)).max() <= 1.0
+    assert np.abs(flow_grid_along(arc, 6.0, 4.0)).max() <= 1.0
 
 
 def test_a_grid_of_ones_own_is_followed():
     grid = np.zeros((24, 32, 2), np.float32)
     grid[..., 1] = 0.5
     stage = MadeStage([[1.0, 1.0]])
-    stage.field.add(Element(FLOW, flow=GRID), grid)
+    stage.field.add(Element(FLOW, flow_kind=GRID), grid)
     assert stage.wish()[0] == pytest.approx([0.0, 0.5], abs=1e-5)
 
 

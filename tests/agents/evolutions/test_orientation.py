@@ -41,14 +41,14 @@ def test_the_shorter_way_round(before, after):
     turn = float(facing.shortest_turn(before, after))
     assert -np.pi - 1e-9 <= turn <= np.pi + 1e-9
     assert np.cos(before + turn) == pytest.approx(np.cos(after), abs=1e-6)
-    knots = facing.linear(np.array([[2.0, 6.0]]), [before], [after])
+    knots = facing.linear_turns(np.array([[2.0, 6.0]]), [before], [after])
     assert knots[0, :, 0].tolist() == [2.0, 6.0]
     assert knots[0, 1, 1] == pytest.approx(before + turn)
 
 
 def test_tangent_turns_first_then_faces_the_way_then_turns_again():
     ways = np.array([[[0, 0], [2, 0], [2, 2]]], np.float32)  # to the right, then towards the audience
-    knots = facing.tangent(ways, [0, 0.5, 1], np.array([[1.0, 9.0]]), 1.0, [0.0], [-0.5])
+    knots = facing.tangent_turns(ways, [0, 0.5, 1], np.array([[1.0, 9.0]]), 1.0, [0.0], [-0.5])
     beats, heading = knots[0].T
     assert beats[0] == 0.0
     assert beats[-1] == 10.0
@@ -63,7 +63,7 @@ def test_tangent_turns_first_then_faces_the_way_then_turns_again():
 
 def test_who_stays_turns_evenly_and_a_rest_on_the_way_keeps_the_direction():
     ways = np.array([[[1, 1]] * 4, [[0, 0], [0, 0], [1, 0], [1, 0]]], np.float32)
-    knots = facing.tangent(ways, np.linspace(0, 1, 4), np.array([[0.0, 8.0]] * 2), 1.0, [0.0, 0.0], [1.0, 0.0])
+    knots = facing.tangent_turns(ways, np.linspace(0, 1, 4), np.array([[0.0, 8.0]] * 2), 1.0, [0.0, 0.0], [1.0, 0.0])
     beats, heading = knots[0].T
     assert heading == pytest.approx((beats - beats[0]) / (beats[-1] - beats[0]), abs=1e-9)
     travelling = knots[1][facing.TURN_KNOTS : -facing.TURN_KNOTS, 1]
@@ -72,7 +72,7 @@ def test_who_stays_turns_evenly_and_a_rest_on_the_way_keeps_the_direction():
 
 def test_headings_by_the_measure_follow_the_way_and_rest_to_the_public():
     lines = np.array([[[0, 0]], [[1, 0]], [[1, 0.02]], [[1, -1]]], np.float32)
-    assert facing.travelled(lines, [0.0]) == pytest.approx(np.array([[np.pi / 2, 0.0, np.pi]]))
-    knots = facing.by_measure(8.0, 4.0, [0.0], [[np.pi / 2, 0.0, np.pi]])
+    assert facing.travel_headings(lines, [0.0]) == pytest.approx(np.array([[np.pi / 2, 0.0, np.pi]]))
+    knots = facing.turns_by_measure(8.0, 4.0, [0.0], [[np.pi / 2, 0.0, np.pi]])
     assert knots[0, :, 0].tolist() == [8.0, 12.0, 16.0, 20.0]
     assert knots[0, :2, 1] == pytest.approx([0.0, np.pi / 2])

@@ -13,7 +13,7 @@ POINTS = st.lists(st.tuples(st.floats(-9, 9), st.floats(-9, 9)), min_size=1, max
 
 @given(POINTS)
 def test_even_points_keep_the_ends_and_lie_on_the_line_at_even_lengths(points):
-    way = paths.even(points, 33)
+    way = paths.resample_polyline(points, 33)
     assert way[0] == pytest.approx(np.array(points[0]), abs=1e-9)
     assert way[-1] == pytest.approx(np.array(points[-1]), abs=1e-6)
     whole = paths.lengths(np.array([points]))[0] if len(points) > 1 else 0.0
@@ -37,7 +37,7 @@ def test_what_draws_nothing_is_refused(data):
 @pytest.mark.parametrize("points", [[], [[1, np.nan]], [[1, 2, 3]]])
 def test_what_is_no_line_is_refused(points):
     with pytest.raises(PersonError):
-        paths.even(points)
+        paths.resample_polyline(points)
 
 
 @given(st.integers(1, 9), st.floats(0.3, 2.0), st.integers(0, 99))

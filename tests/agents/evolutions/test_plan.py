@@ -5,32 +5,32 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.agents.agent_command import Wants
+from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentState
-from live.agents.evolutions.dry_run import rehearse
+from live.agents.evolutions.dry_run import simulate_plan
 from live.agents.evolutions.facing import Facing, Orientation, shortest_turn
 from live.agents.evolutions.intention import (
-    By,
+    AssignmentMethod,
     Evolve,
-    Follow,
+    FollowMode,
     Hold,
     Matching,
+    PathMode,
     Pause,
     Places,
     Procedural,
     Repertoire,
     Segment,
     Trajectory,
-    Way,
     in_canon,
     in_mirror,
 )
-from live.agents.evolutions.planned_segment import PATIENCE
-from live.agents.evolutions.running_plan import AT_ONCE, Plan
+from live.agents.evolutions.planned_segment import MAX_LATE_CALLS
+from live.agents.evolutions.running_plan import MAX_IMMEDIATE_DANCERS, Plan
 from live.agents.evolutions.slot_assignment import Cost
-from live.agents.evolutions.slot_layout import clear_places
-from live.agents.evolutions.start_delays import Arrive, Order, Ripple
-from live.agents.groups.roster import Line, Roster, mirrored
+from live.agents.evolutions.slot_layout import edge_places
+from live.agents.evolutions.start_delays import Arrival, Ripple, StartOrder
+from live.agents.groups.roster import Line, Roster, mirror_places
 from live.base.errors import PersonError
 
 A = 12
@@ -49,17 +49,17 @@ REPERTOIRE = (
 
 
 def plan(*segments, roster=None, **options):
-    return Plan(roster or Roster.of(A), REPERTOIRE, segments, **options)
+    return Plan(roster or Roster.create(A), REPERTOIRE, segments, **options)
 
 
 def dance(running, measures, position=START, push=None, bpm=120.0):
     """Follow the plan without anybody in the way; the states at the measure lines."""
-    state, wants = AgentState.at(position), Wants(len(position))
+    state, wants = AgentState.at_rest(position), AgentCommand(len(position))
     heading, lines = np.zeros(len(position)), []
     for measure in range(measures):
         running.begin_measure(measure, state.position, heading)
         for tick in range(128):
-            wants.rest()
+            wants.clear()
             running.write(wants, state, 4 * (measure + tick / 128), bpm / 60)
             state.position += wants.velocity * np.float32(4 * 60 / bpm / 128)
             if push is not None and measure == 0 and tick == 64:
@@ -75,19 +75,21 @@ def same_places(one, other, within):
     return (gaps.min(axis=0) < within).all() and (gaps.min(axis=1) < within).all()
 
 
-@pytest.mark.parametrize("ripple", [Ripple(), Ripple(3, Order.CENTRE), Ripple(3, Order.RANDOM, Arrive.APART)])
+@pytest.mark.parametrize(
+    "ripple", [Ripple(), Ripple(3, StartOrder.CENTRE), Ripple(3, StartOrder.RANDOM, Arrival.APART)]
+)
 @pytest.mark.parametrize("facing", list(Facing))
 def test_all_arrive_on_the_measure_line(ripple, facing):
     evolve = Evolve("ring", orientation=Orientation(facing, headings=(0.5,)))
     running = plan(Segment(evolve, measures=2, ripple=ripple))
     lines = dance(running, 2)
     assert same_places(lines[-1], RING.slots, 0.01)
-    target = running.target(8.0)
-    slot = running.motions[0].journey.slot
+    target = running.predicted_state(8.0)
+    slot = running.motions[0].motion.slot
     assert target.position == pytest.approx(RING.slots[slot], abs=1e-5)
     if facing is not Facing.DECLARED:
         assert shortest_turn(target.heading, RING.heading[slot]) == pytest.approx(np.zeros(A), abs=1e-5)
-    assert running.at(20.0).position == pytest.approx(RING.slots[slot], abs=1e-5)  # they stay
+    assert running.state_at(20.0).position == pytest.approx(RING.slots[slot], abs=1e-5)  # they stay
 
 
 def test_who_is_pushed_aside_is_on_time_all_the_same():
@@ -103,7 +105,7 @@ def test_an_edited_formation_reaches_what_has_not_begun():
 
 
 def test_by_id_everybody_has_her_number():
-    lines = dance(plan(Segment(Evolve("ring", Matching(By.ID)), measures=2)), 2)
+    lines = dance(plan(Segment(Evolve("ring", Matching(AssignmentMethod.ID)), measures=2)), 2)
     assert lines[-1] == pytest.approx(RING.slots, abs=0.02)
 
 
@@ -122,7 +124,7 @@ def test_the_setting_left_by_other_groups_is_the_boundary_condition():
 def test_single_file_keeps_its_gaps_along_the_way():
     line = [[-5.0, 3.0], [5.0, 3.0]]
     rep = REPERTOIRE.with_path("line", line)
-    running = Plan(Roster.of(A), rep, [Segment(Trajectory("line", Follow.FILE, gap=0.7), measures=4)])
+    running = Plan(Roster.create(A), rep, [Segment(Trajectory("line", FollowMode.FILE, gap=0.7), measures=4)])
     x = np.sort(dance(running, 4)[-1][:, 0])
     assert np.diff(x) == pytest.approx(np.full(A - 1, 0.7), abs=0.02)
     assert x[-1] == pytest.approx(5.0, abs=0.02)
@@ -132,31 +134,31 @@ def test_canon_and_mirror():
     first, second = in_canon(Segment(Trajectory("curve"), measures=1), ["1-6", "7-12"], 2.0)
     running = plan(first, second)
     running.begin_measure(0, START, np.zeros(A))
-    early = running.at(2.5).position[0] - START[0]
-    late = running.target(4.5).position[7] - START[7]
+    early = running.state_at(2.5).position[0] - START[0]
+    late = running.predicted_state(4.5).position[7] - START[7]
     assert late == pytest.approx(early, abs=1e-5)
-    assert running.target(1.9).under.tolist() == [1] * 6 + [0] * 6
+    assert running.predicted_state(1.9).controlled.tolist() == [1] * 6 + [0] * 6
     motion, image = in_mirror(Segment(Trajectory("curve"), "1-6"), "7-12", Line())
     running = plan(motion, image)
     ends = dance(running, 1)[-1] - START
-    assert ends[7:8] == pytest.approx(mirrored(ends[:1], Line()), abs=0.02)
+    assert ends[7:8] == pytest.approx(mirror_places(ends[:1], Line()), abs=0.02)
     ring = plan(Segment(Evolve("rows"), mirror=Line(1.0)))
-    assert same_places(dance(ring, 1)[-1], mirrored(ROWS.slots, Line(1.0)), 0.03)
+    assert same_places(dance(ring, 1)[-1], mirror_places(ROWS.slots, Line(1.0)), 0.03)
 
 
 def test_what_begins_later_replaces_and_elements_take_over():
     running = plan(Segment(Hold("rows"), measures=4), Segment(Procedural(), "1-4", start=1), Segment(Pause(), "3", 2))
     dance(running, 1)
     running.begin_measure(1, START, np.zeros(A))
-    assert running.at(5.0).under.tolist() == [0] * 4 + [1] * 8
+    assert running.state_at(5.0).controlled.tolist() == [0] * 4 + [1] * 8
     running.begin_measure(2, START, np.zeros(A))
-    assert running.at(9.0).under.tolist() == [0, 0, 1, 0] + [1] * 8
+    assert running.state_at(9.0).controlled.tolist() == [0, 0, 1, 0] + [1] * 8
     running.release(np.arange(A) >= 10)
-    assert running.at(9.0).under.tolist() == [0, 0, 1, 0] + [1] * 6 + [0] * 2
+    assert running.state_at(9.0).controlled.tolist() == [0, 0, 1, 0] + [1] * 6 + [0] * 2
     running.add(Segment(Hold("rows"), start=3))
     running.clear(np.arange(A) < 8)
     running.begin_measure(3, START, np.zeros(A))
-    assert running.at(13.0).under.tolist() == [0] * 8 + [1] * 4
+    assert running.state_at(13.0).controlled.tolist() == [0] * 8 + [1] * 4
 
 
 def test_now_ends_on_a_measure_line_and_the_next_measure_is_the_next_measure():
@@ -164,43 +166,45 @@ def test_now_ends_on_a_measure_line_and_the_next_measure_is_the_next_measure():
     running.begin_measure(0, START, np.zeros(A))
     (early,) = running.start_now(Segment(Evolve("ring")), 1.0, START, np.zeros(A))
     assert (early.begin, early.departure.end) == (1.0, 4.0)
-    (late,) = running.start_now(Segment(Evolve("rows")), 2.5, running.at(2.5).position, np.zeros(A))
+    (late,) = running.start_now(Segment(Evolve("rows")), 2.5, running.state_at(2.5).position, np.zeros(A))
     assert (late.begin, late.departure.end) == (2.5, 8.0)
     assert running.motions == (late,)  # the first holds nobody any more
     running.add(Segment("to the ring", start=1))
-    running.begin_measure(1, running.at(4.0).position, np.zeros(A))
-    assert same_places(running.target(8.0).position, RING.slots, 1e-4)
+    running.begin_measure(1, running.state_at(4.0).position, np.zeros(A))
+    assert same_places(running.predicted_state(8.0).position, RING.slots, 1e-4)
 
 
 def test_a_large_group_is_worked_out_in_pieces_while_the_old_motion_goes_on():
-    count = AT_ONCE + 60
+    count = MAX_IMMEDIATE_DANCERS + 60
     x, z = np.meshgrid(np.arange(16) * 0.7 - 5, np.arange(10) * 0.7 - 3)
     grid = np.stack([x.ravel(), z.ravel()], 1)[:count]
     rep = Repertoire().with_formation(Places("grid", grid * 0.9, np.zeros(count)))
-    running = Plan(Roster.of(count), rep)
+    running = Plan(Roster.create(count), rep)
     running.begin_measure(0, grid, np.zeros(count))
     running.start_now(Segment(Evolve("grid")), 0.5, grid, np.zeros(count))
-    assert not running.at(0.6).under.any()
+    assert not running.state_at(0.6).controlled.any()
     pieces = 0
     while not running.idle:
         running.work()
         pieces += 1
     assert pieces > 3
-    assert running.at(0.6).under.all()
+    assert running.state_at(0.6).controlled.all()
     running.start_now(Segment(Evolve("grid")), 0.7, grid, np.zeros(count))
     running.prepare(1, grid, np.zeros(count))
     assert not running.idle
-    running.drop_begun()
+    running.drop_incomplete()
     assert running.idle
-    assert running.at(0.8).under.all()  # what had begun before and is worked out holds them still
+    assert running.state_at(0.8).controlled.all()  # what had begun before and is worked out holds them still
     running.add(Segment(Evolve("grid"), start=1))
     running.prepare(1, grid, np.zeros(count))
     assert not running.idle
     running.work()
     running.begin_measure(1, grid, np.zeros(count))
-    assert running.target(8.0).position == pytest.approx(running.at(8.0).position)  # everybody knows where she goes
-    assert running.at(8.0).under.all()
-    for _ in range(PATIENCE + 1):  # and what is still mended then takes no longer than this
+    assert running.predicted_state(8.0).position == pytest.approx(
+        running.state_at(8.0).position
+    )  # everybody knows where she goes
+    assert running.state_at(8.0).controlled.all()
+    for _ in range(MAX_LATE_CALLS + 1):  # and what is still mended then takes no longer than this
         running.work()
     assert running.idle
 
@@ -208,21 +212,21 @@ def test_a_large_group_is_worked_out_in_pieces_while_the_old_motion_goes_on():
 def test_ways_that_are_mended_after_the_start_keep_their_start_and_end():
     ring = 3.0 * np.stack([np.sin(np.arange(12) * np.pi / 6), np.cos(np.arange(12) * np.pi / 6)], 1)
     rep = Repertoire().with_formation(Places("across", -ring, np.zeros(12)))
-    running = Plan(Roster.of(12), rep)
-    across = Evolve("across", Matching(by=By.ID))
+    running = Plan(Roster.create(12), rep)
+    across = Evolve("across", Matching(by=AssignmentMethod.ID))
     running.start_now(Segment(across), 0.0, ring, np.zeros(12))
-    rough = running.motions[0].journey
+    rough = running.motions[0].motion
     assert not running.idle
     assert not rough.checked
     while not running.idle:
         running.work()
-    mended = running.motions[0].journey
+    mended = running.motions[0].motion
     assert mended.checked
     assert mended.bent
     for beat, places in ((0.0, ring), (4.0, -ring)):
-        assert running.at(beat).position == pytest.approx(places, abs=1e-5)
+        assert running.state_at(beat).position == pytest.approx(places, abs=1e-5)
     running.finish()
-    assert running.motions[0].journey is mended
+    assert running.motions[0].motion is mended
 
 
 def test_prepared_ahead_the_end_is_known_and_ways_begin_where_they_really_are():
@@ -231,21 +235,21 @@ def test_prepared_ahead_the_end_is_known_and_ways_begin_where_they_really_are():
     running.prepare(1, START, np.zeros(A))
     while not running.idle:
         running.work()
-    foreseen = running.target(8.0).position.copy()
-    assert not running.target(3.9).under.any()
+    foreseen = running.predicted_state(8.0).position.copy()
+    assert not running.predicted_state(3.9).controlled.any()
     running.begin_measure(1, START + 0.2, np.zeros(A))
-    assert running.target(4.0).position == pytest.approx(START + 0.2, abs=1e-5)
-    assert running.target(8.0).position == pytest.approx(foreseen, abs=1e-5)
+    assert running.predicted_state(4.0).position == pytest.approx(START + 0.2, abs=1e-5)
+    assert running.predicted_state(8.0).position == pytest.approx(foreseen, abs=1e-5)
 
 
 def test_a_soloist_in_her_place_and_who_has_no_place_stands_clear():
     marks = ("soloist", *[""] * 7)
     eight = Places("eight", RING.slots[:8], np.zeros(8), marks)
-    roster = Roster.of(A, {12: ["soloist"]})
+    roster = Roster.create(A, {12: ["soloist"]})
     running = Plan(roster, REPERTOIRE.with_formation(eight), [Segment(Evolve("eight"), measures=2)])
     end = dance(running, 2)[-1]
     assert end[11] == pytest.approx(eight.slots[0], abs=0.01)
-    slot = running.motions[0].journey.slot
+    slot = running.motions[0].motion.slot
     assert sorted(slot) == [-1] * 4 + list(range(8))
     gaps = np.hypot(*np.moveaxis(end[:, None] - end[None], -1, 0)) + np.eye(A) * 9
     assert gaps[slot < 0].min() > 0.95
@@ -253,7 +257,7 @@ def test_a_soloist_in_her_place_and_who_has_no_place_stands_clear():
 
 def test_places_to_stand_clear_are_enough_and_apart_even_when_the_stage_is_full():
     for count in (0, 1, 30, 400):
-        places = clear_places(count, START, RING.slots, half=(4.0, 3.0))
+        places = edge_places(count, START, RING.slots, half=(4.0, 3.0))
         assert len(places) == count
         every = np.concatenate([places, RING.slots])
         gaps = np.hypot(*np.moveaxis(places[:, None] - every[None], -1, 0))
@@ -273,7 +277,9 @@ def test_unknown_names_are_refused_when_they_are_planned():
 
 def test_the_same_plan_gives_the_same_bits():
     segments = (
-        Segment(Evolve("ring", Matching(cost=Cost.EQUAL), Way.DIVIDED), measures=2, ripple=Ripple(2, Order.RANDOM)),
+        Segment(
+            Evolve("ring", Matching(cost=Cost.EQUAL), PathMode.DIVIDED), measures=2, ripple=Ripple(2, StartOrder.RANDOM)
+        ),
         Segment(Evolve("rows"), start=2),
     )
     assert (dance(plan(*segments, seed=5), 3) == dance(plan(*segments, seed=5), 3)).all()
@@ -283,13 +289,13 @@ def test_nothing_is_allocated_from_tick_to_tick():
     import tracemalloc
 
     running = plan(Segment("to the ring", measures=2))
-    state, wants = AgentState.at(START), Wants(A)
+    state, wants = AgentState.at_rest(START), AgentCommand(A)
     running.begin_measure(0, START, np.zeros(A))
-    running.write(wants, state, 0.1, 2.0)
+    running.write_commands(wants, state, 0.1, 2.0)
     tracemalloc.start()
     before = tracemalloc.take_snapshot()
     for tick in range(200):
-        running.write(wants, state, 0.1 + tick / 32, 2.0)
+        running.write_commands(wants, state, 0.1 + tick / 32, 2.0)
     grown = sum(entry.size_diff for entry in tracemalloc.take_snapshot().compare_to(before, "filename"))
     tracemalloc.stop()
     assert grown < 20_000
@@ -297,12 +303,12 @@ def test_nothing_is_allocated_from_tick_to_tick():
 
 def test_a_rehearsal_says_what_is_too_far_and_who_would_meet():
     segments = [
-        Segment(Evolve("ring", Matching(By.ID), Way.STRAIGHT)), Segment(Evolve("rows"), "1-6", 2, 4),
+        Segment(Evolve("ring", Matching(AssignmentMethod.ID), PathMode.STRAIGHT)), Segment(Evolve("rows"), "1-6", 2, 4),
         Segment(Procedural(), "7-12", 3),
     ]  # fmt: skip
-    done = rehearse(Roster.of(A), REPERTOIRE, segments, START, measures=6)
+    done = simulate_plan(Roster.create(A), REPERTOIRE, segments, START, measures=6)
     ways = np.hypot(*(RING.slots - START).T)
-    assert done.ways[0] == pytest.approx(ways, abs=1e-5)
+    assert done.distances[0] == pytest.approx(ways, abs=1e-5)
     far = done.too_far(2.0)
     assert {(t.dancer, t.measure) for t in far} == {(int(d), 0) for d in np.flatnonzero(ways > 2.0)}
     assert done.too_near

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.evolutions.timeline import AUXILIARY, Span, linked
+from live.agents.evolutions.timeline import AUXILIARY, Span, link_timeline
 
 DANCERS, LENGTH = 5, 20
 SPANS = st.lists(
@@ -26,7 +26,7 @@ def wanted(spans, dancer, beat):
 
 @given(SPANS)
 def test_every_dancer_at_every_beat_in_exactly_one(spans):
-    links = linked(spans, DANCERS, LENGTH)
+    links = link_timeline(spans, DANCERS, LENGTH)
     for dancer in range(DANCERS):
         for beat in np.arange(0.5, LENGTH):
             there = [link for link in links if link.dancers[dancer] and link.begin <= beat < link.end]
@@ -36,7 +36,7 @@ def test_every_dancer_at_every_beat_in_exactly_one(spans):
 @given(SPANS)
 def test_it_is_one_linked_sequence(spans):
     """Whoever is followed from link to link comes from beat 0 to the end; groups change at junctions only."""
-    links = linked(spans, DANCERS, LENGTH)
+    links = link_timeline(spans, DANCERS, LENGTH)
     for index, link in enumerate(links):
         assert all(index in links[other].after for other in link.before)
         assert all(index in links[other].before for other in link.after)
@@ -56,7 +56,7 @@ def test_it_is_one_linked_sequence(spans):
 def test_division_and_reunion():
     everybody = np.ones(4, bool)
     left = np.array([1, 1, 0, 0], bool)
-    links = linked([Span(0, 4, everybody), Span(4, 8, left), Span(6, 8, ~left), Span(8, 12, everybody)], 4, 12)
+    links = link_timeline([Span(0, 4, everybody), Span(4, 8, left), Span(6, 8, ~left), Span(8, 12, everybody)], 4, 12)
     assert [(x.begin, x.end, x.source, int(x.dancers.sum())) for x in links] == [
         (0, 4, 0, 4), (4, 4, AUXILIARY, 4), (4, 6, AUXILIARY, 2), (4, 8, 1, 2), (6, 8, 2, 2), (8, 8, AUXILIARY, 4),
         (8, 12, 3, 4),

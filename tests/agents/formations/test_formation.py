@@ -32,10 +32,10 @@ def test_as_many_places_as_dancers_and_none_is_nowhere(table, count, seed):
     assert formation.slots.shape == (count, 2)
     assert np.isfinite(formation.slots).all()
     assert np.isfinite(formation.heading).all()
-    assert (formation.waiting, formation.empty) == (0, 0)
+    assert (formation.unplaced_dancers, formation.empty_places) == (0, 0)
     assert len(formation.marks) == count
-    assert formation.closest == pytest.approx(apart(formation.slots), rel=1e-9)
-    assert formation.closest > 0
+    assert formation.min_distance == pytest.approx(apart(formation.slots), rel=1e-9)
+    assert formation.min_distance > 0
 
 
 @few
@@ -76,9 +76,9 @@ def test_the_reflection_of_a_symmetrical_formation_is_itself(table, mirror, coun
     partner = distance.argmin(axis=1)
     assert distance.min(axis=1).max() < 2e-4
     assert sorted(partner) == list(range(count))
-    if heading == "along" and not table.get("pattern") and abs(line.side(formation.slots)).min() > 1e-3:
+    if heading == "along" and not table.get("pattern") and abs(line.signed_distance(formation.slots)).min() > 1e-3:
         way = np.stack([np.sin(formation.heading), np.cos(formation.heading)], axis=1)
-        assert way[partner] == pytest.approx(line.reflect_ways(way), abs=1e-6)
+        assert way[partner] == pytest.approx(line.reflect_directions(way), abs=1e-6)
 
 
 @pytest.mark.parametrize("table", EVERYTHING, ids=str)
@@ -121,10 +121,10 @@ def test_words_of_the_first_show_mean_the_same(shape, count):
 def test_count_density_and_spacing_say_how_many():
     circle = {"shape": "circle", "size": [6, 6]}
     few_places = made({**circle, "count": 20}, 24)
-    assert (len(few_places.slots), few_places.waiting, few_places.empty) == (20, 4, 0)
+    assert (len(few_places.slots), few_places.unplaced_dancers, few_places.empty_places) == (20, 4, 0)
     assert "4 dancers have no place" in few_places.warnings[0]
     many = made({**circle, "count": 20}, 17)
-    assert (many.waiting, many.empty) == (0, 3)
+    assert (many.unplaced_dancers, many.empty_places) == (0, 3)
     assert "3 places stay empty" in many.warnings[0]
     dense = made({**circle, "pattern": "grid", "density": 2.0}, 5)
     assert len(dense.slots) == round(2.0 * math.pi * 9)
@@ -136,7 +136,7 @@ def test_count_density_and_spacing_say_how_many():
 @pytest.mark.parametrize("pattern", [each for each in PATTERNS if each["pattern"] != "weighted"], ids=str)
 def test_a_spacing_inside_is_about_kept(pattern):
     formation = made({"shape": "circle", "size": [9, 9], **pattern, "spacing": 1.0}, 0)
-    assert 0.75 < formation.closest < 1.2
+    assert 0.75 < formation.min_distance < 1.2
 
 
 def test_a_soloist_stands_in_front_of_everybody():

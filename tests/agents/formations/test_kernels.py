@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from live.agents.formations.blue_noise_kernels import eliminate, even_out, fill_rows
+from live.agents.formations.blue_noise_kernels import eliminate, lattice_points_in_polygon, lloyd_relax
 
 NOBODY = np.zeros((0, 2))
 
@@ -51,7 +51,7 @@ def test_lloyds_method_goes_to_the_middle_of_the_nearest_ground():
             own = near == site
             expected[site] += 1.4 * (np.average(ground[own], axis=0, weights=density[own]) - expected[site])
     nearest = np.zeros(300, np.int64)
-    even_out(ground, density, sites, 5, 3, 1.4, np.zeros((7, 3)), nearest)
+    lloyd_relax(ground, density, sites, 5, 3, 1.4, np.zeros((7, 3)), nearest)
     assert sites == pytest.approx(expected)
     assert (nearest == near).all()
 
@@ -61,7 +61,7 @@ def test_lloyds_method_without_ground_or_sites():
         if len(sites) == 0:
             continue
         before = sites.copy()
-        even_out(
+        lloyd_relax(
             ground,
             np.ones(len(ground)),
             sites,
@@ -90,12 +90,12 @@ def test_rows_hold_the_points_that_shapely_holds(seed):
     grid = np.stack([x0 + step * i, z0 + drop * j], axis=-1).reshape(-1, 2)
     expected = grid[shapely.intersects_xy(region, grid[:, 0], grid[:, 1])]
     out = np.zeros((2000, 2))
-    found = fill_rows(edges, bounds, step, drop, x0, z0, np.zeros(len(edges)), out)
+    found = lattice_points_in_polygon(edges, bounds, step, drop, x0, z0, np.zeros(len(edges)), out)
     assert found == len(expected)
     order = np.lexsort((expected[:, 0], -expected[:, 1]))
     assert out[:found] == pytest.approx(expected[order])
     short = np.zeros((3, 2))
-    assert fill_rows(edges, bounds, step, drop, x0, z0, np.zeros(len(edges)), short) == found
+    assert lattice_points_in_polygon(edges, bounds, step, drop, x0, z0, np.zeros(len(edges)), short) == found
     assert (short == out[:3]).all()
 
 
@@ -103,4 +103,4 @@ def test_rows_on_the_border_count():
     corners = np.array([[-2.0, -1.0], [2.0, -1.0], [2.0, 1.0], [-2.0, 1.0], [-2.0, -1.0]])
     edges = np.concatenate([corners[:-1], corners[1:]], axis=1)
     out = np.zeros((30, 2))
-    assert fill_rows(edges, np.array([-1.0, 1.0]), 1.0, 1.0, 0.0, 0.0, np.zeros(4), out) == 15
+    assert lattice_points_in_polygon(edges, np.array([-1.0, 1.0]), 1.0, 1.0, 0.0, 0.0, np.zeros(4), out) == 15

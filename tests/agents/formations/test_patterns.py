@@ -70,7 +70,7 @@ def test_lines_that_cross_or_meet_never_share_a_place():
         for count in range(4, 30):
             formation = made({"shape": "polyline", "points": points}, count)
             length = sum(shapely.LineString(line).length for line in formation.lines)
-            assert formation.closest > 0.4 * length / count, count
+            assert formation.min_distance > 0.4 * length / count, count
 
 
 def test_weights_put_dancers_where_they_weigh():
@@ -97,14 +97,16 @@ def test_a_focus_draws_dancers_near():
 )
 def test_a_lattice_has_one_spacing_and_its_directions(shape, pattern, count):
     formation = made({**shape, "pattern": pattern}, count)
-    assert nearest(formation.slots).max() < 1.5 * formation.closest  # a corner may have none but diagonal neighbours
+    assert (
+        nearest(formation.slots).max() < 1.5 * formation.min_distance
+    )  # a corner may have none but diagonal neighbours
     steps = formation.slots - formation.slots[0]
     if pattern == "diagonal":
         steps = steps @ np.array([[1, 1], [1, -1]]) * math.sqrt(0.5)
-    cells = steps / formation.closest
+    cells = steps / formation.min_distance
     assert np.abs(cells - cells.round()).max() < 1e-3
     region = shapely.Polygon(formation.lines[0])
-    assert formation.closest > 0.8 * math.sqrt(region.area / count)
+    assert formation.min_distance > 0.8 * math.sqrt(region.area / count)
 
 
 def test_a_grid_fills_the_rectangle_row_by_row_from_the_front():
@@ -134,11 +136,11 @@ def test_blue_noise_keeps_the_distance_that_theory_allows(shape, count):
     region = shapely.Polygon(formation.lines[0], holes=formation.lines[1:])
     hexagonal = math.sqrt(2 * region.area / (math.sqrt(3) * count))
     packed = math.sqrt(2 * region.buffer(hexagonal / 2).area / (math.sqrt(3) * count))
-    assert 0.6 * hexagonal < formation.closest < packed
+    assert 0.6 * hexagonal < formation.min_distance < packed
     random = np.random.default_rng(1).uniform(-3, 3, (4000, 2))
     random = random[shapely.contains_xy(region, random[:, 0], random[:, 1])][:count]
     assert nearest(formation.slots).std() / nearest(formation.slots).mean() < 0.25  # random places: about 0.5
-    assert nearest(random).min() < 0.5 * formation.closest
+    assert nearest(random).min() < 0.5 * formation.min_distance
 
 
 def test_blue_noise_is_no_lattice():

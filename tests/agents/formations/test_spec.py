@@ -7,7 +7,7 @@ import tomllib
 import pytest
 
 from live.agents.formations.formation import check_formation, formation_of
-from live.agents.formations.formation_notation import spec_from_words
+from live.agents.formations.formation_notation import parse_formation
 from live.agents.formations.formation_spec import FormationSpec, spec_from_table, spec_to_table
 from live.base.errors import PersonError
 from tests.agents.formations.tables import EVERYTHING
@@ -129,16 +129,16 @@ def test_toml_reads_as_written():
     ],
 )
 def test_words(words, shape, inside, pattern):
-    spec = spec_from_words(words)
+    spec = parse_formation(words)
     assert (spec.shape, spec.inside, spec.distribution) == (shape, inside, pattern)
     assert len(formation_of(spec, 10).slots) == 10
 
 
 def test_words_carry_what_the_shape_needs():
-    assert spec_from_words("star:7").corners == 7
-    assert spec_from_words("hexagon").corners == 6
-    assert spec_from_words("spiral:1.5").turns == 1.5
-    assert spec_from_words("text:LIVE ON").text == "LIVE ON"
+    assert parse_formation("star:7").corners == 7
+    assert parse_formation("hexagon").corners == 6
+    assert parse_formation("spiral:1.5").turns == 1.5
+    assert parse_formation("text:LIVE ON").text == "LIVE ON"
 
 
 @pytest.mark.parametrize(
@@ -146,4 +146,4 @@ def test_words_carry_what_the_shape_needs():
 )
 def test_words_that_say_no_formation(words):
     with pytest.raises(PersonError):
-        check_formation(spec_from_words(words))
+        check_formation(parse_formation(words))

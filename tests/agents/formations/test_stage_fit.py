@@ -31,8 +31,8 @@ def test_the_remedy_mends(spec):
     fit = fit_stage(formation, 12, 8)
     assert not fit.fits
     assert fit.remedy
-    centre = (spec.centre[0] + fit.move[0], spec.centre[1] + fit.move[1])
-    size = (spec.size[0] * fit.factor, spec.size[1] * fit.factor)
-    assert fit_stage(formation_of(replace(spec, size=size, centre=centre), 30), 12.02, 8.02).fits or fit.factor < 1
-    scaled = (formation.slots - formation.slots.mean(axis=0)) * fit.factor
+    centre = (spec.centre[0] + fit.offset[0], spec.centre[1] + fit.offset[1])
+    size = (spec.size[0] * fit.scale, spec.size[1] * fit.scale)
+    assert fit_stage(formation_of(replace(spec, size=size, centre=centre), 30), 12.02, 8.02).fits or fit.scale < 1
+    scaled = (formation.slots - formation.slots.mean(axis=0)) * fit.scale
     assert (scaled.max(axis=0) - scaled.min(axis=0) <= [11.5001, 7.5001]).all()

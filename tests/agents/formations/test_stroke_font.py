@@ -60,7 +60,7 @@ def test_dancers_cover_all_strokes(letter):
     )  # fmt: skip
     length = sum(np.hypot(*np.diff(line, axis=0).T).sum() for line in formation.lines)
     assert cKDTree(formation.slots).query(drawn)[0].max() < 1.0 * length / 15
-    assert formation.closest > 0.35 * length / 16
+    assert formation.min_distance > 0.35 * length / 16
 
 
 def test_texts_are_read_from_left_to_right_by_the_public():

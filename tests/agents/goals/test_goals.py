@@ -5,14 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.agent_command import Wants
-from live.agents.goals.goal_kernels import ARRIVE, ATTRACTOR, segments_cross
+from live.agents.agent_command import AgentCommand
+from live.agents.goals.goal_kernels import ARRIVE, ATTRACT, segments_cross
 from live.agents.goals.goals import Goals, WayPoints
 
 
 def wished(position, target, **options):
     position = np.array(position, np.float32).reshape(-1, 2)
-    wants = Wants(len(position))
+    wants = AgentCommand(len(position))
     reached = Goals(target, 1.3, **options)(wants, position)
     return wants.velocity.astype(float), list(reached)
 
@@ -37,12 +37,12 @@ def test_the_attractor_pulls_with_one_minus_f(seed, count, rate):
     chance = np.random.default_rng(seed)
     angle, distance = chance.uniform(0, 7, count), 10 ** chance.uniform(-3, 2, count)
     target = np.stack([np.sin(angle), np.cos(angle)], 1) * distance[:, None]
-    velocity, _ = wished(np.zeros((count, 2)), target, law=ATTRACTOR, rate=rate)
+    velocity, _ = wished(np.zeros((count, 2)), target, law=ATTRACT, rate=rate)
     expected = target / distance[:, None] * 1.3 * (1 - np.exp(-rate * distance))[:, None]
     np.testing.assert_allclose(velocity, expected, atol=4e-6)
 
 
-@pytest.mark.parametrize("law", [ARRIVE, ATTRACTOR])
+@pytest.mark.parametrize("law", [ARRIVE, ATTRACT])
 def test_on_the_spot_she_stands(law):
     velocity, reached = wished([[2, 1], [5, 5]], [[2, 1], [5, 5.2]], law=law)
     assert (velocity[0] == 0).all()
@@ -66,7 +66,7 @@ def walk(way, start, gate=0.9):
         ways(goals, place, 0.1, gate)
         if ways.at[0] != seen[-1]:
             seen.append(int(ways.at[0]))
-        wants = Wants(1)
+        wants = AgentCommand(1)
         goals(wants, place)
         place = place + wants.velocity * np.float32(0.05)
     return seen, place[0]
@@ -80,7 +80,7 @@ def test_way_points_are_taken_in_order_and_the_last_one_is_kept():
 
 def test_nobody_slows_down_but_for_her_last_point():
     way = WayPoints([[[1, 0], [1.5, 0]]], rate=1.0)
-    goals, wants = Goals(way.current, 1.3), Wants(1)
+    goals, wants = Goals(way.current, 1.3), AgentCommand(1)
     way.begin(goals)
     place = np.array([[0.9, 0.0]], np.float32)
     goals(wants, place)
@@ -96,7 +96,7 @@ def test_who_has_been_pushed_past_a_way_point_goes_on():
     #  beside it and past; beside it, not yet past; past, but far beside; there
     place = np.array([[0.1, 0.6], [-0.1, 0.6], [0.1, 1.5], [-0.05, 0.05]], np.float32)
     way(goals, place, 0.3, 0.9)
-    assert list(way.on_last) == [True, False, False, True]
+    assert list(way.heading_to_last) == [True, False, False, True]
     np.testing.assert_array_equal(goals.target[:, 0], [4, 0, 0, 4])
     np.testing.assert_array_equal(way.last, [[4, 0]] * 4)
 
@@ -106,9 +106,9 @@ def test_nobody_skips_a_way_point_through_a_wall():
     way = WayPoints([[[0, 0.5], [4, 0.5]]], np.concatenate([door, [[0.05, 0.7, 0.05, 5.0]]]))
     goals = Goals(way.current, 1.0)
     way(goals, np.array([[0.01, 0.0]], np.float32), 0.1, 0.9)
-    assert not way.on_last[0]
+    assert not way.heading_to_last[0]
     way(goals, np.array([[0.01, 0.55]], np.float32), 0.01, 0.9)
-    assert way.on_last[0]
+    assert way.heading_to_last[0]
 
 
 def test_segments_cross_as_shapely_says():

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.goals.goals import who_gives_way
+from live.agents.goals.goals import yielding_agents
 
 
 def reachable(position, arrived, near):
@@ -27,12 +27,12 @@ def test_a_throng_is_all_that_can_be_reached(seed, count, share):
     position = chance.uniform(0, 4, (count, 2))
     arrived = chance.uniform(size=count) < share
     expected = reachable(position, arrived, 0.7)
-    np.testing.assert_array_equal(who_gives_way(position, arrived, 0.7), expected)
+    np.testing.assert_array_equal(yielding_agents(position, arrived, 0.7), expected)
 
 
 def test_who_stands_apart_or_among_those_at_their_goals_stays():
     row = np.array([[0, 0], [0.6, 0], [1.2, 0], [5, 0]])
     arrived = np.array([False, True, True, True])
-    assert list(who_gives_way(row, arrived, 0.7)) == [False, True, True, False]
-    assert not who_gives_way(row, np.ones(4, bool), 0.7).any()
-    assert not who_gives_way(row, np.zeros(4, bool), 0.7).any()
+    assert list(yielding_agents(row, arrived, 0.7)) == [False, True, True, False]
+    assert not yielding_agents(row, np.ones(4, bool), 0.7).any()
+    assert not yielding_agents(row, np.zeros(4, bool), 0.7).any()

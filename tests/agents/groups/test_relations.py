@@ -7,17 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.groups.roster import Line, canon, mirrored, mirrored_heading, partners
+from live.agents.groups.roster import Line, canon_delays, mirror_headings, mirror_partners, mirror_places
 
 FINITE = st.floats(-20, 20)
 LINES = st.builds(Line, FINITE, FINITE, st.floats(-7, 7))
 
 
 def test_the_middle_line_swaps_left_and_right():
-    assert mirrored([[2.0, 3.0]], Line()) == pytest.approx(np.array([[-2.0, 3.0]]))
-    assert mirrored_heading(0.4, Line()) == pytest.approx(-0.4)
+    assert mirror_places([[2.0, 3.0]], Line()) == pytest.approx(np.array([[-2.0, 3.0]]))
+    assert mirror_headings(0.4, Line()) == pytest.approx(-0.4)
     across = Line.through((-1, 2), (1, 2))
-    assert mirrored([[3.0, 5.0]], across) == pytest.approx(np.array([[3.0, -1.0]]))
+    assert mirror_places([[3.0, 5.0]], across) == pytest.approx(np.array([[3.0, -1.0]]))
 
 
 def test_a_line_needs_two_points():
@@ -28,20 +28,20 @@ def test_a_line_needs_two_points():
 @given(LINES, st.lists(st.tuples(FINITE, FINITE), min_size=2, max_size=6), st.floats(-7, 7))
 def test_a_mirror_is_its_own_inverse_keeps_distances_and_turns_headings_with_the_way(line, places, heading):
     places = np.array(places)
-    image = mirrored(places, line)
-    assert mirrored(image, line) == pytest.approx(places, abs=1e-9)
+    image = mirror_places(places, line)
+    assert mirror_places(image, line) == pytest.approx(places, abs=1e-9)
     assert np.hypot(*np.diff(image, axis=0).T) == pytest.approx(np.hypot(*np.diff(places, axis=0).T), abs=1e-9)
     ahead = places + np.array([math.sin(heading), math.cos(heading)])
-    turned = mirrored_heading(heading, line)
-    assert mirrored(ahead, line) - image == pytest.approx(
+    turned = mirror_headings(heading, line)
+    assert mirror_places(ahead, line) - image == pytest.approx(
         np.broadcast_to([math.sin(turned), math.cos(turned)], image.shape), abs=1e-8
     )
 
 
 def test_a_canon_is_evenly_later():
-    assert canon(3, 2.0) == (0.0, 2.0, 4.0)
+    assert canon_delays(3, 2.0) == (0.0, 2.0, 4.0)
 
 
 def test_partners_stand_where_the_mirror_shows_them():
     places = [[-2, 1], [0, 0], [2.1, 1], [3, 3], [-3, 3.2], [5, 5]]
-    assert sorted(partners(places, Line())) == [(0, 2), (3, 4)]
+    assert sorted(mirror_partners(places, Line())) == [(0, 2), (3, 4)]

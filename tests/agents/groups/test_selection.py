@@ -6,20 +6,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.agents.groups.group_expression import (
-    DEEPEST,
-    LONGEST,
-    Combined,
-    Numbers,
+    MAX_DEPTH,
+    MAX_LENGTH,
+    BinaryOperation,
+    NumberRange,
     Word,
-    divide,
-    needs_places,
+    depends_on_positions,
     parse,
-    selection,
+    partition,
+    select_dancers,
 )
 from live.agents.groups.roster import PLACE_WORDS, Roster
 from live.base.errors import PersonError
 
-ROSTER = Roster.of(
+ROSTER = Roster.create(
     8, {1: ["soloist"], 2: ["tall"], 3: ["tall", "red"], 4: ["red"]}, chorus="all - soloist", near="front & chorus"
 )
 PLACES = np.array([[-5, 3], [-2, -1], [-1, 1], [0, 0], [1, -3], [2, 2], [3.2, -2], [5, 3.5]])
@@ -27,7 +27,7 @@ PLACES = np.array([[-5, 3], [-2, -1], [-1, 1], [0, 0], [1, -3], [2, 2], [3.2, -2
 
 def numbers(expression, positions=PLACES):
     """The dancers' numbers, from 1."""
-    return [int(n) + 1 for n in np.flatnonzero(selection(expression, ROSTER, positions))]
+    return [int(n) + 1 for n in np.flatnonzero(select_dancers(expression, ROSTER, positions))]
 
 
 @pytest.mark.parametrize(
@@ -71,32 +71,32 @@ def test_who_is_meant(expression, expected):
         ("tall red", "one too many"),
         ("& tall", "stands where"),
         ("tall ? red", "cannot be read from '\\? red'"),
-        ("x" * (LONGEST + 1), "characters"),
-        ("(" * (DEEPEST + 1) + "1" + ")" * (DEEPEST + 1), "brackets"),
+        ("x" * (MAX_LENGTH + 1), "characters"),
+        ("(" * (MAX_DEPTH + 1) + "1" + ")" * (MAX_DEPTH + 1), "brackets"),
         ("left", "are not known"),
     ],
 )
 def test_what_cannot_be_meant_is_said(expression, says):
     with pytest.raises(PersonError, match=says):
-        selection(expression, ROSTER, None)
+        select_dancers(expression, ROSTER, None)
 
 
 def test_a_group_that_contains_itself_is_refused():
-    roster = Roster.of(2, a="b + 1", b="a")
+    roster = Roster.create(2, a="b + 1", b="a")
     with pytest.raises(PersonError, match="a → b → a"):
-        selection("a", roster)
+        select_dancers("a", roster)
 
 
 @pytest.mark.parametrize("word", [*PLACE_WORDS, "all", "everyone"])
 def test_a_group_that_is_called_like_a_place_comes_first(word):
-    roster = Roster.of(3, **{word: "2-3"})
-    assert selection(word, roster, np.zeros((3, 2))).tolist() == [False, True, True]
+    roster = Roster.create(3, **{word: "2-3"})
+    assert select_dancers(word, roster, np.zeros((3, 2))).tolist() == [False, True, True]
 
 
 def test_whether_places_matter_is_seen_through_names():
-    assert needs_places("1 + near", ROSTER)
-    assert not needs_places("chorus - 3", ROSTER)
-    assert not needs_places("", ROSTER)
+    assert depends_on_positions("1 + near", ROSTER)
+    assert not depends_on_positions("chorus - 3", ROSTER)
+    assert not depends_on_positions("", ROSTER)
 
 
 def expressions():
@@ -108,10 +108,10 @@ def expressions():
 
 def sets(node, positions):
     """Independent evaluation: sets of numbers."""
-    if isinstance(node, Combined):
+    if isinstance(node, BinaryOperation):
         left, right = sets(node.left, positions), sets(node.right, positions)
         return {"+": left | right, "&": left & right, "-": left - right}[node.sign]
-    if isinstance(node, Numbers):
+    if isinstance(node, NumberRange):
         return set(range(node.first, node.last + 1))
     assert isinstance(node, Word)
     return {
@@ -128,7 +128,7 @@ def test_expressions_mean_what_sets_mean(expression):
 @given(st.text(max_size=60))
 def test_no_text_does_anything_but_mean_somebody_or_be_refused(text):
     try:
-        mask = selection(text, ROSTER, PLACES)
+        mask = select_dancers(text, ROSTER, PLACES)
     except PersonError:
         return
     assert mask.shape == (8,)
@@ -137,8 +137,8 @@ def test_no_text_does_anything_but_mean_somebody_or_be_refused(text):
 @given(st.lists(expressions(), max_size=4), st.integers(0, 255))
 def test_division_leaves_nobody_out_and_nobody_twice(parts, bits):
     within = np.array([bits >> n & 1 for n in range(8)], bool)
-    masks = divide(parts, ROSTER, PLACES, within=within)
+    masks = partition(parts, ROSTER, PLACES, within=within)
     assert len(masks) == len(parts) + 1
     assert (np.sum(masks, axis=0) == within).all()
-    again = [mask for part in masks for mask in divide(["left", "tall"], ROSTER, PLACES, within=part)]
+    again = [mask for part in masks for mask in partition(["left", "tall"], ROSTER, PLACES, within=part)]
     assert (np.sum(again, axis=0) == within).all()

@@ -63,7 +63,7 @@ def test_the_formation_is_a_grid_by_the_shortest_ways():
     scenario = SCENARIOS["formation-hung"](0)
     goal = scenario.last_goal
     assert {tuple(place) for place in goal} == {(x - 4.5, z - 2.0) for x in range(10) for z in range(5)}
-    length = scenario.straight.sum()
+    length = scenario.straight_distance.sum()
     chance = np.random.default_rng(0)
     for _ in range(300):  # no two can change places and go less
         swapped = goal.copy()

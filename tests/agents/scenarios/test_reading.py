@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.scenarios.reading import MOST_AGENTS, read_scenario, unread_fields
+from live.agents.scenarios.reading import MAX_AGENTS, read_scenario, unknown_fields
 from live.base.errors import PersonError
 
 GOOD = {
@@ -44,7 +44,7 @@ def test_all_of_it_is_read():
     assert [way.tolist() for way in scenario.goals] == [[[4, 0]], [[0, 1], [-4, 0]]]
     np.testing.assert_array_equal(scenario.last_goal, [[4, 0], [-4, 0]])
     np.testing.assert_array_equal(scenario.walls, [[0, -4, 0, -1]])
-    np.testing.assert_allclose(scenario.straight, [8, 2 * np.hypot(4, 1)])
+    np.testing.assert_allclose(scenario.straight_distance, [8, 2 * np.hypot(4, 1)])
 
 
 def test_stage_and_walls_may_be_left_out_and_nobody_may_come():
@@ -55,7 +55,7 @@ def test_stage_and_walls_may_be_left_out_and_nobody_may_come():
     assert scenario.agent_count == 0
     assert scenario.last_goal.shape == (0, 2)
     assert read_scenario(edited(["stage"], None)).stage is None
-    assert unread_fields(json.dumps({**GOOD, "author": "Ana"})) == ["author"]
+    assert unknown_fields(json.dumps({**GOOD, "author": "Ana"})) == ["author"]
 
 
 BIG = 10**400
@@ -85,7 +85,7 @@ WRONG = [
     (["walls"], [[0, 0, 1, 1]] * 65, "walls"),
     (["agents"], "many", "agents"),
     (["agents"], [[0, 0]], "agents[0]"),
-    (["agents"], [{}] * (MOST_AGENTS + 1), "agents"),
+    (["agents"], [{}] * (MAX_AGENTS + 1), "agents"),
     (["agents", 1, "goal"], ..., "agents[1].goal: missing"),
     (["agents", 0, "position"], ..., "agents[0].position: missing"),
     (["agents", 0, "position"], [7, 0], "agents[0].position"),

@@ -59,7 +59,7 @@ def test_a_stage_that_is_not_centred_changes_nothing():
 @pytest.mark.parametrize("name", ["circle-20", "bottleneck-60", "random-100"])
 def test_the_same_ticks_however_they_fall(name, avoidance):
     """25, 60 and 144 pictures a second ask for the ticks in other portions: the ways are the same, bit by bit."""
-    made = SCENARIOS[name](0).lasting(3.0)
+    made = SCENARIOS[name](0).with_duration(3.0)
     _, whole, arrived = simulate(made, avoidance=avoidance)
     for frames_per_second in (25, 60, 144):
         run, ticks = Simulation(made, avoidance=avoidance), [made.start]
@@ -72,7 +72,7 @@ def test_the_same_ticks_however_they_fall(name, avoidance):
 
 
 def test_two_runs_do_not_know_each_other():
-    made = SCENARIOS["random-100"](1).lasting(2.0)
+    made = SCENARIOS["random-100"](1).with_duration(2.0)
     one, other = Simulation(made), Simulation(made)
     for _ in range(100):
         one.tick()
@@ -83,7 +83,7 @@ def test_two_runs_do_not_know_each_other():
 
 def test_the_order_of_the_agents_does_not_matter():
     """While they steer round each other; later the rounding of sums, which has an order, grows as in every crowd."""
-    made = SCENARIOS["circle-20"](0).lasting(1.5)
+    made = SCENARIOS["circle-20"](0).with_duration(1.5)
     order = np.random.default_rng(3).permutation(20)
     shuffled = scenario(made.start[order], [made.goals[i] for i in order], duration=1.5)
     _, position, _ = simulate(made)

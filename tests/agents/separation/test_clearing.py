@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.agents.crowd.obstacles import Surroundings
-from live.agents.separation.path_separation import MOMENTS, PathParting, Paths
+from live.agents.separation.path_separation import MOMENTS, Paths, PathSeparation
 
 RADIUS = 0.25
 
@@ -14,15 +14,15 @@ RADIUS = 0.25
 def things(*, walls=(), obstacles=()):
     made = Surroundings()
     for number, wall in enumerate(walls):
-        assert made.put_wall(f"wall {number}", *wall)
+        assert made.set_wall(f"wall {number}", *wall)
     for number, obstacle in enumerate(obstacles):
-        assert made.put_obstacle(f"thing {number}", *obstacle)
+        assert made.set_obstacle(f"thing {number}", *obstacle)
     return made
 
 
 def parting(count, surroundings):
     radius, weights = np.full(count, RADIUS, np.float32), np.ones(count, np.float32)
-    return PathParting(
+    return PathSeparation(
         radius, weights, gap_at_end=0.7, half_width=6.0, half_depth=4.0, seed=1, surroundings=surroundings
     )
 
@@ -41,7 +41,7 @@ def walked(paths, goal):
     aimed, found = np.zeros((len(goal), 3)), []
     for place in np.linspace(0.0, 1.0, 200):
         out = np.zeros((len(goal), 2), np.float32)
-        paths.walk(place, goal, aimed, out)
+        paths.places_at(place, goal, aimed, out)
         found.append(out)
     return np.array(found)
 
@@ -50,7 +50,7 @@ def parted(paths, surroundings, most, goal=None):
     goal = np.zeros((len(paths.path), 2)) if goal is None else goal
     part = parting(len(goal), surroundings)
     for _ in range(25):
-        part.part(paths, goal, np.zeros((len(goal), 3)), np.full(len(goal), most))
+        part.separate(paths, goal, np.zeros((len(goal), 3)), np.full(len(goal), most))
     return goal
 
 
@@ -103,7 +103,7 @@ def test_nobody_is_pushed_into_a_wall():
     around = things(walls=[(1.0, -3.0, 1.0, 3.0)])
     part, place = parting(2, around), np.array([[0.7, 0.0], [0.4, 0.0]], np.float32)
     for _ in range(200):
-        moved = part.push(place, place, margin=0.05, stiffness=24.0, dt=1 / 64)
+        moved = part.push_apart(place, place, margin=0.05, stiffness=24.0, dt=1 / 64)
         if moved is None:
             break
         assert np.hypot(*moved.T).max() < 0.05

@@ -4,11 +4,11 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.separation.path_separation import Parting
+from live.agents.separation.path_separation import PlaceSeparation
 
 
 def parting(count):
-    return Parting(count, 0.7, half_width=6.0, half_depth=4.0, seed=1)
+    return PlaceSeparation(count, 0.7, half_width=6.0, half_depth=4.0, seed=1)
 
 
 @settings(max_examples=50, deadline=None)

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.separation.path_separation import MARGIN, MOMENTS, PathParting, Paths
-from live.agents.separation.path_separation_kernels import walk_on
-from live.agents.separation.separation_kernels import bind_agents
+from live.agents.separation.path_separation import MARGIN, MOMENTS, Paths, PathSeparation
+from live.agents.separation.path_separation_kernels import extrapolate_paths
+from live.agents.separation.separation_kernels import tether_agents
 
 RADIUS = 0.25
 
@@ -26,7 +26,7 @@ def crossing(count, seed):
 def parting(count, **values):
     weights = values.pop("responsibility", np.ones(count, np.float32))
     radius = np.full(count, RADIUS, np.float32)
-    return PathParting(radius, weights, gap_at_end=0.7, half_width=6.0, half_depth=4.0, seed=1)
+    return PathSeparation(radius, weights, gap_at_end=0.7, half_width=6.0, half_depth=4.0, seed=1)
 
 
 def nearest(paths, goal, first=0.0):
@@ -34,7 +34,7 @@ def nearest(paths, goal, first=0.0):
     aimed, out = np.zeros((len(goal), 3)), np.zeros((len(goal), 2), np.float32)
     found = []
     for place in np.linspace(first, 1, 200):
-        paths.walk(place, goal, aimed, out)
+        paths.places_at(place, goal, aimed, out)
         apart = np.hypot(*(out[:, None] - out[None]).transpose(2, 0, 1))
         np.fill_diagonal(apart, np.inf)
         found.append(apart)
@@ -50,11 +50,11 @@ def test_two_who_would_meet_go_past_each_other():
     part = parting(2)
     assert nearest(paths, goal).min() < 0.1
     for _ in range(12):
-        part.part(paths, goal, aimed, np.full(2, 0.35))
+        part.separate(paths, goal, aimed, np.full(2, 0.35))
     assert nearest(paths, goal).min() > 2 * RADIUS + 0.9 * MARGIN
     assert goal[0] == pytest.approx(-goal[1], abs=0.02)  # they share the way
-    part.part(paths, goal, aimed, np.full(2, 0.35))
-    assert part.lack.max() < 0.01
+    part.separate(paths, goal, aimed, np.full(2, 0.35))
+    assert part.shortfall.max() < 0.01
 
 
 @settings(max_examples=25, deadline=None)
@@ -64,7 +64,7 @@ def test_nobody_is_led_farther_than_allowed_or_without_need(count, seed, most):
     before = nearest(paths, goal)
     part = parting(count)
     for _ in range(8):
-        part.part(paths, goal, aimed, np.full(count, most))
+        part.separate(paths, goal, aimed, np.full(count, most))
     assert (np.hypot(*goal.T) <= most + 1e-9).all()
     free = (before.min(axis=0) > 2 * RADIUS + 0.45 + 2 * most).all(axis=1)
     assert not goal[free].any()
@@ -77,7 +77,7 @@ def test_crowds_that_cross_touch_less():
         before = nearest(paths, goal, 0.5) < 2 * RADIUS
         part = parting(12)
         for _ in range(20):
-            part.part(paths, goal, np.zeros((12, 3)), np.full(12, 0.35))
+            part.separate(paths, goal, np.zeros((12, 3)), np.full(12, 0.35))
         after = nearest(paths, goal, 0.5) < 2 * RADIUS
         touched += before.any(axis=0).sum()
         worse += after.any(axis=0).sum()
@@ -89,9 +89,9 @@ def test_a_soloist_and_who_is_not_there_are_left_alone():
     paths.path[:] = np.array([[0.0, 0.0], [0.3, 0.0], [0.1, 0.1]], np.float32)[:, None]
     paths.share[:] = np.linspace(0, 1, MOMENTS)
     part = parting(3, responsibility=np.array([0.0, 1.0, 1.0], np.float32))
-    part.there(np.array([3, 3, 0], np.int8), 3)
+    part.set_present(np.array([3, 3, 0], np.int8), 3)
     for _ in range(10):
-        part.part(paths, goal, aimed, np.full(3, 0.6), place=0.5)
+        part.separate(paths, goal, aimed, np.full(3, 0.6), place=0.5)
     assert not goal[(0, 2), :].any()
     assert goal[1, 0] > 0.2
 
@@ -103,7 +103,7 @@ def test_who_touches_is_pushed_apart_without_a_jerk(apart, angle):
     now[1] = apart * np.sin(angle), apart * np.cos(angle)
     way = []
     for _ in range(64):
-        moved = part.push(now, now, margin=0.05, stiffness=18.0, dt=1.0 / 64.0)
+        moved = part.push_apart(now, now, margin=0.05, stiffness=18.0, dt=1.0 / 64.0)
         moved = np.zeros((2, 2)) if moved is None else moved
         way.append(moved.copy())
         now += moved.astype(np.float32)
@@ -119,7 +119,7 @@ def test_agents_are_bound_and_taken_along(seed):
     position, velocity, dancer, pace = chance.normal(0, 1, (4, 9, 2)).astype(np.float32)
     most = chance.uniform(0.2, 2.0, 9).astype(np.float32)
     before, asked = position.copy(), velocity.copy()
-    bind_agents(position, velocity, dancer, pace, most)
+    tether_agents(position, velocity, dancer, pace, most)
     away = position - dancer
     size = np.hypot(*away.T)
     assert (size <= most + 1e-5).all()
@@ -140,14 +140,14 @@ def walked(fractions, *, goes_on, count=6):
     paths, aimed = (crossing(count, 1), crossing(count, 2)), np.zeros((count, 3))
     goals, now = chance.normal(0.0, 0.2, (2, count, 2)), chance.normal(0.0, 1.0, (count, 2)).astype(np.float32)
     out = np.zeros((len(fractions) - 1, count, 2), np.float32)
-    walk_on(
+    extrapolate_paths(
         paths[0].path, paths[0].share, goals[0], aimed, paths[1].path, paths[1].share, goals[1], aimed,
         goes_on, WINDOW, np.array(fractions), now, out,
     )  # fmt: skip
     own, later = np.zeros((2, len(fractions), count, 2), np.float32)
     for k, fraction in enumerate(fractions):
-        paths[0].walk(min(fraction, 1.0), goals[0], aimed, own[k])
-        paths[1].walk(max(fraction - 1.0, 0.0), goals[1], aimed, later[k])
+        paths[0].places_at(min(fraction, 1.0), goals[0], aimed, own[k])
+        paths[1].places_at(max(fraction - 1.0, 0.0), goals[1], aimed, later[k])
     return out, now, own, later
 
 
@@ -172,10 +172,10 @@ def test_whoever_walks_on_goes_over_into_the_next_measure_without_a_jump():
 def test_who_would_touch_on_the_way_is_pushed_though_not_at_its_end():
     now = np.array([[0.0, 0.0], [0.9, 0.0]], np.float32)
     back = np.stack([now, now])
-    assert parting(2).push(now, back, margin=0.05, stiffness=24.0, dt=1.0 / 64.0) is None
+    assert parting(2).push_apart(now, back, margin=0.05, stiffness=24.0, dt=1.0 / 64.0) is None
     swing = back.copy()
     swing[0, 0, 0] = 0.5  # there and back again
-    moved = parting(2).push(now, swing, margin=0.05, stiffness=24.0, dt=1.0 / 64.0)
+    moved = parting(2).push_apart(now, swing, margin=0.05, stiffness=24.0, dt=1.0 / 64.0)
     assert moved is not None
     assert moved[0, 0] < 0.0 < moved[1, 0]
 
@@ -188,7 +188,7 @@ def test_nobody_is_pushed_by_a_third_into_whom_she_would_touch(gap):
     for _ in range(48):
         soon = now.copy()
         soon[0, 0] = now[1, 0] - 0.2
-        moved = part.push(now, soon, margin=0.1, stiffness=24.0, dt=1.0 / 64.0)
+        moved = part.push_apart(now, soon, margin=0.1, stiffness=24.0, dt=1.0 / 64.0)
         now = now if moved is None else now + moved.astype(np.float32)
         nearest = min(nearest, now[2, 0] - now[1, 0])
     assert nearest > 2 * RADIUS

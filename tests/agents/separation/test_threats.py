@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.separation.collision_prediction_kernels import NEAR, find_threatened
+from live.agents.separation.collision_prediction_kernels import MAX_RANGE, predict_collisions
 
 RADIUS = 0.25
 SLACK = 0.03
@@ -19,7 +19,7 @@ def threatened(ways, things=(), *, yields=None, here=None):
     padded = np.zeros((len(ways), 8, 2))
     padded[:, : things.shape[1]] = things
     out = np.full(count, 9.0)
-    find_threatened(
+    predict_collisions(
         ways,
         np.full(count, RADIUS, np.float32),
         np.ones(count, np.float32) if yields is None else np.array(yields, np.float32),
@@ -84,7 +84,7 @@ def test_a_crowd_is_judged_as_pair_by_pair(seed):
     for i in range(count):
         for j in range(i + 1, count):
             before, after = ways[0, j] - ways[0, i], ways[1, j] - ways[1, i]
-            if np.abs(before).max() > NEAR:
+            if np.abs(before).max() > MAX_RANGE:
                 continue
             distance = np.hypot(*after)
             if distance < 2 * RADIUS - SLACK and distance < np.hypot(*before) - 0.01:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.agents.separation.collision_prediction_kernels import find_lacks
+from live.agents.separation.collision_prediction_kernels import escape_margins
 
 
 def test_lacks_are_the_worst_and_the_mean_over_the_moments():
@@ -10,7 +10,7 @@ def test_lacks_are_the_worst_and_the_mean_over_the_moments():
     ways, others = chance.normal(size=(8, 30, 2)), chance.normal(size=(5, 8, 3))
     others[..., 2] = np.abs(others[..., 2])
     out = np.empty(30)
-    find_lacks(out, ways, others, 0.15)
+    escape_margins(out, ways, others, 0.15)
     away = np.linalg.norm(ways[None] - others[:, :, None, :2], axis=-1) - others[:, :, None, 2]
     lack = np.maximum(0.15 - away, 0.0).max(axis=0)
     np.testing.assert_allclose(out, lack.max(axis=0) + lack.mean(axis=0), atol=1e-12)
@@ -19,5 +19,5 @@ def test_lacks_are_the_worst_and_the_mean_over_the_moments():
 
 def test_nobody_near_is_no_trouble():
     out = np.ones(3)
-    find_lacks(out, np.zeros((8, 3, 2)), np.zeros((0, 8, 3)), 0.15)
+    escape_margins(out, np.zeros((8, 3, 2)), np.zeros((0, 8, 3)), 0.15)
     assert (out == 0.0).all()

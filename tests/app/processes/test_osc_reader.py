@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from live.app.launch_options import LaunchOptions
 from live.app.processes import engine_main
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.cli.main import app
 from live.clock.time_source import SystemClock
 from live.control.events import events
@@ -33,7 +33,7 @@ class Supervised:
         self.sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.sender.settimeout(0.01)
         self.reader = self.begin()
-        self.inbox: Inbox[events.ControlEvent] = Inbox()
+        self.inbox: EventQueue[events.ControlEvent] = EventQueue()
         self.remote: OscRemote | None = None
 
     def begin(self) -> Child:
@@ -43,11 +43,11 @@ class Supervised:
 
     def engine(self) -> OscRemote:
         """Another engine, which knows nothing of the last one's."""
-        self.inbox = Inbox()
+        self.inbox = EventQueue()
         self.remote = OscRemote(
-            "", 0, self.inbox.lane(), self.clock, inherited=self.udp.fileno(), reader=self.pair[0].fileno()
+            "", 0, self.inbox.add_queue(), self.clock, inherited=self.udp.fileno(), reader=self.pair[0].fileno()
         )
-        self.remote.tell({"/dance/clock/tempo": (("", (96.0,)),)})
+        self.remote.publish({"/dance/clock/tempo": (("", (96.0,)),)})
         self.remote.start()
         return self.remote
 
@@ -126,14 +126,14 @@ def test_an_engine_that_outlives_its_supervisor_has_a_process_of_its_own(show: S
     remote = show.engine()
     assert show.answered()
     show.pair[1].close()  # so it is when a supervisor dies: all that it held is closed,
-    show.reader.wire.close()  # its end of the wire as well, and the process that it started ends
+    show.reader.channel.close()  # its end of the wire as well, and the process that it started ends
     assert wait_for(lambda: show.reader.process.poll() == 0, 10.0)
     show.send("/dance/clock/one")
     assert show.heard(events.One)
     assert show.answered()
-    assert remote.process is not None
-    assert remote.facts()["restarts"] == 1
-    os.kill(remote.process, signal.SIGKILL)
+    assert remote.pid is not None
+    assert remote.status()["restarts"] == 1
+    os.kill(remote.pid, signal.SIGKILL)
     assert remote._helper is not None
     remote._helper._started_at -= 10.0
     assert show.answered()

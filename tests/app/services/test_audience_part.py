@@ -8,10 +8,10 @@ import aiohttp
 import pytest
 
 from live.app.launch_options import LaunchOptions
-from live.app.option_values import audience_address, audience_web_address, with_audience
-from live.app.services.audience_service import AudiencePart, beat_of, rules_of
+from live.app.option_values import expand_audience_option, parse_audience_address, parse_audience_link
+from live.app.services.audience_service import AudienceService, beat_of, rules_of
 from live.base.errors import PersonError
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.time_source import SystemClock
 from live.control.events import events
 from live.show.engine import Engine
@@ -26,11 +26,11 @@ class Stage:
     """A show that runs at 60 frames a second beside what a test does, with its audience."""
 
     def __init__(self, **wished):
-        self.show, self.clock, self.inbox = made_show(REGIONS), SystemClock(), Inbox()
+        self.show, self.clock, self.inbox = made_show(REGIONS), SystemClock(), EventQueue()
         self.status = Status(self.show, rejected=dict, memory=lambda: 1.0)
         self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=self.status)
         options = LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, **wished)
-        self.part = AudiencePart(options, self.show, self.inbox.lane(), self.clock)
+        self.part = AudienceService(options, self.show, self.inbox.add_queue(), self.clock)
 
     def say(self, kind, **values):
         self.inbox.put(kind(time=self.clock.now(), source="osc", **values))
@@ -67,7 +67,7 @@ def test_phones_move_dancers_and_resume_when_the_gateway_was_killed_while_frames
         assert stage.status.snapshot(1.0)["phones"] == 1
         await until(lambda: stage.clock.now() > 2.2)  # a process that dies at once is not started again at once
         frames, died = stage.status.frames, stage.clock.now()
-        os.kill(part.process, signal.SIGKILL)
+        os.kill(part.pid, signal.SIGKILL)
         again = None
         while again is None:
             assert stage.clock.now() - died < 12.0  # 3 s of an idle machine
@@ -103,35 +103,35 @@ def test_what_a_gateway_is_told_of_a_show():
     assert rules.vote == (1, "step", ("sway", "spin"), line + 4.0)
     assert rules.half == (6.0, 4.0)
     beat = beat_of(show)
-    assert beat.at(show.time) == show.timeline.beat_at(show.time)
+    assert beat.beat_at(show.time) == show.timeline.beat_at(show.time)
     assert (line - beat.line) % 4 == 0
 
 
 def test_where_phones_play_is_shown_and_what_cannot_be_is_told():
-    assert audience_address("8021") == ("127.0.0.1", 8021)
-    assert audience_address("0.0.0.0:80") == ("0.0.0.0", 80)
-    assert audience_address("[::1]:80") == ("::1", 80)
+    assert parse_audience_address("8021") == ("127.0.0.1", 8021)
+    assert parse_audience_address("0.0.0.0:80") == ("0.0.0.0", 80)
+    assert parse_audience_address("[::1]:80") == ("::1", 80)
     for text in ("", "x", "1:2:3", "host:", "host:99999", "a b:80"):
         with pytest.raises(PersonError):
-            audience_address(text)
-    assert audience_web_address("https://play.example") == "https://play.example"
+            parse_audience_address(text)
+    assert parse_audience_link("https://play.example") == "https://play.example"
     for text in ("play.example", "ftp://x", "http://x/path", "http://x y"):
         with pytest.raises(PersonError):
-            audience_web_address(text)
-    assert with_audience(["play", "--audience"]) == ["play", "--audience", "127.0.0.1:8020"]
-    assert with_audience(["--audience", "a.toml"]) == ["--audience", "127.0.0.1:8020", "a.toml"]
-    assert with_audience(["--audience", "8021", "x"]) == ["--audience", "8021", "x"]
-    made = made_show(), Inbox().lane(), SystemClock()
-    public = AudiencePart(LaunchOptions(audience=("0.0.0.0", 8020), audience_secret=b"x"), *made)
+            parse_audience_link(text)
+    assert expand_audience_option(["play", "--audience"]) == ["play", "--audience", "127.0.0.1:8020"]
+    assert expand_audience_option(["--audience", "a.toml"]) == ["--audience", "127.0.0.1:8020", "a.toml"]
+    assert expand_audience_option(["--audience", "8021", "x"]) == ["--audience", "8021", "x"]
+    made = made_show(), EventQueue().add_queue(), SystemClock()
+    public = AudienceService(LaunchOptions(audience=("0.0.0.0", 8020), audience_secret=b"x"), *made)
     assert public.is_public
     assert public.address.startswith("http://")
     assert ":8020" in public.address
-    named = AudiencePart(LaunchOptions(audience=("0.0.0.0", 8020), audience_link="http://stage.local/"), *made)
+    named = AudienceService(LaunchOptions(audience=("0.0.0.0", 8020), audience_link="http://stage.local/"), *made)
     assert named.address == "http://stage.local"
-    first = AudiencePart(LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"x"), *made)
+    first = AudienceService(LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"x"), *made)
     first.start()
     try:
         with pytest.raises(PersonError, match="choose another port"):
-            AudiencePart(LaunchOptions(audience=("127.0.0.1", first.port), audience_secret=b"x"), *made).start()
+            AudienceService(LaunchOptions(audience=("127.0.0.1", first.port), audience_secret=b"x"), *made).start()
     finally:
         first.stop()

@@ -17,10 +17,10 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
 from live.app.launch_options import LaunchOptions
-from live.app.services.audience_service import AudiencePart, network_of, tls_files
+from live.app.services.audience_service import AudienceService, network_of, tls_files
 from live.app.services.audience_tls import parse_tls, read_identity
 from live.base.errors import PersonError
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.cli.inspect.venue_check import certificate_checks
 from live.clock.time_source import ManualClock
 from live.show.patch.section_io import AudienceSection
@@ -58,7 +58,7 @@ def made(folder, name="hall", *, begins=NOW - DAY, ends=NOW + 30 * DAY, hosts=("
 def notes(monkeypatch):
     """What a person is told."""
     told = []
-    monkeypatch.setattr(AudiencePart, "_note", staticmethod(lambda words, _style: told.append(words)))
+    monkeypatch.setattr(AudienceService, "_note", staticmethod(lambda words, _style: told.append(words)))
     return told
 
 
@@ -82,7 +82,7 @@ def test_phones_play_over_tls_and_come_back_when_the_gateway_was_killed_though_i
             mute = [socket.create_connection(("127.0.0.1", part.port)) for _ in range(10)]  # no handshake ever comes
             mute[0].sendall(b"GET / HTTP/1.1\r\n\r\n")  # no TLS at all
             await until(lambda: stage.clock.now() > 2.2)
-            os.kill(part.process, signal.SIGKILL)
+            os.kill(part.pid, signal.SIGKILL)
             again = None
             while again is None:
                 try:
@@ -106,7 +106,7 @@ def test_a_certificate_that_expires_during_the_show_is_told_once_and_phones_play
     files = made(tmp_path, ends=NOW + datetime.timedelta(hours=1))
     clock = ManualClock()
     options = LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, audience_tls=files)
-    part = AudiencePart(options, made_show(), Inbox().lane(), clock)
+    part = AudienceService(options, made_show(), EventQueue().add_queue(), clock)
     part.start()
     try:
         assert [words for words in notes if "expires on" in words]
@@ -116,7 +116,7 @@ def test_a_certificate_that_expires_during_the_show_is_told_once_and_phones_play
         for _ in range(3):
             part.frame()
         assert len([words for words in notes if "has expired" in words]) == 1
-        assert part.process is not None
+        assert part.pid is not None
         assert part.status()["certificate_until"].endswith("Z")
     finally:
         part.stop()
@@ -126,15 +126,15 @@ def test_expired_foreign_and_readable_ones_are_told_and_the_show_begins(tmp_path
     certificate, key = made(tmp_path, ends=NOW - datetime.timedelta(hours=1), hosts=("*.play.example",))
     key.chmod(0o644)
     identity = read_identity(certificate, key)
-    told = identity.doubt(NOW, "stage.local")
+    told = identity.warnings(NOW, "stage.local")
     assert any("expired on" in words and "renew" in words for words in told)
     assert any(f"chmod 600 {key}" in words for words in told)
     assert any("is for *.play.example, 127.0.0.1, but phones are given stage.local" in words for words in told)
-    assert not [words for words in identity.doubt(NOW, "hall.play.example") if "phones are given" in words]
-    assert [words for words in identity.doubt(NOW, "a.b.play.example") if "phones are given" in words]
-    assert [words for words in identity.doubt(NOW - 90 * DAY, "127.0.0.1") if "valid from" in words]
+    assert not [words for words in identity.warnings(NOW, "hall.play.example") if "phones are given" in words]
+    assert [words for words in identity.warnings(NOW, "a.b.play.example") if "phones are given" in words]
+    assert [words for words in identity.warnings(NOW - 90 * DAY, "127.0.0.1") if "valid from" in words]
     options = LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, audience_tls=(certificate, key))
-    part = AudiencePart(options, made_show(), Inbox().lane(), ManualClock())
+    part = AudienceService(options, made_show(), EventQueue().add_queue(), ManualClock())
     part.start()
     part.stop()
     assert [words for words in notes if "expired on" in words]
@@ -145,9 +145,11 @@ def test_an_engine_that_goes_on_does_so_without_its_audience_where_the_files_hav
     files[1].unlink()
     options = LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, audience_tls=files)
     with pytest.raises(PersonError, match=r"cannot read .*hall\.key"):
-        AudiencePart(options, made_show(), Inbox().lane(), ManualClock()).start()  # before the show: it is put right
-    part = AudiencePart(options, made_show(), Inbox().lane(), ManualClock(90.0))
-    part.goes_on = True
+        AudienceService(
+            options, made_show(), EventQueue().add_queue(), ManualClock()
+        ).start()  # before the show: it is put right
+    part = AudienceService(options, made_show(), EventQueue().add_queue(), ManualClock(90.0))
+    part.resumes = True
     part.start()
     for each in (part.before_frame, part.frame, part.stop):
         each()
@@ -157,9 +159,9 @@ def test_an_engine_that_goes_on_does_so_without_its_audience_where_the_files_hav
 
 def test_the_link_on_the_wall_has_the_certificates_name(tmp_path, notes):
     certificate, key = made(tmp_path, hosts=("*.x.example", "play.example"))
-    part = AudiencePart(
+    part = AudienceService(
         LaunchOptions(audience=("127.0.0.2", 0), audience_secret=b"s" * 32, audience_tls=(certificate, key)),
-        made_show(), Inbox().lane(), ManualClock(),
+        made_show(), EventQueue().add_queue(), ManualClock(),
     )  # fmt: skip
     part.start()
     try:

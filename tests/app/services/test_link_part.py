@@ -6,7 +6,7 @@ import pytest
 from rich.console import Console
 
 from live.app.services.click_service import make_link
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.time_source import ManualClock
 from tests.cli.command import run_live
 from tests.show.made_show import made_show
@@ -21,7 +21,7 @@ def test_a_wrong_word_is_one_line() -> None:
 def test_without_link_the_show_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "link", None)
     show, console = made_show(), Console(record=True, width=200)
-    assert make_link("follow", show, Inbox(), ManualClock(), console) is None
+    assert make_link("follow", show, EventQueue(), ManualClock(), console) is None
     assert "Ableton Link is not installed" in console.export_text()
-    assert make_link(None, show, Inbox(), ManualClock(), console) is None
+    assert make_link(None, show, EventQueue(), ManualClock(), console) is None
     assert console.export_text() == ""

@@ -8,15 +8,15 @@ import urllib.request
 
 import pytest
 
-from live.app.services.http_services import OscQueryPart
+from live.app.services.http_services import OscQueryService
 from live.app.services.listening_socket import listening_socket
 from live.base.errors import PersonError
 from live.clock.time_source import SystemClock
 from tests.control.waiting import wait_for
 
 
-def made_part(port: int) -> OscQueryPart:
-    return OscQueryPart(("127.0.0.1", port), ("127.0.0.1", 9010), "Live test", SystemClock())
+def made_part(port: int) -> OscQueryService:
+    return OscQueryService(("127.0.0.1", port), ("127.0.0.1", 9010), "Live test", SystemClock())
 
 
 def answers(port: int) -> bool:
@@ -38,15 +38,15 @@ def test_an_engine_that_goes_on_listens_at_once_though_the_last_one_s_processes_
     before.start()
     try:
         assert wait_for(lambda: answers(port), 20)
-        assert before.process is not None
-        os.kill(before.process, signal.SIGSTOP)
+        assert before.pid is not None
+        os.kill(before.pid, signal.SIGSTOP)
         assert before._socket is not None
         before._socket.close()  # as the system closes it with the engine
         with pytest.raises(PersonError, match="in use"):
             other.start()  # another show gets no part of it
-        after.goes_on = True
+        after.resumes = True
         after.start()
-        os.kill(before.process, signal.SIGKILL)
+        os.kill(before.pid, signal.SIGKILL)
         assert wait_for(lambda: answers(port), 20)
     finally:
         for part in (before, after, other):
@@ -56,4 +56,4 @@ def test_an_engine_that_goes_on_listens_at_once_though_the_last_one_s_processes_
 @pytest.mark.parametrize("goes_on", [False, True])
 def test_a_port_of_another_program_is_no_port_of_the_show(goes_on):
     with socket.create_server(("127.0.0.1", 0)) as other, pytest.raises(OSError, match="in use"):
-        listening_socket(("127.0.0.1", other.getsockname()[1]), 8, goes_on=goes_on)
+        listening_socket(("127.0.0.1", other.getsockname()[1]), 8, resumes=goes_on)

@@ -6,18 +6,18 @@ from typing import Any, cast
 
 import pytest
 
-from live.app.services.midi_service import OnMidi
-from live.app.window_operator import Operator
-from live.base.event_queue import Inbox
+from live.app.services.midi_service import MidiService
+from live.app.window_operator import OperatorInput
+from live.base.event_queue import EventQueue
 from live.clock.note_energy import NoteEnergy
 from live.clock.time_source import ManualClock
 from live.control.events import events
 from live.control.events.events import ControlEvent, ForgetMidi, LearnMidi
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_mapping import MidiMap
-from live.control.registry.control import Plain
+from live.control.registry.control import ArgumentValue
 from live.control.registry.registry import Values
-from live.show.patch.hot_reload import stamp_of_files
+from live.show.patch.hot_reload import file_stamp
 from live.show.patch.patch_reader import PatchError, read_patch
 from live.show.patch.patch_search_path import learned_path
 from tests.show.made_show import PATCH, made_show
@@ -48,33 +48,33 @@ class Stage:
         self.path = folder / "mine.toml"
         self.path.write_text(PATCH + WRITTEN)
         self.clock = ManualClock(5.0)
-        self.inbox: Inbox[ControlEvent] = Inbox()
+        self.inbox: EventQueue[ControlEvent] = EventQueue()
         self.show = made_show(WRITTEN)
         values = Values()
         midi_map = MidiMap((), values)
         self.listens = MidiInput("box", self.inbox, self.clock, midi_map=midi_map, notes=NoteEnergy())
         self.tells = Tells()
-        self.midi = OnMidi(
+        self.midi = MidiService(
             self.show, self.clock, self.path,
-            listens=self.listens, midi_map=midi_map, tells=cast(Any, self.tells), values=values,
+            midi_input=self.listens, midi_map=midi_map, feedback_output=cast(Any, self.tells), values=values,
         )  # fmt: skip
 
     def learn(self, address: str, given: str = "") -> None:
-        self.midi.act(LearnMidi(time=0.0, source="osc", address=address, given=given))
+        self.midi.handle(LearnMidi(time=0.0, source="osc", address=address, given=given))
 
     def forget(self, address: str) -> None:
-        self.midi.act(ForgetMidi(time=0.0, source="osc", address=address))
+        self.midi.handle(ForgetMidi(time=0.0, source="osc", address=address))
 
     def play(self, *messages: tuple[int, ...]) -> list[ControlEvent]:
         for message in messages:
             self.listens.decode(message, self.clock.now())
         self.midi.frame()
-        self.midi.learning._keeping.wait()
+        self.midi.learning._writer.wait()
         return [event for event in self.inbox.drain() if not isinstance(event, events.NotesHeard)]
 
     def reload(self) -> None:
         """As when the watched patch is taken."""
-        self.midi.take_patch(read_patch(self.path))
+        self.midi.update_patch(read_patch(self.path))
 
 
 @pytest.fixture
@@ -83,13 +83,13 @@ def stage(tmp_path: Path) -> Stage:
 
 
 def test_what_is_moved_works_the_control_and_stands_beside_the_patch(stage: Stage) -> None:
-    before = stamp_of_files(stage.path)
+    before = file_stamp(stage.path)
     assert [type(event) for event in stage.play((0x90, 50, 1))] == [events.Go]
     stage.learn("/dance/motion/larger", "front")
-    assert "/dance/motion/larger" in stage.midi.note()
+    assert "/dance/motion/larger" in stage.midi.prompt()
     (moved,) = stage.play((0xB0, 7, 1), (0xB0, 7, 9), (0xB0, 7, 0))  # it goes on moving before the next frame
     assert isinstance(moved, events.SetMotion)
-    assert stage.midi.note() == ""
+    assert stage.midi.prompt() == ""
     (moved,) = stage.play((0xB0, 7, 127))
     assert isinstance(moved, events.SetMotion)
     assert (moved.value, moved.group) == (0.5, "front")
@@ -97,7 +97,7 @@ def test_what_is_moved_works_the_control_and_stands_beside_the_patch(stage: Stag
     assert [line.control for line in patch.midi.learned] == ["/dance/motion/larger"]
     assert [one.control for one in patch.midi.bindings] == ["/dance/go", "/dance/motion/larger"]
     assert patch.midi.bindings == stage.midi.learning.bindings
-    assert stamp_of_files(stage.path) != before  # so the watched patch is read anew
+    assert file_stamp(stage.path) != before  # so the watched patch is read anew
     assert stage.path.read_text() == PATCH + WRITTEN
 
 
@@ -107,13 +107,13 @@ def test_a_patch_that_is_read_anew_takes_nothing_away_that_was_learned_meanwhile
     old = read_patch(stage.path)
     stage.learn("/dance/spread")
     stage.play((0x90, 37, 1))
-    stage.midi.take_patch(old)  # it was on its way
+    stage.midi.update_patch(old)  # it was on its way
     assert [type(event) for event in stage.play((0x90, 36, 1), (0x90, 37, 1))] == [events.Blackout, events.Spread]
     stage.reload()
     assert stage.midi.learning._added == []
     assert [type(event) for event in stage.play((0x90, 36, 1), (0x90, 37, 1))] == [events.Blackout, events.Spread]
     stage.forget("/dance/spread")
-    stage.midi.take_patch(old)
+    stage.midi.update_patch(old)
     assert [type(event) for event in stage.play((0x90, 36, 1), (0x90, 37, 1))] == [events.Blackout]
     stage.reload()
     learned_path(stage.path).unlink()  # by the person's hand
@@ -136,7 +136,7 @@ def test_comments_and_what_a_person_wrote_stay(stage: Stage) -> None:
     assert [line.control for line in patch.midi.learned] == ["/dance/go", "/dance/clear", "/dance/panic"]
     for address in ("/dance/panic", "/dance/clear"):
         stage.forget(address)
-        stage.midi.learning._keeping.wait()
+        stage.midi.learning._writer.wait()
     assert learned_path(stage.path).read_text().strip() == text.partition("\n\n")[0]
 
 
@@ -146,14 +146,14 @@ def test_what_cannot_be_learned_or_forgotten_is_said(stage: Stage) -> None:
     stage.learn("/dance/clock/tempo")
     assert stage.midi.refusal() == ""
     stage.learn("")
-    assert stage.midi.note() == ""
+    assert stage.midi.prompt() == ""
     assert len(stage.play((0xB0, 7, 1), (0xB0, 7, 60))) == 2  # the patch's own map again
     stage.forget("/dance/clock/tempo")
     assert "the patch's own map" in stage.midi.refusal()
     stage.forget("/dance/panic")
     assert "nothing was learned" in stage.midi.refusal()
-    deaf = OnMidi(stage.show, stage.clock, stage.path)
-    deaf.act(LearnMidi(time=0.0, source="osc", address="/dance/go"))
+    deaf = MidiService(stage.show, stage.clock, stage.path)
+    deaf.handle(LearnMidi(time=0.0, source="osc", address="/dance/go"))
     assert "--midi NAME" in deaf.refusal()
 
 
@@ -161,8 +161,8 @@ def test_a_file_that_cannot_be_kept_is_said_and_the_show_goes_on(stage: Stage) -
     learned_path(stage.path).write_text("[[midi.learned]]\nnote = 400\n")
     stage.learn("/dance/blackout")
     stage.play((0x90, 36, 1))
-    assert "NOT SAVED" in stage.midi.said()
-    assert "line 2" in stage.midi.said()
+    assert "NOT SAVED" in stage.midi.last_change()
+    assert "line 2" in stage.midi.last_change()
     assert [type(event) for event in stage.play((0x90, 36, 1))] == [events.Blackout]
     with pytest.raises(PatchError, match=r"mine\.midi\.toml, line 2"):
         read_patch(stage.path)
@@ -172,8 +172,8 @@ def test_what_a_pad_is_told_that_comes_back_over_a_cable_is_no_hand(stage: Stage
     stage.learn("/dance/blackout")
     stage.play((0x90, 36, 1))
 
-    def show_says(on: Plain) -> None:
-        stage.midi.tell({"/dance/blackout": (("", (on,)),)})
+    def show_says(on: ArgumentValue) -> None:
+        stage.midi.publish({"/dance/blackout": (("", (on,)),)})
         stage.clock.advance(0.1)
         stage.midi.frame()
 
@@ -190,10 +190,10 @@ def test_esc_in_the_window_ends_learning_and_then_the_show(stage: Stage) -> None
     session = SimpleNamespace(midi=stage.midi, inbox=SimpleNamespace(put=posted.append))
     window = SimpleNamespace(_session=session, _window=SimpleNamespace(fullscreen=False), leaving=False)
     stage.learn("/dance/go")
-    Operator._escape(cast(Any, window), 2.0)
+    OperatorInput._escape(cast(Any, window), 2.0)
     assert posted == [LearnMidi(time=2.0, source="key", address="")]
     assert not window.leaving
-    stage.midi.act(posted[0])
-    Operator._escape(cast(Any, window), 3.0)
+    stage.midi.handle(posted[0])
+    OperatorInput._escape(cast(Any, window), 3.0)
     assert window.leaving
     assert len(posted) == 1

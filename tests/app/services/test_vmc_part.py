@@ -9,7 +9,7 @@ import pytest
 from live.app.launch_options import LaunchOptions
 from live.app.services.capture_services import make_psn, make_vmc
 from live.base.errors import PersonError
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.time_source import ManualClock
 from live.control.capture.vmc_output import play_clip
 from live.motion.clip import Clip
@@ -24,7 +24,7 @@ VENUE = Venue.model_validate({"vmc": {"at": ["0"]}, "psn": {"at": "127.0.0.1:0"}
 
 
 def test_it_listens_where_the_command_line_says_or_the_venue_and_knows_the_patchs_performers():
-    lane, clock = Inbox().lane(), ManualClock()
+    lane, clock = EventQueue().add_queue(), ManualClock()
     show = made_show('[[mocap]]\nname = "anna"\nport = 39541\n')
     assert make_vmc(LaunchOptions(), show, None, lane, clock) is None
     assert make_psn(LaunchOptions(), None, lane, clock) is None
@@ -36,7 +36,7 @@ def test_it_listens_where_the_command_line_says_or_the_venue_and_knows_the_patch
         part.stop()
         part.stop()
     part = make_vmc(LaunchOptions(vmc=(("127.0.0.1", 0),)), show, VENUE, lane, clock)
-    part.take_patch(parse_patch(PATCH + '[[mocap]]\nname = "ben"\n', "test.toml"))
+    part.update_patch(parse_patch(PATCH + '[[mocap]]\nname = "ben"\n', "test.toml"))
     assert part.status()["at"] == ["127.0.0.1:0"]
 
 
@@ -44,7 +44,7 @@ def test_a_port_that_is_taken_is_told_in_one_line():
     with socket.socket(type=socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.0.1", 0))
         port = taken.getsockname()[1]
-        lane, clock = Inbox().lane(), ManualClock()
+        lane, clock = EventQueue().add_queue(), ManualClock()
         vmc = make_vmc(LaunchOptions(vmc=(("127.0.0.1", port),)), made_show(), None, lane, clock)
         psn = make_psn(LaunchOptions(psn=str(port)), None, lane, clock)
         for part, words in ((vmc, "VMC cannot listen.*--vmc"), (psn, "PosiStageNet cannot listen.*--psn")):
@@ -63,7 +63,7 @@ def test_a_recording_is_sent_in_its_time_and_comes_in_as_it_is():
         assert play_clip(clip, where, seconds=0.05, loop=True) == 12
         hearing, given, tally = stream()
         for number in range(2 * (4 + 12)):
-            hearing.hear(ear.recv(4096), 1.0 + number)
+            hearing.handle(ear.recv(4096), 1.0 + number)
     assert tally.total == 0
     assert len(given) >= 8
     root, turned = unpack_pose(given[0].pose)

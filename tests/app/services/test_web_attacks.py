@@ -12,7 +12,7 @@ import time
 import aiohttp
 import pytest
 
-from live.app.services.http_services import HttpPart
+from live.app.services.http_services import HttpService
 from live.clock.time_source import SystemClock
 from tests.end_to_end.browser import browser, needs_browser
 
@@ -30,7 +30,7 @@ class Served:
             "key": KEY, "osc": self.show.getsockname(), "name": "a show", "half": (5.0, 3.0), "names": {},
             "hosts": list(hosts),
         }  # fmt: skip
-        self.part = HttpPart((at, 0), "--web", "live.control.web.web_server", lambda: plan, SystemClock())
+        self.part = HttpService((at, 0), "--web", "live.control.web.web_server", lambda: plan, SystemClock())
 
     def __enter__(self):
         self.part.start()
@@ -256,7 +256,7 @@ def test_half_open_slow_and_dead_connections_are_closed_within_seconds():
 
 def test_who_reads_nothing_delays_nobody():
     def tell(text):
-        served.part.tell({"/dance/status/source": (("", (text,)),)})
+        served.part.publish({"/dance/status/source": (("", (text,)),)})
         served.part.frame()
 
     async def operator():

@@ -6,7 +6,7 @@ import stat
 import pytest
 
 from live.app.launch_options import LaunchOptions
-from live.app.services.http_services import kept_key, key_file, parse_web
+from live.app.services.http_services import key_file, parse_web, stored_key
 from live.base.errors import PersonError
 
 
@@ -34,7 +34,7 @@ def test_every_page_has_a_key_and_keeps_it(where):
 
 
 def test_without_a_page_there_is_no_key(settings):
-    assert web(None).where is None
+    assert web(None).bind_address is None
     assert web(None, key="a-key-of-my-own-1234").key == ""
     assert not settings.exists()
     with pytest.raises(PersonError, match="no web page without --web"):
@@ -63,12 +63,12 @@ def test_weak_and_strange_keys_are_refused_and_not_repeated(key):
 
 @pytest.mark.parametrize("mode", [0o644, 0o640, 0o602, 0o610])
 def test_a_file_that_others_may_read_is_refused(mode):
-    kept_key()
+    stored_key()
     key_file().chmod(mode)
     with pytest.raises(PersonError, match="readable by you only") as error:
-        kept_key()
+        stored_key()
     assert error.value.remedy == "--new-web-key generates a new one"
-    assert kept_key(fresh=True) == kept_key()
+    assert stored_key(fresh=True) == stored_key()
     assert stat.S_IMODE(key_file().stat().st_mode) == 0o600
 
 
@@ -76,15 +76,15 @@ def test_a_file_that_others_may_read_is_refused(mode):
     "text", [b"", b"\n", b"short\n", b"\xff" * 30, b"x" * 5000, b"two-lines-of-key-1\ntwo", b"\0" * 30]
 )
 def test_what_is_no_key_in_the_file_is_refused_by_name(text):
-    kept_key()
+    stored_key()
     key_file().write_bytes(text)
     with pytest.raises(PersonError, match="web-key, line 1"):
-        kept_key()
-    assert kept_key(fresh=True) == kept_key()
+        stored_key()
+    assert stored_key(fresh=True) == stored_key()
 
 
 def test_links_pipes_and_folders_are_not_read(tmp_path):
-    kept_key()
+    stored_key()
     elsewhere = tmp_path / "elsewhere"
     elsewhere.write_text("a-key-of-somebody-else-1234\n")
     elsewhere.chmod(0o600)
@@ -95,12 +95,12 @@ def test_links_pipes_and_folders_are_not_read(tmp_path):
         key_file().unlink()
         place(key_file())
         with pytest.raises(PersonError, match="has to be a file, no link"):
-            kept_key()
-        assert kept_key(fresh=True) == kept_key()
+            stored_key()
+        assert stored_key(fresh=True) == stored_key()
     key_file().unlink()
     key_file().mkdir()
     with pytest.raises(PersonError, match="has to be a file, no link"):
-        kept_key()
+        stored_key()
     assert elsewhere.read_text() == "a-key-of-somebody-else-1234\n"
 
 
@@ -108,7 +108,7 @@ def test_where_nothing_can_be_kept_the_key_is_for_this_show(tmp_path, monkeypatc
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path / "file" / "below"))
     notes = []
-    first, second = kept_key(note=notes.append), kept_key(note=notes.append)
+    first, second = stored_key(note=notes.append), stored_key(note=notes.append)
     assert first != second
     assert min(len(first), len(second)) >= 22
     assert len(notes) == 2
@@ -125,6 +125,6 @@ def test_strange_hosts_are_refused(host):
 def test_the_key_is_never_shown_with_the_rest():
     access = web(hosts=["show.example", "show.example:443"])
     assert access.hosts == ("show.example", "show.example:443")
-    options = LaunchOptions(web=access.where, web_key=access.key)
+    options = LaunchOptions(web=access.bind_address, web_key=access.key)
     assert access.key not in repr(access)
     assert access.key not in repr(options)

@@ -7,7 +7,7 @@ import pytest
 
 from live.base.errors import PersonError
 from live.cli.beats.clock_check import clock_check, read_beats, read_stream
-from live.clock.midi.clock_report import errors_of, replay
+from live.clock.midi.clock_report import clock_errors, replay
 from tests.clock.midi_streams import make_stream, steady
 
 
@@ -72,9 +72,9 @@ def test_hard_streams_keep_the_measure(shared: Path, name: str) -> None:
     file = shared / "beats" / "midiclock" / f"{name}.jsonl"
     if not file.is_file():
         pytest.skip("the streams are not there")
-    errors = errors_of(replay(read_stream(file)[1]).beats, read_beats(file.with_suffix(".beats")))
+    errors = clock_errors(replay(read_stream(file)[1]).beats, read_beats(file.with_suffix(".beats")))
     assert errors is not None
-    assert errors.measure_right == errors.found == 1.0
+    assert errors.beat_number_accuracy == errors.found == 1.0
     assert errors.extra == 0
     assert errors.phase_p95_ms <= 3.0
     assert errors.step_beats <= 1

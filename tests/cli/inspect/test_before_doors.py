@@ -10,7 +10,7 @@ import pytest
 from live.app.launch_options import LaunchOptions
 from live.app.option_values import parse_measures
 from live.app.practice import practice_events, practice_tempo
-from live.app.session_audio import choose_sound
+from live.app.session_audio import choose_audio
 from live.base.errors import PersonError
 from live.cli.inspect import venue_check
 from live.cli.inspect.venue_check import check_disk, check_osc, venue_checks
@@ -82,7 +82,7 @@ def test_practice_loops_the_measures_and_refuses_what_the_score_has_not():
     places = []
     for tick in range(1, 64 * 18):
         if show.tick(tick / 64.0):
-            places.append(show.playhead.written(show.playhead.place(show.span.number)) + 1)
+            places.append(show.playhead.written_measure(show.playhead.place(show.span.number)) + 1)
     assert places == [3, 4, 5, 3, 4, 5, 3, 4]
     assert practice_events(LaunchOptions(), show) == []
     with pytest.raises(PersonError, match="it has 8"):
@@ -104,19 +104,19 @@ def test_the_tempo_of_practice_is_a_share_of_what_it_would_be():
 
 
 def test_no_music_plays_to_practice_and_none_can_be_slowed():
-    assert choose_sound(LaunchOptions(measures=(1, 2)), loaded(None)).music is None
+    assert choose_audio(LaunchOptions(measures=(1, 2)), loaded(None)).music is None
     with pytest.raises(PersonError, match="--tempo-share"):
-        choose_sound(LaunchOptions(tempo_share=0.8, audio="song.wav"), loaded(None))
+        choose_audio(LaunchOptions(tempo_share=0.8, audio="song.wav"), loaded(None))
 
 
 def test_projectors_of_the_venue_are_looked_for(tmp_path, monkeypatch):
     from PIL import Image
 
     from live.app import output_config
-    from live.render.window.monitors import Monitor, find_place
+    from live.render.window.monitors import Monitor, resolve_monitor
 
     there = [Monitor(1, "eDP-1", (0, 0), (1920, 1080), 60.0), Monitor(2, "HDMI-1", (1920, 0), (1280, 720), 60.0)]
-    monkeypatch.setattr(output_config, "find_place", lambda text: find_place(text, there))
+    monkeypatch.setattr(output_config, "resolve_monitor", lambda text: resolve_monitor(text, there))
     monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
     (tmp_path / "venues").mkdir()
     Image.new("L", (64, 32)).save(tmp_path / "venues" / "m.png")

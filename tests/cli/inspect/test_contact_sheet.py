@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.app.offline.sheet_moments import Taken, Taking, moments_of_patch
-from live.app.pictures.sheet_picture import DARK, LIGHT, Paper, Sheet, shown
-from live.app.session_audio import Sound
-from live.cli.inspect.contact_sheet import _apart
+from live.app.offline.sheet_moments import MomentSelector, SheetMoment, moments_of_patch
+from live.app.pictures.sheet_picture import DARK, LIGHT, Paper, Sheet, to_srgb
+from live.app.session_audio import AudioChoice
+from live.cli.inspect.contact_sheet import _measures_between
 from live.clock.ticks import TICK
 from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import find_patch
@@ -24,7 +24,9 @@ def loaded() -> LoadedShow:
 
 def test_a_picture_of_each_measure_and_what_is_told_of_it(loaded: LoadedShow) -> None:
     show = loaded.start(seed=1, tempo=240.0)
-    found = [taken for _, taken in moments_of_patch(loaded, show, Sound(None, None, None), 8.0, 2) if taken is not None]
+    found = [
+        taken for _, taken in moments_of_patch(loaded, show, AudioChoice(None, None, None), 8.0, 2) if taken is not None
+    ]
     assert [taken.measure for taken in found] == list(range(1, 2 * len(found), 2))
     assert len(found) >= 3
     assert {taken.beat for taken in found} == {3}
@@ -38,18 +40,20 @@ def test_a_picture_of_each_measure_and_what_is_told_of_it(loaded: LoadedShow) ->
 
 def test_who_answers_a_leader_dances_what_she_answers(loaded: LoadedShow) -> None:
     show = load_show(find_patch("partner")).start(seed=1)
-    answering = show.dancers.answering
+    answering = show.dancers.partner_response
     assert answering is not None
-    taking, answers = Taking(show, 1, 0), 0
+    taking, answers = MomentSelector(show, 1, 0), 0
     for tick in range(1, round(14.0 / TICK)):
         show.tick(tick * TICK)
-        found = taking.look(tick * TICK)
+        found = taking.select(tick * TICK)
         if found is not None and found[1] is not None:
             told = {group: step for _, group, step in found[1].steps}
             assert told["leader"] in show.graph.library.steps
-            answer = [answering.leaders.news[-1][2]] if answering.along.carried.any() else show.graph.library.steps
+            answer = (
+                [answering.leaders.recent_units[-1][2]] if answering.path.answering.any() else show.graph.library.steps
+            )
             assert told["answer"] in answer
-            answers += bool(answering.along.carried.any())
+            answers += bool(answering.path.answering.any())
     assert answers >= 3
 
 
@@ -59,25 +63,25 @@ def test_traces_are_drawn_before_and_only_where_there_are_some(loaded: LoadedSho
         from live.base.picture_parameters import BY_ADDRESS
 
         show.desk.parameters.value[BY_ADDRESS["/dance/pass/trails"].first] = trails
-        taking = Taking(show, 1, 0)
+        taking = MomentSelector(show, 1, 0)
         drawn = []
         for tick in range(1, 160):
             show.tick(tick * TICK)
-            found = taking.look(tick * TICK)
+            found = taking.select(tick * TICK)
             if found is not None:
-                drawn.append((found[1] is not None, show.danced))
+                drawn.append((found[1] is not None, show.danced_beats))
         taken = [beat for is_taken, beat in drawn if is_taken]
         assert taken[:2] == pytest.approx([2.2, 6.2], abs=0.1)
         before = [beat for is_taken, beat in drawn if not is_taken and 4.0 < beat < 6.2]
         assert (len(before) >= 4) == (trails > 0.0)
 
 
-def taken(measure: int, **said: object) -> Taken:
+def taken(measure: int, **said: object) -> SheetMoment:
     known: dict[str, object] = {
         "measure": measure, "beat": 3, "seconds": 65.0, "tempo": 118.0, "section": "verse", "cue": None,
         "steps": (((1.0, 0.2, 0.0), "ember", "side step"), ((0.0, 0.2, 1.0), "tide", "a step with a very long name")),
     }  # fmt: skip
-    return Taken(**(known | said))  # type: ignore[arg-type]
+    return SheetMoment(**(known | said))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("paper", [DARK, LIGHT])
@@ -88,7 +92,7 @@ def test_pictures_lie_in_rows_untouched(paper: Paper, count: int, columns: int) 
     ]
     sheet = Sheet(SIZE, columns, paper)
     image = np.asarray(sheet.draw(pictures, "A show with a long name, äöü", "1:05"))
-    assert image.shape[:2] == sheet.measures(count)[::-1]
+    assert image.shape[:2] == sheet.size_for(count)[::-1]
     assert (image[:3] == paper.ground).all()
     assert (image[:, :8] == paper.ground).all()
     assert (image[:, -8:] == paper.ground).all()
@@ -118,9 +122,9 @@ def test_words_never_run_into_one_another() -> None:
 
 
 def test_colours_are_those_of_the_screen() -> None:
-    assert shown((0.0, 1.0, 0.2140)) == (0, 255, 127)
-    assert shown((-1.0, 7.0, 0.5)) == (0, 255, 188)
+    assert to_srgb((0.0, 1.0, 0.2140)) == (0, 255, 127)
+    assert to_srgb((-1.0, 7.0, 0.5)) == (0, 255, 188)
 
 
 def test_so_many_that_a_sheet_stays_a_sheet(tmp_path: Path) -> None:
-    assert [_apart(count) for count in (1, 24, 25, 48, 49, 1000)] == [1, 1, 2, 2, 4, 64]
+    assert [_measures_between(count) for count in (1, 24, 25, 48, 49, 1000)] == [1, 1, 2, 2, 4, 64]

@@ -9,7 +9,7 @@ import av
 import mido
 import pytest
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events import events
@@ -35,7 +35,7 @@ def night(tmp_path_factory):
     """The journal of ten seconds at 120 bpm: five measures."""
     path = tmp_path_factory.mktemp("night") / "a.jsonl"
     loaded = load_show(find_patch("contemporary"))
-    show, clock, inbox = loaded.start(tempo=TEMPO), ManualClock(), Inbox()
+    show, clock, inbox = loaded.start(tempo=TEMPO), ManualClock(), EventQueue()
     journal = JournalWriter(path, loaded.header(show, tempo=TEMPO))
     engine = Engine(
         show, clock=clock, inbox=inbox, status=Status(show, rejected=dict, memory=lambda: 0.0), journal=journal

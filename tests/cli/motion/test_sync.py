@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from live.base.errors import PersonError
 from live.cli.main import app
-from live.library.beat_alignment import Sync
+from live.library.beat_alignment import SyncResult
 from live.motion.beats.clap_sync import Clap, PlacedClap
 from live.motion.beats.music_reference import MusicReference
 from tests.cli.command import run_live
@@ -73,8 +73,8 @@ def test_less_than_four_claps_are_a_guess() -> None:
     clap = Clap(1.0, 0.05, 3.0)
     placed = tuple(PlacedClap(clap, beat, 0.0) for beat in (1, 2, 3, 4))
     reference = MusicReference(1.0, 120.0, 0.9, "click", "")
-    assert not Sync(reference, placed, 0, 60.0).guessed
-    assert Sync(reference, (*placed[:3], PlacedClap(clap, None, None)), 0, 60.0).guessed
+    assert not SyncResult(reference, placed, 0, 60.0).guessed
+    assert SyncResult(reference, (*placed[:3], PlacedClap(clap, None, None)), 0, 60.0).guessed
 
 
 def test_claps_to_a_song(clapped: Path, tmp_path: Path) -> None:

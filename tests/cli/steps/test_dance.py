@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from live.app.offline.dance_plan import Asked, make_plan, put_together
+from live.app.offline.dance_plan import DanceOptions, assemble_plan, make_plan
 from live.app.offline.dance_request import read_text
 from live.base.errors import PersonError
 from live.cli.main import app
@@ -80,19 +80,19 @@ def test_a_path_that_nobody_can_follow_says_so() -> None:
 
 
 def test_where_she_faces_and_where_she_comes_from() -> None:
-    plan = make_plan(Asked("sketches", "walk", heading="90", start="bow"))
+    plan = make_plan(DanceOptions("sketches", "walk", heading="90", start="bow"))
     assert plan.heading == pytest.approx(np.pi / 2)
     first = plan.graph.library.describe(int(plan.node[0]))
     assert first.startswith("walk")
-    turned = put_together(plan).placement[0, 2]
-    ahead = put_together(make_plan(Asked("sketches", "walk", start="bow"))).placement[0, 2]
+    turned = assemble_plan(plan).placement[0, 2]
+    ahead = assemble_plan(make_plan(DanceOptions("sketches", "walk", start="bow"))).placement[0, 2]
     assert turned - ahead == pytest.approx(np.pi / 2)
 
 
 def test_both_methods_dance_what_is_wanted() -> None:
-    plan = make_plan(Asked("sketches", WALK, depth_first=True))
-    assert not plan.wrong.any()
-    assert plan.edge_cost.sum() >= make_plan(Asked("sketches", WALK)).edge_cost.sum()
+    plan = make_plan(DanceOptions("sketches", WALK, depth_first=True))
+    assert not plan.deviations.any()
+    assert plan.edge_cost.sum() >= make_plan(DanceOptions("sketches", WALK)).edge_cost.sum()
 
 
 def test_a_sequence_out_of_a_file(tmp_path: Path) -> None:

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from live.app.offline.step_adding import Listening, add_to_library
+from live.app.offline.step_adding import ClapReference, add_to_library
 from live.app.offline.step_listing import find_step, named_steps, user_library
-from live.app.offline.step_preview import MOST, Preview, on_the_spot, play_step, preview_show
+from live.app.offline.step_preview import MAX_VARIATIONS, Preview, on_the_spot, play_step, preview_show
 from live.base.errors import PersonError
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.cli.main import app
 from live.clock.time_source import ManualClock
 from live.graph.step_library import build_library
@@ -148,7 +148,7 @@ def test_the_users_library_stands_before_the_projects_steps(tmp_path: Path, monk
 def test_one_step_has_one_name_however_it_is_written(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     for name, first in (("Long Sway", 2.5), ("long_sway", 3.0), ("long-sway ", 3.5)):
-        add_to_library(take, {"name": name, "bpm": 120.0, "first_beat_s": first}, library, Listening())
+        add_to_library(take, {"name": name, "bpm": 120.0, "first_beat_s": first}, library, ClapReference())
     (step,) = named_steps(library)
     assert (step.name, len(step.clips)) == ("Long Sway", 3)
     assert build_library(load_folder(library)).steps == ("Long Sway",)
@@ -160,7 +160,7 @@ def test_claps_set_the_music_and_the_file_says_so(
     monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
     take = tmp_path / "claps.bvh"
     take.write_text(body_bvh(clapping(2.2, 100.0, 8)))
-    add_to_library(take, {"name": "x", "start_measure": 3}, tmp_path / "library", Listening(click=100.0, count=8))
+    add_to_library(take, {"name": "x", "start_measure": 3}, tmp_path / "library", ClapReference(click=100.0, count=8))
     text = (tmp_path / "library" / "claps.toml").read_text()
     (step,) = tomllib.loads(text)["step"]
     assert step["bpm"] == 100
@@ -174,12 +174,12 @@ def test_a_hand_set_anchor_wins_and_its_frames_are_not_moved(tmp_path: Path, mon
     take = tmp_path / "claps.bvh"
     take.write_text(body_bvh(clapping(2.2, 100.0, 8)))
     fields = {"name": "x", "first_beat_s": 1.25, "start_measure": 2}
-    add_to_library(take, fields, tmp_path / "library", Listening(click=100.0))
+    add_to_library(take, fields, tmp_path / "library", ClapReference(click=100.0))
     (step,) = tomllib.loads((tmp_path / "library" / "claps.toml").read_text())["step"]
     assert (step["first_beat_s"], step["bpm"]) == (1.25, 100)
     assert "drop_frames" not in step
     with pytest.raises(PersonError, match="--click: --bpm and --anchor say already"):
-        add_to_library(take, fields | {"bpm": 90.0}, tmp_path / "library", Listening(click=100.0))
+        add_to_library(take, fields | {"bpm": 90.0}, tmp_path / "library", ClapReference(click=100.0))
 
 
 @pytest.mark.shared
@@ -218,7 +218,7 @@ def danced_for(loaded: LoadedShow, seconds: float) -> tuple[np.ndarray, list[set
     """Dance a preview: places of the hips (A, 2) [m] at its end, and the steps that each dancer danced."""
     show, clock = loaded.start(tempo=120.0), ManualClock()
     status = Status(show, rejected=Counter, memory=lambda: 0.0)
-    engine = Engine(show, clock=clock, inbox=Inbox(), status=status, stall=np.inf)
+    engine = Engine(show, clock=clock, inbox=EventQueue(), status=status, stall=np.inf)
     danced: list[set[str]] = [set() for _ in range(loaded.patch.dancer_count)]
     library = loaded.graph.library
     for frame in range(int(seconds * 16)):
@@ -263,5 +263,5 @@ def test_a_film_of_many_variations_shows_the_first_of_them(tmp_path: Path, capsy
     with av.open(str(film)) as made:
         assert len(list(made.decode(video=0))) == 10
     told = capsys.readouterr().err
-    assert f"18 variations, the first {MOST} are shown" in told
+    assert f"18 variations, the first {MAX_VARIATIONS} are shown" in told
     assert str(film) in told.replace("\n", "")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from live.app.offline.graph_report import dot_of, json_of, report_of, svg_of
+from live.app.offline.graph_report import analyse_graph, dot_of, json_of, svg_of
 from live.app.pictures.graph_svg import Arrow, State, state_machine
 from live.cli.main import app
 from live.graph.motion_graph import build_graph
@@ -25,7 +25,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 @pytest.fixture(scope="module")
 def report():
     clips = [*made_steps(), made_clip('arms "up" & <down>\\', arm=-1.2), replace(made_clip("b"), begin_pose="plié")]
-    return report_of(build_graph(build_library(clips), threshold=0.08, prune=False))
+    return analyse_graph(build_graph(build_library(clips), threshold=0.08, prune=False))
 
 
 def test_json_holds_the_whole_graph(report):

@@ -9,7 +9,7 @@ import pytest
 
 from live.library.motion_file import read_motion
 from live.library.step_folder import load_folder
-from live.library.textured_steps import textured_beside
+from live.library.textured_steps import textured_path
 from live.motion.clip import resample
 from live.motion.formats.bvh_writer import write_bvh
 from live.motion.retarget.retarget import retarget
@@ -59,8 +59,8 @@ def test_every_sketch_gets_versions_that_are_takes_of_it(mocap: Path, tmp_path: 
     result = run_live("steps", "enrich", "--with", str(mocap), "--library", str(library), "--step", "groove")
     assert result.returncode == 0, result.stderr
     assert "groove: 2 versions, upper body made" in result.stdout
-    assert textured_beside(library / "groove.toml").is_file()
-    assert not textured_beside(library / "bow.toml").is_file()
+    assert textured_path(library / "groove.toml").is_file()
+    assert not textured_path(library / "bow.toml").is_file()
     rich = load_folder(library)
     assert len(rich) == len(own) + 4
     for clip in rich[len(own) :]:
@@ -76,13 +76,13 @@ def test_every_sketch_gets_versions_that_are_takes_of_it(mocap: Path, tmp_path: 
     checked = run_live("steps", "check", "--library", str(library))
     assert "the sketch was changed since" in checked.stdout
     assert run_live("steps", "enrich", "--remove", "--library", str(library)).returncode == 0
-    assert not textured_beside(library / "groove.toml").is_file()
+    assert not textured_path(library / "groove.toml").is_file()
 
 
 def test_a_damaged_file_of_versions_is_named(mocap: Path, tmp_path: Path) -> None:
     shutil.copy(PATCHES / "steps" / "walk.toml", tmp_path)
     for damage in (b"", b"[]\n", b'{"sketch": 3}\nAAAA\n', b"\xff\xfe", b'{"sketch": "x"}\n!!!\n'):
-        textured_beside(tmp_path / "walk.toml").write_bytes(damage)
+        textured_path(tmp_path / "walk.toml").write_bytes(damage)
         result = run_live("steps", "list", "--library", str(tmp_path))
         assert result.returncode == 2, damage
         assert "walk.textured: it holds no textured steps" in result.stderr

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.app.offline.clap_calibration import FIRST, PERIOD, flash
+from live.app.offline.clap_calibration import FLASH_PERIOD, START_DELAY, flash
 from live.base.errors import PersonError
 from live.clock.time_source import ManualClock
 from live.control.audio.latency_claps import clap_offset, find_claps
-from live.show.venue.venue import Venue, changed_venue, read_venue, venue_path, with_values
+from live.show.venue.venue import Venue, read_venue, update_toml, updated_venue_text, venue_path
 from tests.control.audio.test_calibration_claps import hall
 
 
@@ -35,7 +35,7 @@ def test_claps_with_the_light_give_the_pictures_delay() -> None:
     projector = Projector(clock)
     flashes = flash(projector, 20, clock, lambda seconds: None)
     assert flashes == pytest.approx(projector.lit)
-    assert flashes == pytest.approx(FIRST + PERIOD * np.arange(20), abs=1.1 / 60.0)
+    assert flashes == pytest.approx(START_DELAY + FLASH_PERIOD * np.arange(20), abs=1.1 / 60.0)
     seen = flashes + 0.080  # display and projector
     claps = seen + np.random.default_rng(8).normal(0.0, 0.015, 20)
     offset = clap_offset(find_claps(hall(claps), 48_000.0), flashes)
@@ -59,7 +59,9 @@ def test_what_was_measured_joins_what_a_person_wrote(own: Path) -> None:
     written = '# our hall\nname = "Kaufleuten"   # Zürich\n\n[latency]\n# by ear\nprojector_ms = 40 # old\n\n[audio]\n'
     path = own / "hall.toml"
     path.write_text(written, encoding="utf-8")
-    text = changed_venue(path, "hall", {"latency": {"projector_ms": 61.5, "input_ms": 12.0}}, "measured 2026-11-22")
+    text = updated_venue_text(
+        path, "hall", {"latency": {"projector_ms": 61.5, "input_ms": 12.0}}, "measured 2026-11-22"
+    )
     assert "# our hall" in text
     assert "# Zürich" in text
     assert "# by ear" in text
@@ -69,17 +71,17 @@ def test_what_was_measured_joins_what_a_person_wrote(own: Path) -> None:
 
 
 def test_a_new_file_is_a_venue() -> None:
-    text = with_values("", 'a "hall"', {"audio": {"device": "USB", "channels": [5, 6]}}, "measured")
+    text = update_toml("", 'a "hall"', {"audio": {"device": "USB", "channels": [5, 6]}}, "measured")
     venue = Venue.model_validate(tomllib.loads(text))
     assert (venue.name, venue.audio.device, venue.audio.channels) == ('a "hall"', "USB", [5, 6])
-    assert with_values(text, "x", {"audio": {"device": "USB"}}, "measured again") == text
+    assert update_toml(text, "x", {"audio": {"device": "USB"}}, "measured again") == text
 
 
 def test_a_wrong_file_is_left_alone(own: Path) -> None:
     path = own / "hall.toml"
     path.write_text("[latency]\nprojector_ms = -3\n")
     with pytest.raises(PersonError, match=r"hall.toml, line 2: latency.projector_ms: .*found -3"):
-        changed_venue(path, "hall", {"latency": {"input_ms": 1.0}}, "")
+        updated_venue_text(path, "hall", {"latency": {"input_ms": 1.0}}, "")
 
 
 def test_venues_are_the_users_own_first_and_never_in_a_show(own: Path) -> None:

@@ -52,7 +52,7 @@ def test_no_traceback_for_a_cache_that_cannot_be_written(tmp_path: Path) -> None
 
 def test_a_cold_cache_is_told_with_the_command_that_warms_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "kernels").mkdir()
-    monkeypatch.setattr(jit, "KERNELS", tmp_path / "kernels")
+    monkeypatch.setattr(jit, "KERNEL_CACHE_DIR", tmp_path / "kernels")
     report = json.loads(run_live("doctor", "--json", LIVE_CACHE_DIR=str(tmp_path)).stdout)
     found = next(check for check in report["checks"] if check["name"] == "kernel cache")
     assert (found["state"], found["remedy"]) == ("limited", "live warm")
@@ -138,7 +138,7 @@ def test_midi_remedies_fit_the_reason(monkeypatch: pytest.MonkeyPatch, why: str,
 )
 def test_install_lines(monkeypatch: pytest.MonkeyPatch, manager: str, library: str, line: str) -> None:
     monkeypatch.setattr(doctor.shutil, "which", lambda name: name if name == manager else None)
-    assert doctor.install_line(library) == line
+    assert doctor.install_command(library) == line
 
 
 def _answer(stdout: str, stderr: str = "", code: int = 0) -> "subprocess.CompletedProcess[str]":

@@ -78,7 +78,7 @@ def test_what_was_made_of_missing_beats_is_taken_back_when_music_has_ended(bpm: 
     missed = round(2.0 * RATE)
     for _ in range(missed):
         pointer.step(0.005, 0.002)
-    pointer.hold(missed)
+    pointer.restore_before(missed)
     for _ in range(round(6.0 * RATE)):
         pointer.step(0.005, 0.002, listening=False)
     now = heard.beat.size + missed + round(6.0 * RATE) - 1

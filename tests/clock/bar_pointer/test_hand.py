@@ -13,7 +13,7 @@ def test_a_tapped_tempo_is_obeyed_and_its_level_kept() -> None:
     pointer = BarPointer()
     follow(pointer, heard, 0, int(5.0 * RATE))
     assert pointer.tempo == pytest.approx(150.0, rel=0.03)
-    pointer.tap(75.0)
+    pointer.set_tempo(75.0)
     follow(pointer, heard, int(5.0 * RATE), int(5.1 * RATE))
     assert pointer.tempo == pytest.approx(75.0, rel=0.04)
     follow(pointer, heard, int(5.1 * RATE))
@@ -24,7 +24,7 @@ def test_a_tap_that_is_a_little_wrong_is_put_right_by_the_music() -> None:
     heard = groove(96.0, 4, 12.0)
     pointer = BarPointer()
     follow(pointer, heard, 0, int(3.0 * RATE))
-    pointer.tap(99.5)
+    pointer.set_tempo(99.5)
     follow(pointer, heard, int(3.0 * RATE))
     assert pointer.tempo == pytest.approx(96.0, rel=0.015)
 
@@ -66,7 +66,7 @@ def test_this_is_the_one(wanted: int) -> None:
     begin = int(8.0 * RATE)
     follow(pointer, heard, 0, begin)
     pressed = heard.truth[heard.truth < begin - 5][-4 + wanted]
-    pointer.one(begin - 1 - pressed + 1.5)  # pressed a little early
+    pointer.set_downbeat(begin - 1 - pressed + 1.5)  # pressed a little early
     followed = follow(pointer, heard, begin)
     number = np.argmin(np.abs(followed.time[:, None] - heard.truth[None]), axis=1)
     first = int(np.argmin(np.abs(heard.truth - pressed)))
@@ -81,7 +81,7 @@ def test_a_line_that_was_set_is_given_up_only_when_the_music_says_so_clearly() -
     begin = int(3.0 * RATE)
     follow(pointer, heard, 0, begin)
     wrong = heard.truth[5]
-    pointer.one(begin - 1 - wrong)
+    pointer.set_downbeat(begin - 1 - wrong)
     soon = follow(pointer, heard, begin, begin + int(1.5 * RATE))
     number = np.argmin(np.abs(soon.time[:, None] - heard.truth[None]), axis=1)
     assert np.all(soon.beat == (number - 5) % 4)
@@ -106,16 +106,16 @@ def test_what_is_no_metre_and_no_tempo_is_refused() -> None:
         pointer.set_metre(5)
     for bpm in (0.0, 500.0, float("nan")):
         with pytest.raises(ValueError, match="bpm"):
-            pointer.tap(bpm)
+            pointer.set_tempo(bpm)
 
 
 def test_let_go_frees_the_level() -> None:
     heard = groove(160.0, 4, 30.0)
     pointer = BarPointer()
     follow(pointer, heard, 0, 200)
-    pointer.tap(80.0)
+    pointer.set_tempo(80.0)
     follow(pointer, heard, 200, 600)
     assert pointer.tempo == pytest.approx(80.0, rel=0.03)
-    pointer.let_go()
+    pointer.clear_manual()
     follow(pointer, heard, 600)
     assert pointer.tempo == pytest.approx(160.0, rel=0.03)

@@ -8,18 +8,18 @@ import pytest
 
 from live.clock.bar_pointer.bar_pointer import BarPointer
 from live.clock.bar_pointer.observation_model import likelihoods
-from live.clock.bar_pointer.state_space import METRES, REACH, SLOTS, WINDOW, Model, slot_metre
+from live.clock.bar_pointer.state_space import METRES, REACH, SLOTS, WINDOW, BarPointerModel, slot_metre
 from live.clock.bar_pointer.transition_model import FREE_RANGE
 
 State = tuple[int, int, int, int]  # interval, position, metre, beat
 
-FEW = Model(fastest_bpm=260.0, slowest_bpm=235.0, octave_change=0.0)
+FEW = BarPointerModel(fastest_bpm=260.0, slowest_bpm=235.0, octave_change=0.0)
 
 
 class SlowFilter:
     """The forward algorithm, state by state (Rabiner, A tutorial on hidden Markov models, 1989)."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: BarPointerModel) -> None:
         self.model = model
         self.lengths = [int(length) for length in model.intervals]
         self.tempo = (model.tempo_transitions() * model.tempo_weight()[:, None]).tolist()
@@ -80,7 +80,7 @@ def test_the_kernels_are_the_forward_algorithm(birth: float) -> None:
     positions = states.positions().astype(int)
     found = {
         (int(n), int(p), *slot_metre(slot)): float(states.share[row, slot])
-        for row, (n, p) in enumerate(zip(states.interval_of, positions, strict=True))
+        for row, (n, p) in enumerate(zip(states.row_interval, positions, strict=True))
         for slot in range(SLOTS - 1)
     }
     total = sum(found.values())

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from live.clock.bar_pointer.observation_model import Whereabouts
+from live.clock.bar_pointer.observation_model import ActivationPhase
 
 BEAT = 40
 
 
 def heard(
-    strength: tuple[float, float, float, float], beats: int = 20, after: Whereabouts | None = None
-) -> Whereabouts:
+    strength: tuple[float, float, float, float], beats: int = 20, after: ActivationPhase | None = None
+) -> ActivationPhase:
     """Activations this strong on the beat, a quarter after it, half, three quarters."""
-    found = Whereabouts() if after is None else after
+    found = ActivationPhase() if after is None else after
     for frame in range(beats * BEAT):
         at = frame % BEAT
         found.step(at / BEAT, strength[at // 10] if at % 10 == 0 else 0.0)
@@ -24,22 +24,22 @@ def test_strengths_are_those_of_the_last_beats() -> None:
 
 
 def test_music_in_between_has_left_the_grid_and_off_beats_have_not() -> None:
-    assert heard((0.3, 0.7, 0.1, 0.0)).left
-    assert not heard((0.3, 0.0, 0.7, 0.0)).left
+    assert heard((0.3, 0.7, 0.1, 0.0)).grid_is_lost
+    assert not heard((0.3, 0.0, 0.7, 0.0)).grid_is_lost
 
 
 def test_beats_that_were_sure_and_are_found_half_a_beat_later_are_elsewhere() -> None:
     late = (0.1, 0.0, 0.8, 0.0)
-    assert not heard(late, 40).left  # as ever
+    assert not heard(late, 40).grid_is_lost  # as ever
     moved = heard((0.8, 0.0, 0.1, 0.0), 40)
-    assert not moved.left
-    assert heard(late, 4, after=moved).left
-    assert not heard(late, 150, after=moved).left  # the song is like that
+    assert not moved.grid_is_lost
+    assert heard(late, 4, after=moved).grid_is_lost
+    assert not heard(late, 150, after=moved).grid_is_lost  # the song is like that
 
 
 def test_a_measure_of_silence_is_no_reason_to_leave_the_grid() -> None:
     quiet = heard((0.0, 0.0, 0.0, 0.0), 4, after=heard((0.5, 0.0, 0.1, 0.0), 40))
-    assert not quiet.left
+    assert not quiet.grid_is_lost
 
 
 def test_confidence_grows_with_the_share_and_the_beats_and_falls_with_what_lies_elsewhere() -> None:

@@ -14,7 +14,7 @@ from tests.clock.energy.club import BEAT, Sound, club
 def heard(sound: Sound, rate: int = 44_100, *, block: int = 512, beats: bool = True) -> list[BeatEnergy]:
     energy, found = MusicEnergy(rate), []
     if beats:
-        energy.beat(0.0, BEAT)
+        energy.set_beat(0.0, BEAT)
     for start in range(0, len(sound), block):
         found += energy.feed(sound[start : start + block])
     return found
@@ -27,9 +27,9 @@ def test_loudness_is_that_of_loudness_meters(rate: int, hertz: float, lufs: floa
     frames, sound = EnergyFrames(rate), np.sin(2 * np.pi * hertz * np.arange(2 * rate) / rate).astype(np.float32)
     start = 0
     while start < len(sound):
-        start += frames.take(sound, start)
+        start += frames.feed(sound, start)
     expected = lufs if hertz == 997.0 else -0.691 - 3.01 + 10 * np.log10(k_weight(np.array([hertz]))[0])
-    assert frames.cut().loudness == pytest.approx(expected, abs=0.35)
+    assert frames.pop_features().loudness == pytest.approx(expected, abs=0.35)
     assert expected == pytest.approx(lufs, abs=0.05)
 
 
@@ -109,7 +109,7 @@ def test_beats_are_cut_where_they_are_said_to_lie() -> None:
     told = {n: 0.31 + n * 0.4 for n in range(1, 26)}  # 150 bpm, told a tenth of a second ahead
     for start in range(0, len(sound), 512):
         for n in [n for n, time in told.items() if time < start / 44_100.0 + 0.1]:
-            energy.beat(told.pop(n), 0.4)
+            energy.set_beat(told.pop(n), 0.4)
         found += energy.feed(sound[start : start + 512])
     begins = [beat.begin for beat in found[3:]]
     assert begins == pytest.approx([begins[0] + 0.4 * n for n in range(len(begins))])
@@ -121,7 +121,9 @@ def test_wild_beats_stop_nothing() -> None:
     rng = np.random.default_rng(9)
     ended = 0
     for _ in range(200):
-        energy.beat(float(rng.normal(energy.position, 3.0)), float(rng.choice([0.0, -1.0, np.nan, 0.2, 0.5, 2.9, 1e9])))
+        energy.set_beat(
+            float(rng.normal(energy.position, 3.0)), float(rng.choice([0.0, -1.0, np.nan, 0.2, 0.5, 2.9, 1e9]))
+        )
         ended += len(energy.feed(np.zeros(4096, np.float32)))
     assert 3 <= ended <= 200 * 4096 / 44_100.0 / 0.15
 

@@ -3,19 +3,19 @@
 import numpy as np
 import pytest
 
-from live.clock.energy.energy_frames import Heard
-from live.clock.energy.music_structure import Structure
+from live.clock.energy.energy_frames import EnergyFeatures
+from live.clock.energy.music_structure import StructureDetector
 
 SOUND = -20.0
 
 
 def drops(low: list[float], rise: dict[int, float] | None = None) -> list[int]:
     """Beats with a drop, for the level of the bass [dB] at each; `rise`: octaves and half decibels more at a beat."""
-    structure, found, rng = Structure(), [], np.random.default_rng(3)
+    structure, found, rng = StructureDetector(), [], np.random.default_rng(3)
     for beat, level in enumerate(low):
         more = (rise or {}).get(beat, 0.0)
         loudness = SOUND + 3.0 * more + rng.normal(0.0, 0.2)
-        structure.add(Heard(0.5, loudness, level, more + rng.normal(0.0, 0.02), 2))
+        structure.add(EnergyFeatures(0.5, loudness, level, more + rng.normal(0.0, 0.02), 2))
         if structure.drop:
             found.append(beat)
     return found

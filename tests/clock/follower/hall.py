@@ -69,7 +69,7 @@ class Player:
             time = times[beat] + error + self._random.gauss(0.0, self.jitter)
             if part:
                 period = self.music.period(max(beat - 1, 0))
-            follower.heard(
+            follower.observe(
                 time, period * self.rate, 0.8, now, source=self.name,
                 beat=beat % self.music.metre if self.knows else -1, beats_per_measure=self.music.metre * self.knows,
                 measure=beat // self.music.metre if self.name != "audio" else -1,

@@ -35,7 +35,7 @@ class Stage:
             if bpm is not None and first + heard * 60.0 / bpm <= self.now:
                 factor, error = wild(heard)
                 time = first + heard * 60.0 / bpm + error
-                self.follower.heard(time, 60.0 / bpm * factor, 0.7, self.now)
+                self.follower.observe(time, 60.0 / bpm * factor, 0.7, self.now)
                 heard += 1
             self.follower.advance(self.now)
             self.states.append(self.follower.state)
@@ -113,7 +113,7 @@ def test_a_slow_drift_is_followed() -> None:
         while tick * TICK < time:
             tick += 1
             follower.advance(tick * TICK)
-        follower.heard(time, period, 0.7, tick * TICK)
+        follower.observe(time, period, 0.7, tick * TICK)
         if time > 8.0:
             off = follower.timeline.beat_at(time) - beat
             assert abs((off + 0.5) % 1.0 - 0.5) < 0.1
@@ -163,7 +163,7 @@ def test_estimates_from_before_the_silence_are_too_late() -> None:
     stage = Stage(TimelineFollower())
     stage.run(10.0, 120.0)
     stage.follower.silent(stage.now)
-    stage.follower.heard(stage.now - 0.1, 0.5, 1.0, stage.now + 0.05)
+    stage.follower.observe(stage.now - 0.1, 0.5, 1.0, stage.now + 0.05)
     assert stage.follower.state == "freewheel"
 
 
@@ -218,7 +218,7 @@ def test_the_one_moves_the_measures_not_the_beats() -> None:
     stage = Stage(TimelineFollower())
     stage.run(10.0, 120.0)
     before = stage.follower.timeline.beat_at(stage.now)
-    stage.follower.one(9.02)
+    stage.follower.set_downbeat(9.02)
     assert stage.follower.timeline.beat_at(stage.now) == before
     assert min(stage.follower.timeline.phase_at(9.0), 4.0 - stage.follower.timeline.phase_at(9.0)) < 0.05
     stage.run(8.0, 120.0)
@@ -229,7 +229,7 @@ def test_a_one_said_too_early_is_counted_back() -> None:
     stage = Stage(TimelineFollower(tempo=120.0))
     stage.run(2.0, 97.0)
     assert stage.follower.state != "locked"
-    stage.follower.one(2 * 60.0 / 97.0)
+    stage.follower.set_downbeat(2 * 60.0 / 97.0)
     stage.run(12.0, 97.0)
     phase = stage.follower.timeline.phase_at((2 + 16) * 60.0 / 97.0)
     assert min(phase, 4.0 - phase) < 0.05
@@ -272,7 +272,7 @@ def test_who_is_no_source_of_beats_is_not_heard(name: str) -> None:
     stage = Stage(TimelineFollower())
     stage.run(10.0, 120.0)
     before = stage.follower.timeline
-    stage.follower.heard(stage.now, 0.6, 1.0, stage.now, source=name)
+    stage.follower.observe(stage.now, 0.6, 1.0, stage.now, source=name)
     for tell in (stage.follower.silent, stage.follower.lost, stage.follower.found, stage.follower.paused):
         tell(stage.now, name)
     assert stage.follower.rejected == 5
@@ -293,9 +293,9 @@ def test_nonsense_is_counted_and_changes_nothing(nonsense: float) -> None:
     stage.run(10.0, 120.0)
     follower = stage.follower
     before = follower.timeline
-    follower.heard(nonsense, 0.5, 0.7, stage.now)
-    follower.heard(stage.now, nonsense, 0.7, stage.now)
-    follower.heard(stage.now, 0.5, 0.7, nonsense)
+    follower.observe(nonsense, 0.5, 0.7, stage.now)
+    follower.observe(stage.now, nonsense, 0.7, stage.now)
+    follower.observe(stage.now, 0.5, 0.7, nonsense)
     follower.set_tempo(nonsense, stage.now)
     assert follower.rejected == 4
     assert follower.timeline == before

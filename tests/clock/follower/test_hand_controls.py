@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from live.clock.follower.manual_control import Seed
+from live.clock.follower.manual_control import TrackerHint
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from tests.clock.follower.hall import Hall, Music, Player
@@ -124,7 +124,7 @@ def test_hold_freezes_tempo_and_beat_and_letting_go_runs_back() -> None:
 def test_the_one_where_nobody_knows_the_beat_is_the_beat_and_the_line() -> None:
     hall = Hall(TimelineFollower(tempo=100.0)).until(6.23)
     press = hall.now
-    hall.follower.one(press)
+    hall.follower.set_downbeat(press)
     hall.until(press + 4.0)
     assert line_off(hall, press) < 0.01
     assert hall.follower.last_jump is not None
@@ -135,7 +135,7 @@ def test_the_one_while_a_band_is_heard_is_its_nearest_beat() -> None:
     music, hall = band()
     press = music.times[18] + 0.08
     hall.until(press)
-    hall.follower.one(press)
+    hall.follower.set_downbeat(press)
     hall.until(30.0)
     assert line_off(hall, music.times[42]) < 0.05
     assert np.abs(hall.off(music, 9.0, 30.0)).max() < 0.02
@@ -143,7 +143,7 @@ def test_the_one_while_a_band_is_heard_is_its_nearest_beat() -> None:
 
 def test_the_line_of_the_hand_gives_way_when_the_tracker_has_agreed_and_insists_for_long() -> None:
     music, hall = band()
-    hall.follower.one(music.times[16])  # what it believes, too
+    hall.follower.set_downbeat(music.times[16])  # what it believes, too
     hall.until(12.0)
     other = Music([(120.0, 120)], start=0.3 + 2 * 0.5)
     hall.players = [Player(other)]
@@ -214,8 +214,8 @@ def test_a_count_in_while_the_beat_is_held_begins_with_its_next_beat() -> None:
 
 def test_taps_and_tempo_do_not_contradict_a_clock_but_are_told() -> None:
     _, hall = band(120.0, "midi", per_beat=4)
-    told: list[Seed] = []
-    hall.follower.on_seed = told.append
+    told: list[TrackerHint] = []
+    hall.follower.on_hint = told.append
     for k in range(4):
         hall.until(9.0 + 0.6 * k)
         hall.follower.tap(hall.now)
@@ -225,9 +225,9 @@ def test_taps_and_tempo_do_not_contradict_a_clock_but_are_told() -> None:
     assert hall.follower.tempo == pytest.approx(120.0, rel=1e-3)
     assert "midi" in hall.follower.refusal
     assert hall.follower.refused == 3
-    assert hall.follower.hand_tempo == (3, 90.0)
+    assert hall.follower.manual_tempo == (3, 90.0)
     assert [seed.kind for seed in told] == ["tempo"] * 3
-    hall.follower.choose("tap")
+    hall.follower.select_source("tap")
     hall.until(16.5)
     assert (hall.follower.source, hall.follower.state) == ("tap", "held")
     hall.follower.set_tempo(90.0, hall.now)

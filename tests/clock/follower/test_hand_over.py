@@ -158,14 +158,14 @@ def test_the_patchs_order_and_the_operators_choice() -> None:
     assert Hall(TimelineFollower(), *players).until(6.0).follower.source == "link"
     hall = Hall(TimelineFollower(priority=("audio", "link")), Player(music), Player(other, name="link", lead=0.2))
     assert hall.until(8.0).follower.source == "audio"
-    hall.follower.choose("link")
+    hall.follower.select_source("link")
     assert hall.until(11.0).follower.source == "link"
     hall.players[1].on = False
     hall.until(20.0)
     assert (hall.follower.source, hall.follower.state) == ("link", "freewheel"), "chosen by hand: nobody else"
-    hall.follower.choose("auto")
+    hall.follower.select_source("auto")
     assert hall.until(24.0).follower.source == "audio"
-    hall.follower.choose("nobody")
+    hall.follower.select_source("nobody")
     assert hall.follower.refused == 1
     hall = Hall(TimelineFollower(priority=("link",)), Player(music))
     assert hall.until(6.0).follower.source == "internal"
@@ -177,11 +177,11 @@ def test_a_clock_that_was_never_started_gives_tempo_and_drift_not_the_place_of_t
     for k in range(60):
         time = 2.13 + k * 0.5 * 0.99
         hall.until(time)
-        follower.heard(time, 0.495, 0.9, hall.now, source="midi", anchored=False)
+        follower.observe(time, 0.495, 0.9, hall.now, source="midi", anchored=False)
     hall.until(32.0)
     assert follower.source == "midi"
     assert follower.tempo == pytest.approx(120.0 / 0.99)
-    follower.one(hall.now)
+    follower.set_downbeat(hall.now)
     hall.until(hall.now + 0.1)
     phase = follower.timeline.phase_at(32.0)
     assert min(phase, 4.0 - phase) < 0.13

@@ -73,7 +73,7 @@ class Story:
 
     def _beat(self, kind: str, name: str, bpm: float, into: int, *, jump: bool) -> None:
         counted = kind != "count"
-        self.follower.heard(
+        self.follower.observe(
             self.now, 60.0 / bpm, 0.8, self.now, source=name, beat=into % 4 if counted and into >= 0 else -1,
             beats_per_measure=4 * (counted and into >= 0), measure=into // 4 if name != "audio" else -1,
             jump=jump, anchored=counted,
@@ -101,12 +101,12 @@ class Story:
         elif kind in ("silent", "lost", "found", "paused"):
             getattr(follower, kind)(time + a, name)
         elif kind == "said":
-            follower.heard(time + a, b, 0.9, time, source=name, beat=into, beats_per_measure=into)
+            follower.observe(time + a, b, 0.9, time, source=name, beat=into, beats_per_measure=into)
         elif kind == "nonsense":
-            follower.heard(a, b, a, time, source=name, beat=into, beats_per_measure=into, measure=into)
-            follower.one(a)
+            follower.observe(a, b, a, time, source=name, beat=into, beats_per_measure=into, measure=into)
+            follower.set_downbeat(a)
         elif kind == "choose":
-            follower.choose(name)
+            follower.select_source(name)
         else:
             self._hand(kind, a, b, time)
         assert abs(follower.timeline.beat_at(self.now) - self.beat) < 1e-9, "no input moves the beat"
@@ -114,7 +114,7 @@ class Story:
     def _hand(self, kind: str, a: float, b: float, time: float) -> None:
         follower = self.follower
         {
-            "one": lambda: follower.one(time + a), "hold": lambda: follower.hold(True, time),
+            "one": lambda: follower.set_downbeat(time + a), "hold": lambda: follower.hold(True, time),
             "free": lambda: follower.hold(False, time), "half": lambda: follower.scale_tempo(0.5, time),
             "double": lambda: follower.scale_tempo(2.0, time), "tempo": lambda: follower.set_tempo(a, time + b),
             "nudge": lambda: follower.nudge(a, time), "shift": lambda: follower.shift_beats(a, time),

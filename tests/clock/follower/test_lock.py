@@ -57,7 +57,7 @@ def locked_hall(bpm: float, source: str) -> tuple[Hall, Music]:
 
 def error_of(hall: Hall) -> float:
     """How far the goal is ahead of the Timeline [beats]."""
-    return hall.follower._run.error(hall.now)
+    return hall.follower._slewed.error(hall.now)
 
 
 @pytest.mark.parametrize("source", ["audio", "midi"])
@@ -183,7 +183,7 @@ def test_the_one_leaps_forward_unless_it_is_very_near(ticks: int, leaps: bool) -
     before, then = hall.follower.timeline.beat_at(hall.now), hall.now
     late = 0.025 * ticks
     assert before % 1.0 == pytest.approx(late, abs=1e-6)
-    hall.follower.one(then)
+    hall.follower.set_downbeat(then)
     hall.until(then + 0.5 * TICK)
     leapt = hall.follower.timeline.beat_at(hall.now) - before - 0.025
     assert leapt == pytest.approx(1.0 - late if leaps else 0.0, abs=0.01)

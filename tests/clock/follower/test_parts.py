@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.clock.follower.beat_kalman_filter import BeatFilter
-from live.clock.follower.clock_source import Level, Said
-from live.clock.follower.phase_correction import LEAP_BEATS, Run
-from live.clock.follower.tracker_inputs import PointerEar
+from live.clock.follower.clock_source import BeatMapping, BeatObservation
+from live.clock.follower.phase_correction import LEAP_BEATS, SlewedTimeline
+from live.clock.follower.tracker_inputs import BarPointerInput
 from live.clock.timeline import Grid, Timeline
 
 grids = st.builds(Grid, st.floats(-100.0, 1e4), st.floats(0.2, 2.0), st.integers(-1000, 100_000))
@@ -21,21 +21,21 @@ grids = st.builds(Grid, st.floats(-100.0, 1e4), st.floats(0.2, 2.0), st.integers
 def test_a_level_maps_beats_and_goes_through_every_pivot(
     grid: Grid, scales: list[tuple[float, int]], time: float
 ) -> None:
-    level = Level()
+    level = BeatMapping()
     for factor, pivot in scales:
-        before = level.grid(grid)
+        before = level.map_grid(grid)
         if level.scale(factor, float(pivot)):
-            after = level.grid(grid)
+            after = level.map_grid(grid)
             at = before.time + (pivot - before.number) * before.period
             assert after.beat_at(at) == pytest.approx(pivot, abs=1e-5)
             assert after.period == pytest.approx(before.period / factor)
     assert 0.25 <= level.factor <= 4.0
-    assert level.grid(grid).beat_at(time) == pytest.approx(level.danced(grid.beat_at(time)), abs=1e-4)
+    assert level.map_grid(grid).beat_at(time) == pytest.approx(level.map_beat(grid.beat_at(time)), abs=1e-4)
 
 
 @given(st.floats(20.0, 400.0), st.floats(40.0, 90.0))
 def test_a_tempo_is_folded_into_a_range_of_more_than_an_octave(tempo: float, lowest: float) -> None:
-    level = Level()
+    level = BeatMapping()
     level.fold(tempo, lowest, 2.1 * lowest)
     assert lowest <= tempo * level.factor <= 2.1 * lowest or level.factor in (0.25, 4.0)
 
@@ -82,10 +82,10 @@ def test_what_does_not_fit_changes_nothing() -> None:
     )
 )
 def test_an_ear_keeps_a_finite_grid_whose_numbers_go_on(rows: list[tuple[float, float, float, int]]) -> None:
-    ear, time, number = PointerEar(), 0.0, 0
+    ear, time, number = BarPointerInput(), 0.0, 0
     for step, period, confidence, beat in rows:
         time += step
-        ear.heard(Said(time, period, confidence, beat, 4 if 0 <= beat < 4 else 0))
+        ear.observe(BeatObservation(time, period, confidence, beat, 4 if 0 <= beat < 4 else 0))
         assert ear.grid is not None
         assert math.isfinite(ear.grid.time)
         assert 0.05 < ear.grid.period < 8.0
@@ -102,7 +102,7 @@ def test_a_moved_line_is_a_line_and_the_number_goes_on(
     tempo: float, size: int, new: int, origin: int, line: int, time: float
 ) -> None:
     before = Timeline(tempo=tempo, beats_per_measure=size, measure_origin=float(origin))
-    after = before.with_line(float(line), time, beats_per_measure=new)
+    after = before.with_measure_line(float(line), time, beats_per_measure=new)
     assert (after.measure_origin - line) % new == 0.0
     assert after.beats_per_measure == new
     assert after.beat_at(time) == before.beat_at(time)
@@ -117,11 +117,11 @@ def test_a_leap_goes_forward_by_less_than_a_beat_to_the_goals_place_in_the_beat(
     now: float, off: float, period: float
 ) -> None:
     timeline = Timeline(tempo=60.0 / period)
-    run = Run(timeline, Grid(now - off * period, period, math.floor(timeline.beat_at(now))))
+    run = SlewedTimeline(timeline, Grid(now - off * period, period, math.floor(timeline.beat_at(now))))
     before = run.beat(now)
     wanted = run.goal.beat_at(now)
-    run.leap_soon("start")
-    run.to(now, slew=0.2)
+    run.request_leap("start")
+    run.follow_goal(now, slew=0.2)
     forward = run.beat(now) - before
     assert 0.0 <= forward < 1.0
     assert (run.jumps == 1) == (forward > 0.0)
@@ -132,17 +132,17 @@ def test_a_leap_goes_forward_by_less_than_a_beat_to_the_goals_place_in_the_beat(
 @pytest.mark.parametrize(
     "said",
     [
-        Said(math.nan, 0.5, 0.5), Said(10.0, math.inf, 0.5), Said(10.0, 0.5, math.nan), Said(10.0, 0.1, 0.5),
-        Said(10.0, 5.0, 0.5), Said(30.0, 0.5, 0.5), Said(-1e300, 0.5, 0.5), Said(10.0, 0.5, 0.5, 4, 4),
-        Said(10.0, 0.5, 0.5, -2), Said(10.0, 0.5, 0.5, 0, -1), Said(10.0, 0.5, 0.5, 0, 4, -2),
+        BeatObservation(math.nan, 0.5, 0.5), BeatObservation(10.0, math.inf, 0.5), BeatObservation(10.0, 0.5, math.nan), BeatObservation(10.0, 0.1, 0.5),
+        BeatObservation(10.0, 5.0, 0.5), BeatObservation(30.0, 0.5, 0.5), BeatObservation(-1e300, 0.5, 0.5), BeatObservation(10.0, 0.5, 0.5, 4, 4),
+        BeatObservation(10.0, 0.5, 0.5, -2), BeatObservation(10.0, 0.5, 0.5, 0, -1), BeatObservation(10.0, 0.5, 0.5, 0, 4, -2),
     ],
 )  # fmt: skip
-def test_what_nobody_can_mean_is_not_plausible(said: Said) -> None:
+def test_what_nobody_can_mean_is_not_plausible(said: BeatObservation) -> None:
     assert not said.plausible(10.0)
-    assert Said(10.1, 0.5, 0.5, 3, 4, 17).plausible(10.0)
+    assert BeatObservation(10.1, 0.5, 0.5, 3, 4, 17).plausible(10.0)
 
 
 def test_a_first_downbeat_is_counted_back_along_beats_slower_than_any_timeline() -> None:
-    run = Run(Timeline(tempo=20.0, beats_per_measure=4), Grid(10.0, 3.9, 5))
+    run = SlewedTimeline(Timeline(tempo=20.0, beats_per_measure=4), Grid(10.0, 3.9, 5))
     run.count_from(2.2, 10.0)  # two beats back: beat 3
     assert (run.timeline.measure_origin - 3.0) % 4.0 == 0.0

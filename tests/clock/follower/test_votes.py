@@ -26,7 +26,7 @@ class Tracker:
             time = FIRST + self._beat * PERIOD
             while self._tick * TICK < time:
                 self._advance()
-            self.follower.heard(
+            self.follower.observe(
                 time, PERIOD, 0.8, self._tick * TICK, beat=(self._beat - self.offset) % self.metre,
                 beats_per_measure=self.metre,
             )  # fmt: skip
@@ -48,7 +48,7 @@ class Tracker:
 
     def one_now(self) -> None:
         """The hand: the beat that was said last is the first."""
-        self.follower.one(FIRST + (self._beat - 1) * PERIOD)
+        self.follower.set_downbeat(FIRST + (self._beat - 1) * PERIOD)
 
 
 def until_taken(tracker: Tracker, change: Callable[[], None]) -> int:
@@ -130,7 +130,7 @@ def test_another_level_of_the_same_music_is_followed_sooner_in_the_first_ten_sec
     while not obeyed and now < since + 20.0:
         now += TICK
         if now >= time:
-            follower.heard(time, period, 0.8, now, beat=beat % 4, beats_per_measure=4)
+            follower.observe(time, period, 0.8, now, beat=beat % 4, beats_per_measure=4)
             if not switched and now > since and beat % 4 == 0:
                 switched, period = now, period * factor
             time, beat = time + period, beat + 1
@@ -146,12 +146,12 @@ def test_nudges_add_up_to_half_a_second_at_most() -> None:
     tracker = Tracker()
     tracker.say(24)
     follower = tracker.follower
-    before = follower._run.goal
+    before = follower._slewed.goal
     for _ in range(4):
         follower.nudge(0.2, before.time)
     tracker.say(8)
-    goal = follower._run.goal
+    goal = follower._slewed.goal
     assert (goal.time - before.time) % PERIOD == pytest.approx(0.0, abs=0.005), "0.5 s, a whole beat here"
     follower.nudge(-0.3, goal.time)
     tracker.say(8)
-    assert (follower._run.goal.time - before.time) % PERIOD == pytest.approx(0.2, abs=0.005)
+    assert (follower._slewed.goal.time - before.time) % PERIOD == pytest.approx(0.2, abs=0.005)

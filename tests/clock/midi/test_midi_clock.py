@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from live.clock.midi.clock_report import ClockErrors, ClockReport, TrueBeat, errors_of, replay
-from live.clock.midi.midi_clock import ClockBeat, ClockState, MidiClock, News
+from live.clock.midi.clock_report import ClockErrors, ClockReport, TrueBeat, clock_errors, replay
+from live.clock.midi.midi_clock import ClockBeat, ClockEvent, ClockState, MidiClock
 from tests.clock.midi_streams import Stream, make_stream, ramp, steady, steps, swing
 
 PULSE = (0xF8,)
@@ -13,7 +13,7 @@ PULSE = (0xF8,)
 
 def judged(stream: Stream) -> tuple[ClockReport, ClockErrors]:
     report = replay(stream.events)
-    errors = errors_of(report.beats, [TrueBeat(time, beat % 4, bpm) for time, beat, bpm in stream.beats])
+    errors = clock_errors(report.beats, [TrueBeat(time, beat % 4, bpm) for time, beat, bpm in stream.beats])
     assert errors is not None
     return report, errors
 
@@ -36,7 +36,7 @@ def test_a_steady_clock_is_known_after_eight_beats(
 ) -> None:
     _, errors = judged(make_stream(steady(bpm), seconds=18.0, kind=kind, jitter=jitter, frame=frame, seed=3))
     assert errors.found == 1.0
-    assert errors.measure_right == 1.0
+    assert errors.beat_number_accuracy == 1.0
     assert errors.extra == 0
     assert errors.phase_p95_ms <= 3.0
     assert errors.ahead_p95_ms <= 3.0
@@ -48,7 +48,7 @@ def test_a_tempo_step_is_followed_within_a_beat_and_is_no_loss(to: float) -> Non
     report, errors = judged(make_stream(steps((0.0, 120.0), (6.0, to)), seconds=12.0, jitter=0.001, seed=1))
     assert report.lost == 0
     assert errors.step_beats <= 1
-    assert errors.measure_right == 1.0
+    assert errors.beat_number_accuracy == 1.0
 
 
 def test_ramps_and_swings_are_followed() -> None:
@@ -56,7 +56,7 @@ def test_ramps_and_swings_are_followed() -> None:
     _, on_swing = judged(make_stream(swing(96.0, 0.08, 20.0), seconds=30.0, jitter=0.001))
     assert on_ramp.phase_p95_ms <= 3.0
     assert on_swing.phase_p95_ms <= 4.0
-    assert on_ramp.measure_right == on_swing.measure_right == 1.0
+    assert on_ramp.beat_number_accuracy == on_swing.beat_number_accuracy == 1.0
 
 
 @pytest.mark.parametrize(("kind", "jitter"), [("uniform", 0.001), ("exponential", 0.003)])
@@ -65,12 +65,12 @@ def test_lost_clocks_are_counted_by_time(kind: str, jitter: float) -> None:
     report, errors = judged(make_stream(steady(128.0), seconds=18.0, kind=kind, jitter=jitter, dropouts=gaps, seed=2))
     sent = sum(128.0 / 60.0 * 24.0 * (end - begin) for begin, end in gaps)
     assert abs(report.lost - sent) <= 3.0
-    assert errors.measure_right == errors.found == 1.0
+    assert errors.beat_number_accuracy == errors.found == 1.0
     assert [state.state for state in report.states] == ["found", "started", "lost", "found"]
 
 
-def feed(clock: MidiClock, messages: list[tuple[float, tuple[int, ...]]]) -> list[News]:
-    news: list[News] = []
+def feed(clock: MidiClock, messages: list[tuple[float, tuple[int, ...]]]) -> list[ClockEvent]:
+    news: list[ClockEvent] = []
     for time, message in messages:
         news += clock.receive(message, time)
     return news
@@ -80,7 +80,7 @@ def pulses(begin: float, count: int, period: float = 0.5 / 24.0) -> list[tuple[f
     return [(begin + i * period, PULSE) for i in range(count)]
 
 
-def beats_in(news: list[News]) -> list[ClockBeat]:
+def beats_in(news: list[ClockEvent]) -> list[ClockBeat]:
     return [item for item in news if isinstance(item, ClockBeat)]
 
 
@@ -185,7 +185,7 @@ def test_a_recording_that_pauses_for_weeks_is_replayed_at_once(monkeypatch: pyte
     looks: list[float] = []
     real = MidiClock.advance
 
-    def advance(self: MidiClock, now: float) -> list[News]:
+    def advance(self: MidiClock, now: float) -> list[ClockEvent]:
         looks.append(now)
         return real(self, now)
 

@@ -18,13 +18,13 @@ def sent_while(timeline_at: Callable[[float], Timeline], seconds: float, schedul
     now, sent = 0.0, []
     while now < seconds:
         timeline = timeline_at(now)
-        due = schedule.due(timeline, now)
+        due = schedule.next_pulse(timeline, now)
         if due.time > now + 0.010:
             now += 0.010
             continue
         now = max(now, due.time)
         sent += [(due.time, message) for message in due.messages]
-        schedule.sent(timeline)
+        schedule.mark_sent(timeline)
     return sent
 
 
@@ -59,7 +59,7 @@ def test_tempo_changes_add_no_drift() -> None:
 
 def test_a_jump_is_told_by_stop_position_and_continue() -> None:
     first = Timeline(tempo=120.0)
-    second = first.with_one_at(4.9)  # a beat and a fifth of one before a line: the line moves
+    second = first.with_downbeat_at(4.9)  # a beat and a fifth of one before a line: the line moves
     sent = sent_while(lambda now: first if now < 4.95 else second, 8.0)
     words = [message for _, message in sent if message[0] != 0xF8]
     assert [message[0] for message in words] == [0xFA, 0xFC, 0xF2, 0xFB]
@@ -87,27 +87,27 @@ def test_somebody_new_is_told_where_the_song_is() -> None:
     timeline = Timeline(tempo=120.0)
     sent_while(lambda _now: timeline, 5.0, schedule)
     schedule.relocate()
-    messages = schedule.due(timeline, 5.01).messages
+    messages = schedule.next_pulse(timeline, 5.01).messages
     for _ in range(6):
         if len(messages) > 1:
             break
-        schedule.sent(timeline)
-        messages = schedule.due(timeline, 5.1).messages
+        schedule.mark_sent(timeline)
+        messages = schedule.next_pulse(timeline, 5.1).messages
     assert [message[0] for message in messages] == [0xF2, 0xFB, 0xF8]
 
 
 def test_long_songs_wrap_at_a_measure_line() -> None:
     schedule = PulseSchedule()
     timeline = Timeline(tempo=300.0)
-    schedule.due(timeline, 0.0)
-    schedule.sent(timeline)
+    schedule.next_pulse(timeline, 0.0)
+    schedule.mark_sent(timeline)
     located, time = b"", 3600.01  # 18 000 beats later: a jump, and the position at the next sixteenth
     for _ in range(7):
-        due = schedule.due(timeline, time)
+        due = schedule.next_pulse(timeline, time)
         located = next((message for message in due.messages if message[0] == 0xF2), located)
         if located:
             break
-        schedule.sent(timeline)
+        schedule.mark_sent(timeline)
         time = due.time
     beat = (located[1] + 128 * located[2]) / 4
     assert beat % 4 == pytest.approx(timeline.phase_at(due.time + 1e-9), abs=1e-6)

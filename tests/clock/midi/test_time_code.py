@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from live.clock.midi.midi_clock import ClockBeat, ClockState, News
+from live.clock.midi.midi_clock import ClockBeat, ClockEvent, ClockState
 from live.clock.midi.time_code import FRAMES, SPEEDS, TimeCodeClock, frame_number
 
 Time = tuple[int, int, int, int]
@@ -44,7 +44,7 @@ def quarter_frames(rate: int, start: Time, count: int, at: float = 0.0) -> list[
     return messages
 
 
-def feed(clock: TimeCodeClock, messages: list[tuple[float, tuple[int, int]]]) -> list[News]:
+def feed(clock: TimeCodeClock, messages: list[tuple[float, tuple[int, int]]]) -> list[ClockEvent]:
     return [news for time, message in messages for news in clock.receive(message, time)]
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.tracking.features import BAND_COUNT, BANDS
+from live.clock.tracking.features import BAND_COUNT, BANDS_PER_WINDOW
 
 Arrays = dict[str, npt.NDArray[np.float64]]
 
@@ -13,7 +13,7 @@ SPAN, STRIDE, CHANNELS, DENSE, UNITS = 12, 5, (5, 4), 10, 7
 def made_weights(seed: int = 0) -> Arrays:
     """Named arrays of a small network as the training writes them."""
     rng = np.random.default_rng(seed)
-    places = [(bands - SPAN) // STRIDE + 1 for bands in BANDS]
+    places = [(bands - SPAN) // STRIDE + 1 for bands in BANDS_PER_WINDOW]
     flat = sum(count * channels for count, channels in zip(places, CHANNELS, strict=True))
     shapes: dict[str, tuple[int, ...]] = {"dense_w": (flat, DENSE), "dense_b": (DENSE,)}
     for ear, channels in enumerate(CHANNELS):
@@ -30,7 +30,7 @@ def reference(arrays: Arrays, looks: npt.NDArray[np.float32]) -> npt.NDArray[np.
     dense = []
     for look in looks.astype(np.float64):
         flat, first = [], 0
-        for ear, bands in enumerate(BANDS):
+        for ear, bands in enumerate(BANDS_PER_WINDOW):
             for place in range(0, bands - SPAN + 1, STRIDE):
                 at = first + place
                 seen = np.concatenate([look[at : at + SPAN], look[BAND_COUNT + at : BAND_COUNT + at + SPAN]])

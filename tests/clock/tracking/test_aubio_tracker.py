@@ -50,8 +50,8 @@ def test_nothing_from_the_future_is_used() -> None:
     sound, _ = clicks(126, RATE, 12.0)
     whole = feed(AubioTracker(RATE), sound)
     cut = feed(AubioTracker(RATE), sound[: 7 * RATE])
-    assert cut == [beat for beat in whole if beat.heard <= 7.0]
-    assert all(beat.position < beat.heard + 0.05 for beat in whole)
+    assert cut == [beat for beat in whole if beat.fed <= 7.0]
+    assert all(beat.position < beat.fed + 0.05 for beat in whole)
 
 
 def test_loud_hats_between_the_beats_are_not_the_beat() -> None:

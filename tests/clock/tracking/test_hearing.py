@@ -5,9 +5,9 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from live.clock.tracking.beat_network import DELAY, Activation, Hearing, Network, Weights
+from live.clock.tracking.beat_network import DELAY, Activation, ActivationStream, BeatNetwork, NetworkWeights
 from live.clock.tracking.features import HOP, Samples
-from live.clock.tracking.onset_strength import Onsets
+from live.clock.tracking.onset_strength import OnsetActivation
 from tests.clock.clicks import clicks, groove
 from tests.clock.tracking.made_weights import made_weights
 
@@ -16,7 +16,7 @@ RATE = 44_100
 
 def hear(sound: Samples, activation: Activation, rate: int = RATE, block: int = 512) -> np.ndarray:
     """(position, beat, downbeat) of all frames, shape (frames, 3)."""
-    hearing, out = Hearing(rate, activation), []
+    hearing, out = ActivationStream(rate, activation), []
     for first in range(0, sound.size, block):
         count = hearing.feed(sound[first : first + block])
         out.append(np.stack([hearing.position[:count], hearing.beat[:count], hearing.downbeat[:count]], axis=1))
@@ -24,14 +24,14 @@ def hear(sound: Samples, activation: Activation, rate: int = RATE, block: int = 
 
 
 def test_every_frame_has_its_moment() -> None:
-    heard = hear(groove(120, RATE, 2.0), Network(Weights.of(made_weights())))
+    heard = hear(groove(120, RATE, 2.0), BeatNetwork(NetworkWeights.from_arrays(made_weights())))
     np.testing.assert_allclose(heard[:, 0], (np.arange(len(heard)) + 1) * HOP - DELAY, atol=1e-12)
     assert len(heard) == 2 * RATE // 512 // 2 * 2
 
 
 @pytest.mark.parametrize("block", [7, 441, 88_200])
 def test_blocks_of_any_size_are_heard_alike(block: int) -> None:
-    sound, network = groove(120, RATE, 2.0), Network(Weights.of(made_weights()))
+    sound, network = groove(120, RATE, 2.0), BeatNetwork(NetworkWeights.from_arrays(made_weights()))
     expected = hear(sound, network)
     network.reset()
     np.testing.assert_array_equal(hear(sound, network, block=block), expected)
@@ -40,7 +40,7 @@ def test_blocks_of_any_size_are_heard_alike(block: int) -> None:
 @pytest.mark.parametrize("rate", [22_050, 48_000, 192_000])
 def test_plain_onsets_find_clicks_at_every_rate(rate: int) -> None:
     sound, times = clicks(120, rate, 6.0)
-    heard = hear(sound, Onsets(), rate)
+    heard = hear(sound, OnsetActivation(), rate)
     for time in times[4:-1]:
         near = np.abs(heard[:, 0] - time) < 0.1
         assert abs(heard[near][np.argmax(heard[near, 1]), 0] - time) < 0.025
@@ -51,13 +51,13 @@ def test_plain_onsets_find_clicks_at_every_rate(rate: int) -> None:
 
 def test_a_quieter_song_sounds_the_same() -> None:
     sound = groove(120, RATE, 8.0)
-    loud, quiet = hear(sound, Onsets()), hear(sound * np.float32(10.0 ** (-35.0 / 20.0)), Onsets())
+    loud, quiet = hear(sound, OnsetActivation()), hear(sound * np.float32(10.0 ** (-35.0 / 20.0)), OnsetActivation())
     late = loud[:, 0] > 4.0
     assert np.corrcoef(loud[late, 1], quiet[late, 1])[0, 1] > 0.99
 
 
 def test_reset_forgets_but_time_goes_on() -> None:
-    hearing = Hearing(RATE, Network(Weights.of(made_weights())))
+    hearing = ActivationStream(RATE, BeatNetwork(NetworkWeights.from_arrays(made_weights())))
     sound = groove(120, RATE, 1.0)[: 512 * 80]
     first = hearing.feed(sound)
     before = hearing.beat[:first].copy()
@@ -69,7 +69,10 @@ def test_reset_forgets_but_time_goes_on() -> None:
 
 
 def test_hearing_keeps_nothing_from_block_to_block() -> None:
-    hearing, sound = Hearing(RATE, Network(Weights.of(made_weights()))), groove(120, RATE, 3.0)
+    hearing, sound = (
+        ActivationStream(RATE, BeatNetwork(NetworkWeights.from_arrays(made_weights()))),
+        groove(120, RATE, 3.0),
+    )
     for start in range(0, RATE, 512):
         hearing.feed(sound[start : start + 512])
     tracemalloc.start()
@@ -86,4 +89,4 @@ def test_hearing_keeps_nothing_from_block_to_block() -> None:
 
 def test_only_one_channel_is_heard() -> None:
     with pytest.raises(ValueError, match="one channel"):
-        Hearing(RATE, Onsets()).feed(np.zeros((512, 2), np.float32))
+        ActivationStream(RATE, OnsetActivation()).feed(np.zeros((512, 2), np.float32))

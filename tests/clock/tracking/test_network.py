@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.clock.tracking.beat_network import Network, Weights
+from live.clock.tracking.beat_network import BeatNetwork, NetworkWeights
 from live.clock.tracking.features import BAND_COUNT
 from tests.clock.tracking.made_weights import made_weights, reference
 
@@ -14,7 +14,7 @@ def looks(frames: int) -> np.ndarray:
     return found
 
 
-def run(network: Network, seen: np.ndarray) -> np.ndarray:
+def run(network: BeatNetwork, seen: np.ndarray) -> np.ndarray:
     """(beat, downbeat) per frame."""
     out = []
     for look in seen:
@@ -25,7 +25,7 @@ def run(network: Network, seen: np.ndarray) -> np.ndarray:
 
 def test_the_kernels_do_what_numpy_does() -> None:
     arrays, seen = made_weights(), looks(60)
-    got, expected = run(Network(Weights.of(arrays)), seen), reference(arrays, seen)
+    got, expected = run(BeatNetwork(NetworkWeights.from_arrays(arrays)), seen), reference(arrays, seen)
     np.testing.assert_allclose(got[:, 0], expected[:, 1] + expected[:, 2], atol=2e-5)
     np.testing.assert_allclose(got[:, 1], expected[:, 2], atol=2e-5)
     assert got.std(axis=0).min() > 0.01  # it says something
@@ -33,30 +33,30 @@ def test_the_kernels_do_what_numpy_does() -> None:
 
 
 def test_reset_forgets_everything() -> None:
-    network, seen = Network(Weights.of(made_weights())), looks(21)
+    network, seen = BeatNetwork(NetworkWeights.from_arrays(made_weights())), looks(21)
     first = run(network, seen)
     network.reset()
     np.testing.assert_array_equal(run(network, seen), first)
 
 
 def test_the_past_matters() -> None:
-    network, seen = Network(Weights.of(made_weights())), looks(20)
+    network, seen = BeatNetwork(NetworkWeights.from_arrays(made_weights())), looks(20)
     first = run(network, seen)
     assert np.abs(run(network, seen) - first).max() > 1e-3
 
 
 def test_a_frame_of_another_shape_is_refused() -> None:
     with pytest.raises(ValueError, match="a frame of shape"):
-        Network(Weights.of(made_weights())).step(np.zeros(3, np.float32))
+        BeatNetwork(NetworkWeights.from_arrays(made_weights())).step(np.zeros(3, np.float32))
 
 
 @pytest.mark.parametrize("name", ["dense_w", "gru0_x", "gru1_h", "head_w", "ear1_b", "gru1_c"])
 def test_weights_that_do_not_fit_together_are_refused(name: str) -> None:
     arrays = made_weights()
     with pytest.raises(ValueError, match="expected"):
-        Weights.of(arrays | {name: arrays[name][..., :-1]})
+        NetworkWeights.from_arrays(arrays | {name: arrays[name][..., :-1]})
     with pytest.raises(ValueError, match="not finite"):
-        Weights.of(arrays | {name: arrays[name] * np.nan})
+        NetworkWeights.from_arrays(arrays | {name: arrays[name] * np.nan})
     del arrays[name]
     with pytest.raises(KeyError):
-        Weights.of(arrays)
+        NetworkWeights.from_arrays(arrays)

@@ -7,13 +7,13 @@ import pytest
 
 from live.clock.tracking.feature_kernels import LEVEL_FLOOR, follow_level
 from live.clock.tracking.features import (
+    ANALYSIS_WINDOWS,
     BAND_COUNT,
-    BANDS,
-    EARS,
+    BANDS_PER_WINDOW,
     HOP,
     Samples,
     Spectrum,
-    centres,
+    band_centres,
     filters,
     window_length,
 )
@@ -29,9 +29,9 @@ def read(sound: Samples, rate: int = RATE, block: int = 512) -> np.ndarray:
         samples = sound[first : first + block]
         start = 0
         while start < samples.size:
-            start += spectrum.take(samples, start)
+            start += spectrum.feed(samples, start)
             if spectrum.wanted == 0:
-                spectrum.read()
+                spectrum.analyse()
                 out.append(spectrum.bands.copy())
     return np.array(out)
 
@@ -44,9 +44,9 @@ def tone(hertz: float, rate: int = RATE) -> Samples:
 @pytest.mark.parametrize("rate", [22_050, 44_100, 48_000])
 def test_a_tone_is_strongest_in_its_own_band(hertz: float, rate: int) -> None:
     last = read(tone(hertz, rate), rate)[-1]
-    short = centres(EARS[0])[1:-1]
-    assert abs(np.argmax(last[: BANDS[0]]) - np.argmin(np.abs(short - hertz))) <= 1
-    assert 0.2 < last[: BANDS[0]].max() < 2.5
+    short = band_centres(ANALYSIS_WINDOWS[0])[1:-1]
+    assert abs(np.argmax(last[: BANDS_PER_WINDOW[0]]) - np.argmin(np.abs(short - hertz))) <= 1
+    assert 0.2 < last[: BANDS_PER_WINDOW[0]].max() < 2.5
 
 
 @pytest.mark.parametrize("rate", [22_050, 32_000, 48_000, 192_000])
@@ -65,9 +65,9 @@ def test_every_rate_hears_the_same(rate: int) -> None:
 
 def test_noise_of_equal_strength_per_hertz_rises_with_the_root_of_the_width() -> None:
     noise = np.random.default_rng(1).normal(0.0, 0.1, 5 * RATE).astype(np.float32)
-    mean = read(noise)[20:].mean(axis=0)[: BANDS[0]]
-    edges = centres(EARS[0])
-    width = 0.5 * (edges[2:] - edges[:-2]) / (RATE / EARS[0].window)
+    mean = read(noise)[20:].mean(axis=0)[: BANDS_PER_WINDOW[0]]
+    edges = band_centres(ANALYSIS_WINDOWS[0])
+    width = 0.5 * (edges[2:] - edges[:-2]) / (RATE / ANALYSIS_WINDOWS[0].window)
     ratio = mean / np.sqrt(np.maximum(width, 1.0))
     assert np.abs(ratio[3:] / np.median(ratio) - 1.0).max() < 0.15
 
@@ -84,14 +84,14 @@ def test_frames_come_at_the_same_times_at_every_rate(rate: int) -> None:
     for frame in range(1, 1000, 7):
         spectrum.frames = frame - 1
         assert abs(spectrum.next_end / rate - frame * HOP) <= 1.0 / rate
-    assert all(abs(window_length(ear, rate) / rate / (ear.window / RATE) - 1.0) < 0.006 for ear in EARS)
+    assert all(abs(window_length(ear, rate) / rate / (ear.window / RATE) - 1.0) < 0.006 for ear in ANALYSIS_WINDOWS)
 
 
 def test_no_band_looks_beyond_half_the_rate_and_every_other_hears() -> None:
-    for ear in EARS:
+    for ear in ANALYSIS_WINDOWS:
         for rate in (22_050, 48_000):
             kept = filters(ear, rate, window_length(ear, rate))
-            beyond = centres(ear)[2:] > 0.5 * rate
+            beyond = band_centres(ear)[2:] > 0.5 * rate
             np.testing.assert_array_equal(np.diff(kept.offset) == 0, beyond)
 
 
@@ -102,9 +102,9 @@ def test_what_is_no_sound_is_counted_and_becomes_silence() -> None:
     spectrum = Spectrum(RATE)
     start = 0
     while start < sound.size:
-        start += spectrum.take(sound, start)
+        start += spectrum.feed(sound, start)
         if spectrum.wanted == 0:
-            spectrum.read()
+            spectrum.analyse()
             assert np.isfinite(spectrum.bands).all()
     assert spectrum.bad_samples == 12
 
@@ -134,9 +134,9 @@ def test_reading_allocates_nothing() -> None:
     def work(first: int, last: int) -> None:
         start = first
         while start < last:
-            start += spectrum.take(sound, start)
+            start += spectrum.feed(sound, start)
             if spectrum.wanted == 0:
-                spectrum.read()
+                spectrum.analyse()
 
     work(0, RATE)
     tracemalloc.start()

@@ -5,19 +5,19 @@ import pytest
 
 from live.clock.beat_estimate import BeatEstimate, Samples
 from live.clock.silence import SILENT_AFTER
-from live.clock.tracking.beat_tracker import Tracker
-from live.clock.tracking.onset_strength import Onsets
+from live.clock.tracking.beat_tracker import BeatTracker
+from live.clock.tracking.onset_strength import OnsetActivation
 from tests.clock.clicks import clicks
 
 RATE = 44_100
 
 
-def make(rate: float = RATE) -> Tracker:
+def make(rate: float = RATE) -> BeatTracker:
     """Plain onsets: what is tested here does not depend on what was learned."""
-    return Tracker(rate, Onsets())
+    return BeatTracker(rate, OnsetActivation())
 
 
-def feed(tracker: Tracker, sound: Samples, block: int = 512) -> list[BeatEstimate]:
+def feed(tracker: BeatTracker, sound: Samples, block: int = 512) -> list[BeatEstimate]:
     return [beat for start in range(0, sound.size, block) for beat in tracker.feed(sound[start : start + block])]
 
 
@@ -32,7 +32,7 @@ def test_clicks_are_named_ahead_at_any_rate_and_block_size(rate: int, block: int
     assert len(beats) >= 8
     assert np.ptp(lateness(beats, times)) < 0.03
     assert 60.0 / np.median([beat.period for beat in beats]) == pytest.approx(113, rel=0.01)
-    assert all(0.0 < beat.position - beat.heard < 0.1 for beat in beats)
+    assert all(0.0 < beat.position - beat.fed < 0.1 for beat in beats)
 
 
 def test_block_sizes_change_nothing() -> None:
@@ -44,7 +44,7 @@ def test_nothing_from_the_future_is_used() -> None:
     sound, _ = clicks(126, RATE, 8.0)
     whole = feed(make(), sound)
     cut = feed(make(), sound[: 5 * RATE])
-    assert cut == [beat for beat in whole if beat.heard <= 5.0] != []
+    assert cut == [beat for beat in whole if beat.fed <= 5.0] != []
 
 
 def test_what_is_no_sound_is_counted_and_nothing_but_nonsense_gives_no_beat() -> None:
@@ -90,7 +90,7 @@ def test_a_seed_is_obeyed_a_one_ahead_waits_for_its_time() -> None:
     sound, times = clicks(140, RATE, 14.0)
     tracker = make()
     tracker.set_metre(4)
-    tracker.one(float(times[9]))
+    tracker.set_downbeat(float(times[9]))
     early = feed(tracker, sound[: 5 * RATE])
     assert early
     late = [beat for beat in feed(tracker, sound[5 * RATE : 9 * RATE]) if beat.position > 5.2]
@@ -98,7 +98,7 @@ def test_a_seed_is_obeyed_a_one_ahead_waits_for_its_time() -> None:
     tracker.tap(70.0)
     slow = [beat for beat in feed(tracker, sound[9 * RATE :]) if beat.position > 10.0]
     assert 60.0 / np.median([beat.period for beat in slow]) == pytest.approx(70.0, rel=0.02)
-    tracker.let_go()
+    tracker.clear_manual()
 
 
 @pytest.mark.parametrize("rate", [0.0, -44_100.0, 1e9, float("nan")])

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from live.clock.tracking.fft import Transform, factors, fast_length
+from live.clock.tracking.fft import MagnitudeTransform, factors, fast_length
 
 
 @pytest.mark.parametrize("length", [8, 64, 1485, 1486, 2048, 2229, 4096, 4458])
 def test_it_is_the_fourier_transform(length: int) -> None:
     rng = np.random.default_rng(length)
     history, window = rng.normal(size=length + 3).astype(np.float32), rng.random(length).astype(np.float32)
-    transform = Transform(window, fast_length(length) // 2)
-    transform.read(history)
+    transform = MagnitudeTransform(window, fast_length(length) // 2)
+    transform.compute(history)
     expected = np.abs(np.fft.rfft(history[3:].astype(np.float64) * window, transform.length))[:-1]
     np.testing.assert_allclose(transform.magnitude, expected, atol=2e-6 * np.sqrt(length) * expected.max())
 
@@ -27,4 +27,4 @@ def test_lengths_are_products_of_small_primes() -> None:
 
 def test_more_bins_than_there_are_is_refused() -> None:
     with pytest.raises(ValueError, match="bins"):
-        Transform(np.ones(64, np.float32), 33)
+        MagnitudeTransform(np.ones(64, np.float32), 33)

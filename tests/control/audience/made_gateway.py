@@ -11,9 +11,9 @@ import aiohttp
 
 from live.control.audience.gateway import Gateway
 from live.control.audience.phone_registry import ticket_key
-from live.control.audience.session_state import Beat, Rules
-from live.control.helper_process import LARGEST
-from live.control.message_codec import packet_of, read_packet
+from live.control.audience.session_state import BeatClock, Rules
+from live.control.helper_process import MAX_PACKET_BYTES
+from live.control.message_codec import decode_packet, encode_packet
 
 SECRET = b"s" * 32
 CODE_S = 30.0
@@ -28,7 +28,7 @@ class ToldHere:
     def packets(self):
         while not self.ended:
             try:
-                data = self.socket.recv(LARGEST)
+                data = self.socket.recv(MAX_PACKET_BYTES)
             except BlockingIOError:
                 return
             except OSError:
@@ -36,10 +36,10 @@ class ToldHere:
             if not data:
                 self.ended = True
                 return
-            yield read_packet(data)
+            yield decode_packet(data)
 
     def say(self, facts):
-        self.socket.send(packet_of(facts))
+        self.socket.send(encode_packet(facts))
 
 
 class Show:
@@ -54,13 +54,13 @@ class Show:
 
     def tell(self, *packets):
         for packet in packets:
-            self._ours.send(packet_of(packet))
+            self._ours.send(encode_packet(packet))
 
     def look(self):
         """Take up what has come; returns itself."""
         with contextlib.suppress(BlockingIOError):
             while True:
-                packet = read_packet(self._ours.recv(LARGEST))
+                packet = decode_packet(self._ours.recv(MAX_PACKET_BYTES))
                 if isinstance(packet, dict):
                     self.facts = packet
                 elif packet[0] == "code":
@@ -83,7 +83,7 @@ async def made_gateway(**plan):
     usual |= {"network": "behind nat"}
     told = ToldHere(theirs, {**usual, "origin": origin, **plan})
     gateway, show = Gateway(told, told.plan), Show(ours, origin)
-    show.tell(Rules(regions=("left", "right"), weights=(1.0, 1.0)), Beat(time=100.0, beat=0.0))
+    show.tell(Rules(regions=("left", "right"), weights=(1.0, 1.0)), BeatClock(time=100.0, beat=0.0))
     running = asyncio.create_task(gateway.run(listening))
     try:
         await until(lambda: show.look().code)

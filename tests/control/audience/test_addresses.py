@@ -4,13 +4,13 @@ import random
 
 import pytest
 
-from live.control.audience.client_address import Proxies, address_of, group_of
+from live.control.audience.client_address import Proxies, group_of, parse_address
 
 PROXIES = Proxies(["127.0.0.1", "10.0.0.0/8", "2001:db8:ffff::/48"])
 
 
 def group(text):
-    return group_of(address_of(text))
+    return group_of(parse_address(text))
 
 
 def test_addresses_of_one_64_are_one_and_mapped_ones_are_those_that_they_map():
@@ -20,7 +20,7 @@ def test_addresses_of_one_64_are_one_and_mapped_ones_are_those_that_they_map():
     assert group("192.0.2.8") != group("192.0.2.7")
     assert group("fe80::1%wlan0") == group("[fe80::2]:80") == "fe80::/64"
     for rubbish in ("", "x", "1.2.3", "1.2.3.4.5", "[::1", "_hidden", "unknown", "1.2.3.4:x", "é", "::g"):
-        assert address_of(rubbish) is None
+        assert parse_address(rubbish) is None
     assert group_of(None) == ""
 
 
@@ -51,7 +51,7 @@ def test_addresses_of_one_64_are_one_and_mapped_ones_are_those_that_they_map():
 def test_forwarded_addresses_are_those_that_named_proxies_saw(peer, forwarded_for, forwarded, whose):
     assert str(PROXIES.sender(peer, forwarded_for, forwarded)) == whose
     if peer != "198.51.100.9":
-        assert str(Proxies().sender(peer, forwarded_for, forwarded)) == str(address_of(peer))
+        assert str(Proxies().sender(peer, forwarded_for, forwarded)) == str(parse_address(peer))
 
 
 def test_hostile_headers_are_read_quickly_and_nobody_names_herself_by_them():

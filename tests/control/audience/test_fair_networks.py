@@ -7,10 +7,10 @@ import aiohttp
 import numpy as np
 import pytest
 
-from live.control.audience.admission import CROWDED, HORIZON, JOIN_BURST, JOIN_RATE, Admission
-from live.control.audience.join_tickets import Tickets
+from live.control.audience.admission import CROWD_SECONDS, JOIN_BURST, JOIN_RATE, MAX_RESERVED_WAIT, Admission
+from live.control.audience.join_tickets import JoinTickets
 from live.control.audience.phone_registry import Phone, Phones
-from live.control.audience.rate_limit import Why
+from live.control.audience.rate_limit import RefusalReason
 from live.control.audience.session_state import Rules
 from tests.control.audience.made_gateway import FakePhone, key_of, made_gateway, until
 
@@ -30,7 +30,7 @@ class Queue:
 
     def __init__(self, network, most=4000, devices=4000):
         self.phones = Phones(most, 1)
-        self.tickets = Tickets(SECRET, 30.0, 120.0, devices)
+        self.tickets = JoinTickets(SECRET, 30.0, 120.0, devices)
         self.admission = Admission(self.phones, self.tickets, network, 4, SECRET)
         self.joined = {}
         self.refused = []
@@ -42,7 +42,7 @@ class Queue:
             when, name, group, key, voucher = waiting.pop(0)
             if when > until:
                 continue
-            answer = self.admission.fresh(key, voucher, group, when)
+            answer = self.admission.admit_new(key, voucher, group, when)
             if answer.why is None:
                 phone = Phone(len(self.joined) + 1, 0, group, None, None, group)
                 self.phones.add(phone)
@@ -60,7 +60,7 @@ def test_two_hundred_phones_behind_one_address_are_in_within_twenty_seconds_and_
     assert len(hall.joined) == 200
     assert max(hall.joined.values()) - 1000.0 < 12.0
     assert max(sum(name == k for name, _ in hall.refused) for k in range(200)) <= 2  # each knows her turn at once
-    assert {hall.admission.part(phone, 1020.0) for phone in hall.phones.by_number.values()} == {1.0}
+    assert {hall.admission.voice_share(phone, 1020.0) for phone in hall.phones.by_number.values()} == {1.0}
 
 
 def test_who_comes_behind_nat_faster_than_people_do_waits_and_stops_nobody_for_long():
@@ -73,16 +73,16 @@ def test_who_comes_behind_nat_faster_than_people_do_waits_and_stops_nobody_for_l
     assert max(within) < 640 / JOIN_RATE + 10.0  # turns are reserved: who asks more often does not come sooner
     many = Queue("behind nat")
     many.play([(1000.0, k, 7) for k in range(4000)], until=1000.0)
-    reserved = sum(answer.wait <= HORIZON + 0.5 and bool(answer.voucher) for _, answer in many.refused)
+    reserved = sum(answer.wait <= MAX_RESERVED_WAIT + 0.5 and bool(answer.voucher) for _, answer in many.refused)
     assert reserved == 4000 - JOIN_BURST
-    assert max(answer.wait for _, answer in many.refused) <= HORIZON + 0.5
+    assert max(answer.wait for _, answer in many.refused) <= MAX_RESERVED_WAIT + 0.5
 
 
 def test_a_code_lets_in_no_more_than_it_may_and_who_comes_later_must_scan_again():
     hall = Queue("behind nat", devices=100)
     hall.play([(1000.0, k, 7) for k in range(300)])
     assert len(hall.joined) == 100
-    assert sum(answer.why is Why.SPENT for _, answer in hall.refused) == 200
+    assert sum(answer.why is RefusalReason.SPENT for _, answer in hall.refused) == 200
     hall.play([(1030.0, 300 + k, 7) for k in range(5)])  # the next code
     assert len(hall.joined) == 105
 
@@ -90,7 +90,7 @@ def test_a_code_lets_in_no_more_than_it_may_and_who_comes_later_must_scan_again(
 def test_a_photographed_code_mints_few_on_own_wifi_once_it_has_left_the_wall():
     hall = Queue("own wifi")
     key = hall.tickets.key(1000.0)  # gone from 1020 on
-    minted = sum(hall.admission.fresh(key, "", 100 + k, 1070.0).why is None for k in range(200))
+    minted = sum(hall.admission.admit_new(key, "", 100 + k, 1070.0).why is None for k in range(200))
     assert 0 < minted <= 8
 
 
@@ -99,30 +99,30 @@ def test_full_halls_let_in_by_themselves_and_keep_the_places_of_those_who_lost_t
     hall.play([(1000.0, "a", 1), (1000.1, "b", 2), (1000.2, "c", 3)], until=1003.0)
     assert set(hall.joined) == {"a", "b"}
     _, told = hall.refused[0]
-    assert told.why is Why.FULL
+    assert told.why is RefusalReason.FULL
     assert 3.0 <= told.wait <= 8.0
     a, b = hall.phones.by_number.values()
     hall.phones.remove(a, 1010.0)  # lost
-    assert hall.admission.fresh("", told.voucher, 3, 1012.0).why is Why.FULL  # the place is a's ...
-    assert hall.admission.known(1, 1012.0).why is None
+    assert hall.admission.admit_new("", told.voucher, 3, 1012.0).why is RefusalReason.FULL  # the place is a's ...
+    assert hall.admission.admit_known(1, 1012.0).why is None
     hall.phones.add(a)
     b.left_by_itself = True
     hall.phones.remove(b, 1020.0)
-    assert hall.admission.fresh("", told.voucher, 3, 1021.0).why is None  # ... and b's is nobody's
-    assert hall.admission.fresh("", told.voucher, 4, 1021.0).why is Why.LINK  # the voucher is used
+    assert hall.admission.admit_new("", told.voucher, 3, 1021.0).why is None  # ... and b's is nobody's
+    assert hall.admission.admit_new("", told.voucher, 4, 1021.0).why is RefusalReason.LINK  # the voucher is used
 
 
 def test_a_group_that_many_join_from_is_a_crowd_without_a_voice_until_it_rests():
     hall = Queue("own wifi")
     hall.play([(1000.0 + k, k, 5) for k in range(4)] + [(1000.0, 99, 6)], until=1010.0)
-    phones = hall.phones.of(5)
+    phones = hall.phones.in_group(5)
     assert len(phones) == 4
-    assert sum(hall.admission.part(phone, 1010.0) for phone in phones) == pytest.approx(1.0)
+    assert sum(hall.admission.voice_share(phone, 1010.0) for phone in phones) == pytest.approx(1.0)
     hall.play([(1010.0 + k, 10 + k, 5) for k in range(12)], until=1022.0)
-    assert [hall.admission.part(phone, 1022.0) for phone in phones] == [0.0] * 4
-    assert hall.admission.part(hall.phones.of(6)[0], 1022.0) == 1.0
-    assert hall.admission.calmed(1022.0 + CROWDED) == [5]
-    assert sum(hall.admission.part(phone, 1023.0 + CROWDED) for phone in phones) == pytest.approx(1.0)
+    assert [hall.admission.voice_share(phone, 1022.0) for phone in phones] == [0.0] * 4
+    assert hall.admission.voice_share(hall.phones.in_group(6)[0], 1022.0) == 1.0
+    assert hall.admission.expire_crowds(1022.0 + CROWD_SECONDS) == [5]
+    assert sum(hall.admission.voice_share(phone, 1023.0 + CROWD_SECONDS) for phone in phones) == pytest.approx(1.0)
 
 
 def test_devices_that_one_group_has_minted_are_one_wherever_they_go():
@@ -130,10 +130,10 @@ def test_devices_that_one_group_has_minted_are_one_wherever_they_go():
     phones = [Phone(1 + k, 0, 100 + k, None, None, 9) for k in range(20)]  # joined by 9, now each elsewhere
     for phone in phones:
         hall.phones.add(phone)
-    assert sum(hall.admission.part(phone, 1.0) for phone in phones) == pytest.approx(1.0)
+    assert sum(hall.admission.voice_share(phone, 1.0) for phone in phones) == pytest.approx(1.0)
     for k in range(20_000):
-        hall.admission.fresh(hall.tickets.key(5.0), "", k, 5.0)
-        hall.admission.fresh(hall.tickets.key(5.0), "", k // 50, 5.0)
+        hall.admission.admit_new(hall.tickets.key(5.0), "", k, 5.0)
+        hall.admission.admit_new(hall.tickets.key(5.0), "", k // 50, 5.0)
     assert len(hall.admission._joins) <= 16_384
     assert len(hall.admission._crowded) <= 16_384
 
@@ -169,15 +169,15 @@ def test_a_laptop_with_forty_addresses_and_sixteen_sockets_each_gets_no_place_an
                 crowd(address, show, laptop, 16, (0.9, 0.5), sessions),
             )
             assert len(people) == 40
-            voices, hall = gateway.hall.voices, gateway.hall
+            voices, hall = gateway.session.voices, gateway.session
             await until(lambda: show.look().facts.get("crowded") == 40)
             now = hall.now()
             hall.now = lambda: now  # all drag at the same moment, however slow the machine is
             for phone in [*people, *own]:
                 await phone.touch(1, *((0.2, 0.5) if phone in people else (0.9, 0.5)))
             spoken = len(people) + len(own)
-            await until(lambda: len(voices.said_now) + np.count_nonzero(voices.said == now) >= spoken)
-            voices.take_up()
+            await until(lambda: len(voices.pending_touches) + np.count_nonzero(voices.said == now) >= spoken)
+            voices.apply_touches()
             weights = voices.weights(now)
             of_laptop = np.isin(voices.number, [phone.number for phone in own])
             assert weights[~of_laptop].sum() == pytest.approx(40.0)
@@ -196,7 +196,7 @@ def test_one_network_card_is_one_group_however_many_addresses_it_has():
         async def card_of(found):
             return "card of the laptop" if str(found).startswith("127.0.2.") else ""
 
-        gateway._door._neighbours.card_of = card_of
+        gateway._server._neighbours.card_of = card_of
         sessions = []
         try:
             people = await crowd(address, show, [f"127.0.1.{k + 1}" for k in range(8)], 1, (0.2, 0.5), sessions)
@@ -215,7 +215,7 @@ def test_one_network_card_is_one_group_however_many_addresses_it_has():
     run(test, network="own wifi")
 
     async def unread(gateway, _show, _address):
-        assert gateway._door._neighbours is None
+        assert gateway._server._neighbours is None
 
     run(unread, network="own wifi", by_card=False)
     run(unread, network="behind nat")
@@ -223,7 +223,7 @@ def test_one_network_card_is_one_group_however_many_addresses_it_has():
 
 def voices_of(gateway):
     """How many voices there are in all."""
-    return gateway.hall.voices.part[gateway.hall.voices.number > 0].sum()
+    return gateway.session.voices.part[gateway.session.voices.number > 0].sum()
 
 
 @pytest.mark.parametrize("proxied", [True, False])
@@ -255,8 +255,8 @@ def test_addresses_of_one_64_are_one_and_a_mapped_address_is_the_one_that_it_map
                 await FakePhone(session, address).join(key_of(show), headers={"X-Forwarded-For": sender})
                 for sender in senders
             ]
-            rows = [gateway.hall.phones.by_number[phone.number].row for phone in phones]
-            assert gateway.hall.voices.part[rows].tolist() == [0.5, 0.5, 1.0, 0.5, 0.5]
+            rows = [gateway.session.phones.by_number[phone.number].row for phone in phones]
+            assert gateway.session.voices.part[rows].tolist() == [0.5, 0.5, 1.0, 0.5, 0.5]
 
     run(test, network="proxy", proxies=["127.0.0.1"])
 
@@ -272,7 +272,7 @@ def test_a_ban_holds_whoever_joins_anew_and_the_operator_sees_and_lifts_it(netwo
             aiohttp.ClientSession() as session,
             aiohttp.ClientSession(connector=aiohttp.TCPConnector(local_addr=("127.0.7.7", 0))) as elsewhere,
         ):
-            hall = gateway.hall
+            hall = gateway.session
 
             async def heard(phone):
                 await phone.touch(1, 0.5, 0.5)
@@ -309,7 +309,7 @@ def test_a_ban_holds_whoever_joins_anew_and_the_operator_sees_and_lifts_it(netwo
 
 def test_behind_nat_a_ban_holds_the_banned_browser_for_some_minutes_and_other_newcomers_are_heard():
     async def test(gateway, show, address):
-        hall = gateway.hall
+        hall = gateway.session
         async with aiohttp.ClientSession() as session:
 
             async def join(browser, **how):
@@ -345,11 +345,11 @@ def test_another_gateway_knows_whom_bans_hold():
 
     async def after(gateway, show, address):
         show.tell(Rules(order=1, banned=(told[0],)))
-        await until(lambda: gateway.hall.rules.order == 1)
+        await until(lambda: gateway.session.rules.order == 1)
         async with aiohttp.ClientSession() as session:
             again = await FakePhone(session, address).join(key_of(show))
             assert again.number != told[0]
-            assert not gateway.hall.voices.heard[gateway.hall.phones.by_number[again.number].row]
+            assert not gateway.session.voices.heard[gateway.session.phones.by_number[again.number].row]
 
     run(before, network="own wifi")
     run(after, network="own wifi", bans=told[1], first=500)

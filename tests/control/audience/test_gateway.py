@@ -8,8 +8,8 @@ import aiohttp
 import pytest
 
 from live.control.audience.phone_registry import ticket_key
-from live.control.audience.rate_limit import Why
-from live.control.audience.session_state import Beat, Rules
+from live.control.audience.rate_limit import RefusalReason
+from live.control.audience.session_state import BeatClock, Rules
 from tests.control.audience.made_gateway import SECRET, FakePhone, key_of, made_gateway, until
 
 RULES = Rules(regions=("left", "right"), weights=(1.0, 1.0))
@@ -69,7 +69,7 @@ def test_a_phone_joins_by_the_link_and_its_finger_becomes_a_place_and_a_light():
         await phone.touch(2, 0.25, 1.0)
         await until(lambda: heard(show, lambda row: row["places"].split() == ["-300", "400", "1000", "2"]))
         await phone.ws.close()
-        await until(lambda: gateway.hall.phones.by_number == {})
+        await until(lambda: gateway.session.phones.by_number == {})
         await until(lambda: heard(show, lambda row: row["phones"] == 0))
 
     run(test)
@@ -119,7 +119,7 @@ def test_phones_resume_with_their_token_and_the_newest_socket_counts():
         first = await FakePhone(session, address).join(key_of(show), region=1)
         again = await FakePhone(session, address).join(token=first.token, region=1)
         assert again.number == first.number
-        await until(lambda: len(gateway.hall.phones) == 1 and gateway.hall.voices.count == 1)
+        await until(lambda: len(gateway.session.phones) == 1 and gateway.session.voices.count == 1)
         while (await first.ws.receive(timeout=20.0)).type is aiohttp.WSMsgType.TEXT:
             pass  # the old socket is closed
         await again.touch(1, 0.5, 0.5)
@@ -128,7 +128,7 @@ def test_phones_resume_with_their_token_and_the_newest_socket_counts():
         assert stranger.no == "token"
         late = await FakePhone(session, address).join(ticket_key(SECRET, 0))
         assert late.no == "link"
-        assert gateway.hall.refused[Why.TOKEN] == gateway.hall.refused[Why.LINK] == 1
+        assert gateway.session.refused[RefusalReason.TOKEN] == gateway.session.refused[RefusalReason.LINK] == 1
 
     run(test)
 
@@ -143,7 +143,7 @@ def test_pings_tell_the_shows_time_and_slips_of_the_beat_are_told_at_once():
         verb, mine, there = struct.unpack("<Bdd", message.data)
         assert (verb, mine) == (2, 123.25)
         assert before <= there <= show.now()
-        show.tell(Beat(time=100.0, beat=0.0, tempo=90.0, beats_per_measure=3, line=1.0))
+        show.tell(BeatClock(time=100.0, beat=0.0, tempo=90.0, beats_per_measure=3, line=1.0))
         while phone.said.get("c", [0, 0, 0])[2] != 90.0:
             await phone.hear()
         assert phone.said["c"] == [100.0, 0.0, 90.0, 3, 1.0]
@@ -153,15 +153,15 @@ def test_pings_tell_the_shows_time_and_slips_of_the_beat_are_told_at_once():
 
 def test_limits_of_a_phone_an_address_and_all_and_pages_of_other_sites():
     async def test(gateway, show, address, session):
-        refused = gateway.hall.refused
+        refused = gateway.session.refused
         phones = [await FakePhone(session, address).join(key_of(show)) for _ in range(3)]
         assert (await FakePhone(session, address).join(key_of(show))).no == "address"
         await phones[0].ws.close()
-        await until(lambda: len(gateway.hall.phones) == 2)
+        await until(lambda: len(gateway.session.phones) == 2)
         for number in range(250):
             await phones[1].touch(1, 0.5, number / 250)
-        await until(lambda: refused[Why.FAST] > 150)
-        assert gateway.hall.messages - refused[Why.FAST] < 60
+        await until(lambda: refused[RefusalReason.FAST] > 150)
+        assert gateway.session.messages - refused[RefusalReason.FAST] < 60
         assert not phones[1].ws.closed
         for origin in ("http://evil.example", "null"):
             with pytest.raises(aiohttp.WSServerHandshakeError, match="403"):
@@ -169,8 +169,8 @@ def test_limits_of_a_phone_an_address_and_all_and_pages_of_other_sites():
         for host in ("evil.example", "127.0.0.1.evil.example", "x" * 300, "localhost.evil"):
             async with session.get(address, headers={"Host": host}) as answer:
                 assert answer.status == 403
-        assert (refused[Why.ORIGIN], refused[Why.HOST]) == (2, 4)
-        await until(lambda: show.look().facts.get("refused", {}).get(Why.HOST) == 4)
+        assert (refused[RefusalReason.ORIGIN], refused[RefusalReason.HOST]) == (2, 4)
+        await until(lambda: show.look().facts.get("refused", {}).get(RefusalReason.HOST) == 4)
         assert "127.0.0.1" not in json.dumps(show.facts)  # nothing about anybody
 
     run(test, per_address=3, network="own wifi")

@@ -19,9 +19,9 @@ from aiohttp.http_exceptions import HttpProcessingError
 from live.control.audience import phone_protocol as wire
 from live.control.audience.http_server import language_of
 from live.control.audience.phone_registry import Phone
-from live.control.audience.rate_limit import Why
-from live.control.audience.websocket_reader import Reading
-from live.control.web.web_server import is_ours
+from live.control.audience.rate_limit import RefusalReason
+from live.control.audience.websocket_reader import WebSocketReader
+from live.control.web.web_server import is_local_host
 from tests.control.audience.made_gateway import FakePhone, key_of, made_gateway, until
 
 MASK = b"\x11\x22\x33\x44"
@@ -78,9 +78,9 @@ HELLOS = (
 
 def test_first_messages_are_right_or_refused_and_nothing_is_raised():
     for text in HELLOS:
-        hello = wire.hello_of(text)
+        hello = wire.parse_hello(text)
         assert hello is None or (len(hello.key) < 256 and 0 <= hello.region < 64 and hello.key.isascii())
-    assert wire.hello_of('{"k":"abc","r":3}') == wire.Hello("abc", "", "", 3)
+    assert wire.parse_hello('{"k":"abc","r":3}') == wire.Hello("abc", "", "", 3)
     chance, good = random.Random(3), '{"t":"12.3.4.abcdefghijkl","v":"1.2.3.4.x","k":"ABCDEFGHIJKL","r":1}'
     for _ in range(2000):
         text = list(good)
@@ -88,7 +88,7 @@ def test_first_messages_are_right_or_refused_and_nothing_is_raised():
             text[chance.randrange(len(text))] = chr(
                 chance.choice((0, 34, 39, 44, 58, 91, 123, 125, 0x202E, 0xD800, 65))
             )
-        hello = wire.hello_of("".join(text))
+        hello = wire.parse_hello("".join(text))
         assert hello is None or type(hello.region) is int
 
 
@@ -110,7 +110,7 @@ def test_hosts_and_languages_of_all_kinds():
         "stage.local:8020",
         "play.example",
     )
-    assert all(is_ours(host, "play.example") for host in good)
+    assert all(is_local_host(host, "play.example") for host in good)
     bad = (
         "",
         "evil.example",
@@ -123,7 +123,7 @@ def test_hosts_and_languages_of_all_kinds():
         "x" * 300,
         "é.local",
     )
-    assert not any(is_ours(host, "play.example") for host in bad)
+    assert not any(is_local_host(host, "play.example") for host in bad)
     assert language_of("pt-BR, en;q=0.5") == language_of("fr, pt;q=0.1") == "pt"
     for rubbish in ("", ";;;", "pt;q=x", "q=1", "," * 1000, "en;q=0.9, pt;q=0.8", "pt;q=0"):
         assert language_of(rubbish) == "en"
@@ -170,18 +170,18 @@ def test_every_class_of_malformed_traffic_is_refused_and_nothing_of_it_is_kept(c
             for begin in range(0, len(mutated), 40):
                 await asyncio.gather(*(raw(address, show, [d], wait=0.15) for d in mutated[begin : begin + 40]))
             await _half_open(address)
-            refused = gateway.hall.refused
-            await until(lambda: len(gateway.hall.phones) == 1)
-            assert refused[Why.MALFORMED] > 30
-            assert refused[Why.LONG] > 0
+            refused = gateway.session.refused
+            await until(lambda: len(gateway.session.phones) == 1)
+            assert refused[RefusalReason.MALFORMED] > 30
+            assert refused[RefusalReason.LONG] > 0
             await good.touch(1, 0.5, 0.5)  # the good phone plays on
             await until(lambda: any(packet[5] not in ("", "-") for packet in show.look().heard))
-            for row, _ in gateway.hall._parted.values():
-                gateway.hall.voices.remove(row)
-            gateway.hall._parted.clear()
-            assert gateway.hall.voices.count == 1
-            await until(lambda: len(gateway._door._upgraded) == 1)
-            await until(lambda: gc.collect() >= 0 and kept(Phone, Reading) == (1, 1), 20.0)
+            for row, _ in gateway.session._disconnected.values():
+                gateway.session.voices.remove(row)
+            gateway.session._disconnected.clear()
+            assert gateway.session.voices.count == 1
+            await until(lambda: len(gateway._server._upgraded) == 1)
+            await until(lambda: gc.collect() >= 0 and kept(Phone, WebSocketReader) == (1, 1), 20.0)
 
     asyncio.run(asyncio.wait_for(test(), 120.0))
     assert failures == []
@@ -216,9 +216,9 @@ def test_connections_that_say_nothing_are_closed_sooner_the_more_there_are():
         async with made_gateway(network="own wifi") as (gateway, _show, address):
             host, port = address.removeprefix("http://").split(":")
             idle = [await asyncio.open_connection(host, int(port)) for _ in range(40)]
-            await until(lambda: gateway.hall.refused[Why.ADDRESS] >= 20)
-            gateway._door._met = dict.fromkeys(gateway._door._met, -1e9)  # they have waited long
-            await until(lambda: gateway.hall.refused[Why.SILENT] >= 10)
+            await until(lambda: gateway.session.refused[RefusalReason.ADDRESS] >= 20)
+            gateway._server._first_seen = dict.fromkeys(gateway._server._first_seen, -1e9)  # they have waited long
+            await until(lambda: gateway.session.refused[RefusalReason.SILENT] >= 10)
             for _, writer in idle:
                 writer.close()
 

@@ -6,9 +6,9 @@ import contextlib
 import aiohttp
 import pytest
 
-from live.control.audience.http_server import HELLO_WITHIN
-from live.control.audience.rate_limit import Why
-from live.control.audience.session_state import RESTS, SILENT
+from live.control.audience.http_server import HELLO_TIMEOUT
+from live.control.audience.rate_limit import RefusalReason
+from live.control.audience.session_state import ROW_KEPT_SECONDS, SILENCE_TIMEOUT
 from tests.control.audience.made_gateway import FakePhone, key_of, made_gateway, until
 
 
@@ -22,19 +22,19 @@ def run(test, **plan):
 
 def test_a_phone_that_answers_nothing_for_an_hour_is_cut_off_and_comes_back_as_itself():
     async def test(gateway, show, address, session):
-        hall = gateway.hall
+        hall = gateway.session
         silent = [await FakePhone(session, address).join(key_of(show), region=1) for _ in range(8)]
         await silent[0].touch(1, 0.5, 0.5)
         await until(lambda: hall.voices.held.any())
-        hall._origin -= SILENT - 5.0  # it has not waited long enough
+        hall._origin -= SILENCE_TIMEOUT - 5.0  # it has not waited long enough
         hall.sweep()
         assert len(hall.phones) == 8
         hall._origin -= 3600.0
         await until(lambda: len(hall.phones) == 0)
-        assert hall.refused[Why.IDLE] == 8
-        hall._origin -= RESTS + 1.0
+        assert hall.refused[RefusalReason.IDLE] == 8
+        hall._origin -= ROW_KEPT_SECONDS + 1.0
         await until(lambda: hall.voices.count == 0)  # its voice is gone, and its row free
-        assert not hall._parted
+        assert not hall._disconnected
         hall._origin -= 3600.0
         again = await FakePhone(session, address).join(token=silent[0].token, region=1)
         assert again.number == silent[0].number
@@ -45,9 +45,9 @@ def test_a_phone_that_answers_nothing_for_an_hour_is_cut_off_and_comes_back_as_i
 
 def test_thousands_that_join_and_fall_silent_leave_nothing_that_grows():
     async def test(gateway, show, address, session):
-        hall = gateway.hall
+        hall = gateway.session
         for turn in range(12):
-            phones = [await FakePhone(session, address).join(gateway.hall.tickets.key(hall.now())) for _ in range(4)]
+            phones = [await FakePhone(session, address).join(gateway.session.tickets.key(hall.now())) for _ in range(4)]
             assert all(phone.number for phone in phones), turn
             hall._origin -= 3600.0
             hall.sweep()
@@ -58,8 +58,8 @@ def test_thousands_that_join_and_fall_silent_leave_nothing_that_grows():
         assert hall.phones.is_full(hall.now(), fresh=True) is False
         assert (hall.phones._kept, hall.phones._of_group, hall.phones._of_origin) == ({}, {}, {})
         assert (hall.tickets._spent, hall.tickets._used) == ({}, {})
-        await until(lambda: not gateway._door._upgraded)
-        assert not gateway._door._greeting
+        await until(lambda: not gateway._server._upgraded)
+        assert not gateway._server._unidentified
 
     run(test, most=8)
 
@@ -83,16 +83,16 @@ async def dripping(address, words):
 
 def test_headers_that_come_byte_by_byte_and_hellos_that_never_come_are_cut_off_in_time():
     async def test(gateway, show, address, session):
-        hall, met = gateway.hall, gateway._door
+        hall, met = gateway.session, gateway._server
         slow = [await dripping(address, b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n" + b"A: b\r\n" * 50) for _ in range(5)]
         await until(lambda: len(met._met) == 5)
-        hall._origin -= HELLO_WITHIN + 1.0  # so long have they been dripping
+        hall._origin -= HELLO_TIMEOUT + 1.0  # so long have they been dripping
         for reader, writer, task in slow:
             with contextlib.suppress(ConnectionError):
                 assert await asyncio.wait_for(reader.read(), 20.0) == b""
             task.cancel()
             writer.close()
-        assert hall.refused[Why.SILENT] >= 5
+        assert hall.refused[RefusalReason.SILENT] >= 5
         async with session.get(address) as answer:
             await answer.read()
             assert answer.headers["Connection"] == "close"  # no connection is kept for what may come

@@ -12,8 +12,8 @@ import textwrap
 
 import pytest
 
-from live.control.audience.arp_table import Neighbours, neighbours_of
-from live.control.audience.client_address import address_of
+from live.control.audience.arp_table import ArpTable, parse_neighbours
+from live.control.audience.client_address import parse_address
 
 CARD = b"\x02\x00\x00\x00\x00\x07"
 
@@ -32,8 +32,8 @@ DONE = struct.pack("=IHHIIi", 20, 3, 2, 1, 0, 0)
 def test_a_dump_is_read_to_its_end_and_who_has_no_card_is_left_out():
     data = entry("192.0.2.1") + entry("fe80::7", b"\x02\0\0\0\0\x08") + entry("192.0.2.2", state=0x20)
     data += entry("127.0.0.1", b"\0" * 6) + DONE + entry("192.0.2.9")
-    found = list(neighbours_of(data))
-    assert found == [(address_of("192.0.2.1"), CARD), (address_of("fe80::7"), b"\x02\0\0\0\0\x08"), None]
+    found = list(parse_neighbours(data))
+    assert found == [(parse_address("192.0.2.1"), CARD), (parse_address("fe80::7"), b"\x02\0\0\0\0\x08"), None]
 
 
 def test_rubbish_in_its_place_is_read_to_no_harm():
@@ -42,13 +42,13 @@ def test_rubbish_in_its_place_is_read_to_no_harm():
         data = bytearray(good)
         for _ in range(chance.randrange(1, 9)):
             data[chance.randrange(len(data))] = chance.randrange(256)
-        found = list(neighbours_of(bytes(data[: chance.randrange(len(data))])))
+        found = list(parse_neighbours(bytes(data[: chance.randrange(len(data))])))
         assert len(found) <= 3
 
 
 def test_this_machine_itself_has_no_card():
-    assert asyncio.run(Neighbours(b"s").card_of(address_of("127.0.0.1"))) == ""
-    assert asyncio.run(Neighbours(b"s").card_of(address_of("203.0.113.99"))) == ""
+    assert asyncio.run(ArpTable(b"s").card_of(parse_address("127.0.0.1"))) == ""
+    assert asyncio.run(ArpTable(b"s").card_of(parse_address("203.0.113.99"))) == ""
 
 
 HALL = """
@@ -92,9 +92,9 @@ def test_all_addresses_of_one_machine_in_the_hall_have_one_card_and_another_mach
 
 
 async def _look():
-    neighbours = Neighbours(b"s")
+    neighbours = ArpTable(b"s")
     for text in ("10.9.0.2", "10.9.0.3", "10.9.0.9", "fd00:9::2", "10.9.0.77"):
-        print(f"{text}={(await neighbours.card_of(address_of(text))).replace(' ', '')}")
+        print(f"{text}={(await neighbours.card_of(parse_address(text))).replace(' ', '')}")
 
 
 if __name__ == "__main__":

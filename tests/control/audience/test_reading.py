@@ -6,8 +6,8 @@ import random
 import pytest
 
 from live.control.audience.phone_registry import Phone
-from live.control.audience.session_state import Hall
-from live.control.audience.websocket_reader import Reading
+from live.control.audience.session_state import SessionState
+from live.control.audience.websocket_reader import WebSocketReader
 from tests.control.audience.test_hostile_phones import frame
 
 
@@ -27,14 +27,14 @@ class Wire:
         self.ended = "closed"
 
 
-class Heard(Hall):
+class Heard(SessionState):
     """A hall that keeps what it hears."""
 
     def __init__(self):
         super().__init__({"most": 4, "per_address": 4, "first": 1, "visible": 4, "origin": 0.0})
         self.heard = []
 
-    def hear(self, phone, data, now):
+    def handle_message(self, phone, data, now):
         self.heard.append(data)
         return b"pong" if data[:1] == b"\x02" else b""
 
@@ -44,7 +44,7 @@ def read(*chunks):
 
     async def everything():
         hall, wire = Heard(), Wire()
-        reading = Reading(hall, Phone(1, 0, 0, None, wire), wire)
+        reading = WebSocketReader(hall, Phone(1, 0, 0, None, wire), wire)
         for chunk in chunks:
             if wire.ended != "aborted":
                 reading.data_received(chunk)

@@ -5,25 +5,25 @@ import random
 
 import pytest
 
-from live.control.audience.join_tickets import LATE_BURST, LOADS, VOUCHER_HOLDS, Tickets
+from live.control.audience.join_tickets import LATE_BURST, PAGE_LOAD_SECONDS, VOUCHER_SECONDS, JoinTickets
 from live.control.audience.phone_registry import (
     Device,
     Voucher,
-    device_of,
     group_number,
     hue_of,
     ticket_key,
     token_of,
-    voucher_of,
+    verify_token,
+    verify_voucher,
     voucher_text,
 )
-from live.control.audience.rate_limit import Bucket, Line
+from live.control.audience.rate_limit import TokenBucket, WaitingLine
 
 SECRET, OTHER = b"a" * 32, b"b" * 32
 
 
 def tickets(devices=100, shown=30.0, grace=120.0):
-    return Tickets(SECRET, shown, grace, devices)
+    return JoinTickets(SECRET, shown, grace, devices)
 
 
 def test_the_code_on_the_wall_changes_and_lets_in_for_a_while_after_it_has_gone():
@@ -31,49 +31,49 @@ def test_the_code_on_the_wall_changes_and_lets_in_for_a_while_after_it_has_gone(
     key = book.key(1000.0)
     gone = 1020.0  # the 34th ends
     assert len(key) == 12  # 72 bits
-    assert book.of(key, 1000.0) == 33
+    assert book.find(key, 1000.0) == 33
     assert book.key(gone - 0.01) == key != book.key(gone)
-    assert book.of(key, gone + 119.0) == 33
-    assert book.of(key, gone + 121.0) == -1
-    assert book.of(ticket_key(SECRET, 35), 1000.0) == -1  # one to come
-    assert book.of(ticket_key(OTHER, 33), 1000.0) == -1
-    assert book.of("", 1000.0) == book.of("é" * 12, 1000.0) == -1
+    assert book.find(key, gone + 119.0) == 33
+    assert book.find(key, gone + 121.0) == -1
+    assert book.find(ticket_key(SECRET, 35), 1000.0) == -1  # one to come
+    assert book.find(ticket_key(OTHER, 33), 1000.0) == -1
+    assert book.find("", 1000.0) == book.find("é" * 12, 1000.0) == -1
 
 
 def test_a_code_lets_in_so_many_devices_and_few_at_a_time_once_it_has_long_gone():
     book = tickets(devices=7)
-    assert sum(book.spend(33) for _ in range(50)) == 7
-    assert book.spend(34)  # the next code has its own
+    assert sum(book.use(33) for _ in range(50)) == 7
+    assert book.use(34)  # the next code has its own
     gone = 1020.0
-    assert not any(book.is_late(33, gone + LOADS - 0.1) for _ in range(100))  # pages load slowly
-    assert sum(not book.is_late(33, gone + LOADS + 0.1) for _ in range(100)) == LATE_BURST
+    assert not any(book.is_rate_limited(33, gone + PAGE_LOAD_SECONDS - 0.1) for _ in range(100))  # pages load slowly
+    assert sum(not book.is_rate_limited(33, gone + PAGE_LOAD_SECONDS + 0.1) for _ in range(100)) == LATE_BURST
     for time in range(2000):
-        book.spend(40 + time)
-        book.is_late(40 + time, 1e6)
+        book.use(40 + time)
+        book.is_rate_limited(40 + time, 1e6)
     assert len(book._spent) <= 4096
     assert len(book._late) <= 257
-    book.tidy(1e9)
+    book.expire(1e9)
     assert (book._spent, book._late) == ({}, {})
 
 
 def test_vouchers_are_good_once_for_a_while_and_cannot_be_made_or_multiplied():
     book = tickets()
-    text = book.voucher(33, 1010.0, 1000.0)
-    voucher = book.redeemable(text, 1005.0)
+    text = book.issue_voucher(33, 1010.0, 1000.0)
+    voucher = book.find_voucher(text, 1005.0)
     assert (voucher.ticket, voucher.slot_ms) == (33, 1010_000)
-    follows = book.voucher(33, 0.0, 1020.0, voucher.serial)  # she was told again to wait
-    assert book.redeemable(text, 1011.0)
-    assert book.redeemable(text, 1010.0 + VOUCHER_HOLDS + 1.0) is None
-    book.redeem(book.redeemable(follows, 1030.0))
-    assert book.redeemable(follows, 1031.0) is book.redeemable(text, 1031.0) is None  # all of that one place
-    assert book.redeemable(book.voucher(33, 0.0, 1020.0), 1031.0) is not None
+    follows = book.issue_voucher(33, 0.0, 1020.0, voucher.serial)  # she was told again to wait
+    assert book.find_voucher(text, 1011.0)
+    assert book.find_voucher(text, 1010.0 + VOUCHER_SECONDS + 1.0) is None
+    book.redeem(book.find_voucher(follows, 1030.0))
+    assert book.find_voucher(follows, 1031.0) is book.find_voucher(text, 1031.0) is None  # all of that one place
+    assert book.find_voucher(book.issue_voucher(33, 0.0, 1020.0), 1031.0) is not None
     chance = random.Random(3)
     for _ in range(200):
         at = chance.randrange(len(text))
         forged = text[:at] + chance.choice("0123456789abcXYZ.-_é\0") + text[at + 1 :]
-        assert forged == text or voucher_of(SECRET, forged) is None
-    assert voucher_of(OTHER, text) is None
-    assert voucher_of(SECRET, voucher_text(SECRET, Voucher(1, 2, 3, 4))) == Voucher(1, 2, 3, 4)
+        assert forged == text or verify_voucher(SECRET, forged) is None
+    assert verify_voucher(OTHER, text) is None
+    assert verify_voucher(SECRET, voucher_text(SECRET, Voucher(1, 2, 3, 4))) == Voucher(1, 2, 3, 4)
     for _ in range(70_000):
         book.redeem(Voucher(1, 0, chance.randrange(10**9), chance.randrange(10**12)))
     assert len(book._used) <= 65_536
@@ -84,12 +84,12 @@ def test_tokens_are_known_by_whoever_has_the_secret_and_forged_ones_by_nobody():
     for number in (1, 2, 999, 2**31 - 1):
         device = Device(number, 17, group_number(SECRET, "192.0.2.1"))
         token = token_of(SECRET, device)
-        assert device_of(SECRET, token) == device
-        assert device_of(OTHER, token) is None
+        assert verify_token(SECRET, token) == device
+        assert verify_token(OTHER, token) is None
         for _ in range(50):
             at = chance.randrange(len(token))
             forged = token[:at] + chance.choice("0123456789abcXYZ.-_é\0") + token[at + 1 :]
-            assert forged == token or device_of(SECRET, forged) is None
+            assert forged == token or verify_token(SECRET, forged) is None
     good = token_of(SECRET, Device(1))
     for rubbish in (
         "",
@@ -104,7 +104,7 @@ def test_tokens_are_known_by_whoever_has_the_secret_and_forged_ones_by_nobody():
         "1.0.0.é",
         "1.2.3.4.5",
     ):
-        assert device_of(SECRET, rubbish) is None
+        assert verify_token(SECRET, rubbish) is None
     assert group_number(SECRET, "192.0.2.1") != group_number(OTHER, "192.0.2.1")
 
 
@@ -116,14 +116,14 @@ def test_those_who_join_one_after_the_other_have_other_colours():
 
 
 def test_a_bucket_lets_through_its_burst_and_then_its_rate():
-    bucket = Bucket(10.0, 20.0)
-    assert sum(bucket.take(5.0) for _ in range(100)) == 20
-    assert sum(bucket.take(5.0 + step / 1000) for step in range(1, 2001)) == 20
-    assert not bucket.take(6.0)  # a clock that goes back gives nothing
+    bucket = TokenBucket(10.0, 20.0)
+    assert sum(bucket.try_take(5.0) for _ in range(100)) == 20
+    assert sum(bucket.try_take(5.0 + step / 1000) for step in range(1, 2001)) == 20
+    assert not bucket.try_take(6.0)  # a clock that goes back gives nothing
 
 
 def test_a_line_lets_in_its_burst_and_says_everybody_else_her_turn():
-    line, waits = Line(20.0, 40.0), []
+    line, waits = WaitingLine(20.0, 40.0), []
     for _ in range(100):
         waits.append(line.wait(5.0))
         line.reserve(5.0)

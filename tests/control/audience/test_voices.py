@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.control.audience.aggregator import STAYS, Lights
-from live.control.audience.participant_state import BANDWIDTH, FADES, FRESH, Voices
+from live.control.audience.aggregator import HIGHLIGHT_SECONDS, HighlightRotation
+from live.control.audience.participant_state import BANDWIDTH, FADE_HALF_LIFE, FRESH_SECONDS, Voices
 from live.control.audience.phone_protocol import ATTRACT, REPEL
 
 HALF = (6.0, 4.0)
@@ -15,12 +15,12 @@ HALF = (6.0, 4.0)
 def spoken(points, *, mode=ATTRACT, joined=None, now=10.0):
     """Voices of phones at points (x, z) [m], of so many that have joined."""
     voices = Voices(4096)
-    voices.rule((), (), HALF)
+    voices.update_rules((), (), HALF)
     for number, (x, z) in enumerate(points, start=1):
-        row = voices.add(number, 0, heard=True)
+        row = voices.add(number, 0, allowed=True)
         voices.touch(row, mode, x / (2 * HALF[0]) + 0.5, z / (2 * HALF[1]) + 0.5, now)
     for number in range(len(points), joined or 0):
-        voices.add(number + 1, 0, heard=True)
+        voices.add(number + 1, 0, allowed=True)
     return voices
 
 
@@ -66,23 +66,23 @@ def test_two_crowds_are_two_places_by_their_size_and_those_who_repel_are_places_
 
 def test_voices_fade_once_the_finger_is_lifted_and_are_gone_at_last():
     voices = spoken([(1.0, 0.0)])
-    assert voices.weights(10.0 + FRESH)[0] == 1.0
+    assert voices.weights(10.0 + FRESH_SECONDS)[0] == 1.0
     voices.touch(0, 0, 0.0, 0.0, 11.0)
-    assert voices.weights(11.0 + FADES)[0] == pytest.approx(0.5)
-    assert voices.weights(11.0 + 10 * FADES)[0] == 0.0
+    assert voices.weights(11.0 + FADE_HALF_LIFE)[0] == pytest.approx(0.5)
+    assert voices.weights(11.0 + 10 * FADE_HALF_LIFE)[0] == 0.0
     assert voices.force(30.0).places == ()
 
 
 def test_regions_weigh_what_the_operator_says_and_who_is_banned_nothing():
     voices = spoken(crowd(10, 3.0, 0.0) + crowd(5, -3.0, 0.0))
     voices.region[10:] = 1
-    voices.rule((0.5, 2.0), (), HALF)
+    voices.update_rules((0.5, 2.0), (), HALF)
     places = voices.force(10.0).places
     assert [round(place.x) for place in places] == [-3, 3]
     assert places[1].weight == pytest.approx(0.5, abs=0.05)
-    voices.rule((0.5, 2.0), tuple(range(11, 16)), HALF)
+    voices.update_rules((0.5, 2.0), tuple(range(11, 16)), HALF)
     assert [round(place.x) for place in voices.force(10.0).places] == [3]
-    voices.rule((), (), HALF)  # a patch without regions: all weigh the same
+    voices.update_rules((), (), HALF)  # a patch without regions: all weigh the same
     assert voices.force(10.0).places[0].x > 0
 
 
@@ -103,24 +103,24 @@ def test_laws(points, more):
 
 def test_rows_are_given_back():
     voices = Voices(3)
-    rows = [voices.add(number, 0, heard=True) for number in (1, 2, 3)]
-    assert voices.add(4, 0, heard=True) == -1
+    rows = [voices.add(number, 0, allowed=True) for number in (1, 2, 3)]
+    assert voices.add(4, 0, allowed=True) == -1
     voices.remove(rows[1])
     assert voices.count == 2
-    assert voices.add(5, 0, heard=True) == rows[1]
+    assert voices.add(5, 0, allowed=True) == rows[1]
 
 
 def test_everybody_sees_her_light_at_some_time_and_for_a_while():
-    lights, seen = Lights(4), {}
+    lights, seen = HighlightRotation(4), {}
     speaking = list(range(20))
-    for step in range(int(8 * STAYS / 0.05)):
-        lights.choose(speaking, 0.05 * step)
-        assert len(lights.seen) == 4
-        for row in lights.seen:
+    for step in range(int(8 * HIGHLIGHT_SECONDS / 0.05)):
+        lights.update(speaking, 0.05 * step)
+        assert len(lights.rows) == 4
+        for row in lights.rows:
             seen[row] = seen.get(row, 0) + 1
     assert set(seen) == set(speaking)
-    assert min(seen.values()) * 0.05 > STAYS / 2
-    lights.choose([7], 1e3)
-    assert lights.seen == [7]
-    lights.choose([], 1e3)
-    assert lights.seen == []
+    assert min(seen.values()) * 0.05 > HIGHLIGHT_SECONDS / 2
+    lights.update([7], 1e3)
+    assert lights.rows == [7]
+    lights.update([], 1e3)
+    assert lights.rows == []

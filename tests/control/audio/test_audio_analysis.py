@@ -5,8 +5,8 @@ from collections import deque
 import numpy as np
 import pytest
 
-from live.clock.follower.manual_control import Seed
-from live.clock.tracking.beat_tracker import Tracker
+from live.clock.follower.manual_control import TrackerHint
+from live.clock.tracking.beat_tracker import BeatTracker
 from live.control.audio.analysis import AudioAnalysis, TrackerName
 from live.control.events.events import BeatHeard, ControlEvent, SourceChanged
 from tests.clock.clicks import clicks
@@ -70,7 +70,7 @@ def test_nan_in_one_channel_is_no_end() -> None:
     assert analysis.tracker.bad_samples == len(range(0, sound.size - analysis.tracker.wanted + 1, 5000))
 
 
-def told_by_hand(seeds: deque[Seed]) -> AudioAnalysis:
+def told_by_hand(seeds: deque[TrackerHint]) -> AudioAnalysis:
     """An analysis that has taken up the seeds."""
     analysis = AudioAnalysis(RATE, seeds=seeds)
     analysis.feed(np.zeros((1, 1), np.float32), lambda position: position)
@@ -79,23 +79,25 @@ def told_by_hand(seeds: deque[Seed]) -> AudioAnalysis:
 
 @pytest.mark.parametrize("between", ["network", "aubio"])
 def test_what_was_told_by_hand_outlives_an_analysis_that_is_made_anew(between: TrackerName) -> None:
-    seeds = deque([Seed("metre", 0.0, 3.0), Seed("tempo", 0.0, 63.0)])
+    seeds = deque([TrackerHint("metre", 0.0, 3.0), TrackerHint("tempo", 0.0, 63.0)])
     middle = AudioAnalysis(RATE, tracker=between)
-    middle.succeed(told_by_hand(seeds))
+    middle.take_over(told_by_hand(seeds))
     last = AudioAnalysis(RATE)
-    last.succeed(middle)
+    last.take_over(middle)
     sound, _ = clicks(126.0, RATE, 10.0, 0.0)
     last.feed(sound[:, None], lambda position: position)
-    assert isinstance(last.tracker, Tracker)
+    assert isinstance(last.tracker, BeatTracker)
     assert last.tracker.pointer.tempo == pytest.approx(63.0, rel=0.03)  # every second click, as the hand said
     assert last.tracker.pointer.metre == 3
 
 
 def test_what_was_let_go_is_not_told_again() -> None:
-    former = told_by_hand(deque([Seed("metre", 0.0, 3.0), Seed("tempo", 0.0, 38.0), Seed("forget", 0.0)]))
+    former = told_by_hand(
+        deque([TrackerHint("metre", 0.0, 3.0), TrackerHint("tempo", 0.0, 38.0), TrackerHint("forget", 0.0)])
+    )
     last = AudioAnalysis(RATE)
-    last.succeed(former)
+    last.take_over(former)
     sound, _ = clicks(126.0, RATE, 10.0, 0.0)
     last.feed(sound[:, None], lambda position: position)
-    assert isinstance(last.tracker, Tracker)
+    assert isinstance(last.tracker, BeatTracker)
     assert last.tracker.pointer.tempo == pytest.approx(126.0, rel=0.03)

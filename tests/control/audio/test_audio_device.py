@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.time_source import SystemClock
 from live.control.audio.audio_input import AudioInput
 from live.control.events.events import BeatHeard, ControlEvent, SourceChanged
-from live.show.sound.clock_commands import tell
+from live.show.sound.clock_commands import apply_clock_event
 from tests.clock.clicks import groove
 from tests.control.audio.test_music_file import write_wav
 from tests.control.conftest import PulseSink
@@ -23,7 +23,7 @@ class Listener:
 
     def __init__(self, clock: SystemClock) -> None:
         self.clock = clock
-        self.inbox: Inbox[ControlEvent] = Inbox()
+        self.inbox: EventQueue[ControlEvent] = EventQueue()
         self.input = AudioInput("pulse", self.inbox, clock)
         self.follower = TimelineFollower()
         self.changes: list[str] = []
@@ -37,7 +37,7 @@ class Listener:
                 self.beats.append(event.beat_time)
             elif isinstance(event, SourceChanged):
                 self.changes.append(event.state)
-            tell(self.follower, event)
+            apply_clock_event(self.follower, event)
         self.follower.advance(self.clock.now())
         self.loudest = max(self.loudest, self.input.level)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from live.clock.tracking.aubio_tracker import AubioTracker
-from live.clock.tracking.beat_network import Hearing, Network
+from live.clock.tracking.beat_network import ActivationStream, BeatNetwork
 from live.control.audio import analysis
 from live.control.audio.analysis import beat_weights, make_tracker
 from tests.clock.clicks import groove
@@ -48,7 +48,7 @@ def test_where_the_weights_are_damaged_aubio_listens_and_says_so(
 def test_the_network_hears_the_beats_of_a_groove() -> None:
     bpm = 110.0
     sound = groove(bpm, RATE, 14.0)
-    hearing = Hearing(RATE, Network(beat_weights()))
+    hearing = ActivationStream(RATE, BeatNetwork(beat_weights()))
     count = hearing.feed(sound)
     late = hearing.position[:count] > 6.0
     phase = hearing.position[:count][late] * bpm / 60.0

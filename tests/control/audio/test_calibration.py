@@ -48,7 +48,7 @@ def test_a_known_delay_is_measured_exactly(delay: float, rate: float) -> None:
     trip = measure(TRAIN, room(delay, rate=rate))
     assert trip.seconds == pytest.approx(delay, abs=5e-5)
     assert trip.spread < 5e-5
-    assert trip.heard == trip.of == 8
+    assert trip.detected == trip.total == 8
 
 
 @pytest.mark.parametrize(
@@ -90,6 +90,6 @@ def test_nan_is_silence() -> None:
 
 def test_a_delay_that_wanders_is_refused() -> None:
     recording = room(0.05)
-    wandering = [(f, t + 0.015 * (n // 130)) for n, (f, t) in enumerate(recording.heard)]
+    wandering = [(f, t + 0.015 * (n // 130)) for n, (f, t) in enumerate(recording.input_stamps)]
     with pytest.raises(PersonError, match=r"apart|only"):
         measure(TRAIN, replace(recording, heard=wandering))

@@ -71,7 +71,7 @@ def test_a_device_that_refuses_is_a_person_error(monkeypatch: pytest.MonkeyPatch
     with pytest.raises(PersonError, match="input 'loop' refuses: Device unavailable"):
         Microphone(DEVICE, Channels(), 1.0, ManualClock())
     with pytest.raises(PersonError, match="no channel 7 among 2"):
-        Microphone(DEVICE, Channels.of("7"), 1.0, ManualClock())
+        Microphone(DEVICE, Channels.parse("7"), 1.0, ManualClock())
 
 
 def through_pulse(inserted: float) -> RoundTrip:

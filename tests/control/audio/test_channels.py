@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.base.errors import PersonError
-from live.control.audio.channel_mixer import Channels, Mixer
+from live.control.audio.channel_mixer import ChannelMixer, Channels
 
 RATE = 48_000.0
 BLOCK = 512
@@ -20,34 +20,34 @@ BLOCK = 512
     [("3", (2,)), ("5,6", (4, 5)), (" 5 + 6 ", (4, 5)), ("all", ()), ([5, 6], (4, 5)), ("1", (0,))],
 )
 def test_channels_are_named_from_one(words: str | list[int], numbers: tuple[int, ...]) -> None:
-    assert Channels.of(words).numbers == numbers
+    assert Channels.parse(words).numbers == numbers
 
 
 @pytest.mark.parametrize("words", ["", "0", "left", "1,1", "-1", "999", "1,", [], [0], [True], "1.5"])
 def test_no_channels(words: str | list[int]) -> None:
     with pytest.raises(PersonError, match="channels"):
-        Channels.of(words)
+        Channels.parse(words)
 
 
 @given(st.text(max_size=12))
 def test_any_words_give_channels_or_a_person_error(words: str) -> None:
     with contextlib.suppress(PersonError):
-        assert Channels.of(str(Channels.of(words))) == Channels.of(words)
+        assert Channels.parse(str(Channels.parse(words))) == Channels.parse(words)
 
 
 def test_a_device_with_fewer_channels_gives_those_it_has() -> None:
-    five_six = Channels.of("5,6")
-    assert five_six.among(32) == (4, 5)
-    assert five_six.among(2) == (0, 1)
+    five_six = Channels.parse("5,6")
+    assert five_six.select(32) == (4, 5)
+    assert five_six.select(2) == (0, 1)
     assert five_six.missing(2) == "no channel 5, 6 among 2"
     assert five_six.missing(5) == "no channel 6 among 5"
-    assert Channels.of("all").among(32) == tuple(range(32))
+    assert Channels.parse("all").select(32) == tuple(range(32))
     assert Channels().missing(1) == ""
-    assert Channels().among(1) == (0,)
+    assert Channels().select(1) == (0,)
 
 
 def mixed(sound: npt.NDArray[np.float32], chosen: tuple[int, ...]) -> npt.NDArray[np.float32]:
-    mixer = Mixer(chosen, RATE, BLOCK)
+    mixer = ChannelMixer(chosen, RATE, BLOCK)
     return np.concatenate([mixer.mix(sound[at : at + BLOCK]).copy() for at in range(0, len(sound), BLOCK)])
 
 
@@ -98,7 +98,7 @@ def test_a_channel_full_of_nan_is_silent_and_counted() -> None:
     sound = noise(2)
     sound[:, 1] = np.nan
     sound[100:120, 0] = np.inf
-    mixer = Mixer((0, 1), RATE, len(sound))
+    mixer = ChannelMixer((0, 1), RATE, len(sound))
     heard = mixer.mix(sound)
     assert np.isfinite(heard).all()
     assert mixer.bad_samples == len(sound) + 20

@@ -63,7 +63,7 @@ class Card:
             self.options["callback"](block, 512, None, None)
             blocks.append(block)
             frame += 512
-            click.turn()
+            click.poll()
         return np.concatenate(blocks)
 
 
@@ -75,9 +75,9 @@ def test_a_pause_lateness_and_another_rate_do_not_move_the_clicks(
     monkeypatch.setattr(click_output, "find_device", lambda *_: SoundDevice(0, "drummer", "ALSA", 4, 48_000.0, True))
     monkeypatch.setattr(click_output, "open_stream", card.open)
     monkeypatch.setattr(click_output, "close_stream", lambda stream: None)
-    click = ClickOutput("drummer", clock, click_voices, channels=Channels.of("3"), later=2048 / 48_000.0)
+    click = ClickOutput("drummer", clock, click_voices, channels=Channels.parse("3"), extra_delay=2048 / 48_000.0)
     timeline = Timeline(tempo=171.3, beat_origin=0.4)
-    click.show(timeline)
+    click.set_timeline(timeline)
     click.open()
     sound = card.run(40.0, click, np.random.default_rng(2))
     assert not sound[:, :2].any()
@@ -97,7 +97,7 @@ def test_clicks_are_heard_on_the_beats_and_accented_on_the_lines(pulse_sink: Pul
     for _ in range(2):  # a machine that stands still for a tenth of a second loses sound: then once more
         clock, timeline = SystemClock(), Timeline(tempo=TEMPO)
         click = ClickOutput("pulse", clock, click_voices)
-        click.show(timeline)
+        click.set_timeline(timeline)
         times, hertz = heard(recorded(click, clock))
         off = off_beat(times, timeline)
         first, rest = off[:6], off[6:]
@@ -117,7 +117,7 @@ def recorded(click: ClickOutput, clock: SystemClock) -> Microphone:
     microphone = Microphone(find_device("pulse"), Channels(), 30.0, clock)
     click.start()
     try:
-        assert wait_for(lambda: click.track.clicks >= 22, 28.0), click.facts()
+        assert wait_for(lambda: click.track.clicks >= 22, 28.0), click.status()
     finally:
         click.stop()
         microphone.close()
@@ -145,7 +145,7 @@ def test_an_output_that_is_not_there_or_lacks_channels_is_said(monkeypatch: pyte
         ClickOutput("drummer", SystemClock(), click_voices)
     monkeypatch.setattr(click_output, "find_device", lambda *_: SoundDevice(0, "drummer", "ALSA", 2, 48_000.0, True))
     with pytest.raises(PersonError, match="no channel 3"):
-        ClickOutput("drummer", SystemClock(), click_voices, channels=Channels.of("3"))
+        ClickOutput("drummer", SystemClock(), click_voices, channels=Channels.parse("3"))
 
 
 def test_an_output_that_goes_away_is_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -182,8 +182,8 @@ def test_an_output_that_goes_away_is_opened_again(monkeypatch: pytest.MonkeyPatc
         monkeypatch.setattr(click, "_watch", fail)
         assert wait_for(lambda: len(set(failed)) >= 2, 5.0), "a failure is no end: it is opened anew, and fails again"
         assert click.problem in ("", "the click failed: ArithmeticError: no line")
-        assert (click.delay, click.facts()["device"]) == (0.02, "drummer")
-        click.later = 0.005
+        assert (click.delay, click.status()["device"]) == (0.02, "drummer")
+        click.extra_delay = 0.005
         assert click.delay == pytest.approx(0.025)
     finally:
         click.stop()

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.clock.timeline import Timeline
-from live.control.audio.click_output import LATE, ClickTrack
+from live.control.audio.click_output import MAX_LATE, ClickTrack
 
 RATE = 48_000
 ACCENT = np.full(960, 1.0, np.float32)
@@ -20,7 +20,7 @@ def played(track: ClickTrack, timelines: Iterator[tuple[Timeline, float]], sizes
     sound = np.zeros(sum(sizes), np.float32)
     start = 0
     for size in sizes:
-        track.show(*next(timelines))
+        track.set_timeline(*next(timelines))
         track.fill(sound[start : start + size], start / RATE, size / RATE)
         start += size
     return sound
@@ -83,12 +83,12 @@ def test_no_beat_is_skipped_or_doubled_while_the_timeline_is_slewed(seed: int, s
 
 def test_a_beat_that_a_jump_leaves_far_behind_is_not_clicked_late() -> None:
     track, out = ClickTrack(ACCENT, BEAT), np.zeros(480, np.float32)
-    track.show(Timeline(tempo=60.0, beat_origin=0.5))
+    track.set_timeline(Timeline(tempo=60.0, beat_origin=0.5))
     track.fill(out, 0.0, 0.01)
-    track.show(Timeline(tempo=60.0, beat_origin=1.0 + 2 * LATE))
+    track.set_timeline(Timeline(tempo=60.0, beat_origin=1.0 + 2 * MAX_LATE))
     track.fill(out, 0.01, 0.01)
     assert (track.clicks, track.missed) == (0, 1)
-    track.show(Timeline(tempo=60.0, beat_origin=1.99))
+    track.set_timeline(Timeline(tempo=60.0, beat_origin=1.99))
     track.fill(out, 0.02, 0.01)
     assert track.clicks == 1
     assert out[0] == pytest.approx(0.5)  # 10 ms late: at once

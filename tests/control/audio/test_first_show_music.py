@@ -55,7 +55,7 @@ def test_it_is_followed_through_the_break_and_over_the_seam(music: Music, told: 
         now = tick * TICK
         for event in offline.events_until(now):
             if isinstance(event, BeatHeard):
-                follower.heard(event.beat_time, event.period, event.confidence, now)
+                follower.observe(event.beat_time, event.period, event.confidence, now)
         timeline = follower.advance(now)
         if follower.state == "locked":
             locked = locked or now

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from live.clock.follower.manual_control import Seed
+from live.clock.follower.manual_control import TrackerHint
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from live.control.audio import music_file
@@ -38,7 +38,7 @@ def follow(music: OfflineMusic, follower: TimelineFollower, seconds: float) -> l
         for event in music.events_until(now):
             assert event.time <= now
             if isinstance(event, BeatHeard):
-                follower.heard(event.beat_time, event.period, event.confidence, now)
+                follower.observe(event.beat_time, event.period, event.confidence, now)
             elif isinstance(event, SourceChanged):
                 getattr(follower, event.state)(now)
         follower.advance(now)
@@ -115,7 +115,7 @@ def test_a_stream_that_hides_its_length_is_refused_too(tmp_path: Path, monkeypat
     with av.open(str(path)) as container:
         silent_about_it = SimpleNamespace(streams=container.streams, duration=None, decode=container.decode)
         with pytest.raises(MusicFileError, match="longer than"):
-            music_file._decoded(silent_about_it, path)
+            music_file._decode(silent_about_it, path)
 
 
 def test_a_loop_meets_its_beginning() -> None:
@@ -168,9 +168,9 @@ def test_a_known_downbeat_is_counted_from_wherever_the_music_begins() -> None:
     for tick in range(1, 20 * 64):
         for event in offline.events_until(tick * TICK):
             if isinstance(event, BeatHeard):
-                follower.heard(event.beat_time, event.period, event.confidence, event.time)
+                follower.observe(event.beat_time, event.period, event.confidence, event.time)
             elif isinstance(event, One):
-                follower.one(event.time)
+                follower.set_downbeat(event.time)
         follower.advance(tick * TICK)
     phase = follower.timeline.phase_at(2.3 + 0.85 + 6 * 2.4)
     assert min(phase, 4.0 - phase) < 0.05
@@ -195,4 +195,4 @@ def test_a_known_one_is_known_to_the_tracker_in_the_time_of_the_sound() -> None:
 
 
 def in_four(rate: float) -> AudioAnalysis:
-    return AudioAnalysis(rate, seeds=deque([Seed("metre", 0.0, 4.0), Seed("tempo", math.nan, 100.0)]))
+    return AudioAnalysis(rate, seeds=deque([TrackerHint("metre", 0.0, 4.0), TrackerHint("tempo", math.nan, 100.0)]))

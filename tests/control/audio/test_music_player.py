@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.time_source import SystemClock
 from live.control.audio import music_player
 from live.control.audio.analysis import AudioAnalysis
@@ -39,7 +39,7 @@ def music_of(bpm: float, seconds: float) -> Music:
 
 @pytest.mark.long
 def test_unheard_music_is_followed_by_the_clock() -> None:
-    inbox: Inbox[ControlEvent] = Inbox()
+    inbox: EventQueue[ControlEvent] = EventQueue()
     music = music_of(120.0, 6.0)
     player = MusicPlayer(music, inbox, SteppingClock(), output=False, one_at=0.5)
     events: list[ControlEvent] = []
@@ -58,7 +58,7 @@ def test_unheard_music_is_followed_by_the_clock() -> None:
 
 
 def test_the_end_of_the_music_is_told() -> None:
-    inbox: Inbox[ControlEvent] = Inbox()
+    inbox: EventQueue[ControlEvent] = EventQueue()
     player = MusicPlayer(music_of(120.0, 3.0), inbox, SteppingClock(), loop=False, output=False)
     player.start()
     try:
@@ -83,7 +83,7 @@ def test_an_analysis_that_fails_is_begun_anew_while_the_music_plays_on() -> None
         made.append(Breaks(rate))
         return made[-1]
 
-    inbox: Inbox[ControlEvent] = Inbox()
+    inbox: EventQueue[ControlEvent] = EventQueue()
     player = MusicPlayer(music_of(120.0, 20.0), inbox, SteppingClock(), output=False, analysis=make)
     player.start()
     beats: list[float] = []
@@ -97,7 +97,7 @@ def test_an_analysis_that_fails_is_begun_anew_while_the_music_plays_on() -> None
     finally:
         player.stop()
     assert (player.crashes, len(made)) == (1, 2)
-    assert player.facts()["failure"] == "the analysis failed: ArithmeticError: a bug in the tracker"
+    assert player.status()["failure"] == "the analysis failed: ArithmeticError: a bug in the tracker"
     off = (np.array(beats[3:]) - player._begin) * 2.0
     assert np.median(np.abs(off - np.round(off))) < 0.05
 
@@ -107,7 +107,7 @@ def test_without_portaudio_the_music_runs_unheard(monkeypatch: pytest.MonkeyPatc
         raise SoundUnavailable("no sound devices: install PortAudio")
 
     monkeypatch.setattr(music_player, "find_device", missing)
-    player = MusicPlayer(music_of(120.0, 3.0), Inbox(), SteppingClock())
+    player = MusicPlayer(music_of(120.0, 3.0), EventQueue(), SteppingClock())
     assert "PortAudio" in player.output_problem
 
 
@@ -117,8 +117,8 @@ def test_an_output_that_was_named_must_be_there(monkeypatch: pytest.MonkeyPatch)
 
     monkeypatch.setattr(music_player, "find_device", unknown)
     with pytest.raises(UnknownDevice, match="organ"):
-        MusicPlayer(music_of(120.0, 3.0), Inbox(), SteppingClock(), output="organ")
-    assert MusicPlayer(music_of(120.0, 3.0), Inbox(), SteppingClock()).output_problem
+        MusicPlayer(music_of(120.0, 3.0), EventQueue(), SteppingClock(), output="organ")
+    assert MusicPlayer(music_of(120.0, 3.0), EventQueue(), SteppingClock()).output_problem
 
 
 def test_an_output_that_refuses_leaves_the_music_unheard(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -129,7 +129,7 @@ def test_an_output_that_refuses_leaves_the_music_unheard(monkeypatch: pytest.Mon
 
     monkeypatch.setattr(music_player, "find_device", lambda *_: SoundDevice(0, "organ", "ALSA", 2, 48_000.0, True))
     monkeypatch.setattr(music_player, "open_stream", refuse)
-    inbox: Inbox[ControlEvent] = Inbox()
+    inbox: EventQueue[ControlEvent] = EventQueue()
     player = MusicPlayer(music_of(120.0, 6.0), inbox, SteppingClock())
     player.start()
     try:
@@ -143,8 +143,8 @@ def test_an_output_that_refuses_leaves_the_music_unheard(monkeypatch: pytest.Mon
 def test_what_is_played_is_what_is_heard_at_that_moment(pulse_sink: PulseSink) -> None:
     """The player's idea of "now heard" against a microphone at the sink it plays to."""
     clock = SystemClock()
-    played: Inbox[ControlEvent] = Inbox()
-    recorded: Inbox[ControlEvent] = Inbox()
+    played: EventQueue[ControlEvent] = EventQueue()
+    recorded: EventQueue[ControlEvent] = EventQueue()
     player = MusicPlayer(Music(groove(120.0, RATE, 8.0)[:, None], RATE), played, clock, output="pulse")
     listener = AudioInput("pulse", recorded, clock)
     player.start()

@@ -25,7 +25,7 @@ def test_beats_of_steady_music_are_met_after_ten_seconds(name: str) -> None:
         now = tick * TICK
         for event in offline.events_until(now):
             if isinstance(event, BeatHeard):
-                follower.heard(event.beat_time, event.period, event.confidence, now)
+                follower.observe(event.beat_time, event.period, event.confidence, now)
             elif isinstance(event, SourceChanged):
                 getattr(follower, event.state)(now)
         timeline = follower.advance(now)

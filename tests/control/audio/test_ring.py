@@ -4,11 +4,11 @@ import tracemalloc
 
 import numpy as np
 
-from live.control.audio.device_stream import STAMPS, Ring
+from live.control.audio.device_stream import STAMPS, RingBuffer
 
 
 def test_what_is_written_is_read_once_and_in_order() -> None:
-    ring, sound, read = Ring(1000, 2), np.arange(9000, dtype=np.float32), []
+    ring, sound, read = RingBuffer(1000, 2), np.arange(9000, dtype=np.float32), []
     sizes = np.random.default_rng(0).integers(1, 250, 60)
     start = 0
     for size in sizes:
@@ -23,7 +23,7 @@ def test_what_is_written_is_read_once_and_in_order() -> None:
 
 
 def test_a_reader_that_slept_loses_the_oldest_and_knows_it() -> None:
-    ring = Ring(1000, 1)
+    ring = RingBuffer(1000, 1)
     for start in range(0, 5000, 100):
         ring.write(np.arange(start, start + 100, dtype=np.float32)[:, None], start / 1000.0)
     assert ring.read()[:, 0].tolist() == list(range(4500, 5000))
@@ -32,30 +32,30 @@ def test_a_reader_that_slept_loses_the_oldest_and_knows_it() -> None:
 
 
 def test_stamps_say_when_how_much_was_there() -> None:
-    ring = Ring(1000, 1)
+    ring = RingBuffer(1000, 1)
     ring.write(np.zeros((64, 1), np.float32), 1.0)
     ring.write(np.zeros((64, 1), np.float32), 2.0)
-    assert [ring.stamp(), ring.stamp(), ring.stamp()] == [(64, 1.0), (128, 2.0), None]
+    assert [ring.pop_stamp(), ring.pop_stamp(), ring.pop_stamp()] == [(64, 1.0), (128, 2.0), None]
 
 
 def test_a_block_longer_than_the_ring_leaves_its_end() -> None:
-    ring = Ring(10, 1)
+    ring = RingBuffer(10, 1)
     ring.write(np.arange(25, dtype=np.float32)[:, None], 0.0)
     assert ring.read()[:, 0].tolist() == [20, 21, 22, 23, 24]
 
 
 def test_a_reader_that_slept_gets_the_newest_times() -> None:
-    ring = Ring(1000, 1)
+    ring = RingBuffer(1000, 1)
     for n in range(2 * STAMPS):
         ring.write(np.zeros((8, 1), np.float32), float(n))
     times = []
-    while (stamp := ring.stamp()) is not None:
+    while (stamp := ring.pop_stamp()) is not None:
         times.append(stamp)
     assert times == [(8 * (n + 1), float(n)) for n in range(STAMPS + STAMPS // 2, 2 * STAMPS)]
 
 
 def test_nothing_is_kept_or_allocated_for_a_block() -> None:
-    ring, block = Ring(48_000, 2), np.zeros((512, 2), np.float32)
+    ring, block = RingBuffer(48_000, 2), np.zeros((512, 2), np.float32)
     for _ in range(100):
         ring.write(block, 0.0)
         ring.read()
@@ -66,7 +66,7 @@ def test_nothing_is_kept_or_allocated_for_a_block() -> None:
         for _ in range(200):
             ring.write(block, 0.0)
             ring.read()
-            ring.stamp()
+            ring.pop_stamp()
         now, peak = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()

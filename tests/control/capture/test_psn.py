@@ -12,9 +12,9 @@ import pytest
 
 from live.app.services.capture_services import parse_psn
 from live.base.errors import PersonError
-from live.base.event_queue import Lane
+from live.base.event_queue import PriorityQueue
 from live.clock.time_source import ManualClock
-from live.control.capture.posistagenet import MAX_PACKET_BYTES, PsnFrames, PsnInput, read_psn
+from live.control.capture.posistagenet import MAX_PACKET_BYTES, PsnFrames, PsnInput, decode_psn
 from live.control.registry.rejections import Reason, Tally
 from tests.control.capture.psn_server import DATA, chunk, data_packet, header, info_packet, tracker
 from tests.control.waiting import wait_for
@@ -24,7 +24,7 @@ HERE = (1.5, 0.25, -2.0)
 
 def read(data):
     tally = Tally()
-    return read_psn(data, tally), tally.as_dict()
+    return decode_psn(data, tally), tally.as_dict()
 
 
 def test_places_and_names_are_read_and_unknown_chunks_passed_over():
@@ -97,10 +97,10 @@ def test_mutations_end_in_places_or_refusals():
                     data[at : at + 4] = chance.choice((b"\0\0\xff\x7f", b"\0\0\xff\xff", b"\0\0\xc0\x7f", b""))
                 case _:
                     del data[chance.randrange(len(data)) :]
-        packet = read_psn(bytes(data), tally)
+        packet = decode_psn(bytes(data), tally)
         if packet is not None:
             read_well += 1
-            frames.take(packet)
+            frames.add(packet)
             assert all(math.isfinite(value) for place in packet.places.values() for value in place)
     assert read_well > 300
     assert tally.total > 500
@@ -112,7 +112,7 @@ def test_frames_are_put_together_whatever_is_lost():
     frames = PsnFrames(tally)
 
     def take(number, time, **facts):
-        return frames.take(read_psn(data_packet(tracker(number, HERE), time=100_000_000 + time, **facts), tally))
+        return frames.add(decode_psn(data_packet(tracker(number, HERE), time=100_000_000 + time, **facts), tally))
 
     assert take(1, 1000, frame=1, packets=2) == {}
     assert set(take(2, 1000, frame=1, packets=2)) == {1, 2}
@@ -125,7 +125,7 @@ def test_frames_are_put_together_whatever_is_lost():
 
 
 def test_places_come_into_the_inbox_by_name_when_they_are_news():
-    lane, clock = Lane(), ManualClock()
+    lane, clock = PriorityQueue(), ManualClock()
     hearing = PsnInput("127.0.0.1", 0, "", lane, clock)
     hearing.start()
     sent = 0
@@ -140,11 +140,11 @@ def test_places_come_into_the_inbox_by_name_when_they_are_news():
                 assert wait_for(lambda sent=sent: hearing.received == sent, 2.0)
     finally:
         hearing.stop()
-    events = list(iter(lane.take, None))
+    events = list(iter(lane.pop, None))
     anna = [event for event in events if event.tracker == "Anna"]
     assert [event.x for event in anna] == [round(number / 10.0, 4) for number in range(20)]
     assert 3 <= sum(event.tracker == "2" for event in events) <= 5  # it stands still
-    assert hearing.facts()["frames"] == 20
+    assert hearing.status()["frames"] == 20
     assert hearing.rejected.total == 20
 
 
@@ -191,10 +191,10 @@ def test_where_to_listen_as_people_write_it():
 
 
 def test_a_full_room_of_trackers_is_bounded():
-    lane, clock = Lane(), ManualClock(1.0)
+    lane, clock = PriorityQueue(), ManualClock(1.0)
     hearing = PsnInput("127.0.0.1", 0, "", lane, clock)
     for begin in range(0, 400, 50):
         data = data_packet(*(tracker(number, HERE) for number in range(begin, begin + 50)), time=begin)
-        hearing.hear(data, ("10.0.0.1", 1), 56565, clock.now())
+        hearing.handle(data, ("10.0.0.1", 1), 56565, clock.now())
     assert len(lane) == 128
     assert hearing.rejected.as_dict() == {Reason.MANY_MESSAGES: 400 - 128}

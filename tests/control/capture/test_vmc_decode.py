@@ -9,7 +9,7 @@ import pytest
 from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
 from pythonosc.osc_message_builder import OscMessageBuilder
 
-from live.control.capture.vmc_protocol import BONES, MAX_PACKET_BYTES, NOTHING, read_packet, vmc_packets
+from live.control.capture.vmc_protocol import BONES, MAX_PACKET_BYTES, UNUSED_BONE, decode_vmc, vmc_packets
 from live.control.registry.rejections import Reason, Tally
 from live.motion import quaternion
 from live.motion.skeleton import JOINT_COUNT, SKELETON
@@ -32,7 +32,7 @@ class Heard:
     def tracked(self, on):
         self.states.append(on)
 
-    def sent(self, time):
+    def sender_time(self, time):
         self.times.append(time)
 
 
@@ -52,7 +52,7 @@ def bundle(*contents):
 
 def heard(data):
     listener, tally = Heard(), Tally()
-    read_packet(data, listener, tally)
+    decode_vmc(data, listener, tally)
     return listener, tally.as_dict()
 
 
@@ -78,7 +78,7 @@ def test_a_bundle_of_another_program_is_read_and_its_axes_are_turned_over():
 
 
 def test_every_bone_of_unity_is_known_and_what_is_too_much_is_ignored():
-    assert sum(joint != NOTHING for joint in BONES.values()) == JOINT_COUNT
+    assert sum(joint != UNUSED_BONE for joint in BONES.values()) == JOINT_COUNT
     for data in (
         message("/VMC/Ext/Bone/Pos", "LeftThumbProximal", *HIPS[1:]),
         message("/VMC/Ext/Bone/Pos", "LastBone", *HIPS[1:]),
@@ -161,6 +161,6 @@ def test_mutations_of_good_packets_end_in_numbers_or_refusals():
                 case _:
                     at = 4 * chance.randrange(len(data) // 4)
                     data[at:at] = bytes(data[at : at + 4 * chance.randrange(8)])
-        read_packet(bytes(data), listener, tally)
+        decode_vmc(bytes(data), listener, tally)
     assert tally.total > 300
     assert all(math.isfinite(value) for bone in (*listener.bones.values(), *listener.roots) for value in bone)

@@ -10,8 +10,8 @@ from live.app.services.vmc_output_service import parse_avatars
 from live.base.errors import PersonError
 from live.clock.time_source import SystemClock
 from live.control.capture.vmc_input import Seat
-from live.control.capture.vmc_output import Avatars, VmcOut, dancers_as_told
-from live.control.helper_process import Helper
+from live.control.capture.vmc_output import AvatarTarget, VmcOutput, pack_dancers
+from live.control.helper_process import HelperProcess
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.packed_pose import unpack_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON
@@ -50,8 +50,8 @@ def heard(ear, datagrams=2):
 
 def test_another_reader_finds_every_bone_where_it_is_in_unitys_axes(ears):
     hips, rotation, position, world = company()
-    out = VmcOut(*ears[0].getsockname())
-    out.take(2.5, dancers_as_told(np.array([0, 1]), position, world))
+    out = VmcOutput(*ears[0].getsockname())
+    out.send_dancers(2.5, pack_dancers(np.array([0, 1]), position, world))
     out.close()
     for dancer, ear in enumerate(ears):
         messages = [message for data in heard(ear) for message in OscBundle(data)]
@@ -72,15 +72,15 @@ def test_another_reader_finds_every_bone_where_it_is_in_unitys_axes(ears):
 
 def test_what_the_process_sends_comes_in_as_it_was(ears):
     hips, rotation, position, world = company()
-    helper = Helper(
+    helper = HelperProcess(
         "live.control.capture.vmc_output", SystemClock(), {"targets": [ears[0].getsockname()]}, lambda: None
     )
     try:
         helper.start()
-        assert helper.send((0, 1.0, dancers_as_told(np.array([1]), position, world)))
+        assert helper.send((0, 1.0, pack_dancers(np.array([1]), position, world)))
         hearing, given, tally = stream(lambda time: Seat("anna", floor=False))
         for data in heard(ears[0]):
-            hearing.hear(data, 7.0)
+            hearing.handle(data, 7.0)
     finally:
         helper.stop()
     root, turned = unpack_pose(given[0].pose)
@@ -90,8 +90,8 @@ def test_what_the_process_sends_comes_in_as_it_was(ears):
 
 
 def test_targets_as_people_write_them():
-    assert parse_avatars("39540") == Avatars("127.0.0.1", 39540)
-    assert parse_avatars("10.0.0.2:39539=ember & 1-3@30") == Avatars("10.0.0.2", 39539, "ember & 1-3", 30.0)
+    assert parse_avatars("39540") == AvatarTarget("127.0.0.1", 39540)
+    assert parse_avatars("10.0.0.2:39539=ember & 1-3@30") == AvatarTarget("10.0.0.2", 39539, "ember & 1-3", 30.0)
     for text in ("", "=1", "host", "1.2.3.4:1@0", "1.2.3.4:1@500", "1.2.3.4:1="):
         with pytest.raises(PersonError):
             parse_avatars(text)

@@ -5,10 +5,10 @@ import socket
 import numpy as np
 import pytest
 
-from live.base.event_queue import Inbox, Lane
+from live.base.event_queue import EventQueue, PriorityQueue
 from live.clock.time_source import ManualClock
-from live.control.capture.udp_input import FLOOD
-from live.control.capture.vmc_input import ALONE, GONE_AFTER, Seat, Seats, VmcInput, VmcStream
+from live.control.capture.udp_input import MAX_PER_WINDOW
+from live.control.capture.vmc_input import DEFAULT_PERFORMER, SEAT_TIMEOUT, Seat, Seats, VmcInput, VmcStream
 from live.control.capture.vmc_protocol import vmc_packets
 from live.control.registry.rejections import Reason, Tally
 from live.motion import quaternion
@@ -41,7 +41,7 @@ def test_what_we_send_comes_back_as_it_was():
     hearing, given, tally = stream(lambda time: Seat("anna", floor=False))
     for n in range(60):
         for data in vmc_packets(hips[n], rotation[n], n / 60.0):
-            hearing.hear(data, 5.0 + n / 60.0)
+            hearing.handle(data, 5.0 + n / 60.0)
     assert tally.as_dict() == {}
     assert [frame.time for frame in given] == pytest.approx([5.0 + n / 60.0 for n in range(60)])
     assert {frame.performer for frame in given} == {"anna"}
@@ -65,7 +65,7 @@ def test_a_longer_body_makes_the_same_pose_with_her_feet_where_hers_are_scaled()
     hips, rotation = poses(3)
     for n in range(3):
         hearing, given, _ = stream()
-        hearing.hear(bundle(*unity_bones(1.25, hips[n], rotation[n])).dgram, 1.0)
+        hearing.handle(bundle(*unity_bones(1.25, hips[n], rotation[n])).dgram, 1.0)
         root, turned = unpack_pose(given[0].pose)
         feet = [SKELETON.index("leftFoot"), SKELETON.index("rightFoot")]
         there = forward_kinematics(root[None].astype(float), turned[None].astype(float))[0][0, feet]
@@ -78,7 +78,7 @@ def test_bones_point_where_hers_do_whatever_her_rest_pose():
     hips, rotation = poses(1)
     hearing, given, _ = stream()
     lean = np.array([0.0, -0.1, 0.02])
-    hearing.hear(bundle(*unity_bones(1.0, hips[0], rotation[0], lean)).dgram, 1.0)
+    hearing.handle(bundle(*unity_bones(1.0, hips[0], rotation[0], lean)).dgram, 1.0)
     _, turned = unpack_pose(given[0].pose)
     ours, _ = forward_kinematics(np.zeros((1, 3)), turned[None].astype(float))
     _, world = forward_kinematics(np.zeros((1, 3)), rotation)
@@ -96,7 +96,7 @@ def test_feet_come_to_the_floor_wherever_the_capture_has_its_own_and_jumps_stay(
     for n in range(300):
         jump = 0.3 * max(np.sin(np.pi * (n - 200) / 30.0), 0.0) if 200 <= n < 230 else 0.0
         for data in vmc_packets(np.array([0.0, 1.7 + jump, 0.0]), rotation, n / 60.0):
-            hearing.hear(data, n / 60.0)
+            hearing.handle(data, n / 60.0)
     heights = np.array([unpack_pose(frame.pose)[0][1] for frame in given])
     rest = SKELETON.offsets[0, 1]
     np.testing.assert_allclose(heights[:200], rest, atol=0.02)
@@ -109,20 +109,20 @@ def test_poses_without_hips_or_tracking_do_not_come_and_a_lost_packet_loses_one(
     packets = [list(vmc_packets(hips[n], rotation[n], n / 60.0)) for n in range(4)]
     for n, some in enumerate((packets[0], packets[1][1:], packets[2], packets[3])):
         for data in some:
-            hearing.hear(data, n / 60.0)
+            hearing.handle(data, n / 60.0)
     assert [round(60.0 * frame.time) for frame in given] == [0, 2, 3]
     alone = message("/VMC/Ext/Bone/Pos", "Head", 0.0, 0.1, 0.0, 0.0, 0.0, 0.0, 1.0).dgram
     for _ in range(3):
-        hearing.hear(alone, 1.0)
+        hearing.handle(alone, 1.0)
     assert tally.as_dict() == {Reason.TRUNCATED: 1 + 2}
     for n in (4, 5):
         for data in vmc_packets(hips[0], rotation[0], n / 60.0):
-            hearing.hear(data, n / 60.0)
+            hearing.handle(data, n / 60.0)
     assert len(given) == 5
-    hearing.hear(message("/VMC/Ext/OK", 0).dgram, 1.0)
+    hearing.handle(message("/VMC/Ext/OK", 0).dgram, 1.0)
     body = [message("/VMC/Ext/Bone/Pos", name[0].upper() + name[1:], 0.0, 0.1, 0.0, 0.0, 0.0, 0.0, 1.0)
             for name in SKELETON.names]  # fmt: skip
-    hearing.hear(bundle(*body).dgram, 1.1)
+    hearing.handle(bundle(*body).dgram, 1.1)
     assert len(given) == 5
 
 
@@ -135,7 +135,7 @@ def test_a_body_with_fewer_bones_is_whole_with_those_it_has():
         if b"UpperChest" not in each.dgram and b"Toes" not in each.dgram
     ]
     for n in range(4):
-        hearing.hear(bundle(*fewer).dgram, n / 60.0)
+        hearing.handle(bundle(*fewer).dgram, n / 60.0)
     assert [round(60.0 * frame.time) for frame in given] == [2, 3]
     chest = unpack_pose(given[0].pose)[1][SKELETON.index("upperChest")]
     np.testing.assert_allclose(chest, [1.0, 0.0, 0.0, 0.0], atol=1e-6)
@@ -150,7 +150,7 @@ def test_the_senders_clock_makes_uneven_arrivals_even_and_may_leap():
     for n in range(120):
         sent = n / 30.0 + (500.0 if n >= 60 else 0.0)
         for data in vmc_packets(hips[0], rotation[0], sent):
-            hearing.hear(data, 3.0 + n / 30.0 + late[n])
+            hearing.handle(data, 3.0 + n / 30.0 + late[n])
     times = np.array([frame.time for frame in given])
     np.testing.assert_allclose(np.diff(times[:60]), 1 / 30.0, atol=1e-4)
     np.testing.assert_allclose(np.diff(times[62:]), 1 / 30.0, atol=0.02)
@@ -170,13 +170,13 @@ def test_seats_go_by_machine_and_port_then_by_turn_and_to_one_at_a_time():
     assert name("d", 39539, "10.0.0.2", 0.5) == "second"
     assert name("e", 39539, "10.0.0.3", 0.5) is None
     assert name("c", 39539, "10.0.0.1", 1.0) == "any"
-    assert name("e", 39539, "10.0.0.3", 0.6 + GONE_AFTER) == "second"
-    assert Seats(()).find("x", 1, "h", 0.0).name == ALONE
+    assert name("e", 39539, "10.0.0.3", 0.6 + SEAT_TIMEOUT) == "second"
+    assert Seats(()).find("x", 1, "h", 0.0).name == DEFAULT_PERFORMER
 
 
 def test_the_poses_of_each_sender_wait_in_the_inbox_and_rubbish_does_not():
-    inbox, clock = Inbox(), ManualClock()
-    hearing = VmcInput((("127.0.0.1", 0), ("127.0.0.1", 0)), (Seat("anna"), Seat("ben")), inbox.lane(), clock)
+    inbox, clock = EventQueue(), ManualClock()
+    hearing = VmcInput((("127.0.0.1", 0), ("127.0.0.1", 0)), (Seat("anna"), Seat("ben")), inbox.add_queue(), clock)
     hearing.start()
     hips, rotation = poses(3)
     try:
@@ -196,7 +196,7 @@ def test_the_poses_of_each_sender_wait_in_the_inbox_and_rubbish_does_not():
         assert {(frame.performer, frame.time) for frame in frames} == {
             (name, time) for name in ("anna", "ben") for time in (1.0, 2.0, 3.0)
         }
-        assert hearing.facts()["performers"]["anna"]["bones"] == JOINT_COUNT
+        assert hearing.status()["performers"]["anna"]["bones"] == JOINT_COUNT
         assert hearing.rejected.as_dict() == {Reason.NO_TYPES: 6} or hearing.rejected.total == 6
     finally:
         hearing.stop()
@@ -204,7 +204,7 @@ def test_the_poses_of_each_sender_wait_in_the_inbox_and_rubbish_does_not():
 
 
 def test_a_flood_is_not_read():
-    lane, clock = Lane(), ManualClock()
+    lane, clock = PriorityQueue(), ManualClock()
     hearing = VmcInput((), (), lane, clock)
 
     class Rubbish:
@@ -214,4 +214,4 @@ def test_a_flood_is_not_read():
     hearing._stopping.set()  # nothing is waited for
     for _ in range(20):
         hearing.receive(Rubbish(), 39539)
-    assert hearing.rejected.as_dict() == {Reason.ALIGNMENT: FLOOD, Reason.FLOOD: 20 * 256 - FLOOD}
+    assert hearing.rejected.as_dict() == {Reason.ALIGNMENT: MAX_PER_WINDOW, Reason.FLOOD: 20 * 256 - MAX_PER_WINDOW}

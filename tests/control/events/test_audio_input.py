@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pytest
 
 from live.base.errors import PersonError
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.control.audio.analysis import AudioAnalysis
 from live.control.audio.audio_input import AudioInput
 from live.control.audio.channel_mixer import Channels
@@ -27,13 +27,13 @@ class Desk:
 
     def __init__(self, sound: FakeSound, **options: Any) -> None:
         self.sound = sound
-        self.inbox: Inbox[ControlEvent] = Inbox()
+        self.inbox: EventQueue[ControlEvent] = EventQueue()
         self.input = AudioInput(None, self.inbox, sound.clock, **options)
-        self.input._open(self.input._rounds.mine)
+        self.input._open(self.input._watchdog.stop_event)
         self.events: list[ControlEvent] = []
 
     def turn(self) -> None:
-        self.input.turn()
+        self.input.poll()
         self.events += self.inbox.drain()
 
     def feed(self, fill: Callable[[int, int], Sound], seconds: float, **how: Any) -> None:
@@ -86,15 +86,15 @@ def test_beats_lie_on_the_clicks_at_any_rate_and_block(sound: FakeSound, rate: f
 
 def test_another_tracker_than_was_asked_for_is_told(sound: FakeSound) -> None:
     sound.plug(sound.devices[0], sample_rate=11_025.0)  # the network needs more
-    assert "aubio is used instead" in Desk(sound).input.facts()["problem"]
+    assert "aubio is used instead" in Desk(sound).input.status()["problem"]
 
 
 def test_one_channel_of_32_is_heard(sound: FakeSound) -> None:
-    desk = Desk(sound, channels=Channels.of("17"))
+    desk = Desk(sound, channels=Channels.parse("17"))
     assert sound.streams[-1].options["channels"] == 17
     desk.feed(music(48_000.0, 16, 17), 6.0)
     assert desk.beats
-    other = Desk(sound, channels=Channels.of("3"))
+    other = Desk(sound, channels=Channels.parse("3"))
     other.feed(music(48_000.0, 1, 3), 6.0)
     assert not other.beats
 
@@ -102,7 +102,7 @@ def test_one_channel_of_32_is_heard(sound: FakeSound) -> None:
 def test_a_channel_that_is_not_there_is_refused_at_the_start(sound: FakeSound) -> None:
     sound.plug(sound.devices[0], channels=2)
     with pytest.raises(PersonError, match="no channel 5, 6 among 2"):
-        Desk(sound, channels=Channels.of("5,6"))
+        Desk(sound, channels=Channels.parse("5,6"))
 
 
 def test_a_device_that_refuses_its_rate_is_opened_at_another(sound: FakeSound) -> None:
@@ -122,7 +122,7 @@ def test_a_device_that_refuses_everything_says_so(sound: FakeSound) -> None:
 def test_a_device_that_opens_at_another_rate_is_followed(sound: FakeSound) -> None:
     sound.opens_at = 44_100.0
     desk = Desk(sound)
-    assert desk.input.facts()["sample_rate"] == 44_100.0
+    assert desk.input.status()["sample_rate"] == 44_100.0
     desk.feed(music(44_100.0), 10.0)
     assert np.median(np.diff(desk.beats)) == pytest.approx(PERIOD, abs=0.005)
 
@@ -130,13 +130,13 @@ def test_a_device_that_opens_at_another_rate_is_followed(sound: FakeSound) -> No
 def test_a_device_that_lies_about_its_rate_is_found_out(sound: FakeSound) -> None:
     desk = Desk(sound)
     desk.feed(music(44_100.0), 20.0, rate=44_100.0)
-    assert desk.input.facts()["sample_rate"] == 44_100.0
+    assert desk.input.status()["sample_rate"] == 44_100.0
     assert off_the_grid(desk.beats[-8:], 0.0) < 0.012
     assert "lost" not in desk.changes
 
 
 def test_unplugged_and_back_with_another_rate_and_fewer_channels(sound: FakeSound) -> None:
-    desk = Desk(sound, channels=Channels.of("5,6"))
+    desk = Desk(sound, channels=Channels.parse("5,6"))
     desk.feed(music(48_000.0, 5, 6), 5.0)
     (device,) = sound.unplug()
     unplugged = sound.clock.now()
@@ -144,7 +144,7 @@ def test_unplugged_and_back_with_another_rate_and_fewer_channels(sound: FakeSoun
     lost = next(e for e in desk.events if isinstance(e, SourceChanged) and e.state == "lost")
     assert lost.time - unplugged <= 0.6
     assert sound.streams[0].closed
-    assert desk.input.facts()["state"] == "lost"
+    assert desk.input.status()["state"] == "lost"
     assert desk.input.problem
     sound.plug(device, index=9, sample_rate=44_100.0, channels=2)
     sound.wait(2.0, desk.turn)
@@ -214,7 +214,7 @@ def test_an_analysis_that_fails_is_begun_anew_and_counted(sound: FakeSound, monk
     desk = Desk(sound, analysis=Breaks)
     desk.feed(music(48_000.0), 10.0)
     assert desk.input.crashes == 1
-    assert desk.input.facts()["failure"] == "the analysis failed: ArithmeticError: a bug in the tracker"
+    assert desk.input.status()["failure"] == "the analysis failed: ArithmeticError: a bug in the tracker"
     assert desk.input.problem == "", "it has gone well for long"
     assert "lost" not in desk.changes
     assert off_the_grid(desk.beats[3:], 0.0) < 0.012
@@ -255,7 +255,7 @@ def test_one_that_always_fails_leaves_the_source_lost_and_the_show_alone(
 def test_restart_by_hand_opens_the_device_anew(sound: FakeSound) -> None:
     desk = Desk(sound)
     desk.feed(music(48_000.0), 4.0)
-    desk.input.act(RestartAudio(time=0.0, source="osc"))
+    desk.input.handle(RestartAudio(time=0.0, source="osc"))
     desk.turn()
     assert [stream.closed for stream in sound.streams] == [True, False]
     desk.feed(music(48_000.0), 2.0)
@@ -266,9 +266,9 @@ def test_restart_by_hand_opens_the_device_anew(sound: FakeSound) -> None:
 def test_another_device_while_it_runs(sound: FakeSound) -> None:
     desk = Desk(sound)
     sound.devices = [*sound.devices, SoundDevice(7, "Zoom H4n", "ALSA", 4, 44_100.0, False)]
-    desk.input.act(ChooseAudio(time=0.0, source="osc", device="zoom", channels="4"))
+    desk.input.handle(ChooseAudio(time=0.0, source="osc", device="zoom", channels="4"))
     desk.turn()
-    assert desk.input.facts()["device"] == "Zoom H4n"
+    assert desk.input.status()["device"] == "Zoom H4n"
     assert sound.streams[-1].options["device"] == 7
     desk.feed(music(44_100.0, 3, 4), 8.0)
     assert desk.beats
@@ -279,7 +279,7 @@ def test_device_and_channels_chosen_one_by_one_are_both_taken(sound: FakeSound) 
     desk = Desk(sound)
     sound.devices = [*sound.devices, SoundDevice(7, "Zoom H4n", "ALSA", 4, 44_100.0, False)]
     for words in ({"device": "zoom"}, {"channels": "4"}):  # two messages of one bundle
-        desk.input.act(ChooseAudio(time=0.0, source="osc", **words))
+        desk.input.handle(ChooseAudio(time=0.0, source="osc", **words))
     desk.turn()
     assert (desk.input.device.name, str(desk.input.channels)) == ("Zoom H4n", "4")
     assert len(sound.streams) == 2
@@ -293,7 +293,7 @@ def test_a_thread_that_comes_back_after_another_took_its_place_opens_nothing(
     sound.wait(1.0, desk.turn)
 
     def hang() -> bool:  # meanwhile somebody restarts the listening
-        desk.input._rounds.mine = threading.Event()
+        desk.input._watchdog.stop_event = threading.Event()
         return True
 
     monkeypatch.setattr("live.control.audio.audio_input.refresh", hang)
@@ -310,7 +310,7 @@ def test_a_choice_that_cannot_be_leaves_the_device_there_is(
 ) -> None:
     desk = Desk(sound)
     desk.feed(music(48_000.0), 2.0)
-    desk.input.act(ChooseAudio(time=0.0, source="osc", device=device, channels=channels))
+    desk.input.handle(ChooseAudio(time=0.0, source="osc", device=device, channels=channels))
     desk.turn()
     assert why in desk.input.problem
     assert (desk.input.device.name, str(desk.input.channels)) == ("stage box", "1,2")
@@ -320,13 +320,13 @@ def test_a_choice_that_cannot_be_leaves_the_device_there_is(
 
 def test_a_thread_that_hangs_in_the_sound_system_is_left_behind(sound: FakeSound) -> None:
     desk = Desk(sound)
-    desk.input._rounds.begin()
-    hung = desk.input._rounds.thread
+    desk.input._watchdog.start()
+    hung = desk.input._watchdog.thread
     sound.clock.advance(60.0)
-    desk.input._rounds.round_at = 0.0  # it has not come round since then
-    desk.input.act(RestartAudio(time=60.0, source="key"))
+    desk.input._watchdog.called_at = 0.0  # it has not come round since then
+    desk.input.handle(RestartAudio(time=60.0, source="key"))
     try:
-        assert desk.input._rounds.thread is not hung
+        assert desk.input._watchdog.thread is not hung
     finally:
         desk.input.stop()
     assert hung is not None

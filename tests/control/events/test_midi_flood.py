@@ -2,7 +2,7 @@
 
 import random
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.midi.time_code import TimeCodeClock
 from live.clock.note_energy import NoteEnergy
 from live.clock.time_source import ManualClock
@@ -11,8 +11,8 @@ from live.control.midi.midi_binding import Binding
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_learn import MidiLearn
 from live.control.midi.midi_mapping import MidiMap
-from live.control.midi.midi_streams import MidiTokens
-from live.control.registry.control import RANKS
+from live.control.midi.midi_streams import MidiTokenizer
+from live.control.registry.control import ROLE_RANKS
 
 RIM, DARK = "/dance/light/rim", "/dance/blackout"
 BINDINGS = (
@@ -30,7 +30,7 @@ BINDINGS = (
 
 def test_mutated_bytes_go_through_every_decoder_and_leave_it_whole() -> None:
     rng = random.Random(12)
-    inbox: Inbox[ControlEvent] = Inbox()
+    inbox: EventQueue[ControlEvent] = EventQueue()
     midi_map = MidiMap(BINDINGS)
     listens = MidiInput(
         "box", inbox, ManualClock(), midi_map=midi_map, notes=NoteEnergy(), time_code=TimeCodeClock(tempo=120.0)
@@ -39,7 +39,7 @@ def test_mutated_bytes_go_through_every_decoder_and_leave_it_whole() -> None:
         "fa f8 90 24 40 25 41 f8 b0 07 10 11 b0 63 00 b0 62 05 06 40 26 01 e0 00 40 f8 d0 30 c0 03 f1 05 f2 01 02"
         "fb fc fe f0 7f 7f 01 01 21 02 03 04 f7 b0 01 40 21 03 80 24 00 ff"
     )
-    cutter, time, heard = MidiTokens(), 0.0, 0
+    cutter, time, heard = MidiTokenizer(), 0.0, 0
     for turn in range(200):
         data = bytearray(good)
         for _ in range(turn % 12):
@@ -50,19 +50,19 @@ def test_mutated_bytes_go_through_every_decoder_and_leave_it_whole() -> None:
             time += rng.choice((0.0, 0.001, 0.02))
             listens._decode_safely(message, time)
             heard += 1
-        listens._look_safely(time)
+        listens._advance_safely(time)
     assert (listens.failed, listens.failure) == (0, "")
     assert heard > 2500
     assert cutter.rejected > 50
     events = inbox.drain()
     assert {type(event) for event in events} >= {SetPicture, Blackout}
-    for kept in (midi_map.moved, midi_map._pickups, midi_map._on, midi_map._down):
+    for kept in (midi_map.last_positions, midi_map._pickups, midi_map._switches, midi_map._pressed):
         assert len(kept) <= 16 * len(BINDINGS)
 
 
 def test_a_flood_on_a_fader_costs_one_value_and_no_beat_of_others() -> None:
-    inbox: Inbox[ControlEvent] = Inbox()
-    listens = MidiInput("box", inbox.lane(rank=RANKS["musician"]), ManualClock(), midi_map=MidiMap(BINDINGS))
+    inbox: EventQueue[ControlEvent] = EventQueue()
+    listens = MidiInput("box", inbox.add_queue(rank=ROLE_RANKS["musician"]), ManualClock(), midi_map=MidiMap(BINDINGS))
     inbox.put(Tap(time=0.0, source="key"))
     for turn in range(7_000):
         listens.decode((0xB0, 7, turn % 128), 0.0)
@@ -76,8 +76,8 @@ def test_a_flood_on_a_fader_costs_one_value_and_no_beat_of_others() -> None:
 
 
 def test_the_last_value_of_a_fader_counts_and_pads_keep_their_place() -> None:
-    inbox: Inbox[ControlEvent] = Inbox()
-    listens = MidiInput("box", inbox.lane(rank=RANKS["musician"]), ManualClock(), midi_map=MidiMap(BINDINGS))
+    inbox: EventQueue[ControlEvent] = EventQueue()
+    listens = MidiInput("box", inbox.add_queue(rank=ROLE_RANKS["musician"]), ManualClock(), midi_map=MidiMap(BINDINGS))
     for place in range(100):
         listens.decode((0xB0, 7, place), 0.0)
     listens.decode((0x90, 38, 1), 0.0)
@@ -90,9 +90,9 @@ def test_the_last_value_of_a_fader_counts_and_pads_keep_their_place() -> None:
 
 
 def test_an_operator_comes_before_a_musician_on_the_same_value() -> None:
-    inbox: Inbox[ControlEvent] = Inbox()
-    listens = MidiInput("box", inbox.lane(rank=RANKS["musician"]), ManualClock(), midi_map=MidiMap(BINDINGS))
-    operator = inbox.lane(rank=RANKS["operator"])
+    inbox: EventQueue[ControlEvent] = EventQueue()
+    listens = MidiInput("box", inbox.add_queue(rank=ROLE_RANKS["musician"]), ManualClock(), midi_map=MidiMap(BINDINGS))
+    operator = inbox.add_queue(rank=ROLE_RANKS["operator"])
     listens.decode((0xB0, 7, 1), 0.0)
     operator.put(SetPicture(time=0.0, source="osc", parameter=RIM, x=0.5), (RIM,))
     inbox.drain(now=1.0)

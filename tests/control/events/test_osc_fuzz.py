@@ -6,11 +6,11 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.control.events.event_json import is_finite
 from live.control.events.events import ControlEvent
 from live.control.osc.osc_codec import encode
-from live.control.osc.osc_handler import OscDoor
+from live.control.osc.osc_handler import OscHandler
 from live.control.registry.registry import REGISTRY
 
 ROUNDS = 6
@@ -56,19 +56,19 @@ def mutated(packet, chance):
 
 @pytest.fixture
 def way():
-    inbox = Inbox()
-    return inbox, OscDoor(inbox.lane(), wall=lambda: 1_800_000_000.0)
+    inbox = EventQueue()
+    return inbox, OscHandler(inbox.add_queue(), wall_clock=lambda: 1_800_000_000.0)
 
 
 def drive(inbox, door, packets):
     """Send them; what reached the show."""
     reached = []
     for number, packet in enumerate(packets):
-        before = door.accepted + door.rejected.total + len(door.later)
+        before = door.accepted + door.rejected.total + len(door.schedule)
         answers = list(door.hear(memoryview(packet), FROM, number * 1e-3))
         assert all(len(answer) % 4 == 0 for answer in answers)
         door.release(number * 1e-3)
-        assert door.accepted + door.rejected.total + len(door.later) >= before
+        assert door.accepted + door.rejected.total + len(door.schedule) >= before
         reached += inbox.drain()
     return reached
 

@@ -7,10 +7,10 @@ import py2tosc
 import pytest
 
 from live.control.events.events import ControlEvent
-from live.control.layouts.stage_control import session_of
-from live.control.layouts.surface import MOST_ON_A_PAGE, make_surface
+from live.control.layouts.stage_control import session_text
+from live.control.layouts.surface import MAX_PAGE_WIDGETS, make_surface
 from live.control.layouts.touchosc import write_touchosc
-from live.control.registry.control import RANKS
+from live.control.registry.control import ROLE_RANKS
 from live.control.registry.registry import READABLE, REGISTRY
 from live.control.registry.rejections import Rejection
 
@@ -46,12 +46,12 @@ def tosc_messages(document):
 def test_every_control_of_the_role_has_a_widget_or_is_named_as_left_out():
     for role in ("operator", "musician"):
         made = surface(role)
-        mine = {control.address for control in REGISTRY if RANKS[control.who] <= RANKS[role]}
+        mine = {control.address for control in REGISTRY if ROLE_RANKS[control.role] <= ROLE_RANKS[role]}
         shown = {widget.address for page in made.pages for widget in page.widgets}
-        assert not shown & set(made.left_out)
+        assert not shown & set(made.omitted)
         asked = {f"/dance/{name}" for name in ("ping", "get", "subscribe", "unsubscribe")}
-        assert shown | set(made.left_out) | asked == mine | asked
-        assert all(0 < len(page.widgets) <= MOST_ON_A_PAGE for page in made.pages)
+        assert shown | set(made.omitted) | asked == mine | asked
+        assert all(0 < len(page.widgets) <= MAX_PAGE_WIDGETS for page in made.pages)
     assert {"/dance/go", "/dance/attract", "/dance/light/level", "/dance/step", "/dance/blackout"} <= shown | {
         widget.address for page in surface().pages for widget in page.widgets
     }
@@ -76,7 +76,7 @@ def test_touchosc_sends_what_the_show_takes_and_hears_what_it_tells(tmp_path):
 
 
 def test_open_stage_control_sends_what_the_show_takes():
-    session = json.loads(session_of(surface(), "10.0.0.7:9010"))
+    session = json.loads(session_text(surface(), "10.0.0.7:9010"))
     assert session["type"] == "session"
     assert "/dance/subscribe" in session["content"]["onCreate"]
     widgets = [widget for tab in session["content"]["tabs"] for widget in tab["widgets"]]
@@ -122,4 +122,4 @@ def test_the_end_of_a_range_is_taken_in_single_precision():
         for index, argument in enumerate(control.arguments):
             if argument.type == "float":
                 for edge in (argument.minimum, argument.maximum):
-                    assert argument.checked(float(np.float32(edge))) == pytest.approx(edge), (control.address, index)
+                    assert argument.check(float(np.float32(edge))) == pytest.approx(edge), (control.address, index)

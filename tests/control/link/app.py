@@ -9,12 +9,12 @@ import threading
 import time
 from typing import Any
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.time_source import SystemClock
 from live.control.events.events import BeatHeard, ControlEvent, SetTempo, SourceChanged
 from live.control.link.link_session import LinkSession
-from live.show.sound.clock_commands import tell
+from live.show.sound.clock_commands import apply_clock_event
 
 TICK = 1.0 / 64.0
 
@@ -24,7 +24,7 @@ class App:
 
     def __init__(self, tempo: float, mode: str) -> None:
         self.clock = SystemClock()
-        self.inbox: Inbox[ControlEvent] = Inbox()
+        self.inbox: EventQueue[ControlEvent] = EventQueue()
         self.follower = TimelineFollower(tempo=tempo)
         self.mode = mode
         self.start_stop = False
@@ -35,7 +35,7 @@ class App:
         self.step = 0.0
         """The largest step of the Timeline [beats] that the music's tempo does not explain, tick to tick."""
         self._last: tuple[float, float] | None = None
-        self.hand = self.follower.hand_tempo[0]
+        self.hand = self.follower.manual_tempo[0]
 
     def tick(self) -> None:
         now = self.clock.now()
@@ -45,13 +45,13 @@ class App:
                 self.jumps += event.jump
             elif isinstance(event, SourceChanged):
                 self.states.append(event.state)
-            tell(self.follower, event)
+            apply_clock_event(self.follower, event)
         timeline = self.follower.advance(now)
         if self.session is not None:
-            if self.follower.hand_tempo[0] != self.hand:
-                self.hand = self.follower.hand_tempo[0]
-                self.session.set_tempo(self.follower.hand_tempo[1])
-            self.session.show(timeline, self.follower.tempo)
+            if self.follower.manual_tempo[0] != self.hand:
+                self.hand = self.follower.manual_tempo[0]
+                self.session.set_tempo(self.follower.manual_tempo[1])
+            self.session.set_timeline(timeline, self.follower.tempo)
         beat = timeline.beat_at(now)
         if self._last is not None:
             before, there = self._last
@@ -72,10 +72,10 @@ class App:
             case "share":
                 self.start_stop = command["on"]
             case "tempo":
-                tell(self.follower, SetTempo(time=self.clock.now(), source="test", tempo=command["bpm"]))
+                apply_clock_event(self.follower, SetTempo(time=self.clock.now(), source="test", tempo=command["bpm"]))
             case "load":  # another patch: another show on the same participant
                 self.follower = TimelineFollower(tempo=command["bpm"])
-                self.hand = self.follower.hand_tempo[0]
+                self.hand = self.follower.manual_tempo[0]
                 self._last = None
             case "play":
                 assert self.session is not None

@@ -5,32 +5,32 @@ import itertools
 import pytest
 
 from live.clock.timeline import Timeline
-from live.control.link.link_sync import BEND, LinkLead, LinkReading, apart
+from live.control.link.link_sync import MAX_BEND, LinkLeader, LinkReading, phase_difference
 
 
 def run(
-    lead: LinkLead, show: Timeline, *, peers: int, tempo: float, beat: float, seconds: float
+    lead: LinkLeader, show: Timeline, *, peers: int, tempo: float, beat: float, seconds: float
 ) -> list[tuple[float, float, float, bool]]:
     """Play a session through `seconds`: (time, session's tempo, phase error [s], jumped) at each look, 50 a second."""
     rows = []
     for index in range(int(seconds * 50)):
         time = index / 50
         reading = LinkReading(time, peers, tempo, beat, 4)
-        change = lead.change(reading, show, show.tempo)
+        change = lead.next_change(reading, show, show.tempo)
         jumped = False
         if change is not None:
             tempo = change.tempo
             if change.phase is not None and (change.force or not peers):
-                jumped = abs(apart(change.phase, beat, 4)) > 1e-3
+                jumped = abs(phase_difference(change.phase, beat, 4)) > 1e-3
                 beat = change.phase
-        rows.append((time, tempo, apart(show.phase_at(time), beat, 4) * 60.0 / show.tempo, jumped))
+        rows.append((time, tempo, phase_difference(show.phase_at(time), beat, 4) * 60.0 / show.tempo, jumped))
         beat += tempo / 60.0 / 50
     return rows
 
 
 def test_alone_the_session_takes_the_shows_beat_at_once_and_is_then_left_alone() -> None:
     show = Timeline(tempo=97.3, beat_origin=1.7, measure_origin=1.0)
-    lead = LinkLead()
+    lead = LinkLeader()
     rows = run(lead, show, peers=0, tempo=120.0, beat=0.0, seconds=20.0)
     assert max(abs(row[2]) for row in rows) < 0.003
     assert sum(row[3] for row in rows) <= 1
@@ -38,10 +38,10 @@ def test_alone_the_session_takes_the_shows_beat_at_once_and_is_then_left_alone()
 
 def test_others_are_bent_to_the_show_and_never_jumped() -> None:
     show = Timeline(tempo=120.0)
-    rows = run(LinkLead(), show, peers=1, tempo=120.0, beat=-0.4, seconds=20.0)  # 200 ms late
+    rows = run(LinkLeader(), show, peers=1, tempo=120.0, beat=-0.4, seconds=20.0)  # 200 ms late
     assert not any(row[3] for row in rows)
     tempos = [row[1] for row in rows]
-    assert max(tempos) <= 120.0 * (1.0 + BEND) + 1e-9
+    assert max(tempos) <= 120.0 * (1.0 + MAX_BEND) + 1e-9
     assert abs(rows[-1][2]) < 0.005
     changes = [rows[i][0] for i in range(1, len(rows)) if tempos[i] != tempos[i - 1]]
     assert min(b - a for a, b in itertools.pairwise(changes)) >= 0.5 - 0.021  # a beat
@@ -49,7 +49,7 @@ def test_others_are_bent_to_the_show_and_never_jumped() -> None:
 
 
 def test_a_person_who_asks_moves_everybody_once() -> None:
-    lead = LinkLead()
+    lead = LinkLeader()
     lead.resync()
     rows = run(lead, Timeline(tempo=120.0), peers=2, tempo=100.0, beat=1.5, seconds=10.0)
     assert [row[3] for row in rows].count(True) == 1
@@ -58,6 +58,6 @@ def test_a_person_who_asks_moves_everybody_once() -> None:
 
 
 def test_a_session_that_races_is_brought_back_first() -> None:
-    change = LinkLead().change(LinkReading(1.0, 1, 249.75, 3.0, 4, fold=4), Timeline(tempo=120.0), 120.0)
+    change = LinkLeader().next_change(LinkReading(1.0, 1, 249.75, 3.0, 4, fold=4), Timeline(tempo=120.0), 120.0)
     assert change is not None
     assert (change.tempo, change.phase, change.force) == (120.0, None, False)

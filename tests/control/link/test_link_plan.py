@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from live.control.link.link_sync import apart
+from live.control.link.link_sync import phase_difference
 from tests.control.link.conftest import Network, Process
 from tests.control.waiting import BUSY
 
@@ -28,7 +28,7 @@ def out_of_sync(app: Process, hut: Process, *, key: str = "heard", fold: int = 1
     """By how many seconds the app's beat is apart from the other's, at the same instant."""
     at = time.perf_counter() + 0.02
     mine, other = app.ask(at=at), hut.ask(at=at, quantum=4.0 * fold)
-    return apart(mine[key], other["phase"] / fold, 4.0) * 60.0 * fold / other["tempo"]
+    return phase_difference(mine[key], other["phase"] / fold, 4.0) * 60.0 * fold / other["tempo"]
 
 
 def sync_within(app: Process, hut: Process, seconds: float, **how: Any) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.time_source import ManualClock, SystemClock
 from live.clock.timeline import Timeline
 from live.control.events.events import BeatHeard, ControlEvent
@@ -77,8 +77,8 @@ class MadeUpState:
         return 0
 
 
-def session_on(clock: ManualClock, **how: Any) -> tuple[LinkSession, MadeUpLink, Inbox[ControlEvent]]:
-    inbox: Inbox[ControlEvent] = Inbox()
+def session_on(clock: ManualClock, **how: Any) -> tuple[LinkSession, MadeUpLink, EventQueue[ControlEvent]]:
+    inbox: EventQueue[ControlEvent] = EventQueue()
     session = LinkSession(inbox, clock, tempo=100.0, make=lambda tempo: MadeUpLink(clock.now, tempo), **how)
     return session, session._link, inbox
 
@@ -87,7 +87,7 @@ def test_alone_it_runs_with_the_show_and_with_others_it_keeps_its_hands_off() ->
     clock = ManualClock(5.0)
     session, link, inbox = session_on(clock)
     show = Timeline(tempo=126.0, beats_per_measure=3, beat_origin=2.0, measure_origin=1.0)
-    session.show(show, 126.0)
+    session.set_timeline(show, 126.0)
     for _ in range(100):
         clock.advance(0.02)
         session.poll()
@@ -98,7 +98,7 @@ def test_alone_it_runs_with_the_show_and_with_others_it_keeps_its_hands_off() ->
     assert not inbox.drain()
     link.others = 1
     link.committed.clear()
-    session.show(Timeline(tempo=90.0, beats_per_measure=3), 90.0)
+    session.set_timeline(Timeline(tempo=90.0, beats_per_measure=3), 90.0)
     for _ in range(100):
         clock.advance(0.02)
         session.poll()
@@ -115,7 +115,7 @@ def test_only_a_person_who_leads_forces_a_beat() -> None:
     clock = ManualClock(5.0)
     session, link, inbox = session_on(clock, mode="lead")
     link.others = 2
-    session.show(Timeline(tempo=126.0, beat_origin=0.5), 126.0)
+    session.set_timeline(Timeline(tempo=126.0, beat_origin=0.5), 126.0)
     for _ in range(100):
         clock.advance(0.02)
         session.poll()

@@ -4,10 +4,10 @@ from typing import cast
 
 import pytest
 
-from live.clock.midi.pulse_schedule import Due
+from live.clock.midi.pulse_schedule import PulseMessages
 from live.clock.time_source import SystemClock
 from live.clock.timeline import Timeline
-from live.control.midi.midi_clock_output import MidiClockOut
+from live.control.midi.midi_clock_output import MidiClockOutput
 from live.control.midi.midi_ports import OpenPort
 from tests.control.waiting import wait_for
 
@@ -29,19 +29,19 @@ class FakePort:
 
 def test_a_pulse_that_cannot_be_placed_does_not_end_the_sending(monkeypatch: pytest.MonkeyPatch) -> None:
     port = FakePort()
-    sends = MidiClockOut("synth", SystemClock(), open_by_name=lambda _: cast(OpenPort, port))
+    sends = MidiClockOutput("synth", SystemClock(), open_by_name=lambda _: cast(OpenPort, port))
 
-    def fail(_timeline: Timeline, _now: float) -> Due:
+    def fail(_timeline: Timeline, _now: float) -> PulseMessages:
         raise OverflowError("no such pulse")
 
     monkeypatch.setattr(sends._schedule, "due", fail)
-    sends.follow(Timeline(tempo=240.0))
+    sends.set_timeline(Timeline(tempo=240.0))
     sends.start()
     try:
         assert wait_for(lambda: sends.sent >= 24, 10.0)
     finally:
         sends.stop()
     assert sends.problem == ""
-    assert sends.facts()["failed"] == 1
-    assert sends.facts()["failure"] == "OverflowError: no such pulse"
+    assert sends.status()["failed"] == 1
+    assert sends.status()["failure"] == "OverflowError: no such pulse"
     assert port.sent.count(b"\xf8") >= 24

@@ -18,13 +18,13 @@ def test_a_sender_without_its_port_says_so_and_comes_back_when_it_is_killed(monk
     first = sends._process
     assert first is not None
     try:
-        sends.follow(Timeline(tempo=140.0))
+        sends.set_timeline(Timeline(tempo=140.0))
         assert wait_for(lambda: sends.problem != "", 20.0)
         first.kill()
         first.wait()
 
         def again() -> bool:
-            sends.follow(Timeline(tempo=120.0))
+            sends.set_timeline(Timeline(tempo=120.0))
             return sends._process is not first
 
         assert wait_for(again, 10.0)
@@ -50,6 +50,6 @@ def test_a_system_that_has_no_room_for_a_process_ends_nothing(monkeypatch: pytes
     monkeypatch.setattr(midi_clock_process.subprocess, "Popen", refuse)
     for _ in range(100):
         clock.advance(0.1)
-        sends.follow(Timeline(tempo=120.0))
+        sends.set_timeline(Timeline(tempo=120.0))
     assert 2 <= len(tried) <= 5  # now and then, not in every frame
     assert sends.problem

@@ -1,7 +1,7 @@
 """Lights of pads and motor faders: told what is, at a bounded rate, and not what their own hand does."""
 
 from live.control.midi.midi_binding import Binding
-from live.control.midi.midi_feedback import AT_ONCE, EVERY, OWN, MidiFeedback
+from live.control.midi.midi_feedback import MAX_BINDINGS, MOVE_HOLD, UPDATE_INTERVAL, MidiFeedback
 from live.control.midi.midi_mapping import MidiMap
 from live.control.registry.registry import Values
 
@@ -15,17 +15,17 @@ class Desk:
         self.values = Values()
         self.map = MidiMap(bindings, self.values)
         self.feedback = MidiFeedback(self.map, self.values)
-        self.feedback.take(bindings)
+        self.feedback.set_bindings(bindings)
         self.time = 10.0
 
     def set(self, address: str, value: float | bool) -> None:
         changes = {address: (("", (value,)),)}
-        self.values.take(changes)
-        self.feedback.changed(changes)
+        self.values.update(changes)
+        self.feedback.mark_changed(changes)
 
-    def after(self, seconds: float = EVERY) -> list[bytes]:
+    def after(self, seconds: float = UPDATE_INTERVAL) -> list[bytes]:
         self.time += seconds
-        return self.feedback.turn(self.time)
+        return self.feedback.due_messages(self.time)
 
 
 def test_faders_and_pads_are_told_what_others_change_and_nothing_twice() -> None:
@@ -51,7 +51,7 @@ def test_faders_and_pads_are_told_what_others_change_and_nothing_twice() -> None
         b"\xb0\x01\x40", b"\xb0\x21\x00", b"\xe1\x00\x40",
         b"\xb0\x63\x01", b"\xb0\x62\x02", b"\xb0\x06\x40", b"\xb0\x26\x00",
     ]  # fmt: skip
-    desk.feedback.afresh()
+    desk.feedback.resend_all()
     assert len(desk.after()) == 9
 
 
@@ -62,12 +62,12 @@ def test_a_hand_on_a_fader_is_not_answered_until_it_has_left_it() -> None:
     desk.map.events((0xB4, 7, 50), desk.time)
     desk.set(RIM, 0.5)
     assert desk.after() == []
-    assert desk.after(OWN) == []  # it stands where it belongs
+    assert desk.after(MOVE_HOLD) == []  # it stands where it belongs
     desk.map.events((0xB4, 7, 80), desk.time)
     desk.set(RIM, 0.3)  # the show went elsewhere
-    assert desk.after(OWN / 2) == []
-    assert desk.after(OWN) == [b"\xb4\x07\x1e"]  # on the channel on which it was moved
-    assert desk.after(OWN) == []
+    assert desk.after(MOVE_HOLD / 2) == []
+    assert desk.after(MOVE_HOLD) == [b"\xb4\x07\x1e"]  # on the channel on which it was moved
+    assert desk.after(MOVE_HOLD) == []
     desk.set(RIM, 0.1)
     assert desk.after() == [b"\xb4\x07\x0a"]
 
@@ -77,8 +77,8 @@ def test_a_fader_that_did_not_take_over_is_sent_back() -> None:
     desk.set(RIM, 1.0)
     assert desk.after() == [b"\xb0\x07\x64"]
     assert desk.map.events((0xB0, 7, 20), desk.time) == []
-    assert desk.after(OWN / 2) == []
-    assert desk.after(OWN) == [b"\xb0\x07\x64"]
+    assert desk.after(MOVE_HOLD / 2) == []
+    assert desk.after(MOVE_HOLD) == [b"\xb0\x07\x64"]
 
 
 def test_a_pad_is_told_what_it_has_done_itself() -> None:
@@ -94,8 +94,8 @@ def test_so_many_are_told_in_one_turn_and_all_in_the_end() -> None:
     desk = Desk(*(Binding("cc", number, RIM, channel) for channel in (1, 2) for number in range(64, 120)))
     desk.set(RIM, 0.5)
     first = desk.after()
-    assert len(first) == AT_ONCE
-    assert desk.after(EVERY / 2) == []
+    assert len(first) == MAX_BINDINGS
+    assert desk.after(UPDATE_INTERVAL / 2) == []
     rest = [message for _ in range(4) for message in desk.after()]
     assert len({message[:2] for message in first + rest}) == 112
     assert desk.feedback.sent == 112

@@ -5,8 +5,8 @@ import pytest
 
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.control.midi.channel_messages import FINEST, MidiHands
-from live.control.midi.midi_binding import BadBinding, Binding, joined
+from live.control.midi.channel_messages import MAX_14_BIT, ChannelMessageDecoder
+from live.control.midi.midi_binding import BadBinding, Binding, merge_bindings
 from live.control.midi.midi_mapping import MidiMap
 from live.control.registry.registry import Values
 
@@ -26,13 +26,13 @@ def pair(value: int) -> tuple[tuple[int, ...], tuple[int, ...]]:
 def test_a_pair_of_controllers_has_14_bits_and_never_turns_back() -> None:
     midi_map = MidiMap([Binding("cc", 7, TEMPO, fine=True, scale=(60.0, 180.0))])
     tempos(midi_map, *pair(0))
-    for way in (range(0, FINEST + 1, 37), range(FINEST, -1, -41)):
+    for way in (range(0, MAX_14_BIT + 1, 37), range(MAX_14_BIT, -1, -41)):
         ends = [tempos(midi_map, *pair(value))[-1] for value in way]
-        assert np.allclose(ends, [60.0 + 120.0 * value / FINEST for value in way])
+        assert np.allclose(ends, [60.0 + 120.0 * value / MAX_14_BIT for value in way])
         every = [tempo for value in way for tempo in tempos(midi_map, *pair(value))]
         steps = np.diff(every) * np.sign(way.step)
-        assert steps.min() >= -120.0 / FINEST * 128 * 1.01  # at most to where the upper bits left it
-    assert tempos(midi_map, *pair(FINEST))[-1] == 180.0
+        assert steps.min() >= -120.0 / MAX_14_BIT * 128 * 1.01  # at most to where the upper bits left it
+    assert tempos(midi_map, *pair(MAX_14_BIT))[-1] == 180.0
 
 
 def test_a_fader_that_sends_the_upper_bits_alone_reaches_both_ends() -> None:
@@ -52,7 +52,7 @@ def test_pressure_and_numbered_parameters_set_numbers() -> None:
     assert tempos(midi_map, (0xD1, 0), (0xD1, 127), (0xD0, 5)) == [60.0, 187.0]
     choose = ((0xB0, 99, 1), (0xB0, 98, 2))
     assert tempos(midi_map, *choose, (0xB0, 6, 127), (0xB0, 38, 127)) == [180.0, 180.0]
-    assert tempos(midi_map, (0xB0, 6, 64), (0xB0, 38, 0))[-1] == pytest.approx(60.0 + 120.0 * 8192 / FINEST)
+    assert tempos(midi_map, (0xB0, 6, 64), (0xB0, 38, 0))[-1] == pytest.approx(60.0 + 120.0 * 8192 / MAX_14_BIT)
     assert tempos(midi_map, (0xB0, 101, 0), (0xB0, 100, 0), (0xB0, 6, 3)) == []  # a registered one
     assert tempos(midi_map, (0xB0, 99, 1), (0xB0, 98, 3), (0xB0, 6, 3)) == []  # another number
 
@@ -77,9 +77,9 @@ def test_switches_are_momentary_or_toggled_from_where_they_are() -> None:
     assert switched(MidiMap([Binding("cc", 80, dark, mode="toggle")]), on, off, on, off) == [True, False]
     values = Values()
     midi_map = MidiMap([Binding("note", 36, dark)], values)
-    values.take({dark: (("", (True,)),)})  # somebody else has darkened it
+    values.update({dark: (("", (True,)),)})  # somebody else has darkened it
     assert switched(midi_map, press, release) == [False]
-    values.take({dark: (("", (False,)),)})
+    values.update({dark: (("", (False,)),)})
     assert switched(midi_map, press, release) == [True]
 
 
@@ -89,8 +89,8 @@ def test_curves_bend_the_scale_and_can_be_read_backwards() -> None:
         assert (binding.value(0.0), binding.value(1.0)) == (180.0, 60.0)
         for share in (0.0, 0.1, 0.5, 0.9, 1.0):
             assert binding.value(share) == pytest.approx(180.0 - 120.0 * share**curve)
-            assert binding.share(binding.value(share)) == pytest.approx(share)
-        assert (binding.share(400.0), binding.share(20.0)) == (0.0, 1.0)
+            assert binding.position(binding.value(share)) == pytest.approx(share)
+        assert (binding.position(400.0), binding.position(20.0)) == (0.0, 1.0)
 
 
 class Stage:
@@ -105,7 +105,7 @@ class Stage:
 
     def set(self, tempo: float) -> None:
         self.tempo = tempo
-        self.values.take({TEMPO: (("", (tempo,)),)})
+        self.values.update({TEMPO: (("", (tempo,)),)})
 
     def move(self, *places: int, wait: float = 0.02) -> list[float]:
         found = []
@@ -143,9 +143,9 @@ def test_a_value_that_fades_to_where_the_fader_is_stays_in_the_hand() -> None:
     for measures, keeps in ((4.0, True), (0.0, False)):
         values = Values()
         midi_map = MidiMap([Binding("cc", 7, rim, values={"measures": measures}, scale=(0.0, 1.27))], values)
-        values.take({rim: (("", (0.0,)),)})
+        values.update({rim: (("", (0.0,)),)})
         found: list[object] = [midi_map.events((0xB0, 7, place), 0.0) for place in (0, 100)]
-        values.take({rim: (("", (0.4,)),)})  # on its way to 1
+        values.update({rim: (("", (0.4,)),)})  # on its way to 1
         found = midi_map.events((0xB0, 7, 102), 3.0)
         assert bool(found) == keeps
 
@@ -154,7 +154,7 @@ def test_a_group_of_its_own_has_its_own_value() -> None:
     values = Values()
     larger = "/dance/motion/larger"
     midi_map = MidiMap([Binding("cc", 7, larger, values={"group": "Tide"})], values)
-    values.take({larger: (("ember", (0.5,)), ("tide", (-0.7,)))})
+    values.update({larger: (("ember", (0.5,)), ("tide", (-0.7,)))})
     (found,) = midi_map.events((0xB0, 7, 0), 0.0)
     assert isinstance(found, events.SetMotion)
     assert (found.value, found.group) == (-0.7, "Tide")
@@ -179,9 +179,9 @@ def test_what_cannot_work_is_said(options: dict[str, object], told: str) -> None
 def test_what_was_learned_takes_the_controller_from_what_was_written() -> None:
     written = [Binding("cc", 7, TEMPO), Binding("cc", 7, "/dance/blackout", 3), Binding("note", 7, "/dance/go", 3)]
     learned = [Binding("cc", 7, "/dance/light/rim", 3)]
-    assert joined(written, learned) == (written[2], learned[0])
-    assert joined(written[1:], [Binding("cc", 7, TEMPO, 4)])[:2] == tuple(written[1:])
-    assert joined(written, []) == tuple(written)
+    assert merge_bindings(written, learned) == (written[2], learned[0])
+    assert merge_bindings(written[1:], [Binding("cc", 7, TEMPO, 4)])[:2] == tuple(written[1:])
+    assert merge_bindings(written, []) == tuple(written)
 
 
 def test_rubbish_works_nothing_and_is_not_kept() -> None:
@@ -189,8 +189,8 @@ def test_rubbish_works_nothing_and_is_not_kept() -> None:
     midi_map = MidiMap()
     for message in rng.integers(-3, 300, (3000, 3)).tolist():
         assert all(isinstance(made, ControlEvent) for made in midi_map.events(message, 0.0))
-    hands = MidiHands()
+    hands = ChannelMessageDecoder()
     for number in range(16384):  # each of the numbered parameters once
         for message in ((0xB0, 99, number >> 7), (0xB0, 98, number & 127), (0xB0, 6, 5)):
-            hands.played(message)
+            hands.decode(message)
     assert len(hands._data) == 1

@@ -5,7 +5,7 @@ from typing import cast
 
 import pytest
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.midi.time_code import TimeCodeClock
 from live.clock.time_source import ManualClock
 from live.control.events.events import BeatHeard, ControlEvent, SourceChanged, Tap
@@ -33,25 +33,25 @@ class FakePort:
 
 
 def test_messages_become_events() -> None:
-    inbox: Inbox[ControlEvent] = Inbox()
+    inbox: EventQueue[ControlEvent] = EventQueue()
     listens = MidiInput("box", inbox, ManualClock(), time_code=TimeCodeClock(tempo=120.0), midi_map=MidiMap())
     listens.decode((0xFA,), 1.0)
     for i in range(30):
         listens.decode((0xF8,), 1.01 + i * 0.02)
     listens.decode((0xB0, 64, 127), 2.0)
-    listens.look(3.0)
+    listens.advance(3.0)
     events = inbox.drain()
     assert [type(event) for event in events[:3]] == [SourceChanged, SourceChanged, BeatHeard]
     first = cast(BeatHeard, events[2])
     assert (first.source, first.beat, first.measure, first.beats_per_measure, first.jump) == ("midi", 0, 0, 4, True)
     assert sum(isinstance(event, Tap) for event in events) == 1
     assert cast(SourceChanged, events[-1]).state == "lost"
-    assert listens.facts()["messages"] == 32
+    assert listens.status()["messages"] == 32
 
 
 def test_a_port_that_goes_is_lost_and_found_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(midi_ports, "RETRY", 0.0)
-    inbox: Inbox[ControlEvent] = Inbox()
+    inbox: EventQueue[ControlEvent] = EventQueue()
     ports: list[FakePort] = []
     plugged = True
 
@@ -93,7 +93,7 @@ def test_a_port_that_was_plugged_in_again_at_once_is_opened_again(monkeypatch: p
         ports.append(FakePort(name))
         return cast(OpenPort, ports[-1])
 
-    listens = MidiInput("box", Inbox(), ManualClock(), open_by_name=open_by_name)
+    listens = MidiInput("box", EventQueue(), ManualClock(), open_by_name=open_by_name)
     listens.start()
     try:
         for count in (1, 2, 3):
@@ -106,26 +106,26 @@ def test_a_port_that_was_plugged_in_again_at_once_is_opened_again(monkeypatch: p
 
 
 def test_a_flood_is_bounded() -> None:
-    listens = MidiInput("box", Inbox(), ManualClock())
-    for _ in range(midi_input.WAITING_MAX + 10):
+    listens = MidiInput("box", EventQueue(), ManualClock())
+    for _ in range(midi_input.MAX_WAITING + 10):
         listens.receive([0xFE])
     assert listens.dropped == 10
 
 
 def test_what_no_decoder_foresaw_is_counted_and_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    listens = MidiInput("box", Inbox(), ManualClock())
+    listens = MidiInput("box", EventQueue(), ManualClock())
 
     def fail(_message: Sequence[int], _time: float) -> None:
         raise ZeroDivisionError("no beats")
 
     monkeypatch.setattr(listens, "decode", fail)
     listens._decode_safely((0xF8,), 1.0)
-    assert (listens.facts()["bad"], listens.facts()["failure"]) == (1, "f8: ZeroDivisionError: no beats")
+    assert (listens.status()["bad"], listens.status()["failure"]) == (1, "f8: ZeroDivisionError: no beats")
 
 
 def test_a_look_that_fails_does_not_end_the_listening(monkeypatch: pytest.MonkeyPatch) -> None:
     port = FakePort("box")
-    listens = MidiInput("box", Inbox(), ManualClock(), open_by_name=lambda _: cast(OpenPort, port))
+    listens = MidiInput("box", EventQueue(), ManualClock(), open_by_name=lambda _: cast(OpenPort, port))
 
     def fail(_now: float) -> None:
         raise ZeroDivisionError("no beats")
@@ -138,7 +138,7 @@ def test_a_look_that_fails_does_not_end_the_listening(monkeypatch: pytest.Monkey
         assert wait_for(lambda: listens.messages == 1, 5.0)
     finally:
         listens.stop()
-    assert listens.facts()["failure"] == "nothing came: ZeroDivisionError: no beats"
+    assert listens.status()["failure"] == "nothing came: ZeroDivisionError: no beats"
 
 
 def test_ports_are_matched_by_lasting_names() -> None:

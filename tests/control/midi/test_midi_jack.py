@@ -5,16 +5,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.time_source import SystemClock
 from live.clock.timeline import Timeline
 from live.control.events.events import BeatHeard, ControlEvent, SourceChanged, Tap
 from live.control.midi import midi_ports
-from live.control.midi.midi_clock_output import MidiClockOut
+from live.control.midi.midi_clock_output import MidiClockOutput
 from live.control.midi.midi_feedback import MidiOutput
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_mapping import MidiMap
-from live.control.midi.midi_ports import UnknownPort, abandon, find_port, rtmidi
+from live.control.midi.midi_ports import UnknownPort, find_port, leak_client, rtmidi
 from tests.control.midi.jack import JackServer, jack_server  # noqa: F401 - a fixture
 from tests.control.waiting import wait_for
 
@@ -40,7 +40,7 @@ def test_a_port_is_found_by_a_part_of_its_name() -> None:
 
 def test_messages_arrive_and_a_port_that_goes_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(midi_ports, "RETRY", 0.2)
-    inbox: Inbox[ControlEvent] = Inbox()
+    inbox: EventQueue[ControlEvent] = EventQueue()
     box = sender("footswitch")
     listens = MidiInput("footswitch", inbox, SystemClock(), midi_map=MidiMap())
     listens.start()
@@ -69,7 +69,7 @@ def test_a_controller_that_is_plugged_in_again_under_another_number_is_found(mon
     """As ALSA's bridge to JACK names it; and so fast that no look falls in between."""
     monkeypatch.setattr(midi_ports, "RETRY", 0.2)
     names = ["Pad [24] (capture)- Pad MIDI 1", "Pad [31] (capture)- Pad MIDI 1"]
-    inbox: Inbox[ControlEvent] = Inbox()
+    inbox: EventQueue[ControlEvent] = EventQueue()
     box = sender("a2j", names[0])
     listens = MidiInput(f"a2j:{names[0]}", inbox, SystemClock(), midi_map=MidiMap())
     listens.start()
@@ -118,21 +118,21 @@ def test_what_is_sent_is_heard_at_the_same_beat(monkeypatch: pytest.MonkeyPatch)
     """Clock out to clock in: the tempo, the phase and the measure are the Timeline's, also after it changed."""
     monkeypatch.setattr(midi_ports, "RETRY", 0.2)
     clock = SystemClock()
-    inbox: Inbox[ControlEvent] = Inbox()
+    inbox: EventQueue[ControlEvent] = EventQueue()
     module = rtmidi()
     bus = module.MidiIn(module.API_UNIX_JACK, name="synth")
     bus.open_virtual_port("in")
     bus.ignore_types(False, False, False)
     listens = MidiInput("synth", inbox, clock)
     bus.set_callback(lambda event, _data=None: listens.receive(event[0]))
-    sends = MidiClockOut("synth", clock)
-    sends.follow(Timeline(tempo=180.0))
+    sends = MidiClockOutput("synth", clock)
+    sends.set_timeline(Timeline(tempo=180.0))
     sends.start()
     try:
         assert wait_for(lambda: sends.sent > 150, 15.0)
         now = clock.now()
         faster = Timeline(tempo=180.0).with_tempo(200.0, now)
-        sends.follow(faster)
+        sends.set_timeline(faster)
         sent = sends.sent
         assert wait_for(lambda: sends.sent > sent + 200, 15.0)
     finally:
@@ -159,13 +159,13 @@ def test_a_sound_system_that_dies_ends_nothing(
 ) -> None:
     monkeypatch.setattr(midi_ports, "RETRY", 0.2)
     box = sender("sequencer")
-    listens = MidiInput("sequencer", Inbox(), SystemClock())
+    listens = MidiInput("sequencer", EventQueue(), SystemClock())
     listens.start()
     try:
         assert wait_for(lambda: listens.connected == "sequencer:out", 10.0)
         jack_server.crash()
         assert wait_for(lambda: listens.connected == "", 15.0)
-        abandon(box)
+        leak_client(box)
         jack_server.start()
         box = sender("sequencer")
         assert wait_for(lambda: listens.connected == "sequencer:out", 15.0)

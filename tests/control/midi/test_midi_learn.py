@@ -4,16 +4,16 @@ import random
 
 import pytest
 
-from live.control.midi.channel_messages import MidiHands
+from live.control.midi.channel_messages import ChannelMessageDecoder
 from live.control.midi.midi_binding import BadBinding, Binding
-from live.control.midi.midi_learn import MidiLearn, values_of
+from live.control.midi.midi_learn import MidiLearn, parse_values
 
 TEMPO, LARGER, SCENE, DARK = "/dance/clock/tempo", "/dance/motion/larger", "/dance/scene", "/dance/blackout"
 
 
 def learn(address: str, given: str, *messages: tuple[int, ...]) -> Binding | None:
-    hands, learning = MidiHands(), MidiLearn(address, values_of(address, given))
-    found = [learning.hear(hands.played(message)) for message in messages]
+    hands, learning = ChannelMessageDecoder(), MidiLearn(address, parse_values(address, given))
+    found = [learning.process(hands.decode(message)) for message in messages]
     assert not any(found[:-1])  # with the last message, and not before
     return found[-1]
 
@@ -36,8 +36,8 @@ def test_a_pair_is_known_by_its_second_controller() -> None:
     messages = []
     for value in range(8000, 9000, 150):
         messages += [(0xB0, 1, value >> 7), (0xB0, 33, value & 127)]
-    hands, learning = MidiHands(), MidiLearn(TEMPO, {})
-    found = [binding for message in messages if (binding := learning.hear(hands.played(message)))]
+    hands, learning = ChannelMessageDecoder(), MidiLearn(TEMPO, {})
+    found = [binding for message in messages if (binding := learning.process(hands.decode(message)))]
     assert found[0] == Binding("cc", 1, TEMPO, 1, fine=True)
     assert learn(TEMPO, "", *[(0xB0, 40, place) for place in (1, 2, 9)]) == Binding("cc", 40, TEMPO, 1)
 
@@ -56,11 +56,11 @@ def test_releases_program_changes_for_numbers_and_data_entry_are_not() -> None:
 
 
 def test_values_are_given_by_their_place_or_name() -> None:
-    assert values_of(LARGER, "ember") == {"group": "ember"}
-    assert values_of(LARGER, "group=ember") == {"group": "ember"}
-    assert values_of("/dance/clock/nudge", "seconds=-0.02") == {"seconds": -0.02}
-    assert values_of(DARK, "on=yes") == {"on": True}
-    assert values_of(SCENE, "a=b\nmeasures=2") == {"name": "a=b", "measures": 2.0}
+    assert parse_values(LARGER, "ember") == {"group": "ember"}
+    assert parse_values(LARGER, "group=ember") == {"group": "ember"}
+    assert parse_values("/dance/clock/nudge", "seconds=-0.02") == {"seconds": -0.02}
+    assert parse_values(DARK, "on=yes") == {"on": True}
+    assert parse_values(SCENE, "a=b\nmeasures=2") == {"name": "a=b", "measures": 2.0}
 
 
 @pytest.mark.parametrize(
@@ -76,4 +76,4 @@ def test_values_are_given_by_their_place_or_name() -> None:
 )
 def test_what_can_never_be_worked_so_is_said_at_once(address: str, given: str, told: str) -> None:
     with pytest.raises(BadBinding, match=told):
-        MidiLearn(address, values_of(address, given))
+        MidiLearn(address, parse_values(address, given))

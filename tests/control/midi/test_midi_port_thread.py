@@ -15,7 +15,7 @@ class MadePort:
     system_runs = True
 
     def __init__(self, name: str, refuses: bool = False) -> None:
-        self.name, self.there, self.closed, self.refuses = name, True, 0, refuses
+        self.name, self.exists, self.closed, self.refuses = name, True, 0, refuses
 
     def listen(self, receive: Receive) -> None:
         """Nothing ever comes."""
@@ -35,10 +35,10 @@ class Cares(PortThread):
 
     def care(self) -> tuple[str, str, int]:
         """What is known of the port after one look."""
-        self._care()
+        self._maintain()
         return self.connected, self.problem, self.opened
 
-    def _begin(self, port: Port) -> None:
+    def _on_open(self, port: Port) -> None:
         if cast(MadePort, port).refuses:
             raise OSError("it is  taken\nby another")
 
@@ -61,16 +61,16 @@ def thread(plugged: list[MadePort]) -> Cares:
 
 def test_a_port_is_waited_for_lost_and_found(thread: Cares, plugged: list[MadePort]) -> None:
     assert thread.care() == ("", "no port pads", 0)
-    assert thread.facts() == {"port": "pads", "problem": "no port pads"}
+    assert thread.status() == {"port": "pads", "problem": "no port pads"}
     first = MadePort("Pads 24:0")
     plugged.append(first)
     for _ in range(3):
         assert thread.care() == ("Pads 24:0", "", 1)
-    assert thread.facts() == {"port": "Pads 24:0", "problem": ""}
-    first.there = False
+    assert thread.status() == {"port": "Pads 24:0", "problem": ""}
+    first.exists = False
     plugged[0] = MadePort("Pads 28:0")
     assert thread.care() == ("Pads 28:0", "", 2)  # in the same look
-    plugged[0].there = False
+    plugged[0].exists = False
     plugged.clear()
     assert thread.care() == ("", "no port pads", 2)
     assert first.closed == 1

@@ -8,9 +8,9 @@ import mido
 import numpy as np
 import pytest
 
-from live.app.services.midi_service import MidiFilePart
+from live.app.services.midi_service import MidiFileService
 from live.base.errors import PersonError
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.time_source import ManualClock
 from live.control.events.events import BeatHeard, ControlEvent, NotesHeard, SetMotion
 from live.control.midi.midi_file import read_song
@@ -52,11 +52,11 @@ class Run:
     def __init__(self, path: Path, times: list[float]) -> None:
         self.show = made_show(MAP, tempo=100.0)
         self.events: list[ControlEvent] = []
-        clock, inbox = ManualClock(), Inbox[ControlEvent]()
+        clock, inbox = ManualClock(), EventQueue[ControlEvent]()
         status = Status(self.show, rejected=dict, memory=lambda: 0.0)
         engine = Engine(self.show, clock=clock, inbox=inbox, status=status, stall=math.inf)
-        engine.outward.append(self.events.append)
-        self.part = MidiFilePart(path, self.show, engine)
+        engine.event_listeners.append(self.events.append)
+        self.part = MidiFileService(path, self.show, engine)
         self.beats = []
         for time in times:
             clock.set(time)
@@ -85,7 +85,7 @@ def test_a_song_leads_the_beat_and_moves_the_dance_alike_at_any_frame_rate(tmp_p
     assert {BeatHeard, NotesHeard, SetMotion} <= kinds
     larger = [event for event in one.events if isinstance(event, SetMotion)]
     assert [(event.parameter, event.value, event.time) for event in larger] == [("larger", 0.5, pytest.approx(16.0))]
-    assert one.show.variation.varieties[0].larger == 0.5
+    assert one.show.variation.settings[0].larger == 0.5
     loud = [event.energy for event in one.events if isinstance(event, NotesHeard)]
     told_late = 0.5 ** (2.5 / 16.0)  # it is told within a sixteenth of a second, at 2.5 beats a second
     assert told_late * 71 / 127 <= max(loud) <= 71 / 127
@@ -96,9 +96,9 @@ def test_an_engine_that_goes_on_hears_only_what_comes(tmp_path: Path) -> None:
     path = made_song(tmp_path / "song.mid")
     show = made_show(MAP, tempo=100.0)
     status = Status(show, rejected=dict, memory=lambda: 0.0)
-    engine = Engine(show, clock=ManualClock(), inbox=Inbox(), status=status, stall=math.inf)
-    MidiFilePart(path, show, engine, begun=64 * 8)
-    (tell,) = engine.timed
+    engine = Engine(show, clock=ManualClock(), inbox=EventQueue(), status=status, stall=math.inf)
+    MidiFileService(path, show, engine, resume_tick=64 * 8)
+    (tell,) = engine.event_sources
     assert all(event.time > 8.0 for event in tell(8.5))
 
 

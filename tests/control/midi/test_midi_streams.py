@@ -10,14 +10,14 @@ import mido
 import pytest
 from mido.sockets import PortServer, connect
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.time_source import SystemClock
 from live.control.events.events import ControlEvent, One, Tap
 from live.control.midi.midi_feedback import MidiOutput
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_mapping import MidiMap
 from live.control.midi.midi_ports import open_port
-from live.control.midi.midi_streams import MOST_SENDERS, StreamPort, address_of
+from live.control.midi.midi_streams import MAX_SENDERS, StreamPort, parse_address
 from tests.control.waiting import wait_for
 
 
@@ -71,10 +71,10 @@ def test_senders_keep_their_own_running_status_and_come_and_go(heard, stack: Exi
 
 def test_too_many_senders_are_turned_away(heard, stack: ExitStack) -> None:
     port, found = heard
-    senders = [stack.enter_context(socket.create_connection(port.address)) for _ in range(MOST_SENDERS)]
+    senders = [stack.enter_context(socket.create_connection(port.address)) for _ in range(MAX_SENDERS)]
     for sender in senders:
         sender.sendall(b"\xf8")
-    assert wait_for(lambda: len(found) == MOST_SENDERS, 5.0)
+    assert wait_for(lambda: len(found) == MAX_SENDERS, 5.0)
     with socket.create_connection(port.address) as more:
         more.settimeout(20.0)
         assert more.recv(1) == b""
@@ -83,7 +83,7 @@ def test_too_many_senders_are_turned_away(heard, stack: ExitStack) -> None:
 def test_a_named_pipe_works_the_show_and_outlives_who_writes_it(tmp_path: Path) -> None:
     pipe = tmp_path / "midi"
     os.mkfifo(pipe)
-    inbox: Inbox[ControlEvent] = Inbox()
+    inbox: EventQueue[ControlEvent] = EventQueue()
     listens = MidiInput(f"raw:{pipe}", inbox, SystemClock(), midi_map=MidiMap())
     listens.start()
     try:
@@ -98,7 +98,7 @@ def test_a_named_pipe_works_the_show_and_outlives_who_writes_it(tmp_path: Path) 
 
 
 def test_what_is_told_arrives_and_a_listener_that_goes_is_found_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("live.control.midi.midi_ports.RETRY", 0.05)
+    monkeypatch.setattr("live.control.midi.midi_ports.RETRY_INTERVAL", 0.05)
     server = PortServer("127.0.0.1", 0)
     where = server._socket.getsockname()
     tells = MidiOutput(f"tcp:127.0.0.1:{where[1]}", SystemClock())
@@ -124,7 +124,7 @@ def test_what_is_told_arrives_and_a_listener_that_goes_is_found_again(monkeypatc
 @pytest.mark.parametrize("name", ["tcp:9080", "tcp:127.0.0.1:", "tcp:127.0.0.1:x", "tcp::1", "tcp:127.0.0.1:70000"])
 def test_addresses_that_are_none_are_told(name: str) -> None:
     with pytest.raises(ValueError, match="expected, as in"):
-        address_of(name)
+        parse_address(name)
 
 
 def test_what_is_not_there_is_an_error_of_the_system(tmp_path: Path) -> None:

@@ -5,11 +5,11 @@ import random
 import mido
 import pytest
 
-from live.control.midi.midi_streams import SYSEX_MOST, MidiTokens
+from live.control.midi.midi_streams import MAX_SYSEX, MidiTokenizer
 
 
 def tokens(data: bytes, pieces: int = 1) -> list[bytes]:
-    cutter = MidiTokens()
+    cutter = MidiTokenizer()
     size = max(1, len(data) // pieces)
     return [message for at in range(0, len(data), size) for message in cutter.feed(data[at : at + size])]
 
@@ -26,7 +26,7 @@ def read_whole(data: bytes) -> list[bytes]:
     for i, end in zip(begins, [*begins, len(rest)][1:], strict=True):
         status, body = rest[i][1], rest[i + 1 : end]
         if status == 0xF0:
-            if end < len(rest) and rest[end][1] == 0xF7 and len(body) + 1 < SYSEX_MOST:
+            if end < len(rest) and rest[end][1] == 0xF7 and len(body) + 1 < MAX_SYSEX:
                 found.append((rest[end][0], bytes((0xF0, *(byte for _, byte in body), 0xF7))))
             continue
         if status >= 0xF0:
@@ -122,21 +122,21 @@ def test_streams_and_their_mutations_are_read_as_by_the_second_reading() -> None
 
 
 def test_rubbish_leaves_nothing_behind() -> None:
-    cutter = MidiTokens()
+    cutter = MidiTokenizer()
     rng = random.Random(6)
     data = rng.randbytes(100_000)
     found = list(cutter.feed(data))
     assert found == read_whole(data)
     assert cutter.rejected > 1000
-    cutter.end()
+    cutter.reset()
     assert list(cutter.feed(b"\x3c\x40")) == []
     assert list(cutter.feed(b"\x90\x3c\x40")) == [b"\x90\x3c\x40"]
 
 
 def test_an_exclusive_message_without_end_is_not_kept() -> None:
-    cutter = MidiTokens()
+    cutter = MidiTokenizer()
     assert list(cutter.feed(b"\xf0" + bytes(100_000))) == []
-    assert len(cutter._message) < SYSEX_MOST
+    assert len(cutter._message) < MAX_SYSEX
     assert (cutter.too_long, cutter.rejected) == (1, 1)
     assert list(cutter.feed(b"\xf7\x90\x3c\x40")) == [b"\x90\x3c\x40"]
     assert list(cutter.feed(b"\xf0\x01\x02\xf7")) == [b"\xf0\x01\x02\xf7"]

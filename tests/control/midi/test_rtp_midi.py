@@ -7,7 +7,7 @@ import struct
 import pytest
 
 from live.control.midi.midi_ports import open_port
-from live.control.midi.rtp_midi import MOST_SESSIONS, SILENT_FOR, BadPacket, RtpMidi, RtpPort, commands
+from live.control.midi.rtp_midi import MAX_SESSIONS, SESSION_TIMEOUT, BadPacket, RtpMidi, RtpPort, midi_bytes
 from tests.control.waiting import wait_for
 
 MAC = ("192.168.1.7", 50_000)
@@ -25,14 +25,14 @@ def packet(number: int, payload: bytes, source: int = SSRC) -> bytes:
 def session() -> RtpMidi:
     rtp = RtpMidi(0x01020304, "us")
     for control in (True, False):
-        answers, _ = rtp.hear(exchange(b"IN"), MAC, 0.0, control=control)
+        answers, _ = rtp.handle(exchange(b"IN"), MAC, 0.0, control=control)
         assert answers == [bytes.fromhex("ffff4f4b 00000002 58a5ef79 01020304") + b"us\0"]
-    assert rtp.names == ("mbp",)
+    assert rtp.participants == ("mbp",)
     return rtp
 
 
 def played(rtp: RtpMidi, datagram: bytes, now: float = 1.0) -> list[bytes]:
-    return rtp.hear(datagram, MAC, now, control=False)[1]
+    return rtp.handle(datagram, MAC, now, control=False)[1]
 
 
 def time_of(units: int) -> bytes:
@@ -61,18 +61,18 @@ def encoded(messages: list[bytes], rng: random.Random, *, running: bool) -> byte
 def test_a_session_begins_keeps_time_and_ends() -> None:
     rtp = session()
     asked = b"\xff\xffCK" + struct.pack(">IB3xQQQ", SSRC, 0, 777, 0, 0)
-    ((answer,), _) = rtp.hear(asked, MAC, 2.5, control=False)
+    ((answer,), _) = rtp.handle(asked, MAC, 2.5, control=False)
     assert answer == b"\xff\xffCK" + struct.pack(">IB3xQQQ", 0x01020304, 1, 777, 25_000, 0)
     assert len(answer) == len(asked)
-    assert rtp.hear(b"\xff\xffCK" + struct.pack(">IB3xQQQ", SSRC, 2, 777, 25_000, 900), MAC, 2.6, control=False) == (
+    assert rtp.handle(b"\xff\xffCK" + struct.pack(">IB3xQQQ", SSRC, 2, 777, 25_000, 900), MAC, 2.6, control=False) == (
         [],
         [],
     )
     assert rtp.rejected == 0
-    rtp.hear(exchange(b"BY", source=1), MAC, 3.0, control=True)
-    rtp.hear(exchange(b"BY"), ("192.168.1.8", 50_000), 3.0, control=True)
-    assert (rtp.names, rtp.rejected) == (("mbp",), 2)
-    assert rtp.hear(exchange(b"BY", token=0), MAC, 3.0, control=True) == ([], [])  # as macOS says it
+    rtp.handle(exchange(b"BY", source=1), MAC, 3.0, control=True)
+    rtp.handle(exchange(b"BY"), ("192.168.1.8", 50_000), 3.0, control=True)
+    assert (rtp.participants, rtp.rejected) == (("mbp",), 2)
+    assert rtp.handle(exchange(b"BY", token=0), MAC, 3.0, control=True) == ([], [])  # as macOS says it
     assert played(rtp, packet(1, b"\x03\x90\x3c\x40")) == []
 
 
@@ -120,24 +120,24 @@ def test_lost_packets_end_all_notes_and_late_ones_are_left_out() -> None:
 
 def test_strangers_and_too_many_are_refused_and_the_silent_forgotten() -> None:
     rtp = session()
-    assert rtp.hear(packet(1, b"\x01\xf8"), ("192.168.1.8", 50_000), 1.0, control=False) == ([], [])
-    assert rtp.hear(packet(1, b"\x01\xf8"), (MAC[0], 50_001), 1.0, control=False) == ([], [])
-    assert rtp.hear(packet(1, b"\x01\xf8", source=5), MAC, 1.0, control=False) == ([], [])
-    assert rtp.hear(packet(1, b"\x01\xf8"), MAC, 1.0, control=True) == ([], [])
-    refused, _ = rtp.hear(exchange(b"IN", source=9), MAC, 1.0, control=False)  # not on the port of control before
+    assert rtp.handle(packet(1, b"\x01\xf8"), ("192.168.1.8", 50_000), 1.0, control=False) == ([], [])
+    assert rtp.handle(packet(1, b"\x01\xf8"), (MAC[0], 50_001), 1.0, control=False) == ([], [])
+    assert rtp.handle(packet(1, b"\x01\xf8", source=5), MAC, 1.0, control=False) == ([], [])
+    assert rtp.handle(packet(1, b"\x01\xf8"), MAC, 1.0, control=True) == ([], [])
+    refused, _ = rtp.handle(exchange(b"IN", source=9), MAC, 1.0, control=False)  # not on the port of control before
     assert refused[0][2:4] == b"NO"
-    answers = [rtp.hear(exchange(b"IN", source=n), MAC, 1.0, control=True)[0][0][2:4] for n in range(MOST_SESSIONS)]
-    assert answers == [b"OK"] * (MOST_SESSIONS - 1) + [b"NO"]
+    answers = [rtp.handle(exchange(b"IN", source=n), MAC, 1.0, control=True)[0][0][2:4] for n in range(MAX_SESSIONS)]
+    assert answers == [b"OK"] * (MAX_SESSIONS - 1) + [b"NO"]
     assert rtp.rejected == 6
-    rtp.hear(b"", MAC, 2.0 + SILENT_FOR, control=True)
-    assert rtp.names == ()
-    assert rtp.hear(exchange(b"IN", source=99), MAC, 3.0 + SILENT_FOR, control=True)[0][0][2:4] == b"OK"
+    rtp.handle(b"", MAC, 2.0 + SESSION_TIMEOUT, control=True)
+    assert rtp.participants == ()
+    assert rtp.handle(exchange(b"IN", source=99), MAC, 3.0 + SESSION_TIMEOUT, control=True)[0][0][2:4] == b"OK"
 
 
 @pytest.mark.parametrize("payload", ["", "80", "03903c", "02903c", "013c", "0490", "03f00102", "23ffffffff7f", "61ff"])
 def test_broken_payloads_are_said_to_be(payload: str) -> None:
     with pytest.raises(BadPacket):
-        commands(bytes.fromhex(payload))
+        midi_bytes(bytes.fromhex(payload))
 
 
 def test_rubbish_and_mutations_are_counted_and_nothing_more() -> None:
@@ -150,11 +150,11 @@ def test_rubbish_and_mutations_are_counted_and_nothing_more() -> None:
             if data:
                 data[rng.randrange(len(data))] = rng.randrange(256)
         datagram = bytes(data[: rng.randrange(len(data) + 1)]) if rng.random() < 0.3 else bytes(data)
-        answers, messages = rtp.hear(datagram, MAC, 1.0, control=rng.random() < 0.3)
+        answers, messages = rtp.handle(datagram, MAC, 1.0, control=rng.random() < 0.3)
         assert len(answers) <= 1
         assert all(message[0] >= 0x80 for message in messages)
     assert rtp.rejected > 500
-    assert len(rtp._sessions) <= MOST_SESSIONS
+    assert len(rtp._sessions) <= MAX_SESSIONS
 
 
 def test_a_session_over_sockets() -> None:
@@ -181,6 +181,6 @@ def test_a_session_over_sockets() -> None:
         data.sendto(packet(1, b"\x06\x90\x3c\x40\x00\x3e\x41"), ("127.0.0.1", number + 1))
         assert wait_for(lambda: found == [b"\x90\x3c\x40", b"\x90\x3e\x41"], 5.0)
     port.close()
-    assert not port.there
+    assert not port.exists
     with pytest.raises(ValueError, match="is for input only"):
         open_port("output", f"rtp:127.0.0.1:{number}")

@@ -9,17 +9,17 @@ from pathlib import Path
 import pytest
 
 import live
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.base.fault_isolation import FAULTS
 from live.clock.time_source import SystemClock
-from live.control.audio.devices import Rounds
+from live.control.audio.devices import DeviceWatchdog
 from live.control.capture.udp_input import CaptureInput
 from live.control.midi.midi_streams import StreamPort
 from live.control.midi.rtp_midi import RtpPort
 from live.control.osc.osc_codec import encode
 from live.control.osc.osc_server import OscInput
 from live.control.web.task_guard import guarded, keep_task
-from live.show.journal.journal_writer import Clerk
+from live.show.journal.journal_writer import WriterThread
 from tests.control.waiting import wait_for
 
 ROOT = Path(live.__file__).parent
@@ -51,14 +51,14 @@ def _send(address, data):
 
 
 def test_osc(monkeypatch, counted):
-    inbox = Inbox()
-    osc = OscInput("127.0.0.1", 0, inbox.lane(), SystemClock())
-    monkeypatch.setattr(osc, "_wait", Once(osc._wait))
+    inbox = EventQueue()
+    osc = OscInput("127.0.0.1", 0, inbox.add_queue(), SystemClock())
+    monkeypatch.setattr(osc, "_wait", Once(osc._seconds_to_next))
     with osc:
         assert wait_for(lambda: counted() == 1, 5.0)
         _send(("127.0.0.1", osc.port), encode("/dance/blackout", (1,)))
         assert wait_for(lambda: osc.accepted == 1, 5.0)
-    assert "OSC" in FAULTS.news()
+    assert "OSC" in FAULTS.last_notice()
 
 
 def test_capture(monkeypatch, counted):
@@ -71,7 +71,7 @@ def test_capture(monkeypatch, counted):
             one.setblocking(False)
             return [one]
 
-        def hear(self, data, sender, port, now):
+        def handle(self, data, sender, port, now):
             heard.append(data)
 
     capture = Input("capture", SystemClock(), 512)
@@ -93,9 +93,9 @@ def test_a_stream_of_midi(counted):
         assert wait_for(lambda: counted() == 1, 5.0)
         out.sendall(b"\x90\x3e\x07")
         assert wait_for(lambda: len(heard) == 1, 5.0)
-    assert port.there
+    assert port.exists
     port.close()
-    assert not port.there
+    assert not port.exists
 
 
 def test_midi_over_rtp(monkeypatch, counted):
@@ -103,20 +103,20 @@ def test_midi_over_rtp(monkeypatch, counted):
         free.bind(("127.0.0.1", 0))
         number = free.getsockname()[1] & ~1
     port = RtpPort("input", f"rtp:127.0.0.1:{number}")
-    monkeypatch.setattr(port.protocol, "hear", Once(port.protocol.hear))
+    monkeypatch.setattr(port.protocol, "hear", Once(port.protocol.handle))
     port.listen(lambda message: None)
     _send(("127.0.0.1", number), b"\xff\xff nonsense")
     assert wait_for(lambda: counted() == 1, 5.0)
     _send(("127.0.0.1", number), b"\xff\xff nonsense")
-    assert wait_for(lambda: port.protocol.hear.calls == 2, 5.0)
-    assert port.there
+    assert wait_for(lambda: port.protocol.handle.calls == 2, 5.0)
+    assert port.exists
     port.close()
 
 
 def test_rounds(counted):
     turn, ended = Once(), []
-    rounds = Rounds("made rounds", SystemClock(), turn, lambda: ended.append(True))
-    rounds.begin()
+    rounds = DeviceWatchdog("made rounds", SystemClock(), turn, lambda: ended.append(True))
+    rounds.start()
     assert wait_for(lambda: turn.calls > 3, 5.0)
     assert counted() == 1
     assert not ended
@@ -127,7 +127,7 @@ def test_rounds(counted):
 def test_a_writer(counted):
     written = []
 
-    class Writer(Clerk):
+    class Writer(WriterThread):
         _write = Once(written.append)
 
         def _finish(self):

@@ -6,7 +6,7 @@ import time
 
 from pythonosc.osc_message_builder import OscMessageBuilder
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.time_source import ManualClock
 from live.control.osc.osc_server import OscInput
 
@@ -33,8 +33,8 @@ class Stage:
     """An OSC input on a free port with a socket to send from."""
 
     def __init__(self, **options):
-        self.inbox, self.clock = Inbox(), ManualClock(7.25)
-        lane = self.inbox.lane(options.pop("capacity", 4096))
+        self.inbox, self.clock = EventQueue(), ManualClock(7.25)
+        lane = self.inbox.add_queue(options.pop("capacity", 4096))
         self.osc = OscInput("127.0.0.1", 0, lane, self.clock, **options)
         self.sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.sender.settimeout(DEADLINE_S)
@@ -53,7 +53,7 @@ class Stage:
         for packet in packets:
             self.sender.sendto(packet, ("127.0.0.1", self.osc.port))
             self.sent += 1
-        wait_until(lambda: self.osc.received + self.osc.lost >= self.sent and not self.osc._sieve.waits)
+        wait_until(lambda: self.osc.received + self.osc.lost >= self.sent and not self.osc._prefilter.has_pending)
 
     def events(self):
         return self.inbox.drain()

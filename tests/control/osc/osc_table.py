@@ -3,7 +3,7 @@
 An address, the arguments of liblo's oscsend (type tags, then a value for each that has one), the event.
 """
 
-from live.base.picture_parameters import OF_GROUPS
+from live.base.picture_parameters import GROUP_PARAMETERS
 from live.control.events import events
 from tests.control.osc.osc_stage import STAMP
 
@@ -200,7 +200,7 @@ def picture_controls():
         "/dance/light/key/direction": (["fff", "0", "-1", "0"], picture("/dance/light/key/direction", 0.0, -1.0, 0.0)),
         "/dance/camera/field_of_view": (["i", "60"], picture("/dance/camera/field_of_view", 60.0)),
     }
-    for address, known in OF_GROUPS.items():
+    for address, known in GROUP_PARAMETERS.items():
         if known.kind == "colour":
             wanted = picture(address, 1.0, 0.5, 0.0, group="tide", measures=2.0)
             sent[address] = (["fffsf", "1", "0.5", "0", "tide", "2"], wanted)

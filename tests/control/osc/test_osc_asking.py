@@ -7,12 +7,19 @@ import pytest
 from pythonosc.osc_bundle_builder import OscBundleBuilder
 from pythonosc.osc_packet import OscPacket
 
-from live.base.event_queue import Inbox, Lane
+from live.base.event_queue import EventQueue, PriorityQueue
 from live.control.events import events
-from live.control.osc.osc_handler import KEPT, MOST_ANSWERS, MOST_LANES, OF_A_HOST, PATTERNS_PER_SECOND, OscDoor
-from live.control.osc.osc_scheduler import HORIZON, MOST, Later
-from live.control.osc.osc_subscriptions import EVERY, OWN, Subscribers
-from live.control.osc.osc_subscriptions import MOST as MOST_SUBSCRIBERS
+from live.control.osc.osc_handler import (
+    LANE_TIMEOUT,
+    MAX_ANSWERS,
+    MAX_LANES,
+    MAX_LANES_PER_HOST,
+    PATTERNS_PER_SECOND,
+    OscHandler,
+)
+from live.control.osc.osc_scheduler import MAX_DELAY, MAX_ITEMS, TimedQueue
+from live.control.osc.osc_subscriptions import ECHO_DELAY, UPDATE_INTERVAL, Subscribers
+from live.control.osc.osc_subscriptions import MAX_SUBSCRIBERS as MOST_SUBSCRIBERS
 from live.control.registry.registry import READABLE, REGISTRY, Values
 from tests.control.osc.osc_stage import STAMP, message, wait_until
 
@@ -33,24 +40,24 @@ class Asked:
     """A door without a socket."""
 
     def __init__(self, **options):
-        self.lane = Lane()
-        self.door = OscDoor(self.lane, **options)
-        self.door.values.take({LIGHT: (("", (1.5,)),), HAZE: (("", (0.25,)),), "/dance/hold": (("", (False,)),)})
-        self.door.values.take({LARGER: (("ember", (0.25,)), ("tide", (-0.5,)))})
-        self.door.values.take({"/dance/status/measure": (("", (3,)),)})
+        self.lane = PriorityQueue()
+        self.door = OscHandler(self.lane, **options)
+        self.door.values.update({LIGHT: (("", (1.5,)),), HAZE: (("", (0.25,)),), "/dance/hold": (("", (False,)),)})
+        self.door.values.update({LARGER: (("ember", (0.25,)), ("tide", (-0.5,)))})
+        self.door.values.update({"/dance/status/measure": (("", (3,)),)})
 
     def ask(self, address, *values, of=ME, at=0.0):
-        return told(self.door.hear(memoryview(message(address, *values).dgram), of, at))
+        return told(self.door.handle(memoryview(message(address, *values).dgram), of, at))
 
     def events(self):
         found = []
-        while (event := self.lane.take()) is not None:
+        while (event := self.lane.pop()) is not None:
             found.append(event)
         return found
 
     def turn(self, now):
         sent = []
-        self.door.subscribers.turn(now, lambda datagram, where: sent.append((where, datagram)))
+        self.door.subscribers.send_due(now, lambda datagram, where: sent.append((where, datagram)))
         return {where: told([d for to, d in sent if to == where]) for where, _ in sent}
 
     @property
@@ -94,8 +101,8 @@ def test_nobody_far_away_is_sent_more_than_he_sent():
     assert asked.reasons == {"sender not allowed": 1}
     assert asked.turn(1.0) == {}
     everything = dict.fromkeys(READABLE, (("", (1.0,)),))
-    asked.door.values.take(everything)
-    assert len(asked.ask("/dance/get", "/dance/*/*")) == MOST_ANSWERS
+    asked.door.values.update(everything)
+    assert len(asked.ask("/dance/get", "/dance/*/*")) == MAX_ANSWERS
 
 
 def test_a_pattern_sets_values_and_never_what_happens_once():
@@ -129,13 +136,13 @@ def test_a_subscriber_gets_all_that_is_and_then_what_changes_once():
     assert asked.ask("/dance/subscribe", "/dance/light", 10.0) == []
     assert asked.turn(0.0) == {ME: near([(LIGHT, 1.5), (HAZE, 0.25)])}
     for at, value in ((1.0, 0.5), (1.01, 0.75), (1.02, 0.75)):
-        asked.door.values.take({LIGHT: (("", (value,)),)})
-        asked.door.subscribers.note([LIGHT, LARGER], at)
+        asked.door.values.update({LIGHT: (("", (value,)),)})
+        asked.door.subscribers.mark_changed([LIGHT, LARGER], at)
     assert asked.turn(1.02) == {ME: [(LIGHT, 0.75)]}
-    asked.door.subscribers.note([LIGHT], 1.1)
+    asked.door.subscribers.mark_changed([LIGHT], 1.1)
     assert asked.turn(1.2) == {}
-    asked.door.values.take({LIGHT: (("", (0.5,)),)})
-    asked.door.subscribers.note([LIGHT], 11.0)
+    asked.door.values.update({LIGHT: (("", (0.5,)),)})
+    asked.door.subscribers.mark_changed([LIGHT], 11.0)
     assert asked.turn(11.0) == {}  # ten seconds are over
     assert asked.door.subscribers.active == 0
 
@@ -146,9 +153,9 @@ def test_one_may_subscribe_to_several_parts_and_is_told_each_value_once():
     asked.ask("/dance/subscribe", "/dance/light/", 20.0)
     asked.ask("/dance/subscribe", "/dance/status", 10.0)
     assert asked.turn(0.0) == {ME: near([(LIGHT, 1.5), (HAZE, 0.25), ("/dance/status/measure", 3)])}
-    asked.door.subscribers.turn(15.0, lambda *_: None)
-    asked.door.values.take({HAZE: (("", (0.5,)),), "/dance/status/measure": (("", (4,)),)})
-    asked.door.subscribers.note([HAZE, "/dance/status/measure"], 15.0)
+    asked.door.subscribers.send_due(15.0, lambda *_: None)
+    asked.door.values.update({HAZE: (("", (0.5,)),), "/dance/status/measure": (("", (4,)),)})
+    asked.door.subscribers.mark_changed([HAZE, "/dance/status/measure"], 15.0)
     assert asked.turn(15.1) == {ME: [(HAZE, 0.5)]}
 
 
@@ -157,10 +164,10 @@ def test_a_subscriber_is_told_at_most_so_often():
     asked.ask("/dance/subscribe", LIGHT)
     sent = 0
     for tick in range(1000):
-        asked.door.values.take({LIGHT: (("", (tick / 1000,)),)})
-        asked.door.subscribers.note([LIGHT], tick / 1000)
+        asked.door.values.update({LIGHT: (("", (tick / 1000,)),)})
+        asked.door.subscribers.mark_changed([LIGHT], tick / 1000)
         sent += len(asked.turn(tick / 1000))
-    assert 0.9 / EVERY < sent <= 1.0 / EVERY + 1
+    assert 0.9 / UPDATE_INTERVAL < sent <= 1.0 / UPDATE_INTERVAL + 1
 
 
 def test_who_sets_a_value_is_not_told_it_but_others_are():
@@ -170,15 +177,15 @@ def test_who_sets_a_value_is_not_told_it_but_others_are():
     asked.turn(0.0)
     asked.ask(LIGHT, 0.5, at=1.0)
     for at, value in ((1.05, 1.0), (1.1, 0.5)):  # softly
-        asked.door.values.take({LIGHT: (("", (value,)),)})
-        asked.door.subscribers.note([LIGHT], at)
+        asked.door.values.update({LIGHT: (("", (value,)),)})
+        asked.door.subscribers.mark_changed([LIGHT], at)
         assert asked.turn(at) == {YOU: [(LIGHT, value)]}
-    assert asked.turn(1.0 + 2.0 * OWN) == {}
-    asked.door.values.take({LIGHT: (("", (0.25,)),)})  # somebody else, then back to what I said
-    asked.door.subscribers.note([LIGHT], 4.0)
+    assert asked.turn(1.0 + 2.0 * ECHO_DELAY) == {}
+    asked.door.values.update({LIGHT: (("", (0.25,)),)})  # somebody else, then back to what I said
+    asked.door.subscribers.mark_changed([LIGHT], 4.0)
     assert asked.turn(4.0) == {ME: [(LIGHT, 0.25)], YOU: [(LIGHT, 0.25)]}
-    asked.door.values.take({LIGHT: (("", (0.5,)),)})
-    asked.door.subscribers.note([LIGHT], 5.0)
+    asked.door.values.update({LIGHT: (("", (0.5,)),)})
+    asked.door.subscribers.mark_changed([LIGHT], 5.0)
     assert asked.turn(5.0) == {ME: [(LIGHT, 0.5)], YOU: [(LIGHT, 0.5)]}
 
 
@@ -187,8 +194,8 @@ def test_who_sets_what_does_not_come_is_told_what_is():
     asked.ask("/dance/subscribe", LIGHT)
     asked.turn(0.0)
     asked.ask(LIGHT, 0.5, at=1.0)
-    assert asked.turn(1.0 + OWN / 2) == {}
-    assert asked.turn(1.0 + OWN) == {ME: [(LIGHT, 1.5)]}
+    assert asked.turn(1.0 + ECHO_DELAY / 2) == {}
+    assert asked.turn(1.0 + ECHO_DELAY) == {ME: [(LIGHT, 1.5)]}
 
 
 def test_one_may_hear_at_another_port_and_leave():
@@ -196,8 +203,8 @@ def test_one_may_hear_at_another_port_and_leave():
     asked.ask("/dance/subscribe", LIGHT, 60.0, 9001)
     assert set(asked.turn(0.0)) == {(ME[0], 9001)}
     asked.ask(LIGHT, 0.5, at=1.0)
-    asked.door.values.take({LIGHT: (("", (0.5,)),)})
-    asked.door.subscribers.note([LIGHT], 1.1)
+    asked.door.values.update({LIGHT: (("", (0.5,)),)})
+    asked.door.subscribers.mark_changed([LIGHT], 1.1)
     assert asked.turn(1.1) == {}
     assert asked.turn(9.0) == {}
     asked.ask("/dance/unsubscribe", 9001)
@@ -239,15 +246,15 @@ def test_a_bundle_waits_for_its_time_and_others_do_not_wait_for_it(stage):
 
 
 def test_what_lies_beyond_the_horizon_or_the_queue_acts_at_once():
-    later = Later()
-    assert not later.put(HORIZON + 0.01, 0.0, "far")
-    assert all(later.put(1.0 - number / MOST, 0.0, number) for number in range(MOST))
+    later = TimedQueue()
+    assert not later.put(MAX_DELAY + 0.01, 0.0, "far")
+    assert all(later.put(1.0 - number / MAX_ITEMS, 0.0, number) for number in range(MAX_ITEMS))
     assert not later.put(1.0, 0.0, "one too many")
-    assert [item for _, item in later.due(2.0)] == list(range(MOST - 1, -1, -1))
+    assert [item for _, item in later.pop_due(2.0)] == list(range(MAX_ITEMS - 1, -1, -1))
     asked = Asked(wall=lambda: 1e9)
     tag = struct.pack(">Q", int((1e9 + 3600.0 + 2_208_988_800) * 2**32))
     tap = message("/dance/clock/tap").dgram
-    list(asked.door.hear(memoryview(b"#bundle\0" + tag + struct.pack(">i", len(tap)) + tap), ME, 0.0))
+    list(asked.door.handle(memoryview(b"#bundle\0" + tag + struct.pack(">i", len(tap)) + tap), ME, 0.0))
     assert len(asked.events()) == asked.door.future_timetags == 1
 
 
@@ -282,34 +289,34 @@ def test_a_musicians_port_takes_what_musicians_may():
 
 
 def test_each_sender_has_a_lane_of_its_own():
-    inbox = Inbox()
-    door = OscDoor(inbox.lane(), more=inbox.lane)
+    inbox = EventQueue()
+    door = OscHandler(inbox.add_queue(), make_lane=inbox.add_queue)
     for number in range(100):
-        list(door.hear(memoryview(message("/dance/attract", float(number), 0.0).dgram), ME, 0.0))
-    list(door.hear(memoryview(message("/dance/clock/tap").dgram), YOU, 0.0))
+        list(door.handle(memoryview(message("/dance/attract", float(number), 0.0).dgram), ME, 0.0))
+    list(door.handle(memoryview(message("/dance/clock/tap").dgram), YOU, 0.0))
     assert [type(event) for event in inbox.drain(3)].count(events.Tap) == 1
-    for number in range(3 * MOST_LANES):  # more senders than lanes: whoever has nothing waiting gives his up
-        list(door.hear(memoryview(message("/dance/clock/tap").dgram), ("10.0.0.1", number), 0.0))
-    assert len(inbox.drain()) == 98 + 3 * MOST_LANES
+    for number in range(3 * MAX_LANES):  # more senders than lanes: whoever has nothing waiting gives his up
+        list(door.handle(memoryview(message("/dance/clock/tap").dgram), ("10.0.0.1", number), 0.0))
+    assert len(inbox.drain()) == 98 + 3 * MAX_LANES
     assert inbox.dropped == 0
 
 
 def test_who_sends_from_ever_new_ports_gets_few_lanes_and_takes_nobody_s():
     made = []
-    inbox = Inbox()
-    door = OscDoor(inbox.lane(), more=lambda: made.append(inbox.lane()) or made[-1])
+    inbox = EventQueue()
+    door = OscHandler(inbox.add_queue(), make_lane=lambda: made.append(inbox.add_queue()) or made[-1])
     tap = memoryview(message("/dance/clock/tap").dgram)
     for second in range(40):
-        list(door.hear(tap, ME, float(second)))
+        list(door.handle(tap, ME, float(second)))
         own = made[0]
         assert len(own) == 1  # the operator's lane stays the operator's
         for number in range(100):
-            list(door.hear(tap, ("10.0.0.66", 100 * second + number), second + 0.5))
+            list(door.handle(tap, ("10.0.0.66", 100 * second + number), second + 0.5))
         inbox.drain()
-    assert len(made) == 1 + OF_A_HOST
-    for number in range(3 * MOST_LANES):
-        list(door.hear(tap, (f"10.0.1.{number}", 9), 40.0))
-    assert len(made) == MOST_LANES
-    list(door.hear(tap, ("10.0.2.1", 9), 41.0 + KEPT))  # whoever has long said nothing gives his up
-    assert len(made) == MOST_LANES
+    assert len(made) == 1 + MAX_LANES_PER_HOST
+    for number in range(3 * MAX_LANES):
+        list(door.handle(tap, (f"10.0.1.{number}", 9), 40.0))
+    assert len(made) == MAX_LANES
+    list(door.handle(tap, ("10.0.2.1", 9), 41.0 + LANE_TIMEOUT))  # whoever has long said nothing gives his up
+    assert len(made) == MAX_LANES
     assert ("10.0.2.1", 9) in door._lanes

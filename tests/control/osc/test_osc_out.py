@@ -10,32 +10,32 @@ from pythonosc.osc_packet import OscPacket
 
 from live.clock.time_source import ManualClock, SystemClock
 from live.clock.timeline import Timeline
-from live.control.helper_process import Helper
-from live.control.message_codec import packet_of
-from live.control.osc.osc_codec import MOST_BYTES, bundles, encode
-from live.control.osc.osc_output import OUT, SENT, OscOut, Targets
+from live.control.helper_process import HelperProcess
+from live.control.message_codec import encode_packet
+from live.control.osc.osc_codec import MAX_DATAGRAM_BYTES, bundles, encode
+from live.control.osc.osc_output import MESSAGES, PREFIX, OscOutput, Targets
 from tests.control.waiting import wait_for
 
-TAGS = {OUT + name: tags for name, tags, _, _ in SENT}
+TAGS = {PREFIX + name: tags for name, tags, _, _ in MESSAGES}
 
 
 class Heard:
-    """An OscOut whose datagrams are read as python-osc reads them."""
+    """An OscOutput whose datagrams are read as python-osc reads them."""
 
     def __init__(self, tempo=120.0, *, size=4):
         self.clock, self.datagrams = ManualClock(0.0), []
-        self.out = OscOut(self.datagrams.append, self.clock)
+        self.out = OscOutput(self.datagrams.append, self.clock)
         self.follow(Timeline(tempo, beats_per_measure=size), number=0, end=float(size))
 
     def follow(self, timeline, *, number, end):
-        self.out.take(("measure", (number, end)))
+        self.out.handle(("measure", (number, end)))
         row = (timeline.tempo, timeline.beat_origin, timeline.time_origin, timeline.beats_per_measure,
                timeline.measure_origin)  # fmt: skip
-        self.out.take(("timeline", row))
+        self.out.handle(("timeline", row))
 
     def at(self, time):
         self.clock.set(time)
-        self.out.turn()
+        self.out.send_due()
         return self.messages()
 
     def messages(self):
@@ -46,15 +46,15 @@ class Heard:
 
 def test_beats_and_measures_are_told_when_they_are_due():
     heard = Heard(size=3)
-    assert heard.at(0.4) == [(OUT + "tempo", 120.0)]
-    assert heard.out.wait() == pytest.approx(0.1)
-    assert heard.at(0.5) == [(OUT + "beat", 2, 1, 120.0)]
+    assert heard.at(0.4) == [(PREFIX + "tempo", 120.0)]
+    assert heard.out.seconds_to_next() == pytest.approx(0.1)
+    assert heard.at(0.5) == [(PREFIX + "beat", 2, 1, 120.0)]
     assert heard.at(0.9) == []
-    assert heard.at(1.001) == [(OUT + "beat", 3, 1, 120.0)]
-    assert heard.at(1.5) == [(OUT + "measure", 2), (OUT + "beat", 1, 2, 120.0)]
-    heard.out.take(("measure", (1, 6.0)))
-    assert heard.at(2.0) == [(OUT + "beat", 2, 2, 120.0)]
-    assert heard.at(3.6) == [(OUT + "beat", 2, 3, 120.0)]  # it was away: the beats that are over are not told
+    assert heard.at(1.001) == [(PREFIX + "beat", 3, 1, 120.0)]
+    assert heard.at(1.5) == [(PREFIX + "measure", 2), (PREFIX + "beat", 1, 2, 120.0)]
+    heard.out.handle(("measure", (1, 6.0)))
+    assert heard.at(2.0) == [(PREFIX + "beat", 2, 2, 120.0)]
+    assert heard.at(3.6) == [(PREFIX + "beat", 2, 3, 120.0)]  # it was away: the beats that are over are not told
     assert list(heard.out.late) == pytest.approx([0.0, 0.001, 0.0, 0.0, 0.1])
 
 
@@ -62,14 +62,14 @@ def test_another_tempo_is_told_and_moves_the_beats():
     heard = Heard()
     heard.at(0.0)
     heard.follow(Timeline(60.0, 1.0, 0.5), number=0, end=4.0)
-    assert heard.at(0.5) == [(OUT + "tempo", 60.0), (OUT + "beat", 2, 1, 60.0)]
+    assert heard.at(0.5) == [(PREFIX + "tempo", 60.0), (PREFIX + "beat", 2, 1, 60.0)]
     assert heard.at(1.4) == []
-    assert heard.at(1.5) == [(OUT + "beat", 3, 1, 60.0)]
+    assert heard.at(1.5) == [(PREFIX + "beat", 3, 1, 60.0)]
     for step in range(100):  # it swings in: that is not told in every tick, and a hair not at all
         heard.follow(Timeline(60.0 + step / 100, 3.0, 1.5), number=0, end=4.0)
         heard.clock.set(1.5 + step / 100)
-        heard.out.turn()
-    told = [message for message in heard.messages() if message[0] == OUT + "tempo"]
+        heard.out.send_due()
+    told = [message for message in heard.messages() if message[0] == PREFIX + "tempo"]
     assert 8 <= len(told) <= 10
 
 
@@ -77,9 +77,9 @@ def test_a_whole_company_fits_into_datagrams_and_has_the_types_that_are_document
     heard = Heard()
     heard.at(0.0)
     rows = np.array([(d + 1, d / 10, -d / 10, 0.5) for d in range(100)], np.float32)
-    heard.out.take(("positions", rows.tobytes()))
-    heard.out.take(("news", [("step", (1, "glide", "ember")), ("foot", (2, "left", 0.5, 1.5, 0.25, 2))]))
-    assert all(len(datagram) <= MOST_BYTES for datagram in heard.datagrams)
+    heard.out.handle(("positions", rows.tobytes()))
+    heard.out.handle(("news", [("step", (1, "glide", "ember")), ("foot", (2, "left", 0.5, 1.5, 0.25, 2))]))
+    assert all(len(datagram) <= MAX_DATAGRAM_BYTES for datagram in heard.datagrams)
     assert len(heard.datagrams) < 12
     for datagram in heard.datagrams:
         for packed in OscPacket(datagram).messages:
@@ -87,8 +87,8 @@ def test_a_whole_company_fits_into_datagrams_and_has_the_types_that_are_document
             tags = raw[raw.index(b",") + 1 :].split(b"\0")[0].decode()
             assert tags == TAGS[packed.message.address]
     found = heard.messages()
-    assert [message[1] for message in found if message[0] == OUT + "position"] == list(range(1, 101))
-    assert found[-2:] == [(OUT + "step", 1, "glide", "ember"), (OUT + "foot", 2, "left", 0.5, 1.5, 0.25, 2)]
+    assert [message[1] for message in found if message[0] == PREFIX + "position"] == list(range(1, 101))
+    assert found[-2:] == [(PREFIX + "step", 1, "glide", "ember"), (PREFIX + "foot", 2, "left", 0.5, 1.5, 0.25, 2)]
 
 
 def test_bundles_hold_every_message_once_and_in_order():
@@ -120,7 +120,9 @@ def test_the_process_sends_and_is_started_again_when_it_is_killed():
     dump = subprocess.Popen([shutil.which("oscdump"), "-L", str(port)], stdout=subprocess.PIPE, text=True)
     clock, told = SystemClock(), []
     row = ("timeline", (300.0, 0.0, 0.0, 4, 0.0))
-    helper = Helper("live.control.osc.osc_output", clock, {"targets": (("127.0.0.1", port),)}, lambda: told.append(row))
+    helper = HelperProcess(
+        "live.control.osc.osc_output", clock, {"targets": (("127.0.0.1", port),)}, lambda: told.append(row)
+    )
     try:
         helper.start()
         helper.send(row)
@@ -136,8 +138,8 @@ def test_the_process_sends_and_is_started_again_when_it_is_killed():
         helper._process.send_signal(19)  # it stands still: nobody waits for it
         while helper.send(("news", [("step", (1, "x" * 1000, "y"))])):
             pass
-        assert helper.left_out == 1
-        assert len(packet_of(helper.facts())) < 1000
+        assert helper.dropped == 1
+        assert len(encode_packet(helper.status())) < 1000
         helper._process.send_signal(18)
     finally:
         helper.stop()

@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from live.base.event_queue import Lane
+from live.base.event_queue import PriorityQueue
 from live.clock.time_source import ManualClock
 from live.control.osc.osc_server import CannotListen, OscInput, PortBusy
 from tests.control.osc.osc_stage import TAP, Stage
 
 
 def test_a_busy_port_says_so_and_names_the_remedy(stage):
-    second = OscInput("127.0.0.1", stage.osc.port, Lane(), ManualClock())
+    second = OscInput("127.0.0.1", stage.osc.port, PriorityQueue(), ManualClock())
     with pytest.raises(PortBusy) as caught:
         second.start()
     assert f"127.0.0.1:{stage.osc.port}" in str(caught.value)
@@ -23,7 +23,7 @@ def test_a_busy_port_says_so_and_names_the_remedy(stage):
 @pytest.mark.parametrize(("host", "port"), [("192.0.2.1", 0), ("127.0.0.1", 70_000), ("not a host", 9010)])
 def test_an_address_that_is_not_ours_is_a_clear_error(host, port):
     with pytest.raises(CannotListen, match="--osc HOST:PORT"):
-        OscInput(host, port, Lane(), ManualClock()).start()
+        OscInput(host, port, PriorityQueue(), ManualClock()).start()
 
 
 def test_start_and_stop_leave_no_thread_and_no_open_file():

@@ -3,26 +3,33 @@
 import socket
 import threading
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.base.processing_budget import BURST, FLOODED_PER_SECOND, PER_SECOND
 from live.clock.time_source import SystemClock
 from live.control.events import events
-from live.control.message_codec import read_packet
-from live.control.osc.osc_process import IN_A_PACKET, ON_THE_WAY, PACE, PATIENCE, Forward, OscRemote
+from live.control.message_codec import decode_packet
+from live.control.osc.osc_process import (
+    CONFIRM_TIMEOUT,
+    MAX_EVENTS,
+    MAX_UNCONFIRMED,
+    PACKET_INTERVAL,
+    EventForwarder,
+    OscRemote,
+)
 from tests.control.osc.osc_stage import message
 from tests.control.waiting import wait_for
 
 
 class Sent:
     def __init__(self):
-        self.time, self.packets, self.full, self.inbox = 0.0, [], False, Inbox()
-        self.lane = self.inbox.lane()
-        self.forward = Forward(self.send, self.inbox, lambda: self.time)
+        self.time, self.packets, self.full, self.inbox = 0.0, [], False, EventQueue()
+        self.lane = self.inbox.add_queue()
+        self.forward = EventForwarder(self.send, self.inbox, lambda: self.time)
 
     def send(self, packet):
         if self.full:
             raise BlockingIOError
-        self.packets.append([event for _, event in read_packet(packet)])
+        self.packets.append([event for _, event in decode_packet(packet)])
 
     def flood(self, seconds, *, takes=True, every=20):
         """Sixty values in so many milliseconds; what of them was sent."""
@@ -31,19 +38,19 @@ class Sent:
             self.time += 0.001
             for number in range(60 if step % every == 0 else 0):
                 self.lane.put(events.Tap(time=self.time, source=str(number)), number)
-            self.forward.turn()
+            self.forward.send_due()
             if takes:
-                self.forward.taken = len(self.packets)
+                self.forward.confirmed = len(self.packets)
         return [event for packet in self.packets[before:] for event in packet]
 
 
 def test_so_many_events_a_second_at_most_and_they_are_fresh():
     sent = Sent()
     told = sent.flood(4.0)
-    assert len(told) <= BURST + PER_SECOND * 4.0 + IN_A_PACKET
+    assert len(told) <= BURST + PER_SECOND * 4.0 + MAX_EVENTS
     assert len(told) >= PER_SECOND * 3.0
-    assert all(len(packet) <= IN_A_PACKET for packet in sent.packets)
-    assert len(sent.packets) <= 4.0 / PACE + 1
+    assert all(len(packet) <= MAX_EVENTS for packet in sent.packets)
+    assert len(sent.packets) <= 4.0 / PACKET_INTERVAL + 1
     assert sent.time - told[-1].time < 2 * 60 / PER_SECOND
 
 
@@ -60,7 +67,7 @@ def test_of_more_values_than_anybody_who_means_well_sends_the_show_gets_fewer_an
 
 def test_who_says_little_is_in_the_next_packet_however_many_lanes_are_flooded():
     sent = Sent()
-    lanes, quiet = [sent.inbox.lane() for _ in range(40)], sent.inbox.lane()
+    lanes, quiet = [sent.inbox.add_queue() for _ in range(40)], sent.inbox.add_queue()
     late = {}
     for step in range(4000):
         sent.time += 0.001
@@ -68,20 +75,20 @@ def test_who_says_little_is_in_the_next_packet_however_many_lanes_are_flooded():
             lane.put(events.Tap(time=sent.time, source=str(number)), number)
         if step % 500 == 7:
             quiet.put(events.One(time=sent.time, source="operator"))
-        sent.forward.turn()
-        sent.forward.taken = len(sent.packets)
+        sent.forward.send_due()
+        sent.forward.confirmed = len(sent.packets)
         for event in sent.packets[-1] if sent.packets else []:
             if isinstance(event, events.One):
                 late.setdefault(event.time, sent.time - event.time)
     assert len(late) == 8
-    assert max(late.values()) <= PACE + 0.0015
+    assert max(late.values()) <= PACKET_INTERVAL + 0.0015
 
 
 def test_who_is_heard_late_is_heard_soon_again_though_another_one_floods():
     """The machine stood still for a second: what an operator said meanwhile is through before long."""
     sent = Sent()
     sent.flood(1.0, every=1)
-    operator = sent.inbox.lane()
+    operator = sent.inbox.add_queue()
     for number in range(50):
         operator.put(events.One(time=sent.time, source=str(number)))
     told = sent.flood(0.5, every=1)
@@ -91,8 +98,8 @@ def test_who_is_heard_late_is_heard_soon_again_though_another_one_floods():
 
 def test_a_show_that_takes_nothing_up_is_not_sent_more_and_later_what_is_then():
     sent = Sent()
-    sent.flood(0.9 * PATIENCE, takes=False)
-    assert len(sent.packets) == ON_THE_WAY
+    sent.flood(0.9 * CONFIRM_TIMEOUT, takes=False)
+    assert len(sent.packets) == MAX_UNCONFIRMED
     sent.full = True
     sent.flood(2.0)
     sent.full = False
@@ -102,17 +109,17 @@ def test_a_show_that_takes_nothing_up_is_not_sent_more_and_later_what_is_then():
 
 def test_one_message_goes_at_once_and_nothing_is_sent_without():
     sent = Sent()
-    assert sent.forward.turn() is None
+    assert sent.forward.send_due() is None
     sent.time = 5.0
     sent.lane.put(events.Tap(time=5.0, source="osc"))
-    assert sent.forward.turn() is None
+    assert sent.forward.send_due() is None
     assert [[event.time for event in packet] for packet in sent.packets] == [[5.0]]
 
 
 def test_the_show_hears_and_answers_and_goes_on_when_the_process_is_killed():
-    inbox = Inbox()
-    remote = OscRemote("127.0.0.1", 0, inbox.lane(), SystemClock())
-    remote.tell({"/dance/clock/tempo": (("", (96.0,)),)})
+    inbox = EventQueue()
+    remote = OscRemote("127.0.0.1", 0, inbox.add_queue(), SystemClock())
+    remote.publish({"/dance/clock/tempo": (("", (96.0,)),)})
     remote.start()
     pause = threading.Event()
 
@@ -147,7 +154,7 @@ def test_the_show_hears_and_answers_and_goes_on_when_the_process_is_killed():
             remote._helper._started_at -= 10.0
             send("/dance/clock/one")  # nobody is there: it waits in the socket
             assert wait_for(lambda: turn() or any(isinstance(e, events.One) for e in inbox.drain()), 20.0)
-            assert remote.facts()["restarts"] == 1
+            assert remote.status()["restarts"] == 1
             assert wait_for(answered, 10.0)
         finally:
             remote.stop()

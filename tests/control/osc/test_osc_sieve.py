@@ -6,8 +6,8 @@ import struct
 import pytest
 
 from live.control.events import events
-from live.control.osc.osc_prefilter import ROUND, RUBBISH, OscSieve
-from live.control.osc.udp_batch import AT_A_TIME, Datagrams
+from live.control.osc.osc_prefilter import FLOOD_WINDOW, MAX_INVALID_SURPLUS, OscPrefilter
+from live.control.osc.udp_batch import BATCH_SIZE, DatagramReader
 from live.control.registry.registry import REGISTRY
 from live.control.registry.rejections import Reason, Tally
 from tests.control.osc.osc_stage import STAMP, TAP, message, wait_until
@@ -22,7 +22,7 @@ def light(value):
 class Sieved:
     def __init__(self):
         self.on, self.tally = [], Tally()
-        self.sieve = OscSieve(REGISTRY, self.take, self.tally)
+        self.sieve = OscPrefilter(REGISTRY, self.take, self.tally)
 
     def take(self, data, sender):
         self.on.append((data, sender))
@@ -30,7 +30,7 @@ class Sieved:
 
     def together(self, *datagrams, now=0.0):
         self.on.clear()
-        self.sieve.take([each if isinstance(each, tuple) else (each, ME) for each in datagrams], now)
+        self.sieve.process([each if isinstance(each, tuple) else (each, ME) for each in datagrams], now)
         return [data for data, _ in self.on]
 
 
@@ -58,12 +58,12 @@ def test_who_sends_rubbish_alone_is_not_read_for_a_while_and_others_are():
     sieved = Sieved()
     for rubbish in (b"\xff" * 40, b"/bad\0\0\0\0,\0\0\0"):
         now = 10.0 if rubbish[0] == 0xFF else 20.0
-        sieved.together(*[rubbish] * (2 * RUBBISH), now=now)
+        sieved.together(*[rubbish] * (2 * MAX_INVALID_SURPLUS), now=now)
         assert sieved.together((TAP, ME), (TAP, YOU), now=now + 0.1) == [TAP]
         assert sieved.on[0][1] == YOU
-        assert sieved.together((TAP, ME), now=now + 2 * ROUND) == [TAP]
-    assert sieved.tally.as_dict()[str(Reason.FLOOD)] == 2 * (RUBBISH + 1)
-    for _ in range(RUBBISH):  # a surface of which a button is mapped wrongly is heard all the same
+        assert sieved.together((TAP, ME), now=now + 2 * FLOOD_WINDOW) == [TAP]
+    assert sieved.tally.as_dict()[str(Reason.FLOOD)] == 2 * (MAX_INVALID_SURPLUS + 1)
+    for _ in range(MAX_INVALID_SURPLUS):  # a surface of which a button is mapped wrongly is heard all the same
         assert len(sieved.together(b"/bad\0\0\0\0,\0\0\0", TAP, now=30.0)) == 2
 
 
@@ -76,9 +76,9 @@ def test_datagrams_are_read_as_recvfrom_reads_them(family, host):
             pytest.skip(f"no {host} here")
         into.setblocking(False)
         out.bind((host, 0))
-        datagrams = Datagrams(into, 64)
+        datagrams = DatagramReader(into, 64)
         assert datagrams.read() == []
-        sent = [b"", b"a", b"b" * 64, *[struct.pack(">I", number) for number in range(2 * AT_A_TIME)]]
+        sent = [b"", b"a", b"b" * 64, *[struct.pack(">I", number) for number in range(2 * BATCH_SIZE)]]
         found = []
         for start in range(0, len(sent), 100):  # no more than the smallest buffer takes
             for each in sent[start : start + 100]:

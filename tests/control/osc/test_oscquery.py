@@ -13,8 +13,8 @@ from pythonosc.osc_packet import OscPacket
 
 from live.clock.time_source import SystemClock
 from live.control.osc.osc_codec import encode
-from live.control.osc.oscquery_server import MOST_OF_ONE
-from live.control.osc.oscquery_tree import ATTRIBUTES, Namespace, host_info, told_of
+from live.control.osc.oscquery_server import MAX_CLIENTS_PER_GROUP
+from live.control.osc.oscquery_tree import ATTRIBUTES, Namespace, host_info, listed_arguments
 from live.control.registry.registry import READINGS, REGISTRY, Values
 from live.control.registry.rejections import Rejection
 from tests.control.waiting import wait_for
@@ -32,7 +32,7 @@ def nodes(node):
 
 def test_every_control_and_figure_is_in_the_tree_with_what_the_registry_says():
     values = Values()
-    values.take({LIGHT: (("", (1.5,)),), LARGER: (("a", (0.25,)), ("b", (0.5,))), "/dance/hold": (("", (True,)),)})
+    values.update({LIGHT: (("", (1.5,)),), LARGER: (("a", (0.25,)), ("b", (0.5,))), "/dance/hold": (("", (True,)),)})
     tree = Namespace(values).node("/")
     found = {node["FULL_PATH"]: node for node in nodes(tree)}
     assert {path for path, node in found.items() if node["ACCESS"]} == {
@@ -43,7 +43,7 @@ def test_every_control_and_figure_is_in_the_tree_with_what_the_registry_says():
         for name in ("RANGE", "UNIT", "VALUE", "CLIPMODE"):
             assert name not in node or len(node[name]) == len(node["TYPE"])
     for control in REGISTRY:
-        node, arguments = found[control.address], told_of(control)
+        node, arguments = found[control.address], listed_arguments(control)
         assert node["DESCRIPTION"] == control.description
         assert node["ACCESS"] == (3 if control.value else 2)
         for argument, allowed in zip(arguments, node.get("RANGE", []), strict=True):
@@ -62,7 +62,7 @@ def test_every_control_and_figure_is_in_the_tree_with_what_the_registry_says():
 
 def test_one_attribute_and_who_answers():
     values = Values()
-    values.take({LIGHT: (("", (1.5,)),)})
+    values.update({LIGHT: (("", (1.5,)),)})
     tree = Namespace(values)
     assert tree.attribute(LIGHT, "VALUE") == {"VALUE": [1.5]}
     assert tree.attribute(LIGHT, "CRITICAL") is None
@@ -79,14 +79,14 @@ def test_one_attribute_and_who_answers():
 def test_programs_ask_and_listen_and_pages_of_other_sites_may_not():
     aiohttp = pytest.importorskip("aiohttp")
     pytest.importorskip("zeroconf")
-    from live.app.services.http_services import OscQueryPart
+    from live.app.services.http_services import OscQueryService
 
     show = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     show.bind(("127.0.0.1", 0))
     show.setblocking(False)
-    part = OscQueryPart(("127.0.0.1", 0), show.getsockname(), "Live test", SystemClock(), hosts=["show.example:443"])
-    part.tell({LIGHT: (("", (1.5,)),), LARGER: (("a", (0.25,)), ("b", (0.5,)))})
-    part.tell({MIRRORED: (("anna", (True,)), ("ben", (False,)))})
+    part = OscQueryService(("127.0.0.1", 0), show.getsockname(), "Live test", SystemClock(), hosts=["show.example:443"])
+    part.publish({LIGHT: (("", (1.5,)),), LARGER: (("a", (0.25,)), ("b", (0.5,)))})
+    part.publish({MIRRORED: (("anna", (True,)), ("ben", (False,)))})
 
     async def ask(client, path, status=200, **headers):
         async with client.get(f"http://127.0.0.1:{part.port}{path}", headers=headers) as answer:
@@ -137,15 +137,15 @@ def test_programs_ask_and_listen_and_pages_of_other_sites_may_not():
                 if len(told) == 1:
                     told += await heard(ws)
                 assert told == [(LIGHT, 1.5), (LARGER, 0.25, "a"), (LARGER, 0.5, "b")]
-                part.tell({LIGHT: (("", (1.5,)),)})  # no other value
+                part.publish({LIGHT: (("", (1.5,)),)})  # no other value
                 part.frame()
                 await asyncio.sleep(0.1)
-                part.tell({LIGHT: (("", (0.5,)),)})
+                part.publish({LIGHT: (("", (0.5,)),)})
                 part.frame()
                 assert await heard(ws) == [(LIGHT, 0.5)]
                 await ws.send_str(json.dumps({"COMMAND": "LISTEN", "DATA": "/dance/mocap/ben/mirrored"}))
                 assert await heard(ws) == [("/dance/mocap/ben/mirrored", False)]
-                part.tell({MIRRORED: (("anna", (False,)), ("ben", (True,)))})
+                part.publish({MIRRORED: (("anna", (False,)), ("ben", (True,)))})
                 part.frame()
                 assert await heard(ws) == [("/dance/mocap/ben/mirrored", True)]
                 await ws.send_bytes(encode("/dance/blackout", (1.0,)))  # what OSC would do is not done here
@@ -155,7 +155,7 @@ def test_programs_ask_and_listen_and_pages_of_other_sites_may_not():
             assert wait_for(lambda: part.frame() or part.status().get("refused", 0) >= 14, 10.0)
             with pytest.raises(BlockingIOError):
                 show.recv(1)
-            many = [await client.ws_connect(f"http://127.0.0.1:{part.port}/") for _ in range(MOST_OF_ONE)]
+            many = [await client.ws_connect(f"http://127.0.0.1:{part.port}/") for _ in range(MAX_CLIENTS_PER_GROUP)]
             with pytest.raises(aiohttp.WSServerHandshakeError):
                 await client.ws_connect(f"http://127.0.0.1:{part.port}/")
             await many.pop().close()
@@ -185,7 +185,7 @@ exec "$0" -c "$1"
 BROWSE = """
 import pathlib, socket, struct, threading
 from zeroconf import ServiceBrowser, Zeroconf
-from live.app.services.http_services import OscQueryPart
+from live.app.services.http_services import OscQueryService
 from live.clock.time_source import SystemClock
 from tests.control.waiting import wait_for
 
@@ -234,7 +234,7 @@ def asked(source):
 def announced(host, networks):
     for name in taps:
         heard(name)  # what is left of the one before
-    part = OscQueryPart((host, 0), (host, 9010), "Live test", SystemClock())
+    part = OscQueryService((host, 0), (host, 9010), "Live test", SystemClock())
     part.start()
     try:
         there = set()

@@ -5,10 +5,10 @@ import pytest
 from live.control.events import events
 from live.control.layouts.surface import make_surface
 from live.control.midi.midi_binding import Binding
-from live.control.midi.midi_mapping import present
+from live.control.midi.midi_mapping import current_value
 from live.control.osc.oscquery_tree import Namespace
 from live.control.registry.registry import READABLE, REGISTRY, Values
-from live.show.desk.completions import names_of
+from live.show.desk.completions import completion_names
 from live.show.patch.patch_reader import parse_patch
 from tests.control.osc.test_osc_asking import ME, YOU, Asked
 from tests.show.made_show import PATCH
@@ -25,7 +25,7 @@ NAMED = [control for control in REGISTRY if control.named]
 @pytest.fixture
 def asked():
     made = Asked()
-    made.door.values.take(ROWS)
+    made.door.values.update(ROWS)
     return made
 
 
@@ -40,9 +40,9 @@ def test_all_that_is_said_of_performers_has_a_value_under_her_name():
         assert control.address_of("anna") == own(control.address.rpartition("/")[2])
         for name in ("two words", "a/b", "a*", "a?", "[a]", "{a}", "a,b", "#a", "Änna", "", "a\n"):
             assert control.address_of(name) is None
-        assert REGISTRY.kept_at(own(control.address.rpartition("/")[2])) == (control.address, "anna")
-    assert REGISTRY.kept_at("/dance/light/key") == ("/dance/light/key", "")
-    assert REGISTRY.kept_at("/nothing") == ("/nothing", "")
+        assert REGISTRY.storage_key(own(control.address.rpartition("/")[2])) == (control.address, "anna")
+    assert REGISTRY.storage_key("/dance/light/key") == ("/dance/light/key", "")
+    assert REGISTRY.storage_key("/nothing") == ("/nothing", "")
 
 
 def test_a_message_that_says_nothing_asks_where_nothing_would_mean_nothing(asked):
@@ -95,7 +95,7 @@ def test_the_tree_has_everybody_who_is_named():
     tree = Namespace(values)
     assert not tree.has(own("mirrored"))
     assert "VALUE" not in tree.node(MIRRORED)
-    values.take(ROWS)
+    values.update(ROWS)
     for name, (value,) in ROWS[MIRRORED]:
         node = tree.node(own("mirrored", name))
         assert (node["TYPE"], node["VALUE"], node["ACCESS"]) == ("T" if value else "F", [value], 3)
@@ -106,14 +106,14 @@ def test_the_tree_has_everybody_who_is_named():
 
 def test_a_fader_of_a_performer_is_picked_up_where_hers_is():
     values = Values()
-    values.take(ROWS)
+    values.update(ROWS)
     for name, strength in (("anna", 0.5), ("ben", 0.0), ("nobody", None)):
-        assert present(Binding("cc", 7, ATTRACT, values={"performer": name}), values) == strength
+        assert current_value(Binding("cc", 7, ATTRACT, values={"performer": name}), values) == strength
 
 
 def test_the_page_is_told_the_performers_of_a_patch():
     patch = parse_patch(PATCH + '[[mocap]]\nname = "anna"\n[[mocap]]\nname = "ben"\n', "test.toml")
-    names = names_of(patch, ())
+    names = completion_names(patch, ())
     assert [names[control.address] for control in NAMED] == [["anna", "ben"]] * len(NAMED)
 
 
@@ -121,4 +121,4 @@ def test_performers_of_a_patch_have_switches_and_a_fader_that_leaves_the_rest_al
     made = make_surface(NAMED, role="operator", names={c.address: ["anna", "two words"] for c in NAMED})
     widgets = {widget.address: widget.kind for page in made.pages for widget in page.widgets}
     assert widgets == {own(what): "toggle" for what in ("shown", "mirrored", "obstacle")} | {own("attract"): "fader"}
-    assert set(made.left_out) == {f"/dance/mocap/{what}" for what in ("dancer", "place", "canon")}
+    assert set(made.omitted) == {f"/dance/mocap/{what}" for what in ("dancer", "place", "canon")}

@@ -12,7 +12,7 @@ from live.control.events.event_json import event_from_json, event_to_json
 from live.control.events.events import ControlEvent
 from live.control.registry.control import NAME_LENGTH, Argument, Control, Released, Reply
 from live.control.registry.registry import REGISTRY, Registry
-from live.control.registry.rejections import Reason, Rejection, Tally, merged
+from live.control.registry.rejections import Reason, Rejection, Tally, merge_counts
 from tests.places import ROOT
 
 
@@ -155,7 +155,7 @@ def test_defaults_are_within_their_ranges():
     for control in REGISTRY:
         for argument in control.arguments:
             if argument.default is not None:
-                assert argument.checked(argument.default) == argument.default
+                assert argument.check(argument.default) == argument.default
 
 
 def test_tallies_count_by_reason_and_add_up():
@@ -165,7 +165,7 @@ def test_tallies_count_by_reason_and_add_up():
     second.count(Reason.NAME)
     assert first.as_dict() == {"extra argument": 2, "unusable name": 1}
     assert first.total == 3
-    assert merged([first, second]) == {"extra argument": 2, "unusable name": 2}
+    assert merge_counts([first, second]) == {"extra argument": 2, "unusable name": 2}
 
 
 def test_the_reference_is_up_to_date():

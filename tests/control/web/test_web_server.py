@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from pythonosc.osc_message import OscMessage
 
-from live.app.services.http_services import HttpPart
+from live.app.services.http_services import HttpService
 from live.clock.time_source import SystemClock
 from live.control.web.web_server import PAGE
 from tests.control.waiting import wait_for
@@ -32,7 +32,7 @@ class Page:
             "key": KEY, "hosts": [], "osc": self.show.getsockname(), "name": "a show", "half": (5.0, 3.0),
             "names": {"/dance/step": ["kick", "<b>turn</b>"]},
         }  # fmt: skip
-        self.part = HttpPart(("127.0.0.1", 0), "--web", "live.control.web.web_server", lambda: plan, SystemClock())
+        self.part = HttpService(("127.0.0.1", 0), "--web", "live.control.web.web_server", lambda: plan, SystemClock())
 
     def __enter__(self):
         self.part.start()
@@ -49,7 +49,7 @@ class Page:
 
     def tell(self, **values):
         """Values of the show, by the end of their address."""
-        self.part.tell({f"/dance/{name.replace('_', '/')}": (("", (value,)),) for name, value in values.items()})
+        self.part.publish({f"/dance/{name.replace('_', '/')}": (("", (value,)),) for name, value in values.items()})
         self.part.frame()
 
 

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from live.graph.build.bridges import BASE_RATE, Recorded, _metric, _nearest, _windows, bridge_clip, find_bridges
+from live.graph.build.bridges import BASE_RATE, PosedRecording, _metric, _nearest, _windows, bridge_clip, find_bridges
 from live.graph.build.transitions import all_pairs
 from live.graph.library_insert import insert_clips
 from live.graph.motion_graph import build_graph
@@ -45,7 +45,10 @@ def graph():
 
 def test_the_stretch_that_leads_from_one_to_the_other_is_found(graph):
     assert len(graph.joins.source) == 2  # each leads to itself alone
-    recorded = [Recorded.of(_recording(6.0, [(0.0, -1.0), (6.0, -1.0)])), Recorded.of(_recording(20.0, ARMS))]
+    recorded = [
+        PosedRecording.of(_recording(6.0, [(0.0, -1.0), (6.0, -1.0)])),
+        PosedRecording.of(_recording(20.0, ARMS)),
+    ]
     found = find_bridges(graph, recorded, 0, 1, measure_s=2.0)
     best = found[0]
     assert best.recording == 1
@@ -63,7 +66,9 @@ def test_a_bridge_joins_what_nothing_joined(graph):
     recording = _recording(20.0, ARMS)
     low, high = (graph.library.steps.index(name) for name in ("low", "high"))
     clips = [
-        bridge_clip(graph.library, recording, find_bridges(graph, [Recorded.of(recording)], a, b, measure_s=2.0)[0])
+        bridge_clip(
+            graph.library, recording, find_bridges(graph, [PosedRecording.of(recording)], a, b, measure_s=2.0)[0]
+        )
         for a, b in ((low, high), (high, low))
     ]
     whole = insert_clips(graph, clips)
@@ -76,7 +81,7 @@ def test_a_bridge_joins_what_nothing_joined(graph):
 
 def test_distances_are_those_of_whole_windows(graph):
     """The products in blocks against the metric on windows that are built one by one."""
-    recorded, library = Recorded.of(_recording(4.0, [(0.0, 1.3), (4.0, 0.0)])), graph.library
+    recorded, library = PosedRecording.of(_recording(4.0, [(0.0, 1.3), (4.0, 0.0)])), graph.library
     metric = _metric(graph.rule.metric, 9)
     nodes = np.arange(2)
     distance, which = _nearest(recorded, _windows(library, nodes, library.node_last, graph.window, metric), metric)
@@ -98,9 +103,11 @@ def position_of_windows(library, nodes, window):
 
 
 def test_recordings_that_are_too_short_have_no_bridges(graph):
-    assert find_bridges(graph, [Recorded.of(_recording(1.0, [(0.0, 1.0), (1.0, 1.0)]))], 0, 1, measure_s=2.0) == []
+    assert (
+        find_bridges(graph, [PosedRecording.of(_recording(1.0, [(0.0, 1.0), (1.0, 1.0)]))], 0, 1, measure_s=2.0) == []
+    )
     assert find_bridges(graph, [], 0, 1, measure_s=2.0) == []
-    assert len(Recorded.of(_recording(2.0, [(0.0, 1.0), (1.0, 1.0)])).floor) == 2 * BASE_RATE + 1
+    assert len(PosedRecording.of(_recording(2.0, [(0.0, 1.0), (1.0, 1.0)])).floor) == 2 * BASE_RATE + 1
 
 
 @pytest.mark.parametrize("wrong", [{"measure_s": 0.0}, {"measures": 0}, {"stretch": 0.6}])

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.graph.build.transitions import JoinRule, retimed
+from live.graph.build.transitions import JoinSettings, retime_library
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.motion import quaternion
@@ -31,9 +31,9 @@ def _late(name: str, samples: float):
 
 def test_nothing_moves_by_default_or_where_nothing_is_gained():
     library = build_library(made_steps())
-    assert retimed(library, JoinRule(), 0.0) is library
+    assert retime_library(library, JoinSettings(), 0.0) is library
     still = build_library([made_clip("sway", turn=0.0)])
-    assert np.array_equal(retimed(still, JoinRule(), 0.1).node_last, still.node_last)
+    assert np.array_equal(retime_library(still, JoinSettings(), 0.1).node_last, still.node_last)
 
 
 def test_a_step_that_lands_late_ends_where_it_lands():
@@ -57,7 +57,7 @@ def test_a_step_that_lands_late_ends_where_it_lands():
 
 def test_lines_stay_within_the_interval_and_inside_steps():
     library = build_library([*made_steps(), _late("late", 3.0)])
-    moved = retimed(library, JoinRule(threshold=0.2), 0.1)
+    moved = retime_library(library, JoinSettings(threshold=0.2), 0.1)
     size = library.node_last - library.node_first
     assert (np.abs(moved.node_first - library.node_first) <= 0.1 * size + 1e-9).all()
     assert (np.abs(moved.node_last - library.node_last) <= 0.1 * size + 1e-9).all()

@@ -49,8 +49,8 @@ def test_near_pairs_are_those_of_the_whole_table(seed, sizes, spread, block, den
     threshold = float(np.quantile(table.distance, 0.5)) * (1 + 1e-9)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(near, "_BLOCK_PAIRS", block)
-        patch.setattr(near, "_DENSE", dense)
-        patch.setattr(near, "_FEW", few)
+        patch.setattr(near, "_DENSE_SHARE", dense)
+        patch.setattr(near, "_MAX_UNFILTERED", few)
         metric = Metric.of()
         found = near_pairs(FlatClouds.of(first, metric), FlatClouds.of(second, metric), threshold, codes)
     expected = []
@@ -89,7 +89,7 @@ def test_coarse_clouds_are_never_farther_apart(seed, spread, emphasis):
 
 def test_too_many_pairs_are_refused_in_words(monkeypatch):
     monkeypatch.setattr(near, "MOST_PAIRS", 10)
-    monkeypatch.setattr(near, "_FEW", 0)
+    monkeypatch.setattr(near, "_MAX_UNFILTERED", 0)
     flat = FlatClouds.of(_clouds(1, 4, 0.01), Metric.of())
     free = np.full((4, 2), -1, np.int32)
     with pytest.raises(ValueError, match=r"more than 10 pairs of measures.*lower the threshold"):
@@ -98,7 +98,7 @@ def test_too_many_pairs_are_refused_in_words(monkeypatch):
 
 def test_no_clouds_have_no_pairs():
     flat = FlatClouds.of(_clouds(1, 3, 0.01), Metric.of())
-    none = flat.chosen(np.zeros(0, np.int64))
+    none = flat.select(np.zeros(0, np.int64))
     free = np.full((3, 2), -1, np.int32)
     assert len(near_pairs(none, flat, 1.0, (free[:0], free)).row) == 0
     assert len(near_pairs(flat, none, 1.0, (free, free[:0])).row) == 0

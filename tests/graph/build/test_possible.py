@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.graph.build.blend_feasibility import LEAST_CHORD, LEAST_ROOT, MOMENTS, blendable
+from live.graph.build.blend_feasibility import MIN_CHORD, MIN_ROOT_COSINE, MOMENTS, can_blend
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.motion import quaternion
@@ -30,14 +30,14 @@ def turned(clip, joint, axis, angle):
 def test_a_body_that_faces_away_is_too_far_unless_its_clip_is_turned():
     library = build_library([made_clip("sway"), turned(made_clip("away"), 0, Y, math.radians(170))])
     source, target = np.array([0, 0, 1], np.int32), np.array([0, 1, 1], np.int32)
-    assert blendable(library, 0.2, source, target, np.zeros(3)).tolist() == [True, False, True]
-    assert blendable(library, 0.2, source, target, np.radians([0, -170, 170])).tolist() == [True, True, False]
+    assert can_blend(library, 0.2, source, target, np.zeros(3)).tolist() == [True, False, True]
+    assert can_blend(library, 0.2, source, target, np.radians([0, -170, 170])).tolist() == [True, True, False]
 
 
 @pytest.mark.parametrize(("degrees", "good"), [(100, True), (140, True), (150, False), (180, False), (230, True)])
 def test_bodies_up_to_145_degrees_apart(degrees, good):
     library = build_library([made_clip("sway"), made_clip("other")])
-    found = blendable(library, 0.2, np.array([0], np.int32), np.array([1], np.int32), np.radians([degrees]))
+    found = can_blend(library, 0.2, np.array([0], np.int32), np.array([1], np.int32), np.radians([degrees]))
     assert found.tolist() == [good]
 
 
@@ -46,7 +46,7 @@ def test_a_hand_that_is_turned_over_both_ways_round_swings():
     clips = [turned(made_clip("sway"), HAND, Y, math.radians(160)), turned(made_clip("b"), HAND, Y, math.radians(-150))]
     clips.append(made_clip("plain"))
     library = build_library(clips)
-    found = blendable(library, 0.2, np.array([0, 0, 1], np.int32), np.array([1, 2, 2], np.int32), np.zeros(3))
+    found = can_blend(library, 0.2, np.array([0, 0, 1], np.int32), np.array([1, 2, 2], np.int32), np.zeros(3))
     assert found.tolist() == [False, True, True]
     graph = build_graph(library, threshold=1.0)
     targets = graph.edge_target[graph.edge_start[0] : graph.edge_start[1]].tolist()
@@ -67,7 +67,7 @@ def test_against_the_slow_way(seed, window):
     library = build_library(clips)
     source, target = np.repeat(np.arange(3), 3).astype(np.int32), np.tile(np.arange(3), 3).astype(np.int32)
     yaw = chance.uniform(-math.pi, math.pi, 9)
-    found = blendable(library, window, source, target, yaw)
+    found = can_blend(library, window, source, target, yaw)
     for e in range(9):
         good, sure = True, True
         for p in MOMENTS:
@@ -77,12 +77,12 @@ def test_against_the_slow_way(seed, window):
             half = abs(float(np.dot(a[0], quaternion.mul(quaternion.from_axis_angle(Y, np.asarray(yaw[e])), b[0]))))
             w = 3 * p**2 - 2 * p**3
             chord = np.linalg.norm((1 - w) * a[1:] + w * b[1:], axis=-1).min()
-            good &= half >= LEAST_ROOT and chord >= LEAST_CHORD
-            sure &= abs(half - LEAST_ROOT) > 1e-3 and abs(chord - LEAST_CHORD) > 1e-3
+            good &= half >= MIN_ROOT_COSINE and chord >= MIN_CHORD
+            sure &= abs(half - MIN_ROOT_COSINE) > 1e-3 and abs(chord - MIN_CHORD) > 1e-3
         assert found[e] == good or not sure
 
 
 def test_no_joins_at_all():
     library = build_library([made_clip("sway")])
     none = np.zeros(0, np.int32)
-    assert blendable(library, 0.2, none, none, np.zeros(0)).shape == (0,)
+    assert can_blend(library, 0.2, none, none, np.zeros(0)).shape == (0,)

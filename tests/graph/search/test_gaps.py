@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.graph.search.sequence_diagnostics import find_gaps
-from live.graph.search.viterbi import CostToGo, Edges, cheapest
+from live.graph.search.viterbi import CostToGo, Edges, cheapest_path
 from tests.graph.made_graphs import MadeGraph, made_edges, made_graph, made_specification
 
 
@@ -52,11 +52,11 @@ def test_as_few_joins_as_can_be_and_they_suffice(seed: int, density: float, coun
         return int(chance.choice(np.flatnonzero(last))), int(chance.choice(np.flatnonzero(first)))
 
     gaps = find_gaps(graph.edges, spec, choose, start=start)
-    assert (gaps == []) == (cheapest(CostToGo(graph.edges, spec, wrong=False), start) is not None)
+    assert (gaps == []) == (cheapest_path(CostToGo(graph.edges, spec, wrong=False), start) is not None)
     joins = {gap.pair for gap in gaps if gap.pair is not None}
     if all(gap.pair is not None for gap in gaps):
         assert len(gaps) == fewest_joins(graph, names, start)
-        assert cheapest(CostToGo(with_joins(graph.edges, joins), spec, wrong=False), start) is not None
+        assert cheapest_path(CostToGo(with_joins(graph.edges, joins), spec, wrong=False), start) is not None
     else:  # measures of anything that no whole steps fill
         assert fewest_joins(graph, names, start) == np.inf
 

@@ -47,7 +47,7 @@ def test_smoothing_keeps_the_range_and_is_linear_convolution(headings):
 
 def test_a_square_in_sixteen_measures():
     targets = follow_line(SQUARE, 16, facing="path")
-    np.testing.assert_allclose(targets.ways, 1.0)
+    np.testing.assert_allclose(targets.distances, 1.0)
     np.testing.assert_allclose(targets.place[[0, 4, 8, 12, 16]], SQUARE, atol=1e-12)
     # right, to the public, left, away: along +x is 90 degrees, +z 0
     np.testing.assert_allclose(np.degrees(targets.heading[[1, 4, 5, 9, 13]]), [90, 90, 0, -90, -180], atol=1e-9)
@@ -76,7 +76,7 @@ def test_places_lie_on_the_line_at_equal_lengths(points, measures):
             left -= length
             place = line[k + 1]
         np.testing.assert_allclose(targets.place[n], place, atol=1e-6 * (1.0 + total))
-    assert (targets.ways <= total / measures + 1e-9 * (1 + total)).all()
+    assert (targets.distances <= total / measures + 1e-9 * (1 + total)).all()
 
 
 @given(st.lists(places, min_size=2, max_size=12))

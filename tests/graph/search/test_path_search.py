@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.graph.motion_graph import build_graph
-from live.graph.render_dance import assemble, edge_between
-from live.graph.search.path_following import WRONG, Targets, follow_line, follow_path, smoothed
+from live.graph.render_dance import edge_between, render_dance
+from live.graph.search.path_following import WRONG_COST, Targets, follow_line, follow_path, smoothed
 from live.graph.search.sequence_diagnostics import ANY, cost_to_go
 from live.graph.select.candidates import find_candidates
 from live.graph.step_library import build_library
@@ -57,7 +57,7 @@ def test_32_measures_of_nine_directions_stay_within_15_cm(graph, candidates, ste
     assert (graph.library.node_step[followed.node] == wanted).all()
     assert followed.error.max() <= 0.15
     assert followed.error[-8:].mean() <= 0.1  # no drift: in the end as near as anywhere
-    made = assemble(
+    made = render_dance(
         graph, followed.node, bpm=120.0, turns=followed.turn, takes=(followed.take, followed.share),
         start=(*targets.place[0], targets.heading[0]), hold_feet=False,
     )  # fmt: skip
@@ -210,7 +210,7 @@ def test_corrections_close_what_the_clips_leave_open(graph, candidates):
 
 def test_of_too_many_candidates_the_nearest_are_tried(graph, candidates, monkeypatch):
     """Of some 900 rows for each of the hypotheses only 1500 in all: the path is still followed."""
-    monkeypatch.setattr("live.graph.search.path_following.MOST_ROWS", 1500)
+    monkeypatch.setattr("live.graph.search.path_following.MAX_CANDIDATES", 1500)
     targets = smoothed(follow_line(SQUARE, 32))
     walk = np.full(32, graph.library.steps.index("walk"))
     followed = follow_path(graph, targets, seconds=2.0, wanted=walk, candidates=candidates, beam=24)
@@ -221,7 +221,7 @@ def test_of_too_many_candidates_the_nearest_are_tried(graph, candidates, monkeyp
 def test_no_turn_is_quicker_than_a_body(graph, candidates):
     targets = follow_line([(0, 0), (0, 0)], 4, facing=(0.0, math.pi))
     followed = follow_path(graph, targets, seconds=0.4, candidates=candidates, beam=8)
-    assert (np.abs(followed.turn) <= candidates.most_turn(0.4)[followed.node] + 1e-12).all()
+    assert (np.abs(followed.turn) <= candidates.max_turn(0.4)[followed.node] + 1e-12).all()
     assert np.abs(followed.turn).max() < math.pi / 2
 
 
@@ -242,4 +242,4 @@ def test_what_does_not_fit_is_refused(made):
         follow_path(made, targets, seconds=0.0)
     with pytest.raises(ValueError, match="at least one"):
         follow_path(made, Targets(np.zeros((1, 2)), np.zeros(1)), seconds=2.0)
-    assert WRONG > 1000.0
+    assert WRONG_COST > 1000.0

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from live.graph.motion_graph import build_graph
 from live.graph.search.live_sequence import LiveSequence, plan_from
 from live.graph.search.sequence import NoPath, best_start, find_sequence, parse_sequence
-from live.graph.search.sequence_spec import Wanted, specify
+from live.graph.search.sequence_spec import SequenceEntry, specify
 from live.graph.step_library import build_library
 from tests.fixtures.made_steps import made_clip, made_steps
 
@@ -112,7 +112,7 @@ def test_whoever_takes_the_least_ahead_dances_the_live_sequence(graph, seed):
     nodes = chance.choice(leaves, 3)
     first, paths = nodes.copy(), []
     for _ in range(total):
-        ahead = live.ahead()
+        ahead = live.costs_ahead()
         nodes = np.array(
             [
                 min(graph.edge_target[graph.edge_start[n] : graph.edge_start[n + 1]], key=lambda v: ahead[v])
@@ -121,12 +121,12 @@ def test_whoever_takes_the_least_ahead_dances_the_live_sequence(graph, seed):
         )
         paths.append(nodes)
         live.advance()
-    assert live.coming == ()
+    assert live.remaining == ()
     spec = specify(library, wanted)
     for dancer, start in enumerate(first):
         path = np.array([nodes[dancer] for nodes in paths], np.int32)
         danced(graph, np.concatenate([[start], path]).astype(np.int32))
-        wrong = np.count_nonzero(~spec.fits[spec.kind, path])
+        wrong = np.count_nonzero(~spec.fits[spec.set_index, path])
         if library.node_measure[path[-1]] == library.node_measures[path[-1]] - 1:
             assert wrong <= find_sequence(graph, spec, start=int(start)).cost
 
@@ -134,12 +134,12 @@ def test_whoever_takes_the_least_ahead_dances_the_live_sequence(graph, seed):
 def test_changes_while_it_is_danced(graph):
     library = graph.library
     phrase, sway, spin = (library.steps.index(name) for name in ("phrase", "sway", "spin"))
-    live = LiveSequence(graph, [Wanted(phrase, 2), Wanted(spin)])
+    live = LiveSequence(graph, [SequenceEntry(phrase, 2), SequenceEntry(spin)])
     assert live.next_step == phrase
     live.advance()
-    live.replace([Wanted(sway)])
-    assert live.coming == (Wanted(phrase, 2), Wanted(sway))  # what has begun is danced to its end
-    ahead = live.ahead()
+    live.replace([SequenceEntry(sway)])
+    assert live.remaining == (SequenceEntry(phrase, 2), SequenceEntry(sway))  # what has begun is danced to its end
+    ahead = live.costs_ahead()
     first, second = np.flatnonzero(library.node_step == phrase)
     assert ahead[second] < 1.0 <= ahead[first]
     live.advance()
@@ -147,7 +147,7 @@ def test_changes_while_it_is_danced(graph):
     live.advance()
     live.advance()
     assert live.next_step is None
-    assert live.ahead()[np.flatnonzero(library.node_step == sway)].max() < 1.0
+    assert live.costs_ahead()[np.flatnonzero(library.node_step == sway)].max() < 1.0
 
 
 def test_a_request_is_answered_before_it_is_made(graph):
@@ -157,15 +157,15 @@ def test_a_request_is_answered_before_it_is_made(graph):
         name: np.flatnonzero(library.node_step == library.steps.index(name)).astype(np.int32) for name in library.steps
     }
     spin_bow = parse_sequence("spin, bow", library)
-    assert live.ask(parse_sequence("spin", library), at["sway"]) == 0
-    assert live.ask(parse_sequence("spin", library), at["phrase"][:1]) == 0  # once the phrase is over
-    assert live.ask(spin_bow, at["sway"]) is None
+    assert live.feasible_delay(parse_sequence("spin", library), at["sway"]) == 0
+    assert live.feasible_delay(parse_sequence("spin", library), at["phrase"][:1]) == 0  # once the phrase is over
+    assert live.feasible_delay(spin_bow, at["sway"]) is None
     far = build_graph(
         build_library([made_clip("high", arm=1.2), made_clip("middle", arm=1.1), made_clip("low", arm=1.0)]),
         threshold=0.015, prune=False,
     )  # fmt: skip
     live = LiveSequence(far, [])
     high, low = np.array([0], np.int32), parse_sequence("low", far.library)
-    assert live.ask(low, high) == 1  # by way of the middle
-    assert live.ask(low, high, patience=0) is None
-    assert live.ask(low, np.array([0, 1], np.int32)) == 1
+    assert live.feasible_delay(low, high) == 1  # by way of the middle
+    assert live.feasible_delay(low, high, max_delay=0) is None
+    assert live.feasible_delay(low, np.array([0, 1], np.int32)) == 1

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.graph.search.depth_first_reference import SearchTooLong, depth_first
-from live.graph.search.viterbi import CostToGo, cheapest
+from live.graph.search.viterbi import CostToGo, cheapest_path
 from tests.graph.made_graphs import MadeGraph, every_dance, made_edges, made_graph, made_specification
 
 ECHAPPE, COURU = 0, 1
@@ -35,7 +35,7 @@ def test_the_layered_search_finds_the_same_path(ballet: MadeGraph) -> None:
     wanted = made_specification(ballet, [ECHAPPE, ECHAPPE, COURU])
     for wrong in (False, True):
         costs = CostToGo(ballet.edges, wanted, wrong=wrong)
-        found = cheapest(costs, None)
+        found = cheapest_path(costs, None)
         assert found is not None
         assert found.tolist() == [V2, V1, V3]
         assert costs.wrong_measures(float(costs.layer(0)[V2])) == 0
@@ -64,8 +64,8 @@ def test_the_layered_search_against_all_dances(seed: int, density: float, count:
     ]
     least = min(((wrong, cost) for wrong, cost, _ in dances), default=None)
 
-    found = cheapest(CostToGo(graph.edges, spec, wrong=True), start)
-    exact = cheapest(CostToGo(graph.edges, spec, wrong=False), start)
+    found = cheapest_path(CostToGo(graph.edges, spec, wrong=True), start)
+    exact = cheapest_path(CostToGo(graph.edges, spec, wrong=False), start)
     first = depth_first(graph.edges, spec, start=start)
     if least is None:
         assert found is None
@@ -89,13 +89,13 @@ def test_both_searches_know_the_same_feasible_sequences(seed: int, count: int, d
     chance = np.random.default_rng(seed)
     graph = made_graph(chance, steps=4, density=density)
     spec = made_specification(graph, [int(chance.integers(4)) for _ in range(count)])
-    exact = cheapest(CostToGo(graph.edges, spec, wrong=False), None)
+    exact = cheapest_path(CostToGo(graph.edges, spec, wrong=False), None)
     first = depth_first(graph.edges, spec, budget=200_000)
     assert (exact is None) == (first is None)
     for found in (exact, first):
         if found is not None:
             dance_is_one(graph, found, None)
-            assert spec.fits[spec.kind, found].all()
+            assert spec.fits[spec.set_index, found].all()
 
 
 @given(seed=st.integers(0, 2**32 - 1), block=st.integers(2, 9), wrong=st.booleans())
@@ -116,8 +116,8 @@ def test_a_sequence_that_dies_at_its_end_is_exponential_for_the_one_and_not_for_
     spec = made_specification(graph, [0] * 20 + [1])
     with pytest.raises(SearchTooLong, match=r"gave up after 5000 nodes, 20 of 21 measures deep.*layered"):
         depth_first(graph.edges, spec, budget=5000)
-    assert cheapest(CostToGo(graph.edges, spec, wrong=False), None) is None
-    nearest = cheapest(CostToGo(graph.edges, spec, wrong=True), None)
+    assert cheapest_path(CostToGo(graph.edges, spec, wrong=False), None) is None
+    nearest = cheapest_path(CostToGo(graph.edges, spec, wrong=True), None)
     assert nearest is not None
     assert (nearest == 3).sum() == 0
 
@@ -126,5 +126,5 @@ def test_no_dance_of_that_length() -> None:
     graph = MadeGraph(made_edges([[1], []]), [0, 0], [0, 1], [2, 2])
     for count in (1, 3):
         spec = made_specification(graph, [None] * count)
-        assert cheapest(CostToGo(graph.edges, spec, wrong=True), None) is None
+        assert cheapest_path(CostToGo(graph.edges, spec, wrong=True), None) is None
         assert depth_first(graph.edges, spec) is None

@@ -7,7 +7,7 @@ import pytest
 
 from live.base.errors import PersonError
 from live.graph.search.sequence import parse_sequence
-from live.graph.search.sequence_spec import MOST_MEASURES, Wanted, leads_rightly, specify
+from live.graph.search.sequence_spec import MAX_MEASURES, SequenceEntry, leading_foot_fits, specify
 from live.graph.step_library import build_library
 from tests.fixtures.made_steps import made_clip, made_steps
 
@@ -28,14 +28,16 @@ def library():
 def test_a_sequence_as_it_is_written(library):
     sway, glide, phrase, echappe = (library.steps.index(name) for name in ("sway", "glide", "phrase", "Échappé"))
     assert parse_sequence("sway, echappe x2,*, PHRASE,Glide long_left x 2", library) == [
-        Wanted(sway), Wanted(echappe), Wanted(echappe), Wanted(None), Wanted(phrase, 2),
-        Wanted(glide, way="long left"), Wanted(glide, way="long left"),
+        SequenceEntry(sway), SequenceEntry(echappe), SequenceEntry(echappe), SequenceEntry(None), SequenceEntry(phrase, 2),
+        SequenceEntry(glide, direction="long left"), SequenceEntry(glide, direction="long left"),
     ]  # fmt: skip
-    assert parse_sequence("wave x2, wave x2 ×3", library) == [Wanted(library.steps.index("wave x2"))] * 4
+    assert parse_sequence("wave x2, wave x2 ×3", library) == [SequenceEntry(library.steps.index("wave x2"))] * 4
     assert parse_sequence("glide left, both:2, both : 1", library) == [
-        Wanted(glide, way="left"), Wanted(library.steps.index("both"), 2), Wanted(library.steps.index("both"), 1),
+        SequenceEntry(glide, direction="left"), SequenceEntry(library.steps.index("both"), 2), SequenceEntry(library.steps.index("both"), 1),
     ]  # fmt: skip
-    assert parse_sequence("glide short back", library)[0].way == "short back"  # there is none: told when it is searched
+    assert (
+        parse_sequence("glide short back", library)[0].direction == "short back"
+    )  # there is none: told when it is searched
 
 
 @pytest.mark.parametrize(
@@ -76,13 +78,13 @@ def test_measures_are_asked_for_by_name_and_number(library):
     assert names[:2] == [["phrase 1/2"], ["phrase 2/2"]]
     assert names[2] == [library.describe(node) for node in range(library.node_count)]
     assert names[3:] == [["glide long left"], ["both 1/2"], ["both 2/2"]]
-    assert spec.entry.tolist() == [0, 0, 1, 2, 3, 3]
-    last = specify(library, [Wanted(None)])
+    assert spec.entry_index.tolist() == [0, 0, 1, 2, 3, 3]
+    last = specify(library, [SequenceEntry(None)])
     assert (last.at(0) == spec.leaves).all()  # a dance ends with the end of a step
 
 
 def test_longer_than_anybody_dances(library):
-    for wanted in ([], [Wanted(0)] * (MOST_MEASURES + 1)):
+    for wanted in ([], [SequenceEntry(0)] * (MAX_MEASURES + 1)):
         with pytest.raises(PersonError, match="1 to 100000 expected"):
             specify(library, wanted)
 
@@ -92,9 +94,11 @@ def test_to_the_left_the_right_foot_leads():
     rows = [("short left", "left"), ("long left", "right"), ("long right", "right"), ("short right", "left")]
     rows += [("long left", ""), ("in place", "left"), ("long forward", "right")]
     clips = [replace(made_clip("couru", direction=way), leading_foot=foot) for way, foot in rows]
-    assert [leads_rightly(clip) for clip in clips] == [False, True, False, True, True, True, True]
+    assert [leading_foot_fits(clip) for clip in clips] == [False, True, False, True, True, True, True]
     library = build_library(clips)
-    assert specify(library, [Wanted(0)]).at(0).all()
-    assert specify(library, [Wanted(0)], foot_rule=True).at(0).tolist() == [leads_rightly(clip) for clip in clips]
-    left = specify(library, [Wanted(0, way="left")], foot_rule=True)
+    assert specify(library, [SequenceEntry(0)]).at(0).all()
+    assert specify(library, [SequenceEntry(0)], foot_rule=True).at(0).tolist() == [
+        leading_foot_fits(clip) for clip in clips
+    ]
+    left = specify(library, [SequenceEntry(0, direction="left")], foot_rule=True)
     assert np.flatnonzero(left.at(0)).tolist() == [1, 4]

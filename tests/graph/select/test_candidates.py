@@ -8,8 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.graph.motion_graph import build_graph
-from live.graph.render_dance import assemble
-from live.graph.select.candidates import OPPOSITE, begun, find_candidates, measure_ways, opposite
+from live.graph.render_dance import render_dance
+from live.graph.select.candidates import (
+    OPPOSITE,
+    find_candidates,
+    is_opposite,
+    measure_displacements,
+    starting_placement,
+)
 from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE
 from live.motion.editing.interpolate import interpolate
@@ -38,7 +44,7 @@ def test_the_first_candidate_of_a_node_is_its_clip(graph, candidates):
 
 
 def test_opposite_ways_are_never_mixed_and_others_are(graph, candidates):
-    way = measure_ways(graph)
+    way = measure_displacements(graph)
     names = {}
     for node, take in zip(candidates.node, candidates.take, strict=True):
         if take != NO_TAKE:
@@ -63,27 +69,27 @@ def test_opposite_ways_are_never_mixed_and_others_are(graph, candidates):
 def test_opposite_is_symmetric_and_a_matter_of_the_angle(a, b, length, other):
     ways = np.array([[length * math.sin(a), length * math.cos(a)], [other * math.sin(b), other * math.cos(b)]])
     apart = abs(math.remainder(a - b, 2 * math.pi))
-    assert opposite(ways[0], ways[1:])[0] == opposite(ways[1], ways[:1])[0]
+    assert is_opposite(ways[0], ways[1:])[0] == is_opposite(ways[1], ways[:1])[0]
     if abs(apart - OPPOSITE) > 1e-6:
-        assert opposite(ways[0], ways[1:])[0] == (apart > OPPOSITE)
+        assert is_opposite(ways[0], ways[1:])[0] == (apart > OPPOSITE)
 
 
 def test_what_stands_is_opposite_to_nothing():
-    assert not opposite(np.zeros(2), np.array([[0.0, -1.0], [0.0, 1.0]])).any()
-    assert not opposite(np.array([0.0, 1.0]), np.zeros((1, 2))).any()
+    assert not is_opposite(np.zeros(2), np.array([[0.0, -1.0], [0.0, 1.0]])).any()
+    assert not is_opposite(np.array([0.0, 1.0]), np.zeros((1, 2))).any()
 
 
 def test_ends_are_where_the_motion_really_ends(graph, candidates):
     """Every candidate with a turn of its own, put together as a clip and measured."""
     chance = np.random.default_rng(1)
     rows = chance.choice(len(candidates.node), 40, replace=False).astype(np.int32)
-    most = candidates.most_turn(2.0)[candidates.node[rows]]
+    most = candidates.max_turn(2.0)[candidates.node[rows]]
     angle = chance.uniform(-1.0, 1.0, len(rows)) * np.minimum(most, 1.2)
     start = np.tile([0.3, -0.8], (len(rows), 1))
-    placement = begun(graph, candidates.node[rows], start, np.full(len(rows), 0.5))
+    placement = starting_placement(graph, candidates.node[rows], start, np.full(len(rows), 0.5))
     hips, heading = candidates.turned_end(rows, placement, angle)
     for n, row in enumerate(rows):
-        made = assemble(
+        made = render_dance(
             graph, [candidates.node[row]], bpm=120.0, turns=angle[n : n + 1], start=(0.3, -0.8, 0.5),
             takes=([candidates.take[row]], [candidates.share[row]]), hold_feet=False,
         )  # fmt: skip

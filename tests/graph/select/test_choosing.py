@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from live.graph.motion_graph import build_graph
 from live.graph.select import selector as tuned
-from live.graph.select.candidates import QUICKEST_TURN
-from live.graph.select.selector import Choosing, with_direction
+from live.graph.select.candidates import MAX_TURN_RATE
+from live.graph.select.selector import StepSelector, with_direction
 from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE
 from tests.fixtures.steps_of_the_project import project_steps
@@ -29,8 +29,8 @@ def graph():
 
 @pytest.fixture(scope="module")
 def choosing(graph):
-    made = Choosing.of(graph)
-    made.allow(seconds=SECONDS, turn=TURN, give=GIVE)
+    made = StepSelector.of(graph)
+    made.set_limits(seconds=SECONDS, turn=TURN, reach_margin=GIVE)
     return made
 
 
@@ -73,7 +73,7 @@ def every_candidate(graph, choosing, question, n):
         v = graph.edge_target[e]
         origin = complex(z, x) + complex(graph.edge_transform[e, 1], graph.edge_transform[e, 0]) * np.exp(1j * yaw)
         turned = yaw + graph.edge_transform[e, 2]
-        most = min(TURN, QUICKEST_TURN * SECONDS / graph.node_quickest[v])
+        most = min(TURN, MAX_TURN_RATE * SECONDS / graph.node_peak_turn_rate[v])
         for k in range(candidates.first[v], candidates.first[v + 1]):
             facing = candidates.facing[k]
             ahead_of = math.remainder(graph.node_facing_mean[v] - facing, 2 * math.pi)
@@ -89,11 +89,11 @@ def every_candidate(graph, choosing, question, n):
             within = min(off, share * GIVE)
             side = question["side"][n] * (1 if graph.library.clips[graph.library.node_clip[v]].mirrored else -1) < 0
             terms = (
-                tuned.CORRECTED * within**2 + tuned.PLACE * (off**2 - within**2),
-                tuned.HEADING * (want - turn) ** 2 + tuned.TURN * turn**2,
-                tuned.POSE * graph.edge_cost[e],
-                tuned.WRONG * question["ahead"][question["row"][n], v],
-                tuned.SIDE * side + tuned.MIXED * (candidates.take[k] != NO_TAKE) + choosing.facts[v, 2],
+                tuned.CORRECTION_COST * within**2 + tuned.PLACE_COST * (off**2 - within**2),
+                tuned.HEADING_COST * (want - turn) ** 2 + tuned.TURN_COST * turn**2,
+                tuned.POSE_COST * graph.edge_cost[e],
+                tuned.WRONG_COST * question["ahead"][question["row"][n], v],
+                tuned.SIDE_COST * side + tuned.MIXTURE_COST * (candidates.take[k] != NO_TAKE) + choosing.facts[v, 2],
             )
             found[e, k] = terms, off, (end.imag, end.real, turn, want - turn)
     return found

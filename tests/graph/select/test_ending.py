@@ -8,7 +8,7 @@ from tests.motion.pose.test_asking import COUNT, GRAPH, danced
 
 def test_ends_and_axes_are_those_of_placing_and_joining():
     one, placed = danced(5), np.empty((COUNT, 4))
-    one.turned(np.ones(COUNT), placed)
+    one.placements_at(np.ones(COUNT), placed)
     end, facing = own_end(GRAPH, one.node, one.take, one.take_share[0].astype(np.float64))
     hips, heading, axes = one.ends_and_axes()
     np.testing.assert_allclose(hips, placed[:, :2] + turn_vectors(end, placed[:, 2]), atol=1e-12)
@@ -19,7 +19,7 @@ def test_ends_and_axes_are_those_of_placing_and_joining():
 def test_who_leaps_ends_where_her_new_clip_does_and_nobody_else():
     one, rows = danced(6), np.array([3, 9], np.int32)
     before = one.ends()[0]
-    one.leap(rows, (one.node[rows] + 1) % GRAPH.library.node_count, one.placement[rows])
+    one.replace_node(rows, (one.node[rows] + 1) % GRAPH.library.node_count, one.placement[rows])
     fresh = danced(6)
     fresh.copy_from(one)
     fresh._ends = None

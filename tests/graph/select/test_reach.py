@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from live.graph.motion_graph import build_graph
-from live.graph.search.path_diagnostics import path_lacks
+from live.graph.search.path_diagnostics import path_problems
 from live.graph.search.path_following import follow_line, follow_path
 from live.graph.select.candidates import find_candidates
 from live.graph.select.reachability import DIRECTION_NAMES, direction_of, reach_of
@@ -36,7 +36,7 @@ def test_the_reach_of_made_glides():
     np.testing.assert_allclose(reach.straight[[0, 2]], [0.8, 0.6], atol=1e-5)
     # half forward, half to the left is 36.9 degrees off: forward left; three quarters forward is (0.15, 0.6)
     assert reach.straight[1] == pytest.approx(np.hypot(0.3, 0.4), abs=1e-4)
-    assert reach.most == pytest.approx(0.8, abs=1e-5)
+    assert reach.max_travel == pytest.approx(0.8, abs=1e-5)
     assert set(reach.missing) == set(DIRECTION_NAMES[3:])
     assert reach.turned.shape == (3 + 18, 33, 2)
     middle = reach.turned[:, 16]
@@ -72,14 +72,14 @@ def test_a_path_within_reach_lacks_nothing():
     graph, candidates = made([(0.0, 0.0), (0.0, 0.8)])
     targets = follow_line([(0, 0), (0, 4)], 10)
     followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
-    assert path_lacks(graph, candidates, targets, followed, seconds=2.0) == []
+    assert path_problems(graph, candidates, targets, followed, seconds=2.0) == []
 
 
 def test_a_path_too_fast_is_told_with_how_fast_it_can_be():
     graph, candidates = made([(0.0, 0.0), (0.0, 0.8)])
     targets = follow_line([(0, 0), (0, 20)], 10)
     followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
-    (lack,) = path_lacks(graph, candidates, targets, followed, seconds=2.0)
+    (lack,) = path_problems(graph, candidates, targets, followed, seconds=2.0)
     assert lack.text == (
         "the path goes 2.00 m a measure, but 'glide' travels 0.80 m at most: "
         "give this path 25 measures instead of 10, or choose a step that travels farther"
@@ -87,14 +87,14 @@ def test_a_path_too_fast_is_told_with_how_fast_it_can_be():
     # and with so many measures it can be danced
     targets = follow_line([(0, 0), (0, 20)], 25)
     followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
-    assert path_lacks(graph, candidates, targets, followed, seconds=2.0) == []
+    assert path_problems(graph, candidates, targets, followed, seconds=2.0) == []
 
 
 def test_a_step_that_goes_nowhere():
     graph, candidates = made([(0.0, 0.0)], step="bow")
     targets = follow_line([(0, 0), (0, 3)], 4)
     followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
-    (lack,) = path_lacks(graph, candidates, targets, followed, seconds=2.0)
+    (lack,) = path_problems(graph, candidates, targets, followed, seconds=2.0)
     assert "record 'bow' with travel" in lack.text
 
 
@@ -103,7 +103,7 @@ def test_a_direction_that_is_missing_is_named_with_its_measures():
     graph, candidates = made([(0.0, 0.0), (0.0, 0.8), (0.0, -0.8)])
     targets = follow_line([(0, 0), (0, 2.4), (-2.4, 2.4)], 6)
     followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
-    lacks = path_lacks(graph, candidates, targets, followed, seconds=2.0)
+    lacks = path_problems(graph, candidates, targets, followed, seconds=2.0)
     assert [lack.direction for lack in lacks] == ["to the right"]
     assert lacks[0].measures == (4, 5, 6)
     assert "record 'glide' to the right, 1.0 m a measure" in lacks[0].text

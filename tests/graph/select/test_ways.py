@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from live.graph.motion_graph import build_graph
-from live.graph.select.candidates import find_candidates, widening
-from live.graph.select.reachability import TABLED_DIRECTIONS, TURNS, Ways, reach_of, ways_of
+from live.graph.select.candidates import find_candidates, widening_candidates
+from live.graph.select.reachability import TABLED_DIRECTIONS, TURNS, ReachTable, reach_of, turned_displacements
 from live.graph.step_library import build_library
 from tests.fixtures.steps_of_the_project import project_steps
 
@@ -20,7 +20,7 @@ def graph():
 
 @pytest.fixture(scope="module")
 def ways(graph):
-    return Ways.of(graph, widening(graph, find_candidates(graph)))
+    return ReachTable.of(graph, widening_candidates(graph, find_candidates(graph)))
 
 
 def straight(graph, ways, step):
@@ -30,15 +30,15 @@ def straight(graph, ways, step):
 def test_the_farthest_way_of_a_step_is_that_of_the_report(graph, ways):
     walk = graph.library.step_index("walk")
     reach = reach_of(graph, find_candidates(graph), walk, 2.0)
-    assert straight(graph, ways, "walk").max() == pytest.approx(reach.most, abs=0.04)
+    assert straight(graph, ways, "walk").max() == pytest.approx(reach.max_travel, abs=0.04)
 
 
 def test_a_step_reaches_as_far_as_the_hull_of_its_ends(graph, ways):
     """Against scipy's hull of all candidates and of standing still, met by rays."""
-    candidates = widening(graph, find_candidates(graph))
+    candidates = widening_candidates(graph, find_candidates(graph))
     walk = graph.library.step_index("walk")
     rows = np.flatnonzero((graph.library.node_step[candidates.node] == walk) & graph.alive[candidates.node])
-    ends = ways_of(graph, candidates, rows.astype(np.int32), np.zeros(len(rows)))
+    ends = turned_displacements(graph, candidates, rows.astype(np.int32), np.zeros(len(rows)))
     heading = graph.node_facing_start[candidates.node[rows]] - candidates.facing[rows]
     assert np.abs(heading).max() < 0.02  # they turn by nothing, so that no turn is inserted
     planes = ConvexHull(np.vstack([ends, np.zeros((1, 2))])).equations

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.motion.capture.capture_kernels import ASKED, CAUGHT, KEY, SHARE, TURNED, WANTED
+from live.motion.capture.capture_kernels import BLEND, GAP_BLEND, LAST_TURN, REQUEST_COLUMNS, STAMP, STAMP_COLUMN
 from live.motion.skeleton import JOINT_COUNT
 
 
@@ -20,8 +20,10 @@ def memory(size, count, turn=0.0):
 
 def asked(**columns):
     """What one dancer asks for, caught wholly where nothing else is said."""
-    row = np.zeros((1, ASKED))
-    row[0, CAUGHT] = 1.0
+    row = np.zeros((1, REQUEST_COLUMNS))
+    row[0, GAP_BLEND] = 1.0
     for name, value in columns.items():
-        row[0, {"key": KEY, "wanted": WANTED, "share": SHARE, "caught": CAUGHT, "turned": TURNED}[name]] = value
+        row[
+            0, {"key": STAMP_COLUMN, "wanted": STAMP, "share": BLEND, "caught": GAP_BLEND, "turned": LAST_TURN}[name]
+        ] = value
     return row

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live.motion import quaternion
-from live.motion.capture.capture_blend_kernels import wear
+from live.motion.capture.capture_blend_kernels import blend_captured
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import JOINT_COUNT, MIRROR, SKELETON
 from tests.motion.capture.made_memory import asked, memory
@@ -23,7 +23,7 @@ def test_shares_go_from_the_own_pose_to_the_captured_one_the_way_that_was_counte
         for share in (0.25, 0.5, 1.0):
             position, rotation = (each.astype(np.float32) for each in forward_kinematics(place, own))
             row = asked(wanted=1.0, share=share, turned=counted)
-            wear(
+            blend_captured(
                 position,
                 rotation,
                 np.zeros(1, np.int64),

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from live.motion.cleanup.glitch_detection import find_glitches
 from live.motion.cleanup.glitch_repair import Repair, repair
-from live.motion.cleanup.trim_start import find_beginning
+from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.body_tracks import body_tracks
@@ -20,7 +20,7 @@ from tests.motion.retarget.made_source import NAMES, lively, source
 
 def repaired(motion: SourceMotion, fps: float | None = None) -> tuple[SourceMotion, list[Repair]]:
     tracks = body_tracks(motion, fps=fps)
-    start = find_beginning(tracks).drop_frames
+    start = find_recording_start(tracks).drop_frames
     result, report = repair(motion, find_glitches(tracks, motion.parents, start), fps=fps)
     after = body_tracks(result, fps=fps)
     if all(one.done for one in report):

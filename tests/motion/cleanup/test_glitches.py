@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from live.motion.cleanup.glitch_detection import Glitch, find_glitches
-from live.motion.cleanup.trim_start import find_beginning
+from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.body_tracks import body_tracks
 from tests.motion.mocap import mocap_index, mocap_motion
@@ -28,7 +28,7 @@ the whole body off by 5 to 20 cm for one frame (267, 1269) or jumping by 8 cm wi
 
 def faults(motion: SourceMotion, fps: float | None = None) -> list[Glitch]:
     tracks = body_tracks(motion, fps=fps)
-    return find_glitches(tracks, motion.parents, find_beginning(tracks).drop_frames)
+    return find_glitches(tracks, motion.parents, find_recording_start(tracks).drop_frames)
 
 
 def turned(motion: SourceMotion, frames: list[int], joint: str, degrees: float) -> SourceMotion:

@@ -16,7 +16,7 @@ from live.motion.editing.variation import (
     scale_sequence,
     scale_step,
 )
-from live.motion.quaternion import mean_rotation, scale_from
+from live.motion.quaternion import mean_rotation, scale_about_mean
 from tests.motion.editing.made_steps import random_clip, random_step, sketched
 
 FACTORS = st.floats(0.5, 1.5)
@@ -42,7 +42,7 @@ def test_the_mean_is_scipys(seed: int, count: int) -> None:
 def test_scaling_multiplies_the_rotation_vector_from_the_mean(seed: int, factor: float) -> None:
     q = rotations(seed, 12, 1.3)
     mean = mean_rotation(q)
-    scaled = scale_from(mean, q, factor)
+    scaled = scale_about_mean(mean, q, factor)
     centre = Rotation.from_quat(mean, scalar_first=True)
     before, after = ((centre.inv() * Rotation.from_quat(each, scalar_first=True)).as_rotvec() for each in (q, scaled))
     assert np.allclose(after, factor * before, atol=1e-7)
@@ -53,7 +53,7 @@ def test_scaling_multiplies_the_rotation_vector_from_the_mean(seed: int, factor:
 def test_a_rotation_that_passes_half_a_turn_from_the_mean_does_not_jump(seed: int) -> None:
     axis = quaternion.unit(np.random.default_rng(seed).normal(size=3))
     q = quaternion.from_axis_angle(np.broadcast_to(axis, (400, 3)), np.linspace(0.0, 2.0 * np.pi, 400))
-    scaled = scale_from(np.array((1.0, 0.0, 0.0, 0.0)), q, 1.2)
+    scaled = scale_about_mean(np.array((1.0, 0.0, 0.0, 0.0)), q, 1.2)
     turned = 2.0 * np.arccos(np.minimum(np.abs(np.sum(scaled[1:] * scaled[:-1], axis=-1)), 1.0))
     assert turned.max() < 0.05
 

@@ -10,7 +10,7 @@ from live.motion.editing.interpolate import follow_arc, interpolate
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_step
 from live.motion.skeleton import SKELETON
-from live.motion.step_clip import StepClip, foot_slide, samples_in, travel
+from live.motion.step_clip import StepClip, corresponding_samples, foot_slide, travel
 from tests.motion.editing.made_steps import random_step, sketched
 
 WEIGHTS = st.floats(0.0, 1.0)
@@ -111,7 +111,7 @@ def test_clips_of_other_tempo_and_lead_in_are_read_at_the_same_fraction_of_the_m
         end_pose=a.end_pose,
         weight_transfer=a.weight_transfer,
     )
-    assert samples_in(half, a)[:4] == pytest.approx([0.0, 0.5, 1.0, 1.5])
+    assert corresponding_samples(half, a)[:4] == pytest.approx([0.0, 0.5, 1.0, 1.5])
     mixed = interpolate(a, half, 0.5).clip
     assert np.abs(np.sum(mixed.rotation * a.clip.rotation, axis=-1)).min() > 0.9999
 

@@ -7,8 +7,8 @@ from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.partner.answer import answer, enforce_holds, hold_error, palms
 from live.motion.partner.decoder import Reading
-from live.motion.partner.evaluation import joints_of
-from live.motion.partner.partner_synthesis import Search, find_partner
+from live.motion.partner.evaluation import joint_positions
+from live.motion.partner.partner_synthesis import SearchSettings, find_partner
 from live.motion.partner.point_clouds import ends_cloud
 from live.motion.partner.units import Example, Hold, Units, cut_units
 from live.motion.skeleton import JOINT_COUNT, SKELETON
@@ -54,12 +54,12 @@ def test_a_leader_of_the_database_gets_her_own_follower_wherever_she_dances() ->
     """Turned by 50 degrees and moved by 2 m, the whole answer is the recorded follower, turned and moved alike."""
     leader, units = pair_of(41)
     there = moved(leader, 0.9, 2.0, -1.0)
-    found = find_partner(there, ends_cloud(there), units, Search(hold_feet=False))
-    expected = joints_of(moved(units.examples[0].follower, 0.9, 2.0, -1.0))
+    found = find_partner(there, ends_cloud(there), units, SearchSettings(hold_feet=False))
+    expected = joint_positions(moved(units.examples[0].follower, 0.9, 2.0, -1.0))
     inner = slice(40, -40)
     frame = np.linalg.norm(np.diff(expected, axis=0), axis=-1).max()  # boundaries lie on whole frames
     assert frame < 0.06
-    assert np.linalg.norm(joints_of(found.clip) - expected, axis=-1)[inner].max() < 1.5 * frame
+    assert np.linalg.norm(joint_positions(found.clip) - expected, axis=-1)[inner].max() < 1.5 * frame
     assert found.reading.count >= 10
 
 
@@ -75,7 +75,7 @@ def test_linear_and_eased_joins_meet_and_without_them_poses_jump() -> None:
     _, units = pair_of(43)
     steps, kinks = {}, {}
     for smoothing in ("none", "linear", "eased"):
-        joints = joints_of(answer(_two(units), units, 87, smoothing).clip)
+        joints = joint_positions(answer(_two(units), units, 87, smoothing).clip)
         step = np.linalg.norm(np.diff(joints, axis=0), axis=-1).max(axis=1)
         kink = np.linalg.norm(np.diff(joints, 2, axis=0), axis=-1).max(axis=1)
         steps[smoothing], kinks[smoothing] = step[42], kink[41:43].max()
@@ -90,7 +90,7 @@ def test_joins_bend_nothing_at_the_ends_of_the_answer() -> None:
     _, units = pair_of(44)
     plain = answer(_two(units), units, 87, "none").clip
     eased = answer(_two(units), units, 87, "eased").clip
-    np.testing.assert_allclose(joints_of(eased)[[0, -1]], joints_of(plain)[[0, -1]], atol=1e-5)
+    np.testing.assert_allclose(joint_positions(eased)[[0, -1]], joint_positions(plain)[[0, -1]], atol=1e-5)
 
 
 def test_holds_come_along_and_are_one_where_units_go_on() -> None:
@@ -124,7 +124,7 @@ def test_held_hands_meet_within_reach_and_bones_keep_their_lengths() -> None:
     assert before > 0.3
     assert after < 0.02
     np.testing.assert_allclose(palms(held)[[0, -1]], palms(follower)[[0, -1]], atol=1e-6)  # free before and after
-    joints = joints_of(held)
+    joints = joint_positions(held)
     for joint, parent in enumerate(SKELETON.parents):
         if parent >= 0:
             length = np.linalg.norm(joints[:, joint] - joints[:, parent], axis=-1)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from live.motion.partner.point_clouds import fit, stretched
-from live.motion.partner.units import SAMPLES, Example, Units, cut_units, thin_out, unit_distances
+from live.motion.partner.point_clouds import fit, time_scaled
+from live.motion.partner.units import COMPARISON_STEPS, Example, Units, cut_units, remove_duplicates, unit_distances
 from tests.motion.partner.made_examples import made_cloud, made_units, standing
 
 
@@ -14,14 +14,16 @@ def test_distances_are_those_of_the_fit() -> None:
     of = units.examples[0]
     for one in range(5):
         for other in range(5):
-            x, y = (stretched(of.control, units.start[n], units.length[n], SAMPLES) for n in (one, other))
+            x, y = (time_scaled(of.control, units.start[n], units.length[n], COMPARISON_STEPS) for n in (one, other))
             motion = fit(x, y)
-            mine, its = (stretched(of.target, units.start[n], units.length[n], SAMPLES) for n in (one, other))
-            its = its.moved(motion.turn, motion.shift)
+            mine, its = (
+                time_scaled(of.target, units.start[n], units.length[n], COMPARISON_STEPS) for n in (one, other)
+            )
+            its = its.transformed(motion.turn, motion.shift)
             square = (
                 motion.distance + (np.abs(mine.floor - its.floor) ** 2).sum() + ((mine.height - its.height) ** 2).sum()
             )
-            assert found[one, other] == pytest.approx(np.sqrt(square / (8 * (SAMPLES + 1))), abs=1e-9)
+            assert found[one, other] == pytest.approx(np.sqrt(square / (8 * (COMPARISON_STEPS + 1))), abs=1e-9)
 
 
 def _twice(seed: int) -> Units:
@@ -31,7 +33,7 @@ def _twice(seed: int) -> Units:
     cuts = np.arange(0.0, 451.0, 45.0)
     examples = [
         Example("a", control, target, standing(500, 60.0), cuts, np.zeros(0)),
-        Example("b", control.moved(1j, 3.0), target.moved(1j, 3.0), standing(500, 60.0), cuts, np.zeros(0)),
+        Example("b", control.transformed(1j, 3.0), target.transformed(1j, 3.0), standing(500, 60.0), cuts, np.zeros(0)),
     ]
     return cut_units(examples)
 
@@ -39,15 +41,15 @@ def _twice(seed: int) -> Units:
 def test_what_says_the_same_is_kept_once_whichever_is_drawn() -> None:
     units = _twice(32)
     assert units.count == 20
-    kept = [thin_out(units, 0.01, seed=seed) for seed in range(4)]
+    kept = [remove_duplicates(units, 0.01, seed=seed) for seed in range(4)]
     for one in kept:
         assert one.count == 10
         np.testing.assert_allclose(np.sort(one.start), np.arange(10) * 45.0)
     assert len({tuple(one.example.tolist()) for one in kept}) > 1  # chance decides which
-    assert kept[0].example.tolist() == thin_out(units, 0.01, seed=0).example.tolist()
+    assert kept[0].example.tolist() == remove_duplicates(units, 0.01, seed=0).example.tolist()
 
 
 def test_a_threshold_of_nothing_keeps_all_and_a_large_one_keeps_one() -> None:
     units = _twice(33)
-    assert thin_out(units, 0.0, seed=0).count == 20
-    assert thin_out(units, 100.0, seed=0).count == 1
+    assert remove_duplicates(units, 0.0, seed=0).count == 20
+    assert remove_duplicates(units, 100.0, seed=0).count == 1

@@ -7,7 +7,7 @@ import pytest
 
 from live.base.errors import PersonError
 from live.motion.partner.decoder import decode
-from live.motion.partner.point_clouds import Cloud, fit, gap, stretched
+from live.motion.partner.point_clouds import Cloud, fit, gap, time_scaled
 from live.motion.partner.time_scaled_units import Stretches, legal_durations, make_stretches
 from live.motion.partner.units import Units
 from tests.motion.partner.made_examples import made_cloud, made_units
@@ -27,8 +27,8 @@ def laid(units: Units, x: Cloud, unit: int, start: int, duration: int) -> tuple[
     """D of a unit there, and its target as M brings it."""
     of = units.examples[int(units.example[unit])]
     begin, length = float(units.start[unit]), float(units.length[unit])
-    found = fit(window(x, start, duration), stretched(of.control, begin, length, duration))
-    return found.distance, stretched(of.target, begin, length, duration).moved(found.turn, found.shift)
+    found = fit(window(x, start, duration), time_scaled(of.control, begin, length, duration))
+    return found.distance, time_scaled(of.target, begin, length, duration).transformed(found.turn, found.shift)
 
 
 def plain(units: Units, stretches: Stretches, x: Cloud, k: float) -> float:
@@ -125,7 +125,7 @@ def test_an_input_made_of_the_database_is_read_back() -> None:
     of = units.examples[0]
     start, length = float(units.start[2]), float(units.length[2:5].sum())
     frames = round(length / 60.0 * 15.0)
-    x = stretched(of.control, start, length, frames).moved(np.exp(0.8j), 2.0 - 1.0j)
+    x = time_scaled(of.control, start, length, frames).transformed(np.exp(0.8j), 2.0 - 1.0j)
     reading = decode(Cloud(x.floor, x.height, 15.0), stretches, k=K)
     assert reading.unit.tolist() == [2, 3, 4]
     np.testing.assert_allclose(np.angle(reading.turn), 0.8, atol=0.05)

@@ -8,7 +8,7 @@ import pytest
 
 from live.motion.clip import Clip
 from live.motion.partner.answer import palms
-from live.motion.partner.evaluation import LETS_GO, Near, found_holds
+from live.motion.partner.evaluation import RELEASE_FACTOR, HoldCriterion, detect_holds
 from tests.motion.partner.made_examples import standing
 
 RATE = 60.0
@@ -30,21 +30,21 @@ def moved(clip: Clip, way: np.ndarray) -> Clip:
 
 def test_a_hold_begins_within_the_distance_and_ends_half_as_far_again() -> None:
     gap = np.concatenate((np.linspace(0.5, 0.0, 101), np.linspace(0.0, 0.5, 101)[1:]))
-    found = found_holds(*beside(gap), Near(0.1, 0.4))
+    found = detect_holds(*beside(gap), HoldCriterion(0.1, 0.4))
     (one,) = found
     assert (one.leader_hand, one.follower_hand) == (0, 1)
     assert one.begin == pytest.approx(80.0, abs=1.0)  # at the distance itself rounding decides
-    assert one.end == pytest.approx(100.0 + 100.0 * 0.1 * LETS_GO / 0.5, abs=1.0)
+    assert one.end == pytest.approx(100.0 + 100.0 * 0.1 * RELEASE_FACTOR / 0.5, abs=1.0)
 
 
 def test_what_is_too_short_or_too_far_is_no_hold() -> None:
     gap = np.full(240, 0.5)
     gap[60:80] = 0.05
     gap[120:150] = 0.12  # near enough to go on, not to begin
-    assert found_holds(*beside(gap), Near(0.1, 0.4)) == ()
-    assert [(one.begin, one.end) for one in found_holds(*beside(gap), Near(0.1, 0.3))] == [(60.0, 79.0)]
+    assert detect_holds(*beside(gap), HoldCriterion(0.1, 0.4)) == ()
+    assert [(one.begin, one.end) for one in detect_holds(*beside(gap), HoldCriterion(0.1, 0.3))] == [(60.0, 79.0)]
     gap[80:120] = 0.05
-    assert [(one.begin, one.end) for one in found_holds(*beside(gap), Near(0.1, 0.4))] == [(60.0, 149.0)]
+    assert [(one.begin, one.end) for one in detect_holds(*beside(gap), HoldCriterion(0.1, 0.4))] == [(60.0, 149.0)]
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -52,7 +52,7 @@ def test_each_hand_is_in_one_hold_at_a_time(seed: int) -> None:
     chance = np.random.default_rng(seed)
     ways = np.tanh(np.cumsum(chance.normal(0.0, 0.05, (2, 400, 2)), axis=1))
     leader, follower = (moved(standing(400, RATE), 0.8 * way) for way in ways)
-    found = found_holds(leader, follower, Near(0.6, 0.05))
+    found = detect_holds(leader, follower, HoldCriterion(0.6, 0.05))
     assert len(found) > 1
     for hand in ("leader_hand", "follower_hand"):
         for side in range(2):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from live.motion.partner.path_leader import frenet_cloud
-from live.motion.partner.point_clouds import HIP_APART, path_cloud
+from live.motion.partner.point_clouds import HIP_DISTANCE, path_cloud
 from tests.motion.partner.made_examples import standing
 
 
@@ -13,17 +13,17 @@ def test_on_a_circle_the_points_lie_on_its_radius() -> None:
     cloud = frenet_cloud(time, place, 30.0)
     assert cloud.count == 241
     inner = cloud.floor[5:-5]
-    np.testing.assert_allclose(np.abs(inner[:, 0] - inner[:, 1]), HIP_APART, atol=1e-9)
+    np.testing.assert_allclose(np.abs(inner[:, 0] - inner[:, 1]), HIP_DISTANCE, atol=1e-9)
     # seen by her who goes from the front of the stage towards +x, the middle is at her left
-    np.testing.assert_allclose(np.abs(inner[:, 0]), 2.0 - HIP_APART / 2, atol=1e-3)
-    np.testing.assert_allclose(np.abs(inner[:, 1]), 2.0 + HIP_APART / 2, atol=1e-3)
+    np.testing.assert_allclose(np.abs(inner[:, 0]), 2.0 - HIP_DISTANCE / 2, atol=1e-3)
+    np.testing.assert_allclose(np.abs(inner[:, 1]), 2.0 + HIP_DISTANCE / 2, atol=1e-3)
 
 
 def test_where_the_path_rests_the_heading_is_held() -> None:
     time = np.array((0.0, 1.0, 2.0, 3.0))
     place = np.array(((0.0, 0.0), (1.0, 0.0), (1.0, 0.0), (1.0, 1.0)))
     cloud = frenet_cloud(time, place, 20.0)
-    across = (cloud.floor[:, 0] - cloud.floor[:, 1]) / HIP_APART
+    across = (cloud.floor[:, 0] - cloud.floor[:, 1]) / HIP_DISTANCE
     facing = across / 1j
     np.testing.assert_allclose(facing[5:38], 1j, atol=1e-6)  # towards +x, also while she stands
     np.testing.assert_allclose(facing[45:], 1.0, atol=1e-6)

@@ -3,8 +3,8 @@
 import numpy as np
 
 from live.motion.clip import Clip
-from live.motion.partner.path_leader import leashed
-from live.motion.partner.point_clouds import shadows
+from live.motion.partner.path_leader import keep_near_path
+from live.motion.partner.point_clouds import hip_projections
 from live.motion.skeleton import JOINT_COUNT
 
 
@@ -18,13 +18,13 @@ def walker(place: np.ndarray) -> Clip:
 def test_who_goes_on_where_the_path_has_ended_is_kept_there_without_a_jerk() -> None:
     time = np.arange(300) / 60.0
     path = np.minimum(time, 3.0) * (1.0 + 0.5j)
-    cloud = shadows(path, np.full(300, 1j), 60.0)
+    cloud = hip_projections(path, np.full(300, 1j), 60.0)
     walked = np.minimum(time, 3.5) * (1.0 + 0.5j)
     clip = walker(walked)
-    kept = leashed(clip, cloud, 0.1)
+    kept = keep_near_path(clip, cloud, 0.1)
     hips = kept.root_position[:, 2] + 1j * kept.root_position[:, 0]
     assert np.abs(hips - path).max() < 0.101
     assert np.abs(walked - path).max() > 0.5
     assert np.array_equal(kept.root_position[:150], clip.root_position[:150])
     assert np.abs(np.diff(hips)).max() < 1.6 * np.abs(np.diff(walked)).max()
-    assert leashed(clip, shadows(walked, np.full(300, 1j), 60.0), 0.1) is clip
+    assert keep_near_path(clip, hip_projections(walked, np.full(300, 1j), 60.0), 0.1) is clip

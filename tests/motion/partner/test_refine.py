@@ -5,7 +5,7 @@ import numpy.typing as npt
 import pytest
 
 from live.motion.partner.decoder import Reading, decode
-from live.motion.partner.point_clouds import Cloud, fit, gap, stretched
+from live.motion.partner.point_clouds import Cloud, fit, gap, time_scaled
 from live.motion.partner.refinement import refine
 from live.motion.partner.time_scaled_units import make_stretches
 from live.motion.partner.units import Units
@@ -43,8 +43,8 @@ def test_the_score_is_that_of_its_parts(case: Case) -> None:
         of = units.examples[0]
         begin, length = float(units.start[unit]), float(units.length[unit])
         window = Cloud(x.floor[start : start + frames + 1], x.height[start : start + frames + 1], x.rate)
-        one = fit(window, stretched(of.control, begin, length, frames))
-        target = stretched(of.target, begin, length, frames).moved(one.turn, one.shift)
+        one = fit(window, time_scaled(of.control, begin, length, frames))
+        target = time_scaled(of.target, begin, length, frames).transformed(one.turn, one.shift)
         score += one.distance + (0.0 if before is None else 4.0 * K * gap(before, target))
         before = target
     assert fine.score == pytest.approx(score, rel=1e-9)
@@ -62,8 +62,8 @@ def test_no_boundary_moved_by_a_frame_would_be_better(case: Case) -> None:
             of, start, stop = units.examples[0], int(edges[n]), int(edges[n + 1])
             window = Cloud(x.floor[start : stop + 1], x.height[start : stop + 1], x.rate)
             begin, length = float(units.start[unit]), float(units.length[unit])
-            one = fit(window, stretched(of.control, begin, length, stop - start))
-            target = stretched(of.target, begin, length, stop - start).moved(one.turn, one.shift)
+            one = fit(window, time_scaled(of.control, begin, length, stop - start))
+            target = time_scaled(of.target, begin, length, stop - start).transformed(one.turn, one.shift)
             total += one.distance + (0.0 if before is None else 4.0 * K * gap(before, target))
             before = target
         return total
@@ -83,5 +83,5 @@ def test_boundaries_keep_to_the_beat_where_one_is_known(case: Case) -> None:
     units, x, coarse = case
     toll = np.where(np.arange(x.count) % 3 == 0, 0.0, np.inf)
     toll[-1] = 0.0
-    fine = refine(x, units, coarse, k=K, stretch=0.15, toll=toll)
+    fine = refine(x, units, coarse, k=K, stretch=0.15, boundary_cost=toll)
     assert (fine.start % 3 == 0).all()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from live.motion.partner.units import Hold
-from live.motion.partner_live.hand_holds import AHEAD, NOBODY, hands_of
+from live.motion.partner_live.hand_holds import HOLD_LEAD_TIME, NOBODY, held_hands
 
 HOLDS = (Hold(0, 1, 120.0, 150.0), Hold(1, 0, 170.0, 400.0), Hold(1, 1, 240.0, 300.0))
 
@@ -20,14 +20,14 @@ def at(place: float, *, known: bool = True, holds: tuple[Hold, ...] = HOLDS) -> 
         length=np.array([100.0]),
     )
     reader = SimpleNamespace(units=units)
-    return hands_of(SimpleNamespace(known=known, unit=0, place=place, pace=60.0, reader=reader))  # type: ignore[arg-type]
+    return held_hands(SimpleNamespace(known=known, unit=0, place=place, pace=60.0, reader=reader))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
     ("place", "hands"),
     [
-        (120.0 - 60.0 * AHEAD - 1.0, (NOBODY, NOBODY)),
-        (120.0 - 60.0 * AHEAD, (NOBODY, 0)),
+        (120.0 - 60.0 * HOLD_LEAD_TIME - 1.0, (NOBODY, NOBODY)),
+        (120.0 - 60.0 * HOLD_LEAD_TIME, (NOBODY, 0)),
         (135.0, (NOBODY, 0)),
         (150.0, (1, 0)),  # the other one is near
         (151.0, (1, NOBODY)),

@@ -4,7 +4,12 @@ import numpy as np
 
 from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.partner_live.stage_partner_kernels import joints_in_parents, show_answers, turn_between, turn_joints
+from live.motion.partner_live.stage_partner_kernels import (
+    blend_answers,
+    heading_difference,
+    local_to_world,
+    world_to_local,
+)
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 OFFSETS = np.array(SKELETON.offsets, np.float32)
@@ -29,7 +34,7 @@ def shown(share: float, frames: float, turn: float = 0.0) -> tuple[np.ndarray, .
     answer_root, answer_rotation = poses(2, 3)
     places, turned = forward_kinematics(answer_root, answer_rotation)
     out = position.copy(), world.copy()
-    show_answers(
+    blend_answers(
         *out, np.array([1], np.int32), np.array([0], np.int32), np.array([frames]), np.array([share]),
         np.array([turn]), position[1:2, 0, ::2].astype(np.float64), answer_root[:1, ::2].copy(),
         answer_root[None].astype(np.float32), turned[None].astype(np.float32), OFFSETS, PARENTS,
@@ -72,12 +77,12 @@ def test_nobody_answers_where_nothing_is_in() -> None:
 def test_joints_turn_as_in_forward_kinematics() -> None:
     root, rotation = poses(3, 4)
     out = np.zeros((4, JOINT_COUNT, 4), np.float32)
-    turn_joints(rotation, PARENTS, out)
+    local_to_world(rotation, PARENTS, out)
     assert np.allclose(out, forward_kinematics(root, rotation)[1], atol=1e-5)
     back = np.empty_like(out)
-    joints_in_parents(out, PARENTS, back)
+    world_to_local(out, PARENTS, back)
     assert np.allclose(np.abs((back * rotation).sum(axis=-1)), 1.0, atol=1e-5)
     for before in (-6.0, 0.0, 6.0):
-        turn = turn_between(out[0, 0], out[1, 0], before)
+        turn = heading_difference(out[0, 0], out[1, 0], before)
         assert abs(turn - before) <= np.pi + 1e-6
-        assert np.isclose(np.cos(turn), np.cos(turn_between(out[0, 0], out[1, 0], 0.0)), atol=1e-6)
+        assert np.isclose(np.cos(turn), np.cos(heading_difference(out[0, 0], out[1, 0], 0.0)), atol=1e-6)

@@ -3,10 +3,10 @@
 import numpy as np
 
 from live.motion.partner.decoder import Reading
-from live.motion.partner.evaluation import joints_of
+from live.motion.partner.evaluation import joint_positions
 from live.motion.partner.point_clouds import ends_cloud
 from live.motion.partner_live.live_partner import agreement, agreement_of
-from live.motion.partner_live.online_decoder import LiveReader
+from live.motion.partner_live.online_decoder import OnlineDecoder
 from live.motion.partner_live.online_player import LivePartner
 from tests.motion.partner.test_answer import pair_of
 
@@ -18,14 +18,14 @@ def followed(
 ) -> tuple[LivePartner, list[int], np.ndarray, list[tuple[int, int, float]]]:
     leader, units = pair_of(seed)
     x = ends_cloud(leader).resampled(RATE)
-    partner = LivePartner(LiveReader(units, rate=RATE, stretch=0.15, k=4.0))
+    partner = LivePartner(OnlineDecoder(units, rate=RATE, stretch=0.15, k=4.0))
     danced, roots, decided = [], [], []
     for n in range(x.count if frames is None else frames):
-        partner.frame(x.floor[n], x.height[n], boundary=True, unit_frames=None)
+        partner.process_frame(x.floor[n], x.height[n], boundary=True, unit_frames=None)
         danced.append(partner.unit)
-        if partner.known:
+        if partner.has_pose:
             roots.append(partner.pose().root)
-        decided += partner.seen
+        decided += partner.decisions
     return partner, danced, np.array(roots), decided
 
 
@@ -55,7 +55,7 @@ def test_the_follower_never_pops_and_never_waits() -> None:
     _, units = pair_of(53)
     _, _, roots, _ = followed(53)
     step = np.linalg.norm(np.diff(roots, axis=0), axis=-1)[15:] * RATE
-    recorded = np.linalg.norm(np.diff(joints_of(units.examples[0].follower)[:, 0], axis=0), axis=-1) * 60.0
+    recorded = np.linalg.norm(np.diff(joint_positions(units.examples[0].follower)[:, 0], axis=0), axis=-1) * 60.0
     assert step.max() < recorded.max() + 2.0
     assert step.min() > 0.0
 
@@ -63,11 +63,11 @@ def test_the_follower_never_pops_and_never_waits() -> None:
 def test_beats_of_the_clock_bound_the_units() -> None:
     leader, units = pair_of(54)
     x = ends_cloud(leader).resampled(RATE)
-    partner = LivePartner(LiveReader(units, rate=RATE, stretch=0.15, k=4.0))
+    partner = LivePartner(OnlineDecoder(units, rate=RATE, stretch=0.15, k=4.0))
     begun = set()
     for n in range(x.count):
-        partner.frame(x.floor[n], x.height[n], boundary=n % 7 == 0, unit_frames=21.0)
-        begun |= {begin for _, begin, _ in partner.seen}
+        partner.process_frame(x.floor[n], x.height[n], boundary=n % 7 == 0, unit_frames=21.0)
+        begun |= {begin for _, begin, _ in partner.decisions}
     assert len(begun) > 5
     assert all(begin % 7 == 0 for begin in begun)
 
@@ -81,7 +81,7 @@ def test_agreement_counts_what_is_danced_in_the_middle_of_each_unit() -> None:
     danced = [(0, 0)] * 30 + [(1, 30)] * 10 + [(2, 30)] * 20
     near = np.eye(3, dtype=bool)
     assert agreement(danced, offline) == 0.5
-    assert agreement(danced, offline, alike=near) == 0.5
+    assert agreement(danced, offline, similar=near) == 0.5
     near[2, 1] = True
-    assert agreement(danced, offline, alike=near) == 1.0
+    assert agreement(danced, offline, similar=near) == 1.0
     assert agreement_of(offline, offline) == 1.0

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from live.motion.partner.point_clouds import Cloud, ends_cloud, fit, stretched
-from live.motion.partner_live.online_decoder import FEWEST, SPREAD, LiveReader, roots
-from live.motion.partner_live.online_player import FASTEST, QUICKEST, Placing
+from live.motion.partner.point_clouds import Cloud, ends_cloud, fit, time_scaled
+from live.motion.partner_live.online_decoder import MIN_FRAMES, SCORE_SPREAD, OnlineDecoder, root_track
+from live.motion.partner_live.online_player import MAX_SPEED, MAX_TURN_RATE, FloorTransform
 from tests.motion.partner.test_answer import pair_of
 
 RATE = 30.0
@@ -14,14 +14,14 @@ ROOT, FACING = 0.3 + 0.2j, np.exp(0.4j)
 WANTED = (1.0 - 0.5j, complex(np.exp(1.4j)))
 
 
-def laid() -> Placing:
-    placing = Placing()
-    placing.lay(ROOT, FACING, 0.2 + 0.1j, complex(1.0))
+def laid() -> FloorTransform:
+    placing = FloorTransform()
+    placing.align(ROOT, FACING, 0.2 + 0.1j, complex(1.0))
     return placing
 
 
-def hips(placing: Placing, part: float) -> complex:
-    turn, shift = placing.at(part)
+def hips(placing: FloorTransform, part: float) -> complex:
+    turn, shift = placing.interpolate(part)
     return turn * ROOT + shift
 
 
@@ -30,7 +30,7 @@ def test_what_is_laid_lies_there_and_comes_to_where_it_is_wanted() -> None:
     assert hips(placing, 0.0) == pytest.approx(0.2 + 0.1j)
     assert placing.turn * FACING == pytest.approx(1.0)
     for _ in range(60):
-        placing.follow(ROOT, FACING, WANTED, DT, stands=False, near=False)
+        placing.follow(ROOT, FACING, WANTED, DT, standing=False, too_near=False)
     assert hips(placing, 1.0) == pytest.approx(WANTED[0], abs=1e-6)
     assert placing.turn * FACING == pytest.approx(WANTED[1], abs=1e-6)
 
@@ -39,11 +39,11 @@ def test_one_frame_begins_where_the_last_one_ended_even_where_another_recording_
     placing = laid()
     for n in range(20):
         end = hips(placing, 1.0)
-        placing.follow(ROOT, FACING, WANTED, DT, stands=n % 3 == 0, near=False)
+        placing.follow(ROOT, FACING, WANTED, DT, standing=n % 3 == 0, too_near=False)
         assert hips(placing, 0.0) == pytest.approx(end, abs=1e-12)
     end = hips(placing, 1.0)
-    placing.lay(-1.0 + 0.0j, complex(1.0), end, placing.turn * FACING)
-    turn, shift = placing.at(0.0)
+    placing.align(-1.0 + 0.0j, complex(1.0), end, placing.turn * FACING)
+    turn, shift = placing.interpolate(0.0)
     assert turn * -1.0 + shift == pytest.approx(end, abs=1e-12)
 
 
@@ -52,7 +52,7 @@ def test_she_is_moved_much_less_while_a_foot_stands() -> None:
     for stands in (True, False):
         placing = laid()
         for _ in range(6):
-            placing.follow(ROOT, FACING, WANTED, DT, stands=stands, near=False)
+            placing.follow(ROOT, FACING, WANTED, DT, standing=stands, too_near=False)
         moved.append(abs(hips(placing, 1.0) - (0.2 + 0.1j)))
     assert moved[0] < 0.5 * moved[1]
 
@@ -62,23 +62,23 @@ def test_she_is_never_moved_or_turned_fast_however_far_she_is_to_go() -> None:
         placing = laid()
         for _ in range(10):
             before = placing.turn
-            placing.follow(ROOT, FACING, (30.0 + 0.0j, complex(-1.0)), DT, stands=False, near=near)
-            assert abs(hips(placing, 1.0) - hips(placing, 0.0)) <= share * FASTEST * DT * (1.0 + 1e-9)
-            assert abs(np.angle(placing.turn / before)) <= share * QUICKEST * DT * (1.0 + 1e-9)
+            placing.follow(ROOT, FACING, (30.0 + 0.0j, complex(-1.0)), DT, standing=False, too_near=near)
+            assert abs(hips(placing, 1.0) - hips(placing, 0.0)) <= share * MAX_SPEED * DT * (1.0 + 1e-9)
+            assert abs(np.angle(placing.turn / before)) <= share * MAX_TURN_RATE * DT * (1.0 + 1e-9)
 
 
 def test_she_is_pushed_off_a_leader_to_whom_no_recorded_follower_came_so_near() -> None:
     leader, units = pair_of(56)
-    reader = LiveReader(units, rate=30.0, stretch=0.15, k=4.0)
+    reader = OnlineDecoder(units, rate=30.0, stretch=0.15, k=4.0)
     x = ends_cloud(leader)
-    reader.frame(x.floor[0], x.height[0], boundary=True, unit_frames=None)
+    reader.process_frame(x.floor[0], x.height[0], boundary=True, unit_frames=None)
     middle = complex(x.floor[0, 2:].mean())
-    real, _ = roots(units.examples[0].follower)
+    real, _ = root_track(units.examples[0].follower)
     apart = np.abs(real - units.examples[0].control.floor[:, 2:].mean(axis=1))
-    assert (apart < reader.nearest).mean() < 0.02
-    pushed = reader.kept_away(middle + 0.5j * reader.nearest)
-    assert pushed == pytest.approx(middle + 1j * reader.nearest)
-    assert reader.kept_away(middle + 2.0 * reader.nearest) == middle + 2.0 * reader.nearest
+    assert (apart < reader.min_distance).mean() < 0.02
+    pushed = reader.keep_distance(middle + 0.5j * reader.min_distance)
+    assert pushed == pytest.approx(middle + 1j * reader.min_distance)
+    assert reader.keep_distance(middle + 2.0 * reader.min_distance) == middle + 2.0 * reader.min_distance
 
 
 def test_she_is_expected_at_the_mean_of_where_all_units_that_run_would_have_her() -> None:
@@ -86,28 +86,28 @@ def test_she_is_expected_at_the_mean_of_where_all_units_that_run_would_have_her(
     _, units = pair_of(55)
     leader, _ = pair_of(57)
     x = ends_cloud(leader).resampled(RATE)
-    reader = LiveReader(units, rate=RATE, stretch=0.15, k=4.0)
+    reader = OnlineDecoder(units, rate=RATE, stretch=0.15, k=4.0)
     last = 111
     for n in range(last + 1):
-        reader.frame(x.floor[n], x.height[n], boundary=n % 5 == 0, unit_frames=None)
+        reader.process_frame(x.floor[n], x.height[n], boundary=n % 5 == 0, unit_frames=None)
     step = units.rate / RATE
     found: list[tuple[float, complex, complex]] = []
-    for begin in range(0, last + 2 - round(FEWEST), 5):
+    for begin in range(0, last + 2 - round(MIN_FRAMES), 5):
         seen = last - begin
         window = Cloud(x.floor[begin : last + 1], x.height[begin : last + 1], RATE)
         for unit in range(units.count):
-            worth = reader.worth(unit, begin)
+            worth = reader.unit_score(unit, begin)
             if not np.isfinite(worth) or seen * step > 1.1 * units.length[unit]:
                 continue
             of = units.examples[int(units.example[unit])]
-            one = fit(window, stretched(of.control, float(units.start[unit]), seen * step, seen))
-            real, front = roots(of.follower)
+            one = fit(window, time_scaled(of.control, float(units.start[unit]), seen * step, seen))
+            real, front = root_track(of.follower)
             at = round(units.start[unit] + seen * step)
             found.append((worth, one.turn * real[at] + one.shift, one.turn * front[at]))
     worths = np.array([worth for worth, _, _ in found])
-    near = worths < worths.min() + 8.0 * SPREAD
-    weights = np.exp(-(worths - worths.min()) / SPREAD) * near
-    expected = reader.expected()
+    near = worths < worths.min() + 8.0 * SCORE_SPREAD
+    weights = np.exp(-(worths - worths.min()) / SCORE_SPREAD) * near
+    expected = reader.expected_root()
     assert expected is not None
     assert weights.sum() > 2.0
     place, facing = (np.sum(weights * np.array([one[n] for one in found])) for n in (1, 2))

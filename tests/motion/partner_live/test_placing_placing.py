@@ -9,15 +9,15 @@ from live.motion.pose.foot_lock_kernels import (
     LOCK_COLUMNS,
     SHIFT_X,
     SHIFT_Z,
-    SLID,
+    SLIDE,
     SPEED_X,
     SPEED_Y,
     SPEED_Z,
-    STOOD,
+    STAND_TIME,
+    extrapolate_feet,
     farthest_shift,
-    hold_where_wanted,
-    swing_feet,
-    take_slid,
+    mask_contacts,
+    pop_slide,
 )
 
 COUNT = 30
@@ -32,7 +32,7 @@ def locked(seed=3):
 
 def test_free_feet_swing_on_and_held_ones_stay():
     lock, feet = locked(), np.zeros((COUNT, 2, FOLLOWED_COLUMNS), np.float32)
-    swing_feet(feet, lock, 0.01)
+    extrapolate_feet(feet, lock, 0.01)
     expected = lock[:, :, :FOLLOWED_COLUMNS].copy()
     free = lock[:, :, HELD] == 0.0
     for place, speed in ((SHIFT_X, SPEED_X), (SHIFT_Z, SPEED_Z), (LIFT, SPEED_Y)):
@@ -50,10 +50,10 @@ def test_what_has_slid_is_told_once():
     lock = np.abs(locked())
     before = lock.copy()
     slid, stood = np.zeros((2, COUNT))
-    take_slid(lock, slid, stood)
-    np.testing.assert_allclose(slid, before[:, :, SLID].sum(axis=1), rtol=1e-6)
-    np.testing.assert_allclose(stood, before[:, :, STOOD].sum(axis=1), rtol=1e-6)
-    take_slid(lock, slid, stood)
+    pop_slide(lock, slid, stood)
+    np.testing.assert_allclose(slid, before[:, :, SLIDE].sum(axis=1), rtol=1e-6)
+    np.testing.assert_allclose(stood, before[:, :, STAND_TIME].sum(axis=1), rtol=1e-6)
+    pop_slide(lock, slid, stood)
     assert not slid.any()
     assert not stood.any()
 
@@ -61,5 +61,5 @@ def test_what_has_slid_is_told_once():
 def test_only_feet_that_shall_be_held_count():
     contact = np.ones((COUNT, 2), np.bool_)
     wanted = np.arange(COUNT) % 2.0
-    hold_where_wanted(contact, wanted)
+    mask_contacts(contact, wanted)
     np.testing.assert_array_equal(contact, np.repeat((wanted > 0.0)[:, None], 2, axis=1))

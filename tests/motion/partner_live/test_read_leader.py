@@ -4,36 +4,36 @@ from dataclasses import replace
 
 import numpy as np
 
-from live.motion.partner.sketched_examples import APART, sketched_pairs
-from live.motion.partner.units import Hold, Units, in_beats
-from live.motion.partner_live.stage_partner import MADE, Lore, ReadLeader, frames_of
+from live.motion.partner.sketched_examples import PARTNER_DISTANCE, sketched_pairs
+from live.motion.partner.units import Hold, Units, retime_to_beats
+from live.motion.partner_live.stage_partner import RECORDING_RATE, LeaderReader, PartnerExamples, frames_per_beat
 from tests.fixtures.made_steps import made_steps
 from tests.motion.partner.made_examples import made_units
 
 TEMPO = 120.0
 
 
-def lore_of(units: Units) -> Lore:
-    per_beat = frames_of(TEMPO)
-    timed = in_beats(units, unit_beats=2, samples=frames_of(TEMPO, MADE), period=60.0 / TEMPO)
-    return Lore(timed, unit_beats=2, per_beat=per_beat, tempo=TEMPO, stretch=0.15, k=4.0)
+def lore_of(units: Units) -> PartnerExamples:
+    per_beat = frames_per_beat(TEMPO)
+    timed = retime_to_beats(units, unit_beats=2, samples=frames_per_beat(TEMPO, RECORDING_RATE), period=60.0 / TEMPO)
+    return PartnerExamples(timed, unit_beats=2, per_beat=per_beat, tempo=TEMPO, stretch=0.15, k=4.0)
 
 
 LORE = lore_of(made_units(5, 12))
 
 
-def read_of(order: list[int], *, ticks_per_beat: float = 32.0) -> tuple[ReadLeader, list[str]]:
+def read_of(order: list[int], *, ticks_per_beat: float = 32.0) -> tuple[LeaderReader, list[str]]:
     """A leader who dances these units one after the other, looked at so many times a beat; what was told of her."""
-    read, told = ReadLeader(LORE), []
+    read, told = LeaderReader(LORE), []
     (example,) = LORE.units.examples
     for tick in range(int(ticks_per_beat * 2 * len(order))):
         danced = tick / ticks_per_beat
-        if read.due(danced):
+        if read.frames_due(danced):
             unit = order[int(danced / 2.0)]
             at = LORE.units.start[unit] + danced % 2.0 / 2.0 * LORE.units.length[unit]
             cloud = example.control.at(np.array([at]))
-            read.frame(cloud.floor[0], cloud.height[0], danced, 0.04)
-            told += [read.news] if read.news else []
+            read.process_frame(cloud.floor[0], cloud.height[0], danced, 0.04)
+            told += [read.decided_label] if read.decided_label else []
     return read, told
 
 
@@ -41,7 +41,7 @@ def test_units_in_beats_are_equally_long_and_hold_what_they_held() -> None:
     units = made_units(7, 6)
     (example,) = units.examples
     whole = replace(example, holds=(Hold(0, 1, float(example.cuts[1]), float(example.cuts[3])),), beats=example.cuts)
-    timed = in_beats(replace(units, examples=(whole,)), unit_beats=2, samples=20, period=0.5)
+    timed = retime_to_beats(replace(units, examples=(whole,)), unit_beats=2, samples=20, period=0.5)
     assert np.allclose(timed.length, 40.0)
     assert np.allclose(timed.seconds, 1.0)
     (new,) = timed.examples
@@ -63,33 +63,33 @@ def test_what_she_dances_is_read_whatever_the_tempo() -> None:
 
 def test_who_stops_is_noticed_and_numbers_that_are_none_are_no_places() -> None:
     read, _ = read_of([3, 7, 1])
-    before, latest = read.root.copy(), read.partner.reader.at
+    before, latest = read.root.copy(), read.partner.decoder.frame_index
     floor, height = read._points, read._heights
     for n in range(1, 6):
-        read.frame(floor * np.nan, height, 6.0 + n / read.lore.per_beat, 0.04)
-    assert read.still >= 5.0
-    assert read.partner.reader.at == latest
+        read.process_frame(floor * np.nan, height, 6.0 + n / read.examples.per_beat, 0.04)
+    assert read.still_frames >= 5.0
+    assert read.partner.decoder.frame_index == latest
     assert np.array_equal(read.root, before)
-    read.frame(floor, height, 6.0 + 6 / read.lore.per_beat, 0.04)
-    assert read.still >= 6.0  # she stands like a picture
-    read.frame(floor + 0.01, height, 6.0 + 7 / read.lore.per_beat, 0.04)
-    assert read.still == 0.0
+    read.process_frame(floor, height, 6.0 + 6 / read.examples.per_beat, 0.04)
+    assert read.still_frames >= 6.0  # she stands like a picture
+    read.process_frame(floor + 0.01, height, 6.0 + 7 / read.examples.per_beat, 0.04)
+    assert read.still_frames == 0.0
 
 
 def test_what_is_held_stays_and_is_let_go() -> None:
     read, _ = read_of([3, 7, 1])
     read.hold(0.25)
-    assert not read.known
+    assert not read.answering
     assert np.array_equal(read.root[0], read.root[2])
     held = read.root.copy()
     for tick in range(64 * 3):
-        if read.due(tick / 32.0):
-            read.frame(read._points + 0.01 * np.sin(tick), read._heights, tick / 32.0, 0.04)
-    assert read.partner.known
-    assert not read.known
+        if read.frames_due(tick / 32.0):
+            read.process_frame(read._points + 0.01 * np.sin(tick), read._heights, tick / 32.0, 0.04)
+    assert read.partner.has_pose
+    assert not read.answering
     assert np.array_equal(read.root, held)
-    read.let_go()
-    assert read.known
+    read.release()
+    assert read.answering
 
 
 def test_sketched_pairs_keep_their_distance() -> None:
@@ -97,4 +97,4 @@ def test_sketched_pairs_keep_their_distance() -> None:
     assert units.count >= 12
     for one in units.examples:
         between = one.target.floor.mean(axis=1) - one.control.floor.mean(axis=1)
-        assert np.abs(np.abs(between) - APART).max() < 0.25, one.name
+        assert np.abs(np.abs(between) - PARTNER_DISTANCE).max() < 0.25, one.name

@@ -3,7 +3,7 @@
 import numpy as np
 
 from live.clock.ticks import TICK
-from live.motion.partner_live.stage_partner import Standing
+from live.motion.partner_live.stage_partner import FollowerFootLock
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 FEET = [SKELETON.index("leftFoot"), SKELETON.index("rightFoot")]
@@ -19,13 +19,13 @@ def stood(place: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_who_is_moved_over_a_standing_foot_bends_her_legs() -> None:
-    standing, rows = Standing(3), np.array([1], np.int32)
+    standing, rows = FollowerFootLock(3), np.array([1], np.int32)
     seen, knees = [], []
     for tick in range(1, 40):
         position, rotation = stood(0.2 * tick * TICK)
         standing.tick(rows, position[rows], np.array([[True, False]]), TICK)
         before = position.copy()
-        standing.hold(rows, position, rotation, 0.0)
+        standing.apply(rows, position, rotation, 0.0)
         assert np.array_equal(position[[0, 2]], before[[0, 2]])
         seen.append(position[1, FEET, 0])
         knees.append(position[1, 0, 0])
@@ -38,5 +38,5 @@ def test_who_is_moved_over_a_standing_foot_bends_her_legs() -> None:
         standing.tick(none, np.zeros((0, JOINT_COUNT, 3), np.float32), np.zeros((0, 2), np.bool_), TICK)
     position, rotation = stood(0.0)
     before = position.copy()
-    standing.hold(rows, position, rotation, 0.0)
+    standing.apply(rows, position, rotation, 0.0)
     assert np.abs(position - before).max() < 0.01  # let go, her feet are where her dance has them

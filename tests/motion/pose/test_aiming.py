@@ -5,27 +5,27 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.motion.pose.root_warp import rise_of
+from live.motion.pose.root_warp import compute_warp_curve
 from live.motion.pose.root_warp_kernels import (
     DIRECTIONS,
-    bound_aims,
-    bound_ways,
-    re_aim_dancers,
-    risen,
-    share_out,
-    shifted,
+    limit_corrections,
+    limit_goals,
+    minimax_weights,
+    redirect_dancers,
+    warp_share,
+    warped_shift,
 )
 
 CONTACT = np.ones((257, 2), np.bool_)
 CONTACT[20:80, 0] = CONTACT[100:190, 1] = False
-RISE = np.ascontiguousarray(rise_of(CONTACT, last=0.8)[0][None])
+RISE = np.ascontiguousarray(compute_warp_curve(CONTACT, last=0.8)[0][None])
 NODE = np.zeros(1, np.int32)
 LEAST = 0.15
 
 
 def shift_at(correction, aimed, place):
-    share = risen(RISE[0], place)
-    return np.array([shifted(share, aimed[0, 2], aimed[0, c], correction[0, c]) for c in range(2)])
+    share = warp_share(RISE[0], place)
+    return np.array([warped_shift(share, aimed[0, 2], aimed[0, c], correction[0, c]) for c in range(2)])
 
 
 @settings(max_examples=60, deadline=None)
@@ -34,8 +34,8 @@ def test_the_way_is_continuous_and_ends_at_the_last_goal_taken(goals):
     correction, aimed = np.array([[0.2, -0.1, 0.4]]), np.zeros((1, 3))
     for place, goal in zip(np.linspace(0.05, 0.9, len(goals)), goals, strict=True):
         before = shift_at(correction, aimed, place)
-        taken = 1.0 - risen(RISE[0], place) > LEAST
-        re_aim_dancers(correction, aimed, np.array([goal]), np.array([place]), NODE, RISE, LEAST)
+        taken = 1.0 - warp_share(RISE[0], place) > LEAST
+        redirect_dancers(correction, aimed, np.array([goal]), np.array([place]), NODE, RISE, LEAST)
         assert shift_at(correction, aimed, place) == pytest.approx(before, abs=1e-12)
         if taken:
             assert correction[0, :2] == pytest.approx(goal)
@@ -52,7 +52,7 @@ def test_a_goal_that_moves_smoothly_leaves_no_kink():
         way = []
         for place in places:
             goal = 0.2 - (0.1 * np.sin(np.pi * min(place, 0.5)) if moving else 0.0)
-            re_aim_dancers(correction, aimed, np.array([[goal, 0.0]]), np.array([place]), NODE, RISE, LEAST)
+            redirect_dancers(correction, aimed, np.array([[goal, 0.0]]), np.array([place]), NODE, RISE, LEAST)
             way.append(shift_at(correction, aimed, place)[0])
         ways[moving] = np.abs(np.diff(way, n=2)).max()
     assert ways[True] < 1.5 * ways[False]
@@ -62,9 +62,9 @@ def test_a_goal_that_moves_smoothly_leaves_no_kink():
 @given(st.floats(0, 1), st.floats(-2, 2), st.floats(-2, 2), st.floats(0.02, 0.4))
 def test_what_is_left_of_a_measure_is_gone_no_faster_than_a_whole_way(place, x, z, most):
     correction, aimed, goal = np.array([[0.05, 0.0, 0.0]]), np.zeros((1, 3)), np.array([[x, z]])
-    share = risen(RISE[0], place)
+    share = warp_share(RISE[0], place)
     now = shift_at(correction, aimed, place)
-    bound_aims(goal, correction, aimed, np.array([place]), NODE, RISE, np.array([most]), LEAST)
+    limit_goals(goal, correction, aimed, np.array([place]), NODE, RISE, np.array([most]), LEAST)
     rest = np.hypot(*(goal[0] - now))
     assert rest <= max((1.0 - share) * most, np.hypot(*(correction[0, :2] - now))) + 1e-9
     if 1.0 - share <= LEAST:
@@ -79,7 +79,7 @@ def test_ways_are_shortened_and_never_turned(seed):
     asked, node = way.copy(), chance.integers(0, 3, 8).astype(np.int32)
     gives, holds = chance.uniform(0, 0.4, (3, DIRECTIONS)), chance.uniform(0, 1, (3, 2))
     held, share = chance.normal(0, 0.08, (8, 2, 2)), chance.uniform(0.3, 1, 8)
-    bound_ways(way, yaw, node, gives, holds, held, share, 0.35, 0.15)
+    limit_corrections(way, yaw, node, gives, holds, held, share, 0.35, 0.15)
     size, before = np.hypot(*way.T), np.hypot(*asked.T)
     assert (size <= np.minimum(before, 0.35) + 1e-12).all()
     assert np.abs(way[:, 0] * asked[:, 1] - way[:, 1] * asked[:, 0]).max() < 1e-12
@@ -103,6 +103,6 @@ def test_shares_come_near_the_value_of_the_game():
         bounds=[(0, None)] * 5,
     ).fun
     weights = np.full(4, 0.25)
-    share_out(costs, weights, 256)
+    minimax_weights(costs, weights, 256)
     assert weights.sum() == pytest.approx(1.0)
     assert (costs @ weights).max() < 1.1 * best

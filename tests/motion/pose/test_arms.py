@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.pose.hand_hold import ARM_JOINTS, LEFT, NOBODY, RIGHT, Hands
-from live.motion.pose.hand_hold_kernels import FADE, LENGTH_BUFFER, PALM, join_hands
+from live.motion.pose.hand_hold import ARM_JOINTS, LEFT, NOBODY, RIGHT, HandHolds
+from live.motion.pose.hand_hold_kernels import FADE_RANGE, LENGTH_BUFFER, PALM, join_hands
 from live.motion.quaternion import from_axis_angle, inverse, mul, rotate
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
@@ -57,7 +57,7 @@ def test_hands_meet_within_reach_and_arms_stay_arms(distance, seed):
     shoulders = np.linalg.norm(before[0][0, ARM_JOINTS[[0, 3]]] - before[0][1, ARM_JOINTS[[3, 0]]], axis=-1)
     for hand in (LEFT, RIGHT):
         one, other = palms(position, rotation, hand)[0], palms(position, rotation, 1 - hand)[1]
-        if shoulders[hand] < 2.0 * REACH * (1.0 - float(FADE)) - 0.1:
+        if shoulders[hand] < 2.0 * REACH * (1.0 - float(FADE_RANGE)) - 0.1:
             assert np.linalg.norm(one - other) < 0.01
     assert np.linalg.norm(rotation, axis=-1) == pytest.approx(1.0, abs=1e-5)
     bones = SKELETON.parents[1:]
@@ -120,12 +120,12 @@ def _wanted(*, hold):
 
 def test_hands_are_taken_and_let_go_smoothly_and_within_a_beat():
     """Two dancers sway; holds close and open: no joint is accelerated as by a jump, all is over within a beat."""
-    hands, positions, closed = Hands(2), [], []
+    hands, positions, closed = HandHolds(2), [], []
     for tick in range(256):
         hands.tick(*_wanted(hold=40 <= tick < 160), TICK, BPM)
         position, rotation = facing(0.75, tick * TICK)
         free = position.copy()
-        hands.pose(position, rotation, 0.0)
+        hands.apply(position, rotation, 0.0)
         positions.append(position)
         closed.append(np.abs(position - free).max())
     assert max(closed[:41]) == 0.0
@@ -139,7 +139,7 @@ def test_hands_are_taken_and_let_go_smoothly_and_within_a_beat():
 
 
 def test_whoever_changes_her_partner_lets_go_first():
-    hands = Hands(3)
+    hands = HandHolds(3)
     first = np.full((3, 2), NOBODY, np.int32), np.zeros((3, 2, 2), np.int32)
     then = first[0].copy(), first[1]
     first[0][0, 0], then[0][1, 0] = 2, 2
@@ -153,11 +153,11 @@ def test_whoever_changes_her_partner_lets_go_first():
 
 
 def test_between_ticks_hands_go_on():
-    hands = Hands(2)
+    hands = HandHolds(2)
     for _ in range(8):
         hands.tick(*_wanted(hold=True), TICK, BPM)
     late, next_ = facing(0.75), facing(0.75)
-    hands.pose(*late, TICK)
+    hands.apply(*late, TICK)
     hands.tick(*_wanted(hold=True), TICK, BPM)
-    hands.pose(*next_, 0.0)
+    hands.apply(*next_, 0.0)
     assert late[0] == pytest.approx(next_[0], abs=0.01)

@@ -5,25 +5,25 @@ import pytest
 
 from live.graph.select.candidates import take_placement, transition_weight, turn_vectors
 from live.motion.editing.time_warp import draw_measure_warps, measure_warp
-from live.motion.pose.foot_lock_kernels import CLEAR, FEET_COLUMNS, ROUND
+from live.motion.pose.foot_lock_kernels import CLEARANCE, CLEARANCE_SOFTNESS, FEET_COLUMNS
 from live.motion.pose.gather_kernels import (
-    CLEARED,
     INTO_NEXT,
     LOWER,
+    MAX_CLEARANCE,
     NEXT,
     NEXT_LOWER,
     NEXT_TAKE,
     PRESENT,
     PRESENT_TAKE,
-    ask_dancers,
-    clear_feet,
     clip_hips,
     delay_phases,
+    gather_dancers,
+    set_clearance,
     standing_feet,
     warp_phases,
 )
 from live.motion.pose.pose_pipeline import PosePipeline
-from live.show.dancers.measure_state import Danced
+from live.show.dancers.measure_state import MeasureState
 from tests.show.made_show import GRAPH
 
 COUNT = 40
@@ -32,7 +32,7 @@ COUNT = 40
 def danced(seed):
     """Measures by chance, with corrections, turns and takes."""
     chance, nodes = np.random.default_rng(seed), GRAPH.library.node_count
-    result = Danced(GRAPH, COUNT)
+    result = MeasureState(GRAPH, COUNT)
     result.node[:] = chance.integers(0, nodes, COUNT)
     result.placement[:] = chance.normal(size=(COUNT, 3))
     result.correction[:] = 0.3 * chance.normal(size=(COUNT, 3))
@@ -47,12 +47,12 @@ def danced(seed):
 def ask(pipeline, own, then, phase, fraction, *, goes_on):
     """The question about everybody who is at `phase` of `own`, with `then` after it."""
     library, window = GRAPH.library, GRAPH.window
-    ask_dancers(
+    gather_dancers(
         np.arange(COUNT), phase, fraction, window, goes_on,
-        own.node, own.placement, own.correction, own.aimed, own.on_support, own.take, own.take_share, own.amplitude,
+        own.node, own.placement, own.correction, own.aim_origin, own.on_support, own.take, own.take_share, own.amplitude,
         then.node, then.placement, then.take, then.take_share, then.amplitude,
         library.node_first, library.node_last, library.node_lead, GRAPH.node_start, GRAPH.node_facing_start,
-        GRAPH.node_turns, GRAPH.node_rise,
+        GRAPH.node_turns, GRAPH.node_warp_curve,
         pipeline.sample, pipeline.placement, pipeline.share, pipeline.mean, pipeline.amplitude,
     )  # fmt: skip
 
@@ -67,7 +67,7 @@ def test_what_is_asked_is_what_the_measures_say(fraction, goes_on):
     into = transition_weight((phase - (1.0 - window)) / window) * goes_on
     np.testing.assert_allclose(pipeline.share[INTO_NEXT], into, atol=1e-6)
     placement = np.empty((COUNT, 4))
-    own.turned(phase, placement)
+    own.placements_at(phase, placement)
     _same(pipeline, own, phase, placement, PRESENT, PRESENT_TAKE, LOWER, np.ones(COUNT, np.bool_))
     np.testing.assert_array_equal(pipeline.mean[0], np.where(own.take_share[1] > 0.5, own.take, own.node))
     eased = fraction * fraction * (3.0 - 2.0 * fraction)
@@ -191,10 +191,10 @@ def cleared(shares, heights):
     count = shares.shape[1]
     feet = np.full((count, 2, FEET_COLUMNS), 7.0, np.float32)
     sample = np.tile(np.arange(4.0)[:, None], (1, count))
-    clear_feet(feet, sample, shares.astype(np.float32), np.repeat(np.float32(heights)[:, None], 2, axis=1))
-    np.testing.assert_array_equal(feet[:, :, :CLEAR], 7.0)
+    set_clearance(feet, sample, shares.astype(np.float32), np.repeat(np.float32(heights)[:, None], 2, axis=1))
+    np.testing.assert_array_equal(feet[:, :, :CLEARANCE], 7.0)
     np.testing.assert_array_equal(feet[:, 0], feet[:, 1])
-    return feet[:, 0, CLEAR], feet[:, 0, ROUND]
+    return feet[:, 0, CLEARANCE], feet[:, 0, CLEARANCE_SOFTNESS]
 
 
 def test_feet_of_clips_alone_are_left_as_they_are_and_standing_feet_stand():
@@ -215,7 +215,7 @@ def test_in_a_blend_a_foot_is_as_high_as_the_clip_that_has_it_highest():
     for heights in ([0.03, 0.0, 0.0, 0.0], [0.0, 0.0, 0.03, 0.0], [0.3, 0.0, 0.01, 0.0]):
         clear, soft = cleared(share, heights)
         blended = (1.0 - share[INTO_NEXT]) * heights[0] + share[INTO_NEXT] * heights[2]
-        highest = max(heights) / np.sqrt(1.0 + (max(heights) / CLEARED) ** 2)
+        highest = max(heights) / np.sqrt(1.0 + (max(heights) / MAX_CLEARANCE) ** 2)
         assert clear.max() <= 1.2 * highest
         assert soft[0] == soft[-1] == 0.0
         middle = slice(26, 75)

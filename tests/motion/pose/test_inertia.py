@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from live.motion import quaternion
-from live.motion.pose.inertialization import Inertia
-from live.motion.pose.inertialization_kernels import LONGEST, SHORTEST, age_cuts
+from live.motion.pose.inertialization import Inertialization
+from live.motion.pose.inertialization_kernels import MAX_FADE_TIME, MIN_FADE_TIME, update_ages
 from live.motion.pose.pipeline_kernels import PRESENT
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline, PoseSkeleton
 from live.motion.skeleton import JOINT_COUNT
@@ -32,7 +32,7 @@ def smooth_clips(seed, spread=0.7):
         size = np.linalg.norm(turns, axis=-1)
         rotations.append(quaternion.mul(around, quaternion.from_axis_angle(turns / size[..., None], size)))
         roots.append(0.3 * np.sin(time[:, 0] + chance.uniform(0, 6, (1, 3))))
-    rotation = quaternion.continuous(np.concatenate(rotations)).astype(np.float32)
+    rotation = quaternion.align_signs(np.concatenate(rotations)).astype(np.float32)
     return ClipStore.of(np.concatenate(roots).astype(np.float32), rotation)
 
 
@@ -44,13 +44,13 @@ class Cut:
         self.store = smooth_clips(seed, spread)
         self.old = chance.integers(4, SAMPLES - 34, COUNT) + 0.5
         self.new = SAMPLES + chance.integers(4, SAMPLES - 34, COUNT) + 0.5
-        self.inertia = Inertia(COUNT, JOINT_COUNT)
+        self.inertia = Inertialization(COUNT, JOINT_COUNT)
         self.pipeline = PosePipeline(COUNT)
-        self.pipeline.settling, self.pipeline.age = self.inertia.settling, self.inertia.age
+        self.pipeline.difference, self.pipeline.age = self.inertia.difference, self.inertia.age
         before = self._two(self.old)
         after = self._two(self.new)
         rows = np.arange(COUNT, dtype=np.int32)
-        self.inertia.begin(rows, before, after, self.pipeline.skeleton.parents, time=10.0, dt=DT)
+        self.inertia.cut(rows, before, after, self.pipeline.skeleton.parents, time=10.0, dt=DT)
 
     def _two(self, sample):
         found = [self.clip(sample - back) for back in (0.0, 1.0)]
@@ -58,13 +58,13 @@ class Cut:
 
     def clip(self, sample):
         """Positions and rotations of the clips alone."""
-        self.inertia.age[:] = LONGEST
+        self.inertia.age[:] = MAX_FADE_TIME
         self.pipeline.sample[PRESENT] = sample
         return tuple(array.copy() for array in self.pipeline.run(self.store))
 
     def shown(self, seconds):
         """The same `seconds` after the cut, with what is left of the old motion."""
-        self.inertia.place(10.0 + seconds)
+        self.inertia.update_age(10.0 + seconds)
         self.pipeline.sample[PRESENT] = self.new + seconds * RATE
         return tuple(array.copy() for array in self.pipeline.run(self.store))
 
@@ -97,7 +97,7 @@ def test_the_speed_is_the_old_one_at_the_cut(seed, spread):
 @given(st.integers(0, 2**32 - 1))
 def test_nothing_is_left_after_the_longest_time(seed):
     cut = Cut(seed)
-    for seconds in (LONGEST, LONGEST + 0.05):
+    for seconds in (MAX_FADE_TIME, MAX_FADE_TIME + 0.05):
         shown, clip = cut.shown(seconds), cut.clip(cut.new + seconds * RATE)
         assert (shown[0] == clip[0]).all()
         assert (shown[1] == clip[1]).all()
@@ -107,8 +107,8 @@ def test_nothing_is_changed_in_whom_nobody_cuts():
     """One dancer of a block is cut: the others' bits stay, and so do those of whoever has settled."""
     cut = Cut(5)
     plain = cut.clip(cut.new)
-    cut.inertia.forget(np.flatnonzero(np.arange(COUNT) != 3))
-    cut.inertia.place(10.0)
+    cut.inertia.clear(np.flatnonzero(np.arange(COUNT) != 3))
+    cut.inertia.update_age(10.0)
     cut.pipeline.sample[PRESENT] = cut.new
     shown = cut.pipeline.run(cut.store)
     others = np.arange(COUNT) != 3
@@ -119,20 +119,20 @@ def test_nothing_is_changed_in_whom_nobody_cuts():
 
 def difference(offset, speed, seconds):
     """The difference left after each of `seconds`, of one joint, as the kernels let it fade, (T, 3)."""
-    inertia = Inertia(1, JOINT_COUNT)
+    inertia = Inertialization(1, JOINT_COUNT)
     parents = PosePipeline(1).skeleton.parents
     rest = np.zeros((2, 1, JOINT_COUNT, 3), np.float32), np.tile(np.float32([1, 0, 0, 0]), (2, 1, JOINT_COUNT, 1))
     old = rest[0].copy()
     old[0, 0, 0], old[1, 0, 0] = offset, offset - DT * speed
-    inertia.begin(np.zeros(1, np.int32), (old, rest[1]), rest, parents, time=0.0, dt=DT)
+    inertia.cut(np.zeros(1, np.int32), (old, rest[1]), rest, parents, time=0.0, dt=DT)
     pipeline = PosePipeline(1)
-    pipeline.settling, pipeline.age = inertia.settling, inertia.age
+    pipeline.difference, pipeline.age = inertia.difference, inertia.age
     still = ClipStore.of(np.zeros((2, 3), np.float32), rest[1][:, 0])
     found = []
     for at in seconds:
-        inertia.place(at)
+        inertia.update_age(at)
         found.append(pipeline.run(still)[0][0, 0].copy())
-    return np.array(found, np.float64), float(inertia.settling[0, JOINT_COUNT, 6])
+    return np.array(found, np.float64), float(inertia.difference[0, JOINT_COUNT, 6])
 
 
 def quintic(offset, speed, duration, seconds):
@@ -154,9 +154,9 @@ def quintic(offset, speed, duration, seconds):
 def test_a_difference_fades_by_the_quintic_and_within_its_bound(seed):
     chance = np.random.default_rng(seed)
     offset, speed = chance.normal(0, 0.3, 3), chance.normal(0, 2.0, 3)
-    seconds = np.linspace(0.0, LONGEST, 41)
+    seconds = np.linspace(0.0, MAX_FADE_TIME, 41)
     found, duration = difference(offset, speed, seconds)
-    assert SHORTEST <= duration <= LONGEST + 1e-6
+    assert MIN_FADE_TIME <= duration <= MAX_FADE_TIME + 1e-6
     assert found == pytest.approx(quintic(offset, speed, duration, seconds), abs=2e-4)
     bound = np.linalg.norm(offset) + 0.2 * duration * np.linalg.norm(speed)
     assert np.linalg.norm(found, axis=-1).max() <= bound + 1e-4
@@ -167,8 +167,8 @@ def test_a_difference_that_closes_straight_never_passes_zero(size, share, seed):
     """Bollo's bound: as long as the shortest fade lets it, the difference shrinks all the time and never turns over."""
     way = np.random.default_rng(seed).normal(0, 1, 3)
     way /= np.linalg.norm(way)
-    fastest = 2.5 * size / SHORTEST
-    found, _ = difference(size * way, -share * fastest * way, np.linspace(0.0, LONGEST, 81))
+    fastest = 2.5 * size / MIN_FADE_TIME
+    found, _ = difference(size * way, -share * fastest * way, np.linspace(0.0, MAX_FADE_TIME, 81))
     along = found @ way
     assert along.min() > -2e-4 * (1.0 + size)
     assert np.diff(along).max() < 2e-4 * (1.0 + size)
@@ -185,11 +185,11 @@ def test_the_differences_of_rotations_take_the_short_way_and_keep_it():
     for sample in range(4):
         pipeline.sample[PRESENT] = sample
         poses[sample] = tuple(array.copy() for array in pipeline.run(store))
-    inertia = Inertia(1, JOINT_COUNT)
+    inertia = Inertialization(1, JOINT_COUNT)
     old = tuple(np.stack([poses[1][k], poses[0][k]]) for k in range(2))
     new = tuple(np.stack([poses[2][k], poses[3][k]]) for k in range(2))
-    inertia.begin(np.zeros(1, np.int32), old, new, pipeline.skeleton.parents, time=0.0, dt=DT)
-    offset, speed = inertia.settling[0, 5, :3], inertia.settling[0, 5, 3:6]
+    inertia.cut(np.zeros(1, np.int32), old, new, pipeline.skeleton.parents, time=0.0, dt=DT)
+    offset, speed = inertia.difference[0, 5, :3], inertia.difference[0, 5, 3:6]
     assert math.degrees(np.linalg.norm(offset)) == pytest.approx(170.0, abs=0.1)
     assert math.degrees(speed[2] * DT) == pytest.approx(-19.0, abs=0.1)  # 189 to 170, not -171 to 170
 
@@ -200,14 +200,14 @@ def test_the_legs_alone_keep_the_same_differences():
     whole = cut.shown(0.1)[0]
     skeleton, joints = PoseSkeleton.legs_only()
     legs = PosePipeline(COUNT, skeleton)
-    legs.sample, legs.settling, legs.age = cut.pipeline.sample, cut.inertia.settling, cut.inertia.age
-    legs.watched = joints
+    legs.sample, legs.difference, legs.age = cut.pipeline.sample, cut.inertia.difference, cut.inertia.age
+    legs.difference_rows = joints
     store = ClipStore.of(cut.store.root, cut.store.rotation[:, joints])
     assert legs.run(store)[0] == pytest.approx(whole[:, joints], abs=1e-6)
 
 
 def test_cuts_grow_old_and_are_forgotten():
     age, began = np.zeros(3, np.float32), np.array([1.0, -np.inf, 1.3])
-    assert age_cuts(age, began, 1.35)
-    np.testing.assert_allclose(age, [0.35, LONGEST, 0.05], atol=1e-6)
-    assert not age_cuts(age, began, 3.0)
+    assert update_ages(age, began, 1.35)
+    np.testing.assert_allclose(age, [0.35, MAX_FADE_TIME, 0.05], atol=1e-6)
+    assert not update_ages(age, began, 3.0)

@@ -5,7 +5,7 @@ import pytest
 
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.pose.hand_hold import ARM_JOINTS, LEFT, RIGHT
-from live.motion.pose.hand_hold_kernels import LENGTH_BUFFER, SOFT, reach_palms, see_palms
+from live.motion.pose.hand_hold_kernels import LENGTH_BUFFER, STRAIGHTENING_RANGE, measure_reach, reach_palms
 from live.motion.quaternion import from_axis_angle, inverse, mul, rotate
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from tests.motion.pose.test_arms import facing, palms
@@ -51,7 +51,7 @@ def test_palms_meet_within_reach_and_only_the_followers_arms_move(distance, seed
         gap = np.linalg.norm(palms(position, rotation, hand)[1] - palms(position, rotation, 1 - hand)[0])
         far, whole = far_off(*before, hand), length(*before, hand)
         assert length(position, rotation, hand) == pytest.approx(whole, abs=1e-5)
-        if far < whole - float(LENGTH_BUFFER) - float(SOFT):
+        if far < whole - float(LENGTH_BUFFER) - float(STRAIGHTENING_RANGE):
             assert gap < 1e-4
         elif far < whole:
             assert gap < 0.03
@@ -132,7 +132,7 @@ def test_who_leads_others_comes_first_and_many_are_held_as_one_is():
 def test_what_is_seen_is_what_there_is_to_reach():
     position, rotation = facing(0.7, seed=4)
     out = np.zeros((2, 6), np.float32)
-    see_palms(position, rotation, *BOTH, ARM_JOINTS, out)
+    measure_reach(position, rotation, *BOTH, ARM_JOINTS, out)
     for n, hand in enumerate((RIGHT, LEFT)):
         target, own = palms(position, rotation, 1 - hand)[0], palms(position, rotation, hand)[1]
         way = target - position[1, ARM_JOINTS[3 * hand]]

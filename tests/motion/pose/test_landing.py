@@ -3,35 +3,35 @@
 import numpy as np
 import pytest
 
-from live.motion.pose.foot_lock import ARRIVED, HIGHEST, STAYS, Landing
-from live.motion.pose.foot_lock_kernels import CLEAR, FEET_COLUMNS, ROUND
-from live.motion.pose.inertialization_kernels import LONGEST
+from live.motion.pose.foot_lock import ARRIVAL_DISTANCE, LIFT_HEIGHT, STAY_DISTANCE, CutFootLift
+from live.motion.pose.foot_lock_kernels import CLEARANCE, CLEARANCE_SOFTNESS, FEET_COLUMNS
+from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
 
 
 def lifts(landing, age):
     """CLEAR of both feet of all dancers, (A, 2), `age` [s] after their cuts."""
     feet = np.zeros((len(landing.lift), 2, FEET_COLUMNS), np.float32)
     landing.clear(feet, np.full(len(landing.lift), age, np.float32))
-    np.testing.assert_array_equal(feet[:, :, :CLEAR], 0.0)
-    assert feet[:, :, ROUND] == pytest.approx(0.3 * feet[:, :, CLEAR])
-    return feet[:, :, CLEAR]
+    np.testing.assert_array_equal(feet[:, :, :CLEARANCE], 0.0)
+    assert feet[:, :, CLEARANCE_SOFTNESS] == pytest.approx(0.3 * feet[:, :, CLEARANCE])
+    return feet[:, :, CLEARANCE]
 
 
 def test_only_feet_with_a_way_to_go_are_lifted():
-    landing = Landing(3)
+    landing = CutFootLift(3)
     landing.begin(np.array([0, 2], np.int32), np.array([[0.5, 0.3], [0.02, 0.11]]))
-    highest = np.max([lifts(landing, age) for age in np.linspace(0.0, LONGEST, 81)], axis=0)
-    assert highest[0] == pytest.approx([HIGHEST, HIGHEST], abs=1e-4)
+    highest = np.max([lifts(landing, age) for age in np.linspace(0.0, MAX_FADE_TIME, 81)], axis=0)
+    assert highest[0] == pytest.approx([LIFT_HEIGHT, LIFT_HEIGHT], abs=1e-4)
     np.testing.assert_array_equal(highest[1:], 0.0)
     landing.begin(np.array([0], np.int32), np.array([[0.5, 0.1]]))  # cut again
     assert (lifts(landing, 0.1)[0] > 0.0).tolist() == [True, False]
 
 
 def test_they_leave_and_land_softly_and_within_the_time_a_cut_takes():
-    landing, dt = Landing(1), 1.0 / 240.0
+    landing, dt = CutFootLift(1), 1.0 / 240.0
     landing.begin(np.array([0], np.int32), np.array([[0.5, 0.5]]))
     height = np.array([lifts(landing, n * dt)[0, 0] for n in range(121)])
-    assert height[0] == height[-1] == lifts(landing, LONGEST)[0, 0] == 0.0
+    assert height[0] == height[-1] == lifts(landing, MAX_FADE_TIME)[0, 0] == 0.0
     speed = np.diff(height) / dt
     assert abs(speed[0]) < 0.15
     assert np.abs(speed).max() < 1.4
@@ -39,17 +39,17 @@ def test_they_leave_and_land_softly_and_within_the_time_a_cut_takes():
 
 
 def test_what_is_shown_of_other_clips_is_kept():
-    landing = Landing(1)
+    landing = CutFootLift(1)
     landing.begin(np.array([0], np.int32), np.array([[0.5, 0.0]]))
     feet = np.full((1, 2, FEET_COLUMNS), 0.2, np.float32)
-    landing.clear(feet, np.array([0.15], np.float32))
+    landing.apply(feet, np.array([0.15], np.float32))
     np.testing.assert_array_equal(feet, np.float32(0.2))
 
 
 def test_feet_on_their_way_are_held_where_they_have_arrived():
-    landing = Landing(2)
+    landing = CutFootLift(2)
     landing.begin(np.array([0], np.int32), np.array([[0.5, 0.0]]))
-    away = np.array([[0.5 * (ARRIVED + STAYS)] * 2] * 2)
-    assert landing.near(away).tolist() == [[False, True], [True, True]]
-    assert landing.near(0.0 * away).all()
-    assert not landing.near(0.0 * away + STAYS).any()
+    away = np.array([[0.5 * (ARRIVAL_DISTANCE + STAY_DISTANCE)] * 2] * 2)
+    assert landing.may_lock(away).tolist() == [[False, True], [True, True]]
+    assert landing.may_lock(0.0 * away).all()
+    assert not landing.may_lock(0.0 * away + STAY_DISTANCE).any()

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.pose.pipeline_kernels import INTO_NEXT, LOWER, NEXT, PRESENT, PRESENT_TAKE, UPPER, public_turn
+from live.motion.pose.pipeline_kernels import INTO_NEXT, LOWER, NEXT, PRESENT, PRESENT_TAKE, UPPER, head_turn
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline, PoseSkeleton, mean_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
@@ -29,7 +29,7 @@ def clips(seed, spread=0.9):
     size = np.linalg.norm(turns, axis=-1)
     rotation = quaternion.mul(around, quaternion.from_axis_angle(turns / size[..., None], size))
     root = chance.normal(0, 1, (1, 3)) + 0.2 * np.sin(time[:, 0] + chance.uniform(0, 6, (1, 3)))
-    return root.astype(np.float32), quaternion.continuous(rotation).astype(np.float32)
+    return root.astype(np.float32), quaternion.align_signs(rotation).astype(np.float32)
 
 
 def at(root, rotation, sample):
@@ -218,7 +218,7 @@ def test_heads_face_the_public_as_far_as_necks_allow(turned):
 def test_the_head_swings_round_without_a_jump():
     """Over a whole spin the neck's angle is continuous and its speed at most that of the body."""
     turns = np.linspace(-math.pi, math.pi, 20001)
-    neck = np.array([public_turn(turn) for turn in turns])
+    neck = np.array([head_turn(turn) for turn in turns])
     slope = np.diff(neck) / np.diff(turns)
     assert np.abs(slope).max() < 1.01
     assert neck[0] == pytest.approx(neck[-1], abs=1e-9)

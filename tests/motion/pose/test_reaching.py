@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from live.motion.pose.foot_lock import LEG_JOINTS, FootLock
-from live.motion.pose.foot_lock_kernels import CLEAR, FEET_COLUMNS, LENGTH_BUFFER, LIFT, PELVIS_DROP, ROUND, SHIFT_Z
+from live.motion.pose.foot_lock_kernels import (
+    CLEARANCE,
+    CLEARANCE_SOFTNESS,
+    FEET_COLUMNS,
+    LENGTH_BUFFER,
+    LIFT,
+    PELVIS_DROP,
+    SHIFT_Z,
+)
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
 
@@ -31,7 +39,7 @@ def posed(shift, height=0.0, lift=None, clear=None):
     if lift is not None:
         pipeline.feet[:, 0, LIFT] = lift
     if clear is not None:
-        pipeline.feet[:, 0, CLEAR], pipeline.feet[:, 0, ROUND] = clear, 0.3 * clear
+        pipeline.feet[:, 0, CLEARANCE], pipeline.feet[:, 0, CLEARANCE_SOFTNESS] = clear, 0.3 * clear
     return pipeline.run(ClipStore.of(root, rotation))[0].astype(float), root
 
 

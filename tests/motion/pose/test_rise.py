@@ -5,8 +5,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.motion.pose.root_warp import BUFFER, LEG, MOST_HELD, SINK, STANDING, give_of, holds_of, rise_of, stances
-from live.motion.pose.root_warp_kernels import DIRECTIONS, KNOTS, RATE, SHARE, given_towards, risen
+from live.motion.pose.root_warp import (
+    LEG_LENGTH,
+    LENGTH_BUFFER,
+    MAX_HELD_SHIFT,
+    PELVIS_DROP,
+    STANDING_MARGIN,
+    compute_reach_margin,
+    compute_warp_curve,
+    initial_hold_shares,
+    stances,
+)
+from live.motion.pose.root_warp_kernels import DIRECTIONS, KNOTS, WARP_RATE, WARP_SHARE, margin_towards, warp_share
 
 LAST = 0.8125
 COUNT = 4 * (KNOTS - 1) + 1
@@ -27,44 +37,44 @@ WALK = stepping((0, 0.05, 0.2), (1, 0.3, 0.45), (0, 0.55, 0.7), (1, 0.8, 0.95))
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 1), st.floats(0, 0.9), st.floats(0.05, 0.3)), max_size=6))
 def test_a_rise_goes_from_nothing_to_all_and_never_back(swings):
-    rise, _ = rise_of(stepping(*((foot, begin, begin + size) for foot, begin, size in swings)), last=LAST)
-    share = np.array([risen(rise, place) for place in PLACES])
+    rise, _ = compute_warp_curve(stepping(*((foot, begin, begin + size) for foot, begin, size in swings)), last=LAST)
+    share = np.array([warp_share(rise, place) for place in PLACES])
     assert share[0] == 0.0
     assert share[-1] == pytest.approx(1.0)
     assert (np.diff(share) >= -1e-12).all()
     late = PLACES >= LAST + 1.5 / (KNOTS - 1)
     assert share[late] == pytest.approx(1.0)  # nothing within the blend
     for place in (np.arange(KNOTS - 1) + 0.37) / (KNOTS - 1):  # the rate, which is continuous, is the derivative
-        slope = (risen(rise, place + 1e-4) - risen(rise, place - 1e-4)) / 2e-4
-        assert slope == pytest.approx(np.interp(place, np.linspace(0, 1, KNOTS), rise[:, RATE]), abs=1e-6)
+        slope = (warp_share(rise, place + 1e-4) - warp_share(rise, place - 1e-4)) / 2e-4
+        assert slope == pytest.approx(np.interp(place, np.linspace(0, 1, KNOTS), rise[:, WARP_RATE]), abs=1e-6)
 
 
 def test_it_rises_only_while_one_foot_carries():
-    rise, follows = rise_of(WALK, last=LAST)
+    rise, follows = compute_warp_curve(WALK, last=LAST)
     assert follows
     both = WALK.all(axis=1)
     edge = 1.5 / (KNOTS - 1)
     deep = np.array([both[np.abs(PLACES - place) <= edge].all() for place in PLACES])
-    share = np.array([risen(rise, place) for place in PLACES])
+    share = np.array([warp_share(rise, place) for place in PLACES])
     assert np.diff(share)[deep[1:] & deep[:-1]].max() < 1e-9
     assert np.diff(share)[~both[1:] & (PLACES[1:] < 0.6)].sum() > 0.5
 
 
 def test_no_stance_holds_out_much_more_than_its_part():
     """Left and right swing in turn: three stretches in all, so no foot is held against more than half the way."""
-    rise, _ = rise_of(WALK, last=LAST)
-    share = np.array([risen(rise, place) for place in PLACES])
+    rise, _ = compute_warp_curve(WALK, last=LAST)
+    share = np.array([warp_share(rise, place) for place in PLACES])
     held = [share[end - 1] - share[begin] for _, begin, end in stances(WALK)]
     assert max(held) < 0.5
-    holds = holds_of(standing_legs()[1], WALK, rise)
+    holds = initial_hold_shares(standing_legs()[1], WALK, rise)
     assert holds[0] == pytest.approx(0.0, abs=0.01)  # the left foot is lifted before anything comes in
 
 
 def test_where_no_foot_is_lifted_it_is_an_ease_that_gives_little():
-    rise, follows = rise_of(stepping(), last=LAST)
+    rise, follows = compute_warp_curve(stepping(), last=LAST)
     assert not follows
-    assert risen(rise, 0.5 * LAST) == pytest.approx(0.5, abs=0.02)
-    assert give_of(*standing_legs(), stepping(), rise, follows=False).max() <= STANDING
+    assert warp_share(rise, 0.5 * LAST) == pytest.approx(0.5, abs=0.02)
+    assert compute_reach_margin(*standing_legs(), stepping(), rise, follows_feet=False).max() <= STANDING_MARGIN
 
 
 def standing_legs(ahead=0.0):
@@ -77,34 +87,34 @@ def standing_legs(ahead=0.0):
 @given(st.floats(-0.2, 0.2))
 def test_what_is_given_every_leg_reaches(ahead):
     """Brute force: with the given way in any direction no standing leg is longer than it may be."""
-    rise, _ = rise_of(WALK, last=LAST)
+    rise, _ = compute_warp_curve(WALK, last=LAST)
     hip, ankle = standing_legs(ahead)
-    give = give_of(hip, ankle, WALK, rise, follows=True)
+    give = compute_reach_margin(hip, ankle, WALK, rise, follows_feet=True)
     assert (give > 0.05).all()
-    share = np.array([risen(rise, place) for place in PLACES])
+    share = np.array([warp_share(rise, place) for place in PLACES])
     for k in range(DIRECTIONS):
         angle = 2 * np.pi * k / DIRECTIONS
         way = give[k] * np.array([np.sin(angle), np.cos(angle)])
         for foot, begin, end in stances(WALK):
             moved = (share[begin:end] - share[begin])[:, None] * way
-            assert np.hypot(*moved.T).max() <= MOST_HELD + 1e-9
+            assert np.hypot(*moved.T).max() <= MAX_HELD_SHIFT + 1e-9
             leg = ankle[begin:end, foot] - hip[begin:end, foot]
             leg[:, (0, 2)] -= moved
-            leg[:, 1] += SINK
-            assert np.linalg.norm(leg, axis=1).max() <= max(LEG - BUFFER, np.hypot(0.76, ahead)) + 1e-6
+            leg[:, 1] += PELVIS_DROP
+            assert np.linalg.norm(leg, axis=1).max() <= max(LEG_LENGTH - LENGTH_BUFFER, np.hypot(0.76, ahead)) + 1e-6
 
 
 def test_a_foot_that_the_clip_drags_holds_nothing():
-    rise, _ = rise_of(stepping(), last=LAST)
+    rise, _ = compute_warp_curve(stepping(), last=LAST)
     hip, ankle = standing_legs()
     ankle[..., 0] = hip[..., 0] = PLACES[:, None]
-    assert give_of(hip, ankle, stepping(), rise, follows=False).min() > 4 * STANDING
-    assert not holds_of(ankle, stepping(), rise).any()
+    assert compute_reach_margin(hip, ankle, stepping(), rise, follows_feet=False).min() > 4 * STANDING_MARGIN
+    assert not initial_hold_shares(ankle, stepping(), rise).any()
 
 
 def test_a_leg_that_trails_lets_less_ahead_than_back():
-    rise, _ = rise_of(WALK, last=LAST)
-    give = give_of(*standing_legs(ahead=-0.22), WALK, rise, follows=True)
-    assert given_towards(give, 0.0, 1.0) < given_towards(give, 0.0, -1.0)
-    assert given_towards(give, 0.0, 1.0) == pytest.approx(give[0])
-    assert rise[-1, SHARE] == pytest.approx(1.0)
+    rise, _ = compute_warp_curve(WALK, last=LAST)
+    give = compute_reach_margin(*standing_legs(ahead=-0.22), WALK, rise, follows_feet=True)
+    assert margin_towards(give, 0.0, 1.0) < margin_towards(give, 0.0, -1.0)
+    assert margin_towards(give, 0.0, 1.0) == pytest.approx(give[0])
+    assert rise[-1, WARP_SHARE] == pytest.approx(1.0)

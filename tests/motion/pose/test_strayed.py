@@ -3,21 +3,21 @@
 import numpy as np
 
 from live.motion.pose.root_warp_kernels import (
-    AHEAD,
+    AGENT_AT_DECISION,
+    AGENT_LEAD,
     AIM,
     AIM_SPEED,
     BEGIN,
+    DESIRED,
     END,
-    FORESEEN,
     GOAL,
     KNOTS,
     PLAN,
     ROWS,
-    WISH,
-    carry_agents,
+    clamp_ends,
+    compute_references,
+    desire_corrections,
     follow_goals,
-    keep_ends,
-    stray_wishes,
 )
 
 COUNT = 50
@@ -32,29 +32,31 @@ def test_who_strays_is_followed_as_far_as_she_obeys():
     chance, rows = drawn()
     position, shown = chance.normal(0.0, 1.0, (2, COUNT, 2)).astype(np.float32)
     obedience, late = chance.uniform(0.0, 1.0, COUNT), np.where(np.arange(COUNT) % 5 == 0, 0.4, 0.0)
-    stray_wishes(rows, position, obedience, late, shown, 0.3, 0.08, 0.6)
+    desire_corrections(rows, position, obedience, late, shown, 0.3, 0.08, 0.6)
     plan, passed = rows[END] + rows[PLAN], (0.3 / (1.0 + late))[:, None]
     bound = np.where(late[:, None] > 0.0, shown, rows[BEGIN] + passed * (plan - rows[BEGIN]))
     # from where agents were to where they were foreseen, unless their leash is shorter
-    foreseen = rows[BEGIN] + rows[AHEAD] + passed * (rows[FORESEEN] - rows[BEGIN] - rows[AHEAD]) - bound
+    foreseen = (
+        rows[BEGIN] + rows[AGENT_LEAD] + passed * (rows[AGENT_AT_DECISION] - rows[BEGIN] - rows[AGENT_LEAD]) - bound
+    )
     foreseen *= np.minimum(1.0, 0.6 / np.linalg.norm(foreseen, axis=1))[:, None]
     stray = position - bound - foreseen
     size = np.linalg.norm(stray, axis=1)
     expected = stray * (obedience * np.maximum(size - 0.08, 0.0) / size)[:, None]
-    np.testing.assert_allclose(rows[WISH] - rows[PLAN], expected, atol=1e-6)
+    np.testing.assert_allclose(rows[DESIRED] - rows[PLAN], expected, atol=1e-6)
 
 
 def test_an_agent_who_comes_as_foreseen_re_aims_nobody_however_late():
     _, rows = drawn()
-    rows[AHEAD] *= 0.2
-    rows[FORESEEN] = rows[END] + rows[PLAN] + rows[AHEAD]
+    rows[AGENT_LEAD] *= 0.2
+    rows[AGENT_AT_DECISION] = rows[END] + rows[PLAN] + rows[AGENT_LEAD]
     late = np.linspace(0.0, 0.9, COUNT)
     for fraction in (0.0, 0.3, 0.8):
         passed = (fraction / (1.0 + late))[:, None]
-        position = rows[BEGIN] + rows[AHEAD] + passed * (rows[FORESEEN] - rows[BEGIN] - rows[AHEAD])
-        shown = (position - 0.4 * rows[AHEAD]).astype(np.float32)  # anywhere within the leash
-        stray_wishes(rows, position.astype(np.float32), np.ones(COUNT), late, shown, fraction, 0.08, 0.6)
-        np.testing.assert_array_equal(rows[WISH], rows[PLAN])
+        position = rows[BEGIN] + rows[AGENT_LEAD] + passed * (rows[AGENT_AT_DECISION] - rows[BEGIN] - rows[AGENT_LEAD])
+        shown = (position - 0.4 * rows[AGENT_LEAD]).astype(np.float32)  # anywhere within the leash
+        desire_corrections(rows, position.astype(np.float32), np.ones(COUNT), late, shown, fraction, 0.08, 0.6)
+        np.testing.assert_array_equal(rows[DESIRED], rows[PLAN])
 
 
 def test_ends_stay_on_the_stage_of_those_who_are_there():
@@ -62,7 +64,7 @@ def test_ends_stay_on_the_stage_of_those_who_are_there():
     end, way = chance.uniform(-8.0, 8.0, (COUNT, 2)), chance.normal(0.0, 1.0, (COUNT, 2))
     state, before = (np.arange(COUNT) % 2).astype(np.int8), way.copy()
     room = np.tile([6.0, 4.0], (COUNT, 1))
-    keep_ends(way, end, state, 1, room)
+    clamp_ends(way, end, state, 1, room)
     there = state == 1
     np.testing.assert_allclose((end + way)[there], np.clip(end + before, (-6.0, -4.0), (6.0, 4.0))[there], atol=1e-12)
     np.testing.assert_array_equal(way[~there], before[~there])
@@ -89,7 +91,7 @@ def test_agents_are_bound_to_an_even_way_or_to_who_is_late():
     correction, shown = chance.normal(0.0, 0.2, (COUNT, 3)), chance.normal(0.0, 1.0, (COUNT, 2)).astype(np.float32)
     late = np.where(np.arange(COUNT) % 3 == 0, 0.2, 0.0)
     reference, pace = np.zeros((2, COUNT, 2), np.float32)
-    carry_agents(reference, pace, rows, correction, 0.25, 0.5, late, shown)
+    compute_references(reference, pace, rows, correction, 0.25, 0.5, late, shown)
     way, on_time = rows[END] + correction[:, :2] - rows[BEGIN], late == 0.0
     np.testing.assert_allclose(reference[on_time], (rows[BEGIN] + 0.25 * way)[on_time], atol=1e-6)
     np.testing.assert_allclose(pace[on_time], 0.5 * way[on_time], atol=1e-6)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from live.motion.editing.turn_insertion import SupportTurns, soft_progress
 from live.motion.pose.root_warp_kernels import KNOTS
-from live.motion.pose.turn_kernels import place_dancers, soft_share
+from live.motion.pose.turn_kernels import eased_share, place_dancers
 
 NODES, DANCERS = 12, 40
 CHANCE = np.random.default_rng(9)
@@ -74,7 +74,7 @@ def test_spread_over_the_measure_the_body_alone_turns():
 
 @given(st.floats(0, 1), st.floats(0, 0.5))
 def test_a_turn_speeds_up_and_slows_down_as_the_closed_form_says(passed, softness):
-    assert soft_share(passed, softness) == pytest.approx(float(soft_progress(passed, softness)), abs=1e-9)
+    assert eased_share(passed, softness) == pytest.approx(float(soft_progress(passed, softness)), abs=1e-9)
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(0, 1))

@@ -8,7 +8,7 @@ import pytest
 from live.motion import quaternion
 from live.motion.retarget.joint_mapping import SourceBody
 from live.motion.retarget.rest_pose_alignment import SourcePoints
-from live.motion.retarget.retarget import PLACES, SPINE, neck_rotation, source_places, spine_rotations
+from live.motion.retarget.retarget import SPINE, SPINE_FRACTIONS, neck_rotation, source_spine_fractions, spine_rotations
 from live.motion.skeleton import SKELETON
 
 X = np.array((1.0, 0.0, 0.0))
@@ -39,13 +39,15 @@ def test_our_own_places_are_where_the_skeleton_has_them() -> None:
     heights = [SKELETON.rest_positions()[SKELETON.index(n), 1] for n in ("hips", *SPINE, "neck")]
     middles = [(a + b) / 2 for a, b in pairwise(heights[1:])]
     expected = [(m - heights[0]) / (heights[-1] - heights[0]) for m in middles]
-    np.testing.assert_allclose(PLACES, expected, atol=0.005)
+    np.testing.assert_allclose(SPINE_FRACTIONS, expected, atol=0.005)
 
 
 def test_places_of_a_chain() -> None:
-    np.testing.assert_allclose(source_places(trunk(0.2, 0.6)), (0.1, 0.4, 0.8))
-    np.testing.assert_allclose(source_places(trunk(0.0, 0.5, 1.0)), (0.0, 0.25, 0.75, 1.0))  # hips and neck on joints
-    np.testing.assert_allclose(source_places(trunk(neck=0.0)), (0.0,))
+    np.testing.assert_allclose(source_spine_fractions(trunk(0.2, 0.6)), (0.1, 0.4, 0.8))
+    np.testing.assert_allclose(
+        source_spine_fractions(trunk(0.0, 0.5, 1.0)), (0.0, 0.25, 0.75, 1.0)
+    )  # hips and neck on joints
+    np.testing.assert_allclose(source_spine_fractions(trunk(neck=0.0)), (0.0,))
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 7])
@@ -53,9 +55,9 @@ def test_an_even_bend_stays_even(count: int) -> None:
     """A trunk bent like an arc: wherever ours take their share, it is that of their height."""
     heights = [(n + 0.5) / (count + 0.5) for n in range(count)]
     rest = trunk(*heights)
-    places = source_places(rest)
+    places = source_spine_fractions(rest)
     rotations = spine_rotations(rest, bent(90.0 * places[0]), [bent(90.0 * place) for place in places[1:]])
-    for name, place in zip(SPINE, PLACES, strict=True):
+    for name, place in zip(SPINE, SPINE_FRACTIONS, strict=True):
         assert angle(rotations[name]) == pytest.approx(90.0 * float(np.clip(place, places[0], places[-1])), abs=1e-6)
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from live.motion.mirror import mirror_step, other_side
+from live.motion.mirror import mirror_step, swap_sides
 from live.motion.sketch.sketch_clips import step_clips
 from live.motion.sketch.sketch_file import SketchError, parse_sketch
 
@@ -35,8 +35,8 @@ def test_nothing_told_is_nothing_restricted():
 
 @pytest.mark.parametrize("words", ["Left knee over the RIGHT", "upright, leftover", "long left", ""])
 def test_sides_are_exchanged_as_words(words):
-    assert other_side(other_side(words)) == words
-    assert (other_side(words) != words) == any(side in words.casefold().split() for side in ("left", "right"))
+    assert swap_sides(swap_sides(words)) == words
+    assert (swap_sides(words) != words) == any(side in words.casefold().split() for side in ("left", "right"))
 
 
 def test_twice_mirrored_says_the_same():

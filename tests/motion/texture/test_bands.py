@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.motion.texture.frequency_bands import RATE, lower_half, split_bands
+from live.motion.texture.frequency_bands import RATE, low_pass, split_bands
 
 CHANCE = np.random.default_rng(1)
 
@@ -29,7 +29,7 @@ def test_reflecting_once_or_as_often_as_needed_is_the_same() -> None:
         wide = np.concatenate([_at(signal, n)[None] for n in range(-2 * spacing, 40 + 2 * spacing)])
         taps = np.array((1.0, 4.0, 6.0, 4.0, 1.0)) / 16.0
         by_hand = sum(w * wide[k * spacing : k * spacing + 40] for k, w in enumerate(taps))
-        assert np.abs(lower_half(signal, spacing) - by_hand).max() < 1e-12
+        assert np.abs(low_pass(signal, spacing) - by_hand).max() < 1e-12
 
 
 def _at(signal: np.ndarray, place: int) -> np.ndarray:

@@ -3,30 +3,36 @@
 import numpy as np
 import pytest
 
-from live.motion.texture.fragments import blend, laid, quadratic, skewed, smoothed
+from live.motion.texture.fragments import (
+    blend_weights,
+    concatenate_fragments,
+    fit_quadratic,
+    skew_to_meet,
+    smooth_joins,
+)
 
 CHANCE = np.random.default_rng(3)
 
 
 def test_fragments_meet_in_the_middle_and_keep_their_shape() -> None:
     parts = [CHANCE.normal(size=(n, 3)) for n in (9, 14, 6)]
-    met = skewed(parts)
+    met = skew_to_meet(parts)
     for before, after, old, new in zip(met[:-1], met[1:], parts[:-1], parts[1:], strict=True):
         assert np.allclose(before[-1], after[0], atol=1e-12)
         assert np.allclose(after[0], 0.5 * (old[-1] + new[0]), atol=1e-12)
     assert np.array_equal(met[0][0], parts[0][0])
     for old, new in zip(parts, met, strict=True):  # what was added is a line
         assert np.abs(np.diff(new - old, n=2, axis=0)).max() < 1e-12
-    assert laid(met).shape == (9 + 13 + 5, 3)
+    assert concatenate_fragments(met).shape == (9 + 13 + 5, 3)
 
 
 def test_fragments_that_fit_stay_as_they_are() -> None:
     curve = CHANCE.normal(size=(30, 2))
-    assert np.allclose(laid(skewed([curve[:11], curve[10:21], curve[20:]])), curve, atol=1e-12)
+    assert np.allclose(concatenate_fragments(skew_to_meet([curve[:11], curve[10:21], curve[20:]])), curve, atol=1e-12)
 
 
 def test_the_blend_is_whole_at_the_join_and_gone_without_slope_at_its_ends() -> None:
-    f = blend(1000)
+    f = blend_weights(1000)
     assert f[1000] == 1.0
     assert f[0] < 1e-30
     assert np.all((f >= 0.0) & (f <= 1.0))
@@ -37,15 +43,15 @@ def test_the_blend_is_whole_at_the_join_and_gone_without_slope_at_its_ends() -> 
 def test_a_parabola_is_its_own_fit() -> None:
     t = np.arange(-20.0, 21.0)[:, None]
     curve = 0.3 * t * t - 2.0 * t + 7.0
-    assert np.allclose(quadratic(curve, 20, 9), curve[11:30], atol=1e-9)
-    assert np.allclose(smoothed(curve, np.array([20])), curve, atol=1e-9)
+    assert np.allclose(fit_quadratic(curve, 20, 9), curve[11:30], atol=1e-9)
+    assert np.allclose(smooth_joins(curve, np.array([20])), curve, atol=1e-9)
 
 
 def _bend(rate: int) -> float:
     """The largest change of slope from a sample to the next of a roof, joined within 10 units of time."""
     t = np.arange(-40 * rate, 40 * rate + 1) / rate
     curve = -np.abs(t)[:, None]
-    joined = smoothed(curve, np.array([40 * rate]), 10 * rate)
+    joined = smooth_joins(curve, np.array([40 * rate]), 10 * rate)
     assert np.array_equal(joined[np.abs(t) >= 10.0], curve[np.abs(t) >= 10.0])
     slope = np.diff(joined[:, 0]) * rate
     return float(np.abs(np.diff(slope)).max())
@@ -62,7 +68,7 @@ def test_there_is_no_kink() -> None:
 def test_a_parabola_is_its_own_fit_however_short_the_fragments(reach: int) -> None:
     t = np.arange(-2.0 * reach, 2.0 * reach + 1.0)[:, None]
     curve = 0.3 * t * t - 2.0 * t + 7.0
-    assert np.allclose(smoothed(curve, np.array([2 * reach])), curve, atol=1e-9)
+    assert np.allclose(smooth_joins(curve, np.array([2 * reach])), curve, atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -72,11 +78,11 @@ def test_smoothing_adds_no_kink(seed: int) -> None:
     wave = np.sin(np.arange(cuts[-1] + 1.0) / 6.0)[:, None]
     bent = wave + np.interp(np.arange(cuts[-1] + 1.0), cuts, chance.normal(0.0, 0.3, len(cuts)))[:, None]
     joins = cuts[1:-1]
-    out = smoothed(bent, joins)
+    out = smooth_joins(bent, joins)
     before, after = (np.abs(np.diff(curve, 2, axis=0)).max() for curve in (bent, out))
     assert after <= before + 1e-9
 
 
 def test_joins_that_were_none_in_the_data_are_left_alone() -> None:
     curve = CHANCE.normal(size=(60, 1))
-    assert np.array_equal(smoothed(curve, np.array([20, 40]), 5, np.array([True, True])), curve)
+    assert np.array_equal(smooth_joins(curve, np.array([20, 40]), 5, np.array([True, True])), curve)

@@ -20,10 +20,10 @@ def dressed(local: np.ndarray, root: np.ndarray, danced: float, level: float, ca
     position, rotation = (a.astype(np.float32) for a in forward_kinematics(root, local))
     count = len(local)
     limits = np.zeros((2, count, 2), np.int32)
-    limits[..., 1] = BANK.last[0]
+    limits[..., 1] = BANK.clip_last[0]
     origin = np.zeros((2, count))
     origin[1] = 40.0
-    kernels.dress(
+    kernels.blend_upper_bodies(
         position, rotation, np.full(count, danced), np.full(count, level, np.float32), origin, limits,
         np.full(count, danced - came), 1.0, np.zeros((2, count), np.int64), BANK.upper, OFFSETS, PARENTS,
         np.zeros(count, np.float32),
@@ -66,7 +66,7 @@ def test_a_change_begins_at_what_was_and_ends_at_what_is() -> None:
 
 def test_beyond_its_ends_a_clip_is_held() -> None:
     local, root = bodies()
-    for danced, sample in ((-1e6, 0), (1e6, int(BANK.last[0]))):
+    for danced, sample in ((-1e6, 0), (1e6, int(BANK.clip_last[0]))):
         wanted = local.copy()
         wanted[:, list(UPPER)] = BANK.upper[sample]
         position, _ = dressed(local, root, danced, 1.0, 1.0)
@@ -75,18 +75,18 @@ def test_beyond_its_ends_a_clip_is_held() -> None:
 
 def test_the_nearest_fragment_is_the_nearest_unless_the_one_that_goes_on_is_near_enough() -> None:
     far = np.zeros(BANK.count, np.float32)
-    own = np.ascontiguousarray(BANK.legs[:, 7]) + np.float32(1e-3)
-    apart = ((BANK.legs - own[:, None]) ** 2).sum(axis=0)
-    assert kernels.nearest_fragment(far, BANK.legs, own, -1, 0.0, 0.0, 1, 2) == int(np.argmin(apart)) == 7
+    own = np.ascontiguousarray(BANK.leg_features[:, 7]) + np.float32(1e-3)
+    apart = ((BANK.leg_features - own[:, None]) ** 2).sum(axis=0)
+    assert kernels.nearest_fragment(far, BANK.leg_features, own, -1, 0.0, 0.0, 1, 2) == int(np.argmin(apart)) == 7
     assert np.allclose(far, apart, rtol=1e-4)
     other = 9
     gap = float(apart[other] - apart[7])
-    assert kernels.nearest_fragment(far, BANK.legs, own, other, 0.9 * gap, 0.0, 1, 2) == 7
-    assert kernels.nearest_fragment(far, BANK.legs, own, other, 1.1 * gap, 0.0, 1, 2) == other
+    assert kernels.nearest_fragment(far, BANK.leg_features, own, other, 0.9 * gap, 0.0, 1, 2) == 7
+    assert kernels.nearest_fragment(far, BANK.leg_features, own, other, 1.1 * gap, 0.0, 1, 2) == other
 
 
 def test_chance_is_even_and_differs_by_seed_dancer_and_fragment() -> None:
-    drawn = np.array([[kernels.mixed(seed, 3, f) for f in range(400)] for seed in (1, 2**31 - 1)]) / 2.0**24
+    drawn = np.array([[kernels.hash_24bit(seed, 3, f) for f in range(400)] for seed in (1, 2**31 - 1)]) / 2.0**24
     assert np.all((drawn >= 0.0) & (drawn < 1.0))
     assert np.all(np.abs(drawn.mean(axis=1) - 0.5) < 0.06)
     assert abs(float(np.corrcoef(drawn)[0, 1])) < 0.15
@@ -95,26 +95,26 @@ def test_chance_is_even_and_differs_by_seed_dancer_and_fragment() -> None:
 def test_moments_are_kept_where_they_were_passed() -> None:
     kept = np.zeros((2, 16, 12), np.float32)
     before, now = np.zeros((2, 12), np.float32), np.ones((2, 12), np.float32)
-    kernels.keep_moments(kept, before, now, np.array([0.9, -0.3]), np.array([1.1, -0.1]), 8)
+    kernels.record_moments(kept, before, now, np.array([0.9, -0.3]), np.array([1.1, -0.1]), 8)
     assert np.allclose(kept[0, 8], 0.5)  # the eighth eighth, half way
     assert np.allclose(kept[1, 14], 0.25)  # two eighths before the first, a quarter of the way
     assert np.allclose(kept[1, 15], 0.875)
     assert np.count_nonzero(np.abs(kept).sum(axis=-1)) == 3
-    kernels.keep_moments(kept, before, now, np.array([50.0, 0.0]), np.array([1.0, 90.0]), 8)  # a leap, and back
+    kernels.record_moments(kept, before, now, np.array([50.0, 0.0]), np.array([1.0, 90.0]), 8)  # a leap, and back
 
 
 def test_legs_that_are_watched_are_in_the_axes_of_the_hips() -> None:
     from live.motion.pose.pose_pipeline import PoseSkeleton
-    from live.motion.texture.live_bank import legs_of
+    from live.motion.texture.live_bank import leg_positions
 
     local, root = bodies()
     joints = PoseSkeleton.legs_only()[1]
     position, rotation = forward_kinematics(root, local)
     out = np.zeros((3, 12), np.float32)
     legs = [np.ascontiguousarray(a[:, joints], np.float32) for a in (position, rotation)]
-    kernels.watch_legs(out, *legs)
-    assert np.abs(out - legs_of(local)).max() < 1e-5
+    kernels.measure_legs(out, *legs)
+    assert np.abs(out - leg_positions(local)).max() < 1e-5
     bits = kernels.signs_of(
-        BANK.upper, -5.0, np.zeros(2, np.int32), 1e6, np.array([0, 90], np.int32), 3, BANK.middle, True
+        BANK.upper, -5.0, np.zeros(2, np.int32), 1e6, np.array([0, 90], np.int32), 3, BANK.mean_rotations, True
     )
     assert 0 <= bits < 1 << kernels.UPPER_COUNT

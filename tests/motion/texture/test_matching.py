@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from live.motion.texture.fragment_search import match, resampled
-from live.motion.texture.fragments import Fragments, find_cuts, fragments_of
+from live.motion.texture.fragment_search import match_fragments, resample_fragments
+from live.motion.texture.fragments import Fragments, find_cuts, make_fragments
 
 CHANCE = np.random.default_rng(4)
 
@@ -19,7 +19,7 @@ def test_cuts_are_where_a_curve_turns() -> None:
 
 
 def test_neighbours_share_the_sample_of_the_cut_and_clips_do_not_follow_each_other() -> None:
-    parts = fragments_of([np.array([0, 4, 9]), np.array([0, 6])], [0, 10])
+    parts = make_fragments([np.array([0, 4, 9]), np.array([0, 6])], [0, 10])
     assert parts.begin.tolist() == [0, 4, 10]
     assert parts.end.tolist() == [4, 9, 16]
     assert parts.follows(0, 1)
@@ -40,25 +40,25 @@ def _one_by_one(sketch: np.ndarray, own: Fragments, data: np.ndarray, theirs: Fr
 
 def test_the_closest_are_found_in_order_and_what_lasts_too_long_is_not() -> None:
     sketch, data = CHANCE.normal(size=(40, 6)), CHANCE.normal(size=(200, 6))
-    own = fragments_of([np.array([0, 5, 17, 22, 39])], [0])
-    theirs = fragments_of([np.array([0, 7, 12, 40, 44, 52, 60]), np.array([0, 60, 71, 80])], [0, 100])
-    found = match(sketch, own, data, theirs, 4)
+    own = make_fragments([np.array([0, 5, 17, 22, 39])], [0])
+    theirs = make_fragments([np.array([0, 7, 12, 40, 44, 52, 60]), np.array([0, 60, 71, 80])], [0, 100])
+    found = match_fragments(sketch, own, data, theirs, 4)
     for row, far in enumerate(_one_by_one(sketch, own, data, theirs)):
         best = np.argsort(far, kind="stable")[:4]
         assert found.candidates[row].tolist() == best.tolist()
         assert np.allclose(found.distances[row], np.array(far)[best], atol=1e-9)
     with pytest.raises(ValueError, match="last longer than 4 times"):
-        match(sketch, own, data, fragments_of([np.array([0, 199])], [0]), 4)
+        match_fragments(sketch, own, data, make_fragments([np.array([0, 199])], [0]), 4)
 
 
 def test_the_scale_is_the_best_one() -> None:
     data = CHANCE.normal(size=(30, 4))
-    whole = fragments_of([np.array([0, 29])], [0])
-    found = match(0.7 * data, whole, data, whole, 1, scale=True)
+    whole = make_fragments([np.array([0, 29])], [0])
+    found = match_fragments(0.7 * data, whole, data, whole, 1, scale=True)
     assert abs(found.scales[0][0] - 0.7) < 1e-12
 
 
 def test_linear_resampling_keeps_both_ends() -> None:
     data = CHANCE.normal(size=(20, 2))
-    there = resampled(data, np.array([3]), np.array([11]), 5)
+    there = resample_fragments(data, np.array([3]), np.array([11]), 5)
     assert np.array_equal(there[0], data[[3, 5, 7, 9, 11]])

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from live.motion.texture.fragment_search import best_paths, weighed_paths
+from live.motion.texture.fragment_search import best_paths, weighted_paths
 
 FIGURE_7 = ((4, 1, 3), (5, 7, 2), (9, 4, 6), (2, 8, 5))
 
@@ -21,11 +21,11 @@ def _fragments(places: tuple[int, ...], candidates: tuple[tuple[int, ...], ...])
 def test_figure_7() -> None:
     ranks = [[0.0, 1.0, 2.0]] * 4
     found = best_paths(FIGURE_7, ranks, _follows, 3)
-    assert [_fragments(path.places, FIGURE_7) for path in found] == [[4, 5, 6, 2], [4, 5, 4, 5], [1, 2, 4, 5]]
-    assert [path.free for path in found] == [2, 2, 2]
+    assert [_fragments(path.ranks, FIGURE_7) for path in found] == [[4, 5, 6, 2], [4, 5, 4, 5], [1, 2, 4, 5]]
+    assert [path.consecutive_joins for path in found] == [2, 2, 2]
     more = best_paths(FIGURE_7, ranks, _follows, 4)
     assert more[:3] == found
-    assert more[3].free == 1  # there is no fourth with two
+    assert more[3].consecutive_joins == 1  # there is no fourth with two
 
 
 def _tried(candidates: list[list[int]], distances: list[list[float]]) -> list[tuple[int, float, tuple[int, ...]]]:
@@ -49,8 +49,8 @@ def test_as_when_every_way_is_tried(seed: int) -> None:
     distances = [sorted(chance.integers(0, 50, keep).astype(float).tolist()) for _ in range(count)]
     found = best_paths(candidates, distances, _follows, most)
     tried = _tried(candidates, distances)[:most]
-    assert [(count - 1 - path.free, path.distance) for path in found] == [way[:2] for way in tried]
-    assert len({path.places for path in found}) == len(found)
+    assert [(count - 1 - path.consecutive_joins, path.distance) for path in found] == [way[:2] for way in tried]
+    assert len({path.ranks for path in found}) == len(found)
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -64,8 +64,8 @@ def test_weighed_as_when_every_way_is_tried(seed: int) -> None:
         taken = _fragments(places, tuple(map(tuple, candidates)))
         far = sum(row[place] for row, place in zip(distances, places, strict=True))
         sums.append((far + join * sum(not _follows(a, b) for a, b in itertools.pairwise(taken)), places))
-    found = weighed_paths(candidates, distances, _follows, most, join)
-    assert [path.places for path in found] == [places for _, places in sorted(sums)[:most]]
-    assert [path.distance + join * (count - 1 - path.free) for path in found] == pytest.approx(
+    found = weighted_paths(candidates, distances, _follows, most, join)
+    assert [path.ranks for path in found] == [places for _, places in sorted(sums)[:most]]
+    assert [path.distance + join * (count - 1 - path.consecutive_joins) for path in found] == pytest.approx(
         [far for far, _ in sorted(sums)[:most]]
     )

@@ -9,19 +9,27 @@ from live.base.errors import PersonError
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.quality.metrics import slides
-from live.motion.texture.foot_constraints import freedom, without_calibration
+from live.motion.texture.foot_constraints import texture_weights, trim_calibration_poses
 from live.motion.texture.frequency_bands import RATE, columns_of, sample_clip, split_bands, tracks_of
-from live.motion.texture.texture_corpus import material_of
-from live.motion.texture.texture_report import figures_of
-from live.motion.texture.texture_settings import LEGS, UPPER, Wish, column_of, parse_bands, parse_drive, parse_joints
-from live.motion.texture.texture_synthesis import Textured, prepare, textured
+from live.motion.texture.texture_corpus import make_corpus
+from live.motion.texture.texture_report import make_report
+from live.motion.texture.texture_settings import (
+    LEGS,
+    UPPER,
+    TextureSettings,
+    parse_bands,
+    parse_column,
+    parse_drive,
+    parse_joints,
+)
+from live.motion.texture.texture_synthesis import TexturedSketch, prepare_sketch, texture_sketch
 from tests.motion.editing.made_steps import sketched
 from tests.motion.texture.made_dance import dance, without_arms
 
 DATA = [dance(20.0, seed).clip for seed in (1, 2, 3)]
 REAL = dance(8.0, 9).clip
 SKETCH = without_arms(REAL)
-MATERIAL = material_of(DATA, [sample_clip(SKETCH)])
+MATERIAL = make_corpus(DATA, [sample_clip(SKETCH)])
 
 
 def upper(clip: Clip) -> np.ndarray:
@@ -30,7 +38,7 @@ def upper(clip: Clip) -> np.ndarray:
 
 
 def test_arms_are_made_that_go_with_the_legs() -> None:
-    made = textured(SKETCH, MATERIAL, Wish(texture=()))[0]
+    made = texture_sketch(SKETCH, MATERIAL, TextureSettings(texture=()))[0]
     real, still = upper(REAL), upper(SKETCH)
     mean = np.broadcast_to(np.concatenate([upper(clip) for clip in DATA]).mean(axis=0), real.shape)
     errors = [float(np.linalg.norm(one - real, axis=-1).mean()) for one in (upper(made.clip), mean, still)]
@@ -41,26 +49,26 @@ def test_arms_are_made_that_go_with_the_legs() -> None:
 
 def test_a_recording_finds_itself_again() -> None:
     """Where the sketch's legs are a recording's own, its own fragments come back in their order, and its arms."""
-    own = material_of([*DATA, REAL], [sample_clip(SKETCH)])
-    made = textured(SKETCH, own, Wish(texture=(), bands=(1, 3)))[0]
-    assert made.free == made.parts.count - 1
-    assert np.unique(own.starts.searchsorted(made.data.begin[made.sources], side="right")).tolist() == [4]
+    own = make_corpus([*DATA, REAL], [sample_clip(SKETCH)])
+    made = texture_sketch(SKETCH, own, TextureSettings(texture=(), bands=(1, 3)))[0]
+    assert made.consecutive_joins == made.fragments.count - 1
+    assert np.unique(own.starts.searchsorted(made.data_fragments.begin[made.sources], side="right")).tolist() == [4]
     assert np.abs(upper(made.clip) - upper(REAL)).max() < 2e-3
 
 
 def test_paths_that_share_nothing() -> None:
-    found = textured(SKETCH, MATERIAL, Wish(texture=(), paths=3, apart=True))
+    found = texture_sketch(SKETCH, MATERIAL, TextureSettings(texture=(), paths=3, distinct_paths=True))
     assert len(found) == 3
     for one, other in ((0, 1), (0, 2), (1, 2)):
         assert not np.any(found[one].sources == found[other].sources)
-    best = textured(SKETCH, MATERIAL, Wish(texture=(), paths=3))
-    assert best[0].free >= best[1].free >= best[2].free
+    best = texture_sketch(SKETCH, MATERIAL, TextureSettings(texture=(), paths=3))
+    assert best[0].consecutive_joins >= best[1].consecutive_joins >= best[2].consecutive_joins
     assert np.array_equal(best[0].sources, found[0].sources)
 
 
 def test_texture_changes_only_the_bands_that_were_asked_for() -> None:
     arms = parse_joints("arms", "--texture")
-    made = textured(REAL, MATERIAL, Wish(synthesize=(), texture=arms, bands=(2, 3)))[0]
+    made = texture_sketch(REAL, MATERIAL, TextureSettings(synthesize=(), texture=arms, bands=(2, 3)))[0]
     columns = columns_of(arms)
     before, after = (
         split_bands(tracks_of(sample_clip(clip), MATERIAL.charts)[:, columns], 6) for clip in (REAL, made.clip)
@@ -73,7 +81,7 @@ def test_texture_changes_only_the_bands_that_were_asked_for() -> None:
 
 def test_feet_that_stand_stay_and_hips_may_sway() -> None:
     step = sketched("walk", "long forward").clip
-    made = textured(step, material_of(DATA, [sample_clip(step)]), Wish())[0].clip
+    made = texture_sketch(step, make_corpus(DATA, [sample_clip(step)]), TextureSettings())[0].clip
     places = [
         forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))[0]
         for clip in (step, made)
@@ -91,21 +99,21 @@ def test_feet_that_stand_stay_and_hips_may_sway() -> None:
 def test_legs_have_no_texture_while_their_foot_stands_and_all_soon_after() -> None:
     contact = np.zeros((100, 2), np.bool_)
     contact[40:60, 0] = True
-    free = freedom(contact, np.full((100, 2), 0.2), 60.0)
+    free = texture_weights(contact, np.full((100, 2), 0.2), 60.0)
     assert not free[40:60, 0].any()
     assert free[[0, 99], 0].tolist() == [1.0, 1.0]
     assert np.all(free[:, 1] == 1.0)
     assert np.abs(np.diff(free[:, 0])).max() < 0.3
-    assert not freedom(contact, np.full((100, 2), 0.04), 60.0).any()  # a low foot would skate
+    assert not texture_weights(contact, np.full((100, 2), 0.04), 60.0).any()  # a low foot would skate
 
 
 def test_figures_say_what_came_from_where() -> None:
-    found: list[Textured] = textured(SKETCH, MATERIAL, Wish(paths=2))
-    values = figures_of(SKETCH, MATERIAL, Wish(paths=2), found)
+    found: list[TexturedSketch] = texture_sketch(SKETCH, MATERIAL, TextureSettings(paths=2))
+    values = make_report(SKETCH, MATERIAL, TextureSettings(paths=2), found)
     assert len(values["paths"]) == 2
-    assert len(values["paths"][0]["fragments"]) == found[0].parts.count
-    assert sum(one["fragments"] for one in values["recordings"]) == found[0].data.count
-    assert values["candidates"] == round(0.1 * found[0].data.count)
+    assert len(values["paths"][0]["fragments"]) == found[0].fragments.count
+    assert sum(one["fragments"] for one in values["recordings"]) == found[0].data_fragments.count
+    assert values["candidates"] == round(0.1 * found[0].data_fragments.count)
     assert values["paths"][0]["kink_rad_s"]["after"] <= values["paths"][0]["kink_rad_s"]["before"]
 
 
@@ -119,8 +127,8 @@ def test_a_t_pose_that_is_held_at_an_end_is_left_out() -> None:
         rotation=np.concatenate((posed[:60], clip.rotation)),
         contact=np.concatenate((clip.contact[:60], clip.contact)),
     )
-    assert without_calibration(clip) is clip
-    assert abs(without_calibration(held).sample_count - (clip.sample_count - 30)) <= 2  # and the way out of it
+    assert trim_calibration_poses(clip) is clip
+    assert abs(trim_calibration_poses(held).sample_count - (clip.sample_count - 30)) <= 2  # and the way out of it
 
 
 @pytest.mark.parametrize(
@@ -139,16 +147,16 @@ def test_a_t_pose_that_is_held_at_an_end_is_left_out() -> None:
 )
 def test_wishes_that_cannot_be(change: dict[str, object], words: str) -> None:
     with pytest.raises(PersonError, match=words):
-        Wish(**change)  # type: ignore[arg-type]
+        TextureSettings(**change)  # type: ignore[arg-type]
 
 
 def test_words_of_the_command_line() -> None:
-    assert set(parse_joints("hips,knees", "--drive")) == set(Wish().drive)
+    assert set(parse_joints("hips,knees", "--drive")) == set(TextureSettings().drive)
     assert parse_joints("none", "x") == ()
     assert parse_bands("2-6", "--bands") == (2, 6)
-    assert column_of("auto", "--cut", Wish().drive) is None
+    assert parse_column("auto", "--cut", TextureSettings().drive) is None
     drive = parse_joints("hips", "--drive")
-    assert column_of("leftUpperLeg.x", "--cut", drive) == 3 * drive[0]
+    assert parse_column("leftUpperLeg.x", "--cut", drive) == 3 * drive[0]
     for wrong in ("tail", "hips,wings"):
         with pytest.raises(PersonError, match="no joint is called"):
             parse_joints(wrong, "--drive")
@@ -156,17 +164,17 @@ def test_words_of_the_command_line() -> None:
         with pytest.raises(PersonError, match="--bands"):
             parse_bands(wrong, "--bands")
     with pytest.raises(PersonError, match="--cut"):
-        column_of("leftHand.x", "--cut", drive)
+        parse_column("leftHand.x", "--cut", drive)
 
 
 def test_clips_that_are_too_short() -> None:
     short = Clip("blink", SKETCH.root_position[:20], SKETCH.rotation[:20], 60.0, SKETCH.contact[:20])
     with pytest.raises(PersonError, match=r"blink: 0\.32 s are too short"):
-        material_of([short])
+        make_corpus([short])
     with pytest.raises(PersonError, match=r"blink: 0\.32 s are too short"):
-        textured(short, MATERIAL, Wish())
+        texture_sketch(short, MATERIAL, TextureSettings())
     with pytest.raises(PersonError, match="no motion capture"):
-        material_of([])
+        make_corpus([])
 
 
 def test_what_drives_may_change_over_time() -> None:
@@ -174,21 +182,21 @@ def test_what_drives_may_change_over_time() -> None:
     hips, knees = parse_joints("hips", "x"), parse_joints("knees", "x")
     assert (first, changes) == (hips, ((4.0, knees),))
     both = tuple(sorted((*hips, *knees)))
-    wish = Wish(drive=both, first=first, changes=changes, cut=3 * hips[0], texture=())
+    wish = TextureSettings(drive=both, initial_drive=first, drive_changes=changes, cut=3 * hips[0], texture=())
     by = [wish, *(replace(wish, first=one, changes=((100.0, knees),)) for one in (hips, knees))]
-    changing, of_hips, of_knees = (prepare(SKETCH, MATERIAL, one) for one in by)
-    middle = 0.5 * (changing.parts.begin + changing.parts.end) / RATE
+    changing, of_hips, of_knees = (prepare_sketch(SKETCH, MATERIAL, one) for one in by)
+    middle = 0.5 * (changing.fragments.begin + changing.fragments.end) / RATE
     assert 2 < np.count_nonzero(middle < 4.0) < len(middle) - 2
     for n, time in enumerate(middle):
         whose = (of_hips if time < 4.0 else of_knees).matches
         assert set(changing.matches.candidates[n]) == set(whose.candidates[n])  # some are equally near
         assert np.allclose(changing.matches.distances[n], whose.distances[n])
-    alone = prepare(SKETCH, MATERIAL, Wish(drive=hips, cut=3 * hips[0], texture=()))
+    alone = prepare_sketch(SKETCH, MATERIAL, TextureSettings(drive=hips, cut=3 * hips[0], texture=()))
     assert alone.matches.candidates[0][0] == of_hips.matches.candidates[0][0]
-    made = textured(SKETCH, MATERIAL, wish)[0]
-    assert figures_of(SKETCH, MATERIAL, wish, [made])["drive_changes"] == [[4.0, ["leftLowerLeg", "rightLowerLeg"]]]
+    made = texture_sketch(SKETCH, MATERIAL, wish)[0]
+    assert make_report(SKETCH, MATERIAL, wish, [made])["drive_changes"] == [[4.0, ["leftLowerLeg", "rightLowerLeg"]]]
     for wrong in ("hips @x knees", "hips @2", "hips @-1 knees", "hips @2 nose"):
         with pytest.raises(PersonError, match="--drive"):
             parse_drive(wrong, "--drive")
     with pytest.raises(PersonError, match="in order"):
-        Wish(changes=((4.0, knees), (2.0, hips)))
+        TextureSettings(drive_changes=((4.0, knees), (2.0, hips)))

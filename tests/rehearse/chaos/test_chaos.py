@@ -9,16 +9,16 @@ import threading
 
 import pytest
 
-from live.rehearse.chaos.call_sites import Injected, Injector, Looker, Site, instead_of_tick
-from live.rehearse.chaos.fault_actions import ACTS, STALLS
-from live.rehearse.chaos.fault_page import FaultPage, Word
-from live.rehearse.chaos.fault_plan import DISK, ENDS_ENGINE, KINDS, blows
-from live.rehearse.chaos.injection import THREADS, raise_in_thread
-from live.rehearse.chaos.journal_checks import measures_of
-from live.rehearse.chaos.process_tree import Tree, descriptors, few_descriptors, pressure, process
+from live.rehearse.chaos.call_sites import CallSite, CallSiteTracer, ExceptionInjector, InjectedError, replaced_tick
+from live.rehearse.chaos.fault_actions import ACTIONS, STALLS
+from live.rehearse.chaos.fault_page import FaultPage, PageWord
+from live.rehearse.chaos.fault_plan import DISK_FAULTS, ENGINE_FAULTS, FAULT_SECONDS, chaos_schedule
+from live.rehearse.chaos.injection import THREADS_FILE, raise_in_thread
+from live.rehearse.chaos.journal_checks import read_measures
+from live.rehearse.chaos.process_tree import ProcessTree, cpu_pressure, descriptors, limited_descriptors, read_process
 from live.rehearse.chaos.small_disk import SmallDisk
-from live.rehearse.chaos.virtual_run import Row, virtual_chaos
-from live.rehearse.soak_test import Plan
+from live.rehearse.chaos.virtual_run import SiteSequence, virtual_chaos
+from live.rehearse.soak_test import SoakOptions
 from live.show.patch.patch_search_path import find_patch
 from tests.control.waiting import wait_for
 from tests.show.made_show import made_show
@@ -27,8 +27,8 @@ from tests.show.made_show import made_show
 @pytest.fixture(scope="module")
 def sites():
     """The call sites of some seconds of a made show."""
-    show, looker = made_show(), Looker()
-    with instead_of_tick(looker.run):
+    show, looker = made_show(), CallSiteTracer()
+    with replaced_tick(looker.run):
         for tick in range(1, 400):
             show.tick(tick / 64.0)
     return sorted(looker.sites)
@@ -45,36 +45,36 @@ def test_call_sites_are_found_in_the_tick_and_in_what_it_does_at_measure_lines(s
 
 def test_sites_in_the_circuit_breakers_are_known(sites):
     """Their file was named by a string, which a move left behind."""
-    assert 0 < sum(site.of_the_mechanism for site in sites) < len(sites) / 2
+    assert 0 < sum(site.is_breaker for site in sites) < len(sites) / 2
 
 
 def test_an_exception_is_raised_at_a_site_as_often_as_it_is_told(sites):
     site = next(site for site in sites if site.caller.endswith("Show._move") and "GroupMotion.tick" in site.callee)
-    injector, show, raised = Injector(), made_show(), []
+    injector, show, raised = ExceptionInjector(), made_show(), []
     injector.arm(site, 3, since=1.0)
-    with instead_of_tick(injector.run):
+    with replaced_tick(injector.run):
         for tick in range(1, 200):
             try:
                 show.tick(tick / 64.0)
-            except Injected as error:
+            except InjectedError as error:
                 raised.append((tick, str(error)))
     assert [tick >= 64 and str(site) in words for tick, words in raised] == [True] * 3
-    assert injector.raised == 3
-    assert injector.left == 0
+    assert injector.raised_count == 3
+    assert injector.remaining == 0
 
 
 def test_a_site_that_is_nowhere_fails_nothing():
-    injector, show = Injector(), made_show()
-    injector.arm(Site("show/show.py, Show.nothing", 1, "none"), 3, since=0.0)
-    with instead_of_tick(injector.run):
+    injector, show = ExceptionInjector(), made_show()
+    injector.arm(CallSite("show/show.py, Show.nothing", 1, "none"), 3, since=0.0)
+    with replaced_tick(injector.run):
         for tick in range(1, 80):
             show.tick(tick / 64.0)
-    assert injector.raised == 0
+    assert injector.raised_count == 0
 
 
 @pytest.mark.long
 def test_wherever_the_tick_fails_the_show_goes_on_and_its_journal_replays(tmp_path):
-    plan = Plan(find_patch("score"), seed=2, hours=0.2, fps=16.0, faults=0.0)
+    plan = SoakOptions(find_patch("score"), seed=2, hours=0.2, fps=16.0, faults=0.0)
     facts = virtual_chaos(plan, tmp_path, sites=4)
     assert facts["problems"] == []
     assert facts["tried"] == facts["wanted"] >= 8
@@ -95,8 +95,8 @@ def test_a_failure_that_nothing_helps_against_is_a_problem_with_its_site(tmp_pat
             raise RuntimeError("nothing has helped")
 
     monkeypatch.setattr("live.rehearse.chaos.virtual_run.Recovery", Gives)
-    monkeypatch.setattr("live.rehearse.chaos.virtual_run.LOOKS_FOR", 2.0)
-    plan = Plan(find_patch("score"), seed=2, hours=0.02, fps=16.0, faults=0.0)
+    monkeypatch.setattr("live.rehearse.chaos.virtual_run.TRACE_SECONDS", 2.0)
+    plan = SoakOptions(find_patch("score"), seed=2, hours=0.02, fps=16.0, faults=0.0)
     facts = virtual_chaos(plan, tmp_path, sites=2)
     assert not facts["ok"]
     assert "nothing has helped" in facts["problems"][0]
@@ -104,23 +104,23 @@ def test_a_failure_that_nothing_helps_against_is_a_problem_with_its_site(tmp_pat
 
 
 def test_the_plan_is_seeded_and_every_kind_comes_once_before_any_comes_again():
-    first, again, other = (list(blows(seed, until=600.0)) for seed in (1, 1, 2))
+    first, again, other = (list(chaos_schedule(seed, until=600.0)) for seed in (1, 1, 2))
     assert first == again != other
-    assert {blow.kind for blow in first[: len(KINDS)]} == set(KINDS)
+    assert {blow.kind for blow in first[: len(FAULT_SECONDS)]} == set(FAULT_SECONDS)
     assert [blow.time for blow in first] == sorted(blow.time for blow in first)
     assert all(blow.time < 600.0 for blow in first)
-    assert {*DISK, *ENDS_ENGINE} <= set(KINDS)
-    assert len(list(blows(1, until=300.0, rate=2.0))) > 1.8 * len(list(blows(1, until=300.0)))
+    assert {*DISK_FAULTS, *ENGINE_FAULTS} <= set(FAULT_SECONDS)
+    assert len(list(chaos_schedule(1, until=300.0, rate=2.0))) > 1.8 * len(list(chaos_schedule(1, until=300.0)))
 
 
 def test_every_kind_of_fault_can_be_done():
-    assert set(ACTS) == set(KINDS)
-    assert set(STALLS) < set(KINDS)
+    assert set(ACTIONS) == set(FAULT_SECONDS)
+    assert set(STALLS) < set(FAULT_SECONDS)
 
 
 def _journal(path, *lines):
     path.write_text("\n".join(json.dumps(line) for line in ({"journal": 2}, *lines)) + "\n")
-    return measures_of(path)
+    return read_measures(path)
 
 
 def _begins(number, tick, **more):
@@ -148,7 +148,7 @@ def test_an_exception_reaches_a_thread_that_is_somewhere_else(tmp_path):
         try:
             while not ended.wait(0.001):
                 pass
-        except Injected as error:
+        except InjectedError as error:
             found.append(error)
 
     thread = threading.Thread(target=work, name="a device of a test", daemon=True)
@@ -156,20 +156,20 @@ def test_an_exception_reaches_a_thread_that_is_somewhere_else(tmp_path):
     names = [one.name for one in threading.enumerate() if not one.name.startswith(("MainThread", "Thread-"))]
     assert raise_in_thread(sorted(names).index("a device of a test"), tmp_path) == "a device of a test"
     assert wait_for(lambda: bool(found), 5.0)
-    assert (tmp_path / THREADS).read_text() == "a device of a test\n"
+    assert (tmp_path / THREADS_FILE).read_text() == "a device of a test\n"
     ended.set()
     thread.join()
 
 
 def test_the_page_is_one_for_all_processes(tmp_path):
     page = FaultPage(tmp_path / "page", make=True)
-    page[Word.LEFT] = -3
+    page[PageWord.LEFT] = -3
     code = (
         "import sys; from pathlib import Path; from live.rehearse.chaos.fault_page import FaultPage, Word\n"
         "page = FaultPage(Path(sys.argv[1])); page[Word.RAISED] = page[Word.LEFT] + 10; page.close()"
     )
     subprocess.run([sys.executable, "-c", code, str(tmp_path / "page")], check=True)
-    assert page[Word.RAISED] == 7
+    assert page[PageWord.RAISED] == 7
     page.close()
     with pytest.raises(FileNotFoundError):
         FaultPage(tmp_path / "none")
@@ -188,15 +188,15 @@ def sleeper():
 
 
 def test_processes_are_seen_stopped_and_let_go_on(sleeper, tmp_path):
-    tree = Tree(os.getpid(), tmp_path)
-    assert any(one.pid == sleeper.pid for one in tree.below())
+    tree = ProcessTree(os.getpid(), tmp_path)
+    assert any(one.pid == sleeper.pid for one in tree.descendants())
     assert tree.signal(sleeper.pid, signal.SIGSTOP)
-    assert wait_for(lambda: process(sleeper.pid).state == "T", 5.0)
-    tree.go_on()
-    assert wait_for(lambda: process(sleeper.pid).state == "S", 5.0)
+    assert wait_for(lambda: read_process(sleeper.pid).state == "T", 5.0)
+    tree.resume_all()
+    assert wait_for(lambda: read_process(sleeper.pid).state == "S", 5.0)
     assert not tree.zombies() & {sleeper.pid}
-    assert process(1 << 22) is None
-    assert 0.0 <= pressure() <= 1.0
+    assert read_process(1 << 22) is None
+    assert 0.0 <= cpu_pressure() <= 1.0
 
 
 def test_what_a_killed_supervisor_leaves_is_seen_below_the_next_one(tmp_path):
@@ -204,15 +204,15 @@ def test_what_a_killed_supervisor_leaves_is_seen_below_the_next_one(tmp_path):
         "import subprocess, sys, time; subprocess.Popen([sys.executable, '-S', '-c', 'import time; time.sleep(60)'])"
     )
     first = subprocess.Popen([sys.executable, "-S", "-c", f"{words}; time.sleep(60)"])
-    tree = Tree(first.pid, tmp_path)
-    assert wait_for(lambda: [one.state for one in tree.below()] == ["S"], 5.0)
-    [left] = tree.below()
-    tree.lose()
+    tree = ProcessTree(first.pid, tmp_path)
+    assert wait_for(lambda: [one.state for one in tree.descendants()] == ["S"], 5.0)
+    [left] = tree.descendants()
+    tree.kill_supervisor()
     first.wait(5.0)
     tree.supervisor = os.getpid()
-    assert left.pid in {one.pid for one in tree.below()}
+    assert left.pid in {one.pid for one in tree.descendants()}
     tree.signal(left.pid, signal.SIGKILL)
-    assert wait_for(lambda: process(left.pid) is None or process(left.pid).state == "Z", 5.0)
+    assert wait_for(lambda: read_process(left.pid) is None or read_process(left.pid).state == "Z", 5.0)
     assert left.pid not in tree.zombies()
 
 
@@ -220,7 +220,7 @@ def test_a_process_without_descriptors_gets_them_back(sleeper):
     import resource
 
     before = resource.prlimit(sleeper.pid, resource.RLIMIT_NOFILE)
-    with few_descriptors(sleeper.pid):
+    with limited_descriptors(sleeper.pid):
         assert resource.prlimit(sleeper.pid, resource.RLIMIT_NOFILE)[0] == descriptors(sleeper.pid) > 0
     assert resource.prlimit(sleeper.pid, resource.RLIMIT_NOFILE) == before
 
@@ -235,7 +235,7 @@ def test_a_small_disk_is_full_and_has_room_again(tmp_path):
                 (disk.path / "more").write_bytes(bytes(8192))
         disk.free()
         (disk.path / "more").write_bytes(bytes(8192))
-        disk.keep(tmp_path)
+        disk.copy_to(tmp_path)
     finally:
         disk.close()
     assert (tmp_path / "journal.jsonl").read_text() == "first\n"
@@ -253,17 +253,17 @@ def test_sites_are_taken_in_turn_and_a_loop_is_seen():
 
     Made.now = 0.0
     soak = Made()
-    row = Row(soak, [(Site("a", 1, "b"), "always"), (Site("a", 2, "b"), "once")])
-    row.frame()
-    assert row.injector.site == Site("a", 1, "b")
+    row = SiteSequence(soak, [(CallSite("a", 1, "b"), "always"), (CallSite("a", 2, "b"), "once")])
+    row.before_frame()
+    assert row.injector.site == CallSite("a", 1, "b")
     soak.deaths.count = 20
-    row.injector.raised = 20
-    row.frame()
+    row.injector.raised_count = 20
+    row.before_frame()
     assert "20 engines ended" in soak.told[0]
     Made.now = 5.0
-    row.frame()
-    assert row.injector.site == Site("a", 2, "b")
+    row.before_frame()
+    assert row.injector.site == CallSite("a", 2, "b")
     Made.now = 50.0
-    row.frame()
-    assert row.over
-    assert row.never == ["a, line 2 -> b (once)"]
+    row.before_frame()
+    assert row.is_done
+    assert row.never_reached == ["a, line 2 -> b (once)"]

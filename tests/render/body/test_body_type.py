@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.base.body_catalogue import BODIES, USUAL
+from live.base.body_catalogue import BODIES, DEFAULT_BODY
 from live.render.body.body_mesh import COARSE, LIGHT, build_body
 from live.render.body.body_variants import TYPES, parts_of
 from live.render.body.implicit_surface import BODY, Shape
@@ -23,7 +23,7 @@ def litres(name, level=COARSE):
 
 def test_there_is_a_type_for_every_name_and_the_usual_one_is_the_body_itself():
     assert tuple(TYPES) == BODIES
-    assert parts_of(USUAL) is BODY
+    assert parts_of(DEFAULT_BODY) is BODY
     with pytest.raises(ValueError, match="body 'tall'"):
         parts_of("tall")
 
@@ -41,10 +41,10 @@ def test_every_body_is_closed_and_stands_on_the_same_floor_with_the_same_reach(n
 
 def test_they_are_as_heavy_as_they_are_called():
     weight = {name: litres(name) for name in BODIES}
-    assert weight["slim"] < 0.9 * weight[USUAL]
-    assert weight["child"] < 0.92 * weight[USUAL]
-    assert weight["strong"] > 1.12 * weight[USUAL]
-    assert weight["round"] > 1.25 * weight[USUAL]
+    assert weight["slim"] < 0.9 * weight[DEFAULT_BODY]
+    assert weight["child"] < 0.92 * weight[DEFAULT_BODY]
+    assert weight["strong"] > 1.12 * weight[DEFAULT_BODY]
+    assert weight["round"] > 1.25 * weight[DEFAULT_BODY]
 
 
 def test_they_are_as_wide_as_they_are_called():
@@ -52,7 +52,7 @@ def test_they_are_as_wide_as_they_are_called():
     assert shoulders["strong"] == max(shoulders.values())
     assert waist["round"] == max(waist.values())
     assert waist["slim"] == min(waist.values())
-    assert waist["child"] / shoulders["child"] > 1.1 * waist[USUAL] / shoulders[USUAL]  # no waist yet
+    assert waist["child"] / shoulders["child"] > 1.1 * waist[DEFAULT_BODY] / shoulders[DEFAULT_BODY]  # no waist yet
 
 
 def test_points_lie_on_the_skin_and_their_first_ones_are_spread_as_all_are():

@@ -4,13 +4,13 @@ import moderngl
 import numpy as np
 import pytest
 
-from live.base.body_catalogue import BODIES, USUAL
+from live.base.body_catalogue import BODIES, DEFAULT_BODY
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.adaptive_quality import SOFTWARE
 from live.render.body.body_mesh import DISTANT, FINE, LIGHT, build_body
 from live.render.body.body_variants import parts_of
 from live.render.body.implicit_surface import Shape
-from live.render.dancers.dancer_batch import POSE_UNIT, Crowd, layout, vertex_bytes
+from live.render.dancers.dancer_batch import POSE_UNIT, DancerBatch, attribute_layout, vertex_bytes
 from live.render.render_kernels import pose_texels
 from live.render.shader import set_uniform, source
 from tests.render.poses import pose, stage_view
@@ -61,7 +61,7 @@ def skinned(mesh, turns):
 
 
 @pytest.mark.parametrize("joint", BENT)
-@pytest.mark.parametrize(("level", "name"), [(LIGHT, one) for one in BODIES] + [(FINE, USUAL), (FINE, "strong")])
+@pytest.mark.parametrize(("level", "name"), [(LIGHT, one) for one in BODIES] + [(FINE, DEFAULT_BODY), (FINE, "strong")])
 def test_no_body_loses_volume_where_it_bends(level, name, joint):
     mesh = build_body(level, name)
     loss = litres(mesh, skinned(mesh, {})) - litres(mesh, skinned(mesh, BENT[joint]))
@@ -78,7 +78,7 @@ def test_linear_skinning_would_lose_it():
     turn = 2.0 * np.cross(u[mesh.joint], v)
     each = position[mesh.joint] + v + w[mesh.joint] * turn + np.cross(u[mesh.joint], turn)
     places = (each * mesh.weight[..., None]).sum(axis=1)
-    assert litres(mesh, skinned(mesh, {})) - litres(mesh, places) > MOST * limb(USUAL, "knee")
+    assert litres(mesh, skinned(mesh, {})) - litres(mesh, places) > MOST * limb(DEFAULT_BODY, "knee")
 
 
 @pytest.mark.gl
@@ -89,13 +89,13 @@ def test_the_shader_does_the_same(gl_context, level, joint):
     mesh = build_body(level)
     text = source("skin.glsl") + "out vec3 seen;\nvoid main() { seen = skinned(in_position, in_normal).place; }\n"
     linked = gl_context.program(vertex_shader=text, varyings=["seen"])
-    crowd = Crowd(gl_context, scene(1), SOFTWARE, (64, 64))
-    form, names = layout(linked)
+    crowd = DancerBatch(gl_context, scene(1), SOFTWARE, (64, 64))
+    form, names = attribute_layout(linked)
     vertices, who = gl_context.buffer(vertex_bytes(mesh)), gl_context.buffer(np.zeros(1, np.float32).tobytes())
     array = gl_context.vertex_array(linked, [(vertices, form, *names), (who, "1f/i", "in_dancer")])
     out = gl_context.buffer(reserve=12 * len(mesh.position))
     crowd.update(stage_view([(BENT[joint], (0.0, 0.0), 0.0, 0)]), np.array([0, 1, 0], np.float32))
-    crowd.dress_program(linked)
+    crowd.bind_program(linked)
     set_uniform(linked, "poses", POSE_UNIT)
     bound = gl_context.simple_framebuffer((4, 4))  # without a screen there is none to begin with
     bound.use()
@@ -105,6 +105,6 @@ def test_the_shader_does_the_same(gl_context, level, joint):
     here += seen.mean(axis=0) - here.mean(axis=0)  # the view sets her hips in the middle
     np.testing.assert_allclose(seen, here, atol=2e-4)
     if level == LIGHT:
-        assert abs(litres(mesh, seen) - litres(mesh, skinned(mesh, {}))) < MOST * limb(USUAL, joint)
+        assert abs(litres(mesh, seen) - litres(mesh, skinned(mesh, {}))) < MOST * limb(DEFAULT_BODY, joint)
     for thing in (array, out, vertices, who, linked, crowd, bound):
         thing.release()

@@ -7,11 +7,11 @@ import pytest
 from scipy import ndimage
 
 from live.base.stage_snapshot import Camera
-from live.render.adaptive_quality import CARD, SOFTWARE, choose, ladder_of
+from live.render.adaptive_quality import HARDWARE, SOFTWARE, choose_quality, quality_steps
 from live.render.body.body_mesh import DISTANT, LIGHT
-from live.render.dancers.dancer_batch import Crowd
-from live.render.passes.dancer_pass import SurfacePass
-from live.render.uniforms import FrameBlock
+from live.render.dancers.dancer_batch import DancerBatch
+from live.render.passes.dancer_pass import GBufferPass
+from live.render.uniforms import FrameUniforms
 from tests.render.poses import LUNGE, REACH, stage_view
 from tests.render.test_renderer import scene
 
@@ -31,10 +31,10 @@ def outline(gl_context):
         camera = Camera(eye=(0.0, 1.0, away), target=(0.0, 0.95, 0.0), field_of_view_deg=40.0)
         view = stage_view([(turns, (0.0, 0.0), 25.0, 0)])
         frame, crowd = (
-            FrameBlock(gl_context, scene(1, camera), SIZE),
-            Crowd(gl_context, scene(1, camera), quality, SIZE),
+            FrameUniforms(gl_context, scene(1, camera), SIZE),
+            DancerBatch(gl_context, scene(1, camera), quality, SIZE),
         )
-        surface = SurfacePass(gl_context, quality, SIZE)
+        surface = GBufferPass(gl_context, quality, SIZE)
         frame.write(view)
         crowd.update(view, frame.light)
         surface.draw(crowd)
@@ -54,9 +54,9 @@ def apart(a, b):
 
 
 def test_who_stands_near_keeps_her_body_whatever_the_quality(outline):
-    for best in (SOFTWARE, CARD):
+    for best in (SOFTWARE, HARDWARE):
         whole = None
-        for step in ladder_of(best):
+        for step in quality_steps(best):
             for near_count in (step.quality.near_count, 0):  # the fewest that there can be
                 mask = outline(replace(step.quality, near_count=near_count), NEAR)
                 whole = mask if whole is None else whole
@@ -76,6 +76,6 @@ def test_where_the_level_changes_the_outline_stays(outline, turns):
 
 def test_a_crowd_changes_between_these_levels_alone(gl_context):
     for count in (50, 1000):
-        quality = choose(gl_context, count, None)
+        quality = choose_quality(gl_context, count, None)
         assert quality.far_from >= 12.0
-        assert (quality.near_level, quality.far_level) in ((LIGHT, DISTANT), (CARD.near_level, CARD.far_level))
+        assert (quality.near_level, quality.far_level) in ((LIGHT, DISTANT), (HARDWARE.near_level, HARDWARE.far_level))

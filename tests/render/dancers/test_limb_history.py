@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from live.base.picture_parameters import STYLE_OF_GROUP, of_group, picture_of
+from live.base.picture_parameters import STYLE_ADDRESS_PREFIX, group_parameter, picture_row
 from live.motion.skeleton import SKELETON
 from live.render.adaptive_quality import SOFTWARE
-from live.render.dancers.dancer_batch import Crowd
-from live.render.dancers.motion_trails import PER_BEAT, SAMPLES, LimbHistory, PoseHistory
+from live.render.dancers.dancer_batch import DancerBatch
+from live.render.dancers.motion_trails import SAMPLES, SAMPLES_PER_BEAT, LimbHistory, PoseHistory
 from tests.render.poses import ARMS_DOWN, stage_view
 from tests.render.test_renderer import scene
 
@@ -27,7 +27,7 @@ def samples(history):
     """The ring as the newest sample first, shape (known, 2, 4, 4)."""
     rows = np.frombuffer(history.texture.read(), np.float32).reshape(SAMPLES + 1, 2, 4, 4)
     newest = int(history.ring[0])
-    return rows[(newest - np.arange(history.valid)) % SAMPLES]
+    return rows[(newest - np.arange(history.valid_count)) % SAMPLES]
 
 
 @pytest.mark.parametrize("rate", [23.0, 60.0, 7.0])
@@ -36,9 +36,9 @@ def test_samples_lie_on_their_beats_at_any_frame_rate(gl_context, rate):
     for frame in range(int(4.0 * rate)):
         history.update(at(0.5 + frame / rate), 2)
     known, last = samples(history), 0.5 + (int(4.0 * rate) - 1) / rate
-    newest = np.floor(last * PER_BEAT) / PER_BEAT
-    beats = newest - np.arange(len(known)) / PER_BEAT
-    assert beats[-1] == pytest.approx(0.5 + 1 / PER_BEAT, abs=1.01 / PER_BEAT)
+    newest = np.floor(last * SAMPLES_PER_BEAT) / SAMPLES_PER_BEAT
+    beats = newest - np.arange(len(known)) / SAMPLES_PER_BEAT
+    assert beats[-1] == pytest.approx(0.5 + 1 / SAMPLES_PER_BEAT, abs=1.01 / SAMPLES_PER_BEAT)
     hand = at(0.0).joint_position[0, HAND, 0]
     walked = known[:, 0, 0, 0] - beats
     assert np.ptp(walked) < 1e-4  # each sample is where she was at that very beat
@@ -54,20 +54,20 @@ def test_a_jump_forgets(gl_context):
     history = LimbHistory(gl_context, 2)
     for frame in range(60):
         history.update(at(frame / 30.0), 2)
-    assert history.valid > 20
+    assert history.valid_count > 20
     for beat in (0.5, 40.0):
         history.update(at(beat), 2)
-        assert history.valid == 0
+        assert history.valid_count == 0
     history.release()
 
 
 def test_each_group_leaves_ghosts_at_its_own_beats(gl_context):
-    crowd = Crowd(gl_context, scene(2), SOFTWARE, (64, 64))
-    row = picture_of(scene(2))
+    crowd = DancerBatch(gl_context, scene(2), SOFTWARE, (64, 64))
+    row = picture_row(scene(2))
     for group, spacing in ((0, 1.0), (1, 0.5)):
-        row[of_group(STYLE_OF_GROUP + "trails", group).where] = 1.0
-        row[of_group(STYLE_OF_GROUP + "trails/spacing", group).where] = spacing
-    crowd.restyle(row)
+        row[group_parameter(STYLE_ADDRESS_PREFIX + "trails", group).row_slice] = 1.0
+        row[group_parameter(STYLE_ADDRESS_PREFIX + "trails/spacing", group).row_slice] = spacing
+    crowd.set_styles(row)
     history = PoseHistory(gl_context, 2)
     for frame in range(100):  # until beat 3.3
         view = at(frame / 30.0)

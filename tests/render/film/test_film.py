@@ -122,7 +122,7 @@ def test_sound_lies_beside_the_picture_and_is_as_long(
 ) -> None:
     path = tmp_path / "film.mp4"
     music = tone(rate, 5.0, channels)
-    sound = FilmSound.of(music, rate)
+    sound = FilmSound.from_samples(music, rate)
     with FilmWriter(path, size=SIZE, fps=30, sound=sound, live=live, depth=50) as film:
         for number in range(50):
             film.write(plain(number))
@@ -146,7 +146,7 @@ def test_sound_and_picture_are_in_step(tmp_path: Path) -> None:
     rate = 48000
     music = np.zeros((2 * rate, 1), np.float32)
     music[rate : rate + 480, 0] = tone(rate, 0.01, 1)[:, 0]  # a click one second into the music
-    with FilmWriter(path, size=SIZE, fps=50, sound=FilmSound.of(music, rate, start=0.5)) as film:
+    with FilmWriter(path, size=SIZE, fps=50, sound=FilmSound.from_samples(music, rate, start=0.5)) as film:
         for _ in range(60):
             film.write(plain(100))
     heard, _ = decode_sound(path)
@@ -159,16 +159,16 @@ def test_sound_and_picture_are_in_step(tmp_path: Path) -> None:
 
 def test_music_that_is_shorter_than_the_film_ends_or_begins_again() -> None:
     music = (np.arange(1, 11)[:, None] / 10).astype(np.float32)
-    once, looped = FilmSound.of(music, 10), FilmSound.of(music, 10, loop=True)
+    once, looped = FilmSound.from_samples(music, 10), FilmSound.from_samples(music, 10, loop=True)
     assert once.read(8, 5)[:, 0] == pytest.approx([0.9, 1.0, 0.0, 0.0, 0.0])
     assert looped.read(8, 5)[:, 0] == pytest.approx([0.9, 1.0, 0.1, 0.2, 0.3])
     assert looped.read(1_000_000_008, 3)[:, 0] == pytest.approx([0.9, 1.0, 0.1])
-    late = FilmSound.of(music, 10, start=-0.2)
+    late = FilmSound.from_samples(music, 10, start=-0.2)
     assert late.read(0, 4)[:, 0] == pytest.approx([0.0, 0.0, 0.1, 0.2])
-    assert FilmSound.of(np.zeros((0, 2), np.float32), 10, loop=True).read(3, 2).tolist() == [[0, 0], [0, 0]]
-    assert FilmSound.of(np.zeros((5, 6), np.float32), 10).channels == 2
+    assert FilmSound.from_samples(np.zeros((0, 2), np.float32), 10, loop=True).read(3, 2).tolist() == [[0, 0], [0, 0]]
+    assert FilmSound.from_samples(np.zeros((5, 6), np.float32), 10).channels == 2
     with pytest.raises(ValueError, match="shape"):
-        FilmSound.of(np.zeros((2, 2, 2), np.float32), 10)
+        FilmSound.from_samples(np.zeros((2, 2, 2), np.float32), 10)
 
 
 def test_live_sound_may_come_later_and_be_broken(tmp_path: Path) -> None:
@@ -355,7 +355,7 @@ def test_the_first_error_is_the_one_told(tmp_path: Path) -> None:
 
 
 def test_a_film_without_pictures_is_closed_all_the_same(tmp_path: Path) -> None:
-    film = FilmWriter(tmp_path / "film.mp4", size=SIZE, fps=25, sound=FilmSound.of(tone(48000, 1.0), 48000))
+    film = FilmWriter(tmp_path / "film.mp4", size=SIZE, fps=25, sound=FilmSound.from_samples(tone(48000, 1.0), 48000))
     film.close()
     assert not film._thread.is_alive()
 

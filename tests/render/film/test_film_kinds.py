@@ -6,7 +6,7 @@ import av
 import numpy as np
 import pytest
 
-from live.render.film.container_formats import KINDS
+from live.render.film.container_formats import FORMATS
 from live.render.film.film_writer import FilmError, FilmWriter
 from live.render.film.streams import FilmSound
 from tests.render.film.test_film import decode, opened, tone
@@ -59,7 +59,7 @@ def test_prores_with_alpha_is_4444_and_told_as_such(tmp_path: Path) -> None:
 def test_sound_is_kept_as_it_is(tmp_path: Path, ending: str) -> None:
     path = tmp_path / f"film{ending}"
     music = tone(44100, 3.0)
-    with FilmWriter(path, size=SIZE, fps=30, sound=FilmSound.of(music, 44100)) as film:
+    with FilmWriter(path, size=SIZE, fps=30, sound=FilmSound.from_samples(music, 44100)) as film:
         for _ in range(45):
             film.write(seen(False))
     with opened(path) as container:
@@ -88,6 +88,6 @@ def test_what_no_film_has_is_refused(tmp_path: Path) -> None:
 
 
 def test_every_kind_can_be_made_here() -> None:
-    for kind in KINDS.values():
+    for kind in FORMATS.values():
         assert kind.video in av.codecs_available
         assert kind.container in av.formats_available

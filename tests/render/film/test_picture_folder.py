@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from live.render.film.film_writer import FilmError
-from live.render.film.image_sequence import PictureFolder
+from live.render.film.image_sequence import ImageSequenceWriter
 from live.render.film.streams import FilmSound
 
 SIZE = (37, 23)
@@ -22,7 +22,7 @@ def noise(number: int, channels: int = 4) -> np.ndarray:
 
 @pytest.mark.parametrize("channels", [3, 4])
 def test_every_picture_is_there_exactly(tmp_path: Path, channels: int) -> None:
-    with PictureFolder(tmp_path / "take" / "a-%04d.png", size=SIZE, fps=25, alpha=channels == 4) as film:
+    with ImageSequenceWriter(tmp_path / "take" / "a-%04d.png", size=SIZE, fps=25, alpha=channels == 4) as film:
         for number in range(9):
             picture = noise(number, channels)
             film.write(picture)
@@ -37,7 +37,7 @@ def test_every_picture_is_there_exactly(tmp_path: Path, channels: int) -> None:
 
 
 def test_a_picture_for_several_frames(tmp_path: Path) -> None:
-    with PictureFolder(tmp_path / "%d.png", size=SIZE, fps=25, alpha=True) as film:
+    with ImageSequenceWriter(tmp_path / "%d.png", size=SIZE, fps=25, alpha=True) as film:
         film.write(noise(1), 3)
         film.write(noise(2))
     same = [(tmp_path / f"{number}.png").read_bytes() for number in (1, 2, 3, 4)]
@@ -46,8 +46,8 @@ def test_a_picture_for_several_frames(tmp_path: Path) -> None:
 
 def test_the_sound_lies_beside_them_and_is_as_long(tmp_path: Path) -> None:
     music = np.linspace(-0.9, 0.9, 2000, dtype=np.float32)
-    with PictureFolder(
-        tmp_path / "%05d.png", size=SIZE, fps=30000 / 1001, sound=FilmSound.of(music, 8000), alpha=True
+    with ImageSequenceWriter(
+        tmp_path / "%05d.png", size=SIZE, fps=30000 / 1001, sound=FilmSound.from_samples(music, 8000), alpha=True
     ) as film:
         for _ in range(10):
             film.write(noise(0))
@@ -61,8 +61,8 @@ def test_the_sound_lies_beside_them_and_is_as_long(tmp_path: Path) -> None:
 
 def test_places_where_no_picture_can_be(tmp_path: Path) -> None:
     with pytest.raises(FilmError, match="No such file"):
-        PictureFolder(tmp_path / "none" / "deeper" / "%05d.png", size=SIZE, fps=25)
-    film = PictureFolder(tmp_path / "%05d.png", size=SIZE, fps=25, alpha=True)
+        ImageSequenceWriter(tmp_path / "none" / "deeper" / "%05d.png", size=SIZE, fps=25)
+    film = ImageSequenceWriter(tmp_path / "%05d.png", size=SIZE, fps=25, alpha=True)
     with pytest.raises(ValueError, match=r"\(23, 37, 4\)"):
         film.write(noise(0, 3))
     film.close()
@@ -73,7 +73,7 @@ def test_places_where_no_picture_can_be(tmp_path: Path) -> None:
 def test_a_full_disk_surfaces_once(tmp_path: Path) -> None:
     for number in range(1, 40):
         os.symlink("/dev/full", tmp_path / f"{number}.png")
-    film = PictureFolder(tmp_path / "%d.png", size=SIZE, fps=25, alpha=True)
+    film = ImageSequenceWriter(tmp_path / "%d.png", size=SIZE, fps=25, alpha=True)
 
     def write_on() -> None:
         for number in range(30):

@@ -11,7 +11,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from live.render.film.shared_memory import HEADER, PLACES, SharedRing, ring_path
+from live.render.film.shared_memory import HEADER_SIZE, SLOTS, FrameRing, ring_path
 from tests.places import ROOT
 
 SIZE = (40, 24)
@@ -29,8 +29,8 @@ def name() -> str:
 
 
 @pytest.fixture
-def ring(name: str) -> Iterator[SharedRing]:
-    ring = SharedRing(name, SIZE)
+def ring(name: str) -> Iterator[FrameRing]:
+    ring = FrameRing(name, SIZE)
     yield ring
     ring.close()
     assert not ring.path.exists()
@@ -47,19 +47,19 @@ def reader() -> ModuleType:
     return module
 
 
-def test_every_picture_arrives_whole(ring: SharedRing, name: str, reader: ModuleType) -> None:
+def test_every_picture_arrives_whole(ring: FrameRing, name: str, reader: ModuleType) -> None:
     seen = reader.Ring(name)
     assert (seen.width, seen.height) == SIZE
     assert seen.open
     assert seen.read() is None
-    for number in range(1, 3 * PLACES):
+    for number in range(1, 3 * SLOTS):
         ring.write(noise(number)[::-1], 0.25 * number)  # upside down in memory, as it comes back from the card
         found, seconds, picture = seen.read()
         assert (found, seconds) == (number, 0.25 * number)
         assert np.array_equal(picture, noise(number)[::-1])
 
 
-def test_a_slow_reader_never_gets_half_a_picture(ring: SharedRing, name: str, reader: ModuleType) -> None:
+def test_a_slow_reader_never_gets_half_a_picture(ring: FrameRing, name: str, reader: ModuleType) -> None:
     """While it copies the newest, the place is written over: it notices, and reads the newest again."""
     seen = reader.Ring(name)
     ring.write(noise(1), 0.0)
@@ -68,19 +68,19 @@ def test_a_slow_reader_never_gets_half_a_picture(ring: SharedRing, name: str, re
         """Pixels that are written over while they are copied, once."""
 
         def copy(self, *_: object) -> np.ndarray:
-            if ring.pictures == 1:
-                for number in range(2, 2 + PLACES):
+            if ring.frames == 1:
+                for number in range(2, 2 + SLOTS):
                     ring.write(noise(number), float(number))
             return np.asarray(self).copy()
 
     seen.pixels = seen.pixels.view(Overtaken)
     number, seconds, picture = seen.read()
-    assert number == 1 + PLACES
+    assert number == 1 + SLOTS
     assert seconds == number
     assert np.array_equal(picture, noise(number))
 
 
-def test_the_header_is_as_it_is_told(ring: SharedRing) -> None:
+def test_the_header_is_as_it_is_told(ring: FrameRing) -> None:
     ring.write(noise(1), 1.5)
     data = ring.path.read_bytes()
     assert data[:8] == b"CGLPIC01"
@@ -88,14 +88,14 @@ def test_the_header_is_as_it_is_told(ring: SharedRing) -> None:
     assert np.frombuffer(data, "<u8", 1, 32)[0] == 1
     assert np.frombuffer(data, "<u8", 1, 64)[0] == 1
     assert np.frombuffer(data, "<f8", 1, 72)[0] == 1.5
-    assert len(data) == HEADER + PLACES * SIZE[0] * SIZE[1] * 3
-    assert data[HEADER : HEADER + SIZE[0] * SIZE[1] * 3] == noise(1).tobytes()
+    assert len(data) == HEADER_SIZE + SLOTS * SIZE[0] * SIZE[1] * 3
+    assert data[HEADER_SIZE : HEADER_SIZE + SIZE[0] * SIZE[1] * 3] == noise(1).tobytes()
 
 
-def test_another_show_of_the_same_name(ring: SharedRing, name: str, reader: ModuleType) -> None:
+def test_another_show_of_the_same_name(ring: FrameRing, name: str, reader: ModuleType) -> None:
     old = reader.Ring(name)
     ring.write(noise(1), 0.0)
-    with_other_size = SharedRing(name, (20, 10))
+    with_other_size = FrameRing(name, (20, 10))
     assert not old.open, "readers of the old one are told"
     ring.write(noise(2), 0.1)  # and nobody who writes there is hurt
     ring.close()
@@ -105,7 +105,7 @@ def test_another_show_of_the_same_name(ring: SharedRing, name: str, reader: Modu
     assert not with_other_size.path.exists()
 
 
-def test_in_another_process(ring: SharedRing, name: str, tmp_path: Path) -> None:
+def test_in_another_process(ring: FrameRing, name: str, tmp_path: Path) -> None:
     ring.write(noise(7), 0.0)
     subprocess.run([sys.executable, str(READER), name, str(tmp_path / "out.ppm")], check=True, timeout=60)
     data = (tmp_path / "out.ppm").read_bytes()
@@ -120,7 +120,7 @@ def test_names_and_files_that_are_none(name: str) -> None:
     path.write_text("somebody's own file")
     try:
         with pytest.raises(ValueError, match="no ring"):
-            SharedRing(name, SIZE)
+            FrameRing(name, SIZE)
         assert path.read_text() == "somebody's own file"
     finally:
         path.unlink()

@@ -9,7 +9,7 @@ import av
 import numpy as np
 import pytest
 
-from live.render.film.network_stream import SLOTS, SharedStream
+from live.render.film.network_stream import SLOTS, NetworkStream
 from live.render.film.streams import FilmSound
 from tests.render.film.test_film import tone
 
@@ -61,12 +61,12 @@ class Receiver:
         self._thread.join(10.0)
 
 
-def sent_until(stream: SharedStream, receiver: Receiver, count: int) -> int:
+def sent_until(stream: NetworkStream, receiver: Receiver, count: int) -> int:
     """Send pictures, brighter and brighter, until so many have arrived; the number of frames."""
     deadline, waiting = monotonic() + 60.0, threading.Event()
     frame = 0
     while len(receiver.pictures) < count:
-        assert monotonic() < deadline, (stream.trouble, stream.sent, len(receiver.pictures))
+        assert monotonic() < deadline, (stream.error, stream.sent, len(receiver.pictures))
         stream.write(patches(frame % 50 * 4 + 20), frame)
         frame += 1
         waiting.wait(0.02)
@@ -78,8 +78,8 @@ def sent_until(stream: SharedStream, receiver: Receiver, count: int) -> int:
 def test_what_was_drawn_is_what_arrives(sound: bool) -> None:
     url = f"udp://127.0.0.1:{free_port()}"
     receiver = Receiver(url)
-    heard = FilmSound.of(tone(48000, 5.0), 48000, loop=True) if sound else None
-    stream = SharedStream(url, size=SIZE, fps=50, sound=heard)
+    heard = FilmSound.from_samples(tone(48000, 5.0), 48000, loop=True) if sound else None
+    stream = NetworkStream(url, size=SIZE, fps=50, sound=heard)
     sent_until(stream, receiver, 12)
     stream.close()
     receiver.close()
@@ -102,33 +102,33 @@ def test_what_was_drawn_is_what_arrives(sound: bool) -> None:
 def test_nobody_waits_for_a_connection_that_is_not_there() -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
-        stream = SharedStream(f"tcp://127.0.0.1:{taken.getsockname()[1]}", size=SIZE, fps=50)
+        stream = NetworkStream(f"tcp://127.0.0.1:{taken.getsockname()[1]}", size=SIZE, fps=50)
         begin = monotonic()
         for frame in range(200):
             stream.write(patches(0), frame)
         assert monotonic() - begin < 2.0
         assert stream.dropped >= 200 - SLOTS - 3, "and each time that it is tried one is lost"
         deadline, waiting = monotonic() + 30.0, threading.Event()
-        while not stream.trouble:
+        while not stream.error:
             assert monotonic() < deadline
             waiting.wait(0.01)
-        assert "refused" in stream.trouble
+        assert "refused" in stream.error
         stream.close()
         assert stream.sent == 0
 
 
 def test_a_receiver_that_comes_back_gets_the_picture_again() -> None:
-    def send(stream: SharedStream, frame: int) -> None:
+    def send(stream: NetworkStream, frame: int) -> None:
         stream.write(np.random.default_rng(frame).integers(0, 255, (64, 96, 3), np.uint8), frame)
 
     with socket.create_server(("127.0.0.1", 0)) as server:
-        stream = SharedStream(f"tcp://127.0.0.1:{server.getsockname()[1]}", size=SIZE, fps=50)
+        stream = NetworkStream(f"tcp://127.0.0.1:{server.getsockname()[1]}", size=SIZE, fps=50)
         frame, deadline = 0, monotonic() + 60.0
         for turn in range(2):
             connection, received = None, b""
             server.settimeout(0.02)
             while len(received) < 188 * 10:
-                assert monotonic() < deadline, (turn, stream.trouble)
+                assert monotonic() < deadline, (turn, stream.error)
                 send(stream, frame := frame + 1)
                 try:
                     if connection is None:
@@ -147,4 +147,4 @@ def test_a_receiver_that_comes_back_gets_the_picture_again() -> None:
 def test_addresses_that_are_none() -> None:
     for url in ("http://127.0.0.1:1", "127.0.0.1:5000", "file.ts"):
         with pytest.raises(ValueError, match="udp://"):
-            SharedStream(url, size=SIZE, fps=50)
+            NetworkStream(url, size=SIZE, fps=50)

@@ -22,25 +22,25 @@ def seen(picture):
 
 @pytest.mark.long
 def test_a_patient_video_gives_every_picture_at_its_time_and_none_twice(film):
-    video = Video(film, patient=True)
+    video = Video(film, blocking=True)
     assert video.seconds == pytest.approx(FRAMES / RATE, abs=0.02)
     for number in range(FRAMES):
-        assert seen(video.at(number / RATE + 0.03)) == number
-        assert video.at(number / RATE + 0.06) is None  # the same still
+        assert seen(video.picture_at(number / RATE + 0.03)) == number
+        assert video.picture_at(number / RATE + 0.06) is None  # the same still
     video.close()
 
 
 def test_a_patient_video_leaps_anywhere_and_begins_again(film):
-    video = Video(film, patient=True)
+    video = Video(film, blocking=True)
     for place in (15, 3, 19, 0, 8, 7, 18, 1):
-        picture = video.at(place / RATE + 0.05)
+        picture = video.picture_at(place / RATE + 0.05)
         assert seen(picture) == place
     video.close()
 
 
 def test_a_show_never_waits_and_gets_pictures_as_they_come(film):
     video = Video(film)
-    assert wait_for(lambda: (picture := video.at(0.55)) is not None and seen(picture) == 5, 5.0)
+    assert wait_for(lambda: (picture := video.picture_at(0.55)) is not None and seen(picture) == 5, 5.0)
     video.close()
 
 
@@ -61,10 +61,10 @@ class Damaged:
 def test_a_video_that_is_damaged_keeps_its_last_picture_and_says_why(film, monkeypatch):
     monkeypatch.setattr("live.render.media_background.open_video", lambda path: Damaged(open_video(path)))
     video, got = Video(film), []
-    assert wait_for(lambda: (got.append(video.at(0.45)), video.problem == "damaged")[1], 5.0)
-    last = [seen(picture) for picture in [*got, video.at(0.45)] if picture is not None][-1]
+    assert wait_for(lambda: (got.append(video.picture_at(0.45)), video.problem == "damaged")[1], 5.0)
+    last = [seen(picture) for picture in [*got, video.picture_at(0.45)] if picture is not None][-1]
     assert last == 2
-    assert video.at(0.9) is None
+    assert video.picture_at(0.9) is None
     video.close()
 
 
@@ -83,6 +83,6 @@ def test_files_that_cannot_be_shown_are_named(tmp_path, name, content, words):
 
 
 def test_an_image_of_a_giant_is_refused_before_it_is_unpacked(tmp_path, monkeypatch):
-    monkeypatch.setattr("live.render.media_background.MOST_PIXELS", 1000)
+    monkeypatch.setattr("live.render.media_background.MAX_PIXELS", 1000)
     with pytest.raises(PersonError, match="64 x 36 pixels"):
         check_background(write_image(tmp_path / "big.png"))

@@ -27,7 +27,7 @@ def throw(gl_context: moderngl.Context) -> Iterator[Throw]:
         target = OffscreenTarget(gl_context, size)
         one = OutputPass(gl_context, output, options.pop("number", 0), "320 x 180")
         if (sheet := options.pop("sheet", None)) is not None:
-            one.take_sheet(sheet)
+            one.set_join_card(sheet)
         one.draw(texture, target.framebuffer, **options)
         held.extend((texture, target, one))
         return target.read().copy()

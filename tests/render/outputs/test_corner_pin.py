@@ -4,27 +4,27 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.render.outputs.output import UNBENT
-from live.render.outputs.warp import check_corners, homography, mapped
+from live.render.outputs.output import FULL_WINDOW
+from live.render.outputs.warp import check_corners, homography, map_points
 
 
 def quads(count: int, seed: int = 3):
     """Convex quadrangles at random: each corner anywhere in its own quarter of the window."""
     draw = np.random.default_rng(seed)
     for _ in range(count):
-        yield [tuple(corner + draw.uniform(-0.2, 0.2, 2)) for corner in np.array(UNBENT) * 0.6 + 0.2]
+        yield [tuple(corner + draw.uniform(-0.2, 0.2, 2)) for corner in np.array(FULL_WINDOW) * 0.6 + 0.2]
 
 
 def test_corners_land_where_they_are_said_to():
     for quad in quads(200):
-        np.testing.assert_allclose(mapped(homography(quad), UNBENT), quad, atol=1e-12)
+        np.testing.assert_allclose(map_points(homography(quad), FULL_WINDOW), quad, atol=1e-12)
 
 
 def test_it_is_the_projective_map_and_no_other():
     """Against the linear system of the eight unknowns, solved without its closed form."""
     for quad in quads(50, seed=8):
         rows, right = [], []
-        for (u, v), (x, y) in zip(UNBENT, quad, strict=True):
+        for (u, v), (x, y) in zip(FULL_WINDOW, quad, strict=True):
             rows += [[u, v, 1, 0, 0, 0, -u * x, -v * x], [0, 0, 0, u, v, 1, -u * y, -v * y]]
             right += [x, y]
         expected = np.append(np.linalg.solve(np.array(rows), right), 1.0).reshape(3, 3)
@@ -32,7 +32,7 @@ def test_it_is_the_projective_map_and_no_other():
 
 
 def test_unbent_corners_are_the_identity():
-    np.testing.assert_array_equal(homography(UNBENT), np.eye(3))
+    np.testing.assert_array_equal(homography(FULL_WINDOW), np.eye(3))
 
 
 @pytest.mark.parametrize(
@@ -55,6 +55,6 @@ def test_corners_that_cannot_hold_a_picture_are_named(corners, words):
 
 def test_turned_corners_are_allowed():
     for turn in range(4):
-        check_corners([UNBENT[(n + turn) % 4] for n in range(4)])
+        check_corners([FULL_WINDOW[(n + turn) % 4] for n in range(4)])
     for quad in quads(50):
         check_corners(quad)

@@ -42,7 +42,7 @@ def play(display, said, seconds, work=lambda number: 0.002):
     swapped = display.now()
     while display.time < end:
         pacer.wait()
-        began, at = swapped, grid.at(swapped)
+        began, at = swapped, grid.align(swapped)
         display.time += work(len(rows))
         rows.append((began, at, display.swap()))
         swapped = display.now()
@@ -98,6 +98,6 @@ def test_a_loop_that_no_display_holds_keeps_its_own_grid():
     pacer, grid = Pacer(30.0, display.now, display.sleep), DisplayGrid(30.0)
     at = []
     for _ in range(300):
-        at.append(grid.at(pacer.wait()))
+        at.append(grid.align(pacer.wait()))
         display.time += 0.012
     assert np.diff(at[30:]) == pytest.approx(np.full(269, 1.0 / 30.0), abs=0.2e-3)

@@ -3,36 +3,36 @@
 import numpy as np
 import pytest
 
-from live.render.outputs.output import MESH_MOST, UNBENT, Output
-from live.render.outputs.warp import bent, check_mesh, regular
-from live.render.outputs.warp_editor import KEPT, Editing
+from live.render.outputs.output import FULL_WINDOW, MAX_MESH_POINTS, Output
+from live.render.outputs.warp import check_mesh, regular_mesh, warp_grid
+from live.render.outputs.warp_editor import MAX_UNDO_STEPS, WarpEditor
 
 PINNED = Output(corners=((0.1, 0.1), (0.9, 0.0), (1.0, 1.0), (0.0, 0.9)))
 
 
 def test_a_corner_is_dragged():
-    editing = Editing(Output())
-    assert editing.take_hold((0.98, 0.03), 16 / 9)
+    editing = WarpEditor(Output())
+    assert editing.grab((0.98, 0.03), 16 / 9)
     assert editing.chosen == 1
-    editing.pull((0.9, 0.1))
-    editing.pull((0.85, 0.12))
-    editing.let_go()
-    editing.pull((0.1, 0.9))  # nobody holds it any more
+    editing.drag((0.9, 0.1))
+    editing.drag((0.85, 0.12))
+    editing.release()
+    editing.drag((0.1, 0.9))  # nobody holds it any more
     assert editing.output.corners == ((0.0, 0.0), (0.85, 0.12), (1.0, 1.0), (0.0, 1.0))
     assert editing.is_changed
     editing.undo()
-    assert editing.output.corners == UNBENT  # one drag is one step
+    assert editing.output.corners == FULL_WINDOW  # one drag is one step
 
 
 def test_nothing_is_taken_hold_of_in_the_middle():
-    editing = Editing(Output())
-    assert not editing.take_hold((0.5, 0.5), 1.0)
-    editing.pull((0.2, 0.2))
+    editing = WarpEditor(Output())
+    assert not editing.grab((0.5, 0.5), 1.0)
+    editing.drag((0.2, 0.2))
     assert editing.output == Output()
 
 
 def test_keys_choose_and_nudge():
-    editing = Editing(Output())
+    editing = WarpEditor(Output())
     editing.next()
     editing.next()
     editing.next(-1)
@@ -44,31 +44,31 @@ def test_keys_choose_and_nudge():
 
 
 def test_moves_that_would_cross_corners_are_left_out_and_told():
-    editing = Editing(Output())
-    editing.take_hold((0.0, 0.0), 1.0)
-    editing.pull((0.4, 0.4))
+    editing = WarpEditor(Output())
+    editing.grab((0.0, 0.0), 1.0)
+    editing.drag((0.4, 0.4))
     good = editing.output
-    editing.pull((1.5, 1.5))
+    editing.drag((1.5, 1.5))
     assert editing.output == good
     assert "corners" in editing.problem
-    editing.pull((0.3, 0.2))
+    editing.drag((0.3, 0.2))
     assert editing.problem == ""
     editing.undo()
     assert editing.output == Output()
 
 
 def test_every_step_is_undone():
-    editing = Editing(PINNED)
+    editing = WarpEditor(PINNED)
     chance = np.random.default_rng(7)
     states = [editing.output]
     for _ in range(60):
         match chance.integers(6):
             case 0:
-                editing.switch()
+                editing.toggle_mesh()
             case 1:
                 editing.refine(int(chance.choice([-1, 1])))
             case 2:
-                editing.straighten()
+                editing.reset()
             case _:
                 editing.next(int(chance.integers(1, 4)))
                 editing.nudge(*chance.uniform(-0.03, 0.03, 2))
@@ -86,36 +86,36 @@ def test_every_step_is_undone():
 
 
 def test_a_mesh_begins_regular_and_its_points_lie_where_the_corners_say():
-    editing = Editing(PINNED)
-    editing.switch()
-    assert editing.output.mesh == regular(3, 3)
+    editing = WarpEditor(PINNED)
+    editing.toggle_mesh()
+    assert editing.output.mesh == regular_mesh(3, 3)
     points = np.array(editing.points).reshape(3, 3, 2)
     np.testing.assert_allclose(points[[0, 0, 2, 2], [0, 2, 2, 0]], PINNED.corners, atol=1e-12)
-    editing.take_hold(tuple(points[1, 1]), 1.0)
+    editing.grab(tuple(points[1, 1]), 1.0)
     assert editing.chosen == 4
-    editing.pull((0.5, 0.6))
+    editing.drag((0.5, 0.6))
     np.testing.assert_allclose(editing.points[4], (0.5, 0.6), atol=1e-9)
-    editing.switch()
+    editing.toggle_mesh()
     assert len(editing.points) == 4
 
 
 def test_a_finer_mesh_is_bent_as_before():
-    editing = Editing(Output())
-    editing.switch()
+    editing = WarpEditor(Output())
+    editing.toggle_mesh()
     editing.chosen = 4
     editing.nudge(0.05, -0.03)
     shares = np.linspace(0, 1, 21)
-    before = bent(editing.output.mesh, shares, shares)
+    before = warp_grid(editing.output.mesh, shares, shares)
     editing.refine(2)
     assert len(editing.output.mesh) == 5
-    assert np.abs(bent(editing.output.mesh, shares, shares) - before).max() < 0.012
+    assert np.abs(warp_grid(editing.output.mesh, shares, shares) - before).max() < 0.012
     for _ in range(30):
         editing.refine(1)
-    assert len(editing.output.mesh) == MESH_MOST
+    assert len(editing.output.mesh) == MAX_MESH_POINTS
 
 
 def test_what_is_kept_for_undo_has_an_end():
-    editing = Editing(Output())
-    for _ in range(3 * KEPT):
+    editing = WarpEditor(Output())
+    for _ in range(3 * MAX_UNDO_STEPS):
         editing.nudge(1e-4, 0.0)
-    assert len(editing._before) == KEPT
+    assert len(editing._undo_stack) == MAX_UNDO_STEPS

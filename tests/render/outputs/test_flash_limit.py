@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from live.render.outputs.photosensitivity import CELLS, RED_CHANGE, FlashGuard, FlashLimit, FlashMeter
+from live.render.outputs.photosensitivity import CELLS, RED_CHANGE, FlashLimit, FlashLimiter, FlashMeter
 
 COUNT = CELLS[0] * CELLS[1]
 
@@ -29,7 +29,7 @@ def flashes(times, shown):
 def judged(pictures, rate=60.0, **options):
     """What is shown of pictures (n, cells), each judged in turn."""
     limit = FlashLimit(pictures.shape[1])
-    left = np.array([limit.judge(n / rate, row, **options) for n, row in enumerate(pictures)])
+    left = np.array([limit.limit(n / rate, row, **options) for n, row in enumerate(pictures)])
     return pictures * left[:, None], left, limit
 
 
@@ -55,7 +55,7 @@ def test_three_flashes_a_second_are_left_alone():
     for hertz in (0.5, 1.0, 2.0, 2.9, 3.0):
         _, left, limit = judged(strobe(hertz))
         assert np.all(left == 1.0)
-        assert limit.held == 0
+        assert limit.dimmed_count == 0
 
 
 @pytest.mark.parametrize("dark", [1, 3, 6])
@@ -124,10 +124,10 @@ def test_the_meter_measures_light_by_cells(gl_context):
     light = (values / 255.0) ** 2.2
     red = np.where(light[..., 0] >= 0.8 * light.sum(axis=2), light[..., 0] - light[..., 1] - light[..., 2], 0.0)
     assert 0 < np.count_nonzero(red) < red.size
-    np.testing.assert_allclose(meter.now(), [expected.ravel(), red.ravel()], atol=1e-3)
+    np.testing.assert_allclose(meter.current(), [expected.ravel(), red.ravel()], atol=1e-3)
     meter.measure(dark)
-    np.testing.assert_allclose(meter.before()[0], expected.ravel(), atol=1e-3)
-    assert not np.any(meter.now())
+    np.testing.assert_allclose(meter.previous()[0], expected.ravel(), atol=1e-3)
+    assert not np.any(meter.current())
     for thing in (meter, texture, dark):
         thing.release()
 
@@ -142,13 +142,13 @@ def test_alike_pictures_are_judged_alike():
 def test_what_the_guard_lets_through_flashes_no_more_than_three_times(gl_context, hertz):
     """Real pictures, most of them judged only after they were shown."""
     black, white = (gl_context.texture((64, 36), 4, bytes([value]) * (64 * 36 * 4)) for value in (0, 255))
-    guard = FlashGuard(gl_context)
+    guard = FlashLimiter(gl_context)
     times = np.arange(180) / 60.0
     lit = np.round(times * hertz * 2.0).astype(int) % 2 == 1
-    shown = [guard.left(white if on else black, time) * on for on, time in zip(lit, times, strict=True)]
+    shown = [guard.allowed_light(white if on else black, time) * on for on, time in zip(lit, times, strict=True)]
     assert flashes(times, lit.astype(float)) > 3
     assert flashes(times, shown) <= 3
-    assert guard.held > 20
+    assert guard.dimmed_count > 20
     for thing in (guard, black, white):
         thing.release()
 
@@ -156,12 +156,12 @@ def test_what_the_guard_lets_through_flashes_no_more_than_three_times(gl_context
 def test_red_that_is_too_dark_to_flash_otherwise_is_limited_too(gl_context):
     """A deep red: its luminance changes by less than a tenth, R - G - B by more than a sixteenth."""
     black, red = (gl_context.texture((64, 36), 4, bytes([value, 0, 0, 255]) * (64 * 36)) for value in (0, 160))
-    guard = FlashGuard(gl_context)
+    guard = FlashLimiter(gl_context)
     times = np.arange(180) / 60.0
     lit = np.round(times * 16.0).astype(int) % 2 == 1
     light = (160 / 255.0) ** 2.2
     assert 0.2126 * light < 0.1 < light
-    shown = [light * guard.left(red if on else black, time) * on for on, time in zip(lit, times, strict=True)]
+    shown = [light * guard.allowed_light(red if on else black, time) * on for on, time in zip(lit, times, strict=True)]
     scaled = np.array(shown) * (0.1 / RED_CHANGE)  # so that a sixteenth counts as a tenth
     assert flashes(times, lit * light * (0.1 / RED_CHANGE)) > 3
     assert flashes(times, scaled) <= 3

@@ -7,8 +7,8 @@ from PIL import Image
 from live.render.headless import OffscreenTarget
 from live.render.outputs.output import Output, SoftEdge
 from live.render.outputs.output_pass import HandlePass
-from live.render.outputs.warp import regular
-from live.render.outputs.warp_editor import Editing
+from live.render.outputs.warp import regular_mesh
+from live.render.outputs.warp_editor import WarpEditor
 from tests.render.outputs.conftest import SIZE
 
 WIDTH, HEIGHT = SIZE
@@ -75,8 +75,8 @@ def test_a_mask_and_a_darker_projector(golden, throw, tmp_path):
 
 def test_points_that_can_be_moved_and_their_help(golden, gl_context):
     target = OffscreenTarget(gl_context, SIZE)
-    handles, editing = HandlePass(gl_context, SIZE[1]), Editing(BENT["corner_pin"])
-    editing.switch()
+    handles, editing = HandlePass(gl_context, SIZE[1]), WarpEditor(BENT["corner_pin"])
+    editing.toggle_mesh()
     editing.next(4)
     target.framebuffer.use()
     target.framebuffer.clear(0.1, 0.1, 0.1, 1.0)
@@ -93,5 +93,7 @@ def test_points_that_can_be_moved_and_their_help(golden, gl_context):
 
 
 def test_a_grid_through_a_mesh(golden, throw):
-    seen = throw(stage(), Output("left", mesh=(regular(3, 2)[0], ((0.0, 1.0), (0.5, 0.9), (1.0, 1.0)))), card="grid")
+    seen = throw(
+        stage(), Output("left", mesh=(regular_mesh(3, 2)[0], ((0.0, 1.0), (0.5, 0.9), (1.0, 1.0)))), card="grid"
+    )
     golden(seen, "card_grid_mesh", law=lambda picture: not picture[175:, 140:180].any() and bright(picture) > 0.02)

@@ -6,27 +6,35 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.render.outputs.output import MESH_MOST, UNBENT, Output
-from live.render.outputs.output_coordinates import picture_place, window_place
+from live.render.outputs.output import FULL_WINDOW, MAX_MESH_POINTS, Output
+from live.render.outputs.output_coordinates import picture_to_window, window_to_picture
 from live.render.outputs.screen import Screen
-from live.render.outputs.warp import MOST_VERTICES, PIECES, bent, check_mesh, regular, unbent, vertices
+from live.render.outputs.warp import (
+    MAX_VERTICES,
+    SUBDIVISIONS,
+    check_mesh,
+    regular_mesh,
+    unwarp_point,
+    vertices,
+    warp_grid,
+)
 
 
 def moved(columns=5, rows=4, by=0.03, seed=2):
-    points = np.array(regular(columns, rows)) + np.random.default_rng(seed).uniform(-by, by, (rows, columns, 2))
+    points = np.array(regular_mesh(columns, rows)) + np.random.default_rng(seed).uniform(-by, by, (rows, columns, 2))
     return tuple(tuple(map(tuple, row)) for row in points)
 
 
 def test_the_regular_mesh_bends_nothing():
     shares = np.linspace(0.0, 1.0, 41)
     for columns, rows in ((2, 2), (3, 5), (17, 9)):
-        places = bent(regular(columns, rows), shares, shares)
+        places = warp_grid(regular_mesh(columns, rows), shares, shares)
         np.testing.assert_allclose(places, np.stack(np.meshgrid(shares, shares), axis=-1), atol=1e-12)
 
 
 def test_it_goes_through_its_points():
     mesh = moved()
-    places = bent(mesh, np.linspace(0, 1, 5), np.linspace(0, 1, 4))
+    places = warp_grid(mesh, np.linspace(0, 1, 5), np.linspace(0, 1, 4))
     np.testing.assert_allclose(places, mesh, atol=1e-12)
 
 
@@ -40,7 +48,7 @@ def test_it_goes_through_its_points():
     ],
 )
 def test_the_pointer_means_what_is_drawn_under_it(throw, output):
-    """The picture's colours tell their own place; whatever is seen at a pixel must be what `on_picture` says."""
+    """The picture's colours tell their own place; whatever is seen at a pixel must be what `to_picture` says."""
     y, x = np.mgrid[0:180, 0:320]
     picture = np.stack([x * (255.0 / 319), y * (255.0 / 179), np.full(x.shape, 255.0)], axis=2).round().astype(np.uint8)
     seen = throw(picture, output).astype(int)
@@ -48,27 +56,27 @@ def test_the_pointer_means_what_is_drawn_under_it(throw, output):
     drawn = np.argwhere((seen[..., 2] > 250) & (seen[..., 0] > 2) & (seen[..., 1] > 2))
     off = []
     for row, column in drawn[:: len(drawn) // 60]:
-        at = Screen.on_picture(screen, (column + 0.5, row + 0.5), (320, 180))
+        at = Screen.to_picture(screen, (column + 0.5, row + 0.5), (320, 180))
         off.append(np.abs(np.subtract(at, 0.5) / (319, 179) - seen[row, column, :2] / 255.0).max())
         window = ((column + 0.5) / 320, (row + 0.5) / 180)
-        assert window_place(output, picture_place(output, window)) == pytest.approx(window, abs=0.004)
+        assert picture_to_window(output, window_to_picture(output, window)) == pytest.approx(window, abs=0.004)
     assert len(off) >= 60
     assert max(off) < 0.006  # two pixels; without the mesh it is ten times as much
 
 
 def test_a_place_beside_the_picture_has_one_in_the_window():
     output = Output(mesh=moved(3, 3), corners=((0.1, 0.12), (0.93, 0.04), (0.86, 0.95), (0.05, 0.85)))
-    y = window_place(output, (0.5, 1.1))[1]
-    assert y > window_place(output, (0.5, 1.0))[1] > window_place(output, (0.5, 0.9))[1]
-    assert window_place(Output(), (-0.2, 1.3)) == pytest.approx((-0.2, 1.3))
+    y = picture_to_window(output, (0.5, 1.1))[1]
+    assert y > picture_to_window(output, (0.5, 1.0))[1] > picture_to_window(output, (0.5, 0.9))[1]
+    assert picture_to_window(Output(), (-0.2, 1.3)) == pytest.approx((-0.2, 1.3))
 
 
 def test_beside_the_mesh_its_border_goes_on():
     mesh = moved(3, 3)
-    (inside, beside), step = (unbent(mesh, (0.5, y)) for y in (0.1, -0.2)), 0.3
+    (inside, beside), step = (unwarp_point(mesh, (0.5, y)) for y in (0.1, -0.2)), 0.3
     assert inside[1] - beside[1] == pytest.approx(step, rel=0.2)
-    assert unbent((), (0.3, -2.0)) == (0.3, -2.0)
-    assert unbent(regular(4, 5), (0.31, 0.77)) == pytest.approx((0.31, 0.77))
+    assert unwarp_point((), (0.3, -2.0)) == (0.3, -2.0)
+    assert unwarp_point(regular_mesh(4, 5), (0.31, 0.77)) == pytest.approx((0.31, 0.77))
 
 
 def test_it_is_smooth_across_its_lines():
@@ -76,7 +84,7 @@ def test_it_is_smooth_across_its_lines():
     mesh, little = moved(), 1e-6
     along = np.linspace(0.05, 0.95, 7)
     for line in (0.25, 0.5, 0.75):
-        at = bent(mesh, np.array([line - little, line, line + little]), along)
+        at = warp_grid(mesh, np.array([line - little, line, line + little]), along)
         before, after = (at[:, 1] - at[:, 0]) / little, (at[:, 2] - at[:, 1]) / little
         np.testing.assert_allclose(before, after, atol=1e-4)
 
@@ -84,13 +92,13 @@ def test_it_is_smooth_across_its_lines():
 def test_vertices_are_the_bent_frame_through_the_corners():
     corners = ((0.1, 0.05), (0.9, 0.1), (0.95, 0.9), (0.0, 0.8))
     drawn = vertices(Output(corners=corners, mesh=moved()))
-    assert drawn.shape == (4 * PIECES * 3 * PIECES * 6, 5)
+    assert drawn.shape == (4 * SUBDIVISIONS * 3 * SUBDIVISIONS * 6, 5)
     assert drawn.dtype == np.float32
     assert drawn[:, 2].min() > 0.0
     flat = vertices(Output(corners=corners))
     np.testing.assert_allclose(flat[[0, 1, 2, 5], :2] / flat[[0, 1, 2, 5], 2:3], corners, atol=1e-6)
-    np.testing.assert_array_equal(flat[[0, 1, 2, 5], 3:], UNBENT)
-    assert len(vertices(Output(mesh=regular(MESH_MOST, MESH_MOST)))) == MOST_VERTICES
+    np.testing.assert_array_equal(flat[[0, 1, 2, 5], 3:], FULL_WINDOW)
+    assert len(vertices(Output(mesh=regular_mesh(MAX_MESH_POINTS, MAX_MESH_POINTS)))) == MAX_VERTICES
 
 
 @pytest.mark.parametrize(
@@ -98,7 +106,7 @@ def test_vertices_are_the_bent_frame_through_the_corners():
     [
         ([[(0, 0), (1, 0)], [(0, 1)]], "different numbers"),
         ([[(0, 0)], [(0, 1)]], "1 by 2 points"),
-        (regular(18, 2), "18 by 2"),
+        (regular_mesh(18, 2), "18 by 2"),
         ([[(0, 0), (1, 0)], [(1, 1), (0, 1)]], "folds over at row 1, column 1"),
         ([[(0, 0), (0.5, 0), (0.4, 0)], [(0, 1), (0.5, 1), (1, 1)]], "folds over at row 1, column 2"),
     ],
@@ -111,4 +119,4 @@ def test_meshes_that_cannot_be_drawn_are_named(mesh, words):
 def test_meshes_that_can_be_drawn_are_allowed():
     check_mesh(())
     check_mesh(moved())
-    check_mesh(regular(2, 2))
+    check_mesh(regular_mesh(2, 2))

@@ -5,9 +5,9 @@ import pytest
 from PIL import Image
 
 from live.base.errors import PersonError
-from live.render.outputs.output import UNBENT, Output, SoftEdge
-from live.render.outputs.test_card import BAND, MODULE, QUIET, join_card
-from live.render.outputs.warp import homography, mapped, regular
+from live.render.outputs.output import FULL_WINDOW, Output, SoftEdge
+from live.render.outputs.test_card import BAND_HEIGHT, MODULE_SIZE, QUIET_ZONE, join_card
+from live.render.outputs.warp import homography, map_points, regular_mesh
 from tests.render.outputs.conftest import SIZE
 from tests.render.outputs.test_corner_pin import quads
 
@@ -24,7 +24,7 @@ def test_a_plain_output_shows_the_picture_as_it_is(throw, noise):
 
 @pytest.mark.parametrize(("columns", "rows"), [(2, 2), (4, 3), (5, 5), (9, 6)])
 def test_a_regular_mesh_changes_no_pixel(throw, noise, columns, rows):
-    np.testing.assert_array_equal(throw(noise, Output(mesh=regular(columns, rows))), noise)
+    np.testing.assert_array_equal(throw(noise, Output(mesh=regular_mesh(columns, rows))), noise)
 
 
 def test_corners_of_the_picture_land_on_the_given_points_within_a_pixel(throw):
@@ -77,9 +77,9 @@ def test_what_is_inside_moves_as_the_projective_map_says(throw):
     for quad in quads(6, seed=4):
         seen = throw(ramp, Output(corners=tuple(quad))).astype(float)
         inside = np.stack(np.meshgrid(np.linspace(0.1, 0.9, 9), np.linspace(0.1, 0.9, 7)), axis=-1)
-        pixel = (mapped(homography(quad), inside) * SIZE).astype(int)
+        pixel = (map_points(homography(quad), inside) * SIZE).astype(int)
         centre = (pixel + 0.5) / SIZE
-        back = mapped(np.linalg.inv(homography(quad)), centre)
+        back = map_points(np.linalg.inv(homography(quad)), centre)
         got = seen[pixel[..., 1], pixel[..., 0], :2] / 255.0
         assert np.abs(got - back).max() < 1.5 / 180
 
@@ -164,7 +164,7 @@ def test_a_mask_that_cannot_be_read_is_named(throw, tmp_path, content):
 
 
 def test_unbent_corners_need_no_smoothing():
-    assert Output(corners=UNBENT).is_plain
+    assert Output(corners=FULL_WINDOW).is_plain
 
 
 def test_the_code_on_the_projector_is_the_code_and_the_dance_goes_on_around_it(throw):
@@ -180,7 +180,7 @@ def test_the_code_on_the_projector_is_the_code_and_the_dance_goes_on_around_it(t
     top = 270 - 0.5 * scale * sheet.shape[0]
     for row, line in enumerate(matrix):
         for column, dark in enumerate(line):
-            x = left + scale * MODULE * (QUIET + column + 0.5)
-            y = top + scale * (BAND + MODULE * (2 + row + 0.5))
+            x = left + scale * MODULE_SIZE * (QUIET_ZONE + column + 0.5)
+            y = top + scale * (BAND_HEIGHT + MODULE_SIZE * (2 + row + 0.5))
             assert (seen[int(y), int(x)] < 0.45) == dark, (row, column)
     assert 0.2 < seen[270, 3] < 0.5  # the picture, in little light

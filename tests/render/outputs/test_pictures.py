@@ -9,12 +9,12 @@ import pytest
 from PIL import Image
 
 from live.base.body_catalogue import CharacterFile
-from live.base.picture_parameters import BY_ADDRESS, of_group, picture_of
+from live.base.picture_parameters import BY_ADDRESS, group_parameter, picture_row
 from live.base.stage_snapshot import Camera
-from live.render.adaptive_quality import CARD, SOFTWARE
-from live.render.camera import pixel_of
+from live.render.adaptive_quality import HARDWARE, SOFTWARE
+from live.render.camera import project_points
 from live.render.characters.character import load_character
-from live.render.characters.materials import LEFT_OUT, layers_of
+from live.render.characters.materials import LEFT_OUT_NOTE, layers_of
 from live.render.characters.model import Material
 from live.render.characters.model_reader import parse_model
 from live.render.renderer import Renderer
@@ -63,10 +63,10 @@ def drawn(gl_context, made):
         target = gl_context.simple_framebuffer(SIZE)
         assert gl_context.error
         view = view or three()
-        view.picture = picture_of(begin)
+        view.picture = picture_row(begin)
         for name, value in styles.items():
             for group in range(3):
-                view.picture[of_group(f"/dance/draw/{name}", group).where] = value
+                view.picture[group_parameter(f"/dance/draw/{name}", group).row_slice] = value
         renderer.draw(view, target)
         assert gl_context.error == "GL_NO_ERROR"
         picture = read(target)
@@ -87,7 +87,7 @@ def seen(picture, empty):
     return np.abs(picture.astype(int) - empty).max(axis=2) > 24
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
 def test_the_generated_body_out_of_a_file_has_its_outline(drawn, quality):
     level = quality.near_level
     white, red = {"silhouette": 1.0, "solid": 0.0}, "silhouette/colour"
@@ -98,7 +98,7 @@ def test_the_generated_body_out_of_a_file_has_its_outline(drawn, quality):
     assert (inside != (own.min(axis=2) > 200)).sum() <= 0.01 * inside.sum()
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
 def test_other_proportions_and_poses_are_drawn_where_the_dancer_is(drawn, quality):
     empty = drawn(None, quality, view=nobody())
     body = seen(drawn(None, quality), empty)
@@ -129,7 +129,7 @@ def test_it_looks_as_it_did(drawn, golden):
         return bool(red.mean() > 0.008 and (chest.min(axis=2) > 150).mean() > 0.004)
 
     golden(drawn(data), "character", law=law)
-    golden(drawn(data, CARD), "character_card", law=law)
+    golden(drawn(data, HARDWARE), "character_card", law=law)
 
 
 @pytest.mark.parametrize("style", ["ink", "particles", "xray", "trails", "ribbons"])
@@ -185,19 +185,19 @@ def test_normals_of_an_image_turn_to_the_light_and_what_glows_is_seen_in_the_dar
     of = replace(scene(4, CAMERA), characters=known, bodies=names)
     places = (-1.8, -0.6, 0.6, 1.8)
     view = stage_view([(ARMS_DOWN, (x, 0.0), 0.0, 0) for x in places])
-    renderer, target = Renderer(gl_context, of, size=SIZE, quality=CARD), gl_context.simple_framebuffer(SIZE)
+    renderer, target = Renderer(gl_context, of, size=SIZE, quality=HARDWARE), gl_context.simple_framebuffer(SIZE)
     assert gl_context.error
 
     def chests(**light):
         """How bright the chest of each is, (4, 3)."""
-        view.picture = picture_of(of)
+        view.picture = picture_row(of)
         said = {"key": 0.0, "rim": 0.0, "ambient": 0.0, "stage": 0.0} | light
         for name, value in said.items():
-            view.picture[BY_ADDRESS[f"/dance/light/{name.replace('__', '/')}"].where] = value
+            view.picture[BY_ADDRESS[f"/dance/light/{name.replace('__', '/')}"].row_slice] = value
         renderer.draw(view, target)
         assert gl_context.error == "GL_NO_ERROR"
         picture = read(target).astype(float)
-        at = pixel_of(CAMERA, SIZE, view.joint_position[:, 3] + (0.0, 0.0, 0.1)).astype(int)
+        at = project_points(CAMERA, SIZE, view.joint_position[:, 3] + (0.0, 0.0, 0.1)).astype(int)
         return np.array([picture[y - 3 : y + 4, x - 2 : x + 3].mean(axis=(0, 1)) for x, y in at])
 
     dark = chests()
@@ -225,11 +225,16 @@ def test_what_lies_elsewhere_on_the_image_or_is_unlit_is_left_out():
         "emissiveTexture": {"index": 0},
     }
     whole = read(**plain)
-    assert (whole.normal, whole.bumps, whole.glow, whole.glow_image) == (0, 0.5, (1.0, 0.5, 0.0), 0)
-    assert not read(**plain, extensions={"KHR_materials_unlit": {}}).has_more
+    assert (whole.normal_image, whole.normal_strength, whole.emission, whole.emission_image) == (
+        0,
+        0.5,
+        (1.0, 0.5, 0.0),
+        0,
+    )
+    assert not read(**plain, extensions={"KHR_materials_unlit": {}}).has_extras
     other = {"normalTexture": {"index": 0, "texCoord": 1}, "emissiveTexture": {"index": 0, "texCoord": 1}}
-    assert not read(**plain | other).has_more
-    assert read(emissiveFactor=[5.0, -1.0, 0.25]).glow == (1.0, 0.0, 0.25)
+    assert not read(**plain | other).has_extras
+    assert read(emissiveFactor=[5.0, -1.0, 0.25]).emission == (1.0, 0.0, 0.25)
 
 
 def test_broken_normals_and_too_many_of_them_cost_no_colours(tmp_path):
@@ -243,13 +248,13 @@ def test_broken_normals_and_too_many_of_them_cost_no_colours(tmp_path):
     root["materials"][0] |= {"normalTexture": {"index": 1}, **glow}
     (tmp_path / "a.glb").write_bytes(glb(root, chunk))
     found = load_character(CharacterFile("a", str(tmp_path / "a.glb")))
-    assert found.model.notes == (LEFT_OUT,)
+    assert found.model.notes == (LEFT_OUT_NOTE,)
     assert len(found.layers) == 2
     assert not found.extras[:, 3].any()  # without its image it would glow all over
-    many = [Material(str(n), (1, 1, 1, 1), n, 0.0, False, 0.5, False, normal=40 + n) for n in range(15)]
+    many = [Material(str(n), (1, 1, 1, 1), n, 0.0, False, 0.5, False, normal_image=40 + n) for n in range(15)]
     images = tuple(one_colour(n, n, n) for n in range(60))
     layers, known, notes = layers_of(SimpleNamespace(images=images, file="a.glb"), many)
-    assert (len(layers), len(known), notes) == (16, 15, (LEFT_OUT,))
+    assert (len(layers), len(known), notes) == (16, 15, (LEFT_OUT_NOTE,))
     layers, known, notes = layers_of(SimpleNamespace(images=images, file="a.glb"), many[:10])
     assert (len(layers), len(known), notes) == (21, 20, ())
     assert layers[known[43, True], 0, 0, 0] == 43  # normals are no colours

@@ -10,7 +10,7 @@ import pytest
 from live.base.errors import PersonError
 from live.base.stage_snapshot import Camera, Look, Scene, StageView
 from live.render.outputs.output import Output, SoftEdge
-from live.render.outputs.projection import Places, Projection
+from live.render.outputs.projection import Projection, WindowLayout
 from live.render.window.monitors import UnknownMonitor, find_monitor
 from live.render.window.window_input import KeyPressed, PointerPressed
 from tests.fixtures.two_monitor_x import FIRST, SECOND, TwoMonitorX
@@ -27,7 +27,7 @@ def opened(stage_x: TwoMonitorX) -> Iterator[Open]:
     there: list[Projection] = []
 
     def open_it(*outputs: Output, **options: Any) -> Projection:
-        there.append(Projection(SCENE, Places(outputs or (Output(),), **{"size": (320, 200), **options})))
+        there.append(Projection(SCENE, WindowLayout(outputs or (Output(),), **{"size": (320, 200), **options})))
         return there[-1]
 
     yield open_it
@@ -143,8 +143,8 @@ def test_inputs_come_from_the_window_they_were_made_at(opened: Open, stage_x: Tw
         done += frames(projection, moment(), 1)
     ((screen, pressed),) = [each for each in done if isinstance(each[1], PointerPressed)]
     assert screen is projection.screens[1]
-    assert projection.on_picture(screen, pressed) == PointerPressed(900.0, 150.0)
-    assert projection.on_picture(screen, KeyPressed("b")) == KeyPressed("b")
+    assert projection.to_picture(screen, pressed) == PointerPressed(900.0, 150.0)
+    assert projection.to_picture(screen, KeyPressed("b")) == KeyPressed("b")
 
 
 @pytest.mark.x11
@@ -193,8 +193,8 @@ def test_a_corner_is_dragged_on_the_projector_itself(opened: Open, stage_x: TwoM
     screen.edit(True)
     screen.lines = ("drag a point",)
     assert screen.editing is not None
-    assert screen.editing.take_hold((0.0, 0.0), SECOND[0] / SECOND[1])
-    screen.editing.pull((0.2, 0.25))
+    assert screen.editing.grab((0.0, 0.0), SECOND[0] / SECOND[1])
+    screen.editing.drag((0.2, 0.25))
     screen.set(screen.editing.output)
     frames(projection, moment())
     _, second = monitors_of(stage_x)
@@ -206,7 +206,7 @@ def test_a_corner_is_dragged_on_the_projector_itself(opened: Open, stage_x: TwoM
     _, after = monitors_of(stage_x)
     around = after[130:170, 140:180].astype(int)
     assert not ((around[..., 0] > 200) & (around[..., 2] < 120)).any()
-    assert projection.on_picture(screen, PointerPressed(160.0, 150.0)) == PointerPressed(
+    assert projection.to_picture(screen, PointerPressed(160.0, 150.0)) == PointerPressed(
         pytest.approx(0.0, abs=0.01), pytest.approx(0.0, abs=0.01)
     )
 
@@ -216,8 +216,8 @@ def test_a_strobe_is_damped_on_the_projector_until_the_operator_lifts_the_limit(
     opened: Open, stage_x: TwoMonitorX
 ) -> None:
     projection = opened(Output(monitor="2"), size=(160, 90))
-    view, held, taken = moment(), projection.flashes, []
-    projection.prepare_shown()
+    view, held, taken = moment(), projection.flash_limiter, []
+    projection.prepare_output_frame()
 
     def strobe(pictures: int) -> None:
         for number in range(pictures):
@@ -227,17 +227,17 @@ def test_a_strobe_is_damped_on_the_projector_until_the_operator_lifts_the_limit(
             projection.pictures.last.clear(*[view.brightness] * 3, 1.0)
             projection.show(strobe.time)
             strobe.time += 1 / 60
-            taken.append(int(np.frombuffer(projection.shown().read(components=3), np.uint8)[0]))
+            taken.append(int(np.frombuffer(projection.output_frame().read(components=3), np.uint8)[0]))
 
     strobe.time = 0.0
     strobe(60)
-    assert held.held > 10
+    assert held.dimmed_count > 10
     assert np.count_nonzero(np.diff([0, *taken]) > 100) == 3  # who films or shares it gets no more flashes either
-    before = held.held
+    before = held.dimmed_count
     taken.clear()
-    view.flashes = True
+    view.flash_limit_lifted = True
     strobe(60)
-    assert held.held == before
+    assert held.dimmed_count == before
     assert np.count_nonzero(np.diff(taken) > 100) >= 6
 
 

@@ -3,19 +3,19 @@
 import moderngl
 import numpy as np
 
-from live.render.outputs.projection import Shown
-from live.render.outputs.screen import Pictures
+from live.render.outputs.projection import OutputFrame
+from live.render.outputs.screen import FrameBuffers
 from tests.render.test_renderer import read
 
 
 def test_light_that_is_held_back_is_held_back_for_all(gl_context: moderngl.Context) -> None:
-    pictures, shown = Pictures(gl_context, (32, 18)), Shown(gl_context, (32, 18))
+    pictures, shown = FrameBuffers(gl_context, (32, 18)), OutputFrame(gl_context, (32, 18))
     for size in ((32, 18), (20, 30)):
         pictures.resize(size)
         pictures.next.clear(0.8, 0.4, 0.2, 1.0)
-        pictures.take()
-        assert shown.of(pictures, 1.0) is pictures.last
-        whole, half = read(pictures.last), read(shown.of(pictures, 0.5))
+        pictures.swap()
+        assert shown.render(pictures, 1.0) is pictures.last
+        whole, half = read(pictures.last), read(shown.render(pictures, 0.5))
         assert half.shape == whole.shape == (size[1], size[0], 3)
         # half of the light is less than half of the signal's steps away, in the same hue
         assert (half < whole).all()

@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from live.base.picture_parameters import BY_ADDRESS, picture_of
+from live.base.picture_parameters import BY_ADDRESS, picture_row
 from live.base.stage_snapshot import Background
-from live.render.adaptive_quality import CARD, SOFTWARE
-from live.render.camera import pixel_of
-from live.render.pass_context import Making
-from live.render.passes.background_pass import BackgroundPass, video_place
+from live.render.adaptive_quality import HARDWARE, SOFTWARE
+from live.render.camera import project_points
+from live.render.pass_context import PassSetup
+from live.render.passes.background_pass import BackgroundPass, video_position
 from live.render.renderer import Renderer
 from tests.render.media import FRAMES, grey_of, write_image, write_video
 from tests.render.test_renderer import SIZE, crowd, read, scene
@@ -26,13 +26,13 @@ def show(gl_context):
 
     def make(*backgrounds, quality=SOFTWARE):
         of = replace(scene(12), backgrounds=backgrounds)
-        renderer = Renderer(gl_context, of, size=SIZE, quality=quality, patient=True)
+        renderer = Renderer(gl_context, of, size=SIZE, quality=quality, blocking_video=True)
         target = gl_context.simple_framebuffer(SIZE)
         kept.extend((renderer, target))
 
         def draw(said=None, beat=0.0):
             view = crowd()
-            view.beat, view.picture = beat, picture_of(of)
+            view.beat, view.picture = beat, picture_row(of)
             for name, value in (said or {}).items():
                 view.picture[BY_ADDRESS[f"/dance/{name}"].first] = value
             renderer.draw(view, target)
@@ -46,15 +46,17 @@ def show(gl_context):
         thing.release()
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
 def test_an_image_on_the_wall_is_upright_in_its_colour_and_behind_dancers(show, tmp_path, quality):
     draw = show(Background(str(write_image(tmp_path / "a.png")), width=12.0), quality=quality)
     off, on = draw(), draw({"background/1": 1.0})
     back = -scene(12).stage_size[1] / 2 - 3.0
-    white, red = (pixel_of(scene(12).camera, SIZE, [at])[0].astype(int) for at in ((-2, 4.2, back), (4.5, 2.0, back)))
+    white, red = (
+        project_points(scene(12).camera, SIZE, [at])[0].astype(int) for at in ((-2, 4.2, back), (4.5, 2.0, back))
+    )
     assert on[white[1], white[0]].min() > 150
     assert on[red[1], red[0], 0] > 150 > 3 * on[red[1], red[0], 1]
-    chest = pixel_of(scene(12).camera, SIZE, crowd().joint_position[0, 3])[0].astype(int)
+    chest = project_points(scene(12).camera, SIZE, crowd().joint_position[0, 3])[0].astype(int)
     assert np.abs(on - off)[chest[1], chest[0]].max() < 12
     assert np.abs(on - off)[SIZE[1] // 3].max() > 100
 
@@ -84,9 +86,9 @@ def test_a_video_runs_with_the_beat_and_comes_again(show, tmp_path):
 def test_one_that_was_lost_is_not_seen_and_a_broken_video_is_told_of(gl_context, tmp_path):
     file = write_video(tmp_path / "v.mp4")
     of = replace(scene(1), backgrounds=(Background(""), Background(str(file), fit="picture", brightness=1.0)))
-    making = Making(gl_context, of, SOFTWARE, SIZE)
+    making = PassSetup(gl_context, of, SOFTWARE, SIZE)
     one = BackgroundPass(making)
-    row = picture_of(of)
+    row = picture_row(of)
     moment = SimpleNamespace(amount=lambda place: float(row[place]))
     row[BY_ADDRESS["/dance/background/1"].first] = 1.0
     assert not one.active(moment)
@@ -101,6 +103,6 @@ def test_one_that_was_lost_is_not_seen_and_a_broken_video_is_told_of(gl_context,
 def test_where_a_video_is():
     view = crowd()
     view.beat, view.time = 18.0, 7.5
-    assert video_place(view, 16.0, 4.0) == pytest.approx(0.5)
-    assert video_place(view, None, 4.0) == pytest.approx(3.5)
+    assert video_position(view, 16.0, 4.0) == pytest.approx(0.5)
+    assert video_position(view, None, 4.0) == pytest.approx(3.5)
     assert grey_of(FRAMES - 1) < 255

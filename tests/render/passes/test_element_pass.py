@@ -16,13 +16,13 @@ from live.base.stage_snapshot import (
     FLOCK,
     FLOW,
     FOLLOW,
+    PARTICIPANT,
     PATH,
     PURSUE,
     RADIAL,
     REPULSOR,
     SPREADER,
     UNIFORM,
-    VOICE,
     VORTEX,
     WANDER,
     StageView,
@@ -178,12 +178,12 @@ def test_a_path_is_dashed_and_its_dashes_march(floor: Draw, elements: ElementPas
 
 
 def test_voices_are_embers_that_never_burn_out(floor: Draw, elements: ElementPass) -> None:
-    one = floor(elements, view_of(VOICE, (1.0, 1.0)))
+    one = floor(elements, view_of(PARTICIPANT, (1.0, 1.0)))
     assert one.brightness.max() > 0.2
     assert one.brightness[np.hypot(one.x - 1.0, one.z - 1.0) > 0.9].max() == 0.0
-    crowd = view_of(VOICE, (1.0, 1.0))
+    crowd = view_of(PARTICIPANT, (1.0, 1.0))
     for _ in range(255):
-        add(crowd, VOICE, ((1.0, 1.0),))
+        add(crowd, PARTICIPANT, ((1.0, 1.0),))
     many = floor(elements, crowd)
     assert many.brightness.max() > 1.5 * one.brightness.max()
     assert many.light.max() <= 1.0
@@ -223,7 +223,7 @@ EVERY = (
     (FLOW, BENT, DRAWN),
     (FLOW, ((0.0, 0.0),), VORTEX),
     (PATH, BENT, UNIFORM),
-    (VOICE, ((0.0, 0.0),), UNIFORM),
+    (PARTICIPANT, ((0.0, 0.0),), UNIFORM),
 )
 
 

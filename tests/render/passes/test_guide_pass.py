@@ -6,9 +6,9 @@ import pytest
 
 from live.base.stage_snapshot import GUIDE_CAPACITY, Camera, Look, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT
-from live.render.camera import pixel_of
+from live.render.camera import project_points
 from live.render.passes.overlay_pass import GuidePass
-from live.render.uniforms import FrameBlock
+from live.render.uniforms import FrameUniforms
 
 pytestmark = pytest.mark.gl
 SIZE = (320, 180)
@@ -18,7 +18,7 @@ GREEN = (0.0, 1.0, 0.0, 1.0)
 def drawn(ctx, *strokes, camera=None, count=None):
     """The red, green and blue of a picture with these strokes, (H, W, 3), row 0 on top."""
     camera = camera or Camera()
-    frame = FrameBlock(ctx, Scene((10.0, 8.0), camera, Look(), 0, JOINT_COUNT), SIZE)
+    frame = FrameUniforms(ctx, Scene((10.0, 8.0), camera, Look(), 0, JOINT_COUNT), SIZE)
     target, guide, view = ctx.simple_framebuffer(SIZE), GuidePass(ctx), StageView.allocate(0, JOINT_COUNT)
     for row, stroke in enumerate(strokes):
         view.guide[row] = stroke
@@ -36,7 +36,7 @@ def test_a_stroke_goes_from_place_to_place(gl_context: moderngl.Context):
     begin, end = (-2.0, 0.0, 1.0), (1.5, 1.2, -1.0)
     picture = drawn(gl_context, (*begin, *end, *GREEN))
     lit = np.argwhere(picture[..., 1] > 100)
-    first, last = pixel_of(Camera(), SIZE, [begin, end])
+    first, last = project_points(Camera(), SIZE, [begin, end])
     x = lit[:, 1] + 0.5
     on_line = first[1] + (x - first[0]) / (last[0] - first[0]) * (last[1] - first[1])
     assert np.abs(lit[:, 0] + 0.5 - on_line).max() < 1.6

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.base.set_geometry import Item
-from live.render.adaptive_quality import CARD, SOFTWARE
-from live.render.camera import pixel_of
+from live.base.set_geometry import SetItem
+from live.render.adaptive_quality import HARDWARE, SOFTWARE
+from live.render.camera import project_points
 from live.render.renderer import Renderer
 from tests.render.test_renderer import SIZE, read, scene, standing
 
@@ -31,16 +31,16 @@ def drawn(gl_context):
 
 
 def pixel(*at):
-    return pixel_of(scene(1).camera, SIZE, [at])[0].astype(int)
+    return project_points(scene(1).camera, SIZE, [at])[0].astype(int)
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
 def test_an_item_hides_whom_it_stands_before_and_is_hidden_behind_her(drawn, quality):
     bare = drawn(quality=quality)
     red = {"size": (1.5, 2.2, 0.4), "colour": (0.6, 0.02, 0.02)}
     before, behind = (
-        drawn(Item("box", (0.0, 1.5), **red), quality=quality),
-        drawn(Item("box", (0.0, -1.5), **red), quality=quality),
+        drawn(SetItem("box", (0.0, 1.5), **red), quality=quality),
+        drawn(SetItem("box", (0.0, -1.5), **red), quality=quality),
     )
     x, y = pixel(0.0, 1.2, 0.1)
     assert before[y, x, 0] > 60 > 2 * before[y, x, 1]
@@ -50,7 +50,7 @@ def test_an_item_hides_whom_it_stands_before_and_is_hidden_behind_her(drawn, qua
 
 
 def test_an_item_casts_a_shadow_away_from_the_key_light(drawn):
-    bare, seen = drawn(), drawn(Item("box", (2.0, 0.0), (0.8, 1.0, 0.8)))
+    bare, seen = drawn(), drawn(SetItem("box", (2.0, 0.0), (0.8, 1.0, 0.8)))
     x, z = np.array(scene(1).look.key_direction)[[0, 2]] / abs(scene(1).look.key_direction[1])
     at = pixel(2.0 + 0.85 * x - 0.15, 0.0, 0.85 * z)
     other = pixel(2.0 - 0.9 * x + 0.3, 0.0, 0.3 - 0.9 * z)
@@ -60,8 +60,8 @@ def test_an_item_casts_a_shadow_away_from_the_key_light(drawn):
 
 def test_items_far_from_all_dancers_are_lit_too(drawn, golden):
     seen = drawn(
-        Item("cylinder", (-4.0, -2.0), (0.6, 3.0, 0.6), colour=(0.3, 0.3, 0.3)),
-        Item("steps", (3.0, -2.0), (2.0, 1.0, 1.5)),
+        SetItem("cylinder", (-4.0, -2.0), (0.6, 3.0, 0.6), colour=(0.3, 0.3, 0.3)),
+        SetItem("steps", (3.0, -2.0), (2.0, 1.0, 1.5)),
     )
     x, y = pixel(-4.0, 1.5, -1.7)
     assert seen[y, x].max() > 60

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from live.base.picture_parameters import BY_ADDRESS, picture_of
-from live.render.adaptive_quality import CARD, SOFTWARE
-from live.render.camera import pixel_of
+from live.base.picture_parameters import BY_ADDRESS, picture_row
+from live.render.adaptive_quality import HARDWARE, SOFTWARE
+from live.render.camera import project_points
 from live.render.renderer import Renderer
 from tests.render.test_renderer import SIZE, crowd, read, scene, standing
 
@@ -22,9 +22,9 @@ def draw(gl_context):
         if quality not in made:
             made[quality] = Renderer(gl_context, scene(12), size=SIZE, quality=quality)
         view = crowd() if view is None else view
-        view.picture, view.energy = picture_of(scene(12)), energy
+        view.picture, view.energy = picture_row(scene(12)), energy
         for name, value in (said or {}).items():
-            view.picture[BY_ADDRESS[f"/dance/{name}"].where] = value
+            view.picture[BY_ADDRESS[f"/dance/{name}"].row_slice] = value
         for _ in range(2):  # in the second frame light stands
             made[quality].draw(view, target)
         return read(target).astype(int)
@@ -34,7 +34,7 @@ def draw(gl_context):
         thing.release()
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
 def test_light_from_the_left_is_on_the_left_of_bodies_and_in_its_colour(draw, quality):
     view = standing()  # alone and straight: nobody hides a side of her, no limb has sides of its own
     dark, lit = draw(DIM, view, quality), []
@@ -52,7 +52,7 @@ def test_back_light_reaches_edges_but_no_chest(draw):
     view = crowd()
     more = draw(DIM | {"light/back": 2.0}, view) - draw(DIM, view)
     lit = more.max(axis=2) > 25
-    chest = pixel_of(scene(12).camera, SIZE, view.joint_position[0, 3] + (0.0, 0.0, 0.12))[0].astype(int)
+    chest = project_points(scene(12).camera, SIZE, view.joint_position[0, 3] + (0.0, 0.0, 0.12))[0].astype(int)
     assert lit.sum() > 50
     assert not lit[chest[1], chest[0]]
 
@@ -77,7 +77,7 @@ def test_a_follow_spot_lights_whom_it_follows_and_nobody_else(draw):
     view = crowd()
     view.spot[1] = view.joint_position[4, 0, [0, 2]]
     more = (draw(DIM | {"spot/2": 1.0, "spot/2/radius": 0.5}, view) - draw(DIM, view)).sum(axis=2)
-    at = pixel_of(scene(12).camera, SIZE, view.joint_position[:, 3] + (0.0, 0.0, 0.12)).astype(int)
+    at = project_points(scene(12).camera, SIZE, view.joint_position[:, 3] + (0.0, 0.0, 0.12)).astype(int)
     gained = np.array([more[max(y - 2, 0) : y + 3, max(x - 2, 0) : x + 3].max() for x, y in at])
     away = np.hypot(*(view.joint_position[:, 0, [0, 2]] - view.spot[1]).T)
     assert gained[4] > 100

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from live.base.picture_parameters import BY_ADDRESS, picture_of
+from live.base.picture_parameters import BY_ADDRESS, picture_row
 from live.base.stage_snapshot import Background
-from live.render.adaptive_quality import CARD
+from live.render.adaptive_quality import HARDWARE
 from live.render.headless import OffscreenTarget
 from live.render.renderer import Renderer
 from tests.render.passes.test_passes import SCENE, three
@@ -25,7 +25,7 @@ def made(headless_context: moderngl.Context) -> Iterator[tuple[Renderer, Offscre
     """One renderer of pictures with alpha."""
     with headless_context:
         yield (
-            Renderer(headless_context, SCENE, size=SIZE, bare=True),
+            Renderer(headless_context, SCENE, size=SIZE, transparent=True),
             OffscreenTarget(headless_context, SIZE, alpha=True),
         )
 
@@ -42,11 +42,11 @@ def drawn(
     """The three dancers on nothing, RGBA 0 to 1."""
     renderer, target = bare
     view = three()
-    view.picture = picture_of(SCENE)
+    view.picture = picture_row(SCENE)
     view.brightness = brightness
-    view.picture[BY_ADDRESS["/dance/light/key"].where] = key
+    view.picture[BY_ADDRESS["/dance/light/key"].row_slice] = key
     for name, value in said.items():
-        view.picture[BY_ADDRESS["/dance/pass/" + name].where] = value
+        view.picture[BY_ADDRESS["/dance/pass/" + name].row_slice] = value
     for _ in range(2):
         renderer.draw(view, target.framebuffer)
     return target.read() / 255.0
@@ -101,11 +101,11 @@ def test_what_is_behind_the_dancers_is_not_there(gl_context: moderngl.Context, t
     Image.new("RGB", (64, 36), (250, 180, 90)).save(tmp_path / "sky.png")
     scene = replace(SCENE, backgrounds=(Background(str(tmp_path / "sky.png"), fit="picture"),))
     view = three()
-    view.picture = picture_of(scene)
-    view.picture[BY_ADDRESS["/dance/background/1"].where] = 1.0
+    view.picture = picture_row(scene)
+    view.picture[BY_ADDRESS["/dance/background/1"].row_slice] = 1.0
     alpha = []
     for bare in (False, True):
-        renderer = Renderer(gl_context, scene, size=SIZE, bare=bare, quality=CARD)
+        renderer = Renderer(gl_context, scene, size=SIZE, transparent=bare, quality=HARDWARE)
         target = OffscreenTarget(gl_context, SIZE, alpha=True)
         renderer.draw(view, target.framebuffer)
         alpha.append(target.read()[:12].copy())

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.base.custom_pass import own_numbers, read_own_pass
+from live.base.custom_pass import custom_pass_numbers, parse_custom_pass
 from live.base.errors import PersonError
-from live.base.picture_parameters import OWN, picture_of
+from live.base.picture_parameters import CUSTOM_PASS_SLICE, picture_row
 from live.base.stage_snapshot import PASSES
-from live.render.adaptive_quality import CARD, SOFTWARE
-from live.render.custom_pass import problem_of, try_passes
+from live.render.adaptive_quality import HARDWARE, SOFTWARE
+from live.render.custom_pass import first_error, try_passes
 from live.render.renderer import Renderer
 from tests.render.passes.test_passes import SCENE, SIZE, many, three
 from tests.render.test_renderer import read
@@ -28,7 +28,7 @@ vec4 pass(vec2 at) {
 
 
 def own(name, source):
-    return read_own_pass(name, source)
+    return parse_custom_pass(name, source)
 
 
 @pytest.fixture
@@ -41,9 +41,9 @@ def draw(gl_context):
         scene = replace(SCENE, own=tuple(passes), passes=order)
         renderer, target = Renderer(gl_context, scene, size=SIZE, quality=quality), gl_context.simple_framebuffer(SIZE)
         kept.extend((renderer, target))
-        row = picture_of(scene)
+        row = picture_row(scene)
         for address, value in (values or {}).items():
-            row[OWN.start + own_numbers(scene.own)[address].place] = value
+            row[CUSTOM_PASS_SLICE.start + custom_pass_numbers(scene.custom_passes)[address].index] = value
         for view, beat in moments or ((three(), 0.0),):
             view.picture, view.beat = row, beat
             renderer.draw(view, target)
@@ -63,12 +63,12 @@ def test_a_uniform_with_a_range_is_a_parameter():
         ("speed", 0.0, 4.0, 1.0),
         ("height", 0.0, 0.2, 0.02),
     ]
-    assert found.parameters[0].words == "waves in a beat"
-    numbers = own_numbers((own("first", NEGATIVE), found))
+    assert found.parameters[0].description == "waves in a beat"
+    numbers = custom_pass_numbers((own("first", NEGATIVE), found))
     assert list(numbers) == [
         "/dance/pass/first", "/dance/pass/waves", "/dance/pass/waves/speed", "/dance/pass/waves/height",
     ]  # fmt: skip
-    assert len({one.place for one in numbers.values()}) == 4
+    assert len({one.index for one in numbers.values()}) == 4
 
 
 @pytest.mark.parametrize(
@@ -101,7 +101,7 @@ def test_what_is_wrong_with_a_text_is_said_with_its_line(name, source, words):
     ],
 )
 def test_the_words_of_every_driver_give_the_line(log, line):
-    told = problem_of("waves", log)
+    told = first_error("waves", log)
     assert told.startswith(f"passes/waves.glsl, line {line}: ")
     assert "x" in told.split(": ", 1)[1]
 
@@ -110,7 +110,7 @@ def test_the_words_of_every_driver_give_the_line(log, line):
 
 
 @pytest.mark.gl
-@pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
 def test_an_own_pass_draws_and_its_amount_takes_it_away(draw, quality):
     plain = draw((), quality=quality)[0].astype(int)
     negative = draw((own("negative", NEGATIVE),), quality=quality)[0].astype(int)
@@ -162,14 +162,14 @@ def test_numbers_that_are_none_are_black(draw):
 @pytest.mark.gl
 def test_another_text_takes_its_place_and_a_wrong_one_does_not(draw):
     picture, renderer, row, target = draw((own("mine", NEGATIVE),))
-    renderer.take_own((own("mine", WAVES),))
+    renderer.set_custom_passes((own("mine", WAVES),))
     view = three()
     view.picture = row
     renderer.draw(view, target)
     waves = read(target)
     assert np.abs(waves.astype(int) - picture).mean() > 20
     with pytest.raises(PersonError, match=r"passes/mine.glsl, line 2: "):
-        renderer.take_own((own("mine", "\nvec4 pass(vec2 at) { return nothing; }"),))
+        renderer.set_custom_passes((own("mine", "\nvec4 pass(vec2 at) { return nothing; }"),))
     renderer.draw(view, target)
     assert np.array_equal(read(target), waves)
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.base.picture_parameters import BY_ADDRESS, picture_of
+from live.base.picture_parameters import BY_ADDRESS, picture_row
 from live.base.stage_snapshot import PASSES, Camera
-from live.render.adaptive_quality import CARD, SOFTWARE
-from live.render.camera import pixel_of
+from live.render.adaptive_quality import HARDWARE, SOFTWARE
+from live.render.camera import project_points
 from live.render.renderer import Renderer
 from tests.render.poses import ARMS_DOWN, LUNGE, REACH, stage_view
 from tests.render.test_renderer import read, scene
@@ -21,9 +21,9 @@ GREY = np.array([0.2126, 0.7152, 0.0722])
 
 
 def row_with(**said):
-    row = picture_of(SCENE)
+    row = picture_row(SCENE)
     for name, value in said.items():
-        row[BY_ADDRESS["/dance/pass/" + name.replace("__", "/")].where] = value
+        row[BY_ADDRESS["/dance/pass/" + name.replace("__", "/")].row_slice] = value
     return row
 
 
@@ -72,7 +72,7 @@ def once(made, gl_context):
     return drawn
 
 
-TIERS = pytest.mark.parametrize("quality", [SOFTWARE, CARD], ids=["software", "card"])
+TIERS = pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
 
 
 @TIERS
@@ -80,10 +80,10 @@ def test_ink_is_where_dancers_end(once, quality):
     inked = once(quality, ink=1.0, ink__colour=(0.0, 1.0, 0.0)).astype(int)
     green = (inked[..., 1] > 120) & (inked[..., 0] < 60) & (inked[..., 2] < 60)
     assert 0.01 < green.mean() < 0.10
-    chest = pixel_of(CAMERA, SIZE, three().joint_position[1, [3]])[0].astype(int)
+    chest = project_points(CAMERA, SIZE, three().joint_position[1, [3]])[0].astype(int)
     assert not green[chest[1], chest[0]]  # no line in the middle of a body
     # every row through the standing dancer's hips meets a line on either side
-    hips = pixel_of(CAMERA, SIZE, three().joint_position[1, [0]])[0].astype(int)
+    hips = project_points(CAMERA, SIZE, three().joint_position[1, [0]])[0].astype(int)
     across = green[hips[1], hips[0] - 25 : hips[0] + 25]
     assert across[:25].any()
     assert across[25:].any()
@@ -138,7 +138,7 @@ def test_trails_stay_where_dancers_were_and_fade_in_beats(made, gl_context):
     there = made((three(), row, 0.0), (three(1.3), row, 0.125)).astype(int)
     later = made((three(), row, 0.0), (three(1.3), row, 0.125), (three(1.3), row, 4.0)).astype(int)
     fresh = made((three(1.3), row, 0.0)).astype(int)
-    was = pixel_of(CAMERA, SIZE, three().joint_position[0, [3]])[0].astype(int)  # nobody stands there any more
+    was = project_points(CAMERA, SIZE, three().joint_position[0, [3]])[0].astype(int)  # nobody stands there any more
     where = np.s_[was[1] - 2 : was[1] + 3, was[0] - 2 : was[0] + 3]
     assert there[where].mean() > fresh[where].mean() + 8
     assert there[where].mean() < still[where].mean()
@@ -158,7 +158,7 @@ def test_a_colour_of_trails_is_what_they_turn_to(made, gl_context):
     blue = row_with(trails=1.0, trails__beats=0.5, trails__colour=(0.05, 0.1, 1.0))
     plain = row_with(trails=1.0, trails__beats=0.5)
     left = [made((three(), row, 0.0), (three(1.3), row, 0.4)).astype(int) for row in (plain, blue)]
-    was = pixel_of(CAMERA, SIZE, three().joint_position[0, [3]])[0].astype(int)
+    was = project_points(CAMERA, SIZE, three().joint_position[0, [3]])[0].astype(int)
     assert left[1][was[1], was[0], 0] < left[0][was[1], was[0], 0] - 5
 
 
@@ -186,14 +186,14 @@ def test_the_vignette_is_the_same_wherever_it_stands(once):
 
 def test_bloom_glows_around_what_is_bright(once):
     """Only as much as quality allows: none at all where the processor draws."""
-    none, usual, much = (once(CARD, bloom=amount).astype(int) for amount in (0.0, 1.0, 4.0))
+    none, usual, much = (once(HARDWARE, bloom=amount).astype(int) for amount in (0.0, 1.0, 4.0))
     assert none.sum() < usual.sum() < much.sum()
     assert (usual - none).min() >= -1
     assert np.array_equal(once(bloom=4.0), once(bloom=0.0))
 
 
 def test_bloom_before_another_pass_is_the_bloom_of_the_end(once):
-    alone, before = once(CARD, bloom=3.0), once(CARD, bloom=3.0, grade__gain=(1.0001, 1.0, 1.0))
+    alone, before = once(HARDWARE, bloom=3.0), once(HARDWARE, bloom=3.0, grade__gain=(1.0001, 1.0, 1.0))
     assert np.abs(alone.astype(int) - before).mean() < 0.5
 
 
@@ -218,7 +218,7 @@ def test_golden_passes(once, golden, name, said):
 
 
 def test_golden_bloom(once, golden):
-    golden(once(CARD, bloom=4.0), "pass_bloom", law=many)
+    golden(once(HARDWARE, bloom=4.0), "pass_bloom", law=many)
 
 
 def test_golden_trails(made, golden):

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from live.base.picture_parameters import BY_ADDRESS, picture_of
+from live.base.picture_parameters import BY_ADDRESS, picture_row
 from live.base.stage_snapshot import Camera, Scene
 from live.render.adaptive_quality import SOFTWARE
-from live.render.camera import pixel_of
+from live.render.camera import project_points
 from live.render.renderer import Renderer
 from tests.render.poses import ARMS_DOWN
 from tests.render.test_renderer import read, scene, stage_view
@@ -33,7 +33,7 @@ def plan(gl_context):
         kept.extend((renderer, target))
 
         def draw(view, amount=1.0):
-            view.picture = picture_of(of)
+            view.picture = picture_row(of)
             view.picture[BY_ADDRESS["/dance/camera/plan"].first] = amount
             renderer.draw(view, target)
             return read(target).astype(int)
@@ -55,8 +55,8 @@ def test_circles_stand_where_dancers_do_and_triangles_point_where_they_face(plan
     marks = (np.abs(seen - bare).max(axis=2) > 12).astype(int)
     for (x, z), turn in zip(places, np.radians((0.0, 90.0, 200.0)), strict=True):
         away = 0.30
-        centre = pixel_of(ABOVE, SIZE, [(x, 0.0, z)])[0]
-        ahead = pixel_of(ABOVE, SIZE, [(x + away * np.sin(turn), 0.0, z + away * np.cos(turn))])[0] - centre
+        centre = project_points(ABOVE, SIZE, [(x, 0.0, z)])[0]
+        ahead = project_points(ABOVE, SIZE, [(x + away * np.sin(turn), 0.0, z + away * np.cos(turn))])[0] - centre
         rows, columns = np.mgrid[0 : SIZE[1], 0 : SIZE[0]]
         off = np.stack([columns + 0.5 - centre[0], rows + 0.5 - centre[1]])
         radius = np.hypot(*off)
@@ -85,10 +85,10 @@ def test_ways_fade_behind_dancers_and_end_with_a_cut(plan):
     more = np.abs(seen - ground).sum(axis=2)
     levels = []
     for x in (-2.5, -1.0, 0.5):
-        spot = pixel_of(ABOVE, SIZE, [(x, 0.0, 0.0)])[0].astype(int)
+        spot = project_points(ABOVE, SIZE, [(x, 0.0, 0.0)])[0].astype(int)
         levels.append(more[spot[1] - 2 : spot[1] + 3, spot[0] - 1 : spot[0] + 2].max())
     assert 12 < levels[0] < levels[1] < levels[2]
-    side = pixel_of(ABOVE, SIZE, [(-1.0, 0.0, 1.0)])[0].astype(int)
+    side = project_points(ABOVE, SIZE, [(-1.0, 0.0, 1.0)])[0].astype(int)
     assert more[side[1], side[0]] < 6
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from live.base.picture_parameters import STYLE_OF_GROUP, of_group, picture_of
+from live.base.picture_parameters import STYLE_ADDRESS_PREFIX, group_parameter, picture_row
 from live.base.stage_snapshot import Camera
 from live.render.adaptive_quality import SOFTWARE
-from live.render.camera import pixel_of
+from live.render.camera import project_points
 from live.render.renderer import Renderer
 from tests.render.poses import ARMS_DOWN, LUNGE, REACH, STEP, stage_view
 from tests.render.test_renderer import read, scene
@@ -20,10 +20,10 @@ GREY = np.array([0.2126, 0.7152, 0.0722])
 
 def row_with(group=None, **said):
     """The row of the scene, in which one group (or all three) is drawn so; solid is 0 unless said otherwise."""
-    row = picture_of(SCENE)
+    row = picture_row(SCENE)
     for one in range(3) if group is None else (group,):
         for name, value in ({"solid": 0.0} | said).items():
-            row[of_group(STYLE_OF_GROUP + name.replace("__", "/"), one).where] = value
+            row[group_parameter(STYLE_ADDRESS_PREFIX + name.replace("__", "/"), one).row_slice] = value
     return row
 
 
@@ -51,7 +51,7 @@ def drawn(headless_context):
 
     def draw(*moments):
         with headless_context:
-            for view, row in ((three(), picture_of(SCENE)), *moments):
+            for view, row in ((three(), picture_row(SCENE)), *moments):
                 view.picture = row
                 renderer.draw(view, target)
             return read(target)
@@ -73,7 +73,7 @@ def bright(picture):
 
 def column(picture, dancer, half=36):
     """The part of the picture in which one dancer stands, or the middle of it [pixels]."""
-    middle = int(pixel_of(CAMERA, SIZE, [[(-1.2, 0.0, 1.2)[dancer], 1.0, 0.0]])[0, 0])
+    middle = int(project_points(CAMERA, SIZE, [[(-1.2, 0.0, 1.2)[dancer], 1.0, 0.0]])[0, 0])
     return picture[:, middle - half : middle + half]
 
 
@@ -126,9 +126,9 @@ def test_what_was_is_seen_beside_what_is(drawn, golden, style):
 
 
 def test_a_mixture_of_styles_and_a_half_dissolved_body(drawn, golden):
-    row = row_with(0, solid=0.5, emission=0.5) + row_with(1, solid=1.0, ink=1.0) - picture_of(SCENE)
-    row += row_with(2, solid=0.3, xray=1.0, particles=0.4) - picture_of(SCENE)
-    whole = drawn((three(0.3), picture_of(SCENE)))
+    row = row_with(0, solid=0.5, emission=0.5) + row_with(1, solid=1.0, ink=1.0) - picture_row(SCENE)
+    row += row_with(2, solid=0.3, xray=1.0, particles=0.4) - picture_row(SCENE)
+    whole = drawn((three(0.3), picture_row(SCENE)))
 
     def law(picture):
         changed = np.abs(picture.astype(int) - whole).max(axis=2) > 20
@@ -139,7 +139,7 @@ def test_a_mixture_of_styles_and_a_half_dissolved_body(drawn, golden):
 
 def test_a_style_belongs_to_its_group_alone(drawn):
     """Whatever the one in the middle is drawn as, the others stay as they are, but for the light that she throws."""
-    plain = picture_of(SCENE)
+    plain = picture_row(SCENE)
     one, other = (drawn((three(), row_with(1, **{style: 1.0}))).astype(int) for style in ("silhouette", "particles"))
     change = np.abs(other - one).max(axis=2)[:, :, None]
     assert (column(change, 1) > 30).mean() > 0.02
@@ -150,7 +150,7 @@ def test_a_style_belongs_to_its_group_alone(drawn):
 
 
 def test_a_silhouette_has_its_colour_and_fades_in_evenly(drawn):
-    x, y = pixel_of(CAMERA, SIZE, three().joint_position[1, [2]])[0].astype(int)
+    x, y = project_points(CAMERA, SIZE, three().joint_position[1, [2]])[0].astype(int)
     steps = [
         drawn((three(), row_with(solid=1.0 - share, silhouette=share, silhouette__colour=(0.0, 1.0, 0.0))))[y, x]
         for share in (0.0, 0.5, 1.0)
@@ -187,7 +187,7 @@ def test_particles_follow_the_beat_and_nothing_else(drawn):
 
 def test_colours_answer_the_beat_as_much_as_is_asked(drawn):
     on, off = ({"solid": 1.0, "pulse": share} for share in (1.0, 0.0))
-    x, y = pixel_of(CAMERA, SIZE, three().joint_position[1, [2]])[0].astype(int)
+    x, y = project_points(CAMERA, SIZE, three().joint_position[1, [2]])[0].astype(int)
     here = np.s_[y - 3 : y + 4, x - 2 : x + 3]
     swing = [
         bright(drawn((three(0.0), row_with(**how)))[here]).mean()

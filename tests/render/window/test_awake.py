@@ -8,7 +8,7 @@ from time import monotonic
 import pytest
 
 from live.render.window import screensaver as awake
-from live.render.window.screensaver import PERIOD, Awake, x11_display
+from live.render.window.screensaver import RESET_PERIOD, ScreensaverInhibitor, x11_display
 from live.render.window.window import Window
 from tests.fixtures.two_monitor_x import TwoMonitorX
 
@@ -49,38 +49,38 @@ def test_the_idle_time_begins_anew(stage_x: TwoMonitorX) -> None:
     except OSError:
         pytest.skip("libXss is not installed (Debian: libxss1)")
     window = Window("stage", size=(64, 64))
-    keeper = Awake(x11_display()).begin()
+    keeper = ScreensaverInhibitor(x11_display()).start()
     try:
-        assert "XResetScreenSaver" in keeper.means
-        assert "XScreenSaverSuspend" in keeper.means
+        assert "XResetScreenSaver" in keeper.methods
+        assert "XScreenSaverSuspend" in keeper.methods
         deadline = monotonic() + 30.0
         while watcher.idle() < 0.2:
             assert monotonic() < deadline
         before = watcher.idle()
-        keeper.frame(0.0)
+        keeper.refresh(0.0)
         while watcher.idle() >= before:
             assert monotonic() < deadline, "the idle time went on"
         later = watcher.idle()
         while watcher.idle() < later + 0.05:
             assert monotonic() < deadline
         settled = watcher.idle()
-        keeper.frame(PERIOD - 0.1)  # not yet again
+        keeper.refresh(RESET_PERIOD - 0.1)  # not yet again
         assert watcher.idle() >= settled
     finally:
-        keeper.end()
+        keeper.stop()
         window.close()
         watcher.close()
-    keeper.frame(2 * PERIOD)  # does nothing, and does not fail
-    assert keeper.means == []
+    keeper.refresh(2 * RESET_PERIOD)  # does nothing, and does not fail
+    assert keeper.methods == []
 
 
 @pytest.mark.x11
 def test_the_savers_timeout_is_as_it_was_afterwards(stage_x: TwoMonitorX) -> None:
     stage_x.run("xset", "s", "77", "33")
     window = Window("stage", size=(64, 64))
-    keeper = Awake(x11_display()).begin()
-    keeper.frame(0.0)
-    keeper.end()
+    keeper = ScreensaverInhibitor(x11_display()).start()
+    keeper.refresh(0.0)
+    keeper.stop()
     window.close()
     assert b"timeout:  77    cycle:  33" in stage_x.run("xset", "q")
     stage_x.run("xset", "s", "default")
@@ -90,28 +90,28 @@ def test_the_systems_lock_ends_with_the_show(monkeypatch: pytest.MonkeyPatch, tm
     """A child holds it until its standard input ends."""
     log = tmp_path / "log"
     program = f"import sys; open({str(log)!r}, 'w').write('held'); sys.stdin.read()"
-    monkeypatch.setattr(awake, "_CHILDREN", {sys.platform: (sys.executable, "-c", program)})
-    keeper = Awake().begin()
+    monkeypatch.setattr(awake, "_INHIBIT_COMMANDS", {sys.platform: (sys.executable, "-c", program)})
+    keeper = ScreensaverInhibitor().start()
     child = keeper._child
     assert child is not None
     deadline = monotonic() + 60.0
     while not log.exists() or log.read_text() != "held":
         assert monotonic() < deadline
     assert child.poll() is None
-    keeper.end()
+    keeper.stop()
     assert child.poll() is not None
 
 
 def test_without_any_means_a_show_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(awake, "_CHILDREN", {sys.platform: ("no-such-program-anywhere",)})
-    keeper = Awake().begin()
-    keeper.frame(0.0)
-    assert keeper.means == [] or sys.platform == "win32"
-    keeper.end()
+    monkeypatch.setattr(awake, "_INHIBIT_COMMANDS", {sys.platform: ("no-such-program-anywhere",)})
+    keeper = ScreensaverInhibitor().start()
+    keeper.refresh(0.0)
+    assert keeper.methods == [] or sys.platform == "win32"
+    keeper.stop()
 
     def refuse(*_: object, **__: object) -> None:
         raise OSError("no processes left")
 
-    monkeypatch.setattr(awake, "_CHILDREN", {sys.platform: (sys.executable,)})
+    monkeypatch.setattr(awake, "_INHIBIT_COMMANDS", {sys.platform: (sys.executable,)})
     monkeypatch.setattr(subprocess, "Popen", refuse)
-    Awake().begin().end()
+    ScreensaverInhibitor().start().stop()

@@ -2,7 +2,7 @@
 
 import pytest
 
-from live.render.window.monitors import Monitor, UnknownMonitor, find_place
+from live.render.window.monitors import Monitor, UnknownMonitor, resolve_monitor
 
 DESK = Monitor(1, "eDP-1", (0, 1080), (1920, 1080), 60.0)
 LEFT = Monitor(2, "HDMI-1", (-1280, 1080), (1280, 720), 60.0)
@@ -20,15 +20,15 @@ ALL = [DESK, LEFT, RIGHT, FAR, ABOVE]
     ],
 )  # fmt: skip
 def test_places(text, expected):
-    assert find_place(text, ALL) == expected
+    assert resolve_monitor(text, ALL) == expected
 
 
 @pytest.mark.parametrize("text", ["right of DP-1", "below primary", "right of nothing", "beside 1", "right of"])
 def test_where_no_monitor_is_those_there_are_told(text):
     with pytest.raises(UnknownMonitor, match=r"HDMI-1 \(1280x720 at -1280,1080"):
-        find_place(text, ALL)
+        resolve_monitor(text, ALL)
 
 
 def test_without_monitors():
     with pytest.raises(UnknownMonitor):
-        find_place("primary", [])
+        resolve_monitor("primary", [])

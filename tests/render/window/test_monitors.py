@@ -11,7 +11,7 @@ from live.render.window.monitors import (
     UnknownMonitor,
     find_monitor,
     list_monitors,
-    same_monitor,
+    match_monitor,
     screen_problem,
 )
 from tests.fixtures.two_monitor_x import FIRST, SECOND, TwoMonitorX
@@ -54,8 +54,8 @@ def test_equal_names_are_told_apart_by_number_only() -> None:
     assert find_monitor("2", twins) is twins[1]
     with pytest.raises(UnknownMonitor, match="means several monitors"):
         find_monitor("EPSON", twins)
-    assert same_monitor(Monitor(5, "EPSON", (790, 10), (1280, 720), 50.0), twins) is twins[1]
-    assert same_monitor(DESK, twins) is None
+    assert match_monitor(Monitor(5, "EPSON", (790, 10), (1280, 720), 50.0), twins) is twins[1]
+    assert match_monitor(DESK, twins) is None
 
 
 @pytest.mark.x11

@@ -10,7 +10,7 @@ import pytest
 
 from live.render.headless import FrameReader, OffscreenTarget
 from live.render.window.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors
-from live.render.window.window import SETTLE_PERIOD, NoWindow, Window
+from live.render.window.window import CHECK_PERIOD, NoWindow, Window
 from live.render.window.window_input import (
     CloseRequested,
     KeyPressed,
@@ -236,7 +236,7 @@ def test_a_monitor_that_is_moved_takes_the_window_along(open_window: Open, stage
     window = open_window(monitor=find_monitor("2"), fullscreen=True)
     frames(window, 3)
     stage_x.run("xrandr", "--output", "DUMMY1", "--mode", "640x360", "--pos", "700x20")
-    frames(window, SETTLE_PERIOD + 5)
+    frames(window, CHECK_PERIOD + 5)
     assert place(window) == (700, 20, 640, 360)
     assert window.size == (640, 360)
 

@@ -76,29 +76,29 @@ def made(layout: dict[int, str | None] | None = None) -> tuple[OneWindowGlfw, In
 def test_names_of_keys(layout: dict[int, str | None], key: int, name: str) -> None:
     fake, queue = made(layout)
     fake.press(key)
-    assert queue.take() == [KeyPressed(name)]
+    assert queue.pop_all() == [KeyPressed(name)]
 
 
 def test_keys_without_a_name_are_left_out() -> None:
     fake, queue = made({glfw.KEY_WORLD_1: None, glfw.KEY_UNKNOWN: None, glfw.KEY_LEFT_ALT: None})
     for key in (glfw.KEY_WORLD_1, glfw.KEY_UNKNOWN, glfw.KEY_LEFT_ALT):
         fake.press(key)
-    assert queue.take() == []
+    assert queue.pop_all() == []
 
 
 def test_a_held_key_counts_once() -> None:
     fake, queue = made()
     for action in (glfw.PRESS, glfw.REPEAT, glfw.REPEAT, glfw.RELEASE):
         fake.press(glfw.KEY_SPACE, action=action)
-    assert queue.take() == [KeyPressed("space")]
-    assert queue.take() == []
+    assert queue.pop_all() == [KeyPressed("space")]
+    assert queue.pop_all() == []
 
 
 def test_modifiers() -> None:
     fake, queue = made()
     fake.press(glfw.KEY_F, CONTROL)
     fake.press(glfw.KEY_F, SHIFT | CONTROL)
-    assert queue.take() == [KeyPressed("f", control=True), KeyPressed("f", shift=True, control=True)]
+    assert queue.pop_all() == [KeyPressed("f", control=True), KeyPressed("f", shift=True, control=True)]
 
 
 def test_places_are_pixels_of_the_framebuffer() -> None:
@@ -107,7 +107,7 @@ def test_places_are_pixels_of_the_framebuffer() -> None:
     fake.callbacks["cursor_pos"](None, 400.0, 150.5)
     fake.callbacks["mouse_button"](None, glfw.MOUSE_BUTTON_LEFT, glfw.RELEASE, 0)
     fake.callbacks["mouse_button"](None, glfw.MOUSE_BUTTON_RIGHT, glfw.PRESS, 0)
-    assert queue.take() == [PointerPressed(20.0, 40.0), PointerMoved(800.0, 301.0), PointerReleased(800.0, 301.0)]
+    assert queue.pop_all() == [PointerPressed(20.0, 40.0), PointerMoved(800.0, 301.0), PointerReleased(800.0, 301.0)]
 
 
 def test_of_moves_in_a_row_only_the_last_counts_but_none_is_taken_past_a_click() -> None:
@@ -117,7 +117,7 @@ def test_of_moves_in_a_row_only_the_last_counts_but_none_is_taken_past_a_click()
     fake.callbacks["mouse_button"](None, glfw.MOUSE_BUTTON_LEFT, glfw.PRESS, SHIFT)
     for x in (4.0, 5.0):
         fake.callbacks["cursor_pos"](None, x, 0.0)
-    assert queue.take() == [PointerMoved(6.0, 0.0), PointerPressed(6.0, 0.0, True), PointerMoved(10.0, 0.0, True)]
+    assert queue.pop_all() == [PointerMoved(6.0, 0.0), PointerPressed(6.0, 0.0, True), PointerMoved(10.0, 0.0, True)]
 
 
 def test_shift_pressed_or_released_during_a_drag() -> None:
@@ -127,16 +127,16 @@ def test_shift_pressed_or_released_during_a_drag() -> None:
     fake.press(glfw.KEY_B, SHIFT)
     fake.press(glfw.KEY_LEFT_SHIFT, 0, glfw.RELEASE)
     fake.callbacks["cursor_pos"](None, 2.0, 2.0)
-    assert queue.take() == [PointerMoved(2.0, 2.0, True), KeyPressed("b", shift=True), PointerMoved(4.0, 4.0)]
+    assert queue.pop_all() == [PointerMoved(2.0, 2.0, True), KeyPressed("b", shift=True), PointerMoved(4.0, 4.0)]
 
 
 def test_a_flood_is_bounded() -> None:
     fake, queue = made()
     for _ in range(3 * QUEUE_LIMIT):
         fake.press(glfw.KEY_SPACE)
-    assert len(queue.take()) == QUEUE_LIMIT
+    assert len(queue.pop_all()) == QUEUE_LIMIT
     fake.press(glfw.KEY_B)
-    assert queue.take() == [KeyPressed("b")]
+    assert queue.pop_all() == [KeyPressed("b")]
 
 
 def test_a_minimised_window_keeps_its_size() -> None:
@@ -145,11 +145,11 @@ def test_a_minimised_window_keeps_its_size() -> None:
     assert queue.framebuffer_size == (1600, 1200)
     fake.callbacks["framebuffer_size"](None, 1600, 1200)
     fake.callbacks["framebuffer_size"](None, 640, 480)
-    assert queue.take() == [Resized((640, 480))]
+    assert queue.pop_all() == [Resized((640, 480))]
 
 
 def test_closing_is_only_a_request() -> None:
     fake, queue = made()
     fake.callbacks["window_close"](None)
-    assert queue.take() == [CloseRequested()]
+    assert queue.pop_all() == [CloseRequested()]
     assert fake.should_close is False

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.base.stage_snapshot import REPULSOR, VOICE
+from live.base.stage_snapshot import PARTICIPANT, REPULSOR
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.control.events.event_json import event_from_json, event_to_row
-from live.show.audience.audience import LED
+from live.show.audience.audience import LED_GAIN
 from live.show.audience.voting import Vote
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
-from live.show.state.snapshot import Snapshots, restore
+from live.show.state.snapshot import Snapshotter, restore
 from tests.show.made_show import GRAPH, PATCH, made_show
 
 REGIONS = '[audience]\nregions = ["stalls", "balcony"]\nvote_measures = 1\n'
@@ -28,10 +28,10 @@ class Hands:
         self.show, self.index, self.said = made_show(extra), 0, None
 
     def say(self, kind, **values):
-        assert self.show.apply(kind(time=self.show.time, source="osc", **values)), self.show.refusals.words
+        assert self.show.apply(kind(time=self.show.time, source="osc", **values)), self.show.refusals.last_reason
 
     def heard(self, places=EAST, *, share=1000, **values):
-        values = {"phones": 100, "order": self.show.audience.order, "share": share, "places": places} | values
+        values = {"phones": 100, "order": self.show.audience.command_count, "share": share, "places": places} | values
         self.show.apply(events.AudienceHeard(time=self.show.time, source="audience", **values))
 
     def run(self, measures=1.0, **heard):
@@ -58,7 +58,7 @@ def test_dancers_come_to_where_the_audience_gathers_and_leave_what_it_repels():
     alone.run(4)
     assert coming.away() < alone.away() - 1.0
     assert going.away(0.0, 0.0) > alone.away(0.0, 0.0) + 0.2
-    assert set(coming.acting()) == {VOICE}
+    assert set(coming.acting()) == {PARTICIPANT}
     assert set(going.acting()) == {REPULSOR}
     coming.run(3)  # nobody plays any more: it ends by itself
     assert coming.acting() == {}
@@ -67,14 +67,14 @@ def test_dancers_come_to_where_the_audience_gathers_and_leave_what_it_repels():
 def test_close_and_mute_act_within_one_tick_and_stale_words_are_not_heard():
     hands = Hands()
     hands.run(1, places=EAST, lights="7 500 0 300 1")
-    stale = hands.show.audience.order
+    stale = hands.show.audience.command_count
     hands.say(events.MuteAudience, on=True)
     hands.run(1 / 128)
     assert hands.acting() == {}
     assert hands.show.audience.facts()["lights"]
     hands.say(events.MuteAudience, on=False)
     hands.run(1 / 128)
-    assert set(hands.acting()) == {VOICE}
+    assert set(hands.acting()) == {PARTICIPANT}
     hands.say(events.OpenAudience, on=False)
     hands.run(1 / 128)
     assert hands.acting() == {}
@@ -83,7 +83,7 @@ def test_close_and_mute_act_within_one_tick_and_stale_words_are_not_heard():
     hands.heard(order=stale)  # made before the operator spoke
     assert hands.acting() == {}
     hands.heard()
-    assert set(hands.acting()) == {VOICE}
+    assert set(hands.acting()) == {PARTICIPANT}
     hands.say(events.Panic)
     assert hands.acting() == {}
     assert hands.show.audience.muted
@@ -92,12 +92,12 @@ def test_close_and_mute_act_within_one_tick_and_stale_words_are_not_heard():
 def test_the_operators_gain_and_whoever_leads_rank_over_the_audience():
     hands = Hands()
     hands.heard()
-    assert hands.acting() == {VOICE: pytest.approx(4.0)}  # as many voices as are needed for all of the force
+    assert hands.acting() == {PARTICIPANT: pytest.approx(4.0)}  # as many voices as are needed for all of the force
     hands.say(events.SetAudienceGain, gain=0.5)
-    assert hands.acting() == {VOICE: pytest.approx(2.0)}
+    assert hands.acting() == {PARTICIPANT: pytest.approx(2.0)}
     hands.say(events.Attract, x=-5.0, z=0.0)
     hands.run(0.5, places=EAST)
-    assert hands.acting()[VOICE] == pytest.approx(2.0 * LED)
+    assert hands.acting()[PARTICIPANT] == pytest.approx(2.0 * LED_GAIN)
 
 
 def test_places_keep_their_element_when_they_move_and_change_their_kind():
@@ -106,7 +106,7 @@ def test_places_keep_their_element_when_they_move_and_change_their_kind():
     hands.heard("520 0 1000 1,0 0 0 1,100 100 400 2")
     beat = hands.show.timeline.beat_at(hands.show.time)
     there = {e.source: (e.x, e.table_kind, e.level(beat) > 0.5) for e in hands.show.motion.elements.in_force}
-    assert there["audience 1"] == (pytest.approx(5.2), VOICE, True)  # it goes on, and does not fade in anew
+    assert there["audience 1"] == (pytest.approx(5.2), PARTICIPANT, True)  # it goes on, and does not fade in anew
     assert there["audience 3"][:2] == (1.0, REPULSOR)
     hands.heard("520 0 1000 2")
     hands.run(1)
@@ -147,7 +147,7 @@ def test_a_turn_begins_and_ends_at_measure_lines():
     hands.say(events.WeighRegion, name="*", weight=0.5)
     heard = []
     for _ in range(5):
-        heard.append(tuple(hands.show.audience.heard_regions(hands.show.span.number)))
+        heard.append(tuple(hands.show.audience.region_weights(hands.show.span.number)))
         hands.run(1)
     assert hands.show.span.number == measure + 5
     assert heard == [(0.5, 0.5), (0.0, 0.5), (0.0, 0.5), (0.5, 0.5), (0.5, 0.5)]
@@ -161,7 +161,7 @@ def test_a_turn_begins_and_ends_at_measure_lines():
 def test_the_winner_of_a_vote_is_called_at_the_measure_line_and_ties_are_drawn_from_the_seed():
     hands = Hands()
     hands.say(events.AskVote, what="step", first="SPIN", second="sway")
-    order = hands.show.audience.order
+    order = hands.show.audience.command_count
     hands.heard(votes="1 100 250", order=order)
     hands.heard(votes="9 900 0", order=order)  # of another vote
     hands.run(1)
@@ -189,9 +189,9 @@ def test_the_winner_of_a_vote_is_called_at_the_measure_line_and_ties_are_drawn_f
 def test_many_shaken_phones_spread_the_dancers_once():
     hands = Hands()
     hands.run(0.25, places="-", share=0, shaken=200)
-    assert not hands.show.motion.elements.has("audience shakes")
+    assert not hands.show.motion.elements.has_source("audience shakes")
     hands.run(0.25, places="-", share=0, shaken=700)
-    assert hands.show.motion.elements.has("audience shakes")
+    assert hands.show.motion.elements.has_source("audience shakes")
 
 
 def test_the_journal_and_snapshots_have_the_audience_and_rubbish_changes_nothing():
@@ -205,8 +205,8 @@ def test_the_journal_and_snapshots_have_the_audience_and_rubbish_changes_nothing
     for rubbish in ("x", "1 2", "1,2,3", "9" * 400, "1 2 3 4 5 6", ",,,", "nan 0 1 1", "1e9 0 0 0", "-1 -1 -1 -1 -1"):
         hands.heard(rubbish, lights=rubbish, votes=rubbish)
     hands.heard()
-    source = Snapshots(hands.show)
-    while (taken := source.take(hands.index)) is None:
+    source = Snapshotter(hands.show)
+    while (taken := source.capture(hands.index)) is None:
         hands.run(1 / 128)
     loaded = LoadedShow(Path("test.toml"), parse_patch(PATCH + REGIONS, "test.toml"), GRAPH)
     again = restore(loaded, taken.seal())
@@ -221,9 +221,9 @@ def test_the_journal_and_snapshots_have_the_audience_and_rubbish_changes_nothing
 def test_another_patch_keeps_the_weights_of_regions_that_are_still_there():
     hands, fresh = Hands(), made_show('[audience]\nregions = ["balcony", "bar"]\n')
     hands.say(events.WeighRegion, name="balcony", weight=2.0)
-    order = hands.show.audience.order
-    hands.show.audience.take_patch(fresh.audience)
+    order = hands.show.audience.command_count
+    hands.show.audience.apply_patch(fresh.audience)
     assert hands.show.audience.facts()["regions"] == {"balcony": 2.0, "bar": 1.0}
-    assert hands.show.audience.order == order + 1
+    assert hands.show.audience.command_count == order + 1
     with pytest.raises(PersonError, match="no region"):
-        hands.show.audience._named("stalls")
+        hands.show.audience._region_indices("stalls")

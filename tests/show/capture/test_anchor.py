@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events import events
 from live.motion.packed_pose import pack_pose, unpack_pose
 from live.motion.skeleton import JOINT_COUNT
-from live.show.capture.pose_buffer import FAR, LAG, WALK, Anchor
+from live.show.capture.pose_buffer import FAR_DISTANCE, LAG_S, MAX_SPEED, DriftCorrection
 from live.show.engine import Engine
 from live.show.journal.journal import JournalWriter, read_journal
 from live.show.journal.replay import first_start, run_from
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
-from live.show.state.snapshot import Snapshots, restore
+from live.show.state.snapshot import Snapshotter, restore
 from live.show.status import Status
 from tests.show.capture.test_mocap import MEASURE
 from tests.show.made_show import GRAPH, PATCH, made_show
@@ -65,23 +65,23 @@ def steps(anchor, count):
 
 
 def test_a_step_is_followed_as_by_two_low_passes():
-    anchor = Anchor()
-    anchor.compare((0.3, -0.2), (0.0, 0.0))
+    anchor = DriftCorrection()
+    anchor.set_difference((0.3, -0.2), (0.0, 0.0))
     found = steps(anchor, round(3.0 / TICK))
     time = TICK * np.arange(1, len(found) + 1)
     # the answer of 1 / (1 + s LAG / 2)^2 to a step
-    expected = 1.0 - (1.0 + 2.0 * time / LAG) * np.exp(-2.0 * time / LAG)
+    expected = 1.0 - (1.0 + 2.0 * time / LAG_S) * np.exp(-2.0 * time / LAG_S)
     np.testing.assert_allclose(found, expected[:, None] * (0.3, -0.2), atol=0.005)
 
 
 @pytest.mark.parametrize("far", [0.5, 2.0, 6.0, 20.0])
 def test_she_is_corrected_at_walking_speed_unless_she_is_far_off(far):
-    anchor = Anchor()
-    anchor.compare((far, 0.0), (0.0, 0.0))
+    anchor = DriftCorrection()
+    anchor.set_difference((far, 0.0), (0.0, 0.0))
     found = steps(anchor, round(12.0 / TICK))[:, 0]
     speed, left = np.diff(found) / TICK, far - found[:-1]
     assert (speed >= -1e-12).all()
-    assert (speed <= WALK * np.maximum(1.0, (left / FAR) ** 2) + 1e-9).all()
+    assert (speed <= MAX_SPEED * np.maximum(1.0, (left / FAR_DISTANCE) ** 2) + 1e-9).all()
     assert speed.max() <= 0.74 * far
     assert left[-1] < 0.01
 
@@ -90,7 +90,7 @@ def test_a_drifting_suit_stays_at_its_tracker_and_one_that_stands_is_moved_by_no
     show = made_show(ANNA)
     drifts = run(show, 1, 15 * 64, lambda tick: (0.1 * tick * TICK, 0.5), still(1.0, -1.0))
     off = np.hypot(*(drifts[MEASURE + 20 :] - (1.0, -1.0)).T)
-    assert off.max() < 0.1 * LAG + 0.01  # the lag of the low-passes, and what is shown later than it came
+    assert off.max() < 0.1 * LAG_S + 0.01  # the lag of the low-passes, and what is shown later than it came
     chance = np.random.default_rng(5)
     show = made_show(ANNA)
     # 60 places a second, 64 ticks: a sixteenth of these hears of none
@@ -106,7 +106,7 @@ def test_a_drifting_suit_stays_at_its_tracker_and_one_that_stands_is_moved_by_no
 
 def test_who_is_not_yet_seen_begins_where_her_tracker_is():
     show = made_show(ANNA)
-    begun = show.dancers.shown[0].copy()
+    begun = show.dancers.drawn_hips[0].copy()
     seen = run(show, 1, 2 * MEASURE, still(-4.0, 3.0), still(1.0, -1.0))
     np.testing.assert_allclose(seen[MEASURE + 10 :], np.broadcast_to((1.0, -1.0), (MEASURE - 10, 2)), atol=2 * MM)
     assert np.abs(np.diff(seen, axis=0)).max() / TICK < 1.6 * np.abs(begun - (1.0, -1.0)).max()
@@ -120,7 +120,7 @@ def test_a_stale_tracker_holds_and_one_that_comes_back_lets_her_walk():
     held = seen[silent.start : back - 1]
     np.testing.assert_allclose(held, np.broadcast_to((1.0, -1.0), held.shape), atol=2 * MM)
     speed = np.diff(seen[MEASURE + 20 :, 0]) / TICK
-    assert WALK / 2 < speed.max() < WALK + 0.02
+    assert MAX_SPEED / 2 < speed.max() < MAX_SPEED + 0.02
     np.testing.assert_allclose(seen[-1], (3.0, -1.0), atol=0.02)
     facts = show.mocap.facts(show.time)["anna"]
     assert (facts["tracker"], facts["corrected_m"][0]) == ("7", pytest.approx(3.0, abs=0.02))
@@ -146,10 +146,10 @@ def test_her_floor_lies_where_the_patch_says_and_the_tracker_axes_count():
 def test_who_names_no_tracker_any_more_goes_back_to_where_her_suit_is():
     show = made_show(ANNA)
     run(show, 1, 4 * 64, still(0.0, 0.0), still(1.0, -1.0))
-    fresh = show.another(parse_patch(PATCH + '[[mocap]]\nname = "anna"\n', "test.toml"), GRAPH)
-    show.mocap.take_patch(fresh.mocap)
+    fresh = show.make_show(parse_patch(PATCH + '[[mocap]]\nname = "anna"\n', "test.toml"), GRAPH)
+    show.mocap.apply_patch(fresh.mocap)
     seen = run(show, 4 * 64 + 1, 10 * 64, still(0.0, 0.0), lambda tick: None)
-    assert np.hypot(*np.diff(seen, axis=0).T).max() / TICK < WALK + 0.02
+    assert np.hypot(*np.diff(seen, axis=0).T).max() / TICK < MAX_SPEED + 0.02
     np.testing.assert_allclose(seen[-1], (0.0, 0.0), atol=5 * MM)
 
 
@@ -158,8 +158,8 @@ def test_a_restored_show_goes_on_with_her_correction_bit_by_bit():
     show, tick = loaded.start(), MEASURE + 20
     drift, place = (lambda tick: (0.1 * tick * TICK, 0.5)), (lambda tick: (math.sin(tick * TICK), 1.0))
     run(show, 1, tick, drift, place)
-    source = Snapshots(show)
-    while (taken := source.take(tick)) is None:
+    source = Snapshotter(show)
+    while (taken := source.capture(tick)) is None:
         tick += 1
         run(show, tick, tick, drift, place)
     restored = restore(loaded, taken.seal())
@@ -170,10 +170,10 @@ def test_a_restored_show_goes_on_with_her_correction_bit_by_bit():
 
 def test_a_replay_of_suit_and_tracker_is_the_same_bit_by_bit(tmp_path):
     loaded = LoadedShow(Path("test.toml"), parse_patch(PATCH + ANNA + 'canon = "back"\n', "test.toml"), GRAPH)
-    show, clock, inbox = loaded.start(), ManualClock(), Inbox()
+    show, clock, inbox = loaded.start(), ManualClock(), EventQueue()
     writer = JournalWriter(tmp_path / "a.jsonl", {"seed": 3, "tempo": None})
     status = Status(show, rejected=dict, memory=lambda: 0.0)
-    engine, lane = Engine(show, clock=clock, inbox=inbox, status=status, journal=writer), inbox.lane()
+    engine, lane = Engine(show, clock=clock, inbox=inbox, status=status, journal=writer), inbox.add_queue()
     for number in range(1, 241):
         now = number / 40.0
         if not 120 < number < 160:
@@ -183,7 +183,7 @@ def test_a_replay_of_suit_and_tracker_is_the_same_bit_by_bit(tmp_path):
         clock.set(now)
         engine.frame(lambda view: None)
     writer.close(engine.ticks.index)
-    assert abs(show.mocap.performers["anna"].anchor.offset[0]) > 0.1
+    assert abs(show.mocap.performers["anna"].drift_correction.offset[0]) > 0.1
     journal = read_journal(tmp_path / "a.jsonl")
     start = first_start(journal, loaded)
     assert run_from(start, journal).different == 0

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from live.agents.crowd.contact_kernels import SOFT_LANDING
+from live.agents.crowd.contact_kernels import EDGE_TIME
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.motion.packed_pose import pack_pose
 from live.motion.skeleton import JOINT_COUNT
-from live.show.capture.stage_presence import BACK, Edges
+from live.show.capture.stage_presence import MAX_RETURN_SPEED, CanonBounds
 from tests.show.capture.test_mocap import MEASURE, performer, run
 from tests.show.made_show import made_show
 
@@ -20,10 +20,10 @@ FLOOR = (0.0,)
 
 def follow(path, half=(5.0, 3.0)):
     """Where somebody goes whom this path (T, 2) [m], a tick each, would take elsewhere, (T, 2)."""
-    edges, moved, found = Edges(np.array(half)), np.zeros((1, 2)), []
+    edges, moved, found = CanonBounds(np.array(half)), np.zeros((1, 2)), []
     edges.add(path[:1])
     for tick, there in enumerate(path):
-        moved += edges.settle(there[None] + moved, tick * TICK, FLOOR, ALL)
+        moved += edges.update(there[None] + moved, tick * TICK, FLOOR, ALL)
         found.append((there + moved)[0])
     return np.array(found)
 
@@ -43,7 +43,7 @@ def test_a_way_over_the_border_lands_softly_and_goes_on_beside():
     found = follow(path)
     np.testing.assert_allclose(found[:, 1], path[:, 1], atol=1e-9)  # along the edge nothing is changed
     speed, wanted = np.diff(found[:, 0]) / TICK, np.diff(path[:, 0]) / TICK
-    bound = (5.0 - found[:-1, 0]) / SOFT_LANDING
+    bound = (5.0 - found[:-1, 0]) / EDGE_TIME
     np.testing.assert_allclose(speed, np.minimum(wanted, bound), atol=1e-9)
     assert found[:, 0].max() < 5.0
     back = speed < 0.0  # on the way back she does as she would
@@ -59,19 +59,19 @@ def test_who_does_not_come_to_the_border_goes_her_own_way_exactly():
 def test_who_is_outside_comes_in_at_a_walk():
     found = follow(np.full((200, 2), (6.5, -0.5)))
     fast = -np.diff(found[:, 0]) / TICK
-    assert fast[1:].max() <= BACK + 1e-9 or found[1, 0] <= 5.0
-    edges, half = Edges(np.array([5.0, 3.0])), np.array([5.0, 3.0])
-    edges = Edges(half)
+    assert fast[1:].max() <= MAX_RETURN_SPEED + 1e-9 or found[1, 0] <= 5.0
+    edges, half = CanonBounds(np.array([5.0, 3.0])), np.array([5.0, 3.0])
+    edges = CanonBounds(half)
     edges.add(np.array([[4.8, 0.0]]))
     there = np.array([[4.8, 0.0]])
-    edges.settle(there, TICK, FLOOR, ALL)
+    edges.update(there, TICK, FLOOR, ALL)
     half[0] = 3.0  # the stage becomes smaller
     ways = []
     for tick in range(2, 400):
-        way = edges.settle(there, tick * TICK, FLOOR, ALL)
+        way = edges.update(there, tick * TICK, FLOOR, ALL)
         there = there + way
         ways.append(way[0, 0] / TICK)
-    assert -BACK - 1e-9 <= min(ways) < -BACK + 1e-9
+    assert -MAX_RETURN_SPEED - 1e-9 <= min(ways) < -MAX_RETURN_SPEED + 1e-9
     assert max(ways) <= 0.0
     assert there[0, 0] == pytest.approx(3.0, abs=0.01)
 
@@ -82,7 +82,7 @@ def test_all_who_repeat_a_performance_within_the_stage_stay_within_it(seed):
     extra = f'dancer = "back & 6"\ncanon = "front"\ncanon_beats = {chance.choice([0.5, 1.0, 2.0])}'
     extra += f"\nmirrored = {('false', 'true')[seed % 2]}"
     show = made_show(performer(extra))
-    half = show.motion.floor.half
+    half = show.motion.stage_area.half
     count = 12 * MEASURE
     path = wander(chance, TICK * np.arange(count + 1), half - 0.05, 3.0)
     rotation = np.zeros((JOINT_COUNT, 4))
@@ -100,11 +100,11 @@ def test_all_who_repeat_a_performance_within_the_stage_stay_within_it(seed):
             seen.append(view.joint_position[:5, 0, ::2].copy())
         if tick == 7 * MEASURE // 2:
             own = show.mocap.performers["anna"]
-            begun = own.moved[own.delay > 0.0].copy()
+            begun = own.offset[own.delay > 0.0].copy()
         agents.append(show.state.position[:5].copy())
     captured = show.mocap.performers["anna"]
-    assert captured.share.tolist() == [1.0] * 6
-    assert np.abs(captured.moved[captured.delay > 0.0] - begun).max() > 0.5  # they had to be kept
+    assert captured.fade.tolist() == [1.0] * 6
+    assert np.abs(captured.offset[captured.delay > 0.0] - begun).max() > 0.5  # they had to be kept
     whole = np.array(seen)[3 * 7 * MEASURE :]
     assert (np.abs(whole) <= half + 1e-5).all()
     assert (np.abs(np.array(agents)[7 * MEASURE :]) <= half + 1e-5).all()
@@ -130,7 +130,7 @@ def test_her_floor_laid_elsewhere_acts_at_once_and_leaves_nobody_outside():
         if tick == 3 * MEASURE:
             np.testing.assert_allclose(show.state.position[:2] - before, [[0.0, 1.0]] * 2, atol=1e-4)
             show.apply(events.PlaceMocap(time=tick * TICK, source="osc", performer="anna", x=90.0, z=1.0))
-    assert (np.abs(show.state.position[:2]) <= show.motion.floor.half + 1e-5).all()
+    assert (np.abs(show.state.position[:2]) <= show.motion.stage_area.half + 1e-5).all()
 
 
 def test_ways_that_are_turned_over_go_on_from_where_they_were():

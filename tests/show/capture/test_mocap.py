@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events import events
@@ -18,14 +18,14 @@ from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_clip
 from live.motion.packed_pose import pack_pose, unpack_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-from live.show.capture.performer import HOLD
-from live.show.dancers.footfalls import Footfalls
+from live.show.capture.performer import HOLD_S
+from live.show.dancers.footfalls import FootfallDetector
 from live.show.engine import Engine
 from live.show.journal.journal import JournalWriter, read_journal
 from live.show.journal.replay import first_start, run_from
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import PatchError, parse_patch
-from live.show.state.snapshot import Snapshots, restore
+from live.show.state.snapshot import Snapshotter, restore
 from live.show.status import Status
 from tests.show.made_show import GRAPH, PATCH, made_show
 
@@ -72,7 +72,7 @@ def performer(extra="", name="anna"):
 def test_her_dancer_wears_her_pose_where_she_is_and_her_agent_stands_there():
     show = made_show()
     seen = run(show, 1, MEASURE + 20)
-    delay = show.mocap.performers["live"].later
+    delay = show.mocap.performers["live"].display_delay
     for tick in (MEASURE + 2, MEASURE + 20):
         np.testing.assert_allclose(seen[tick - 1, 0], joints_at(tick * TICK - delay), atol=2e-3)
     np.testing.assert_allclose(show.state.position[0], seen[-1, 0, 0, ::2], atol=2e-3)
@@ -87,11 +87,11 @@ def test_silence_is_held_then_left_within_a_measure_and_back_without_a_pop():
     begin = MEASURE + 40
     gap = range(begin, begin + 2 * MEASURE)
     seen = run(show, 1, gap[-1] + MEASURE + 10, silent=lambda tick: tick in gap)
-    held = round(HOLD / TICK)
+    held = round(HOLD_S / TICK)
     last = seen[begin - 2 + 3, 0]  # the delay passes first
     np.testing.assert_allclose(seen[begin + held - 4, 0], last, atol=1e-3)
     share = show.mocap.performers["live"]
-    assert share.share[0] == 1.0
+    assert share.fade[0] == 1.0
     own = seen[begin + held + MEASURE + 10 : gap[-1], 0]
     assert np.ptp(own[:, 0, 0]) < 0.5  # she dances on where she was left
     np.testing.assert_allclose(own[0, 0, ::2], last[0, ::2], atol=0.3)
@@ -107,7 +107,9 @@ def test_a_short_gap_is_caught_up_with_softly():
     seen = run(show, 1, gap[-1] + 60, silent=lambda tick: tick in gap)
     speed = np.linalg.norm(np.diff(seen[MEASURE:, 0], axis=0), axis=-1).max(axis=1) / TICK
     assert speed.max() < 2.0 * speed[:30].max()
-    np.testing.assert_allclose(seen[-1, 0], joints_at(show.time - show.mocap.performers["live"].later), atol=2e-3)
+    np.testing.assert_allclose(
+        seen[-1, 0], joints_at(show.time - show.mocap.performers["live"].display_delay), atol=2e-3
+    )
 
 
 def test_drawing_changes_nothing_whatever_is_drawn_when():
@@ -126,7 +128,7 @@ def test_drawing_changes_nothing_whatever_is_drawn_when():
 def test_a_mirrored_performer_is_the_mirror_image():
     show = made_show(performer("mirrored = true\nat = [0.5, -1.0]\nturn_deg = 90"))
     seen = run(show, 1, MEASURE + 10, name="anna")
-    when = show.time - show.mocap.performers["anna"].later
+    when = show.time - show.mocap.performers["anna"].display_delay
     root, rotation = unpack_pose(pose(when))
     clip = mirror_clip(Clip("pose", root[None], rotation[None], 60.0, np.zeros((1, 2), np.bool_)))
     expected = forward_kinematics(clip.root_position, clip.rotation)[0][0]
@@ -144,7 +146,9 @@ def test_she_becomes_her_mirror_image_without_a_pop():
     speed = np.linalg.norm(np.diff(np.concatenate(seen)[MEASURE:, 0], axis=0), axis=-1).max(axis=1) / TICK
     # hips that go 2.9 m aside within 0.6 s go 7 m/s in the middle, hands that change sides a bit faster
     assert speed.max() < 14.0
-    np.testing.assert_allclose(seen[-1][-1, 0], joints_at(show.time - show.mocap.performers["anna"].later), atol=2e-3)
+    np.testing.assert_allclose(
+        seen[-1][-1, 0], joints_at(show.time - show.mocap.performers["anna"].display_delay), atol=2e-3
+    )
 
 
 def test_a_group_repeats_her_one_after_another():
@@ -152,7 +156,7 @@ def test_a_group_repeats_her_one_after_another():
     seen = run(show, 1, 4 * MEASURE, name="anna")
     own, beat = seen[:, 5], MEASURE // 4
     own = own - own[:, :1] * [1.0, 0.0, 1.0]
-    later = round(show.mocap.performers["anna"].later / TICK)
+    later = round(show.mocap.performers["anna"].display_delay / TICK)
     for dancer, beats in ((0, 2), (1, 4)):
         repeated = seen[:, dancer] - seen[:, dancer, :1] * [1.0, 0.0, 1.0]
         np.testing.assert_allclose(repeated[-20:], own[-20 - beats * beat + later : -beats * beat + later], atol=0.02)
@@ -187,7 +191,7 @@ def test_nobody_on_the_stage_may_still_be_in_the_way_and_draw_others():
     run(show, 1, 40, name="anna")
     assert show.motion.surroundings.obstacle_names == ("performer anna",)
     (element,) = show.motion.elements.in_force
-    assert math.dist(element.points[0], show.mocap.performers["anna"].stands(show.time)) < 0.1
+    assert math.dist(element.points[0], show.mocap.performers["anna"].position(show.time)) < 0.1
     show.apply(events.DrawMocap(time=show.time, source="osc", performer="anna", strength=-1.0))
     run(show, 41, 200, name="anna")
     assert [each.kind for each in show.motion.elements.in_force] != [element.kind]
@@ -198,7 +202,7 @@ def test_nobody_on_the_stage_may_still_be_in_the_way_and_draw_others():
 
 def test_her_feet_are_heard_when_they_come_down_and_not_her_dancers():
     show = made_show()
-    falls, view, ears = [], show.view(), Footfalls(show)
+    falls, view, ears = [], show.view(), FootfallDetector(show)
     legs = [SKELETON.index(name) for name in ("leftUpperLeg", "leftLowerLeg", "leftFoot")]
     for tick in range(1, 2 * MEASURE + 130):
         time = tick * TICK - 0.004
@@ -211,9 +215,9 @@ def test_her_feet_are_heard_when_they_come_down_and_not_her_dancers():
         show.apply(events.MocapFrame(time=time, source="vmc", performer="live", pose=packed))
         show.tick(tick * TICK)
         show.fill(view, tick * TICK)
-        falls += [fall for fall in ears.frame(view) if fall.dancer == 0 and fall.time > 4.2]
+        falls += [fall for fall in ears.detect(view) if fall.dancer == 0 and fall.time > 4.2]
     assert {fall.foot for fall in falls} == {0}
-    later = show.mocap.performers["live"].later
+    later = show.mocap.performers["live"].display_delay
     landed = [fall.time - later for fall in falls]  # heel and ball come down one after the other
     assert {round(time) for time in np.array(landed) + 0.5} == {5, 6}
     assert landed == pytest.approx([round(time + 0.5) - 0.5 for time in landed], abs=0.1)
@@ -235,7 +239,7 @@ def test_a_tracker_is_a_performer_of_the_patch_or_something_to_go_around():
         show.tick(tick * TICK)
     np.testing.assert_allclose(show.state.position[1], begin + np.array([1.0, 0.0]), atol=1e-3)
     # the dancer follows by her own steps, or nearly: these go 0.3 m in a measure
-    assert np.hypot(*(show.dancers.shown[1] - begin)) > 0.2
+    assert np.hypot(*(show.dancers.drawn_hips[1] - begin)) > 0.2
     assert show.motion.model.responsibility[:3].tolist() == [1.0, 0.0, 1.0]
     assert list(show.motion.surroundings.obstacle_names) == ["performer chariot"]
     place = show.motion.surroundings.obstacles[0][:2]
@@ -268,11 +272,11 @@ def test_an_edited_patch_goes_on_with_her():
     patches = [parse_patch(PATCH + performer(f"mirrored = {each}"), "test.toml") for each in ("false", "true")]
     show = made_show(performer("mirrored = false"))
     run(show, 1, MEASURE + 10, name="anna")
-    fresh = show.another(patches[1], GRAPH)
-    show.mocap.take_patch(fresh.mocap)
+    fresh = show.make_show(patches[1], GRAPH)
+    show.mocap.apply_patch(fresh.mocap)
     (captured,) = show.mocap.performers.values()
     assert captured.mirrored
-    assert captured.share.tolist() == [1.0]
+    assert captured.fade.tolist() == [1.0]
     assert show.dancers.captured is show.mocap.performers
 
 
@@ -282,9 +286,9 @@ LOADED = LoadedShow(Path("test.toml"), parse_patch(PATCH + CANON, "test.toml"), 
 
 def test_a_restored_show_goes_on_with_her_bit_by_bit():
     show = LOADED.start()
-    tick, source = MEASURE + 20, Snapshots(show)
+    tick, source = MEASURE + 20, Snapshotter(show)
     run(show, 1, tick, name="anna")
-    while (taken := source.take(tick)) is None:
+    while (taken := source.capture(tick)) is None:
         tick += 1
         run(show, tick, tick, name="anna")
     restored = restore(LOADED, taken.seal())
@@ -294,12 +298,12 @@ def test_a_restored_show_goes_on_with_her_bit_by_bit():
 
 
 def test_a_replay_from_the_journal_is_the_same_bit_by_bit(tmp_path):
-    show, clock, inbox = LOADED.start(), ManualClock(), Inbox()
+    show, clock, inbox = LOADED.start(), ManualClock(), EventQueue()
     writer = JournalWriter(tmp_path / "a.jsonl", {"seed": 3, "tempo": None})
     engine = Engine(
         show, clock=clock, inbox=inbox, status=Status(show, rejected=dict, memory=lambda: 0.0), journal=writer
     )
-    lane = inbox.lane()
+    lane = inbox.add_queue()
     for number in range(1, 141):
         for part in (0.25, 0.75):  # a capture faster than the frames: the newest alone is taken
             lane.put(frame((number - part) / 40.0, "anna"), ("mocap", "anna"))

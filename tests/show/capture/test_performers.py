@@ -5,7 +5,7 @@ import pytest
 
 from live.agents.crowd.obstacles import Surroundings
 from live.control.events.events import Performer
-from live.show.capture.stage_presence import FASTEST, LOST_S, PERFORMER, Performers
+from live.show.capture.stage_presence import LOST_S, MAX_SPEED, OBSTACLE_PREFIX, Performers
 
 RADIUS = 0.3
 
@@ -18,7 +18,7 @@ def test_where_she_is_and_how_fast_she_goes():
     around = Surroundings()
     performers = Performers(around, RADIUS)
     assert seen(performers, 1.0, 0.5)
-    assert around.obstacle_names == (PERFORMER + "anna",)
+    assert around.obstacle_names == (OBSTACLE_PREFIX + "anna",)
     assert seen(performers, 1.5, 1.0, 0.25)
     assert around.obstacles[0][:5] == pytest.approx([1.0, 0.25, RADIUS, 1.0, 0.5])
 
@@ -28,18 +28,18 @@ def test_a_leap_of_the_tracking_is_no_speed():
     performers = Performers(around, RADIUS)
     seen(performers, 1.0, -3.0)
     seen(performers, 1.01, 3.0, 4.0)
-    assert np.hypot(*around.obstacles[0][3:5]) == pytest.approx(FASTEST)
+    assert np.hypot(*around.obstacles[0][3:5]) == pytest.approx(MAX_SPEED)
 
 
 def test_whoever_is_not_heard_of_is_gone_and_the_set_stays():
     around = Surroundings()
     performers = Performers(around, RADIUS)
-    around.put_obstacle("anna", 2.0, 2.0, 0.5)
+    around.set_obstacle("anna", 2.0, 2.0, 0.5)
     seen(performers, 1.0, 0.5)
     seen(performers, 2.0, 0.5, name="ben")
     performers.tick(1.0 + LOST_S)
     assert len(around.obstacle_names) == 3
     performers.tick(1.01 + LOST_S)
-    assert set(around.obstacle_names) == {"anna", PERFORMER + "ben"}
+    assert set(around.obstacle_names) == {"anna", OBSTACLE_PREFIX + "ben"}
     performers.tick(2.01 + LOST_S)
     assert around.obstacle_names == ("anna",)

@@ -8,7 +8,7 @@ import pytest
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.show.group.group_motion import LEASH
-from live.show.loader import show_of
+from live.show.loader import load_from_patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PATCHES
 from live.show.show import Show
@@ -38,7 +38,7 @@ SIZE = 128
 
 @cache
 def loaded():
-    return show_of(parse_patch(PATCH.format(obedience=0.5), "carrying"), PATCHES / "carrying.toml")
+    return load_from_patch(parse_patch(PATCH.format(obedience=0.5), "carrying"), PATCHES / "carrying.toml")
 
 
 def made(obedience=0.5, extra=""):
@@ -73,7 +73,7 @@ def test_those_who_gather_and_cross_do_not_touch():
     cross = events.PlaceElement(time=8.0, source="test", kind="cross", points="0 -3, 0 3", measures=4.0)
     run(show, 9, {**attract(64, -2.0, 1.0), 8 * 64: cross}, look)
     assert min(nearest) > 2 * 0.25
-    stood = show.scheduler.carrying.figures()["groups"]["all"]
+    stood = show.scheduler.root_correction.statistics()["groups"]["all"]
     assert stood["slide_m_s"] < 0.03
     assert stood["lag_m"] < 0.5
     assert stood["obedience"] == 0.5
@@ -84,7 +84,7 @@ def test_where_dancers_begin_is_no_slide_and_no_lag():
     show, worst = made(), []
 
     def look(show):
-        told = show.scheduler.carrying.figures()["groups"]["all"]
+        told = show.scheduler.root_correction.figures()["groups"]["all"]
         worst.append((told["slide_m_s"], told["lag_m"]))
 
     run(show, 3, {}, look)
@@ -100,8 +100,10 @@ def test_corrections_stay_within_what_legs_give():
         if show.span.fraction(show.timeline.beat_at(show.time)) < 1.5 / SIZE:
             present, graph = show.dancers.present, show.graph
             size = np.hypot(*present.correction[:, :2].T)
-            free = show.scheduler.carrying.parting.lack < -0.2  # whom no other dancer made go farther
-            found.extend((size / graph.node_gives[present.node].max(axis=1))[free])
+            free = (
+                show.scheduler.root_correction.path_separation.shortfall < -0.2
+            )  # whom no other dancer made go farther
+            found.extend((size / graph.node_reach_margins[present.node].max(axis=1))[free])
 
     run(show, 8, attract(32, 2.0, -1.0), look)
     assert len(found) > 20
@@ -122,7 +124,7 @@ def changed_within(obedience, extra=""):
             show.apply(events.Attract(time=show.time, source="test", x=3.5, z=2.5, measures=4.0))
         show.tick(tick * TICK)
     assert not show.dancers.decided
-    return np.hypot(*(show.dancers.present.correction[:, :2] - before).T), show.variation.late
+    return np.hypot(*(show.dancers.present.correction[:, :2] - before).T), show.variation.delays
 
 
 def test_only_the_obedient_are_carried_elsewhere_within_the_measure():
@@ -144,7 +146,7 @@ def test_agents_go_no_farther_than_their_leash():
     show, far = made(), []
 
     def look(show):
-        away = show.state.position - show.scheduler.carrying.reference
+        away = show.state.position - show.scheduler.root_correction.reference
         far.append(np.hypot(*away.T).max())
 
     run(show, 5, attract(16, 3.5, 2.5), look)

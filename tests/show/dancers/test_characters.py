@@ -2,13 +2,13 @@
 
 import pytest
 
-from live.base.body_catalogue import USUAL
+from live.base.body_catalogue import DEFAULT_BODY
 from live.base.errors import PersonError
-from live.show.dancers.character_casting import bodies_of, check_characters, drawable, files_of
+from live.show.dancers.character_casting import bodies_of, character_files, check_characters, drawable_characters
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
-from live.show.patch.patch_update import fitted
-from live.show.view.render_scene import scene_of
+from live.show.patch.patch_update import split_deferred
+from live.show.view.render_scene import make_scene
 from tests.render.characters.figures import glb_of
 from tests.show.made_show import PATCH
 
@@ -37,7 +37,7 @@ def test_dancers_of_a_group_wear_its_characters_by_seeded_chance_and_some_by_num
     bodies = bodies_of(both)
     assert set(bodies[:40]) == {"anna", "ben"}
     assert 8 < bodies[:40].count("ben") < 32
-    assert bodies[40:45] == (USUAL, USUAL, "anna", USUAL, USUAL)
+    assert bodies[40:45] == (DEFAULT_BODY, DEFAULT_BODY, "anna", DEFAULT_BODY, DEFAULT_BODY)
     assert len(bodies) == 45 + both.reserve  # whoever waits in the wings is one of them, too
     assert bodies == bodies_of(both) != bodies_of(both.model_copy(update={"seed": 5}))
     assert set(bodies_of(patch(ANNA))) == {"anna"}
@@ -63,25 +63,25 @@ def test_what_cannot_be_is_refused_with_its_place(text, words):
 def test_files_are_looked_at_before_the_show_and_last_good_ones_stay(tmp_path):
     path, said = tmp_path / "show.toml", patch(ANNA)
     with pytest.raises(PersonError, match=r"no file 'characters/anna\.glb'"):
-        files_of(said, path)
+        character_files(said, path)
     folder = tmp_path / "characters"
     folder.mkdir()
     (folder / "anna.glb").write_bytes(b"glTF and no more")
     with pytest.raises(PersonError, match=r"anna\.glb") as refused:
         check_characters(said, path)
-    assert refused.value.place == ("character", 0, "file")
-    assert drawable(said, path) == ()  # an engine that goes on draws the usual body
-    assert set(scene_of(said, None, drawable(said, path)).bodies) == {USUAL}
+    assert refused.value.key_path == ("character", 0, "file")
+    assert drawable_characters(said, path) == ()  # an engine that goes on draws the usual body
+    assert set(make_scene(said, None, drawable_characters(said, path)).bodies) == {DEFAULT_BODY}
     (folder / "anna.glb").write_bytes(glb_of())
     check_characters(said, path)
-    scene = scene_of(said, None, files_of(said, path))
+    scene = make_scene(said, None, character_files(said, path))
     assert scene.characters[0].path == str(folder / "anna.glb")
     assert set(scene.bodies) == {"anna"}
-    assert fitted(patch(""), said) == (with_characters(said), ("character",))
+    assert split_deferred(patch(""), said) == (with_characters(said), ("character",))
     outside = said.model_copy(update={"character": (said.character[0].model_copy(update={"file": "../anna.glb"}),)})
     (tmp_path.parent / "anna.glb").write_bytes(b"")
     with pytest.raises(PersonError, match="outside"):
-        files_of(outside, path)
+        character_files(outside, path)
 
 
 def with_characters(said):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from live.show.dancers.rng import Purpose, chance_of
-from live.show.dancers.timing_offsets import KNOT_HIGH, KNOT_LOW, Drift
+from live.show.dancers.rng import Purpose, generator_for
+from live.show.dancers.timing_offsets import MAX_DRIFT_FREQUENCY, MIN_DRIFT_FREQUENCY, Drift
 
 COUNT = 20
 MOST = np.full(COUNT, 0.1)
@@ -17,7 +17,7 @@ def danced(drift, measures, *, ahead):
     for measure in measures:
         drift.begin_measure(measure)
         if ahead:
-            drift.foresee(measure + 4)
+            drift.draw_knots(measure + 4)
         found += [ahead_at(drift, t) for t in np.linspace(0.0, 1.0, 9)]
     return np.array(found)
 
@@ -82,13 +82,13 @@ def test_the_phase_goes_on_as_fast_as_the_frequencies_say():
     for measure in range(50):
         drift.begin_measure(measure)
     cycles = (drift.phase - before) / (2.0 * np.pi * 49)
-    assert (cycles >= KNOT_LOW).all()
-    assert (cycles <= KNOT_HIGH).all()
+    assert (cycles >= MIN_DRIFT_FREQUENCY).all()
+    assert (cycles <= MAX_DRIFT_FREQUENCY).all()
 
 
 def test_every_purpose_and_measure_has_chances_of_its_own():
     drawn = [
-        chance_of(seed, purpose, measure).uniform(size=3).tobytes()
+        generator_for(seed, purpose, measure).uniform(size=3).tobytes()
         for seed in (1, 2)
         for purpose in Purpose
         for measure in (-1, 0, 1)

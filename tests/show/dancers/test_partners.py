@@ -171,7 +171,7 @@ def test_who_leaves_her_partner_lets_go_within_a_beat_and_those_left_find_each_o
     assert (hands.state[0, 2] > 0.97).all()
     for tick in range(now + beat, now + beat + 4 * 64):
         show.tick(tick * TICK)
-    assert partners.of[[0, 5, 8]].tolist() == [5, 0, NOBODY]
+    assert partners.partner[[0, 5, 8]].tolist() == [5, 0, NOBODY]
 
 
 def casting(text=PATCH):
@@ -184,29 +184,29 @@ def casting(text=PATCH):
 def test_pairs_are_kept_when_somebody_before_them_leaves():
     partners, _ = casting()
     there = np.ones(13, np.bool_)
-    partners.pair(there)
+    partners.form_pairs(there)
     there[0] = False
-    partners.pair(there)
-    assert partners.of.tolist() == [-1, 8, 3, 2, 5, 4, 7, 6, 1, -1, -1, -1, -1]
-    assert partners.timing().tolist() == [0, 1, 2, 2, 4, 4, 6, 6, 1, 9, 10, 11, 12]
+    partners.form_pairs(there)
+    assert partners.partner.tolist() == [-1, 8, 3, 2, 5, 4, 7, 6, 1, -1, -1, -1, -1]
+    assert partners.timing_source().tolist() == [0, 1, 2, 2, 4, 4, 6, 6, 1, 9, 10, 11, 12]
 
 
 def test_levelled_ends_are_at_arms_length_and_their_middle_stays():
     partners, _ = casting()
-    partners.pair(np.ones(13, np.bool_))
+    partners.form_pairs(np.ones(13, np.bool_))
     rng = np.random.default_rng(2)
     stand, heading = rng.uniform(-3.0, 3.0, (13, 2)), rng.uniform(-3.0, 3.0, 13)
-    partners.aim(stand, heading, stand.copy(), heading.copy(), np.zeros(13, np.bool_))
+    partners.adjust_targets(stand, heading, stand.copy(), heading.copy(), np.zeros(13, np.bool_))
     lead, follow = partners.leader, partners.follower
-    stand[follow] = stand[lead] + partners.places(heading[lead])
-    partners.aim(stand, heading, stand.copy(), heading.copy(), np.zeros(13, np.bool_))
-    partners.follow(stand[lead], heading[lead], stand, heading)
+    stand[follow] = stand[lead] + partners.follower_offsets(heading[lead])
+    partners.adjust_targets(stand, heading, stand.copy(), heading.copy(), np.zeros(13, np.bool_))
+    partners.set_follower_targets(stand[lead], heading[lead], stand, heading)
     ends = stand + rng.uniform(-0.1, 0.1, stand.shape)
     before = ends.copy()
-    partners.level(ends, coming=True)
-    assert ends[follow] - ends[lead] == pytest.approx(partners.places(heading[lead]))
+    partners.align_ends(ends, coming=True)
+    assert ends[follow] - ends[lead] == pytest.approx(partners.follower_offsets(heading[lead]))
     assert ends[follow] + ends[lead] == pytest.approx(before[follow] + before[lead])
-    alone = partners.of < 0
+    alone = partners.partner < 0
     assert (ends[alone] == before[alone]).all()
 
 

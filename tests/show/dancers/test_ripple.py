@@ -7,7 +7,7 @@ from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.show.dancers.timing_offsets import Ripple, parse_ripple
-from live.show.dancers.variation import LATEST, MOST_LATER
+from live.show.dancers.variation import MAX_DELAY, MAX_DELAY_CHANGE
 from tests.show.made_show import made_show
 
 ROW = np.array([[-2.0, 0.0], [-1.0, 0.5], [0.0, 0.0], [2.0, -0.5]])
@@ -74,8 +74,8 @@ def test_dancers_become_late_smoothly_and_by_their_places():
     assert (np.diff(late[np.argsort(place)]) > -0.3).all()
     assert late.max() == pytest.approx(2.0, abs=0.07)
     rate = np.diff(danced, axis=0) / (TICK / 2.0)
-    assert rate.min() > 1.0 - 1.5 * MOST_LATER - 0.01  # nobody stands still, nobody jumps
-    assert rate.max() < 1.0 + 1.5 * MOST_LATER + 0.01
+    assert rate.min() > 1.0 - 1.5 * MAX_DELAY_CHANGE - 0.01  # nobody stands still, nobody jumps
+    assert rate.max() < 1.0 + 1.5 * MAX_DELAY_CHANGE + 0.01
     assert np.abs(np.diff(rate, axis=0)).max() < 0.05
 
 
@@ -85,14 +85,14 @@ def test_it_can_be_taken_back_and_never_is_a_whole_measure():
     show = made_show(PLAIN)
     danced = phases(show, 40.0, [(1, on), (64 * 20, off)])
     behind = danced.max(axis=1, keepdims=True) - danced
-    assert 0.5 < behind.max() <= LATEST + 1e-6
+    assert 0.5 < behind.max() <= MAX_DELAY + 1e-6
     assert behind[-1].max() < 1e-6
 
 
 def test_a_patch_says_it_and_wrong_words_say_so():
     show = made_show(PLAIN + '[[group]]\nname = "wave"\ndancers = 4\nsteps = ["sway"]\nripple_beats = 1.0\n')
     phases(show, 8.0)
-    assert show.variation.late[9:].max() == pytest.approx(0.25, abs=0.02)
-    assert show.variation.late[:9].max() == 0.0
+    assert show.variation.delays[9:].max() == pytest.approx(0.25, abs=0.02)
+    assert show.variation.delays[:9].max() == 0.0
     assert not show.apply(events.SetRipple(time=8.0, source="test", beats=1.0, begins="up", group="*"))
     assert not show.apply(events.SetRipple(time=8.0, source="test", beats=1.0, begins="left", group="nobody"))

@@ -8,13 +8,13 @@ import pytest
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events import events
-from live.motion.texture.live_bank import TextureBank, compared, legs_of, prefixes
-from live.motion.texture.live_texture_kernels import DIMENSIONS, FEATURES, PER_BEAT, SLOTS, UPPER_COUNT, prefix_of
-from live.show.dancers.live_texture import BLEND, PREFIX, TURNS, bank_of
+from live.motion.texture.live_bank import TextureBank, leg_positions, prefix_features, stack_features
+from live.motion.texture.live_texture_kernels import DIMENSIONS, FEATURES, PER_BEAT, SLOTS, UPPER_COUNT, write_prefix
+from live.show.dancers.live_texture import BLEND, CHOICE_TICKS, PREFIX, load_texture_bank
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
 from live.show.show import Show
-from live.show.state.snapshot import Snapshots, restore
+from live.show.state.snapshot import Snapshotter, restore
 from tests.motion.texture.made_dance import BEAT, RATE, dance
 from tests.show.made_show import GRAPH, PATCH
 
@@ -50,28 +50,28 @@ def test_what_is_kept_of_legs_is_compared_as_the_bank_has_it() -> None:
     step = dance(8.0, 4)
     at = np.arange(0.0, 8.0 * RATE, BEAT / PER_BEAT)
     rotation = step.clip.rotation[np.minimum(np.round(at).astype(int), step.clip.sample_count - 1)]
-    tracks = legs_of(rotation)
+    tracks = leg_positions(rotation)
     begin = np.array([PER_BEAT * 5], np.int32)
-    wanted = prefixes(tracks, begin, np.zeros(1, np.int32))[:, 0]
+    wanted = prefix_features(tracks, begin, np.zeros(1, np.int32))[:, 0]
     kept = np.zeros((16, FEATURES), np.float32)
     for moment in range(8 * 5 - 4, 8 * 5 + 3):
         kept[moment % 16] = tracks[2 * moment]
     own = np.zeros(DIMENSIONS, np.float32)
-    prefix_of(own, kept, 5)
+    write_prefix(own, kept, 5)
     assert np.abs(own - wanted).max() < 1e-5
-    assert compared(np.zeros((SLOTS, 3, FEATURES))).shape == (DIMENSIONS, 3)
+    assert stack_features(np.zeros((SLOTS, 3, FEATURES))).shape == (DIMENSIONS, 3)
 
 
 def test_everybody_is_textured_within_two_beats_and_chooses_once_a_beat() -> None:
     show = show_of()
-    texturing = show.dancers.texturing
+    texturing = show.dancers.texture
     chosen, lines = [], []
     for tick in range(1, 64 * 4):
         show.tick(tick * TICK)
         if tick == 64:  # two beats at 120 bpm
             assert np.all(texturing.fragment >= 0)
-        chosen.append(texturing.chosen.copy())
-        lines.append(texturing.danced(show.dancers.phases(show.span.fraction(show.timeline.beat_at(tick * TICK)))))
+        chosen.append(texturing.chosen_beat.copy())
+        lines.append(texturing.beats_at(show.dancers.phases(show.span.fraction(show.timeline.beat_at(tick * TICK)))))
     after, danced = np.array(chosen)[64:], np.array(lines)[64:]
     assert np.all(np.isin(np.diff(after, axis=0), (0, 1)))
     assert np.all(danced - after < 2.0)  # committed within one beat of the beat it is for
@@ -98,7 +98,7 @@ def test_nothing_pops_wherever_the_fader_is_and_however_it_is_thrown() -> None:
         moved.append(run(show, 64 * part + 1, 64 * part + 64))
     data = 2.0 * np.arccos(np.minimum(np.abs(np.sum(BANK.upper[1:] * BANK.upper[:-1], axis=-1)), 1.0))
     inside = np.ones(len(data), np.bool_)
-    inside[np.unique(BANK.last)[:-1]] = False  # from one recording to the next
+    inside[np.unique(BANK.clip_last)[:-1]] = False  # from one recording to the next
     of_data = float(data[inside].max()) * PER_BEAT * 2.0  # 120 bpm
     swing = 1.875 * np.pi / (BLEND * 0.5)  # half a turn within a blend, at its fastest
     assert fastest(np.concatenate(moved)) < quiet + of_data + swing < np.pi / TICK / 4.0
@@ -108,22 +108,22 @@ def test_dancers_who_do_the_same_take_several_paths_and_each_the_same_again() ->
     one, other = show_of(), show_of()
     assert np.array_equal(run(one, 1, 200), run(other, 1, 200, drawn=True))
     assert one.state_hash() == other.state_hash()
-    assert len(set(one.dancers.texturing.fragment.tolist())) > 1
+    assert len(set(one.dancers.texture.fragment.tolist())) > 1
     another = show_of(seed=4)
     run(another, 1, 200)
-    assert not np.array_equal(another.dancers.texturing.fragment, one.dancers.texturing.fragment)
+    assert not np.array_equal(another.dancers.texture.fragment, one.dancers.texture.fragment)
 
 
 def test_a_snapshot_goes_on_bit_by_bit_and_holds_no_recordings() -> None:
     show = show_of()
     run(show, 1, 120)
-    source, tick = Snapshots(show), 120
-    while (taken := source.take(tick)) is None:
+    source, tick = Snapshotter(show), 120
+    while (taken := source.capture(tick)) is None:
         tick += 1
         show.tick(tick * TICK)
     patch = parse_patch(PATCH + MOTION, "test.toml")
     again = restore(LoadedShow(Path("test.toml"), patch, GRAPH, bank=BANK), taken.seal())
-    assert again.dancers.texturing.bank is BANK
+    assert again.dancers.texture.bank is BANK
     assert np.array_equal(run(again, tick + 1, tick + 80), run(show, tick + 1, tick + 80))
     assert again.state_hash() == show.state_hash()
 
@@ -132,37 +132,37 @@ def test_who_is_not_textured_is_danced_as_before() -> None:
     patch = parse_patch(PATCH + MOTION.replace("1.0", "0.0"), "test.toml")
     with_bank, without = Show(patch, GRAPH, bank=BANK), Show(patch, GRAPH)
     assert np.array_equal(run(with_bank, 1, 40), run(without, 1, 40))
-    assert not with_bank.dancers.texturing.active
+    assert not with_bank.dancers.texture.active
 
 
 def test_a_show_without_recordings_says_so() -> None:
     show = Show(parse_patch(PATCH, "test.toml"), GRAPH)
     asked = events.SetMotion(time=0.0, source="osc", parameter="texture", value=0.5, group="*")
     assert not show.apply(asked)
-    assert not show.variation.textures
+    assert not show.variation.any_texture
     assert show.refusals.count == 1
     assert show.apply(events.SetMotion(time=0.0, source="osc", parameter="texture", value=0.0, group="*"))
 
 
 def test_choices_are_shared_out_over_ticks() -> None:
     show, most = show_of(), 0
-    before = show.dancers.texturing.chosen.copy()
+    before = show.dancers.texture.chosen_beat.copy()
     for tick in range(1, 160):
         show.tick(tick * TICK)
-        most = max(most, int((show.dancers.texturing.chosen != before).sum()))
-        before = show.dancers.texturing.chosen.copy()
-    assert 0 < most <= -(-len(before) // TURNS)
+        most = max(most, int((show.dancers.texture.chosen_beat != before).sum()))
+        before = show.dancers.texture.chosen_beat.copy()
+    assert 0 < most <= -(-len(before) // CHOICE_TICKS)
 
 
 def test_a_patch_that_asks_for_what_is_not_there(tmp_path: Path) -> None:
     path = tmp_path / "show.toml"
     asked = parse_patch(PATCH + MOTION, "test.toml")
     with pytest.raises(PersonError, match=r"motion\.texture is 1"):
-        bank_of(asked, path)
+        load_texture_bank(asked, path)
     for written, words in (('["nowhere"]', "no file and no folder 'nowhere'"), ('["empty"]', "no motion files in")):
         (tmp_path / "empty").mkdir(exist_ok=True)
         patch = parse_patch(PATCH + f"[texture]\nrecordings = {written}\n", "test.toml")
         with pytest.raises(PersonError, match=words):
-            bank_of(patch, path)
+            load_texture_bank(patch, path)
     with pytest.raises(ValueError, match="four beats"):
         TextureBank.of([])

@@ -12,9 +12,9 @@ from live.control.events import events
 from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import measure_warp
 from live.motion.skeleton import SKELETON
-from live.show.dancers.measure_state import Danced
-from live.show.dancers.variation import Variation, Variety, variety_of
-from live.show.loader import load_show, show_of
+from live.show.dancers.measure_state import MeasureState
+from live.show.dancers.variation import Variation, VariationSettings, settings_of
+from live.show.loader import load_from_patch, load_show
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from tests.show.made_show import GRAPH, PATCH, made_show
@@ -28,11 +28,17 @@ UPPER = [SKELETON.index(name) for name in ("leftHand", "rightHand")]
 
 def varied(seed=1, beats=4, **fields):
     group = np.repeat([0, 1], COUNT // 2).astype(np.int32)
-    return Variation([Variety(**fields), Variety()], group, seed=seed, beats_per_measure=beats, window=GRAPH.window)
+    return Variation(
+        [VariationSettings(**fields), VariationSettings()],
+        group,
+        seed=seed,
+        beats_per_measure=beats,
+        window=GRAPH.window,
+    )
 
 
 def drawn(variation, measure):
-    danced = Danced(GRAPH, COUNT)
+    danced = MeasureState(GRAPH, COUNT)
     danced.node[:] = GRAPH.library.step_index("glide") + np.arange(COUNT) % 3
     variation.draw(measure, danced)
     return danced
@@ -130,7 +136,7 @@ def test_a_group_has_its_own_section_over_the_patchs():
     text = PATCH.split("[clock]")[0] + "[motion]\nhead = 0.5\nfoot_lock = false\n[clock]" + PATCH.split("[clock]")[1]
     text = text.replace('name = "front"', 'name = "front"\nmotion = {head = 1.0, warp_over = "sequence"}')
     patch = parse_patch(text, "test.toml")
-    front, back = (variety_of(patch.motion_of(group)) for group in patch.group)
+    front, back = (settings_of(patch.motion_of(group)) for group in patch.group)
     assert (front.head, front.lock, front.warp_sequence) == (1.0, 0.0, 1.0)
     assert (back.head, back.lock, back.warp_sequence) == (0.5, 0.0, 0.0)
 
@@ -155,13 +161,13 @@ def groups_apart():
     ):
         assert text.count(old) == 1
         text = text.replace(old, new)
-    return show_of(parse_patch(text, "test.toml"), DEFAULT_PATCH).start()
+    return load_from_patch(parse_patch(text, "test.toml"), DEFAULT_PATCH).start()
 
 
 def rotations(field, value):
     """Poses of the first show (F, A, J, 4), eight a second, with one control of its first group set and no other."""
     show = groups_apart()
-    for name in Variety.names():
+    for name in VariationSettings.names():
         show.apply(events.SetMotion(parameter=name, value=0.0, **STAMP))
     group = show.patch.group[0].name.upper()
     show.apply(events.SetMotion(parameter=field, value=value, group=group, **STAMP))

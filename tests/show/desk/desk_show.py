@@ -82,8 +82,8 @@ class Hands:
 
     @property
     def cues(self):
-        return self.desk.facts(self.show.danced)["cues"]
+        return self.desk.facts(self.show.danced_beats)["cues"]
 
     @property
     def words(self):
-        return self.show.refusals.words
+        return self.show.refusals.last_reason

@@ -9,10 +9,10 @@ from live.base import picture_parameters
 from live.base.errors import PersonError
 from live.base.projector_perspective import floor_corners
 from live.clock.ticks import TICK
-from live.render.camera import pixel_of
+from live.render.camera import project_points
 from live.show.desk.scenes import view_settings
 from live.show.patch.patch import Patch
-from live.show.view.render_scene import scene_of
+from live.show.view.render_scene import make_scene
 from tests.show.desk.desk_show import DESK, Hands
 
 SIZE = (1280, 720)
@@ -35,7 +35,7 @@ def camera(hands, after=0.0):
     """The camera of the picture so long after the last tick."""
     view = hands.show.view()
     hands.show.fill(view, hands.ticks * TICK + after)
-    return picture_parameters.camera_of(view.picture)
+    return picture_parameters.camera_from_row(view.picture)
 
 
 def bearing(of):
@@ -84,7 +84,7 @@ def test_a_followed_group_stays_in_the_middle_of_the_picture():
         middle = hands.show.state.position[front & hands.show.motion.present].mean(axis=0)
         offs.append(math.dist((now.target[0], now.target[2]), middle))
         assert np.subtract(now.eye, now.target) == pytest.approx((0.0, 1.0, 8.0), abs=1e-9)  # it goes along
-        assert abs(pixel_of(now, SIZE, [(middle[0], 1.0, middle[1])])[0, 0] - 640) < 80
+        assert abs(project_points(now, SIZE, [(middle[0], 1.0, middle[1])])[0, 0] - 640) < 80
     assert max(offs) < 0.8
 
 
@@ -99,7 +99,7 @@ def test_following_is_damped_and_goes_over_to_somebody_else_without_a_jump():
     assert steps.max() < 0.06
     hands.say("/dance/camera/follow", "off", -1.0, 1.0)
     hands.run(beats=8)
-    assert camera(hands).target == pytest.approx(scene_of(hands.show.patch).camera.target)
+    assert camera(hands).target == pytest.approx(make_scene(hands.show.patch).camera.target)
 
 
 def test_nobody_to_follow_is_refused_and_named():
@@ -120,11 +120,11 @@ def test_every_show_has_views_that_show_the_whole_stage():
         assert set(views) == {"front", "side", "top", "around"}
         floor = floor_corners(width, depth)
         for name in ("front", "top"):
-            row = picture_parameters.picture_of(scene_of(patch))
+            row = picture_parameters.picture_row(make_scene(patch))
             for address, value in views[name][0].items():
-                row[picture_parameters.BY_ADDRESS[address].where] = value
-            at = pixel_of(
-                picture_parameters.camera_of(row), SIZE, np.stack([floor[:, 0], np.zeros(4), floor[:, 1]], axis=1)
+                row[picture_parameters.BY_ADDRESS[address].row_slice] = value
+            at = project_points(
+                picture_parameters.camera_from_row(row), SIZE, np.stack([floor[:, 0], np.zeros(4), floor[:, 1]], axis=1)
             )
             assert (at > 0).all()
             assert (at < SIZE).all()
@@ -136,7 +136,7 @@ def test_a_show_with_a_projector_begins_with_its_perspective():
     hands = Hands(table + DESK)
     stage = hands.show.patch.stage
     floor = floor_corners(stage.width, stage.depth)
-    at = pixel_of(camera(hands), (1920, 1080), np.stack([floor[:, 0], np.zeros(4), floor[:, 1]], axis=1))
+    at = project_points(camera(hands), (1920, 1080), np.stack([floor[:, 0], np.zeros(4), floor[:, 1]], axis=1))
     assert np.abs(at - np.array(corners) * (1920, 1080)).max() < 0.01
     hands.say("/dance/camera", "front")
     assert camera(hands).shift == (0.0, 0.0)

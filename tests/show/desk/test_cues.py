@@ -16,7 +16,7 @@ def hands():
 def place(hands):
     playhead = hands.show.playhead
     here = playhead.place(playhead.measure)
-    return playhead.stretches[here.section].name, here.measure
+    return playhead.sections[here.section].name, here.measure
 
 
 def test_go_waits_for_its_count_in_and_then_for_the_measure_line(hands):
@@ -142,7 +142,7 @@ def test_panic_calms_everything_and_go_goes_on(hands):
     hands.say("/dance/panic")
     hands.run(4)
     assert hands.value("/dance/light/level") == 1.0
-    assert hands.show.variation.varieties[0].larger == 0.0
+    assert hands.show.variation.settings[0].larger == 0.0
     assert hands.cues["held"]
     assert hands.cues["standby"] == "dim"
     assert hands.cues["counting_in"] == []
@@ -162,11 +162,11 @@ def test_an_edited_score_keeps_the_cue_that_stands_by():
     hands.say("/dance/standby", "up")
     hands.say("/dance/go")
     fresh = Hands(DESK.replace('name = "dim"', 'name = "new"\n[[cue]]\nname = "dim"', 1))
-    hands.desk.cues.take_patch(fresh.desk.cues)
+    hands.desk.cues.apply_patch(fresh.desk.cues)
     assert hands.cues["standby"] == "top"
     hands.run(1)
     assert hands.cues["last"] == "up"
-    hands.desk.cues.take_patch(Hands("").desk.cues)
+    hands.desk.cues.apply_patch(Hands("").desk.cues)
     assert hands.cues["standby"] is None
     assert hands.cues["last"] is None
 

@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 from live.clock.ticks import TICK
-from live.show.assembly import exchange
+from live.show.assembly import swap_patch
 from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import parse_patch
-from live.show.state.snapshot import Snapshots, restore
+from live.show.state.snapshot import Snapshotter, restore
 from tests.places import ROOT
 from tests.show.desk.desk_show import DESK, Hands
 from tests.show.made_show import GRAPH, PATCH
@@ -27,8 +27,8 @@ def test_a_show_restored_within_fades_and_count_ins_goes_on_bit_by_bit(beats):
     hands.say("/dance/cue", "solo")
     hands.say("/dance/motion/head", 0.5)
     hands.run(beats)
-    source = Snapshots(hands.show)
-    while (taken := source.take(hands.ticks)) is None:
+    source = Snapshotter(hands.show)
+    while (taken := source.capture(hands.ticks)) is None:
         hands.run(ticks=1)
     data = taken.seal()
     there = Hands()
@@ -54,8 +54,8 @@ def test_an_edited_patch_fades_to_its_light_and_leaves_what_was_set_by_hand():
     hands.say("/dance/light/level", 0.5)
     hands.run(1)
     fresh = Hands("[look]\nhaze = 0.2\n[[scene]]\nname = 'new'\n")
-    hands.desk.parameters.take_patch(fresh.desk.parameters)
-    hands.desk.scenes.take_patch(fresh.desk.scenes)
+    hands.desk.parameters.apply_patch(fresh.desk.parameters)
+    hands.desk.scenes.apply_patch(fresh.desk.scenes)
     hands.run(5)
     assert hands.value("/dance/light/haze") == 0.2
     assert hands.value("/dance/light/level") == 0.5
@@ -72,7 +72,7 @@ def test_a_running_show_takes_the_cues_and_scenes_of_an_edited_patch():
     hands.say("/dance/motion/head", 0.5)
     edited = parse_patch(TEXT.replace("0.25", "0.35").replace('text = "lights down"', 'text = "x"'), "test.toml")
     show = hands.show
-    exchange(show, show.another(edited, show.graph), show.patch, edited)
+    swap_patch(show, show.make_show(edited, show.graph), show.patch, edited)
     assert show.patch is edited
     assert hands.cues["standby"] == "up"
     hands.say("/dance/undo")

@@ -3,7 +3,7 @@
 import pytest
 
 from live.control.registry.registry import REGISTRY
-from live.show.desk.undo_history import EDITED, MOST
+from live.show.desk.undo_history import EDITED_PARTS, MAX_EDITS
 from tests.show.desk.desk_show import DESK, Hands
 
 
@@ -109,13 +109,13 @@ def test_what_is_refused_is_no_edit_and_only_so_many_are_kept(hands):
     hands.say("/dance/scene", "nowhere")
     hands.say("/dance/sequence", "no such step")
     assert hands.desk.facts(hands.show.danced)["edits"] == 0
-    for number in range(MOST + 10):
+    for number in range(MAX_EDITS + 10):
         hands.say("/dance/scene/store", f"scene {number}")
-    assert hands.desk.facts(hands.show.danced)["edits"] == MOST
+    assert hands.desk.facts(hands.show.danced)["edits"] == MAX_EDITS
 
 
 def test_every_kind_of_edit_names_a_part(hands):
-    assert set(EDITED.values()) == set(kept(hands))
+    assert set(EDITED_PARTS.values()) == set(kept(hands))
 
 
 def test_what_is_said_of_two_performers_at_once_are_two_edits():
@@ -123,7 +123,7 @@ def test_what_is_said_of_two_performers_at_once_are_two_edits():
     for name in ("anna", "ben"):
         hands.say(f"/dance/mocap/{name}/mirrored", 1)
     mirrored = lambda: [each.mirrored for each in hands.show.mocap.performers.values()]  # noqa: E731
-    assert hands.desk.edits.facts()["undo"] == "MirrorMocap ben"
+    assert hands.desk.undo_history.facts()["undo"] == "MirrorMocap ben"
     hands.say("/dance/undo")
     assert mirrored() == [True, False]
     hands.say("/dance/undo")
@@ -155,10 +155,10 @@ def test_who_attracts_more_attracts_the_same(hands):
 def test_a_value_of_the_picture_is_compared_by_its_own_numbers_with_what_all_would_show(hands, call):
     part = hands.desk.edits._parts["parameters"]
     event = REGISTRY.call(call[0], call[1:], 0.0, "key")
-    few, whole = part.concerned(event), part.take()
+    few, whole = part.affected(event), part.take()
     assert 0 < len(few) <= 3
     assert hands.say(*call), hands.words
     now = part.take()
     changed = {place: (was, new) for place, (was, new) in enumerate(zip(whole, now, strict=True)) if was != new}
     assert changed
-    assert changed == {place: (few[place], new) for place, new in part.concerned(event).items() if few[place] != new}
+    assert changed == {place: (few[place], new) for place, new in part.affected(event).items() if few[place] != new}

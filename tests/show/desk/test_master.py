@@ -5,7 +5,7 @@ import pytest
 
 from live.control.events.event_json import event_from_json, event_to_json
 from live.control.registry.registry import REGISTRY
-from live.show.state.snapshot import Snapshots, restore
+from live.show.state.snapshot import Snapshotter, restore
 from tests.show.desk.desk_show import Hands
 from tests.show.desk.test_desk_kept import LOADED
 
@@ -25,7 +25,7 @@ def test_the_picture_fades_in_beats_and_comes_back():
     hands.say("/dance/output/fade", 0.0, 8.0)
     hands.run(4)
     assert brightness(hands) == pytest.approx(0.5, abs=0.02)
-    assert hands.desk.words(hands.show.danced)[0] == "faded to 50%"
+    assert hands.desk.status_lines(hands.show.danced_beats)[0] == "faded to 50%"
     hands.run(4.1)
     assert brightness(hands) == 0.0
     hands.run(40)
@@ -99,14 +99,14 @@ def test_freezing_changes_nothing_of_the_dance():
     for hands in (plain, frozen):
         hands.run(9)
     assert frozen.show.state_hash() == plain.show.state_hash()
-    assert seen(frozen).flashes
-    assert not seen(plain).flashes
+    assert seen(frozen).flash_limit_lifted
+    assert not seen(plain).flash_limit_lifted
 
 
 def kept(hands):
     """A snapshot, as soon as one can be taken."""
-    source = Snapshots(hands.show)
-    while (taken := source.take(hands.ticks)) is None:
+    source = Snapshotter(hands.show)
+    while (taken := source.capture(hands.ticks)) is None:
         hands.run(ticks=1)
     return taken.seal()
 
@@ -151,7 +151,7 @@ def test_what_the_status_tells():
     assert hands.desk.facts(0.0)["master"] == {"level": 1.0, "frozen": False, "flashes": False}
     hands.say("/dance/output/freeze", 1)
     hands.say("/dance/output/flashes", 1)
-    assert hands.desk.words(hands.show.danced)[:2] == (
+    assert hands.desk.status_lines(hands.show.danced_beats)[:2] == (
         "FROZEN: the picture stands still", "flashes are not limited",
     )  # fmt: skip
 

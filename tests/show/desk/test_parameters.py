@@ -5,7 +5,7 @@ import pytest
 
 from live.base.errors import PersonError
 from live.base.picture_parameters import EYE, TARGET
-from live.show.desk.parameter_table import addresses, check_setting, numbers_of
+from live.show.desk.parameter_table import addresses, check_setting, parse_value
 from live.show.patch.patch_search_path import PatchError
 from tests.show.desk.desk_show import DESK, Hands
 
@@ -60,8 +60,8 @@ def test_a_scene_fades_all_that_it_names_and_nothing_else(hands):
     hands.run(2)
     assert hands.value(LEVEL) == 0.25
     assert hands.value("/dance/motion/larger", "front") == 0.4
-    assert hands.show.variation.varieties[0].larger == 0.4
-    assert hands.show.variation.varieties[1].larger == 0.0
+    assert hands.show.variation.settings[0].larger == 0.4
+    assert hands.show.variation.settings[1].larger == 0.0
     changed = np.flatnonzero(hands.desk.parameters.value != before)
     table = hands.desk.parameters.table
     named = [LEVEL, "/dance/motion/larger", "/dance/camera/eye", "/dance/light/key/colour"]
@@ -76,11 +76,11 @@ def test_a_stored_scene_brings_everything_back_also_where_a_fade_was_going(hands
     hands.say("/dance/scene", "start", 0)
     hands.run(1)
     assert hands.value("/dance/light/haze") == 0.035
-    assert hands.show.variation.varieties[1].arms == 0.0
+    assert hands.show.variation.settings[1].arms == 0.0
     assert hands.say("/dance/scene", " MINE ", 0)
     hands.run(1)
     assert hands.value("/dance/light/haze") == 0.5
-    assert hands.show.variation.varieties[1].arms == 0.7
+    assert hands.show.variation.settings[1].arms == 0.7
 
 
 def test_a_hand_takes_its_value_out_of_a_fade(hands):
@@ -88,7 +88,7 @@ def test_a_hand_takes_its_value_out_of_a_fade(hands):
     hands.run(2)
     hands.say("/dance/motion/larger", -0.3, "front")
     hands.run(8)
-    assert hands.show.variation.varieties[0].larger == -0.3
+    assert hands.show.variation.settings[0].larger == -0.3
     assert hands.value(LEVEL) == 0.25
 
 
@@ -98,7 +98,7 @@ def test_switches_change_when_the_fade_begins():
     )
     hands = Hands(scene).run(1)
     hands.say("/dance/scene", "x")
-    assert [(variety.lock, variety.mirror) for variety in hands.show.variation.varieties] == [(0.0, 1.0)] * 2
+    assert [(variety.lock, variety.mirror) for variety in hands.show.variation.settings] == [(0.0, 1.0)] * 2
 
 
 def test_nothing_is_refused_silently(hands):
@@ -123,7 +123,7 @@ def test_a_show_whose_desk_is_not_used_has_the_hash_of_before(hands):
 def test_every_address_of_the_table_can_be_set_and_says_what_it_takes():
     for address in addresses():
         with pytest.raises(PersonError, match="expected"):
-            numbers_of(address, 1e9)
+            parse_value(address, 1e9)
         with pytest.raises(PersonError):
             check_setting(address, "words")
 

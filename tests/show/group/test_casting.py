@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from live.agents.elements.element_kinds import EVERYBODY
 from live.base.errors import PersonError
 from live.show.group.casting import Casting
-from live.show.group.elements import BITS, Addressees
+from live.show.group.elements import BITS, GroupMasks
 from live.show.patch.patch_reader import parse_patch
 
 PATCH = """
@@ -70,7 +70,7 @@ def test_regrouping_changes_groups_and_what_words_mean(casting):
 
 
 def test_each_wording_has_one_bit_and_follows_regrouping(casting):
-    addressees = Addressees(casting)
+    addressees = GroupMasks(casting)
     assert addressees.mask("*", PLACES, 0) == EVERYBODY
     ember, again = addressees.mask("ember", PLACES, 0), addressees.mask(" Ember ", PLACES, 0)
     assert ember == again == 1
@@ -81,13 +81,13 @@ def test_each_wording_has_one_bit_and_follows_regrouping(casting):
     who = np.zeros(9, np.bool_)
     who[0] = True
     casting.regroup(who, 1)
-    addressees.regrouped(PLACES + 100.0)
+    addressees.update_groups(PLACES + 100.0)
     assert (np.flatnonzero(bits & np.uint64(ember)) + 1).tolist() == [2, 3, 4, 8, 9]
     assert (np.flatnonzero(bits & np.uint64(left)) + 1).tolist() == [1, 5]  # places were asked about once
 
 
 def test_bits_of_elements_that_have_ended_serve_again_and_no_more_than_all_are_given(casting):
-    addressees = Addressees(casting)
+    addressees = GroupMasks(casting)
     used = 0
     for number in range(BITS):
         used |= addressees.mask(f"{number % 9 + 1} & left + {number // 9 + 1}", PLACES, used)

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.elements.element_kinds import EVERYBODY, FLOW_NAMES, KIND_NAMES, VOICE
+from live.agents.elements.element_kinds import EVERYBODY, FLOW_NAMES, KIND_NAMES, PARTICIPANT
 from live.base.errors import PersonError
 from live.control.events import events
-from live.show.group.elements import placing_of_event, placing_of_section, points_of
+from live.show.group.elements import parse_points, request_of_event, request_of_section
 from live.show.patch.section_elements import ElementSection
 
 STAMP = {"time": 0.0, "source": "test"}
@@ -20,26 +20,26 @@ def element(placing):
 
 
 def test_points_are_read_and_nothing_else_is():
-    assert points_of("-3 0, 0 -2.5; 3 0") == ((-3.0, 0.0), (0.0, -2.5), (3.0, 0.0))
+    assert parse_points("-3 0, 0 -2.5; 3 0") == ((-3.0, 0.0), (0.0, -2.5), (3.0, 0.0))
     for text in ("", "1", "1 2 3", "1 2,", "a b", "nan 0", "1e999 0"):
         with pytest.raises(PersonError, match="points"):
-            points_of(text)
+            parse_points(text)
 
 
 @given(st.text(max_size=40))
 def test_no_text_breaks_the_reader_of_points(text):
     with contextlib.suppress(PersonError):
-        assert len(points_of(text)) >= 1
+        assert len(parse_points(text)) >= 1
 
 
 def test_measures_become_beats():
-    made = element(placing_of_event(events.Attract(x=1.0, z=2.0, strength=3.0, measures=2.5, **STAMP)))
+    made = element(request_of_event(events.Attract(x=1.0, z=2.0, strength=3.0, measures=2.5, **STAMP)))
     assert (made.kind, made.points, made.strength) == (KIND_NAMES["attract"], ((1.0, 2.0),), 3.0)
     assert (made.start_beat, made.end_beat) == (8.0, 18.0)
 
 
 def test_a_voice_is_one_of_many():
-    assert element(placing_of_event(events.Voice(x=1.0, z=2.0, **STAMP))).table_kind == VOICE
+    assert element(request_of_event(events.Voice(x=1.0, z=2.0, **STAMP))).table_kind == PARTICIPANT
 
 
 @pytest.mark.parametrize("kind", KIND_NAMES)
@@ -47,7 +47,7 @@ def test_every_kind_of_element_can_be_written_in_a_patch_and_sent(kind):
     whom = "3" if kind in ("follow", "pursue", "evade") else ""
     section = ElementSection(kind=kind, measure=1, at=(0.0, -1.0), to=(0.0, 1.0), points=((0, 0), (1, 1)), whom=whom)
     sent = events.PlaceElement(kind=kind, points="0 0, 1 1", whom=whom, **STAMP)
-    for placing in (placing_of_section(section), placing_of_event(sent)):
+    for placing in (request_of_section(section), request_of_event(sent)):
         made = element(placing)
         assert made.kind == KIND_NAMES[kind]
         assert made.target == (2 if whom else -1)
@@ -56,7 +56,7 @@ def test_every_kind_of_element_can_be_written_in_a_patch_and_sent(kind):
 @pytest.mark.parametrize("flow", ["uniform", "radial", "vortex", "drawn"])
 def test_flows(flow):
     sent = events.PlaceElement(kind="flow", flow=flow, points="0 0, 1 1", **STAMP)
-    assert element(placing_of_event(sent)).flow == FLOW_NAMES[flow]
+    assert element(request_of_event(sent)).flow_kind == FLOW_NAMES[flow]
 
 
 @pytest.mark.parametrize(

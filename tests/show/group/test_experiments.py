@@ -5,8 +5,8 @@ import pytest
 
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import DIRECTIONS
-from live.show.journal.motion_report import FrameReport
-from live.show.loader import load_show, show_of
+from live.show.journal.motion_report import MotionReport
+from live.show.loader import load_from_patch, load_show
 from live.show.patch.patch_reader import read_patch
 from live.show.patch.patch_search_path import find_patch
 
@@ -26,7 +26,7 @@ def danced(request):
     measure line where hips are (A, 2), where segments want them, headings (A,), agents (A, 2), and the state's hash."""
     name, measures = request.param
     show = load_show(find_patch(name)).start()
-    view, report, tick = show.view(), FrameReport(show), 0
+    view, report, tick = show.view(), MotionReport(show), 0
     hips, last, strongest, lines = [], [], 0.0, {}
     while show.span.number < measures:
         tick += 1
@@ -191,7 +191,7 @@ def test_whatever_ballet_is_drawn_by_chance_is_danced(seed, measures):
     patch = read_patch(path)
     steps = ("couru", "echappe", "spring point", "sissonne")
     group = patch.group[0].model_copy(update={"steps": steps, "choose": "random"})
-    show = show_of(patch.model_copy(update={"group": (group,)}), path).start(seed=seed)
+    show = load_from_patch(patch.model_copy(update={"group": (group,)}), path).start(seed=seed)
     tick = 0
     while show.span.number < measures:
         tick += 1

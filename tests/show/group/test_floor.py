@@ -5,13 +5,13 @@ import pytest
 
 from live.base.errors import PersonError
 from live.base.stage_snapshot import FLOOR_MARGIN
-from live.show.group.formations import fitted
-from live.show.group.stage_area import Floor
+from live.show.group.formations import fit_slots
+from live.show.group.stage_area import StageArea
 from live.show.patch.section_stage import StageSection
 
 
 def floor(width=9.0, depth=6.0):
-    return Floor(StageSection(width=width, depth=depth))
+    return StageArea(StageSection(width=width, depth=depth))
 
 
 def resize(of, width, depth, *, dancers=4, beat=0.0):
@@ -82,12 +82,12 @@ def test_formations_are_made_smaller_only_where_they_do_not_fit():
     half = np.array([3.0, 2.0])
     for _ in range(50):
         slots = chance.uniform(0.2, 6.0) * chance.uniform(-1.0, 1.0, (12, 2)) + chance.uniform(-6.0, 6.0, 2)
-        new = fitted(slots, half)
+        new = fit_slots(slots, half)
         assert (np.abs(new) <= half - 0.3 + 1e-9).all()
         ratio = np.linalg.norm(new[1:] - new[0], axis=1) / np.linalg.norm(slots[1:] - slots[0], axis=1)
         np.testing.assert_allclose(ratio, ratio[0])
         assert ratio[0] <= 1.0 + 1e-9
-    np.testing.assert_allclose(fitted(slots * 0.01, half), slots * 0.01)
+    np.testing.assert_allclose(fit_slots(slots * 0.01, half), slots * 0.01)
 
 
 def test_beats_before_the_first_one_count_as_well():

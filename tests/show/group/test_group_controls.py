@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live.agents.formations.formation import formation_of
-from live.agents.formations.formation_notation import spec_from_words
+from live.agents.formations.formation_notation import parse_formation
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events import events
@@ -36,7 +36,7 @@ def test_a_formation_called_now_is_reached_exactly_on_a_measure():
     show = made_show()
     run(show, 1.0)
     assert show.apply(at(events.Evolve, show, formation="star", measures=3.0))
-    slots = formation_of(spec_from_words("star"), 9, show.seed).slots
+    slots = formation_of(parse_formation("star"), 9, show.seed).slots
     run(show, 3 * MEASURE_S)  # half of the measure is left: it counts, so the third line is at 6 s
     assert show.span.number == 3
     assert farthest_from(slots, show.state.position) > 0.05
@@ -158,7 +158,7 @@ def test_dancers_enter_and_leave_through_gates_at_measure_lines():
     show.fill(view, show.time)
     assert view.present.tolist() == [False, False, *[True] * 9, False]
     assert not show.apply(at(events.Enter, show, count=9.0))
-    assert "only 3 waited" in show.refusals.words
+    assert "only 3 waited" in show.refusals.last_reason
 
 
 def test_nobody_goes_through_what_stands_on_the_stage_and_real_dancers_are_forgotten():
@@ -195,7 +195,7 @@ def test_nobody_goes_through_what_stands_on_the_stage_and_real_dancers_are_forgo
 def test_what_is_not_there_is_refused_in_words(event, words):
     show = made_show()
     assert not show.apply(event(show))
-    assert words in show.refusals.words
+    assert words in show.refusals.last_reason
     assert show.refusals.count == 1
     run(show, 0.5)
 
@@ -219,7 +219,7 @@ def test_a_group_that_has_become_empty_is_nobody_and_stops_nothing():
     run(show, 10.0)
     assert show.group.tolist() == [0] * 9
     assert not show.apply(at(events.Evolve, show, formation="line", group="back"))
-    assert "nobody is 'back' now" in show.refusals.words
+    assert "nobody is 'back' now" in show.refusals.last_reason
 
 
 def test_whoever_comes_back_dances_with_her_own_group():

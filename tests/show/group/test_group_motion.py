@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.agents.elements.element_kinds import ATTRACTOR, CROSSING, PATH, VOICE
+from live.agents.elements.element_kinds import ATTRACTOR, CROSSING, PARTICIPANT, PATH
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.control.events import events
@@ -42,7 +42,7 @@ def test_elements_obstacles_and_walls_come_into_the_snapshot():
     show.fill(view, show.time)
     np.testing.assert_allclose(view.obstacle[: view.obstacle_count], [[-5, 3.5, 0.4, 1], [4, 3, 0.25, 0]])
     np.testing.assert_allclose(view.wall[: view.wall_count], [[5, -3.5, 5.5, -2.5]])
-    assert view.element_kind[: view.element_count].tolist() == [CROSSING, PATH, VOICE]
+    assert view.element_kind[: view.element_count].tolist() == [CROSSING, PATH, PARTICIPANT]
     assert ATTRACTOR not in view.element_kind[: view.element_count]
     assert view.element_corners[:3].tolist() == [2, 4, 0]
     first = view.element_first[1]

@@ -8,7 +8,7 @@ import pytest
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.motion.quality.metrics import slides
-from live.show.loader import show_of
+from live.show.loader import load_from_patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PATCHES
 from live.show.show import Show
@@ -35,7 +35,7 @@ BODY = 0.25
 
 @pytest.fixture(scope="module")
 def loaded():
-    return show_of(parse_patch(PATCH, "hostile.toml"), PATCHES / "hostile.toml")
+    return load_from_patch(parse_patch(PATCH, "hostile.toml"), PATCHES / "hostile.toml")
 
 
 @pytest.fixture
@@ -181,7 +181,7 @@ def test_nobody_is_carried_through_a_wall_or_far_into_an_obstacle(loaded):
     for blind in (False, True):
         show = Show(loaded.patch, loaded.graph, seed=7)
         if blind:
-            show.scheduler.carrying.parting._surroundings = None
+            show.scheduler.root_correction.path_separation._surroundings = None
         show.variation.set("obedience", 1.0, 0)
         seen = Seen(show)
         seen.run(1.0)
@@ -262,7 +262,7 @@ def test_a_resized_stage_is_replayed_bit_for_bit_and_one_that_cannot_be_changes_
                     assert not resized(show, *size)
             show.tick(tick * TICK)
     assert shows[0].refusals.count == 6
-    assert "stage cannot be" in shows[0].refusals.words
+    assert "stage cannot be" in shows[0].refusals.last_reason
     assert shows[0].state_hash() == shows[1].state_hash() != shows[2].state_hash()
 
 
@@ -270,7 +270,7 @@ def test_a_stage_may_have_its_own_size_again(show):
     assert resized(show, 5.0, 4.0)
     assert resized(show, 9.0, 6.0)
     np.testing.assert_array_equal(show.motion.floor.half, [4.5, 3.0])
-    assert show.motion.floor.fitting is None
+    assert show.motion.floor.fit_size is None
     assert [gate.x for gate in show.motion.gates][:2] == [-4.5, 4.5]
 
 

@@ -2,21 +2,21 @@
 
 import numpy as np
 
-from live.show.background_work import MORE, Pieces
+from live.show.background_work import MAX_SHARE, TaskQueue
 
 
 def test_all_is_done_in_order_and_evenly():
     chance = np.random.default_rng(4)
     weights, done = chance.uniform(1.0, 40.0, 60), []
-    pieces = Pieces()
-    pieces.begin((weight, lambda n=n: done.append(n)) for n, weight in enumerate(weights))
+    pieces = TaskQueue()
+    pieces.extend((weight, lambda n=n: done.append(n)) for n, weight in enumerate(weights))
     ticks, left, before = 20, weights.sum(), 0
     for tick in range(ticks):
         share = left / (ticks - tick)
-        pieces.work(ticks - tick)
+        pieces.run_share(ticks - tick)
         of_tick = weights[before : len(done)]
         if len(of_tick) > 1 and tick < ticks - 1:
-            assert of_tick.sum() <= MORE * share + 1e-9
+            assert of_tick.sum() <= MAX_SHARE * share + 1e-9
         left, before = left - of_tick.sum(), len(done)
     assert done == list(range(60))
     assert not pieces
@@ -24,24 +24,24 @@ def test_all_is_done_in_order_and_evenly():
 
 def test_what_is_left_is_finished_at_once():
     done = []
-    pieces = Pieces()
-    pieces.begin((1.0, lambda n=n: done.append(n)) for n in range(5))
-    pieces.work(5)
+    pieces = TaskQueue()
+    pieces.extend((1.0, lambda n=n: done.append(n)) for n in range(5))
+    pieces.run_share(5)
     assert done == [0]
     assert pieces
-    pieces.finish()
+    pieces.run_all()
     assert done == list(range(5))
 
 
 def test_what_is_forgotten_is_never_done():
     done = []
-    pieces = Pieces()
-    pieces.begin((2.0, lambda n=n: done.append(n)) for n in range(5))
-    pieces.work(5)
+    pieces = TaskQueue()
+    pieces.extend((2.0, lambda n=n: done.append(n)) for n in range(5))
+    pieces.run_share(5)
     pieces.clear()
     assert not pieces
-    assert pieces.left == 0.0
-    pieces.begin([(3.0, lambda: done.append("anew"))])
-    assert pieces.left == 3.0
-    pieces.finish()
+    assert pieces.remaining == 0.0
+    pieces.extend([(3.0, lambda: done.append("anew"))])
+    assert pieces.remaining == 3.0
+    pieces.run_all()
     assert done == [0, "anew"]

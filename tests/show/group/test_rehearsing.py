@@ -1,11 +1,11 @@
 """What a choreographer is told of the score's evolutions before they are danced."""
 
-from live.show.group.dry_run import TOLD, rehearsal_notes
+from live.show.group.dry_run import MAX_WARNINGS, dry_run_warnings
 from tests.show.made_show import made_show
 
 
 def notes(segments):
-    return rehearsal_notes(made_show(segments))
+    return dry_run_warnings(made_show(segments))
 
 
 def test_a_score_that_can_be_danced_needs_no_words():
@@ -31,8 +31,8 @@ def test_no_more_than_a_few_of_each_kind():
         for m in range(1, 20)
     )
     told = notes(many)
-    assert len(told) == TOLD + 1
-    assert told[-1] == f"... and {19 - TOLD} more of this kind"
+    assert len(told) == MAX_WARNINGS + 1
+    assert told[-1] == f"... and {19 - MAX_WARNINGS} more of this kind"
 
 
 def test_of_each_segment_the_nearest_two_are_told_and_how_many_more():

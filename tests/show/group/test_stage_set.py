@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live.agents.crowd.obstacles import Surroundings
-from live.show.group.stage_area import furnish, refurnish
+from live.show.group.stage_area import place_item, update_set
 from live.show.patch.section_stage import ObstacleSection
 
 CHAIR = ObstacleSection(name="chair", at=(1.0, 2.0), radius=0.4)
@@ -15,7 +15,7 @@ WALL = ObstacleSection(name="wall", at=(-2.0, 1.0), wall_to=(2.0, 1.0))
 def furnished(*items):
     around = Surroundings()
     for item in items:
-        furnish(around, item)
+        place_item(around, item)
     return around
 
 
@@ -33,17 +33,17 @@ def test_round_things_and_walls():
 
 def test_what_was_moved_live_stays_where_the_edit_says_nothing_of_it():
     around = furnished(CHAIR, TABLE)
-    around.put_obstacle("chair", 3.0, 3.0, 0.4)
+    around.set_obstacle("chair", 3.0, 3.0, 0.4)
     moved = TABLE.model_copy(update={"at": (0.0, 0.0)})
-    refurnish(around, (CHAIR, TABLE), (CHAIR, moved))
+    update_set(around, (CHAIR, TABLE), (CHAIR, moved))
     assert places(around)["chair"][:2] == [3.0, 3.0]
     assert places(around)["table"][:2] == [0.0, 0.0]
 
 
 def test_what_is_no_more_goes_and_a_thing_may_become_a_wall():
     around = furnished(CHAIR, TABLE)
-    refurnish(around, (CHAIR, TABLE), (WALL.model_copy(update={"name": "table"}),))
+    update_set(around, (CHAIR, TABLE), (WALL.model_copy(update={"name": "table"}),))
     assert around.obstacle_names == ()
     assert around.wall_count == 1
-    refurnish(around, (WALL.model_copy(update={"name": "table"}),), ())
+    update_set(around, (WALL.model_copy(update={"name": "table"}),), ())
     assert around.wall_count == 0

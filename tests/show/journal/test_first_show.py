@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.show.journal.motion_report import FrameReport
+from live.show.journal.motion_report import MotionReport
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 
@@ -18,7 +18,7 @@ def danced():
     """Joint positions (F, A, J, 3) of those who can be seen, in every frame, and the figures of the report."""
     loaded = load_show(Path(DEFAULT_PATCH))
     show = loaded.start()
-    view, report, frames, tick = show.view(), FrameReport(show), [], 0
+    view, report, frames, tick = show.view(), MotionReport(show), [], 0
     for frame in range(1, SECONDS * FPS + 1):
         while (tick + 1) / 64 <= frame / FPS + 1 / 64:
             tick += 1

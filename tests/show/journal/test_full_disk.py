@@ -48,13 +48,13 @@ class Dance:
         while self.show.span.number < until:
             if self.tick % self.every == 0:
                 event = events.Attract(time=self.tick * TICK, source="osc", x=self.tick % 7 - 3.0, z=0.5, measures=1.0)
-                self.writer.event(self.tick, event)
+                self.writer.record_event(self.tick, event)
                 self.show.apply(event)
             self.tick += 1
             begins = self.show.tick(self.tick * TICK)
             if begins:
-                self.writer.measure(self.tick, self.show.span.number + 1, self.show.state_hash())
-            self.writer.keep(self.show, self.tick, begins=begins)
+                self.writer.record_measure(self.tick, self.show.span.number + 1, self.show.state_hash())
+            self.writer.take_snapshot(self.show, self.tick, begins=begins)
         self.settled()
 
     def settled(self):
@@ -102,7 +102,7 @@ def test_a_disk_that_is_full_for_some_measures_leaves_a_gap_that_a_replay_names_
     assert any(f"{gaps[0]} lines are missing" in problem for problem in found.problems)
     assert any("goes on from the snapshot" in problem for problem in found.problems)
     assert found.measures >= 3 + 10 - 8  # of older snapshots only every eighth stays
-    [(first, last)] = found.lacking
+    [(first, last)] = found.not_compared
     assert found.measures + last - first + 1 == 3 + 5 + 10
 
 

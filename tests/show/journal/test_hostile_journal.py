@@ -7,9 +7,9 @@ import numpy as np
 import psutil
 import pytest
 
-from live.base.compression import MOST, packed, unpacked
-from live.show.journal.journal_reader import MOST_VALUES, JournalError, read_journal, survey
-from live.show.journal.replay import ReplayError, loaded_by, loaded_of
+from live.base.compression import MAX_BYTES, compress_text, decompress_text
+from live.show.journal.journal_reader import MAX_VALUES, JournalError, read_journal, survey
+from live.show.journal.replay import ReplayError, load_from_header, load_journal
 from live.show.patch.patch_reader import parse_patch
 from tests.show.made_show import PATCH
 
@@ -50,13 +50,13 @@ def test_a_damaged_header_is_surveyed_all_the_same(tmp_path, patch):
 def test_a_damaged_line_about_steps_stops_no_replay(tmp_path, tick):
     row = {"tick": tick, "event": {"type": "StepsAdded", "time": 0.0, "source": "steps", "clips": "a"}}
     with pytest.raises(ReplayError):  # of the patch, which is no whole one
-        loaded_by(written(tmp_path / "a.jsonl", row))
+        load_journal(written(tmp_path / "a.jsonl", row))
 
 
 @pytest.mark.parametrize("wrong", [{"seed": "x"}, {"seed": None}, {"tempo": []}])
 def test_a_header_with_no_number_for_seed_or_tempo_is_refused(wrong):
     with pytest.raises(ReplayError, match="does not hold a complete show"):
-        loaded_of(HEAD | {"patch": parse_patch(PATCH, "a.toml").written()} | wrong, [])
+        load_from_header(HEAD | {"patch": parse_patch(PATCH, "a.toml").to_json_values()} | wrong, [])
 
 
 def test_a_first_line_that_is_no_table_is_no_journal(tmp_path):
@@ -95,13 +95,13 @@ def test_mutated_journals_are_read_or_refused(tmp_path):
             continue
         read += 1
         survey(journal)
-        assert all(line.tick >= 0 for line in journal.usable())
+        assert all(line.tick >= 0 for line in journal.lines_with_damage())
         assert journal.last_tick >= 0
     assert read
     assert (psutil.Process().memory_info().rss - before) / 1e6 < 200.0
 
 
-@pytest.mark.parametrize("row", ["[" + "[]," * MOST_VALUES + "0]", '{"tick":1,"a":[' + "{}," * MOST_VALUES + "0]}"])
+@pytest.mark.parametrize("row", ["[" + "[]," * MAX_VALUES + "0]", '{"tick":1,"a":[' + "{}," * MAX_VALUES + "0]}"])
 def test_a_line_of_more_values_than_any_has_is_not_read_into_memory(tmp_path, row):
     path = tmp_path / "a.jsonl"
     path.write_text(json.dumps(HEAD) + "\n" + row + "\n")
@@ -110,7 +110,7 @@ def test_a_line_of_more_values_than_any_has_is_not_read_into_memory(tmp_path, ro
     assert "more values" in found.problems[0]
 
 
-@pytest.mark.parametrize("text", ["x" * (MOST + 1), "[" + "[]," * 600_000 + "0]"])
+@pytest.mark.parametrize("text", ["x" * (MAX_BYTES + 1), "[" + "[]," * 600_000 + "0]"])
 def test_a_packed_text_that_would_take_much_memory_is_refused(text):
     with pytest.raises(ValueError, match=r"too long|too much"):
-        unpacked(packed(text))
+        decompress_text(compress_text(text))

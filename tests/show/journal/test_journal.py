@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.time_source import ManualClock
 from live.control.events import events
 from live.control.events.event_json import event_from_json, event_to_json
@@ -17,7 +17,7 @@ from tests.show.made_show import made_show
 
 def recorded(path, seconds=17.0, fps=50):
     """A show with events of all kinds and a stall, journalled."""
-    show, clock, inbox = made_show(), ManualClock(), Inbox()
+    show, clock, inbox = made_show(), ManualClock(), EventQueue()
     writer = JournalWriter(path, {"seed": 3})
     status = Status(show, rejected=dict, memory=lambda: 0.0)
     engine = Engine(show, clock=clock, inbox=inbox, status=status, journal=writer)
@@ -156,7 +156,7 @@ def test_a_journal_of_the_same_name_is_kept(tmp_path):
         writer.close(0)
     nights = [json.loads(p.read_text().splitlines()[0])["night"] for p in (path, path.with_name("night.jsonl.1"))]
     assert nights == [2, 0]
-    assert writer.kept == path.with_name("night.jsonl.2")
+    assert writer.older_journal == path.with_name("night.jsonl.2")
 
 
 def test_a_tick_out_of_all_proportion_is_told_and_not_waited_for(tmp_path):
@@ -176,8 +176,8 @@ def test_events_that_come_by_the_thousand_are_rows_that_survive_bit_by_bit(tmp_p
     path = tmp_path / "a.jsonl"
     writer = JournalWriter(path, {})
     plain = events.BeatHeard(time=1.5, source="midi", beat_time=1.5, period=0.5, confidence=1.0)
-    writer.event(3, said)
-    writer.event(4, plain)
+    writer.record_event(3, said)
+    writer.record_event(4, plain)
     writer.close(5)
     rows = path.read_text().splitlines()
     assert json.loads(rows[2])["event"] == ["BeatHeard", 1.5, "midi", 1.5, 0.5, 1.0]

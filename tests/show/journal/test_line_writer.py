@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from live.show.journal import journal_writer
-from live.show.journal.journal_writer import LineWriter, Unwritten, with_gap
+from live.show.journal.journal_writer import LineWriter, UnfinishedFile, with_gap
 from tests.control.waiting import wait_for
 
 
@@ -36,7 +36,7 @@ def test_a_full_disk_is_counted():
 def test_a_disk_that_hangs_makes_nobody_wait(tmp_path, monkeypatch):
     monkeypatch.setattr(journal_writer, "CAPACITY", 8)
     writer = LineWriter(tmp_path / "a", name="test")
-    release, stuck, add = threading.Event(), threading.Event(), writer._file.add
+    release, stuck, add = threading.Event(), threading.Event(), writer._file.append
 
     def hangs(data):
         stuck.set()
@@ -61,7 +61,7 @@ def test_two_never_write_a_journal_at_once_and_what_waits_is_written_when_the_ot
     for number in range(1, 4):
         first.line(f'{{"tick":{number}}}', number)
     assert wait_for(lambda: first.written is not None and first.written.number == 3, 5.0)
-    rest = Unwritten('{"tick":1}', first.written, [(4, '{"tick":4}')])
+    rest = UnfinishedFile('{"tick":1}', first.written, [(4, '{"tick":4}')])
     second = LineWriter(path, name="second", mark=with_gap, unwritten=rest)
     second.line('{"tick":5}', 5)
     first.line('{"tick":6}', 6)
@@ -75,12 +75,12 @@ def test_two_never_write_a_journal_at_once_and_what_waits_is_written_when_the_ot
 
 
 def test_who_cannot_be_the_only_writer_writes_nothing_and_says_what_is_missing(tmp_path, monkeypatch):
-    monkeypatch.setattr("live.show.journal.journal_writer.CLAIM_WITHIN", 0.05)
+    monkeypatch.setattr("live.show.journal.journal_writer.LOCK_TIMEOUT", 0.05)
     path = tmp_path / "j"
     first = LineWriter(path, name="first", mark=with_gap)
     first.line('{"tick":1}', 1)
     assert wait_for(lambda: first.written is not None, 5.0)
-    second = LineWriter(path, name="second", mark=with_gap, unwritten=Unwritten('{"tick":1}', first.written, []))
+    second = LineWriter(path, name="second", mark=with_gap, unwritten=UnfinishedFile('{"tick":1}', first.written, []))
     second.line('{"tick":2}', 2)
     second.line('{"tick":3}', 3)
     assert wait_for(lambda: second.missing == 2, 5.0)

@@ -9,18 +9,18 @@ from pathlib import Path
 
 import pytest
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events import events
 from live.show.engine import Engine
 from live.show.journal.journal import JournalWriter, read_journal
 from live.show.journal.journal_writer import KEEP_EVERY, SnapshotFile, read_snapshots
-from live.show.journal.replay import Replaying, first_start, run_from, start_before
+from live.show.journal.replay import Replayer, first_start, run_from, start_before
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
-from live.show.patch.patch_update import version_of
-from live.show.state.snapshot import Snapshots, facts_of
+from live.show.patch.patch_update import patch_version
+from live.show.state.snapshot import Snapshotter, snapshot_header
 from live.show.status import Status
 from tests.show.journal.disk import settled
 from tests.show.made_show import GRAPH, PATCH
@@ -39,7 +39,7 @@ SCRIPT = {
 
 def record(path, seconds=18.0, fps=50, sink=None):
     """A show with events and a stall, journalled at `fps`; the engine."""
-    show, clock, inbox = MADE.start(), ManualClock(), Inbox()
+    show, clock, inbox = MADE.start(), ManualClock(), EventQueue()
     writer = JournalWriter(path, {"seed": 3, "tempo": None}, sink=sink)
     status = Status(show, rejected=dict, memory=lambda: 0.0)
     engine = Engine(show, clock=clock, inbox=inbox, status=status, journal=writer)
@@ -77,13 +77,13 @@ def test_one_journal_has_the_same_hashes_at_any_frame_rate(night, fps):
     path, last = night
     journal = read_journal(path)
     start = first_start(journal, MADE)
-    running, view, frame = Replaying(start.show, journal.usable()), start.show.view(), 0
-    while not running.over:
+    running, view, frame = Replayer(start.show, journal.lines_with_damage()), start.show.view(), 0
+    while not running.ended:
         frame += 1
         running.advance(math.floor(frame / fps / TICK))
         start.show.fill(view, max(frame / fps, running.tick * TICK))
-    assert running.found.measures >= 7
-    assert running.found.different == 0
+    assert running.result.measures >= 7
+    assert running.result.different == 0
     assert start.show.state_hash() == last
     assert abs(frame - journal.last_tick * TICK * fps) <= fps * 0.6  # but for the stall, it is as long as the show
 
@@ -128,20 +128,20 @@ def test_a_damaged_line_is_named_and_the_replay_goes_on_from_the_next_snapshot(c
     assert found.different == 0
     assert found.ticks == journal.last_tick
     assert found.measures >= 5
-    whole = [line.measure for line in read_journal(night[0]).usable() if line.measure]
-    [(first, last)] = found.lacking
+    whole = [line.measure for line in read_journal(night[0]).lines_with_damage() if line.measure]
+    [(first, last)] = found.not_compared
     assert found.measures + last - first + 1 == len(whole)
     copy.with_name("a.jsonl.snap").unlink()
     found = run_from(first_start(journal, MADE), journal, loaded=MADE)
     assert found.ticks < 0.5 * journal.last_tick
     assert len(found.problems) == 1
-    assert found.lacking == [(first, whole[-1])]
+    assert found.not_compared == [(first, whole[-1])]
 
 
 def test_a_flipped_bit_in_a_snapshot_is_named_and_an_older_one_serves(copy, night):
     file = copy.with_name("a.jsonl.snap")
     whole = list(read_snapshots(file, []))
-    assert [facts_of(data)["measure"] for data in whole] == list(range(2, len(whole) + 2))
+    assert [snapshot_header(data)["measure"] for data in whole] == list(range(2, len(whole) + 2))
     data = bytearray(file.read_bytes())
     place = sum(len(one) for one in whole[:3]) + len(whole[3]) // 2
     data[place] ^= 1
@@ -192,7 +192,7 @@ class Sink:
 
 
 def test_a_line_is_in_the_sink_before_its_event_acts():
-    sink, show, clock, inbox = Sink(), MADE.start(), ManualClock(), Inbox()
+    sink, show, clock, inbox = Sink(), MADE.start(), ManualClock(), EventQueue()
     writer = JournalWriter(Path("no file"), {}, sink=sink)
     engine = Engine(
         show, clock=clock, inbox=inbox, status=Status(show, rejected=dict, memory=lambda: 0.0), journal=writer
@@ -213,19 +213,19 @@ def test_a_line_is_in_the_sink_before_its_event_acts():
 
 def _some(measures):
     show = MADE.start()
-    source = Snapshots(show)
-    taken = source.take(0)
+    source = Snapshotter(show)
+    taken = source.capture(0)
     assert taken is not None
-    return [type(taken)(taken.written, n * 100, n, taken.seed, taken.of) for n in range(1, measures + 1)]
+    return [type(taken)(taken.written, n * 100, n, taken.seed, taken.origin) for n in range(1, measures + 1)]
 
 
 def test_of_older_snapshots_some_stay(tmp_path):
     file = SnapshotFile(tmp_path / "s")
     for taken in _some(2 * KEEP_EVERY + 4):
         file._add(taken.seal())
-        assert [facts_of(data)["measure"] for data in read_snapshots(tmp_path / "s", [])][-1] == taken.measure
+        assert [snapshot_header(data)["measure"] for data in read_snapshots(tmp_path / "s", [])][-1] == taken.measure
     file.close()
-    kept = [facts_of(data)["measure"] for data in read_snapshots(tmp_path / "s", [])]
+    kept = [snapshot_header(data)["measure"] for data in read_snapshots(tmp_path / "s", [])]
     assert kept == [1, 1 + KEEP_EVERY, 1 + 2 * KEEP_EVERY, *(2 * KEEP_EVERY + n for n in (2, 3, 4))]
 
 
@@ -252,7 +252,7 @@ def test_lines_that_older_journals_lost_are_told_where_they_are_missing(tmp_path
     path = tmp_path / "a.jsonl"
     lines = ['{"journal":2}', '{"tick":10,"measure":1,"hash":"ab"}', '{"tick":20,"measure":2,"hash":"cd","lost":4}']
     path.write_text("\n".join([*lines, '{"tick":30,"measure":3,"hash":"ef","lost":4}']) + "\n")
-    found = list(read_journal(path).usable())
+    found = list(read_journal(path).lines_with_damage())
     assert [line.measure for line in found] == [1, None, 2, 3]
     assert "line 3: lines before it could not be written, 4 in total" in (found[1].damaged or "")
 
@@ -279,7 +279,7 @@ def test_a_long_night_is_never_in_memory(tmp_path):
 
 
 def test_a_snapshot_after_an_edit_of_the_patch_is_found_again(tmp_path):
-    show, clock, inbox = MADE.start(), ManualClock(), Inbox()
+    show, clock, inbox = MADE.start(), ManualClock(), EventQueue()
     path = tmp_path / "a.jsonl"
     writer = JournalWriter(path, {"seed": 3, "tempo": None})
     engine = Engine(
@@ -289,7 +289,7 @@ def test_a_snapshot_after_an_edit_of_the_patch_is_found_again(tmp_path):
     for frame in range(1, 451):
         clock.set(frame / 30)
         if frame == 100:
-            inbox.put(events.PatchChanged(time=3.3, source="patch", patch=text, version=version_of(text)))
+            inbox.put(events.PatchChanged(time=3.3, source="patch", patch=text, version=patch_version(text)))
         engine.frame(lambda view: None)
         if frame % 30 == 0:
             settled(writer)

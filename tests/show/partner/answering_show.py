@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from live.clock.ticks import TICK
-from live.show.partner.partner_sources import AnswerBank, answer_bank
+from live.show.partner.partner_sources import ExampleBank, load_example_bank
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.show import Show
@@ -31,9 +31,9 @@ def patch_of(extra: str) -> Patch:
 
 
 @cache
-def bank_of(extra: str) -> AnswerBank | None:
+def bank_of(extra: str) -> ExampleBank | None:
     """What its partners answer from."""
-    return answer_bank(patch_of(extra), FILE, GRAPH.library)
+    return load_example_bank(patch_of(extra), FILE, GRAPH.library)
 
 
 def answering_show(extra: str = DUET, seed: int = 3) -> Show:

@@ -15,7 +15,7 @@ from live.motion.pose.hand_hold import ARM_JOINTS
 from live.motion.pose.hand_hold_kernels import PALM
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
-from live.show.partner.partner_sources import AnswerBank, answer_bank
+from live.show.partner.partner_sources import ExampleBank, load_example_bank
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.show import Show
@@ -60,11 +60,11 @@ def held_patch(extra: str = HELD) -> Patch:
 
 
 @cache
-def held_bank(extra: str = HELD, apart: float = 0.75) -> AnswerBank | None:
+def held_bank(extra: str = HELD, apart: float = 0.75) -> ExampleBank | None:
     """What its partners answer from, followers `apart` [m] from their leaders."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(sketched_examples, "APART", apart)
-        return answer_bank(held_patch(extra), Path("test.toml"), graph_of().library)
+        return load_example_bank(held_patch(extra), Path("test.toml"), graph_of().library)
 
 
 def holding_show(extra: str = HELD, *, apart: float = 0.75) -> Show:

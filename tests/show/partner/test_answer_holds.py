@@ -12,7 +12,7 @@ from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import PatchError, parse_patch
 from live.show.show import Show
-from live.show.state.snapshot import Snapshots, restore
+from live.show.state.snapshot import Snapshotter, restore
 from tests.show.made_show import PATCH
 from tests.show.partner.answering_show import FILE, FOLLOWER, LEADER
 from tests.show.partner.holding_show import HELD, graph_of, held_bank, held_patch, holding_show, palms
@@ -26,7 +26,7 @@ class Filmed:
     """What is seen of a show at each tick, and what its hands do."""
 
     def __init__(self, show: Show, seconds: float, *, captured: bool = False, drawn: bool = False) -> None:
-        (self.show, self.holding), view = (show, show.dancers.answering.holding), show.view()  # type: ignore[union-attr]
+        (self.show, self.holding), view = (show, show.dancers.partner_response.hand_holds), show.view()  # type: ignore[union-attr]
         positions, rotations, closed, hand = [], [], [], []
         first = round(show.time / TICK) + 1
         for tick in range(first, first + round(seconds / TICK)):
@@ -38,7 +38,7 @@ class Filmed:
             show.fill(view, tick * TICK)
             positions.append(view.joint_position.copy())
             rotations.append(view.joint_rotation.copy())
-            share = show.dancers.answering.along.share[FOLLOWER]  # type: ignore[union-attr]
+            share = show.dancers.partner_response.path.weight[FOLLOWER]  # type: ignore[union-attr]
             closed.append(self.holding.closed[0, FOLLOWER] * share)
             hand.append(self.holding.hand[FOLLOWER].copy())
         self.position, self.rotation = np.array(positions), np.array(rotations)
@@ -94,10 +94,10 @@ def test_out_of_reach_arms_are_as_they_were_and_it_is_counted() -> None:
     far = HELD.replace("hold_distance = 0.4", "hold_distance = 1.0")
     held = Filmed(holding_show(far, apart=1.7), 9.0)
     free = Filmed(faded(holding_show(far, apart=1.7), 0.0), 9.0)
-    assert any(example.holds for example in held_bank(far, 1.7).lores[0].units.examples)  # type: ignore[union-attr]
+    assert any(example.holds for example in held_bank(far, 1.7).example_sets[0].units.examples)  # type: ignore[union-attr]
     late = round(6.0 / TICK)
-    assert held.show.dancers.answering.along.level[FOLLOWER] == 1.0  # type: ignore[union-attr]
-    assert held.holding.missed > 0
+    assert held.show.dancers.partner_response.path.level[FOLLOWER] == 1.0  # type: ignore[union-attr]
+    assert held.holding.missed_count > 0
     assert np.array_equal(held.position[late:], free.position[late:])
     assert held.bones() == pytest.approx(free.bones(), abs=1e-4)
 
@@ -119,12 +119,12 @@ def test_a_snapshot_goes_on_bit_by_bit_while_hands_are_held() -> None:
     show = holding_show()
     Filmed(show, 12.0)
     tick = round(show.time / TICK)
-    source = Snapshots(show)
-    while (taken := source.take(tick)) is None:
+    source = Snapshotter(show)
+    while (taken := source.capture(tick)) is None:
         tick += 1
         show.tick(tick * TICK)
     again = restore(LoadedShow(FILE, held_patch(), graph_of(), answers=held_bank()), taken.seal())
-    assert again.dancers.answering.holding.held  # type: ignore[union-attr]
+    assert again.dancers.partner_response.hand_holds.held_count  # type: ignore[union-attr]
     one, other = Filmed(again, 2.0), Filmed(show, 2.0)
     assert np.array_equal(one.position, other.position)
     assert again.state_hash() == show.state_hash()
@@ -134,10 +134,10 @@ def test_where_nothing_is_written_or_looked_for_nobody_holds_hands() -> None:
     plain = HELD.replace("hold_distance = 0.4\n", "")
     bank = held_bank(plain)
     assert bank is not None
-    assert not any(example.holds for example in bank.lores[0].units.examples)
+    assert not any(example.holds for example in bank.example_sets[0].units.examples)
     show = holding_show(plain)
     Filmed(show, 5.0)
-    assert show.dancers.answering.holding.held == 0  # type: ignore[union-attr]
+    assert show.dancers.partner_response.hand_holds.held_count == 0  # type: ignore[union-attr]
     assert bank.digest() != held_bank().digest()  # type: ignore[union-attr]
 
 
@@ -159,16 +159,16 @@ def test_what_cannot_be_is_told_with_its_line(lines: str, words: str) -> None:
 def test_who_dances_at_her_own_place_holds_nobody() -> None:
     show = holding_show(HELD.replace('"back & 6"', '"back"'))
     Filmed(show, 5.0)
-    assert show.dancers.answering is not None
-    assert show.dancers.answering.along.level[FOLLOWER] == 1.0
-    assert show.dancers.answering.holding.figures() == {"held": 0, "out_of_reach": 0}
+    assert show.dancers.partner_response is not None
+    assert show.dancers.partner_response.path.level[FOLLOWER] == 1.0
+    assert show.dancers.partner_response.hand_holds.statistics() == {"held": 0, "out_of_reach": 0}
 
 
 def test_over_the_network_nonsense_of_hands_is_refused() -> None:
     show = holding_show()
     assert not show.apply(events.SetPartner(parameter="hands", value=0.5, partner="nobody", **STAMP))
     assert show.apply(events.SetPartner(parameter="hands", value=0.5, **STAMP))
-    assert show.dancers.answering is not None
-    assert show.dancers.answering.asked[0].hands == 0.5
+    assert show.dancers.partner_response is not None
+    assert show.dancers.partner_response.settings[0].hands == 0.5
     with pytest.raises(PersonError):
-        show.dancers.answering.find("nobody")
+        show.dancers.partner_response.find("nobody")

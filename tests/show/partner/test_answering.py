@@ -9,12 +9,12 @@ from live.control.events import events
 from live.motion.packed_pose import pack_pose
 from live.motion.skeleton import SKELETON
 from live.show.loader import LoadedShow
-from live.show.partner.response_path import FASTEST
+from live.show.partner.response_path import MAX_PULL_SPEED
 from live.show.patch.patch_reader import PatchError, parse_patch
-from live.show.patch.patch_update import fitted, prepare, version_of
+from live.show.patch.patch_update import patch_version, prepare_patch, split_deferred
 from live.show.show import Show
-from live.show.state.snapshot import Snapshots, restore
-from live.show.telemetry import Outgoing
+from live.show.state.snapshot import Snapshotter, restore
+from live.show.telemetry import Telemetry
 from tests.show.made_show import GRAPH, PATCH
 from tests.show.partner.answering_show import (
     DUET,
@@ -45,21 +45,21 @@ def bones(position: np.ndarray) -> np.ndarray:
 
 def test_she_goes_to_her_leader_and_dances_what_goes_along_with_her_on_the_beat() -> None:
     show = answering_show()
-    answering = show.dancers.answering
+    answering = show.dancers.partner_response
     assert answering is not None
     begun, parts = [], []
-    (read,) = answering.leaders.read.values()
+    (read,) = answering.leaders.readers.values()
     for _ in range(round(8.5 / TICK)):
         parts.append(run(show, TICK))
-        if read.line is not None and read.partner.known:
-            frames = read.line - (read.partner.reader.at - read.partner.begin)
-            begun.append(frames / read.lore.per_beat)
+        if read.frame_index is not None and read.partner.has_pose:
+            frames = read.frame_index - (read.partner.decoder.frame_index - read.partner.begin)
+            begun.append(frames / read.examples.per_beat)
     lines, start = np.unique(begun)[1:], np.concatenate(parts)
     assert len(lines) > 5
     assert np.abs(lines / 2.0 - np.round(lines / 2.0)).max() * 2.0 * 0.5 <= 0.04 + 1e-9  # two beats, of 0.5 s
-    assert answering.along.level[FOLLOWER] == 1.0
+    assert answering.path.level[FOLLOWER] == 1.0
     assert apart(start)[0] > 2.5
-    before = answering.leaders.told
+    before = answering.leaders.unit_count
     position = run(show, 6.0)
     assert np.abs(apart(position)[192:] - 1.0).max() < 0.2  # as in the examples, however far the two go
     assert np.ptp(position[:, FOLLOWER, 0, ::2], axis=0).max() > 0.2
@@ -67,7 +67,7 @@ def test_she_goes_to_her_leader_and_dances_what_goes_along_with_her_on_the_beat(
     legs = np.array([name.endswith(("Leg", "Foot", "Toes")) for name in SKELETON.names[1:]])
     assert amiss[~legs].max() < 1e-4
     assert amiss[legs].max() < 0.005  # legs whose feet are held give a little, as everybody's
-    assert answering.leaders.told - before in (5, 6, 7)  # each unit is told once: 12 beats hold six of two
+    assert answering.leaders.unit_count - before in (5, 6, 7)  # each unit is told once: 12 beats hold six of two
     # others see her where she is
     assert np.hypot(*(show.state.position[FOLLOWER] - position[-1, FOLLOWER, 0, ::2])) < 0.05
 
@@ -87,10 +87,10 @@ def test_nothing_pops_however_it_is_switched() -> None:
     assert show.apply(events.PairPartner(role="leader", who="front & 3", partner="duet", **STAMP))
     parts.append(run(show, 4.5))
     position = np.concatenate(parts)
-    assert show.dancers.answering is not None
-    assert show.dancers.answering.along.level[FOLLOWER] == 1.0
+    assert show.dancers.partner_response is not None
+    assert show.dancers.partner_response.path.level[FOLLOWER] == 1.0
     turn = np.pi / 2.0 * 1.5 * 0.8  # half a turn within a measure of 2 s, smoothly, at arm's length
-    assert fastest(position, FOLLOWER) < 2.0 * usual + FASTEST + turn
+    assert fastest(position, FOLLOWER) < 2.0 * usual + MAX_PULL_SPEED + turn
     assert np.isfinite(position).all()
 
 
@@ -99,34 +99,37 @@ def test_drawing_changes_nothing_and_a_snapshot_goes_on_bit_by_bit() -> None:
     assert np.array_equal(run(one, 3.0), run(other, 3.0, drawn=True))
     assert one.state_hash() == other.state_hash()
     tick = round(one.time / TICK)
-    source = Snapshots(one)
-    while (taken := source.take(tick)) is None:
+    source = Snapshotter(one)
+    while (taken := source.capture(tick)) is None:
         tick += 1
         one.tick(tick * TICK)
     data = taken.seal()
     again = restore(LoadedShow(FILE, patch_of(ON_PLACE), GRAPH, answers=bank_of(ON_PLACE)), data)
     assert np.array_equal(run(again, 2.0), run(one, 2.0))
     assert again.state_hash() == one.state_hash()
-    bank = again.dancers.answering.bank  # type: ignore[union-attr]
+    bank = again.dancers.partner_response.bank  # type: ignore[union-attr]
     assert bank is bank_of(ON_PLACE)
-    assert next(iter(again.dancers.answering.leaders.read.values())).partner.reader.units is bank.lores[0].units  # type: ignore[union-attr]
+    assert (
+        next(iter(again.dancers.partner_response.leaders.readers.values())).partner.decoder.units
+        is bank.example_sets[0].units
+    )  # type: ignore[union-attr]
     assert len(data) < 150_000
 
 
 def test_a_leader_who_leaves_is_followed_no_more_and_her_partner_dances_on() -> None:
     show = answering_show(ON_PLACE)
     run(show, 3.5)
-    answering = show.dancers.answering
+    answering = show.dancers.partner_response
     assert answering is not None
-    assert answering.along.level[FOLLOWER] == 1.0
+    assert answering.path.level[FOLLOWER] == 1.0
     assert show.apply(events.Leave(dancers="1", **STAMP))
     run(show, 4.5)
-    assert answering.along.level[FOLLOWER] == 0.0
-    assert not answering.along.following.any()
+    assert answering.path.level[FOLLOWER] == 0.0
+    assert not answering.path.following.any()
     mine, bare = show.dancers.pose(0.4, show.time)[0][FOLLOWER].copy(), answering
-    show.dancers.answering = None
+    show.dancers.partner_response = None
     assert np.array_equal(mine, show.dancers.pose(0.4, show.time)[0][FOLLOWER])
-    show.dancers.answering = bare
+    show.dancers.partner_response = bare
 
 
 def test_several_answer_one_leader_each_at_her_own_place_and_chains_hold() -> None:
@@ -136,10 +139,10 @@ def test_several_answer_one_leader_each_at_her_own_place_and_chains_hold() -> No
     )
     show = answering_show(extra)
     position = run(show, 4.0)
-    answering = show.dancers.answering
+    answering = show.dancers.partner_response
     assert answering is not None
-    assert np.all(answering.along.level[[1, 5, 6, 7, 8]] == 1.0)
-    assert len(answering.leaders.read) == 2  # a search for each leader
+    assert np.all(answering.path.level[[1, 5, 6, 7, 8]] == 1.0)
+    assert len(answering.leaders.readers) == 2  # a search for each leader
     moved = np.diff(position[-128:, 5:9, 0, ::2], axis=0)
     assert np.allclose(moved, moved[:, :1], atol=1e-5)  # all go as one
     gaps = np.linalg.norm(position[-1, 5:9, None, 0, ::2] - position[-1, None, 5:9, 0, ::2], axis=-1)
@@ -151,17 +154,19 @@ def test_what_is_danced_is_told_and_calls_what_reacts_to_it() -> None:
         ON_PLACE + '[[react]]\non = "unit:glide"\nwhen = "now"\ncall = "/dance/facing"\nvalues = ["centre", "back"]\n'
     )
     show = answering_show(extra)
-    outgoing, view, told = Outgoing(show, positions=0.0, feet=False), show.view(), []
+    outgoing, view, told = Telemetry(show, positions=0.0, feet=False), show.view(), []
     heard: list[object] = []
-    act = show.directions.act
-    show.directions.act = lambda event: (heard.append(event), act(event))[1]  # type: ignore[method-assign,assignment]
+    act = show.directions.handle
+    show.directions.handle = lambda event: (heard.append(event), act(event))[1]  # type: ignore[method-assign,assignment]
     for tick in range(1, 64 * 5):
         show.tick(tick * TICK)
         show.fill(view, tick * TICK)
         for what, values in outgoing.frame(view):
             told += [one for name, one in values if name == "unit"] if what == "news" else []
-    assert show.dancers.answering is not None
-    assert [label for _, label, _ in told] == [label for _, _, label in show.dancers.answering.leaders.news]
+    assert show.dancers.partner_response is not None
+    assert [label for _, label, _ in told] == [
+        label for _, _, label in show.dancers.partner_response.leaders.recent_units
+    ]
     assert {partner for partner, _, _ in told} == {"duet"}
     assert any(name == "glide" and label.startswith("glide/") for _, label, name in told)
     assert any(isinstance(event, events.SetFacing) for event in heard)
@@ -181,7 +186,7 @@ def test_partners_that_cannot_be_are_told_with_their_key(table: str, place: str,
     patch = parse_patch(f'{PATCH}[[partner]]\nname = "duet"\n{table}\n', "test.toml")
     with pytest.raises(PersonError, match=words) as told:
         Show(patch, GRAPH, answers=bank_of(DUET))
-    assert told.value.place[:3] == ("partner", 0, place)
+    assert told.value.key_path[:3] == ("partner", 0, place)
     assert told.value.remedy
 
 
@@ -201,9 +206,9 @@ def test_circles_and_dancers_who_would_answer_two_are_refused() -> None:
 
 def test_over_the_network_nonsense_is_counted_and_changes_nothing() -> None:
     show = answering_show()
-    answering = show.dancers.answering
+    answering = show.dancers.partner_response
     assert answering is not None
-    before = list(answering.asked), list(answering.pairs)
+    before = list(answering.settings), list(answering.pairs)
     for event in (
         events.PairPartner(role="leader", who="nobody", partner="duet", **STAMP),
         events.PairPartner(role="leader", who="back & 6", partner="duet", **STAMP),
@@ -215,9 +220,9 @@ def test_over_the_network_nonsense_is_counted_and_changes_nothing() -> None:
     ):
         assert not show.apply(event)
     assert show.refusals.count == 7
-    assert (answering.asked, answering.pairs) == before
+    assert (answering.settings, answering.pairs) == before
     assert show.apply(events.SetPartner(parameter="window", value=0.4, **STAMP))
-    assert answering.asked[0].window == 0.15  # as far as the patch lets units stretch
+    assert answering.settings[0].window == 0.15  # as far as the patch lets units stretch
     without = Show(parse_patch(PATCH, "t.toml"), GRAPH)
     assert not without.apply(events.SetPartner(parameter="on", value=1.0, **STAMP))
     with pytest.raises(PatchError, match="there is no partner"):
@@ -237,7 +242,7 @@ steps = ["glide"]
 
 def test_walkers_go_along_a_way_that_is_drawn_and_stop_where_it_ends() -> None:
     show = answering_show(WALKERS)
-    answering = show.dancers.answering
+    answering = show.dancers.partner_response
     assert answering is not None
     run(show, 2.5)
     rows = [FOLLOWER, FOLLOWER + 1]
@@ -246,7 +251,7 @@ def test_walkers_go_along_a_way_that_is_drawn_and_stop_where_it_ends() -> None:
     for n, (x, z) in enumerate(drawn.tolist()):
         assert show.apply(events.WalkOn(x=x, z=z, partner="walk", anew=n == 0, **STAMP))
     position = run(show, 8.0)
-    assert np.all(answering.along.level[rows] == 1.0)
+    assert np.all(answering.path.level[rows] == 1.0)
     hips, ends = position[:, rows, 0, ::2], drawn[-1] + begin - begin.mean(axis=0)
     assert np.hypot(*(hips[-1] - ends).T).max() < 0.25  # each beside the other, as when it began
     past = (hips - ends) @ (drawn[-1] - drawn[-2]) / np.hypot(*(drawn[-1] - drawn[-2]))
@@ -262,28 +267,28 @@ def test_an_edited_patch_is_taken_but_for_what_is_answered_from() -> None:
     show = answering_show(ON_PLACE)
     run(show, 3.0)
     edited = parse_patch(PATCH + ON_PLACE.replace("front & 1", "front & 2") + "amount = 0.5\n", "test.toml")
-    kept, waits = fitted(edited, show.patch)
+    kept, waits = split_deferred(edited, show.patch)
     assert (kept, waits) == (edited, ())
-    show.offer_patch(prepare(edited.model_dump_json(), show.another, show.patch, show.graph))
-    asked = events.PatchChanged(patch="", version=version_of(edited.model_dump_json()), **STAMP)
+    show.offer_patch(prepare_patch(edited.model_dump_json(), show.make_show, show.patch, show.graph))
+    asked = events.PatchChanged(patch="", version=patch_version(edited.model_dump_json()), **STAMP)
     assert show.apply(asked)
     position = run(show, 6.5)
-    answering = show.dancers.answering
+    answering = show.dancers.partner_response
     assert answering is not None
     assert show.patch is not patch_of(ON_PLACE)
-    assert answering.asked[0].amount == 0.5
+    assert answering.settings[0].amount == 0.5
     assert answering.pairs[0].leader == 1
-    assert answering.along.level[FOLLOWER] == 1.0
+    assert answering.path.level[FOLLOWER] == 1.0
     assert np.isfinite(position).all()
     other = parse_patch(PATCH + ON_PLACE + 'unit_beats = 4\n[[partner]]\nname = "b"\nleader="1"\nfollower="2"\n', "t")
-    assert fitted(other, patch_of(ON_PLACE))[1] == ("partner",)
+    assert split_deferred(other, patch_of(ON_PLACE))[1] == ("partner",)
 
 
 def test_a_dancer_of_live_motion_leads_and_when_she_stops_or_leaves_it_goes_on() -> None:
     show = answering_show(DUET + 'place = "own"\n[[mocap]]\nname = "live"\ndancer = "1"\ndelay_ms = 0.0\n')
-    answering = show.dancers.answering
+    answering = show.dancers.partner_response
     assert answering is not None
-    (example,) = (one for one in answering.bank.lores[0].units.examples if one.name == "spin")
+    (example,) = (one for one in answering.bank.example_sets[0].units.examples if one.name == "spin")
     held, levels, hands = [], [], []
     view = show.view()
     for tick in range(1, round(9.0 / TICK)):
@@ -295,8 +300,8 @@ def test_a_dancer_of_live_motion_leads_and_when_she_stops_or_leaves_it_goes_on()
             assert show.apply(events.MocapFrame(time=time, source="vmc", performer="live", pose=pose))
         show.tick(time)
         show.fill(view, time)
-        held.append(bool(answering.live[LEADER]))
-        levels.append(answering.along.level[FOLLOWER])
+        held.append(bool(answering.streamed[LEADER]))
+        levels.append(answering.path.level[FOLLOWER])
         hands.append(view.joint_position[FOLLOWER].copy())
     assert held[round(4.0 / TICK)]
     assert not held[round(6.8 / TICK)]  # nothing has come for two seconds: she dances on by herself
@@ -309,16 +314,16 @@ def test_a_dancer_of_live_motion_leads_and_when_she_stops_or_leaves_it_goes_on()
 def test_a_leader_who_cannot_be_seen_is_held_then_left_and_answered_again() -> None:
     show = answering_show(ON_PLACE)
     run(show, 3.2)
-    answering = show.dancers.answering
+    answering = show.dancers.partner_response
     assert answering is not None
-    assert answering.along.level[FOLLOWER] == 1.0
-    seen = show.dancers.seen
-    show.dancers.seen = lambda rows, *at: tuple(np.full_like(one, np.nan) for one in seen(rows, *at))  # type: ignore[method-assign,assignment]
+    assert answering.path.level[FOLLOWER] == 1.0
+    seen = show.dancers.drawn_poses
+    show.dancers.drawn_poses = lambda rows, *at: tuple(np.full_like(one, np.nan) for one in seen(rows, *at))  # type: ignore[method-assign,assignment]
     position = [run(show, 0.2)]
-    assert answering.along.level[FOLLOWER] > 0.9  # held
+    assert answering.path.level[FOLLOWER] > 0.9  # held
     position.append(run(show, 3.8))  # two beats, as a dancer of the show may stand, and a measure
-    assert answering.along.level[FOLLOWER] == 0.0
-    del show.dancers.seen
+    assert answering.path.level[FOLLOWER] == 0.0
+    del show.dancers.drawn_poses
     position.append(run(show, 4.0))
-    assert answering.along.level[FOLLOWER] == 1.0
+    assert answering.path.level[FOLLOWER] == 1.0
     assert np.isfinite(np.concatenate(position)).all()

@@ -3,7 +3,7 @@
 import shutil
 from pathlib import Path
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.time_source import ManualClock
 from live.control.events.event import ControlEvent
 from live.show.engine import Engine
@@ -32,14 +32,18 @@ class Night:
     def __init__(self, patch: Path) -> None:
         self.path, self.loaded = patch, load_show(patch)
         self.show, self.clock = self.loaded.start(), ManualClock()
-        self.inbox: Inbox[ControlEvent] = Inbox()
+        self.inbox: EventQueue[ControlEvent] = EventQueue()
         self.journal = patch.parent / "night.jsonl"
         self.writer = JournalWriter(self.journal, self.loaded.header(self.show, tempo=None))
         status = Status(self.show, rejected=dict, memory=lambda: 0.0)
         self.engine = Engine(self.show, clock=self.clock, inbox=self.inbox, status=status, journal=self.writer)
         assert self.loaded.steps_folder is not None
         self.library = LibraryWatch(
-            self.loaded.steps_folder, self.show.graph, offer=self.show.offer, post=self.inbox.put, now=self.clock.now
+            self.loaded.steps_folder,
+            self.show.graph,
+            offer=self.show.offer_graph,
+            post=self.inbox.put,
+            now=self.clock.now,
         )
         self._frame = 0
 

@@ -32,7 +32,7 @@ def cue(name, calls="", **keys):
 )
 def test_a_loop_has_the_beats_of_all_that_is_waited_for(cues, beats):
     found = loops(cues)
-    assert [loop.beats for loop in found] == ([] if beats is None else [beats])
+    assert [loop.min_beats for loop in found] == ([] if beats is None else [beats])
     if beats is not None:
         assert loops(cues, within=beats - 0.5) == []
 
@@ -40,11 +40,11 @@ def test_a_loop_has_the_beats_of_all_that_is_waited_for(cues, beats):
 def test_a_signal_leads_on_to_what_reacts_to_it():
     signal = '[[signal]]\nname = "s"\n[[react]]\non = "S"\nwhen = "beat"\ncall = "/dance/cue"\nvalues = ["a"]\n'
     (loop,) = loops(signal + '[[cue]]\nname = "a"\nwhen = "now"\ncalls = [["/dance/spread"], ["/dance/signal", "s"]]\n')
-    assert (loop.beats, loop.itself, loop.place) == (1.0, False, ("cue", 0, "calls", 1))
+    assert (loop.min_beats, loop.direct, loop.key_path) == (1.0, False, ("cue", 0, "calls", 1))
 
 
 def test_two_thousand_cues_that_call_one_another_are_looked_through_at_once():
     patch = parse_patch(PATCH + "".join(cue(f"c{n}", f"c{(n + 1) % 2000}") for n in range(2000)), "made.toml")
     began = time.process_time()
-    assert [loop.beats for loop in cue_loops(patch)] == [8000.0]
+    assert [loop.min_beats for loop in cue_loops(patch)] == [8000.0]
     assert time.process_time() - began < 2.0

@@ -4,7 +4,7 @@ import numpy as np
 
 from live.clock.ticks import TICK
 from live.graph.select.candidates import own_end
-from live.show.patch.background_check import STRAY_MIX
+from live.show.patch.background_check import MAX_END_SHIFT
 from tests.show.made_show import made_show
 
 
@@ -20,12 +20,12 @@ def test_turns_and_mixtures_keep_their_limits():
     measures = 0
     for show, draft in drafted():
         graph = show.dancers.graph
-        assert (np.abs(draft.correction[:, 2]) <= show.scheduler.choosing.most[draft.node, 0] + 1e-12).all()
+        assert (np.abs(draft.correction[:, 2]) <= show.scheduler.choosing.max_turns[draft.node, 0] + 1e-12).all()
         assert not draft.correction[:, :2].any()
         assert ((draft.take_share >= 0.0) & (draft.take_share <= 1.0)).all()
         needed = show.scheduler.choices.candidate[:, 0] >= 0
         end, _ = own_end(graph, draft.node, draft.take, np.ones(len(draft.node)))
         stray = np.hypot(*(end - graph.node_end[draft.node]).T) * draft.take_share[0]
-        assert (stray[~needed] <= STRAY_MIX + 1e-9).all()
+        assert (stray[~needed] <= MAX_END_SHIFT + 1e-9).all()
         measures += 1
     assert measures >= 2

@@ -5,8 +5,8 @@ from pydantic import ValidationError
 
 from live.base import picture_parameters
 from live.show.patch.patch import Patch
-from live.show.patch.section_picture import KEYS
-from live.show.view.render_scene import scene_of
+from live.show.patch.section_picture import DRAW_KEYS
+from live.show.view.render_scene import make_scene
 
 
 def patch(**group):
@@ -18,14 +18,17 @@ def test_a_group_begins_as_its_patch_says():
     made = Patch.model_validate(
         patch(draw={"solid": 0.0, "ink": 1, "ink_width": 3.5, "silhouette_colour": [0.1, 0.2, 0.3]})
     )
-    row = picture_parameters.picture_of(scene_of(made))
+    row = picture_parameters.picture_row(make_scene(made))
     said = {"solid": (0.0,), "ink": (1.0,), "ink/width": (3.5,), "silhouette/colour": (0.1, 0.2, 0.3)}
     for name, numbers in said.items():
-        assert tuple(row[picture_parameters.of_group(picture_parameters.STYLE_OF_GROUP + name, 0).where]) == numbers
-    plain = picture_parameters.picture_of(scene_of(Patch.model_validate(patch())))
+        assert (
+            tuple(row[picture_parameters.group_parameter(picture_parameters.STYLE_ADDRESS_PREFIX + name, 0).row_slice])
+            == numbers
+        )
+    plain = picture_parameters.picture_row(make_scene(Patch.model_validate(patch())))
     assert (
-        row[picture_parameters.STYLES + picture_parameters.STYLE_SIZE :]
-        == plain[picture_parameters.STYLES + picture_parameters.STYLE_SIZE :]
+        row[picture_parameters.STYLES_START + picture_parameters.STYLE_SIZE :]
+        == plain[picture_parameters.STYLES_START + picture_parameters.STYLE_SIZE :]
     ).all()
 
 
@@ -52,17 +55,17 @@ def test_a_look_draws_all_groups_or_one():
 
 
 def test_every_style_has_its_key():
-    assert len(KEYS) == len(picture_parameters.OF_GROUPS) - 1
-    assert {"solid", "silhouette_colour", "trails_spacing"} <= set(KEYS)
+    assert len(DRAW_KEYS) == len(picture_parameters.GROUP_PARAMETERS) - 1
+    assert {"solid", "silhouette_colour", "trails_spacing"} <= set(DRAW_KEYS)
 
 
 def test_bodies_are_drawn_by_the_seed_of_the_show_for_those_who_begin_in_the_group():
     bodies = {"bodies": ["slim", "strong", "strong"]}
-    one, same, other = (scene_of(Patch.model_validate(patch(**bodies) | {"seed": seed})).bodies for seed in (5, 5, 6))
+    one, same, other = (make_scene(Patch.model_validate(patch(**bodies) | {"seed": seed})).bodies for seed in (5, 5, 6))
     assert one == same != other
     assert set(one[:30]) == {"slim", "strong"}
     assert one[:30].count("strong") > one[:30].count("slim")
     assert one[30:] == ("dancer",) * 3
-    assert scene_of(Patch.model_validate(patch())).bodies == ()
+    assert make_scene(Patch.model_validate(patch())).bodies == ()
     with pytest.raises(ValidationError, match="'dancer', 'slim', 'strong', 'round' or 'child'"):
         Patch.model_validate(patch(bodies=["tall"]))

@@ -4,13 +4,13 @@ import random
 
 import pytest
 
-from live.base.compression import packed
+from live.base.compression import compress_text
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events.events import PatchChanged
-from live.show.background_work import written_text
+from live.show.background_work import patch_json
 from live.show.patch.patch_reader import parse_patch
-from live.show.patch.patch_update import fitted, prepare, version_of
+from live.show.patch.patch_update import patch_version, prepare_patch, split_deferred
 from tests.show.made_show import PATCH, made_show
 
 FRONT = (
@@ -57,23 +57,23 @@ def test_any_edit_at_any_tick(seed):
     for tick in range(1, 64 * 20):
         if chance.random() < 0.02:
             try:  # what overlaps, or comes after the end, never reaches the show
-                patch, waits = fitted(parse_patch(edited(chance), "edit"), running)
+                patch, waits = split_deferred(parse_patch(edited(chance), "edit"), running)
                 assert waits == ()
-                text = written_text(patch)
-                version = version_of(text)
-                prepared = prepare(text, shows[0].another, running, shows[0].latest_graph)
+                text = patch_json(patch)
+                version = patch_version(text)
+                prepared = prepare_patch(text, shows[0].make_show, running, shows[0].latest_graph)
             except PersonError:
                 continue
             shows[0].offer_patch(prepared)
-            event = PatchChanged(time=tick * TICK, source="patch", patch=packed(text), version=version)
+            event = PatchChanged(time=tick * TICK, source="patch", patch=compress_text(text), version=version)
             for show in shows:
-                assert show.apply(event), show.refusals.words
+                assert show.apply(event), show.refusals.last_reason
             running, patches = patch, patches + 1
         crossed = [show.tick(tick * TICK) for show in shows]
         assert crossed[0] == crossed[1]
         if crossed[0]:
             assert shows[0].state_hash() == shows[1].state_hash()
     assert patches > 10
-    assert shows[0].reloading.taken > 5
-    assert shows[0].patch == running or shows[0].reloading.waiting is not None
-    assert shows[0].refusals.words == shows[1].refusals.words
+    assert shows[0].patch_updates.applied_count > 5
+    assert shows[0].patch == running or shows[0].patch_updates.waiting is not None
+    assert shows[0].refusals.last_reason == shows[1].refusals.last_reason

@@ -7,31 +7,31 @@ import weakref
 import pytest
 from pydantic import ValidationError
 
-from live.show.background_work import AT_A_TIME, freed, validated, written_text
+from live.show.background_work import BATCH_SIZE, free_patches, patch_json, validate_model
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import TomlSources, parse_text
 from tests.show.made_show import PATCH
 
 ENTRY = '[[element]]\nkind = "wander"\nmeasure = {}\nmeasures = 1\n'
-LONG = PATCH + "".join(ENTRY.format(n) for n in range(1, 3 * AT_A_TIME)) + "[motion]\nhead = 0.5\n"
+LONG = PATCH + "".join(ENTRY.format(n) for n in range(1, 3 * BATCH_SIZE)) + "[motion]\nhead = 0.5\n"
 
 
 def test_the_patch_is_the_same_and_so_is_what_it_writes():
     data = tomllib.loads(LONG)
-    patch = validated(Patch, data)
+    patch = validate_model(Patch, data)
     assert patch == Patch.model_validate(data)
-    text = written_text(patch)
-    assert json.loads(text) == patch.written()
-    again = validated(Patch, json.loads(text))
+    text = patch_json(patch)
+    assert json.loads(text) == patch.to_json_values()
+    again = validate_model(Patch, json.loads(text))
     assert again == patch
-    assert written_text(again) == text
+    assert patch_json(again) == text
     assert again.motion.model_fields_set == {"head"}
 
 
 def test_what_is_wrong_is_told_as_otherwise():
     data = tomllib.loads(LONG + ENTRY.format(0) + "[stage]\nwidth = 0\n")
     found = []
-    for read in (lambda: validated(Patch, data), lambda: Patch.model_validate(data)):
+    for read in (lambda: validate_model(Patch, data), lambda: Patch.model_validate(data)):
         with pytest.raises(ValidationError) as error:
             read()
         found.append(error.value.errors(include_url=False))
@@ -40,11 +40,11 @@ def test_what_is_wrong_is_told_as_otherwise():
 
 
 def test_a_patch_is_freed():
-    patch = validated(Patch, TomlSources([parse_text(LONG, "x", "patch")]).data)
+    patch = validate_model(Patch, TomlSources([parse_text(LONG, "x", "patch")]).data)
     first, last = weakref.ref(patch), patch.element[-1].measure
     spent = [patch]
     del patch
-    freed(spent)
+    free_patches(spent)
     assert spent == []
     assert first() is None
-    assert last == 3 * AT_A_TIME - 1
+    assert last == 3 * BATCH_SIZE - 1

@@ -26,7 +26,9 @@ steps = ["sway"]
 def test_a_show_is_refused_without_them_but_goes_on(tmp_path, monkeypatch):
     path = tmp_path / "show.toml"
     path.write_text(PATCH)
-    monkeypatch.setattr("live.show.loader.show_of", lambda patch, path, **options: LoadedShow(path, patch, GRAPH))
+    monkeypatch.setattr(
+        "live.show.loader.load_from_patch", lambda patch, path, **options: LoadedShow(path, patch, GRAPH)
+    )
     with pytest.raises(PersonError, match=r"line 10: character\.1\.file"):
         load_show(path)
     loaded = load_show(path, whole=False)

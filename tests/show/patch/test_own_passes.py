@@ -2,13 +2,13 @@
 
 import pytest
 
-from live.base.picture_parameters import OWN, picture_of
+from live.base.picture_parameters import CUSTOM_PASS_SLICE, picture_row
 from live.control.registry.registry import REGISTRY
 from live.control.registry.rejections import Rejection
-from live.show.patch.hot_reload import stamp_of_files
-from live.show.patch.patch_reader import own_pass_files, read_patch
+from live.show.patch.hot_reload import file_stamp
+from live.show.patch.patch_reader import custom_pass_files, read_patch
 from live.show.patch.patch_search_path import PatchError
-from live.show.view.render_scene import scene_of
+from live.show.view.render_scene import make_scene
 from tests.show.desk.desk_show import Hands
 from tests.show.made_show import PATCH
 
@@ -28,18 +28,18 @@ def test_the_file_beside_a_patch_is_part_of_it(folder):
     patch = read_patch(folder / "a.toml")
     (own,) = patch.picture.own_passes
     assert (own.name, own.source) == ("waves", WAVES)
-    row = picture_of(scene_of(patch))
-    assert row[OWN][:3].tolist() == [1.0, 2.5, 0.0]
-    again = type(patch).model_validate(patch.written())  # as a journal has it, wherever the file is then
+    row = picture_row(make_scene(patch))
+    assert row[CUSTOM_PASS_SLICE][:3].tolist() == [1.0, 2.5, 0.0]
+    again = type(patch).model_validate(patch.to_json_values())  # as a journal has it, wherever the file is then
     assert again.picture.own_passes == patch.picture.own_passes
 
 
 def test_an_edited_file_is_seen_as_an_edited_patch(folder):
     path = folder / "a.toml"
-    before = stamp_of_files(path)
+    before = file_stamp(path)
     (folder / "passes" / "waves.glsl").write_text(WAVES + "// longer\n")
-    assert own_pass_files(path) == [folder / "passes" / "waves.glsl"]
-    assert stamp_of_files(path) != before
+    assert custom_pass_files(path) == [folder / "passes" / "waves.glsl"]
+    assert file_stamp(path) != before
 
 
 @pytest.mark.parametrize(
@@ -69,7 +69,7 @@ def test_its_amount_and_parameters_are_set_faded_and_undone():
     hands = Hands(PICTURE + f'[[picture.own]]\nname = "waves"\nsource = "{text}"\n').run(4)
 
     def values():
-        return hands.desk.parameters.picture[OWN][:2].tolist()
+        return hands.desk.parameters.picture[CUSTOM_PASS_SLICE][:2].tolist()
 
     assert values() == [1.0, 1.0]
     assert hands.say("/dance/pass", "waves", 0.5)

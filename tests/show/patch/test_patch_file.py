@@ -3,7 +3,7 @@
 import pytest
 
 from live.show.patch import patch_reader
-from live.show.patch.patch_reader import find_beside, parse_patch, read_patch
+from live.show.patch.patch_reader import find_resource, parse_patch, read_patch
 from live.show.patch.patch_search_path import DEFAULT_PATCH, PatchError, find_patch
 from tests.show.made_show import PATCH
 
@@ -91,7 +91,7 @@ def test_a_good_patch_has_the_values_written_and_defaults_for_the_rest():
 
 def test_the_first_show_is_a_good_patch():
     patch = read_patch(DEFAULT_PATCH)
-    assert find_beside(patch.music.file or "", DEFAULT_PATCH) is not None
+    assert find_resource(patch.music.file or "", DEFAULT_PATCH) is not None
 
 
 def test_patches_are_found_by_path_folder_and_name(tmp_path):

@@ -4,7 +4,7 @@ import pytest
 
 from live.base.errors import PersonError
 from live.show.loader import load_show
-from live.show.patch.patch_reader import MOST_BYTES, MOST_FILES, TomlSources, parse_text, read_patch
+from live.show.patch.patch_reader import MAX_FILES, MAX_PATCH_BYTES, TomlSources, parse_text, read_patch
 from live.show.patch.patch_search_path import PatchError
 
 MAIN = """name = "folder"
@@ -98,15 +98,15 @@ def test_what_only_the_show_can_judge_has_its_line_too(tmp_path):
 def test_too_many_and_too_large_files_are_refused_unread(tmp_path):
     path = folder(tmp_path)
     (tmp_path / "score").mkdir()
-    for number in range(MOST_FILES):
+    for number in range(MAX_FILES):
         (tmp_path / "score" / f"{number}.toml").write_text("")
-    with pytest.raises(PatchError, match=f"at most {MOST_FILES}"):
+    with pytest.raises(PatchError, match=f"at most {MAX_FILES}"):
         read_patch(path)
     for file in (tmp_path / "score").iterdir():
         file.unlink()
     with (tmp_path / "score" / "a.toml").open("wb") as file:
         file.truncate(50_000_000)  # it would not be TOML either: zero bytes
-    with pytest.raises(PatchError, match=f"at most {MOST_BYTES}"):
+    with pytest.raises(PatchError, match=f"at most {MAX_PATCH_BYTES}"):
         read_patch(path)
     path.write_bytes(b"")
     with path.open("wb") as file:
@@ -120,6 +120,6 @@ def test_where_a_key_stands_is_known_for_tables_in_tables():
     first = parse_text('[midi]\ndefaults = true\n[[midi.map]]\nnote = 1\ncontrol = "a"\n', "a", "patch")
     second = parse_text('\n[[group]]\nname = "x"\n[group.motion]\nhead = 1\n', "b", "patch")
     sources = TomlSources([first, second])
-    assert sources.where(("midi", "map", 0, "control")) == ("a", 5)
-    assert sources.where(("group", 0, "motion", "head")) == ("b", 5)
-    assert sources.where(("group", 7)) == ("b", 2)
+    assert sources.location(("midi", "map", 0, "control")) == ("a", 5)
+    assert sources.location(("group", 0, "motion", "head")) == ("b", 5)
+    assert sources.location(("group", 7)) == ("b", 2)

@@ -9,7 +9,7 @@ from live.base.picture_parameters import LEVEL
 from live.control.events import events
 from live.control.events.events import GiveCue, PatchChanged
 from live.show.journal.journal import read_journal
-from live.show.journal.replay import loaded_by, reload, replay, run_from, start_before
+from live.show.journal.replay import fresh_show, load_journal, replay, run_from, start_before
 from live.show.patch.hot_reload import PatchWatch
 from tests.show.patch import edited_night
 from tests.show.patch.edited_night import STEPS, folder_with
@@ -46,14 +46,14 @@ class Night(edited_night.Night):
         text = path.read_text() if path.exists() else ""
         assert old in text
         path.write_text(text.replace(old, new, 1) + more)
-        assert not self.watch.look()  # it may still be written
-        return self.watch.look()
+        assert not self.watch.poll()  # it may still be written
+        return self.watch.poll()
 
     def replayed(self):
         """What a replay finds, of the journal alone."""
         self.writer.close(self.engine.ticks.index)
         journal = read_journal(self.journal)
-        return replay(reload(journal), journal)
+        return replay(fresh_show(journal), journal)
 
 
 def test_new_steps_are_danced_in_the_very_next_measure(patch):
@@ -63,8 +63,8 @@ def test_new_steps_are_danced_in_the_very_next_measure(patch):
     danced = night.run(5.0)
     assert danced[2] == {"groove"}
     assert danced[3] == {"side step"}
-    assert night.show.reloading.version == night.watch.facts()["version"]
-    assert night.watch.told == "patch: new from the next measure on: group"
+    assert night.show.patch_updates.version == night.watch.status()["version"]
+    assert night.watch.message == "patch: new from the next measure on: group"
 
 
 def test_an_edit_after_the_next_measure_is_chosen_acts_from_the_one_after(patch):
@@ -149,7 +149,7 @@ def test_a_bad_edit_is_told_and_the_last_good_patch_goes_on(patch, old, new, whe
     before = night.show.patch
     good = night.watch.version
     assert not night.edit(old, new)
-    told = night.watch.facts()["problem"]
+    told = night.watch.status()["problem"]
     assert where in told
     assert "the last good one goes on" in told
     assert night.watch.version == good
@@ -157,7 +157,7 @@ def test_a_bad_edit_is_told_and_the_last_good_patch_goes_on(patch, old, new, whe
     assert night.show.patch is before
     assert not night.edit(new, old)  # as it was: nothing to take, and nothing is wrong any more
     assert night.watch.problem == ""
-    assert night.watch.told == "patch: mended; it is the same as the patch in force"
+    assert night.watch.message == "patch: mended; it is the same as the patch in force"
 
 
 def test_a_file_that_the_next_start_would_refuse_is_told_when_it_is_named(patch):
@@ -174,7 +174,7 @@ def test_a_file_that_the_next_start_would_refuse_is_told_when_it_is_named(patch)
         assert words in night.watch.problem
         assert night.watch.problem.endswith("the last good one goes on")
         night.path.write_text(before)
-        assert not any(night.watch.look() for _ in range(2))
+        assert not any(night.watch.poll() for _ in range(2))
         assert night.watch.problem == ""
 
 
@@ -182,9 +182,9 @@ def test_what_needs_a_new_start_is_named_and_the_rest_acts(patch):
     night = Night(patch)
     night.run(1.0)
     assert night.edit("dancers = 4", 'dancers = 6\nfacing = "90"', more="[stage]\nwidth = 20\n")
-    assert night.watch.waits == ("stage.width", "group.1.dancers")
-    assert "from the next start on" in night.watch.told
-    assert "stage.width, group.1.dancers" in night.watch.told
+    assert night.watch.deferred_keys == ("stage.width", "group.1.dancers")
+    assert "from the next start on" in night.watch.message
+    assert "stage.width, group.1.dancers" in night.watch.message
     night.run(8.0)
     assert night.show.patch.stage.width == 12.0
     assert night.show.patch.group[0].facing == "90"
@@ -246,8 +246,8 @@ def test_a_step_that_comes_later_mends_the_patch_that_names_it(patch):
     assert "new bow" in night.watch.problem
     text = (STEPS / "samba.toml").read_text().replace('name = "samba"', 'name = "new bow"')
     (patch.parent / "moves" / "another.toml").write_text(text)
-    assert not night.watch.look()
-    assert night.watch.look()
+    assert not night.watch.poll()
+    assert night.watch.poll()
     assert night.watch.problem == ""
     assert "new bow" in set().union(*night.run(6.0).values())
 
@@ -269,13 +269,13 @@ def test_a_replay_can_begin_after_an_edit_of_patch_and_steps(patch):
     library._read = night.loaded.clips
     text = (STEPS / "samba.toml").read_text().replace('name = "samba"', 'name = "side step"')
     (patch.parent / "moves" / "side_step.toml").write_text(text)
-    library.look()
-    assert library.look()
+    library.poll()
+    assert library.poll()
     night.run(6.5)
     assert night.show.graph.leaving.any()
     night.writer.close(night.engine.ticks.index)
     journal, problems = read_journal(night.journal), []
-    loaded = loaded_by(journal)
+    loaded = load_journal(journal)
     for measure in (3, 6, 99):
         start = start_before(journal, loaded, measure, problems)
         assert start.tick > 0
@@ -337,7 +337,7 @@ values = [0.7, "*"]
     ), night.watch.problem
     danced = night.run(8.5)
     show = night.show
-    assert show.prompter.facts()["section"] == "a"
+    assert show.score_runner.facts()["section"] == "a"
     assert danced[3] == {"groove"}
     assert danced[4] == danced[5] == {"side step"}
     assert show.variation.head[0] == 0.7
@@ -347,7 +347,7 @@ values = [0.7, "*"]
     night.inbox.put(GiveCue(time=0.0, source="test", name="one"))
     night.run(6.0)
     assert show.desk.parameters.picture[LEVEL] == pytest.approx(0.9, abs=0.02)
-    assert show.refusals.words == ""
+    assert show.refusals.last_reason == ""
     assert night.replayed().differences == ()
 
 

@@ -2,11 +2,11 @@
 
 import pytest
 
-from live.base.picture_parameters import BY_ADDRESS, picture_of
+from live.base.picture_parameters import BY_ADDRESS, picture_row
 from live.base.stage_snapshot import PASSES
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
-from live.show.view.render_scene import scene_of
+from live.show.view.render_scene import make_scene
 from tests.show.desk.desk_show import Hands
 from tests.show.made_show import PATCH
 
@@ -19,12 +19,12 @@ def test_what_a_patch_says_of_the_picture_reaches_the_renderer():
         + '[picture]\npasses = ["bloom", "shadow"]\n'
         + 'set = {"/dance/pass/ink/colour" = [1, 0, 0], "/dance/pass/ink" = 0.5}\n'
     )
-    scene = scene_of(parse_patch(text, "a.toml"))
+    scene = make_scene(parse_patch(text, "a.toml"))
     assert scene.passes == ("bloom", "shadow")
-    row = picture_of(scene)
+    row = picture_row(scene)
     assert row[BY_ADDRESS[INK].first] == 0.5
-    assert row[BY_ADDRESS["/dance/pass/ink/colour"].where].tolist() == [1.0, 0.0, 0.0]
-    assert scene_of(parse_patch(PATCH, "a.toml")).passes == PASSES
+    assert row[BY_ADDRESS["/dance/pass/ink/colour"].row_slice].tolist() == [1.0, 0.0, 0.0]
+    assert make_scene(parse_patch(PATCH, "a.toml")).passes == PASSES
 
 
 @pytest.mark.parametrize(

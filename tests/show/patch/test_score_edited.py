@@ -2,14 +2,14 @@
 
 from live.control.events.events import Improvise, PatchChanged
 from live.show.patch.patch_reader import parse_patch
-from live.show.patch.patch_update import version_of
+from live.show.patch.patch_update import patch_version
 from tests.show.made_show import PATCH, made_show
 from tests.show.score.test_sequences import steps_of
 
 
 def edit(extra):
     text = parse_patch(PATCH + extra, "test.toml").model_dump_json()
-    return lambda time: PatchChanged(time=time, source="patch", patch=text, version=version_of(text))
+    return lambda time: PatchChanged(time=time, source="patch", patch=text, version=patch_version(text))
 
 
 BEFORE = '[[sequence]]\nmeasures = 16\nsteps = ["sway"]\n'
@@ -43,14 +43,14 @@ def test_an_edit_that_overlaps_itself_is_refused_and_the_score_goes_on():
     show = made_show(BEFORE)
     twice = '"sequence":[{"group":"front","measure":3,"steps":["spin"]},'
     text = show.patch.model_dump_json().replace('"sequence":[', twice)
-    does = {64 * 5: lambda time: PatchChanged(time=time, source="patch", patch=text, version=version_of(text))}
+    does = {64 * 5: lambda time: PatchChanged(time=time, source="patch", patch=text, version=patch_version(text))}
     assert steps_of(show, 11, does=does) == ["sway"] * 6
-    assert "lasts until the end of measure" in show.refusals.words
+    assert "lasts until the end of measure" in show.refusals.last_reason
 
 
 def test_calls_and_signals_of_an_edited_score_are_known():
     call = '[[at]]\nmeasure = 5\nsignal = "hit"\n[[react]]\non = "hit"\nwhen = "now"\ncall = "/dance/spread"\n'
     show = made_show(BEFORE)
     steps_of(show, 10, does={64 * 5: edit(BEFORE + call)})
-    assert show.prompter.signals == {"hit": 1}
+    assert show.score_runner.signals == {"hit": 1}
     assert [element.source for element in show.motion.elements.in_force] == ["music"]

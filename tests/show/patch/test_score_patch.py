@@ -28,10 +28,10 @@ def test_the_show_passes_from_its_score_to_improvisation_and_back():
             )  # fmt: skip
         if not show.tick(tick * TICK):
             continue
-        facts = show.prompter.facts()
+        facts = show.score_runner.facts()
         sections.append(facts["section"])
         programme = show.scheduler.programmes[0]
-        asked.append(library.steps[programme.wanted(show.span.number, show.dancers.node[:0])])
+        asked.append(library.steps[programme.step_for(show.span.number, show.dancers.node[:0])])
         names = [library.steps[library.node_step[node]] for node in show.dancers.node[show.group == 0]]
         danced.append(max(set(names), key=names.count))
         if show.span.number in said:
@@ -45,4 +45,4 @@ def test_the_show_passes_from_its_score_to_improvisation_and_back():
     others = [(one, other) for one, other in zip(asked, danced, strict=True) if other not in (one, "walk")]
     assert not others  # what is danced is what was asked for, or the travel step where a formation is far
     assert show.refusals.count == 0
-    assert show.prompter.agenda.late_ticks_max <= 1
+    assert show.score_runner.beat_scheduler.late_ticks_max <= 1

@@ -3,7 +3,7 @@
 import random
 
 from live.control.events.events import Signal
-from live.show.score.beat_scheduler import AT_ONCE, MOST, Agenda
+from live.show.score.beat_scheduler import MAX_PER_TICK, MAX_WAITING, BeatScheduler
 
 
 def signal(name, source="score"):
@@ -13,9 +13,9 @@ def signal(name, source="score"):
 def test_events_come_in_order_with_the_tick_that_holds_their_beat():
     chance = random.Random(4)
     beats = [chance.uniform(0.0, 20.0) for _ in range(300)]
-    agenda = Agenda()
+    agenda = BeatScheduler()
     for beat in beats:
-        agenda.put(beat, signal(f"{beat!r}"))
+        agenda.schedule(beat, signal(f"{beat!r}"))
     came, before = [], -0.1
     for tick in range(1000):
         now = tick * 0.03
@@ -28,50 +28,50 @@ def test_events_come_in_order_with_the_tick_that_holds_their_beat():
 
 
 def test_those_of_one_beat_keep_their_order():
-    agenda = Agenda()
+    agenda = BeatScheduler()
     for name in "abcde":
-        agenda.put(2.0, signal(name))
+        agenda.schedule(2.0, signal(name))
     assert [event.name for event in agenda.fire(2.0)] == list("abcde")
 
 
 def test_lateness_is_counted_in_ticks():
-    agenda = Agenda()
+    agenda = BeatScheduler()
     agenda.fire(1.0)
     agenda.fire(1.1)
-    for n in range(AT_ONCE + 1):
-        agenda.put(1.15, signal(str(n)))
+    for n in range(MAX_PER_TICK + 1):
+        agenda.schedule(1.15, signal(str(n)))
     agenda.fire(1.2)
     assert agenda.late_ticks_max == 0
     agenda.fire(1.3)  # the one that found no room
     assert (agenda.late_ticks_max, agenda.late) == (1, 0)
-    for n in range(2 * AT_ONCE + 1):
-        agenda.put(1.35, signal(str(n)))
+    for n in range(2 * MAX_PER_TICK + 1):
+        agenda.schedule(1.35, signal(str(n)))
     for now in (1.4, 1.5, 1.6):
         agenda.fire(now)
     assert (agenda.late_ticks_max, agenda.late) == (2, 1)
 
 
 def test_what_is_asked_for_too_late_comes_at_once_and_is_not_late():
-    agenda = Agenda()
+    agenda = BeatScheduler()
     agenda.fire(4.0)
-    agenda.put(1.0, signal("over"))
+    agenda.schedule(1.0, signal("over"))
     assert [event.name for event in agenda.fire(4.1)] == ["over"]
     assert agenda.late_ticks_max == 0
 
 
 def test_what_one_source_has_put_is_taken_back():
-    agenda = Agenda()
+    agenda = BeatScheduler()
     for beat in range(6):
-        agenda.put(float(beat), signal(str(beat)))
-        agenda.put(float(beat), signal(f"hand {beat}", source="osc"))
-    assert agenda.withdraw("score", 3.0) == 3
+        agenda.schedule(float(beat), signal(str(beat)))
+        agenda.schedule(float(beat), signal(f"hand {beat}", source="osc"))
+    assert agenda.remove("score", 3.0) == 3
     assert [event.name for event in agenda.fire(9.0)] == [
         "0", "hand 0", "1", "hand 1", "2", "hand 2", "hand 3", "hand 4", "hand 5",
     ]  # fmt: skip
 
 
 def test_there_is_a_bound():
-    agenda = Agenda()
-    for _ in range(MOST + 3):
-        agenda.put(1.0, signal("x"))
-    assert (len(agenda), agenda.dropped) == (MOST, 3)
+    agenda = BeatScheduler()
+    for _ in range(MAX_WAITING + 3):
+        agenda.schedule(1.0, signal("x"))
+    assert (len(agenda), agenda.dropped) == (MAX_WAITING, 3)

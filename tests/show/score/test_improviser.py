@@ -7,11 +7,11 @@ import pytest
 from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.events import MusicHeard
-from live.show.score.improviser import Improviser, table_of
+from live.show.score.improviser import Improviser, resolve_table
 from live.show.score.music_reactions import Mood
 from live.show.score.playhead import Playhead
-from live.show.score.score import Score, stretches_of
-from live.show.score.step_history import Ledger
+from live.show.score.score import Score, section_timings
+from live.show.score.step_history import StepHistory
 from tests.show.made_show import GRAPH, PATCH, made_show
 from tests.show.score.test_sequences import steps_of
 
@@ -27,13 +27,13 @@ class Stage:
         from live.show.patch.patch_reader import parse_patch
 
         patch = parse_patch(PATCH + extra, "test.toml")
-        self.score = Score(patch, Playhead(stretches_of(patch)))
-        self.mood, self.ledger = Mood(), Ledger(2)
+        self.score = Score(patch, Playhead(section_timings(patch)))
+        self.mood, self.ledger = Mood(), StepHistory(2)
         names = ["front", "back"]
         self.groups = []
         for group, name in enumerate(names):
             own = [section for section in patch.improvise if section.group in ("*", name)]
-            tables = [table_of(section, self.score, GRAPH, OWN, names, group) for section in own]
+            tables = [resolve_table(section, self.score, GRAPH, OWN, names, group) for section in own]
             tables = [table for table in tables if table is not None]
             usual = tables[0] if tables else None
             self.groups.append(
@@ -46,7 +46,7 @@ class Stage:
         danced = [[], []]
         for _ in range(measures):
             self.measure += 1
-            self.score.playhead.cross(self.measure)
+            self.score.playhead.begin_measure(self.measure)
             for group, improviser in enumerate(self.groups):
                 told = improviser.told(self.measure, GRAPH.entries(OWN[0])[:0], stands=False)
                 if told is not None:
@@ -179,4 +179,4 @@ def test_two_shows_improvise_alike_and_their_motion_too():
     danced = [steps_of(show, 17) for show in shows]
     assert danced[0] == danced[1]
     assert shows[0].state_hash() == shows[1].state_hash()
-    assert shows[0].prompter.agenda.fired >= 2
+    assert shows[0].score_runner.beat_scheduler.fired >= 2

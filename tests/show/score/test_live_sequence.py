@@ -59,9 +59,9 @@ def test_a_star_lets_way_and_heading_choose():
 def test_a_step_that_is_not_there_is_refused_with_its_nearest_name():
     show = made_show()
     assert not show.apply(events.SetSequence(steps="sway, glyde", **STAMP))
-    assert "glide" in show.refusals.words
+    assert "glide" in show.refusals.last_reason
     assert not show.apply(events.SetSequence(steps="sway", group="nobody", **STAMP))
-    assert "nobody" in show.refusals.words
+    assert "nobody" in show.refusals.last_reason
     assert show.refusals.count == 2
 
 
@@ -77,7 +77,7 @@ def test_what_cannot_be_joined_is_refused_and_the_dance_goes_on():
     show = Show(parse_patch(patch, "test.toml"), build_graph(build_library(steps), threshold=0.2))
     show.tick(TICK)
     assert not show.apply(events.SetSequence(steps="spin, sway", **STAMP))
-    assert "cannot be joined" in show.refusals.words
+    assert "cannot be joined" in show.refusals.last_reason
     assert show.apply(events.SetSequence(steps="sway, spin, bow", **STAMP))
     library, danced = show.graph.library, []
     for tick in range(2, 64 * 30):

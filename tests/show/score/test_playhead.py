@@ -5,26 +5,31 @@ import random
 
 import pytest
 
-from live.show.score.playhead import END, Place, Playhead, Stretch
+from live.show.score.playhead import END, Place, Playhead, SectionTiming
 
-SONG = (Stretch("intro", 2, 1, 1), Stretch("verse", 3, 2, 2), Stretch("solo", 2, 0, 3), Stretch("coda", 1, 1, END))
+SONG = (
+    SectionTiming("intro", 2, 1, 1),
+    SectionTiming("verse", 3, 2, 2),
+    SectionTiming("solo", 2, 0, 3),
+    SectionTiming("coda", 1, 1, END),
+)
 
 
 def danced(playhead, count):
     """(section, measure) of the next measures, which begin one after the other."""
     found = []
     for _ in range(count):
-        playhead.cross(playhead.measure + 1)
+        playhead.begin_measure(playhead.measure + 1)
         place = playhead.place(playhead.measure)
         found.append((place.section, place.measure))
     return found
 
 
 def test_one_stretch_without_sections_is_the_measure_modulo_its_length():
-    playhead = Playhead([Stretch("", 5, 1, 0)])
+    playhead = Playhead([SectionTiming("", 5, 1, 0)])
     assert danced(playhead, 17) == [(0, measure % 5) for measure in range(17)]
     assert playhead.place(16).turn == 3
-    endless = Playhead([Stretch("", None, 1, 0)])
+    endless = Playhead([SectionTiming("", None, 1, 0)])
     assert danced(endless, 9) == [(0, measure) for measure in range(9)]
 
 
@@ -44,13 +49,13 @@ def test_sections_repeat_wait_for_somebody_and_end():
 
 def test_before_the_first_downbeat_there_is_no_section():
     playhead = Playhead(SONG)
-    playhead.cross(-2)
+    playhead.begin_measure(-2)
     assert playhead.place(-2) == Place(END, -2)
     assert [playhead.place(measure).section for measure in (-1, 0, 1, 2)] == [END, 0, 0, 1]
     playhead.jump(2)
-    playhead.cross(-1)
+    playhead.begin_measure(-1)
     assert playhead.place(-1).section == END
-    playhead.cross(0)
+    playhead.begin_measure(0)
     assert playhead.place(0) == Place(2, 0, 0)
 
 
@@ -78,7 +83,7 @@ def test_what_is_held_begins_nothing_again():
     danced(playhead, 2)
     playhead.hold(True)
     for _ in range(3):
-        playhead.cross(playhead.measure + 1)
+        playhead.begin_measure(playhead.measure + 1)
         assert playhead.place(playhead.measure) == Place(0, 1, 0)
         assert not playhead.entered(playhead.measure)
     playhead.hold(False)
@@ -111,7 +116,7 @@ def test_a_place_that_is_not_there_is_refused_and_changes_nothing():
 def test_written_measures_and_places_are_one_to_one():
     playhead = Playhead(SONG)
     assert playhead.length == 8
-    assert [playhead.written(playhead.of_written(measure)) for measure in range(8)] == list(range(8))
+    assert [playhead.written_measure(playhead.place_of_written(measure)) for measure in range(8)] == list(range(8))
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -133,7 +138,7 @@ def test_what_is_foreseen_is_what_comes_unless_somebody_asks(seed):
         measure = playhead.measure
         foreseen = [(playhead.place(m), playhead.entered(m), playhead.jumped(m)) for m in range(measure, measure + 9)]
         for offset in range(1, 1 + chance.randrange(1, 8)):
-            playhead.cross(measure + offset)
+            playhead.begin_measure(measure + offset)
             now = playhead.place(measure + offset)
             assert (now, playhead.entered(measure + offset), playhead.jumped(measure + offset)) == foreseen[offset]
             if playhead.entered(measure + offset) and now != foreseen[offset - 1][0] and now.turn >= begun[now.section]:
@@ -145,29 +150,31 @@ def test_the_last_measures_are_remembered():
     playhead = Playhead(SONG)
     seen = {}
     for measure in itertools.chain(range(6)):
-        playhead.cross(measure)
+        playhead.begin_measure(measure)
         seen[measure] = playhead.place(measure)
     assert [playhead.place(measure) for measure in (3, 4, 5)] == [seen[3], seen[4], seen[5]]
 
 
 def test_an_edited_score_goes_on_where_it_is_by_the_sections_names():
-    playhead = Playhead([Stretch("a", 4, 1, 1), Stretch("b", 4, 1, 0)])
+    playhead = Playhead([SectionTiming("a", 4, 1, 1), SectionTiming("b", 4, 1, 0)])
     for measure in range(7):
-        playhead.cross(measure)
+        playhead.begin_measure(measure)
     assert playhead.place(6) == Place(1, 2)
     playhead.jump(0, when="section")
-    playhead.take_patch(Playhead([Stretch("new", 2, 1, 1), Stretch("B", 8, 1, 2), Stretch("a", 3, 1, 0)]))
+    playhead.apply_patch(
+        Playhead([SectionTiming("new", 2, 1, 1), SectionTiming("B", 8, 1, 2), SectionTiming("a", 3, 1, 0)])
+    )
     assert [playhead.place(n) for n in (6, 7, 11)] == [Place(1, 2), Place(1, 3), Place(1, 7)]
     assert playhead.place(12) == Place(2, 0, 1)  # the jump that waits goes to where "a" is now
-    playhead.take_patch(Playhead([Stretch("b", 2, 1, 0)]))  # measure 3 of 2, and its jump leads nowhere
+    playhead.apply_patch(Playhead([SectionTiming("b", 2, 1, 0)]))  # measure 3 of 2, and its jump leads nowhere
     assert [playhead.place(n) for n in (6, 7, 8)] == [Place(0, 0), Place(0, 1), Place(0, 0, 1)]
 
 
 def test_a_section_that_is_gone_leaves_the_score_in_the_same_written_measure():
-    playhead = Playhead([Stretch("", None)])
+    playhead = Playhead([SectionTiming("", None)])
     for measure in range(6):
-        playhead.cross(measure)
-    playhead.take_patch(Playhead([Stretch("a", 4, 1, 1), Stretch("b", 4, 1, 0)]))
+        playhead.begin_measure(measure)
+    playhead.apply_patch(Playhead([SectionTiming("a", 4, 1, 1), SectionTiming("b", 4, 1, 0)]))
     assert playhead.place(5) == Place(1, 1)
-    playhead.take_patch(Playhead([Stretch("c", 2, 1, 0)]))
+    playhead.apply_patch(Playhead([SectionTiming("c", 2, 1, 0)]))
     assert [playhead.place(n).measure for n in (5, 6, 7)] == [0, 1, 0]

@@ -5,10 +5,10 @@ import itertools
 import numpy as np
 import pytest
 
-from live.graph.search.sequence_spec import Wanted
+from live.graph.search.sequence_spec import SequenceEntry
 from live.show.patch.section_motion import GroupSection, parse_entry
 from live.show.score.step_names import UnknownStep, find_step
-from live.show.score.step_program import GroupProgramme
+from live.show.score.step_program import StepProgram
 from tests.show.made_show import GRAPH
 
 NOBODY = np.zeros(1, np.int32)
@@ -16,7 +16,7 @@ NOBODY = np.zeros(1, np.int32)
 
 def made(steps, seed=1, **options):
     section = GroupSection(name="a", dancers=1, steps=tuple(steps), **options)
-    return GroupProgramme(GRAPH, section, seed=seed, index=0)
+    return StepProgram(GRAPH, section, seed=seed, index=0)
 
 
 def names(programme, count):
@@ -58,15 +58,20 @@ def test_a_call_holds_for_its_measures_and_the_sequence_goes_on_where_it_was():
     spin = find_step(GRAPH, "spin")
     assert names(programme, 2) == ["sway", "glide"]
     programme.call(spin, measures=1.5)
-    assert [GRAPH.library.steps[programme.wanted(m, NOBODY)] for m in range(2, 6)] == ["spin", "spin", "glide", "sway"]
+    assert [GRAPH.library.steps[programme.step_for(m, NOBODY)] for m in range(2, 6)] == [
+        "spin",
+        "spin",
+        "glide",
+        "sway",
+    ]
     programme.call(spin, measures=100)
     programme.release()
-    assert programme.wanted(6, NOBODY) != spin
+    assert programme.step_for(6, NOBODY) != spin
 
 
 def test_asking_again_changes_nothing():
     programme = made(["sway", "glide", "spin"])
-    twice = [programme.wanted(m, NOBODY) for m in range(6) for _ in range(2)]
+    twice = [programme.step_for(m, NOBODY) for m in range(6) for _ in range(2)]
     assert twice[::2] == twice[1::2]
     assert [GRAPH.library.steps[s] for s in twice[::2]] == ["sway", "glide", "spin"] * 2
 
@@ -77,16 +82,16 @@ def test_a_call_waits_for_dancers_within_a_longer_step():
     phrase = GRAPH.library.steps.index("phrase")
     first, second = np.flatnonzero(GRAPH.library.node_step == phrase).astype(np.int32)
     spin = find_step(GRAPH, "spin")
-    assert programme.wanted(0, NOBODY) == phrase
+    assert programme.step_for(0, NOBODY) == phrase
     programme.call(spin, measures=1)
-    assert programme.wanted(1, np.array([first])) == phrase
-    assert programme.wanted(2, np.array([second])) == spin
-    assert GRAPH.library.steps[programme.wanted(3, NOBODY)] == "sway"
+    assert programme.step_for(1, np.array([first])) == phrase
+    assert programme.step_for(2, np.array([second])) == spin
+    assert GRAPH.library.steps[programme.step_for(3, NOBODY)] == "sway"
 
 
 def test_before_the_first_downbeat_it_is_the_first_step():
     programme = made(["glide", "sway"])
-    assert [GRAPH.library.steps[programme.wanted(m, NOBODY)] for m in (-2, -1, 0, 1)] == [
+    assert [GRAPH.library.steps[programme.step_for(m, NOBODY)] for m in (-2, -1, 0, 1)] == [
         "glide",
         "glide",
         "glide",
@@ -100,7 +105,7 @@ def test_an_unknown_step_names_its_neighbours():
 
 
 def live(*steps):
-    return [Wanted(find_step(GRAPH, step), 1) for step in steps]
+    return [SequenceEntry(find_step(GRAPH, step), 1) for step in steps]
 
 
 @pytest.mark.parametrize(
@@ -109,23 +114,23 @@ def live(*steps):
         (lambda programme: programme.release(), ["sway", "sway"]),
         (lambda programme: programme.dance(live("spin")), ["spin", "spin"]),
         (lambda programme: programme.call(find_step(GRAPH, "spin"), measures=1), ["spin", "glide"]),
-        (lambda programme: programme.take_patch(made(["spin"])), ["glide", "glide"]),
+        (lambda programme: programme.apply_patch(made(["spin"])), ["glide", "glide"]),
     ],
     ids=["release", "dance", "call", "patch"],
 )
 def test_what_is_asked_for_while_a_measure_is_planned_outlives_that_plan(change, danced):
     """`/dance/clear` and `/dance/practice` in one bundle, a beat before the line, ended the show by an IndexError."""
     programme = made(["sway"])
-    programme.dance(live("glide", "glide", "glide", "glide", "glide"))
+    programme.set_sequence(live("glide", "glide", "glide", "glide", "glide"))
     names(programme, 4)
     change(programme)
-    programme.take_back(3)
-    assert [GRAPH.library.steps[programme.wanted(m, NOBODY)] for m in range(3, 5)] == danced
+    programme.undo(3)
+    assert [GRAPH.library.steps[programme.step_for(m, NOBODY)] for m in range(3, 5)] == danced
 
 
 def test_a_shorter_sequence_of_the_patch_is_taken_while_a_measure_is_planned():
     programme = made(["sway", "sway", "sway", "glide"])
     names(programme, 4)  # the next one is the first again, and the last one may be taken back
-    programme.take_patch(made(["sway", "spin"]))
-    programme.take_back(3)
-    assert [GRAPH.library.steps[programme.wanted(m, NOBODY)] for m in range(3, 6)] == ["sway", "spin", "sway"]
+    programme.apply_patch(made(["sway", "spin"]))
+    programme.undo(3)
+    assert [GRAPH.library.steps[programme.step_for(m, NOBODY)] for m in range(3, 6)] == ["sway", "spin", "sway"]

@@ -7,7 +7,7 @@ from live.clock.ticks import TICK
 from live.control.events import events
 from live.control.events.events import MusicHeard
 from live.show.score.music_reactions import Reactions
-from live.show.score.score_runner import Prompter
+from live.show.score.score_runner import ScoreRunner
 from tests.show.made_show import PATCH, made_show
 
 
@@ -26,7 +26,7 @@ def run(show, seconds, *, at=None, seen=None):
 def heard(show, monkeypatch):
     """The ticks with which events act, as (tick, event), from the score and whatever reacts."""
     acted = []
-    act = show._act_on
+    act = show._handle
     monkeypatch.setattr(show, "_act_on", lambda event: (acted.append((round(show.time / TICK), event)), act(event))[1])
     return acted
 
@@ -41,7 +41,7 @@ def test_calls_happen_with_the_tick_that_holds_their_beat(monkeypatch):
     acted = heard(show, monkeypatch)
     run(show, 6)
     assert [tick for tick, event in acted if isinstance(event, events.SetMotion)] == [128, 176, 256, 256]
-    figures = show.prompter.agenda.figures()
+    figures = show.score_runner.beat_scheduler.counters()
     assert (figures["fired"], figures["late_ticks_max"], figures["waiting"]) == (4, 0, 0)
 
 
@@ -56,7 +56,7 @@ def test_a_signal_of_the_score_calls_what_reacts_to_it_at_once_at_the_beat_or_at
     assert [(tick, event.x) for tick, event in acted if isinstance(event, events.Attract)] == [
         (48, 0.0), (64, 1.0), (128, 2.0),
     ]  # fmt: skip
-    assert show.prompter.signals == {"hit": 1}
+    assert show.score_runner.signals == {"hit": 1}
 
 
 def test_signals_come_by_hand_from_the_score_and_from_what_is_heard():
@@ -66,7 +66,7 @@ def test_signals_come_by_hand_from_the_score_and_from_what_is_heard():
     )
     by_hand = {10: lambda time: events.Signal(time=time, source="osc", name="BIG")}
     run(show, 1.5, at=by_hand)
-    assert show.prompter.signals["big"] == 2
+    assert show.score_runner.signals["big"] == 2
     for loud in (0.5, 0.85, 0.9, 0.75, 0.85, 0.6, 0.85):  # it counts again once it has been left by a tenth
         show.apply(
             MusicHeard(
@@ -74,16 +74,16 @@ def test_signals_come_by_hand_from_the_score_and_from_what_is_heard():
                 low=0.5, build=0.0, drop=False,
             )
         )  # fmt: skip
-    assert show.prompter.signals["big"] == 4
+    assert show.score_runner.signals["big"] == 4
     run(show, 0.1)
-    assert show.prompter.agenda.fired == 1 + 4
+    assert show.score_runner.beat_scheduler.fired == 1 + 4
 
 
 def test_a_signal_that_nobody_knows_is_refused_and_counted():
     show = made_show()
     assert not show.apply(events.Signal(time=0.0, source="osc", name="hit"))
     assert show.refusals.count == 1
-    assert "no signal is called 'hit'" in show.refusals.words
+    assert "no signal is called 'hit'" in show.refusals.last_reason
     assert show.apply(events.Signal(time=0.0, source="osc", name="drop"))
 
 
@@ -94,7 +94,7 @@ def test_a_signal_may_move_the_score():
         '[[react]]\non = "now"\nwhen = "now"\ncall = "/dance/section"\nvalues = ["b"]\n'
     )
     places = {}
-    run(show, 11, seen=lambda tick: places.setdefault(show.span.number, show.prompter.facts()["section"]))
+    run(show, 11, seen=lambda tick: places.setdefault(show.span.number, show.score_runner.facts()["section"]))
     assert list(places.values()) == ["a", "a", "b", "b", None, None]
 
 
@@ -153,7 +153,10 @@ def test_practice_comes_again_and_again_and_ends():
     }
     places = {}
     run(
-        show, 15, at=at, seen=lambda tick: places.setdefault(show.span.number, show.prompter.facts()["section_measure"])
+        show,
+        15,
+        at=at,
+        seen=lambda tick: places.setdefault(show.span.number, show.score_runner.facts()["section_measure"]),
     )
     assert list(places.values()) == [1, 3, 4, 3, 4, 3, 4, 5]
 
@@ -163,25 +166,25 @@ def test_signals_that_call_each_other_for_ever_stop_no_show():
     from live.show.patch.patch_reader import parse_patch
 
     patch = parse_patch(PATCH, "x")
-    prompter = Prompter(patch, Reactions(patch), seed=1)
+    prompter = ScoreRunner(patch, Reactions(patch), seed=1)
     for _ in range(3000):
-        prompter.agenda.put(0.0, events.Signal(time=0.0, source="score", name="drop"))
-    assert len(prompter.agenda.fire(0.0)) < 3000
+        prompter.beat_scheduler.schedule(0.0, events.Signal(time=0.0, source="score", name="drop"))
+    assert len(prompter.beat_scheduler.fire(0.0)) < 3000
     with pytest.raises(PersonError, match="the patch has none"):
-        prompter.section("x")
+        prompter.section_index("x")
 
 
 def test_the_overlay_says_where_the_score_is_and_what_it_waits_for():
-    assert made_show().prompter.words() == ()
+    assert made_show().score_runner.status_lines() == ()
     show = made_show(
         '[[section]]\nname = "a"\nmeasures = 2\nrepeat = 2\n[[section]]\nname = "b"\nmeasures = 2\nwait = true\n'
     )
-    assert show.prompter.words() == ("a: measure 1 of 2, pass 1 of 2",)
+    assert show.score_runner.status_lines() == ("a: measure 1 of 2, pass 1 of 2",)
     show.apply(events.JumpTo(time=0.0, source="osc", section="b", when="section", measure=2))
-    assert show.prompter.words() == ("a: measure 1 of 2, pass 1 of 2, goes to b 2 at the section's end",)
+    assert show.score_runner.status_lines() == ("a: measure 1 of 2, pass 1 of 2, goes to b 2 at the section's end",)
     show.apply(events.HoldScore(time=0.0, source="osc", on=True))
     run(show, 2.1)
-    assert show.prompter.words()[0].startswith("a: measure 1 of 2, pass 1 of 2, held, goes to b")
+    assert show.score_runner.status_lines()[0].startswith("a: measure 1 of 2, pass 1 of 2, held, goes to b")
     show.apply(events.HoldScore(time=0.0, source="osc", on=False))
     run(show, 4.0)
-    assert show.prompter.words() == ("b: measure 2 of 2, waits for GO",)
+    assert show.score_runner.status_lines() == ("b: measure 2 of 2, waits for GO",)

@@ -30,7 +30,7 @@ def test_a_parameter_follows_the_loudness_smoothly() -> None:
     )
     values = []
     for n in range(24):
-        (change,) = heard.hear(beat(n * 0.5, loudness=0.0 if n < 4 else 1.0))
+        (change,) = heard.handle_music(beat(n * 0.5, loudness=0.0 if n < 4 else 1.0))
         assert isinstance(change, SetMotion)
         assert (change.parameter, change.group) == ("larger", "ember")
         values.append(change.value)
@@ -51,27 +51,27 @@ def test_notes_move_what_follows_them_and_music_does_not() -> None:
         '[[react]]\nto = "note_energy"\nsets = "/dance/light/rim"\nbeats = 0\n'
         '[[react]]\nto = "loudness"\nsets = "head"\nbeats = 0\n'
     )
-    larger, rim = heard.hear_notes(notes(1.0, chord=4, energy=0.7))
+    larger, rim = heard.handle_notes(notes(1.0, chord=4, energy=0.7))
     assert isinstance(larger, SetMotion) and isinstance(rim, SetPicture)  # noqa: PT018
     assert (larger.parameter, larger.value, rim.parameter, rim.x) == ("larger", 0.2, "/dance/light/rim", 0.7)
-    larger, rim = heard.hear_notes(notes(3.0, beats=4.0, chord=8))
+    larger, rim = heard.handle_notes(notes(3.0, beats=4.0, chord=8))
     assert isinstance(larger, SetMotion) and isinstance(rim, SetPicture)  # noqa: PT018
     assert larger.value == pytest.approx(0.4 - 0.2 / 2.718281828)  # four beats: all but 1/e of the way
     assert rim.x == 0.0
-    (head,) = heard.hear(beat(3.5, loudness=0.25))
+    (head,) = heard.handle_music(beat(3.5, loudness=0.25))
     assert isinstance(head, SetMotion)
     assert (head.parameter, head.value) == ("head", 0.25)
 
 
 def test_notes_are_the_mood_of_who_improvises_and_of_the_light() -> None:
     show = made_show()
-    mood = show.prompter.mood
-    assert (mood.of("energy"), mood.of("note_energy"), mood.of("chord")) == (0.5, 0.0, 0.0)
+    mood = show.score_runner.mood
+    assert (mood.value("energy"), mood.value("note_energy"), mood.value("chord")) == (0.5, 0.0, 0.0)
     show.apply(notes(0.0, energy=0.8, density=3.0, chord=2, pitch=0.25))
-    assert (mood.of("note_energy"), mood.of("chord"), mood.of("pitch")) == (0.8, 0.25, 0.25)
-    assert mood.of("energy") == pytest.approx(0.5 * (0.8 + 0.5))
+    assert (mood.value("note_energy"), mood.value("chord"), mood.value("pitch")) == (0.8, 0.25, 0.25)
+    assert mood.value("energy") == pytest.approx(0.5 * (0.8 + 0.5))
     show.apply(beat(0.5, loudness=1.0))
-    assert mood.of("energy") == pytest.approx(0.75)  # the band has more of it
+    assert mood.value("energy") == pytest.approx(0.75)  # the band has more of it
     before = show.desk.energy
     for tick in range(1, 65):
         show.tick(tick / 64)
@@ -80,15 +80,15 @@ def test_notes_are_the_mood_of_who_improvises_and_of_the_light() -> None:
 
 def test_elements_that_begin_take_a_strength() -> None:
     heard = reactions('[[react]]\nto = "density"\nsets = "strength"\nlow = 0.0\nhigh = 2.0\nbeats = 0\n')
-    assert heard.hear(beat(0.0)) == []
+    assert heard.handle_music(beat(0.0)) == []
     assert heard.strength == pytest.approx(1.0)
 
 
 def test_a_drop_calls_a_step_at_the_next_measure_line_and_once() -> None:
     heard = reactions('[[react]]\non = "drop"\ncall = "/dance/step"\nvalues = ["sway", 2]\n')
     assert heard.cross_measure_line(0.0) == []
-    assert heard.hear(beat(1.0, drop=True)) == []
-    heard.hear(beat(1.5))
+    assert heard.handle_music(beat(1.0, drop=True)) == []
+    heard.handle_music(beat(1.5))
     (called,) = heard.cross_measure_line(2.0)
     assert isinstance(called, CallStep)
     assert (called.name, called.measures, called.time, called.source) == ("sway", 2.0, 2.0, "music")
@@ -100,7 +100,7 @@ def test_a_build_up_is_told_once_when_it_begins() -> None:
     heard = reactions('[[react]]\non = "build"\ncall = "/dance/spread"\n')
     called = 0
     for n, build in enumerate([0.0, 0.6, 0.9, 0.45, 0.7, 0.1, 0.0, 0.8]):
-        heard.hear(beat(n * 0.5, build=build))
+        heard.handle_music(beat(n * 0.5, build=build))
         called += len(heard.cross_measure_line(n * 0.5))
     assert called == 2
 
@@ -134,7 +134,7 @@ def test_light_follows_the_music_smoothly_from_beat_to_beat() -> None:
         values.append(float(show.desk.parameters.value[first]))
     assert values[15] == pytest.approx(1.75)  # half a beat later: half way from 1 to 2.5
     assert values[31:] == [2.5] * 8
-    assert show.desk.edits.facts()["edits"] == 0
+    assert show.desk.undo_history.facts()["edits"] == 0
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,9 @@ import xml.etree.ElementTree as ElementTree
 from typer.testing import CliRunner
 
 from live.app.pictures.score_picture import score_picture
-from live.cli.inspect.score import described
+from live.cli.inspect.score import describe_sheet
 from live.cli.main import app
-from live.show.score.score_sheet import sheet_of
+from live.show.score.score_sheet import build_sheet
 from tests.show.made_show import made_show
 
 SCORE = (
@@ -22,8 +22,8 @@ SCORE = (
 
 
 def test_everything_stands_where_it_is_written():
-    sheet = sheet_of(made_show(SCORE))
-    tracks = {track.name: [(box.first, box.last, box.words, box.kind) for box in track.boxes] for track in sheet.tracks}
+    sheet = build_sheet(made_show(SCORE))
+    tracks = {track.name: [(box.first, box.last, box.label, box.kind) for box in track.boxes] for track in sheet.tracks}
     assert sheet.measures == 6
     assert tracks["section"] == [(0, 3, "verse, x2", "section"), (4, 5, "solo, until advance", "section")]
     assert tracks["signals"] == [(2, 2, "hit @2.5", "signal")]
@@ -36,18 +36,18 @@ def test_everything_stands_where_it_is_written():
 
 
 def test_the_picture_has_every_box_in_its_measure():
-    sheet = sheet_of(made_show(SCORE))
+    sheet = build_sheet(made_show(SCORE))
     picture = ElementTree.fromstring(score_picture(sheet, ["#ff8800", "#0088ff"], per_row=4))
     name = "{http://www.w3.org/2000/svg}"
     told = [title.text for title in picture.iter(f"{name}title")]
     for track in sheet.tracks:
         for box in track.boxes:
             rows = box.last // 4 - box.first // 4 + 1  # a box that goes over the end of a system is drawn in both
-            assert told.count(f"{box.words}: {box.first + 1} to {box.last + 1}") >= rows
+            assert told.count(f"{box.label}: {box.first + 1} to {box.last + 1}") >= rows
 
 
 def test_a_score_without_measures_is_the_groups_own_steps():
-    lines = described(sheet_of(made_show()))
+    lines = describe_sheet(build_sheet(made_show()))
     assert lines[0] == "test: measures 1 to 16"
     assert any("(sway)" in line for line in lines)
 

@@ -62,14 +62,14 @@ def test_a_jump_before_the_decision_changes_the_coming_measure(beat):
     jump = {round(32 * beat): lambda time: events.JumpTo(time=time, source="osc", section="b")}
     show = made_show(SECTIONS)
     assert steps_of(show, 13, does=jump)[:6] == ["sway", "sway", "spin", "glide", "spin", "glide"]
-    assert show.prompter.facts()["score"]["late_jumps"] == 0
+    assert show.score_runner.facts()["score"]["late_jumps"] == 0
 
 
 def test_a_jump_after_the_decision_dances_what_was_decided_and_says_so():
     jump = {round(32 * 7.4): lambda time: events.JumpTo(time=time, source="osc", section="b")}
     show = made_show(SECTIONS)
     assert steps_of(show, 13, does=jump)[:6] == ["sway", "sway", "sway", "glide", "spin", "glide"]
-    facts = show.prompter.facts()
+    facts = show.score_runner.facts()
     assert facts["score"]["late_jumps"] == 1
     assert "decided already" in facts["score"]["said"]
     assert facts["score"]["said_measure"] == 2
@@ -81,13 +81,13 @@ def test_what_was_said_of_a_jump_stays_with_its_measure_and_leaves_the_overlay()
     held = {32 * 13: lambda time: events.HoldScore(time=time, source="osc", on=False)}
     show = made_show(SECTIONS)
     steps_of(show, 5, does=late)
-    assert any("decided already" in line for line in show.prompter.words())
+    assert any("decided already" in line for line in show.score_runner.status_lines())
     show = made_show(SECTIONS)
     steps_of(show, 17, does=late | held)
-    facts = show.prompter.facts()["score"]
+    facts = show.score_runner.facts()["score"]
     assert "decided already" in facts["said"]
     assert facts["said_measure"] == 2
-    assert not any("decided already" in line for line in show.prompter.words())
+    assert not any("decided already" in line for line in show.score_runner.status_lines())
 
 
 def test_planning_anew_for_nothing_changes_nothing():

@@ -7,7 +7,7 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.control.events import events
-from live.show.selection.choices import BEHIND_M, BEHIND_MEASURES, why_in_words
+from live.show.selection.choices import BEHIND_M, BEHIND_MEASURES, explanation_lines
 from tests.show.made_show import made_show
 
 STAMP = {"time": 0.0, "source": "test"}
@@ -24,10 +24,10 @@ def test_what_is_said_is_what_was_chosen():
     show.apply(events.AskWhy(dancer=3, **STAMP))
     for _ in range(4):
         run(show, 2.0)
-        told = show.why()
+        told = show.explain_choice()
         while not show.dancers.decided:
             run(show, 0.1)
-            told = show.why()
+            told = show.explain_choice()
         library, choices = show.graph.library, show.scheduler.choices
         assert told["dancer"] == 3
         assert told["chosen"]["clip"] == library.describe(int(show.dancers.coming.node[2]))
@@ -40,7 +40,7 @@ def test_what_is_said_is_what_was_chosen():
         taken = show.dancers.coming.take_share[0, 2]
         assert told["chosen"].get("share", 0.0) == pytest.approx(taken)
         assert json.loads(json.dumps(told)) == told
-        assert 1 <= len(why_in_words(told)) <= 3
+        assert 1 <= len(explanation_lines(told)) <= 3
 
 
 def test_asking_changes_nothing_that_is_danced():
@@ -50,9 +50,9 @@ def test_asking_changes_nothing_that_is_danced():
     for show in (asked, plain):
         run(show, 5.0)
     assert asked.state_hash() == plain.state_hash()
-    assert plain.why() is None
+    assert plain.explain_choice() is None
     asked.apply(events.AskWhy(dancer=99, **STAMP))
-    assert asked.why() is None
+    assert asked.explain_choice() is None
 
 
 def test_planning_is_spread_over_the_ticks_before_the_decision():
@@ -62,7 +62,7 @@ def test_planning_is_spread_over_the_ticks_before_the_decision():
     left, heaviest = [], [0]
 
     def look():
-        left.append(scheduler._planning.pieces.left)
+        left.append(scheduler._planning.pieces.remaining)
         heaviest.extend(scheduler._planning.pieces.weights())
 
     run(show, 7.0, look)
@@ -89,7 +89,7 @@ def test_nobody_is_asked_for_more_than_her_step_reaches_and_who_falls_behind_is_
     show = made_show()
     show.apply(events.SetSequence(steps="sway", group="*", **STAMP))
     run(show, 4.0)
-    assert all(told["record"] is None for told in show.scheduler.behind().values())
+    assert all(told["record"] is None for told in show.scheduler.reachability_report().values())
     # a formation at the other end of the stage, for dancers who sway on the spot
     show.apply(events.Evolve(formation="line", measures=2.0, group="front", time=show.time, source="test"))
     for index, section in enumerate(show.patch.group):
@@ -103,12 +103,12 @@ def test_nobody_is_asked_for_more_than_her_step_reaches_and_who_falls_behind_is_
     def sent(*_):
         return show.state.position + far, np.zeros(9, np.bool_), np.zeros(9)
 
-    show.motion.ahead = sent
+    show.motion.predicted_ends = sent
     far[:5] = [0.0, 2.0]
     run(show, 2.0 * (BEHIND_MEASURES + 2))
-    assert (np.hypot(*(choices.target - choices.stand).T) < 0.3).all()
+    assert (np.hypot(*(choices.target - choices.start_position).T) < 0.3).all()
     assert (choices.lag[:5] > BEHIND_M).all()
-    told = show.scheduler.behind()
+    told = show.scheduler.reachability_report()
     assert told["front"]["behind"] == 5
     assert told["back"]["behind"] == 0
     assert "'sway'" in told["front"]["record"]
@@ -134,7 +134,7 @@ def planned_errors(seconds=16.0):
 
 def test_shares_are_refined_so_that_mixtures_end_nearer(monkeypatch):
     refined = planned_errors()
-    monkeypatch.setattr("live.show.patch.background_check.HALF_SHARE", 0.0)
+    monkeypatch.setattr("live.show.patch.background_check.SHARE_REFINEMENT", 0.0)
     stepped = planned_errors()
     assert len(refined) == len(stepped) == 8
     assert (refined[0] <= stepped[0] + 2e-3).all()  # until then nothing else differs
@@ -147,8 +147,8 @@ def test_a_group_that_stands_draws_no_step_that_travels(monkeypatch):
     programme = show.scheduler.programmes[1]
     library = show.graph.library
     nodes = show.dancers.node[show.group == 1]
-    monkeypatch.setattr("live.show.score.step_program.in_place", lambda graph, step: library.steps[step] != "glide")
+    monkeypatch.setattr("live.show.score.step_program.is_in_place", lambda graph, step: library.steps[step] != "glide")
     for stands in (True, False):
-        programme.stands = stands
+        programme.standing = stands
         drawn = {library.steps[programme._draw(measure, nodes)] for measure in range(200)}
         assert ("glide" in drawn) == (not stands)

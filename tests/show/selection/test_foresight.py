@@ -7,10 +7,10 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.graph.motion_graph import build_graph
-from live.graph.search.sequence_spec import Wanted
+from live.graph.search.sequence_spec import SequenceEntry
 from live.graph.step_library import build_library
 from live.show.patch.patch_reader import parse_patch
-from live.show.selection.lookahead import IMPOSSIBLE, Foresight
+from live.show.selection.lookahead import IMPOSSIBLE, StepCosts
 from live.show.show import Show
 from tests.fixtures.made_steps import made_clip
 
@@ -40,25 +40,27 @@ def graph():
 
 def test_a_node_costs_what_goes_wrong_after_it(graph):
     """sway, spin: the sway that ends low leads to no spin, so one measure is wrong; the spin at once is wrong, too."""
-    ahead = Foresight(graph).sequence((Wanted(0), Wanted(1)), 0)
+    ahead = StepCosts(graph).sequence_cost((SequenceEntry(0), SequenceEntry(1)), 0)
     low, high, spin = ahead[:3]
     assert high < 0.5
     assert 0.5 < low < 2.0
     assert spin > 1.0
-    assert Foresight(graph).sequence((Wanted(2, 2),), 1)[4] < 0.5  # in the middle of a bow only its second measure fits
+    assert (
+        StepCosts(graph).sequence_cost((SequenceEntry(2, 2),), 1)[4] < 0.5
+    )  # in the middle of a bow only its second measure fits
 
 
 def test_what_is_asked_again_is_not_searched_again(graph):
-    foresight = Foresight(graph)
-    wanted = (Wanted(0), Wanted(1))
-    assert foresight.sequence(wanted, 0) is foresight.sequence(wanted, 0)
+    foresight = StepCosts(graph)
+    wanted = (SequenceEntry(0), SequenceEntry(1))
+    assert foresight.sequence_cost(wanted, 0) is foresight.sequence_cost(wanted, 0)
     for n in range(200):
-        foresight.sequence((Wanted(0),) * (n + 1), 0)
+        foresight.sequence_cost((SequenceEntry(0),) * (n + 1), 0)
     assert len(foresight._kept) <= 64
 
 
 def test_a_single_step_is_counted_in_measures_until_it(graph):
-    away = Foresight(graph).step(1)
+    away = StepCosts(graph).step_distance(1)
     assert away[2] == 0.0
     assert away.min() >= 0.0
     assert away.max() <= 1.0 + IMPOSSIBLE

@@ -18,7 +18,7 @@ NOBODY = np.zeros(9, np.bool_)
 
 def measures(show, count, *, start=None, wish=None, planned=None, known=NOBODY):
     """Headings [deg] of all dancers over so many measures."""
-    headings = show.scheduler.aims.headings
+    headings = show.scheduler.targets.headings
     place = np.zeros((9, 2)) if start is None else start
     wish = place if wish is None else wish
     planned = np.zeros(9) if planned is None else planned

@@ -32,7 +32,7 @@ def run(show, first, last, each=lambda number: None):
 def bodies(show):
     """All joints now, before feet are held: made figures slide on straight legs, which the foot lock does not hide."""
     everybody = np.arange(len(show.group), dtype=np.int32)
-    return show.dancers.unmended(everybody, show.span.fraction(show.timeline.beat_at(show.time)), show.time)[0].copy()
+    return show.dancers.raw_poses(everybody, show.span.fraction(show.timeline.beat_at(show.time)), show.time)[0].copy()
 
 
 def largest_jump(poses):
@@ -63,7 +63,7 @@ def test_a_cue_acts_at_the_next_half_beat_and_only_on_who_is_meant():
     now = steps_of(show)
     assert now[:5] == ["spin"] * 5
     assert now[5:] == before[5:]
-    assert show.interrupts.cues == 1
+    assert show.interrupts.cue_count == 1
 
 
 @pytest.mark.parametrize("time", [4.02, 4.6, 5.2, 5.55, 5.8, 5.98])
@@ -81,7 +81,7 @@ def test_nobody_jumps_and_the_dance_goes_on_along_the_graph(time):
         poses.append(bodies(show))
         if (show.dancers.node != nodes[-1]).any():
             nodes.append(show.dancers.node.copy())
-            cut.add(len(nodes) - 1) if show.interrupts.cutting.cuts and not cut else None
+            cut.add(len(nodes) - 1) if show.interrupts.clip_cutter.cuts and not cut else None
 
     run(show, tick(time) + 1, tick(time + 3 * MEASURE), each)
     assert largest_jump(poses) < 0.8
@@ -125,9 +125,9 @@ def test_what_is_not_there_is_refused_with_words(event, words):
     show = made_show()
     run(show, 1, 64)
     assert not show.apply(event)
-    assert words in show.refusals.words
+    assert words in show.refusals.last_reason
     run(show, 65, 128)
-    assert show.interrupts.cutting.cuts == 0
+    assert show.interrupts.clip_cutter.cuts == 0
 
 
 def test_cues_are_journalled_and_danced_again_bit_by_bit():
@@ -142,7 +142,7 @@ def test_cues_are_journalled_and_danced_again_bit_by_bit():
             for at, event in events:
                 if at == number:
                     show.apply(event_from_json(event_to_json(event)))
-        assert show.interrupts.cues == 3
+        assert show.interrupts.cue_count == 3
         return hashes
 
     assert danced() == danced()
@@ -159,7 +159,7 @@ def test_a_group_that_dances_behind_the_others_is_cut_in_its_own_measure():
         poses.append(bodies(show))
 
     run(show, tick(6.1) + 1, tick(9.0), each)
-    assert show.interrupts.cutting.cuts - show.interrupts.avoided == 3
+    assert show.interrupts.clip_cutter.cuts - show.interrupts.avoidance_count == 3
     assert largest_jump(poses) < 0.8
 
 
@@ -167,7 +167,7 @@ def walked_through(*, careful):
     """The least distance [m] of a real performer, who walks along the front row, to any dancer."""
     show = made_show()
     if not careful:
-        show.interrupts._avoiding.tick = lambda *arguments: None
+        show.interrupts._collision_avoidance.tick = lambda *arguments: None
     nearest = []
 
     def each(number):
@@ -175,10 +175,10 @@ def walked_through(*, careful):
         place = np.array([-6.0 + 1.2 * (time - 2.0), 1.5])
         if time >= 2.0:
             show.apply(Performer(time=time, source="camera", name="ann", x=float(place[0]), z=float(place[1])))
-            nearest.append(np.hypot(*(show.dancers.shown - place).T).min())
+            nearest.append(np.hypot(*(show.dancers.drawn_hips - place).T).min())
 
     run(show, 1, tick(12.0), each)
-    return min(nearest), show.interrupts.avoided
+    return min(nearest), show.interrupts.avoidance_count
 
 
 def test_dancers_go_out_of_the_way_of_somebody_real():
@@ -191,7 +191,7 @@ def test_dancers_go_out_of_the_way_of_somebody_real():
 def test_nobody_is_cut_while_nothing_happens():
     show = made_show()
     run(show, 1, tick(8.0))
-    assert show.interrupts.cutting.cuts == show.interrupts.avoided == 0
+    assert show.interrupts.clip_cutter.cuts == show.interrupts.avoidance_count == 0
 
 
 def test_pictures_that_are_drawn_between_ticks_change_nothing():
@@ -215,6 +215,6 @@ def test_pictures_that_are_drawn_between_ticks_change_nothing():
         unseen.tick(time)
         seen.tick(time)
         seen.fill(view, time + 0.95 * TICK)
-        assert np.array_equal(seen.dancers.inertia.began, unseen.dancers.inertia.began), number
-    assert unseen.interrupts.cutting.cuts > 100
+        assert np.array_equal(seen.dancers.inertia.cut_time, unseen.dancers.inertia.cut_time), number
+    assert unseen.interrupts.clip_cutter.cuts > 100
     assert seen.state_hash() == unseen.state_hash()

@@ -7,7 +7,7 @@ import pytest
 
 from live.control.events import events
 from live.show.journal.journal import read_journal
-from live.show.journal.replay import ReplayError, reload, replay
+from live.show.journal.replay import ReplayError, fresh_show, replay
 from live.show.loader import load_show
 from live.show.selection.graph_update import LibraryWatch, same_clip
 from tests.show.patch.edited_night import STEPS, Night, folder_with
@@ -45,15 +45,15 @@ def test_a_new_take_is_danced_from_the_next_measure_line_on(patch):
     night.run(3)
     before = night.show.graph
     add_step(patch)
-    assert not night.library.look()  # the folder has changed: it may still be written
-    assert night.library.look()
+    assert not night.library.poll()  # the folder has changed: it may still be written
+    assert night.library.poll()
     night.run(3)
     assert night.show.graph is not before
     assert night.show.graph.library.steps[: len(before.library.steps)] == before.library.steps
     assert night.show.apply(events.CallStep(time=0.0, source="test", name="new bow"))
     night.run(6)
     assert "new bow" in night.names()
-    assert not night.library.look()
+    assert not night.library.poll()
 
 
 @pytest.mark.long
@@ -61,44 +61,44 @@ def test_a_replay_of_such_a_night_is_bit_identical(patch):
     night = Night(patch)
     night.run(3)
     add_step(patch)
-    night.library.look()
-    assert night.library.look()
+    night.library.poll()
+    assert night.library.poll()
     night.run(3)
     night.inbox.put(events.CallStep(time=night.clock.now(), source="test", name="new bow"))
     night.run(6)
     night.writer.close(night.engine.ticks.index)
     journal = read_journal(night.journal)
-    fresh = reload(journal)
+    fresh = fresh_show(journal)
     assert "new bow" not in fresh.graph.library.steps
     result = replay(fresh, journal)
     assert result.measures >= 4
     assert result.differences == ()
     (patch.parent / "moves" / "another.toml").unlink()
-    assert replay(reload(journal), journal).differences  # the take is gone: the replay says so
+    assert replay(fresh_show(journal), journal).differences  # the take is gone: the replay says so
 
 
 def test_what_cannot_be_read_is_told_and_the_show_goes_on(patch):
     night = Night(patch)
     night.run(1)
     (patch.parent / "moves" / "broken.toml").write_text('name = "x"\nbeats = ')
-    night.library.look()
-    assert not night.library.look()
+    night.library.poll()
+    assert not night.library.poll()
     assert "broken.toml" in night.library.problem
     night.run(3)
     (patch.parent / "moves" / "broken.toml").unlink()
     add_step(patch)
-    night.library.look()
-    assert night.library.look()
+    night.library.poll()
+    assert night.library.poll()
     assert night.library.problem == ""
-    assert night.library.joined == "new steps: new bow can be danced"
+    assert night.library.last_change == "new steps: new bow can be danced"
 
 
 def test_steps_of_another_metre_are_named(patch):
     night = Night(patch)
     text = (STEPS / "samba.toml").read_text().replace('name = "samba"', 'name = "march"')
     (patch.parent / "moves" / "march.toml").write_text(text.replace("beats = ", "beats_per_measure = 2\nbeats = ", 1))
-    night.library.look()
-    assert not night.library.look()
+    night.library.poll()
+    assert not night.library.poll()
     assert "march" in night.library.problem
     assert "4 beats" in night.library.problem
 
@@ -107,7 +107,7 @@ def test_an_event_without_its_graph_is_refused(patch):
     night = Night(patch)
     event = events.StepsAdded(time=0.0, source="osc", clips="nothing | here | as made", library="00")
     assert not night.show.apply(event)
-    assert "do not exist" in night.show.refusals.words
+    assert "do not exist" in night.show.refusals.last_reason
 
 
 def test_the_thread_starts_and_stops(patch):
@@ -129,10 +129,10 @@ def test_a_journal_whose_steps_are_others_is_refused(patch):
     night.run(1)
     night.writer.close(night.engine.ticks.index)
     add_step(patch)  # what has come since is left out
-    assert reload(read_journal(night.journal)).graph.library.steps == night.show.graph.library.steps
+    assert fresh_show(read_journal(night.journal)).graph.library.steps == night.show.graph.library.steps
     louder(patch)
     with pytest.raises(ReplayError, match="changed"):
-        reload(read_journal(night.journal))
+        fresh_show(read_journal(night.journal))
 
 
 class Changing(Night):
@@ -143,15 +143,15 @@ class Changing(Night):
         self.library = LibraryWatch(
             self.loaded.steps_folder,
             self.show.graph,
-            offer=self.show.offer,
+            offer=self.show.offer_graph,
             post=self.inbox.put,
             now=self.clock.now,
             read=self.loaded.clips,
         )
 
     def look(self):
-        self.library.look()
-        return self.library.look()
+        self.library.poll()
+        return self.library.poll()
 
     def clips(self):
         """The clips danced now, by their index in the library."""
@@ -174,7 +174,7 @@ def test_a_changed_step_is_danced_as_it_is_now_and_a_replay_as_it_was_then(patch
     before = night.show.graph.library
     louder(patch)
     assert night.look()
-    assert night.library.joined == "new steps: groove danced as they are now"
+    assert night.library.last_change == "new steps: groove danced as they are now"
     night.run(8)
     library = night.show.graph.library
     assert library.steps == before.steps
@@ -186,7 +186,7 @@ def test_a_changed_step_is_danced_as_it_is_now_and_a_replay_as_it_was_then(patch
     (patch.parent / "moves" / "groove.toml").unlink()  # a replay does not ask the file, neither then nor now
     night.writer.close(night.engine.ticks.index)
     journal = read_journal(night.journal)
-    result = replay(reload(journal), journal)
+    result = replay(fresh_show(journal), journal)
     assert result.measures >= 4
     assert result.differences == ()
 
@@ -201,7 +201,7 @@ def test_a_step_that_is_gone_is_finished_and_not_begun_any_more(patch):
     night.run(3)
     (patch.parent / "moves" / "another.toml").unlink()
     assert night.look()
-    assert night.library.joined == "new steps: new bow not begun any more"
+    assert night.library.last_change == "new steps: new bow not begun any more"
     night.run(4)
     later = set()
     for _ in range(8):
@@ -211,22 +211,22 @@ def test_a_step_that_is_gone_is_finished_and_not_begun_any_more(patch):
     assert night.show.refusals.count == 0
     night.writer.close(night.engine.ticks.index)
     journal = read_journal(night.journal)
-    assert replay(reload(journal), journal).differences == ()
+    assert replay(fresh_show(journal), journal).differences == ()
 
 
 def test_a_step_that_a_group_needs_cannot_be_taken_away(patch):
     add_step(patch)
     (patch.parent / "show.toml").write_text(PATCH.replace('["groove"]', '["new bow"]'))
     night = Changing(patch)
-    night.library.prove = lambda graph: night.show.another(night.show.patch, graph)
+    night.library.check = lambda graph: night.show.make_show(night.show.patch, graph)
     night.run(1)
     before = night.library.graph
     (patch.parent / "moves" / "another.toml").unlink()
     assert not night.look()
     assert "new bow" in night.library.problem
     assert night.library.graph is before
-    night.library.again()
-    assert not night.library.look()  # as before: it is looked at once more
+    night.library.retry()
+    assert not night.library.poll()  # as before: it is looked at once more
 
 
 def test_an_event_that_takes_away_what_is_not_there_is_refused(patch):

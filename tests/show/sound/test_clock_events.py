@@ -5,7 +5,7 @@ from collections import Counter, deque
 import numpy as np
 import pytest
 
-from live.base.event_queue import Inbox
+from live.base.event_queue import EventQueue
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.audio.analysis import AudioAnalysis
@@ -87,10 +87,10 @@ def test_hands_are_journalled_and_replayed_bit_by_bit(tmp_path):
     for tick in range(1, 64 * 18):
         for when, event in script:
             if when == tick:
-                writer.event(tick - 1, event)
+                writer.record_event(tick - 1, event)
                 assert show.apply(event)
         if show.tick(tick * TICK):
-            writer.measure(tick, show.span.number + 1, show.state_hash())
+            writer.record_measure(tick, show.span.number + 1, show.state_hash())
     writer.close(tick)
     assert show.follower.jumps >= 3
     again = replay(made_show(), read_journal(path))
@@ -125,7 +125,7 @@ SLOW = "music = {one_at_s = 2.763, bpm = 64}\n"
 
 @pytest.mark.parametrize("begin", [0.0, 0.21, 0.7])
 def test_the_score_of_a_slow_song_begins_with_its_known_downbeat(tmp_path, begin):
-    show, clock, inbox = made_show(SLOW, top=True), ManualClock(), Inbox()
+    show, clock, inbox = made_show(SLOW, top=True), ManualClock(), EventQueue()
     music = OfflineMusic(slow_song(64.0, 2.763, 16.0), begin=begin, one_at=2.763, analysis=analysis_of(show))
     writer = JournalWriter(tmp_path / "night.jsonl", {})
     status = Status(show, rejected=dict, memory=lambda: 0.0)
@@ -158,7 +158,7 @@ class QuickClock:
 
 
 def test_a_player_says_when_the_downbeat_will_be_heard_before_it_is():
-    inbox = Inbox()
+    inbox = EventQueue()
     player = MusicPlayer(slow_song(64.0, 2.763, 8.0), inbox, QuickClock(), output=False, one_at=2.763)
     found = []
     player.start()
@@ -190,13 +190,13 @@ def test_a_downbeat_late_in_the_music_is_told_at_the_same_place_however_it_is_as
 def test_what_the_clock_refuses_is_told():
     show = made_show()
     assert not show.apply(events.ChooseSource(time=0.0, source="osc", name="the drummer"))
-    assert "the drummer" in show.refusals.words
+    assert "the drummer" in show.refusals.last_reason
     assert not show.apply(events.SetMetre(time=0.0, source="osc", beats=1.0))
     for k in range(12):
         run(show, 32)
         heard(show, 0.5 * (k + 1), beat=k % 4, beats_per_measure=4, measure=k // 4)
     assert not show.apply(events.SetTempo(time=show.time, source="key", tempo=90.0))
-    assert "midi" in show.refusals.words
+    assert "midi" in show.refusals.last_reason
 
 
 def test_the_status_says_who_is_followed_and_what_waits():

@@ -8,8 +8,8 @@ import pytest
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.midi.midi_clock import MidiClock
 from live.clock.ticks import TICK
-from live.control.midi.midi_decoder import event_of
-from live.show.sound.clock_commands import tell
+from live.control.midi.midi_decoder import to_event
+from live.show.sound.clock_commands import apply_clock_event
 
 
 def timeline_of(lines, seconds):
@@ -19,10 +19,10 @@ def timeline_of(lines, seconds):
         now = tick * TICK
         while at < len(lines) and lines[at]["t"] <= now:
             for item in clock.receive(lines[at]["m"], lines[at]["t"]):
-                tell(follower, event_of(item, "midi", 4))
+                apply_clock_event(follower, to_event(item, "midi", 4))
             at += 1
         for item in clock.advance(now):
-            tell(follower, event_of(item, "midi", 4))
+            apply_clock_event(follower, to_event(item, "midi", 4))
         timeline = follower.advance(now)
         rows.append((now, timeline.beat_at(now), timeline.phase_at(now), follower.tempo))
     return np.array(rows), follower

@@ -10,7 +10,7 @@ from live.clock.time_source import ManualClock
 from live.control.audio import click_output
 from live.control.audio.devices import SoundDevice
 from live.control.events.events import CountIn, SetClick, Tap
-from live.show.sound.click_link import OnClick
+from live.show.sound.click_link import ClickConnection
 from live.show.sound.soundtrack import click_voices
 from live.show.venue.venue import Venue
 from tests.show.made_show import made_show
@@ -24,8 +24,8 @@ def drummer(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_count_in_is_clicked_though_the_click_is_off(drummer: None) -> None:
     show = made_show()
-    click = OnClick(show, click_output.ClickOutput("drummer", ManualClock(), click_voices))
-    click.heard(SetClick(time=0.0, source="test", on=False))
+    click = ClickConnection(show, click_output.ClickOutput("drummer", ManualClock(), click_voices))
+    click.handle(SetClick(time=0.0, source="test", on=False))
     sound, counted = np.zeros(round(TICK * 48_000), np.float32), []
     for index in range(1, 64 * 9):
         if index == 100:

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from live.render.film.streams import FilmSound
-from live.show.dancers.footfalls import BALL, HEEL, Footfalls
-from live.show.loader import show_of
+from live.show.dancers.footfalls import BALL, HEEL, FootfallDetector
+from live.show.loader import load_from_patch
 from live.show.patch.patch_reader import read_patch
 from live.show.patch.patch_search_path import find_patch
 from live.show.sound.soundtrack import (
@@ -15,7 +15,7 @@ from live.show.sound.soundtrack import (
     MAX_VOICES,
     MUSIC_LEVEL,
     RATE,
-    ShowSound,
+    Soundtrack,
     click_voices,
     tap_voices,
 )
@@ -31,15 +31,15 @@ def tap_show(*, dancers=1, at=(0.0, 0.0), **motion):
     place = {"formation": "grid", "centre": at, "facing": "public"}
     group = patch.group[2].model_copy(update={"dancers": dancers, **place})
     motion = patch.motion.model_copy(update=SOLO | motion)
-    return show_of(
+    return load_from_patch(
         patch.model_copy(update={"group": (group,), "element": (), "segment": (), "motion": motion}), TAP
     ).start()
 
 
 def run(show, seconds, *, fps=40, **sound):
     """All that was mixed in that time, and the footfalls."""
-    mixed, falls, view, tick = ShowSound(show, sound.pop("music", None), **sound), [], show.view(), 0
-    feet = Footfalls(show)
+    mixed, falls, view, tick = Soundtrack(show, sound.pop("music", None), **sound), [], show.view(), 0
+    feet = FootfallDetector(show)
     pieces, made = [], 0
     for frame in range(round(seconds * fps)):
         while (tick + 1) / 64 <= frame / fps + 1 / 64:
@@ -47,7 +47,7 @@ def run(show, seconds, *, fps=40, **sound):
             show.tick(tick / 64)
         show.fill(view, max(frame / fps + 1 / 64, tick / 64))
         mixed.frame(view)
-        falls += feet.frame(view)
+        falls += feet.detect(view)
         pieces.append(mixed.film.read(made, round((frame + 1) / fps * RATE) - made))
         made += len(pieces[-1])
     return np.concatenate(pieces), falls, mixed
@@ -110,8 +110,8 @@ def test_many_dancers_are_louder_than_one_but_never_too_loud():
     many, _, mixed = run(tap_show(dancers=60, warp_beats=0.03), 2.0, click=True, taps=True)
     assert np.abs(many).max() <= 1.0 + CLICK_LEVEL
     assert energy(many, 1.0, 2.0) > energy(one, 1.0, 2.0)
-    assert len(mixed._sounding) <= MAX_VOICES
-    assert mixed.left_out > 0  # 60 pairs of feet are more than can sound at once
+    assert len(mixed._voice_ends) <= MAX_VOICES
+    assert mixed.dropped_taps > 0  # 60 pairs of feet are more than can sound at once
 
 
 def test_the_same_show_sounds_the_same_and_another_seed_has_other_shoes():
@@ -126,9 +126,9 @@ def test_the_same_show_sounds_the_same_and_another_seed_has_other_shoes():
 @pytest.mark.parametrize(("rate", "channels"), [(44100, 1), (22050, 2)])
 def test_music_stays_under_the_click_in_its_own_rate(rate, channels):
     tone = (0.5 * np.sin(np.arange(3 * rate) * 0.05)).astype(np.float32)
-    music = FilmSound.of(np.repeat(tone[:, None], channels, axis=1), rate)
+    music = FilmSound.from_samples(np.repeat(tone[:, None], channels, axis=1), rate)
     show = tap_show()
-    mixed, view = ShowSound(show, music, click=True, taps=False), show.view()
+    mixed, view = Soundtrack(show, music, click=True, taps=False), show.view()
     for tick in range(1, 65):
         show.tick(tick / 64)
         show.fill(view, tick / 64)

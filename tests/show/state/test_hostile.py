@@ -10,8 +10,8 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.show.journal.journal_writer import read_snapshots
-from live.show.state.byte_format import HEAD, MOST_TREE
-from live.show.state.snapshot import SnapshotError, facts_of, restore
+from live.show.state.byte_format import HEAD, MAX_TREE_BYTES
+from live.show.state.snapshot import SnapshotError, restore, snapshot_header
 from tests.show.state.hostile import Mutations, halves, joined, opened, sealed, tried
 from tests.show.state.test_snapshot import MADE, run, taken_at
 
@@ -39,7 +39,7 @@ def taken():
 
 @pytest.fixture(scope="module")
 def fresh(taken):
-    return MADE.start(seed=facts_of(taken[1])["seed"])
+    return MADE.start(seed=snapshot_header(taken[1])["seed"])
 
 
 def rows_of(tree, kind):
@@ -157,8 +157,8 @@ def test_what_says_that_it_is_large_asks_for_no_memory(taken, fresh):
         sealed(joined(tree, content), facts),
         sealed(payload, facts, size=1 << 62),
         sealed(payload, facts, size=-1),
-        sealed(HEAD.pack(MOST_TREE) + b"\xdd\xff\xff\xff\xff" + bytes(64), facts),
-        sealed(HEAD.pack(MOST_TREE + 8) + b"\x90" * (MOST_TREE + 8), facts),
+        sealed(HEAD.pack(MAX_TREE_BYTES) + b"\xdd\xff\xff\xff\xff" + bytes(64), facts),
+        sealed(HEAD.pack(MAX_TREE_BYTES + 8) + b"\x90" * (MAX_TREE_BYTES + 8), facts),
         sealed(HEAD.pack(400) + b"\x91" * 400, facts),
         sealed(HEAD.pack(1 << 20) + b"\xdc\xff\xff" + b"\x90" * (1 << 20), facts),
         sealed(joined([{}, {n: [-1] for n in range(300_000)}, [], [0]], b""), facts),

@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 
 from live.control.events import events
-from live.rehearse.soak_test import Plan, Soak
+from live.rehearse.soak_test import SoakOptions, SoakTest
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import find_patch
 from live.show.state.constants import attributes
-from live.show.state.kind import NUMBERS, type_of
-from live.show.state.kinds import BY_CLASS, BY_NAME, CONSTANT, METHODS
-from live.show.state.snapshot import SnapshotError, Snapshots, at_rest, many_of, restore
+from live.show.state.kind import NUMBERS, parse_type
+from live.show.state.kinds import BY_CLASS, BY_NAME, CONSTANT_KINDS, METHODS
+from live.show.state.snapshot import SnapshotError, Snapshotter, at_rest, index_limits, restore
 from live.show.state.type_check import check_state
 from tests.show.desk.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH
@@ -34,16 +34,16 @@ def words_of(found):
 
 
 def finds_of(found):
-    yield found.finds
+    yield found.index_of
     for each in found.of:
         yield from finds_of(each)
 
 
 def test_every_word_of_a_type_is_known():
-    many = many_of(MADE.start())
+    many = index_limits(MADE.start())
     for kind in BY_NAME.values():
         for name, found in kind.types().items():
-            unknown = set(words_of(found)) - WORDS - set(BY_NAME) - set(CONSTANT)
+            unknown = set(words_of(found)) - WORDS - set(BY_NAME) - set(CONSTANT_KINDS)
             assert not unknown, f"{kind.name}.{name}: {unknown}"
             assert set(finds_of(found)) <= {"", *many}, f"{kind.name}.{name}"
 
@@ -61,7 +61,7 @@ def test_all_slots_of_a_class_are_fields():
         if issubclass(kind.cls, Enum) or kind.cls.__dictoffset__:
             continue
         slots = {name for cls in kind.cls.__mro__ for name in _slots(cls)} - {"__weakref__"}
-        assert slots == {*kind.names, *kind.anew}, kind.name
+        assert slots == {*kind.names, *kind.factories}, kind.name
 
 
 def _slots(cls):
@@ -71,12 +71,12 @@ def _slots(cls):
 
 def test_types_are_read_and_said_as_they_are_written():
     for text in ("int", "list[int|none]", "dict[str,tuple[float,float]]", "i4(node)", "row[str]|none", "tuple[]"):
-        assert str(type_of(text)) == text
-    assert type_of("f8*~").any_shape
-    assert type_of("f8*~").any_number
+        assert str(parse_type(text)) == text
+    assert parse_type("f8*~").any_shape
+    assert parse_type("f8*~").any_number
     for text in ("", "[int]", "int]", "list[int", "a b"):
         with pytest.raises((ValueError, IndexError)):
-            type_of(text)
+            parse_type(text)
 
 
 class Strange:
@@ -87,11 +87,11 @@ def test_a_class_and_a_field_that_are_not_listed_are_named():
     show = MADE.start()
     show.desk.master.cards["x"] = Strange()
     with pytest.raises(SnapshotError, match="Strange is of no kind"):
-        Snapshots(show).take(0)
+        Snapshotter(show).capture(0)
     show = MADE.start()
     show.desk.master.fresh = 1
     with pytest.raises(SnapshotError, match="the field fresh of Master is not listed in its kind 'master'"):
-        Snapshots(show).take(0).seal()
+        Snapshotter(show).capture(0).seal()
 
 
 def test_a_kind_that_has_another_field_now_is_named(monkeypatch):
@@ -99,7 +99,7 @@ def test_a_kind_that_has_another_field_now_is_named(monkeypatch):
     run(show, 1, 20)
     _, data = taken_at(show, 20)
     kind = BY_NAME["master"]
-    monkeypatch.setitem(BY_NAME, "master", type(kind)(kind.name, kind.cls, f"{kind.words} fresh:int"))
+    monkeypatch.setitem(BY_NAME, "master", type(kind)(kind.name, kind.cls, f"{kind.schema} fresh:int"))
     with pytest.raises(SnapshotError, match="'master' is of another version there, with other fields: fresh"):
         restore(MADE, data)
 
@@ -123,11 +123,11 @@ def test_what_is_written_does_not_change_with_the_show():
     show, watched = MADE.start(), MADE.start()
     for each in (show, watched):
         run(each, 1, 300)
-    source = Snapshots(watched)
-    taken = source.take(300)
-    then = Snapshots(show).take(300).seal()
+    source = Snapshotter(watched)
+    taken = source.capture(300)
+    then = Snapshotter(show).capture(300).seal()
     run(watched, 301, 420)
-    assert source.take(420) is not None
+    assert source.capture(420) is not None
     assert restore(MADE, taken.seal()).state_hash() == restore(MADE, then).state_hash() == show.state_hash()
 
 
@@ -138,7 +138,7 @@ def test_arrays_that_are_one_stay_one_and_parts_stay_parts():
     state = restored.motion.state
     assert state.position.base is state.velocity.base is state.flat
     assert restored.motion.casting is restored.casting
-    assert restored.dancers is restored.scheduler.carrying._dancers
+    assert restored.dancers is restored.scheduler.root_correction._dancers
     assert restored.graph is not None
 
 
@@ -147,8 +147,8 @@ def test_what_a_show_holds_is_of_its_types(tick):
     for loaded in (MADE, LoadedShow(Path("desk.toml"), parse_patch(PATCH + DESK, "desk.toml"), GRAPH)):
         show = loaded.start()
         run(show, 1, tick, SCRIPT)
-        check_state(show, "show", loaded.start(), many_of(show))
-        assert Snapshots(show).take(tick) is not None or not at_rest(show)
+        check_state(show, "show", loaded.start(), index_limits(show))
+        assert Snapshotter(show).capture(tick) is not None or not at_rest(show)
 
 
 @pytest.mark.long
@@ -160,7 +160,7 @@ def test_the_shows_of_all_patches_hold_what_is_listed(name):
     """A minute with twelve players who do everything, whose patch is edited meanwhile: looked at once a second."""
     path = find_patch(None if name == "first_show" else name)
     with tempfile.TemporaryDirectory() as folder:
-        soak = Soak(Plan(path, seed=13, hours=60.0 / 3600.0, players=12, calls=20, faults=3), Path(folder))
+        soak = SoakTest(SoakOptions(path, seed=13, hours=60.0 / 3600.0, players=12, calls=20, faults=3), Path(folder))
         looked = _looked_at(soak)
         soak.run()
     assert soak.report.problems == []
@@ -168,22 +168,22 @@ def test_the_shows_of_all_patches_hold_what_is_listed(name):
 
 
 def _looked_at(soak):
-    source, looked, frame = Snapshots(soak.show), [], soak._frame
+    source, looked, frame = Snapshotter(soak.show), [], soak._frame
 
     def watched():
         frame()
         show, now = soak.show, soak.clock.now()
         if looked and now < looked[-1] + 1.0:
             return
-        taken = source.take(soak.engine.ticks.index)
+        taken = source.capture(soak.engine.ticks.index)
         if taken is None:
             return
         looked.append(now)
-        listens, show.follower.on_seed = show.follower.on_seed, None
+        listens, show.follower.on_hint = show.follower.on_hint, None
         try:
-            check_state(show, "show", show.another(show.patch, show.graph), many_of(show))
+            check_state(show, "show", show.make_show(show.patch, show.graph), index_limits(show))
         finally:
-            show.follower.on_seed = listens
+            show.follower.on_hint = listens
 
     soak._frame = watched
     return looked

@@ -35,10 +35,10 @@ def test_a_restored_score_goes_on_bit_by_bit(tick):
     run(show, 1, tick, SCRIPT)
     at, data = taken_at(show, tick, SCRIPT)
     restored = restore(LOADED, data)
-    assert restored.prompter.facts() == show.prompter.facts()
+    assert restored.score_runner.facts() == show.score_runner.facts()
     assert run(restored, at + 1, at + 300, SCRIPT) == run(show, at + 1, at + 300, SCRIPT)
-    assert restored.prompter.facts() == show.prompter.facts()
-    assert restored.prompter.agenda.figures() == show.prompter.agenda.figures()
+    assert restored.score_runner.facts() == show.score_runner.facts()
+    assert restored.score_runner.beat_scheduler.counters() == show.score_runner.beat_scheduler.counters()
 
 
 def test_what_is_written_is_not_in_the_snapshot():

@@ -5,15 +5,15 @@ from pathlib import Path
 
 import pytest
 
-from live.base.compression import packed
+from live.base.compression import compress_text
 from live.clock.ticks import TICK
 from live.control.events import events
-from live.show.background_work import written_text
+from live.show.background_work import patch_json
 from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import find_patch
-from live.show.patch.patch_update import fitted, version_of
-from live.show.state.snapshot import FORMAT, SnapshotError, Snapshots, at_rest, facts_of, restore, snapshot
+from live.show.patch.patch_update import patch_version, split_deferred
+from live.show.state.snapshot import FORMAT, SnapshotError, Snapshotter, at_rest, restore, snapshot, snapshot_header
 from tests.show.desk.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH
 
@@ -51,8 +51,8 @@ def run(show, first, last, script=SCRIPT):
 
 def taken_at(show, tick, script=SCRIPT):
     """Go on from `tick` until a snapshot can be taken: the tick at which it was, and the snapshot."""
-    source = Snapshots(show)
-    while (taken := source.take(tick)) is None:
+    source = Snapshotter(show)
+    while (taken := source.capture(tick)) is None:
         tick += 1
         run(show, tick, tick, script)
     return tick, taken.seal()
@@ -90,11 +90,11 @@ def test_every_patch_of_the_project_can_be_restored(name):
 
 def test_taking_changes_nothing():
     show, watched = MADE.start(), MADE.start()
-    source = Snapshots(watched)
+    source = Snapshotter(watched)
     for tick in range(1, 300):
         run(show, tick, tick)
         run(watched, tick, tick)
-        source.take(tick)
+        source.capture(tick)
     assert watched.state_hash() == show.state_hash()
 
 
@@ -103,15 +103,15 @@ def test_whoever_listens_to_the_clock_stays_with_the_process():
     show.seed_tracker(told.append)
     run(show, 1, 10)
     restored = restore(MADE, taken_at(show, 10)[1])
-    assert show.follower.on_seed is not None
-    assert restored.follower.on_seed is None
+    assert show.follower.on_hint is not None
+    assert restored.follower.on_hint is None
 
 
 def test_a_flipped_bit_is_found_wherever_it_is():
     show = MADE.start()
     run(show, 1, 20)
     _, data = taken_at(show, 20)
-    assert facts_of(data)["tick"] >= 20
+    assert snapshot_header(data)["tick"] >= 20
     for place in (0, 15, 100, data.index(b"\n") + 1, len(data) // 2, len(data) - 1):
         broken = bytearray(data)
         broken[place] ^= 4
@@ -194,8 +194,10 @@ def test_an_edit_that_comes_while_nobody_takes_it_up_keeps_no_snapshot_from_bein
     run(show, 1, 40)
     show.apply(events.BreakerTripped(time=40 * TICK, source="heir", name="edits", why="made by a test"))
     edited = PATCH.replace("reserve = 0", "reserve = 2").replace("bpm = 120", "bpm = 120\n[motion]\namplitude = 0.3")
-    text = written_text(fitted(parse_patch(edited, "edit"), show.patch)[0])
-    show.apply(events.PatchChanged(time=40 * TICK, source="patch", patch=packed(text), version=version_of(text)))
-    assert not at_rest(show), show.refusals.words
+    text = patch_json(split_deferred(parse_patch(edited, "edit"), show.patch)[0])
+    show.apply(
+        events.PatchChanged(time=40 * TICK, source="patch", patch=compress_text(text), version=patch_version(text))
+    )
+    assert not at_rest(show), show.refusals.last_reason
     run(show, 41, 300)
     assert at_rest(show)

@@ -8,10 +8,10 @@ import pytest
 
 from live.base.errors import PersonError
 from live.render.outputs.output import Output
-from live.render.outputs.warp import regular
+from live.render.outputs.warp import regular_mesh
 from live.show.patch.patch_reader import parse_model
 from live.show.venue.venue import Venue
-from live.show.venue.venue_output_writer import changed_output, with_output
+from live.show.venue.venue_output_writer import update_output_toml, updated_output_text
 
 WRITTEN = """# our hall
 name = "Kaufleuten"   # Zürich
@@ -34,38 +34,38 @@ BENT = Output("right", corners=((0.1, 0.123456789), (1.0, 0.0), (1.0, 1.0), (0.0
 
 
 def test_corners_of_one_output_are_written_and_all_else_is_kept():
-    text = with_output(WRITTEN, "hall", BENT)
+    text = update_output_toml(WRITTEN, "hall", BENT)
     left, right = tomllib.loads(text)["output"]
     assert right == {"name": "right", "monitor": "2", "corners": [[0.1, 0.12346], [1.0, 0.0], [1.0, 1.0], [0.0, 0.9]]}
     assert left == tomllib.loads(WRITTEN)["output"][0]
     for words in ("# our hall", "# Zürich", "# old", "# the old one", "# by eye", "# the new one"):
         assert words in text
-    assert with_output(text, "hall", BENT) == text
-    assert with_output(text, "hall", Output("right")) == WRITTEN  # unbent again
+    assert update_output_toml(text, "hall", BENT) == text
+    assert update_output_toml(text, "hall", Output("right")) == WRITTEN  # unbent again
 
 
 def test_a_mesh_is_written_row_by_row_and_read_again():
-    rows = [list(row) for row in regular(3, 2)]
+    rows = [list(row) for row in regular_mesh(3, 2)]
     rows[0][1] = (0.5, -0.04)
     output = replace(BENT, mesh=tuple(map(tuple, rows)))
-    text = with_output(WRITTEN, "hall", output)
+    text = update_output_toml(WRITTEN, "hall", output)
     assert text.count("\n") == WRITTEN.count("\n") + 5
     read = parse_model(text, "hall.toml", Venue, "venue").output[1].output(Path())
     assert read.mesh == output.mesh
-    assert "mesh" not in with_output(text, "hall", replace(output, mesh=regular(3, 2)))
+    assert "mesh" not in update_output_toml(text, "hall", replace(output, mesh=regular_mesh(3, 2)))
 
 
 def test_a_file_and_an_output_are_made_where_there_are_none():
-    text = with_output("", "hall", replace(BENT, name="picture"))
+    text = update_output_toml("", "hall", replace(BENT, name="picture"))
     venue = parse_model(text, "hall.toml", Venue, "venue")
     assert venue.name == "hall"
     assert venue.output[0].output(Path()).corners[0] == (0.1, 0.12346)
-    more = with_output(text, "hall", replace(BENT, name="other"))
+    more = update_output_toml(text, "hall", replace(BENT, name="other"))
     assert [one["name"] for one in tomllib.loads(more)["output"]] == ["picture", "other"]
 
 
 def test_an_output_without_a_name_is_the_one_called_picture():
-    text = with_output("[[output]]\nrotation = 180\n", "hall", replace(BENT, name="picture"))
+    text = update_output_toml("[[output]]\nrotation = 180\n", "hall", replace(BENT, name="picture"))
     (one,) = tomllib.loads(text)["output"]
     assert one["rotation"] == 180
     assert one["corners"][0] == [0.1, 0.12346]
@@ -75,7 +75,7 @@ def test_a_wrong_file_is_left_alone(tmp_path):
     path = tmp_path / "hall.toml"
     path.write_text("[[output]]\nrotation = 3\n")
     with pytest.raises(PersonError, match=r"hall.toml, line 2: output.1.rotation"):
-        changed_output(path, "hall", BENT)
+        updated_output_text(path, "hall", BENT)
     path.write_text(WRITTEN)
-    assert tomllib.loads(changed_output(path, "hall", BENT))["output"][1]["corners"][0] == [0.1, 0.12346]
+    assert tomllib.loads(updated_output_text(path, "hall", BENT))["output"][1]["corners"][0] == [0.1, 0.12346]
     assert path.read_text() == WRITTEN

@@ -4,18 +4,18 @@ import numpy as np
 import pytest
 
 from live.app.launch_options import LaunchOptions
-from live.base.compression import unpacked
+from live.base.compression import decompress_text
 from live.base.errors import PersonError
 from live.base.projector_perspective import floor_corners
-from live.render.camera import pixel_of
+from live.render.camera import project_points
 from live.show.desk.scenes import start_row, view_settings
 from live.show.loader import LoadedShow
 from live.show.patch.hot_reload import PatchWatch
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import parse_model, parse_patch, read_patch
 from live.show.venue.venue import Venue
-from live.show.venue.venue_output import in_hall
-from live.show.view.render_scene import camera_at_first
+from live.show.venue.venue_output import with_venue_projector
+from live.show.view.render_scene import initial_camera
 from tests.show.made_show import GRAPH, PATCH
 
 CORNERS = [[0.21, 0.36], [0.79, 0.35], [0.96, 0.91], [0.05, 0.90]]
@@ -40,30 +40,30 @@ def patch(more: str = "") -> Patch:
 
 def floor_of(camera):
     corners = [(x, 0.0, z) for x, z in floor_corners(10.0, 8.0)]
-    return pixel_of(camera, (1600, 900), corners) / (1600, 900)
+    return project_points(camera, (1600, 900), corners) / (1600, 900)
 
 
 @pytest.mark.parametrize("more", ["", CAMERA, OTHER])
 def test_shows_begin_with_the_hall_s_projector_whatever_they_say(more):
-    played = in_hall(patch(more), hall().projector)
-    np.testing.assert_allclose(floor_of(camera_at_first(played)), CORNERS, atol=1e-9)
+    played = with_venue_projector(patch(more), hall().projector)
+    np.testing.assert_allclose(floor_of(initial_camera(played)), CORNERS, atol=1e-9)
     assert start_row(played) is not None
     assert not played.camera.follow
     assert "projector" in view_settings(played)
-    assert Patch.model_validate(played.written()) == played  # as the journal has it
-    assert camera_at_first(Patch.model_validate(played.written())) == camera_at_first(played)
+    assert Patch.model_validate(played.to_json_values()) == played  # as the journal has it
+    assert initial_camera(Patch.model_validate(played.to_json_values())) == initial_camera(played)
 
 
 def test_it_may_be_a_view_beside_the_show_s_own_camera():
-    played = in_hall(patch(CAMERA), hall(HALL + "begins = false\n").projector)
-    assert camera_at_first(played).eye == (0.0, 3.0, 12.0)
+    played = with_venue_projector(patch(CAMERA), hall(HALL + "begins = false\n").projector)
+    assert initial_camera(played).eye == (0.0, 3.0, 12.0)
     assert played.camera.follow == "*"
     assert "projector" in view_settings(played)
 
 
 def test_a_hall_without_one_changes_nothing():
     plain = patch(CAMERA)
-    assert in_hall(plain, hall('name = "hall"').projector) is plain
+    assert with_venue_projector(plain, hall('name = "hall"').projector) is plain
 
 
 @pytest.mark.parametrize(
@@ -77,21 +77,21 @@ def test_a_hall_without_one_changes_nothing():
 )
 def test_what_is_wrong_is_told_before_the_show(change, words):
     with pytest.raises(PersonError, match=words):
-        in_hall(patch(), hall(HALL.replace(*change)).projector)
+        with_venue_projector(patch(), hall(HALL.replace(*change)).projector)
 
 
 def test_an_edited_patch_is_played_there_too(tmp_path):
     file = tmp_path / "show.toml"
     file.write_text(PATCH + STAGE + CAMERA)
-    loaded = LoadedShow(file, read_patch(file), GRAPH).played_in(hall().projector)
+    loaded = LoadedShow(file, read_patch(file), GRAPH).with_projector(hall().projector)
     posted = []
     watch = PatchWatch(loaded, loaded.start(), post=posted.append, now=lambda: 0.0)
     file.write_text(PATCH.replace('name = "test"', 'name = "other"') + STAGE + CAMERA)
-    assert [watch.look() for _ in range(2)][-1]
+    assert [watch.poll() for _ in range(2)][-1]
     assert (watch.problem, len(posted)) == ("", 1)
-    changed = Patch.model_validate_json(unpacked(posted[0].patch))
+    changed = Patch.model_validate_json(decompress_text(posted[0].patch))
     assert changed.name == "other"
-    np.testing.assert_allclose(floor_of(camera_at_first(changed)), CORNERS, atol=1e-9)
+    np.testing.assert_allclose(floor_of(initial_camera(changed)), CORNERS, atol=1e-9)
 
 
 def test_the_command_line_reads_it_with_the_venue(tmp_path, monkeypatch):

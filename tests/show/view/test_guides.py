@@ -5,7 +5,7 @@ import numpy as np
 from live.clock.ticks import TICK
 from live.motion.pose.foot_lock_kernels import HELD
 from live.show.view import debug_overlay as guides
-from live.show.view.debug_overlay import AGENT, CROSS_M, FEET, RING, RING_M, STANDS, draw_guides
+from live.show.view.debug_overlay import AGENT_COLOUR, CROSS_M, FEET, LOCKED_COLOUR, RING, RING_M, draw_guides
 from tests.show.made_show import made_show
 
 
@@ -26,7 +26,7 @@ def coloured(guide, colour):
 
 def test_each_dancer_is_joined_to_her_agent():
     show, view, guide = danced(200)
-    strokes = coloured(guide, AGENT)
+    strokes = coloured(guide, AGENT_COLOUR)
     count = len(view.group)
     assert len(strokes) == 3 * count  # a line and the two of a cross
     np.testing.assert_allclose(strokes[:count, (0, 2)], view.joint_position[:, 0][:, (0, 2)], atol=1e-5)
@@ -38,7 +38,7 @@ def test_each_dancer_is_joined_to_her_agent():
 def test_a_square_lies_under_each_held_foot():
     show, view, guide = danced(200)
     held = show.dancers.lock.state[:, :, HELD] > 0.0
-    strokes = coloured(guide, STANDS)
+    strokes = coloured(guide, LOCKED_COLOUR)
     assert held.any()
     assert len(strokes) == 4 * held.sum()
     middle = strokes[:, (0, 2)].mean(axis=0)
@@ -59,7 +59,7 @@ def test_a_ring_lies_about_each_prediction_and_is_green_where_the_measure_ends_i
 
 def test_those_in_the_wings_have_no_guides():
     _, view, guide = danced(100, reserve=3)
-    assert len(coloured(guide, AGENT)) == 3 * view.present.sum() < 3 * len(view.group)
+    assert len(coloured(guide, AGENT_COLOUR)) == 3 * view.present.sum() < 3 * len(view.group)
 
 
 def test_there_are_never_more_than_there_is_room_for(monkeypatch):

@@ -20,11 +20,11 @@ import pytest
 from live.supervisor.adoption import adoption, rendezvous
 from live.supervisor.adoption import hung_engine as orphan
 from live.supervisor.adoption.adoption import CannotAdopt, EngineHung, end_engines, find_engine
-from live.supervisor.adoption.journal_resume import cut_off
-from live.supervisor.adoption.rendezvous import Meeting, own_folder
+from live.supervisor.adoption.journal_resume import read_interrupted
+from live.supervisor.adoption.rendezvous import RendezvousListener, private_folder
 from live.supervisor.heartbeat import Heartbeat, Phase
-from live.supervisor.line_channel import Wire
-from live.supervisor.supervisor_link import Lifeline
+from live.supervisor.line_channel import LineChannel
+from live.supervisor.supervisor_link import SupervisorLink
 from live.supervisor.watchdog import Usage
 from tests.control.waiting import BUSY, wait_for
 from tests.supervisor.made_show import LABEL
@@ -226,7 +226,7 @@ def test_an_engine_that_hangs_without_a_supervisor_is_ended_by_the_next_one(made
         with pytest.raises(EngineHung, match=str(engine)):
             find_engine(LABEL)
     assert engine not in engines_of(tmp_path)
-    assert cut_off(show.journal) is not None
+    assert read_interrupted(show.journal) is not None
 
 
 def test_an_engine_that_only_gets_no_processor_is_not_ended(made, tmp_path, monkeypatch):
@@ -237,10 +237,10 @@ def test_an_engine_that_only_gets_no_processor_is_not_ended(made, tmp_path, monk
     show.until(show.numbers()[-1] + 20)
     engine, delays = dancing(show), itertools.count()
     monkeypatch.setattr(orphan, "usage_of", lambda pid: Usage("R", 0.0, 0.1 * next(delays)))
-    monkeypatch.setattr(orphan, "CEILING", 4.0)
+    monkeypatch.setattr(orphan, "MAX_SILENCE", 4.0)
     [name] = [path.name for path in tmp_path.glob("*/*.sock")]
-    assert orphan.holders(name) == [engine]
-    assert orphan.end_if_hung(name, lambda: False) == []
+    assert orphan.socket_holders(name) == [engine]
+    assert orphan.kill_if_hung(name, lambda: False) == []
     assert engine in engines_of(tmp_path)
 
 
@@ -253,21 +253,21 @@ def journal_of(path: Path, *lines: dict[str, Any], **header: Any) -> Path:
 def test_only_what_was_cut_off_lately_on_this_machine_is_gone_on_with(tmp_path, monkeypatch):
     tap = {"tick": 64, "event": {"type": "Tap"}}
     path = journal_of(tmp_path / "j", tap)
-    left = cut_off(path)
+    left = read_interrupted(path)
     assert left is not None
-    assert left.gone == pytest.approx(19.0, abs=5.0 * BUSY)
+    assert left.interrupted_s == pytest.approx(19.0, abs=5.0 * BUSY)
     assert [json.loads(line) for line in left.lines[1:]] == [tap, {"tick": 64}]
-    assert cut_off(tmp_path / "none") is None
-    assert cut_off(journal_of(tmp_path / "j", tap, {"tick": 99, "end": True})) is None
-    assert cut_off(journal_of(tmp_path / "j", tap, origin=None)) is None
-    assert cut_off(journal_of(tmp_path / "j")) is None
-    assert cut_off(journal_of(tmp_path / "j", tap, origin=time.perf_counter() - 400.0)) is None
-    assert cut_off(journal_of(tmp_path / "j", {"tick": 64 * 60, "event": {}})) is None  # it lies in the future
+    assert read_interrupted(tmp_path / "none") is None
+    assert read_interrupted(journal_of(tmp_path / "j", tap, {"tick": 99, "end": True})) is None
+    assert read_interrupted(journal_of(tmp_path / "j", tap, origin=None)) is None
+    assert read_interrupted(journal_of(tmp_path / "j")) is None
+    assert read_interrupted(journal_of(tmp_path / "j", tap, origin=time.perf_counter() - 400.0)) is None
+    assert read_interrupted(journal_of(tmp_path / "j", {"tick": 64 * 60, "event": {}})) is None  # it lies in the future
     path = journal_of(tmp_path / "j", tap)
     os.utime(path, (0.0, time.time() - time.clock_gettime(time.CLOCK_BOOTTIME) - 10.0))  # of the start before
-    assert cut_off(path) is None
+    assert read_interrupted(path) is None
     path.write_bytes(b"\xff" * 500 + b"\n[1]\n" + b"[" * 9000 + b"\n")
-    assert cut_off(path) is None
+    assert read_interrupted(path) is None
 
 
 def test_a_show_whose_steps_have_changed_is_gone_on_with_from_the_snapshot_before(tmp_path, monkeypatch):
@@ -275,13 +275,13 @@ def test_a_show_whose_steps_have_changed_is_gone_on_with_from_the_snapshot_befor
     shots = [json.dumps({"snapshot": 3, "tick": tick}).encode() + b"\n" + bytes(64) for tick in (10, 30, 50)]
     monkeypatch.setattr("live.supervisor.adoption.journal_resume.read_snapshots", lambda path, problems: iter(shots))
     lines = [{"tick": tick, "event": {"type": "Tap"}} for tick in range(5, 65, 5)]
-    left = cut_off(journal_of(tmp_path / "j", *lines))
+    left = read_interrupted(journal_of(tmp_path / "j", *lines))
     assert left is not None
     told = [json.loads(line) for line in left.lines]
     assert [line["tick"] for line in told[1:]] == [50, 50, 55, 60, 60]
     assert left.snapshots_kept == sum(map(len, shots))
     lines[6]["event"]["type"] = "StepsChanged"  # tick 35
-    left = cut_off(journal_of(tmp_path / "j", *lines))
+    left = read_interrupted(journal_of(tmp_path / "j", *lines))
     assert left is not None
     told = [json.loads(line) for line in left.lines]
     assert "snapshot" in told[1]
@@ -292,24 +292,24 @@ def test_a_show_whose_steps_have_changed_is_gone_on_with_from_the_snapshot_befor
 
 
 @pytest.fixture
-def alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Lifeline]:
+def alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[SupervisorLink]:
     """An engine whose supervisor has gone."""
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    meeting = Meeting(LABEL)
+    meeting = RendezvousListener(LABEL)
     mine, theirs = socket.socketpair()
-    supervisor = Wire(mine)
-    supervisor.tell(alive="engine", show="{}", rendezvous=os.dup(meeting.socket.fileno()))
-    lifeline = Lifeline(Wire(theirs), Heartbeat())
-    lifeline.brief()
+    supervisor = LineChannel(mine)
+    supervisor.send_json(alive="engine", show="{}", rendezvous=os.dup(meeting.socket.fileno()))
+    lifeline = SupervisorLink(LineChannel(theirs), Heartbeat())
+    lifeline.receive_brief()
     supervisor.close()
-    lifeline.listen()
-    assert lifeline.alone
+    lifeline.receive()
+    assert lifeline.orphaned
     meeting.socket.close()
     yield lifeline
     assert lifeline._rendezvous is not None
     lifeline._rendezvous._socket.close()
-    lifeline.wire.close()
-    lifeline.heart.close()
+    lifeline.channel.close()
+    lifeline.heartbeat.close()
 
 
 def reached(tmp_path: Path) -> socket.socket:
@@ -378,16 +378,16 @@ def test_another_user_is_not_let_in(alone, tmp_path, monkeypatch):
 
 def test_a_folder_that_others_can_reach_into_is_not_used(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    os.close(own_folder())
+    os.close(private_folder())
     assert (tmp_path / rendezvous.FOLDER).stat().st_mode & 0o777 == 0o700
     (tmp_path / rendezvous.FOLDER).chmod(0o755)
     with pytest.raises(PermissionError):
-        own_folder()
+        private_folder()
     assert find_engine(LABEL) is None
     (tmp_path / rendezvous.FOLDER).rmdir()
     (tmp_path / rendezvous.FOLDER).symlink_to(tmp_path)
     with pytest.raises(NotADirectoryError):
-        own_folder()
+        private_folder()
 
 
 def test_an_engine_of_another_version_is_named_and_left_alone(alone, tmp_path, monkeypatch):

@@ -8,7 +8,7 @@ import pytest
 
 from live.base.errors import PersonError
 from live.supervisor.network import identity as module
-from live.supervisor.network.identity import load_identity, plain_name
+from live.supervisor.network.identity import load_identity, safe_name
 from tests.supervisor.made_machines import machine, network
 
 
@@ -17,8 +17,8 @@ def test_a_key_is_made_once_and_is_its_owner_s_alone(tmp_path: Path):
     first, again = load_identity(folder), load_identity(folder)
     assert first.fingerprint == again.fingerprint
     assert (folder.stat().st_mode & 0o777, first.path.stat().st_mode & 0o777) == (0o700, 0o600)
-    assert first.as_peer().signed(again.sign(b"words"), b"words")
-    assert not first.as_peer().signed(first.sign(b"words"), b"other words")
+    assert first.as_peer().verify(again.sign(b"words"), b"words")
+    assert not first.as_peer().verify(first.sign(b"words"), b"other words")
     assert sorted(path.name for path in folder.iterdir()) == ["identity.pem"]
 
 
@@ -46,11 +46,11 @@ def test_a_key_file_that_holds_none_is_named(tmp_path: Path, words):
 def test_machines_are_paired_listed_and_forgotten(tmp_path: Path):
     _, pairings = machine(tmp_path / "mine")
     theirs, others = machine(tmp_path / "theirs")[0], machine(tmp_path / "others")[0]
-    seen = pairings.changed()
+    seen = pairings.version()
     assert pairings.add("stage left/../x", theirs.certificate).name == "stage-left-..-x"
     assert pairings.add("another name", theirs.certificate).name == "stage-left-..-x"  # one that is known stays
     assert pairings.add("stage left/../x", others.certificate).name == "stage-left-..-x-2"
-    assert pairings.changed() != seen
+    assert pairings.version() != seen
     assert [peer.fingerprint for peer in pairings.read()] == [theirs.fingerprint, others.fingerprint]
     files = list((network(tmp_path / "mine") / "paired").iterdir())
     assert {path.stat().st_mode & 0o777 for path in files} == {0o600}
@@ -83,7 +83,7 @@ def test_a_certificate_says_when_it_expires(tmp_path: Path, monkeypatch):
 
 @pytest.mark.parametrize("name", ["", "...", "\x1b[2J", "a" * 300, "übung 1"])
 def test_any_name_becomes_one_that_a_file_may_have(name):
-    plain = plain_name(name)
+    plain = safe_name(name)
     assert plain
     assert len(plain) <= 40
     assert os.sep not in plain

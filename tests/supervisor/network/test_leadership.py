@@ -13,15 +13,14 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
 from live.supervisor.network.leadership import (
-    FRESH,
-    HAND_OVER,
-    LOST,
-    MEET,
-    MOST_AHEAD,
-    SILENCE,
+    HAND_OVER_AFTER,
+    LEADER_TIMEOUT,
+    LINK_TIMEOUT,
+    MAX_EPOCHS_AHEAD,
+    MAX_PULSE_AGE,
+    MERGE_TIMEOUT,
     Action,
     Claim,
-    Dark,
     Drop,
     Follow,
     HandOver,
@@ -31,6 +30,7 @@ from live.supervisor.network.leadership import (
     Pulse,
     Role,
     Send,
+    StepDown,
     Term,
 )
 
@@ -80,7 +80,7 @@ class Machine:
 
     def healthy(self, now: float) -> bool:
         lead = self.leadership
-        able = lead.leads or (lead.is_deputy and self.ready(now)) or (lead.led and lead.silent > FRESH)
+        able = lead.leads or (lead.is_deputy and self.ready(now)) or (lead.has_led and lead.silent > MAX_PULSE_AGE)
         return self.runs(now) and now >= self.hung_until and able
 
 
@@ -124,13 +124,13 @@ class World:
             if frozenset(wire.ends) not in self.cut:
                 self.wires.remove(wire)  # the system closes what a process had open
                 other = self.machines[wire.ends[wire.ends[0] == name]]
-                other.leadership.left(wire.link)
+                other.leadership.link_closed(wire.link)
 
     def end_wire(self, wire: Wire) -> None:
         if wire in self.wires:
             self.wires.remove(wire)
             for name in wire.ends:
-                self.machines[name].leadership.left(wire.link)
+                self.machines[name].leadership.link_closed(wire.link)
 
     def advance(self, seconds: float) -> None:
         for _ in range(round(seconds / STEP)):
@@ -146,7 +146,7 @@ class World:
                 if machine.dances(self.now):
                     machine.danced = self.now
                 idle, ready = self.now - machine.danced, machine.ready(self.now)
-                self._act(machine, machine.leadership.look(self.now, STEP, ready=ready, idle=idle))
+                self._act(machine, machine.leadership.update(self.now, STEP, ready=ready, idle=idle))
 
     def hang(self, name: str, seconds: float) -> None:
         machine = self.machines[name]
@@ -160,7 +160,7 @@ class World:
                 if due[0] > self.now:
                     break
                 wire.under_way.remove(due)
-                self._act(machine, machine.leadership.heard(wire.link, due[2], self.now))
+                self._act(machine, machine.leadership.handle(wire.link, due[2], self.now))
 
     def _dial(self, machine: Machine) -> None:
         if machine.dials is None or self.now < machine.dial_at:
@@ -171,13 +171,13 @@ class World:
         machine.dial_at = self.now + DIAL
         there = self.machines[machine.dials]
         if not there.up:
-            self._act(machine, machine.leadership.gone(ready=machine.ready(self.now)))
+            self._act(machine, machine.leadership.leader_gone(ready=machine.ready(self.now)))
             return
         self._number += 1
         wire = Wire((machine.name, machine.dials), self._number)
         self.wires.append(wire)
-        self._act(machine, machine.leadership.joined(wire.link, self.now, upstream=True))
-        self._act(there, there.leadership.joined(wire.link, self.now))
+        self._act(machine, machine.leadership.link_opened(wire.link, self.now, upstream=True))
+        self._act(there, there.leadership.link_opened(wire.link, self.now))
 
     def _act(self, machine: Machine, actions: list[Action]) -> None:
         for action in actions:
@@ -188,7 +188,7 @@ class World:
                     wire.under_way.append((self.now + self.delay, other, action.message))
             elif isinstance(action, Lead):
                 machine.follows_since, machine.danced = None, self.now
-            elif isinstance(action, Dark):
+            elif isinstance(action, StepDown):
                 self.dark.append((self.now, machine.name))
             elif isinstance(action, Follow):
                 machine.follows_since = self.now
@@ -203,7 +203,7 @@ class World:
                 self.apart[pair] = self.now
             leading = [name for name in pair if self.machines[name].leadership.leads]
             if len(leading) > 1:
-                assert self.now - self.apart[pair] <= MEET, f"{leading} lead, and hear each other"
+                assert self.now - self.apart[pair] <= MERGE_TIMEOUT, f"{leading} lead, and hear each other"
         if any(machine.dances(self.now) for machine in self.machines.values()):
             self.danced = self.now
         for machine in self.machines.values():
@@ -336,7 +336,7 @@ def two_machines() -> World:
 def test_a_leader_that_stands_still_is_replaced_and_follows_when_it_runs_again():
     world = two_machines()
     world.machines["A"].stalled_until = world.now + 5.0
-    world.advance(SILENCE + 0.3)
+    world.advance(LEADER_TIMEOUT + 0.3)
     assert world.leading() == ["A", "B"]  # one of them does not run
     world.advance(4.0)
     assert world.leading() == ["B"]
@@ -350,7 +350,7 @@ def test_machines_that_were_cut_off_from_one_another_have_one_leader_soon_after(
     world.advance(20.0)
     assert world.leading() == ["A", "B"]  # each has its own projector
     world.cut.clear()
-    world.advance(MEET)
+    world.advance(MERGE_TIMEOUT)
     assert world.leading() == ["B"]
 
 
@@ -358,7 +358,7 @@ def test_a_leader_whose_engine_stays_away_hands_over_and_one_that_is_replaced_so
     for seconds, leads in ((2.3, "A"), (9.0, "B")):
         world = two_machines()
         world.hang("A", seconds)
-        world.advance(HAND_OVER + 0.3)
+        world.advance(HAND_OVER_AFTER + 0.3)
         assert world.leading() == [leads]
 
 
@@ -385,37 +385,37 @@ def test_a_machine_that_was_cut_off_from_a_leader_that_dies_takes_over_in_time()
 
 def test_claims_to_old_or_absurd_epochs_are_refused_and_counted():
     one = Leadership("A", Role.LEADS)
-    one.joined("b", 0.0)
-    for term in (Term(0, "B"), Term(1 + MOST_AHEAD + 1, "B"), Term(99, "B"), Term(1, "@")):
-        one.heard("b", Claim(term), 0.1)
+    one.link_opened("b", 0.0)
+    for term in (Term(0, "B"), Term(1 + MAX_EPOCHS_AHEAD + 1, "B"), Term(99, "B"), Term(1, "@")):
+        one.handle("b", Claim(term), 0.1)
         assert one.leads
     assert one.refused == 4
-    assert one.heard("nobody", Claim(Term(2, "B")), 0.1) == []
-    actions = one.heard("b", Claim(Term(2, "B")), 0.2)
-    assert [type(action) for action in actions] == [Dark, Follow]
+    assert one.handle("nobody", Claim(Term(2, "B")), 0.1) == []
+    actions = one.handle("b", Claim(Term(2, "B")), 0.2)
+    assert [type(action) for action in actions] == [StepDown, Follow]
     assert not one.leads
-    assert one.heard("b", HandOver(Term(1, "A")), 0.3) == []  # of a term that is over
+    assert one.handle("b", HandOver(Term(1, "A")), 0.3) == []  # of a term that is over
     assert one.refused == 5
 
 
 def test_of_two_leaders_of_one_epoch_exactly_one_goes_on():
     one, other = Leadership("A", Role.LEADS), Leadership("B", Role.LEADS)
     for machine in (one, other):
-        machine.joined("x", 0.0)
-    claims = [*one.heard("x", Pulse(other.term, True), 0.1), *other.heard("x", Pulse(one.term, True), 0.1)]
+        machine.link_opened("x", 0.0)
+    claims = [*one.handle("x", Pulse(other.term, True), 0.1), *other.handle("x", Pulse(one.term, True), 0.1)]
     (claim,) = [action.message for action in claims if isinstance(action, Send)]
-    one.heard("x", claim, 0.2)
-    other.heard("x", claim, 0.2)
+    one.handle("x", claim, 0.2)
+    other.handle("x", claim, 0.2)
     assert (one.leads, other.leads) == (False, True)
 
 
 def test_silence_counts_only_while_this_machine_listens_and_only_for_who_is_ready():
     for turn, ready, leads in ((0.05, True, True), (0.0, True, False), (0.05, False, False)):
         one = Leadership("B", Role.FOLLOWS)
-        one.joined("a", 0.0, upstream=True)
-        one.heard("a", Pulse(Term(1, "A"), True, deputy=True), 0.0)
+        one.link_opened("a", 0.0, upstream=True)
+        one.handle("a", Pulse(Term(1, "A"), True, deputy=True), 0.0)
         for step in range(1, 50):
-            for action in one.look(step * 0.05, turn, ready=ready):
+            for action in one.update(step * 0.05, turn, ready=ready):
                 assert not isinstance(action, Lead) or leads
         assert one.leads is leads
-    assert LOST > SILENCE
+    assert LINK_TIMEOUT > LEADER_TIMEOUT

@@ -11,7 +11,7 @@ import pytest
 
 from live.base.errors import PersonError
 from live.supervisor.network.identity import Peer
-from live.supervisor.network.pairing import Shown, Transcript, new_phrase, pair_with, plain_phrase
+from live.supervisor.network.pairing import PairingServer, Transcript, new_phrase, normalized_phrase, pair_with
 from live.supervisor.network.tls import tls13
 from tests.supervisor.made_machines import machine
 
@@ -20,12 +20,12 @@ PHRASE = "lusab-babad-gutih"
 
 async def shown(
     folder: Path, then: Callable[[int], Awaitable[None]], phrase: str = PHRASE, within: float = 120.0
-) -> tuple[Peer | PersonError, Shown]:
+) -> tuple[Peer | PersonError, PairingServer]:
     """What becomes of a machine that shows a phrase, while `then` is done with its port."""
     opened: asyncio.Future[int] = asyncio.get_running_loop().create_future()
     identity, pairings = machine(folder)
-    one = Shown(identity, pairings, phrase, name="left", listening=opened.set_result)
-    run = asyncio.create_task(one.run("127.0.0.1", 0, within=within))
+    one = PairingServer(identity, pairings, phrase, name="left", on_listening=opened.set_result)
+    run = asyncio.create_task(one.run("127.0.0.1", 0, timeout=within))
     try:
         await then(await opened)
         return await run, one
@@ -49,7 +49,7 @@ def test_a_phrase_pairs_two_machines_and_each_knows_the_other_s_certificate(tmp_
     assert (found.name, found.certificate) == ("right", mine.certificate)
     assert [peer.certificate for peer in my_pairings.read()] == [theirs.certificate]
     assert [peer.certificate for peer in their_pairings.read()] == [mine.certificate]
-    assert one.wrong == 0
+    assert one.wrong_phrases == 0
 
 
 def test_three_wrong_phrases_end_it_and_nothing_is_paired(tmp_path: Path):
@@ -63,7 +63,7 @@ def test_three_wrong_phrases_end_it_and_nothing_is_paired(tmp_path: Path):
     found, one = asyncio.run(shown(tmp_path / "left", guesses))
     assert isinstance(found, PersonError)
     assert "3 wrong phrases" in found.message
-    assert one.wrong == 3
+    assert one.wrong_phrases == 3
     assert my_pairings.read() == machine(tmp_path / "left")[1].read() == []
 
 
@@ -95,7 +95,7 @@ def test_a_machine_in_between_that_passes_everything_on_pairs_nobody(tmp_path: P
 
     _, one = asyncio.run(shown(tmp_path / "left", typed))
     assert my_pairings.read() == machine(tmp_path / "left")[1].read() == []
-    assert (one.wrong, one.strangers) == (0, 1)  # the signature is of another channel
+    assert (one.wrong_phrases, one.invalid_attempts) == (0, 1)  # the signature is of another channel
 
 
 def test_who_shows_no_proof_of_its_own_phrase_is_not_paired_with(tmp_path: Path):
@@ -148,7 +148,7 @@ def test_what_makes_no_sense_is_counted_and_costs_no_try(tmp_path: Path):
 
     found, one = asyncio.run(shown(tmp_path / "left", typed))
     assert isinstance(found, Peer)
-    assert (one.wrong, one.strangers) == (0, len(lines))
+    assert (one.wrong_phrases, one.invalid_attempts) == (0, len(lines))
 
 
 def test_a_phrase_that_nobody_types_is_of_no_use_after_a_while(tmp_path: Path):
@@ -171,7 +171,7 @@ def test_phrases_can_be_said_and_have_48_bits():
     assert len(phrases) == 200
     for phrase in phrases:
         assert [len(word) for word in phrase.split("-")] == [5, 5, 5]
-        assert plain_phrase(phrase.upper().replace("-", "  ")) == phrase.replace("-", "")
+        assert normalized_phrase(phrase.upper().replace("-", "  ")) == phrase.replace("-", "")
 
 
 def test_a_proof_is_of_all_that_was_said(tmp_path: Path):

@@ -15,10 +15,10 @@ from live.supervisor.network import identity as identity_module
 from live.supervisor.network import peers as module
 from live.supervisor.network.identity import load_identity
 from live.supervisor.network.leadership import Claim, Term
-from live.supervisor.network.peer_messages import SignedClaim, read_line, said, signed_claim, verified
-from live.supervisor.network.peers import KNOCKING, Link, Peers
-from live.supervisor.network.tls import Trust
-from live.supervisor.process import Starter
+from live.supervisor.network.peer_messages import SignedClaim, parse_message, read_line, signed_claim, verified
+from live.supervisor.network.peers import MAX_HANDSHAKES, Link, Peers
+from live.supervisor.network.tls import TrustStore
+from live.supervisor.process import ProcessManager
 from tests.control.waiting import wait_for
 from tests.supervisor.made_machines import machine, network, pair_folders
 
@@ -30,23 +30,23 @@ class Side:
         self.identity, self.pairings = machine(config)
         self.door = socket.create_server(("127.0.0.1", 0)) if leads else None
         self.port = 0 if self.door is None else int(self.door.getsockname()[1])
-        self.starter = Starter()
+        self.starter = ProcessManager()
         self.said: list[str] = []
         self.heard: list[str] = []
         self.nobody = 0
         there = None if upstream is None else ("127.0.0.1", upstream)
         self.peers = Peers(
-            self.starter, self.identity, self.pairings, door=self.door, upstream=there, say=self.said.append
+            self.starter, self.identity, self.pairings, listener=self.door, upstream=there, say=self.said.append
         )
         self.peers.on_line = lambda link, line: self.heard.append(line)
-        self.peers.on_link = lambda link: link.wire.put(f"hello from {link.name}")
-        self.peers.on_nobody = self._count
+        self.peers.on_link = lambda link: link.channel.send_line(f"hello from {link.name}")
+        self.peers.on_refused = self._count
 
     def _count(self) -> None:
         self.nobody += 1
 
     def turn(self) -> None:
-        self.peers.look(self.starter.turn())
+        self.peers.update(self.starter.poll())
 
     def close(self) -> None:
         self.peers.close()
@@ -86,9 +86,9 @@ def test_paired_machines_are_joined_and_know_each_other_by_name(tmp_path, sides)
     right = sides(tmp_path / "right", leads=False, upstream=left.port)
     assert until(lambda: bool(left.heard and right.heard), left, right)
     assert (link_of(left).peer.name, link_of(right).peer.name) == ("right", "left")
-    assert link_of(left).wire.socket.version() == "TLSv1.3"
+    assert link_of(left).channel.socket.version() == "TLSv1.3"
     words = "x" * 300_000
-    link_of(right).wire.put(words)
+    link_of(right).channel.send_line(words)
     assert until(lambda: words in left.heard, left, right)
     left.peers.drop(link_of(left))
     assert until(lambda: len(right.heard) > 1, left, right)  # it comes again
@@ -141,7 +141,7 @@ def test_what_was_said_once_is_worth_nothing_when_it_is_sent_again(tmp_path, sid
         thread = threading.Thread(target=pass_on, args=(tap, left.port, record), daemon=True)
         thread.start()
         assert until(lambda: bool(left.heard and right.heard), left, right)
-        link_of(right).wire.put('{"alive":"claim","epoch":2}')
+        link_of(right).channel.send_line('{"alive":"claim","epoch":2}')
         assert until(lambda: len(left.heard) > 1, left, right)
         right.close()
         right.peers.links.clear()
@@ -182,17 +182,17 @@ def test_sockets_that_say_nothing_are_bounded_and_let_others_in(tmp_path, sides,
     pair_folders(tmp_path / "left", tmp_path / "right")
     left = sides(tmp_path / "left", leads=True)
     with contextlib.ExitStack() as stack:
-        for _ in range(3 * KNOCKING):
+        for _ in range(3 * MAX_HANDSHAKES):
             stack.enter_context(socket.create_connection(("127.0.0.1", left.port)))
         most = 0
 
         def knock() -> bool:
             nonlocal most
             most = max(most, len(left.peers._handshakes))
-            return left.peers.strangers >= 3 * KNOCKING
+            return left.peers.strangers >= 3 * MAX_HANDSHAKES
 
         assert until(knock, left)
-        assert most <= KNOCKING
+        assert most <= MAX_HANDSHAKES
         right = sides(tmp_path / "right", leads=False, upstream=left.port)
         assert until(lambda: bool(left.heard and right.heard), left, right)
 
@@ -243,7 +243,7 @@ def test_a_claim_counts_once_and_for_one_hearer_and_connection(tmp_path):
     (left, lefts), (right, _) = machine(tmp_path / "left"), machine(tmp_path / "right")
     term, challenge = Term(2, "right-1"), bytes(32)
     line = signed_claim(right, left.as_peer(), challenge, 1, Claim(term))
-    claim = said(read_line(line))
+    claim = parse_message(read_line(line))
     assert isinstance(claim, SignedClaim)
     sender = right.as_peer()
     assert verified(claim, sender, left, challenge, 0) == Claim(term)
@@ -281,7 +281,7 @@ def test_before_it_is_known_who_it_is_nobody_makes_a_handshake_cost_more_than_it
 def client_hello(identity: object, pairings: object) -> bytes:
     """The first bytes of a paired machine."""
     mine, theirs = socket.socketpair()
-    with theirs, Trust(identity, pairings).wrap(mine, server=False) as secure:  # type: ignore[arg-type]
+    with theirs, TrustStore(identity, pairings).wrap(mine, server=False) as secure:  # type: ignore[arg-type]
         with contextlib.suppress(ssl.SSLWantReadError):
             secure.do_handshake()
         return theirs.recv(1 << 16)

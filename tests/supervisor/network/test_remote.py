@@ -13,8 +13,8 @@ from typing import Any
 
 import pytest
 
-from live.supervisor.network.leadership import SILENCE
-from live.supervisor.network.tls import Trust
+from live.supervisor.network.leadership import LEADER_TIMEOUT
+from live.supervisor.network.tls import TrustStore
 from tests.control.waiting import BUSY, wait_for
 from tests.supervisor.made_machines import Machine, Start, machine, pair_folders, stop_all
 
@@ -65,7 +65,7 @@ def test_a_leader_that_falls_silent_is_replaced_and_follows_when_it_comes_back(m
     heard = leader.numbers()
     assert heard == list(range(heard[0], heard[0] + len(heard)))
     report = leader.stop()
-    assert SILENCE <= report["silent_s"] < SILENCE + 0.2 * BUSY
+    assert LEADER_TIMEOUT <= report["silent_s"] < LEADER_TIMEOUT + 0.2 * BUSY
     assert not report["fenced"]
 
 
@@ -74,7 +74,7 @@ def test_a_machine_that_is_not_ready_never_takes_silence_for_death(machines):
     leader, other = machines({}, {"never_ready": True})
     leader.everything(signal.SIGSTOP)
     began = time.monotonic()
-    assert wait_for(lambda: time.monotonic() - began > 2 * SILENCE, 2 * SILENCE)
+    assert wait_for(lambda: time.monotonic() - began > 2 * LEADER_TIMEOUT, 2 * LEADER_TIMEOUT)
     assert "takes over" not in other.said.read_text()
     other.process.send_signal(signal.SIGUSR1)
     assert other.says("on command (epoch 2)", 5), other.said.read_text()
@@ -87,7 +87,7 @@ def test_who_was_stopped_itself_takes_no_silence_for_death(machines):
     leader, other = machines({})
     os.kill(other.process.pid, signal.SIGSTOP)
     began, told = time.monotonic(), leader.numbers()[-1]
-    assert wait_for(lambda: time.monotonic() - began > 1.3 * SILENCE and leader.numbers()[-1] > told + 50, 10)
+    assert wait_for(lambda: time.monotonic() - began > 1.3 * LEADER_TIMEOUT and leader.numbers()[-1] > told + 50, 10)
     os.kill(other.process.pid, signal.SIGCONT)
     assert wait_for(lambda: other.numbers()[-1] > leader.numbers()[-1] - 30, 10)
     assert "takes over" not in other.said.read_text()
@@ -134,7 +134,7 @@ def test_strangers_at_the_port_get_no_word_and_change_nothing(tmp_path):
         own, pairings = machine(tmp_path / "config-stranger")
         pairings.add("leader", machine(tmp_path / "config-leader")[0].certificate)  # which does not know this one
         stranger = socket.create_connection(("127.0.0.1", port), timeout=20)
-        with stranger, Trust(own, pairings).wrap(stranger, server=False) as secure:
+        with stranger, TrustStore(own, pairings).wrap(stranger, server=False) as secure:
             secure.settimeout(20)
             with contextlib.suppress(ssl.SSLError, OSError):  # in TLS 1.3 a client hears that it is refused later
                 secure.do_handshake()

@@ -9,26 +9,26 @@ from pathlib import Path
 import pytest
 
 from live import __version__
-from live.app.processes.remote_standby import follow
+from live.app.processes.remote_standby import apply_log
 from live.app.session_records import resident_megabytes
 from live.base.errors import PersonError
 from live.show.journal.replay import ReplayError
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
-from live.supervisor.engine_failover import Engines
-from live.supervisor.line_channel import Wire
+from live.supervisor.engine_failover import EngineFailover
+from live.supervisor.line_channel import LineChannel
 from live.supervisor.network.leadership import HandOver, Pulse, Term
-from live.supervisor.network.peer_messages import Cannot, GiveShow, Hello, ShowComes, line_of
+from live.supervisor.network.peer_messages import CannotFollow, FollowRequest, Hello, StreamStart, format_message
 from live.supervisor.network.peers import Link
-from live.supervisor.network.remote_standby import MOST_OF_SHOW, Remote
-from live.supervisor.process import Starter
-from live.supervisor.state_follower import Following
-from live.supervisor.supervisor_config import Orders, Report
+from live.supervisor.network.remote_standby import MAX_SHOW_BYTES, RemoteStandby
+from live.supervisor.process import ProcessManager
+from live.supervisor.state_follower import StateFollower
+from live.supervisor.supervisor_config import Report, SupervisorConfig
 from tests.show.made_show import GRAPH, PATCH
 from tests.supervisor.made_machines import free_port, machine, pair_folders
 
 LEADER = Term(1, "leader-1")
-HELLO = line_of(Hello(__version__, "leader-1", bytes(32)))
+HELLO = format_message(Hello(__version__, "leader-1", bytes(32)))
 SHOW = [
     json.dumps({"journal": 2, "patch": {"name": "x"}, "seed": 1, "steps_hash": "0" * 16, "origin": 1.5}),
     json.dumps({"tick": 10, "event": {"type": "SetTempo", "time": 0.1, "source": "osc", "tempo": 131.0}}),
@@ -40,12 +40,12 @@ SHOW = [
 ]
 WORDS = [
     HELLO,
-    line_of(Pulse(LEADER, True, deputy=True)),
-    line_of(HandOver(LEADER)),
-    line_of(GiveShow("abc", 3)),
-    line_of(ShowComes("abc", 0, True)),
-    line_of(ShowComes("abc", 7, False)),
-    line_of(Cannot("because")),
+    format_message(Pulse(LEADER, True, deputy=True)),
+    format_message(HandOver(LEADER)),
+    format_message(FollowRequest("abc", 3)),
+    format_message(StreamStart("abc", 0, True)),
+    format_message(StreamStart("abc", 7, False)),
+    format_message(CannotFollow("because")),
     json.dumps({"alive": "claim", "epoch": 2, "leader": "x", "number": 1, "signature": "00" * 64}),
     json.dumps({"alive": "lead", "epoch": 99}),
 ]
@@ -75,26 +75,28 @@ def mutated(chance: random.Random) -> str:
     return chance.choice(["", "[" * 20_000, '{"tick":' * 5000, "9" * 5000, "null", '{"tick":1}', line])
 
 
-class Plain(Wire):
+class Plain(LineChannel):
     """A wire without TLS, for many lines."""
 
     refused = False
 
 
 @pytest.fixture
-def remote(tmp_path: Path) -> Iterator[Remote]:
+def remote(tmp_path: Path) -> Iterator[RemoteStandby]:
     pair_folders(tmp_path / "mine", tmp_path / "theirs")
     identity, pairings = machine(tmp_path / "mine")
-    orders = Orders(engine=["false"], show="", follow=("127.0.0.1", free_port()), identity=identity, pairings=pairings)
-    starter, report = Starter(), Report()
-    engines = Engines(orders, starter, report, lambda line: None, {})
-    one = Remote(orders, starter, engines, report, lambda line: None)
+    orders = SupervisorConfig(
+        engine=["false"], show="", follow=("127.0.0.1", free_port()), identity=identity, pairings=pairings
+    )
+    starter, report = ProcessManager(), Report()
+    engines = EngineFailover(orders, starter, report, lambda line: None, {})
+    one = RemoteStandby(orders, starter, engines, report, lambda line: None)
     yield one
     one.close()
     starter.close()
 
 
-def joined(remote: Remote, count: int) -> tuple[Link, socket.socket]:
+def joined(remote: RemoteStandby, count: int) -> tuple[Link, socket.socket]:
     """A link whose machine leads, and the other end of its socket."""
     peers = remote._peers
     assert peers is not None
@@ -103,8 +105,8 @@ def joined(remote: Remote, count: int) -> tuple[Link, socket.socket]:
     wire.peer = next(iter(peers._trust.peers.values()))  # type: ignore[attr-defined]
     link = Link(f"theirs #{count}", wire, True)  # type: ignore[arg-type]
     peers.links[link.name] = link
-    for line in (HELLO, line_of(Pulse(LEADER, True)), line_of(ShowComes("abc", 0, True)), SHOW[0]):
-        remote._hear(link, line)
+    for line in (HELLO, format_message(Pulse(LEADER, True)), format_message(StreamStart("abc", 0, True)), SHOW[0]):
+        remote._receive(link, line)
     return link, theirs
 
 
@@ -135,7 +137,7 @@ def test_a_machine_that_never_stops_talking_is_not_followed_for_ever(remote):
     before = resident_megabytes()()
     link, theirs = joined(remote, 1)
     event = {"type": "x", "words": "y" * 100_000}
-    for tick in range(MOST_OF_SHOW // 100_000 + 2):
+    for tick in range(MAX_SHOW_BYTES // 100_000 + 2):
         remote._hear(link, json.dumps({"tick": tick, "event": event}))
     assert link.name not in remote._peers.links
     theirs.close()
@@ -147,8 +149,8 @@ def test_no_line_that_the_supervisor_lets_through_ends_the_engine_that_follows(r
     loaded = LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)
     header = json.dumps({"journal": 2, "origin": 1.5, **loaded.header(loaded.start(seed=5), tempo=None)})
     chance, ended, refused = random.Random(2), 0, 0
-    following = Following(loaded)
-    following.take(header)
+    following = StateFollower(loaded)
+    following.add_line(header)
     remote._engines.log.take(header)
     for _ in range(1500):
         line = mutated(chance)
@@ -156,18 +158,18 @@ def test_no_line_that_the_supervisor_lets_through_ends_the_engine_that_follows(r
             told = json.loads(line)
         except (ValueError, RecursionError):
             continue
-        if not isinstance(told, dict) or "alive" in told or not remote._is_of_show(told):
+        if not isinstance(told, dict) or "alive" in told or not remote._is_show_line(told):
             continue
         if isinstance(told.get("tick"), int):
             told["tick"] = following.tick + told["tick"] % 3
-        following.take(json.dumps(told), arrived=1.0)
+        following.add_line(json.dumps(told), arrived=1.0)
         try:
-            follow(following)
+            apply_log(following)
         except (PersonError, ReplayError):
             ended += 1
         refused += following.refused
         if ended or following.tick > 400 or chance.random() < 0.01:
-            following = Following(loaded)
-            following.take(header if chance.random() < 0.9 else json.dumps(json.loads(header) | {"seed": "x"}))
+            following = StateFollower(loaded)
+            following.add_line(header if chance.random() < 0.9 else json.dumps(json.loads(header) | {"seed": "x"}))
             ended = 0
     assert refused > 10
