@@ -16,7 +16,7 @@ MAX_PASSES: Final = 4
 """Maximum number of custom passes in a patch."""
 MAX_PARAMETERS: Final = 15
 """Maximum number of parameters of one pass."""
-MAX_CHARACTERS: Final = 32_000
+MAX_SOURCE_LENGTH: Final = 32_000
 NUMBERS_PER_PASS: Final = 1 + MAX_PARAMETERS
 """Numbers of one pass in the picture's row: its amount, then its parameters."""
 NAME: Final = re.compile(r"[a-z][a-z0-9_]{0,31}")
@@ -81,8 +81,8 @@ def parse_custom_pass(name: str, source: str) -> CustomShader:
     where = f"passes/{name}.glsl"
     if NAME.fullmatch(name) is None:
         raise PersonError(f"a pass cannot be called {name[:40]!r}", "small letters, digits and _ only, a letter first")
-    if len(source) > MAX_CHARACTERS:
-        raise PersonError(f"{where}: {len(source)} characters; a pass has at most {MAX_CHARACTERS}")
+    if len(source) > MAX_SOURCE_LENGTH:
+        raise PersonError(f"{where}: {len(source)} characters; a pass has at most {MAX_SOURCE_LENGTH}")
     if _PASS.search(source) is None:
         raise PersonError(f"{where}: no `vec4 pass(vec2 at)` in it", "that function gives light and how much of it")
     found: list[CustomPassParameter] = []

@@ -125,21 +125,21 @@ def known_fields(library: Path, source: Path, given: Mapping[str, Any]) -> tuple
     return told, {key: GUESS_COMMENT for key in guessed_fields(entry, files.texts[entry.toml]) if key in told}
 
 
-def refuse_duplicate(library: Path, entry: RequestedEntry) -> None:
+def refuse_duplicate(library: Path, requested: RequestedEntry) -> None:
     """Raise PersonError if the library already has this cut of this recording under this name."""
     try:
         entries = [entry for group in read_step_files(library).recordings.values() for entry in group]
         same = [
             entry
             for entry in entries
-            if all(_field_value(entry, key) == _field_value(entry, key) for key in CUT_FIELDS)
+            if all(_field_value(entry, key) == _field_value(requested, key) for key in CUT_FIELDS)
         ]
-        there = next((entry for entry in same if _same_file(entry.path, entry.path)), None)
+        there = next((entry for entry in same if _same_file(entry.path, requested.path)), None)
     except (OSError, ValueError, PersonError):
         return
     if there is not None:
         raise PersonError(
-            f"the step {entry.recording.name!r} is there already: {there.problem('name', '').location}",
+            f"the step {requested.recording.name!r} is there already: {there.problem('name', '').location}",
             "change it there, or choose other measures or another name",
         )
 

@@ -84,7 +84,7 @@ def advance(
             state[row, s] = (one - odds) * slots[s] + (odds * total + scale * births[k]) * slot_share[s]
             begun += float(state[row, s])
         state[row, _USED] = zero
-    return total - gone + begun
+    return sum_before - gone + begun
 
 
 @kernel("f8(f4[:,::1], i4[::1], i4[::1], i4[::1], i4[::1], f4[::1], f4[:,::1])")

@@ -19,7 +19,7 @@ Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
-CAPACITY: Final = 32
+POSE_CAPACITY: Final = 32
 """Poses kept without a canon."""
 CANON_CAPACITY: Final = 1024
 """Poses kept with a canon: several measures."""
@@ -40,9 +40,9 @@ class PoseBuffer:
         self.count = 0
         """Number of poses received."""
         self._blend_start, self._blend_s = -math.inf, GAP_BLEND_S
-        self._root: Float32 = np.zeros((CAPACITY + 1, 3), np.float32)
-        self._rotation: Float32 = np.zeros((CAPACITY + 1, JOINT_COUNT, 4), np.float32)
-        self.stamp: Float64 = np.full((CAPACITY, 2), -np.inf)
+        self._root: Float32 = np.zeros((POSE_CAPACITY + 1, 3), np.float32)
+        self._rotation: Float32 = np.zeros((POSE_CAPACITY + 1, JOINT_COUNT, 4), np.float32)
+        self.stamp: Float64 = np.full((POSE_CAPACITY, 2), -np.inf)
         """Arrival time [s] and danced beat of each pose, (M, 2)."""
 
     @property
@@ -96,7 +96,7 @@ class PoseBuffer:
 
     def resize(self, canon: bool) -> None:
         """Resize the buffer: large for a canon, or small."""
-        size = CANON_CAPACITY if canon else CAPACITY
+        size = CANON_CAPACITY if canon else POSE_CAPACITY
         if size == len(self.stamp):
             return
         kept = min(self.count, size, len(self.stamp))

@@ -7,7 +7,7 @@ from typing import Annotated, Final
 from pydantic import Field, field_validator, model_validator
 
 from live.base.body_catalogue import BODIES, MAX_CHARACTERS
-from live.base.custom_pass import MAX_CHARACTERS, MAX_PASSES, CustomShader, custom_pass_numbers, parse_custom_pass
+from live.base.custom_pass import MAX_PASSES, MAX_SOURCE_LENGTH, CustomShader, custom_pass_numbers, parse_custom_pass
 from live.base.errors import PersonError
 from live.base.picture_parameters import BY_ADDRESS, GROUP_PARAMETERS, STYLE_ADDRESS_PREFIX
 from live.base.stage_snapshot import PASSES
@@ -23,7 +23,7 @@ class OwnPassSection(Section):
 
     name: Annotated[str, Field(max_length=32)]
     """The name of its file."""
-    source: Annotated[str, Field(max_length=MAX_CHARACTERS)]
+    source: Annotated[str, Field(max_length=MAX_SOURCE_LENGTH)]
     """Its source in GLSL."""
 
 

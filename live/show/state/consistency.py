@@ -23,7 +23,7 @@ from live.motion.partner_live.hand_holds import LiveHandHolds
 from live.motion.partner_live.stage_partner import LeaderReader
 from live.motion.skeleton import JOINT_COUNT
 from live.show.capture.performer import CapturedPerformer
-from live.show.capture.pose_buffer import CANON_CAPACITY, CAPACITY, PoseBuffer
+from live.show.capture.pose_buffer import CANON_CAPACITY, POSE_CAPACITY, PoseBuffer
 from live.show.state.constants import attribute_at
 from live.show.state.kind import MAX_MAGNITUDE
 
@@ -117,7 +117,7 @@ def heard_poses(value: PoseBuffer) -> bool:
     root, turned, stamp, count = value.arrays
     size = len(stamp)
     return (
-        size in (CAPACITY, CANON_CAPACITY)
+        size in (POSE_CAPACITY, CANON_CAPACITY)
         and stamp.shape == (size, 2)
         and root.shape == (size + 1, 3)
         and turned.shape == (size + 1, JOINT_COUNT, 4)
