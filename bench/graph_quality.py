@@ -16,7 +16,7 @@ from live.graph.search.path_following import follow_line, follow_path, smoothed
 from live.graph.select.candidates import find_candidates
 from live.graph.step_library import build_library
 from live.library.step_folder import load_steps
-from live.motion.quality.metrics import alignment, mean_speed, motion_beats, offsets
+from live.motion.quality.metrics import beat_alignment, beat_offsets, mean_speed, motion_beats
 from live.motion.step_clip import StepClip
 
 Float64 = npt.NDArray[np.float64]
@@ -147,12 +147,12 @@ def _beat_rows(name: str, danced: Danced | None) -> list[Row]:
     rate, seconds = danced.raw.rate, danced.raw.seconds
     for each in danced.figures:
         kinematic = motion_beats(mean_speed(each.position, rate), rate)
-        motion.append(offsets(each.dance.beat_time, kinematic))
-        music.append(alignment(each.dance.beat_time, kinematic) or 0.0)
+        motion.append(beat_offsets(each.dance.beat_time, kinematic))
+        music.append(beat_alignment(each.dance.beat_time, kinematic) or 0.0)
     for step, (position, _) in zip(danced.raw.steps, danced.raw.sampled_clips, strict=True):
         begin = step.first / step.samples_per_measure * seconds
         beats = begin + np.arange(step.beats) * seconds / step.beats_per_measure
-        raw.append(offsets(beats, motion_beats(mean_speed(position, rate), rate)))
+        raw.append(beat_offsets(beats, motion_beats(mean_speed(position, rate), rate)))
     medians = [1e3 * float(np.median(np.abs(np.concatenate(each)))) for each in (motion, raw)]
     return [
         Row(names[0], float(np.median(found)), "ms", 5.0, peers={"beats": float(len(found))}),

@@ -16,7 +16,7 @@ from live.graph.dance_metrics import RawClips
 from live.motion.editing.foot_correction import ANKLES, BALLS
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
-from live.motion.quality.metrics import at_samples, slides
+from live.motion.quality.metrics import contact_slide_speeds, largest_at_samples
 from live.motion.skeleton import SOLE_BELOW_ANKLE
 from live.show.show import Show
 
@@ -137,7 +137,7 @@ def _at_cuts(dances: list[Danced], which: int) -> Float64:
     """The largest value around each cut."""
     found = []
     for dance in dances:
-        trace = at_samples(dance.position, RATE)[which]
+        trace = largest_at_samples(dance.position, RATE)[which]
         found += [trace[max(at - BEFORE, 0) : at + AFTER, row].max() for at, row in dance.cuts]
     return np.array(found)
 
@@ -146,7 +146,7 @@ def _elsewhere(dances: list[Danced], which: int) -> Float64:
     """The same of as long windows without a cut."""
     found = []
     for dance in dances:
-        trace, cut = at_samples(dance.position, RATE)[which], _windows(dance)
+        trace, cut = largest_at_samples(dance.position, RATE)[which], _windows(dance)
         for at in range(64, len(trace) - AFTER, 16):
             free = ~cut[at - BEFORE : at + AFTER].any(axis=0)
             found.append(trace[at - BEFORE : at + AFTER, free].max(axis=0))
@@ -161,7 +161,7 @@ def _slide(dances: list[Danced]) -> Float64:
         low = np.minimum(ankle - SOLE_BELOW_ANKLE, ball - TOES_OVER_SOLE) < NEAR_FLOOR
         stands = dance.contact & low & _windows(dance)[:, :, None]
         for at in np.flatnonzero(stands.any(axis=(1, 2))):
-            found.append(slides(dance.position[at - 1 : at + 1], stands[at - 1 : at + 1], RATE))
+            found.append(contact_slide_speeds(dance.position[at - 1 : at + 1], stands[at - 1 : at + 1], RATE))
     return np.concatenate(found)
 
 

@@ -20,7 +20,7 @@ from live.motion.editing.turn_insertion import find_supports, insert_rotation
 from live.motion.editing.variation import combine, draw_factors, draw_sequence_factors, scale_sequence, scale_step
 from live.motion.mirror import mirror_step
 from live.motion.pose.foot_lock import lock_feet
-from live.motion.quality.metrics import StepFigures, pelvis_way
+from live.motion.quality.metrics import StepMetrics, pelvis_displacement
 from live.motion.skeleton import MIRROR
 from live.motion.step_clip import StepClip, corresponding_samples
 
@@ -91,14 +91,14 @@ def _steps(material: Sequence[Material]) -> Iterator[StepClip]:
     return itertools.chain.from_iterable(each.steps for each in material)
 
 
-def _mean_slide(figures: Sequence[StepFigures]) -> float:
+def _mean_slide(figures: Sequence[StepMetrics]) -> float:
     """Over all samples of feet in contact, of all steps together [m/s]."""
-    slides = np.concatenate([each.slides for each in figures])
+    slides = np.concatenate([each.contact_speeds for each in figures])
     return float(slides.mean()) if len(slides) else 0.0
 
 
 def _raw(group: str, material: Sequence[Material]) -> list[Row]:
-    figures = [StepFigures(step) for step in _steps(material)]
+    figures = [StepMetrics(step) for step in _steps(material)]
     acceleration = np.concatenate([each.accelerations for each in figures])
     return [
         Row(f"{group}: raw, foot slide", _mean_slide(figures), "m/s"),
@@ -114,8 +114,8 @@ def _edited(label: str, tool: Tool, groups: dict[str, list[Material]]) -> list[R
     chance = np.random.default_rng(1)
     rows, before, after = [], [], []
     for group, material in groups.items():
-        raw = [StepFigures(step) for step in _steps(material)]
-        edited = [StepFigures(tool(step, chance)) for step in _steps(material)]
+        raw = [StepMetrics(step) for step in _steps(material)]
+        edited = [StepMetrics(tool(step, chance)) for step in _steps(material)]
         rows.append(Row(f"{group}: {label}, foot slide", _mean_slide(edited), "m/s", peers={"raw": _mean_slide(raw)}))
         before += raw
         after += edited
@@ -124,7 +124,7 @@ def _edited(label: str, tool: Tool, groups: dict[str, list[Material]]) -> list[R
 
     sound = np.array([each.velocity_jump < GLITCH for each in before])
 
-    def added(figure: str, unit: str, of: Callable[[StepFigures], float]) -> Row:
+    def added(figure: str, unit: str, of: Callable[[StepMetrics], float]) -> Row:
         raw = np.array([of(each) for each in before])
         more = (np.array([of(each) for each in after]) - raw)[sound]
         peers = {"median added": float(np.median(more)), "raw median": float(np.median(raw))}
@@ -148,12 +148,12 @@ def _rotation(groups: dict[str, list[Material]]) -> list[Row]:
     for step in _steps(next(iter(groups.values()))):
         first, stop = round(step.first), round(step.first + step.measures * step.samples_per_measure)
         supports = find_supports(find_feet(step.clip), step.clip.sample_rate, first, stop, contact=step.clip.contact)
-        before = StepFigures(step).slide
+        before = StepMetrics(step).mean_slide
         if len({support.foot for support in supports}) < 2 or before is None:
             continue
         raw.append(before)
         for angle in (QUARTER, -QUARTER):
-            added.append((StepFigures(insert_rotation(step, angle)).slide or 0.0) - before)
+            added.append((StepMetrics(insert_rotation(step, angle)).mean_slide or 0.0) - before)
     name, count = next(iter(groups)), len(raw)
     peers = {"raw slide": float(np.mean(raw)), "mean added": float(np.mean(added))}
     label = f"{name}: rotation insertion 90°, most slide added to one of {count} walking measures"
@@ -165,14 +165,14 @@ def _interpolation(groups: dict[str, list[Material]]) -> list[Row]:
     excess: dict[str, list[float]] = {"plain SLERP": [], "feet held": []}
     upper: list[float] = []
     for a, b in _same_variation(groups):
-        slides = [StepFigures(each).slide for each in (a, b)]
+        slides = [StepMetrics(each).mean_slide for each in (a, b)]
         if slides[0] is None or slides[1] is None:
             continue
         for weight in (0.25, 0.5, 0.75):
             for name, hold in (("plain SLERP", False), ("feet held", True)):
-                mixed = StepFigures(interpolate(a, b, weight, hold_feet=hold))
-                excess[name].append((mixed.slide or 0.0) - max(slides[0], slides[1]))
-        upper.append((StepFigures(combine(a, b)).slide or 0.0) - slides[0])
+                mixed = StepMetrics(interpolate(a, b, weight, hold_feet=hold))
+                excess[name].append((mixed.mean_slide or 0.0) - max(slides[0], slides[1]))
+        upper.append((StepMetrics(combine(a, b)).mean_slide or 0.0) - slides[0])
     if not upper:
         return [Row("interpolation: no two measures of one variation here", None, "m/s", ROUNDING)]
     peers = {"mean": float(np.mean(excess["feet held"])), "pairs": float(len(upper))}
@@ -216,9 +216,9 @@ def _foot_lock(groups: dict[str, list[Material]]) -> list[Row]:
         raw, locked, moved = [], [], 0.0
         for step in _steps(material):
             after = lock_feet(step.clip)
-            raw.append(StepFigures(step))
-            locked.append(StepFigures(replace(step, clip=after)))
-            moved = max(moved, pelvis_way(step.clip, after))
+            raw.append(StepMetrics(step))
+            locked.append(StepMetrics(replace(step, clip=after)))
+            moved = max(moved, pelvis_displacement(step.clip, after))
         peers = {"raw": _mean_slide(raw)}
         rows.append(Row(f"{group}: foot lock, foot slide", _mean_slide(locked), "m/s", 0.02, peers=peers))
         rows.append(Row(f"{group}: foot lock, pelvis moved", moved, "m", 0.02))

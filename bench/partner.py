@@ -14,14 +14,14 @@ from bench._fixed_lag import agreement_by_lag
 from bench._partner_baselines import constant_offset, nearest_frames, nearest_units
 from live.cli.bench import Row
 from live.library.partner_pairs import PartnerExamples, read_pairs
-from live.motion.beats.dance_rhythm import rhythm_of
-from live.motion.beats.tempo_estimation import two_beat_lines
+from live.motion.beats.dance_rhythm import find_rhythm
+from live.motion.beats.tempo_estimation import find_two_beat_lines
 from live.motion.clip import Clip
 from live.motion.partner.evaluation import FollowerErrors, follower_errors, joint_positions, slide_metrics
 from live.motion.partner.partner_synthesis import SearchSettings, beat_offsets, find_partner, shown_beats
 from live.motion.partner.units import cut_units
 from live.motion.partner_live.live_partner import agreement_of, evaluate_live, similar_units
-from live.motion.quality.metrics import offsets
+from live.motion.quality.metrics import beat_offsets
 
 DROPPED = 6
 """Frames of a T-pose and the run-in from it."""
@@ -133,7 +133,7 @@ def _one(known: PartnerExamples, take: int, tally: Tally) -> None:
     tally.add("live", live.clip, live.answer.clip.contact, truth, led)
     tally.live.append(told["live"])
     tally.apart.append([_nearest(one, led) for one in (truth, joint_positions(found.clip), joint_positions(live.clip))])
-    landed = rhythm_of(real).plants
+    landed = find_rhythm(real).contact_times
     tally.offsets.setdefault("the real one's feet", []).extend(np.abs(beat_offsets(landed, period, first)).tolist())
     tally.lags.append(agreement_by_lag(x, units, on_beat, locked.reading, LAGS, similar_units(units)))
     scale = OTHER_RATE / search.rate
@@ -158,8 +158,8 @@ def followed_rows(known: PartnerExamples, takes: tuple[int, ...]) -> list[Row]:
         units = cut_units([one for n, one in enumerate(examples) if n != take])
         lead, real = known.leaders[take], known.followers[take].clip
         assert lead is not None  # pairs with leaders
-        lines = two_beat_lines([lead.clip], float(np.median(units.seconds)))
-        own = two_beat_lines([real])
+        lines = find_two_beat_lines([lead.clip], float(np.median(units.seconds)))
+        own = find_two_beat_lines([real])
         assert lines is not None  # these recordings are long enough
         assert own is not None
         last = (real.sample_count - 1.0) / real.sample_rate
@@ -172,9 +172,9 @@ def followed_rows(known: PartnerExamples, takes: tuple[int, ...]) -> list[Row]:
         tally.add("the real one", real, real.contact, truth, led)
         tally.live.append(told["live"])
         shown = shown_beats(found.answer, found.reading, units)
-        away.append(offsets(shown, examples[take].beats / real.sample_rate))
-        apart.append(offsets(shown, own.beats(last)))
-        real_apart.append(offsets(lines.lines, own.lines))
+        away.append(beat_offsets(shown, examples[take].beats / real.sample_rate))
+        apart.append(beat_offsets(shown, own.beats(last)))
+        real_apart.append(beat_offsets(lines.lines, own.lines))
     pair, follower, both = (1000.0 * float(np.median(np.abs(np.concatenate(one)))) for one in (away, apart, real_apart))
     agreed = 100.0 * float(np.mean([one["agreement"] for one in tally.live]))
     words = "salsa, beats followed:"

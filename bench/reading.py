@@ -9,7 +9,7 @@ import numpy as np
 
 from live.cli.bench import Row
 from live.library.motion_file import read_motion
-from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
+from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 
 JOINTS, FRAMES = 43, 2000
 BAR_MS = 25.0
@@ -31,7 +31,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
 
 def _rows(name: str, path: Path, repeats: int, bar: float) -> list[Row]:
     ours = _best(lambda: parse_bvh(path.read_bytes(), path.name), repeats)
-    turned = _best(lambda: source_of_bvh(parse_bvh(path.read_bytes(), path.name)), repeats)
+    turned = _best(lambda: bvh_to_source_motion(parse_bvh(path.read_bytes(), path.name)), repeats)
     whole = _best(lambda: read_motion(path), repeats)
     rows = [
         Row(f"{name}: parsed", ours, "ms", bar),

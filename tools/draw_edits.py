@@ -16,10 +16,10 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from live.motion.editing.facing import (
-    LIMIT,
+    HEAD_LIMIT,
     average_orientation,
+    face_audience,
     face_head,
-    face_public,
     fill_gaps,
     head_turn,
     heading_of,
@@ -28,7 +28,13 @@ from live.motion.editing.facing import (
 from live.motion.editing.foot_correction import correct_floor, find_feet
 from live.motion.editing.interpolate import interpolate
 from live.motion.editing.time_warp import draw_measure_warps, draw_sequence_warp, warp_step
-from live.motion.editing.turn_insertion import BLEND_WINDOW, LIFTED, height_difference, insert_rotation, support_turns
+from live.motion.editing.turn_insertion import (
+    BLEND_WINDOW,
+    LIFT_THRESHOLD,
+    height_difference,
+    insert_rotation,
+    support_turns,
+)
 from live.motion.editing.variation import combine, draw_sequence_factors, factor_at, scale_step
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_step
@@ -90,7 +96,7 @@ def draw_rotation() -> Figure:
     part, time = within(step), beats(step)
     difference = 100 * height_difference(find_feet(step.clip))[part]
     lift.plot(time[part], difference, color=BEFORE, lw=2)
-    lift.axhline(LIFTED * difference.max(), color=THIRD, lw=1, label="20 % of the largest")
+    lift.axhline(LIFT_THRESHOLD * difference.max(), color=THIRD, lw=1, label="20 % of the largest")
     for axis in (lift, yaw):
         for start, stop, weight in zip(turns.start, turns.stop, turns.weight, strict=True):
             if weight > 0:
@@ -122,7 +128,7 @@ def draw_measure_warp() -> Figure:
     part = within(step)
     hand.plot(beats(step)[part], places(step)[part, HAND, 1], color="black", lw=2.4, label="as sketched")
     for n in range(5):
-        dancer = warp_step(step, warps.take(np.array((n,))))
+        dancer = warp_step(step, warps.select(np.array((n,))))
         hand.plot(beats(step)[part], places(dancer)[part, HAND, 1], lw=1.2)
     for axis in (error, curve, hand):
         axis.axvspan(1 + 4 * (1 - BLEND_WINDOW), 5, color=WINDOW, lw=0)
@@ -172,7 +178,7 @@ def draw_amplitude() -> Figure:
 def draw_orientation() -> Figure:
     step = sketch("samba", "long forward")
     before = insert_rotation(step, 1.4)
-    after = replace(before, clip=face_public(before.clip))
+    after = replace(before, clip=face_audience(before.clip))
     figure, (yaw, plan) = panels(
         2, "face_public: the whole result turned until its average orientation is zero", [1.6, 1]
     )
@@ -194,7 +200,7 @@ def draw_head() -> Figure:
     world = forward_kinematics(step.clip.root_position.astype(np.float64), step.clip.rotation.astype(np.float64))[1]
     wanted = wrap(-heading_of(world[:, HEAD]))
     turned = wrap(heading_of(world[:, HEAD]) - heading_of(world[:, CHEST]))
-    kept = (np.abs(wanted) <= LIMIT) & (np.abs(turned + wanted) <= LIMIT)
+    kept = (np.abs(wanted) <= HEAD_LIMIT) & (np.abs(turned + wanted) <= HEAD_LIMIT)
     figure, (theta, head) = panels(2, "face_head: the head looks at the public while the body turns")
     theta.plot(
         time, np.degrees(np.where(kept, np.nan, wanted)), color=BEFORE, lw=1, label="wanted, beyond a neck: left out"

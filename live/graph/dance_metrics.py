@@ -16,16 +16,16 @@ from live.motion import quaternion
 from live.motion.clip import read_clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.quality.metrics import (
-    alignment,
-    at_samples,
+    beat_alignment,
+    beat_offsets,
+    contact_slide_speeds,
     half_width,
     largest_around,
+    largest_at_samples,
     mean_speed,
     motion_beats,
-    offsets,
-    p99_of_raw,
-    skates,
-    slides,
+    raw_p99,
+    skating_frames,
 )
 from live.motion.step_clip import StepClip
 
@@ -50,17 +50,19 @@ class RawClips:
     @cached_property
     def traces(self) -> list[tuple[Float64, Float64]]:
         """Return the largest velocity change and acceleration at every sample, (T,) each."""
-        return [at_samples(position, self.rate) for position, _ in self.sampled_clips]
+        return [largest_at_samples(position, self.rate) for position, _ in self.sampled_clips]
 
     @property
     def slide(self) -> Float64:
         """Return the speeds [m/s] of feet in contact, (n,)."""
-        return np.concatenate([slides(position, contact, self.rate) for position, contact in self.sampled_clips])
+        return np.concatenate(
+            [contact_slide_speeds(position, contact, self.rate) for position, contact in self.sampled_clips]
+        )
 
     def p99(self, half: float) -> tuple[float, float]:
         """Return p99 of the largest velocity change [m/s] and acceleration [m/s²] within `half` s of random samples."""
         change, acceleration = zip(*self.traces, strict=True)
-        return p99_of_raw(change, half, self.rate), p99_of_raw(acceleration, half, self.rate)
+        return raw_p99(change, half, self.rate), raw_p99(acceleration, half, self.rate)
 
     def _sample(self, step: StepClip) -> tuple[Float64, Bool]:
         stride = step.samples_per_measure / (self.seconds * self.rate)
@@ -97,13 +99,13 @@ class DanceMetrics:
     @property
     def slide(self) -> Float64:
         """Return the speeds [m/s] of feet in contact, (n,)."""
-        return slides(self.position, self.dance.clip.contact, self.dance.clip.sample_rate)
+        return contact_slide_speeds(self.position, self.dance.clip.contact, self.dance.clip.sample_rate)
 
     @cached_property
     def joins(self) -> tuple[Float64, Float64]:
         """Return the largest velocity change [m/s] and acceleration [m/s²] of any joint at each join, (K,) each."""
         rate, join = self.dance.clip.sample_rate, self.dance.join
-        change, acceleration = at_samples(self.position, rate)
+        change, acceleration = largest_at_samples(self.position, rate)
         middle = join.mean(axis=1)
         return largest_around(change, middle, self.half, rate), largest_around(acceleration, middle, self.half, rate)
 
@@ -125,7 +127,7 @@ class DanceMetrics:
     def result(self) -> dict[str, Any]:
         """Return the metrics; null where nothing was measured. The caller adds `steps` and `missing`."""
         dance, rate = self.dance, self.dance.clip.sample_rate
-        slide, skating = self.slide, skates(self.position, rate)
+        slide, skating = self.slide, skating_frames(self.position, rate)
         change, acceleration = self.joins
         raw_change, raw_acceleration = self.raw.p99(self.half) if len(change) else (0.0, 0.0)
         kinematic = motion_beats(mean_speed(self.position, rate), rate)
@@ -138,11 +140,11 @@ class DanceMetrics:
             "join_acceleration_ratio": ratio(acceleration, raw_acceleration),
             "beat_offset_ms": {
                 "annotated": median_and_p95(self.annotated_offsets.reshape(-1)),
-                "kinematic": median_and_p95(offsets(dance.beat_time, kinematic)),
+                "kinematic": median_and_p95(beat_offsets(dance.beat_time, kinematic)),
             },
             "beat_alignment": {
-                "music": alignment(dance.beat_time, kinematic),
-                "kinematic": alignment(kinematic, dance.beat_time),
+                "music": beat_alignment(dance.beat_time, kinematic),
+                "kinematic": beat_alignment(kinematic, dance.beat_time),
             },
             "path_error_m": list_and_p95(path),
             "heading_error_deg": list_and_p95(heading),

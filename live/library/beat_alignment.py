@@ -15,17 +15,17 @@ from live.control.audio.music_file import Music, MusicFileError, read_music
 from live.library.motion_file import read_motion
 from live.library.recording_file import RecordingEntry
 from live.motion.beats.clap_sync import (
-    FEWEST,
+    MIN_CLAPS,
+    AssignedClap,
     Clap,
     ClapSync,
-    PlacedClap,
     find_claps,
     sync_to_claps,
     sync_to_click,
     sync_to_song,
 )
-from live.motion.beats.music_reference import MusicReference, set_by_hand
-from live.motion.beats.tempo_estimation import guess_tempo
+from live.motion.beats.music_reference import MusicReference, apply_manual
+from live.motion.beats.tempo_estimation import estimate_tempo
 from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_motion import Float64, SourceMotion, UpAxis
@@ -176,7 +176,7 @@ class SyncResult:
     """The music reference that was found, and the claps."""
 
     reference: MusicReference
-    claps: tuple[PlacedClap, ...]
+    claps: tuple[AssignedClap, ...]
     drop_frames: int
     fps: float
     """The frame rate that was used."""
@@ -188,7 +188,7 @@ class SyncResult:
         return (
             self.reference.source not in CONFIRMED_SOURCES
             or self.reference.confidence < MIN_CONFIDENCE
-            or clapped < FEWEST
+            or clapped < MIN_CLAPS
         )
 
     @property
@@ -230,7 +230,7 @@ def find_sync(request: SyncRequest) -> SyncResult:
         if (
             request.click_bpm is None
             and found is not None
-            and sum(one.beat is not None for one in found.claps) < FEWEST
+            and sum(one.beat is not None for one in found.claps) < MIN_CLAPS
         ):
             found = None  # no click was given: one or two touches of the hands on the beat belong to the dance
     else:
@@ -239,7 +239,7 @@ def find_sync(request: SyncRequest) -> SyncResult:
     settled = request.anchor_s is not None and request.bpm is not None
     if reference is None and not settled:
         reference = _guess_reference(request, motion, tracks, drop, known)
-    reference = set_by_hand(reference, anchor_s=request.anchor_s, bpm=request.bpm)
+    reference = apply_manual(reference, anchor_s=request.anchor_s, bpm=request.bpm)
     if reference is None:
         raise PersonError(
             f"{request.file}: no claps were found, and {tracks.frame_count / tracks.rate:.1f} s of it are too short or "
@@ -256,12 +256,12 @@ def _guess_reference(
         clip = retarget(motion, name=wish.file.stem, fps=tracks.rate, up=wish.up, drop_frames=drop)
     except (MotionFileError, ValueError) as error:
         raise PersonError(str(error)) from None
-    guess = guess_tempo(clip, wish.beats_per_measure, bpm)
+    guess = estimate_tempo(clip, wish.beats_per_measure, bpm)
     return None if guess is None else guess.reference
 
 
-def _placed_claps(claps: list[Clap], found: ClapSync | None) -> tuple[PlacedClap, ...]:
-    return found.claps if found is not None else tuple(PlacedClap(clap, None, None) for clap in claps)
+def _placed_claps(claps: list[Clap], found: ClapSync | None) -> tuple[AssignedClap, ...]:
+    return found.claps if found is not None else tuple(AssignedClap(clap, None, None) for clap in claps)
 
 
 def guessed_fields(entry: RecordingEntry, text: str) -> list[str]:

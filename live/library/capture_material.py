@@ -9,7 +9,7 @@ from live.base.errors import PersonError
 from live.library.disk_cache import ClipCache
 from live.library.motion_file import MOTION_SUFFIXES, read_bytes, read_motion
 from live.library.recording_file import Recording, read_step_files
-from live.motion.beats.tempo_estimation import guess_tempo
+from live.motion.beats.tempo_estimation import estimate_tempo
 from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.clip import Clip
 from live.motion.formats.file_error import MotionFileError
@@ -114,7 +114,7 @@ def _with_beats(name: str, clip: Clip, known: Recording | None) -> StepClip:
     if known is not None:
         bpm, first_s, beats = known.bpm, known.first_beat_s, known.beats_per_measure
     else:
-        guess = guess_tempo(clip)
+        guess = estimate_tempo(clip)
         bpm, first_s = (120.0, 0.0) if guess is None else (guess.reference.bpm, guess.reference.first_beat_s)
         beats = 4
     first, measure = first_s * clip.sample_rate, beats * 60.0 / bpm * clip.sample_rate

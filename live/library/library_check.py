@@ -18,7 +18,7 @@ from live.library.recording_file import Problem, RecordingEntry, RecordingError,
 from live.library.recordings import RecordingReader, cut_recording
 from live.library.step_folder import StepsError, sketched_steps, unify_names
 from live.library.textured_steps import read_textured, stale_textures
-from live.motion.beats.tempo_estimation import guess_tempo
+from live.motion.beats.tempo_estimation import estimate_tempo
 from live.motion.cleanup.glitch_detection import Glitch
 from live.motion.editing.facing import circular_mean, heading_of
 from live.motion.step_clip import StepClip, measured_direction, measured_distance, travel
@@ -196,7 +196,7 @@ def _glitch_text(glitch: Glitch, seconds: float, repaired: bool) -> str:
 
 
 def _tempo_warnings(entry: RecordingEntry, reader: RecordingReader) -> list[tuple[str, str]]:
-    guess = guess_tempo(reader.clip(entry), entry.recording.beats_per_measure)
+    guess = estimate_tempo(reader.clip(entry), entry.recording.beats_per_measure)
     if guess is None or guess.reference.confidence < MIN_TEMPO_CONFIDENCE:
         return []
     bpm, written = guess.reference.bpm, entry.recording.bpm

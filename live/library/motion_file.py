@@ -6,7 +6,7 @@ from typing import Final
 from live.motion.formats.acclaim_motion import parse_amc
 from live.motion.formats.acclaim_skeleton import parse_asf
 from live.motion.formats.amass import parse_amass
-from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
+from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.gltf_reader import parse_gltf
 from live.motion.formats.source_motion import SourceMotion, UpAxis
@@ -35,7 +35,7 @@ def read_motion(path: Path, *, skeleton: Path | None = None, up: UpAxis | None =
             asf = skeleton or find_skeleton(path)
             return parse_amc(data, str(path), parse_asf(read_bytes(asf), str(asf)))
         case _:
-            return source_of_bvh(parse_bvh(data, str(path)), up)
+            return bvh_to_source_motion(parse_bvh(data, str(path)), up)
 
 
 def read_bytes(path: Path) -> bytes:

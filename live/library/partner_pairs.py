@@ -19,7 +19,7 @@ from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_n
 from live.library.disk_cache import read_regular_file
 from live.library.motion_file import read_motion
 from live.library.recording_file import FileName, Word
-from live.motion.beats.tempo_estimation import CLEAR, guess_tempo, two_beat_lines
+from live.motion.beats.tempo_estimation import RELIABLE_STRENGTH, estimate_tempo, find_two_beat_lines
 from live.motion.cleanup.glitch_detection import find_glitches
 from live.motion.cleanup.glitch_repair import repair
 from live.motion.clip import Clip
@@ -282,11 +282,11 @@ def _unit_cuts(
         keep = np.concatenate(([True], np.diff(landed) >= 2.0 * MIN_UNIT_SECONDS * rate))
         return np.asarray(landed[keep], np.float64), np.zeros(0), False
     if first is None and pair.cuts_s is None and leader is not None and wanted.unit_beats == BEATS_OF_UNIT:
-        followed = two_beat_lines([leader.clip, clip], None if period is None else 2.0 * period)
-        if followed is not None and followed.strength >= CLEAR:
+        followed = find_two_beat_lines([leader.clip, clip], None if period is None else 2.0 * period)
+        if followed is not None and followed.strength >= RELIABLE_STRENGTH:
             return followed.lines * rate, followed.beats(last / rate) * rate, True
     if (period is None or first is None) and pair.cuts_s is None:
-        guess = guess_tempo(clip, bpm=None if period is None else 60.0 / period)
+        guess = estimate_tempo(clip, bpm=None if period is None else 60.0 / period)
         if guess is None:
             raise fail("too short or too still to guess its beats: give bpm and first_beat_s")
         period, guessed = 60.0 / guess.reference.bpm, True

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from live.library.motion_file import MAX_BYTES, read_motion
-from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
+from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.file_error import MotionFileError
 from tests.motion.formats.made_bvh import body_bvh, danced
 from tests.motion.formats.test_asf_amc import AMC, ASF
@@ -19,7 +19,7 @@ from tests.motion.mocap import mocap_file
 def test_bvh_is_known_by_its_content(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_text(body_bvh(danced(5)))
     motion = read_motion(tmp_path / name)
-    expected = source_of_bvh(parse_bvh(body_bvh(danced(5)), "x"))
+    expected = bvh_to_source_motion(parse_bvh(body_bvh(danced(5)), "x"))
     np.testing.assert_array_equal(motion.rotation, expected.rotation)
     assert motion.file == str(tmp_path / name)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from live.motion.formats.bvh_reader import BvhMotion, parse_bvh, source_of_bvh
+from live.motion.formats.bvh_reader import BvhMotion, bvh_to_source_motion, parse_bvh
 from live.motion.formats.source_motion import SourceMotion
 from tests.places import SHARED
 
@@ -41,7 +41,7 @@ def mocap_bvh(name: str) -> BvhMotion:
 @cache
 def mocap_motion(name: str) -> SourceMotion:
     """The motion of a BVH file."""
-    return source_of_bvh(mocap_bvh(name))
+    return bvh_to_source_motion(mocap_bvh(name))
 
 
 def mocap_index() -> list[dict[str, Any]]:

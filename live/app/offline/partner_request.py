@@ -19,7 +19,7 @@ from live.motion.partner.partner_synthesis import PartnerResult, SearchSettings,
 from live.motion.partner.path_leader import frenet_cloud
 from live.motion.partner.point_clouds import Cloud
 from live.motion.partner.units import Units
-from live.motion.quality.metrics import at_samples, half_width, largest_around, offsets, p99_of_raw
+from live.motion.quality.metrics import beat_offsets, half_width, largest_around, largest_at_samples, raw_p99
 from live.motion.retarget.retarget import SAMPLE_RATE
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
@@ -165,12 +165,12 @@ def _join_figures(found: PartnerResult, positions: npt.NDArray[np.float64], unit
     """Return velocity and acceleration at joins relative to the raw recordings (contracts: join ratios)."""
     rate, half = found.clip.sample_rate, half_width(0.0)
     used = {int(units.example[unit]) for unit in found.reading.unit}
-    raw = [at_samples(joint_positions(units.examples[one].follower), rate) for one in sorted(used)]
+    raw = [largest_at_samples(joint_positions(units.examples[one].follower), rate) for one in sorted(used)]
     middle = found.answer.boundaries / rate
     told: dict[str, float | None] = {}
     for n, name in enumerate(("join_velocity_ratio", "join_acceleration_ratio")):
-        usual = p99_of_raw([one[n] for one in raw], half, rate)
-        around = largest_around(at_samples(positions, rate)[n], middle, half, rate)
+        usual = raw_p99([one[n] for one in raw], half, rate)
+        around = largest_around(largest_at_samples(positions, rate)[n], middle, half, rate)
         told[name] = float(np.percentile(around, 99)) / usual if around.size and usual > 0.0 else None
     return told
 
@@ -182,7 +182,7 @@ def _beat_figures(found: PartnerResult, units: Units, search: SearchSettings) ->
     shown = shown_beats(found.answer, found.reading, units)
     if not len(shown):
         return None
-    away = np.abs(offsets(shown, search.beats)) * 1000.0
+    away = np.abs(beat_offsets(shown, search.beats)) * 1000.0
     return {"annotated": {"median": float(np.median(away)), "p95": float(np.percentile(away, 95))}}
 
 

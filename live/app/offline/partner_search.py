@@ -20,7 +20,7 @@ from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
 from live.library.motion_file import read_motion
 from live.library.partner_pairs import PartnerExamples, Side, read_pairs, retarget_side
-from live.motion.beats.tempo_estimation import CLEAR, guess_tempo, two_beat_lines
+from live.motion.beats.tempo_estimation import RELIABLE_STRENGTH, estimate_tempo, find_two_beat_lines
 from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.clip import Clip, read_clip
 from live.motion.formats.bvh_writer import write_bvh
@@ -139,12 +139,12 @@ def _beats(options: PartnerOptions, led: LeaderMotion, known: PartnerExamples) -
         return None
     if known.pairs_file.unit_beats == BEATS_OF_UNIT and all(len(one.beats) for one in known.units.examples):
         two_beats = float(np.median(known.units.seconds))
-        followed = two_beat_lines([clip], two_beats if options.bpm is None else 120.0 / options.bpm)
-        if followed is not None and followed.strength >= CLEAR:
+        followed = find_two_beat_lines([clip], two_beats if options.bpm is None else 120.0 / options.bpm)
+        if followed is not None and followed.strength >= RELIABLE_STRENGTH:
             return followed.beats(last)
     if not options.online:
         return None
-    guess = guess_tempo(clip)
+    guess = estimate_tempo(clip)
     if guess is None:
         raise PersonError("the leader's beats cannot be guessed", "--bpm BPM --first-beat SECONDS")
     return beat_samples(60.0 / guess.reference.bpm, guess.reference.first_beat_s, 1.0, last)

@@ -9,7 +9,7 @@ import typer
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from live.motion.formats.file_report import MotionFacts, SourceTracks
+    from live.motion.formats.file_report import MotionReport, SourceTracks
     from live.motion.formats.source_motion import UpAxis
 
 
@@ -32,7 +32,7 @@ def bvh(
     from live.base.errors import PersonError
     from live.library.motion_file import read_motion
     from live.motion.formats.file_error import MotionFileError
-    from live.motion.formats.file_report import find_facts
+    from live.motion.formats.file_report import analyze_motion
 
     check_range(fps, "--fps", 1, 10_000)
     check_range(unit, "--unit", 1e-6, 1000)
@@ -46,7 +46,7 @@ def bvh(
     axis: UpAxis | None = None if up is None else "Z" if up.upper() == "Z" else "Y"
     try:
         motion = read_motion(file, skeleton=skeleton, up=axis)
-        facts, tracks = find_facts(motion, fps=fps, unit_m=unit, up=axis)
+        facts, tracks = analyze_motion(motion, fps=fps, unit_m=unit, up=axis)
     except MotionFileError as error:
         raise PersonError(str(error)) from None
     if joints is not None:
@@ -59,7 +59,7 @@ def bvh(
     Console().print(_table(str(file), facts))
 
 
-def facts_json(facts: "MotionFacts") -> dict[str, Any]:
+def facts_json(facts: "MotionReport") -> dict[str, Any]:
     """Return the object that `--json` prints; a warning is {what}, and if known `frame` (from 0) or `line` (from 1)."""
     from dataclasses import fields
 
@@ -84,7 +84,7 @@ def _write_joints(path: Path, tracks: "SourceTracks") -> None:
         raise PersonError(f"--joints {path}: cannot be written: {error.strerror}") from None
 
 
-def _table(file: str, facts: "MotionFacts") -> "Table":
+def _table(file: str, facts: "MotionReport") -> "Table":
     from rich.table import Table
     from rich.text import Text
 
@@ -96,7 +96,7 @@ def _table(file: str, facts: "MotionFacts") -> "Table":
     return table
 
 
-def _rows(facts: "MotionFacts") -> list[tuple[str, str]]:
+def _rows(facts: "MotionReport") -> list[tuple[str, str]]:
     """Return the facts as pairs of label and text."""
 
     def metres(value: float | None) -> str:

@@ -139,7 +139,7 @@ class Candidates:
 
         The turn `angle` (n,) [rad] pivots on the supporting foot, so it changes the displacement, too (T070).
         """
-        moved = self.turns.take(self.node[rows]).displacement(1.0, angle)
+        moved = self.turns.select(self.node[rows]).displacement(1.0, angle)
         yaw = placement[:, 2]
         hips = placement[:, :2] + turn_vectors(moved, yaw) + turn_vectors(self.end[rows], yaw + angle)
         return hips, yaw + angle + self.facing[rows]

@@ -41,7 +41,7 @@ class ReachTable:
         for n, change in enumerate(TURNS):
             own = wrap_angle(candidates.facing - graph.node_facing_start[node])
             turn = wrap_angle(change - own)
-            moved = candidates.turns.take(node).displacement(1.0, turn)
+            moved = candidates.turns.select(node).displacement(1.0, turn)
             way = moved + turn_vectors(candidates.end, turn) - graph.node_start[node]
             way = turn_vectors(way, -graph.node_facing_start[node])
             for s in range(count):
@@ -171,7 +171,7 @@ def reach_of(graph: MotionGraph, candidates: Candidates, step: int, seconds: flo
 def turned_displacements(graph: MotionGraph, candidates: Candidates, rows: Int32, angle: Float64) -> Float64:
     """Return displacements (n, 2) of candidates `rows` (n,) turned by `angle` (n,) [rad], relative to the dancer."""
     node = candidates.node[rows]
-    moved = candidates.turns.take(node).displacement(1.0, angle)
+    moved = candidates.turns.select(node).displacement(1.0, angle)
     end = moved + turn_vectors(candidates.end[rows], angle)
     return turn_vectors(end - graph.node_start[node], -graph.node_facing_start[node])
 

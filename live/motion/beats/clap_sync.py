@@ -10,28 +10,28 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.beats.beat_grid_fit import NEAR, BeatFit, fit_free_period, fit_known_period
+from live.motion.beats.beat_grid_fit import MAX_DISTANCE, BeatFit, fit_free_period, fit_known_period
 from live.motion.beats.music_reference import BPM_RANGE, MusicReference
 from live.motion.formats.source_motion import Float64
 from live.motion.retarget.body_tracks import BodyTracks
 
 Int = npt.NDArray[np.int64]
 
-PALMS_NEAR: Final = 0.22
+MAX_PALM_DISTANCE: Final = 0.22
 """Palms nearer than this [m] may touch: the hand's centre is off the palm, and retargeting adds distance."""
-OPEN: Final = 0.07
+MIN_OPENING: Final = 0.07
 """Minimum distance [m] by which the hands separate before and after, within `REACH`."""
-REACH: Final = 0.4
+OPENING_WINDOW: Final = 0.4
 """Window before and after a clap [s]."""
-SPEED: Final = 0.5
+MIN_CLOSING_SPEED: Final = 0.5
 """Minimum closing speed just before [m/s]."""
-TURN: Final = 0.9
+MIN_SHARPNESS: Final = 0.9
 """Minimum change of the distance's slope [m/s] from just before to just after: a V, not a U."""
-SIDE: Final = 0.03
+FIT_SECONDS: Final = 0.03
 """Seconds on each side over which the sides of the V are fitted; at least two frames."""
-SAME_WAY: Final = 0.2
+MIN_REBOUND_COSINE: Final = 0.2
 """Minimum cosine between the directions before and after: clapping hands bounce back, passing hands cross."""
-APART: Final = 0.12
+MIN_INTERVAL: Final = 0.12
 """Minimum time between two claps [s]."""
 
 
@@ -60,7 +60,7 @@ def find_claps(tracks: BodyTracks, start: int = 0) -> list[Clap]:
         clap = _clap(apart, distance, int(frame), tracks.rate)
         if clap is None:
             continue
-        if found and clap.time_s - found[-1].time_s < APART:
+        if found and clap.time_s - found[-1].time_s < MIN_INTERVAL:
             if clap.sharpness > found[-1].sharpness:
                 found[-1] = clap
             continue
@@ -74,27 +74,29 @@ def _minima(distance: Float64) -> Int:
         return np.zeros(0, np.int64)
     down = distance[1:-1] < distance[:-2]
     up = distance[1:-1] <= distance[2:]
-    low = distance[1:-1] < PALMS_NEAR
+    low = distance[1:-1] < MAX_PALM_DISTANCE
     return np.flatnonzero(down & up & low) + 1
 
 
 def _clap(apart: Float64, distance: Float64, frame: int, rate: float) -> Clap | None:
-    side, reach = max(2, round(SIDE * rate)), max(3, round(REACH * rate))
+    side, reach = max(2, round(FIT_SECONDS * rate)), max(3, round(OPENING_WINDOW * rate))
     end = frame  # of the frames in which the hands rest on each other
-    while end + 1 < distance.size and abs(distance[end + 1] - distance[frame]) < 0.1 * OPEN and end - frame < reach:
+    while (
+        end + 1 < distance.size and abs(distance[end + 1] - distance[frame]) < 0.1 * MIN_OPENING and end - frame < reach
+    ):
         end += 1
     if frame < side + 1 or end + side + 1 >= distance.size:
         return None
     before, after = distance[max(frame - reach, 0) : frame], distance[end + 1 : end + 1 + reach]
-    if min(before.max(), after.max()) - distance[frame] < OPEN:
+    if min(before.max(), after.max()) - distance[frame] < MIN_OPENING:
         return None
     closing, opening = _line(distance, frame - side, frame, rate), _line(distance, end + 1, end + side + 1, rate)
     turn = opening[0] - closing[0]
-    if -closing[0] < SPEED or turn < TURN:
+    if -closing[0] < MIN_CLOSING_SPEED or turn < MIN_SHARPNESS:
         return None
     ways = apart[frame - side], apart[end + side]
     cosine = float(ways[0] @ ways[1]) / max(float(np.linalg.norm(ways[0]) * np.linalg.norm(ways[1])), 1e-9)
-    if cosine < SAME_WAY:
+    if cosine < MIN_REBOUND_COSINE:
         return None
     if end - frame >= 2:
         time = (float(np.median(distance[frame : end + 1])) - closing[1]) / closing[0]
@@ -113,26 +115,26 @@ def _line(distance: Float64, first: int, stop: int, rate: float) -> tuple[float,
     return slope, float(distance[first:stop].mean()) - slope * float(middle)
 
 
-TIGHT: Final = 0.03
+SCATTER: Final = 0.03
 """Scatter of claps about the beat [s] that reduces confidence by a third."""
-BREAK: Final = 4.5
+MAX_GAP_BEATS: Final = 4.5
 """Maximum gap within a count [beats]."""
-FEWEST: Final = 4
+MIN_CLAPS: Final = 4
 """Minimum claps of a count without a click."""
-FAR: Final = 5.0
+GROUP_PAUSE: Final = 5.0
 """Claps after a pause of this length [s] are another count, or part of the dance."""
-MOST: Final = 64
+MAX_CLAPS: Final = 64
 """Maximum claps per group and maximum groups, to bound the run time."""
-MOST_TO_SONG: Final = 24
+MAX_SONG_CLAPS: Final = 24
 """Maximum claps matched to a song's first beats."""
-FIRST_WINS: Final = 0.75
+FIRST_COUNT_SHARE: Final = 0.75
 """The first count is chosen if its score is at least this share of the best: people clap before they dance."""
-ODD_TEMPO: Final = 0.03
+TEMPO_TOLERANCE: Final = 0.03
 """If the tempo of the claps differs by more than this share from the click's, the frame rate is doubtful."""
 
 
 @dataclass(frozen=True, slots=True)
-class PlacedClap:
+class AssignedClap:
     """A clap and its assignment to a beat."""
 
     clap: Clap
@@ -147,7 +149,7 @@ class ClapSync:
     """A music reference with the claps it is derived from."""
 
     reference: MusicReference
-    claps: tuple[PlacedClap, ...]
+    claps: tuple[AssignedClap, ...]
 
 
 def sync_to_click(claps: list[Clap], bpm: float, count: int | None = None) -> ClapSync | None:
@@ -159,53 +161,59 @@ def sync_to_click(claps: list[Clap], bpm: float, count: int | None = None) -> Cl
     if not claps:
         return None
     period = 60.0 / bpm
-    fits = [fit_known_period(times, period) for times in _groups(_times(claps), max(FAR, BREAK * period))]
-    fit = _over(_chosen(fits), _times(claps))
+    fits = [
+        fit_known_period(times, period) for times in _groups(_times(claps), max(GROUP_PAUSE, MAX_GAP_BEATS * period))
+    ]
+    fit = _extend_fit(_select_fit(fits), _times(claps))
     first, own = _count(fit, count)
     confidence = _confidence(fit, own, count or _span(own))
-    notes = [_clapped(own, count, fit)]
+    notes = [_summary(own, count, fit)]
     free = sync_to_claps(claps)
-    if free is not None and abs(free.reference.bpm / bpm - 1.0) > ODD_TEMPO and free.reference.confidence > confidence:
+    if (
+        free is not None
+        and abs(free.reference.bpm / bpm - 1.0) > TEMPO_TOLERANCE
+        and free.reference.confidence > confidence
+    ):
         confidence *= 0.2
         notes.append(f"the claps themselves are at {free.reference.bpm:.1f} bpm: is the frame rate right?")
-    return _synced(claps, fit, first, own, MusicReference(0.0, bpm, confidence, "click", "; ".join(notes)))
+    return _build_sync(claps, fit, first, own, MusicReference(0.0, bpm, confidence, "click", "; ".join(notes)))
 
 
 def sync_to_claps(claps: list[Clap]) -> ClapSync | None:
     """Sync by claps alone: tempo from the claps, first beat at the first clap; None if fewer than four agree."""
-    fits = [fit_free_period(times) for times in _groups(_times(claps), FAR)]
-    agreeing = [fit for fit in fits if fit is not None and _count(fit, None)[1].size >= FEWEST]
+    fits = [fit_free_period(times) for times in _groups(_times(claps), GROUP_PAUSE)]
+    agreeing = [fit for fit in fits if fit is not None and _count(fit, None)[1].size >= MIN_CLAPS]
     if not agreeing:
         return None
-    fit = _over(_chosen(agreeing), _times(claps))
+    fit = _extend_fit(_select_fit(agreeing), _times(claps))
     first, own = _count(fit, None)
     bpm = min(max(60.0 / fit.period_s, BPM_RANGE[0]), BPM_RANGE[1])
     confidence = _confidence(fit, own, _span(own))
-    return _synced(claps, fit, first, own, MusicReference(0.0, bpm, confidence, "claps", _clapped(own, None, fit)))
+    return _build_sync(claps, fit, first, own, MusicReference(0.0, bpm, confidence, "claps", _summary(own, None, fit)))
 
 
 def _groups(times: Float64, pause: float) -> list[Float64]:
     """Return groups of claps between pauses, each cut to the longest plausible count."""
     groups = np.split(times, np.flatnonzero(np.diff(times) > pause) + 1) if times.size else []
-    return [group[:MOST] for group in groups[:MOST]]
+    return [group[:MAX_CLAPS] for group in groups[:MAX_CLAPS]]
 
 
-def _chosen(fits: list[BeatFit]) -> BeatFit:
+def _select_fit(fits: list[BeatFit]) -> BeatFit:
     """Return the first fit that is nearly as good as the best."""
     worth = [
-        float(np.exp(-0.5 * (fit.residuals[fit.belongs] / TIGHT) ** 2).sum()) - 0.5 * int((~fit.belongs).sum())
+        float(np.exp(-0.5 * (fit.residuals[fit.on_beat] / SCATTER) ** 2).sum()) - 0.5 * int((~fit.on_beat).sum())
         for fit in fits
     ]
     return next(
-        fit for fit, one in zip(fits, worth, strict=True) if one >= FIRST_WINS * max(worth) or one == max(worth)
+        fit for fit, one in zip(fits, worth, strict=True) if one >= FIRST_COUNT_SHARE * max(worth) or one == max(worth)
     )
 
 
-def _over(fit: BeatFit, times: Float64) -> BeatFit:
+def _extend_fit(fit: BeatFit, times: Float64) -> BeatFit:
     """Return the fit of one group applied to all claps; claps of other groups are not on its beats."""
     numbers = np.round((times - fit.offset_s) / fit.period_s).astype(np.int64)
     late = times - fit.offset_s - numbers * fit.period_s
-    own = np.isin(times, fit.times[fit.belongs])
+    own = np.isin(times, fit.times[fit.on_beat])
     return BeatFit(times, fit.offset_s, fit.period_s, numbers, late, own)
 
 
@@ -220,13 +228,13 @@ def sync_to_song(claps: list[Clap], beats: Float64, beats_per_measure: int = 4) 
     if not claps or beats.size < 2:
         return None
     times = _times(claps)
-    offset = _song_offset(times[:MOST_TO_SONG], beats[: 8 * MOST_TO_SONG + MOST])
+    offset = _song_offset(times[:MAX_SONG_CLAPS], beats[: 8 * MAX_SONG_CLAPS + MAX_CLAPS])
     places = beats + offset
     after = np.clip(np.searchsorted(places, times), 1, places.size - 1)
     nearest = np.where(times - places[after - 1] < places[after] - times, after - 1, after)
     late = times - places[nearest]
     period = float(np.median(np.diff(beats)))
-    belongs = np.abs(late) <= min(NEAR, 0.2 * period)
+    belongs = np.abs(late) <= min(MAX_DISTANCE, 0.2 * period)
     if not belongs.any():
         return None
     shift = float(np.mean(late[belongs]))
@@ -237,14 +245,14 @@ def sync_to_song(claps: list[Clap], beats: Float64, beats_per_measure: int = 4) 
     first = 0
     while start + first * slope < -0.5 * slope:
         first += beats_per_measure
-    notes = [_clapped(own, None, fit), f"the song begins at {offset + shift:+.3f} s of the recording"]
+    notes = [_summary(own, None, fit), f"the song begins at {offset + shift:+.3f} s of the recording"]
     if _is_even(beats, times.size):
         notes.append(f"its tempo is even: the first clap is assigned to its beat {int(own[0]) + 1}")
     confidence = _confidence(fit, own, _span(own))
     reference = MusicReference(
         max(0.0, float(start + first * slope)), 60.0 / float(slope), confidence, "song", "; ".join(notes)
     )
-    return ClapSync(reference, _placed(claps, fit, 0, own))
+    return ClapSync(reference, _assign_claps(claps, fit, 0, own))
 
 
 def _song_offset(times: Float64, beats: Float64) -> float:
@@ -254,9 +262,9 @@ def _song_offset(times: Float64, beats: Float64) -> float:
         for time in times:
             places = beats + (time - beat)
             late = np.abs(times[:, None] - places).min(axis=1)
-            hits = np.exp(-0.5 * (late / TIGHT) ** 2).sum()
-            inside = int(((places > times[0] - NEAR) & (places < times[-1] + NEAR)).sum())
-            skipped = int((places < times[0] - NEAR).sum())
+            hits = np.exp(-0.5 * (late / SCATTER) ** 2).sum()
+            inside = int(((places > times[0] - MAX_DISTANCE) & (places < times[-1] + MAX_DISTANCE)).sum())
+            skipped = int((places < times[0] - MAX_DISTANCE).sum())
             worth = hits - 0.3 * max(inside - times.size, 0) - 0.02 * skipped - 1e-6 * number
             if worth > best_worth:
                 best, best_worth = float(time - beat), worth
@@ -266,17 +274,17 @@ def _song_offset(times: Float64, beats: Float64) -> float:
 def _is_even(beats: Float64, count: int) -> bool:
     """Whether the song's beats shifted by one still match, over as many beats as were clapped."""
     some = np.diff(beats[: count + 2])
-    return bool(some.size < 2 or np.abs(some - some.mean()).sum() < NEAR)
+    return bool(some.size < 2 or np.abs(some - some.mean()).sum() < MAX_DISTANCE)
 
 
 def _count(fit: BeatFit, count: int | None) -> tuple[int, Int]:
     """Return the number of the count's first beat, and its clapped beats."""
-    beats = np.unique(fit.numbers[fit.belongs])
+    beats = np.unique(fit.numbers[fit.on_beat])
     if count is not None:
         held = [int(((beats >= first) & (beats < first + count)).sum()) for first in beats]
         first = int(beats[int(np.argmax(held))])
         return first, np.asarray(beats[(beats >= first) & (beats < first + count)])
-    runs = np.split(beats, np.flatnonzero(np.diff(beats) > BREAK) + 1)
+    runs = np.split(beats, np.flatnonzero(np.diff(beats) > MAX_GAP_BEATS) + 1)
     run = max(runs, key=len)
     return int(run[0]), np.asarray(run)
 
@@ -288,9 +296,9 @@ def _span(own: Int) -> int:
 def _confidence(fit: BeatFit, own: Int, count: int) -> float:
     """Return the clapped share of the count, reduced for scatter, few claps, and stray touches between claps."""
     inside = (fit.numbers >= own[0]) & (fit.numbers <= own[-1])
-    strays = int((inside & ~fit.belongs).sum())
-    late = fit.residuals[fit.belongs & np.isin(fit.numbers, own)]
-    scatter = float(np.sqrt(np.mean(late**2))) if late.size > 1 else TIGHT
+    strays = int((inside & ~fit.on_beat).sum())
+    late = fit.residuals[fit.on_beat & np.isin(fit.numbers, own)]
+    scatter = float(np.sqrt(np.mean(late**2))) if late.size > 1 else SCATTER
     few = own.size / (own.size + 1.0)
     return float(
         own.size
@@ -298,27 +306,27 @@ def _confidence(fit: BeatFit, own: Int, count: int) -> float:
         * few
         * own.size
         / (own.size + 0.5 * strays)
-        / (1 + 0.5 * (scatter / TIGHT) ** 2)
+        / (1 + 0.5 * (scatter / SCATTER) ** 2)
     )
 
 
-def _clapped(own: Int, count: int | None, fit: BeatFit) -> str:
+def _summary(own: Int, count: int | None, fit: BeatFit) -> str:
     of = f" of {count}" if count is not None else ""
-    strays = int((~fit.belongs).sum())
+    strays = int((~fit.on_beat).sum())
     words = f"{own.size}{of} beats clapped, {1e3 * fit.rms_s:.0f} ms about the beat"
     return words + (f", {strays} other touches left out" if strays else "")
 
 
-def _synced(claps: list[Clap], fit: BeatFit, first: int, own: Int, reference: MusicReference) -> ClapSync:
+def _build_sync(claps: list[Clap], fit: BeatFit, first: int, own: Int, reference: MusicReference) -> ClapSync:
     start = max(0.0, fit.offset_s + first * fit.period_s)
-    return ClapSync(replace(reference, first_beat_s=float(start)), _placed(claps, fit, first, own))
+    return ClapSync(replace(reference, first_beat_s=float(start)), _assign_claps(claps, fit, first, own))
 
 
-def _placed(claps: list[Clap], fit: BeatFit, first: int, own: Int) -> tuple[PlacedClap, ...]:
+def _assign_claps(claps: list[Clap], fit: BeatFit, first: int, own: Int) -> tuple[AssignedClap, ...]:
     beats = set(own.tolist())
     return tuple(
-        PlacedClap(clap, int(number) - first + 1 if belongs and int(number) in beats else None, 1e3 * float(late))
-        for clap, number, belongs, late in zip(claps, fit.numbers, fit.belongs, fit.residuals, strict=True)
+        AssignedClap(clap, int(number) - first + 1 if belongs and int(number) in beats else None, 1e3 * float(late))
+        for clap, number, belongs, late in zip(claps, fit.numbers, fit.on_beat, fit.residuals, strict=True)
     )
 
 

@@ -14,9 +14,9 @@ from live.motion.skeleton import SKELETON
 Float = npt.NDArray[np.floating]
 Int = npt.NDArray[np.int64]
 
-BLUR: Final = 0.033
+SPEED_SMOOTHING: Final = 0.033
 """Standard deviation of the smoothing of speeds [s]."""
-BEAT_BLUR: Final = 5.0 / 60.0
+BEAT_SMOOTHING: Final = 5.0 / 60.0
 """The same for the mean joint speed whose minima are motion beats [s]: 5 frames at 60 Hz, as in Bailando."""
 
 
@@ -26,13 +26,13 @@ class Rhythm:
 
     rate: float
     """Samples per second."""
-    feet: Float64
+    foot_speed: Float64
     """Sum of both feet's speeds, each that of the slower end of the foot [m/s], shape (T,)."""
-    falls: Float64
+    foot_deceleration: Float64
     """Deceleration of the feet [m/s²], shape (T,): high where a step lands."""
     bounce: Float64
     """Vertical speed of the hips [m/s], shape (T,)."""
-    plants: Float64
+    contact_times: Float64
     """Times at which a foot comes into contact [s], both feet, ascending."""
     motion_beats: Float64
     """Minima of the smoothed mean joint speed [s] (Bailando's kinematic beats)."""
@@ -40,30 +40,30 @@ class Rhythm:
     @property
     def seconds(self) -> float:
         """Length of the clip [s]."""
-        return self.feet.size / self.rate
+        return self.foot_speed.size / self.rate
 
 
-def rhythm_of(clip: Clip) -> Rhythm:
+def find_rhythm(clip: Clip) -> Rhythm:
     """Return the signals of a clip of at least five samples."""
     rate = clip.sample_rate
     positions, _ = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
     speeds = np.linalg.norm(np.gradient(positions, axis=0), axis=-1) * rate
     ends = [[SKELETON.index(side + joint) for joint in ("Foot", "Toes")] for side in ("left", "right")]
-    feet = [blurred(speeds[:, pair].min(axis=1), BLUR * rate) for pair in ends]
+    feet = [gaussian_smooth(speeds[:, pair].min(axis=1), SPEED_SMOOTHING * rate) for pair in ends]
     falls = np.sum([np.maximum(0.0, -np.gradient(foot) * rate) for foot in feet], axis=0)
     landed = np.flatnonzero((np.diff(clip.contact.astype(np.int8), axis=0) > 0).any(axis=1)) + 1
-    mean = blurred(speeds.mean(axis=1), BEAT_BLUR * rate)
+    mean = gaussian_smooth(speeds.mean(axis=1), BEAT_SMOOTHING * rate)
     return Rhythm(
         rate=rate,
-        feet=np.asarray(feet[0] + feet[1]),
-        falls=np.asarray(falls),
-        bounce=blurred(np.gradient(positions[:, 0, 1]) * rate, BLUR * rate),
-        plants=landed / rate,
+        foot_speed=np.asarray(feet[0] + feet[1]),
+        foot_deceleration=np.asarray(falls),
+        bounce=gaussian_smooth(np.gradient(positions[:, 0, 1]) * rate, SPEED_SMOOTHING * rate),
+        contact_times=landed / rate,
         motion_beats=_minima(mean) / rate,
     )
 
 
-def blurred(values: Float, deviation: float) -> Float64:
+def gaussian_smooth(values: Float, deviation: float) -> Float64:
     """Return a signal (T,) smoothed by a Gaussian of `deviation` samples; the end values are repeated."""
     half = max(1, round(4.0 * deviation))
     kernel = np.exp(-0.5 * (np.arange(-half, half + 1) / max(deviation, 1e-6)) ** 2)

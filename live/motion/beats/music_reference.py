@@ -31,7 +31,7 @@ class MusicReference:
         return 60.0 / self.bpm
 
 
-def set_by_hand(
+def apply_manual(
     reference: MusicReference | None, *, anchor_s: float | None = None, bpm: float | None = None
 ) -> MusicReference | None:
     """Return the detected reference with manual values, which always take precedence.

@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from live.motion.beats.dance_rhythm import Rhythm, blurred, rhythm_of
+from live.motion.beats.dance_rhythm import Rhythm, find_rhythm, gaussian_smooth
 from live.motion.beats.music_reference import MusicReference
 from live.motion.clip import Clip
 from live.motion.formats.source_motion import Float64
@@ -23,32 +23,32 @@ PERIODS: Final = (0.3, 1.0)
 CANDIDATES: Final = 600
 REPEATS: Final = ((1, 1.0), (2, 1.0), (4, 1.0), (8, 1.0))
 """Lags [beats] at which a dance repeats, with weights."""
-SLOW: Final = 1.0
+DETREND_SECONDS: Final = 1.0
 """Width [s] of the smoothing whose result is subtracted first: slower changes are no beats."""
 LONGEST_LAG: Final = 6.2
 """Longest lag of the autocorrelation [s] (eight beats at 77 bpm)."""
-SEEN: Final = 0.7
+MAX_LAG_SHARE: Final = 0.7
 """Longest lag as a share of the clip: beyond it the overlap is too short."""
 USUAL_BPM: Final = 118.0
 """Of fitting octaves the one nearest to this tempo is chosen, as in the beat tracker."""
 OCTAVE_SLACK: Final = 0.03
 """Relative tolerance of a peak at half or twice the period."""
-FINE: Final = 0.02
+PERIOD_TOLERANCE: Final = 0.02
 """Maximum relative correction of the period, so that all landings of the clip fall on beats."""
-CERTAIN: Final = 0.6
+MAX_CONFIDENCE: Final = 0.6
 """Maximum confidence of an estimate."""
-BRAKED: Final = 0.09
+DECELERATION_LEAD: Final = 0.09
 """Beats from a foot's strongest deceleration to its contact (from sketched steps, which land exactly on the beat)."""
-TELLING: Final = 0.35
+MIN_LANDING_STRENGTH: Final = 0.35
 """Below this length of the mean phase vector landings are random, and the period is not corrected."""
-AGREEING: Final = 0.4
+MIN_CONTACT_AGREEMENT: Final = 0.4
 """Minimum length of the landings' mean phase vector for them to correct the phase."""
-SHORTEST_DANCE: Final = 2.5
+MIN_CLIP_SECONDS: Final = 2.5
 """Minimum length of a clip for an estimate [s]."""
 
 
 @dataclass(frozen=True, slots=True)
-class TempoGuess:
+class TempoEstimate:
     """A tempo estimate with its evidence."""
 
     reference: MusicReference
@@ -62,14 +62,14 @@ class TempoGuess:
     """Other possible tempi, best first."""
 
 
-def guess_tempo(clip: Clip, beats_per_measure: int = 4, bpm: float | None = None) -> TempoGuess | None:
+def estimate_tempo(clip: Clip, beats_per_measure: int = 4, bpm: float | None = None) -> TempoEstimate | None:
     """Estimate tempo, first beat and confidence; None for a clip that is too short or does not move.
 
     If the tempo is known (`bpm`, from a click) only the first beat is estimated.
     """
-    if clip.sample_count < SHORTEST_DANCE * clip.sample_rate:
+    if clip.sample_count < MIN_CLIP_SECONDS * clip.sample_rate:
         return None
-    rhythm = rhythm_of(clip)
+    rhythm = find_rhythm(clip)
     repeats = _repetition(rhythm)
     if repeats is None:
         return None
@@ -78,25 +78,25 @@ def guess_tempo(clip: Clip, beats_per_measure: int = 4, bpm: float | None = None
     if not peaks:
         return None
     best = _octave(periods, peaks) if bpm is None else 60.0 / bpm
-    period, landing, phase = _landed(rhythm, best, FINE if bpm is None else 0.0)
+    period, landing, phase = _fit_landings(rhythm, best, PERIOD_TOLERANCE if bpm is None else 0.0)
     first, contrast = _first_beat(rhythm, period, phase, beats_per_measure)
     repetition = float(scores[peaks[0]] if bpm is None else np.interp(best, periods, scores))
-    confidence = CERTAIN * float(np.clip(repetition / 0.4, 0.0, 1.0)) ** 0.5 * (0.5 + 0.5 * landing)
+    confidence = MAX_CONFIDENCE * float(np.clip(repetition / 0.4, 0.0, 1.0)) ** 0.5 * (0.5 + 0.5 * landing)
     others = tuple(round(60.0 / float(periods[p]), 1) for p in peaks if abs(periods[p] / best - 1.0) > OCTAVE_SLACK)[:3]
     note = (
-        f"guessed from the feet, to be confirmed: {rhythm.plants.size} landings, {rhythm.motion_beats.size} motion "
+        f"guessed from the feet, to be confirmed: {rhythm.contact_times.size} landings, {rhythm.motion_beats.size} motion "
         f"beats, repetition {repetition:.2f}"
         + (f"; or {', '.join(f'{bpm:g}' for bpm in others)} bpm" if others else "")
     )
     reference = MusicReference(first, 60.0 / period, confidence, "feet", note)
-    return TempoGuess(reference, repetition, landing, contrast, others)
+    return TempoEstimate(reference, repetition, landing, contrast, others)
 
 
 def _repetition(rhythm: Rhythm) -> tuple[Float64, Float64] | None:
     """Return candidate periods [s] and the repetition score of each, both (CANDIDATES,)."""
     periods = np.geomspace(*PERIODS, CANDIDATES)
-    longest = int(min(LONGEST_LAG, SEEN * rhythm.seconds) * rhythm.rate)
-    curves = [_autocorrelation(signal, rhythm.rate, longest) for signal in (rhythm.feet, rhythm.bounce)]
+    longest = int(min(LONGEST_LAG, MAX_LAG_SHARE * rhythm.seconds) * rhythm.rate)
+    curves = [_autocorrelation(signal, rhythm.rate, longest) for signal in (rhythm.foot_speed, rhythm.bounce)]
     known = [curve for curve in curves if curve is not None]
     if not known:
         return None
@@ -112,7 +112,7 @@ def _repetition(rhythm: Rhythm) -> tuple[Float64, Float64] | None:
 
 def _autocorrelation(signal: Float64, rate: float, longest: int) -> Float64 | None:
     """Return the normalised autocorrelation for lags from 0 to `longest` - 1 samples; None for a constant signal."""
-    changes = signal - blurred(signal, SLOW * rate)
+    changes = signal - gaussian_smooth(signal, DETREND_SECONDS * rate)
     changes -= changes.mean()
     if float(changes.std()) < 1e-4:
         return None
@@ -138,25 +138,25 @@ def _octave(periods: Float64, peaks: list[int]) -> float:
     return min(related, key=lambda period: abs(np.log2(60.0 / period / USUAL_BPM)))
 
 
-def _landed(rhythm: Rhythm, period: float, fine: float) -> tuple[float, float, float]:
+def _fit_landings(rhythm: Rhythm, period: float, fine: float) -> tuple[float, float, float]:
     """Return the period corrected by the landings, how well they fit (0 to 1), and the phase of the beats [s].
 
     The relative correction is at most `fine`. Feet decelerate before contact, so the phase is taken from the contacts
     if they agree.
     """
-    time = np.arange(rhythm.falls.size) / rhythm.rate
+    time = np.arange(rhythm.foot_deceleration.size) / rhythm.rate
     tries = period * (1.0 + np.linspace(-fine, fine, 81 if fine else 1))
-    vectors = np.array([np.exp(-2j * np.pi * time / one) @ rhythm.falls for one in tries])
-    vectors /= max(float(rhythm.falls.sum()), 1e-9)
+    vectors = np.array([np.exp(-2j * np.pi * time / one) @ rhythm.foot_deceleration for one in tries])
+    vectors /= max(float(rhythm.foot_deceleration.sum()), 1e-9)
     lengths = np.abs(vectors)
     best = int(np.argmax(lengths))
-    if lengths[best] < TELLING:
+    if lengths[best] < MIN_LANDING_STRENGTH:
         best = tries.size // 2
     exact, landing = float(tries[best]), float(np.abs(vectors[best]))
-    phase = (BRAKED - float(np.angle(vectors[best])) / (2.0 * np.pi)) * exact
-    if rhythm.plants.size >= 4:
-        mean = complex(np.mean(np.exp(2j * np.pi * (rhythm.plants - phase) / exact)))
-        if abs(mean) >= AGREEING:
+    phase = (DECELERATION_LEAD - float(np.angle(vectors[best])) / (2.0 * np.pi)) * exact
+    if rhythm.contact_times.size >= 4:
+        mean = complex(np.mean(np.exp(2j * np.pi * (rhythm.contact_times - phase) / exact)))
+        if abs(mean) >= MIN_CONTACT_AGREEMENT:
             phase += float(np.angle(mean)) / (2.0 * np.pi) * exact
     return exact, landing, phase % exact
 
@@ -170,7 +170,7 @@ def _first_beat(rhythm: Rhythm, period: float, phase: float, beats_per_measure: 
     beats = np.arange(phase, rhythm.seconds - period, period)
     if beats.size < 2 * beats_per_measure:
         return phase, 0.0
-    edges = np.concatenate(([0.0], np.cumsum(rhythm.feet))) / rhythm.rate
+    edges = np.concatenate(([0.0], np.cumsum(rhythm.foot_speed))) / rhythm.rate
     places = np.arange(edges.size) / rhythm.rate
     work = np.interp(beats + 0.25 * period, places, edges) - np.interp(beats - 0.75 * period, places, edges)
     measures = beats.size // beats_per_measure
@@ -183,24 +183,24 @@ def _first_beat(rhythm: Rhythm, period: float, phase: float, beats_per_measure: 
 
 
 SHORTEST_TWO_BEATS: Final = 0.6
-LONGEST: Final = 1.2
+LONGEST_TWO_BEATS: Final = 1.2
 """Seconds of two beats: 200 to 100 bpm."""
-NEAR: Final = 0.06
+TWO_BEATS_TOLERANCE: Final = 0.06
 """Relative tolerance of a given duration of two beats."""
-FOLLOWED: Final = 2.5
+PHASE_SMOOTHING: Final = 2.5
 """Standard deviation of the window for the phase [s]."""
 SLOW_HALF_WIDTH: Final = 0.5
 """Half the width [s] of the moving average that is subtracted first."""
-FEWEST: Final = 6.0
+MIN_TWO_BEATS: Final = 6.0
 """Minimum length of a recording in units of two beats."""
-CLEAR: Final = 0.3
+RELIABLE_STRENGTH: Final = 0.3
 """Minimum strength of reliable lines: noise has 0.2, salsa 0.4 to 0.6."""
-PADDED: Final = 16
+PADDING: Final = 16
 """Zero padding of spectra, as a multiple of the recording's length."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TwoBeats:
+class TwoBeatLines:
     """Lines at every second beat of a recording."""
 
     lines: Float64
@@ -216,15 +216,15 @@ class TwoBeats:
         return np.asarray(beats[(beats >= 0.0) & (beats <= last)])
 
 
-def two_beat_lines(clips: Sequence[Clip], two_beats: float | None = None) -> TwoBeats | None:
+def find_two_beat_lines(clips: Sequence[Clip], two_beats: float | None = None) -> TwoBeatLines | None:
     """Return the common lines of clips of one dance; None if they are too short or nothing moves.
 
     All clips have the same rate and start time. `two_beats` [s]: duration of two beats, if known.
     """
     rate = clips[0].sample_rate
     count = min(clip.sample_count for clip in clips)
-    longest = LONGEST if two_beats is None else two_beats * (1.0 + NEAR)
-    if count < FEWEST * longest * rate:
+    longest = LONGEST_TWO_BEATS if two_beats is None else two_beats * (1.0 + TWO_BEATS_TOLERANCE)
+    if count < MIN_TWO_BEATS * longest * rate:
         return None
     signal = np.sum([_feet(clip, count) for clip in clips], axis=0)
     size = float(signal.std())
@@ -233,17 +233,17 @@ def two_beat_lines(clips: Sequence[Clip], two_beats: float | None = None) -> Two
     period = _period(signal / size, rate, two_beats)
     time = np.arange(count) / rate
     wave = signal / size * np.exp(-2j * np.pi * time / period)
-    read = blurred(wave.real, FOLLOWED * rate) + 1j * blurred(wave.imag, FOLLOWED * rate)
+    read = gaussian_smooth(wave.real, PHASE_SMOOTHING * rate) + 1j * gaussian_smooth(wave.imag, PHASE_SMOOTHING * rate)
     turns = np.maximum.accumulate(time / period + np.unwrap(np.angle(read)) / (2.0 * np.pi))
     whole = np.arange(np.ceil(turns[0]), np.floor(turns[-1]) + 1.0)
     lines = np.interp(whole, turns, time)
     strength = float(np.abs(read).mean() * np.sqrt(2.0))
-    return TwoBeats(lines, strength) if len(lines) >= FEWEST - 1.0 else None
+    return TwoBeatLines(lines, strength) if len(lines) >= MIN_TWO_BEATS - 1.0 else None
 
 
 def _feet(clip: Clip, count: int) -> Float64:
     """Return the foot speed without slow changes, normalised to unit deviation, (count,)."""
-    feet = rhythm_of(clip).feet[:count]
+    feet = find_rhythm(clip).foot_speed[:count]
     half = max(1, round(SLOW_HALF_WIDTH * clip.sample_rate))
     mean = np.convolve(np.pad(feet, half, mode="edge"), np.full(2 * half + 1, 1.0 / (2 * half + 1)), mode="valid")
     return np.asarray((feet - mean) / max(float((feet - mean).std()), 1e-9))
@@ -252,9 +252,11 @@ def _feet(clip: Clip, count: int) -> Float64:
 def _period(signal: Float64, rate: float, two_beats: float | None) -> float:
     """Return the strongest period of a signal (T,) between the shortest and longest two beats, or near `two_beats`."""
     low, high = (
-        (SHORTEST_TWO_BEATS, LONGEST) if two_beats is None else (two_beats / (1.0 + NEAR), two_beats * (1.0 + NEAR))
+        (SHORTEST_TWO_BEATS, LONGEST_TWO_BEATS)
+        if two_beats is None
+        else (two_beats / (1.0 + TWO_BEATS_TOLERANCE), two_beats * (1.0 + TWO_BEATS_TOLERANCE))
     )
-    size = PADDED * len(signal)
+    size = PADDING * len(signal)
     strength = np.abs(np.fft.rfft(signal * np.hanning(len(signal)), size))
     hertz = np.fft.rfftfreq(size, 1.0 / rate)
     inside = np.flatnonzero((hertz >= 1.0 / high) & (hertz <= 1.0 / low))

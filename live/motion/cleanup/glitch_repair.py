@@ -45,7 +45,7 @@ def repair(
     Rotations and positions are bridged from the last good frame to the first good one by Hermite cubics that keep the
     velocities at both ends (rotations in the tangent space, so that they follow SLERP's great circle if the velocities
     allow). If the root is at fault the whole body is bridged, else the joints at fault and their descendants. Gaps
-    longer than `LONGEST_GAP` and faults without a smooth bridge stay unchanged, with a note.
+    longer than `MAX_KEY_INTERVAL` and faults without a smooth bridge stay unchanged, with a note.
     """
     rate = fps or motion.header_fps
     tracks = body_tracks(motion, fps=rate)

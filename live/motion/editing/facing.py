@@ -17,7 +17,7 @@ from live.motion.skeleton import SKELETON
 
 Float64 = npt.NDArray[np.float64]
 
-_UPRIGHT = 0.2
+_MIN_HORIZONTAL = 0.2
 """A forward axis with a shorter horizontal part points up or down and defines no heading."""
 
 
@@ -29,7 +29,7 @@ def heading_of(rotation: npt.NDArray[np.floating]) -> Float64:
     rotation = np.asarray(rotation, np.float64)
     forward = quaternion.rotate(rotation, np.array((0.0, 0.0, 1.0)))
     left = quaternion.rotate(rotation, np.array((1.0, 0.0, 0.0)))
-    level = np.hypot(forward[..., 0], forward[..., 2]) >= _UPRIGHT
+    level = np.hypot(forward[..., 0], forward[..., 2]) >= _MIN_HORIZONTAL
     return np.asarray(
         np.where(level, np.arctan2(forward[..., 0], forward[..., 2]), np.arctan2(-left[..., 2], left[..., 0]))
     )
@@ -59,12 +59,12 @@ def turn_clip(clip: Clip, yaw: float) -> Clip:
     )
 
 
-def face_public(clip: Clip) -> Clip:
+def face_audience(clip: Clip) -> Clip:
     """Return the clip turned so that its average orientation is zero (T122), for clips built by a random walk."""
     return turn_clip(clip, -average_orientation(clip))
 
 
-LIMIT: Final = np.radians(60.0)
+HEAD_LIMIT: Final = np.radians(60.0)
 """The head turns no farther than this to either side (T124)."""
 SIGMA: Final = 0.12
 """Width of the Gaussian [s] that smooths the added turn (T124; not printed there)."""
@@ -79,7 +79,7 @@ def face_head(
     clip: Clip,
     *,
     target: float = 0.0,
-    limit: float = LIMIT,
+    limit: float = HEAD_LIMIT,
     sigma: float = SIGMA,
     neck_share: float = NECK_SHARE,
 ) -> Clip:
@@ -98,7 +98,7 @@ def face_head(
     return replace(clip, rotation=rotation)
 
 
-def head_turn(clip: Clip, *, target: float = 0.0, limit: float = LIMIT, sigma: float = SIGMA) -> Float64:
+def head_turn(clip: Clip, *, target: float = 0.0, limit: float = HEAD_LIMIT, sigma: float = SIGMA) -> Float64:
     """Return the turn θ [rad] to add to the head at each sample, (T,) (T123, T124).
 
     θ = target - atan2(v_x, v_z) for the head's forward axis v (with the quadrant that arctg loses). Samples where θ or

@@ -53,7 +53,7 @@ _LEGS: Final = tuple(
 )
 
 
-def reach_with_feet(root: Float, rotation: Float, ankles: Float, feet: Float) -> Float:
+def solve_legs(root: Float, rotation: Float, ankles: Float, feet: Float) -> Float:
     """Return local rotations (T, J, 4) with ankles at `ankles` and feet with the world rotations `feet` (T, 2, 4).
 
     `root` (T, 3) and `rotation` (T, J, 4) are the initial pose, to which knees and thighs stay close; `ankles`
@@ -81,7 +81,7 @@ def _length(joint: int) -> float:
 
 Float64 = npt.NDArray[np.float64]
 
-SOFT: Final = 0.1
+LIFT_SMOOTHING: Final = 0.1
 """Seconds over which a lift fades in and out."""
 
 
@@ -98,7 +98,7 @@ class FloorCorrection:
         return float(self.lift.max(initial=0.0))
 
 
-def correct_floor(clip: Clip, *, soft: float = SOFT) -> FloorCorrection:
+def correct_floor(clip: Clip, *, soft: float = LIFT_SMOOTHING) -> FloorCorrection:
     """Lift each foot by at least the depth of its sole below y = 0, bending the leg; the rest of the body stays.
 
     The lift is a smooth upper bound: the maximum depth within `soft` seconds to both sides, averaged over as many.
@@ -108,17 +108,17 @@ def correct_floor(clip: Clip, *, soft: float = SOFT) -> FloorCorrection:
     root, rotation = clip.root_position.astype(np.float64), clip.rotation.astype(np.float64)
     position, world = forward_kinematics(root, rotation)
     depth = np.maximum(-Feet(position[:, ANKLES], position[:, BALLS]).height, 0.0)
-    lift = cover(depth, max(1, round(soft * clip.sample_rate)))
+    lift = smooth_upper_bound(depth, max(1, round(soft * clip.sample_rate)))
     if not lift.any():
         return FloorCorrection(clip, lift)
     ankles = position[:, ANKLES].copy()
     ankles[..., 1] += lift
     moved = lift.max(axis=1) > 0.0
-    rotation[moved] = reach_with_feet(root, rotation, ankles, world[:, ANKLES])[moved]
+    rotation[moved] = solve_legs(root, rotation, ankles, world[:, ANKLES])[moved]
     return FloorCorrection(replace(clip, rotation=np.ascontiguousarray(rotation, np.float32)), lift)
 
 
-def cover(depth: Float64, half: int) -> Float64:
+def smooth_upper_bound(depth: Float64, half: int) -> Float64:
     """Return a smooth upper bound (T, n) of `depth` (T, n) in time; 0 beyond 2 · `half` samples from it."""
     windows = np.lib.stride_tricks.sliding_window_view
     padded = np.pad(depth, ((2 * half, 2 * half), (0, 0)), mode="edge")

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.clip import read_clip
-from live.motion.editing.foot_correction import ANKLES, BALLS, reach_with_feet
+from live.motion.editing.foot_correction import ANKLES, BALLS, solve_legs
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import (
@@ -21,7 +21,7 @@ from live.motion.step_clip import (
 
 Float = npt.NDArray[np.floating]
 
-_ALL_ROUND: Final = -0.98
+_FULL_TURN_COSINE: Final = -0.98
 """Below this cosine (on S³) the arc is nearly a full turn and ill-defined: the shorter arc is used."""
 
 
@@ -52,7 +52,7 @@ def interpolate(a: StepClip, b: StepClip, weight: float, *, hold_feet: bool = Tr
         feet = follow_arc(poses[0][1][:, ANKLES], poses[1][1][:, ANKLES], weight, begin)
         balls = (1.0 - weight) * poses[0][0][:, BALLS] + weight * poses[1][0][:, BALLS]
         soles = quaternion.rotate(feet, SKELETON.offsets[list(BALLS)].astype(np.float64))
-        rotation = reach_with_feet(root, rotation, balls - soles, feet)
+        rotation = solve_legs(root, rotation, balls - soles, feet)
     clip = replace(
         a.clip,
         name=f"{a.clip.name} + {weight:.0%} {b.clip.name}",
@@ -70,8 +70,8 @@ def follow_arc(a: Float, b: Float, weight: float, begin: int) -> Float:
     begin = min(max(begin, 0), len(a) - 1)
     b = b * np.where(np.sum(a[begin] * b[begin], axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
     cosine = np.sum(a * b, axis=-1, keepdims=True)
-    b = np.where(cosine < _ALL_ROUND, -b, b)
-    angle = np.arccos(np.clip(np.where(cosine < _ALL_ROUND, -cosine, cosine), -1.0, 1.0))
+    b = np.where(cosine < _FULL_TURN_COSINE, -b, b)
+    angle = np.arccos(np.clip(np.where(cosine < _FULL_TURN_COSINE, -cosine, cosine), -1.0, 1.0))
     near = angle < 1e-4  # linear interpolation: the sine is too small to divide by
     sine = np.where(near, 1.0, np.sin(angle))
     weight_a = np.where(near, 1.0 - weight, np.sin((1.0 - weight) * angle) / sine)

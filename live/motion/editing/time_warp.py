@@ -36,7 +36,7 @@ class MeasureWarps:
     sign: Float64
     """1 to lead, -1 to lag."""
 
-    def take(self, rows: npt.NDArray[np.integer]) -> "MeasureWarps":
+    def select(self, rows: npt.NDArray[np.integer]) -> "MeasureWarps":
         """Return the selected rows."""
         return MeasureWarps(self.amplitude[rows], self.frequency[rows], self.start[rows], self.sign[rows])
 
@@ -130,7 +130,7 @@ def warp_step(step: StepClip, warps: MeasureWarps, *, window: float = BLEND_WIND
     place = (np.arange(step.clip.sample_count) - step.first) / step.samples_per_measure
     measure = np.clip(np.floor(place).astype(np.int64), 0, step.measures - 1)
     inside = (place >= 0.0) & (place < step.measures)
-    warped = measure + warps.take(measure).phase(place - measure, window)
+    warped = measure + warps.select(measure).phase(place - measure, window)
     samples = step.first + np.where(inside, warped, place) * step.samples_per_measure
     return replace(step, clip=warp_clip(step.clip, samples))
 
@@ -155,9 +155,9 @@ def _half_wave(frequency: npt.ArrayLike, start: npt.ArrayLike, window: npt.Array
 
 SPACING: Final = 2.0
 """Measures between the sparse points."""
-STEEPEST: Final = 0.95
+MAX_STEEPNESS: Final = 0.95
 """Upper limit for the condition of T056; at 1 time would stand still."""
-_CHECKED: Final = 64
+_POINTS_PER_MEASURE: Final = 64
 """Points in each measure at which the condition is checked."""
 
 
@@ -175,8 +175,10 @@ class SequenceWarp:
     frequencies: Float64
 
     def __post_init__(self) -> None:
-        if not self.slowest() < 1.0:
-            raise ValueError(f"max(|A'| + A φ') is {self.slowest():.3f}: below 1 expected, or time would run back")
+        if not self.max_deviation() < 1.0:
+            raise ValueError(
+                f"max(|A'| + A φ') is {self.max_deviation():.3f}: below 1 expected, or time would run back"
+            )
 
     def phase(self, x: npt.ArrayLike) -> Float64:
         """Return w(x) [measures]; x itself before the first and after the last knot."""
@@ -186,9 +188,9 @@ class SequenceWarp:
         inside = (x > self.knots[0]) & (x < self.knots[-1])
         return np.asarray(np.where(inside, x + a(x) * np.sin(turned), x))
 
-    def slowest(self) -> float:
+    def max_deviation(self) -> float:
         """Return max(|A'| + |A| φ'), computed numerically: the speed is at least 1 minus this (T056 as corrected)."""
-        return _slowest(self.knots, self.amplitudes, self.frequencies)
+        return _sequence_steepness(self.knots, self.amplitudes, self.frequencies)
 
     def _splines(self) -> tuple[CubicSpline, CubicSpline]:
         return CubicSpline(self.knots, self.amplitudes), CubicSpline(self.knots, self.frequencies)
@@ -215,8 +217,8 @@ def draw_sequence_warp(
     frequencies = rng.uniform(F_MIN, f_max, knots.size)
     waves = float(CubicSpline(knots, frequencies).integrate(0.0, measures))
     frequencies *= max(1.0, round(2.0 * waves)) / (2.0 * waves)
-    slope = _slowest(knots, amplitudes, frequencies)
-    return SequenceWarp(knots, amplitudes * min(1.0, STEEPEST / max(slope, 1e-12)), frequencies)
+    slope = _sequence_steepness(knots, amplitudes, frequencies)
+    return SequenceWarp(knots, amplitudes * min(1.0, MAX_STEEPNESS / max(slope, 1e-12)), frequencies)
 
 
 def warp_sequence(step: StepClip, warp: SequenceWarp) -> StepClip:
@@ -225,8 +227,8 @@ def warp_sequence(step: StepClip, warp: SequenceWarp) -> StepClip:
     return replace(step, clip=warp_clip(step.clip, step.first + warp.phase(place) * step.samples_per_measure))
 
 
-def _slowest(knots: Float64, amplitudes: Float64, frequencies: Float64) -> float:
-    count = int(np.ceil(knots[-1] - knots[0])) * _CHECKED + 1
+def _sequence_steepness(knots: Float64, amplitudes: Float64, frequencies: Float64) -> float:
+    count = int(np.ceil(knots[-1] - knots[0])) * _POINTS_PER_MEASURE + 1
     x = np.linspace(knots[0], knots[-1], count)
     a, f = CubicSpline(knots, amplitudes), CubicSpline(knots, frequencies)
     return float(np.max(np.abs(a(x, 1)) + np.abs(a(x)) * 2.0 * np.pi * np.abs(f(x))))

@@ -22,12 +22,12 @@ from live.motion.step_clip import StepClip, measured_direction, measured_distanc
 Float = npt.NDArray[np.floating]
 Bool = npt.NDArray[np.bool_]
 
-LIFTED: Final = 0.20
+LIFT_THRESHOLD: Final = 0.20
 """Single support is where the feet's heights differ by more than this share of the largest difference (T048)."""
-SHORTEST: Final = 0.1
+MIN_SUPPORT_SECONDS: Final = 0.1
 """Supports shorter than this [s] are errors (T048). The thesis states 10 frames without a rate; its OptiTrack cameras
 and its N = 100 frames per measure fit 100 frames per second."""
-LEAST_LIFT: Final = 0.01
+MIN_LIFT: Final = 0.01
 """If the feet's heights never differ by more than this [m], no foot is lifted and the relative threshold is noise."""
 
 
@@ -66,9 +66,9 @@ def find_supports(
     in height from the other and would be moved by the turn.
     """
     difference = height_difference(feet)[start:stop]
-    if difference.size == 0 or difference.max() < LEAST_LIFT:
+    if difference.size == 0 or difference.max() < MIN_LIFT:
         return []
-    chosen = difference > LIFTED * difference.max()
+    chosen = difference > LIFT_THRESHOLD * difference.max()
     if last is not None:
         chosen[max(last - start, 0) :] = False
     if contact is not None:
@@ -76,7 +76,7 @@ def find_supports(
     lower = np.argmin(feet.height[start:stop], axis=1)
     state = np.where(chosen, 1 + lower, 0)
     edges = np.flatnonzero(np.diff(state, prepend=0, append=0))
-    shortest = SHORTEST * sample_rate
+    shortest = MIN_SUPPORT_SECONDS * sample_rate
     supports = []
     for begin, end in pairwise(edges):
         if state[begin] == 0 or end - begin < shortest - 1e-9:
@@ -115,7 +115,7 @@ class SupportTurns:
     softness: Float64
     """Share of the segment for acceleration, and again for deceleration: 0 (uniform, T049) to 0.5."""
 
-    def take(self, rows: npt.NDArray[np.integer]) -> "SupportTurns":
+    def select(self, rows: npt.NDArray[np.integer]) -> "SupportTurns":
         """Return the rows `rows` (A,) of the first axis: from the nodes of a library to the dancers."""
         return SupportTurns(*(getattr(self, name)[rows] for name in self.__slots__))
 
@@ -126,7 +126,7 @@ class SupportTurns:
         return np.concatenate((start, stop, weight, self.point, self.point_stop, softness), axis=-1)
 
     @property
-    def quickest(self) -> Float64:
+    def max_speed(self) -> Float64:
         """Maximum turning speed in total angles per measure, (...); high for a turn within one short support."""
         span = np.maximum(self.stop - self.start, 1e-12)
         return np.asarray(np.max(self.weight / span / (1.0 - self.softness), axis=-1))
@@ -158,10 +158,10 @@ class SupportTurns:
         """Return the progress of each segment's turn, 0 to 1, shape (..., 8)."""
         span = np.maximum(self.stop - self.start, 1e-12)
         passed = np.clip((np.asarray(fraction, np.float64)[..., None] - self.start) / span, 0.0, 1.0)
-        return soft_progress(passed, self.softness)
+        return ease_progress(passed, self.softness)
 
 
-def soft_progress(passed: npt.ArrayLike, softness: npt.ArrayLike) -> Float64:
+def ease_progress(passed: npt.ArrayLike, softness: npt.ArrayLike) -> Float64:
     """Return an ease from 0 to 1 as `passed` goes from 0 to 1: linear for softness 0, else with linear speed ramps.
 
     `softness` is the share of time of each of the two ramps, at most 0.5.
@@ -183,12 +183,12 @@ def stack_turns(turns: Sequence[SupportTurns]) -> SupportTurns:
 BLEND_WINDOW: Final = 0.2
 """Share of a measure before its end without rotation, because the blend into the next one is there (T050):
 the thesis' 20 frames (T036) of 100 per measure."""
-_STILL: Final = 0.02
+_BASE_SPEED: Final = 0.02
 """Speed [m/s] added to that of the feet, so that the angle is spread evenly if no foot moves."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Stretch:
+class _TurnSegment:
     """The samples `start` to `stop` (exclusive), in which `weight` of the angle is turned about `pivot` (n, 2)."""
 
     start: int
@@ -215,12 +215,12 @@ def insert_rotation(
     outside [0, 0.5].
     """
     _check(step, measure, window, softness)
-    stretches = _stretches(step, find_feet(step.clip), measure, window)
+    stretches = _segments(step, find_feet(step.clip), measure, window)
     increment = np.zeros(step.clip.sample_count)
     pivot = np.zeros((step.clip.sample_count, 2))
     for stretch in stretches:
         edges = np.linspace(0.0, 1.0, stretch.stop - stretch.start + 1)
-        increment[stretch.start : stretch.stop] += angle * stretch.weight * np.diff(soft_progress(edges, softness))
+        increment[stretch.start : stretch.stop] += angle * stretch.weight * np.diff(ease_progress(edges, softness))
         pivot[stretch.start : stretch.stop] = stretch.pivot
     turned = replace(step, clip=turn_about(step.clip, increment, pivot))
     return replace(turned, direction=measured_direction(turned), distance_m=measured_distance(turned))
@@ -260,7 +260,7 @@ def support_turns(
     _check(step, measure, window, softness)
     feet = find_feet(step.clip) if feet is None else feet
     supports = [(measure, support) for support in _supports(step, feet, measure, window)]
-    stretches = _stretches_of(step, feet, (measure,), window, supports)
+    stretches = _segments_of(step, feet, (measure,), window, supports)
     single = bool(supports)
     columns = np.zeros((8, MAX_SEGMENTS))
     columns[:2] = 1.0
@@ -320,36 +320,36 @@ def _supports(step: StepClip, feet: Feet, measure: int, window: float) -> list[t
     return [(s.start, s.stop, s.foot) for s in sorted(kept, key=lambda support: support.start)]
 
 
-def _stretches(step: StepClip, feet: Feet, measure: int | None, window: float) -> list[_Stretch]:
+def _segments(step: StepClip, feet: Feet, measure: int | None, window: float) -> list[_TurnSegment]:
     """Return the segments of one measure or of all; weights sum to 1 and are the shares of the N samples (T049)."""
     measures = range(step.measures) if measure is None else (measure,)
     supports = [(n, support) for n in measures for support in _supports(step, feet, n, window)]
-    return _stretches_of(step, feet, measures, window, supports)
+    return _segments_of(step, feet, measures, window, supports)
 
 
-def _stretches_of(
+def _segments_of(
     step: StepClip,
     feet: Feet,
     measures: Sequence[int],
     window: float,
     supports: list[tuple[int, tuple[int, int, int]]],
-) -> list[_Stretch]:
+) -> list[_TurnSegment]:
     total = sum(stop - start for _, (start, stop, _) in supports)
     if not supports:
-        return [stretch for n in measures for stretch in _by_speed(step, feet, n, window, 1.0 / len(measures))]
+        return [stretch for n in measures for stretch in _segments_by_speed(step, feet, n, window, 1.0 / len(measures))]
     ball = feet.ball[..., (0, 2)]
     return [
-        _Stretch(start, stop, (stop - start) / total, ball[start:stop, foot]) for _, (start, stop, foot) in supports
+        _TurnSegment(start, stop, (stop - start) / total, ball[start:stop, foot]) for _, (start, stop, foot) in supports
     ]
 
 
-def _by_speed(step: StepClip, feet: Feet, measure: int, window: float, weight: float) -> list[_Stretch]:
+def _segments_by_speed(step: StepClip, feet: Feet, measure: int, window: float, weight: float) -> list[_TurnSegment]:
     """Return eight segments of a measure without single support, weighted by the mean speed of the feet."""
     first, last, _ = _range(step, measure, window)
     places = np.linspace(first, last, MAX_SEGMENTS + 1).round().astype(int)
     seconds = 1.0 / step.clip.sample_rate
-    speed = np.linalg.norm(np.gradient(feet.ball, axis=0), axis=-1).mean(axis=1) / seconds + _STILL
+    speed = np.linalg.norm(np.gradient(feet.ball, axis=0), axis=-1).mean(axis=1) / seconds + _BASE_SPEED
     middle = feet.ball.mean(axis=1)[:, (0, 2)]
     ways = [(a, b, float(speed[a:b].sum())) for a, b in pairwise(places) if b > a]
     total = sum(way for _, _, way in ways)
-    return [_Stretch(a, b, weight * way / total, middle[a:b]) for a, b, way in ways]
+    return [_TurnSegment(a, b, weight * way / total, middle[a:b]) for a, b, way in ways]

@@ -8,12 +8,12 @@ import numpy as np
 
 from live.motion import quaternion
 from live.motion.formats.acclaim_skeleton import AcclaimSkeleton, Float64
-from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, read_number, shown, words_of_lines
+from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, iterate_lines, quoted, read_number
 from live.motion.formats.file_report import VALUE_LIMIT, refuse_too_large
 from live.motion.formats.source_motion import FileWarning, SourceMotion
 from live.motion.quaternion import euler_to_quaternion
 
-USUAL_RATE: Final = 120.0
+DEFAULT_RATE: Final = 120.0
 """Frames per second of the CMU library. AMC files rarely state their own."""
 RATE_RANGE: Final = (0.1, 10_000.0)
 
@@ -26,12 +26,12 @@ def parse_amc(data: bytes, file: str, skeleton: AcclaimSkeleton) -> SourceMotion
     reader = _AmcReader(file, skeleton)
     values = reader.read(data)
     refuse_too_large(file, len(values), len(skeleton.names), values.shape[1], len(data))
-    translation, rotation = _pose(values, skeleton, reader.turn)
+    translation, rotation = _pose(values, skeleton, reader.radians_per_unit)
     for read_only in (translation, rotation):
         read_only.setflags(write=False)
     warnings = [*reader.warnings]
     if reader.rate is None:
-        rate = f"the file does not state its frame rate; {USUAL_RATE:g}, the CMU's rate, is used"
+        rate = f"the file does not state its frame rate; {DEFAULT_RATE:g}, the CMU's rate, is used"
         warnings.append(FileWarning(rate))
     return SourceMotion(
         file=file,
@@ -43,7 +43,7 @@ def parse_amc(data: bytes, file: str, skeleton: AcclaimSkeleton) -> SourceMotion
         translation=translation,
         rotation=rotation,
         rest_rotation=None,
-        frame_time=1.0 / (reader.rate or USUAL_RATE),
+        frame_time=1.0 / (reader.rate or DEFAULT_RATE),
         frames_declared=len(values),
         channel_count=int(values.shape[1]),
         unit_m=skeleton.unit_m,
@@ -55,21 +55,23 @@ def parse_amc(data: bytes, file: str, skeleton: AcclaimSkeleton) -> SourceMotion
 class _AmcReader:
     def __init__(self, file: str, skeleton: AcclaimSkeleton) -> None:
         self._file, self._line = file, 1
-        self._moving = {name: len(letters) for name, letters in zip(skeleton.names, skeleton.channels, strict=True)}
-        self._wanted = [name for name, count in self._moving.items() if count]
+        self._channel_counts = {
+            name: len(letters) for name, letters in zip(skeleton.names, skeleton.channels, strict=True)
+        }
+        self._moving_bones = [name for name, count in self._channel_counts.items() if count]
         self._values = array("d")
-        self._read: dict[str, list[float]] = {}
+        self._frame_values: dict[str, list[float]] = {}
         self._frame: int | None = None
-        self.turn = math.pi / 180.0
+        self.radians_per_unit = math.pi / 180.0
         """Radians per unit of angles."""
         self.rate: float | None = None
         self.warnings: list[FileWarning] = []
 
     def read(self, data: bytes) -> Float64:
         """Return the numbers of every frame in the skeleton's order, shape (T, C)."""
-        if not self._wanted:
+        if not self._moving_bones:
             raise MotionFileError(self._file, None, "no bone of the skeleton has 'dof'", "bones that can move expected")
-        for line, words in words_of_lines(data, self._file):
+        for line, words in iterate_lines(data, self._file):
             self._line = line
             if words[0].startswith(":"):
                 self._read_keyword(words)
@@ -80,23 +82,23 @@ class _AmcReader:
         if self._frame is None:
             raise self._error("no frames", "a frame's number and a line for each bone expected")
         self._end_frame("the file is cut off: ")
-        return np.array(self._values).reshape(-1, sum(self._moving.values()))
+        return np.array(self._values).reshape(-1, sum(self._channel_counts.values()))
 
     def _read_keyword(self, words: list[str]) -> None:
         key = words[0].lower()
         if self._frame is not None:
-            raise self._error(f"{shown(words[0])} was read among the frames", "a frame's number or a bone expected")
+            raise self._error(f"{quoted(words[0])} was read among the frames", "a frame's number or a bone expected")
         if key == ":radians":
-            self.turn = 1.0
+            self.radians_per_unit = 1.0
         elif key == ":samples-per-second":
             rate = read_number(words[1] if len(words) > 1 else "", self._file, self._line, key)
             if not RATE_RANGE[0] <= rate <= RATE_RANGE[1]:
-                raise self._error(f"{shown(words[1])} frames per second", "0.1 to 10000 expected")
+                raise self._error(f"{quoted(words[1])} frames per second", "0.1 to 10000 expected")
             self.rate = rate
 
     def _begin_frame(self, word: str) -> None:
         if not (word.isascii() and word.isdigit() and len(word) <= 15):
-            raise self._error(f"{shown(word)} was read", "a frame's number, or a bone and its angles expected")
+            raise self._error(f"{quoted(word)} was read", "a frame's number, or a bone and its angles expected")
         number = int(word)
         if self._frame is not None:
             self._end_frame("")
@@ -108,22 +110,22 @@ class _AmcReader:
         self._frame = number
 
     def _end_frame(self, problem: str) -> None:
-        read = self._read
-        if len(read) < len(self._wanted):
-            missing = next(name for name in self._wanted if name not in read)
-            words = f"{problem}frame {self._frame} holds nothing for {shown(missing)}"
-            raise self._error(words, f"a line for each of the {len(self._wanted)} bones that move expected")
-        for name in self._wanted:
+        read = self._frame_values
+        if len(read) < len(self._moving_bones):
+            missing = next(name for name in self._moving_bones if name not in read)
+            words = f"{problem}frame {self._frame} holds nothing for {quoted(missing)}"
+            raise self._error(words, f"a line for each of the {len(self._moving_bones)} bones that move expected")
+        for name in self._moving_bones:
             self._values.extend(read[name])
         if len(self._values) > VALUE_LIMIT:
             raise self._error(f"more than {VALUE_LIMIT} numbers", "a shorter recording expected")
-        self._read = {}
+        self._frame_values = {}
 
     def _read_bone(self, words: list[str]) -> None:
         name, count = words[0], len(words) - 1
         if self._frame is None:
-            raise self._error(f"{shown(name)} was read", "the number of the first frame expected")
-        if self._moving.get(name) != count or name in self._read:
+            raise self._error(f"{quoted(name)} was read", "the number of the first frame expected")
+        if self._channel_counts.get(name) != count or name in self._frame_values:
             raise self._bone_error(name, count)
         try:
             numbers = [float(word) for word in words[1:]]
@@ -131,25 +133,25 @@ class _AmcReader:
             numbers = []
         if not numbers or not all(abs(x) <= MAGNITUDE_LIMIT for x in numbers) or any("_" in word for word in words[1:]):
             numbers = [read_number(word, self._file, self._line, f"an angle of {name}") for word in words[1:]]
-        self._read[name] = numbers
+        self._frame_values[name] = numbers
 
     def _bone_error(self, name: str, count: int) -> MotionFileError:
-        expected = self._moving.get(name)
+        expected = self._channel_counts.get(name)
         if expected is None:
             return self._error(
-                f"{shown(name)} is no bone of the skeleton", f"{', '.join(self._wanted[:6])}, ... expected"
+                f"{quoted(name)} is no bone of the skeleton", f"{', '.join(self._moving_bones[:6])}, ... expected"
             )
         if expected == 0:
-            return self._error(f"{shown(name)} cannot move: its skeleton has no 'dof' for it", "other bones expected")
-        if name in self._read:
-            return self._error(f"{shown(name)} twice in frame {self._frame}", "each bone once expected")
-        return self._error(f"{count} numbers for {shown(name)}", f"{expected} (one per 'dof') expected")
+            return self._error(f"{quoted(name)} cannot move: its skeleton has no 'dof' for it", "other bones expected")
+        if name in self._frame_values:
+            return self._error(f"{quoted(name)} twice in frame {self._frame}", "each bone once expected")
+        return self._error(f"{count} numbers for {quoted(name)}", f"{expected} (one per 'dof') expected")
 
     def _error(self, problem: str, expected: str) -> MotionFileError:
         return MotionFileError(self._file, self._line, problem, expected)
 
 
-def _pose(values: Float64, skeleton: AcclaimSkeleton, turn: float) -> tuple[Float64, Float64]:
+def _pose(values: Float64, skeleton: AcclaimSkeleton, radians_per_unit: float) -> tuple[Float64, Float64]:
     """Return translations (T, J, 3) and rotations C M C⁻¹ (T, J, 4) of every joint relative to its parent.
 
     The angles of M are applied in the order of `dof`, first to last, about the bone's own axes C.
@@ -162,7 +164,7 @@ def _pose(values: Float64, skeleton: AcclaimSkeleton, turn: float) -> tuple[Floa
         first += len(letters)
         axes = skeleton.axes[joint]
         order = "".join(filter(str.isupper, letters))[::-1]
-        turned = euler_to_quaternion(values[:, [columns[letter] for letter in order]] * turn, order)
+        turned = euler_to_quaternion(values[:, [columns[letter] for letter in order]] * radians_per_unit, order)
         rotation[:, joint] = quaternion.mul(quaternion.mul(axes, turned), quaternion.inverse(axes))
         translation[:, joint] = skeleton.offsets[joint]
         moved = np.zeros((frames, 3))

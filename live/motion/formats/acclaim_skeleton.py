@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.formats.file_error import MotionFileError, read_number, shown, words_of_lines
+from live.motion.formats.file_error import MotionFileError, iterate_lines, quoted, read_number
 from live.motion.quaternion import euler_to_quaternion
 
 Float64 = npt.NDArray[np.float64]
@@ -80,13 +80,13 @@ def parse_asf(data: bytes, file: str) -> AcclaimSkeleton:
 class _AsfReader:
     def __init__(self, file: str) -> None:
         self._file, self._line = file, 1
-        self._length, self._turn = 1.0, math.pi / 180.0
+        self._length, self._radians_per_unit = 1.0, math.pi / 180.0
         self._root = _Bone("root", 1)
         self._position: Vector = (0.0, 0.0, 0.0)
         self._bone: _Bone | None = None
         self._bones: dict[str, _Bone] = {}
         self._children: dict[str, list[str]] = {}
-        self._hung: set[str] = set()
+        self._attached: set[str] = set()
 
     def read(self, data: bytes) -> AcclaimSkeleton:
         readers = {
@@ -96,43 +96,43 @@ class _AsfReader:
             ":hierarchy": self._read_hierarchy,
         }
         read, found = None, set()
-        for line, words in words_of_lines(data, self._file):
+        for line, words in iterate_lines(data, self._file):
             self._line = line
             if words[0].startswith(":"):
                 section = words[0].lower()
                 if section in found:
                     raise self._error(f"a second {section}", "each section once expected")
                 if self._bone is not None:
-                    raise self._error(f"{section} was read within bone {shown(self._bone.name)}", "'end' expected")
+                    raise self._error(f"{section} was read within bone {quoted(self._bone.name)}", "'end' expected")
                 found.add(section)
                 read = readers.get(section)
             elif not found:
-                raise self._error(f"{shown(words[0])} was read", "an ASF file begins with :version")
+                raise self._error(f"{quoted(words[0])} was read", "an ASF file begins with :version")
             elif read is not None:
                 read(words)
         for section in (":root", ":bonedata", ":hierarchy"):
             if section not in found:
                 raise self._error(f"no {section} up to the end", "a whole Acclaim skeleton expected")
         if self._bone is not None:
-            raise self._error(f"the file ends within bone {shown(self._bone.name)}", "'end' expected")
+            raise self._error(f"the file ends within bone {quoted(self._bone.name)}", "'end' expected")
         return self._build()
 
     def _read_units(self, words: list[str]) -> None:
         if words[0].lower() == "length":
             (self._length,) = self._numbers(words, 1)
             if not 1e-6 <= self._length <= 1e6:
-                raise self._error(f"length {shown(words[1])}", "a scale over zero expected")
+                raise self._error(f"length {quoted(words[1])}", "a scale over zero expected")
         elif words[0].lower() == "angle":
             if words[1:] not in (["deg"], ["rad"]):
-                raise self._error(f"angle {shown(' '.join(words[1:]))}", "deg or rad expected")
-            self._turn = math.pi / 180.0 if words[1] == "deg" else 1.0
+                raise self._error(f"angle {quoted(' '.join(words[1:]))}", "deg or rad expected")
+            self._radians_per_unit = math.pi / 180.0 if words[1] == "deg" else 1.0
 
     def _read_root(self, words: list[str]) -> None:
         key = words[0].lower()
         if key == "order":
             self._root.channels = self._channels(words)
         elif key == "axis":
-            self._root.axis_order = self._order(words[1] if len(words) == 2 else "")
+            self._root.axis_order = self._axis_order(words[1] if len(words) == 2 else "")
         elif key == "position":
             self._position = self._vector(words)
         elif key == "orientation":
@@ -142,7 +142,7 @@ class _AsfReader:
         key = words[0].lower()
         if self._bone is None:
             if key != "begin":
-                raise self._error(f"{shown(words[0])} was read", "'begin' of a bone expected")
+                raise self._error(f"{quoted(words[0])} was read", "'begin' of a bone expected")
             if len(self._bones) >= BONE_LIMIT:
                 raise self._error(f"more than {BONE_LIMIT} bones", f"at most {BONE_LIMIT} expected")
             self._bone = _Bone("", self._line)
@@ -155,7 +155,7 @@ class _AsfReader:
         elif key == "length":
             (bone.length,) = self._numbers(words, 1)
         elif key == "axis":
-            bone.axis, bone.axis_order = self._vector(words[:4]), self._order(words[4] if len(words) == 5 else "")
+            bone.axis, bone.axis_order = self._vector(words[:4]), self._axis_order(words[4] if len(words) == 5 else "")
         elif key == "dof":
             bone.channels = self._channels(words)
         elif key == "end":
@@ -165,7 +165,7 @@ class _AsfReader:
 
     def _new_name(self, words: list[str]) -> str:
         if len(words) != 2 or len(words[1]) > 200 or words[1] in self._bones or words[1].lower() == "root":
-            raise self._error(f"name {shown(' '.join(words[1:]))}", "one word that names no other bone expected")
+            raise self._error(f"name {quoted(' '.join(words[1:]))}", "one word that names no other bone expected")
         return words[1]
 
     def _end_bone(self, bone: _Bone) -> None:
@@ -177,14 +177,14 @@ class _AsfReader:
     def _read_hierarchy(self, words: list[str]) -> None:
         if len(words) == 1:
             if words[0].lower() not in ("begin", "end"):
-                raise self._error(f"{shown(words[0])} stands alone", "a bone and its children expected")
+                raise self._error(f"{quoted(words[0])} stands alone", "a bone and its children expected")
             return
-        parent = self._known(words[0])
+        parent = self._resolve_bone(words[0])
         for name in words[1:]:
-            child = self._known(name)
-            if child == "root" or child in self._hung:
-                raise self._error(f"{shown(name)} has two parents", "one parent for each bone expected")
-            self._hung.add(child)
+            child = self._resolve_bone(name)
+            if child == "root" or child in self._attached:
+                raise self._error(f"{quoted(name)} has two parents", "one parent for each bone expected")
+            self._attached.add(child)
             self._children.setdefault(parent, []).append(child)
 
     def _build(self) -> AcclaimSkeleton:
@@ -204,7 +204,7 @@ class _AsfReader:
         if len(bones) <= len(self._bones):
             reached = {bone.name for bone in bones}
             loose = next(name for name in self._bones if name not in reached)
-            raise self._error(f"{shown(loose)} is not connected to the root", "one tree of all bones expected")
+            raise self._error(f"{quoted(loose)} is not connected to the root", "one tree of all bones expected")
         vectors = np.array([np.multiply(bone.direction, bone.length) for bone in bones])
         parent_indices = np.array(parents, np.int32)
         offsets = vectors[np.maximum(parent_indices, 0)]
@@ -224,27 +224,27 @@ class _AsfReader:
         """Return C of a bone: rotations about the world axes in the order of its `axis` entry, first to last."""
         by_letter = dict(zip("xyz", bone.axis, strict=True))
         order = bone.axis_order[::-1]
-        angles = np.array([by_letter[letter] * self._turn for letter in order])
+        angles = np.array([by_letter[letter] * self._radians_per_unit for letter in order])
         turned: list[float] = euler_to_quaternion(angles, order.upper()).tolist()
         return turned
 
-    def _known(self, name: str) -> str:
+    def _resolve_bone(self, name: str) -> str:
         if name.lower() == "root":
             return "root"
         if name not in self._bones:
-            raise self._error(f"{shown(name)} is no bone", "names from :bonedata expected")
+            raise self._error(f"{quoted(name)} is no bone", "names from :bonedata expected")
         return name
 
     def _channels(self, words: list[str]) -> str:
         letters = "".join(_CHANNELS.get(word.lower(), "?") for word in words[1:])
         if "?" in letters or len(set(letters)) < len(letters):
             allowed = "tx ty tz rx ry rz, each once at most,"
-            raise self._error(f"{words[0]} {shown(' '.join(words[1:]))}", f"{allowed} expected")
+            raise self._error(f"{words[0]} {quoted(' '.join(words[1:]))}", f"{allowed} expected")
         return letters
 
-    def _order(self, word: str) -> str:
+    def _axis_order(self, word: str) -> str:
         if sorted(word.lower()) != ["x", "y", "z"]:
-            raise self._error(f"axis order {shown(word)}", "X, Y and Z in some order expected, as in XYZ")
+            raise self._error(f"axis order {quoted(word)}", "X, Y and Z in some order expected, as in XYZ")
         return word.lower()
 
     def _vector(self, words: list[str]) -> Vector:
@@ -253,7 +253,7 @@ class _AsfReader:
 
     def _numbers(self, words: list[str], count: int) -> list[float]:
         if len(words) != count + 1:
-            raise self._error(f"{len(words) - 1} numbers after {shown(words[0])}", f"{count} expected")
+            raise self._error(f"{len(words) - 1} numbers after {quoted(words[0])}", f"{count} expected")
         return [read_number(word, self._file, self._line, words[0]) for word in words[1:]]
 
     def _error(self, problem: str, expected: str) -> MotionFileError:

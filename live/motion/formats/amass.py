@@ -22,7 +22,7 @@ RATES: Final = ("mocap_framerate", "mocap_frame_rate", "fps")
 POSE_WIDTHS: Final = {66: "body", 72: "SMPL", 156: "SMPL-H", 159: "SMPL-H", 165: "SMPL-X"}
 """Allowed numbers per frame in `poses`, three per joint; the first 22 joints are the same in all models."""
 FPS_RANGE: Final = (1.0, 1000.0)
-_BODY: Final = 22
+_BODY_JOINTS: Final = 22
 _FRAME_BYTES: Final = 4000
 """Memory [bytes] for one frame while reading."""
 _H: Final = STATURE
@@ -87,15 +87,15 @@ def parse_amass(data: bytes, file: str) -> SourceMotion:
     frames = len(body)
     warnings: list[FileWarning] = []
     if archive.has("trans"):
-        trans = _usable(archive.table("trans", 3, rows=frames), "trans", file)
+        trans = _check_values(archive.table("trans", 3, rows=frames), "trans", file)
     else:
         trans = np.zeros((frames, 3))
         warnings.append(FileWarning("no array 'trans': the dancer stays in place"))
-    vectors = body.reshape(frames, _BODY, 3)
+    vectors = body.reshape(frames, _BODY_JOINTS, 3)
     rotation = np.asarray(quaternion.align_signs(quaternion.from_rotation_vector(vectors)), np.float64)
-    translation = np.broadcast_to(_OFFSETS, (frames, _BODY, 3)).copy()
+    translation = np.broadcast_to(_OFFSETS, (frames, _BODY_JOINTS, 3)).copy()
     translation[:, 0] = trans
-    rest = np.tile((1.0, 0.0, 0.0, 0.0), (_BODY, 1))
+    rest = np.tile((1.0, 0.0, 0.0, 0.0), (_BODY_JOINTS, 1))
     rest[0] = _Y_UP_TO_Z_UP
     for array in (rotation, translation, rest):
         array.setflags(write=False)
@@ -111,7 +111,7 @@ def parse_amass(data: bytes, file: str) -> SourceMotion:
         rest_rotation=rest,
         frame_time=1.0 / _frame_rate(archive, file),
         frames_declared=frames,
-        channel_count=3 * _BODY + 3,
+        channel_count=3 * _BODY_JOINTS + 3,
         unit_m=1.0,
         up="Z",
         root_offset="zero",
@@ -127,14 +127,14 @@ def _body_rotations(archive: Archive, file: str, size: int) -> Float64:
             widths = " or ".join(map(str, POSE_WIDTHS))
             raise MotionFileError(file, None, f"poses has the shape {poses.shape}", f"(frames, {widths}) expected")
         _check_length(len(poses), size, file)
-        body = as_float64(poses[:, : 3 * _BODY])
+        body = as_float64(poses[:, : 3 * _BODY_JOINTS])
     else:
-        turned = archive.table("pose_body", 3 * _BODY - 3)
+        turned = archive.table("pose_body", 3 * _BODY_JOINTS - 3)
         _check_length(len(turned), size, file)
         body = np.concatenate((archive.table("root_orient", 3, rows=len(turned)), turned), axis=1)
     if not len(body):
         raise MotionFileError(file, None, "no frames", "at least one expected")
-    return _usable(body, "poses", file)
+    return _check_values(body, "poses", file)
 
 
 def _check_length(frames: int, size: int, file: str) -> None:
@@ -144,7 +144,7 @@ def _check_length(frames: int, size: int, file: str) -> None:
         raise MotionFileError(file, None, words, "a shorter motion expected; cut it into pieces")
 
 
-def _usable(array: Float64, key: str, file: str) -> Float64:
+def _check_values(array: Float64, key: str, file: str) -> Float64:
     strange = np.flatnonzero(~(np.abs(array) <= MAGNITUDE_LIMIT).all(axis=1))  # catches NaN too
     if strange.size:
         words = f"frame {strange[0]} of {key} holds a number that is not usable"

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Final
 
-from live.motion.formats.file_error import MotionFileError, read_number, shown
+from live.motion.formats.file_error import MotionFileError, quoted, read_number
 
 JOINT_LIMIT: Final = 1000
 LINE_LIMIT: Final = 100_000
@@ -33,13 +33,13 @@ class Hierarchy:
     end_offsets: list[tuple[float, float, float]] = field(default_factory=list)
 
 
-class _Words:
+class _TokenStream:
     """Token stream of the text with line numbers; braces are separate tokens."""
 
     def __init__(self, text: str, file: str) -> None:
         self.file, self.line = file, 1
         self._words = self._split(text)
-        self._ahead: tuple[int, str] | None = None
+        self._lookahead: tuple[int, str] | None = None
 
     @staticmethod
     def _split(text: str) -> Iterator[tuple[int, str]]:
@@ -56,59 +56,61 @@ class _Words:
             place = end
 
     def peek(self) -> tuple[int, str] | None:
-        if self._ahead is None:
-            self._ahead = next(self._words, None)
-        return self._ahead
+        if self._lookahead is None:
+            self._lookahead = next(self._words, None)
+        return self._lookahead
 
-    def take(self, expected: str) -> str:
+    def next_token(self, expected: str) -> str:
         word = self.peek()
         if word is None:
             raise MotionFileError(self.file, self.line, "the skeleton ends too early", f"{expected} expected")
-        self._ahead = None
+        self._lookahead = None
         self.line = word[0]
         return word[1]
 
     def keyword(self, *allowed: str) -> str:
         expected = " or ".join(allowed)
-        word = self.take(expected)
+        word = self.next_token(expected)
         if word.upper() not in allowed:
-            raise self.error(f"{shown(word)} was read", f"{expected} expected")
+            raise self.error(f"{quoted(word)} was read", f"{expected} expected")
         return word.upper()
 
     def rest_of_line(self) -> str:
         words = []
         while (word := self.peek()) is not None and word[0] == self.line and word[1] not in "{}":
-            words.append(self.take(""))
+            words.append(self.next_token(""))
         return " ".join(words)
 
     def number(self, what: str) -> float:
-        return read_number(self.take(f"a number ({what})"), self.file, self.line, what)
+        return read_number(self.next_token(f"a number ({what})"), self.file, self.line, what)
 
     def error(self, problem: str, expected: str) -> MotionFileError:
         return MotionFileError(self.file, self.line, problem, expected)
 
 
-def _read_channels(words: _Words) -> str:
-    text = words.take("the number of channels")
+def _read_channels(words: _TokenStream) -> str:
+    text = words.next_token("the number of channels")
     if not _COUNT.fullmatch(text) or int(text) > CHANNEL_LIMIT:
-        raise words.error(f"{shown(text)} channels", f"0 to {CHANNEL_LIMIT} expected")
+        raise words.error(f"{quoted(text)} channels", f"0 to {CHANNEL_LIMIT} expected")
     letters = ""
     for _ in range(int(text)):
-        name = words.take("a channel's name")
+        name = words.next_token("a channel's name")
         letter = _CHANNELS.get(name.lower())
         if letter is None:
-            raise words.error(f"channel {shown(name)} is not known", "Xposition ... Zposition, Xrotation ... Zrotation")
+            raise words.error(
+                f"channel {quoted(name)} is not known", "Xposition ... Zposition, Xrotation ... Zrotation"
+            )
         if letter in letters and letter.islower():
-            raise words.error(f"channel {shown(name)} is named twice", "each position once expected")
+            raise words.error(f"channel {quoted(name)} is named twice", "each position once expected")
         letters += letter
     return letters
 
 
-def _read_offset(words: _Words) -> tuple[float, float, float]:
+def _read_offset(words: _TokenStream) -> tuple[float, float, float]:
     return words.number("OFFSET x"), words.number("OFFSET y"), words.number("OFFSET z")
 
 
-def _open_joint(words: _Words, hierarchy: Hierarchy, parent: int) -> int:
+def _open_joint(words: _TokenStream, hierarchy: Hierarchy, parent: int) -> int:
     name = words.rest_of_line()
     if not name or len(name) > 200:
         raise words.error("a joint without a name" if not name else "a name of over 200 letters", "JOINT NAME expected")
@@ -121,14 +123,14 @@ def _open_joint(words: _Words, hierarchy: Hierarchy, parent: int) -> int:
     hierarchy.offsets.append(_read_offset(words))
     following = words.peek()
     if following is not None and following[1].upper() == "CHANNELS":
-        words.take("CHANNELS")
+        words.next_token("CHANNELS")
         hierarchy.channels.append(_read_channels(words))
     else:
         hierarchy.channels.append("")
     return len(hierarchy.names) - 1
 
 
-def _read_end_site(words: _Words, hierarchy: Hierarchy, parent: int) -> None:
+def _read_end_site(words: _TokenStream, hierarchy: Hierarchy, parent: int) -> None:
     words.rest_of_line()  # "Site", sometimes with a name
     words.keyword("{")
     words.keyword("OFFSET")
@@ -146,7 +148,7 @@ def parse_hierarchy(text: str, file: str) -> Hierarchy:
     Keywords are case-insensitive, braces may be anywhere, joints may have no channels and leaves no End Site. One
     skeleton per file: a second ROOT is an error. The parser does not recurse, so depth is not limited by the stack.
     """
-    words, hierarchy = _Words(text, file), Hierarchy()
+    words, hierarchy = _TokenStream(text, file), Hierarchy()
     words.keyword("HIERARCHY")
     words.keyword("ROOT")
     open_joints = [_open_joint(words, hierarchy, -1)]
@@ -160,8 +162,8 @@ def parse_hierarchy(text: str, file: str) -> Hierarchy:
             _read_end_site(words, hierarchy, open_joints[-1])
     following = words.peek()
     if following is not None:
-        word = words.take("")
+        word = words.next_token("")
         if word.upper() == "ROOT":
             raise words.error("a second ROOT", "one skeleton per file expected; save each performer in a separate file")
-        raise words.error(f"{shown(word)} was read after the skeleton", "MOTION expected")
+        raise words.error(f"{quoted(word)} was read after the skeleton", "MOTION expected")
     return hierarchy

@@ -12,29 +12,29 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
 
-_HIGHEST = 44
+_MAX_POWER = 44
 """10^44 = 2^44 · 5^44 is the largest power of ten that two doubles represent exactly."""
-_POWERS = np.array([float(10**n) for n in range(_HIGHEST + 1)])
-_POWERS_REST = np.array([float(10**n - int(float(10**n))) for n in range(_HIGHEST + 1)])
-_EXACT = 22
+_POWERS = np.array([float(10**n) for n in range(_MAX_POWER + 1)])
+_POWERS_REST = np.array([float(10**n - int(float(10**n))) for n in range(_MAX_POWER + 1)])
+_MAX_EXACT_POWER = 22
 """10^22 is the largest power of ten that one double represents exactly."""
-_LARGE = np.uint64(1 << 53)  # an int would be compared as a double
+_MAX_EXACT_INTEGER = np.uint64(1 << 53)  # an int would be compared as a double
 """Integers up to this are exact as doubles."""
 _SPLIT = 134217729.0  # 2^27 + 1 (Veltkamp)
-_DIGITS = 19
+_MAX_DIGITS = 19
 """This many digits always fit into 64 bits."""
-_ROOM = np.uint64(10 ** (_DIGITS - 1))
+_MANTISSA_LIMIT = np.uint64(10 ** (_MAX_DIGITS - 1))
 """A mantissa below this has room for one more digit."""
-_LONGEST = 1000
+_MAX_LENGTH = 1000
 """Maximum characters of a number: reading one takes time quadratic in its length."""
-_ZERO, _ONE, _TEN, _NOUGHT = np.uint64(0), np.uint64(1), np.uint64(10), np.uint64(48)
+_ZERO, _ONE, _TEN, _ZERO_CHARACTER = np.uint64(0), np.uint64(1), np.uint64(10), np.uint64(48)
 
-COUNT, BAD, STRANGE, HARD, WRONG_COUNT, WRONG_PLACE, WRONG_LAST, WRAPPED = range(8)
+COUNT, INVALID, OUT_OF_RANGE, INEXACT, WRONG_COUNT, WRONG_PLACE, WRONG_LAST, WRAPPED = range(8)
 """Entries of `found` in `scan_numbers`."""
 
 
 @kernel("f8(u8, i8)")
-def scaled(mantissa: np.uint64, exponent: np.int64) -> float:
+def scale_decimal(mantissa: np.uint64, exponent: np.int64) -> float:
     """Return mantissa · 10^exponent as the nearest double, or NaN if this needs more precision than available here.
 
     Up to 2^53 and 10^22 both factors are exact, so one operation rounds once (Clinger 1990). Beyond that, the quotient
@@ -42,10 +42,10 @@ def scaled(mantissa: np.uint64, exponent: np.int64) -> float:
     """
     if mantissa == 0:
         return 0.0
-    if exponent < -_HIGHEST or exponent > _EXACT:
+    if exponent < -_MAX_POWER or exponent > _MAX_EXACT_POWER:
         return math.nan
     high = float(mantissa)
-    if mantissa <= _LARGE and exponent >= -_EXACT:
+    if mantissa <= _MAX_EXACT_INTEGER and exponent >= -_MAX_EXACT_POWER:
         return float(high * _POWERS[exponent] if exponent >= 0 else high / _POWERS[-exponent])
     if exponent >= 0:
         return math.nan
@@ -69,8 +69,8 @@ def scaled(mantissa: np.uint64, exponent: np.int64) -> float:
 def _read_digits(text: UInt8, place: np.uint64, mantissa: np.uint64) -> tuple[np.uint64, np.uint64]:
     """Return the mantissa extended by the digits from `place` on (exact up to 19 digits), and where they end."""
     while text[place] >= 48 and text[place] <= 57:  # a chained comparison takes twice as long
-        if mantissa < _ROOM:
-            mantissa = mantissa * _TEN + (np.uint64(text[place]) - _NOUGHT)
+        if mantissa < _MANTISSA_LIMIT:
+            mantissa = mantissa * _TEN + (np.uint64(text[place]) - _ZERO_CHARACTER)
         place += _ONE
     return mantissa, place
 
@@ -92,7 +92,7 @@ def read_word(text: UInt8, begin: np.uint64) -> tuple[float, np.uint64]:
         mantissa, end = _read_digits(text, place, mantissa)
         exponent = -np.int64(end - place)
         digits -= exponent
-    hard = bool(digits > _DIGITS)
+    hard = bool(digits > _MAX_DIGITS)
     if digits > 0 and (text[end] == 101 or text[end] == 69):
         place = end + _ONE
         minus = text[place] == 45
@@ -100,16 +100,16 @@ def read_word(text: UInt8, begin: np.uint64) -> tuple[float, np.uint64]:
             place += _ONE
         power, end = _read_digits(text, place, _ZERO)
         digits = np.int64(end - place)
-        hard = hard or bool(digits > _DIGITS or power > 1000)
+        hard = hard or bool(digits > _MAX_DIGITS or power > 1000)
         exponent += -np.int64(power) if minus else np.int64(power)
-    if digits == 0 or not (text[end] == 32 or 9 <= text[end] <= 13) or end - begin > _LONGEST:
+    if digits == 0 or not (text[end] == 32 or 9 <= text[end] <= 13) or end - begin > _MAX_LENGTH:
         return 0.0, begin
-    value = math.nan if hard else scaled(mantissa, exponent)
+    value = math.nan if hard else scale_decimal(mantissa, exponent)
     return (-value if negative else value), end
 
 
 @kernel("void(u1[::1], i8, f8[::1], i8[:,::1], i8[::1])")
-def scan_numbers(text: UInt8, columns: int, values: Float64, hard: Int64, found: Int64) -> None:
+def scan_numbers(text: UInt8, columns: int, values: Float64, inexact: Int64, result: Int64) -> None:
     """Read the numbers of `text` into `values`, up to its size, and check that lines hold whole frames.
 
     Lines end with LF, CR or both; `text` ends with a line end. Written to `found`: COUNT of numbers, place of a BAD
@@ -119,41 +119,41 @@ def scan_numbers(text: UInt8, columns: int, values: Float64, hard: Int64, found:
     """
     place, last_word = _ZERO, _ZERO
     count, in_line, in_frame, hards = 0, 0, 0, 0
-    found[:] = 0
-    found[BAD] = found[STRANGE] = -1
-    found[WRAPPED] = 1
+    result[:] = 0
+    result[INVALID] = result[OUT_OF_RANGE] = -1
+    result[WRAPPED] = 1
     size = np.uint64(text.size)
     while place < size:
         letter = text[place]
         if letter == 32 or 9 <= letter <= 13:
             place += _ONE
             if letter == 10 or letter == 13:
-                if in_line % columns != 0 and found[WRONG_COUNT] == 0:
-                    found[WRONG_COUNT], found[WRONG_PLACE], found[WRONG_LAST] = in_line, last_word, 1
+                if in_line % columns != 0 and result[WRONG_COUNT] == 0:
+                    result[WRONG_COUNT], result[WRONG_PLACE], result[WRONG_LAST] = in_line, last_word, 1
                 in_line = 0
             continue
-        found[WRONG_LAST] = 0
+        result[WRONG_LAST] = 0
         if in_frame == columns:
             in_frame = 0
             if in_line > 0:
-                found[WRAPPED] = 0
+                result[WRAPPED] = 0
         value, end = read_word(text, place)
         if end == place:
-            found[BAD] = place
+            result[INVALID] = place
             break
         if value != value:
-            if hards < len(hard):
-                hard[hards, 0], hard[hards, 1] = count, place
+            if hards < len(inexact):
+                inexact[hards, 0], inexact[hards, 1] = count, place
             hards += 1
-        elif abs(value) > 1e7 and found[STRANGE] < 0:
-            found[STRANGE] = place
+        elif abs(value) > 1e7 and result[OUT_OF_RANGE] < 0:
+            result[OUT_OF_RANGE] = place
         if count < values.size:
             values[count] = value
         last_word, place = place, end
         count += 1
         in_line += 1
         in_frame += 1
-    found[COUNT], found[HARD] = count, hards
+    result[COUNT], result[INEXACT] = count, hards
 
 
 @kernel('void(Array(f8, 2, "C", True), i4[:,::1], f8[:,::1], f8[:,:,::1], f8[:,:,::1])')

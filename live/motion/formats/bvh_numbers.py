@@ -8,23 +8,23 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion.formats.bvh_kernels import (
-    BAD,
     COUNT,
-    HARD,
-    STRANGE,
+    INEXACT,
+    INVALID,
+    OUT_OF_RANGE,
     WRAPPED,
     WRONG_COUNT,
     WRONG_LAST,
     WRONG_PLACE,
     scan_numbers,
 )
-from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, line_ends, shown
+from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, count_line_ends, quoted
 from live.motion.formats.file_report import VALUE_LIMIT
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
-HARD_LIMIT: Final = 1 << 14
+INEXACT_LIMIT: Final = 1 << 14
 """Up to this many numbers beyond the kernel's precision are read one by one; if there are more, numpy reads all."""
 
 _WORD: Final = re.compile(rb"[^ \t\n\r\f\v]+")
@@ -43,15 +43,15 @@ class _NumberBlock:
     def __init__(self, data: bytes, start: int, file: str) -> None:
         self._data, self._start, self._file = data, start, file
         self._text = np.frombuffer(bytearray(memoryview(data)[start:]) + b"\n", np.uint8)
-        self._hard: Int64 = np.empty((HARD_LIMIT, 2), np.int64)
-        self._found: Int64 = np.zeros(8, np.int64)
+        self._inexact: Int64 = np.empty((INEXACT_LIMIT, 2), np.int64)
+        self._scan_result: Int64 = np.zeros(8, np.int64)
 
     def read(self, columns: int, frames: int) -> Float64:
         values = np.empty(min(frames * columns, self._text.size // 2 + 1, VALUE_LIMIT))
-        scan_numbers(self._text, columns, values, self._hard, self._found)
-        found = self._found
-        if found[BAD] >= 0:
-            raise self._no_number(int(found[BAD]))
+        scan_numbers(self._text, columns, values, self._inexact, self._scan_result)
+        found = self._scan_result
+        if found[INVALID] >= 0:
+            raise self._not_a_number_error(int(found[INVALID]))
         count = int(found[COUNT])
         if count > VALUE_LIMIT:
             raise self._error(0, f"more than {VALUE_LIMIT} numbers", "a shorter recording expected")
@@ -59,35 +59,35 @@ class _NumberBlock:
             raise self._error(0, "no frames", f"{frames} lines of {columns} numbers expected")
         if count > values.size:  # more frames than the file states
             values = np.empty(count)
-            scan_numbers(self._text, columns, values, self._hard, self._found)
+            scan_numbers(self._text, columns, values, self._inexact, self._scan_result)
         values = values[:count] if count == values.size else values[:count].copy()
-        values = self._read_hard(values)
-        if found[STRANGE] >= 0:
-            place = int(found[STRANGE])
-            problem = f"the number {shown(self._word(place))} is not usable"
+        values = self._read_inexact(values)
+        if found[OUT_OF_RANGE] >= 0:
+            place = int(found[OUT_OF_RANGE])
+            problem = f"the number {quoted(self._word(place))} is not usable"
             raise self._error(place, problem, "finite, at most 1e7 expected")
         self._check_lines(columns, count)
         return values.reshape(-1, columns)
 
-    def _read_hard(self, values: Float64) -> Float64:
+    def _read_inexact(self, values: Float64) -> Float64:
         """Return the values including the numbers beyond the kernel's exact arithmetic."""
-        count, found = int(self._found[HARD]), self._found
-        if count > HARD_LIMIT:
+        count, found = int(self._scan_result[INEXACT]), self._scan_result
+        if count > INEXACT_LIMIT:
             values = np.fromstring(self._data[self._start :].decode("ascii"), np.float64, sep=" ")
             strange = np.flatnonzero(~(np.abs(values) <= MAGNITUDE_LIMIT))
             if strange.size:
                 words = _WORD.finditer(self._data, self._start)
-                found[STRANGE] = next(islice(words, int(strange[0]), None)).start() - self._start
+                found[OUT_OF_RANGE] = next(islice(words, int(strange[0]), None)).start() - self._start
             return values
-        for index, place in self._hard[:count].tolist():
+        for index, place in self._inexact[:count].tolist():
             word = _WORD.match(self._data, self._start + place)
             values[index] = float(word.group()) if word else np.nan
-            if not abs(values[index]) <= MAGNITUDE_LIMIT and (found[STRANGE] < 0 or place < found[STRANGE]):
-                found[STRANGE] = place
+            if not abs(values[index]) <= MAGNITUDE_LIMIT and (found[OUT_OF_RANGE] < 0 or place < found[OUT_OF_RANGE]):
+                found[OUT_OF_RANGE] = place
         return values
 
     def _check_lines(self, columns: int, count: int) -> None:
-        found = self._found
+        found = self._scan_result
         if found[WRONG_COUNT] == 0 or (found[WRAPPED] and count % columns == 0):
             return
         problem = f"{found[WRONG_COUNT]} numbers in this line"
@@ -95,12 +95,12 @@ class _NumberBlock:
             problem += ", the last one: the file is cut off"
         raise self._error(int(found[WRONG_PLACE]), problem, f"{columns} numbers (one per channel) expected")
 
-    def _no_number(self, place: int) -> MotionFileError:
+    def _not_a_number_error(self, place: int) -> MotionFileError:
         word = self._word(place)
         strange = next((letter for letter in word if not letter.isascii()), None)
         if strange is not None:
-            return self._error(place, f"{shown(strange)} among the numbers", "decimal numbers expected")
-        return self._error(place, f"{shown(word)} is not a number", "decimal numbers expected")
+            return self._error(place, f"{quoted(strange)} among the numbers", "decimal numbers expected")
+        return self._error(place, f"{quoted(word)} is not a number", "decimal numbers expected")
 
     def _word(self, place: int) -> str:
         at = self._start + place
@@ -112,4 +112,4 @@ class _NumberBlock:
 
 def line_at(data: bytes, place: int) -> int:
     """Return the line number, from 1, of a byte; lines end with LF, CR or both."""
-    return line_ends(data, 0, place) + 1
+    return count_line_ends(data, 0, place) + 1

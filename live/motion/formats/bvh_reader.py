@@ -15,7 +15,7 @@ import numpy.typing as npt
 from live.motion.formats.bvh_header import Hierarchy, parse_hierarchy
 from live.motion.formats.bvh_kernels import pose_channels
 from live.motion.formats.bvh_numbers import line_at, read_numbers
-from live.motion.formats.file_error import MotionFileError, read_number, shown
+from live.motion.formats.file_error import MotionFileError, quoted, read_number
 from live.motion.formats.file_report import refuse_too_large
 from live.motion.formats.source_axes import find_up, leg_length
 from live.motion.formats.source_motion import FileWarning, LocalPose, OffsetUse, SourceMotion, UpAxis, world_pose
@@ -88,7 +88,7 @@ def parse_bvh(data: bytes | str, file: str) -> BvhMotion:
     data = data.removeprefix(b"\xef\xbb\xbf")
     motion = _MOTION.search(data, 0, SKELETON_BYTES)
     if motion is None:
-        raise _no_motion(data, file)
+        raise _missing_motion_error(data, file)
     hierarchy = parse_hierarchy(_text(data[: motion.start()]), file)
     frames, frame_time, start = _read_motion_header(data, motion.end(), file)
     columns = sum(map(len, hierarchy.channels))
@@ -106,11 +106,11 @@ def _text(data: bytes) -> str:
     return data.decode("utf-8", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
 
 
-def _no_motion(data: bytes, file: str) -> MotionFileError:
+def _missing_motion_error(data: bytes, file: str) -> MotionFileError:
     text = _text(data[:SKELETON_BYTES])
     start = text[:1000].lstrip()
     if start[:9].upper() != "HIERARCHY":
-        return MotionFileError(file, 1, f"{shown(start[:20])} was read", "a BVH file begins with HIERARCHY")
+        return MotionFileError(file, 1, f"{quoted(start[:20])} was read", "a BVH file begins with HIERARCHY")
     parse_hierarchy(text, file)  # an error in the skeleton gives a better message
     if len(data) > SKELETON_BYTES:
         text = f"no MOTION within the first {SKELETON_BYTES} bytes"
@@ -161,9 +161,9 @@ def _read_motion_header(data: bytes, place: int, file: str) -> tuple[int, float,
         match = _HEADER_LINE.fullmatch(content)
         key = match.group(1).lower().replace(" ", "") if match else ""
         if match is None or key not in ("frames", "frametime"):
-            raise MotionFileError(file, line, f"{shown(content)} was read", f"{missing} expected")
+            raise MotionFileError(file, line, f"{quoted(content)} was read", f"{missing} expected")
         if (frames if key == "frames" else frame_time) is not None:
-            raise MotionFileError(file, line, f"{shown(content)} a second time", f"{missing} expected")
+            raise MotionFileError(file, line, f"{quoted(content)} a second time", f"{missing} expected")
         if key == "frames":
             frames = _read_frame_count(match.group(2), file, line)
         else:
@@ -179,14 +179,14 @@ def _next_line(data: bytes, place: int) -> int:
 
 def _read_frame_count(text: str, file: str, line: int) -> int:
     if not _FRAMES.fullmatch(text):
-        raise MotionFileError(file, line, f"{shown(text)} frames", "a whole number expected")
+        raise MotionFileError(file, line, f"{quoted(text)} frames", "a whole number expected")
     return int(text)
 
 
 def _read_frame_time(text: str, file: str, line: int) -> float:
     seconds = read_number(text, file, line, "Frame Time")
     if not FRAME_TIME_RANGE[0] <= seconds <= FRAME_TIME_RANGE[1]:
-        raise MotionFileError(file, line, f"Frame Time {shown(text)}", "0.0001 to 10 seconds expected")
+        raise MotionFileError(file, line, f"Frame Time {quoted(text)}", "0.0001 to 10 seconds expected")
     return seconds
 
 
@@ -204,7 +204,7 @@ def local_pose(motion: BvhMotion, root_offset: Literal["add", "replace"] = "add"
         if moves:
             axes = list(moves)
             moved = motion.values[:, list(moves.values())]
-            if root_offset == "replace" if joint == 0 else _holds_offset(moved, base[joint, axes]):
+            if root_offset == "replace" if joint == 0 else _includes_offset(moved, base[joint, axes]):
                 base[joint, axes] = 0.0
         kinds += [(joint, "xyzXYZ".index(letter)) for letter in letters]
     frames, joints = motion.frame_count, motion.joint_count
@@ -213,7 +213,7 @@ def local_pose(motion: BvhMotion, root_offset: Literal["add", "replace"] = "add"
     return LocalPose(translation, rotation)
 
 
-def _holds_offset(moved: Float64, offset: Float64) -> bool:
+def _includes_offset(moved: Float64, offset: Float64) -> bool:
     """Whether position channels of an inner joint include OFFSET (then it must not be added)."""
     return bool(np.median(np.linalg.norm(moved - offset, axis=-1)) < np.median(np.linalg.norm(moved, axis=-1)))
 
@@ -243,11 +243,11 @@ def has_no_root_offset(motion: BvhMotion) -> bool:
     return not motion.offsets[0].any() or not any(letter.islower() for letter in motion.channels[0])
 
 
-SEEN_FRAMES: Final = 500
+DETECTION_FRAMES: Final = 500
 """Maximum number of evenly spaced frames from which missing information is decided."""
 
 
-def source_of_bvh(motion: BvhMotion, up: UpAxis | None = None) -> SourceMotion:
+def bvh_to_source_motion(motion: BvhMotion, up: UpAxis | None = None) -> SourceMotion:
     """Return the motion of a BVH file in its own units and axes.
 
     `up` is the axis that points up, if the user has given it. It and ground contact decide whether the root's OFFSET
@@ -270,7 +270,7 @@ def source_of_bvh(motion: BvhMotion, up: UpAxis | None = None) -> SourceMotion:
         up=up,
         warnings=tuple(FileWarning(words) for words in motion.warnings),
     )
-    use = _decide(motion, source, up)
+    use = _decide_root_offset(motion, source, up)
     if use == "replace":
         moving = ["XYZ".index(letter.upper()) for letter in motion.channels[0] if letter.islower()]
         local.translation[:, 0, moving] -= motion.offsets[0, moving]
@@ -279,12 +279,12 @@ def source_of_bvh(motion: BvhMotion, up: UpAxis | None = None) -> SourceMotion:
     return replace(source, root_offset=use)
 
 
-def _decide(motion: BvhMotion, source: SourceMotion, up: UpAxis | None) -> OffsetUse | None:
+def _decide_root_offset(motion: BvhMotion, source: SourceMotion, up: UpAxis | None) -> OffsetUse | None:
     if has_no_root_offset(motion):
         return "zero"
     body = find_body(source)
     if body.missing:
         return None
-    frames = np.unique(np.linspace(0, motion.frame_count - 1, SEEN_FRAMES).astype(np.int64))
+    frames = np.unique(np.linspace(0, motion.frame_count - 1, DETECTION_FRAMES).astype(np.int64))
     seen = world_pose(source.parents, LocalPose(source.translation[frames], source.rotation[frames]))
     return find_root_offset(motion, body, seen.positions, up or find_up(body, seen.positions) or "Y")

@@ -12,7 +12,7 @@ from live.motion.skeleton import BONE_TIPS, SKELETON
 Float = npt.NDArray[np.floating]
 Float64 = npt.NDArray[np.float64]
 
-_LOCKED = 1e-9
+_GIMBAL_LOCK_COSINE = 1e-9
 """Cosine of x below which the angles are in gimbal lock: only the sum or difference of z and y is defined."""
 
 
@@ -22,7 +22,7 @@ def zxy_angles(rotation: Float) -> Float64:
     minus_sin_z, cos_z = 2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z)  # both times cos x
     minus_sin_y, cos_y = 2.0 * (x * z - w * y), 1.0 - 2.0 * (x * x + y * y)  # both times cos x
     cos_x = np.hypot(minus_sin_z, cos_z)
-    locked = cos_x < _LOCKED
+    locked = cos_x < _GIMBAL_LOCK_COSINE
     about_y = np.where(
         locked,
         np.arctan2(2.0 * (x * z + w * y), 1.0 - 2.0 * (y * y + z * z)),
@@ -85,15 +85,15 @@ def _joint(joint: int, depth: int) -> list[str]:
     lines = [
         f"{tab}{'ROOT' if is_root else 'JOINT'} {SKELETON.names[joint]}",
         tab + "{",
-        f"{tab}\tOFFSET {_shown(offset)}",
+        f"{tab}\tOFFSET {_format_offset(offset)}",
         f"{tab}\tCHANNELS " + (f"6 Xposition Yposition Zposition {_TURNS}" if is_root else f"3 {_TURNS}"),
     ]
     for child in np.flatnonzero(SKELETON.parents == joint):
         lines += _joint(int(child), depth + 1)
     if joint in BONE_TIPS:
-        lines += [tab + "\tEnd Site", tab + "\t{", f"{tab}\t\tOFFSET {_shown(BONE_TIPS[joint])}", tab + "\t}"]
+        lines += [tab + "\tEnd Site", tab + "\t{", f"{tab}\t\tOFFSET {_format_offset(BONE_TIPS[joint])}", tab + "\t}"]
     return [*lines, tab + "}"]
 
 
-def _shown(offset: tuple[float, ...]) -> str:
+def _format_offset(offset: tuple[float, ...]) -> str:
     return " ".join(f"{round(UNITS_PER_METRE * metres, 4) + 0.0:.6f}" for metres in offset)

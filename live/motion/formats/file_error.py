@@ -22,7 +22,7 @@ class MotionFileError(ValueError):
         super().__init__(f"{place}: {problem}; {expected}")
 
 
-def shown(text: str) -> str:
+def quoted(text: str) -> str:
     """Return the text quoted and shortened for a one-line message."""
     return ascii(text if len(text) <= 40 else text[:37] + "...")
 
@@ -30,30 +30,30 @@ def shown(text: str) -> str:
 def read_number(text: str, file: str, line: int, what: str) -> float:
     """Return a finite number of at most MAGNITUDE_LIMIT; raises MotionFileError otherwise."""
     if not NUMBER.fullmatch(text):
-        raise MotionFileError(file, line, f"{shown(text)} as {what} is not a number", "a decimal number expected")
+        raise MotionFileError(file, line, f"{quoted(text)} as {what} is not a number", "a decimal number expected")
     value = float(text)
     if not math.isfinite(value) or abs(value) > MAGNITUDE_LIMIT:
-        raise MotionFileError(file, line, f"{what} {shown(text)} is out of range", "at most 1e7 expected")
+        raise MotionFileError(file, line, f"{what} {quoted(text)} is out of range", "at most 1e7 expected")
     return value
 
 
 LINE_LIMIT: Final = 100_000
 """Maximum characters per line."""
-_NOTHING: Final = re.compile(rb"(?>\s++|#[^\r\n]*+)*+")
+_BLANK_OR_COMMENT: Final = re.compile(rb"(?>\s++|#[^\r\n]*+)*+")
 """Whitespace and comments; possessive quantifiers avoid backtracking."""
 _END: Final = re.compile(rb"[\r\n]")
 
 
-def words_of_lines(data: bytes, file: str) -> Iterator[tuple[int, list[str]]]:
+def iterate_lines(data: bytes, file: str) -> Iterator[tuple[int, list[str]]]:
     """Yield number (from 1) and words of each non-empty line; text after a # is ignored.
 
     Raises MotionFileError for lines of over 100,000 characters.
     """
     place, number = 0, 1
     while True:
-        nothing = _NOTHING.match(data, place)
+        nothing = _BLANK_OR_COMMENT.match(data, place)
         start = nothing.end() if nothing else place
-        number += line_ends(data, place, start)
+        number += count_line_ends(data, place, start)
         place = start
         if place == len(data):
             return
@@ -67,7 +67,7 @@ def words_of_lines(data: bytes, file: str) -> Iterator[tuple[int, list[str]]]:
         place = end
 
 
-def line_ends(data: bytes, start: int, end: int) -> int:
+def count_line_ends(data: bytes, start: int, end: int) -> int:
     """Return how many lines end in data[start:end], with LF, CR or both; the range must not split a CR LF."""
     ends = data.count(b"\n", start, end) + data.count(b"\r", start, end)
     return ends - data.count(b"\r\n", start, end)

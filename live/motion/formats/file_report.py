@@ -29,15 +29,15 @@ from live.motion.retarget.body_tracks import body_tracks
 from live.motion.retarget.joint_mapping import SourceBody, find_body, map_joints
 
 FLOOR_PERCENTILE: Final = 5.0
-FLOATING: Final = 0.08
+FLOATING_HEIGHT: Final = 0.08
 """If the lowest point is this high [m] above the floor for half of the time, the height is probably wrong."""
-STILL: Final = 0.01
+STILL_SHARE: Final = 0.01
 """A joint that moves less than this share of the leg length counts as still."""
 _Z_UP_TO_Y_UP: Final = np.array((np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MotionFacts:
+class MotionReport:
     """The keys of `live bvh --json`; None for unknown values."""
 
     joints: int
@@ -74,32 +74,32 @@ class SourceTracks:
     """Every frame, joints in file order without End Sites, shape (T, J, 3)."""
 
 
-def find_facts(
+def analyze_motion(
     motion: SourceMotion, *, fps: float | None = None, unit_m: float | None = None, up: UpAxis | None = None
-) -> tuple[MotionFacts, SourceTracks]:
+) -> tuple[MotionReport, SourceTracks]:
     """Return facts and joint positions of a recording; given values (rate, unit, axis) override detected ones."""
     body = find_body(motion)
     world = world_pose(motion.parents, LocalPose(motion.translation, motion.rotation))
     whole = not body.missing
     axis = up or motion.up or (find_up(body, world.positions) if whole else None)
     leg = leg_length(body, world.positions) if whole else 0.0
-    unit = unit_m or _believable(motion.unit_m, leg) or find_unit(leg) or motion.unit_m
-    warnings = [*motion.warnings, *_doubts(motion, body, axis, unit, leg)]
+    unit = unit_m or _plausible_unit(motion.unit_m, leg) or find_unit(leg) or motion.unit_m
+    warnings = [*motion.warnings, *_detection_warnings(motion, body, axis, unit, leg)]
     added = 0
     if whole and leg > 0.0:
         tracks = body_tracks(motion, fps=fps, up=axis, unit_m=unit)
         beginning = find_recording_start(tracks)
         added = beginning.drop_frames
         if beginning.t_pose_first:
-            warnings.append(FileWarning(_beginning_words(added), frame=0))
+            warnings.append(FileWarning(_tpose_message(added), frame=0))
         warnings += [_glitch_warning(one) for one in find_glitches(tracks, motion.parents, added)]
-        warnings += _still_root(motion, body, world, leg)
+        warnings += _still_root_warnings(motion, body, world, leg)
     points, lowest = _upright(motion, world, axis)
     if unit is not None:
-        warnings += _floating(lowest[added:] * unit)
+        warnings += _floating_warnings(lowest[added:] * unit)
     points *= unit or 1.0
     hips = body.joints["hips"] or 0
-    facts = MotionFacts(
+    facts = MotionReport(
         joints=motion.joint_count,
         end_sites=motion.end_parents.size,
         channels=motion.channel_count,
@@ -114,14 +114,14 @@ def find_facts(
         tpose_first=added > 0,
         floor_m=None if unit is None else float(np.percentile(lowest[added:], FLOOR_PERCENTILE)) * unit,
         height_m=None if unit is None or not leg > 0.0 else body_height(leg) * unit,
-        travel_m=None if unit is None else _way(points[added:, hips]),
+        travel_m=None if unit is None else _path_length(points[added:, hips]),
         mapped=map_joints(motion),
         warnings=tuple(warnings),
     )
     return facts, SourceTracks(motion.names, points)
 
 
-def _believable(unit: float | None, leg: float) -> float | None:
+def _plausible_unit(unit: float | None, leg: float) -> float | None:
     """Return the unit fixed by the format, or None if it gives an implausible body height (files in centimetres)."""
     low, high = BODY_HEIGHT_RANGE
     return unit if unit is not None and (leg == 0.0 or low <= body_height(leg) * unit <= high) else None
@@ -138,11 +138,11 @@ def _upright(motion: SourceMotion, world: WorldPose, axis: UpAxis | None) -> tup
     return points, lowest
 
 
-def _way(hips: npt.NDArray[np.float64]) -> float:
+def _path_length(hips: npt.NDArray[np.float64]) -> float:
     return float(np.linalg.norm(np.diff(hips[:, [0, 2]], axis=0), axis=-1).sum())
 
 
-def _doubts(
+def _detection_warnings(
     motion: SourceMotion, body: SourceBody, axis: UpAxis | None, unit: float | None, leg: float
 ) -> list[FileWarning]:
     """Return warnings about unknown properties and implausible given values."""
@@ -163,7 +163,7 @@ def _doubts(
     return [FileWarning(one) for one in words]
 
 
-def _beginning_words(added: int) -> str:
+def _tpose_message(added: int) -> str:
     run_in = f", frames 1 to {added - 1} a transition from it" if added > 1 else ""
     return f"the first frame is an added T-pose{run_in}; the dance begins with frame {added} (drop_frames = {added})"
 
@@ -176,19 +176,19 @@ def _glitch_warning(glitch: Glitch) -> FileWarning:
     )
 
 
-def _floating(lowest: Float64) -> list[FileWarning]:
+def _floating_warnings(lowest: Float64) -> list[FileWarning]:
     """Warn if the body is above its lowest floor most of the time: recordings from video drift up and down."""
     over = float(np.median(lowest) - np.percentile(lowest, FLOOR_PERCENTILE))
-    if over < FLOATING:
+    if over < FLOATING_HEIGHT:
         return []
     return [FileWarning(f"the body is {over:.2f} m over the floor half of the time: it drifts, or jumps a lot")]
 
 
-def _still_root(motion: SourceMotion, body: SourceBody, world: WorldPose, leg: float) -> list[FileWarning]:
+def _still_root_warnings(motion: SourceMotion, body: SourceBody, world: WorldPose, leg: float) -> list[FileWarning]:
     hips = body.joints["hips"]
-    if not hips or np.ptp(world.positions[:, 0], axis=0).max() > STILL * leg:
+    if not hips or np.ptp(world.positions[:, 0], axis=0).max() > STILL_SHARE * leg:
         return []
-    if np.ptp(world.positions[:, hips], axis=0).max() <= STILL * leg:
+    if np.ptp(world.positions[:, hips], axis=0).max() <= STILL_SHARE * leg:
         return []
     return [FileWarning(f"the root {motion.names[0]} does not move; {motion.names[hips]} below it travels")]
 
@@ -197,12 +197,12 @@ VALUE_LIMIT: Final = 10_000_000
 """Maximum numbers in the motion part of a file: ten minutes of 43 joints at 120 frames per second."""
 JOINT_BYTES: Final = 56
 """Memory of one joint in one frame: a translation and a quaternion in float64."""
-FREE_BYTES: Final = 32_000_000
+BASE_BYTES: Final = 32_000_000
 """Memory allowed for joints besides eight times the file size: a file with few channels may declare many joints."""
 
 
 def refuse_too_large(file: str, frames: int, joints: int, channels: int, file_bytes: int) -> None:
     """Raise MotionFileError if joints with few channels would take memory out of proportion to the file size."""
-    if frames * joints * JOINT_BYTES > FREE_BYTES + 8 * file_bytes:
+    if frames * joints * JOINT_BYTES > BASE_BYTES + 8 * file_bytes:
         problem = f"{frames} frames of {joints} joints with {channels} channels in all"
         raise MotionFileError(file, None, problem, "channels for most joints expected, or fewer frames")

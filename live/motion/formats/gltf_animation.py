@@ -7,24 +7,24 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.formats.file_error import shown
-from live.motion.formats.gltf_accessors import Accessors
-from live.motion.formats.gltf_document import JsonPlace
-from live.motion.formats.gltf_skeleton import Nodes
+from live.motion.formats.file_error import quoted
+from live.motion.formats.gltf_accessors import AccessorReader
+from live.motion.formats.gltf_document import JsonObject
+from live.motion.formats.gltf_skeleton import NodeTree
 
 Float = npt.NDArray[np.floating]
 Float64 = npt.NDArray[np.float64]
 Interpolation = Literal["LINEAR", "STEP", "CUBICSPLINE"]
 
-ON_KEY: Final = 0.01
+KEY_TOLERANCE: Final = 0.01
 """Fraction between two keys that counts as on the key: times are float32, precise to 0.06 ms after ten minutes."""
-SHORTEST_GAP: Final = 1e-3
+MIN_KEY_INTERVAL: Final = 1e-3
 """Keys closer together than this [s] count as one."""
-LONGEST_GAP: Final = 1.0
+MAX_KEY_INTERVAL: Final = 1.0
 """Key intervals longer than this [s] are not used to find the frame rate."""
-OFF_GRID: Final = 0.05
+GRID_TOLERANCE: Final = 0.05
 """Fraction of a frame by which a key may deviate from the frame grid."""
-LOWEST_RATE: Final = 20.0
+MIN_RATE: Final = 20.0
 IRREGULAR_RATE: Final = 60.0
 """Frames per second if the keys are not on a regular grid."""
 
@@ -42,7 +42,7 @@ class Curve:
     tangents: tuple[Float64, Float64] | None = None
     """For CUBICSPLINE: incoming and outgoing [per second], (K, W) each."""
 
-    def at(self, times: Float64) -> Float:
+    def sample(self, times: Float64) -> Float:
         """Value at each of `times` (T,) [s], shape (T, W); constant before the first and after the last key."""
         if len(self.times) == 1:
             return np.broadcast_to(self.values[0], (len(times), self.values.shape[1]))
@@ -50,7 +50,7 @@ class Curve:
         before = after - 1
         span = self.times[after] - self.times[before]
         part = np.clip((times - self.times[before]) / np.maximum(span, 1e-9), 0.0, 1.0)
-        part = np.where(part < ON_KEY, 0.0, np.where(part > 1.0 - ON_KEY, 1.0, part))
+        part = np.where(part < KEY_TOLERANCE, 0.0, np.where(part > 1.0 - KEY_TOLERANCE, 1.0, part))
         if self.interpolation == "STEP":
             return np.asarray(self.values[np.where(part < 1.0, before, after)])
         if self.tangents is not None:
@@ -81,7 +81,7 @@ def key_rate(times: Float64) -> float:
     20, so that curvature between keys is kept.
     """
     gaps = np.diff(times)
-    long = gaps[gaps > SHORTEST_GAP]
+    long = gaps[gaps > MIN_KEY_INTERVAL]
     if not long.size:
         return IRREGULAR_RATE
     blur = float(np.spacing(np.float32(np.abs(times).max())))
@@ -89,16 +89,16 @@ def key_rate(times: Float64) -> float:
         gap = float(times[-1] - times[0]) / float(np.round(gaps / gap).sum())  # a single gap is imprecise in float32
         places = (times - times[0]) / gap
         off = float(np.abs(places - np.round(places)).max())
-        if off < OFF_GRID + blur / gap and gap <= LONGEST_GAP:
+        if off < GRID_TOLERANCE + blur / gap and gap <= MAX_KEY_INTERVAL:
             rate = 1.0 / gap
             if abs(rate - round(rate)) < 1e-4 * rate:
                 rate = float(round(rate))
-            return rate * float(np.ceil(LOWEST_RATE / rate - 1e-9)) if rate < LOWEST_RATE else rate
+            return rate * float(np.ceil(MIN_RATE / rate - 1e-9)) if rate < MIN_RATE else rate
     return IRREGULAR_RATE
 
 
 PATHS: Final = {"translation": "VEC3", "rotation": "VEC4", "scale": "VEC3"}
-LONGEST: Final = 36_000.0
+MAX_DURATION: Final = 36_000.0
 """Maximum duration of an animation [s]."""
 _INTERPOLATIONS: Final[tuple[Interpolation, ...]] = ("LINEAR", "STEP", "CUBICSPLINE")
 
@@ -110,8 +110,8 @@ class Channel:
     node: int
     path: str
     """"translation", "rotation" or "scale"."""
-    place: JsonPlace
-    sampler: JsonPlace
+    place: JsonObject
+    sampler: JsonObject
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +122,7 @@ class Animation:
     channels: tuple[Channel, ...]
 
 
-def list_animations(root: JsonPlace, nodes: Nodes) -> list[Animation]:
+def list_animations(root: JsonObject, nodes: NodeTree) -> list[Animation]:
     """Return all animations; channels without a node (extensions) and of morph weights are ignored."""
     animations = []
     for number, animation in enumerate(root.elements("animations")):
@@ -133,8 +133,8 @@ def list_animations(root: JsonPlace, nodes: Nodes) -> list[Animation]:
             path = target.text("path")
             if path not in PATHS or not target.has("node"):
                 continue
-            node = target.whole("node", below=nodes.count)
-            sampler = animation.element("samplers", channel.whole("sampler", below=samplers))
+            node = target.integer("node", below=nodes.count)
+            sampler = animation.element("samplers", channel.integer("sampler", below=samplers))
             channels.append(Channel(node, path, channel, sampler))
         name = " ".join(animation.text("name").split())[:100] or f"number {number}"
         animations.append(Animation(name, tuple(channels)))
@@ -142,7 +142,7 @@ def list_animations(root: JsonPlace, nodes: Nodes) -> list[Animation]:
 
 
 @dataclass(frozen=True, slots=True)
-class Frames:
+class FrameTimes:
     """Evenly spaced times at which an animation is sampled."""
 
     start: float
@@ -157,23 +157,25 @@ class Frames:
 class CurveReader:
     """Reads the channels of one animation; caches key times, which channels share, up to a size limit."""
 
-    def __init__(self, accessors: Accessors, size: int) -> None:
+    def __init__(self, accessors: AccessorReader, size: int) -> None:
         """`size` is the file size in bytes."""
         self._accessors = accessors
         self._times: dict[int, Float64] = {}
-        self._room = 1_000_000 + size // 4
+        self._cache_budget = 1_000_000 + size // 4
 
-    def frames(self, channels: list[Channel]) -> Frames:
+    def frames(self, channels: list[Channel]) -> FrameTimes:
         """Frame times from the first to the last key of all channels, at the rate of the channel with most keys."""
         start, end, longest = np.inf, -np.inf, np.empty(0)
         for channel in channels:
             keys = self._key_times(channel)
             start, end = min(start, float(keys[0])), max(end, float(keys[-1]))
             longest = keys if len(keys) > len(longest) else longest
-            if end - start > LONGEST:
-                raise channel.sampler.error("input", f"lasts {end - start:.0f} s", f"at most {LONGEST:.0f} s expected")
+            if end - start > MAX_DURATION:
+                raise channel.sampler.error(
+                    "input", f"lasts {end - start:.0f} s", f"at most {MAX_DURATION:.0f} s expected"
+                )
         rate = key_rate(longest)
-        return Frames(start, rate, round((end - start) * rate) + 1)
+        return FrameTimes(start, rate, round((end - start) * rate) + 1)
 
     def curve(self, channel: Channel) -> Curve:
         """Return keys and interpolation of a channel; raises MotionFileError for invalid data."""
@@ -181,8 +183,8 @@ class CurveReader:
         said = sampler.text("interpolation", "LINEAR")
         way = next((known for known in _INTERPOLATIONS if known == said), None)
         if way is None:
-            raise sampler.error("interpolation", f"is {shown(said)}", "LINEAR, STEP or CUBICSPLINE expected")
-        index = sampler.whole("output", below=1 << 40)
+            raise sampler.error("interpolation", f"is {quoted(said)}", "LINEAR, STEP or CUBICSPLINE expected")
+        index = sampler.integer("output", below=1 << 40)
         values = self._accessors.read(index, PATHS[channel.path])
         per_key = 3 if way == "CUBICSPLINE" else 1
         if len(values) != per_key * len(times):
@@ -202,7 +204,7 @@ class CurveReader:
         return Curve(times, values, way, is_rotation, tangents)
 
     def _key_times(self, channel: Channel) -> Float64:
-        index = channel.sampler.whole("input", below=1 << 40)
+        index = channel.sampler.integer("input", below=1 << 40)
         if index in self._times:
             return self._times[index]
         times = self._accessors.read(index, "SCALAR")[:, 0]
@@ -212,7 +214,7 @@ class CurveReader:
         if backwards.size:
             words = f"runs backwards at key {backwards[0] + 1}"
             raise channel.sampler.error("input", words, "ascending times expected")
-        if self._room >= times.size:
-            self._room -= times.size
+        if self._cache_budget >= times.size:
+            self._cache_budget -= times.size
             self._times[index] = times
         return times

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final
 
-from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, shown
+from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, quoted
 
 MAGIC: Final = b"glTF"
 VALUE_LIMIT: Final = 1_000_000
@@ -39,12 +39,12 @@ def open_gltf(data: bytes, file: str) -> GltfFile:
         text, chunk = memoryview(data), None
         if not data[:64].lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{"):
             raise MotionFileError(
-                file, None, f"{shown(data[:12].decode('latin-1'))} was read", "a glTF file begins with 'glTF' or '{'"
+                file, None, f"{quoted(data[:12].decode('latin-1'))} was read", "a glTF file begins with 'glTF' or '{'"
             )
     content = _parse_json(bytes(text), file)
     version = content.get("asset", {}).get("version") if isinstance(content.get("asset"), dict) else None
     if not isinstance(version, str) or not version.startswith("2."):
-        words = "no asset.version" if version is None else f"glTF version {shown(str(version))}"
+        words = "no asset.version" if version is None else f"glTF version {quoted(str(version))}"
         raise MotionFileError(file, None, words, "glTF 2.0 expected; export it again")
     return GltfFile(file, content, chunk, len(data))
 
@@ -108,18 +108,18 @@ def _parse_json(text: bytes, file: str) -> dict[str, Any]:
     return content
 
 
-class JsonPlace:
+class JsonObject:
     """Typed access to one JSON object and its path in the file; missing or mistyped values raise MotionFileError."""
 
     def __init__(self, value: Any, where: str, file: str) -> None:
-        self.where, self.file = where, file
+        self.path, self.file = where, file
         if not isinstance(value, dict):
-            raise self.error("", f"is {_kind(value)}", "an object expected")
+            raise self.error("", f"is {_describe_type(value)}", "an object expected")
         self._value: dict[str, Any] = value
 
     def error(self, key: str, problem: str, expected: str) -> MotionFileError:
         """Return an error about `key` of this object (about the object itself if `key` is empty)."""
-        place = ".".join(part for part in (self.where, key) if part) or "the file"
+        place = ".".join(part for part in (self.path, key) if part) or "the file"
         return MotionFileError(self.file, None, f"{place} {problem}", expected)
 
     def has(self, key: str) -> bool:
@@ -135,49 +135,49 @@ class JsonPlace:
         value = self._value.get(key, default)
         return value if isinstance(value, str) else default
 
-    def object(self, key: str) -> "JsonPlace":
+    def object(self, key: str) -> "JsonObject":
         """Return the object under `key`."""
         if key not in self._value:
             raise self.error(key, "is missing", "an object expected")
-        return JsonPlace(self._value[key], ".".join(part for part in (self.where, key) if part), self.file)
+        return JsonObject(self._value[key], ".".join(part for part in (self.path, key) if part), self.file)
 
     def length(self, key: str) -> int:
         """Return the length of the array under `key`; 0 if there is none."""
         value = self._value.get(key, [])
         if not isinstance(value, list):
-            raise self.error(key, f"is {_kind(value)}", "an array expected")
+            raise self.error(key, f"is {_describe_type(value)}", "an array expected")
         return len(value)
 
-    def element(self, key: str, index: int) -> "JsonPlace":
+    def element(self, key: str, index: int) -> "JsonObject":
         """Return one object of an array of objects."""
         count = self.length(key)
         if not 0 <= index < count:
             raise self.error(key, f"has {count} elements and no number {index}", "valid references expected")
-        place = f"{self.where}.{key}" if self.where else key
-        return JsonPlace(self._value[key][index], f"{place}[{index}]", self.file)
+        place = f"{self.path}.{key}" if self.path else key
+        return JsonObject(self._value[key][index], f"{place}[{index}]", self.file)
 
-    def elements(self, key: str) -> "Iterator[JsonPlace]":
+    def elements(self, key: str) -> "Iterator[JsonObject]":
         """Yield all objects of an array of objects; none if the array is missing."""
         for index in range(self.length(key)):
             yield self.element(key, index)
 
-    def whole(self, key: str, default: int | None = None, *, below: int) -> int:
+    def integer(self, key: str, default: int | None = None, *, below: int) -> int:
         """Return an integer of at least 0 and less than `below`."""
         value = self._value.get(key, default)
         if value is None:
             raise self.error(key, "is missing", "a whole number expected")
-        return self._whole(value, key, below)
+        return self._integer(value, key, below)
 
-    def wholes(self, key: str, *, below: int) -> list[int]:
+    def integers(self, key: str, *, below: int) -> list[int]:
         """Return an array of integers, each at least 0 and less than `below`; empty if missing."""
         self.length(key)
-        return [self._whole(value, f"{key}[{n}]", below) for n, value in enumerate(self._value.get(key, []))]
+        return [self._integer(value, f"{key}[{n}]", below) for n, value in enumerate(self._value.get(key, []))]
 
-    def _whole(self, value: Any, key: str, below: int) -> int:
+    def _integer(self, value: Any, key: str, below: int) -> int:
         if isinstance(value, float) and value.is_integer():
             value = int(value)
         if isinstance(value, bool) or not isinstance(value, int):
-            raise self.error(key, f"is {_kind(value)}", "a whole number expected")
+            raise self.error(key, f"is {_describe_type(value)}", "a whole number expected")
         if not 0 <= value < below:
             read = str(value) if abs(value) < 10**18 else "far"
             raise self.error(key, f"is {read}, out of range", f"less than {below}, from 0 on, expected")
@@ -189,10 +189,10 @@ class JsonPlace:
             return default
         value = self._value[key]
         if not isinstance(value, list) or len(value) != count:
-            raise self.error(key, f"is {_kind(value)}", f"{count} numbers expected")
+            raise self.error(key, f"is {_describe_type(value)}", f"{count} numbers expected")
         for number in value:
             if isinstance(number, bool) or not isinstance(number, int | float):
-                raise self.error(key, f"holds {_kind(number)}", f"{count} numbers expected")
+                raise self.error(key, f"holds {_describe_type(number)}", f"{count} numbers expected")
             if not math.isfinite(number) or abs(number) > MAGNITUDE_LIMIT:
                 raise self.error(key, "holds a number out of range", "finite numbers, at most 1e7, expected")
         return tuple(float(number) for number in value)
@@ -201,7 +201,7 @@ class JsonPlace:
         """Return one finite number."""
         value = self._value.get(key, default)
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self.error(key, f"is {_kind(value)}", "a number expected")
+            raise self.error(key, f"is {_describe_type(value)}", "a number expected")
         if not math.isfinite(value) or abs(value) > MAGNITUDE_LIMIT:
             raise self.error(key, "is out of range", "a finite number, at most 1e7, expected")
         return float(value)
@@ -216,9 +216,9 @@ class JsonPlace:
         return self._value.get(key) is True
 
 
-def _kind(value: Any) -> str:
+def _describe_type(value: Any) -> str:
     if isinstance(value, str):
-        return f"the text {shown(value)}"
+        return f"the text {quoted(value)}"
     if isinstance(value, list):
         return f"an array of {len(value)}"
     if value is None or isinstance(value, bool):

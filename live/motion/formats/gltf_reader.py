@@ -11,19 +11,19 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, shown
-from live.motion.formats.gltf_accessors import Accessors, Resolve
-from live.motion.formats.gltf_animation import Animation, Channel, CurveReader, Frames, list_animations
-from live.motion.formats.gltf_document import GltfFile, JsonPlace, open_gltf
+from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, quoted
+from live.motion.formats.gltf_accessors import AccessorReader, Resolve
+from live.motion.formats.gltf_animation import Animation, Channel, CurveReader, FrameTimes, list_animations
+from live.motion.formats.gltf_document import GltfFile, JsonObject, open_gltf
 from live.motion.formats.gltf_skeleton import (
-    Figure,
-    NodeRest,
-    Nodes,
+    JointSelection,
+    NodeTransform,
+    NodeTree,
     bind_rotations,
-    even,
-    find_figure,
-    is_even,
+    find_joints,
+    is_uniform,
     rest_rotations,
+    uniform_scale,
 )
 from live.motion.formats.source_motion import FileWarning, SourceMotion
 
@@ -34,7 +34,7 @@ _IDENTITY: Final = np.array((1.0, 0.0, 0.0, 0.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Chain:
+class ChainTransform:
     """Transform of the last node of a chain relative to the parent of the first, over T frames."""
 
     translation: Float
@@ -50,7 +50,7 @@ class LocalMotion:
 
     def __init__(
         self,
-        nodes: Nodes,
+        nodes: NodeTree,
         curves: CurveReader,
         channels: dict[tuple[int, str], Channel],
         used: set[int],
@@ -61,15 +61,15 @@ class LocalMotion:
         self.warnings: list[str] = []
         self._rests = {node: self._rest(node, node in carrying) for node in sorted(used)}
 
-    def at_rest(self, chain: list[int], scale: float) -> Chain:
+    def rest_transform(self, chain: list[int], scale: float) -> ChainTransform:
         """Return the chain in the rest pose, T = 1; `scale` is the accumulated scale above it."""
         return self._compose(chain, scale, {}, np.zeros(1))
 
-    def at(self, chain: list[int], scale: float, times: Float64) -> Chain:
+    def sample(self, chain: list[int], scale: float, times: Float64) -> ChainTransform:
         """Return the chain at `times` (T,) [s]."""
         return self._compose(chain, scale, self._channels, times)
 
-    def _rest(self, node: int, carries: bool) -> NodeRest:
+    def _rest(self, node: int, carries: bool) -> NodeTransform:
         """Return the node's rest transform; an animated scale replaces its scale."""
         rest = self._nodes.rest(node)
         scale, name = rest.scale, repr(self._nodes.name(node))
@@ -79,32 +79,32 @@ class LocalMotion:
             if not (values > 1e-9).all():
                 raise channel.place.error("", f"scales {name} to nothing", "factors above zero expected")
             scale = np.median(values, axis=0)
-            if carries and not all(is_even(column) for column in values.T):
+            if carries and not all(is_uniform(column) for column in values.T):
                 self.warnings.append(f"the scale of {name} changes: its median is used")
-        if carries and not is_even(scale):
+        if carries and not is_uniform(scale):
             self.warnings.append(f"the scale of {name} differs along its axes: their mean is used, bones are inexact")
-        return NodeRest(rest.translation, rest.rotation, scale)
+        return NodeTransform(rest.translation, rest.rotation, scale)
 
     def _compose(
         self, chain: list[int], scale: float, channels: dict[tuple[int, str], Channel], times: Float64
-    ) -> Chain:
+    ) -> ChainTransform:
         translation: Float = np.zeros((len(times), 3))
         rotation: Float = np.broadcast_to(_IDENTITY, (len(times), 4))
         for node in chain:
             rest = self._rests[node]
             moves, turns = channels.get((node, "translation")), channels.get((node, "rotation"))
-            move = rest.translation if moves is None else self._curves.curve(moves).at(times)
-            turn = rest.rotation if turns is None else self._curves.curve(turns).at(times)
+            move = rest.translation if moves is None else self._curves.curve(moves).sample(times)
+            turn = rest.rotation if turns is None else self._curves.curve(turns).sample(times)
             translation = translation + quaternion.rotate(rotation, scale * move)
             rotation = quaternion.mul(rotation, turn)
-            scale *= even(rest.scale)
-        return Chain(translation, quaternion.unit(rotation), scale)
+            scale *= uniform_scale(rest.scale)
+        return ChainTransform(translation, quaternion.unit(rotation), scale)
 
 
 Array = TypeVar("Array", npt.NDArray[np.float64], npt.NDArray[np.int32])
 
 SHOWN_NAMES: Final = 6
-_ROOM: Final = 32_000_000
+_BASE_BYTES: Final = 32_000_000
 """Memory [bytes] always allowed for the frames; more for larger files."""
 _HALF_TURN: Final = np.array((0.0, 0.0, 1.0, 0.0))
 
@@ -130,9 +130,9 @@ def parse_gltf(data: bytes, file: str, resolve: Resolve | None = None) -> Source
 class _Reader:
     def __init__(self, gltf: GltfFile, resolve: Resolve | None) -> None:
         self._gltf = gltf
-        self._root = JsonPlace(gltf.json, "", gltf.file)
-        self._nodes = Nodes(self._root)
-        self._accessors = Accessors(gltf, resolve)
+        self._root = JsonObject(gltf.json, "", gltf.file)
+        self._nodes = NodeTree(self._root)
+        self._accessors = AccessorReader(gltf, resolve)
         self._curves = CurveReader(self._accessors, gltf.size)
         self._warnings: list[str] = []
 
@@ -144,30 +144,30 @@ class _Reader:
             what = "an avatar (meshes and bones)" if self._root.length("skins") else "a model"
             remedy = "export it with its animation, or use this avatar's motion file (.vrma, .bvh, .glb)"
             raise MotionFileError(self._gltf.file, None, f"{what} without an animation that moves a joint", remedy)
-        figure = find_figure(self._root, self._nodes, animated)
+        figure = find_joints(self._root, self._nodes, animated)
         self._warnings += figure.warnings
         chains = self._chains(figure)
         nodes = {node for chain in chains for node in chain}
-        animation = self._choose(animations, nodes)
+        animation = self._select_animation(animations, nodes)
         channels = {(c.node, c.path): c for c in animation.channels if c.node in nodes}
         return self._motion(figure, chains, channels)
 
-    def _choose(self, animations: list[Animation], nodes: set[int]) -> Animation:
+    def _select_animation(self, animations: list[Animation], nodes: set[int]) -> Animation:
         counts = [sum(c.node in nodes and c.path != "scale" for c in a.channels) for a in animations]
         best = int(np.argmax(counts))
         if not counts[best]:
             raise self._root.error("animations", "move no joint of the dancer", "a recorded dance expected")
         others = [a.name for a, count in zip(animations, counts, strict=True) if count and a is not animations[best]]
         if others:
-            names = ", ".join(shown(name) for name in others[:SHOWN_NAMES])
+            names = ", ".join(quoted(name) for name in others[:SHOWN_NAMES])
             names += f" and {len(others) - SHOWN_NAMES} more" if len(others) > SHOWN_NAMES else ""
             self._warnings.append(
-                f"{len(others) + 1} animations: {shown(animations[best].name)} moves most joints and is read, "
+                f"{len(others) + 1} animations: {quoted(animations[best].name)} moves most joints and is read, "
                 f"not {names}; to use another, export it alone"
             )
         return animations[best]
 
-    def _chains(self, figure: Figure) -> list[list[int]]:
+    def _chains(self, figure: JointSelection) -> list[list[int]]:
         """Return for each joint the nodes from below its parent joint (for the root: from the top) down to itself."""
         chosen = set(figure.joints)
         chains = []
@@ -180,7 +180,7 @@ class _Reader:
         return chains
 
     def _motion(
-        self, figure: Figure, chains: list[list[int]], channels: dict[tuple[int, str], Channel]
+        self, figure: JointSelection, chains: list[list[int]], channels: dict[tuple[int, str], Channel]
     ) -> SourceMotion:
         joint_count = len(figure.joints)
         frames = self._curves.frames(list(channels.values()))
@@ -195,7 +195,7 @@ class _Reader:
         times = frames.times()
         for place, chain in enumerate(chains):
             above = 1.0 if parents[place] < 0 else float(scales[parents[place]])
-            still, moved = local.at_rest(chain, above), local.at(chain, above, times)
+            still, moved = local.rest_transform(chain, above), local.sample(chain, above, times)
             scales[place] = still.scale
             for (translation, rotation), composed in ((rest, still), (moving, moved)):
                 translation[:, place], rotation[:, place] = composed.translation, composed.rotation
@@ -210,13 +210,13 @@ class _Reader:
         return SourceMotion(
             file=self._gltf.file,
             names=figure.names,
-            parents=_frozen(np.array(parents, np.int32)),
-            offsets=_frozen(rest[0][0]),
-            end_parents=_frozen(np.array([place for place, _ in figure.ends], np.int32)),
-            end_offsets=_frozen(np.array(ends, np.float64).reshape(-1, 3)),
-            translation=_frozen(moving[0]),
-            rotation=_frozen(moving[1]),
-            rest_rotation=_frozen(self._rest_rotation(figure, parents, rest[1][0])),
+            parents=_read_only(np.array(parents, np.int32)),
+            offsets=_read_only(rest[0][0]),
+            end_parents=_read_only(np.array([place for place, _ in figure.ends], np.int32)),
+            end_offsets=_read_only(np.array(ends, np.float64).reshape(-1, 3)),
+            translation=_read_only(moving[0]),
+            rotation=_read_only(moving[1]),
+            rest_rotation=_read_only(self._rest_rotation(figure, parents, rest[1][0])),
             frame_time=1.0 / frames.rate,
             frames_declared=frames.count,
             channel_count=sum(widths[path] for _, path in channels),
@@ -226,15 +226,15 @@ class _Reader:
             warnings=tuple(FileWarning(what) for what in self._warnings),
         )
 
-    def _rest_rotation(self, figure: Figure, parents: list[int], nodes: Float64) -> Float64:
+    def _rest_rotation(self, figure: JointSelection, parents: list[int], nodes: Float64) -> Float64:
         if figure.skin is None:
             return nodes
         skin = self._root.element("skins", figure.skin)
-        bound = bind_rotations(skin, skin.wholes("joints", below=self._nodes.count), self._accessors)
+        bound = bind_rotations(skin, skin.integers("joints", below=self._nodes.count), self._accessors)
         return rest_rotations(parents, nodes, [bound.get(joint) for joint in figure.joints])
 
-    def _check_size(self, frames: Frames, joints: int) -> None:
-        if frames.count * (56 * joints + 400) > _ROOM + 12 * self._gltf.size:
+    def _check_size(self, frames: FrameTimes, joints: int) -> None:
+        if frames.count * (56 * joints + 400) > _BASE_BYTES + 12 * self._gltf.size:
             words = (
                 f"{frames.count} frames ({frames.rate:g} per second) of {joints} joints from {self._gltf.size} bytes"
             )
@@ -251,6 +251,6 @@ def _empty(frames: int, joints: int) -> tuple[Float64, Float64]:
     return np.empty((frames, joints, 3)), np.empty((frames, joints, 4))
 
 
-def _frozen(array: Array) -> Array:
+def _read_only(array: Array) -> Array:
     array.setflags(write=False)
     return array

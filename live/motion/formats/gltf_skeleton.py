@@ -12,18 +12,18 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.gltf_accessors import Accessors
-from live.motion.formats.gltf_document import JsonPlace
+from live.motion.formats.gltf_accessors import AccessorReader
+from live.motion.formats.gltf_document import JsonObject
 
 Float = npt.NDArray[np.floating]
 
 NODE_LIMIT: Final = 20_000
-UNEVEN: Final = 0.01
+UNIFORM_SCALE_TOLERANCE: Final = 0.01
 """Relative difference up to which the three factors of a scale count as equal."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class NodeRest:
+class NodeTransform:
     """A node's local rest transform: scale, then rotation, then translation."""
 
     translation: Float
@@ -34,10 +34,10 @@ class NodeRest:
     """Factors along x, y, z, shape (3,); all above zero."""
 
 
-class Nodes:
+class NodeTree:
     """The validated node tree of a file: every node has at most one parent, and there are no cycles."""
 
-    def __init__(self, root: JsonPlace) -> None:
+    def __init__(self, root: JsonObject) -> None:
         self._root = root
         self.count = root.length("nodes")
         if self.count > NODE_LIMIT:
@@ -45,7 +45,7 @@ class Nodes:
         self.parents = [-1] * self.count
         self.children: list[list[int]] = []
         for index, node in enumerate(root.elements("nodes")):
-            self.children.append(node.wholes("children", below=self.count))
+            self.children.append(node.integers("children", below=self.count))
             for child in self.children[-1]:
                 if self.parents[child] >= 0:
                     raise node.error("children", f"names node {child}, which already has a parent", "a tree expected")
@@ -63,15 +63,15 @@ class Nodes:
             raise self._root.error("nodes", f"form a cycle (node {lost})", "a tree expected")
         return order
 
-    def place(self, node: int) -> JsonPlace:
+    def json_object(self, node: int) -> JsonObject:
         """Return the JSON object of one node."""
         return self._root.element("nodes", node)
 
     def name(self, node: int) -> str:
         """Return the node's name, or its number if it has none; one line of at most 200 characters."""
-        return " ".join(self.place(node).text("name").split())[:200] or f"node {node}"
+        return " ".join(self.json_object(node).text("name").split())[:200] or f"node {node}"
 
-    def below(self, tops: set[int]) -> set[int]:
+    def descendants(self, tops: set[int]) -> set[int]:
         """Return these nodes and all their descendants."""
         found = set(tops)
         waiting = list(tops)
@@ -81,7 +81,7 @@ class Nodes:
             waiting += news
         return found
 
-    def common(self, nodes: list[int]) -> int | None:
+    def common_ancestor(self, nodes: list[int]) -> int | None:
         """Return the lowest common ancestor of `nodes`, itself one of them if possible; None if their roots differ."""
         wanted = set(nodes)
         below = [0] * self.count
@@ -93,11 +93,11 @@ class Nodes:
                 below[self.parents[node]] += below[node]
         return None
 
-    def rest(self, node: int) -> NodeRest:
+    def rest(self, node: int) -> NodeTransform:
         """Return the node's rest transform, from its matrix or its three parts."""
-        place = self.place(node)
+        place = self.json_object(node)
         if place.has("matrix"):
-            return _of_matrix(place)
+            return _decompose(place)
         turn = np.array(place.numbers("rotation", 4, (0.0, 0.0, 0.0, 1.0)))
         if np.linalg.norm(turn) < 1e-6:
             raise place.error("rotation", "is zero", "a unit quaternion expected")
@@ -105,27 +105,27 @@ class Nodes:
         if not (scale > 1e-9).all():
             raise place.error("scale", f"is {scale.tolist()}", "factors above zero expected; apply it and export again")
         translation = np.array(place.numbers("translation", 3, (0.0, 0.0, 0.0)))
-        return NodeRest(translation, quaternion.unit(turn)[[3, 0, 1, 2]], scale)
+        return NodeTransform(translation, quaternion.unit(turn)[[3, 0, 1, 2]], scale)
 
 
-def _of_matrix(place: JsonPlace) -> NodeRest:
+def _decompose(place: JsonObject) -> NodeTransform:
     """Return translation, rotation and scale of a matrix (column-major in the file); shear is refused."""
     matrix = np.array(place.numbers("matrix", 16, ())).reshape(4, 4).T
     scale = np.linalg.norm(matrix[:3, :3], axis=0)
     if not (scale > 1e-9).all() or np.linalg.det(matrix[:3, :3] / scale) < 0.9:
         raise place.error("matrix", "mirrors, shears or flattens", "apply the transformation and export again")
     turn = quaternion.from_columns(*(matrix[:3, n] / scale[n] for n in range(3)))
-    return NodeRest(matrix[:3, 3].copy(), turn, scale)
+    return NodeTransform(matrix[:3, 3].copy(), turn, scale)
 
 
-def even(scale: Float) -> float:
+def uniform_scale(scale: Float) -> float:
     """Return the geometric mean of the three factors."""
     return float(np.exp(np.mean(np.log(scale))))
 
 
-def is_even(scale: Float) -> bool:
+def is_uniform(scale: Float) -> bool:
     """Whether the three factors are equal within 1 %."""
-    return bool(scale.max() <= scale.min() * (1.0 + UNEVEN))
+    return bool(scale.max() <= scale.min() * (1.0 + UNIFORM_SCALE_TOLERANCE))
 
 
 JOINT_LIMIT: Final = 1000
@@ -134,7 +134,7 @@ _HUMANOIDS: Final = ("VRMC_vrm_animation", "VRMC_vrm")
 
 
 @dataclass(frozen=True, slots=True)
-class Figure:
+class JointSelection:
     """The dancer among the nodes of a file."""
 
     joints: tuple[int, ...]
@@ -150,7 +150,7 @@ class Figure:
     warnings: tuple[str, ...]
 
 
-def find_figure(root: JsonPlace, nodes: Nodes, animated: set[int]) -> Figure:
+def find_joints(root: JsonObject, nodes: NodeTree, animated: set[int]) -> JointSelection:
     """Return the dancer: the humanoid of a VRM or VRMA file, else the skeleton with most `animated` joints.
 
     Raises MotionFileError if nothing is animated or if there are more than 1000 joints.
@@ -162,30 +162,30 @@ def find_figure(root: JsonPlace, nodes: Nodes, animated: set[int]) -> Figure:
         chosen = set(bones)
     else:
         chosen, skin = _skeleton(root, nodes, animated, warnings)
-    top = nodes.common(sorted(chosen))
+    top = nodes.common_ancestor(sorted(chosen))
     if top is None:
         raise root.error("nodes", "with motion are not in one tree", "one figure (armature) expected")
     chosen.add(top)
     joints = [node for node in nodes.order if node in chosen]
     if len(joints) > JOINT_LIMIT:
         raise root.error("skins", f"have {len(joints)} joints", f"at most {JOINT_LIMIT} expected")
-    names = _unlike([bones.get(node) or nodes.name(node) for node in joints], keep=set(bones.values()))
+    names = _unique_names([bones.get(node) or nodes.name(node) for node in joints], keep=set(bones.values()))
     ends = tuple(
         (place, child)
         for place, node in enumerate(joints)
         for child in nodes.children[node]
         if child not in chosen and not nodes.children[child] and _marks_end(nodes, child)
     )
-    return Figure(tuple(joints), tuple(names), ends[:JOINT_LIMIT], skin, faces_back, tuple(warnings))
+    return JointSelection(tuple(joints), tuple(names), ends[:JOINT_LIMIT], skin, faces_back, tuple(warnings))
 
 
-def _marks_end(nodes: Nodes, node: int) -> bool:
-    place = nodes.place(node)
+def _marks_end(nodes: NodeTree, node: int) -> bool:
+    place = nodes.json_object(node)
     words = nodes.name(node).lower()
     return not place.has("mesh") and not place.has("camera") and any(words.endswith(word) for word in _END_WORDS)
 
 
-def _humanoid(root: JsonPlace, nodes: Nodes) -> tuple[dict[int, str], bool]:
+def _humanoid(root: JsonObject, nodes: NodeTree) -> tuple[dict[int, str], bool]:
     """Return node → humanoid bone, and whether the model faces -z; empty if the file is not a VRM."""
     if not root.has("extensions"):
         return {}, False
@@ -193,28 +193,30 @@ def _humanoid(root: JsonPlace, nodes: Nodes) -> tuple[dict[int, str], bool]:
     for name in _HUMANOIDS:
         if extensions.has(name) and extensions.object(name).has("humanoid"):
             bones = extensions.object(name).object("humanoid").object("humanBones")
-            found = {bones.object(bone).whole("node", below=nodes.count): bone for bone in bones.names()}
+            found = {bones.object(bone).integer("node", below=nodes.count): bone for bone in bones.names()}
             return found, False
     if extensions.has("VRM") and extensions.object("VRM").has("humanoid"):  # VRM 0.x
         humanoid = extensions.object("VRM").object("humanoid")
         rows = humanoid.elements("humanBones")
-        return {row.whole("node", below=nodes.count): row.text("bone") for row in rows if row.text("bone")}, True
+        return {row.integer("node", below=nodes.count): row.text("bone") for row in rows if row.text("bone")}, True
     return {}, False
 
 
-def _skeleton(root: JsonPlace, nodes: Nodes, animated: set[int], warnings: list[str]) -> tuple[set[int], int | None]:
+def _skeleton(
+    root: JsonObject, nodes: NodeTree, animated: set[int], warnings: list[str]
+) -> tuple[set[int], int | None]:
     """Return the joints of the skin with most animated joints and of skins below it, and its index.
 
     Without skins: all animated nodes, and None.
     """
-    skins = [skin.wholes("joints", below=nodes.count) for skin in root.elements("skins")]
+    skins = [skin.integers("joints", below=nodes.count) for skin in root.elements("skins")]
     scores = [len(animated.intersection(joints)) for joints in skins]
     if not any(scores):
         return _moving_tree(root, nodes, animated), None
     best = int(np.argmax(scores))
     chosen = set(skins[best])
-    top = nodes.common(sorted(chosen))
-    below = set() if top is None else nodes.below({top})
+    top = nodes.common_ancestor(sorted(chosen))
+    below = set() if top is None else nodes.descendants({top})
     others = 0
     for joints, score in zip(skins, scores, strict=True):
         if below.isdisjoint(joints):
@@ -229,18 +231,18 @@ def _skeleton(root: JsonPlace, nodes: Nodes, animated: set[int], warnings: list[
     return chosen, best
 
 
-def _moving_tree(root: JsonPlace, nodes: Nodes, animated: set[int]) -> set[int]:
+def _moving_tree(root: JsonObject, nodes: NodeTree, animated: set[int]) -> set[int]:
     """Return the animated nodes of the tree with most of them, and all nodes below, without meshes and cameras."""
     if not animated:
         raise MotionFileError(root.file, None, "no node is animated", "a file with a recorded motion expected")
-    trees = [nodes.below({top}) & animated for top in nodes.order if nodes.parents[top] < 0]
+    trees = [nodes.descendants({top}) & animated for top in nodes.order if nodes.parents[top] < 0]
     moving = max(trees, key=len)
-    helpers = (nodes.place(node) for node in range(nodes.count))
+    helpers = (nodes.json_object(node) for node in range(nodes.count))
     bare = {n for n, place in enumerate(helpers) if not place.has("mesh") and not place.has("camera")}
-    return moving | (nodes.below(moving) & bare)
+    return moving | (nodes.descendants(moving) & bare)
 
 
-def _unlike(names: list[str], keep: set[str]) -> list[str]:
+def _unique_names(names: list[str], keep: set[str]) -> list[str]:
     """Return unique names: duplicates get a number; names in `keep` are never changed."""
     taken = set(keep)
     result = []
@@ -259,11 +261,11 @@ def _unlike(names: list[str], keep: set[str]) -> list[str]:
 
 Float64 = npt.NDArray[np.float64]
 
-SKEWED: Final = 0.05
+MAX_SHEAR: Final = 0.05
 """A bind matrix that deviates more than this from a uniformly scaled rotation is ignored."""
 
 
-def bind_rotations(skin: JsonPlace, joints: list[int], accessors: Accessors) -> dict[int, Float]:
+def bind_rotations(skin: JsonObject, joints: list[int], accessors: AccessorReader) -> dict[int, Float]:
     """Return the world rotation of each joint node in the bind pose, quaternions (4,); empty without bind matrices.
 
     The inverse of an inverse bind matrix is the joint's transform in mesh space. The rotation of mesh space itself is
@@ -271,7 +273,7 @@ def bind_rotations(skin: JsonPlace, joints: list[int], accessors: Accessors) -> 
     """
     if not skin.has("inverseBindMatrices"):
         return {}
-    matrices = accessors.read(skin.whole("inverseBindMatrices", below=1 << 40), "MAT4")
+    matrices = accessors.read(skin.integer("inverseBindMatrices", below=1 << 40), "MAT4")
     if len(matrices) < len(joints):
         words = f"has {len(matrices)} matrices for {len(joints)} joints"
         raise skin.error("inverseBindMatrices", words, "one for each joint expected")
@@ -279,7 +281,7 @@ def bind_rotations(skin: JsonPlace, joints: list[int], accessors: Accessors) -> 
     for joint, numbers in zip(joints, matrices, strict=False):
         columns = numbers.reshape(4, 4)[:3, :3]  # column-major in the file: the rows here are columns
         size = np.cbrt(np.linalg.det(columns))
-        if size > 1e-9 and np.abs(columns @ columns.T / size**2 - np.eye(3)).max() < SKEWED:
+        if size > 1e-9 and np.abs(columns @ columns.T / size**2 - np.eye(3)).max() < MAX_SHEAR:
             turn = quaternion.from_columns(*quaternion.unit(columns))
             found[joint] = quaternion.inverse(turn)
     return found

@@ -11,7 +11,7 @@ from live.motion import quaternion
 from live.motion.clip import Clip, resample
 from live.motion.skeleton import BONE_TIPS, JOINT_COUNT, SKELETON
 
-_BELLY: Final = 0.2
+_THICKEST_AT: Final = 0.2
 """Fraction of the bone's length at which the spindle is thickest."""
 _THICKNESS: Final = 0.14
 """Half of its width there as a fraction of its length."""
@@ -22,7 +22,7 @@ _FACES: Final = np.array(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class BoneFigure:
+class BoneMesh:
     """V triangle corners in the rest pose, each bound to one joint; faces are flat-shaded, so no corner is shared."""
 
     positions: npt.NDArray[np.float32]
@@ -37,7 +37,7 @@ class BoneFigure:
     """Three for each triangle, shape (V,)."""
 
 
-def bone_figure() -> BoneFigure:
+def bone_mesh() -> BoneMesh:
     """Return spindles for all bones of the engine's skeleton, including the tips of head, hands and toes."""
     rest = SKELETON.rest_positions().astype(np.float64)
     bones = [(int(SKELETON.parents[joint]), rest[joint]) for joint in range(1, SKELETON.joint_count)]
@@ -49,7 +49,7 @@ def bone_figure() -> BoneFigure:
     joints[:, 0] = np.repeat([joint for joint, _ in bones], 3 * len(_FACES))
     weights = np.zeros((count, 4), np.float32)
     weights[:, 0] = 1.0
-    return BoneFigure(
+    return BoneMesh(
         positions=corners.reshape(-1, 3).astype(np.float32),
         normals=np.repeat(normals, 3, axis=0).astype(np.float32),
         joints=joints,
@@ -64,7 +64,7 @@ def _spindle(start: npt.NDArray[np.float64], end: npt.NDArray[np.float64]) -> np
     length = float(np.linalg.norm(along))
     turn = quaternion.from_two_vectors(np.array((0.0, 1.0, 0.0)), along)
     width = _THICKNESS * length
-    belly = [(x * width, _BELLY * length, z * width) for x, z in ((1, 0), (0, 1), (-1, 0), (0, -1))]
+    belly = [(x * width, _THICKEST_AT * length, z * width) for x, z in ((1, 0), (0, 1), (-1, 0), (0, -1))]
     return np.asarray(start + quaternion.rotate(turn, np.array([(0.0, 0.0, 0.0), *belly, (0.0, length, 0.0)])))
 
 
@@ -170,7 +170,7 @@ def _inverse_bind_matrices() -> npt.NDArray[np.float32]:
 
 
 def _mesh(buffer: _Buffer) -> gltf.Mesh:
-    figure = bone_figure()
+    figure = bone_mesh()
     attributes = gltf.Attributes(
         POSITION=buffer.add(figure.positions, target=gltf.ARRAY_BUFFER, bounds=True),
         NORMAL=buffer.add(figure.normals, target=gltf.ARRAY_BUFFER),

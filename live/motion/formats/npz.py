@@ -8,16 +8,16 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.formats.file_error import MotionFileError, shown
+from live.motion.formats.file_error import MotionFileError, quoted
 
 Float64 = npt.NDArray[np.float64]
 Real = npt.NDArray[np.floating] | npt.NDArray[np.integer]
 
 MEMBER_LIMIT: Final = 1000
-_ROOM: Final = 16_000_000
+_BASE_BYTES: Final = 16_000_000
 """Bytes always allowed for an array; more in larger files."""
 _HEADER_LIMIT: Final = 10_000
-_PLAIN: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+_SUPPORTED_COMPRESSION: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
 def as_float64(array: Real) -> Float64:
@@ -31,7 +31,7 @@ class Archive:
 
     def __init__(self, data: bytes, file: str) -> None:
         self._file = file
-        self._limit = _ROOM + 5 * len(data)
+        self._limit = _BASE_BYTES + 5 * len(data)
         try:
             self._zip = zipfile.ZipFile(io.BytesIO(data))
             members = self._zip.infolist()
@@ -84,7 +84,7 @@ class Archive:
             raise MotionFileError(self._file, None, f"{key} is no NumPy array", "a file saved by numpy.savez") from None
         if dtype.kind not in "fiu" or dtype.itemsize > 8:
             raise MotionFileError(
-                self._file, None, f"{key} has the type {shown(str(dtype))}", "an array of numbers (float32 or float64)"
+                self._file, None, f"{key} has the type {quoted(str(dtype))}", "an array of numbers (float32 or float64)"
             )
         count = 1
         for length in shape:
@@ -98,7 +98,7 @@ class Archive:
 
     def _unpack(self, key: str, member: zipfile.ZipInfo) -> bytes:
         """Return the member's bytes; its size is checked first and never exceeded."""
-        if member.compress_type not in _PLAIN or member.flag_bits & 1:
+        if member.compress_type not in _SUPPORTED_COMPRESSION or member.flag_bits & 1:
             raise MotionFileError(self._file, None, f"{key} is encrypted or unsupported", "save it with numpy.savez")
         if member.file_size > self._limit:
             words = f"{key} has {member.file_size} bytes unpacked"

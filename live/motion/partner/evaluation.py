@@ -14,7 +14,7 @@ from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.partner.answer import palms
 from live.motion.partner.units import Hold
-from live.motion.quality.metrics import mean_speed, motion_beats, offsets, skates, slides
+from live.motion.quality.metrics import beat_offsets, contact_slide_speeds, mean_speed, motion_beats, skating_frames
 
 Float64 = npt.NDArray[np.float64]
 
@@ -65,8 +65,8 @@ def _aligned(one: Float64, other: Float64) -> float:
 
 def slide_metrics(positions: Float64, contact: npt.NDArray[np.bool_], rate: float) -> dict[str, float | None]:
     """Return foot_slide_mean, foot_slide_p99 [m/s] and skating_ratio of joints (T, J, 3) with contacts (T, 2)."""
-    speeds = slides(positions, contact, rate)
-    found = skates(positions, rate)
+    speeds = contact_slide_speeds(positions, contact, rate)
+    found = skating_frames(positions, rate)
     return {
         "foot_slide_mean": float(speeds.mean()) if speeds.size else None,
         "foot_slide_p99": float(np.percentile(speeds, 99)) if speeds.size else None,
@@ -76,7 +76,7 @@ def slide_metrics(positions: Float64, contact: npt.NDArray[np.bool_], rate: floa
 
 def kinematic_offsets(positions: Float64, beats: Float64, rate: float) -> Float64:
     """Return the offsets from the `beats` (n,) [s] to the nearest beats of the motion (T, J, 3) [s], (n,)."""
-    return offsets(beats, motion_beats(mean_speed(positions, rate), rate))
+    return beat_offsets(beats, motion_beats(mean_speed(positions, rate), rate))
 
 
 RELEASE_FACTOR: Final = 1.5

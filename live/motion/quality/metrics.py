@@ -23,9 +23,9 @@ from live.motion.step_clip import StepClip
 Float = npt.NDArray[np.floating]
 Float64 = npt.NDArray[np.float64]
 
-SMOOTH: Final = 5.0 / 60.0
+BEAT_SMOOTHING: Final = 5.0 / 60.0
 """Width [s] of the Gaussian that smooths the mean speed: five frames at 60 per second."""
-KERNEL: Final = 3.0 / 60.0
+ALIGNMENT_DEVIATION: Final = 3.0 / 60.0
 """Width [s] of the kernel of the alignment: three frames at 60 per second, 50 ms."""
 
 
@@ -40,12 +40,12 @@ def motion_beats(speed: Float64, rate: float, begin: float = 0.0) -> Float64:
     `begin`."""
     if len(speed) < 3:
         return np.zeros(0)
-    smooth = gaussian_filter1d(speed, SMOOTH * rate, mode="nearest")
+    smooth = gaussian_filter1d(speed, BEAT_SMOOTHING * rate, mode="nearest")
     low = np.flatnonzero((smooth[1:-1] < smooth[:-2]) & (smooth[1:-1] <= smooth[2:])) + 1
     return np.asarray(begin + (low + 0.5) / rate, np.float64)
 
 
-def offsets(beats: Float64, others: Float64) -> Float64:
+def beat_offsets(beats: Float64, others: Float64) -> Float64:
     """Signed offset from each of `beats` (n,) to the nearest of `others` (m,) [s], (n,); empty if either is."""
     if not len(beats) or not len(others):
         return np.zeros(0)
@@ -56,7 +56,7 @@ def offsets(beats: Float64, others: Float64) -> Float64:
     return np.asarray(others[nearer] - beats, np.float64)
 
 
-def alignment(beats: Float64, others: Float64) -> float | None:
+def beat_alignment(beats: Float64, others: Float64) -> float | None:
     """Mean of exp(-d² / 2σ²) over `beats`, d the distance to the nearest of `others`, σ 50 ms; None without beats.
 
     With the music's beats first it is Bailando's score (does every beat have a move?), with the motion's first that of
@@ -66,7 +66,7 @@ def alignment(beats: Float64, others: Float64) -> float | None:
         return None
     if not len(others):
         return 0.0
-    return float(np.exp(-(offsets(beats, others) ** 2) / (2.0 * KERNEL**2)).mean())
+    return float(np.exp(-(beat_offsets(beats, others) ** 2) / (2.0 * ALIGNMENT_DEVIATION**2)).mean())
 
 
 Bool = npt.NDArray[np.bool_]
@@ -86,12 +86,12 @@ def slide_speeds(position: Float, rate: float) -> Float64:
     return np.asarray(np.hypot(moved[..., 0], moved[..., 1]).min(axis=-1) * rate, np.float64)
 
 
-def slides(position: Float, contact: Bool, rate: float) -> Float64:
+def contact_slide_speeds(position: Float, contact: Bool, rate: float) -> Float64:
     """Return `slide_speeds` between samples in which the foot is in contact, (n,); `contact` is (T, ..., 2)."""
     return np.asarray(slide_speeds(position, rate)[contact[1:] & contact[:-1]], np.float64)
 
 
-def skates(position: Float, rate: float) -> Bool:
+def skating_frames(position: Float, rate: float) -> Bool:
     """At 20 frames per second whether a ball skates, (F, ...) from joints (T, ..., J, 3); see `skating_balls`."""
     count = int((len(position) - 1) * SKATING_RATE / rate + 1e-6) + 1
     at = np.minimum(np.arange(count) * rate / SKATING_RATE, len(position) - 1.0)
@@ -121,11 +121,11 @@ def skating_balls(balls: Float) -> Bool:
 
 ACCELERATION_WINDOW: Final = 3
 """Samples over which velocities are averaged before accelerations, because recorded markers jitter."""
-AROUND: Final = 0.2
+MIN_HALF_WIDTH: Final = 0.2
 """Minimum seconds before and after the middle of a transition that are evaluated."""
-BESIDE: Final = 0.05
+BLEND_MARGIN: Final = 0.05
 """Seconds evaluated before and after the blend of a transition."""
-DRAWN: Final = 4000
+RANDOM_POSITIONS: Final = 4000
 """Number of random positions in the raw clips with which transitions are compared."""
 
 
@@ -144,7 +144,7 @@ def accelerations(position: Float, rate: float) -> Float64:
     return np.asarray(np.linalg.norm(np.diff(windows.mean(axis=-1), axis=0), axis=-1) * rate, np.float64)
 
 
-def at_samples(position: Float, rate: float) -> tuple[Float64, Float64]:
+def largest_at_samples(position: Float, rate: float) -> tuple[Float64, Float64]:
     """Return the largest velocity change [m/s] and acceleration [m/s²] of any joint per sample, (T, ...).
 
     `position` is (T, ..., J, 3). 0 at the first and last samples, where there is none.
@@ -160,7 +160,7 @@ def at_samples(position: Float, rate: float) -> tuple[Float64, Float64]:
 
 def half_width(blend: float) -> float:
     """Return the seconds evaluated before and after the middle of a transition with a blend of `blend` seconds."""
-    return max(AROUND, 0.5 * blend + BESIDE)
+    return max(MIN_HALF_WIDTH, 0.5 * blend + BLEND_MARGIN)
 
 
 def largest_around(values: Float64, middle: Float64, half: float, rate: float) -> Float64:
@@ -172,7 +172,7 @@ def largest_around(values: Float64, middle: Float64, half: float, rate: float) -
     return np.asarray(values[rows].max(axis=1), np.float64)
 
 
-def p99_of_raw(traces: Sequence[Float64], half: float, rate: float, *, seed: int = 0) -> float:
+def raw_p99(traces: Sequence[Float64], half: float, rate: float, *, seed: int = 0) -> float:
     """Return p99 of the largest value within `half` seconds of random samples of the raw clips' `traces`, each (T,).
 
     Positions are drawn uniformly from all samples of all clips with `half` seconds on both sides; of a shorter clip
@@ -183,7 +183,7 @@ def p99_of_raw(traces: Sequence[Float64], half: float, rate: float, *, seed: int
     room = np.array([max(len(trace) - 1 - 2.0 * margin, 0.0) + 1.0 for trace in traces])
     if not len(room):
         return 0.0
-    clip = chance.choice(len(traces), DRAWN, p=room / room.sum())
+    clip = chance.choice(len(traces), RANDOM_POSITIONS, p=room / room.sum())
     found = []
     for n, trace in enumerate(traces):
         places = chance.uniform(0.0, room[n] - 1.0, int((clip == n).sum())) + min(margin, 0.5 * (len(trace) - 1))
@@ -192,7 +192,7 @@ def p99_of_raw(traces: Sequence[Float64], half: float, rate: float, *, seed: int
     return float(np.percentile(np.concatenate(found), 99))
 
 
-class StepFigures:
+class StepMetrics:
     """Metrics of one step over its measures (without lead-in and tail)."""
 
     def __init__(self, step: StepClip) -> None:
@@ -205,20 +205,20 @@ class StepFigures:
         self._position, _ = forward_kinematics(step.clip.root_position[part].astype(np.float64), self._rotation)
 
     @property
-    def slides(self) -> Float64:
+    def contact_speeds(self) -> Float64:
         """Horizontal speeds [m/s] of feet in contact (the clip's annotation), the slower of heel and ball."""
-        return slides(self._position, self._contact, self._rate)
+        return contact_slide_speeds(self._position, self._contact, self._rate)
 
     @property
-    def slide(self) -> float | None:
+    def mean_slide(self) -> float | None:
         """Mean of `slides`; None if no foot is ever in contact."""
-        found = self.slides
+        found = self.contact_speeds
         return float(found.mean()) if len(found) else None
 
     @property
     def skating(self) -> float:
         """Share of frames, at 20 per second, in which a foot skates."""
-        found = skates(self._position, self._rate)
+        found = skating_frames(self._position, self._rate)
         return float(found.mean()) if len(found) else 0.0
 
     @property
@@ -249,6 +249,6 @@ class StepFigures:
         return float(max(0.0, -np.minimum(heel, ball).min()))
 
 
-def pelvis_way(before: Clip, after: Clip) -> float:
+def pelvis_displacement(before: Clip, after: Clip) -> float:
     """Return the largest displacement of the pelvis by an edit [m]."""
     return float(np.linalg.norm(after.root_position - before.root_position, axis=-1).max())

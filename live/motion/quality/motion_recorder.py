@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion.editing.foot_correction import BALLS
-from live.motion.quality.metrics import SKATING_RATE, at_samples, mean_speed, skating_balls
+from live.motion.quality.metrics import SKATING_RATE, largest_at_samples, mean_speed, skating_balls
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -16,7 +16,7 @@ OVERLAP = 4
 """Frames of the previous block needed by the next: accelerations need two on both sides."""
 
 
-class MotionTrace:
+class MotionRecorder:
     """Records frames evenly spaced at `rate` per second; results are read after the last frame.
 
     It keeps three numbers per dancer and frame, and the balls of the feet at 20 frames per second.
@@ -24,7 +24,7 @@ class MotionTrace:
 
     def __init__(self, rate: float) -> None:
         self._rate = rate
-        self._waiting: list[Float32] = []
+        self._pending: list[Float32] = []
         self._change: list[Float64] = []
         self._acceleration: list[Float64] = []
         self._speed: list[Float64] = []
@@ -35,19 +35,19 @@ class MotionTrace:
         """Add the next frame: joints of all dancers, (A, J, 3) [m]; copied."""
         picture = np.array(position, np.float32)
         self.count += 1
-        self._waiting.append(picture)
-        self._follow_balls(picture)
-        if len(self._waiting) >= BLOCK + OVERLAP:
-            self._work()
+        self._pending.append(picture)
+        self._record_balls(picture)
+        if len(self._pending) >= BLOCK + OVERLAP:
+            self._process()
 
     def largest(self) -> tuple[Float64, Float64]:
         """Return the largest velocity change [m/s] and acceleration [m/s²] of any joint per frame, (T, A) each."""
-        self._work()
-        return self._all(self._change, 1), self._all(self._acceleration, 2)
+        self._process()
+        return self._concatenate(self._change, 1), self._concatenate(self._acceleration, 2)
 
     def speeds(self) -> Float64:
         """Return the mean speed of the joints between neighbouring frames [m/s], (T - 1, A)."""
-        self._work()
+        self._process()
         return np.concatenate(self._speed) if self._speed else np.zeros((0, 0))
 
     def skating_ratio(self) -> float | None:
@@ -55,31 +55,31 @@ class MotionTrace:
         found = skating_balls(np.stack(self._balls)) if self._balls else np.zeros((0, 0), np.bool_)
         return float(found.mean()) if found.size else None
 
-    def _follow_balls(self, picture: Float32) -> None:
+    def _record_balls(self, picture: Float32) -> None:
         """Record the balls at the times k / 20 s between the previous frame and this one, interpolated."""
-        if len(self._waiting) < 2:
+        if len(self._pending) < 2:
             self._balls.append(picture[:, BALLS])
             return
-        before, now = self._waiting[-2][:, BALLS], picture[:, BALLS]
+        before, now = self._pending[-2][:, BALLS], picture[:, BALLS]
         while (at := len(self._balls) * self._rate / SKATING_RATE) <= self.count - 1 + 1e-6:
             part = np.float32(at - (self.count - 2))
             self._balls.append((1 - part) * before + part * now)
 
-    def _all(self, blocks: list[Float64], edge: int) -> Float64:
+    def _concatenate(self, blocks: list[Float64], edge: int) -> Float64:
         """Return the concatenated blocks, with zeros for the frames at both ends without a value."""
         if not blocks:
             return np.zeros((self.count, 0))
         zeros = np.zeros((edge, blocks[0].shape[1]))
         return np.concatenate([zeros, *blocks, zeros])[: self.count]
 
-    def _work(self) -> None:
+    def _process(self) -> None:
         """Process the pending frames; keep the last OVERLAP of them."""
-        if len(self._waiting) <= OVERLAP:
+        if len(self._pending) <= OVERLAP:
             return
-        block = np.stack(self._waiting)
-        change, acceleration = at_samples(block, self._rate)
+        block = np.stack(self._pending)
+        change, acceleration = largest_at_samples(block, self._rate)
         fresh = slice(1, -1) if not self._change else slice(OVERLAP - 1, -1)
         self._change.append(change[fresh])
         self._acceleration.append(acceleration[2:-2])
         self._speed.append(mean_speed(block, self._rate)[0 if len(self._speed) == 0 else OVERLAP - 1 :])
-        self._waiting = self._waiting[-OVERLAP:]
+        self._pending = self._pending[-OVERLAP:]

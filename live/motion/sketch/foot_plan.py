@@ -13,9 +13,9 @@ from live.motion.sketch.sketch_file import Key, Sketch
 
 Float = npt.NDArray[np.floating]
 
-ALWAYS: Final = 1000.0
+FAR_BEAT: Final = 1000.0
 """A beat later than all others; its negative is earlier than all others."""
-_RISE: Final = 0.5
+_MAX_RISE_BEATS: Final = 0.5
 """Maximum duration of a foot's rise to a key in the air [beats]."""
 
 
@@ -47,7 +47,7 @@ class Stance:
         return all("touch" in key.amounts for key in self.contacts)
 
 
-def stances(sketch: Sketch, part: str, first: float, last: float) -> list[Stance]:
+def find_stances(sketch: Sketch, part: str, first: float, last: float) -> list[Stance]:
     """Return the stances of a foot that cover the beats from `first` to `last`, with at least one more at each end."""
     keys = [(key.beat, key, number) for number, key in enumerate(sketch.parts.get(part, ()))]
     home = Key(0.0, {"home": 1.0})
@@ -58,12 +58,12 @@ def stances(sketch: Sketch, part: str, first: float, last: float) -> list[Stance
         events = [(beat + cycle * sketch.beats, key, number) for cycle in cycles for beat, key, number in keys]
     else:
         last = max(sketch.beats - 0.5, 0.5 * (keys[-1][0] + sketch.beats))
-        events = [(-ALWAYS, home, -1), *keys, (last, home, -2)]
+        events = [(-FAR_BEAT, home, -1), *keys, (last, home, -2)]
     while not _on_floor(events[0][1]):
         events.pop(0)
     result = _stances(events, sketch.swing)
     if len(result) == 1:
-        return [replace(result[0], arrive=-ALWAYS)]
+        return [replace(result[0], arrive=-FAR_BEAT)]
     return result[1:-1] if sketch.cyclic else result  # the outermost stances are incomplete
 
 
@@ -81,7 +81,7 @@ def _stances(events: list[tuple[float, Key, int]], swing: float) -> list[Stance]
     result: list[Stance] = []
     arrive, air, number = events[0][0], list[Key](), events[0][2]
     contacts = [replace(events[0][1], beat=arrive)]
-    last_contact = max(arrive, 0.0) if arrive <= -ALWAYS else arrive
+    last_contact = max(arrive, 0.0) if arrive <= -FAR_BEAT else arrive
     for beat, key, key_number in events[1:]:
         if not _on_floor(key):
             air.append(replace(key, beat=beat))
@@ -92,35 +92,35 @@ def _stances(events: list[tuple[float, Key, int]], swing: float) -> list[Stance]
             continue
         goal = air[0].beat if air else beat
         gap = goal - last_contact
-        leave = max(goal - min(_RISE if air else swing, 0.75 * gap), arrive + 0.05)
+        leave = max(goal - min(_MAX_RISE_BEATS if air else swing, 0.75 * gap), arrive + 0.05)
         result.append(
             Stance(arrive, leave, place_of(contacts[0]), tuple(contacts), tuple(air), key.amounts.get("lift"), number)
         )
         arrive, contacts, air, number, last_contact = beat, [replace(key, beat=beat)], [], key_number, beat
-    result.append(Stance(arrive, ALWAYS, place_of(contacts[0]), tuple(contacts), (), None, number))
+    result.append(Stance(arrive, FAR_BEAT, place_of(contacts[0]), tuple(contacts), (), None, number))
     return result
 
 
-def supported(own: list[Stance], other: list[Stance]) -> list[Stance]:
+def delay_departures(own: list[Stance], other: list[Stance]) -> list[Stance]:
     """Return the stances with later departures where the other foot is still in the air; leaps need explicit keys."""
     result = []
     for stance in own:
         landing = [b.arrive for a, b in pairwise(other) if a.leave - 1e-6 < stance.leave < b.arrive]
         if landing and not stance.air:
-            following = next((s.arrive for s in own if s.arrive > stance.leave), ALWAYS)
+            following = next((s.arrive for s in own if s.arrive > stance.leave), FAR_BEAT)
             stance = replace(stance, leave=max(stance.leave, min(landing[0], following - 0.2)))
         result.append(stance)
     return result
 
 
-def flights(left: list[Stance], right: list[Stance]) -> list[tuple[float, float]]:
+def find_flights(left: list[Stance], right: list[Stance]) -> list[tuple[float, float]]:
     """Return beat ranges (from, to) in which both feet are in the air."""
     gaps = [[(a.leave, b.arrive) for a, b in pairwise(own) if a.air] for own in (left, right)]
     both = [(max(a, c), min(b, d)) for a, b in gaps[0] for c, d in gaps[1]]
     return [(start, end) for start, end in both if end - start > 0.08]
 
 
-def balance(left: list[Stance], right: list[Stance], beats: Float) -> Float:
+def weight_balance(left: list[Stance], right: list[Stance], beats: Float) -> Float:
     """Return the weight distribution at `beats` (T,): +1 left foot, -1 right foot, 0 both (or in the air).
 
     Beyond ±1 in a long single support, where the foot must be directly under the body.
@@ -151,7 +151,7 @@ def balance(left: list[Stance], right: list[Stance], beats: Float) -> Float:
     if not merged:
         return np.zeros(len(beats))
     begin = merged[0][0] - 0.5
-    if left[0].arrive <= -ALWAYS and right[0].arrive <= -ALWAYS:  # the sketch begins in the neutral stance
+    if left[0].arrive <= -FAR_BEAT and right[0].arrive <= -FAR_BEAT:  # the sketch begins in the neutral stance
         begin = min(max(begin, 0.0), merged[0][0] - 0.05)
     table = np.array([(begin, 0.0), *merged, (merged[-1][0] + 0.5, 0.0)])
     return interpolate(table[:, 0], table[:, 1], beats)

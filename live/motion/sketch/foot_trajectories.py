@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from live.motion.curve import interpolate
 from live.motion.skeleton import SKELETON
-from live.motion.sketch.foot_plan import ALWAYS, Stance, place_of
+from live.motion.sketch.foot_plan import FAR_BEAT, Stance, place_of
 from live.motion.sketch.sketch_file import Key
 
 Float = npt.NDArray[np.floating]
@@ -25,20 +25,20 @@ HOME_TURN: Final = math.radians(10.0)
 BALL_FORWARD: Final = float(SKELETON.offsets[SKELETON.index("leftToes"), 2])
 HEEL_TO_BALL: Final = BALL_FORWARD + 0.05
 """Distance from heel to ball of the foot, the two pivots of its roll [m]."""
-_PIVOT: Final = math.radians(25.0)
-_AHEAD: Final = math.radians(30.0)
-_GAP: Final = 0.15
-_LEAST: Final = 0.025
-_MOST: Final = 0.12
+_MAX_TWIST: Final = math.radians(25.0)
+_MAX_LEAD: Final = math.radians(30.0)
+_MIN_FOOT_GAP: Final = 0.15
+_MIN_LIFT: Final = 0.025
+_MAX_LIFT: Final = 0.12
 """Range of the lift of a swing without a given lift [m]."""
-_SOON: Final = 0.2
-_NEARLY: Final = 0.85
+_LIFT_BEATS: Final = 0.2
+_LIFT_SHARE: Final = 0.85
 """_SOON beats after take-off and before landing a foot is at the share _NEARLY of its lift."""
-_LOW: Final = 0.05
+_LOW_HEIGHT: Final = 0.05
 """A foot lower than this [m] appears to slide when it moves horizontally."""
-_NEAR: Final = 0.018
+_MAX_LOW_DISTANCE: Final = 0.018
 """Maximum distance of a low foot from its previous or next place [m]."""
-_STRAIGHT: Final = 0.35
+_MAX_VERTICAL_SHARE: Final = 0.35
 """Maximum share of half a swing, or of the time to a key in the air, for vertical motion."""
 
 
@@ -56,17 +56,17 @@ class FootTrack:
     """Rotation of the heel about the ball [rad], (T,)."""
     toe: Float
     """Rotation of the toes about the heel [rad], (T,)."""
-    ground: Float
+    support_point: Float
     """Current or next support point, under the ankle or, with the heel up, the ball [m], (T, 2)."""
     contact: Bool
-    firm: Float
+    stance_weight: Float
     """1 in stance, 0 in the air, smooth between, (T,)."""
-    free: Float
+    air_weight: Float
     """1 in a swing through keys in the air, which the pelvis need not follow, else 0, smooth between, (T,)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Path:
+class BodyPath:
     """Path of the whole body: its facing [rad] at given beats, and its displacement per beat [m] (x, z)."""
 
     facing: Callable[[Float], Float]
@@ -85,30 +85,30 @@ class Path:
             axis=1,
         )
 
-    def standing(self, own: list[Stance]) -> tuple[Float, Float]:
+    def stance_facing(self, own: list[Stance]) -> tuple[Float, Float]:
         """Return the beat on which the body is over each stance (K,), and the body facing for which it is placed (K,).
 
         A foot is placed for the facing at the middle of its stance, at most 30° ahead of the body on arrival.
         """
-        middles = np.array([stance.middle if abs(stance.middle) < ALWAYS / 4 else 0.0 for stance in own])
-        arrivals = np.array([max(stance.arrive, -ALWAYS / 4) for stance in own])
+        middles = np.array([stance.middle if abs(stance.middle) < FAR_BEAT / 4 else 0.0 for stance in own])
+        arrivals = np.array([max(stance.arrive, -FAR_BEAT / 4) for stance in own])
         arriving = self.facing(arrivals)
-        return middles, arriving + np.clip(self.facing(middles) - arriving, -_AHEAD, _AHEAD)
+        return middles, arriving + np.clip(self.facing(middles) - arriving, -_MAX_LEAD, _MAX_LEAD)
 
 
-def placed(path: Path, own: list[Stance], side: float) -> Float:
+def place_stances(path: BodyPath, own: list[Stance], side: float) -> Float:
     """Return world ankle x, z and heading (K, 3) of each stance: directly under the body at its middle."""
-    middles, facing = path.standing(own)
+    middles, facing = path.stance_facing(own)
     return path.world(middles, facing, np.array([stance.place for stance in own]), side)
 
 
-def keep_apart(left: list[Stance], left_world: Float, right: list[Stance], right_world: Float) -> None:
+def separate_feet(left: list[Stance], left_world: Float, right: list[Stance], right_world: Float) -> None:
     """Shift stances along x, in place, so that the legs do not cross in a step that travels sideways.
 
     Feet planted at the same time keep 15 cm, or the sketch's own distance; both are shifted equally.
     """
     pairs = [
-        (i, j, min(_GAP, 2.0 * HOME_OUT + a.place[0] + b.place[0]))
+        (i, j, min(_MIN_FOOT_GAP, 2.0 * HOME_OUT + a.place[0] + b.place[0]))
         for i, a in enumerate(left)
         for j, b in enumerate(right)
         if a.arrive < b.leave + 0.25 and b.arrive < a.leave + 0.25
@@ -130,8 +130,8 @@ def keep_apart(left: list[Stance], left_world: Float, right: list[Stance], right
             world[:, 0] += way * most[own]
 
 
-def track(
-    path: Path, own: list[Stance], world: Float, side: float, beats: Float, leaps: list[tuple[float, float]]
+def foot_track(
+    path: BodyPath, own: list[Stance], world: Float, side: float, beats: Float, leaps: list[tuple[float, float]]
 ) -> FootTrack:
     """Return the foot's trajectory at `beats` (T,) through stances at `world` (K, 3); `leaps` as from `flights`."""
     ball = world.copy()
@@ -142,19 +142,19 @@ def track(
     landed = 0.0
     for index, stance in enumerate(own):
         following = own[index + 1] if index + 1 < len(own) else None
-        above = _in_the_air(path, stance, following, side) if following and stance.air else np.zeros((0, 4))
+        above = _air_points(path, stance, following, side) if following and stance.air else np.zeros((0, 4))
         lifted = landing = 0.0
         if following:
             ends = (stance.leave, *ball[index, :2]), *above[:, :3], (following.arrive, *ball[index + 1, :2])
-            lifted, landing = _over_its_place(up, np.array(ends), stance.leave, following.arrive)
-        times += [stance.arrive - landed, min(stance.leave, ALWAYS) + lifted, *above[:, 0]]
-        ground_times += [stance.arrive, min(stance.leave, ALWAYS)]
+            lifted, landing = _vertical_beats(up, np.array(ends), stance.leave, following.arrive)
+        times += [stance.arrive - landed, min(stance.leave, FAR_BEAT) + lifted, *above[:, 0]]
+        ground_times += [stance.arrive, min(stance.leave, FAR_BEAT)]
         places += [ball[index], ball[index], *above[:, 1:]]
         ground += [ball[index], ball[index]]
         landed = landing
     way = interpolate(np.array(times), np.array(places), beats)
     stand = interpolate(np.array(ground_times), np.array(ground), beats)
-    pivot, heel, firm = _pivot(path, own, beats), _heel(own, world, beats, leaps), _firm(own, beats, plain=0.0)
+    pivot, heel, firm = _pivot(path, own, beats), _heel(own, world, beats, leaps), _stance_weight(own, beats, plain=0.0)
     behind = BALL_FORWARD - 0.09 * firm * np.minimum(heel / math.radians(20.0), 1.0)
     yaw = stand[:, 2] + pivot
     contact = np.zeros(len(beats), np.bool_)
@@ -166,10 +166,10 @@ def track(
         yaw=way[:, 2] + pivot,
         heel=heel,
         toe=_toe(own, beats),
-        ground=stand[:, :2] - behind[:, None] * np.stack((np.sin(yaw), np.cos(yaw)), axis=1),
+        support_point=stand[:, :2] - behind[:, None] * np.stack((np.sin(yaw), np.cos(yaw)), axis=1),
         contact=contact,
-        firm=firm,
-        free=1.0 - _firm(own, beats, plain=1.0),
+        stance_weight=firm,
+        air_weight=1.0 - _stance_weight(own, beats, plain=1.0),
     )
 
 
@@ -177,15 +177,15 @@ def _heights(own: list[Stance], world: Float) -> Float:
     """Return beats and heights of the sole [m] through all stances and swings, (K, 2)."""
     heights = []
     for index, stance in enumerate(own):
-        heights += [(stance.arrive, 0.0), (min(stance.leave, ALWAYS), 0.0)]
+        heights += [(stance.arrive, 0.0), (min(stance.leave, FAR_BEAT), 0.0)]
         if stance.air:
             heights += [(key.beat, key.amounts["up"]) for key in stance.air]
         elif index + 1 < len(own):
-            heights += _over_the_floor(stance, own[index + 1], world[index], world[index + 1])
+            heights += _swing_heights(stance, own[index + 1], world[index], world[index + 1])
     return np.array(heights)
 
 
-def _over_its_place(up: Float, ways: Float, leave: float, arrive: float) -> tuple[float, float]:
+def _vertical_beats(up: Float, ways: Float, leave: float, arrive: float) -> tuple[float, float]:
     """Return for how many beats a foot moves vertically after take-off and before landing.
 
     The foot stays within _NEAR of its place while it is low; otherwise it would skate (GMD). `up` (K, 2) as from
@@ -197,16 +197,16 @@ def _over_its_place(up: Float, ways: Float, leave: float, arrive: float) -> tupl
     for here, there in ((ways[0], ways[1]), (ways[-1], ways[-2])):
         span = abs((there[0] if len(ways) > 2 else middle) - here[0])
         at = np.linspace(0.0, span, 65)
-        high = interpolate(up[:, 0], up[:, 1], here[0] + np.copysign(at, middle - here[0])) >= _LOW
+        high = interpolate(up[:, 0], up[:, 1], here[0] + np.copysign(at, middle - here[0])) >= _LOW_HEIGHT
         low = at[int(np.argmax(high))]
         # a curve with zero slope at its key has covered at most 3 u² of its distance after the share u of its time
-        near = math.sqrt(_NEAR / 3.0 / max(math.hypot(*(there - here)[1:]), _NEAR))
+        near = math.sqrt(_MAX_LOW_DISTANCE / 3.0 / max(math.hypot(*(there - here)[1:]), _MAX_LOW_DISTANCE))
         near *= span if len(ways) > 2 else 2.0 * span
-        straight.append(min(max(low - near, 0.0), _STRAIGHT * span))
+        straight.append(min(max(low - near, 0.0), _MAX_VERTICAL_SHARE * span))
     return straight[0], straight[1]
 
 
-def _in_the_air(path: Path, stance: Stance, following: Stance, side: float) -> Float:
+def _air_points(path: BodyPath, stance: Stance, following: Stance, side: float) -> Float:
     """Return beat, ball x, z and heading (K, 4) of keys in the air, with extra points if the body turns."""
     keys = [(stance.leave, *stance.place), *[(key.beat, *place_of(key)) for key in stance.air]]
     table = np.array([*keys, (following.arrive, *following.place)])
@@ -222,29 +222,31 @@ def _in_the_air(path: Path, stance: Stance, following: Stance, side: float) -> F
     return np.concatenate((moments[:, None], world), axis=1)
 
 
-def _over_the_floor(stance: Stance, following: Stance, start: Float, end: Float) -> list[tuple[float, float]]:
+def _swing_heights(stance: Stance, following: Stance, start: Float, end: Float) -> list[tuple[float, float]]:
     """Return beats and heights [m] of a swing from `start` to `end`: early rise, late descent, so it does not skim."""
     span = following.arrive - stance.leave
     lift = _lift(stance, math.hypot(end[0] - start[0], end[1] - start[1]))
-    soon = min(_SOON, 0.4 * span)
+    soon = min(_LIFT_BEATS, 0.4 * span)
     return [
-        (stance.leave + soon, _NEARLY * lift),
+        (stance.leave + soon, _LIFT_SHARE * lift),
         (stance.leave + 0.5 * span, lift),
-        (following.arrive - soon, _NEARLY * lift),
+        (following.arrive - soon, _LIFT_SHARE * lift),
     ]
 
 
 def _lift(stance: Stance, way: float) -> float:
     """Return the lift of a swing over `way` [m]: as given, but over 5 cm for fast swings (GMD's skating)."""
-    return max(_LEAST if stance.lift is None else stance.lift, min(0.5 * way, 0.055 + 0.08 * way, _MOST))
+    return max(_MIN_LIFT if stance.lift is None else stance.lift, min(0.5 * way, 0.055 + 0.08 * way, _MAX_LIFT))
 
 
-def _pivot(path: Path, own: list[Stance], beats: Float) -> Float:
+def _pivot(path: BodyPath, own: list[Stance], beats: Float) -> Float:
     """Return the pivot of the foot on its ball where the body turns further than the hips allow."""
-    times = np.array([at for stance in own for at in (stance.arrive, min(stance.leave, ALWAYS))])
-    twist = path.facing(beats) - interpolate(times, np.repeat(path.standing(own)[1], 2), beats)
-    on_ball = [0.0 if any(_said_toe(key) for key in stance.contacts) else 1.0 for stance in own]
-    return np.asarray((twist - _PIVOT * np.tanh(twist / _PIVOT)) * interpolate(times, np.repeat(on_ball, 2), beats))
+    times = np.array([at for stance in own for at in (stance.arrive, min(stance.leave, FAR_BEAT))])
+    twist = path.facing(beats) - interpolate(times, np.repeat(path.stance_facing(own)[1], 2), beats)
+    on_ball = [0.0 if any(_toe_angle(key) for key in stance.contacts) else 1.0 for stance in own]
+    return np.asarray(
+        (twist - _MAX_TWIST * np.tanh(twist / _MAX_TWIST)) * interpolate(times, np.repeat(on_ball, 2), beats)
+    )
 
 
 def _angle(centimetres_up: float) -> float:
@@ -256,8 +258,8 @@ def _heel(own: list[Stance], world: Float, beats: Float, leaps: list[tuple[float
     for index, stance in enumerate(own):
         leaping = any(abs(stance.leave - start) < 0.3 for start, _ in leaps)
         landing = any(abs(stance.arrive - end) < 0.3 for _, end in leaps)
-        said = _rolls(stance, _said_heel)
-        on_toes = landing and _said_toe(stance.contacts[0]) == 0.0
+        said = _rolls(stance, _heel_angle)
+        on_toes = landing and _toe_angle(stance.contacts[0]) == 0.0
         keys.append((stance.arrive, math.radians(25.0) if on_toes else said[0][1]))
         if on_toes:
             keys.append((stance.arrive + 0.2, said[0][1]))
@@ -265,7 +267,7 @@ def _heel(own: list[Stance], world: Float, beats: Float, leaps: list[tuple[float
         if index + 1 == len(own):
             break
         away = math.hypot(*(world[index + 1] - world[index])[:2])
-        if _said_toe(stance.contacts[-1]) > 0.0:  # the foot leaves from the heel
+        if _toe_angle(stance.contacts[-1]) > 0.0:  # the foot leaves from the heel
             keys.append((stance.leave, 0.0))
             continue
         roll = math.radians(35.0) if leaping else math.radians(min(10.0 + 55.0 * away, 32.0))
@@ -281,17 +283,17 @@ def _rolls(stance: Stance, said: Callable[[Key], float]) -> list[tuple[float, fl
     """Return beats and angles of a stance's keys, with a flat foot between heel and toe keys."""
     rolls = [(stance.contacts[0].beat, said(stance.contacts[0]))]
     for before, after in pairwise(stance.contacts):
-        if (_said_heel(before) and _said_toe(after)) or (_said_toe(before) and _said_heel(after)):
+        if (_heel_angle(before) and _toe_angle(after)) or (_toe_angle(before) and _heel_angle(after)):
             rolls.append((0.5 * (before.beat + after.beat), 0.0))
         rolls.append((after.beat, said(after)))
     return rolls
 
 
-def _said_toe(key: Key) -> float:
+def _toe_angle(key: Key) -> float:
     return _angle(key.amounts.get("toe", 0.0))
 
 
-def _said_heel(key: Key) -> float:
+def _heel_angle(key: Key) -> float:
     if "heel" in key.amounts:
         return _angle(key.amounts["heel"])
     return math.radians(14.0) if "touch" in key.amounts and "toe" not in key.amounts else 0.0
@@ -300,9 +302,9 @@ def _said_heel(key: Key) -> float:
 def _toe(own: list[Stance], beats: Float) -> Float:
     keys: list[tuple[float, float]] = []
     for stance in own:
-        keys.extend(_rolls(stance, _said_toe))
-        keys.append((min(stance.leave, ALWAYS), keys[-1][1]))
-        keys.extend((key.beat, _said_toe(key)) for key in stance.air)
+        keys.extend(_rolls(stance, _toe_angle))
+        keys.append((min(stance.leave, FAR_BEAT), keys[-1][1]))
+        keys.extend((key.beat, _toe_angle(key)) for key in stance.air)
     return _angles(keys, beats)
 
 
@@ -315,7 +317,7 @@ def _angles(keys: list[tuple[float, float]], beats: Float) -> Float:
     return np.maximum(interpolate(table[:, 0], table[:, 1], beats), 0.0)
 
 
-def _firm(own: list[Stance], beats: Float, *, plain: float) -> Float:
+def _stance_weight(own: list[Stance], beats: Float, *, plain: float) -> Float:
     """Return 1 in stances, 0 in the middle of swings through keys in the air, `plain` in that of others, (T,)."""
     keys: list[tuple[float, float]] = []
     for index, stance in enumerate(own):
@@ -325,6 +327,6 @@ def _firm(own: list[Stance], beats: Float, *, plain: float) -> Float:
             keys.append((before.leave + 0.35 * (stance.arrive - before.leave), level))
             keys.append((before.leave + 0.55 * (stance.arrive - before.leave), level))
         keys.append((stance.arrive, 1.0))
-        keys.append((min(stance.leave, ALWAYS), 1.0))
+        keys.append((min(stance.leave, FAR_BEAT), 1.0))
     table = np.array(keys)
     return interpolate(table[:, 0], table[:, 1], beats)

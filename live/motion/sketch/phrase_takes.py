@@ -15,7 +15,7 @@ from live.motion.step_clip import DIRECTIONS
 MAX_TAKES: Final = 32
 _FIELDS: Final = ("measures", *ATTRIBUTES)
 
-Complain = Callable[[KeyPath, str, str], Exception]
+ErrorFactory = Callable[[KeyPath, str, str], Exception]
 """Creates an error from the path of a field, the problem and the remedy."""
 
 
@@ -30,7 +30,7 @@ class Take:
     """Attributes that override those of the whole file (see `sketch_attributes`)."""
 
 
-def read_takes(table: Mapping[str, Any], measures: int, error: Complain) -> tuple[Take, ...]:
+def read_takes(table: Mapping[str, Any], measures: int, error: ErrorFactory) -> tuple[Take, ...]:
     """Return the takes in the TOML `table` of a sketch of `measures` measures; raises `error(...)` for a wrong one."""
     rows = table.get("take", [])
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows) or len(rows) > MAX_TAKES:
@@ -38,7 +38,7 @@ def read_takes(table: Mapping[str, Any], measures: int, error: Complain) -> tupl
     return tuple(_read_take(row, index, measures, error) for index, row in enumerate(rows))
 
 
-def _read_take(row: Mapping[str, Any], index: int, measures: int, error: Complain) -> Take:
+def _read_take(row: Mapping[str, Any], index: int, measures: int, error: ErrorFactory) -> Take:
     def at(path: KeyPath, problem: str, remedy: str) -> Exception:
         return error(("take", index, *path), problem, remedy)
 
@@ -54,7 +54,7 @@ def _read_take(row: Mapping[str, Any], index: int, measures: int, error: Complai
     return Take(pair[0] - 1, pair[1] - pair[0] + 1, read_attributes(row, at))
 
 
-def read_directions(table: Mapping[str, Any], error: Complain) -> tuple[str, ...]:
+def read_directions(table: Mapping[str, Any], error: ErrorFactory) -> tuple[str, ...]:
     """Return the directions of T131 of the step, in the order of DIRECTIONS; all if none are given (T134)."""
     names = table.get("directions")
     if names is None:

@@ -8,12 +8,12 @@ import numpy.typing as npt
 
 from live.motion.clip import Clip
 from live.motion.mirror import mirror_step
-from live.motion.sketch.foot_plan import balance, flights, stances, supported
-from live.motion.sketch.foot_trajectories import Path, keep_apart, placed, track
+from live.motion.sketch.foot_plan import delay_departures, find_flights, find_stances, weight_balance
+from live.motion.sketch.foot_trajectories import BodyPath, foot_track, place_stances, separate_feet
 from live.motion.sketch.phrase_takes import Take
 from live.motion.sketch.sketch_file import Sketch
 from live.motion.sketch.sketch_pose import pose_body
-from live.motion.sketch.upper_body import SAMPLES_PER_BEAT, Ground, facing
+from live.motion.sketch.upper_body import SAMPLES_PER_BEAT, FootSupport, facing
 from live.motion.step_clip import DIRECTIONS, StepClip, measured_distance
 
 Float = npt.NDArray[np.floating]
@@ -78,19 +78,19 @@ def step_clip(sketch: Sketch, direction: str = "in place") -> StepClip:
     margin = int(_MARGIN_BEATS * SAMPLES_PER_BEAT)
     beats = (np.arange(-margin, count + margin) - first) / SAMPLES_PER_BEAT
     x, z = displacement(sketch, direction)
-    path = Path(lambda at: facing(sketch, at), (x / sketch.beats, z / sketch.beats))
-    own = {side: stances(sketch, f"{side}_foot", beats[0], beats[-1]) for side in ("left", "right")}
-    own["left"] = supported(own["left"], own["right"])
-    own["right"] = supported(own["right"], own["left"])
-    world = {side: placed(path, own[side], sign) for side, sign in (("left", 1.0), ("right", -1.0))}
+    path = BodyPath(lambda at: facing(sketch, at), (x / sketch.beats, z / sketch.beats))
+    own = {side: find_stances(sketch, f"{side}_foot", beats[0], beats[-1]) for side in ("left", "right")}
+    own["left"] = delay_departures(own["left"], own["right"])
+    own["right"] = delay_departures(own["right"], own["left"])
+    world = {side: place_stances(path, own[side], sign) for side, sign in (("left", 1.0), ("right", -1.0))}
     if x != 0.0:
-        keep_apart(own["left"], world["left"], own["right"], world["right"])
-    leaps = flights(own["left"], own["right"])
+        separate_feet(own["left"], world["left"], own["right"], world["right"])
+    leaps = find_flights(own["left"], own["right"])
     tracks = [
-        track(path, own[side], world[side], sign, beats, leaps) for side, sign in (("left", 1.0), ("right", -1.0))
+        foot_track(path, own[side], world[side], sign, beats, leaps) for side, sign in (("left", 1.0), ("right", -1.0))
     ]
-    weight = balance(own["left"], own["right"], beats)
-    ground = Ground(beats, facing(sketch, beats), weight, tracks[0], tracks[1], leaps)
+    weight = weight_balance(own["left"], own["right"], beats)
+    ground = FootSupport(beats, facing(sketch, beats), weight, tracks[0], tracks[1], leaps)
     root, rotation, short = pose_body(sketch, ground)
     root, rotation = root[margin:-margin], rotation[margin:-margin]
     root = root - root[first] * (1.0, 0.0, 1.0)

@@ -12,13 +12,13 @@ from typing import Any, Final
 from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_numbers
 from live.motion.sketch.phrase_takes import Take, read_directions, read_takes
 from live.motion.sketch.sketch_attributes import ATTRIBUTES, read_attributes
-from live.motion.sketch.sketch_notation import PAIRS, PARTS, WordError, Words, read_counts, read_phrases
+from live.motion.sketch.sketch_notation import PAIRS, PARTS, NotationError, Vocabulary, read_counts, read_phrases
 from live.motion.step_clip import DIRECTIONS
 
 MAX_BEATS: Final = 64
 MAX_KEYS: Final = 100
 MAX_TEXT: Final = 200_000
-SHORTEST: Final = 0.08
+MIN_COUNT_INTERVAL: Final = 0.08
 """Minimum time between two counts of one part [beats]."""
 LIMBS: Final = ("left_hand", "right_hand", "left_foot", "right_foot")
 MIRRORED_CHANNELS: Final = frozenset({"left", "turn", "tilt"})
@@ -117,7 +117,7 @@ class _Reader:
 
     def sketch(self) -> Sketch:
         for name, value in self.table.items():
-            self._known(name, value)
+            self._check_name(name, value)
         attributes = read_attributes(self.table, self._error)
         sketch = Sketch(name=self._name(), file=self.file, lines=self.lines, attributes=attributes, **self._fields())
         if sketch.beats % sketch.beats_per_measure:
@@ -132,9 +132,9 @@ class _Reader:
         sketch = replace(sketch, directions=self._directions(), takes=self._takes(sketch))
         parts = self._parts(sketch.beats / 2 if alternate else float(sketch.beats))
         if alternate:
-            parts = _alternated(parts, sketch.beats / 2)
-        sketch = replace(sketch, parts={part: _in_order(keys) for part, keys in parts.items() if keys})
-        self._danceable(sketch)
+            parts = _alternate_sides(parts, sketch.beats / 2)
+        sketch = replace(sketch, parts={part: _merge_keys(keys) for part, keys in parts.items() if keys})
+        self._check_keys(sketch)
         return sketch
 
     def _directions(self) -> tuple[str, ...]:
@@ -155,7 +155,7 @@ class _Reader:
         name = ".".join(f'"{key}"' if " " in str(key) or "&" in str(key) else str(key) for key in path)
         return SketchError(self.file, line_of(self.lines, path), name, problem, remedy)
 
-    def _known(self, name: str, value: object) -> None:
+    def _check_name(self, name: str, value: object) -> None:
         fields = ["name", *_WHOLES, *_SWITCHES, *_NUMBERS, *ATTRIBUTES, "directions", "take"]
         tables = [*PARTS, *PAIRS]
         if name not in fields and name not in tables:
@@ -199,7 +199,9 @@ class _Reader:
         for table, lines in self.table.items():
             if table in PAIRS:
                 targets = [f"{side}_{PAIRS[table]}" for side in ("left", "right")]
-                words: Words = {w: c for w, c in PARTS[targets[0]].items() if w.split()[-1] not in ("left", "right")}
+                words: Vocabulary = {
+                    w: c for w, c in PARTS[targets[0]].items() if w.split()[-1] not in ("left", "right")
+                }
             elif table in PARTS:
                 targets, words = [table], PARTS[table]
             else:
@@ -210,7 +212,7 @@ class _Reader:
                     self._add(parts.setdefault(part, []), keys, part, (table, count))
         return parts
 
-    def _line(self, table: str, count: str, value: object, words: Words, beats: float) -> list[Key]:
+    def _line(self, table: str, count: str, value: object, words: Vocabulary, beats: float) -> list[Key]:
         path = (table, count)
         if not isinstance(value, str):
             example = next(iter(words))
@@ -218,7 +220,7 @@ class _Reader:
         try:
             counts = read_counts(count, beats)
             amounts = read_phrases(value, table, words)
-        except WordError as error:
+        except NotationError as error:
             raise self._error(path, error.problem, error.remedy) from None
         line = line_of(self.lines, path)
         return [Key(beat, amounts, line) for beat in counts]
@@ -234,12 +236,12 @@ class _Reader:
         if len(keys) > MAX_KEYS:
             raise self._error(path, f"more than {MAX_KEYS} keys for {part}", "write fewer counts")
 
-    def _danceable(self, sketch: Sketch) -> None:
+    def _check_keys(self, sketch: Sketch) -> None:
         for part, keys in sketch.parts.items():
             following = [*keys[1:], replace(keys[0], beat=keys[0].beat + sketch.beats)]
             for key, after in zip(keys, following, strict=True):
-                if after.beat - key.beat < SHORTEST:
-                    problem = f"{part} has less than {SHORTEST:g} beat between two counts"
+                if after.beat - key.beat < MIN_COUNT_INTERVAL:
+                    problem = f"{part} has less than {MIN_COUNT_INTERVAL:g} beat between two counts"
                     raise SketchError(sketch.file, after.line, part, problem, "leave one of them out")
             early, late = keys[0].beat < 0.25, keys[-1].beat > sketch.beats - 0.25
             if not sketch.cyclic and (early or late):
@@ -251,9 +253,9 @@ class _Reader:
             problem = "a step begins facing the front"
             raise SketchError(sketch.file, body[0].line, "body", problem, "let the first turn come after count 1")
         if sketch.travels:
-            self._travels(sketch)
+            self._check_travel(sketch)
 
-    def _travels(self, sketch: Sketch) -> None:
+    def _check_travel(self, sketch: Sketch) -> None:
         body = sketch.parts.get("body", ())
         if body and abs(math.remainder(body[-1].amounts["turn"], 2.0 * math.pi)) > 1e-6:
             problem = "a step that travels must face the front again at its end"
@@ -269,7 +271,7 @@ class _Reader:
                 raise self._error(("travels",), problem, 'lift it once, e.g. "2" = "home, lift 4"')
 
 
-def _in_order(keys: list[Key]) -> tuple[Key, ...]:
+def _merge_keys(keys: list[Key]) -> tuple[Key, ...]:
     """Return the keys sorted by beat; keys of the same count are merged."""
     merged: list[Key] = []
     for key in sorted(keys, key=lambda key: key.beat):
@@ -280,7 +282,7 @@ def _in_order(keys: list[Key]) -> tuple[Key, ...]:
     return tuple(merged)
 
 
-def _alternated(parts: dict[str, list[Key]], half: float) -> dict[str, list[Key]]:
+def _alternate_sides(parts: dict[str, list[Key]], half: float) -> dict[str, list[Key]]:
     """Return the keys of the first half followed by the same keys mirrored."""
     whole: dict[str, list[Key]] = {part: list(keys) for part, keys in parts.items()}
     for part, keys in parts.items():

@@ -17,32 +17,32 @@ from live.motion.sketch.upper_body import (
     Y_AXIS,
     Z_AXIS,
     Channels,
-    Ground,
+    FootSupport,
     Pose,
-    about,
-    closed,
+    axis_rotation,
+    body_rotation,
+    extend_keys,
     joint_index,
     offset_of,
     pose_arm,
-    share_of,
+    rotation_share,
     stride_of,
-    turned,
 )
 from live.motion.two_bone_ik import SOFTNESS, bone_rotation, hinge_axis, two_bone
 
 Float = npt.NDArray[np.floating]
 
-STANDING: Final = float(SKELETON.offsets[0, 1]) - 0.03
+STANDING_HEIGHT: Final = float(SKELETON.offsets[0, 1]) - 0.03
 """Height of the hips in the neutral stance, knees soft [m]."""
 GRAVITY: Final = 9.81
-_SHIFT: Final = 0.55
+_WEIGHT_SHIFT: Final = 0.55
 """Share of the distance from the middle to the supporting foot by which the pelvis shifts."""
-_WIDEST: Final = 0.62
+_MAX_FOOT_DISTANCE: Final = 0.62
 """Maximum lateral distance of a foot from the pelvis [m]."""
 _LEFT_RIGHT: Final = ((1.0, "left"), (-1.0, "right"))
 
 
-def pose_body(sketch: Sketch, ground: Ground) -> tuple[Float, Float, Float]:
+def pose_body(sketch: Sketch, ground: FootSupport) -> tuple[Float, Float, Float]:
     """Return root positions (T, 3) and local rotations (T, J, 4) of the dancer at all samples of `ground`.
 
     The third value is the distance by which each ankle misses its place [m], (T, 2), left and right.
@@ -64,41 +64,41 @@ def pose_body(sketch: Sketch, ground: Ground) -> tuple[Float, Float, Float]:
 # --- pelvis ------------------------------------------------------------------------------------------------------
 
 
-def _pose_pelvis(sketch: Sketch, ground: Ground, pelvis: Channels, pose: Pose) -> None:
+def _pose_pelvis(sketch: Sketch, ground: FootSupport, pelvis: Channels, pose: Pose) -> None:
     stride = gaussian_filter(stride_of(ground), 0.1 * SAMPLES_PER_BEAT)
     weight = gaussian_filter(ground.balance, 0.12 * SAMPLES_PER_BEAT)
     turn = pelvis["turn"] - 0.16 * np.tanh(stride / 0.45)
     tilt = pelvis["tilt"] - (0.0 if "tilt" in pelvis.named else math.radians(3.5) * weight)
-    rotation = turned(ground.facing + turn, pelvis["lean"], tilt)
+    rotation = body_rotation(ground.facing + turn, pelvis["lean"], tilt)
     position = np.empty((len(ground.beats), 3))
-    middle = 0.5 * (ground.left.ground + ground.right.ground)
-    apart = 0.5 * (ground.left.ground - ground.right.ground)
+    middle = 0.5 * (ground.left.support_point + ground.right.support_point)
+    apart = 0.5 * (ground.left.support_point - ground.right.support_point)
     sideways = np.zeros(1) if "left" in pelvis.named else weight
     if np.ptp(ground.facing) < 1.0:
         # laterally the pelvis shifts over the supporting foot; forwards it follows only the middle of both feet
         side = np.stack((np.cos(ground.facing), -np.sin(ground.facing)), axis=1)
         apart = side * np.sum(apart * side, axis=1, keepdims=True)
-    over = gaussian_filter(_SHIFT * apart * np.reshape(sideways, (-1, 1)), 0.05 * SAMPLES_PER_BEAT)
+    over = gaussian_filter(_WEIGHT_SHIFT * apart * np.reshape(sideways, (-1, 1)), 0.05 * SAMPLES_PER_BEAT)
     # in a wide stance the pelvis stays near enough to the middle for both legs to reach the floor
-    room = np.maximum(_WIDEST - np.linalg.norm(apart, axis=1, keepdims=True), 0.02)
+    room = np.maximum(_MAX_FOOT_DISTANCE - np.linalg.norm(apart, axis=1, keepdims=True), 0.02)
     over = over * room / (room**4 + np.sum(over * over, axis=1, keepdims=True) ** 2) ** 0.25
     middle = gaussian_filter(middle, 0.22 * SAMPLES_PER_BEAT) + over
     shift = np.stack((pelvis["left"], np.zeros(len(ground.beats)), pelvis["forward"] - HOME_FORWARD), axis=1)
-    shift = quaternion.rotate(about(Y_AXIS, ground.facing), shift)
+    shift = quaternion.rotate(axis_rotation(Y_AXIS, ground.facing), shift)
     position[:, 0] = middle[:, 0] + shift[:, 0]
     position[:, 2] = middle[:, 1] + shift[:, 2]
-    height = STANDING + _rise(sketch, ground, pelvis)
-    ahead = -0.25 * np.clip(STANDING - height, 0.0, 0.25)  # bent knees move the pelvis back
+    height = STANDING_HEIGHT + _pelvis_height(sketch, ground, pelvis)
+    ahead = -0.25 * np.clip(STANDING_HEIGHT - height, 0.0, 0.25)  # bent knees move the pelvis back
     position[:, 0] += ahead * np.sin(ground.facing)
     position[:, 2] += ahead * np.cos(ground.facing)
     for track, name in ((ground.left, "left"), (ground.right, "right")):
-        height = soft_min(height, _reach(track, name, position, rotation), 0.008)
+        height = soft_min(height, _max_pelvis_height(track, name, position, rotation), 0.008)
     position[:, 1] = height
     pose.position[:, 0] = position
     pose.rotation[:, 0] = rotation
 
 
-def _rise(sketch: Sketch, ground: Ground, pelvis: Channels) -> Float:
+def _pelvis_height(sketch: Sketch, ground: FootSupport, pelvis: Channels) -> Float:
     """Return the height of the pelvis above the neutral stance [m], ballistic while both feet are in the air."""
     beats = ground.beats
     keys = [(key.beat, key.amounts.get("up", 0.0)) for key in pelvis.keys if {"up", "neutral"} & set(key.amounts)]
@@ -109,7 +109,7 @@ def _rise(sketch: Sketch, ground: Ground, pelvis: Channels) -> Float:
             return np.zeros(len(beats))
         return np.asarray(-sketch.bounce * (0.5 + 0.5 * np.cos(2.0 * np.pi * beats)))
     if keys:
-        times, values = closed(sketch, keys, beats)
+        times, values = extend_keys(sketch, keys, beats)
         knots = list(zip(times, values, strict=True))
     else:
         knots = [
@@ -134,13 +134,13 @@ def _rise(sketch: Sketch, ground: Ground, pelvis: Channels) -> Float:
 
 def _ankle(track: FootTrack) -> tuple[Float, Float]:
     """Return the ankle's world position (T, 3) and the foot's rotation (T, 4), rolled over ball and heel."""
-    yaw = about(Y_AXIS, track.yaw)
+    yaw = axis_rotation(Y_AXIS, track.yaw)
     heel_to_ball, ball_to_ankle = np.array((0.0, 0.02, 0.18)), -offset_of("leftToes")
-    toe = about(X_AXIS, -track.toe)
-    rotation = quaternion.mul(yaw, quaternion.mul(about(X_AXIS, track.heel), toe))
+    toe = axis_rotation(X_AXIS, -track.toe)
+    rotation = quaternion.mul(yaw, quaternion.mul(axis_rotation(X_AXIS, track.heel), toe))
     ball = np.stack((track.ball[:, 0], track.height + 0.02, track.ball[:, 1]), axis=1)
     ball = ball + quaternion.rotate(yaw, quaternion.rotate(toe, heel_to_ball) - heel_to_ball)
-    ball[:, 1] += 0.06 * np.sin(track.heel) * (1.0 - track.firm)
+    ball[:, 1] += 0.06 * np.sin(track.heel) * (1.0 - track.stance_weight)
     return ball + quaternion.rotate(rotation, ball_to_ankle), rotation
 
 
@@ -148,19 +148,19 @@ def _leg_length() -> tuple[float, float]:
     return float(-offset_of("leftLowerLeg")[1]), float(-offset_of("leftFoot")[1])
 
 
-def _reach(track: FootTrack, name: str, pelvis: Float, rotation: Float) -> Float:
+def _max_pelvis_height(track: FootTrack, name: str, pelvis: Float, rotation: Float) -> Float:
     """Return the maximum height of the pelvis at which this leg reaches its place [m], (T,)."""
     hip = quaternion.rotate(rotation, offset_of(f"{name}UpperLeg"))
     ankle, _ = _ankle(track)
     away = ankle - pelvis - hip
     reach = (1.0 - 1.05 * SOFTNESS) * sum(_leg_length())
     room = np.maximum(reach**2 - away[:, 0] ** 2 - away[:, 2] ** 2, 0.09)
-    return np.asarray(ankle[:, 1] + np.sqrt(room) - hip[:, 1] + 0.4 * track.free)
+    return np.asarray(ankle[:, 1] + np.sqrt(room) - hip[:, 1] + 0.4 * track.air_weight)
 
 
 def _pose_leg(track: FootTrack, pose: Pose, name: str) -> Float:
     ankle, foot = _ankle(track)
-    _, pelvis = pose.of("hips")
+    _, pelvis = pose.transform_of("hips")
     ahead = quaternion.unit(quaternion.rotate(foot, Z_AXIS) * (1.0, 0.0, 1.0))
     front = quaternion.unit(quaternion.rotate(pelvis, Z_AXIS) * (1.0, 0.0, 1.0))
     pole = quaternion.unit(0.65 * ahead + 0.35 * front) + 0.5 * Y_AXIS
@@ -171,43 +171,45 @@ def _pose_leg(track: FootTrack, pose: Pose, name: str) -> Float:
     pose.rotation[:, joint_index(f"{name}UpperLeg")] = bone_rotation(knee - hip, hinge, -Y_AXIS, -X_AXIS)
     pose.attach(f"{name}LowerLeg", bone_rotation(end - knee, hinge, -Y_AXIS, -X_AXIS))
     pose.attach(f"{name}Foot", foot)
-    bend = track.heel * (0.3 + 0.7 * track.firm)
-    pose.attach(f"{name}Toes", quaternion.mul(foot, about(X_AXIS, -bend)))
+    bend = track.heel * (0.3 + 0.7 * track.stance_weight)
+    pose.attach(f"{name}Toes", quaternion.mul(foot, axis_rotation(X_AXIS, -bend)))
     return np.asarray(np.linalg.norm(end - ankle, axis=1))
 
 
 # --- spine and head ----------------------------------------------------------------------------------------------
 
 
-def _pose_trunk(sketch: Sketch, ground: Ground, pelvis: Channels, pose: Pose) -> None:
+def _pose_trunk(sketch: Sketch, ground: FootSupport, pelvis: Channels, pose: Pose) -> None:
     beats = ground.beats
     chest, head = Channels(sketch, "chest", beats), Channels(sketch, "head", beats)
     stride = gaussian_filter(stride_of(ground), 0.1 * SAMPLES_PER_BEAT)
     weight = spring_response(ground.balance, 0.5 * SAMPLES_PER_BEAT, 0.7)
     height = pose.position[:, 0, 1]
-    drop = spring_response(STANDING - np.clip(height, STANDING - 0.15, STANDING + 0.05), 0.45 * SAMPLES_PER_BEAT, 0.55)
+    drop = spring_response(
+        STANDING_HEIGHT - np.clip(height, STANDING_HEIGHT - 0.15, STANDING_HEIGHT + 0.05), 0.45 * SAMPLES_PER_BEAT, 0.55
+    )
     turn = chest["turn"] + 0.20 * np.tanh(stride / 0.45) + 0.15 * pelvis["turn"]
     lean = chest["lean"] + math.radians(1.0) + 0.6 * drop + 0.3 * pelvis["lean"]
     tilt = chest["tilt"] + math.radians(2.0) * weight + 0.2 * pelvis["tilt"]
-    upright = turned(ground.facing + turn, lean, tilt)
-    _, hips = pose.of("hips")
+    upright = body_rotation(ground.facing + turn, lean, tilt)
+    _, hips = pose.transform_of("hips")
     bend = quaternion.mul(quaternion.inverse(hips), upright)
     # a shift of the rib cage bends the spine into an S: bent at the bottom, bent back at the top
     side, front = (
         np.arcsin(np.clip(chest["left"] / 0.245, -0.8, 0.8)),
         np.arcsin(np.clip(chest["forward"] / 0.25, -0.8, 0.8)),
     )
-    shift = quaternion.mul(about(X_AXIS, front), about(Z_AXIS, -side))
-    low = quaternion.mul(quaternion.mul(hips, share_of(bend, 0.3)), shift)
+    shift = quaternion.mul(axis_rotation(X_AXIS, front), axis_rotation(Z_AXIS, -side))
+    low = quaternion.mul(quaternion.mul(hips, rotation_share(bend, 0.3)), shift)
     pose.attach("spine", low)
-    pose.attach("chest", quaternion.mul(low, share_of(bend, 0.35)))
+    pose.attach("chest", quaternion.mul(low, rotation_share(bend, 0.35)))
     pose.attach("upperChest", upright)
     nod = 0.9 * spring_response(drop, 0.3 * SAMPLES_PER_BEAT, 0.5) - 0.5 * drop
-    gaze = turned(
+    gaze = body_rotation(
         ground.facing + head["turn"] + 0.2 * chest["turn"],
         head["lean"] + 0.45 * chest["lean"] + nod,
         head["tilt"] + 0.35 * chest["tilt"],
     )
     look = quaternion.mul(quaternion.inverse(upright), gaze)
-    pose.attach("neck", quaternion.mul(upright, share_of(look, 0.45)))
+    pose.attach("neck", quaternion.mul(upright, rotation_share(look, 0.45)))
     pose.attach("head", gaze)

@@ -20,7 +20,7 @@ from live.motion.two_bone_ik import bone_rotation, hinge_axis, two_bone
 Float = npt.NDArray[np.floating]
 
 SAMPLES_PER_BEAT: Final = 32
-_SOFT: Final = 0.05 * SAMPLES_PER_BEAT
+_KEY_SMOOTHING: Final = 0.05 * SAMPLES_PER_BEAT
 """Standard deviation [samples] of the smoothing of keys; it does not shift them in time."""
 
 
@@ -36,16 +36,16 @@ class Channels:
     def __getitem__(self, channel: str) -> Float:
         if channel not in self.named:
             return np.zeros(len(self.beats))
-        keys = [(key.beat, key.amounts.get(channel, 0.0)) for key in self.keys if _says(key, channel)]
-        times, values = closed(self.sketch, keys, self.beats)
-        return gaussian_filter(interpolate(times, values, self.beats), _SOFT)
+        keys = [(key.beat, key.amounts.get(channel, 0.0)) for key in self.keys if _has_channel(key, channel)]
+        times, values = extend_keys(self.sketch, keys, self.beats)
+        return gaussian_filter(interpolate(times, values, self.beats), _KEY_SMOOTHING)
 
 
-def _says(key: Key, channel: str) -> bool:
+def _has_channel(key: Key, channel: str) -> bool:
     return channel in key.amounts or "neutral" in key.amounts
 
 
-def closed(sketch: Sketch, keys: list[tuple[float, float]], beats: Float) -> tuple[Float, Float]:
+def extend_keys(sketch: Sketch, keys: list[tuple[float, float]], beats: Float) -> tuple[Float, Float]:
     """Return times and values of keys (beat, amount) repeated over `beats`, or from and to zero if not cyclic."""
     if sketch.cyclic:
         table = np.array(keys)
@@ -87,17 +87,19 @@ def offset_of(name: str) -> Float:
     return np.asarray(SKELETON.offsets[joint_index(name)], np.float64)
 
 
-def about(axis: Float, angle: Float) -> Float:
+def axis_rotation(axis: Float, angle: Float) -> Float:
     """Return rotations (T, 4) by `angle` [rad] (T,) about a fixed axis (3,)."""
     return quaternion.from_axis_angle(axis, angle)
 
 
-def turned(turn: Float, lean: Float, tilt: Float) -> Float:
+def body_rotation(turn: Float, lean: Float, tilt: Float) -> Float:
     """Return rotations (T, 4) of angles (T,): turn (left positive) about the vertical, lean forward, tilt left."""
-    return quaternion.mul(about(Y_AXIS, turn), quaternion.mul(about(X_AXIS, lean), about(Z_AXIS, -tilt)))
+    return quaternion.mul(
+        axis_rotation(Y_AXIS, turn), quaternion.mul(axis_rotation(X_AXIS, lean), axis_rotation(Z_AXIS, -tilt))
+    )
 
 
-def share_of(rotation: Float, share: float) -> Float:
+def rotation_share(rotation: Float, share: float) -> Float:
     """Return the given share of a rotation, (T, 4)."""
     return quaternion.slerp(
         np.broadcast_to(np.array(quaternion.IDENTITY), rotation.shape), rotation, np.full(len(rotation), share)
@@ -120,13 +122,13 @@ class Pose:
         self.rotation[:, joint] = rotation
         return self.position[:, joint]
 
-    def of(self, name: str) -> tuple[Float, Float]:
+    def transform_of(self, name: str) -> tuple[Float, Float]:
         """Return world position and rotation of a joint."""
         return self.position[:, joint_index(name)], self.rotation[:, joint_index(name)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ground:
+class FootSupport:
     """Foot tracks, facing and weight distribution over T samples, the input for the body pose."""
 
     beats: Float
@@ -137,9 +139,9 @@ class Ground:
     flights: list[tuple[float, float]]
 
 
-def stride_of(ground: Ground) -> Float:
+def stride_of(ground: FootSupport) -> Float:
     """Return how far the left foot is in front of the right one in body axes [m], (T,)."""
-    apart = ground.left.ground - ground.right.ground
+    apart = ground.left.support_point - ground.right.support_point
     return np.asarray(apart[:, 0] * np.sin(ground.facing) + apart[:, 1] * np.cos(ground.facing))
 
 
@@ -153,7 +155,7 @@ class _Hand:
     """Out, up, forward from the shoulder [m], (T, 3)."""
     elbow: Float
     wrist: Float
-    keyed: Float
+    key_weight: Float
     """1 where keys set the hand, 0 where it hangs, (T,)."""
 
 
@@ -182,25 +184,25 @@ def _hand(sketch: Sketch, part: str, beats: Float) -> _Hand:
     return _Hand(track[:, :3], track[:, 3:6], track[:, 6], track[:, 7])
 
 
-def pose_arm(sketch: Sketch, ground: Ground, pose: Pose, side: float, name: str) -> None:
+def pose_arm(sketch: Sketch, ground: FootSupport, pose: Pose, side: float, name: str) -> None:
     hand = _hand(sketch, f"{name}_hand", ground.beats)
-    _, chest = pose.of("upperChest")
+    _, chest = pose.transform_of("upperChest")
     swing = (
         -side
         * 0.75
         * np.tanh(spring_response(stride_of(ground), 0.55 * SAMPLES_PER_BEAT, 0.6) / 0.6)
-        * (1.0 - hand.keyed)
+        * (1.0 - hand.key_weight)
     )
     place = hand.place * (1.0 - 0.25 * np.maximum(swing, 0.0))[:, None]  # the elbow bends in the forward swing
-    place = quaternion.rotate(about(X_AXIS, -swing), place * (side, 1.0, 1.0))
+    place = quaternion.rotate(axis_rotation(X_AXIS, -swing), place * (side, 1.0, 1.0))
     shoulder = Channels(sketch, f"{name}_shoulder", ground.beats)
     high = np.clip((place[:, 1] + 0.25) / 0.7, 0.0, 1.0)
     rise = np.arcsin(np.clip(shoulder["up"] / 0.135, -0.4, 0.7)) + math.radians(22.0) * high * high
     front = np.arcsin(np.clip(shoulder["forward"] / 0.135, -0.5, 0.6))
-    clavicle = quaternion.mul(about(Y_AXIS, -side * front), about(Z_AXIS, side * rise))
+    clavicle = quaternion.mul(axis_rotation(Y_AXIS, -side * front), axis_rotation(Z_AXIS, side * rise))
     pose.attach(f"{name}Shoulder", quaternion.mul(chest, clavicle))
     root = pose.attach(f"{name}UpperArm", chest).copy()
-    frame = quaternion.slerp(about(Y_AXIS, ground.facing), chest, np.full(len(chest), 0.6))
+    frame = quaternion.slerp(axis_rotation(Y_AXIS, ground.facing), chest, np.full(len(chest), 0.6))
     hung = 0.5 * (spring_response(root, 0.4 * SAMPLES_PER_BEAT, 0.6) - root)
     target = root + hung + quaternion.rotate(frame, place)
     raised = np.clip((place[:, 1:2] + 0.15) / 0.5, 0.0, 1.0) ** 2
@@ -212,12 +214,12 @@ def pose_arm(sketch: Sketch, ground: Ground, pose: Pose, side: float, name: str)
     pose.rotation[:, joint_index(f"{name}UpperArm")] = bone_rotation(elbow - root, hinge, side * X_AXIS, side * Y_AXIS)
     forearm = bone_rotation(wrist - elbow, hinge, side * X_AXIS, side * Y_AXIS)
     pose.attach(f"{name}LowerArm", forearm)
-    pose.attach(f"{name}Hand", _trailing(forearm, hand.wrist, side))
+    pose.attach(f"{name}Hand", _lagging_hand(forearm, hand.wrist, side))
 
 
-def _trailing(forearm: Float, wrist: Float, side: float) -> Float:
+def _lagging_hand(forearm: Float, wrist: Float, side: float) -> Float:
     """Return the hand's rotation (T, 4): the forearm's, bent by `wrist` [rad], lagging behind fast motion."""
     along = quaternion.rotate(forearm, side * X_AXIS)
     late = quaternion.unit(spring_response(along, 0.35 * SAMPLES_PER_BEAT, 0.6))
-    drag = share_of(quaternion.from_two_vectors(along, late), 0.6)
-    return quaternion.mul(drag, quaternion.mul(forearm, about(Z_AXIS, side * wrist)))
+    drag = rotation_share(quaternion.from_two_vectors(along, late), 0.6)
+    return quaternion.mul(drag, quaternion.mul(forearm, axis_rotation(Z_AXIS, side * wrist)))

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.editing.foot_correction import ANKLES, correct_floor, cover, find_feet, reach_with_feet
+from live.motion.editing.foot_correction import ANKLES, correct_floor, find_feet, smooth_upper_bound, solve_legs
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
@@ -56,7 +56,7 @@ def apply_foot_constraints(
         ankles, feet = position[:, ANKLES], world[:, ANKLES]
         legs_own = np.linalg.norm(position[:, _HIPS] - ankles, axis=-1)
         root = _lower_hips(root, rotation, ankles, np.maximum(legs_own, MAX_LEG_SHARE * _LEG), sketch.sample_rate)
-        rotation = reach_with_feet(root, rotation, ankles, feet)
+        rotation = solve_legs(root, rotation, ankles, feet)
     if legs:
         free = texture_weights(sketch.contact, find_feet(sketch).height, sketch.sample_rate)
         for joint, change in legs.items():
@@ -79,7 +79,7 @@ def texture_weights(contact: Bool, height: Float, rate: float) -> Float64:
     It is 1 from `EASE` away from that.
     """
     held = (contact | (height < MAX_SOLE_HEIGHT)).astype(np.float64)
-    return np.asarray(1.0 - cover(held, max(1, round(0.5 * FADE_S * rate))))
+    return np.asarray(1.0 - smooth_upper_bound(held, max(1, round(0.5 * FADE_S * rate))))
 
 
 def _lower_hips(root: Float, rotation: Float, ankles: Float, longest: Float, rate: float) -> Float:
@@ -92,7 +92,7 @@ def _lower_hips(root: Float, rotation: Float, ankles: Float, longest: Float, rat
         depth = np.maximum(way[..., 1] - highest, 0.0).max(axis=1, keepdims=True)
         if not depth.any():
             return root
-        root = root - np.array((0.0, 1.0, 0.0)) * cover(depth, max(1, round(0.08 * rate)))
+        root = root - np.array((0.0, 1.0, 0.0)) * smooth_upper_bound(depth, max(1, round(0.08 * rate)))
     return root
 
 

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.quality.metrics import skates, slides
+from live.motion.quality.metrics import contact_slide_speeds, skating_frames
 from live.motion.skeleton import SKELETON
 from live.motion.texture.frequency_bands import MAX_BANDS, RATE, columns_of, sample_clip, split_bands, tracks_of
 from live.motion.texture.texture_corpus import TextureCorpus
@@ -77,7 +77,7 @@ def _path(one: TexturedSketch, corpus: TextureCorpus, joints: list[int]) -> dict
         "largest_jump_joined_rad": round(one.jump, 4),
         "kink_rad_s": {"before": round(one.kinks[0], 4), "after": round(one.kinks[1], 4)},
         "foot_slide_mean": mean_foot_slide(one.clip),
-        "skating_ratio": round(float(skates(position, one.clip.sample_rate).mean()), 4),
+        "skating_ratio": round(float(skating_frames(position, one.clip.sample_rate).mean()), 4),
         "bands_deg": band_levels(one.clip, corpus, joints),
         "fragments": rows,
     }
@@ -86,7 +86,7 @@ def _path(one: TexturedSketch, corpus: TextureCorpus, joints: list[int]) -> dict
 def mean_foot_slide(clip: Clip) -> float | None:
     """Return the mean speed over the floor of feet in contact [m/s], None without contacts."""
     position, _ = forward_kinematics(clip.root_position, clip.rotation)
-    found = slides(position, clip.contact, clip.sample_rate)
+    found = contact_slide_speeds(position, clip.contact, clip.sample_rate)
     return round(float(found.mean()), 4) if len(found) else None
 
 

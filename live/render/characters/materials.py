@@ -13,7 +13,7 @@ import numpy.typing as npt
 from PIL import Image, UnidentifiedImageError
 
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.gltf_document import JsonPlace
+from live.motion.formats.gltf_document import JsonObject
 from live.render.characters.model import Material, Model
 
 MAX_EMISSION: Final = 8.0
@@ -23,12 +23,12 @@ PLAIN = Material("", (0.8, 0.8, 0.8, 1.0), None, 0.0, False, 0.8, False)
 """Material of parts without one."""
 
 
-def read_materials(root: JsonPlace) -> list[Material]:
+def read_materials(root: JsonObject) -> list[Material]:
     """Return all materials in order; blended ones become cut-outs, because dancers are drawn in any order."""
     return [_material(root, place, number) for number, place in enumerate(root.elements("materials"))]
 
 
-def _material(root: JsonPlace, place: JsonPlace, number: int) -> Material:
+def _material(root: JsonObject, place: JsonObject, number: int) -> Material:
     name = " ".join(place.text("name").split())[:100] or f"material {number}"
     pbr = place.object("pbrMetallicRoughness") if place.has("pbrMetallicRoughness") else None
     colour, image, rough = (1.0, 1.0, 1.0, 1.0), None, 0.9
@@ -50,7 +50,7 @@ def _material(root: JsonPlace, place: JsonPlace, number: int) -> Material:
     return Material(*plain, *_normal_map(root, place), *_emission(root, place, extensions))
 
 
-def _normal_map(root: JsonPlace, place: JsonPlace) -> tuple[int | None, float]:
+def _normal_map(root: JsonObject, place: JsonObject) -> tuple[int | None, float]:
     """Return the normal map's image, if it is placed like the base colour, and its strength."""
     if not place.has("normalTexture"):
         return None, 1.0
@@ -61,7 +61,7 @@ def _normal_map(root: JsonPlace, place: JsonPlace) -> tuple[int | None, float]:
 
 
 def _emission(
-    root: JsonPlace, place: JsonPlace, extensions: JsonPlace | None
+    root: JsonObject, place: JsonObject, extensions: JsonObject | None
 ) -> tuple[tuple[float, float, float], int | None]:
     """Return the emission and its image, which must be placed like the base colour."""
     strength = 1.0
@@ -77,13 +77,13 @@ def _emission(
     return (r, g, b), image_of(root, texture)
 
 
-def image_of(root: JsonPlace, texture: JsonPlace) -> int | None:
+def image_of(root: JsonObject, texture: JsonObject) -> int | None:
     """Return the image of a texture reference; None for unsupported kinds of image."""
-    source = root.element("textures", texture.whole("index", below=root.length("textures")))
-    return source.whole("source", below=root.length("images")) if source.has("source") else None
+    source = root.element("textures", texture.integer("index", below=root.length("textures")))
+    return source.integer("source", below=root.length("images")) if source.has("source") else None
 
 
-def material_transform(place: JsonPlace) -> tuple[int, tuple[float, float], tuple[float, float]]:
+def material_transform(place: JsonObject) -> tuple[int, tuple[float, float], tuple[float, float]]:
     """Return the set of texture coordinates of a material's images, their offset and scale: those of the base colour,
     or, if it has no image, of the normals or the emission."""
     pbr = place.object("pbrMetallicRoughness") if place.has("pbrMetallicRoughness") else None
@@ -95,15 +95,15 @@ def material_transform(place: JsonPlace) -> tuple[int, tuple[float, float], tupl
     return 0, (0.0, 0.0), (1.0, 1.0)
 
 
-def _texture_transform(texture: JsonPlace) -> tuple[int, tuple[float, float], tuple[float, float]]:
-    uv = texture.whole("texCoord", 0, below=8)
+def _texture_transform(texture: JsonObject) -> tuple[int, tuple[float, float], tuple[float, float]]:
+    uv = texture.integer("texCoord", 0, below=8)
     extensions = texture.object("extensions") if texture.has("extensions") else None
     if extensions is None or not extensions.has("KHR_texture_transform"):
         return uv, (0.0, 0.0), (1.0, 1.0)
     moved = extensions.object("KHR_texture_transform")
     u, v = moved.numbers("offset", 2, (0.0, 0.0))
     su, sv = moved.numbers("scale", 2, (1.0, 1.0))
-    return moved.whole("texCoord", uv, below=8), (u, v), (su, sv)
+    return moved.integer("texCoord", uv, below=8), (u, v), (su, sv)
 
 
 UInt8 = npt.NDArray[np.uint8]

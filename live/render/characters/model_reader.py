@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.formats.file_error import MotionFileError, shown
-from live.motion.formats.gltf_accessors import Accessors, Resolve
-from live.motion.formats.gltf_document import GltfFile, JsonPlace, open_gltf
-from live.motion.formats.gltf_skeleton import Nodes
+from live.motion.formats.file_error import MotionFileError, quoted
+from live.motion.formats.gltf_accessors import AccessorReader, Resolve
+from live.motion.formats.gltf_document import GltfFile, JsonObject, open_gltf
+from live.motion.formats.gltf_skeleton import NodeTree
 from live.render.characters.materials import PLAIN, material_transform, read_materials
 from live.render.characters.model import TRIANGLE_LIMIT, Model, Part
 from live.render.characters.vrm_licence import bones_of, first_person, kind_of, licence_of
@@ -48,9 +48,9 @@ def read_model(path: Path) -> Model:
     def beside(name: str) -> bytes:
         found, folder = (path.parent / name).resolve(), path.parent.resolve()
         if not found.is_relative_to(folder):
-            raise MotionFileError(str(path), None, f"{shown(name)} leads out of its folder", "export it as .glb")
+            raise MotionFileError(str(path), None, f"{quoted(name)} leads out of its folder", "export it as .glb")
         if not found.is_file():
-            raise MotionFileError(str(path), None, f"{shown(name)} is missing", f"put it into {folder}")
+            raise MotionFileError(str(path), None, f"{quoted(name)} is missing", f"put it into {folder}")
         return read_bytes(found)
 
     return parse_model(read_bytes(path), str(path), beside)
@@ -67,12 +67,12 @@ def parse_model(data: bytes, file: str, resolve: Resolve | None = None) -> Model
 class _Reader:
     def __init__(self, gltf: GltfFile, resolve: Resolve | None) -> None:
         self._gltf = gltf
-        self._root = JsonPlace(gltf.json, "", gltf.file)
+        self._root = JsonObject(gltf.json, "", gltf.file)
         for each in self._root.texts("extensionsRequired"):
             if each in ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_basisu"):
                 raise self._root.error("", f"needs {each}", "export it without compression")
-        self._nodes = Nodes(self._root)
-        self._accessors = Accessors(gltf, resolve, files=IMAGE_LIMIT + 4, folders=True)
+        self._nodes = NodeTree(self._root)
+        self._accessors = AccessorReader(gltf, resolve, files=IMAGE_LIMIT + 4, folders=True)
         self._matrix = self._matrices()
         self._materials = read_materials(self._root)
         self._joints: set[int] = set()
@@ -125,16 +125,16 @@ class _Reader:
         own_meshes, own_nodes = first_person(self._root, self._nodes)
         skins = list(self._root.elements("skins"))
         for skin in skins:
-            self._joints.update(skin.wholes("joints", below=self._nodes.count))
+            self._joints.update(skin.integers("joints", below=self._nodes.count))
         for node in self._nodes.order:
-            place = self._nodes.place(node)
+            place = self._nodes.json_object(node)
             if not place.has("mesh"):
                 continue
-            mesh = place.whole("mesh", below=self._root.length("meshes"))
+            mesh = place.integer("mesh", below=self._root.length("meshes"))
             if mesh in own_meshes or node in own_nodes:
                 self._notes.append("meshes for the first-person view are left out")
                 continue
-            own = skins[place.whole("skin", below=len(skins))] if place.has("skin") else None
+            own = skins[place.integer("skin", below=len(skins))] if place.has("skin") else None
             if own is None and not self._is_under_joint(node):
                 self._notes.append(f"{self._nodes.name(node)!r} is attached to no bone and is left out")
                 continue
@@ -148,14 +148,14 @@ class _Reader:
             node = self._nodes.parents[node]
         return node >= 0
 
-    def _part(self, primitive: JsonPlace, node: int, skin: JsonPlace | None) -> Part | None:
-        if primitive.whole("mode", _TRIANGLES, below=7) != _TRIANGLES:
+    def _part(self, primitive: JsonObject, node: int, skin: JsonObject | None) -> Part | None:
+        if primitive.integer("mode", _TRIANGLES, below=7) != _TRIANGLES:
             self._notes.append("points, lines, strips and fans are left out")
             return None
         if primitive.has("extensions") and primitive.object("extensions").has("KHR_draco_mesh_compression"):
             raise primitive.error("", "is compressed (Draco)", "export without compression")
         attributes = primitive.object("attributes")
-        position = self._accessors.read(attributes.whole("POSITION", below=_INDEX_LIMIT), "VEC3")
+        position = self._accessors.read(attributes.integer("POSITION", below=_INDEX_LIMIT), "VEC3")
         triangle = self._triangles_of(primitive, len(position))
         if not len(triangle):
             return None
@@ -170,25 +170,25 @@ class _Reader:
         turned = np.einsum("vij,vj->vi", moved[:, :3, :3], normal)
         return Part(place, np.asarray(quaternion.unit(turned)), uv, nodes, weight, triangle, number)
 
-    def _material_of(self, primitive: JsonPlace, attributes: JsonPlace, count: int) -> tuple[int, Float64]:
+    def _material_of(self, primitive: JsonObject, attributes: JsonObject, count: int) -> tuple[int, Float64]:
         """Return the number of the material, and texture coordinates (V, 2)."""
         if not primitive.has("material"):
             if PLAIN not in self._materials:
                 self._materials.append(PLAIN)
             return self._materials.index(PLAIN), np.zeros((count, 2))
-        number = primitive.whole("material", below=self._root.length("materials"))
+        number = primitive.integer("material", below=self._root.length("materials"))
         which, offset, scale = material_transform(self._root.element("materials", number))
         key = f"TEXCOORD_{which}"
         if not attributes.has(key):
             return number, np.zeros((count, 2))
-        uv = self._accessors.read(attributes.whole(key, below=_INDEX_LIMIT), "VEC2")
+        uv = self._accessors.read(attributes.integer(key, below=_INDEX_LIMIT), "VEC2")
         if len(uv) != count:
             raise attributes.error(key, f"has {len(uv)} elements for {count} vertices", "one for each expected")
         return number, uv * scale + offset
 
-    def _triangles_of(self, primitive: JsonPlace, count: int) -> Int64:
+    def _triangles_of(self, primitive: JsonObject, count: int) -> Int64:
         if primitive.has("indices"):
-            numbers = self._accessors.read(primitive.whole("indices", below=_INDEX_LIMIT), "SCALAR")[:, 0].astype(
+            numbers = self._accessors.read(primitive.integer("indices", below=_INDEX_LIMIT), "SCALAR")[:, 0].astype(
                 np.int64
             )
         else:
@@ -201,9 +201,9 @@ class _Reader:
             raise self._root.error("meshes", f"have more than {TRIANGLE_LIMIT} triangles", _SMALLER)
         return triangle
 
-    def _normals(self, attributes: JsonPlace, position: Float64, triangle: Int64) -> Float64:
+    def _normals(self, attributes: JsonObject, position: Float64, triangle: Int64) -> Float64:
         if attributes.has("NORMAL"):
-            normal = self._accessors.read(attributes.whole("NORMAL", below=_INDEX_LIMIT), "VEC3")
+            normal = self._accessors.read(attributes.integer("NORMAL", below=_INDEX_LIMIT), "VEC3")
             if len(normal) == len(position):
                 return np.asarray(quaternion.unit(normal))
         a, b, c = (position[triangle[:, corner]] for corner in range(3))
@@ -213,17 +213,17 @@ class _Reader:
             np.add.at(total, triangle[:, corner], facing)
         return np.asarray(quaternion.unit(total))
 
-    def _skinning(self, attributes: JsonPlace, skin: JsonPlace, count: int) -> tuple[Int64, Float64, Float64]:
+    def _skinning(self, attributes: JsonObject, skin: JsonObject, count: int) -> tuple[Int64, Float64, Float64]:
         """Return nodes (V, K) and weights (V, K) of each vertex, and its matrix to the rest pose, (V, 4, 4)."""
-        joints = np.array(skin.wholes("joints", below=self._nodes.count), np.int64)
+        joints = np.array(skin.integers("joints", below=self._nodes.count), np.int64)
         numbers, weights = [], []
         for which in range(2):
             if not attributes.has(f"JOINTS_{which}"):
                 continue
-            number = self._accessors.read(attributes.whole(f"JOINTS_{which}", below=_INDEX_LIMIT), "VEC4").astype(
+            number = self._accessors.read(attributes.integer(f"JOINTS_{which}", below=_INDEX_LIMIT), "VEC4").astype(
                 np.int64
             )
-            weight = self._accessors.read(attributes.whole(f"WEIGHTS_{which}", below=_INDEX_LIMIT), "VEC4")
+            weight = self._accessors.read(attributes.integer(f"WEIGHTS_{which}", below=_INDEX_LIMIT), "VEC4")
             if len(number) != count or len(weight) != count:
                 raise attributes.error(f"JOINTS_{which}", f"has {len(number)} elements for {count}", "one for each")
             if number.size and not 0 <= int(number.min()) <= int(number.max()) < len(joints):
@@ -242,10 +242,10 @@ class _Reader:
         moved = np.einsum("vk,vkij->vij", weight, each[number])
         return joints[number], weight, moved
 
-    def _inverse_binds(self, skin: JsonPlace, count: int) -> Float64:
+    def _inverse_binds(self, skin: JsonObject, count: int) -> Float64:
         if not skin.has("inverseBindMatrices"):
             return np.tile(np.eye(4), (count, 1, 1))
-        numbers = self._accessors.read(skin.whole("inverseBindMatrices", below=_INDEX_LIMIT), "MAT4")
+        numbers = self._accessors.read(skin.integer("inverseBindMatrices", below=_INDEX_LIMIT), "MAT4")
         if len(numbers) < count:
             words = f"has {len(numbers)} matrices for {count} joints"
             raise skin.error("inverseBindMatrices", words, "one for each joint expected")

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
-from live.motion.formats.file_error import MotionFileError, shown
+from live.motion.formats.file_error import MotionFileError, quoted
 from live.motion.retarget.joint_mapping import find_body_among, split_name
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.characters.model import Model
@@ -41,7 +41,7 @@ def find_joints(model: Model, overrides: Mapping[str, str]) -> dict[str, int | N
         found[joint] = _node_named(model, joint, name)
     missing = [name for name in REQUIRED_JOINTS if found[name] is None]
     if missing:
-        some = ", ".join(shown(model.names[node]) for node in sorted(model.joints)[:8])
+        some = ", ".join(quoted(model.names[node]) for node in sorted(model.joints)[:8])
         raise MotionFileError(
             model.file, None, f"no {', no '.join(missing)} found among its bones ({some} ...)",
             f'define them: joints = {{ {missing[0]} = "NAME" }}',
@@ -58,12 +58,12 @@ def find_joints(model: Model, overrides: Mapping[str, str]) -> dict[str, int | N
 def _node_named(model: Model, joint: str, name: str) -> int:
     if joint not in SKELETON.names:
         known = ", ".join(SKELETON.names)
-        raise MotionFileError(model.file, None, f"{shown(joint)} is no joint of a dancer", f"one of {known}")
+        raise MotionFileError(model.file, None, f"{quoted(joint)} is no joint of a dancer", f"one of {known}")
     for node in (*sorted(model.joints), *range(len(model.names))):
         if model.names[node] == name:
             return int(node)
     some = ", ".join(model.names[node] for node in sorted(model.joints)[:12])
-    raise MotionFileError(model.file, None, f"no bone is called {shown(name)}", f"there are: {some} ...")
+    raise MotionFileError(model.file, None, f"no bone is called {quoted(name)}", f"there are: {some} ...")
 
 
 def _joints_by_name(model: Model) -> dict[str, int | None]:

@@ -2,8 +2,8 @@
 
 from typing import Final
 
-from live.motion.formats.gltf_document import JsonPlace
-from live.motion.formats.gltf_skeleton import Nodes
+from live.motion.formats.gltf_document import JsonObject
+from live.motion.formats.gltf_skeleton import NodeTree
 
 _META_0: Final = {
     "title": "title", "version": "version", "author": "author", "contact": "contactInformation",
@@ -19,7 +19,7 @@ _META_1: Final = {
 }  # fmt: skip
 
 
-def kind_of(root: JsonPlace) -> str:
+def kind_of(root: JsonObject) -> str:
     """Return `VRM 1.0`, `VRM 0.x` or `glTF`."""
     extensions = root.object("extensions") if root.has("extensions") else None
     if extensions is not None and extensions.has("VRMC_vrm"):
@@ -27,12 +27,12 @@ def kind_of(root: JsonPlace) -> str:
     return "VRM 0.x" if extensions is not None and extensions.has("VRM") else "glTF"
 
 
-def _vrm(root: JsonPlace) -> JsonPlace | None:
+def _vrm(root: JsonObject) -> JsonObject | None:
     kind = kind_of(root)
     return None if kind == "glTF" else root.object("extensions").object("VRMC_vrm" if kind == "VRM 1.0" else "VRM")
 
 
-def bones_of(root: JsonPlace, nodes: Nodes) -> dict[str, int]:
+def bones_of(root: JsonObject, nodes: NodeTree) -> dict[str, int]:
     """Return the nodes of humanoid bones by name; empty if the file is not a VRM."""
     vrm = _vrm(root)
     if vrm is None or not vrm.has("humanoid"):
@@ -40,12 +40,12 @@ def bones_of(root: JsonPlace, nodes: Nodes) -> dict[str, int]:
     humanoid = vrm.object("humanoid")
     if kind_of(root) == "VRM 1.0":
         bones = humanoid.object("humanBones")
-        return {bone: bones.object(bone).whole("node", below=nodes.count) for bone in bones.names()}
+        return {bone: bones.object(bone).integer("node", below=nodes.count) for bone in bones.names()}
     rows = [row for row in humanoid.elements("humanBones") if row.text("bone")]
-    return {row.text("bone"): row.whole("node", below=nodes.count) for row in rows}
+    return {row.text("bone"): row.integer("node", below=nodes.count) for row in rows}
 
 
-def first_person(root: JsonPlace, nodes: Nodes) -> tuple[frozenset[int], frozenset[int]]:
+def first_person(root: JsonObject, nodes: NodeTree) -> tuple[frozenset[int], frozenset[int]]:
     """Return meshes and nodes that are only for the first-person view."""
     vrm = _vrm(root)
     if vrm is None or not vrm.has("firstPerson"):
@@ -53,15 +53,15 @@ def first_person(root: JsonPlace, nodes: Nodes) -> tuple[frozenset[int], frozens
     rows = list(vrm.object("firstPerson").elements("meshAnnotations"))
     count = root.length("meshes")
     meshes = {
-        row.whole("mesh", below=count)
+        row.integer("mesh", below=count)
         for row in rows
         if row.text("firstPersonFlag") == "FirstPersonOnly" and row.has("mesh")
     }
-    own = {row.whole("node", below=nodes.count) for row in rows if row.text("type") == "firstPersonOnly"}
+    own = {row.integer("node", below=nodes.count) for row in rows if row.text("type") == "firstPersonOnly"}
     return frozenset(meshes), frozenset(own)
 
 
-def licence_of(root: JsonPlace) -> dict[str, str]:
+def licence_of(root: JsonObject) -> dict[str, str]:
     """Return the file's metadata about author and permissions, in its own words."""
     found: dict[str, str] = {}
     vrm = _vrm(root)

@@ -7,8 +7,15 @@ import numpy.typing as npt
 
 from live.base.stage_snapshot import StageView
 from live.graph.dance_metrics import RawClips, list_and_p95, median_and_p95, ratio
-from live.motion.quality.metrics import alignment, half_width, largest_around, motion_beats, offsets, slides
-from live.motion.quality.motion_recorder import MotionTrace
+from live.motion.quality.metrics import (
+    beat_alignment,
+    beat_offsets,
+    contact_slide_speeds,
+    half_width,
+    largest_around,
+    motion_beats,
+)
+from live.motion.quality.motion_recorder import MotionRecorder
 from live.show.show import Show
 
 Float32 = npt.NDArray[np.float32]
@@ -24,7 +31,7 @@ class MotionReport:
         self._show = show
         self._slides: list[Float64] = []
         self._previous: tuple[float, Float32, Bool] | None = None
-        self._trace: MotionTrace | None = None
+        self._trace: MotionRecorder | None = None
         self._times: list[float] = []
         self._transitions: list[tuple[float, float, Int32]] = []
         """For each measure line: its time, the length of the blend before it, the dancers that changed the clip."""
@@ -112,9 +119,9 @@ class MotionReport:
             if dt > 0:
                 both = self._visible & view.present
                 feet = np.stack([before, position])[:, both], np.stack([stood, contact])[:, both]
-                self._slides.append(slides(*feet, 1.0 / dt))
+                self._slides.append(contact_slide_speeds(*feet, 1.0 / dt))
                 if self._trace is None:
-                    self._trace = MotionTrace(1.0 / dt)
+                    self._trace = MotionRecorder(1.0 / dt)
                     self._trace.add(before)
                 self._trace.add(position)
         self._times.append(view.time)
@@ -203,9 +210,9 @@ class MotionReport:
             times = np.array(self._music)
             for speed in self._trace.speeds().T[self._always_visible]:
                 own = motion_beats(speed, self._rate, self._times[0])
-                near.append(offsets(times, own))
-                music += [value] if (value := alignment(times, own)) is not None else []
-                kinematic += [value] if (value := alignment(own, times)) is not None else []
+                near.append(beat_offsets(times, own))
+                music += [value] if (value := beat_alignment(times, own)) is not None else []
+                kinematic += [value] if (value := beat_alignment(own, times)) is not None else []
         return {
             "beat_offset_ms": {
                 "annotated": median_and_p95(np.array(self._beats)),

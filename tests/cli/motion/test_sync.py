@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from live.base.errors import PersonError
 from live.cli.main import app
 from live.library.beat_alignment import SyncResult
-from live.motion.beats.clap_sync import Clap, PlacedClap
+from live.motion.beats.clap_sync import AssignedClap, Clap
 from live.motion.beats.music_reference import MusicReference
 from tests.cli.command import run_live
 from tests.library.test_music_reference import click_track
@@ -71,10 +71,10 @@ def test_what_is_a_guess_says_so_in_the_lines_to_paste(
 
 def test_less_than_four_claps_are_a_guess() -> None:
     clap = Clap(1.0, 0.05, 3.0)
-    placed = tuple(PlacedClap(clap, beat, 0.0) for beat in (1, 2, 3, 4))
+    placed = tuple(AssignedClap(clap, beat, 0.0) for beat in (1, 2, 3, 4))
     reference = MusicReference(1.0, 120.0, 0.9, "click", "")
     assert not SyncResult(reference, placed, 0, 60.0).guessed
-    assert SyncResult(reference, (*placed[:3], PlacedClap(clap, None, None)), 0, 60.0).guessed
+    assert SyncResult(reference, (*placed[:3], AssignedClap(clap, None, None)), 0, 60.0).guessed
 
 
 def test_claps_to_a_song(clapped: Path, tmp_path: Path) -> None:

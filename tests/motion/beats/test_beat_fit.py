@@ -27,7 +27,7 @@ def test_a_known_tempo_gives_the_offset(offset: float, bpm: float, seed: int) ->
     stray = offset + period * (random.integers(0, 11) + 0.5)
     fit = fit_known_period(np.sort(np.append(beats, stray)), period)
     assert distance(fit.offset_s, offset, period) < 0.015
-    assert int(fit.belongs.sum()) == 9
+    assert int(fit.on_beat.sum()) == 9
     assert fit.rms_s < 0.02
 
 
@@ -41,7 +41,7 @@ def test_a_free_fit_finds_tempo_and_offset(offset: float, bpm: float, seed: int)
     assert fit is not None
     assert fit.period_s == pytest.approx(period, rel=0.015)
     assert distance(fit.offset_s, offset, period) < 0.03
-    assert fit.covered == pytest.approx(7 / 8)
+    assert fit.coverage == pytest.approx(7 / 8)
 
 
 def test_exact_beats_fit_exactly() -> None:
@@ -50,14 +50,14 @@ def test_exact_beats_fit_exactly() -> None:
     assert fit.period_s == pytest.approx(0.5, abs=1e-9)
     assert fit.offset_s % 0.5 == pytest.approx(0.25, abs=1e-9)
     assert np.diff(fit.numbers).tolist() == [1] * 5
-    assert fit.belongs.all()
+    assert fit.on_beat.all()
     assert fit.rms_s < 1e-9
-    assert fit.covered == 1.0
+    assert fit.coverage == 1.0
 
 
 def test_of_two_events_on_one_beat_the_nearer_belongs() -> None:
     fit = fit_known_period(np.array([1.0, 1.5, 1.53, 2.0]), 0.5)
-    assert fit.belongs.tolist() == [True, True, False, True]
+    assert fit.on_beat.tolist() == [True, True, False, True]
 
 
 def test_the_beat_is_not_taken_for_twice_as_fast() -> None:
@@ -65,7 +65,7 @@ def test_the_beat_is_not_taken_for_twice_as_fast() -> None:
     fit = fit_free_period(np.array([1.0, 1.6, 2.2, 2.5, 2.8, 3.4, 4.0]))
     assert fit is not None
     assert fit.period_s == pytest.approx(0.6, abs=0.005)
-    assert int(fit.belongs.sum()) == 6
+    assert int(fit.on_beat.sum()) == 6
 
 
 def test_two_events_are_no_beat() -> None:

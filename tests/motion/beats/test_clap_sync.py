@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.motion.beats.clap_sync import Clap, sync_to_claps, sync_to_click, sync_to_song
-from live.motion.beats.music_reference import MusicReference, set_by_hand
+from live.motion.beats.music_reference import MusicReference, apply_manual
 
 
 def claps(times: np.ndarray | list[float]) -> list[Clap]:
@@ -114,18 +114,18 @@ def test_a_song_that_began_before_the_recording_is_met_on_a_measure() -> None:
 
 def test_a_person_wins() -> None:
     found = MusicReference(1.2, 118.0, 0.7, "claps", "8 beats clapped")
-    assert set_by_hand(found) is found
-    both = set_by_hand(found, anchor_s=3.21, bpm=124.0)
+    assert apply_manual(found) is found
+    both = apply_manual(found, anchor_s=3.21, bpm=124.0)
     assert both is not None
     assert (both.first_beat_s, both.bpm, both.confidence, both.source) == (3.21, 124.0, 1.0, "hand")
-    anchor = set_by_hand(found, anchor_s=3.21)
+    anchor = apply_manual(found, anchor_s=3.21)
     assert anchor is not None
     assert (anchor.first_beat_s, anchor.bpm, anchor.confidence) == (3.21, 118.0, 0.7)
-    tempo = set_by_hand(found, bpm=60.0)
+    tempo = apply_manual(found, bpm=60.0)
     assert tempo is not None
     assert (tempo.first_beat_s, tempo.bpm, tempo.period_s) == (1.2, 60.0, 1.0)
-    assert set_by_hand(None, bpm=60.0) is None
-    assert set_by_hand(None, anchor_s=0.0, bpm=60.0) is not None
+    assert apply_manual(None, bpm=60.0) is None
+    assert apply_manual(None, anchor_s=0.0, bpm=60.0) is not None
 
 
 @pytest.mark.long

@@ -7,8 +7,8 @@ import pytest
 
 from live.library.step_folder import load_steps
 from live.motion import quaternion
-from live.motion.beats.dance_rhythm import rhythm_of
-from live.motion.beats.tempo_estimation import CERTAIN, guess_tempo
+from live.motion.beats.dance_rhythm import find_rhythm
+from live.motion.beats.tempo_estimation import MAX_CONFIDENCE, estimate_tempo
 from live.motion.clip import Clip
 from live.motion.retarget.retarget import retarget
 from live.motion.step_clip import StepClip
@@ -51,17 +51,17 @@ def octaves_off(bpm: float, truth: float) -> float:
 @pytest.mark.parametrize("name", sorted({clip.step for clip in load_steps(STEPS)}))
 @pytest.mark.parametrize("bpm", [96.0, 124.0])
 def test_every_step_at_its_tempo(name: str, bpm: float) -> None:
-    found = guess_tempo(danced(step(name), bpm, scatter=0.015))
+    found = estimate_tempo(danced(step(name), bpm, scatter=0.015))
     assert found is not None
     assert octaves_off(found.reference.bpm, bpm) < 0.01
-    assert 0.2 < found.reference.confidence <= CERTAIN
+    assert 0.2 < found.reference.confidence <= MAX_CONFIDENCE
     assert found.reference.source == "feet"
 
 
 @pytest.mark.parametrize("name", STEPPED)
 @pytest.mark.parametrize("late", [0.0, 0.2])
 def test_feet_land_on_beats(name: str, late: float) -> None:
-    found = guess_tempo(danced(step(name), 110.0, late=late))
+    found = estimate_tempo(danced(step(name), 110.0, late=late))
     assert found is not None
     assert found.reference.bpm == pytest.approx(110.0, rel=0.005)
     beats = (found.reference.first_beat_s - late) * 110.0 / 60.0
@@ -69,7 +69,7 @@ def test_feet_land_on_beats(name: str, late: float) -> None:
 
 
 def test_a_known_tempo_is_kept() -> None:
-    found = guess_tempo(danced(step("mambo"), 110.0, late=0.2), bpm=110.0)
+    found = estimate_tempo(danced(step("mambo"), 110.0, late=0.2), bpm=110.0)
     assert found is not None
     assert found.reference.bpm == pytest.approx(110.0, abs=1e-9)
     assert (found.reference.first_beat_s - 0.2) * 110.0 / 60.0 == pytest.approx(
@@ -79,7 +79,7 @@ def test_a_known_tempo_is_kept() -> None:
 
 def test_mambo_begins_after_its_rest() -> None:
     """It holds its fourth beat, as salsa does."""
-    found = guess_tempo(danced(step("mambo"), 100.0))
+    found = estimate_tempo(danced(step("mambo"), 100.0))
     assert found is not None
     measures = found.reference.first_beat_s / 2.4
     assert abs(measures - round(measures)) < 0.05
@@ -87,8 +87,8 @@ def test_mambo_begins_after_its_rest() -> None:
 
 
 def test_plants_and_motion_beats_of_a_walk() -> None:
-    rhythm = rhythm_of(danced(step("walk"), 120.0))
-    gaps = np.diff(rhythm.plants)
+    rhythm = find_rhythm(danced(step("walk"), 120.0))
+    gaps = np.diff(rhythm.contact_times)
     assert np.median(gaps) == pytest.approx(0.5, abs=0.02)
     assert np.median(np.diff(rhythm.motion_beats)) == pytest.approx(0.5, abs=0.05)
 
@@ -102,9 +102,9 @@ def test_nothing_to_go_by() -> None:
         60.0,
         np.repeat(walk.contact[:1], 600, axis=0),
     )
-    assert guess_tempo(still) is None
+    assert estimate_tempo(still) is None
     short = Clip("short", walk.root_position[:60], walk.rotation[:60], 60.0, walk.contact[:60])
-    assert guess_tempo(short) is None
+    assert estimate_tempo(short) is None
 
 
 @pytest.mark.long
@@ -125,7 +125,7 @@ def test_real_dances_whose_beat_is_known_well() -> None:
             known = rates[name]
             drop = 6 if name.startswith("salsa") else int(known["tpose_first_frame"])
             clip = retarget(mocap_motion(name), name=name, fps=row["true_fps"], drop_frames=drop)
-            found = guess_tempo(clip)
+            found = estimate_tempo(clip)
             assert found is not None
             agreeing[name] = octaves_off(found.reference.bpm, row["bpm"]) < 0.02
             confidences.append(found.reference.confidence)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.motion.beats.tempo_estimation import CLEAR, two_beat_lines
+from live.motion.beats.tempo_estimation import RELIABLE_STRENGTH, find_two_beat_lines
 from live.motion.clip import Clip
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
@@ -38,9 +38,9 @@ def away(lines: np.ndarray, others: np.ndarray) -> float:
 def test_the_lines_of_a_dance_whose_tempo_wanders_lie_where_it_begins_anew() -> None:
     turns, real = wandering()
     for said in (None, 0.75):
-        found = two_beat_lines([danced(turns)], said)
+        found = find_two_beat_lines([danced(turns)], said)
         assert found is not None
-        assert found.strength > CLEAR
+        assert found.strength > RELIABLE_STRENGTH
         assert away(found.lines, real) < 0.03
         assert abs(len(found.lines) - len(real)) <= 2
     even = real[0] + 0.73 * np.arange(len(real))
@@ -49,7 +49,7 @@ def test_the_lines_of_a_dance_whose_tempo_wanders_lie_where_it_begins_anew() -> 
 
 def test_two_dancers_who_are_read_apart_have_the_same_lines() -> None:
     turns, _ = wandering()
-    one, other = (two_beat_lines([danced(turns, seed)]) for seed in (1, 2))
+    one, other = (find_two_beat_lines([danced(turns, seed)]) for seed in (1, 2))
     assert one is not None
     assert other is not None
     assert away(one.lines, other.lines) < 0.03
@@ -57,18 +57,18 @@ def test_two_dancers_who_are_read_apart_have_the_same_lines() -> None:
 
 def test_what_keeps_no_time_is_not_clear_and_what_is_too_short_or_still_has_no_lines() -> None:
     turns, _ = wandering()
-    noise = two_beat_lines([danced(np.random.default_rng(3).random(len(turns)))])
+    noise = find_two_beat_lines([danced(np.random.default_rng(3).random(len(turns)))])
     assert noise is not None
-    assert noise.strength < CLEAR
-    assert two_beat_lines([danced(turns[:200])]) is None
+    assert noise.strength < RELIABLE_STRENGTH
+    assert find_two_beat_lines([danced(turns[:200])]) is None
     still = danced(turns)
     root = np.repeat(still.root_position[:1], len(turns), axis=0)
-    assert two_beat_lines([Clip("still", root, still.rotation, RATE, still.contact)]) is None
+    assert find_two_beat_lines([Clip("still", root, still.rotation, RATE, still.contact)]) is None
 
 
 def test_beats_are_the_lines_and_their_middles_through_the_whole_recording() -> None:
     turns, _ = wandering(0.0)
-    found = two_beat_lines([danced(turns)])
+    found = find_two_beat_lines([danced(turns)])
     assert found is not None
     beats = found.beats(SECONDS)
     assert np.isin(found.lines, beats).all()

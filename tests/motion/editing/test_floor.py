@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.motion.clip import Clip
-from live.motion.editing.foot_correction import correct_floor, cover, find_feet
+from live.motion.editing.foot_correction import correct_floor, find_feet, smooth_upper_bound
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 from tests.motion.editing.made_steps import sketched
@@ -66,7 +66,7 @@ def test_lifts_come_and_go_softly() -> None:
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=60), st.integers(1, 8))
 def test_the_cover_is_never_below_and_not_needed_far_away(depths: list[float], half: int) -> None:
     depth = np.array(depths)[:, None]
-    lift = cover(depth, half)
+    lift = smooth_upper_bound(depth, half)
     assert lift.shape == depth.shape
     assert (lift >= depth - 1e-12).all()
     assert lift.max() <= depth.max() + 1e-12

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.editing.facing import LIMIT, face_head, fill_gaps, head_turn, heading_of, turn_clip, wrap
+from live.motion.editing.facing import HEAD_LIMIT, face_head, fill_gaps, head_turn, heading_of, turn_clip, wrap
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 from tests.motion.editing.made_steps import random_clip, sketched
@@ -54,14 +54,14 @@ def test_the_head_may_look_elsewhere() -> None:
 def test_a_spin_is_crossed_on_a_straight_line() -> None:
     spin = np.concatenate((np.full(30, 0.3), np.linspace(0.3, 0.3 + 2.0 * np.pi, 120), np.full(30, 0.3)))
     theta = head_turn(turning(spin), sigma=0.0)
-    beyond = np.abs(wrap(spin)) > LIMIT
+    beyond = np.abs(wrap(spin)) > HEAD_LIMIT
     assert beyond.sum() > 50
     first, last = np.flatnonzero(beyond)[[0, -1]]
     assert theta[first - 1 : last + 2] == pytest.approx(
         np.linspace(theta[first - 1], theta[last + 1], last - first + 3)
     )
-    assert theta[first - 1] == pytest.approx(-LIMIT, abs=0.06)
-    assert theta[last + 1] == pytest.approx(LIMIT, abs=0.06)
+    assert theta[first - 1] == pytest.approx(-HEAD_LIMIT, abs=0.06)
+    assert theta[last + 1] == pytest.approx(HEAD_LIMIT, abs=0.06)
     smooth = head_turn(turning(spin), sigma=0.1)
     assert np.abs(np.diff(smooth, 2)).max() < 0.25 * np.abs(np.diff(theta, 2)).max()
 

@@ -7,7 +7,7 @@ from live.motion import quaternion
 from live.motion.editing.facing import (
     average_orientation,
     circular_mean,
-    face_public,
+    face_audience,
     heading_of,
     turn_clip,
 )
@@ -41,7 +41,7 @@ def test_the_mean_of_headings_is_circular() -> None:
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 100), YAWS)
 def test_what_faced_anywhere_faces_the_public(seed: int, yaw: float) -> None:
-    faced = face_public(turn_clip(random_clip(seed), yaw))
+    faced = face_audience(turn_clip(random_clip(seed), yaw))
     assert np.sin(average_orientation(faced)) == pytest.approx(0.0, abs=1e-5)
     assert np.cos(average_orientation(faced)) > 0.99
 

@@ -11,7 +11,7 @@ def test_with_constant_size_and_pace_it_is_the_sine_of_the_thesis() -> None:
     warp = SequenceWarp(np.array((0.0, 1.0, 2.0)), np.full(3, 0.07), np.full(3, 2.0))
     x = np.linspace(0.0, 2.0, 50)
     assert warp.phase(x) == pytest.approx(x + 0.07 * np.sin(2.0 * np.pi * 2.0 * x))
-    assert warp.slowest() == pytest.approx(0.8796, abs=5e-5)
+    assert warp.max_deviation() == pytest.approx(0.8796, abs=5e-5)
 
 
 def test_the_phase_is_accumulated_where_the_pace_wanders() -> None:
@@ -27,7 +27,7 @@ def test_drawn_warps_never_run_back_and_end_where_they_would(
     seed: int, measures: float, spacing: float, a_max: float
 ) -> None:
     warp = draw_sequence_warp(np.random.default_rng(seed), measures, spacing=spacing, a_max=a_max)
-    assert warp.slowest() <= 0.95 + 1e-9
+    assert warp.max_deviation() <= 0.95 + 1e-9
     x = np.linspace(0.0, measures, int(200 * measures))
     assert (np.diff(warp.phase(x)) > 0.0).all()
     assert warp.phase(np.array((0.0, measures))) == pytest.approx([0.0, measures], abs=1e-6)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.motion.editing.turn_insertion import MAX_SEGMENTS, SupportTurns, soft_progress, stack_turns, support_turns
+from live.motion.editing.turn_insertion import MAX_SEGMENTS, SupportTurns, ease_progress, stack_turns, support_turns
 from tests.motion.editing.made_steps import sketched
 
 
@@ -33,7 +33,7 @@ def by_loop(turns: SupportTurns, row: int, angle: float, until: float, count: in
     for n in range(MAX_SEGMENTS):
         start, stop = turns.start[row, n], turns.stop[row, n]
         passed = np.clip((until - start) / max(stop - start, 1e-12), 0.0, 1.0)
-        progress = soft_progress(np.linspace(0.0, passed, count + 1), turns.softness[row, n])
+        progress = ease_progress(np.linspace(0.0, passed, count + 1), turns.softness[row, n])
         for a, b in pairwise(progress):
             where = turns.point[row, n] + 0.5 * (a + b) * (turns.point_stop[row, n] - turns.point[row, n])
             point = complex(where[1], where[0])
@@ -81,11 +81,11 @@ def test_many_dancers_with_own_fractions_and_angles_at_once() -> None:
     turns = stack_turns([support_turns(sketched(name), 0) for name in ("walk", "samba", "kick")])
     nodes = np.array((2, 0, 1, 1))
     fraction, angle = np.array((0.1, 0.5, 0.7, 1.0)), np.array((0.3, -1.0, 2.0, 0.0))
-    dancers = turns.take(nodes)
+    dancers = turns.select(nodes)
     assert dancers.share(fraction).shape == (4,)
     assert dancers.displacement(fraction, angle).shape == (4, 2)
     for n, node in enumerate(nodes):
-        one = turns.take(np.array((node,)))
+        one = turns.select(np.array((node,)))
         assert dancers.displacement(fraction, angle)[n] == pytest.approx(one.displacement(fraction[n], angle[n])[0])
         assert dancers.share(fraction)[n] == pytest.approx(one.share(fraction[n])[0])
 
@@ -93,7 +93,7 @@ def test_many_dancers_with_own_fractions_and_angles_at_once() -> None:
 @given(st.floats(0.0, 0.5))
 def test_soft_progress_rises_from_0_to_1_and_is_the_same_backwards(softness: float) -> None:
     passed = np.linspace(0.0, 1.0, 101)
-    progress = soft_progress(passed, softness)
+    progress = ease_progress(passed, softness)
     assert progress[[0, 50, 100]] == pytest.approx([0.0, 0.5, 1.0])
     assert (np.diff(progress) >= 0.0).all()
     assert progress + progress[::-1] == pytest.approx(np.ones(101))
@@ -101,9 +101,9 @@ def test_soft_progress_rises_from_0_to_1_and_is_the_same_backwards(softness: flo
 
 
 def test_soft_progress_starts_and_ends_at_rest() -> None:
-    near = soft_progress(np.array((1e-3, 1.0 - 1e-3)), 0.5)
+    near = ease_progress(np.array((1e-3, 1.0 - 1e-3)), 0.5)
     assert near == pytest.approx([2e-6, 1.0 - 2e-6])
-    assert soft_progress(np.array((0.0, 0.3, 1.0)), 0.0) == pytest.approx([0.0, 0.3, 1.0])
+    assert ease_progress(np.array((0.0, 0.3, 1.0)), 0.0) == pytest.approx([0.0, 0.3, 1.0])
 
 
 @given(st.integers(0, 1000))
@@ -111,7 +111,7 @@ def test_the_quickest_turn_is_the_steepest_place_of_the_share(seed: int) -> None
     turns = random_turns(seed, rows=1)
     x = np.linspace(0.0, 1.0, 20_001)
     steepest = np.diff(turns.share(x)).max() / (x[1] - x[0])
-    assert steepest <= turns.quickest[0] * (1.0 + 1e-6)
-    assert support_turns(sketched("walk"), 0).quickest == pytest.approx(
+    assert steepest <= turns.max_speed[0] * (1.0 + 1e-6)
+    assert support_turns(sketched("walk"), 0).max_speed == pytest.approx(
         np.diff(support_turns(sketched("walk"), 0).share(x)).max() / (x[1] - x[0])
     )

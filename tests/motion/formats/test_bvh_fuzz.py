@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 import pytest
 
-from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
+from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.file_error import MotionFileError
 from live.motion.retarget.retarget import retarget
 from tests.motion.formats.made_bvh import body_bvh, danced
@@ -77,7 +77,7 @@ def test_a_mutated_file_is_a_motion_or_an_error(seed: int) -> None:
         assert np.isfinite(motion.values).all()
         assert np.isfinite(motion.offsets).all()
         assert (motion.parents[1:] < np.arange(1, motion.joint_count)).all()
-        clip, problem = attempt(lambda motion=motion: retarget(source_of_bvh(motion), name="fuzz"))
+        clip, problem = attempt(lambda motion=motion: retarget(bvh_to_source_motion(motion), name="fuzz"))
         if clip is None:
             assert "\n" not in str(problem)
             continue

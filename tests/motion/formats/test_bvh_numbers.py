@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from live.motion.formats.bvh_numbers import HARD_LIMIT, line_at, read_numbers
+from live.motion.formats.bvh_numbers import INEXACT_LIMIT, line_at, read_numbers
 from live.motion.formats.file_error import MotionFileError
 
 decimals = st.from_regex(r"[+-]?(\d{1,25}\.?\d{0,25}|\.\d{1,25})([eE][+-]?\d{1,3})?", fullmatch=True).filter(
@@ -34,7 +34,7 @@ def test_every_number_is_the_nearest_double(words: list[str]) -> None:
 
 def test_more_hard_numbers_than_are_read_one_by_one() -> None:
     rng = np.random.default_rng(4)
-    words = [f"{value:.25f}" for value in rng.uniform(-400, 400, HARD_LIMIT + 7)]
+    words = [f"{value:.25f}" for value in rng.uniform(-400, 400, INEXACT_LIMIT + 7)]
     values = read_numbers("\n".join(words).encode(), 0, 1, 3, "x")
     assert bits(values[:, 0].tolist()) == bits([float(word) for word in words])
     words[9000] = "1" + "0" * 30

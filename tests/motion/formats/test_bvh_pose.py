@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live.motion import quaternion
-from live.motion.formats.bvh_reader import BvhMotion, local_pose, parse_bvh, source_of_bvh
+from live.motion.formats.bvh_reader import BvhMotion, bvh_to_source_motion, local_pose, parse_bvh
 from live.motion.formats.source_motion import end_positions, rest_pose, world_pose
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import Skeleton
@@ -41,7 +41,7 @@ def test_the_example_of_t164() -> None:
     world = world_pose(motion.parents, local_pose(motion))
     np.testing.assert_allclose(world.positions[:, 0], [(30, 80, 20)] * 3)
     np.testing.assert_allclose(world.positions[:, 1], [(40, 80, 20), (35, 88.6603, 20), (35, 88.6603, 20)], atol=5e-5)
-    ends = end_positions(source_of_bvh(motion), world)[:, 0]
+    ends = end_positions(bvh_to_source_motion(motion), world)[:, 0]
     np.testing.assert_allclose(ends, [(40, 60, 20), (52.3205, 78.6603, 20), (45, 71.3397, 20)], atol=5e-5)
 
 
@@ -168,4 +168,4 @@ def test_the_engines_own_forward_kinematics_agrees() -> None:
 
 def test_rest_pose_is_the_sum_of_offsets() -> None:
     motion = parse_bvh(ARM, "arm.bvh")
-    assert rest_pose(source_of_bvh(motion)).positions[0].tolist() == [[0, 0, 0], [10, 0, 0]]
+    assert rest_pose(bvh_to_source_motion(motion)).positions[0].tolist() == [[0, 0, 0], [10, 0, 0]]

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from live.motion.clip import Clip
-from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
+from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.bvh_writer import smooth_angles, write_bvh, zxy_angles
 from live.motion.formats.source_motion import LocalPose, world_pose
 from live.motion.forward_kinematics import forward_kinematics
@@ -50,7 +50,7 @@ def test_we_read_it_back_as_it_was() -> None:
     parsed = parse_bvh(text.encode(), "written.bvh")
     assert set(parsed.channels[1:]) == {"ZXY"}
     assert parsed.channels[0] == "xyzZXY"
-    motion = source_of_bvh(parsed, None)
+    motion = bvh_to_source_motion(parsed, None)
     assert (motion.names, motion.frame_count, motion.frames_declared) == (SKELETON.names, 40, 40)
     assert motion.root_offset == "zero"
     found = world_pose(motion.parents, LocalPose(motion.translation, motion.rotation)).positions
@@ -60,7 +60,7 @@ def test_we_read_it_back_as_it_was() -> None:
 @pytest.mark.shared
 def test_a_recording_goes_out_and_comes_in_again_as_the_same_clip() -> None:
     clip = retarget(mocap_motion("salsa/60_01.bvh"), name="salsa", fps=60.0)
-    motion = source_of_bvh(parse_bvh(write_bvh(clip).encode(), "written.bvh"), None)
+    motion = bvh_to_source_motion(parse_bvh(write_bvh(clip).encode(), "written.bvh"), None)
     np.testing.assert_allclose(positions(retarget(motion, name="again")), positions(clip), atol=1e-5)
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from live.library.motion_file import read_motion
-from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
+from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.file_report import MotionFacts, SourceTracks, find_facts
+from live.motion.formats.file_report import MotionReport, SourceTracks, analyze_motion
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.joint_mapping import find_body
 from tests.motion.formats.made_bvh import body_bvh, column, danced, still
@@ -33,9 +33,9 @@ def read(name: str) -> SourceMotion:
 
 
 @cache
-def facts_of(name: str) -> tuple[MotionFacts, SourceTracks]:
+def facts_of(name: str) -> tuple[MotionReport, SourceTracks]:
     row = next((row for row in ROWS if row["file"] == name), {})
-    return find_facts(read(name), fps=row.get("true_fps"))
+    return analyze_motion(read(name), fps=row.get("true_fps"))
 
 
 @pytest.mark.shared
@@ -114,8 +114,8 @@ def test_the_run_in_of_salsa_is_named() -> None:
 @pytest.mark.shared
 def test_equal_motions_in_different_units() -> None:
     """salsa_60_05_scaled is 60_05 in units of 1.28 m without its first frame; 131_01 is there in 5.644 cm and in m."""
-    _, here = find_facts(read("salsa/60_05.bvh"), fps=60.0)
-    _, there = find_facts(read(SCALED), fps=60.0, unit_m=1.28)
+    _, here = analyze_motion(read("salsa/60_05.bvh"), fps=60.0)
+    _, there = analyze_motion(read(SCALED), fps=60.0, unit_m=1.28)
     assert here.names == there.names
     np.testing.assert_allclose(here.positions[1:], there.positions, atol=2e-4)
     one, two = facts_of("walk/131_01_styled.bvh")[1], facts_of("walk/131_01_styled_metres.bvh")[1]
@@ -125,7 +125,7 @@ def test_equal_motions_in_different_units() -> None:
 @pytest.mark.shared
 def test_the_gltf_of_a_dancer_is_its_bvh() -> None:
     """Blender's export: metres, the same keys at 30 instead of 40 frames per second."""
-    bvh, gltf = facts_of("group/perfume_aachan.bvh"), find_facts(read("group/perfume_aachan.glb"))
+    bvh, gltf = facts_of("group/perfume_aachan.bvh"), analyze_motion(read("group/perfume_aachan.glb"))
     assert (bvh[0].frames, bvh[0].fps) == (gltf[0].frames, pytest.approx(40.0, rel=1e-3))
     assert gltf[0].fps == pytest.approx(30.0, rel=1e-3)
     assert bvh[0].mapped == gltf[0].mapped
@@ -138,7 +138,7 @@ def test_the_gltf_of_a_dancer_is_its_bvh() -> None:
 @pytest.mark.shared
 @pytest.mark.parametrize("name", ["49_10", "49_11", "49_12", "49_14"])
 def test_amc_files_find_their_skeleton(name: str) -> None:
-    facts, _ = find_facts(read(f"asfamc/{name}.amc"))
+    facts, _ = analyze_motion(read(f"asfamc/{name}.amc"))
     assert (facts.joints, facts.end_sites, facts.channels, facts.fps) == (31, 7, 62, 120.0)
     assert (facts.up, facts.root_offset, facts.tpose_first) == ("Y", "zero", False)
     assert facts.unit_m == pytest.approx(0.0564444, rel=1e-4)
@@ -159,12 +159,12 @@ def test_six_channels_and_three_are_one_motion() -> None:
     rows = "\n".join(" ".join(map(repr, row)) for row in motion.values[:, keep].tolist())
     lines = numbers.splitlines()
     other = parse_bvh(f"{three}MOTION\n{lines[1]}\n{lines[2]}\n{rows}\n", "three")
-    one, two = (find_facts(source_of_bvh(each))[1].positions for each in (motion, other))
+    one, two = (analyze_motion(bvh_to_source_motion(each))[1].positions for each in (motion, other))
     np.testing.assert_allclose(one, two, atol=1e-5)
 
 
 def made(values: np.ndarray, **how: object) -> SourceMotion:
-    return source_of_bvh(parse_bvh(body_bvh(values, **how), "made.bvh"))  # type: ignore[arg-type]
+    return bvh_to_source_motion(parse_bvh(body_bvh(values, **how), "made.bvh"))  # type: ignore[arg-type]
 
 
 def test_a_made_walk() -> None:
@@ -172,7 +172,7 @@ def test_a_made_walk() -> None:
     values = still(91)
     values[:, 0] = np.linspace(0.0, 150.0, 91)
     for scale, unit in ((1.0, 0.01), (0.01, 1.0)):
-        facts, tracks = find_facts(made(values, scale=scale))
+        facts, tracks = analyze_motion(made(values, scale=scale))
         assert (facts.joints, facts.end_sites, facts.channels, facts.frames) == (21, 5, 66, 91)
         assert facts.unit_m == pytest.approx(unit)
         assert facts.seconds == pytest.approx(91 / 60)
@@ -185,19 +185,19 @@ def test_a_made_walk() -> None:
 
 def test_lines_and_rates_and_axes() -> None:
     text = body_bvh(danced(120))
-    lf, crlf = (source_of_bvh(parse_bvh(each.encode(), "x")) for each in (text, text.replace("\n", "\r\n")))
-    np.testing.assert_array_equal(find_facts(lf)[1].positions, find_facts(crlf)[1].positions)
-    facts, tracks = find_facts(lf, fps=30.0)
+    lf, crlf = (bvh_to_source_motion(parse_bvh(each.encode(), "x")) for each in (text, text.replace("\n", "\r\n")))
+    np.testing.assert_array_equal(analyze_motion(lf)[1].positions, analyze_motion(crlf)[1].positions)
+    facts, tracks = analyze_motion(lf, fps=30.0)
     assert (facts.header_fps, facts.fps, facts.seconds) == (pytest.approx(60.0), 30.0, 4.0)
-    standing = find_facts(made(danced(120), z_up=True))
+    standing = analyze_motion(made(danced(120), z_up=True))
     assert standing[0].up == "Z"
     np.testing.assert_allclose(standing[1].positions, tracks.positions, atol=1e-4)
 
 
 def test_what_cannot_be_told_is_null_and_said() -> None:
     text = "HIERARCHY\nROOT base { OFFSET 0 5 0 CHANNELS 4 Xposition Yposition Zposition Xrotation }\n"
-    motion = source_of_bvh(parse_bvh(f"{text}MOTION\nFrames: 1\nFrame Time: 1\n1 2 3 4\n", "x"))
-    facts, tracks = find_facts(motion)
+    motion = bvh_to_source_motion(parse_bvh(f"{text}MOTION\nFrames: 1\nFrame Time: 1\n1 2 3 4\n", "x"))
+    facts, tracks = analyze_motion(motion)
     assert (facts.unit_m, facts.up, facts.root_offset) == (None, None, None)
     assert (facts.floor_m, facts.height_m, facts.travel_m) == (None, None, None)
     assert set(facts.mapped.values()) == {None}
@@ -205,15 +205,15 @@ def test_what_cannot_be_told_is_null_and_said() -> None:
     for part in ("no body", "OFFSET", "up axis is unknown", "length of a unit"):
         assert part in words
     assert tracks.positions.tolist() == [[[1.0, 7.0, 3.0]]]
-    given, tracks = find_facts(
-        source_of_bvh(parse_bvh(f"{text}MOTION\nFrames: 1\nFrame Time: 1\n1 2 3 4\n", "x")), unit_m=0.1
+    given, tracks = analyze_motion(
+        bvh_to_source_motion(parse_bvh(f"{text}MOTION\nFrames: 1\nFrame Time: 1\n1 2 3 4\n", "x")), unit_m=0.1
     )
     assert given.floor_m == pytest.approx(0.7)
     np.testing.assert_allclose(tracks.positions, [[[0.1, 0.7, 0.3]]])
 
 
 def test_a_unit_that_makes_a_giant_is_doubted() -> None:
-    facts, _ = find_facts(made(still(3)), unit_m=1.0)
+    facts, _ = analyze_motion(made(still(3)), unit_m=1.0)
     assert facts.unit_m == 1.0
     assert any("the dancer is 173 m tall" in one.what for one in facts.warnings)
 
@@ -224,8 +224,8 @@ def test_a_root_that_stays_is_named() -> None:
     head, numbers = text.split("Frame Time", 1)
     rows = numbers.splitlines()[1:]
     moved = [f"{n} " + row.split(" ", 1)[1] for n, row in enumerate(rows)]
-    motion = source_of_bvh(parse_bvh(f"{head}Frame Time: 0.1\n" + "\n".join(moved), "x"))
-    facts, _ = find_facts(motion)
+    motion = bvh_to_source_motion(parse_bvh(f"{head}Frame Time: 0.1\n" + "\n".join(moved), "x"))
+    facts, _ = analyze_motion(motion)
     assert any("the root World does not move; Hips below it travels" in one.what for one in facts.warnings)
     assert facts.travel_m == pytest.approx(0.19)
 
@@ -234,16 +234,16 @@ def test_a_body_that_floats_is_told() -> None:
     """Half of the time 20 cm over the place where it stood at first, as recordings from video drift."""
     drifting = still(200)
     drifting[60:, 1] += 20.0
-    facts, _ = find_facts(made(drifting))
+    facts, _ = analyze_motion(made(drifting))
     assert any("0.20 m over the floor half of the time" in one.what for one in facts.warnings)
-    facts, _ = find_facts(made(still(200)))
+    facts, _ = analyze_motion(made(still(200)))
     assert not any("over the floor" in one.what for one in facts.warnings)
 
 
 def test_glitches_are_warnings_with_their_frame() -> None:
     values = danced(240)
     values[100, column("LeftArm", "Z")] += 90.0
-    facts, _ = find_facts(made(values))
+    facts, _ = analyze_motion(made(values))
     assert any(one.frame in (99, 100) and "LeftForeArm" in one.what for one in facts.warnings)
 
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation, Slerp
 
-from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
+from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.gltf_reader import parse_gltf
 from live.motion.formats.source_motion import LocalPose, SourceMotion, world_pose
@@ -32,7 +32,7 @@ def matrix(place: np.ndarray, turn: np.ndarray, scale: np.ndarray) -> np.ndarray
 def test_a_glb_and_the_bvh_it_was_made_from_hold_the_same_motion() -> None:
     glb = parse_gltf(mocap_file("group/perfume_aachan.glb").read_bytes(), "aachan.glb")
     path = mocap_file("group/perfume_aachan.bvh")
-    bvh = source_of_bvh(parse_bvh(path.read_bytes(), path.name), None)
+    bvh = bvh_to_source_motion(parse_bvh(path.read_bytes(), path.name), None)
     assert (glb.frame_count, glb.header_fps, glb.unit_m, glb.up) == (2820, 30.0, 1.0, "Y")
     assert glb.warnings == ()
     assert sorted(glb.names) == sorted(bvh.names)

@@ -10,7 +10,7 @@ import pytest
 
 from live.motion.formats.acclaim_motion import parse_amc
 from live.motion.formats.acclaim_skeleton import parse_asf
-from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
+from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.retarget import retarget
@@ -23,7 +23,7 @@ FREE, PER_BYTE = 64_000_000, 20
 
 
 def read_bvh(data: bytes) -> SourceMotion:
-    return source_of_bvh(parse_bvh(data, "x"))
+    return bvh_to_source_motion(parse_bvh(data, "x"))
 
 
 def read_amc(data: bytes) -> SourceMotion:

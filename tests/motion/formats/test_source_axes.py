@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
+from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.source_axes import (
     ENGINE_LEG,
     body_height,
@@ -18,7 +18,7 @@ from tests.motion.formats.made_bvh import STANDING_CM, body_bvh, column, danced,
 
 
 def read(values: np.ndarray, **how: object) -> tuple[SourceMotion, SourceBody, np.ndarray]:
-    motion = source_of_bvh(parse_bvh(body_bvh(values, **how), "made"))  # type: ignore[arg-type]
+    motion = bvh_to_source_motion(parse_bvh(body_bvh(values, **how), "made"))  # type: ignore[arg-type]
     body = find_body(motion)
     return motion, body, standing_pose(motion, body, None)[0].positions
 

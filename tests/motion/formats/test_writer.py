@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from live.motion.clip import Clip
 from live.motion.formats.gltf_reader import parse_gltf
-from live.motion.formats.gltf_writer import bone_figure, write_glb
+from live.motion.formats.gltf_writer import bone_mesh, write_glb
 from live.motion.formats.source_motion import LocalPose, world_pose
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.retarget import retarget
@@ -189,7 +189,7 @@ def test_the_rate_is_sixty_or_the_clips_own() -> None:
 
 
 def test_the_figures_faces_look_outwards() -> None:
-    figure = bone_figure()
+    figure = bone_mesh()
     corners = figure.positions.reshape(-1, 8, 3, 3).astype(np.float64)
     middle = corners.mean(axis=(1, 2))[:, None]
     outwards = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.motion.editing.turn_insertion import SupportTurns, soft_progress
+from live.motion.editing.turn_insertion import SupportTurns, ease_progress
 from live.motion.pose.root_warp_kernels import KNOTS
 from live.motion.pose.turn_kernels import eased_share, place_dancers
 
@@ -49,7 +49,7 @@ def test_the_same_as_the_closed_form():
     aimed[:, 2] = chance.uniform(0, 0.8, DANCERS)
     out = np.empty((DANCERS, 4))
     place_dancers(out, placement, correction, aimed, fraction, node, as_rows(turns), rise, np.ones(DANCERS))
-    own = turns.take(node)
+    own = turns.select(node)
     x, z = own.displacement(fraction, correction[:, 2]).T
     c, s = np.cos(placement[:, 2]), np.sin(placement[:, 2])
     risen = np.array(
@@ -74,7 +74,7 @@ def test_spread_over_the_measure_the_body_alone_turns():
 
 @given(st.floats(0, 1), st.floats(0, 0.5))
 def test_a_turn_speeds_up_and_slows_down_as_the_closed_form_says(passed, softness):
-    assert eased_share(passed, softness) == pytest.approx(float(soft_progress(passed, softness)), abs=1e-9)
+    assert eased_share(passed, softness) == pytest.approx(float(ease_progress(passed, softness)), abs=1e-9)
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(0, 1))

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.motion.quality.metrics import alignment, mean_speed, motion_beats, offsets
+from live.motion.quality.metrics import beat_alignment, beat_offsets, mean_speed, motion_beats
 
 times = st.lists(st.floats(0.0, 30.0), min_size=0, max_size=20)
 
@@ -30,7 +30,7 @@ def test_what_stands_still_or_is_too_short_has_no_beats():
 
 @given(times, times)
 def test_offsets_by_a_loop(beats, others):
-    found = offsets(np.array(beats), np.array(others))
+    found = beat_offsets(np.array(beats), np.array(others))
     if not beats or not others:
         assert len(found) == 0
         return
@@ -42,11 +42,11 @@ def test_offsets_by_a_loop(beats, others):
 def test_the_two_directions_differ():
     """Every beat of the music has a move, but only every second move is on a beat."""
     music, motion = np.arange(10.0), np.arange(0.0, 9.6, 0.5)
-    assert alignment(music, motion) == pytest.approx(1.0)
-    assert alignment(motion, music) == pytest.approx(0.5, abs=1e-6)
+    assert beat_alignment(music, motion) == pytest.approx(1.0)
+    assert beat_alignment(motion, music) == pytest.approx(0.5, abs=1e-6)
 
 
 def test_the_kernel_is_50_ms_wide():
-    assert alignment(np.array([1.0]), np.array([1.05])) == pytest.approx(math.exp(-0.5))
-    assert alignment(np.array([1.0]), np.zeros(0)) == 0.0
-    assert alignment(np.zeros(0), np.array([1.0])) is None
+    assert beat_alignment(np.array([1.0]), np.array([1.05])) == pytest.approx(math.exp(-0.5))
+    assert beat_alignment(np.array([1.0]), np.zeros(0)) == 0.0
+    assert beat_alignment(np.zeros(0), np.array([1.0])) is None

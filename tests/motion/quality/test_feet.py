@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.motion.foot_contact import TOES_OVER_SOLE
-from live.motion.quality.metrics import skates, skating_balls, slide_speeds, slides
+from live.motion.quality.metrics import contact_slide_speeds, skating_balls, skating_frames, slide_speeds
 from live.motion.skeleton import SKELETON
 
 
@@ -22,9 +22,9 @@ def test_a_body_that_is_pulled_slides_at_that_speed(speed, rate):
     position = standing(20, speed=speed, rate=rate)
     np.testing.assert_allclose(slide_speeds(position, rate), speed, atol=1e-9)
     both = np.ones((20, 2), np.bool_)
-    assert slides(position, both, rate).shape == (38,)
+    assert contact_slide_speeds(position, both, rate).shape == (38,)
     both[10] = False
-    assert slides(position, both, rate).shape == (34,)
+    assert contact_slide_speeds(position, both, rate).shape == (34,)
 
 
 def test_of_heel_and_ball_the_stiller_counts():
@@ -38,19 +38,21 @@ def test_many_dancers_are_each_of_them():
     one, two = standing(30, speed=0.2), standing(30, speed=1.0)
     both = np.stack([one, two], axis=1)
     np.testing.assert_allclose(slide_speeds(both, 60.0)[:, 1], slide_speeds(two, 60.0))
-    np.testing.assert_array_equal(skates(both, 60.0), np.stack([skates(one, 60.0), skates(two, 60.0)], axis=1))
+    np.testing.assert_array_equal(
+        skating_frames(both, 60.0), np.stack([skating_frames(one, 60.0), skating_frames(two, 60.0)], axis=1)
+    )
 
 
 @pytest.mark.parametrize(("speed", "skating"), [(0.4, 0.0), (0.6, 1.0)])
 def test_who_is_pulled_faster_than_half_a_metre_a_second_skates(speed, skating):
-    found = skates(standing(200, speed=speed), 60.0)
+    found = skating_frames(standing(200, speed=speed), 60.0)
     assert found[3:-3].mean() == skating
 
 
 def test_a_foot_in_the_air_does_not_skate():
     position = standing(100, speed=2.0)
     position[..., 1] += 0.06
-    assert not skates(position, 60.0).any()
+    assert not skating_frames(position, 60.0).any()
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(2, 30))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from live.cli.bench import load_bench
-from live.motion.quality.metrics import StepFigures
+from live.motion.quality.metrics import StepMetrics
 from live.motion.step_clip import StepClip
 from tests.motion.editing.made_steps import sketched
 
@@ -26,17 +26,17 @@ def test_every_bar_is_held_on_the_projects_own_sketches(tmp_path: Path) -> None:
 
 def test_a_foot_that_glides_and_a_body_that_is_pulled_along_slide() -> None:
     step = sketched("walk")
-    assert StepFigures(step).slide == pytest.approx(0.0, abs=1e-4)
+    assert StepMetrics(step).mean_slide == pytest.approx(0.0, abs=1e-4)
     pulled = [pulled_along(step, speed) for speed in (0.3, 0.8)]
-    assert [each.slide for each in pulled] == pytest.approx([0.3, 0.8], abs=2e-3)
+    assert [each.mean_slide for each in pulled] == pytest.approx([0.3, 0.8], abs=2e-3)
     assert pulled[0].skating < 0.7 < pulled[1].skating
 
 
-def pulled_along(step: StepClip, speed: float) -> StepFigures:
+def pulled_along(step: StepClip, speed: float) -> StepMetrics:
     """The step on a floor that moves at `speed` [m/s]."""
     root = step.clip.root_position.copy()
     root[:, 0] += np.arange(len(root), dtype=np.float32) * np.float32(speed / step.clip.sample_rate)
-    return StepFigures(replace(step, clip=replace(step.clip, root_position=root)))
+    return StepMetrics(replace(step, clip=replace(step.clip, root_position=root)))
 
 
 def test_a_jump_of_one_joint_is_seen() -> None:
@@ -44,15 +44,15 @@ def test_a_jump_of_one_joint_is_seen() -> None:
     rotation = step.clip.rotation.copy()
     at = round(step.first) + 30
     rotation[at, 7] = (math.cos(0.5), 0.0, 0.0, math.sin(0.5))
-    jumped = StepFigures(replace(step, clip=replace(step.clip, rotation=rotation)))
-    assert jumped.velocity_jump > 5.0 * StepFigures(step).velocity_jump
-    assert jumped.accelerations.max() > 5.0 * StepFigures(step).accelerations.max()
+    jumped = StepMetrics(replace(step, clip=replace(step.clip, rotation=rotation)))
+    assert jumped.velocity_jump > 5.0 * StepMetrics(step).velocity_jump
+    assert jumped.accelerations.max() > 5.0 * StepMetrics(step).accelerations.max()
 
 
 def test_quaternions_that_are_not_unit_make_wrong_bones_and_a_sunk_body_is_below_the_floor() -> None:
     step = sketched("samba")
-    assert StepFigures(step).bone_error < 1e-6
+    assert StepMetrics(step).bone_error < 1e-6
     longer = replace(step, clip=replace(step.clip, rotation=step.clip.rotation * np.float32(1.01)))
-    assert StepFigures(longer).bone_error > 1e-3
+    assert StepMetrics(longer).bone_error > 1e-3
     sunk = replace(step.clip, root_position=step.clip.root_position - np.array((0.0, 0.03, 0.0), np.float32))
-    assert StepFigures(replace(step, clip=sunk)).below_floor == pytest.approx(0.03, abs=2e-3)
+    assert StepMetrics(replace(step, clip=sunk)).below_floor == pytest.approx(0.03, abs=2e-3)

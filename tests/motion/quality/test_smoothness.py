@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from live.motion.quality.metrics import (
     accelerations,
-    at_samples,
     half_width,
     largest_around,
-    p99_of_raw,
+    largest_at_samples,
+    raw_p99,
     velocity_changes,
 )
 
@@ -30,7 +30,7 @@ def test_a_parabola_has_its_acceleration_and_a_kink_its_jump():
     assert change[:, 2].max() == pytest.approx(1.5)
     assert int(change[:, 2].argmax()) + 1 == 30
     assert acceleration[:, 2].max() == pytest.approx(1.5 * 60.0 / 3.0)
-    largest = at_samples(position, 60.0)
+    largest = largest_at_samples(position, 60.0)
     assert largest[0][30] == pytest.approx(1.5)
     assert largest[0][[0, -1]].tolist() == [0.0, 0.0]
     assert largest[1][[0, 1, -2, -1]].tolist() == [0.0] * 4
@@ -38,7 +38,7 @@ def test_a_parabola_has_its_acceleration_and_a_kink_its_jump():
 
 @pytest.mark.parametrize("count", range(6))
 def test_short_motions_have_zeros(count):
-    change, acceleration = at_samples(np.zeros((count, 2, 22, 3)), 60.0)
+    change, acceleration = largest_at_samples(np.zeros((count, 2, 22, 3)), 60.0)
     assert change.shape == acceleration.shape == (count, 2)
     assert not change.any()
     assert not acceleration.any()
@@ -66,19 +66,19 @@ def test_p99_of_raw_is_that_of_every_place():
     trace = np.ones(20_000)
     trace[5000:5560] = 3.0
     trace[12_000:12_010] = 50.0
-    assert p99_of_raw([trace], 0.1, 60.0) == 3.0
+    assert raw_p99([trace], 0.1, 60.0) == 3.0
     windows = np.lib.stride_tricks.sliding_window_view(trace, 13).max(axis=1)
     assert np.percentile(windows, 99) == 3.0
-    assert p99_of_raw([], 0.1, 60.0) == 0.0
-    assert p99_of_raw([np.array([1.0, 2.0]), np.array([3.0])], 0.2, 60.0) == 3.0
+    assert raw_p99([], 0.1, 60.0) == 0.0
+    assert raw_p99([np.array([1.0, 2.0]), np.array([3.0])], 0.2, 60.0) == 3.0
 
 
 def test_longer_clips_count_more():
     short, long = np.full(100, 9.0), np.full(100_000, 1.0)
-    assert p99_of_raw([short, long], 0.1, 60.0) == 1.0
-    assert p99_of_raw([short, long[:2000]], 0.1, 60.0) == 9.0
+    assert raw_p99([short, long], 0.1, 60.0) == 1.0
+    assert raw_p99([short, long[:2000]], 0.1, 60.0) == 9.0
 
 
 def test_the_same_places_every_time():
     trace = np.random.default_rng(1).uniform(size=5000) ** math.pi
-    assert p99_of_raw([trace], 0.2, 60.0) == p99_of_raw([trace], 0.2, 60.0)
+    assert raw_p99([trace], 0.2, 60.0) == raw_p99([trace], 0.2, 60.0)

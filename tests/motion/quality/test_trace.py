@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.motion.quality.metrics import at_samples, mean_speed, skates
-from live.motion.quality.motion_recorder import MotionTrace
+from live.motion.quality.metrics import largest_at_samples, mean_speed, skating_frames
+from live.motion.quality.motion_recorder import MotionRecorder
 
 
 @settings(max_examples=30)
@@ -14,21 +14,21 @@ from live.motion.quality.motion_recorder import MotionTrace
 def test_picture_by_picture_is_all_at_once(seed, count, rate):
     chance = np.random.default_rng(seed)
     motion = np.cumsum(chance.normal(0.0, 0.02, (count, 3, 22, 3)), axis=0).astype(np.float32)
-    trace = MotionTrace(rate)
+    trace = MotionRecorder(rate)
     for picture in motion:
         trace.add(picture)
-    change, acceleration = at_samples(motion, rate)
+    change, acceleration = largest_at_samples(motion, rate)
     found = trace.largest()
     np.testing.assert_allclose(found[0], change, atol=1e-9)
     np.testing.assert_allclose(found[1], acceleration, atol=1e-9)
     np.testing.assert_allclose(trace.speeds(), mean_speed(motion, rate), atol=1e-9)
-    frames = skates(motion, rate)
+    frames = skating_frames(motion, rate)
     if len(frames):
         assert trace.skating_ratio() == pytest.approx(float(frames.mean()), abs=1.5 / frames.size)
 
 
 def test_pictures_are_copied():
-    trace, picture = MotionTrace(60.0), np.zeros((1, 22, 3), np.float32)
+    trace, picture = MotionRecorder(60.0), np.zeros((1, 22, 3), np.float32)
     for _ in range(10):
         trace.add(picture)
         picture += 1.0  # as a show fills the same array again and again
@@ -36,7 +36,7 @@ def test_pictures_are_copied():
 
 
 def test_one_picture_says_nothing():
-    trace = MotionTrace(60.0)
+    trace = MotionRecorder(60.0)
     trace.add(np.zeros((2, 22, 3), np.float32))
     assert trace.skating_ratio() is None
     assert trace.speeds().size == 0

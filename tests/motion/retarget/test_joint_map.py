@@ -2,7 +2,7 @@
 
 import pytest
 
-from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
+from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.joint_mapping import find_body, map_joints, split_name
 from live.motion.skeleton import SKELETON
@@ -25,7 +25,7 @@ def skeleton(*paths: str) -> SourceMotion:
     (root, children) = next(iter(tree.items()))
     text = "HIERARCHY\n" + write(root, children, "ROOT")
     count = text.count("CHANNELS")
-    return source_of_bvh(parse_bvh(f"{text}MOTION\nFrames: 1\nFrame Time: 0.1\n{'0 ' * count}\n", "made"))
+    return bvh_to_source_motion(parse_bvh(f"{text}MOTION\nFrames: 1\nFrame Time: 0.1\n{'0 ' * count}\n", "made"))
 
 
 @pytest.mark.parametrize(
@@ -131,7 +131,7 @@ def test_names_in_the_wrong_place_do_not_count() -> None:
 
 
 def test_a_body_is_complete() -> None:
-    body = find_body(source_of_bvh(parse_bvh(body_bvh(still()), "made")))
+    body = find_body(bvh_to_source_motion(parse_bvh(body_bvh(still()), "made")))
     assert body.missing == ()
     assert body.joint("leftUpperLeg") == 13
     assert len(body.spine) == 2
@@ -144,7 +144,7 @@ def test_hundreds_of_joints_of_one_name_take_no_time() -> None:
     names = ["LeftUpLeg"] * 330 + ["LeftLeg"] * 330 + ["LeftThing"] * 330
     text += "".join(f"JOINT {name} {{ OFFSET 0 1 0\n" for name in names) + "}" * (len(names) + 1)
     motion = parse_bvh(f"{text}\nMOTION\nFrames: 1\nFrame Time: 0.1\n0\n", "made")
-    assert find_body(source_of_bvh(motion)).joints["leftUpperLeg"] is None
+    assert find_body(bvh_to_source_motion(motion)).joints["leftUpperLeg"] is None
     assert find_body(skeleton(chain)).joints["leftUpperLeg"] is None
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.formats.bvh_reader import parse_bvh, source_of_bvh
+from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_axes import standing_pose
 from live.motion.formats.source_motion import SourceMotion
@@ -44,7 +44,7 @@ REAL = {
 
 
 def made(values: np.ndarray, **how: object) -> SourceMotion:
-    return source_of_bvh(parse_bvh(body_bvh(values, **how), "made.bvh"))  # type: ignore[arg-type]
+    return bvh_to_source_motion(parse_bvh(body_bvh(values, **how), "made.bvh"))  # type: ignore[arg-type]
 
 
 def positions_of(clip: Clip) -> np.ndarray:
@@ -226,7 +226,7 @@ def test_a_believable_unit_passes() -> None:
 def test_what_is_no_body_is_refused() -> None:
     text = "HIERARCHY\nROOT base { OFFSET 0 0 0 CHANNELS 1 Xrotation }\nMOTION\nFrames: 1\nFrame Time: 1\n0\n"
     with pytest.raises(MotionFileError, match=r"no joints found for leftUpperLeg, .* among base"):
-        retarget(source_of_bvh(parse_bvh(text, "x.bvh")), name="x")
+        retarget(bvh_to_source_motion(parse_bvh(text, "x.bvh")), name="x")
 
 
 def test_legs_without_length_are_refused() -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.motion.quality.metrics import skates
+from live.motion.quality.metrics import skating_frames
 from live.motion.skeleton import SKELETON
 from live.motion.sketch.sketch_clips import step_clips
 from live.motion.sketch.sketch_file import parse_sketch
@@ -81,7 +81,7 @@ def test_steps_do_not_skate(own: list[StepClip], bpm: float) -> None:
             continue
         rate = step.clip.sample_rate * bpm / step.bpm
         # one frame of a measure at the fastest: samba has a fifth of a beat for 40 cm; all others skate in none
-        assert skates(joints(step)[0], rate).mean() <= (0.015 if step.step == "samba" else 0.0), step.clip.name
+        assert skating_frames(joints(step)[0], rate).mean() <= (0.015 if step.step == "samba" else 0.0), step.clip.name
 
 
 def test_no_joint_turns_over_between_two_samples(own: list[StepClip]) -> None:

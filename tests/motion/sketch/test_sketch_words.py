@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.motion.sketch.sketch_notation import PARTS, WordError, read_counts, read_phrases
+from live.motion.sketch.sketch_notation import PARTS, NotationError, read_counts, read_phrases
 
 
 @pytest.mark.parametrize(
@@ -28,7 +28,7 @@ def test_counts(text: str, beats: list[float]) -> None:
 
 @pytest.mark.parametrize("text", ["", "0", "5", "1b", "&", "-1", "1..5", "nan", "1e5", "one", "4.99999999999", "1 x"])
 def test_what_is_no_count(text: str) -> None:
-    with pytest.raises(WordError):
+    with pytest.raises(NotationError):
         read_counts(text, 4.0)
 
 
@@ -77,7 +77,7 @@ def test_flags_take_no_number() -> None:
     ],
 )
 def test_every_mistake_names_a_remedy(text: str, part: str, says: str) -> None:
-    with pytest.raises(WordError) as caught:
+    with pytest.raises(NotationError) as caught:
         read_phrases(text, part, PARTS[part])
     assert says in caught.value.remedy
     assert caught.value.problem
@@ -87,6 +87,6 @@ def test_every_mistake_names_a_remedy(text: str, part: str, says: str) -> None:
 def test_any_text_is_read_or_refused(part: str, text: str) -> None:
     try:
         amounts = read_phrases(text, part, PARTS[part])
-    except WordError:
+    except NotationError:
         return
     assert all(math.isfinite(amount) for amount in amounts.values())

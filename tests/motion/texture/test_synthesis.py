@@ -8,7 +8,7 @@ import pytest
 from live.base.errors import PersonError
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.quality.metrics import slides
+from live.motion.quality.metrics import contact_slide_speeds
 from live.motion.texture.foot_constraints import texture_weights, trim_calibration_poses
 from live.motion.texture.frequency_bands import RATE, columns_of, sample_clip, split_bands, tracks_of
 from live.motion.texture.texture_corpus import make_corpus
@@ -92,7 +92,7 @@ def test_feet_that_stand_stay_and_hips_may_sway() -> None:
         standing = step.contact[:, foot]
         assert moved[standing][:, feet[2 * foot : 2 * foot + 2]].max() < 2e-3
     assert np.abs(made.rotation - step.rotation).max() > 0.01
-    slide = [float(slides(one, step.contact, step.sample_rate).mean()) for one in places]
+    slide = [float(contact_slide_speeds(one, step.contact, step.sample_rate).mean()) for one in places]
     assert slide[1] < slide[0] + 0.005
 
 

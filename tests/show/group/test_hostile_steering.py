@@ -7,7 +7,7 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.control.events import events
-from live.motion.quality.metrics import slides
+from live.motion.quality.metrics import contact_slide_speeds
 from live.show.loader import load_from_patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PATCHES
@@ -68,7 +68,7 @@ class Seen:
         if self._contact is not None:
             both = there & self.there[-1]
             feet = np.stack([self.positions[-1], position])[:, both], np.stack([self._contact, contact])[:, both]
-            self.slides.append(slides(*feet, 1.0 / TICK))
+            self.slides.append(contact_slide_speeds(*feet, 1.0 / TICK))
         self.positions.append(position)
         self.there.append(there)
         self._contact = contact
