@@ -18,7 +18,7 @@ from live.motion.beats.dance_rhythm import find_rhythm
 from live.motion.beats.tempo_estimation import find_two_beat_lines
 from live.motion.clip import Clip
 from live.motion.partner.evaluation import FollowerErrors, follower_errors, joint_positions, slide_metrics
-from live.motion.partner.partner_synthesis import SearchSettings, beat_offsets, find_partner, shown_beats
+from live.motion.partner.partner_synthesis import SearchSettings, find_partner, period_offsets, shown_beats
 from live.motion.partner.units import cut_units
 from live.motion.partner_live.live_partner import agreement_of, evaluate_live, similar_units
 from live.motion.quality.metrics import beat_offsets
@@ -127,14 +127,14 @@ def _one(known: PartnerExamples, take: int, tally: Tally) -> None:
     tally.add("search, on the beat", locked.clip, locked.answer.clip.contact, truth, led)
     period, first = float(np.diff(beats).mean()), float(beats[0])
     for name, one in (("search", found), ("search, on the beat", locked)):
-        away = beat_offsets(shown_beats(one.answer, one.reading, units), period, first)
+        away = period_offsets(shown_beats(one.answer, one.reading, units), period, first)
         tally.offsets.setdefault(name, []).extend(np.abs(away).tolist())
     live, told = evaluate_live(leader, x, units, on_beat, time.thread_time)
     tally.add("live", live.clip, live.answer.clip.contact, truth, led)
     tally.live.append(told["live"])
     tally.apart.append([_nearest(one, led) for one in (truth, joint_positions(found.clip), joint_positions(live.clip))])
     landed = find_rhythm(real).contact_times
-    tally.offsets.setdefault("the real one's feet", []).extend(np.abs(beat_offsets(landed, period, first)).tolist())
+    tally.offsets.setdefault("the real one's feet", []).extend(np.abs(period_offsets(landed, period, first)).tolist())
     tally.lags.append(agreement_by_lag(x, units, on_beat, locked.reading, LAGS, similar_units(units)))
     scale = OTHER_RATE / search.rate
     again = find_partner(leader, x, units, replace(on_beat, rate=OTHER_RATE, k=search.k * scale))

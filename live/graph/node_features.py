@@ -190,7 +190,7 @@ def _turns(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
         step, measure = _measure(library, node)
         turns.append(support_turns(step, measure, window=min(window, 0.9), softness=TURN_SOFTNESS, feet=feet[clip]))
     rows = np.ascontiguousarray(np.stack([turn.rows() for turn in turns]))
-    return rows, np.array([float(turn.quickest) for turn in turns])
+    return rows, np.array([float(turn.max_speed) for turn in turns])
 
 
 def _warp_curves(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float64]:

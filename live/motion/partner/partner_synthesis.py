@@ -159,7 +159,7 @@ def shown_beats(made: Answer, reading: Reading, units: Units) -> Float64:
     return np.sort(np.concatenate(times)) if times else np.zeros(0)
 
 
-def beat_offsets(shown: Float64, period: float, first: float) -> Float64:
+def period_offsets(shown: Float64, period: float, first: float) -> Float64:
     """Return the signed offsets of shown beats from the nearest beats, `period` [s] apart, one at `first` [s]."""
     phase = (shown - first) / period
     return np.asarray((phase - np.round(phase)) * period)

@@ -24,7 +24,7 @@ def go(along, x, *, wanted=True, measures=0.0, own_place=False, asked=ASKED, hip
         Pair(0, LEADER, FOLLOWER, own_place), asked, read, wanted=wanted, danced=0.0, measures=measures,
         hips=hips, agents=hips, dt=DT,
     )  # fmt: skip
-    hips += along.moved.astype(np.float32)
+    hips += along.displacement.astype(np.float32)
 
 
 def test_an_answer_comes_in_over_a_measure_and_goes_out_over_one():
