@@ -41,6 +41,16 @@ class AgentCommand:
         kept[:, [SPEED, PRESENCE]] = 0xFFFFFFFF
         self._kept = kept.reshape(-1)
 
+    def reset(self, speed: Float32, separation: float) -> None:
+        """Reset all commands except presence; set the speed limit to `speed` (A,) [m/s] and `separation` [m]."""
+        self.rows[:, :PRESENCE] = 0.0
+        self.rows[:, SPEED], self.rows[:, SEPARATION] = speed, separation
+
+    def raise_firm_speeds(self, speed: Float32, factor: float) -> None:
+        """Raise the speed limit of agents with a firm command to `factor` times `speed` (A,) [m/s]."""
+        firm = self.rows[:, FIRM] > 0.0
+        self.rows[firm, SPEED] = speed[firm] * np.float32(factor)
+
     @property
     def velocity(self) -> Float32:
         """Preferred velocity [m/s], shape (A, 2); clamped to `speed`."""

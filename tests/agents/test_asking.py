@@ -3,14 +3,7 @@
 import numpy as np
 
 from live.agents.agent_command import ABSENT, FIRM, ON_STAGE, PASSING, PRESENCE, SEPARATION, SPEED, AgentCommand
-from live.agents.agent_command_kernels import (
-    any_agent_in,
-    hold_on_leash,
-    raise_firm_speeds,
-    reset_commands,
-    same_indices,
-    write_presence,
-)
+from live.agents.agent_command_kernels import hold_on_leash, write_presence
 
 COUNT = 40
 
@@ -25,7 +18,7 @@ def drawn(seed=1):
 def test_nobody_wants_anything_but_room_and_her_speed():
     chance, wants = drawn()
     before, speed = wants.rows.copy(), chance.uniform(0.5, 2.0, COUNT).astype(np.float32)
-    reset_commands(wants.rows, speed, 0.9)
+    wants.reset(speed, 0.9)
     expected = np.zeros_like(before)
     expected[:, PRESENCE], expected[:, SPEED], expected[:, SEPARATION] = before[:, PRESENCE], speed, np.float32(0.9)
     np.testing.assert_array_equal(wants.rows, expected)
@@ -34,7 +27,7 @@ def test_nobody_wants_anything_but_room_and_her_speed():
 def test_only_the_firm_hurry():
     chance, wants = drawn()
     before, speed = wants.rows.copy(), chance.uniform(0.5, 2.0, COUNT).astype(np.float32)
-    raise_firm_speeds(wants.rows, speed, 1.6)
+    wants.raise_firm_speeds(speed, 1.6)
     firm = before[:, FIRM] > 0.0
     assert 0 < firm.sum() < COUNT
     np.testing.assert_array_equal(wants.speed, np.where(firm, speed * np.float32(1.6), before[:, SPEED]))
@@ -46,15 +39,6 @@ def test_presence_follows_the_state_and_who_passes_is_counted():
     state = chance.integers(0, 5, COUNT).astype(np.int8)
     assert write_presence(wants.rows, state, presence, PASSING) == np.isin(state, (2, 4)).sum()
     np.testing.assert_array_equal(wants.presence, presence[state])
-    assert [any_agent_in(state, k) for k in range(6)] == [bool((state == k).any()) for k in range(6)]
-
-
-def test_arrays_are_the_same_or_not():
-    one = np.arange(COUNT, dtype=np.int32)
-    other = one.copy()
-    assert same_indices(one, other)
-    other[-1] = 0
-    assert not same_indices(one, other)
 
 
 def test_leashes_are_for_those_who_are_seen_and_under_no_plan():

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.agent_command import ABSENT, ON_STAGE, PASSING, AgentCommand
-from live.agents.agent_command_kernels import any_agent_in, write_presence
+from live.agents.agent_command_kernels import write_presence
 from live.agents.entrances.gate import Gate
 
 Float32 = npt.NDArray[np.float32]
@@ -101,9 +101,9 @@ class Entrances:
 
         `position` (A, 2) [m] of the agents: entering ones are moved to their waiting places, the others are only read.
         """
-        if any_agent_in(self.state, LEAVING):
+        if (self.state == LEAVING).any():
             self.state[(self.state == LEAVING) & self._outside(position)] = WAITING
-        if not any_agent_in(self.state, CALLED):
+        if not (self.state == CALLED).any():
             return np.zeros(0, np.intp)
         rows = np.flatnonzero(self.state == CALLED)
         for index, gate in enumerate(self.gates):
@@ -116,7 +116,7 @@ class Entrances:
 
     def update_arrivals(self, position: Float32) -> None:
         """Mark entering dancers that have reached their goals as on the stage; agents at `position` (A, 2) [m]."""
-        if not any_agent_in(self.state, ENTERING):
+        if not (self.state == ENTERING).any():
             return
         rows = np.flatnonzero(self.state == ENTERING)
         way, half = self.goal[rows] - position[rows], self._size

@@ -9,7 +9,6 @@ from live.agents.crowd.obstacles import Surroundings
 from live.agents.separation.obstacle_clearance_kernels import clear_moves, clear_paths
 from live.agents.separation.path_separation_kernels import (
     evaluate_paths,
-    mask_absent,
     push_apart,
     separate_paths,
     slow_down_near,
@@ -104,7 +103,7 @@ class PathSeparation:
 
     def set_present(self, state: npt.NDArray[np.int8], present_state: int) -> None:
         """Restrict separation to the dancers whose `state` (A,) is `there`."""
-        mask_absent(self._yields, self._responsibility, state, present_state)
+        self._yields[:] = np.where(state == present_state, self._responsibility, np.float32(-1.0))
 
     def separate(
         self, paths: Paths, goal: Float64, aim_origin: Float64, max_correction: Float64, *, place: float = 0.0

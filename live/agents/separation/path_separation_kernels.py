@@ -23,13 +23,6 @@ CORRECTION_SHARE = 0.7
 """Share of the missing distance that one round corrects: several pairs may act on the same dancer."""
 
 
-@kernel("void(f4[::1], f4[::1], i1[::1], i8)")
-def mask_absent(yields: Float32, responsibility: Float32, state: Int8, present_state: int) -> None:
-    """Write `yields` (A,): `responsibility` (A,) of the dancers whose `state` (A,) is `there`, -1 for all others."""
-    for n in range(yields.shape[0]):
-        yields[n] = responsibility[n] if state[n] == present_state else np.float32(-1.0)
-
-
 @kernel("f8(f4, f8)")
 def change_weight(share: float, begun: float) -> float:
     """Return the effect at applied share `share` of a correction change made when the share `begun` was applied."""

@@ -5,13 +5,13 @@ from typing import Final
 import numpy as np
 
 from live.clock.bar_pointer.bar_pointer_kernels import (
+    LEAST,
     advance,
     change_octave,
     clear_distant,
     observe,
     phase_histogram,
     refine,
-    rescale,
     search,
 )
 from live.clock.bar_pointer.beat_regression import BeatRegression, MeasurePosition
@@ -217,7 +217,8 @@ class BarPointer:
         if total <= 0.0:  # no state has any weight left
             states.reset()
             total = phase_histogram(states.share, states.head, states.offset, states.length, states.histogram)
-        rescale(states.flat, np.float32(1.0 / total))
+        states.flat *= np.float32(1.0 / total)
+        states.flat[states.flat < LEAST] = 0.0
         self._total = 1.0
         search(
             states.histogram, states.length, states.near, states.boxes, self.interval, self._position.phase,

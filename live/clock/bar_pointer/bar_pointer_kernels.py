@@ -12,7 +12,7 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 _SLOTS, _USED = 16, 15
-_LEAST = np.float32(1e-30)
+LEAST = np.float32(1e-30)
 """Smaller values become 0: denormal numbers are slow."""
 _FENCE, _FENCE_TEMPO = 0.25, 1.15
 """States further away than this many beats, or this ratio of tempi, belong to another grid."""
@@ -163,15 +163,6 @@ def observe(
                     state[row, s] *= factor
                 grown += float(before * (factor - one))
     return grown
-
-
-@kernel("void(f4[::1], f4)")
-def rescale(flat: Float32, scale: np.float32) -> None:
-    """Multiply all states, shape (16 N,), by `scale`; too small values become 0."""
-    zero = np.float32(0.0)
-    for i in range(flat.shape[0]):
-        value = flat[i] * scale
-        flat[i] = value if value >= _LEAST else zero
 
 
 @kernel("void(f4[:,::1], i4[::1], i4[::1], i4[::1], f8, f8)")

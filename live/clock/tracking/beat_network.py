@@ -21,7 +21,6 @@ from live.clock.tracking.feature_kernels import (
     follow_level,
     gru_step,
     network_input,
-    rectify,
 )
 from live.clock.tracking.features import BAND_COUNT, BANDS_PER_WINDOW, HOP, LAGS, Samples, Spectrum
 
@@ -148,7 +147,7 @@ class BeatNetwork:
             )  # fmt: skip
         dense = self._dense[self._waiting]
         dense_layer(self._filtered, kept.dense, kept.dense_bias, dense)
-        rectify(dense)
+        np.maximum(dense, np.float32(0.0), out=dense)
         self._waiting = (self._waiting + 1) % FRAMES_PER_STEP
         if self._waiting:
             return 0

@@ -135,13 +135,6 @@ def dense_layer(values: Floats, weight: Floats, bias: Floats, out: Floats) -> No
                 out[column] += value * weight[row, column]
 
 
-@kernel("void(f4[::1])")
-def rectify(values: Floats) -> None:
-    """Set negative values to 0."""
-    for index in range(values.shape[0]):
-        values[index] = max(values[index], np.float32(0.0))
-
-
 @kernel("void(f4[::1],f4[::1],f4[::1],f4[::1])")
 def gru_step(input_term: Floats, recurrent_term: Floats, bias: Floats, memory: Floats) -> None:
     """Update one recurrent layer: memory (U,) after a frame, from the input and recurrent terms (3 U,).

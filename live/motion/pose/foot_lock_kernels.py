@@ -310,11 +310,3 @@ def pop_slide(lock: Float32, slid: Float64, stood: Float64) -> None:
         stood[n] = float(lock[n, 0, STAND_TIME]) + float(lock[n, 1, STAND_TIME])
         for side in range(2):
             lock[n, side, SLIDE] = lock[n, side, STAND_TIME] = np.float32(0.0)
-
-
-@kernel("void(b1[:,::1], f8[::1])")
-def mask_contacts(contact: Bool, wanted: Float64) -> None:
-    """Clear the `contact` (A, 2) of dancers whose `wanted` (A,) is 0, so that their feet are never held."""
-    for n in range(contact.shape[0]):
-        if wanted[n] == 0.0:
-            contact[n, 0] = contact[n, 1] = False

@@ -7,7 +7,6 @@ from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import starting_placement
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.pose.foot_lock import LEG_JOINTS, CutFootLift, FootLock
-from live.motion.pose.foot_lock_kernels import mask_contacts
 from live.motion.pose.gather_kernels import set_clearance
 from live.motion.pose.hand_hold import HandHolds
 from live.motion.pose.inertialization import Inertialization
@@ -102,7 +101,7 @@ class Dancers(CurrentMeasures):
         """Advance foot lock and texturing to the tick at `time` [s], `dt` [s] after the last one."""
         self.inertia.update_age(time)
         contact = self.contact(fraction)
-        mask_contacts(contact, self.variation.lock)
+        contact[self.variation.lock == 0.0] = False  # these feet are never held
         if self.partner_response is not None:
             contact &= ~self.partner_response.path.answering[:, None]
         position, rotation = self._legs.run(self.graph.library.leg_store)

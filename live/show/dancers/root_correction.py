@@ -5,7 +5,6 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.agent_command_kernels import same_indices
 from live.agents.entrances.entrances import ON
 from live.agents.separation.path_separation import Paths
 from live.motion.pose import root_warp_kernels
@@ -67,7 +66,7 @@ class RootCorrection:
     def begin_measure(self, present: MeasureState, reference: Float32, *, traced: bool) -> None:
         """Begin the measure `present`, whose paths are known already if `traced`. Writes the agents' `reference`
         (A, 2) [m]."""
-        if not traced or not same_indices(self.node, present.node):
+        if not traced or not np.array_equal(self.node, present.node):
             trace_paths(self.paths, self.dancers, present, slice(0, len(self.node)))
             self.end[:] = present.end_position() - present.correction[:, :2]
         if (self.node < 0).all():  # first measure: the target is the steps' own end

@@ -11,7 +11,6 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.agent_command_kernels import same_indices
 from live.agents.entrances.entrances import ON, WAITING
 from live.agents.separation.path_separation import PathSeparation
 from live.motion.capture.capture_blend_kernels import translate_plans
@@ -139,7 +138,7 @@ class RootCorrectionControl:
         dancers, carried = self._dancers, self._correction
         self.path_separation.set_present(self._separation_states(), ON)
         self._skip_separation = not self._skip_separation and len(carried.node) > LARGE_GROUP
-        if not same_indices(carried.node, dancers.present.node):
+        if not np.array_equal(carried.node, dancers.present.node):
             who = np.flatnonzero(carried.node != dancers.present.node)
             carried.replace_measures(who)
             if dancers.decided:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.agent_command import AgentCommand
-from live.agents.agent_command_kernels import hold_on_leash, raise_firm_speeds, reset_commands
+from live.agents.agent_command_kernels import hold_on_leash
 from live.agents.crowd.agent_state import AgentModel, AgentState
 from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
@@ -210,12 +210,12 @@ class GroupMotion:
             return
         timeline, span = self._now
         beat, size = timeline.beat_at(time), self._beats
-        reset_commands(wants.rows, self._speed, STANDING_SEPARATION)
+        wants.reset(self._speed, STANDING_SEPARATION)
         if self.evolutions.running:
             danced = span.danced_beats(beat, size)
             rate = (span.danced_beats(timeline.beat_at(time + TICK), size) - danced) / TICK
             self.evolutions.write(wants, state, danced, rate)
-            raise_firm_speeds(wants.rows, self._speed, MAX_SPEED_FACTOR)
+            wants.raise_firm_speeds(self._speed, MAX_SPEED_FACTOR)
         if not ahead:
             self.elements.refresh(beat, wants, state)
         self.elements.blend(wants, state, time=time, beat=beat, ahead=ahead)

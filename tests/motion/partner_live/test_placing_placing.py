@@ -16,7 +16,6 @@ from live.motion.pose.foot_lock_kernels import (
     STAND_TIME,
     extrapolate_feet,
     farthest_shift,
-    mask_contacts,
     pop_slide,
 )
 
@@ -56,10 +55,3 @@ def test_what_has_slid_is_told_once():
     pop_slide(lock, slid, stood)
     assert not slid.any()
     assert not stood.any()
-
-
-def test_only_feet_that_shall_be_held_count():
-    contact = np.ones((COUNT, 2), np.bool_)
-    wanted = np.arange(COUNT) % 2.0
-    mask_contacts(contact, wanted)
-    np.testing.assert_array_equal(contact, np.repeat((wanted > 0.0)[:, None], 2, axis=1))
