@@ -15,29 +15,33 @@ OUT = Path(__file__).resolve().parents[1] / "docs" / "patch.md"
 HEAD = """# Patch files
 
 A patch is a TOML file, or a folder with `show.toml`. Positions are stage metres (x, z): the origin is the centre of the
-stage, +x to the right as the audience sees it, +z towards the audience. Measures count from 1. Files, folders
-and steps are looked up beside the patch first, then in the project's `patches/`. `live check PATCH` says what is wrong,
-and where.
+stage, +x points to the right as the audience sees it, +z towards the audience. Measures count from 1. Files, folders
+and steps are looked up next to the patch first, then in the project's `patches/`. `live check PATCH` reports mistakes with
+their lines.
 
-**A folder** may hold parts of the patch in files of their own: beside `show.toml` those of `formations/`, `looks/` and
-`score/` whose names end in `.toml`, read in this order and that of their names. Tables in double brackets follow each
-other, keys of one table come together; one key twice is refused, with both places. Together they have at most 256 files
-and 16 MB, each at most 4 MB.
+**Folders.** A folder may hold parts of the patch in separate files: next to `show.toml`, all files of `formations/`,
+`looks/` and `score/` whose names end in `.toml`, read in this order and by name. Tables in double brackets are appended;
+keys of one table are merged. A key that occurs twice is refused, with both places. The limits are 256 files, 4 MB each and
+16 MB together.
 
-**An editor** that knows TOML schemas (taplo, Even Better TOML) completes keys, shows what they are for and underlines
-what is not allowed: `live schema --out patch.schema.json`, and `#:schema patch.schema.json` in a file's first line.
+**Editors** that know TOML schemas (taplo, Even Better TOML) complete keys, explain them and underline mistakes:
+`live schema --out patch.schema.json`, and `#:schema patch.schema.json` in a file's first line.
 
-**While a show runs** from files they may be edited: within a beat the new patch is read, checked and tried out beside
-the show, which takes it up at the next measure: what has begun goes on, what is planned is planned anew. Of the last
-beats of a measure the steps of the next one are chosen already; then they come a measure later. What was changed live
-(faders, facing, formations) stays, unless the edit changes that very value. A section that runs is found again by its
-name. What is wrong is told on the terminal, in the overlay and in the status (`patch`: `version`, `problem`, `waits`),
-and the last good patch goes on. These count from the next start on, and are told by name: `seed`, `steps`, `reserve`,
-`[music]`, `[sound]`, `[clock]`, `[link]`, `[osc]`, ports and time code of `[midi]`, `[stage]`, `steering.separation`
-and `steering.combine`, how many gates and groups there are, and of a group `dancers`, `soloists`, `radius`, `partners`,
-`arm_length`, `hands`, `formation`, `centre` and `size`. Steps may be edited too: whoever dances one finishes it, and
-begins it as it is now; a step whose file is gone is not begun any more. The journal holds the whole patch, and steps
-that have changed as they were and are: a replay needs neither of the files.
+**Editing during a show.** The files of a running show may be edited. Within a beat the new patch is read, checked and
+prepared next to the show, which adopts it at the next measure. What has begun continues; what is planned is planned again.
+In the last beats of a measure the next steps are already chosen; they change one measure later. A value that was changed
+live (fader, facing, formation) stays, unless the edit changes that value. A running section is found again by its name.
+Mistakes are shown on the terminal, in the overlay and in the status (`patch`: `version`, `problem`, `waits`); the last good
+patch stays in use.
+
+These keys take effect at the next start, and are reported by name: `seed`, `steps`, `reserve`, `[music]`, `[sound]`,
+`[clock]`, `[link]`, `[osc]`, ports and time code of `[midi]`, `[stage]`, `steering.separation`, `steering.combine`, the
+number of gates and groups, and of a group `dancers`, `soloists`, `radius`, `partners`, `arm_length`, `hands`, `formation`,
+`centre` and `size`.
+
+Steps may be edited too. A dancer finishes the step they are in, and begins the new version next time. A step whose file
+is gone is not begun again. The journal holds the whole patch, and edited steps before and after, so a replay needs none of
+the files.
 """
 
 

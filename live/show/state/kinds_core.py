@@ -80,8 +80,8 @@ KINDS: Final = [
     Kind("order", StartOrder, ""),
     Kind("delays.ripple", Ripple, "beats:float order:order arrive:arrive"),
     Kind("departure", SegmentStart, """
-        dancer_indices:i4(dancer)* position:f8* heading:f8* attributes:row[frozenset[str]] begin:float end:float measure_beats:float
-        radius:f8* half_stage:tuple[float,float] seed:int
+        dancer_indices:i4(dancer)* position:f8* heading:f8* attributes:row[frozenset[str]] begin:float end:float
+        measure_beats:float radius:f8* half_stage:tuple[float,float] seed:int
     """, is_consistent=whole.departure),
     Kind("departure.draft", MotionDraft, "motion:journey|none"),
     Kind("journey", PlannedMotion, """
@@ -106,15 +106,16 @@ KINDS: Final = [
     Kind("cost", Cost, ""),
     Kind("fill", Fill, ""),
     Kind("motion", PlannedSegment, """
-        segment:segment intention:hold|evolve|pause|trajectory|procedural departure:departure dancers:i4(dancer)* controlled:u1*
-        motion:journey|none _draft:departure.draft _actual_start:array*|none _late_calls_left:int _pieces:none
+        segment:segment intention:hold|evolve|pause|trajectory|procedural departure:departure dancers:i4(dancer)*
+        controlled:u1* motion:journey|none _draft:departure.draft _actual_start:array*|none _late_calls_left:int
+        _pieces:none
     """, is_consistent=whole.motion),
     Kind("orientation.facing", Facing, ""),
     Kind("orientation", Orientation, "facing:orientation.facing headings:row[float] smooth:bool turn_beats:float"),
     Kind("plan", Plan, """
         roster:roster available:b1 measure_beats:float _repertoire:repertoire _half:tuple[float,float] _radius:f8
-        _seed:int _entries:list[plan.entry] _motions:list[motion] _prepared:dict[int,list[motion]] _in_progress:list[motion]
-        _now:setting _target:setting _boundary:setting
+        _seed:int _entries:list[plan.entry] _motions:list[motion] _prepared:dict[int,list[motion]]
+        _in_progress:list[motion] _now:setting _target:setting _boundary:setting
     """),
     Kind("plan.entry", _Entry, "segment:segment excluded:b1"),
     Kind("segment", Segment, """
@@ -133,8 +134,8 @@ KINDS: Final = [
     Kind("relations.line", Line, "x:float z:float heading:float"),
     Kind("roster", Roster, "attributes:row[frozenset[str]] groups:dict[str,str] known:frozenset[str]"),
     Kind("look-ahead", CrowdPrediction, """
-        _advance:advance|pair-steering _surroundings:surroundings _fill_commands:method _commands:wants _state:agent-state
-        _spare:agent-state _stops:list[float] _time:float positions:list[f4]
+        _advance:advance|pair-steering _surroundings:surroundings _fill_commands:method _commands:wants
+        _state:agent-state _spare:agent-state _stops:list[float] _time:float positions:list[f4]
     """),
     Kind("parting", PlaceSeparation, """
         _gap:float _seed:int _half_width:float _half_depth:float _cell_start:i4 _order:i4(dancer)
@@ -151,9 +152,9 @@ KINDS: Final = [
         separation:float|none alignment:float cohesion:float
     """, is_consistent=whole.element),
     Kind("element-table", ElementTable, """
-        elements:list[element] _all_rows:f8~ _all_masks:u8 _all_vertices:f4 _first:int _voice_count:int grids:f4 active:i4
-        _half_size:tuple[float,float] _separation:float _capacity:int _serial:int _slot_use:list[int] rows:f8~ masks:u8
-        vertices:f4
+        elements:list[element] _all_rows:f8~ _all_masks:u8 _all_vertices:f4 _first:int _voice_count:int grids:f4
+        active:i4 _half_size:tuple[float,float] _separation:float _capacity:int _serial:int _slot_use:list[int] rows:f8~
+        masks:u8 vertices:f4
     """, factories={"_serials": dict}, after_read=ElementTable.rebuild_index, is_consistent=whole.element_table),
     Kind("element-field", ElementField, """
         _table:element-table influence:f4 _memory:f8 _sums:f8 _nearest:f8~ _spreading:f8 _places:f8 _audience:u8
@@ -169,8 +170,8 @@ KINDS: Final = [
         element_radius:f4 element_strength:f4 element_flow:i4 element_first:i4 element_corners:i4 element_corner:f4
         element_count:int light:f4 light_count:int obstacle:f4 obstacle_count:int wall:f4 wall_count:int time:float
         beat:float measure:int phase:float beats_per_measure:int tempo:float stage_size:tuple[float,float]
-        brightness:float flash_limit_lifted:bool filled:bool picture:f8|none energy:float spot:f8 count_in:float overlay:row[str]
-        guide:f4 guide_count:int
+        brightness:float flash_limit_lifted:bool filled:bool picture:f8|none energy:float spot:f8 count_in:float
+        overlay:row[str] guide:f4 guide_count:int
     """),
     Kind("consensus", Consensus, "_estimates:deque[consensus.heard] half_beats:bool"),
     Kind("consensus.heard", WeightedBeat, "time:float period:float weight:float"),
@@ -178,8 +179,8 @@ KINDS: Final = [
     Kind("timeline-follower", TimelineFollower, """
         _audio:audio-source _internal:hand-source _tap:hand-source
         _sources:dict[str,audio-source|direct-source|hand-source] _slewed:run _alignment:measures _arbiter:ruling
-        _taps:tap-tempo _counting:counting-in _downbeat_at:float|none _now:float _scale:float _locked:bool _confidence:float
-        rejected:int manual_tempo:tuple[int,float] refused:int refusal:str
+        _taps:tap-tempo _counting:counting-in _downbeat_at:float|none _now:float _scale:float _locked:bool
+        _confidence:float rejected:int manual_tempo:tuple[int,float] refused:int refusal:str
     """, factories={"on_seed": no_value}),
     Kind("audio-source", AudioSource, """
         name:str state:str confidence:float observed_at:float silent_since:float|none jumped:bool offset:float
@@ -235,17 +236,19 @@ KINDS: Final = [
         units:constant-units rate:float k:float _stretches:constant-stretches _longest:int _ring:int _at:int _x:c16
         _x_height:f8 _score:f8~ _end:f8~ _cell:i8 _before:i8 _first:i8 _offset:i8 _real:f8 _imaginary:f8 _heights:f8
         _work:f8 _control:c16 _control_height:f8 _record_first:i8 _record_stop:i8 _head:c16 _head_height:f8 _root:c16
-        _facing:c16 min_distance:float _step:f8 _sums:c16 _squares:f8 _input_sum:c16 _input_square:f8 _frames:f8 _value:f8~
-        _expected:c16 _shortest_units:f8 _longest_units:f8
+        _facing:c16 min_distance:float _step:f8 _sums:c16 _squares:f8 _input_sum:c16 _input_square:f8 _frames:f8
+        _value:f8~ _expected:c16 _shortest_units:f8 _longest_units:f8
     """),
     Kind("holding", LiveHandHolds, """
-        leader:i4 hand:i4 closed:f8 reachable:b1 palm_distance:f8 missed_count:int _release_time:f8 _leader_palm:f4 _wanted_time:f8 _miss_counted:b1 _amount:f8
-        _ticks:int _rows:list[tuple[int,int]] _last_check:dict[tuple[int,int],tuple[float,float,float]]
-        _row_keys:list[tuple[int,int,int,int]] _dancers:i4(dancer)* _hands:i4(side)* _seen_dancers:i4(dancer)* _pose_rows:i4* _palm_table:f4*
+        leader:i4 hand:i4 closed:f8 reachable:b1 palm_distance:f8 missed_count:int _release_time:f8 _leader_palm:f4
+        _wanted_time:f8 _miss_counted:b1 _amount:f8 _ticks:int _rows:list[tuple[int,int]]
+        _last_check:dict[tuple[int,int],tuple[float,float,float]] _row_keys:list[tuple[int,int,int,int]]
+        _dancers:i4(dancer)* _hands:i4(side)* _seen_dancers:i4(dancer)* _pose_rows:i4* _palm_table:f4*
     """, is_consistent=whole.holding),
     Kind("read-leader", LeaderReader, """
-        examples:constant-lore _shift:float partner:live-partner frame_index:int|none still_frames:float root:f4 contact:b1 answer_rotation:f4
-        has_answer:bool held:bool decided_label:str _reported:tuple[int,int] _facing:complex _points:c16 _heights:f8
+        examples:constant-lore _shift:float partner:live-partner frame_index:int|none still_frames:float root:f4
+        contact:b1 answer_rotation:f4 has_answer:bool held:bool decided_label:str _reported:tuple[int,int]
+        _facing:complex _points:c16 _heights:f8
     """, is_consistent=whole.read_leader),
     Kind("standing", FollowerFootLock, "lock:foot-lock _leg_position:f4 _contact:b1 _pipeline:pose-pipeline"),
     Kind("inertia", Inertialization, "difference:f4 cut_time:f8~ age:f4 any_fading:bool"),
@@ -253,7 +256,7 @@ KINDS: Final = [
     Kind("foot-lock", FootLock, "state:f4"),
     Kind("pose-pipeline", PosePipeline, """
         skeleton:constant-pose-skeleton sample:f8* placement:f8* share:f4* mean:i4(node)* amplitude:f4* head:f4*
-        feet:f4* lock:bool difference:f4* age:f4* difference_rows:i4(joint) position:f4* rotation:f4* _soles:f4 _count:int
-        _parts:list[tuple[int,int]]
+        feet:f4* lock:bool difference:f4* age:f4* difference_rows:i4(joint) position:f4* rotation:f4* _soles:f4
+        _count:int _parts:list[tuple[int,int]]
     """, factories={"_pool": no_value}, is_consistent=PosePipeline.has_valid_shapes),
 ]  # fmt: skip

@@ -42,18 +42,19 @@ from live.show.state.kind import Kind
 KINDS: Final = [
     Kind("addressees", GroupMasks, "_casting:casting _words:list[str|none] _follows_groups:list[bool] bits:u8"),
     Kind("agents-ahead", AgentLookAhead, """
-        _look_ahead:look-ahead _evolutions:evolutions _elements:elements _entrances:entrances _stage_area:floor _count:int
-        _beats:int _late:f8
+        _look_ahead:look-ahead _evolutions:evolutions _elements:elements _entrances:entrances _stage_area:floor
+        _count:int _beats:int _late:f8
     """),
     Kind("aims", StepTargets, """
         _patch:constant-patch _dancers:dancers _motion:group-motion _programmes:list[echo|group-programme]
-        _group:i4(group) order:list[int] headings:headings speed:f4 _wanted_steps:list[tuple[int|none,int]] step:i4(step)
-        row:i4(aim) heading:f8 _choosing:constant-choosing step_costs:constant-foresight ahead:f8 _reach:f8
+        _group:i4(group) order:list[int] headings:headings speed:f4 _wanted_steps:list[tuple[int|none,int]]
+        step:i4(step) row:i4(aim) heading:f8 _choosing:constant-choosing step_costs:constant-foresight ahead:f8
+        _reach:f8
     """),
     Kind("anchor", DriftCorrection, "offset:tuple[float,float] difference:tuple[float,float] _mean:tuple[float,float]"),
     Kind("answer-leaders", LeaderReaders, """
-        _bank:constant-answer-bank readers:dict[tuple[int,int],read-leader] recent_units:list[tuple[int,str,str]] unit_count:int
-        _new_labels:list[str]
+        _bank:constant-answer-bank readers:dict[tuple[int,int],read-leader] recent_units:list[tuple[int,str,str]]
+        unit_count:int _new_labels:list[str]
     """),
     Kind("answer-poses", ResponsePoses, """
         _leaders:answer-leaders _path:taken-along foot_lock:standing _offsets:f4 _parents:i4(joint)
@@ -61,8 +62,8 @@ KINDS: Final = [
     Kind("answering", PartnerResponse, """
         bank:constant-answer-bank _casting:casting _variation:variation _beats:int settings:list[answer-pairs.asked]
         pairs:list[answer-pairs.pair] leaders:answer-leaders path:taken-along streamed:b1 _poses:answer-poses
-        hand_holds:holding _drawn_paths:dict[int,drawn-way] _agents:f4 _danced_beats:f8 _patch_settings:list[answer-pairs.asked]
-        _roster:roster _leaving:list[answer-pairs.pair]
+        hand_holds:holding _drawn_paths:dict[int,drawn-way] _agents:f4 _danced_beats:f8
+        _patch_settings:list[answer-pairs.asked] _roster:roster _leaving:list[answer-pairs.pair]
     """),
     Kind("answering-agents", PartnerAgents, "_radius:f4 _default_radius:float _partner_response:answering|none"),
     Kind("avoiding", CollisionAvoidance, """
@@ -70,11 +71,11 @@ KINDS: Final = [
         _things:f8 _tick:int _met:f8 _waiting:list[int] count:int
     """),
     Kind("captured", CapturedPerformer, """
-        bounds:edges rows:i8(dancer)* delay:f8* fade:f8* offset:f8* turn_angle:f8* poses:heard-poses attraction_sign:float
-        follower:int _tracker_position:tuple[float,float] _tracker_target:tuple[float,float] _tracker_time:float drift_correction:anchor
-        _suit_position:tuple[float,float] _anchored:bool section:constant-mocap-section shown:bool mirrored:bool obstacle:bool
-        attract:float attracts:str dancer:str|none canon:str canon_beats:float turn:float scale:float
-        origin:tuple[float,float,float]
+        bounds:edges rows:i8(dancer)* delay:f8* fade:f8* offset:f8* turn_angle:f8* poses:heard-poses
+        attraction_sign:float follower:int _tracker_position:tuple[float,float] _tracker_target:tuple[float,float]
+        _tracker_time:float drift_correction:anchor _suit_position:tuple[float,float] _anchored:bool
+        section:constant-mocap-section shown:bool mirrored:bool obstacle:bool attract:float attracts:str dancer:str|none
+        canon:str canon_beats:float turn:float scale:float origin:tuple[float,float,float]
     """, is_consistent=whole.captured),
     Kind("carried", RootCorrection, """
         dancers:dancers motion:group-motion paths:paths node:i4(node) rows:f8 begin:f8 end:f8 goal:f8 predicted:f8
@@ -82,25 +83,25 @@ KINDS: Final = [
     """),
     Kind("carrying", RootCorrectionControl, """
         _patch:constant-patch _dancers:dancers _motion:group-motion path_separation:path-parting _correction:carried
-        _next_correction:coming _correction_update:re-aiming _contact_resolver:pushing|none reference:f4 reference_velocity:f4 lag:f8 _skip_separation:bool _slid:f8
-        _stood:f8 _ended:bool _begun:bool _open:bool
+        _next_correction:coming _correction_update:re-aiming _contact_resolver:pushing|none reference:f4
+        reference_velocity:f4 lag:f8 _skip_separation:bool _slid:f8 _stood:f8 _ended:bool _begun:bool _open:bool
     """),
     Kind("casting", Casting, """
         group:i4(group) names:row[str] half:tuple[float,float] _attributes:row[frozenset[str]] _named:dict[str,str]
         roster:roster
     """),
     Kind("choices", StepChoices, """
-        edge:i4(edge) candidate:i4(candidate) terms:f8 end:f8 node:i4(node) start_position:f8 heading:f8 step:i4(step) wish:f8
-        target:f8 error:f8 lag:f8 measures_behind:i4 _decided:bool
+        edge:i4(edge) candidate:i4(candidate) terms:f8 end:f8 node:i4(node) start_position:f8 heading:f8 step:i4(step)
+        wish:f8 target:f8 error:f8 lag:f8 measures_behind:i4 _decided:bool
     """),
     Kind("coming", NextCorrection, """
-        _correction:carried _path_separation:path-parting max_correction:float paths:paths end:f8 target:f8 wish:f8 room:f8 _traced:int
-        just_decided:bool _goal:f8 _plan:f8 _ease:float
+        _correction:carried _path_separation:path-parting max_correction:float paths:paths end:f8 target:f8 wish:f8
+        room:f8 _traced:int just_decided:bool _goal:f8 _plan:f8 _ease:float
     """),
     Kind("cutting", ClipCutter, "_dancers:dancers _joints:f8 _parents:i4(joint) cuts:int"),
     Kind("cutting.moment", Moment, """
-        rows:i4 time:float dt:float fraction:float other_fraction:float body:tuple[f4,f4] which:i4 phase:f8 held:b1 feature:f8
-        hips:f8 facing:f8
+        rows:i4 time:float dt:float fraction:float other_fraction:float body:tuple[f4,f4] which:i4 phase:f8 held:b1
+        feature:f8 hips:f8 facing:f8
     """),
     Kind("danced", MeasureState, """
         graph:constant-motion-graph _ends:danced.ends|none decided:bool node:i4(node) placement:f8 correction:f8
@@ -113,21 +114,25 @@ KINDS: Final = [
         graph:constant-motion-graph variation:variation past:danced present:danced coming:danced
         _pipeline:pose-pipeline _everybody:i8(dancer) _phase:f8 lock:foot-lock hands:hands _locked_at:float
         _aside:pose-pipeline _legs:pose-pipeline inertia:inertia landing:landing texture:texturing
-        captured:dict[str,captured] beats:int partner_response:answering|none _settled:f4 _bare_legs:tuple[f4,f4] drawn_hips:f4
+        captured:dict[str,captured] beats:int partner_response:answering|none _settled:f4 _bare_legs:tuple[f4,f4]
+        drawn_hips:f4
     """),
-    Kind("drafting", MeasureDraft, "_dancers:dancers _choices:choices _aims:aims draft:danced _choosing:constant-choosing"),
+    Kind("drafting", MeasureDraft, """
+        _dancers:dancers _choices:choices _aims:aims draft:danced _choosing:constant-choosing
+    """),
     Kind("drift", Drift, """
         _count:int _seed:int phase:f8 _knots:f8 _amplitude_knots:f8 _frequency_knots:f8 _drawn:tuple[int|none,f8]
         _knots_of:int|none _passes:f8|none
     """),
     Kind("edges", CanonBounds, "_half:f8 last_position:f8* _time:float _floor:row[float] _mirrored:bool"),
     Kind("elements", Elements, """
-        _score:score _group_masks:addressees _field:element-field _ahead:f4 _last_of:dict[str,element] _placed_measure:int
-        _measure_elements:list[element] gain:float
+        _score:score _group_masks:addressees _field:element-field _ahead:f4 _last_of:dict[str,element]
+        _placed_measure:int _measure_elements:list[element] gain:float
     """),
     Kind("evolutions", Evolutions, """
-        _patch:constant-patch _casting:casting _score:score _formations:formations _beats:int _plan:plan _planned_measure:int
-        _measure:int _measure_segments:list[segment] _next:int _fresh:bool _heading:f8|none _live_path_count:int
+        _patch:constant-patch _casting:casting _score:score _formations:formations _beats:int _plan:plan
+        _planned_measure:int _measure:int _measure_segments:list[segment] _next:int _fresh:bool _heading:f8|none
+        _live_path_count:int
     """),
     Kind("group-motion", GroupMotion, """
         _patch:constant-patch casting:casting _seed:int _beats:int _half:f4 model:agent-model stage_area:floor
@@ -160,35 +165,40 @@ KINDS: Final = [
         _search:searching pieces:pieces _looked:bool
     """),
     Kind("presence", PerformerForces, "_motion:group-motion _tick:int"),
-    Kind("pushing", ContactResolver, "_correction:carried _next_correction:coming _path_separation:path-parting _soon:f4 _fractions:f8 count:int"),
-    Kind("re-aiming", CorrectionUpdate, "_correction:carried _path_separation:path-parting max_correction:float _phase:f8"),
+    Kind("pushing", ContactResolver, """
+        _correction:carried _next_correction:coming _path_separation:path-parting _soon:f4 _fractions:f8 count:int
+    """),
+    Kind("re-aiming", CorrectionUpdate, """
+        _correction:carried _path_separation:path-parting max_correction:float _phase:f8
+    """),
     Kind("ripple", Ripple, "beats:float side:str point:tuple[float,float]"),
     Kind("scheduler", Scheduler, """
         _patch:constant-patch _dancers:dancers _motion:group-motion _group:i4(group)
-        programmes:list[echo|group-programme] root_correction:carrying targets:aims order:list[int] speed:f4 choices:choices
-        _planning:planning choosing:constant-choosing step_costs:constant-foresight last_target:f8|none last_heading:f8
-        detours:int dead_ends:int
+        programmes:list[echo|group-programme] root_correction:carrying targets:aims order:list[int] speed:f4
+        choices:choices _planning:planning choosing:constant-choosing step_costs:constant-foresight last_target:f8|none
+        last_heading:f8 detours:int dead_ends:int
     """),
     Kind("searching", StepSearch, """
-        _patch:constant-patch _dancers:dancers _motion:group-motion _targets:aims _choices:choices _search_nodes:i4(node)
-        _arguments:row[any] _following:tuple[i4(dancer)*,i4(dancer)*] seconds:float _choosing:constant-choosing
-        _give:f8 _usual_give:float
+        _patch:constant-patch _dancers:dancers _motion:group-motion _targets:aims _choices:choices
+        _search_nodes:i4(node) _arguments:row[any] _following:tuple[i4(dancer)*,i4(dancer)*] seconds:float
+        _choosing:constant-choosing _give:f8 _usual_give:float
     """),
     Kind("taken-along", ResponsePath, """
-        level:f8 weight:f8 following:b1 answering:b1 leading:b1 seeking:b1 goal:f8 displacement:f8 answer_position:f8 last_position:f8 turn:f8
-        _last_target:f8 _amount:f8 _waited:f8 _has_last:b1
+        level:f8 weight:f8 following:b1 answering:b1 leading:b1 seeking:b1 goal:f8 displacement:f8 answer_position:f8
+        last_position:f8 turn:f8 _last_target:f8 _amount:f8 _waited:f8 _has_last:b1
     """),
     Kind("texturing", LiveTexture, """
-        bank:constant-texture-bank _variation:variation _seed:int _beats:int level:f4 fragment:i4(fragment) chosen_beat:i8
-        switch_beat:f8 _origin:f8 _limits:i4 _signs:i8 _kept:f4 _before:f4 _now:f4 _own:f4 _far:f4 _since:f8~
-        _danced_before:f8 _offsets:f4 _parents:i4(joint)
+        bank:constant-texture-bank _variation:variation _seed:int _beats:int level:f4 fragment:i4(fragment)
+        chosen_beat:i8 switch_beat:f8 _origin:f8 _limits:i4 _signs:i8 _kept:f4 _before:f4 _now:f4 _own:f4 _far:f4
+        _since:f8~ _danced_before:f8 _offsets:f4 _parents:i4(joint)
     """),
     Kind("variation", Variation, """
-        _settings:list[variety] _group:i4(group) _group_delays:f8 _seed:int _beats:int _window:float drift:drift measure:int
-        ripples:list[ripple] _patch_settings:row[variety] _patch_ripples:row[ripple] delays:f8 _late_before:f8 _timing_source:i4(dancer)
-        _previous_timing_source:i4(dancer) _paired:i8(dancer)* _even:f8 _everybody:i8(dancer) warp_beats:f8 warp_sequence:f8 larger:f8
-        amplitude:f8 amplitude_sequence:f8 mix:f8 arms:f8 head:f8 lock:f8 on_support:f8 face_average:f8 obedience:f8
-        texture:f8 mirror:f8 _drifts:bool _farthest:f8 any_obedience:bool any_texture:bool any_lock:bool
+        _settings:list[variety] _group:i4(group) _group_delays:f8 _seed:int _beats:int _window:float drift:drift
+        measure:int ripples:list[ripple] _patch_settings:row[variety] _patch_ripples:row[ripple] delays:f8
+        _late_before:f8 _timing_source:i4(dancer) _previous_timing_source:i4(dancer) _paired:i8(dancer)* _even:f8
+        _everybody:i8(dancer) warp_beats:f8 warp_sequence:f8 larger:f8 amplitude:f8 amplitude_sequence:f8 mix:f8 arms:f8
+        head:f8 lock:f8 on_support:f8 face_average:f8 obedience:f8 texture:f8 mirror:f8 _drifts:bool _farthest:f8
+        any_obedience:bool any_texture:bool any_lock:bool
     """),
     Kind("variety", VariationSettings, """
         warp_beats:float warp_sequence:float larger:float amplitude:float amplitude_sequence:float mix:float
