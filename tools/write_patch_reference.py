@@ -16,32 +16,32 @@ HEAD = """# Patch files
 
 A patch is a TOML file, or a folder with `show.toml`. Positions are stage metres (x, z): the origin is the centre of the
 stage, +x points to the right as the audience sees it, +z towards the audience. Measures count from 1. Files, folders
-and steps are looked up next to the patch first, then in the project's `patches/`. `live check PATCH` reports mistakes with
-their lines.
+and steps are looked up next to the patch first, then in the project's `patches/`. `live check PATCH` reports mistakes
+with their lines.
 
 **Folders.** A folder may hold parts of the patch in separate files: next to `show.toml`, all files of `formations/`,
-`looks/` and `score/` whose names end in `.toml`, read in this order and by name. Tables in double brackets are appended;
-keys of one table are merged. A key that occurs twice is refused, with both places. The limits are 256 files, 4 MB each and
-16 MB together.
+`looks/` and `score/` whose names end in `.toml`, read in this order and by name. Tables in double brackets are
+appended; keys of one table are merged. A key that occurs twice is refused, with both places. The limits are 256 files,
+4 MB each and 16 MB together.
 
 **Editors** that know TOML schemas (taplo, Even Better TOML) complete keys, explain them and underline mistakes:
 `live schema --out patch.schema.json`, and `#:schema patch.schema.json` in a file's first line.
 
 **Editing during a show.** The files of a running show may be edited. Within a beat the new patch is read, checked and
-prepared next to the show, which adopts it at the next measure. What has begun continues; what is planned is planned again.
-In the last beats of a measure the next steps are already chosen; they change one measure later. A value that was changed
-live (fader, facing, formation) stays, unless the edit changes that value. A running section is found again by its name.
-Mistakes are shown on the terminal, in the overlay and in the status (`patch`: `version`, `problem`, `waits`); the last good
-patch stays in use.
+prepared next to the show, which adopts it at the next measure. What has begun continues; what is planned is planned
+again. In the last beats of a measure the next steps are already chosen; they change one measure later. A value that was
+changed live (fader, facing, formation) stays, unless the edit changes that value. A running section is found again by
+its name. Mistakes are shown on the terminal, in the overlay and in the status (`patch`: `version`, `problem`, `waits`);
+the last good patch stays in use.
 
 These keys take effect at the next start, and are reported by name: `seed`, `steps`, `reserve`, `[music]`, `[sound]`,
 `[clock]`, `[link]`, `[osc]`, ports and time code of `[midi]`, `[stage]`, `steering.separation`, `steering.combine`, the
-number of gates and groups, and of a group `dancers`, `soloists`, `radius`, `partners`, `arm_length`, `hands`, `formation`,
-`centre` and `size`.
+number of gates and groups, and of a group `dancers`, `soloists`, `radius`, `partners`, `arm_length`, `hands`,
+`formation`, `centre` and `size`.
 
 Steps may be edited too. A dancer finishes the step they are in, and begins the new version next time. A step whose file
-is gone is not begun again. The journal holds the whole patch, and edited steps before and after, so a replay needs none of
-the files.
+is gone is not begun again. The journal holds the whole patch, and edited steps before and after, so a replay needs none
+of the files.
 """
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from live.clock.tracking.features import BASE_HOP, BASE_RATE, ANALYSIS_WINDOWS, filters, window_length
+from live.clock.tracking.features import ANALYSIS_WINDOWS, BASE_HOP, BASE_RATE, filters, window_length
 
 LOG_FLOOR: Final = 1e-7
 """Added to magnitudes before the logarithm (-140 dB)."""

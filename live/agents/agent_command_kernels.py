@@ -14,7 +14,7 @@ Int8 = npt.NDArray[np.int8]
 
 @kernel("i8(f4[:,::1], i1[::1], f4[::1], f4)")
 def write_presence(rows: Float32, state: Int8, presence: Float32, counted: float) -> int:
-    """Write `presence` (S,) of each agent's `state` (A,) into `rows` (A, 8); return the number of `passing` ones."""
+    """Write `presence` (S,) of each agent's `state` (A,) into `rows` (A, 8); return the number of `counted` ones."""
     count = 0
     for n in range(rows.shape[0]):
         rows[n, PRESENCE] = presence[state[n]]
@@ -38,8 +38,8 @@ def hold_on_leash(
 ) -> None:
     """Bind agents to their dancers as `tether_agents` does.
 
-    Agents with state `on` use the distance `leash` [m], other visible agents (state >= `seen`) use `long_leash` [m].
-    Agents with a firm command (`rows` (A, 8)) are not bound. `most` (A,) is scratch.
+    Agents with state `on_stage` use the distance `leash` [m], other visible agents (state >= `first_visible`) use
+    `long_leash` [m]. Agents with a firm command (`rows` (A, 8)) are not bound. `max_distance` (A,) is scratch.
     """
     for n in range(state.shape[0]):
         max_distance[n] = np.inf

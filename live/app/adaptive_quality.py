@@ -118,7 +118,7 @@ class ShaderWatch:
     """Checks the folder between frames. Thread: the main thread, which owns the OpenGL context."""
 
     def __init__(self, folder: Path, reload: Callable[[], None]) -> None:
-        """`take` rebuilds everything that draws; it raises PersonError if a shader does not compile."""
+        """`reload` rebuilds everything that draws; it raises PersonError if a shader does not compile."""
         self._folder, self._reload = folder, reload
         self._seen = self._loaded = stamp_of(folder)
         self._next = 0.0

@@ -192,7 +192,8 @@ class LaunchOptions:
     )  # fmt: skip
     vmc: tuple[tuple[str, int], ...] = option(
         (), "Listen there for a real dancer's body by the VMC protocol (usually 39539). May come several times.",
-        metavar="[HOST:]PORT|HOST", **_several(lambda text, name: parse_endpoint(add_default_port(text, VMC_PORT), name)),
+        metavar="[HOST:]PORT|HOST",
+        **_several(lambda text, name: parse_endpoint(add_default_port(text, VMC_PORT), name)),
     )  # fmt: skip
     oscquery: tuple[str, int] | None = option(
         None, "Be found by ossia score, Chataigne, TouchOSC and others: OSCQuery over HTTP, and zeroconf.",

@@ -91,7 +91,7 @@ def parse_measures(text: str | None) -> tuple[int, int] | None:
 
 
 def check_film_path(path: Path | None, name: str, *, inputs: list[str | None]) -> None:
-    """Raise PersonError unless `path` is None or an mp4 file name that is not one of the input files in `never`."""
+    """Raise PersonError unless `path` is None or an mp4 file name that is not one of the input files in `inputs`."""
     if path is None:
         return
     if path.suffix.lower() != ".mp4":

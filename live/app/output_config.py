@@ -62,7 +62,7 @@ def _mask_exists(output: Output) -> bool:
 
 
 def configured_monitor(text: str, setting: str) -> Monitor:
-    """Return the monitor; raise PersonError, which begins with `where` and lists the monitors, if it is missing."""
+    """Return the monitor; raise PersonError, which begins with `setting` and lists the monitors, if it is missing."""
     with error_context(setting):
         try:
             return resolve_monitor(text)
@@ -74,7 +74,7 @@ class VenueWriter:
     """Saves outputs and values to the venue's file in a thread, in order. `keep`: call in the main thread."""
 
     def __init__(self, venue: str | None, report: Callable[[str], None]) -> None:
-        """`venue`: its name; without one nothing is saved. `told` is called with the result in words, in any thread."""
+        """`venue`: its name; without one nothing is saved. `report` gets the result in words, in any thread."""
         self._venue, self._report = venue, report
         self._lock = threading.Lock()
         self._threads: list[threading.Thread] = []

@@ -57,10 +57,11 @@ class OutputSetup:
         *,
         has_audience: bool = False,
     ) -> None:
-        """`keep` saves an output; `refuse` receives refusals in words; `floor`: corners of the real floor.
+        """`save_output` saves an output; `report_refusal` gets refusals in words; `floor`: corners of the real floor.
 
-        `ask` receives the output and the test card chosen by a key. It sends an event, so that the show stores the
-        card; the event then comes back to `hear`. `joins`: an audience may join, so there is a card with the link.
+        `request_card` receives the output and the test card chosen by a key. It sends an event, so that the show stores
+        the card; the event then comes back to `hear`. `has_audience`: an audience may join, so there is a card with the
+        link.
         """
         self._projection, self._save_output, self._refuse, self._ask = (
             projection,
@@ -246,7 +247,7 @@ class OutputSetup:
 
 
 def make_output_setup(session: Session, picture: Projection, reread: bool) -> OutputSetup:
-    """Make the projector setup of a session; `anew`: read warps again, as they may have changed since opening."""
+    """Make the projector setup of a session; `reread`: read warps again, as they may have changed since opening."""
     if reread:
         with contextlib.suppress(PersonError):
             for screen, output in zip(

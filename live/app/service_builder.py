@@ -26,7 +26,7 @@ from live.show.venue.venue import Venue
 
 @dataclass
 class ServiceBuilder:
-    """Makes services and connects them to the show; `parts` holds those made so far, not started.
+    """Makes services and connects them to the show; `services` holds those made so far, not started.
 
     Every method raises PersonError if a service cannot be made.
     """
@@ -59,7 +59,7 @@ class ServiceBuilder:
             self.status.extra_figures["link"] = link.status
 
     def add_midi(self, patch: Path, resume_tick: int) -> MidiService:
-        """Add MIDI ports and a MIDI file. `patch`: the patch's file; `begun`: the last tick before a resumed show."""
+        """Add MIDI ports and a MIDI file. `patch`: the patch's file; `resume_tick`: last tick before a resumed show."""
         midi = make_midi(self.options, self.engine.show, self.venue, self.inbox, self.clock, patch)
         self.services.add(midi)
         if self.options.midi_file is not None:

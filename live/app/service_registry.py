@@ -71,7 +71,7 @@ class ServiceRegistry:
     def start(self, *, tolerant: bool = False) -> None:
         """Start all services; the first failure is raised.
 
-        `forgiving`, for a resumed show: a service that fails is reported and left out. After a PersonError (a port or
+        `tolerant`, for a resumed show: a service that fails is reported and left out. After a PersonError (a port or
         host that is not available) it is tried again in a thread.
         """
         refused = []

@@ -52,7 +52,7 @@ class Notifier:
     def __init__(
         self, refusals: Sequence[NoticeText], notices: Sequence[NoticeText], output: Callable[[str], None]
     ) -> None:
-        """Each of `refusals` returns the last refusal of one service, each of `others` a notice; empty if none."""
+        """Each of `refusals` returns the last refusal of one service, each of `notices` a notice; empty if none."""
         self._refusals, self._others, self._print = refusals, notices, output
         self._previous = [""] * (len(refusals) + len(notices))
         self.refused = ""
@@ -107,7 +107,7 @@ def make_notifier(
 ) -> Notifier:
     """Return the terminal's notices of refusals, problems and new steps; with `--headless` there is no overlay.
 
-    `listens`: the input device, if there is one; `more`: last refusals of further services.
+    `input_source`: the input device, if there is one; `extra_refusals`: last refusals of further services.
     """
     console = Console(stderr=True, highlight=False)
     refusals: list[Callable[[], str]] = [osc.refusal, lambda: show.refusals.last_reason, *extra_refusals]

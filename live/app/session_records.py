@@ -51,8 +51,8 @@ class SessionRecords:
     ) -> None:
         """Open the journal. Call this last, so that a failed start does not replace an older journal of that name.
 
-        `tempo` [bpm]: the starting tempo; `origin` [s of perf_counter]: of the show's clock; `begun` [s of the show]:
-        when the sound began.
+        `tempo` [bpm]: the starting tempo; `origin` [s of perf_counter]: of the show's clock; `audio_start` [s of the
+        show]: when the sound began.
         """
         header = self._loaded.header(engine.show, tempo=tempo, music=self._sound.path)
         if self._lifeline is not None:

@@ -25,7 +25,7 @@ class PersonError(Exception):
 
     `message` is one line: the value read and the values allowed. `remedy`, if any, is what to type or change.
     Control characters are escaped in both.
-    `place` are the keys that lead to the value, ("segment", 3, "formation"), from which callers can find its line.
+    `key_path` are the keys that lead to the value, ("segment", 3, "formation"), from which callers can find its line.
     """
 
     def __init__(self, message: str, remedy: str | None = None, key_path: tuple[str | int, ...] = ()) -> None:
@@ -40,7 +40,7 @@ class PersonError(Exception):
 
 @contextmanager
 def error_context(where: str, key_path: tuple[str | int, ...] = ()) -> Iterator[None]:
-    """Prefix the messages of errors raised inside with `where`; `place` are the keys that lead there."""
+    """Prefix the messages of errors raised inside with `where`; `key_path` are the keys that lead there."""
     try:
         yield
     except PersonError as error:

@@ -56,7 +56,7 @@ class PriorityQueue(Generic[Item]):
         """Items that were replaced by a later one of their key."""
 
     def put(self, item: Item, key: Hashable = None, *, ordered: bool = False) -> None:
-        """Append one item; never blocks, never raises. `after`: its order relative to earlier items matters."""
+        """Append one item; never blocks, never raises. `ordered`: its order relative to earlier items matters."""
         if key is None or ordered:
             self._open.clear()
         if key is not None:

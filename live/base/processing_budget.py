@@ -26,8 +26,8 @@ class ProcessingBudget:
         self._counted = 0
 
     def remaining(self, now: float, received_count: int) -> int:
-        """Return how many values may be processed at `now` [s]; `offered`: values received since the start, processed
-        or not."""
+        """Return how many values may be processed at `now` [s]; `received_count`: values received since the start,
+        processed or not."""
         if now - self._counted_at >= FLOOD_WINDOW:
             flooded = received_count - self._counted > FLOOD_RATE * (now - self._counted_at)
             self._rate = FLOODED_PER_SECOND if flooded else PER_SECOND

@@ -101,8 +101,8 @@ def _decompose(whole: Float64, eye: Float64, floor: Float64, aspect: float) -> C
     angle = float(np.rad2deg(2.0 * np.arctan(1.0 / scale)))
     if not FIELD_OF_VIEW_RANGE[0] <= angle <= FIELD_OF_VIEW_RANGE[1]:
         raise PersonError(
-            f"from there the picture would have an angle of view of {angle:.1f} degrees; allowed are {FIELD_OF_VIEW_RANGE[0]:g} to "
-            f"{FIELD_OF_VIEW_RANGE[1]:g}", "measure `at` and the corners again",
+            f"from there the picture would have an angle of view of {angle:.1f} degrees; allowed are "
+            f"{FIELD_OF_VIEW_RANGE[0]:g} to {FIELD_OF_VIEW_RANGE[1]:g}", "measure `at` and the corners again",
         )  # fmt: skip
     reach = float(depth.mean())
     level = np.cross(forward, (0.0, 1.0, 0.0) if abs(forward[1]) < 0.9999 else (0.0, 0.0, -1.0))

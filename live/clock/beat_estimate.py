@@ -16,10 +16,10 @@ Samples = npt.NDArray[np.float32]
 
 @dataclass(frozen=True, slots=True)
 class BeatEstimate:
-    """One beat as estimated by a tracker; `position` and `heard` are seconds from the first sample fed."""
+    """One beat as estimated by a tracker; `position` and `fed` are seconds from the first sample fed."""
 
     position: float
-    """Time of the beat [s]; if it is later than `heard`, it is a prediction."""
+    """Time of the beat [s]; if it is later than `fed`, it is a prediction."""
     period: float
     """Seconds to the next beat."""
     confidence: float

@@ -36,11 +36,11 @@ class HelperProcess:
     ) -> None:  # fmt: skip
         """Configure the child; nothing is started yet.
 
-        `module` is run with `plan` and the clock's origin as its first packet. `anew` is called for each new child and
-        has to send all state. `inherit`: file descriptors that the child gets under the same numbers. `on` receives all
-        packets of the child other than facts, which are dicts. `joined`: descriptor of a socket to a process that
-        another program starts and restarts; such a process sends `HELLO`. When the other end of that socket is closed,
-        a child is started here.
+        `module` is run with `plan` and the clock's origin as its first packet. `on_start` is called for each new child
+        and has to send all state. `inherit`: file descriptors that the child gets under the same numbers. `on_packet`
+        receives all packets of the child other than facts, which are dicts. `descriptor`: of a socket to a
+        process that another program starts and restarts; such a process sends `HELLO`. When the other end of that
+        socket is closed, a child is started here.
         """
         self._inherit, self._on_packet, self._descriptor = inherit, on_packet, descriptor
         self._module, self._clock, self._plan, self._on_start = module, clock, plan, on_start
@@ -100,7 +100,7 @@ class HelperProcess:
     def frame(self, most: int = PACKETS_PER_FRAME) -> None:
         """Receive the child's packets, and restart it if it has died; called once per frame.
 
-        At most `news` packets other than facts are handled.
+        At most `most` packets other than facts are handled.
         """
         if self._socket is None or self._starting is not None:
             if self._starting is not None and not self._starting.is_alive():

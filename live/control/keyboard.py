@@ -17,7 +17,7 @@ SOURCE: Final = "key"
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """Command of a key: `what` is a control's address, or a command of the window."""
+    """Command of a key: `command` is a control's address, or a command of the window."""
 
     description: str
     command: Literal[

@@ -31,7 +31,7 @@ def reverse_edges(edge_source: Int32, edge_target: Int32, in_start: Int32, in_so
 def count_hops(
     node_step: Int32, begins: Bool, in_start: Int32, in_source: Int32, unreachable: int, queue: Int32, out: Int32
 ) -> None:
-    """Write the measures from each node to the first measure of each step into out (C, N); `never` if unreachable.
+    """Write the measures from each node to the first measure of each step into out (C, N), or `unreachable`.
 
     begins (N,): alive nodes that begin a step; the edges into node v come from in_source[in_start[v]] to
     in_source[in_start[v + 1]]; queue (N,) is scratch. Breadth-first search against the edge direction.

@@ -28,7 +28,7 @@ class Takes:
         return np.asarray(self.start[nodes + 1] - self.start[nodes], np.int32)
 
     def draw(self, nodes: Int32, random: Float64) -> Int32:
-        """Return one take for each of `nodes` (A,) by its `chance` in [0, 1), NO_TAKE if there is none, (A,)."""
+        """Return one take for each of `nodes` (A,) by its `random` in [0, 1), NO_TAKE if there is none, (A,)."""
         count = self.count(nodes)
         place = self.start[nodes] + (random * count).astype(np.int32)
         found = (

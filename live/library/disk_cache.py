@@ -28,7 +28,7 @@ _PACKAGE: Final = Path(__file__).resolve().parents[1]
 
 @dataclass(frozen=True, slots=True)
 class ClipCache:
-    """A cache of one kind: files `kind-KEY.npz`; the newest `kept` stay, with at most `max_bytes` together."""
+    """A cache of one kind: files `kind-KEY.npz`; the newest `max_entries` stay, with at most `max_bytes` together."""
 
     kind: str
     max_entries: int
@@ -142,7 +142,7 @@ def clips_from_arrays(arrays: dict[str, Any]) -> list[StepClip]:
 
 
 def read_regular_file(path: Path, max_bytes: int) -> bytes:
-    """Return the bytes of a regular file, at most one more than `most`, even if it grows meanwhile.
+    """Return the bytes of a regular file, at most one more than `max_bytes`, even if it grows meanwhile.
 
     OSError if it cannot be read, or is a folder, a pipe or a device.
     """

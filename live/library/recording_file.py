@@ -160,7 +160,10 @@ def problem_text(problem: Any) -> str:
     if kind == "missing":
         return f"missing; it must be given, as in {EXAMPLE}"
     if kind == "string_pattern_mismatch":
-        return f"a text that is not blank, without line breaks and other control characters, expected, found {value_text(read)}"
+        return (
+            "a text that is not blank, without line breaks and other control characters, expected, "
+            f"found {value_text(read)}"
+        )
     return f"{expected_text(field, inside=len(problem['loc']) > 1)} expected, found {value_text(read)}"
 
 

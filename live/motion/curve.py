@@ -29,7 +29,7 @@ def monotone_slopes(times: Float, values: Float) -> Float:
 
 
 def hermite(times: Float, values: Float, slopes: Float, at_times: Float) -> Float:
-    """Evaluate the C1 cubic with `values` and `slopes` (K, ...) at increasing `times` (K,) `at` (T,); constant
+    """Evaluate the C1 cubic with `values` and `slopes` (K, ...) at increasing `times` (K,) `at_times` (T,); constant
     outside."""
     if len(times) == 1:
         return np.broadcast_to(values[0], (*at_times.shape, *values.shape[1:])).copy()
@@ -48,12 +48,12 @@ def hermite(times: Float, values: Float, slopes: Float, at_times: Float) -> Floa
 
 
 def interpolate(times: Float, values: Float, at_times: Float) -> Float:
-    """Evaluate the monotone curve through `values` (K, ...) at increasing `times` (K,) `at` (T,)."""
+    """Evaluate the monotone curve through `values` (K, ...) at increasing `times` (K,) `at_times` (T,)."""
     return hermite(times, values, monotone_slopes(times, values), at_times)
 
 
 def repeat_keys(times: Float, values: Float, period: float, drift: float, at_times: Float) -> tuple[Float, Float]:
-    """Repeat keys (K,) every `period` so that they cover `at` with two cycles to spare at either end.
+    """Repeat keys (K,) every `period` so that they cover `at_times` with two cycles to spare at either end.
 
     Values increase by `drift` per cycle.
     """
@@ -66,7 +66,7 @@ def repeat_keys(times: Float, values: Float, period: float, drift: float, at_tim
 
 
 def filter_samples(samples: Float, weights: Float, lead_count: int) -> Float:
-    """Return `samples` (T, ...) averaged along time with `weights` (n,), `before` of which apply to earlier samples.
+    """Return `samples` (T, ...) averaged along time with `weights` (n,), `lead_count` of them for earlier samples.
 
     End values are repeated. The filter is time-invariant, so exactly periodic input gives exactly periodic output.
     """

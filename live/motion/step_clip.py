@@ -182,6 +182,6 @@ def check_same_structure(a: StepClip, b: StepClip) -> None:
 
 
 def corresponding_samples(other: StepClip, step: StepClip) -> Float:
-    """For each sample of `of`, return the corresponding fractional sample of `other`, (T,)."""
+    """For each sample of `step`, return the corresponding fractional sample of `other`, (T,)."""
     own = np.arange(step.clip.sample_count) - step.first
     return np.asarray(other.first + own * (other.samples_per_measure / step.samples_per_measure))

@@ -131,7 +131,7 @@ REPLAYED_MEASURES = 24
 
 
 def check_replay(path: Path, *, seed: int = 0, parts: int = 3, whole: bool = True) -> dict[str, Any]:
-    """Replay a journal: the `whole` of it, and `stretches` parts from the snapshot before a measure drawn by `seed`.
+    """Replay a journal: the `whole` of it, and as many `parts` from the snapshot before a measure drawn by `seed`.
 
     Returns the numbers of compared and different measures, the first differences (measure, tick, then, now), and
     problems as text. An exception of the replay is recorded as a problem, so there is always a report.

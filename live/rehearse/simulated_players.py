@@ -164,10 +164,10 @@ class SimulatedPlayers:
     """`count` people, each of whom sends about `rate` messages a minute."""
 
     def __init__(
-        self, seed: int, arguments: ArgumentGenerator, *, count: int = 8, rate: float = 6.0, invalid_share: float = 0.05,
-        role: str = "operator", start: float = 0.0,
+        self, seed: int, arguments: ArgumentGenerator, *, count: int = 8, rate: float = 6.0,
+        invalid_share: float = 0.05, role: str = "operator", start: float = 0.0,
     ) -> None:  # fmt: skip
-        """`rate` [1/min] of each; `nonsense`: share of invalid messages; `role`: highest role of controls used."""
+        """`rate` [1/min] of each; `invalid_share`: share of invalid messages; `role`: highest role of controls used."""
         self._rng = np.random.default_rng([seed, SALT])
         self._arguments, self._invalid_share = arguments, invalid_share
         self._rate = count * rate / 60.0

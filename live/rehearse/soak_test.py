@@ -167,7 +167,7 @@ class SoakTest:
         """The failure that ended the run early."""
 
     def run(self, on_progress: Callable[[float, SoakReport], None] | None = None) -> SoakReport:
-        """Run the whole test; `tell` is called once a minute of show time. An exception is recorded and ends the run.
+        """Run the whole test; `on_progress` is called once a minute of show time. An exception is recorded and ends it.
         The report is completed however the run ends, also by Ctrl-C."""
         report, begin, end = self.report, _time.perf_counter(), self.plan.hours * 3600.0
         gc.collect()

@@ -103,7 +103,7 @@ SEEK_DISTANCE_S: Final = 1.0
 
 
 class Video:
-    """Pictures of a video file by time. `patient`: `at` waits until the right one is decoded, as for an offline film.
+    """Pictures of a video file by time. `blocking`: `at` waits until the right one is decoded, as for an offline film.
 
     Thread: `at` and `close` from one thread; a separate thread decodes.
     """

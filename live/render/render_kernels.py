@@ -157,7 +157,7 @@ def _nth_smallest(values: Float32, count: int, at: int) -> np.float32:
 def choose_detail(
     position: Float32, forward: Float32, near_to: float, near_count: int, visibility: Uint8, scratch: Float32
 ) -> None:
-    """Choose the near or the far body for each dancer (bits NEAR and FAR of `sight`).
+    """Choose the near or the far body for each dancer (bits NEAR and FAR of `visibility`).
 
     Near are the `near_count` nearest along `forward` (3,), and all whose distance along it is less than `near_to` [m].
     position (A, J, 3), sight (A,), scratch (A or more,).

@@ -33,8 +33,8 @@ class Renderer:
     """Draws moments of one scene at one size; GL objects are created here and in `resize`, none while drawing.
 
     `samples` is the multisampling; None chooses 4 on a graphics card and 0 in software. `quality` overrides the whole
-    choice. `target`: the framebuffer that will be drawn to; its size must be `size`. `patient`: wait for pictures of
-    videos, as in an offline film. Targets need no depth and no samples.
+    choice. `target`: the framebuffer that will be drawn to; its size must be `size`. `blocking_video`: wait for
+    pictures of videos, as in an offline film. Targets need no depth and no samples.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class Renderer:
         transparent: bool = False,
     ) -> None:
         """`steps`: also create what the lower quality steps need; see `take_step`.
-        `bare`: without a stage, in pictures with alpha (needs samples)."""
+        `transparent`: without a stage, in pictures with alpha (needs samples)."""
         self._ctx, self._scene, self._size = ctx, scene, _clamped_size(size)
         if target is not None and tuple(target.size) != size:
             raise ValueError(f"renderer: the target is {target.size}, the size asked for {size}")

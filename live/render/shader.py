@@ -1,6 +1,6 @@
 """Shader loader: sources with `#include "name.glsl"` and constants, compiled with errors reported by file and line.
 
-Sources come from the folders of `shaders/`. A developer may replace some with files of another folder (`set_override_folder`).
+Sources come from the folders of `shaders/`. A developer may replace some by files elsewhere (`set_override_folder`).
 """
 
 import re

@@ -64,7 +64,7 @@ class Assembly(ABC):
         answers: ExampleBank | None = None,
         begin: bool = True,
     ) -> None:
-        """`seed` and `tempo` [bpm] override the patch's; `reserve`: clips that events may add, by name; `choosing`:
+        """`seed` and `tempo` [bpm] override the patch's; `reserve`: clips that events may add, by name; `selector`:
         the selector prepared for the graph, if there is one; `bank`: motion for texturing upper bodies; `answers`:
         examples for partner responses. Without `begin` no measure begins, because a state will be restored.
 
@@ -139,7 +139,7 @@ class Assembly(ABC):
         return self.span.danced_beats(self.timeline.beat_at(self.time), self.patch.clock.beats_per_measure)
 
     def seed_tracker(self, listener: Callable[[TrackerHint], None]) -> None:
-        """Send beat tracker seeds to `told`, now and in future. Thread: the show's calls it."""
+        """Send beat tracker seeds to `listener`, now and in future. Thread: the show's calls it."""
         for seed in initial_seeds(self.patch, self.follower, self._known):
             listener(seed)
         self.follower.on_hint = listener

@@ -1,8 +1,9 @@
 """Background work that does not delay frames: tasks spread over ticks, and threads that release the GIL often.
 
 A thread that waits for the GIL gets it only after `sys.getswitchinterval()`, 5 ms by default, and a frame has to
-reacquire it after every kernel. `short_switch_interval` lowers the interval to 0.1 ms. Long patches (thousands of entries) are
-validated, serialized and freed in batches, because pydantic would hold the GIL for the whole patch.
+reacquire it after every kernel. `short_switch_interval` lowers the interval to 0.1 ms. Long patches
+(thousands of entries) are validated, serialized and freed in batches, because pydantic would hold the GIL for the whole
+patch.
 """
 
 import json

@@ -169,8 +169,8 @@ class EventDispatcher(HotSwap):
             self.refusals.add(f"{event.source}: {words}")
 
     _HANDLER_GROUPS: ClassVar = (
-        (FLOOR_AND_DESK, _handle_control), (CLOCK_EVENTS, _handle_clock), (MOCAP_EVENTS, _handle_mocap), (STEP_REQUEST_EVENTS, _handle_direction),
-        (SCORE_EVENTS, _handle_score), (AUDIENCE_EVENTS, _handle_audience),
+        (FLOOR_AND_DESK, _handle_control), (CLOCK_EVENTS, _handle_clock), (MOCAP_EVENTS, _handle_mocap),
+        (STEP_REQUEST_EVENTS, _handle_direction), (SCORE_EVENTS, _handle_score), (AUDIENCE_EVENTS, _handle_audience),
     )  # fmt: skip
     """The handler of each group of events."""
     _HANDLERS: ClassVar = {kind: act for kinds, act in reversed(_HANDLER_GROUPS) for kind in kinds}

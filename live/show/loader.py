@@ -232,7 +232,7 @@ def read_clips(patch: Patch, path: Path, recordings: Path | None) -> list[StepCl
 
 
 def replace_clips(clips: list[StepClip], names: Sequence[str], former: Mapping[str, StepClip]) -> list[StepClip]:
-    """Return the clips called `names`, in that order; clips in `was` replace those of the same key."""
+    """Return the clips called `names`, in that order; clips in `former` replace those of the same key."""
     there = {clip_key(clip): clip for clip in clips} | dict(former)
     return [there[name] for name in names if name in there]
 
@@ -248,8 +248,8 @@ def load_from_patch(
 ) -> LoadedShow:
     """Load the show of a patch that was read already; file names are resolved relative to `path`.
 
-    Clips whose `clip_key` is in `later` are kept in reserve. For a replay: `names` lists the initial clips (later
-    files are ignored), and `was` holds the former content of changed files.
+    Clips whose `clip_key` is in `reserved` are kept in reserve. For a replay: `names` lists the initial clips (later
+    files are ignored), and `former` holds the former content of changed files.
     """
     found = read_clips(patch, path, recordings)
     there = {clip_key(clip): clip for clip in found} | dict(former or {})

@@ -213,7 +213,7 @@ class StatusFile:
     """Writes a status line once a second in a thread of its own; lines lost to a full disk are counted."""
 
     def __init__(self, path: Path, status: Status, *, append: bool = False) -> None:
-        """Raises OSError if the file cannot be made; `more`: append to an existing file."""
+        """Raises OSError if the file cannot be made; `append`: append to an existing file."""
         self._writer = LineWriter(path, name="status", append=append)
         self._status = status
         self._next = 1.0

@@ -56,7 +56,7 @@ class Child:
     ) -> None:
         """Start `command`, with the descriptors of its channel and its heartbeat as two more arguments.
 
-        `inherit`: more descriptors that it inherits, with the same numbers; `born`: starts the process instead, given
+        `inherit`: more descriptors that it inherits, with the same numbers; `spawn`: starts the process instead, given
         those two descriptors. OSError if it cannot be started.
         """
         self.role = role
@@ -277,7 +277,7 @@ class ProcessManager:
         *inherit: int,
         spawn: Callable[[int, int], Process] | None = None,
     ) -> Child:
-        """Start a process (see `Child`); `hear` gets every line it sends."""
+        """Start a process (see `Child`); `on_line` gets every line it sends."""
         child = Child(role, command, inherit=inherit, spawn=spawn)
         self.register(child.channel, on_line, child.kill)
         return child
@@ -285,7 +285,7 @@ class ProcessManager:
     def register(
         self, channel: LineChannel, on_line: LineHandler, on_broken: Callable[[], None] = lambda: None
     ) -> None:
-        """Read a channel until it ends; `broken` is called if the data violates the protocol."""
+        """Read a channel until it ends; `on_broken` is called if the data violates the protocol."""
 
         def read() -> None:
             try:

@@ -68,7 +68,7 @@ class Recovery:
     """Runs the received lines until the show stands where the dead engine stood. Thread: one."""
 
     def __init__(self, follower: StateFollower, death: Death | None = None) -> None:
-        """`following` stands at a measure line, or has run nothing yet."""
+        """`follower` stands at a measure line, or has run nothing yet."""
         self._follower, self._death = follower, death or Death()
         self._received = follower.pending
         self._start = self._starting_state()

@@ -47,7 +47,7 @@ class StateFollower:
     """
 
     def __init__(self, loaded: LoadedShow, *, heartbeat: Heartbeat | None = None) -> None:
-        """`heart`: of this process; shows beats and the running tick and stage during long runs."""
+        """`heartbeat`: of this process; shows beats and the running tick and stage during long runs."""
         self._first = self._loaded = loaded
         self._heartbeat, self._log = heartbeat, RecoveryLog()
         self._pending: deque[Line] = deque()

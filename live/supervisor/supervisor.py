@@ -43,8 +43,8 @@ class Supervisor:
         adoption: Adoption | None = None,
         interrupted: InterruptedShow | None = None,
     ) -> None:
-        """`say`: prints a line for the person; `adoption`: a running engine whose supervisor has died; `left`: an
-        interrupted show of which no process is left."""
+        """`say`: prints a line for the person; `adoption`: a running engine whose supervisor has died; `interrupted`:
+        an interrupted show of which no process is left."""
         self._config, self._say = config, say
         self.report = Report()
         self._starter = ProcessManager()
@@ -217,8 +217,8 @@ class Supervisor:
     def _send_report(self, now: float) -> None:
         """Send the report to the engine, and check its memory."""
         engine, since = self.engines.engine, self.engines.running_since
-        children = (engine, self.engines.spare, self.engines.prefork.child, self.audio.child, self.fallback_window.child,
-                    self.osc_reader.child)  # fmt: skip
+        children = (engine, self.engines.spare, self.engines.prefork.child, self.audio.child,
+                    self.fallback_window.child, self.osc_reader.child)  # fmt: skip
         self.report.memory_mb = {one.role: round(one.memory() / 1e6, 1) for one in children if one is not None}
         self.report.disk = self._disk.facts()
         self.report.slowdown, self.report.reaped = round(self._starter.load.slowdown, 2), self._reaper.count

@@ -171,7 +171,7 @@ class Watchdog:
         return max(self._gap, self._silence)
 
     def update(self, now: float, last_beat: float, usage: Callable[[], Usage | None], slowdown: float) -> Verdict:
-        """Return the verdict at `now` [s] on a process whose last beat was at `last` [s].
+        """Return the verdict at `now` [s] on a process whose last beat was at `last_beat` [s].
 
         `usage`: reads the usage counters (None: not available); called seldom. `slowdown`: of the machine.
         """

@@ -49,8 +49,8 @@ def alone():
 @pytest.fixture
 def parts():
     made = ServiceRegistry()
-    made.save_invalid, made.save_valid = Device("frame", "early", "stop"), Lamp()
-    for part in (made.save_invalid, made.save_valid):
+    made.bad, made.good = Device("frame", "early", "stop"), Lamp()
+    for part in (made.bad, made.good):
         made.add(part)
         made.before_frame_calls.append(part.early)
     return made
@@ -61,15 +61,15 @@ def test_a_part_that_fails_in_each_frame_is_left_out_and_the_others_are_not(part
     for _ in range(300):
         parts.before_frame()
         parts.frame()
-    assert parts.save_valid.done.count("frame") == parts.save_valid.done.count("early") == 300
-    assert 3 <= parts.save_invalid.done.count("frame") < 10
-    assert FAULTS.total - before == parts.save_invalid.done.count("frame") + parts.save_invalid.done.count("early")
+    assert parts.good.done.count("frame") == parts.good.done.count("early") == 300
+    assert 3 <= parts.bad.done.count("frame") < 10
+    assert FAULTS.total - before == parts.bad.done.count("frame") + parts.bad.done.count("early")
     assert "device" in FAULTS.problem()
 
 
 def test_one_that_cannot_end_keeps_nobody_else_from_it(parts):
     parts.stop()
-    assert parts.save_valid.done == ["stop"]
+    assert parts.good.done == ["stop"]
 
 
 def test_one_that_cannot_start_ends_a_start_but_not_a_show_that_is_gone_on_with():

@@ -88,7 +88,7 @@ def avoid_by_distance(
     slot_agent: Int32,
     params: Float32,
 ) -> None:
-    """Write avoidance into `sums`; reduce the other behaviours and the speed limit in `wants` (8 A,).
+    """Write avoidance into `sums`; reduce the other behaviours and the speed limit in `commands` (8 A,).
 
     T108: closer than d_s to an approaching neighbour, an agent ignores all other behaviours, keeps its velocity except
     for the avoidance, and slows down. Up to d_f everything is combined; there is no avoidance beyond d_f.

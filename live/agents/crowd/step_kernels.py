@@ -70,7 +70,7 @@ _MOST: Any = _F(NEIGHBOUR_RANGE)
 
 @kernel("void(f4[:,::1], f4[::1], i4[::1], i8, f4[::1])")
 def fill_requests(requests: Float32, commands: Float32, slot_agent: Int32, n: int, params: Float32) -> None:
-    """Fill `asks`, the request of each sorted agent to the neighbour pass. wants (8 A,): Wants.rows."""
+    """Fill `requests`, the request of each sorted agent to the neighbour pass. `commands` (8 A,): AgentCommand.rows."""
     horizon, firm_horizon = params[6], _F(FIRM_HORIZON)
     for s in range(n):
         i = 8 * slot_agent[s]

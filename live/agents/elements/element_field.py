@@ -187,7 +187,7 @@ class ElementField:
         time: float,
         influence: Float32 | None = None,
     ) -> Float32:
-        """Blend the elements into `wants`: (1 - influence) of the planned velocity and firmness, plus the elements'
+        """Blend the elements into `commands`: (1 - influence) of the planned velocity and firmness, plus the elements'
         velocity.
 
         Also raises separation, alignment and cohesion to the elements' values. `time` [s] is the argument of the noise.
@@ -201,9 +201,9 @@ class ElementField:
             return out
         self._numbers[TIME] = time
         apply_elements(
-            state.position, state.velocity, commands.rows, groups, table.rows, table.masks, table.vertices, table.active,
-            table.grids, self._places, self._audience, self._memory, self._area, self._mesh, self._cosines, self._start,
-            self._order, self._spreading, self._numbers, self._sums, self._nearest, out,
+            state.position, state.velocity, commands.rows, groups, table.rows, table.masks, table.vertices,
+            table.active, table.grids, self._places, self._audience, self._memory, self._area, self._mesh,
+            self._cosines, self._start, self._order, self._spreading, self._numbers, self._sums, self._nearest, out,
         )  # fmt: skip
         return out
 

@@ -72,7 +72,7 @@ def add_velocity(sums: Float64, i: int, x: float, z: float, influence: float, sw
 
 @kernel("void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],u8[::1],f8[:,::1])")
 def reset_sums(table: Float64, masks: UInt64, active: Int32, commands: Float32, groups: UInt64, sums: Float64) -> None:
-    """Reset the sums (A, 5) and raise the neighbour weights in `wants` (A, 8) to those of the acting elements.
+    """Reset the sums (A, 5) and raise the neighbour weights in `commands` (A, 8) to those of the acting elements.
 
     sums[:, HEARD] becomes the largest level of the elements that address a present agent; 0: none does.
     """

@@ -169,7 +169,7 @@ def apply_elements(
     near: Float64,
     influence: Float32,
 ) -> None:
-    """Blend all acting elements into `wants` (A, 8), and write each agent's influence.
+    """Blend all acting elements into `commands` (A, 8), and write each agent's influence.
 
     position, velocity (A, 2); groups (A,); table, masks, vertices, active, grids, places, audience: the elements, as in
     ElementField; memory (A, 3): targets of crossings; area, mesh, cosines, start, order, spreading (A, 2), sums (A, 5),

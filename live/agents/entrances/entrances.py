@@ -83,7 +83,7 @@ class Entrances:
         return rows
 
     def send_off(self, mask: Bool, gate: int | None, position: Float32) -> int:
-        """Let the dancers `who` (A,) leave through `gate` or (None) the gate nearest to each; return how many leave."""
+        """Let the dancers `mask` (A,) leave through `gate`, or each through the nearest (None); return how many."""
         self.state[mask & (self.state == CALLED)] = WAITING
         rows = np.flatnonzero(mask & ((self.state == ON) | (self.state == ENTERING)))
         for row in rows:
@@ -124,7 +124,7 @@ class Entrances:
         self.state[rows[inside & (np.hypot(*way.T) < ARRIVAL_DISTANCE)]] = ON
 
     def write(self, commands: AgentCommand, position: Float32) -> None:
-        """Write the presence of all dancers and the motion of entering and leaving ones (arrive, T082) into `wants`."""
+        """Write the presence of all dancers and the motion while entering and leaving (arrive, T082) to `commands`."""
         if not write_presence(commands.rows, self.state, _PRESENCE, PASSING):
             return
         rows = np.flatnonzero(commands.presence == PASSING)

@@ -246,9 +246,9 @@ def separate_paths(sample: Float32, offset: Float32, clear: float, excess: float
     `sample` (D, K, 2) are places at K = 2^L + 1 even times; times 1/2, then 1/4 and 3/4, and so on are examined.
     Where two dancers would be nearer than `clear` [m], both are shifted in opposite directions along one random line
     (drawn from `seed`, the pair and the time) until they are `excess` times that apart. Later levels start from the
-    means of the shifts of the levels before. With `freedom` 1 every direction may be drawn, as in the thesis; smaller
-    values allow only directions near the perpendicular of the relative motion: dancers shifted along it still meet, a
-    little later. Returns how many pairs were separated.
+    means of the shifts of the levels before. With `randomness` 1 every direction may be drawn, as in the thesis;
+    smaller values allow only directions near the perpendicular of the relative motion: dancers shifted along it still
+    meet, a little later. Returns how many pairs were separated.
     """
     count, knots = sample.shape[0], sample.shape[1]
     for d in range(count):

@@ -122,7 +122,7 @@ def tangent_turns(
 def travel_headings(places: npt.NDArray[np.floating], rest: npt.ArrayLike, min_distance: float = 0.1) -> Float64:
     """Return the heading of each measure (D, N) from places at the measure lines (N + 1, D, 2) (T126).
 
-    It is the travel direction, or `rest` (D,), usually towards the audience, if a dancer moves less than `still` [m].
+    It is the travel direction, or `rest` (D,), usually to the audience, if a dancer moves less than `min_distance` [m].
     """
     steps = np.diff(np.asarray(places, np.float64), axis=0).transpose(1, 0, 2)
     heading = np.arctan2(steps[..., 0], steps[..., 1])
@@ -159,7 +159,7 @@ def turn_beats(facing: Orientation, departure: SegmentStart) -> float:
 def with_turns(
     journey: PlannedMotion, facing: Orientation, departure: SegmentStart, after: npt.ArrayLike, *, exact_end: bool
 ) -> PlannedMotion:
-    """Return the journey with the headings of `facing`; `closing`: the last heading must be met exactly."""
+    """Return the journey with the headings of `facing`; `exact_end`: the last heading must be met exactly."""
     moved, before, last = journey.locomotion, departure.heading, np.asarray(after, np.float64)
     if facing.facing is Facing.LINEAR:
         turns = linear_turns(moved.times, before, last)

@@ -148,7 +148,8 @@ class Plan:
         """Start to plan the segments of `measure` ahead of time; `target` includes them as soon as they are usable.
 
         `positions` (A, 2) [m] and `headings` (A,) [rad] are the predictions for its line, for dancers without a segment
-        then. `if_controlled`: only if segments control every dancer who takes part. Measures without segments cost nothing.
+        then. `if_controlled`: only if segments control every dancer who takes part. Measures without segments cost
+        nothing.
         """
         if measure not in self._prepared:
             if if_controlled and not self._all_controlled(measure, positions):

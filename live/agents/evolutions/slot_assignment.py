@@ -139,7 +139,7 @@ UNRESERVED = 0
 def sections(attributes: Sequence[Set[str]], marks: Sequence[str]) -> tuple[Int32, Int32]:
     """Return the section of each dancer (D,) and of each slot (S,), as numbers; `UNRESERVED` where no mark matches.
 
-    `words` are the attributes of each dancer, `marks` one word per slot ("": any dancer). A dancer belongs to the
+    `attributes` are those of each dancer, `marks` one word per slot ("": any dancer). A dancer belongs to the
     first mark, in slot order, that is one of their attributes.
     """
     names = list(dict.fromkeys(mark for mark in marks if mark))

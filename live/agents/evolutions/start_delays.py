@@ -98,7 +98,7 @@ def limit_delays(wait: npt.ArrayLike, time: float) -> Float64:
 def start_and_arrival(
     begin: float, end: float, waits: Float64, arrive: Arrival = Arrival.TOGETHER, longest: float | None = None
 ) -> Float64:
-    """Return the beats at which each dancer starts and arrives, shape (D, 2), for `waits` (D,) [beats] of `limit_delays`.
+    """Return the beats at which each dancer starts and arrives, (D, 2), for `waits` (D,) [beats] of `limit_delays`.
 
     `longest` is the wait of the last dancer to arrive when they arrive apart; by default the longest of `waits`.
     """

@@ -119,7 +119,7 @@ class _Timing:
 def _timing(
     segment: Segment, ways: Float32, soft: float, facing: Orientation, departure: SegmentStart, *, exact_end: bool
 ) -> _Timing:
-    """Return when each dancer is under way. `closing`: leave time for the last turn."""
+    """Return when each dancer is under way. `exact_end`: leave time for the last turn."""
     begin, end = departure.begin, departure.end
     turn = turn_beats(facing, departure)
     begin, end = begin + turn, end - (turn if exact_end else 0.0)
@@ -132,7 +132,7 @@ def _timing(
 
 
 def _repaired(segment: Segment, timing: _Timing, path_mode: PathMode, departure: SegmentStart) -> Pieces[PlannedMotion]:
-    """Return the path with its times, repaired as far as `way` asks; no turns yet."""
+    """Return the path with its times, repaired as far as `path_mode` asks; no turns yet."""
     locomotion, waits = timing.locomotion, timing.waits
     if locomotion.count > MAX_CHECKED_DANCERS:
         return timing.journey()

@@ -42,8 +42,8 @@ def eliminate(
 
     `reflected` (M, 2) or (0, 2): mirror images of the points, which count as neighbours; `fixed` (F, 2): places that
     stay. Distances are multiplied by `scale` (M,), larger where dancers are denser. Neighbours are weighted by
-    `neighbour_weight`, with distances clamped to at least `least` [m]; a point's own image and fixed places weigh eight times
-    as much. `weight` (M,) is scratch; afterwards it is negative for removed points.
+    `neighbour_weight`, with distances clamped to at least `min_distance` [m]; a point's own image and fixed places
+    weigh eight times as much. `weight` (M,) is scratch; afterwards it is negative for removed points.
     """
     count = points.shape[0]
     mirrored = reflected.shape[0] == count

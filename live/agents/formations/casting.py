@@ -74,7 +74,7 @@ Int64 = npt.NDArray[np.int64]
 
 
 def section_sizes(wanted: tuple[int, ...], count: int) -> list[int]:
-    """Return section sizes with the sum `count`: as `wished`, or in the same proportions."""
+    """Return section sizes with the sum `count`: as `wanted`, or in the same proportions."""
     if sum(wanted) == count:
         return list(wanted)
     sizes = np.array(wanted, np.float64)

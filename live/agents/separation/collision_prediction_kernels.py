@@ -49,7 +49,7 @@ def predict_collisions(
     """Find the dancers who must evade: the moment of collision into `out` (A,); 0 for all others.
 
     `ways` (K, A, 2) [m] as in first_collision; `radius` (A,) [m]; `yields` (A,) 0 for dancers with the right of way;
-    `here` (A,): on the stage; `order` (A,): dancers by their current x; `things` (K, M, 2) [m] and `thing_radius`
+    `present` (A,): on the stage; `order` (A,): dancers by their current x; `things` (K, M, 2) [m] and `thing_radius`
     (M,): the first `thing_count` other objects. Two meet when they are `slack` [m] nearer than the sum of their radii:
     dancers at the first moment, things at any. Of two dancers, the one who moves farther towards the other evades.
     """

@@ -71,8 +71,9 @@ def clear_paths(
 ) -> None:
     """Do one round: change the corrections' `goal` (A, 2) [m] so that paths avoid walls (64, 4) and obstacles (64, 5).
 
-    Moments from `first` on count. As in `separate_paths`: `path` (A, M, 2), `share` (A, M), `aimed` (A, 3), `radius` (A,),
-    `yields` (A,) below 0 for absent dancers, `most` (A,) [m]. The moment at which a path is farthest inside counts.
+    Moments from `first` on count. As in `separate_paths`: `path` (A, M, 2), `share` (A, M), `aim_origin` (A, 3),
+    `radius` (A,), `yields` (A,) below 0 for absent dancers, `max_correction` (A,) [m]. The moment at which a path is
+    farthest inside counts.
     """
     for n in range(path.shape[0]):
         reach = radius[n] + max(max_correction[n], math.sqrt(goal[n, 0] * goal[n, 0] + goal[n, 1] * goal[n, 1]))

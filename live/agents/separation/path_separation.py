@@ -102,13 +102,13 @@ class PathSeparation:
         """Largest missing distance of each dancer [m] in the last round of `part`; below 0: none, shape (A,)."""
 
     def set_present(self, state: npt.NDArray[np.int8], present_state: int) -> None:
-        """Restrict separation to the dancers whose `state` (A,) is `there`."""
+        """Restrict separation to the dancers whose `state` (A,) is `present_state`."""
         self._yields[:] = np.where(state == present_state, self._responsibility, np.float32(-1.0))
 
     def separate(
         self, paths: Paths, goal: Float64, aim_origin: Float64, max_correction: Float64, *, place: float = 0.0
     ) -> None:
-        """Do one round: change `goal` (A, 2) [m], each by at most `most` (A,) [m], to separate the paths.
+        """Do one round: change `goal` (A, 2) [m], each by at most `max_correction` (A,) [m], to separate the paths.
 
         Only the part of the measure from `place` (0 to 1) on counts.
         """
@@ -120,8 +120,8 @@ class PathSeparation:
         things = self._surroundings
         if things is not None and things.wall_count + things.obstacle_count:
             clear_paths(
-                paths.path, paths.share, goal, aim_origin, first, self._radius, self._yields, max_correction, things.walls,
-                things.wall_count, things.obstacles, things.obstacle_count,
+                paths.path, paths.share, goal, aim_origin, first, self._radius, self._yields, max_correction,
+                things.walls, things.wall_count, things.obstacles, things.obstacle_count,
             )  # fmt: skip
 
     def push_apart(self, now: Float32, soon: Float32, *, margin: float, stiffness: float, dt: float) -> Float64 | None:

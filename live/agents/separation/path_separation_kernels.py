@@ -36,7 +36,7 @@ def evaluate_paths(
     """Write where A dancers are at `place` of their paths' M moments (a fractional index) into `out` (A, 2) [m].
 
     `path` (A, M, 2) is without corrections, of which `share` (A, M) is applied; `goal` (A, 2) is their target, and
-    `aimed` (A, 3) is as in `Danced`.
+    `aim_origin` (A, 3) is as in `Danced`.
     """
     last = path.shape[1] - 1
     k = min(max(math.floor(place), 0), last - 1)
@@ -52,7 +52,7 @@ def evaluate_paths(
 def place_on_path(
     path: Float32, share: Float32, goal: Float64, aim_origin: Float64, n: int, place: float
 ) -> tuple[float, float]:
-    """Return the place of dancer `n` [m] at `place` of their path, arrays as in `evaluate_paths`; straight before it."""
+    """Return where dancer `n` is [m] at `place` of their path, arrays as in `evaluate_paths`; straight before it."""
     k = min(max(math.floor(place), 0), path.shape[1] - 2)
     t = min(place - k, 1.0)
     w = change_weight((1.0 - t) * share[n, k] + t * share[n, k + 1], aim_origin[n, 2])
@@ -67,14 +67,14 @@ def place_on_path(
 )
 def extrapolate_paths(
     path: Float32, share: Float32, goal: Float64, aim_origin: Float64,
-    later_path: Float32, later_share: Float32, later_goal: Float64, later_aim_origin: Float64, has_next: bool, window: float,
-    fractions: Float64, now: Float32, out: Float32,
+    later_path: Float32, later_share: Float32, later_goal: Float64, later_aim_origin: Float64, has_next: bool,
+    window: float, fractions: Float64, now: Float32, out: Float32,
 ) -> None:  # fmt: skip
     """Write where A dancers at `now` (A, 2) [m] are led by their paths into `out` (K, A, 2) [m].
 
-    The paths, arrays as in `evaluate_paths`, are those of this measure and, if `goes_on`, of the next one, into which the
-    last `window` of this one is blended. `fractions` (K + 1,) are positions in this measure, the first one now; above 1
-    the dancer is in the next measure, or at the end of this one.
+    The paths, arrays as in `evaluate_paths`, are those of this measure and, if `has_next`, of the next one, into which
+    the last `window` of this one is blended. `fractions` (K + 1,) are positions in this measure, the first one now;
+    above 1 the dancer is in the next measure, or at the end of this one.
     """
     last = path.shape[1] - 1
     for m in range(fractions.shape[0]):
@@ -161,7 +161,7 @@ def largest_shortfall(
 
 @kernel("void(f8[:,::1], i8, f8, f8, f8)")
 def move_goal(goal: Float64, n: int, dx: float, dz: float, max_length: float) -> None:
-    """Change one goal by (dx, dz) [m]; its length stays within `most` [m], or its old length if larger."""
+    """Change one goal by (dx, dz) [m]; its length stays within `max_length` [m], or its old length if larger."""
     before = math.sqrt(goal[n, 0] * goal[n, 0] + goal[n, 1] * goal[n, 1])
     goal[n, 0] += dx
     goal[n, 1] += dz
@@ -197,10 +197,10 @@ def separate_paths(
 ) -> None:
     """Do one round: change the corrections' `goal` (A, 2) [m] so that paths stay apart from moment `first` on.
 
-    `path`, `share`, `aimed` as in `evaluate_paths`; `radius` (A,) [m] of the bodies, which keep `margin` [m] and at the end
-    `margin_at_end`; `yields` (A,): 1 gives way, 0 has the right of way, below 0 is absent; `most` (A,) [m]: maximum
-    length of a correction. `lack` (A,) receives the largest missing distance [m] of each dancer before this round;
-    `middle`, `extent`, `cell_start` and `order` are scratch.
+    `path`, `share`, `aim_origin` as in `evaluate_paths`; `radius` (A,) [m] of the bodies, which keep `margin` [m] and
+    at the end `margin_at_end`; `yields` (A,): 1 gives way, 0 has the right of way, below 0 is absent; `max_correction`
+    (A,) [m]: maximum length of a correction. `shortfall` (A,) receives the largest missing distance [m] of each dancer
+    before this round; `middle`, `extent`, `cell_start` and `order` are scratch.
     """
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
     path_bounds(path, first, middle, extent)

@@ -74,10 +74,10 @@ def separate_positions(
     cell_start: Int32,
     order: Int32,
 ) -> None:
-    """Move `position` (A, 2) apart in place until neighbours are `gap` [m] apart, as far as `most` [m] allows.
+    """Move `position` (A, 2) apart in place until neighbours are `gap` [m] apart, as far as `max_distance` [m] allows.
 
-    Each stays within `most` of its `anchor` (A, 2). Each of the `rounds` processes the pairs in numerical order and
-    splits the missing distance between the two.
+    Each stays within `max_distance` of its `anchor` (A, 2). Each of the `rounds` processes the pairs in numerical order
+    and splits the missing distance between the two.
     """
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
     for _ in range(rounds):
@@ -107,7 +107,7 @@ def separate_positions(
 
 @kernel("void(f4[:,::1],f4[:,::1],f4[:,::1],f4[:,::1],f4[::1])")
 def tether_agents(position: Float32, velocity: Float32, dancer: Float32, pace: Float32, max_distance: Float32) -> None:
-    """Keep each agent within `most` (A,) [m] of its dancer: at that distance the dancer drags it along.
+    """Keep each agent within `max_distance` (A,) [m] of its dancer: at that distance the dancer drags it along.
 
     `position`, `velocity` (A, 2) [m, m/s] of the agents are changed in place; `dancer` (A, 2) [m] are the dancers'
     places on the path of their measure, `pace` (A, 2) [m/s] its velocity.

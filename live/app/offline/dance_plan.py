@@ -174,8 +174,8 @@ def _tempo(asked: DanceOptions, library: StepLibrary, wanted: Sequence[SequenceE
 
 
 def _along_path(
-    asked: DanceOptions, graph: MotionGraph, specification: SequenceSpec, bpm: float, headings: "str | tuple[float, ...]",
-    missing: Sequence[MissingMotion],
+    asked: DanceOptions, graph: MotionGraph, specification: SequenceSpec, bpm: float,
+    headings: "str | tuple[float, ...]", missing: Sequence[MissingMotion],
 ) -> DancePlan:  # fmt: skip
     assert asked.path is not None
     points = read_path(asked.path)

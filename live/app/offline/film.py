@@ -224,7 +224,7 @@ def parse_film_path(path: Path, option: str, *, alpha: bool = False, inputs: lis
     """Return the film's path, with the name pattern of its pictures if it is a folder of PNG files.
 
     Raise PersonError for an unknown format, a format without alpha if `alpha` is set, a missing folder, and for the
-    input files in `never`.
+    input files in `inputs`.
     """
     if path.is_dir() or (not path.suffix and "%" not in path.name):
         path = path / PICTURES

@@ -384,7 +384,7 @@ MINIMISED_SUFFIX = ".min.jsonl"
 def minimise_journal(path: Path, target: Path | None, seconds: float, console: Console) -> dict[str, Any]:
     """Minimise a failing journal to one that fails in the same way; return the report's facts.
 
-    `to`: the file to write; None: next to the journal.
+    `target`: the file to write; None: next to the journal.
     """
     from live.rehearse.journal_minimiser import minimise
     from live.show.journal.journal_reader import JournalError
@@ -407,6 +407,7 @@ def minimise_journal(path: Path, target: Path | None, seconds: float, console: C
     events, ticks = found.original_size
     words = f"{events} events in {ticks / 64.0:.1f} s became {len(found.entries)} in {found.end / 64.0:.1f} s: {target}"
     return {
-        "ok": False, "fails": True, "journal": str(target), "failure": found.failure.facts(), "tried": found.trial_count,
-        "events": [events, len(found.entries)], "ticks": [ticks, found.end], "summary": [str(found.failure), words],
+        "ok": False, "fails": True, "journal": str(target), "failure": found.failure.facts(),
+        "tried": found.trial_count, "events": [events, len(found.entries)], "ticks": [ticks, found.end],
+        "summary": [str(found.failure), words],
     }  # fmt: skip

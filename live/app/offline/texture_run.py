@@ -80,8 +80,8 @@ def run_texture(options: TextureOptions, settings: TextureSettings) -> None:
         write_motion(clip, target)
         joins = one.fragments.count - 1
         console.print(
-            f"{target}: {clip.seconds:.2f} s of {one.fragments.count} pieces, {one.consecutive_joins} of {joins} joins were none in the "
-            f"recordings either; matched to {one.distance:.3f} rad",
+            f"{target}: {clip.seconds:.2f} s of {one.fragments.count} pieces, {one.consecutive_joins} of {joins} joins "
+            f"were none in the recordings either; matched to {one.distance:.3f} rad",
             markup=False,
         )
     if len(found) < settings.paths:
@@ -207,6 +207,7 @@ def _say(console: Console, clips: list[StepClip], made: EnrichedStep, size: int)
     how = "made" if made.replaced_upper else "textured"
     console.print(
         f"{clips[0].step}: {len(made.clips)} versions, upper body {how}, matched to {made.distance:.3f} rad, "
-        f"{made.continuous_share:.0%} of joins as recorded, {made.kept_share:.0%} of it left at measure lines, {size // 1000} kB",
+        f"{made.continuous_share:.0%} of joins as recorded, {made.kept_share:.0%} of it left at "
+        f"measure lines, {size // 1000} kB",
         markup=False,
     )

@@ -56,7 +56,7 @@ def draw_formation(
 ) -> str:
     """Return the SVG of a formation on a stage (width, depth) [m].
 
-    `ways`: the path of each dancer into their slot, each (K, 2) [m]; an empty ring marks its start. Slots in `outside`
+    `paths`: the path of each dancer into their slot, each (K, 2) [m]; an empty ring marks its start. Slots in `outside`
     get a red ring. `title` is above, `under` below the picture.
     """
     floor = _FloorScale(stage)

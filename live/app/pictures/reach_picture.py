@@ -89,7 +89,7 @@ def _draw_missing(reach: Reach, scale: _Scale, canvas: Canvas) -> None:
 
 
 def outline(positions: Float64) -> list[Point]:
-    """Return the region's border: the farthest of `ways` (n, 2) from the centre in each of `SECTORS` sectors."""
+    """Return the region's border: the farthest of `positions` (n, 2) from the centre in each of `SECTORS` sectors."""
     heading = np.arctan2(positions[:, 0], positions[:, 1])
     sector = np.round(heading / (2.0 * math.pi) * SECTORS).astype(np.int64) % SECTORS
     radius = np.zeros(SECTORS)

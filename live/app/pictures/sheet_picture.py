@@ -45,7 +45,7 @@ class Sheet:
         }
 
     def draw(self, pictures: list[tuple[Picture, SheetMoment]], title: str, subtitle: str) -> Image.Image:
-        """Draw the sheet; `told`: small text next to the title."""
+        """Draw the sheet; `subtitle`: small text next to the title."""
         width, height = self.size_for(len(pictures))
         image = Image.new("RGB", (width, height), self._paper.ground)
         pen = ImageDraw.Draw(image)

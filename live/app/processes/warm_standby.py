@@ -46,7 +46,7 @@ def run_warm_standby(
 ) -> None:  # fmt: skip
     """Prepare, follow the show until the order to take over, then resume it.
 
-    `waits`: run at low priority meanwhile; `loaded`, `show`: already loaded, together with all kernels.
+    `background`: run at low priority meanwhile; `loaded`, `show`: already loaded, together with all kernels.
     """
     processors = lower_priority() if background else frozenset()
     if loaded is None:
@@ -77,7 +77,7 @@ def promote(
 ) -> None:  # fmt: skip
     """Resume the followed show where it ended.
 
-    `elsewhere`: it ran on another machine; `headless`, `sharing`: this machine's output meanwhile.
+    `from_other_machine`: it ran on another machine; `headless`, `sharing`: this machine's output meanwhile.
     """
     calm, death = bool(order["calm"]), order["death"]
     if death.get("plain"):
@@ -92,7 +92,8 @@ def promote(
     lead = Latencies.of(venue).lead
     origin = follower.local_origin(lead) if from_other_machine else follower.origin
     resumed = ResumeState(
-        show, follower.tick, origin, follower.latencies, calm, from_other_machine=from_other_machine, audio_start=follower.music_start
+        show, follower.tick, origin, follower.latencies, calm, from_other_machine=from_other_machine,
+        audio_start=follower.music_start
     )  # fmt: skip
     session = Session(options, loaded, AudioChoice() if calm else sound, venue, lifeline=lifeline, resumed=resumed)
     if calm:

@@ -97,9 +97,9 @@ class AudienceService:
             raise PersonError(f"--audience {where}: {error}", "choose another port") from None
         section, venue, http = self._show.patch.audience, self._venue, self._socket.fileno()
         self._plan = {
-            "http": http, "secret": self._secret, "first": self._first_number(), "link": self.address, "most": section.phones,
-            "per_address": section.phones_per_address, "visible": section.visible, "network": self.network,
-            "proxies": list(venue.proxies), "by_card": venue.by_card, "code_s": venue.code_s,
+            "http": http, "secret": self._secret, "first": self._first_number(), "link": self.address,
+            "most": section.phones, "per_address": section.phones_per_address, "visible": section.visible,
+            "network": self.network, "proxies": list(venue.proxies), "by_card": venue.by_card, "code_s": venue.code_s,
             "grace_s": venue.grace_s, "joins_per_code": venue.joins_per_code, "bans": [],
             "certificate": None if self._identity is None else (self._identity.certificate, self._identity.key),
         }  # fmt: skip

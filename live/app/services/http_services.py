@@ -138,7 +138,10 @@ MAX_KEY_LENGTH: Final = 128
 MIN_DISTINCT_LETTERS: Final = 6
 """Minimum number of different characters in a key."""
 _KEY: Final = re.compile(rf"[A-Za-z0-9._~-]{{{MIN_KEY_LENGTH},{MAX_KEY_LENGTH}}}")
-_KEY_RULE: Final = f"{MIN_KEY_LENGTH} to {MAX_KEY_LENGTH} letters, digits and . _ ~ - expected, {MIN_DISTINCT_LETTERS} different ones at least"
+_KEY_RULE: Final = (
+    f"{MIN_KEY_LENGTH} to {MAX_KEY_LENGTH} letters, digits and . _ ~ - expected, "
+    f"{MIN_DISTINCT_LETTERS} different ones at least"
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ import socket
 def listening_socket(where: tuple[str, int], backlog: int, *, resumes: bool) -> socket.socket:
     """Listen at an address and port; raise OSError or OverflowError if that fails or the port is in use.
 
-    `goes_on`: a show is resumed after its engine has ended. Processes of that engine end a moment later and may still
+    `resumes`: a show is resumed after its engine has ended. Processes of that engine end a moment later and may still
     hold the port; both then share it (SO_REUSEPORT of socket(7), for processes of one user).
     """
     family = socket.AF_INET6 if ":" in where[0] else socket.AF_INET

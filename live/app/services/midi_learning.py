@@ -17,7 +17,7 @@ class MidiMapWriter:
     """Saves learned bindings next to the patch, one change after the other. `keep`: call in the show's thread."""
 
     def __init__(self, patch: Path, report: Callable[[str], None]) -> None:
-        """`patch`: its file. `told` is called with the result in words, in any thread."""
+        """`patch`: its file. `report` is called with the result in words, in any thread."""
         self._patch, self._report = patch, report
         self._lock = threading.Lock()
         self._threads: list[threading.Thread] = []
@@ -55,7 +55,7 @@ class MidiLearnSession:
     """The MIDI map in force: the patch's, with changes learned since it was read. Thread: the show's."""
 
     def __init__(self, section: MidiSection, midi_input: MidiInput | None, writer: MidiMapWriter) -> None:
-        """`listens`: the input to learn from; without it nothing can be learned."""
+        """`midi_input`: the input to learn from; without it nothing can be learned."""
         self._section, self._input, self._writer = section, midi_input, writer
         self._added: list[Binding] = []
         self._forgotten: set[str] = set()
@@ -86,7 +86,7 @@ class MidiLearnSession:
         self._forgotten &= {one.control for one in learned}
 
     def handle(self, event: LearnMidi | ForgetMidi, on_change: Callable[[], None]) -> None:
-        """Start or cancel learning, or forget a control; `took` is called if that changes the map."""
+        """Start or cancel learning, or forget a control; `on_change` is called if that changes the map."""
         self.refused = ""
         if isinstance(event, ForgetMidi):
             self._forget(event.address, on_change)

@@ -50,7 +50,7 @@ class MidiService:
         clock_output: MidiClockProcess | None = None,
         values: Values | None = None,
     ) -> None:
-        """`listens`: input through `midi_map`; `tells`: feedback output of `values`; `sends`: clock output.
+        """`midi_input`: read through `midi_map`; `feedback_output`: for `values`; `clock_output`: for clock pulses.
 
         `patch`: the patch's file, next to which learned bindings are saved.
         """
@@ -232,7 +232,7 @@ class MidiFileService:
     """Plays a MIDI file into a show, live or offline: tempo map and notes. Thread: the show's."""
 
     def __init__(self, path: Path, show: Show, engine: Engine, *, resume_tick: int = 0) -> None:
-        """`begun`: the last tick before the show is resumed. Raise PersonError for a file that cannot be options."""
+        """`resume_tick`: last tick before the show is resumed. Raise PersonError for a file that cannot be options."""
         self._show = show
         song = read_song(path)
         self._player = MidiSongPlayer(song, _bindings(show.patch), beats_per_measure=show.timeline.beats_per_measure)

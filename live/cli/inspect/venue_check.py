@@ -70,7 +70,7 @@ def _mask(output: "Output") -> str:
 
 
 def _run_check(what: str, describe: Callable[[], str], remedy: str) -> Check:
-    """Return a check with the text of `look`, or its error."""
+    """Return a check with the text of `describe`, or its error."""
     try:
         return Check(what, "ok", describe(), needed=True)
     except PersonError as error:

@@ -46,7 +46,7 @@ def advance(
     """Advance all states by one frame: each position moves on; at the end of a beat another begins, perhaps at another
     tempo.
 
-    `whole` is the sum of all states; births are relative to it. Returns the new sum.
+    `sum_before` is the sum of all states; births are relative to it. Returns the new sum.
 
     state (N, 16): shares of all states, a ring of length[k] rows for interval k from row offset[k] on, position 0 at
     head[k]. tempo (K, 2R+1) and metre (4, 4): transitions, see Model; born (K,) new grids that begin in this frame;

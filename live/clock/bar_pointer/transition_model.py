@@ -205,7 +205,7 @@ class ManualConstraints:
         self._update_transitions()
 
     def births(self, grid_is_lost: bool) -> Float32:
-        """Return the new grids of each frame; none after a tapped beat, unless the music has `left` the grid."""
+        """Return the new grids of each frame; none after a tapped beat, unless `grid_is_lost`."""
         return self.birth_shares if grid_is_lost or not self.keeps_phase else self._no_births
 
     def follow_drift(self, interval: float) -> None:

@@ -176,7 +176,7 @@ class AdaptiveRange:
         self._known = False
 
     def add(self, value: float, *, may_lower: bool = True) -> float:
-        """Widen the range to a value and return its position, 0 to 1. `lowest`: whether it may lower the range.
+        """Widen the range to a value and return its position, 0 to 1. `may_lower`: whether it may lower the range.
 
         Pauses must not lower it, as they are no quiet music.
         """

@@ -99,8 +99,8 @@ def fit(
 ) -> PulseFit:
     """Fit the best curve to pulses, oldest first, of one stretch without a sudden change; at least 4 are needed.
 
-    `weights` are 1, or 0 for pulses that are left out. `noise` as returned by `estimate_noise`. The period `known` before the
-    stretch is kept as long as nothing contradicts it and the stretch is short.
+    `weights` are 1, or 0 for pulses that are left out. `noise` as returned by `estimate_noise`. The period `known`
+    before the stretch is kept as long as nothing contradicts it and the stretch is short.
     """
     last = int(numbers[-1])
     x = (numbers - last).astype(np.float64)[::-1]

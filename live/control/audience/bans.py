@@ -49,7 +49,7 @@ class Bans:
     """All bans. Thread: the gateway's loop."""
 
     def __init__(self, *, has_groups: bool, exported: Iterable[Any] = ()) -> None:
-        """`apart`: whether phones have groups of their own; `told`: the result of `tell` of the previous gateway."""
+        """`has_groups`: whether phones have groups of their own; `exported`: `export` of the previous gateway."""
         self._has_groups = has_groups
         self._known: dict[int, PhoneIdentity] = {}
         self._bans: dict[int, Ban] = {}

@@ -137,7 +137,8 @@ class Gateway:
         tls = None if self._certificate is None else server_context(*self._certificate)
         handler: Any = runner.server
         server = await asyncio.get_running_loop().create_server(
-            handler, sock=listening, ssl=tls, backlog=1024, ssl_handshake_timeout=None if tls is None else HELLO_TIMEOUT,
+            handler, sock=listening, ssl=tls, backlog=1024,
+            ssl_handshake_timeout=None if tls is None else HELLO_TIMEOUT,
             ssl_shutdown_timeout=None if tls is None else TLS_SHUTDOWN_TIMEOUT,
         )  # fmt: skip
         tasks = [

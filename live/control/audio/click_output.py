@@ -120,7 +120,7 @@ class ClickOutput:
     """Plays a ClickTrack. A lost output is reopened by name; the show never waits for it.
 
     The time of a sample is the sum of a line fitted through the callbacks' times against their sample counts (as for
-    music), the device's reported latency, and `later`, which is set by ear or by measurement.
+    music), the device's reported latency, and `extra_delay`, which is set by ear or by measurement.
     """
 
     def __init__(
@@ -133,7 +133,7 @@ class ClickOutput:
         extra_delay: float = 0.0,
         on: bool = True,
     ) -> None:
-        """`device` as for `find_device`; `later` [s]: additional delay beyond the device's reported latency.
+        """`device` as for `find_device`; `extra_delay` [s]: additional delay beyond the device's reported latency.
 
         Raises SoundUnavailable or UnknownDevice, and PersonError if the device lacks the channels.
         """

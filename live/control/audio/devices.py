@@ -214,7 +214,7 @@ STOP_TIMEOUT: Final = 2.0
 
 
 class DeviceWatchdog:
-    """Calls `turn` repeatedly, then `end`, in a thread that can be replaced when it hangs.
+    """Calls `poll` repeatedly, then `end`, in a thread that can be replaced when it hangs.
 
     A hung thread that resumes finds that `mine` has been replaced, and ends.
     """

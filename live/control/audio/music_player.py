@@ -55,8 +55,8 @@ class MusicPlayer:
     ) -> None:
         """`output`: True = the default device, False = none, else as for `find_device`.
 
-        `one_at` [s of the music]: the first downbeat, if known. It is announced as One DOWNBEAT_LEAD seconds before, or as
-        soon as its time is known; and once more with the first beat after it, if the time has changed.
+        `one_at` [s of the music]: the first downbeat, if known. It is announced as One DOWNBEAT_LEAD seconds before, or
+        as soon as its time is known; and once more with the first beat after it, if the time has changed.
 
         `latency` [s]: delay from handing over a sample until it is heard; None: the device's reported latency. Raises
         UnknownDevice for a named output that is absent.

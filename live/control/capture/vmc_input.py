@@ -94,7 +94,7 @@ class VmcStream:
     """
 
     def __init__(self, seat: Callable[[float], Seat | None], tally: Tally, send: Callable[[MocapFrame], None]) -> None:
-        """`seat` returns the performer at a time [s]; `give` receives every pose."""
+        """`seat` returns the performer at a time [s]; `send` receives every pose."""
         self.performer = ""
         """The performer's name; empty before the first pose."""
         self.poses = 0

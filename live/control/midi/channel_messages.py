@@ -29,7 +29,7 @@ class MidiAction:
     position: float
     """Position or velocity, 0 to 1."""
     step: float
-    """The smallest change of `share`."""
+    """The smallest change of `position`."""
     down: bool
     """Whether it is pressed, or in the upper half."""
     fine: bool = False

@@ -113,7 +113,7 @@ class Binding:
         return self.kind, self.number, self.channel
 
     def value(self, position: float) -> float:
-        """Return the value at position `share`, 0 to 1."""
+        """Return the value at `position`, 0 to 1."""
         low, high = self._bounds
         return low + (high - low) * (position if self.curve == 1.0 else position**self.curve)
 

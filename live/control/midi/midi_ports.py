@@ -241,7 +241,7 @@ class PortThread:
     """
 
     def __init__(self, name: str, role: str, open_by_name: Open) -> None:
-        """Open nothing yet. `what`: the thread's name; `open_by_name` may raise anything if the port is missing."""
+        """Open nothing yet. `role`: the thread's name; `open_by_name` may raise anything if the port is missing."""
         self.name = name
         self.connected = ""
         """The full name of the open port; empty if none is open."""

@@ -36,10 +36,11 @@ class OscHandler:
 
     def __init__(
         self, shared_lane: PriorityQueue[ControlEvent], *, registry: Registry = REGISTRY, role: Role = "operator",
-        wall_clock: Callable[[], float] = _time.time, make_lane: Callable[[], PriorityQueue[ControlEvent]] | None = None,
+        wall_clock: Callable[[], float] = _time.time,
+        make_lane: Callable[[], PriorityQueue[ControlEvent]] | None = None,
     ) -> None:  # fmt: skip
-        """`role`: the permissions at this port; `wall` [s since 1970]: the clock of time tags; `more`: makes a lane for
-        each sender (without it all share `shared_lane`)."""
+        """`role`: the permissions at this port; `wall_clock` [s since 1970]: the clock of time tags; `make_lane`: makes
+        a lane for each sender (without it all share `shared_lane`)."""
         self._make_lane, self._lanes = make_lane, dict[SocketAddress, PriorityQueue[ControlEvent]]()
         self._last_message: dict[SocketAddress, float] = {}
         self._shared_lane, self._registry, self._role, self._wall_clock = shared_lane, registry, role, wall_clock

@@ -30,7 +30,7 @@ class OscPrefilter:
     """Prefilter of one port. Use from the port's thread."""
 
     def __init__(self, registry: Registry, handle: HandleDatagram, rejected: Tally) -> None:
-        """`on`: receives the datagrams that pass; the others are counted in `rejected`."""
+        """`handle`: receives the datagrams that pass; the others are counted in `rejected`."""
         self._registry, self._handle, self._rejected = registry, handle, rejected
         self._plain_headers: dict[bytes, bool] = {}
         self._pending: dict[bytes, tuple[bytes, Any]] = {}

@@ -72,8 +72,8 @@ class OscRemote:
             self._socket = socket.socket(fileno=os.dup(self._inherited))
         udp = self._socket.fileno()
         self._helper = HelperProcess(
-            "live.control.osc.osc_process", self._clock, {"udp": udp, "nice": 0}, self._on_start, udp, on_packet=self._put_events,
-            descriptor=self._reader,
+            "live.control.osc.osc_process", self._clock, {"udp": udp, "nice": 0}, self._on_start, udp,
+            on_packet=self._put_events, descriptor=self._reader,
         )  # fmt: skip
         self._helper.start()
 
@@ -201,8 +201,8 @@ class OscReader:
         self._clock = SystemClock()
         self._forward = EventForwarder(channel.socket.send, self._inbox, time.perf_counter)
         self._osc = OscInput(
-            "", 0, self._inbox.add_queue(), self._clock, inherited=udp, on_received=self._forward.send_due, make_lane=self._inbox.add_queue,
-            flood_wait=FLOOD_WAIT,
+            "", 0, self._inbox.add_queue(), self._clock, inherited=udp, on_received=self._forward.send_due,
+            make_lane=self._inbox.add_queue, flood_wait=FLOOD_WAIT,
         )  # fmt: skip
         self._sent_before = 0
         self._started = False

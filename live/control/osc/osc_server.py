@@ -63,9 +63,9 @@ class OscInput:
         flood_wait: float = FLOOD_WAIT,
     ) -> None:
         """`inherited`: the descriptor of a socket that another process has bound and keeps; `role`: the permissions at
-        this port; `option`: the command line option named in error messages; `after`: called after events have come,
-        returns the seconds until its next call; `more`: makes a lane for each sender; `gather` [s]: the wait between
-        batches in a flood."""
+        this port; `option`: the command line option named in error messages; `on_received`: called after events have
+        come, returns the seconds until its next call; `make_lane`: makes a lane for each sender; `flood_wait` [s]: the
+        wait between batches in a flood."""
         self._inherited, self._flood_wait = inherited, flood_wait
         self._host, self._wanted_port, self._option = host, port, option
         self._clock, self._lane, self._on_received = clock, lane, on_received
@@ -200,8 +200,8 @@ class OscInput:
 
     def _seconds_to_next(self) -> float | None:
         """Return the seconds until the next timed work; None if there is none."""
-        waits = (self.handler.schedule.seconds_to_next(self._clock.now()), self.handler.subscribers.seconds_to_next(), self._next_call,
-                 self._flood_wait if self._prefilter.has_pending else None)  # fmt: skip
+        waits = (self.handler.schedule.seconds_to_next(self._clock.now()), self.handler.subscribers.seconds_to_next(),
+                 self._next_call, self._flood_wait if self._prefilter.has_pending else None)  # fmt: skip
         return min((wait for wait in waits if wait is not None), default=None)
 
     def _process_due(self) -> None:

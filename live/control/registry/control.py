@@ -112,7 +112,7 @@ Result = ControlEvent | Reply | Request | Released | Rejection
 
 @dataclass(frozen=True, slots=True)
 class Control:
-    """One control. `make` gets time [s], source and every argument by its name. `who`: the lowest role allowed."""
+    """One control. `make` gets time [s], source and every argument by its name. `role`: the lowest role allowed."""
 
     address: str
     make: Callable[..., ControlEvent | Reply | Request]

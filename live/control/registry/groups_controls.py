@@ -37,7 +37,8 @@ GROUP_CONTROLS: Final = (
         "Dancers travel along a drawn line and keep their formation.", "musician",
     ),
     Control(
-        "/dance/pause", events.Pause, (_DURATION, DANCERS, NEXT), "Dancers stay where they are for a while.", "musician",
+        "/dance/pause", events.Pause, (_DURATION, DANCERS, NEXT),
+        "Dancers stay where they are for a while.", "musician",
     ),
     Control(
         "/dance/release", events.Release, (DANCERS,),

@@ -101,7 +101,10 @@ SCENE_CONTROLS: Final = (
     ),
     Control(
         "/dance/scene", events.RecallScene,
-        (Argument("name", "name", "a [[scene]] of the patch or one stored live; `start` is the patch itself"), _OWN_DURATION),
+        (
+            Argument("name", "name", "a [[scene]] of the patch or one stored live; `start` is the patch itself"),
+            _OWN_DURATION,
+        ),
         "Recalls a scene with a cross-fade.", "operator",
     ),
     Control(

@@ -93,7 +93,7 @@ def find_bridges(
     stretch: float = 0.15,
     max_count: int = 5,
 ) -> list[Bridge]:
-    """Return the `most` best bridges of `measures` from step `source` to `target`, best first, without overlaps.
+    """Return the `max_count` best bridges of `measures` from step `source` to `target`, best first, without overlaps.
 
     `measure_s` is the length of a measure of the show [s]; a stretch that differs from it by up to the share `stretch`
     is danced faster or slower. ValueError for lengths that are not positive or a stretch outside [0, 0.5].

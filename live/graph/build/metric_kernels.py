@@ -29,7 +29,7 @@ def filter_block(
     out_row: Int32,
     out_column: Int32,
 ) -> int:
-    """Find pairs of a block whose squared distance (K003) is at most `limit` [m²], plus a tolerance `doubt` · sizes.
+    """Find pairs of a block whose squared distance (K003) is at most `limit` [m²], plus `tolerance` · sizes.
 
     product (B, M) of floor coordinates, height (B, M) of heights (overwritten); size_a (B,), size_b (M,) as in
     FlatClouds; codes_a (B, 2) and codes_b (M, 2): end or begin pose (agree if equal, or either -1), and what may not

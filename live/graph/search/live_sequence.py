@@ -112,7 +112,7 @@ class LiveSequence:
         return costs.layer(0) / costs.unit
 
     def feasible_delay(self, wanted: Sequence[SequenceEntry], nodes: Int32, *, max_delay: int = 2) -> int | None:
-        """Return after how many free measures, at most `patience`, dancers in `nodes` (A,) can dance `wanted`.
+        """Return after how many free measures, at most `max_delay`, dancers in `nodes` (A,) can dance `wanted`.
 
         None if that is not possible for all of them: the current sequence should then be kept, and
         `live.graph.search.path_diagnostics` explains the reason. Dancers within a step first finish it.

@@ -213,8 +213,9 @@ class _GapExplainer:
             return f"{join} would fit, but the graph leaves that join out: look at `live steps check`"
         allow = math.ceil(distance * 100.0) / 100.0
         return (
-            f"no {b}{_clauses([f'begins as {a} ends', *self._travel_clauses(entry)])}: record one, or allow {allow:.2f} m; "
-            f"the nearest, {join}, are {100.0 * distance:.0f} cm apart where {100.0 * self._threshold:.0f} cm may be"
+            f"no {b}{_clauses([f'begins as {a} ends', *self._travel_clauses(entry)])}: record one, or "
+            f"allow {allow:.2f} m; the nearest, {join}, are {100.0 * distance:.0f} cm apart "
+            f"where {100.0 * self._threshold:.0f} cm may be"
         )
 
     def _travel_clauses(self, entry: SequenceEntry) -> list[str]:

@@ -82,7 +82,8 @@ def read_path(text: str) -> Float64:
             value = math.nan
         if not abs(value) <= MAX_COORDINATE:
             raise PersonError(
-                f"path: number {place} is {_shortened(word)!r}, a number from {-MAX_COORDINATE:g} to {MAX_COORDINATE:g} expected",
+                f"path: number {place} is {_shortened(word)!r}, a number from {-MAX_COORDINATE:g} to "
+                f"{MAX_COORDINATE:g} expected",
                 "x goes to the right of the audience and z towards it, both in metres from the centre of the stage",
             )
         values.append(value)

@@ -42,7 +42,7 @@ class SequenceSpec:
     set_index: Int32
     """The set of each measure, shape (M,)."""
     entry_index: Int32
-    """The entry of `wanted` of each measure, shape (M,)."""
+    """The entry of `entries` of each measure, shape (M,)."""
     enters: Bool
     """Nodes that begin a step, shape (N,)."""
     leaves: Bool
@@ -111,7 +111,7 @@ def nodes_of(library: StepLibrary, entry: SequenceEntry, measure: int) -> Bool:
 
 
 def travels(clip: StepClip, direction: str) -> bool:
-    """Whether a clip travels in the direction `way`: "left" includes short and long."""
+    """Whether a clip travels in `direction`: "left" includes short and long."""
     return set(direction.split()) <= set(clip.direction.split())
 
 

@@ -60,7 +60,7 @@ class ReachTable:
         margin: Float64,
         least: Float64 | float = 0.0,
     ) -> Float64:
-        """Shorten each `way` (A, 2) [m] to what `step` (A,) can travel in one measure plus `more` (A,) [m].
+        """Shorten each `travel` (A, 2) [m] to what `step` (A,) can travel in one measure plus `margin` (A,) [m].
 
         At least `least` (A,) [m] remains possible. `heading` (A,) [rad] is the heading at the beginning of the measure,
         `change` (A,) the wanted change until its end; a step below 0 means any.

@@ -89,12 +89,14 @@ class StepSelector:
             turn_offsets=moved,
             max_turns=np.zeros((len(moved), 3)),
             facts=facts,
-            weights=np.array([PLACE_COST, CORRECTION_COST, HEADING_COST, TURN_COST, POSE_COST, WRONG_COST, SIDE_COST, MIXTURE_COST]),
+            weights=np.array(
+                [PLACE_COST, CORRECTION_COST, HEADING_COST, TURN_COST, POSE_COST, WRONG_COST, SIDE_COST, MIXTURE_COST]
+            ),
             scratch=np.zeros((int(np.diff(graph.edge_start).max(initial=0)) + 1, 2)),
         )  # fmt: skip
 
     def set_limits(self, *, seconds: float, turn: float, reach_margin: npt.ArrayLike) -> None:
-        """Set the measure's `seconds`, the largest turn `turn` [rad], and the correction `give` (N,) or () [m]."""
+        """Set the measure's `seconds`, the largest `turn` [rad], and the correction `reach_margin` (N,) or () [m]."""
         angle = np.minimum(min(turn, np.pi), MAX_TURN_RATE * seconds / self.graph.node_peak_turn_rate)
         self.max_turns[:, 0] = angle
         self.max_turns[:, 1], self.max_turns[:, 2] = np.cos(angle), np.sin(angle)
@@ -117,8 +119,9 @@ class StepSelector:
         edge, candidate, terms, end = out
         choose_measures(
             rows.start, rows.stop, node, placement, target, row, ahead, side, options,
-            graph.edge_start, graph.edge_target, self.edge, self.candidates.first, self.clip, self.turn_offsets, self.max_turns,
-            self.facts, graph.library.node_side, self.weights, self.scratch, edge, candidate, terms, end,
+            graph.edge_start, graph.edge_target, self.edge, self.candidates.first, self.clip, self.turn_offsets,
+            self.max_turns, self.facts, graph.library.node_side, self.weights, self.scratch,
+            edge, candidate, terms, end,
         )  # fmt: skip
 
 

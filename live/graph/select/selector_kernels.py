@@ -46,7 +46,7 @@ def candidate_end(
     turn_offsets: Float64,
     max_turns: Float64,
 ) -> tuple[float, float, float, float]:
-    """Return the end of dancer n with candidate k of node v, placed at `laid`: hips x, z, turn, heading error.
+    """Return the end of dancer n with candidate k of node v, placed at `placement`: hips x, z, turn, heading error.
 
     Arrays as in `choose_measures`; the wanted turn is inserted on the supporting foot as far as allowed.
     """
@@ -75,7 +75,7 @@ def candidate_end(
 
 @inline_kernel
 def place_cost(distance: float, reach_margin: float, weights: Float64) -> float:
-    """Return the cost of ending `distance` [m] off, of which `give` [m] can be corrected at a lower cost."""
+    """Return the cost of ending `distance` [m] off, of which `reach_margin` [m] can be corrected at a lower cost."""
     within = min(distance, reach_margin)
     cost: float = weights[CORRECTED] * within * within + weights[PLACE] * (distance * distance - within * within)
     return cost
@@ -97,7 +97,7 @@ def turn_cost(end: tuple[float, float, float, float], weights: Float64) -> float
 
 @inline_kernel
 def insert_best(cost: float, e: int, k: int, n: int, edge: Int32, candidate: Int32, best_costs: Float64) -> None:
-    """Insert candidate k of edge e into dancer n's best two if it is good enough; the last row of `held`: their costs.
+    """Insert candidate k of edge e into dancer n's best two if good enough; the last row of `best_costs`: their costs.
 
     The runner-up is another measure than the best, not another mixture of it.
     """
@@ -118,7 +118,7 @@ def edge_costs(
     n: int, low: int, high: int, row: int, side: int, edge_target: Int32, edge: Float64, ahead: Float64,
     node_side: Int32, facts: Float64, weights: Float64, scratch: Float64,
 ) -> float:  # fmt: skip
-    """Write the cost of edges `low` to `high`, wherever they lead, to `room`; return the least."""
+    """Write the cost of edges `low` to `high`, wherever they lead, to `scratch`; return the least."""
     lowest = 1e300
     for e in range(low, high):
         v = edge_target[e]

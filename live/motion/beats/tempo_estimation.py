@@ -84,8 +84,8 @@ def estimate_tempo(clip: Clip, beats_per_measure: int = 4, bpm: float | None = N
     confidence = MAX_CONFIDENCE * float(np.clip(repetition / 0.4, 0.0, 1.0)) ** 0.5 * (0.5 + 0.5 * landing)
     others = tuple(round(60.0 / float(periods[p]), 1) for p in peaks if abs(periods[p] / best - 1.0) > OCTAVE_SLACK)[:3]
     note = (
-        f"guessed from the feet, to be confirmed: {rhythm.contact_times.size} landings, {rhythm.motion_beats.size} motion "
-        f"beats, repetition {repetition:.2f}"
+        f"guessed from the feet, to be confirmed: {rhythm.contact_times.size} landings, {rhythm.motion_beats.size} "
+        f"motion beats, repetition {repetition:.2f}"
         + (f"; or {', '.join(f'{bpm:g}' for bpm in others)} bpm" if others else "")
     )
     reference = MusicReference(first, 60.0 / period, confidence, "feet", note)

@@ -42,12 +42,12 @@ def find_positions(
     root: Float32, turned: Float32, stamp: Float64, count: int, scale: float, mirrored: bool,
     shown: Float32, legs: Float32,
 ) -> None:  # fmt: skip
-    """Find where the dancers `rows` (n,), captured `live` (n,), are in a tick: `there` (n, 2) [m].
+    """Find where the dancers `rows` (n,), captured `live` (n,), are in a tick: `position` (n, 2) [m].
 
-    `way` (n, 2) [m] is the offset of fully captured dancers from the position of their own dance; `away` (n,) [rad] is
-    the turn from their own heading to the captured one. While both are mixed, `away` continues from the last tick's
-    value, so that the heading never jumps by a whole turn. `shown` (A, 2): position of their own hips; `legs` (A, 9,
-    4): rotations. The other parameters are as in `blend_captured`.
+    `offset` (n, 2) [m] is that of fully captured dancers from the position of their own dance; `turn_offset` (n,)
+    [rad] is the turn from their own heading to the captured one. While both are mixed, `turn_offset` continues from the
+    last tick's value, so that the heading never jumps by a whole turn. `shown` (A, 2): position of their own hips;
+    `legs` (A, 9, 4): rotations. The other parameters are as in `blend_captured`.
     """
     held = stamp.shape[0]
     for n in range(rows.shape[0]):
@@ -77,7 +77,7 @@ def move_agents(
     change.
 
     `place` (A, 2) [m] is their position a tick of `dt` [s] ago if they were `led` (A,). `speed` (A, 2) [m/s] is
-    smoothed by the share `believed` towards the measured speed, at most `fastest`. Both are updated.
+    smoothed by the share `smoothing` towards the measured speed, at most `max_speed`. Both are updated.
     """
     count = led.shape[0]
     for n in range(rows.shape[0]):
@@ -106,7 +106,7 @@ def translate_plans(
     begin: Float64, end: Float64, coming_end: Float64, path: Float32, coming_path: Float32,
     shown: Float32, lock: Float32,
 ) -> None:  # fmt: skip
-    """Move all plans of the dancers `rows` (n,) by `way` (n, 2) [m].
+    """Move all plans of the dancers `rows` (n,) by `offset` (n, 2) [m].
 
     These are placements (A, 3), ends (A, 2), paths (A, P, 2) and the `shown` (A, 2) positions. Their feet are unlocked:
     `lock` (A, 2, columns).
@@ -141,10 +141,10 @@ def blend_captured(
 ) -> None:  # fmt: skip
     """Blend captured poses into the dancers `rows` (n,) of `position` (A, J, 3) and `rotation` (A, J, 4), world.
 
-    `asked` (n, 8): columns KEY … as in `capture_kernels`. `root` (M + 1, 3) and `turned` (M + 1, J, 4) are the buffered
-    poses, the newest at `count` - 1 modulo M, and at M the one held before a gap; `stamp` (M, 2) are their times. Poses
-    are interpolated between stamps. Distances are scaled by `scale`; `mirrored` exchanges the sides, `other` (J,) is
-    the opposite joint.
+    `request` (n, 8): columns KEY … as in `capture_kernels`. `root` (M + 1, 3) and `turned` (M + 1, J, 4) are the
+    buffered poses, the newest at `count` - 1 modulo M, and at M the one held before a gap; `stamp` (M, 2) are their
+    times. Poses are interpolated between stamps. Distances are scaled by `scale`; `mirrored` exchanges the sides,
+    `other` (J,) is the opposite joint.
     """
     joints, held = parents.shape[0], stamp.shape[0]
     own = np.empty((joints, 4))

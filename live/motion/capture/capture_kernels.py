@@ -264,7 +264,7 @@ on the stage; and the dancer's last turn from the own heading [rad], including w
 
 @inline_kernel
 def find_stamps(stamp: Float64, count: int, key: int, target: float) -> tuple[int, int, float]:
-    """Return the two buffered poses around `wanted`, and the interpolation share between them."""
+    """Return the two buffered poses around `target`, and the interpolation share between them."""
     size = stamp.shape[0]
     newer = (count - 1) % size
     if stamp[newer, key] <= target:
@@ -315,7 +315,7 @@ def captured_hips(
     place: Float64, request: Float64, root: Float32, rotation: Float32, stamp: Float64, count: int, scale: float,
     mirrored: bool,
 ) -> None:  # fmt: skip
-    """Compute hip positions on the stage for the requests `asked` (n, 8): `place` (n, 4), x, y, z [m] and heading
+    """Compute hip positions on the stage for the requests `request` (n, 8): `place` (n, 4), x, y, z [m] and heading
     [rad].
 
     The other parameters are as in `capture_blend_kernels.blend_captured`.

@@ -121,7 +121,7 @@ def _bridge(motion: SourceMotion, joints: list[int], a: int, b: int) -> SourceMo
 
 
 def _hermite(s: Float, end_value: Float, start: Float, end: Float) -> Float64:
-    """Cubic from 0 at s = 0 to `way` at s = 1 with the given velocities at both ends."""
+    """Cubic from 0 at s = 0 to `end_value` at s = 1 with the given velocities at both ends."""
     return np.asarray((s**3 - 2 * s**2 + s) * start + (3 * s**2 - 2 * s**3) * end_value + (s**3 - s**2) * end)
 
 

@@ -112,9 +112,9 @@ def read_word(text: UInt8, begin: np.uint64) -> tuple[float, np.uint64]:
 def scan_numbers(text: UInt8, columns: int, values: Float64, inexact: Int64, result: Int64) -> None:
     """Read the numbers of `text` into `values`, up to its size, and check that lines hold whole frames.
 
-    Lines end with LF, CR or both; `text` ends with a line end. Written to `found`: COUNT of numbers, place of a BAD
+    Lines end with LF, CR or both; `text` ends with a line end. Written to `result`: COUNT of numbers, place of a BAD
     word (-1: none; reading stops there), place of a STRANGE number (not within 1e7), count of HARD ones (index and
-    place go to `hard` (n, 2), up to its size); WRONG_COUNT, WRONG_PLACE (of its last word), WRONG_LAST (nothing
+    place go to `inexact` (n, 2), up to its size); WRONG_COUNT, WRONG_PLACE (of its last word), WRONG_LAST (nothing
     follows) of the first line whose count is no multiple of `columns`; WRAPPED = 1 if each frame still begins a line.
     """
     place, last_word = _ZERO, _ZERO

@@ -104,9 +104,9 @@ def decode(
 
     `beam` [m²] keeps only cells whose score exceeds the best at their boundary by less (H010). The first unit may begin
     up to `free_start` frames after the input's start, the last may end up to `free_end` frames before its end. Frames
-    left out cost nothing. `toll` (T,) is the extra cost of a boundary at each frame [m²]; it is infinite where no
-    boundary is allowed (off the beat, if beats are known). Raises PersonError where no sequence of units is as long as
-    the input.
+    left out cost nothing. `boundary_cost` (T,) is the extra cost of a boundary at each frame [m²]; it is infinite where
+    no boundary is allowed (off the beat, if beats are known). Raises PersonError where no sequence of units is as long
+    as the input.
     """
     last, cells = x.count - 1, stretches.count
     ring = int(stretches.duration[-1]) + 1

@@ -137,7 +137,7 @@ def load_lanes(
 def find_best_predecessors(
     count: int, scaled: Float64, columns: Float64, squares: Float64, least: Float64, chosen: Int64
 ) -> None:
-    """Find the best of `count` predecessors per lane: least (LANES,) is its score minus `whole`, chosen its row."""
+    """Find the best of `count` predecessors per lane: least (LANES,) is its score minus `squares`, chosen its row."""
     for n in range(count):
         if n % CHECK_INTERVAL == 0 and n > 0:
             top = -np.inf

@@ -85,7 +85,7 @@ RELEASE_FACTOR: Final = 1.5
 
 @dataclass(frozen=True, slots=True)
 class HoldCriterion:
-    """Criterion of a hold: palms come within `distance` [m] and stay near it for at least `seconds`."""
+    """Criterion of a hold: palms come within `distance` [m] and stay near it for at least `min_seconds`."""
 
     distance: float
     min_seconds: float

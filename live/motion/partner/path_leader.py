@@ -53,7 +53,7 @@ SMOOTHING_S: Final = 0.12
 
 
 def keep_near_path(clip: Clip, path: Cloud, max_distance: float = MAX_DISTANCE) -> Clip:
-    """Return the clip with hips at most about `near` [m] from the middle of `path`'s points; rates must be equal."""
+    """Return the clip, hips at most about `max_distance` [m] from the middle of `path`'s points; needs equal rates."""
     count = min(clip.sample_count, path.count)
     middle = path.floor.mean(axis=1)
     middle = np.concatenate((middle[:count], np.full(clip.sample_count - count, middle[count - 1])))

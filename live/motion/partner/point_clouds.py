@@ -88,7 +88,7 @@ def path_cloud(clip: Clip) -> Cloud:
 
 
 def hip_projections(middle: Complex128, across: Complex128, rate: float) -> Cloud:
-    """Return two points `HIP_DISTANCE` around `middle` (T,), the left one towards `across` (T,), a unit complex number."""
+    """Return two points `HIP_DISTANCE` around `middle` (T,), the left one towards `across` (T,), of length 1."""
     floor = middle[:, None] + 0.5 * HIP_DISTANCE * across[:, None] * np.array((1.0, -1.0))
     return Cloud(np.ascontiguousarray(floor), np.zeros(floor.shape), rate)
 

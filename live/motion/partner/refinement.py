@@ -29,8 +29,8 @@ def refine(
     """Return the units of `coarse` with the best boundaries for `x`, the same input at a higher rate.
 
     `k` is that of the coarse search. It is scaled with the rate here, because D sums over frames and C does not. The
-    first and last boundary stay in place, or as near as the rates allow. `toll` (T,) is the extra cost of a boundary at
-    each frame of `x`.
+    first and last boundary stay in place, or as near as the rates allow. `boundary_cost` (T,) is the extra cost of a
+    boundary at each frame of `x`.
     """
     ratio = x.rate / coarse.rate
     edges = np.concatenate((coarse.start, coarse.start[-1:] + coarse.duration[-1:]))

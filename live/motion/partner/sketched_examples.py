@@ -59,7 +59,7 @@ class _StepMotion:
 def sketched_pairs(clips: Sequence[StepClip], *, unit_beats: int, hold_criterion: HoldCriterion | None = None) -> Units:
     """Return units of `unit_beats` from all `clips`, which share one metre and tempo; ValueError if none fits.
 
-    Hands that meet the criterion `near` hold each other. With None there are no holds.
+    Hands that meet the criterion `hold_criterion` hold each other. With None there are no holds.
     """
     found: list[Example] = []
     for measures in sorted({clip.measures for clip in clips}):

@@ -188,7 +188,8 @@ def _retime_example(example: Example, size: int, rate: float) -> Example:
     places = np.asarray(np.interp(np.arange(int(new[-1]) + 1), new, at), np.float64)
     control, target = example.control.at(places), example.target.at(places)
     return Example(
-        example.name, replace(control, rate=rate), replace(target, rate=rate), _resample_clip(example.follower, places, rate),
+        example.name, replace(control, rate=rate), replace(target, rate=rate),
+        _resample_clip(example.follower, places, rate),
         np.asarray(new[1:-1]), np.asarray(np.interp(example.beats, at, new)),
         tuple(_retime_hold(hold, at, new) for hold in example.holds),
     )  # fmt: skip

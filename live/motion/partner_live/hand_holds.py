@@ -131,7 +131,7 @@ class LiveHandHolds:
     def tick(self, wanted: Sequence[HoldRequest], read_poses: PoseReader, dt: float) -> None:
         """Advance by a tick of `dt` [s] with the `wanted` holds, leaders before their followers.
 
-        `see` returns the current poses of dancers.
+        `read_poses` returns the current poses of dancers.
         """
         self._ticks += 1
         asked: dict[tuple[int, int], bool] = {}

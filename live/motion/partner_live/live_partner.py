@@ -119,15 +119,15 @@ def _final_decisions(
 
 
 def similar_units(units: Units, max_distance: float = SIMILAR_DISTANCE) -> Bool:
-    """Return which units are at most `within` [m] from each other in both dancers' motion (N, N), as clustering merges
-    them."""
+    """Return which units are at most `max_distance` [m] from each other in both dancers' motion (N, N), as clustering
+    merges them."""
     return np.asarray(unit_distances(units) <= max_distance)
 
 
 def agreement(danced: list[tuple[int, int]], offline: Reading, part: float = 0.5, similar: Bool | None = None) -> float:
     """Return the share of the offline search's units that are danced live when `part` of them has passed.
 
-    The same moment of the same recording counts or, with `alike` (N, N), a unit like it.
+    The same moment of the same recording counts or, with `similar` (N, N), a unit like it.
     """
     same = 0
     for unit, start, frames in zip(offline.unit, offline.start, offline.duration, strict=True):

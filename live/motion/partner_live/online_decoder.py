@@ -168,9 +168,9 @@ class OnlineDecoder:
         It is the mean over all running units, weighted by likelihood. None if no unit runs.
         """
         count = expect_root(
-            SCORE_SPREAD, MIN_FRAMES, self._at, self._x, self._root, self._facing, self._record_first, self._record_stop,
-            self.units.start, self.units.length, self._step, self._sums, self._input_sum, self._frames, self._value,
-            self._expected,
+            SCORE_SPREAD, MIN_FRAMES, self._at, self._x, self._root, self._facing, self._record_first,
+            self._record_stop, self.units.start, self.units.length, self._step, self._sums, self._input_sum,
+            self._frames, self._value, self._expected,
         )  # fmt: skip
         if count == 0:
             return None
@@ -223,7 +223,7 @@ class OnlineDecoder:
         self._frames[slot, 0] = 0.0
 
     def best_hypothesis(self, first_frame: int = -1) -> UnitHypothesis | None:
-        """Return the best running unit among those that began at frame `after` or later, or None."""
+        """Return the best running unit among those that began at frame `first_frame` or later, or None."""
         seen = np.maximum(self._frames[:, 0] - 1.0, 0.0)
         began = self._at - seen
         running = np.isfinite(self._score[:, 0]) & (self._frames[:, 0] > 1.0) & (began >= first_frame)

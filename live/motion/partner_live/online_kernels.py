@@ -213,8 +213,8 @@ def expect_root(
 ) -> int:
     """Compute the follower's expected hips at frame `at`, the mean over all running units; return their number.
 
-    Only boundaries with at least `fewest` observed frames count: fewer do not determine a unit's position. A unit whose
-    score `value` (R, N) is worse than the best by v [m²] weighs exp(-v / spread). root and facing (S,): of the
+    Only boundaries with at least `min_frames` observed frames count: fewer do not determine a unit's position. A unit
+    whose score `value` (R, N) is worse than the best by v [m²] weighs exp(-v / spread). root and facing (S,): of the
     followers in all recordings; length (N,) [samples] of the units; the others as in `score_running`. found (2,): the
     position and the facing (not normalized); unchanged if no unit runs.
     """

@@ -64,8 +64,8 @@ class FloorTransform:
     ) -> None:
         """Advance M by `dt` [s] towards hips at `root` with `facing` at the `wanted` position and facing.
 
-        The rotation is about the hips, so that the follower does not swing around. It is slow while a foot `stands`,
-        but never if the follower is too `near` to the leader.
+        The rotation is about the hips, so that the follower does not swing around. It is slow while a foot is
+        `standing`, but never if the follower is `too_near` to the leader.
         """
         slow = standing and not too_near
         seconds, eased = (

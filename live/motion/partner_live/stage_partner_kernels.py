@@ -52,7 +52,7 @@ def _rotate_yaw(out: Float32, q: Float32, yaw: float) -> None:
 
 @kernel("f8(f4[::1], f4[::1], f8)")
 def heading_difference(own: Float32, answer: Float32, previous: float) -> float:
-    """Return the turn from the heading of hips `own` to that of `answer` [rad], the one nearest to `before`.
+    """Return the turn from the heading of hips `own` to that of `answer` [rad], the one nearest to `previous`.
 
     A dancer who has to turn about therefore does not change direction midway.
     """
@@ -79,13 +79,13 @@ def blend_answers(
     offsets: Float32,
     parents: Int32,
 ) -> None:
-    """Blend the answers into the poses of the F dancers `who`, in `position` (A, J, 3) and `rotation` (A, J, 4), world.
+    """Blend the answers into the world poses `position` (A, J, 3) and `rotation` (A, J, 4) of the `dancers` (F,).
 
-    `led` (F,): which of the L answers belongs to each; `root` (L, 3, 3) [m] and `turned` (L, 3, J, 4), world, are poses
-    of the answers now, half a frame and a frame later, `frames` (F,) how many frames have passed. `share` (F,) is the
-    weight of the answer; `turn` (F,) [rad] was the turn from the dancer's own heading to the answer's at the last tick,
-    when the dancer was at `place` (F, 2) [m] and the answer at `answered` (F, 2). Since then the position moves with
-    both.
+    `answer_rows` (F,): which of the L answers belongs to each; `root` (L, 3, 3) [m] and `answer_rotation` (L, 3, J, 4),
+    world, are poses of the answers now, half a frame and a frame later, `frames` (F,) how many frames have passed.
+    `share` (F,) is the weight of the answer; `turn` (F,) [rad] was the turn from the dancer's own heading to the
+    answer's at the last tick, when the dancer was at `place` (F, 2) [m] and the answer at `answered` (F, 2). Since then
+    the position moves with both.
     """
     now, own = np.empty(4, np.float32), np.empty(4, np.float32)
     for f in range(dancers.shape[0]):

@@ -128,11 +128,11 @@ class CutFootLift:
         """Lift height of each foot on its way [m], 0 for other feet, shape (A, 2)."""
 
     def begin(self, rows: Int32, distance: Floats) -> None:
-        """Start after a cut of the dancers `rows` (n,), whose feet have to move by `way` (n, 2) [m]."""
+        """Start after a cut of the dancers `rows` (n,), whose feet have to move by `distance` (n, 2) [m]."""
         self.lift[rows] = np.where(distance < STAY_DISTANCE, 0.0, LIFT_HEIGHT)
 
     def may_lock(self, distance: Floats) -> Bool:
-        """Return which feet, `away` (A, 2) [m] from their positions, may be locked, (A, 2)."""
+        """Return which feet, `distance` (A, 2) [m] from their positions, may be locked, (A, 2)."""
         return np.asarray(distance < np.where(self.lift > 0.0, ARRIVAL_DISTANCE, STAY_DISTANCE))
 
     def apply(self, feet: Float32, age: Float32) -> None:

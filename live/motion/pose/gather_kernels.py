@@ -59,7 +59,8 @@ def delay_phases(
 ) -> tuple[float, float]:
     """Compute phases (A,) as `warp_phases`, plus `ahead` (A,), minus deliberate delay; return the lowest and highest.
 
-    The delay goes from `delay_before` (A,) to `late` (A,) through the measure; no dancer is more than a measure behind.
+    The delay goes from `delay_before` (A,) to `delay` (A,) through the measure; no dancer is more than a measure
+    behind.
     """
     warp_phases(out, fraction, warp, window)
     share, lowest, highest = ease(fraction), np.inf, -np.inf
@@ -155,12 +156,12 @@ def gather_dancers(
 ) -> None:
     """Fill the pipeline's arrays for the dancers `rows` (n,) at `phase` (n,) of their measures, clamped to 0 to 1.
 
-    Their measures: `node`, `where` (A, 3) placement of the clips, `correction` and `aimed` (A, 3), `on_support`,
-    `take`, `take_share` (2, A) and `amplitude` (2, A), eased by `fraction`. For the following measures, if the dance
-    `goes_on`, the same with `next_`, blended in over the last `window` of the measure (K004). Of N nodes: `first`,
-    `last`, `lead` samples, `start` (N, 2) and `facing` (N,) of the hips at their beginning, `turns` and `rise`. Outputs
-    as in `PosePipeline`: `sample` (4, A), `placement` (4, A, 4), `share` (5, A), `mean` (2, A), amplitude `loudness`
-    (A,).
+    Their measures: `node`, `clip_placement` (A, 3) placement of the clips, `correction` and `aimed` (A, 3),
+    `on_support`, `take`, `take_share` (2, A) and `amplitude` (2, A), eased by `fraction`. For the following measures,
+    if the dance `continues`, the same with `next_`, blended in over the last `window` of the measure (K004). Of N
+    nodes: `first`, `last`, `lead` samples, `start` (N, 2) and `facing` (N,) of the hips at their beginning, `turns` and
+    `warp_curve`. Outputs as in `PosePipeline`: `sample` (4, A), `placement` (4, A, 4), `share` (5, A), `mean` (2, A),
+    amplitude `scaled_amplitude` (A,).
     """
     for i in range(rows.shape[0]):
         n, at = rows[i], min(max(phase[i], 0.0), 1.0)  # never read a clip beyond its measure

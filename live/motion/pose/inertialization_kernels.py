@@ -64,8 +64,8 @@ def add_differences(
 ) -> None:
     """Add the remaining differences to a block of dancers: rotations `local` and hips `root`.
 
-    `settling` (A, J + 1, 7), the last row for the hips' translation; `age` (A,) [s] since each dancer's cut; `watched`
-    (joints,) the row of each joint of `local`. With an age of LONGEST nothing changes.
+    `difference` (A, J + 1, 7), the last row for the hips' translation; `age` (A,) [s] since each dancer's cut;
+    `difference_rows` (joints,) the row of each joint of `local`. With an age of LONGEST nothing changes.
     """
     left = np.empty((3, BLOCK), np.float32)
     for j in range(local.shape[0]):
@@ -173,7 +173,7 @@ def record_difference(
 
 @kernel("b1(f4[::1], f8[::1], f8)")
 def update_ages(age: Float32, cut_time: Float64, time: float) -> bool:
-    """Set `age` (A,) [s] to the time since the cuts at `began` (A,) [s], at most LONGEST; return whether any is
+    """Set `age` (A,) [s] to the time since the cuts at `cut_time` (A,) [s], at most LONGEST; return whether any is
     less."""
     young = False
     for n in range(age.shape[0]):

@@ -159,9 +159,9 @@ def pose_dancers(
     `clip_rotation` (S, J, 4); `mean_rotation` (N, J, 4) each node's mean pose; `sample` (4, A) fractional samples and
     `placement` (4, A, 4) x, z [m], yaw of path and body [rad] of the clips PRESENT .. NEXT_TAKE; `share` (5, A) LOWER
     .. NEXT_UPPER; `mean` (2, A) nodes of the mean poses; `amplitude` (A,) about 1; `head` (A,) share of the head's turn
-    to the audience; `feet` (A, 2, 9) as in `foot_lock_kernels` (TOES below 0: legs unchanged); `settling`, `age` (A,)
-    [s] and `watched` (J,) as in `inertialization_kernels`. `soles`: heights [m] of ankle and toe joint of a standing
-    foot.
+    to the audience; `feet` (A, 2, 9) as in `foot_lock_kernels` (TOES below 0: legs unchanged); `difference`, `age` (A,)
+    [s] and `difference_rows` (J,) as in `inertialization_kernels`. `soles`: heights [m] of ankle and toe joint of a
+    standing foot.
     """
     joints = parents.shape[0]
     # allocated here with rows of constant length, so that the compiler can rule out aliasing
@@ -233,8 +233,9 @@ def drift_leads(
 ) -> None:
     """Compute the lead of the dancers `rows` (n,) at `fraction` of the measure [share of a measure], `out` (n,).
 
-    `phase` (A,) [rad] at the measure's beginning, `knots` (2, 4, A) of amplitude and frequency, `most` (A,) maximum
-    drift. Through the measure each dancer blends from the timing of `liked` (A,) to that of `like` (A,).
+    `phase` (A,) [rad] at the measure's beginning, `knots` (2, 4, A) of amplitude and frequency, `max_drift` (A,)
+    maximum drift. Through the measure each dancer blends from the timing of `previous_model` (A,) to that of `model`
+    (A,).
     """
     t = fraction
     value, passed = np.empty(4), np.empty(4)

@@ -174,7 +174,7 @@ class PosePipeline:
         """Return world positions (A, J, 3) [m] and rotations (A, J, 4), in `out` if given, else in the pipeline's own
         arrays.
 
-        If `alone` is given, only blocks that contain these dancers are computed.
+        If `only` is given, only blocks that contain these dancers are computed.
         """
         position, rotation = out if out is not None else (self.position, self.rotation)
         if not self.lock:

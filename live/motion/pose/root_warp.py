@@ -106,7 +106,7 @@ STANDING_MARGIN: Final = 0.08
 def compute_reach_margin(hip: Float64, ankle: Float64, contact: Bool, curve: Float64, *, follows_feet: bool) -> Float64:
     """Return the reach margin [m] in DIRECTIONS directions about the clip's heading, shape (DIRECTIONS,).
 
-    `hip` and `ankle` (T, 2, 3) [m] of both legs and `contact` (T, 2), evenly spaced over the measure; `rise` (KNOTS,
+    `hip` and `ankle` (T, 2, 3) [m] of both legs and `contact` (T, 2), evenly spaced over the measure; `curve` (KNOTS,
     2). While a foot stands the body moves over it by the share applied meanwhile: the leg must reach, and no foot is
     held against more than MOST_HELD. A foot that slides in the clip itself is no constraint. Direction k has yaw 2 pi k
     / DIRECTIONS.

@@ -26,7 +26,7 @@ DIRECTIONS = 16
 
 @kernel("f8(f8[:,::1], f8)")
 def warp_share(warp_curve: Float64, fraction: float) -> float:
-    """Return the share of the correction applied at `fraction` of the measure, 0 to 1, C1; `rise` (KNOTS, 2).
+    """Return the share of the correction applied at `fraction` of the measure, 0 to 1, C1; `warp_curve` (KNOTS, 2).
 
     The rate is linear between knots, so the share is a parabola.
     """
@@ -59,7 +59,7 @@ def limit_goals(
 ) -> None:
     """Limit the `goal` (A, 2) [m] of dancers at `phase` (A,) to what is reachable at the speed of a full correction.
 
-    In the rest of the measure a dancer moves at most the remaining share of `most` (A,) [m], or as far as already
+    In the rest of the measure a dancer moves at most the remaining share of `max_shift` (A,) [m], or as far as already
     planned. With no more than `least_left` of the curve left, the `correction` (A, 3) is kept. Other arrays as in
     `redirect_dancers`.
     """
@@ -88,8 +88,8 @@ def redirect_dancers(
 ) -> None:
     """Redirect A dancers to `goal` (A, 2) [m] from `phase` (A,) on: `correction` (A, 3) and `aimed` (A, 3) are updated.
 
-    `node` (A,) selects the row of `rise` (N, KNOTS, 2); below 0 the dancer is skipped. With no more than `least_left`
-    of the curve left, nothing changes.
+    `node` (A,) selects the row of `warp_curve` (N, KNOTS, 2); below 0 the dancer is skipped. With no more than
+    `least_left` of the curve left, nothing changes.
     """
     for n in range(correction.shape[0]):
         if node[n] < 0:
@@ -105,7 +105,7 @@ def redirect_dancers(
 
 @kernel("f8(f8[::1], f8, f8)")
 def margin_towards(reach_margin: Float64, x: float, z: float) -> float:
-    """Return the reach margin [m] towards (x, z) in the clip's axes; `give` (DIRECTIONS,), linear between
+    """Return the reach margin [m] towards (x, z) in the clip's axes; `reach_margin` (DIRECTIONS,), linear between
     directions."""
     count = reach_margin.shape[0]
     place = math.atan2(x, z) / (2.0 * math.pi) * count
@@ -127,11 +127,11 @@ def limit_corrections(
     most: float,
     most_held: float,
 ) -> None:
-    """Limit the `way` (A, 2) [m] of each dancer's correction to the reach margin, and to `most` [m].
+    """Limit the `shift` (A, 2) [m] of each dancer's correction to the reach margin, and to `most` [m].
 
-    `yaw` (A,) [rad] of the clip on the stage; `gives` (N, DIRECTIONS) and `holds` (N, 2) of the nodes, `node` (A,) of
-    the dancers; `share` (A,): usable part of the reach margin. Feet that are already held away from their clip's
-    position, by `held` (A, 2, 2) [m], and are not lifted at once are held against at most `most_held` [m].
+    `yaw` (A,) [rad] of the clip on the stage; `reach_margins` (N, DIRECTIONS) and `hold_shares` (N, 2) of the nodes,
+    `node` (A,) of the dancers; `share` (A,): usable part of the reach margin. Feet that are already held away from
+    their clip's position, by `held` (A, 2, 2) [m], and are not lifted at once are held against at most `most_held` [m].
     """
     for n in range(shift.shape[0]):
         v = max(node[n], 0)
@@ -236,7 +236,7 @@ def desire_corrections(
     The agents' expected lead over their dancers goes evenly from its value at the measure's beginning to that at its
     end, at `fraction` of it. The measure of a dancer who is `late` (A,) on purpose ends that much later and may not
     have begun. A deviation is measured from even motion through the measure, or for late dancers from where they are
-    `shown` (A, 2) [m], with the lead limited to `leash` [m]. Deviations below `deaf` [m] are ignored.
+    `shown` (A, 2) [m], with the lead limited to `max_lead` [m]. Deviations below `dead_zone` [m] are ignored.
     """
     for n in range(position.shape[0]):
         rows[DESIRED, n, 0], rows[DESIRED, n, 1] = rows[PLAN, n, 0], rows[PLAN, n, 1]
@@ -414,7 +414,7 @@ def compute_references(
     late: Float64,
     shown: Float32,
 ) -> None:
-    """Compute the agents' reference positions, `reference` (A, 2) [m], and their speed, `pace` (A, 2) [m/s].
+    """Compute the agents' `reference` positions (A, 2) [m] and their velocity, `reference_velocity` (A, 2) [m/s].
 
     They move evenly from the measure's beginning to its end, at `rate` measures per second; the reference of a dancer
     who is `late` (A,) is where the dancer is `shown` (A, 2) [m].
@@ -445,8 +445,8 @@ def begin_measure(rows: Float64, path: Float32, correction: Float64, position: F
 
 @kernel("void(f8[::1], f8[:,:,::1], f8[:,::1])")
 def end_distances(distance: Float64, rows: Float64, correction: Float64) -> None:
-    """Compute the distance between each dancer's corrected end and the predicted agent, `lag` (A,) [m]; `correction`
-    (A, 3)."""
+    """Compute the distance between each dancer's corrected end and the predicted agent, `distance` (A,) [m];
+    `correction` (A, 3)."""
     for n in range(distance.shape[0]):
         x = rows[END, n, 0] + correction[n, 0] - rows[PREDICTED, n, 0]
         z = rows[END, n, 1] + correction[n, 1] - rows[PREDICTED, n, 1]

@@ -47,7 +47,7 @@ def _slerp_weight(t: Any, off: Any) -> Any:
 
 @inline_kernel
 def slerp_rows(target: Float32, other: Float32, share: Float32, first: int, last: int) -> None:
-    """SLERP joints first..last-1 of `into` towards `other` by `share` (BLOCK,) (T035, T045).
+    """SLERP joints first..last-1 of `target` towards `other` by `share` (BLOCK,) (T035, T045).
 
     The root takes the shorter arc. For the other joints the quaternions' signs decide: clips store those nearest to the
     rest pose, so a joint never rotates through a direction in which it cannot bend, and never changes direction within

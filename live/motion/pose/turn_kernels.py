@@ -40,8 +40,8 @@ def place_clip(
     warp_curve: Float64,
     on_support: float,
 ) -> tuple[float, float, float, float]:
-    """Return x, z [m], yaw of path and body [rad] of one dancer's clip as in `place_dancers`; `turns`, `rise` of the
-    node."""
+    """Return x, z [m], yaw of path and body [rad] of one dancer's clip as in `place_dancers`; `turns`, `warp_curve` of
+    the node."""
     share = warp_share(warp_curve, fraction)
     x = placement[0] + warped_shift(share, aimed[2], aimed[0], correction[0])
     z = placement[1] + warped_shift(share, aimed[2], aimed[1], correction[1])
@@ -84,7 +84,7 @@ def place_dancers(
     """Compute placements (A, 4), x, z [m], yaw of path and body [rad], at `fraction` (A,) of the measure.
 
     `placement` and `correction` (A, 3): the clip's placement at the measure's start, and the change until its end. The
-    translation is applied while a foot is in the air, by the warp curve `rise` (N, KNOTS, 2) of each node
+    translation is applied while a foot is in the air, by the `warp_curve` (N, KNOTS, 2) of each node
     (`root_warp`); `aimed` (A, 3) x, z [m] was applied when the share was its last column, and the rest continues from
     there. If `on_support` (A,) is not 0, the turn happens during single support about the supporting foot: `turns` (N,
     8, 8) holds per node and segment start, stop, weight, x, z [m] at both ends and softness, `node` (A,) the row of

@@ -122,7 +122,7 @@ def standing_cost(points: SourcePoints, frame: Float) -> tuple[Float, npt.NDArra
 
 
 def reference_rotations(points: SourcePoints, frame: Float, frame_index: int) -> dict[str, Float]:
-    """Return the world rotation (4,) of each engine joint in the reference pose `at`, with body frame `frame` (T, 4).
+    """Return the world rotation (4,) of each engine joint at `frame_index`, the reference pose; body `frame` (T, 4).
 
     Trunk, head and clavicles are as in the engine's rest pose, feet flat and pointing towards the toes; limbs are
     rotated the shortest way to the source's bones.

@@ -104,7 +104,7 @@ class NotationError(ValueError):
 
 
 def read_counts(text: str, beats: float) -> list[float]:
-    """Return beats from 0 of one or several counts, e.g. ``"1"``, ``"2&"`` or ``"1e 2e 3.33"``; raises NotationError."""
+    """Return beats from 0 of one or more counts, e.g. ``"1"``, ``"2&"`` or ``"1e 2e 3.33"``; raises NotationError."""
     counts = text.replace(",", " ").split()
     if not counts:
         raise NotationError("names no count", 'write the count as "1", "1&", "1e", "1a" or "2.33"')

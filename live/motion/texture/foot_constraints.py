@@ -130,7 +130,7 @@ def blend_to_sketch(
 
 
 def _texture_share(sketch: Clip, textured: Clip, first: float, last: float, max_distance: float) -> float:
-    """Return the share of texture at which joints are `most` from the sketch's between two samples."""
+    """Return the share of texture at which joints are `max_distance` from the sketch's between two samples."""
     part = slice(max(0, int(first)), int(np.ceil(last)) + 1)
     places = []
     for clip in (sketch, textured):

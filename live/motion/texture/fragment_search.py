@@ -125,7 +125,7 @@ def best_paths(
     follows: Callable[[int, int], bool],
     max_paths: int,
 ) -> list[Path]:
-    """Return the best `most` (P) paths, or all if there are fewer.
+    """Return the best `max_paths` (P) paths, or all if there are fewer.
 
     `candidates[i]` are the fragments of the data that match the i-th of the sketch, the closest first.
     `follows(a, b)` tells whether b comes right after a in the data. A candidate other than the closest is chosen only
@@ -174,7 +174,7 @@ def weighted_paths(
     max_paths: int,
     join_cost: float,
 ) -> list[Path]:
-    """Return the `most` paths with the least sum of distances and joins. A join costs `join` unless it is free."""
+    """Return the `max_paths` paths with the least sum of distances and joins, of `join_cost` each unless free."""
     ends = {place: [_Partial(0, float(far), (place,))] for place, far in enumerate(distances[0])}
     for index in range(1, len(candidates)):
         place_of = {fragment: place for place, fragment in enumerate(candidates[index - 1])}

@@ -45,7 +45,7 @@ class Fragments:
 def find_cuts(curve: Float64, min_length: int = MIN_LENGTH) -> Int64:
     """Return the samples at which `curve` (T,) is cut: its ends and the sign changes of its derivative.
 
-    A constant stretch keeps the sign before it. Cuts are at least `least` samples apart.
+    A constant stretch keeps the sign before it. Cuts are at least `min_length` samples apart.
     """
     sign = np.sign(np.diff(curve))
     moving = np.flatnonzero(sign)
@@ -124,7 +124,7 @@ def smooth_joins(
 ) -> Float64:
     """Return `signal` (T, D) with its kinks at `joins` (n,) blended into parabolas (P016, P017), (T, D).
 
-    N, for fit and blend, is the smaller of `most` and half of the shorter of the two fragments. So no two blends
+    N, for fit and blend, is the smaller of `max_reach` and half of the shorter of the two fragments. So no two blends
     overlap and the parabola is never extrapolated. Joins that are `consecutive` (n,) in the data are unchanged.
     """
     out = signal.copy()

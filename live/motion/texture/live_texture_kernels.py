@@ -54,10 +54,10 @@ def measure_legs(out: Float32, position: Float32, rotation: Float32) -> None:
 def record_moments(
     history: Float32, before: Float32, now: Float32, previous_beat: Float64, current_beat: Float64, per_beat: int
 ) -> None:
-    """Record the leg features at every 1 / `per_beat` beat passed since the last tick in `kept` (A, slots, n).
+    """Record the leg features at every 1 / `per_beat` beat passed since the last tick in `history` (A, slots, n).
 
     `before` and `now` (A, n) are the features at the last tick and now, at the dancers' beats `previous_beat` and
-    `danced` (A,). Features are interpolated linearly between them.
+    `current_beat` (A,). Features are interpolated linearly between them.
     """
     slots = history.shape[1]
     for a in range(history.shape[0]):
@@ -84,7 +84,7 @@ def hash_24bit(seed: int, dancer: int, fragment: int) -> int:
 
 @kernel("void(f4[::1], f4[:,::1], i8)")
 def write_prefix(own: Float32, history: Float32, line: int) -> None:
-    """Write the features of the legs around the beat `line` to `own` (D,), from `kept` (moments, FEATURES).
+    """Write the features of the legs around the beat `line` to `own` (D,), from `history` (moments, FEATURES).
 
     They are knees and ankles at SLOTS moments, then their changes, in the layout of `compared` in `live_bank`.
     """
@@ -108,9 +108,9 @@ def nearest_fragment(
     seed: int,
     dancer: int,
 ) -> int:
-    """Return the fragment, of F, whose legs are most like `own` (D,); `legs` is (D, F), `far` (F,) is scratch.
+    """Return the fragment, of F, whose legs are most like `own` (D,); `legs` is (D, F), `distances` (F,) is scratch.
 
-    Every fragment except the continuation `going` (-1: none) costs `join` more. Distances are multiplied by a random
+    Every fragment except `continuation` (-1: none) costs `join` more. Distances are multiplied by a random
     factor from 1 to 1 + `preference` for each dancer and fragment, so dancers prefer different fragments.
     """
     count = distances.shape[0]
@@ -173,10 +173,10 @@ def signs_of(
     mean_rotations: Float32,
     full_texture: bool,
 ) -> int:
-    """Return a bit for each joint whose quaternion at sample `here` must be read with the opposite sign.
+    """Return a bit for each joint whose quaternion at `sample` must be read with the opposite sign.
 
-    If texture fully covers the pose (`whole`), the sign gives the shorter way from the sample `there`, read with the
-    signs `known`. Otherwise it gives the shorter way from the mean rotation `middle`, which steps are close to.
+    If texture fully covers the pose (`full_texture`), the sign gives the shorter way from `other_sample`, read with the
+    signs `other_signs`. Otherwise it gives the shorter way from `mean_rotations`, which steps are close to.
     """
     a, b = np.empty(4, np.float32), np.empty(4, np.float32)
     bits = 0
@@ -232,9 +232,9 @@ def blend_upper_bodies(
 ) -> None:
     """Blend texture into the upper bodies at `position` (A, J, 3) and `rotation` (A, J, 4), world, in place.
 
-    `danced` (A,) is each dancer's beat. `level` (A,) is the weight of texture, 0 to 1. The current and the previous
+    `beat` (A,) is each dancer's beat. `level` (A,) is the weight of texture, 0 to 1. The current and the previous
     fragment are read at `origin` + PER_BEAT * danced (2, A), within `limits` (2, A, 2). They are cross-faded for
-    `blend` beats from the beat `switched` (A,). Joints whose bit is set in `signs` (2, A) are read with the opposite
+    `blend` beats from the beat `switch_beat` (A,). Joints whose bit is set in `signs` (2, A) are read with the opposite
     sign. `head` (A,) is the share of the head's turn to the audience, 0 to 1, which texture leaves unchanged.
     """
     first = 1

@@ -49,9 +49,9 @@ class TextureSettings:
     drive: tuple[int, ...] = (*JOINT_GROUPS["hips"], *JOINT_GROUPS["knees"])
     """Joints whose angles are matched."""
     drive_changes: tuple[tuple[float, tuple[int, ...]], ...] = ()
-    """From each time [s] on only these of `drive` are matched, in order (P019). Before the first time: `first`."""
+    """From each time [s] on only these of `drive` are matched, in order (P019). Before: `initial_drive`."""
     initial_drive: tuple[int, ...] = ()
-    """Joints matched before the first of `changes`; empty: all of `drive`."""
+    """Joints matched before the first of `drive_changes`; empty: all of `drive`."""
     synthesize: tuple[int, ...] = UPPER
     """Joints synthesized from the data alone, in the first of `bands` and all lower ones."""
     texture: tuple[int, ...] = LOWER
@@ -85,7 +85,8 @@ class TextureSettings:
         _check(bool(self.drive), "no driving joint is given", "hips,knees")
         times = [time for time, _ in self.drive_changes]
         _check(
-            all(time > 0.0 for time in times[:1]) and times == sorted(set(times)) and all(s for _, s in self.drive_changes),
+            all(time > 0.0 for time in times[:1]) and times == sorted(set(times))
+            and all(s for _, s in self.drive_changes),
             "changes of driving joints need ascending times above 0 s and joints",
             '"hips,knees @2.5 leftUpperLeg,leftLowerLeg @4 hips"'
         )  # fmt: skip

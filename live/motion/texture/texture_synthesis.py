@@ -189,8 +189,8 @@ def _synthesize_path(
     clip = _apply_bands(sketched, corpus, settings, joined)
     joins = parts.begin[1:][~consecutive]
     return TexturedSketch(
-        clip, parts, data, sketched.cut, chosen, path.consecutive_joins, float(np.sqrt(path.distance / parts.count)), scales,
-        before, (_kink(met, joins), _kink(joined, joins)),
+        clip, parts, data, sketched.cut, chosen, path.consecutive_joins, float(np.sqrt(path.distance / parts.count)),
+        scales, before, (_kink(met, joins), _kink(joined, joins)),
     )  # fmt: skip
 
 

@@ -218,7 +218,8 @@ def expected_stall(blow: ChaosFault) -> float:
 
 STALLS: Final[dict[str, Callable[[float], float]]] = {
     "stop engine briefly": lambda size: 0.3 + 0.9 * size, "stop engine": lambda size: 3.0 + 2.0 * size,
-    "stop all in bursts": lambda size: 2.0, "starve": lambda size: 4.0, "kill engine twice": lambda size: TWO_KILLS_SECONDS,
+    "stop all in bursts": lambda size: 2.0, "starve": lambda size: 4.0,
+    "kill engine twice": lambda size: TWO_KILLS_SECONDS,
     "no descriptors in the supervisor": lambda size: NO_DESCRIPTORS_SECONDS,
 }  # fmt: skip
 """Expected pause of ticks caused by the fault itself [s], as a function of the fault's size."""

@@ -135,9 +135,9 @@ class _CollapseQueue:
 
 
 def simplify(points: Float64, triangles: Int64, vertex_data: Float64, target_count: int) -> tuple[Int64, Int64]:
-    """Return kept vertices (indices into `points`), and about `wanted` triangles among them, or more if necessary.
+    """Return kept vertices (indices into `points`), and about `target_count` triangles among them, or more if needed.
 
-    `carried` (V, C): vertex data (joint weights); collapses between different values cost more.
+    `vertex_data` (V, C): vertex data (joint weights); collapses between different values cost more.
     The mesh [m] must be closed and symmetric about x = 0.
     """
     mesh = _Mesh(points, triangles, vertex_data)

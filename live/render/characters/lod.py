@@ -48,7 +48,7 @@ class SimplifiedMesh:
 def simplify_to(
     position: Float64, weight: Float64, material: Int64, triangle: Int64, max_triangles: int
 ) -> SimplifiedMesh:
-    """Return the finest level with at most `wanted` triangles; vertices of different `material` (V,) stay separate."""
+    """Return the finest level with at most `max_triangles` triangles; different `material` (V,) stays separate."""
     ends = np.concatenate([triangle[:, [0, 1]], triangle[:, [1, 2]]])
     links = coo_matrix((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(len(position),) * 2)
     island = connected_components(links, directed=False)[1] * (int(material.max()) + 1) + material

@@ -30,7 +30,7 @@ def find_joints(model: Model, overrides: Mapping[str, str]) -> dict[str, int | N
     """Return the character's node for each of the engine's joints, or None.
 
     VRM files define the mapping; for others it is derived from names and hierarchy (Mixamo, Rigify, Unreal's mannequin
-    and others). `said` overrides it with node names. MotionFileError if a needed joint is missing.
+    and others). `overrides` replaces it by node names. MotionFileError if a needed joint is missing.
     """
     found: dict[str, int | None] = dict.fromkeys(SKELETON.names)
     if model.bones:

@@ -197,8 +197,8 @@ class DancerBatch:
         character_program: moderngl.Program | None = None,
     ) -> None:
         """Draw the bodies of the dancers on a list (`live.render.dancers.group_styles.LISTS`) with a program that
-        includes `skin.glsl`, in the current poses or in those of the texture `poses`; characters with `worn`, which
-        shows their images, if it is given."""
+        includes `skin.glsl`, in the current poses or in those of the texture `poses`; characters with
+        `character_program`, which shows their images, if it is given."""
         for body, name in enumerate(self.body_names):
             count = self._instances.count(which, body)
             if count == 0:

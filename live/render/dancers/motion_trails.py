@@ -118,7 +118,7 @@ class PoseHistory:
         self._beat = math.nan
 
     def update(self, view: StageView, batch: DancerBatch) -> None:
-        """Add a moment whose poses `crowd` already holds."""
+        """Add a moment whose poses `batch` already holds."""
         if batch.capacity != self._capacity:
             release_all(*self.textures)
             self._allocate(batch.capacity)

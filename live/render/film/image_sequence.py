@@ -82,7 +82,7 @@ class ImageSequenceWriter:
             copyfile(names[0], name)
 
     def _wait_for_jobs(self, max_pending: int) -> None:
-        """Wait until at most `left` jobs remain."""
+        """Wait until at most `max_pending` jobs remain."""
         while len(self._jobs) > max_pending:
             try:
                 self._jobs.popleft().result()

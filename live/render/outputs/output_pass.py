@@ -83,7 +83,7 @@ class OutputPass:
     def draw(
         self, picture: moderngl.Texture, target: moderngl.Framebuffer, *, card: Card = "off", light_share: float = 1.0
     ) -> None:
-        """Draw `picture`, or a test card, over all of `target`; `left`: the light allowed by the flash limit."""
+        """Draw `picture`, or a test card, over all of `target`; `light_share`: the light allowed by the flash limit."""
         width, height = target.viewport[2:]
         upright = self._output.rotation in (0, 180)
         drawn = int(card != "off")

@@ -67,7 +67,7 @@ class FlashLimit:
     def limit(self, time: float, luminance: Float64, *, bypass: bool = False) -> float:
         """Return the share of light, 0 to 1, at which a frame may be shown at `time` [s], and record the frame.
 
-        `luminance`: of its cells, 0 to 1, shape (cells,). `lifted`: do not dim the frame, only count.
+        `luminance`: of its cells, 0 to 1, shape (cells,). `bypass`: do not dim the frame, only count.
         """
         left = 1.0 if bypass else self.max_light(time, luminance)
         self.record(time, luminance * left, dimmed=left < 1.0)
@@ -78,7 +78,7 @@ class FlashLimit:
         return self._max_light(time, luminance) if self.rises(time) >= MAX_RISES else 1.0
 
     def record(self, time: float, shown: Float64, *, dimmed: bool = False) -> None:
-        """Record a frame shown at `time` [s] with this luminance; `held`: whether it was dimmed."""
+        """Record a frame shown at `time` [s] with this luminance; `dimmed`: whether it was dimmed."""
         self.dimmed_count += dimmed
         self._update_cells(time, shown)
 

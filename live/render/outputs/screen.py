@@ -88,7 +88,7 @@ class Screen:
     """Draws the rendered frame into one window. Thread: main thread only, as GLFW requires."""
 
     def __init__(self, output: Output, window: Window, number: int, *, keep_aspect: bool = False) -> None:
-        """`number`: of the output, from 0. `fits`: keep the aspect ratio with black bars, for an operator's window.
+        """`number`: of the output, from 0. `keep_aspect`: keep the ratio with black bars, for an operator's window.
         Raises PersonError for a mask that cannot be read."""
         self.output, self.window = output, window
         self.card: Card = "off"
@@ -151,7 +151,7 @@ class Screen:
         self._shared_textures.clear()  # this context does not own them
 
     def draw(self, pictures: FrameBuffers, light_share: float) -> None:
-        """Draw the last frame into the window, whose context must be current. `left`: see `OutputPass.draw`."""
+        """Draw the last frame into the window, whose context must be current. `light_share`: see `OutputPass.draw`."""
         target: Any = self.window.target
         self._draw_output(pictures, target, light_share)
         if self.editing is not None and self._handles is not None:

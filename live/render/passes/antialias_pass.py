@@ -39,7 +39,7 @@ class AntialiasPass:
     def smooth(self, region: tuple[int, int, int, int]) -> moderngl.Texture:
         """Return the content of `self.target` with the dancers' edges smoothed.
 
-        `where`: rectangle (x, y, width, height) that contains all dancers.
+        `region`: rectangle (x, y, width, height) that contains all dancers.
         """
         self._ctx.copy_framebuffer(self._to, self._from)  # without the shared depth
         self._result.use()

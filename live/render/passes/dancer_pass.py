@@ -77,7 +77,7 @@ class GBufferPass:
         self.surfaces = Surfaces(self.depth, self._shape, self._ids)
 
     def draw(self, crowd: DancerBatch, *, with_ids: bool = False) -> None:
-        """Draw the surfaces of all dancers, the near ones first (they hide others); `named`: with their numbers."""
+        """Draw the surfaces of all dancers, the near ones first (they hide others); `with_ids`: with their numbers."""
         target, linked = (self._id_target, self._id_program) if with_ids else (self._target, self._surface)
         target.use()
         target.clear()
@@ -87,8 +87,8 @@ class GBufferPass:
         crowd.draw(linked, self.quality.far_level, "far", character_program=worn)
 
     def shade(self, floor_map: moderngl.Texture, *, hdr: bool = False, extra_lamps: bool = True) -> None:
-        """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light; `beside`:
-        with the additional lamps, which are off in the default light."""
+        """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light;
+        `extra_lamps`: with the additional lamps, which are off in the default light."""
         which = 2 * hdr + extra_lamps
         linked = self._shades[which]
         self._ctx.enable(moderngl.DEPTH_TEST)

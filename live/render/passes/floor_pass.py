@@ -156,7 +156,7 @@ class ReflectionPass:
         self._is_black = False
 
     def draw(self, crowd: DancerBatch, *, visible: bool = True, rows: int | None = None) -> None:
-        """Fill `texture` for this frame: with the dancers' reflections, or black if `seen` is false.
+        """Fill `texture` for this frame: with the dancers' reflections, or black if `visible` is false.
 
         `rows`: rows of the picture, from below, in which the floor is visible; None: all.
         """

@@ -48,7 +48,7 @@ class Window:
     """A window with its context. Thread: main thread only.
 
     `monitor`: where the window opens (default: the primary monitor). `size`: of the window when it is not full
-    screen, in screen coordinates. `samples`: of the screen itself (0 if the renderer has its own). `shares`:
+    screen, in screen coordinates. `samples`: of the screen itself (0 if the renderer has its own). `share_with`:
     another window, whose textures and buffers this one shares; then `swap` does not wait for the display.
     Raises `NoWindow` without a screen or OpenGL 4.1, `UnknownMonitor` if the monitor is disconnected.
     """

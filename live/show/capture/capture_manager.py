@@ -172,8 +172,8 @@ class CaptureManager:
     # -- time ----------------------------------------------------------------------------------------------------------
 
     def tick(self, time: float, danced_beats: float, timeline: Timeline, next_line: float) -> None:
-        """Advance by one tick at `time` [s], the `danced` beat; call after the dancers' tick. `next_line`: the
-        danced beat of the next measure line."""
+        """Advance by one tick at `time` [s], the beat `danced_beats`; call after the dancers' tick.
+        `next_line`: the danced beat of the next measure line."""
         self._time = time
         if not self.performers:
             return
@@ -245,7 +245,7 @@ class CaptureManager:
             self._scheduler.root_correction.displace(rows[gone], way[gone])
 
     def _move_agents(self, rows: Int64, positions: Float64, live: Bool) -> None:
-        """Move the agents of `rows` (n,) that are `live` (n,) to `there` (n, 2) [m]."""
+        """Move the agents of `rows` (n,) that are `live` (n,) to `positions` (n, 2) [m]."""
         flat = self._motion.state.flat
         move_agents(
             rows, live, positions, self._place, self._speed, self._driven, flat, TICK, MAX_SPEED, SPEED_SMOOTHING

@@ -120,7 +120,7 @@ class CapturedPerformer(PerformerSettings):
     def add(self, rows: dict[int, float], drawn_hips: Float32, time: float, beat: float) -> None:
         """Let these dancers wear the poses with a delay in beats, at fade level 0.
 
-        Dancers in canon start from their positions `shown` (A, 2) [m].
+        Dancers in canon start from their positions `drawn_hips` (A, 2) [m].
         """
         new = np.array(list(rows), np.int64)
         self.rows = np.concatenate([self.rows, new])
@@ -227,7 +227,7 @@ class CapturedPerformer(PerformerSettings):
         self.mirrored = mirrored
 
     def is_live(self, requests: Float64, time: float, tempo: float) -> npt.NDArray[np.bool_]:
-        """Return for which of `rows` there is a pose at `time` [s], given the sample requests `asked` (n, ASKED),
+        """Return for which of `rows` there is a pose at `time` [s], given the sample requests `requests` (n, ASKED),
         (n,)."""
         if not self.poses.count:
             return np.zeros(len(self.rows), np.bool_)
@@ -242,7 +242,7 @@ class CapturedPerformer(PerformerSettings):
 
     def update_fade(self, live: npt.NDArray[np.bool_], rate: float, requests: Float64) -> None:
         """Advance one tick: fade dancers that are `live` (n,) in by `rate`, others out; write the weights to
-        `asked`."""
+        `requests`."""
         self.fade = np.clip(self.fade + np.where(live, rate, -rate), 0.0, 1.0)
         requests[:, BLEND] = self.fade * self.fade * (3.0 - 2.0 * self.fade)
 
@@ -259,7 +259,7 @@ class CapturedPerformer(PerformerSettings):
         return there, way
 
     def _positions(self, requests: Float64) -> Float64:
-        """Return the hip positions for the sample requests `asked` (n, ASKED), (n, 2) [m]; zeros without a pose."""
+        """Return the hip positions for the sample requests `requests` (n, ASKED), (n, 2) [m]; zeros without a pose."""
         place = np.zeros((len(requests), 4))
         if self.poses.count:
             captured_hips(place, requests, *self.poses.arrays, self.scale, self.mirrored)

@@ -1,4 +1,4 @@
-"""Ring buffer of a performer's captured poses, in arrays that kernels sample, and `DriftCorrection`, its drift correction.
+"""Ring buffer of a performer's captured poses, in arrays that kernels sample, and their `DriftCorrection`.
 
 A motion capture suit measures the body well but its position drifts by metres in an hour. A tracker has no drift but is
 noisy. The slowly changing part of their difference is the suit's error; only that is corrected, so that feet slide no

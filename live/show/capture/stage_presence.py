@@ -87,8 +87,8 @@ class CanonBounds:
         self._mirrored = False
 
     def correction(self, positions: Float64, time: float) -> Float64:
-        """Return the displacement (n, 2) [m] that keeps dancers inside whose paths lead `there` (n, 2) [m] at `time`
-        [s]."""
+        """Return the displacement (n, 2) [m] that keeps dancers inside whose paths lead to `positions` (n, 2) [m] at
+        `time` [s]."""
         passed = time - self._time
         if passed <= 0.0:
             return np.zeros_like(positions)
@@ -101,7 +101,7 @@ class CanonBounds:
     def update(
         self, positions: Float64, time: float, floor: tuple[float, ...], in_canon: Bool, *, mirrored: bool = False
     ) -> Float64:
-        """Advance one tick: as `bent`, and store the result; only dancers who `repeats` (n,) are moved.
+        """Advance one tick: as `correction`, and store the result; only dancers `in_canon` (n,) are moved.
 
         `floor`: placement of the performer's floor; after a change positions are only clipped to the stage, because it
         acts at once. `mirrored`: whether paths are mirrored; after a change they continue from the last positions.

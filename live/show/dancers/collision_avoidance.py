@@ -64,8 +64,8 @@ class CollisionAvoidance:
     def __init__(
         self, dancers: Dancers, motion: GroupMotion, targets: Callable[[], Float64], cutting: ClipCutter, cut: Cut
     ) -> None:
-        """`sent` returns the targets of all dancers for the measure's end, (A, 2) [m]; `cutting` finds candidates, and
-        `cut` applies them."""
+        """`targets` returns the targets of all dancers for the measure's end, (A, 2) [m]; `cutting` finds candidates,
+        and `cut` applies them."""
         count = len(motion.casting.group)
         self._half_stage = motion.stage_area.half  # the same array for the whole show
         self._dancers, self._motion, self._targets = dancers, motion, targets
@@ -107,8 +107,8 @@ class CollisionAvoidance:
         free = (self._motion.entrances.state == ON) & (self._motion.partners.partner < 0)
         predict_collisions(
             self._ways, model.radius, model.responsibility * free, self._motion.present,
-            self._ways[0, :, 0].argsort(), self._things, things[:, 2] + np.float32(DANCER_TOLERANCE - OBSTACLE_TOLERANCE),
-            count, DANCER_TOLERANCE, self._met,
+            self._ways[0, :, 0].argsort(), self._things,
+            things[:, 2] + np.float32(DANCER_TOLERANCE - OBSTACLE_TOLERANCE), count, DANCER_TOLERANCE, self._met,
         )  # fmt: skip
         self._waiting = []
         if self._met.max(initial=0.0) > 0.0:
@@ -142,7 +142,7 @@ class CollisionAvoidance:
             self.count += 1
 
     def _predicted_paths(self, rows: Int64, span: MeasureSpan, timeline: Timeline, time: float) -> Float64:
-        """Predict the dancers `rows` (n,) in the next quarters of a beat without changes, (ESCAPE_QUARTERS, n, 2) [m]."""
+        """Predict the dancers `rows` (n,) in the next quarter beats without changes, (ESCAPE_QUARTERS, n, 2) [m]."""
         beat = timeline.beat_at(time)
         quarters = np.arange(1, ESCAPE_QUARTERS + 1) / MOMENTS_PER_BEAT
         return np.stack(
@@ -182,8 +182,8 @@ class CollisionAvoidance:
 
 
 def _shortfall(ways: Float64, others: Float64) -> Float64:
-    """Return the shortfall of each of `ways` (ESCAPE_QUARTERS, C, 2) from MARGIN to the `others` (M, ESCAPE_QUARTERS, 3) [m]: the sum
-    of the worst and the mean, (C,)."""
+    """Return the shortfall of each of `ways` (ESCAPE_QUARTERS, C, 2) from MARGIN to the `others`
+    (M, ESCAPE_QUARTERS, 3) [m]: the sum of the worst and the mean, (C,)."""
     lacks = np.empty(ways.shape[1])
     escape_margins(lacks, np.ascontiguousarray(ways), np.ascontiguousarray(others), MARGIN)
     return lacks
@@ -228,7 +228,7 @@ class ContactResolver:
             self._displace(moved)
 
     def _displace(self, displacement: Float64) -> None:
-        """Displace the measures of all dancers, and all state derived from them, by `moved` (A, 2) [m]."""
+        """Displace the measures of all dancers, and all state derived from them, by `displacement` (A, 2) [m]."""
         carried, coming, dancers = self._correction, self._next_correction, self._correction.dancers
         carried.motion.partners.share_push(displacement, dancers.drawn_hips)
         carried.keep_on_stage(

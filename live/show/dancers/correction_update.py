@@ -40,7 +40,7 @@ class NextCorrection:
     """Correction state of the next measure. At the line it is moved into `RootCorrection`, that of the present one."""
 
     def __init__(self, correction: RootCorrection, path_separation: PathSeparation, max_correction: float) -> None:
-        """`most` [m]: largest correction; 0 for none."""
+        """`max_correction` [m]: largest correction; 0 for none."""
         count = len(correction.node)
         self._correction, self._path_separation, self.max_correction = correction, path_separation, max_correction
         self.paths = Paths(count)
@@ -75,7 +75,7 @@ class NextCorrection:
             trace_paths(self.paths, self._correction.dancers, self._correction.dancers.coming, some)
 
     def tick(self, *, separate: bool) -> None:
-        """Trace a piece of the paths; once all are traced, run a round of separation if `part` is true."""
+        """Trace a piece of the paths; once all are traced, run a round of separation if `separate` is true."""
         carried, dancers, count = self._correction, self._correction.dancers, len(self.end)
         coming = dancers.coming
         if self.just_decided:  # limits the load of the tick of the decision
@@ -126,7 +126,7 @@ class CorrectionUpdate:
     """Recomputes the corrections within the present measure."""
 
     def __init__(self, correction: RootCorrection, path_separation: PathSeparation, max_correction: float) -> None:
-        """`most` [m]: largest correction."""
+        """`max_correction` [m]: largest correction."""
         self._correction, self._path_separation, self.max_correction = correction, path_separation, max_correction
         self._phase = np.zeros(len(correction.node))
 
@@ -140,8 +140,8 @@ class CorrectionUpdate:
         if aim:
             self._recompute_goals(fraction)
         follow_goals(
-            carried.rows, present.correction, present.aim_origin, self._phase, present.node, dancers.graph.node_warp_curve,
-            AIM_RATE, TICK, MIN_REMAINING_WARP,
+            carried.rows, present.correction, present.aim_origin, self._phase, present.node,
+            dancers.graph.node_warp_curve, AIM_RATE, TICK, MIN_REMAINING_WARP,
         )  # fmt: skip
 
     def _recompute_goals(self, fraction: float) -> None:
@@ -153,9 +153,10 @@ class CorrectionUpdate:
             obedience, late, share = variation.obedience, variation.delays, min(fraction, 1.0)
             desire_corrections(rows, position, obedience, late, dancers.drawn_hips, share, DEAD_ZONE, LEASH)
             limit_desired(
-                rows, present.placement, present.correction, present.node, graph.node_reach_margins, graph.node_lift_shares,
-                dancers.lock.state, MIN_CORRECTION_SHARE + (1.0 - MIN_CORRECTION_SHARE) * variation.obedience, self.max_correction, MAX_HELD_SHIFT,
-                state, ON, carried.room,
+                rows, present.placement, present.correction, present.node, graph.node_reach_margins,
+                graph.node_lift_shares, dancers.lock.state,
+                MIN_CORRECTION_SHARE + (1.0 - MIN_CORRECTION_SHARE) * variation.obedience, self.max_correction,
+                MAX_HELD_SHIFT, state, ON, carried.room,
             )  # fmt: skip
         else:
             rows[DESIRED] = rows[PLAN]

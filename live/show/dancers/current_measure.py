@@ -120,7 +120,8 @@ class CurrentMeasures:
         library = graph.library
         gather_dancers(
             rows, phase, fraction, graph.window, then is not None,
-            own.node, own.placement, own.correction, own.aim_origin, own.on_support, own.take, own.take_share, own.amplitude,
+            own.node, own.placement, own.correction, own.aim_origin, own.on_support, own.take,
+            own.take_share, own.amplitude,
             after.node, after.placement, after.take, after.take_share, after.amplitude,
             library.node_first, library.node_last, library.node_lead, graph.node_start, graph.node_facing_start,
             graph.node_turns, graph.node_warp_curve,

@@ -18,7 +18,7 @@ FRACTIONS: Final = np.linspace(0.0, 1.0, MOMENTS)[:, None]
 
 
 def trace_paths(paths: Paths, dancers: Dancers, measure: MeasureState, rows: slice) -> None:
-    """Fill the `paths` of dancers `rows` through the measure `danced`.
+    """Fill the `paths` of dancers `rows` through `measure`.
 
     Delayed dancers begin in the measure before. Time warps within measures and mixed takes are included. Drift over the
     sequence (T056) and blends are not: the margin of path separation covers them.
@@ -35,7 +35,7 @@ def trace_paths(paths: Paths, dancers: Dancers, measure: MeasureState, rows: sli
 
 
 def _trace_measure(paths: Paths, measure: MeasureState, rows: slice, phase: Float64, *, settled: bool) -> None:
-    """Fill the moments at which dancers are in the measure `danced`, at `phase` (n, MOMENTS), below 0 where not."""
+    """Fill the moments at which dancers are in `measure`, at `phase` (n, MOMENTS), below 0 where not."""
     graph = measure.graph
     library = graph.library
     shift, turn = take_offset(graph, measure.node[rows], measure.take[rows])

@@ -30,7 +30,7 @@ class _CachedEnds:
         self.hips, self.heading = own_end(self._graph, self._node, self._take, self._share.astype(np.float64))
 
     def is_valid(self, measure: "MeasureState") -> bool:
-        """Whether `danced` still holds the same measures."""
+        """Whether `measure` still holds the same measures."""
         same = same_measures(measure.node, self._node, measure.take, self._take, measure.take_share[0], self._share)
         return self._graph is measure.graph and same
 

@@ -325,7 +325,7 @@ def set_follower_targets(
     heading: Float64,
     search_arguments: tuple[Any, ...],
 ) -> tuple[Int32, Int32]:
-    """Set the targets of followers after all dancers have chosen; `asked` are the arguments of `StepSelector.choose`.
+    """Set the targets of followers after all dancers chose; `search_arguments` are those of `StepSelector.choose`.
 
     A leader ends where clip and correction lead, with the heading that the turn reaches. Both are written to the
     targets and to `heading` (A,) [rad], together with the followers' targets. Returns the followers (P,) and the sides

@@ -29,8 +29,8 @@ Float64 = npt.NDArray[np.float64]
 __all__ = ["MIN_CORRECTION_SHARE", "RootCorrectionControl"]
 
 MIN_END_DISTANCE: Final = 0.66
-"""Least distance of dancers at the end of a measure [m]. It is a bit less than steering's MIN_DANCER_DISTANCE, which large
-circles may fall short of: their dancers would otherwise be moved off their places in every measure."""
+"""Least distance of dancers at the end of a measure [m]. It is a bit less than steering's MIN_DANCER_DISTANCE, which
+large circles may fall short of: their dancers would otherwise be moved off their places in every measure."""
 LARGE_GROUP: Final = 256
 """With more dancers than this, path separation runs only in every second tick."""
 
@@ -110,8 +110,8 @@ class RootCorrectionControl:
         share = MIN_CORRECTION_SHARE + (1.0 - MIN_CORRECTION_SHARE) * self._dancers.variation.obedience
         graph, lock = self._dancers.graph, self._dancers.lock
         compute_corrections(
-            coming.correction, target, end, coming.placement, coming.node, graph.node_reach_margins, graph.node_lift_shares,
-            lock.state, share, self._patch.locomotion.correction_m, MAX_HELD_SHIFT,
+            coming.correction, target, end, coming.placement, coming.node, graph.node_reach_margins,
+            graph.node_lift_shares, lock.state, share, self._patch.locomotion.correction_m, MAX_HELD_SHIFT,
             self._motion.entrances.state, ON, *self._motion.stage_area.half.tolist(),
         )  # fmt: skip
         self._correction.align_partner_ends(coming.correction[:, :2], end, coming=True)
@@ -120,7 +120,7 @@ class RootCorrectionControl:
     # -- time ----------------------------------------------------------------------------------------------------
 
     def begin_measure(self, *, displaced: bool) -> None:
-        """Begin a measure; `anew` if a dancer is not where the coming measure was planned to begin."""
+        """Begin a measure; `displaced` if a dancer is not where the coming measure was planned to begin."""
         traced = self._next_correction.traced and not displaced
         self._correction.begin_measure(self._dancers.present, self.reference, traced=traced)
         self._begun = self._ended = True

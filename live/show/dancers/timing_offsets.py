@@ -75,9 +75,9 @@ class Drift:
         """Write the drift of the dancers `rows` (n,), positive ahead [share of a measure], to `out` (n,).
 
         `most` (A,) is the largest drift of each dancer. Over the measure each dancer changes from the timing of dancer
-        `liked` (A,) to that of `like` (A,). The drift is A(x) sin φ(x), where φ is the integral of 2πf (T056 as
-        corrected). A and f are uniform cubic B-splines, which stay between their random values, so |A'| + A φ' < 1
-        always holds and no clip runs backwards.
+        `previous_timing_source` (A,) to that of `timing_source` (A,). The drift is A(x) sin φ(x), where φ is the
+        integral of 2πf (T056 as corrected). A and f are uniform cubic B-splines, which stay between their random
+        values, so |A'| + A φ' < 1 always holds and no clip runs backwards.
         """
         drift_leads(out, rows, fraction, self.phase, self._knots, most, previous_timing_source, timing_source)
 

@@ -255,7 +255,7 @@ class Variation:
         self.update_groups()
 
     def draw(self, measure: int, measure_state: MeasureState) -> None:
-        """Write the variation of measure `measure` (from 0) into `danced`, whose nodes are chosen already."""
+        """Write the variation of measure `measure` (from 0) into `measure_state`, whose nodes are chosen already."""
         count = len(self._group)
         chance = generator_for(self._seed, Purpose.MEASURE, measure)
         # everything is drawn for all dancers, so that no control changes the random numbers of another
@@ -325,8 +325,8 @@ class Variation:
     ) -> None:
         """Set the delays at the end of the measure that begins, from the positions `place` (A, 2) [m].
 
-        `like` (A,) is the dancer whose timing each dancer uses (partners), `there` (A,) whether they are on the stage.
-        Delays change no faster than the measure `danced`, with its warp, allows.
+        `timing_source` (A,) is the dancer whose timing each dancer uses (partners), `there` (A,) whether they are on
+        the stage. Delays change no faster than the measure `measure_state`, with its warp, allows.
         """
         if timing_source is not self._timing_source:
             self._paired = np.flatnonzero(np.bincount(timing_source, minlength=len(timing_source))[timing_source] > 1)

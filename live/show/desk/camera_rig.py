@@ -108,7 +108,7 @@ class CameraRig:
     """The moving camera of one show. Call `tick` for every tick, `place` for every picture. Thread: the show's."""
 
     def __init__(self, parameters: Parameters, motion: GroupMotion, selection: str | None, *, beats: int) -> None:
-        """`whom` is followed from the start where the picture says so; `beats` per measure."""
+        """`selection` is followed from the start where the picture says so; `beats` per measure."""
         self._parameters, self._beats = parameters, beats
         self.start_selection = selection or "*"
         """Dancers followed from the start."""

@@ -178,8 +178,8 @@ class GroupMotion:
     ) -> None:
         """Advance by one tick.
 
-        `speed` (A,) [m/s] is the top speed that the dancers' steps can follow, `dancer` (A, 2) [m] their reference
-        positions in the measure, and `pace` (A, 2) [m/s] the velocities of these.
+        `speed` (A,) [m/s] is the top speed that the dancers' steps can follow, `reference` (A, 2) [m] their reference
+        positions in the measure, and `reference_velocity` (A, 2) [m/s] the velocities of these.
         """
         self._now, self._speed = (timeline, span), speed
         self.stage_area.tick(timeline.beat_at(time))

@@ -108,7 +108,7 @@ class AtomicAppendFile:
     """An unbuffered file with atomic appends: a partial write is undone. Thread: one at a time."""
 
     def __init__(self, path: Path, *, append: bool = False) -> None:
-        """Create the file, or append to it (`more`); raises OSError on failure."""
+        """Create the file, or append to it (`append`); raises OSError on failure."""
         self._path = path
         self._file = path.open("ab" if append else "wb", buffering=0)
         self.end = self._file.seek(0, os.SEEK_END)
@@ -220,7 +220,7 @@ class LineWriter(WriterThread[tuple[str, int, int]]):
         self, path: Path, *, name: str, append: bool = False, mark: Callable[[str, int], str] | None = None,
         unwritten: UnfinishedFile | None = None, aside: Callable[[Path], object] = lambda path: None,
     ) -> None:  # fmt: skip
-        """Raises OSError if the file cannot be created. `name`: of the thread; `more`: append to the file.
+        """Raises OSError if the file cannot be created. `name`: of the thread; `append`: append to the file.
 
         `mark` adds the number of missing lines to the next line; with it the first line (a header) is never dropped.
         `unwritten`: continue the file of a process that has ended; then the thread opens the file and nothing is
@@ -330,7 +330,7 @@ class LineWriter(WriterThread[tuple[str, int, int]]):
 
 
 def missing_lines(lines: Sequence[tuple[int, str]], present: Sequence[bytes]) -> Sequence[tuple[int, str]]:
-    """Return those of `lines` that follow the last one that is `there` (complete lines of a file, in the same order).
+    """Return those of `lines` that follow the last one that is `present` (complete lines of a file, in the same order).
 
     Earlier lines that are not in the file were lost and are not written out of order. A line with a gap mark equals
     the line without it.

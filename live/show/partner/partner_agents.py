@@ -21,7 +21,7 @@ class PartnerAgents:
     """Steering of the answering dancers of one show."""
 
     def __init__(self, radius: Float32, default_radius: float) -> None:
-        """`radius` (A,) [m] of each agent, `usual` [m] of most agents."""
+        """`radius` (A,) [m] of each agent, `default_radius` [m] of most agents."""
         self._radius, self._default_radius = radius, default_radius
         self._partner_response: PartnerResponse | None = None
 

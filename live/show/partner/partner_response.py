@@ -158,9 +158,9 @@ class PartnerResponse:
     ) -> None:
         """Advance by one tick of `dt` [s]: read the leaders and move the followers.
 
-        Dancers are at `phase` (A,) of the measure with their `hips` (A, 2) [m] and hip rotation `faces` (A, 4); `there`
-        (A,): present on the stage. `tracks`: positions (A, 2) [m] and velocities (A, 2) [m/s] of their agents. `see`
-        returns the present poses of some dancers.
+        Dancers are at `phase` (A,) of the measure with their `hips` (A, 2) [m] and hip rotation `hip_rotations` (A, 4);
+        `present` (A,): present on the stage. `tracks`: positions (A, 2) [m] and velocities (A, 2) [m/s] of their
+        agents. `poses_of` returns the present poses of some dancers.
         """
         if not self.settings:
             return

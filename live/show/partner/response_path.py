@@ -74,13 +74,13 @@ class ResponsePath:
         self._has_last[row] = False
 
     def move_follower(
-        self, pair: Pair, one: PartnerSettings, read: LeaderReader, *, wanted: bool, danced_beats: float, measures: float,
-        hips: Float32, agents: Float32, dt: float,
+        self, pair: Pair, one: PartnerSettings, read: LeaderReader, *, wanted: bool, danced_beats: float,
+        measures: float, hips: Float32, agents: Float32, dt: float,
     ) -> None:  # fmt: skip
         """Move the follower of a pair by the faded answer, which fades in while it is `wanted`.
 
-        The leader is at the danced beat `danced`; `measures` have passed since the last tick, `dt` [s] ago. Dancers
-        have their `hips` at (A, 2) [m], their agents at `agents` (A, 2) [m].
+        The leader is at the danced beat `danced_beats`; `measures` have passed since the last tick, `dt` [s] ago.
+        Dancers have their `hips` at (A, 2) [m], their agents at `agents` (A, 2) [m].
         """
         row = pair.follower
         seen = answer = answer_position(read, danced_beats)
@@ -133,6 +133,7 @@ class ResponsePath:
         self.displacement[row] = move
 
     def update_turn(self, row: int, rotation: Float32, answer_rotation: Float32) -> None:
-        """Update the angle between the dancer's own `face` (4,) and the answer's hip rotation `answered` (4,)."""
+        """Update the angle between the dancer's own `rotation` (4,) and the answer's hip rotation `answer_rotation`
+        (4,)."""
         known = self.level[row] > 0.0
         self.turn[row] = heading_difference(rotation, answer_rotation, float(self.turn[row]) if known else 0.0)

@@ -23,7 +23,7 @@ LOCK_WEIGHT: Final = 0.98
 
 
 class ResponsePoses:
-    """Poses of the answers to `leaders`, placed by the root motion `along`. Thread: the show's."""
+    """Poses of the answers to `leaders`, placed by the root motion `path`. Thread: the show's."""
 
     def __init__(self, leaders: LeaderReaders, path: ResponsePath) -> None:
         self._leaders, self._path = leaders, path
@@ -33,7 +33,7 @@ class ResponsePoses:
         self._parents = np.array(SKELETON.parents, np.int32)
 
     def tick(self, pairs: Sequence[Pair], poses_of: PoseSource, dt: float) -> None:
-        """Advance foot lock by `dt` [s], for followers of the `acting` pairs whose answer is fully faded in."""
+        """Advance foot lock by `dt` [s], for followers of the `pairs` whose answer is fully faded in."""
         along = self._path
         whole = [pair for pair in pairs if along.weight[pair.follower] > LOCK_WEIGHT and along.answering[pair.follower]]
         if not whole and not self.foot_lock.lock.max_shift:
@@ -52,9 +52,9 @@ class ResponsePoses:
     def blend_poses(
         self, pairs: Sequence[Pair], danced_beats: Float64, position: Float32, rotation: Float32, rows: Int32 | None
     ) -> None:
-        """Blend the answers of the `acting` pairs into world poses `position` (A, J, 3) and `rotation` (A, J, 4),
-        with dancers at the danced beats `danced` (A,); with `rows` (n,) only of these dancers, (n, J, 3) and (n, J,
-        4)."""
+        """Blend the answers of the `pairs` into world poses `position` (A, J, 3) and `rotation` (A, J, 4),
+        with dancers at the danced beats `danced_beats` (A,); with `rows` (n,) only of these dancers, (n, J, 3) and
+        (n, J, 4)."""
         along = self._path
         shown = [pair for pair in pairs if along.weight[pair.follower] > 0.0]
         where = None if rows is None else {int(row): n for n, row in enumerate(rows)}
@@ -81,7 +81,7 @@ def active_holds(
     leaders: LeaderReaders,
     weight: npt.NDArray[np.float64],
 ) -> list[HoldRequest]:
-    """Return the hands to hold in the shown `pairs`, whose answers have weight `share` (A,).
+    """Return the hands to hold in the shown `pairs`, whose answers have weight `weight` (A,).
 
     A dancer at an own place, or led by a path, stands elsewhere than the examples' follower and holds no hands.
     """

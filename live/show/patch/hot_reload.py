@@ -102,7 +102,7 @@ class PatchWatch:
             gc.collect()
 
     def poll(self, *, with_library: bool = True) -> bool:
-        """Poll the files once, with `steps` the step folder too; return True if a patch was offered."""
+        """Poll the files once, with `with_library` the step folder too; return True if a patch was offered."""
         joined = with_library and self._library is not None and self._library.poll()
         stamp = file_stamp(self._loaded.path)
         settled, self._last_stamp = stamp == self._last_stamp, stamp

@@ -37,7 +37,7 @@ GROUP_START_ONLY_KEYS: Final = (
 
 
 def split_deferred(new: Patch, current: Patch) -> tuple[Patch, tuple[str, ...]]:
-    """Return the patch `new` as far as a show of the patch `running` can apply it, and the keys that need a new start.
+    """Return the patch `new` as far as a show of the patch `current` can apply it, and the keys that need a new start.
 
     Those keep their running values. If the number of groups changes, all groups wait: `group`.
     """

@@ -84,8 +84,8 @@ def resolve_table(
             caller = [name.casefold() for name in groups].index(section.answers.casefold())
     size = score.playhead.sections[place[0]].measures if place[0] != END else None
     end = size if section.measures is None else place[1] + section.measures
-    return ImproviseTable(place[0], place[1], end, section, steps, np.array(list(weights.values())), tuple(factors), caller,
-                 listening)  # fmt: skip
+    return ImproviseTable(place[0], place[1], end, section, steps, np.array(list(weights.values())), tuple(factors),
+                          caller, listening)  # fmt: skip
 
 
 Nodes = npt.NDArray[np.int32]
@@ -100,9 +100,11 @@ STEP_SALT: Final = 0x1A9
 class Improviser:
     """The step choices of one group. Ask for measures in order."""
 
-    def __init__(self, tables: list[ImproviseTable], default_table: ImproviseTable, score: Score, history: StepHistory, mood: Mood, *, group: int,
-                 seed: int, graph: MotionGraph) -> None:  # fmt: skip
-        """`usual`: the table used when improvisation is requested where the score has none."""
+    def __init__(
+        self, tables: list[ImproviseTable], default_table: ImproviseTable, score: Score, history: StepHistory,
+        mood: Mood, *, group: int, seed: int, graph: MotionGraph,
+    ) -> None:  # fmt: skip
+        """`default_table`: the table used when improvisation is requested where the score has none."""
         self._tables, self._default_table = tables, default_table
         self._score, self._history, self._mood, self._group = score, history, mood, group
         self._seed, self._graph = seed, graph

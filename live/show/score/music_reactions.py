@@ -1,7 +1,7 @@
 """Reactions to music: `Reactions` (the patch's `[[react]]` tables), `Mood` and `MusicSignals` (T016).
 
-`Mood` smooths music features over the last beats for improvisation. `MusicSignals` turns music events (louder, build-up,
-drop) into named signals.
+`Mood` smooths music features over the last beats for improvisation. `MusicSignals` turns music events
+(louder, build-up, drop) into named signals.
 """
 
 import math

@@ -39,7 +39,7 @@ class ScorePart:
     ) -> StepChoice | None:
         """Return what to dance in `measure` by dancers who were in `nodes` before it; None: the group's own steps.
 
-        `own` are the group's own steps after the score's; `stands`: prefer random steps in place.
+        `own` are the group's own steps after the score's; `standing`: prefer random steps in place.
         """
         if measure < 0:
             return None

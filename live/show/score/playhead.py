@@ -275,7 +275,7 @@ class Playhead:
         return PlayheadRequest() if happened else self._request
 
     def _next(self, state: PlayheadState, number: int) -> PlayheadState:
-        """Return the position in `number`, the measure after `stand`."""
+        """Return the position in `number`, the measure after `state`."""
         if number < 0:
             return replace(state, place=Place(END, number))
         here, asked = state.place, self._pending(number)

@@ -136,7 +136,7 @@ class ScoreRunner:
         self._reactions.handle_signal(name)
 
     def schedule_reactions(self, danced_beats: float, time: float) -> None:
-        """Schedule the calls due before the next line, at once or at their beat; the danced beat is `danced`."""
+        """Schedule the calls due before the next line, at once or at their beat; the danced beat is `danced_beats`."""
         for section in self._reactions.pending_calls:
             event = section.event(time)
             if isinstance(event, ControlEvent):

@@ -45,8 +45,8 @@ class SequenceLookup:
         graph: MotionGraph,
         built: dict[int, tuple[int, ScoreSequence]] | None = None,
     ) -> None:
-        """`sections` with their patch indices; `made`: sequences already built for other groups, by these indices, with
-        their sections.
+        """`sections` with their patch indices; `built`: sequences already built for other groups, by these indices,
+        with their sections.
 
         Raises PersonError for an unknown step, a step that does not end with its sequence, and for sequences that
         overlap or exceed their section.

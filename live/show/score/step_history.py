@@ -21,7 +21,7 @@ class StepHistory:
     """Wanted step per group and measure, with the measures of that step already over."""
 
     def __init__(self, groups: int, capacity: int = MIN_CAPACITY) -> None:
-        """`kept`: the number of measures kept."""
+        """`capacity`: the number of measures kept."""
         self.capacity = capacity
         self._steps: list[OrderedDict[int, tuple[int, int]]] = [OrderedDict() for _ in range(groups)]
 

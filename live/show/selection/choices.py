@@ -110,7 +110,8 @@ class StepChoices:
 def explanation_lines(explanation: dict[str, Any]) -> tuple[str, ...]:
     """Return an explanation by `StepChoices.why` as lines for the overlay."""
     lines = [
-        f"dancer {explanation['dancer']}: {explanation['wanted']}, {explanation['error_m']:.2f} m off, {explanation['lag_m']:.2f} m behind"
+        f"dancer {explanation['dancer']}: {explanation['wanted']}, {explanation['error_m']:.2f} m off, "
+        f"{explanation['lag_m']:.2f} m behind"
     ]
     for word in ("chosen", "runner_up"):
         row = explanation[word]

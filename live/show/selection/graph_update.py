@@ -37,7 +37,7 @@ def clip_key(clip: StepClip) -> str:
 
 
 def updated_graph(graph: MotionGraph, removed: Sequence[str], added: Sequence[StepClip]) -> MotionGraph:
-    """Return the graph with the clips `came`, in which the clips with the keys `gone` are not begun any more.
+    """Return the graph with the clips `added`, in which the clips with the keys `removed` are not begun any more.
 
     Raises ValueError for an unknown key, or if no clip is left.
     """

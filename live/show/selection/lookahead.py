@@ -79,10 +79,10 @@ class AgentLookAhead:
     """
 
     def __init__(
-        self, look_ahead: CrowdPrediction, evolutions: Evolutions, elements: Elements, entrances: Entrances, stage_area: StageArea,
-        count: int, beats: int,
+        self, look_ahead: CrowdPrediction, evolutions: Evolutions, elements: Elements, entrances: Entrances,
+        stage_area: StageArea, count: int, beats: int,
     ) -> None:  # fmt: skip
-        """`look` simulates a copy of the `count` agents; `beats` of a danced measure."""
+        """`look_ahead` simulates a copy of the `count` agents; `beats` of a danced measure."""
         self._look_ahead, self._evolutions, self._elements = look_ahead, evolutions, elements
         self._entrances, self._stage_area = entrances, stage_area
         self._count, self._beats = count, beats

@@ -27,7 +27,7 @@ class NamedObjects:
     """All objects inside one constant, by name."""
 
     def __init__(self, value: object, name: str, known: Iterable[Mapping[int, str]] = ()) -> None:
-        """`met`: objects that have a name already."""
+        """`known`: objects that have a name already."""
         self.value = value
         self.names: dict[int, str] = {}
         self.objects: dict[str, object] = {}

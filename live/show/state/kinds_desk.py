@@ -60,8 +60,8 @@ def _no_stage() -> int:
 
 KINDS: Final = [
     Kind("agenda", BeatScheduler, """
-        _heap:list[tuple[float,int,float,event]] _order:int _last_beat:float _tick_beats:float fired:int late_ticks_max:int
-        late:int dropped:int
+        _heap:list[tuple[float,int,float,event]] _order:int _last_beat:float _tick_beats:float fired:int
+        late_ticks_max:int late:int dropped:int
     """),
     Kind("answer-pairs.asked", AnswerPairsAsked, """
         name:str leader:str follower:str on:bool amount:float window:float place:str|none hands:float
@@ -69,12 +69,14 @@ KINDS: Final = [
     Kind("answer-pairs.pair", Pair, "partner:int leader:int follower:int own_place:bool"),
     Kind("audience", Audience, """
         _seed:int regions:row[str] _vote_measures:int open:bool gain:float muted:bool shaking:bool weights:list[float]
-        turn:turn|none vote:vote|none result:tuple[int,str] banned:dict[int,none] command_count:int phones:int _votes:int
-        _share:float _places:row[audience.place] _shaken:bool _number:i8 _light_on:b1 _goal:f4 _light:f4
+        turn:turn|none vote:vote|none result:tuple[int,str] banned:dict[int,none] command_count:int phones:int
+        _votes:int _share:float _places:row[audience.place] _shaken:bool _number:i8 _light_on:b1 _goal:f4 _light:f4
     """),
     Kind("audience.place", AudiencePlace, "x:float z:float weight:float repels:bool"),
     Kind("camera-rig", CameraRig, "_parameters:parameters _beats:int start_selection:str follower:chase"),
-    Kind("chase", DampedFollower, "_motion:group-motion selection:str _selected:b1|none _centre:f8 _speed:f8 running:bool"),
+    Kind("chase", DampedFollower, """
+        _motion:group-motion selection:str _selected:b1|none _centre:f8 _speed:f8 running:bool
+    """),
     Kind("show", Show, """
         patch:constant-patch graph:constant-motion-graph seed:int follower:timeline-follower _known:bool
         timeline:timeline casting:casting group:i4(group) reactions:reactions prompter:prompter motion:group-motion
@@ -83,15 +85,18 @@ KINDS: Final = [
         brightness:float time:float refusals:refusals directions:directions _seen:seen _new_steps:new-steps
         reloading:reloading breakers:breakers _beat:float _beats_per_tick:float
     """),
-    Kind("breakers", CircuitBreakers, "reasons:dict[str,str] _level:dict[int,int]", factories={"running": _no_stage, "_page": no_value}),
+    Kind("breakers", CircuitBreakers, """
+        reasons:dict[str,str] _level:dict[int,int]
+    """, factories={"running": _no_stage, "_page": no_value}),
     Kind("cues", CueList, """
         _cues:row[constant-cue-section] _playhead:playhead _beats:int standby:int last:int fired:int bounced:int
-        _triggered:list[cues.given] late_ticks_max:int _last_beat:float _tick_beats:float _last_go:dict[str,float] _score_state:row[any]
+        _triggered:list[cues.given] late_ticks_max:int _last_beat:float _tick_beats:float _last_go:dict[str,float]
+        _score_state:row[any]
     """),
     Kind("cues.given", _TriggeredCue, "index:int due:float earliest:float revert_event:event|none"),
     Kind("desk", LightDesk, """
-        parameters:parameters camera_rig:camera-rig spots:spots energy:float scenes:scenes _score_runner:prompter cues:cues
-        undo_history:edits beats:int master:master held:bool
+        parameters:parameters camera_rig:camera-rig spots:spots energy:float scenes:scenes _score_runner:prompter
+        cues:cues undo_history:edits beats:int master:master held:bool
     """),
     Kind("directions", StepRequests, """
         _group:i4(group) _groups:dict[str,int] _dancers:dancers _variation:variation _scheduler:scheduler
@@ -103,7 +108,8 @@ KINDS: Final = [
     """),
     Kind("echo", Canon, """
         _leader:group-programme _own:group-programme _delay:int _detached:bool
-        _leader_steps:ordered[int,tuple[int,row[wanted],int]] travel_step:int|none steps:list[int] upcoming:row[wanted] measures_done:int
+        _leader_steps:ordered[int,tuple[int,row[wanted],int]] travel_step:int|none steps:list[int] upcoming:row[wanted]
+        measures_done:int
     """),
     Kind("edited-facings", EditedFacings, "_headings:headings"),
     Kind("edited-formations", EditedFormations, "_motion:group-motion"),
@@ -135,8 +141,8 @@ KINDS: Final = [
         _score:score _seed:int _tables:list[tuple[int,int,int,int|none,constant-improvise-section]]
     """),
     Kind("improviser", Improviser, """
-        _tables:list[constant-table] _default_table:constant-table _score:score _history:ledger _mood:mood _group:int _seed:int
-        _graph:constant-motion-graph draw_state:tuple[int,int,int] forced:bool
+        _tables:list[constant-table] _default_table:constant-table _score:score _history:ledger _mood:mood _group:int
+        _seed:int _graph:constant-motion-graph draw_state:tuple[int,int,int] forced:bool
     """),
     Kind("ledger", StepHistory, "capacity:int _steps:list[ordered[int,tuple[int,int]]]"),
     Kind("master", Master, """
@@ -144,11 +150,14 @@ KINDS: Final = [
     """),
     Kind("measure-span", MeasureSpan, "number:int end:float _beats:float _anchor_beat:float _anchor_fraction:float"),
     Kind("mood", Mood, "_values:dict[str,float] _has_music:bool notes:event-NotesHeard|none"),
-    Kind("new-steps", GraphUpdates, "_refusals:refusals", factories={"_offered": dict, "_reserve": dict, "_next": no_value}),
+    Kind("new-steps", GraphUpdates, """
+        _refusals:refusals
+    """, factories={"_offered": dict, "_reserve": dict, "_next": no_value}),
     Kind("occasions", MusicSignals, "_signals:list[constant-signal-section] _active:list[bool]"),
     Kind("parameters", Parameters, """
-        table:constant-parameter-table _variation:variation value:f8 _cached_varieties:list[variety]|none _cached_numbers:f8 start:f8
-        _from:f8 _goal:f8 _start_beat:f8 _length:f8 _fading:b1 _running:int _ticks:int beat:float held:bool touched:bool
+        table:constant-parameter-table _variation:variation value:f8 _cached_varieties:list[variety]|none
+        _cached_numbers:f8 start:f8 _from:f8 _goal:f8 _start_beat:f8 _length:f8 _fading:b1 _running:int _ticks:int
+        beat:float held:bool touched:bool
     """),
     Kind("part", ScorePart, "_score:score _sequences:constant-sequences _improviser:improviser"),
     Kind("places.asked", PlacesAsked, "section:int|none measure:int at_section:bool leave:bool"),
@@ -164,18 +173,22 @@ KINDS: Final = [
         _own:list[wanted] _live:list[wanted] _answer:tuple[int,int]|none _position:programme.place
         _undo_state:programme.before|none upcoming:row[wanted] measures_done:int part:part|none standing:bool
     """),
-    Kind("programme.before", _UndoState, "answer:tuple[int,int]|none position:programme.place draw_state:tuple[int,int,int]|none"),
+    Kind("programme.before", _UndoState, """
+        answer:tuple[int,int]|none position:programme.place draw_state:tuple[int,int,int]|none
+    """),
     Kind("programme.call", _Call, "step:int remaining:int done:int"),
-    Kind("programme.place", _Position, "drawn_step:int drawn_left:int slot:int measures_done:int call:programme.call|none"),
+    Kind("programme.place", _Position, """
+        drawn_step:int drawn_left:int slot:int measures_done:int call:programme.call|none
+    """),
     Kind("prompter", ScoreRunner, """
         playhead:playhead score:score beat_scheduler:agenda mood:mood signals:counter[str] last_signal:str
         _sent_ahead:list[constant-at-section] _reactions:reactions _music_signals:occasions _motion:improvised-motion
         _known_signals:set[str] late_jumps:int late_message:str late_message_measure:int _beats:int _names:dict[str,int]
     """),
     Kind("reactions", Reactions, """
-        _value_sections:list[constant-react-section] _call_sections:list[constant-react-section] _values:list[float|none]
-        _line_calls:list[constant-react-section] pending_calls:list[constant-react-section] suppressed:bool _building:bool
-        _last:event-MusicHeard|none strength:float drops:int
+        _value_sections:list[constant-react-section] _call_sections:list[constant-react-section]
+        _values:list[float|none] _line_calls:list[constant-react-section] pending_calls:list[constant-react-section]
+        suppressed:bool _building:bool _last:event-MusicHeard|none strength:float drops:int
     """),
     Kind("refusals", Refusals, "count:int last_reason:str"),
     Kind("reloading", PatchUpdates, """
@@ -189,7 +202,8 @@ KINDS: Final = [
     Kind("score", Score, "playhead:playhead _sections:dict[str,int] written:constant-written"),
     Kind("facing", Facing, "kind:str degrees:float dancer:int name:str"),
     Kind("seen", ViewBuilder, """
-        _dancers:dancers _motion:group-motion _group:i4(group) _desk:desk _audience:audience _frozen_view:stage-view|none
+        _dancers:dancers _motion:group-motion _group:i4(group) _desk:desk _audience:audience
+        _frozen_view:stage-view|none
     """),
     Kind("spots", Spots, "_parameters:parameters _followers:row[chase] _levels:list[int]"),
     Kind("turn", Turn, "region:int begins:int ends:int"),

@@ -28,7 +28,7 @@ _CLASSES: Final[dict[str, tuple[type, ...]]] = {
 def check_state(root: Any, found: str, fresh: object, index_limits: Mapping[str, int]) -> None:
     """Raise Unreadable, naming the field, unless `root` is a valid object of the kind `found`.
 
-    `fresh`: the root of an unused show; `many`: the number of items of each index type.
+    `fresh`: the root of an unused show; `index_limits`: the number of items of each index type.
     """
     types = _TypeChecker(index_limits)
     try:

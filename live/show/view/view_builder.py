@@ -46,7 +46,7 @@ class ViewBuilder:
         self, view: StageView, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float, brightness: float,
         last_tick: float,
     ) -> None:  # fmt: skip
-        """Fill the snapshot for `time` [s], at most a tick after the last one (`ticked`); poses are at the exact beat.
+        """Fill the snapshot for `time` [s], at most a tick after `last_tick`; poses are at the exact beat.
 
         While the picture is frozen only its light changes; a new view gets the stored picture (`keep`).
         """

@@ -48,7 +48,7 @@ class FollowRequest:
 
 @dataclass(frozen=True, slots=True)
 class StreamStart:
-    """Announces that the following lines are of that stream, from `number`; `anew`: from its start."""
+    """Announces that the following lines are of that stream, from `number`; `restart`: from its start."""
 
     stream: str
     number: int

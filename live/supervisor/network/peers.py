@@ -72,7 +72,7 @@ class Peers:
         self, starter: ProcessManager, identity: Identity, pairings: Pairings, *, listener: socket.socket | None,
         upstream: tuple[str, int] | None, say: Callable[[str], None],
     ) -> None:  # fmt: skip
-        """`door`: socket that listens for other machines; `upstream`: the machine to connect to. PersonError for
+        """`listener`: socket that listens for other machines; `upstream`: the machine to connect to. PersonError for
         pairings that cannot be read."""
         self.identity = identity
         self.links: dict[str, Link] = {}
@@ -128,7 +128,7 @@ class Peers:
             self.on_end(link)
 
     def close(self, drain_s: float = 0.0) -> None:
-        """Close all links; waits up to `parting` seconds for peers to read the last lines."""
+        """Close all links; waits up to `drain_s` seconds for peers to read the last lines."""
         until = time.monotonic() + drain_s
         for link in self.links.values():
             self._starter.unregister(link.channel)

@@ -21,7 +21,7 @@ def walk(start, goal, surroundings, firm=0.0, seconds=9.0):
         far = np.maximum(np.hypot(*way.T), 1e-6)
         wants.velocity[:] = way * (np.minimum(1.2, far) / far)[:, None]
         wants.firmness[:] = firm
-        advance(state, spare, wants=wants, surroundings=surroundings, time=tick / 64, dt=1 / 64)
+        advance(state, spare, commands=wants, surroundings=surroundings, time=tick / 64, dt=1 / 64)
         state, spare = spare, state
         nearest = min(nearest, float(np.hypot(*state.position.T).min()))
     return state.position, nearest

@@ -132,9 +132,10 @@ def test_a_leap_goes_forward_by_less_than_a_beat_to_the_goals_place_in_the_beat(
 @pytest.mark.parametrize(
     "said",
     [
-        BeatObservation(math.nan, 0.5, 0.5), BeatObservation(10.0, math.inf, 0.5), BeatObservation(10.0, 0.5, math.nan), BeatObservation(10.0, 0.1, 0.5),
-        BeatObservation(10.0, 5.0, 0.5), BeatObservation(30.0, 0.5, 0.5), BeatObservation(-1e300, 0.5, 0.5), BeatObservation(10.0, 0.5, 0.5, 4, 4),
-        BeatObservation(10.0, 0.5, 0.5, -2), BeatObservation(10.0, 0.5, 0.5, 0, -1), BeatObservation(10.0, 0.5, 0.5, 0, 4, -2),
+        BeatObservation(math.nan, 0.5, 0.5), BeatObservation(10.0, math.inf, 0.5), BeatObservation(10.0, 0.5, math.nan),
+        BeatObservation(10.0, 0.1, 0.5), BeatObservation(10.0, 5.0, 0.5), BeatObservation(30.0, 0.5, 0.5),
+        BeatObservation(-1e300, 0.5, 0.5), BeatObservation(10.0, 0.5, 0.5, 4, 4), BeatObservation(10.0, 0.5, 0.5, -2),
+        BeatObservation(10.0, 0.5, 0.5, 0, -1), BeatObservation(10.0, 0.5, 0.5, 0, 4, -2),
     ],
 )  # fmt: skip
 def test_what_nobody_can_mean_is_not_plausible(said: BeatObservation) -> None:

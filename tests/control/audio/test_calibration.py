@@ -92,4 +92,4 @@ def test_a_delay_that_wanders_is_refused() -> None:
     recording = room(0.05)
     wandering = [(f, t + 0.015 * (n // 130)) for n, (f, t) in enumerate(recording.input_stamps)]
     with pytest.raises(PersonError, match=r"apart|only"):
-        measure(TRAIN, replace(recording, heard=wandering))
+        measure(TRAIN, replace(recording, input_stamps=wandering))

@@ -28,12 +28,14 @@ def library():
 def test_a_sequence_as_it_is_written(library):
     sway, glide, phrase, echappe = (library.steps.index(name) for name in ("sway", "glide", "phrase", "Échappé"))
     assert parse_sequence("sway, echappe x2,*, PHRASE,Glide long_left x 2", library) == [
-        SequenceEntry(sway), SequenceEntry(echappe), SequenceEntry(echappe), SequenceEntry(None), SequenceEntry(phrase, 2),
-        SequenceEntry(glide, direction="long left"), SequenceEntry(glide, direction="long left"),
+        SequenceEntry(sway), SequenceEntry(echappe), SequenceEntry(echappe), SequenceEntry(None),
+        SequenceEntry(phrase, 2), SequenceEntry(glide, direction="long left"),
+        SequenceEntry(glide, direction="long left"),
     ]  # fmt: skip
     assert parse_sequence("wave x2, wave x2 ×3", library) == [SequenceEntry(library.steps.index("wave x2"))] * 4
     assert parse_sequence("glide left, both:2, both : 1", library) == [
-        SequenceEntry(glide, direction="left"), SequenceEntry(library.steps.index("both"), 2), SequenceEntry(library.steps.index("both"), 1),
+        SequenceEntry(glide, direction="left"), SequenceEntry(library.steps.index("both"), 2),
+        SequenceEntry(library.steps.index("both"), 1),
     ]  # fmt: skip
     assert (
         parse_sequence("glide short back", library)[0].direction == "short back"

@@ -49,7 +49,8 @@ def ask(pipeline, own, then, phase, fraction, *, goes_on):
     library, window = GRAPH.library, GRAPH.window
     gather_dancers(
         np.arange(COUNT), phase, fraction, window, goes_on,
-        own.node, own.placement, own.correction, own.aim_origin, own.on_support, own.take, own.take_share, own.amplitude,
+        own.node, own.placement, own.correction, own.aim_origin, own.on_support, own.take,
+        own.take_share, own.amplitude,
         then.node, then.placement, then.take, then.take_share, then.amplitude,
         library.node_first, library.node_last, library.node_lead, GRAPH.node_start, GRAPH.node_facing_start,
         GRAPH.node_turns, GRAPH.node_warp_curve,

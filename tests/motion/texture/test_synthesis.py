@@ -183,7 +183,7 @@ def test_what_drives_may_change_over_time() -> None:
     assert (first, changes) == (hips, ((4.0, knees),))
     both = tuple(sorted((*hips, *knees)))
     wish = TextureSettings(drive=both, initial_drive=first, drive_changes=changes, cut=3 * hips[0], texture=())
-    by = [wish, *(replace(wish, first=one, changes=((100.0, knees),)) for one in (hips, knees))]
+    by = [wish, *(replace(wish, initial_drive=one, drive_changes=((100.0, knees),)) for one in (hips, knees))]
     changing, of_hips, of_knees = (prepare_sketch(SKETCH, MATERIAL, one) for one in by)
     middle = 0.5 * (changing.fragments.begin + changing.fragments.end) / RATE
     assert 2 < np.count_nonzero(middle < 4.0) < len(middle) - 2

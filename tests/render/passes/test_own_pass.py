@@ -38,7 +38,7 @@ def draw(gl_context):
 
     def drawn(passes, *moments, quality=SOFTWARE, values=None):
         order = (*PASSES[:-1], *(one.name for one in passes), "vignette")
-        scene = replace(SCENE, own=tuple(passes), passes=order)
+        scene = replace(SCENE, custom_passes=tuple(passes), passes=order)
         renderer, target = Renderer(gl_context, scene, size=SIZE, quality=quality), gl_context.simple_framebuffer(SIZE)
         kept.extend((renderer, target))
         row = picture_row(scene)

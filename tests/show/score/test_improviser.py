@@ -48,9 +48,9 @@ class Stage:
             self.measure += 1
             self.score.playhead.begin_measure(self.measure)
             for group, improviser in enumerate(self.groups):
-                told = improviser.told(self.measure, GRAPH.entries(OWN[0])[:0], stands=False)
+                told = improviser.choose(self.measure, GRAPH.entries(OWN[0])[:0], standing=False)
                 if told is not None:
-                    improviser.note(self.measure, told[0], told[2])
+                    improviser.record(self.measure, told[0], told[2])
                     danced[group].append((LIBRARY.steps[told[0]], told[2]))
         return danced
 
