@@ -135,7 +135,7 @@ class Assembly(ABC):
 
     @property
     def danced_beats(self) -> float:
-        """Danced beats so far: (measure number + fraction) times beats per measure; the unit of `prompter.agenda`."""
+        """Danced beats so far: (measure number + fraction) times beats per measure; unit of `beat_scheduler` too."""
         return self.span.danced_beats(self.timeline.beat_at(self.time), self.patch.clock.beats_per_measure)
 
     def seed_tracker(self, listener: Callable[[TrackerHint], None]) -> None:

@@ -21,7 +21,7 @@ FLOOR_AND_DESK = (*GROUP_EVENTS, *DESK_EVENTS)
 
 
 class EventDispatcher(HotSwap):
-    """Event dispatcher: `apply` for events from outside, `_act_on` for the show's own. Refused events are counted."""
+    """Event dispatcher: `apply` for events from outside, `_handle` for the show's own. Refused events are counted."""
 
     def apply(self, event: ControlEvent) -> bool:
         """Apply an event, effective from the next tick. False, and counted, if it names something that does not

@@ -11,7 +11,7 @@ from live.agents.prediction import CrowdPrediction
 
 def ask(wants, state, time):
     """Everybody wants to be at (2, 1)."""
-    wants.rest()
+    wants.clear()
     wants.speed[:] = 0.8
     wants.separation[:] = 1.0
     way = np.array([2.0, 1.0]) - state.position

@@ -17,10 +17,10 @@ class Drawn:
     def __init__(self):
         self.steps, self.step, self.mark = quality_steps(SOFTWARE), 0, None
 
-    def helps(self, step):
+    def has_effect(self, step):
         return self.steps[step].kind not in ("trails", "styles")
 
-    def take_step(self, step):
+    def set_step(self, step):
         self.step = step
 
 
@@ -33,8 +33,8 @@ def watched():
         session = SimpleNamespace(
             clock=clock,
             options=SimpleNamespace(quality=quality),
-            engine=SimpleNamespace(mark=None, outward=[], patched=[]),
-            status=SimpleNamespace(more={}, notes=[]),
+            engine=SimpleNamespace(mark=None, event_listeners=[], patch_listeners=[]),
+            status=SimpleNamespace(extra_figures={}, notices=[]),
             overload=0.0,
         )
         watch = QualityController(session, Drawn())
@@ -74,7 +74,7 @@ def test_the_machine_chooses_until_the_operator_does(watched):
     assert watch._renderer.step == 5
     for told in session.engine.event_listeners:
         told(Tap(time=0.0, source="osc"))
-    assert watch.ladder.held is None
+    assert watch.controller.held is None
 
 
 def test_a_command_line_begins_with_a_held_step_and_the_overlay_says_so(watched):
@@ -82,11 +82,11 @@ def test_a_command_line_begins_with_a_held_step_and_the_overlay_says_so(watched)
     run(5.0)
     last = len(quality_steps(SOFTWARE)) - 1
     assert watch._renderer.step == last
-    words = session.status.notes[0]()
+    words = session.status.notices[0]()
     assert words.startswith(f"quality {last} of {last} (held): no trails,")
     hear(0.0)
     run(1.0)
-    assert session.status.notes[0]().startswith(f"quality 0 of {last} (held)")
+    assert session.status.notices[0]().startswith(f"quality 0 of {last} (held)")
 
 
 def test_what_the_supervisor_feels_of_an_overload_reaches_the_ladder(watched):
@@ -95,9 +95,9 @@ def test_what_the_supervisor_feels_of_an_overload_reaches_the_ladder(watched):
     run(15.0)
     assert watch._renderer.step > 0
     session.overload = 0.5
-    changes = watch.ladder.changes
+    changes = watch.controller.changes
     run(300.0)
-    assert watch.ladder.changes == changes
+    assert watch.controller.changes == changes
     session.overload = 0.0
     run(60.0)
-    assert watch.ladder.changes > changes
+    assert watch.controller.changes > changes

@@ -43,7 +43,7 @@ def test_names(tmp_path: Path) -> None:
     [
         ("film.avi", "ends in"), ("film.png", "%05d"), ("a%d%d.png", "%05d"), ("a%s.png", "%05d"),
         ("100%-%05d.png", "%05d"),
-        ("none/film.mp4", "no folder"), ("none/take/%05d.png", "no folder"), ("%d/%d.png", "not of their folder"),
+        ("none/film.mp4", "no folder"), ("none/take/%05d.png", "no folder"), ("%d/%d.png", "not in the folder's"),
     ],
 )  # fmt: skip
 def test_names_that_are_refused(tmp_path: Path, name: str, told: str) -> None:

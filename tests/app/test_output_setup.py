@@ -19,7 +19,7 @@ class FakeScreen:
     def __init__(self, name):
         self.output, self.card, self.editing, self.lines = Output(name), "off", None, ()
         monitor = SimpleNamespace(name="DP-1")
-        self.window = SimpleNamespace(size=(1000, 500), monitor=monitor, is_home=True)
+        self.window = SimpleNamespace(size=(1000, 500), monitor=monitor, on_monitor=True)
 
     def set(self, output):
         self.output = output
@@ -59,7 +59,7 @@ def hall():
 
 
 def press(hall, screen, *names, shift=False):
-    return [hall.setup.act(screen, KeyPressed(name, shift)) for name in names]
+    return [hall.setup.handle_input(screen, KeyPressed(name, shift)) for name in names]
 
 
 def test_keys_of_the_show_are_left_to_it(hall):
@@ -83,10 +83,10 @@ def test_arrows_move_a_corner_by_pixels_and_leaving_keeps_it(hall):
 
 def test_the_mouse_moves_what_is_edited_and_nothing_else(hall):
     drag = [PointerPressed(5, 5), PointerMoved(100, 50), PointerReleased(100, 50)]
-    assert [hall.setup.act(hall.left, value) for value in drag] == [False] * 3
+    assert [hall.setup.handle_input(hall.left, value) for value in drag] == [False] * 3
     press(hall, hall.left, "f9")
-    assert [hall.setup.act(hall.right, value) for value in drag] == [False] * 3
-    assert [hall.setup.act(hall.left, value) for value in drag] == [True] * 3
+    assert [hall.setup.handle_input(hall.right, value) for value in drag] == [False] * 3
+    assert [hall.setup.handle_input(hall.left, value) for value in drag] == [True] * 3
     assert hall.left.output.corners[0] == (0.1, 0.1)
     assert hall.right.output.corners == FULL_WINDOW
     press(hall, hall.left, "u")
@@ -109,7 +109,7 @@ def test_the_real_floors_corners_are_pointed_at_on_the_projector(hall):
     assert hall.left.lines[0] == "left: the floor's back left corner"
     at = 100 + 0.4 * 900, 0.4 * 500  # of the window: 0.2 of the picture is 0.4 of what this output shows
     for value in (PointerPressed(*at), PointerMoved(at[0] + 90, at[1] + 25), PointerReleased(0, 0)):
-        assert hall.setup.act(hall.left, value)
+        assert hall.setup.handle_input(hall.left, value)
     press(hall, hall.left, "tab", "down", shift=False)
     assert hall.floor.kept == []
     press(hall, hall.left, "enter")
@@ -129,10 +129,10 @@ def test_a_floor_of_no_area_is_not_taken_and_what_cannot_be_kept_is_told(hall):
     before = hall.left.editing.corners
     (x, y), (there, _) = before[0], before[1]
     for value in (PointerPressed(x * 1000, y * 500), PointerMoved(there * 1000, y * 500)):
-        hall.setup.act(hall.left, value)
+        hall.setup.handle_input(hall.left, value)
     assert hall.left.editing.corners == before
     assert "span no floor" in hall.left.lines[-1]
-    hall.setup.act(hall.left, PointerMoved(300, 150))
+    hall.setup.handle_input(hall.left, PointerMoved(300, 150))
     hall.floor.words = "NOT SAVED: for a reason"
     press(hall, hall.left, "enter")
     assert hall.left.lines[-1] == "NOT SAVED: for a reason"
@@ -153,9 +153,9 @@ def test_nothing_is_kept_that_was_not_changed(hall):
 def test_cards_by_key_and_from_afar(hall):
     press(hall, hall.left, "f8", "f8")
     assert (hall.left.card, hall.right.card) == ("bars", "off")
-    hall.setup.hear(ShowCard(time=0.0, source="osc", output="RIGHT", card="focus"))
+    hall.setup.handle(ShowCard(time=0.0, source="osc", output="RIGHT", card="focus"))
     assert hall.right.card == "focus"
-    hall.setup.hear(ShowCard(time=0.0, source="osc", output="*", card="off"))
+    hall.setup.handle(ShowCard(time=0.0, source="osc", output="*", card="off"))
     assert (hall.left.card, hall.right.card) == ("off", "off")
     press(hall, hall.desk, "f8")
     assert (hall.left.card, hall.right.card) == ("grid", "grid")
@@ -164,15 +164,15 @@ def test_cards_by_key_and_from_afar(hall):
 
 
 def test_who_goes_on_shows_the_cards_that_were_there(hall):
-    hall.setup.recall({"*": "grid", "left": "focus", "gone": "bars"})
+    hall.setup.restore_cards({"*": "grid", "left": "focus", "gone": "bars"})
     assert (hall.left.card, hall.right.card) == ("focus", "grid")
-    hall.setup.recall({"right": "off", "left": "smiley"})
+    hall.setup.restore_cards({"right": "off", "left": "smiley"})
     assert (hall.left.card, hall.right.card) == ("focus", "off")
 
 
 @pytest.mark.parametrize(("output", "card", "words"), [("middle", "grid", "left, right"), ("left", "smiley", "focus")])
 def test_what_there_is_not_is_told(hall, output, card, words):
-    hall.setup.hear(ShowCard(time=0.0, source="osc", output=output, card=card))
+    hall.setup.handle(ShowCard(time=0.0, source="osc", output=output, card=card))
     assert words in hall.refused[0]
     assert hall.left.card == "off"
 

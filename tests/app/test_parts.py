@@ -106,7 +106,7 @@ def test_one_whose_port_is_taken_starts_as_soon_as_it_is_free(monkeypatch):
     parts.add(page)
     parts.add(good)
     parts.start(tolerant=True)
-    assert "tried again" in FAULTS.problem()
+    assert "retried until it works" in FAULTS.problem()
     assert wait_for(lambda: page.done.count("start") == 4 and not FAULTS.problem(), 10.0)
     parts.frame()
     assert page.done[-1] == good.done[-1] == "frame"

@@ -9,12 +9,12 @@ from live.app.session import make_notifier
 
 
 def test_refusals_and_problems_of_all_parts_are_told_once(capsys: pytest.CaptureFixture[str]) -> None:
-    show = SimpleNamespace(refusals=SimpleNamespace(words=""))
+    show = SimpleNamespace(refusals=SimpleNamespace(last_reason=""))
     refused = ""
     osc = SimpleNamespace(refusal=lambda: refused)
-    listens = SimpleNamespace(facts=lambda: {"problem": problem})
+    listens = SimpleNamespace(status=lambda: {"problem": problem})
     problem = ""
-    watch = SimpleNamespace(problem="", told="")
+    watch = SimpleNamespace(problem="", message="")
     news = make_notifier(cast(Any, show), cast(Any, osc), cast(Any, listens), None, cast(Any, watch), None)
     news.check()
     assert capsys.readouterr().err == ""

@@ -23,7 +23,7 @@ class Shown:
     """As much of a show as its sound asks of it: its patch says a measure of 3."""
 
     def __init__(self) -> None:
-        self.follower = SimpleNamespace(on_seed=None)
+        self.follower = SimpleNamespace(on_hint=None)
 
     def seed_tracker(self, told: Any) -> None:
         told(TrackerHint("metre", 0.0, 3.0))

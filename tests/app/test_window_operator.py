@@ -42,7 +42,7 @@ def desk():
         engine=SimpleNamespace(overlay=False, view=SimpleNamespace(picture=None)),
         show=SimpleNamespace(blackout=False, follower=SimpleNamespace(held=False), desk=desk_, patch=patch),
         status=SimpleNamespace(tool=""),
-        midi=SimpleNamespace(learning=SimpleNamespace(waits_for="")),
+        midi=SimpleNamespace(learning=SimpleNamespace(pending_control="")),
     )
     window = FakeWindow()
     return SimpleNamespace(operator=OperatorInput(session, window, SCENE), inbox=inbox, session=session, window=window)
@@ -58,67 +58,67 @@ def desk():
     ],
 )
 def test_keys_make_events(desk, name, event):
-    desk.operator.act(KeyPressed(name), 2.0)
+    desk.operator.handle(KeyPressed(name), 2.0)
     assert desk.inbox.drain() == [event]
 
 
 def test_b_brings_the_light_back(desk):
     desk.session.show.blackout = True
-    desk.operator.act(KeyPressed("b"), 2.0)
+    desk.operator.handle(KeyPressed("b"), 2.0)
     assert desk.inbox.drain() == [events.Blackout(time=2.0, source="key", on=False)]
 
 
 def test_z_holds_the_tempo_and_lets_it_go(desk):
-    desk.operator.act(KeyPressed("z"), 2.0)
+    desk.operator.handle(KeyPressed("z"), 2.0)
     desk.session.show.follower.held = True
-    desk.operator.act(KeyPressed("z"), 2.0)
+    desk.operator.handle(KeyPressed("z"), 2.0)
     assert [event.on for event in desk.inbox.drain()] == [True, False]
 
 
 def test_arrows_and_marks_nudge_and_shift(desk):
     for name in ("left", "right", ",", ".", "j"):
-        desk.operator.act(KeyPressed(name), 2.0)
+        desk.operator.handle(KeyPressed(name), 2.0)
     pressed = desk.inbox.drain()
     assert [event.seconds for event in pressed[:2]] == [-0.01, 0.01]
     assert [event.beats for event in pressed[2:]] == [-1.0, 1.0, 0.5]
 
 
 def test_f_and_o_change_the_window_only(desk):
-    desk.operator.act(KeyPressed("f"), 2.0)
-    desk.operator.act(KeyPressed("o"), 2.0)
+    desk.operator.handle(KeyPressed("f"), 2.0)
+    desk.operator.handle(KeyPressed("o"), 2.0)
     assert desk.window.fullscreen
     assert desk.session.engine.overlay
-    desk.operator.act(KeyPressed("f12"), 2.0)
-    desk.operator.act(MonitorsChanged(), 2.0)
+    desk.operator.handle(KeyPressed("f12"), 2.0)
+    desk.operator.handle(MonitorsChanged(), 2.0)
     assert desk.inbox.drain() == []
-    assert not desk.operator.leaving
+    assert not desk.operator.close_requested
 
 
 def test_escape_never_ends_a_show_in_full_screen(desk):
     desk.window.fullscreen = True
-    desk.operator.act(KeyPressed("escape"), 2.0)
-    assert not desk.operator.leaving
+    desk.operator.handle(KeyPressed("escape"), 2.0)
+    assert not desk.operator.close_requested
     desk.window.fullscreen = False
-    desk.operator.act(KeyPressed("escape"), 2.0)
-    assert desk.operator.leaving
+    desk.operator.handle(KeyPressed("escape"), 2.0)
+    assert desk.operator.close_requested
 
 
 def test_a_closed_window_ends_the_show(desk):
-    desk.operator.act(CloseRequested(), 2.0)
-    assert desk.operator.leaving
+    desk.operator.handle(CloseRequested(), 2.0)
+    assert desk.operator.close_requested
 
 
 def test_click_and_drag_are_an_attractor_on_the_floor_and_shift_a_repulsor(desk):
     def pixel(x, z):
         return project_points(SCENE.camera, SIZE, [[x, 0.0, z]])[0]
 
-    desk.operator.act(PointerMoved(*pixel(0, 0)), 1.0)  # not pressed: nothing
-    desk.operator.act(PointerPressed(*pixel(1.5, -0.5)), 1.1)
-    desk.operator.act(PointerMoved(*pixel(2.0, 1.0)), 1.2)
-    desk.operator.act(PointerReleased(*pixel(2.0, 1.0)), 1.3)
-    desk.operator.act(PointerMoved(*pixel(3.0, 1.0)), 1.4)
-    desk.operator.act(PointerPressed(*pixel(-2.0, 1.0), shift=True), 1.5)
-    desk.operator.act(PointerPressed(640.0, 1.0), 1.6)  # the back wall is no floor
+    desk.operator.handle(PointerMoved(*pixel(0, 0)), 1.0)  # not pressed: nothing
+    desk.operator.handle(PointerPressed(*pixel(1.5, -0.5)), 1.1)
+    desk.operator.handle(PointerMoved(*pixel(2.0, 1.0)), 1.2)
+    desk.operator.handle(PointerReleased(*pixel(2.0, 1.0)), 1.3)
+    desk.operator.handle(PointerMoved(*pixel(3.0, 1.0)), 1.4)
+    desk.operator.handle(PointerPressed(*pixel(-2.0, 1.0), shift=True), 1.5)
+    desk.operator.handle(PointerPressed(640.0, 1.0), 1.6)  # the back wall is no floor
     first, second, third = desk.inbox.drain()
     assert (type(first), type(second), type(third)) == (events.Attract, events.Attract, events.Repel)
     assert (first.x, first.z) == pytest.approx((1.5, -0.5), abs=1e-6)
@@ -130,23 +130,23 @@ def test_a_key_chooses_what_a_stroke_places_when_it_is_let_go(desk):
     def pixel(x, z):
         return project_points(SCENE.camera, SIZE, [[x, 0.0, z]])[0]
 
-    desk.operator.act(KeyPressed("x"), 1.0)
-    desk.operator.act(PointerPressed(*pixel(-1.0, 0.0)), 1.1)
-    desk.operator.act(PointerMoved(*pixel(0.5, 0.5)), 1.2)
-    desk.operator.act(PointerMoved(*pixel(1.0, 0.0)), 1.3)
+    desk.operator.handle(KeyPressed("x"), 1.0)
+    desk.operator.handle(PointerPressed(*pixel(-1.0, 0.0)), 1.1)
+    desk.operator.handle(PointerMoved(*pixel(0.5, 0.5)), 1.2)
+    desk.operator.handle(PointerMoved(*pixel(1.0, 0.0)), 1.3)
     assert not desk.inbox.drain()
-    desk.operator.act(PointerReleased(*pixel(1.0, 0.0)), 1.4)
+    desk.operator.handle(PointerReleased(*pixel(1.0, 0.0)), 1.4)
     (event,) = desk.inbox.drain()
     assert event.kind == "cross"
     numbers = [float(word) for word in event.points.replace(",", "").split()]
     assert numbers == pytest.approx([-1.0, 0.0, 1.0, 0.0], abs=1e-5)
-    desk.operator.act(KeyPressed("a"), 2.0)
-    desk.operator.act(PointerPressed(*pixel(1.0, 0.0)), 2.1)
+    desk.operator.handle(KeyPressed("a"), 2.0)
+    desk.operator.handle(PointerPressed(*pixel(1.0, 0.0)), 2.1)
     assert isinstance(desk.inbox.drain()[0], events.Attract)
 
 
 def test_digits_send_to_the_patchs_formations_as_far_as_there_are_any(desk):
-    desk.operator.act(KeyPressed("3"), 1.0)
-    desk.operator.act(KeyPressed("4"), 1.1)
+    desk.operator.handle(KeyPressed("3"), 1.0)
+    desk.operator.handle(KeyPressed("4"), 1.1)
     (event,) = desk.inbox.drain()
     assert (event.formation, event.next) == ("star", True)

@@ -135,7 +135,7 @@ def test_what_was_begun_is_taken_back(tmp_path: Path, take: Path, monkeypatch: p
     def full(*_: object) -> Path:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(add_step_module, "_described", full)
+    monkeypatch.setattr(add_step_module, "_write_description", full)
     with pytest.raises(PersonError, match=r"cannot write into the library .*No space left"):
         add(library, take)
     assert list(library.iterdir()) == []

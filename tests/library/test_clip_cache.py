@@ -60,7 +60,7 @@ def test_other_sources_other_clips():
 
 def test_other_code_other_clips(monkeypatch):
     CACHE.load_or_build([b"a"], lambda: made_steps()[:1])
-    monkeypatch.setattr(disk_cache, "_code", lambda: b"changed")
+    monkeypatch.setattr(disk_cache, "_code_digest", lambda: b"changed")
     assert len(CACHE.load_or_build([b"a"], lambda: made_steps()[:2])) == 2
 
 

@@ -32,7 +32,7 @@ def test_an_amc_finds_its_skeleton(tmp_path: Path) -> None:
     (tmp_path / "any.ASF").write_text(ASF)
     assert read_motion(path).joint_count == 4
     (tmp_path / "8.asf").write_text("broken")
-    with pytest.raises(MotionFileError, match=r"beside it: 8.asf, any.ASF"):
+    with pytest.raises(MotionFileError, match=r"next to it: 8.asf, any.ASF"):
         read_motion(path)
     (tmp_path / "7.asf").write_text(ASF)
     assert read_motion(path).joint_count == 4

@@ -274,7 +274,7 @@ def test_what_was_cut_comes_out_of_the_cache_and_follows_every_file(
     (directory / "other.toml").write_text(ONE.replace("dance.bvh", "other.bvh").replace("sway", "other"))
     first = load_recordings(directory)
     with monkeypatch.context() as patched:
-        patched.setattr(recordings, "_build", never)
+        patched.setattr(recordings, "_build_steps", never)
         again = load_recordings(directory)
     assert [step.step for step in again] == ["other", "sway", "sway"]
     for a, b in zip(first, again, strict=True):
@@ -284,7 +284,9 @@ def test_what_was_cut_comes_out_of_the_cache_and_follows_every_file(
 
     built: list[str] = []
     build = recordings._build_steps
-    monkeypatch.setattr(recordings, "_build", lambda entries: built.append(entries[0].recording.name) or build(entries))
+    monkeypatch.setattr(
+        recordings, "_build_steps", lambda entries: built.append(entries[0].recording.name) or build(entries)
+    )
     (directory / "dance.bvh").write_text(body_bvh(danced(601, seed=9)))
     changed = load_recordings(directory)
     assert built == ["sway"]

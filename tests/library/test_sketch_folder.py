@@ -27,7 +27,9 @@ def folder(tmp_path):
 
 def test_the_cache_gives_the_same_clips_bit_by_bit(folder, monkeypatch):
     first = load_steps(folder)
-    monkeypatch.setattr(step_folder, "_build", lambda texts: pytest.fail("built anew although nothing changed"))
+    monkeypatch.setattr(
+        step_folder, "_build_sketches", lambda texts: pytest.fail("built anew although nothing changed")
+    )
     again = load_steps(folder)
     assert len(again) == len(first) > 0
     for a, b in zip(first, again, strict=True):

@@ -33,7 +33,7 @@ def test_a_folder_of_another_campaign_is_refused(tmp_path):
     with pytest.raises(PersonError, match="other options"):
         Campaign(tmp_path, {"hours": 2.0})
     (tmp_path / STATE_FILE).write_text("[1")
-    with pytest.raises(PersonError, match="no state"):
+    with pytest.raises(PersonError, match="not a campaign state"):
         Campaign(tmp_path, {"hours": 1.0})
 
 

@@ -67,7 +67,7 @@ class _Show:
 
     def __init__(self):
         self.span = SimpleNamespace(number=3)
-        self.danced = 12.0
+        self.danced_beats = 12.0
         self.time = 0.0
         zeros = np.zeros((2, 2))
         self.state = SimpleNamespace(position=zeros.copy(), velocity=zeros.copy(), acceleration=zeros.copy())
@@ -95,25 +95,25 @@ def watched(tmp_path):
 )
 def test_a_measure_that_is_missed_or_danced_twice_is_seen(watched, number, danced, begins, words):
     watching, show = watched
-    show.span.number, show.danced = number, danced
-    watching.keep(show, 2, begins=begins)
-    assert watching.count == 1
+    show.span.number, show.danced_beats = number, danced
+    watching.take_snapshot(show, 2, begins=begins)
+    assert watching.problem_count == 1
     assert words in watching.problems[0]
 
 
 def test_a_measure_that_the_machine_slept_through_is_not_missed(watched):
     watching, show = watched
-    watching.event(1, TicksSkipped(time=0.0, source="engine", count=500))
-    show.span.number, show.danced = 6, 24.0
-    watching.keep(show, 502, begins=True)
-    assert watching.count == 0
+    watching.record_event(1, TicksSkipped(time=0.0, source="engine", count=500))
+    show.span.number, show.danced_beats = 6, 24.0
+    watching.take_snapshot(show, 502, begins=True)
+    assert watching.problem_count == 0
     assert watching.leapt == 2
 
 
 def test_what_is_no_number_is_seen(watched):
     watching, show = watched
     show.state.velocity[1, 0] = np.nan
-    watching.keep(show, 2, begins=False)
+    watching.take_snapshot(show, 2, begins=False)
     assert "velocity" in watching.problems[0]
 
 
@@ -121,11 +121,11 @@ def test_a_picture_that_is_no_number_names_its_dancers_and_its_moment(watched):
     watching, _ = watched
     view = StageView.allocate(4, 2)
     view.phase = 1.25
-    watching.look(view, 2)
-    assert watching.count == 0
+    watching.check_view(view, 2)
+    assert watching.problem_count == 0
     view.joint_position[(1, 3), 0, 2] = np.nan, np.inf
-    watching.look(view, 3)
-    assert watching.count == 1
+    watching.check_view(view, 3)
+    assert watching.problem_count == 1
     assert "joint_position is not finite in rows 1, 3 of 4, 2 in all; 1.250 beats" in watching.problems[0]
 
 

@@ -73,7 +73,7 @@ def test_what_is_set_is_read_back_once(show):
 def test_groups_that_differ_are_told_by_name(show):
     readable = readable_of(show)
     readable.changes()
-    first, *others = show.desk.parameters.table.names
+    first, *others = show.desk.parameters.table.group_names
     assert others
     show.apply(REGISTRY.call("/dance/motion/larger", (0.25, first), 0.0, "test"))
     values = Values()

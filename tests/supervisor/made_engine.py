@@ -3,7 +3,7 @@
 The brief's `show` is a JSON object: `ends` (exit code when it has counted to `ticks`), `kills` (ticks at which engines
 that began or took over kill themselves, one after another), `crashes` (tick and exit code of one engine after the
 other, in the stage of the tick that `stage` says), `hangs` (tick at which it stops beating), `hangs_again` (so does the
-first one that goes on), `report_cannot_follow` (why it cannot stand by), `burns` (seconds of the processor that each
+first one that goes on), `cannot` (why it cannot stand by), `burns` (seconds of the processor that each
 tick takes), `cuts` (tick at which the first one's wire is cut while it dances on), `loops` (tick at which it goes into
 a loop without end), `helpers` (so many processes of its own that end when it does), `journal` (where it goes on with
 the journal when it is alone), `alone` (seconds that it dances so at most; without it, not at all).

@@ -21,12 +21,12 @@ MACHINE = """
     import json, socket, sys
     from pathlib import Path
     from live.supervisor.network.identity import Pairings, load_identity
-    from live.supervisor.supervisor_config import Orders
+    from live.supervisor.supervisor_config import SupervisorConfig
     from live.supervisor.supervisor import Supervisor
 
     plan, journal, lead, follow = json.loads(sys.argv[1])
     there = None if lead is None else socket.socket(fileno=lead)
-    orders = Orders(
+    orders = SupervisorConfig(
         engine=[sys.executable, "-m", "tests.supervisor.made_engine"], show=json.dumps(plan), journal=Path(journal),
         lead=there, follow=None if follow is None else ("127.0.0.1", follow), spare=False,
         identity=load_identity(), pairings=Pairings(),

@@ -100,9 +100,9 @@ def test_engines_ended_on_an_overloaded_machine_are_given_longer_and_longer(tmp_
 
 SHOW = """
 import sys
-from live.supervisor.supervisor_config import Orders
+from live.supervisor.supervisor_config import SupervisorConfig
 from live.supervisor.supervisor import Supervisor
-orders = Orders(engine=sys.argv[2:], show=sys.argv[1], spare_after=0.1)
+orders = SupervisorConfig(engine=sys.argv[2:], show=sys.argv[1], spare_after=0.1)
 sys.exit(Supervisor(orders, lambda line: print(line, flush=True)).run())
 """
 
@@ -165,7 +165,7 @@ class MadeChild:
     role, killed = "made", False
 
     def __init__(self) -> None:
-        self.process, self.wire = self, self
+        self.process, self.channel = self, self
 
     def hangs(self, now: float, slowdown: float) -> bool:
         return False

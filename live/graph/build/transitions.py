@@ -278,7 +278,7 @@ def _clouds(library: StepLibrary, nodes: Int64, line: Float64, rule: JoinSetting
 
 def _select_offsets(clouds: list[FlatClouds], choice: Int64) -> FlatClouds:
     """Return for every node the cloud of its chosen offset."""
-    return FlatClouds.joined([clouds[number].chosen(np.array([n])) for n, number in enumerate(choice)])
+    return FlatClouds.joined([clouds[number].select(np.array([n])) for n, number in enumerate(choice)])
 
 
 def _offset_scores(

@@ -263,7 +263,7 @@ class EditedSequences(EditablePart):
             if wanted is None:
                 self._scheduler.programmes[index].release()
             else:
-                self._scheduler.programmes[index].dance(list(wanted))
+                self._scheduler.programmes[index].set_sequence(list(wanted))
 
 
 class EditedFacings(EditablePart):

@@ -33,7 +33,7 @@ _INDICES: Final = ("_first", "_offset", "_record_first", "_record_stop")
 _OF_READERS: Final = (
     "_x", "_x_height", "_score", "_end", "_cell", "_before", "_real", "_imaginary", "_heights", "_work", "_control",
     "_control_height", "_head", "_head_height", "_root", "_facing", "_step", "_sums", "_squares", "_input_sum",
-    "_input_square", "_frames", "_value", "_expected", "_shortest", "_most",
+    "_input_square", "_frames", "_value", "_expected", "_shortest_units", "_longest_units",
 )  # fmt: skip
 
 
@@ -129,7 +129,7 @@ def captured(value: CapturedPerformer) -> bool:
     """Whether all arrays have a row for each dancer that shows this performer's poses."""
     count = len(value.rows)
     ones = (value.rows, value.delay, value.fade, value.turn_angle)
-    place = attribute_at(value, "bounds.place")
+    place = attribute_at(value, "bounds.last_position")
     return all(array.shape == (count,) for array in ones) and value.offset.shape == place.shape == (count, 2)
 
 

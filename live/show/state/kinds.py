@@ -73,7 +73,7 @@ BY_CLASS: Final = {kind.cls: kind for kind in BY_NAME.values()}
 
 METHODS: Final[dict[tuple[str, str], Callable[..., Any]]] = {
     ("interrupts", "_cut"): Interrupts._cut,
-    ("interrupts", "_sent"): Interrupts._targets,
-    ("group-motion", "_ask_ahead"): GroupMotion._compute_commands_ahead,
+    ("interrupts", "_targets"): Interrupts._targets,
+    ("group-motion", "_compute_commands_ahead"): GroupMotion._compute_commands_ahead,
 }
 """The bound methods that a state may hold, by kind and name."""

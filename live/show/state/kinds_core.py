@@ -181,7 +181,7 @@ KINDS: Final = [
         _sources:dict[str,audio-source|direct-source|hand-source] _slewed:run _alignment:measures _arbiter:ruling
         _taps:tap-tempo _counting:counting-in _downbeat_at:float|none _now:float _scale:float _locked:bool
         _confidence:float rejected:int manual_tempo:tuple[int,float] refused:int refusal:str
-    """, factories={"on_seed": no_value}),
+    """, factories={"on_hint": no_value}),
     Kind("audio-source", AudioSource, """
         name:str state:str confidence:float observed_at:float silent_since:float|none jumped:bool offset:float
         level:level detail:str consensus:consensus-ear pointer:pointer-ear _has_pointer:bool _restarts:int

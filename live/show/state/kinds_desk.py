@@ -79,11 +79,11 @@ KINDS: Final = [
     """),
     Kind("show", Show, """
         patch:constant-patch graph:constant-motion-graph seed:int follower:timeline-follower _known:bool
-        timeline:timeline casting:casting group:i4(group) reactions:reactions prompter:prompter motion:group-motion
+        timeline:timeline casting:casting group:i4(group) reactions:reactions score_runner:prompter motion:group-motion
         variation:variation dancers:dancers answers:constant-answer-bank scheduler:scheduler interrupts:interrupts
         _controls:group-controls span:measure-span mocap:mocap desk:desk audience:audience blackout:bool
-        brightness:float time:float refusals:refusals directions:directions _seen:seen _new_steps:new-steps
-        reloading:reloading breakers:breakers _beat:float _beats_per_tick:float
+        brightness:float time:float refusals:refusals directions:directions _view_builder:seen _new_steps:new-steps
+        patch_updates:reloading breakers:breakers _beat:float _beats_per_tick:float
     """),
     Kind("breakers", CircuitBreakers, """
         reasons:dict[str,str] _level:dict[int,int]
@@ -193,7 +193,7 @@ KINDS: Final = [
     Kind("refusals", Refusals, "count:int last_reason:str"),
     Kind("reloading", PatchUpdates, """
         _refusals:refusals _tried_measure:int|none version:str applied_count:int last_changed:row[str]
-    """, factories={"_offered": dict, "spent": list, "waiting": no_value}),
+    """, factories={"_prepared": dict, "replaced": list, "waiting": no_value}),
     Kind("scene", Scene, "name:str goals:dict[int,float] measures:float follow:str|none"),
     Kind("scenes", Scenes, """
         _parameters:parameters _rig:camera-rig _custom_passes:dict[str,constant-own-number] stored:dict[str,scene]

@@ -21,7 +21,7 @@ Int32 = npt.NDArray[np.int32]
 
 MAX_EXTRAPOLATION: Final = 2.0 * TICK
 """Maximum extrapolation beyond a measure line [s]; a frame is at most one tick after the last tick."""
-LIVE_FIELDS: Final = ("brightness", "flashes", "overlay", "guide", "guide_count")
+LIVE_FIELDS: Final = ("brightness", "flash_limit_lifted", "overlay", "guide", "guide_count")
 """Fields of a view that still change while the picture is frozen."""
 
 

@@ -38,7 +38,12 @@ class MadeCrowd:
                 distance = np.hypot(way[:, 0], way[:, 1])
                 self.wants.velocity[:] = way * (np.minimum(1.3, distance) / np.maximum(distance, 1e-9))[:, None]
             self.advance(
-                self.state, self.spare, commands=self.wants, surroundings=self.surroundings, time=self.time, dt=self.tick
+                self.state,
+                self.spare,
+                commands=self.wants,
+                surroundings=self.surroundings,
+                time=self.time,
+                dt=self.tick,
             )
             self.state, self.spare = self.spare, self.state
             self.time += self.tick

@@ -50,7 +50,9 @@ class MadeStage:
         for _ in range(round(seconds / TICK)):
             time = self.ticks * TICK
             self.wish(time * 2.0)
-            self.advance(self.state, self.spare, commands=self.wants, surroundings=self.surroundings, time=time, dt=TICK)
+            self.advance(
+                self.state, self.spare, commands=self.wants, surroundings=self.surroundings, time=time, dt=TICK
+            )
             self.state, self.spare = self.spare, self.state
             self.ticks += 1
             if self.ticks % 8 == 0:

@@ -51,7 +51,7 @@ def test_an_element_that_is_ended_fades_from_the_level_it_has():
         {"kind": CROSSING, "points": ((1.0, 1.0), (1.0, 1.0), (2.0, 2.0))},
         {"kind": PATH, "points": ((1.0, 1.0), (1.0, 1.0), (1.0, 1.0))},
         {"kind": FLOW, "points": ((1.0, 1.0),)},
-        {"kind": FLOW, "flow": 9, "points": ((1.0, 1.0), (2.0, 1.0))},
+        {"kind": FLOW, "flow_kind": 9, "points": ((1.0, 1.0), (2.0, 1.0))},
         {"kind": FOLLOW},
         {"kind": EVADE, "target": 1, "target_group": 2},
         {"kind": EVADE, "target_group": 64},

@@ -60,7 +60,7 @@ def dance(running, measures, position=START, push=None, bpm=120.0):
         running.begin_measure(measure, state.position, heading)
         for tick in range(128):
             wants.clear()
-            running.write(wants, state, 4 * (measure + tick / 128), bpm / 60)
+            running.write_commands(wants, state, 4 * (measure + tick / 128), bpm / 60)
             state.position += wants.velocity * np.float32(4 * 60 / bpm / 128)
             if push is not None and measure == 0 and tick == 64:
                 state.position += push

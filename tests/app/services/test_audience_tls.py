@@ -58,7 +58,7 @@ def made(folder, name="hall", *, begins=NOW - DAY, ends=NOW + 30 * DAY, hosts=("
 def notes(monkeypatch):
     """What a person is told."""
     told = []
-    monkeypatch.setattr(AudienceService, "_note", staticmethod(lambda words, _style: told.append(words)))
+    monkeypatch.setattr(AudienceService, "_print_note", staticmethod(lambda words, _style: told.append(words)))
     return told
 
 

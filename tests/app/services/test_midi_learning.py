@@ -188,12 +188,12 @@ def test_what_a_pad_is_told_that_comes_back_over_a_cable_is_no_hand(stage: Stage
 def test_esc_in_the_window_ends_learning_and_then_the_show(stage: Stage) -> None:
     posted: list[ControlEvent] = []
     session = SimpleNamespace(midi=stage.midi, inbox=SimpleNamespace(put=posted.append))
-    window = SimpleNamespace(_session=session, _window=SimpleNamespace(fullscreen=False), leaving=False)
+    window = SimpleNamespace(_session=session, _window=SimpleNamespace(fullscreen=False), close_requested=False)
     stage.learn("/dance/go")
     OperatorInput._escape(cast(Any, window), 2.0)
     assert posted == [LearnMidi(time=2.0, source="key", address="")]
-    assert not window.leaving
+    assert not window.close_requested
     stage.midi.handle(posted[0])
     OperatorInput._escape(cast(Any, window), 3.0)
-    assert window.leaving
+    assert window.close_requested
     assert len(posted) == 1

@@ -35,8 +35,8 @@ def test_the_venue_that_is_not_there_and_the_show_that_is_good(tmp_path):
 
 def test_devices_of_the_venue_are_looked_for_by_a_part_of_their_names(monkeypatch):
     cards = Section("audio", ({"name": "Scarlett 2i2 USB"}, {"name": "HDMI"}))
-    monkeypatch.setattr(venue_check, "audio", lambda: (cards, cards))
-    monkeypatch.setattr(venue_check, "midi", lambda: (Section("in", (), "no MIDI here"), Section("out", ())))
+    monkeypatch.setattr(venue_check, "audio_sections", lambda: (cards, cards))
+    monkeypatch.setattr(venue_check, "midi_sections", lambda: (Section("in", (), "no MIDI here"), Section("out", ())))
     hall = Venue(audio=VenueAudio(device="scarlett", output="Behringer"), midi=VenueMidi(input="nanoKONTROL"))
     states = {check.name: check for check in venue_checks(hall)}
     assert states["audio.device"].state == "ok"

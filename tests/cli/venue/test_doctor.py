@@ -119,7 +119,9 @@ def test_portaudio_that_is_not_installed_names_its_package(monkeypatch: pytest.M
     ],
 )
 def test_midi_remedies_fit_the_reason(monkeypatch: pytest.MonkeyPatch, why: str, remedy: str) -> None:
-    monkeypatch.setattr(doctor, "midi", lambda: (Section("midi_inputs", (), why), Section("midi_outputs", (), why)))
+    monkeypatch.setattr(
+        doctor, "midi_sections", lambda: (Section("midi_inputs", (), why), Section("midi_outputs", (), why))
+    )
     monkeypatch.setattr(doctor.shutil, "which", lambda name: name if name == "dnf" else None)
     for found in doctor.check_midi():
         assert found.state == "limited"

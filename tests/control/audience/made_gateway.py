@@ -23,10 +23,10 @@ class ToldHere:
     """What `Told` is, without a process."""
 
     def __init__(self, theirs, plan):
-        self.socket, self.plan, self.ended = theirs, plan, False
+        self.socket, self.plan, self.closed = theirs, plan, False
 
     def packets(self):
-        while not self.ended:
+        while not self.closed:
             try:
                 data = self.socket.recv(MAX_PACKET_BYTES)
             except BlockingIOError:
@@ -34,11 +34,11 @@ class ToldHere:
             except OSError:
                 data = b""
             if not data:
-                self.ended = True
+                self.closed = True
                 return
             yield decode_packet(data)
 
-    def say(self, facts):
+    def send_facts(self, facts):
         self.socket.send(encode_packet(facts))
 
 

@@ -176,7 +176,7 @@ def test_a_laptop_with_forty_addresses_and_sixteen_sockets_each_gets_no_place_an
             for phone in [*people, *own]:
                 await phone.touch(1, *((0.2, 0.5) if phone in people else (0.9, 0.5)))
             spoken = len(people) + len(own)
-            await until(lambda: len(voices.pending_touches) + np.count_nonzero(voices.said == now) >= spoken)
+            await until(lambda: len(voices.pending_touches) + np.count_nonzero(voices.message_time == now) >= spoken)
             voices.apply_touches()
             weights = voices.weights(now)
             of_laptop = np.isin(voices.number, [phone.number for phone in own])
@@ -223,7 +223,7 @@ def test_one_network_card_is_one_group_however_many_addresses_it_has():
 
 def voices_of(gateway):
     """How many voices there are in all."""
-    return gateway.session.voices.part[gateway.session.voices.number > 0].sum()
+    return gateway.session.voices.share[gateway.session.voices.number > 0].sum()
 
 
 @pytest.mark.parametrize("proxied", [True, False])
@@ -256,7 +256,7 @@ def test_addresses_of_one_64_are_one_and_a_mapped_address_is_the_one_that_it_map
                 for sender in senders
             ]
             rows = [gateway.session.phones.by_number[phone.number].row for phone in phones]
-            assert gateway.session.voices.part[rows].tolist() == [0.5, 0.5, 1.0, 0.5, 0.5]
+            assert gateway.session.voices.share[rows].tolist() == [0.5, 0.5, 1.0, 0.5, 0.5]
 
     run(test, network="proxy", proxies=["127.0.0.1"])
 
@@ -276,8 +276,8 @@ def test_a_ban_holds_whoever_joins_anew_and_the_operator_sees_and_lifts_it(netwo
 
             async def heard(phone):
                 await phone.touch(1, 0.5, 0.5)
-                await until(lambda: hall.voices.held[hall.phones.by_number[phone.number].row])
-                return bool(hall.voices.heard[hall.phones.by_number[phone.number].row])
+                await until(lambda: hall.voices.touching[hall.phones.by_number[phone.number].row])
+                return bool(hall.voices.allowed[hall.phones.by_number[phone.number].row])
 
             rowdy = await FakePhone(session, address).join(key_of(show), headers=header("203.0.113.1"))
             other = await FakePhone(elsewhere, address).join(key_of(show), headers=header("203.0.113.2"))
@@ -302,7 +302,7 @@ def test_a_ban_holds_whoever_joins_anew_and_the_operator_sees_and_lifts_it(netwo
             await until(lambda: hall.rules.order == 2)
             assert await heard(stranger)
             assert await heard(back)
-            assert hall.bans.held() == {}
+            assert hall.bans.covered() == {}
 
     run(test, network=network, proxies=["127.0.0.1", "127.0.7.7"] if network == "proxy" else [])
 
@@ -316,7 +316,7 @@ def test_behind_nat_a_ban_holds_the_banned_browser_for_some_minutes_and_other_ne
                 return await FakePhone(session, address).join(headers={"User-Agent": browser}, **how)
 
             def heard(phone):
-                return bool(hall.voices.heard[hall.phones.by_number[phone.number].row])
+                return bool(hall.voices.allowed[hall.phones.by_number[phone.number].row])
 
             rowdy, neighbour = await join("A", key=key_of(show)), await join("A", key=key_of(show))
             show.tell(Rules(order=1, banned=(rowdy.number,)))
@@ -349,7 +349,7 @@ def test_another_gateway_knows_whom_bans_hold():
         async with aiohttp.ClientSession() as session:
             again = await FakePhone(session, address).join(key_of(show))
             assert again.number != told[0]
-            assert not gateway.session.voices.heard[gateway.session.phones.by_number[again.number].row]
+            assert not gateway.session.voices.allowed[gateway.session.phones.by_number[again.number].row]
 
     run(before, network="own wifi")
     run(after, network="own wifi", bans=told[1], first=500)

@@ -25,7 +25,7 @@ def test_a_phone_that_answers_nothing_for_an_hour_is_cut_off_and_comes_back_as_i
         hall = gateway.session
         silent = [await FakePhone(session, address).join(key_of(show), region=1) for _ in range(8)]
         await silent[0].touch(1, 0.5, 0.5)
-        await until(lambda: hall.voices.held.any())
+        await until(lambda: hall.voices.touching.any())
         hall._origin -= SILENCE_TIMEOUT - 5.0  # it has not waited long enough
         hall.sweep()
         assert len(hall.phones) == 8
@@ -85,7 +85,7 @@ def test_headers_that_come_byte_by_byte_and_hellos_that_never_come_are_cut_off_i
     async def test(gateway, show, address, session):
         hall, met = gateway.session, gateway._server
         slow = [await dripping(address, b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n" + b"A: b\r\n" * 50) for _ in range(5)]
-        await until(lambda: len(met._met) == 5)
+        await until(lambda: len(met._first_seen) == 5)
         hall._origin -= HELLO_TIMEOUT + 1.0  # so long have they been dripping
         for reader, writer, task in slow:
             with contextlib.suppress(ConnectionError):

@@ -103,7 +103,7 @@ def test_a_file_cut_off_in_the_middle_plays_as_far_as_it_goes(tmp_path: Path) ->
 
 
 def test_music_without_end_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(music_file, "LONGEST", 0.5)
+    monkeypatch.setattr(music_file, "MAX_DURATION", 0.5)
     assert "longer than" in refused(write_wav(tmp_path / "long.wav", np.zeros(RATE, np.float32)))
 
 
@@ -111,7 +111,7 @@ def test_a_stream_that_hides_its_length_is_refused_too(tmp_path: Path, monkeypat
     import av
 
     path = write_wav(tmp_path / "long.wav", np.zeros(4 * RATE, np.float32))
-    monkeypatch.setattr(music_file, "LONGEST", 0.5)
+    monkeypatch.setattr(music_file, "MAX_DURATION", 0.5)
     with av.open(str(path)) as container:
         silent_about_it = SimpleNamespace(streams=container.streams, duration=None, decode=container.decode)
         with pytest.raises(MusicFileError, match="longer than"):

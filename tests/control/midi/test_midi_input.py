@@ -50,7 +50,7 @@ def test_messages_become_events() -> None:
 
 
 def test_a_port_that_goes_is_lost_and_found_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(midi_ports, "RETRY", 0.0)
+    monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.0)
     inbox: EventQueue[ControlEvent] = EventQueue()
     ports: list[FakePort] = []
     plugged = True
@@ -85,8 +85,8 @@ def test_a_port_that_goes_is_lost_and_found_by_its_name(monkeypatch: pytest.Monk
 
 def test_a_port_that_was_plugged_in_again_at_once_is_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its old name is there when it is next tried: a quick look in between has seen that it was gone."""
-    monkeypatch.setattr(midi_ports, "RETRY", 1000.0)
-    monkeypatch.setattr(midi_input, "LOOK", 0.0)
+    monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 1000.0)
+    monkeypatch.setattr(midi_input, "CHECK_INTERVAL", 0.0)
     ports: list[FakePort] = []
 
     def open_by_name(name: str) -> OpenPort:

@@ -39,7 +39,7 @@ def test_a_port_is_found_by_a_part_of_its_name() -> None:
 
 
 def test_messages_arrive_and_a_port_that_goes_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(midi_ports, "RETRY", 0.2)
+    monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.2)
     inbox: EventQueue[ControlEvent] = EventQueue()
     box = sender("footswitch")
     listens = MidiInput("footswitch", inbox, SystemClock(), midi_map=MidiMap())
@@ -67,7 +67,7 @@ def test_messages_arrive_and_a_port_that_goes_comes_back(monkeypatch: pytest.Mon
 
 def test_a_controller_that_is_plugged_in_again_under_another_number_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """As ALSA's bridge to JACK names it; and so fast that no look falls in between."""
-    monkeypatch.setattr(midi_ports, "RETRY", 0.2)
+    monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.2)
     names = ["Pad [24] (capture)- Pad MIDI 1", "Pad [31] (capture)- Pad MIDI 1"]
     inbox: EventQueue[ControlEvent] = EventQueue()
     box = sender("a2j", names[0])
@@ -87,7 +87,7 @@ def test_a_controller_that_is_plugged_in_again_under_another_number_is_found(mon
 
 
 def test_what_pads_are_told_arrives_at_a_port(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(midi_ports, "RETRY", 0.2)
+    monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.2)
     module = rtmidi()
     found: list[list[int]] = []
 
@@ -116,7 +116,7 @@ def test_what_pads_are_told_arrives_at_a_port(monkeypatch: pytest.MonkeyPatch) -
 
 def test_what_is_sent_is_heard_at_the_same_beat(monkeypatch: pytest.MonkeyPatch) -> None:
     """Clock out to clock in: the tempo, the phase and the measure are the Timeline's, also after it changed."""
-    monkeypatch.setattr(midi_ports, "RETRY", 0.2)
+    monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.2)
     clock = SystemClock()
     inbox: EventQueue[ControlEvent] = EventQueue()
     module = rtmidi()
@@ -157,7 +157,7 @@ def test_a_sound_system_that_dies_ends_nothing(
     jack_server: JackServer,  # noqa: F811
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(midi_ports, "RETRY", 0.2)
+    monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.2)
     box = sender("sequencer")
     listens = MidiInput("sequencer", EventQueue(), SystemClock())
     listens.start()

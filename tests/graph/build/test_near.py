@@ -88,7 +88,7 @@ def test_coarse_clouds_are_never_farther_apart(seed, spread, emphasis):
 
 
 def test_too_many_pairs_are_refused_in_words(monkeypatch):
-    monkeypatch.setattr(near, "MOST_PAIRS", 10)
+    monkeypatch.setattr(near, "MAX_PAIRS", 10)
     monkeypatch.setattr(near, "_MAX_UNFILTERED", 0)
     flat = FlatClouds.of(_clouds(1, 4, 0.01), Metric.of())
     free = np.full((4, 2), -1, np.int32)

@@ -174,8 +174,8 @@ def test_nobody_is_turned_or_corrected_beyond_what_is_allowed(graph, choosing):
     question = asked(graph, 9, count=40)
     edge, _, _, end = chosen(choosing, question)
     node = graph.edge_target[edge[:, 0]]
-    assert (np.abs(end[:, 2]) <= choosing.most[node, 0] + 1e-12).all()
-    assert (choosing.most[:, 0] <= TURN).all()
+    assert (np.abs(end[:, 2]) <= choosing.max_turns[node, 0] + 1e-12).all()
+    assert (choosing.max_turns[:, 0] <= TURN).all()
 
 
 def test_how_far_mixtures_end_apart_is_never_underrated(graph, choosing):

@@ -58,7 +58,7 @@ def test_what_is_asked_is_cut_to_the_reach_and_never_turned_aside(graph, ways, h
     walk = np.full(3, graph.library.step_index("walk"), np.int32)
     angle = heading + np.array([0.0, 0.4, math.pi / 2])
     way = np.array([4.0, 0.3, 3.0])[:, None] * np.column_stack([np.sin(angle), np.cos(angle)])
-    cut = ways.limit(walk, np.full(3, heading), np.zeros(3), way, np.full(3, 0.1))
+    cut = ways.limit_travel(walk, np.full(3, heading), np.zeros(3), way, np.full(3, 0.1))
     assert cut[1] == pytest.approx(way[1])  # near enough
     assert np.hypot(*cut[0]) == pytest.approx(straight(graph, ways, "walk")[0] + 0.1)
     assert np.hypot(*cut[2]) == pytest.approx(straight(graph, ways, "walk")[TABLED_DIRECTIONS // 4] + 0.1)
@@ -69,6 +69,6 @@ def test_what_is_asked_is_cut_to_the_reach_and_never_turned_aside(graph, ways, h
 def test_any_step_reaches_as_far_as_the_farthest(graph, ways):
     way = np.array([[0.0, 9.0]])
     zero = np.zeros(1)
-    found = ways.limit(np.array([-1], np.int32), zero, zero, way, zero)
+    found = ways.limit_travel(np.array([-1], np.int32), zero, zero, way, zero)
     assert found[0, 1] == pytest.approx(straight(graph, ways, "walk")[0])
     assert 0.5 < found[0, 1] < 2.0

@@ -20,7 +20,7 @@ def at(place: float, *, known: bool = True, holds: tuple[Hold, ...] = HOLDS) -> 
         length=np.array([100.0]),
     )
     reader = SimpleNamespace(units=units)
-    return held_hands(SimpleNamespace(known=known, unit=0, place=place, pace=60.0, reader=reader))  # type: ignore[arg-type]
+    return held_hands(SimpleNamespace(has_pose=known, unit=0, sample=place, sample_rate=60.0, decoder=reader))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
 def lifts(landing, age):
     """CLEAR of both feet of all dancers, (A, 2), `age` [s] after their cuts."""
     feet = np.zeros((len(landing.lift), 2, FEET_COLUMNS), np.float32)
-    landing.clear(feet, np.full(len(landing.lift), age, np.float32))
+    landing.apply(feet, np.full(len(landing.lift), age, np.float32))
     np.testing.assert_array_equal(feet[:, :, :CLEARANCE], 0.0)
     assert feet[:, :, CLEARANCE_SOFTNESS] == pytest.approx(0.3 * feet[:, :, CLEARANCE])
     return feet[:, :, CLEARANCE]

@@ -198,5 +198,5 @@ def test_what_drives_may_change_over_time() -> None:
     for wrong in ("hips @x knees", "hips @2", "hips @-1 knees", "hips @2 nose"):
         with pytest.raises(PersonError, match="--drive"):
             parse_drive(wrong, "--drive")
-    with pytest.raises(PersonError, match="in order"):
+    with pytest.raises(PersonError, match="ascending times"):
         TextureSettings(drive_changes=((4.0, knees), (2.0, hips)))

@@ -165,8 +165,8 @@ def test_the_page_is_one_for_all_processes(tmp_path):
     page = FaultPage(tmp_path / "page", make=True)
     page[PageWord.LEFT] = -3
     code = (
-        "import sys; from pathlib import Path; from live.rehearse.chaos.fault_page import FaultPage, Word\n"
-        "page = FaultPage(Path(sys.argv[1])); page[Word.RAISED] = page[Word.LEFT] + 10; page.close()"
+        "import sys; from pathlib import Path; from live.rehearse.chaos.fault_page import FaultPage, PageWord\n"
+        "page = FaultPage(Path(sys.argv[1])); page[PageWord.RAISED] = page[PageWord.LEFT] + 10; page.close()"
     )
     subprocess.run([sys.executable, "-c", code, str(tmp_path / "page")], check=True)
     assert page[PageWord.RAISED] == 7
@@ -248,8 +248,8 @@ def test_sites_are_taken_in_turn_and_a_loop_is_seen():
             self.told, self.inbox, self.foreseen = [], [], False
             self.clock = type("", (), {"now": staticmethod(lambda: Made.now)})
             self.deaths = type("", (), {"count": 0})()
-            self.journal = type("", (), {"add": self.told.append})()
-            self.show = type("", (), {"breakers": type("", (), {"why": {}})()})()
+            self.journal = type("", (), {"add_problem": self.told.append})()
+            self.show = type("", (), {"breakers": type("", (), {"reasons": {}})()})()
 
     Made.now = 0.0
     soak = Made()

@@ -59,7 +59,7 @@ def steps(anchor, count):
     """The offset after each of so many ticks, (T, 2) [m]."""
     found = []
     for _ in range(count):
-        anchor.follow()
+        anchor.tick()
         found.append(anchor.offset)
     return np.array(found)
 

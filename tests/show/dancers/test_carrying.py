@@ -65,7 +65,7 @@ def test_those_who_gather_and_cross_do_not_touch():
     show, nearest = made(), []
 
     def look(show):
-        hips = show.dancers.shown.astype(float)
+        hips = show.dancers.drawn_hips.astype(float)
         apart = np.hypot(*(hips[:, None] - hips[None]).transpose(2, 0, 1))
         np.fill_diagonal(apart, np.inf)
         nearest.append(apart.min())
@@ -84,7 +84,7 @@ def test_where_dancers_begin_is_no_slide_and_no_lag():
     show, worst = made(), []
 
     def look(show):
-        told = show.scheduler.root_correction.figures()["groups"]["all"]
+        told = show.scheduler.root_correction.statistics()["groups"]["all"]
         worst.append((told["slide_m_s"], told["lag_m"]))
 
     run(show, 3, {}, look)

@@ -72,7 +72,7 @@ class Watch:
                 assert show.apply(waiting.pop(0)[1])
             if show.tick(tick * TICK):
                 self.headings.append(show.dancers.present.end_heading())
-            self.hips.append(show.dancers.shown.copy())
+            self.hips.append(show.dancers.drawn_hips.copy())
             if tick % 8 == 0:
                 show.fill(view, tick * TICK)
                 self.gaps.append(palm_gaps(show, view))
@@ -89,7 +89,7 @@ def palm_gaps(show, view):
     hands, gaps = show.dancers.hands, []
     for row, slot in zip(*np.nonzero(hands.state[0] > 0.97), strict=True):
         palms, shoulders = [], []
-        pairs = zip((row, hands.other[row, slot]), hands.hand[row, slot], strict=True)
+        pairs = zip((row, hands.partner[row, slot]), hands.hand[row, slot], strict=True)
         for dancer, hand in pairs:
             joint, sign = ARM_JOINTS[2 + 3 * hand], 1.0 if hand == LEFT else -1.0
             turn = view.joint_rotation[dancer, joint].astype(float)
@@ -138,9 +138,9 @@ def test_hands_meet_within_reach(watched):
 def test_the_odd_one_dances_alone_and_pairs_face_as_they_should(watched):
     show, partners = watched.show, watched.show.motion.partners
     assert partners.leader.tolist() == [0, 2, 4, 6]
-    assert partners.of[8:].tolist() == [NOBODY] * 5
+    assert partners.partner[8:].tolist() == [NOBODY] * 5
     ends = show.dancers.present.end_heading()
-    off = ends[partners.follower] - partners.faces(ends[partners.leader])
+    off = ends[partners.follower] - partners.follower_headings(ends[partners.leader])
     assert np.abs(np.arctan2(np.sin(off), np.cos(off))).max() < np.radians(25.0)
 
 

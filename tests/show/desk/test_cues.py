@@ -30,7 +30,7 @@ def test_go_waits_for_its_count_in_and_then_for_the_measure_line(hands):
     view = hands.show.view()
     hands.show.fill(view, hands.ticks / 64)
     assert view.count_in == pytest.approx(1 / 32, abs=1e-6)
-    assert any(line.startswith("GO in 1 beats: dim") for line in hands.desk.words(hands.show.danced))
+    assert any(line.startswith("GO in 1 beats: dim") for line in hands.desk.status_lines(hands.show.danced_beats))
     hands.run(ticks=1)
     assert hands.cues["fired"] == 1
     assert hands.cues["last"] == "dim"
@@ -77,7 +77,7 @@ def test_beat_and_section(hands):
     assert hands.cues["last"] == "up"
     hands.say("/dance/cue", "top")
     hands.run(ticks=1)
-    assert hands.cues["counting_in"][0]["beats"] == pytest.approx(16 - hands.show.danced, abs=0.01)
+    assert hands.cues["counting_in"][0]["beats"] == pytest.approx(16 - hands.show.danced_beats, abs=0.01)
     hands.say("/dance/section", "solo")  # the section begins sooner
     hands.run(2)
     assert hands.cues["last"] == "top"
@@ -138,7 +138,7 @@ def test_panic_calms_everything_and_go_goes_on(hands):
     hands.say("/dance/step", "spin", 50)
     hands.say("/dance/go")
     hands.run(1)
-    tempo, beat = hands.show.timeline.tempo, hands.show.danced
+    tempo, beat = hands.show.timeline.tempo, hands.show.danced_beats
     hands.say("/dance/panic")
     hands.run(4)
     assert hands.value("/dance/light/level") == 1.0
@@ -147,11 +147,11 @@ def test_panic_calms_everything_and_go_goes_on(hands):
     assert hands.cues["standby"] == "dim"
     assert hands.cues["counting_in"] == []
     assert hands.show.timeline.tempo == tempo
-    assert hands.show.danced == pytest.approx(beat + 4)
+    assert hands.show.danced_beats == pytest.approx(beat + 4)
     view = hands.show.view()
     hands.show.fill(view, hands.ticks / 64)
     assert view.element_count == 0
-    assert any("HELD" in line for line in hands.desk.words(hands.show.danced))
+    assert any("HELD" in line for line in hands.desk.status_lines(hands.show.danced_beats))
     hands.say("/dance/go")
     assert not hands.cues["held"]
     assert not hands.show.playhead.held

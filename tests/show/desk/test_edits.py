@@ -14,7 +14,7 @@ def hands():
 
 def kept(hands):
     """All that can be edited, by part."""
-    taken = {name: part.take() for name, part in hands.desk.edits._parts.items()}
+    taken = {name: part.snapshot() for name, part in hands.desk.undo_history._parts.items()}
     return {name: now if isinstance(now, dict) else now.tolist() for name, now in taken.items()}
 
 
@@ -77,7 +77,7 @@ def test_a_moving_fader_is_one_edit_and_two_are_two(hands):
         hands.say("/dance/light/level", value)
         hands.run(ticks=3)
     hands.say("/dance/light/haze", 0.5)
-    assert hands.desk.facts(hands.show.danced)["edits"] == 2
+    assert hands.desk.facts(hands.show.danced_beats)["edits"] == 2
     hands.say("/dance/undo")
     hands.say("/dance/undo")
     hands.run(1)
@@ -108,10 +108,10 @@ def test_undo_leaves_alone_what_a_cue_has_changed_since(hands):
 def test_what_is_refused_is_no_edit_and_only_so_many_are_kept(hands):
     hands.say("/dance/scene", "nowhere")
     hands.say("/dance/sequence", "no such step")
-    assert hands.desk.facts(hands.show.danced)["edits"] == 0
+    assert hands.desk.facts(hands.show.danced_beats)["edits"] == 0
     for number in range(MAX_EDITS + 10):
         hands.say("/dance/scene/store", f"scene {number}")
-    assert hands.desk.facts(hands.show.danced)["edits"] == MAX_EDITS
+    assert hands.desk.facts(hands.show.danced_beats)["edits"] == MAX_EDITS
 
 
 def test_every_kind_of_edit_names_a_part(hands):
@@ -153,12 +153,12 @@ def test_who_attracts_more_attracts_the_same(hands):
     ids=lambda call: call[0],
 )  # fmt: skip
 def test_a_value_of_the_picture_is_compared_by_its_own_numbers_with_what_all_would_show(hands, call):
-    part = hands.desk.edits._parts["parameters"]
+    part = hands.desk.undo_history._parts["parameters"]
     event = REGISTRY.call(call[0], call[1:], 0.0, "key")
-    few, whole = part.affected(event), part.take()
+    few, whole = part.affected(event), part.snapshot()
     assert 0 < len(few) <= 3
     assert hands.say(*call), hands.words
-    now = part.take()
+    now = part.snapshot()
     changed = {place: (was, new) for place, (was, new) in enumerate(zip(whole, now, strict=True)) if was != new}
     assert changed
     assert changed == {place: (few[place], new) for place, new in part.affected(event).items() if few[place] != new}

@@ -222,7 +222,7 @@ def test_the_stage_shrinks_while_all_dance(show, formation):
     assert resized(show, *(2.0 * half))
     begun = len(seen.positions)
     borders = []
-    seen.run(13.0, lambda tick: borders.append(show.motion.floor.border.copy()))
+    seen.run(13.0, lambda tick: borders.append(show.motion.stage_area.border.copy()))
     seen.judge_motion()
     steps = np.abs(np.diff(borders, axis=0)).max(axis=1)
     assert steps.max() < 1.0 * TICK  # m/s: it comes gently
@@ -247,7 +247,7 @@ def test_the_stage_shrinks_and_grows_again_and_again(show):
 
     seen.run(10.0, act)
     seen.judge_motion()
-    assert seen.beyond(show.motion.floor.largest)[np.array(seen.there)].max() < BODY
+    assert seen.beyond(show.motion.stage_area.largest)[np.array(seen.there)].max() < BODY
 
 
 def test_a_resized_stage_is_replayed_bit_for_bit_and_one_that_cannot_be_changes_nothing(loaded):
@@ -269,8 +269,8 @@ def test_a_resized_stage_is_replayed_bit_for_bit_and_one_that_cannot_be_changes_
 def test_a_stage_may_have_its_own_size_again(show):
     assert resized(show, 5.0, 4.0)
     assert resized(show, 9.0, 6.0)
-    np.testing.assert_array_equal(show.motion.floor.half, [4.5, 3.0])
-    assert show.motion.floor.fit_size is None
+    np.testing.assert_array_equal(show.motion.stage_area.half, [4.5, 3.0])
+    assert show.motion.stage_area.fit_size is None
     assert [gate.x for gate in show.motion.gates][:2] == [-4.5, 4.5]
 
 

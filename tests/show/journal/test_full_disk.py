@@ -88,7 +88,7 @@ def test_a_disk_that_is_full_for_some_measures_leaves_a_gap_that_a_replay_names_
     (small_disk / STONE).unlink()
     dance.run(10)
     assert dance.writer.facts()["missing"] == 0
-    assert "are missing in it; now it is written again" in dance.writer.problem
+    assert "are missing; writing works again" in dance.writer.problem
     dance.end()
     rows = [json.loads(row) for row in (small_disk / "j").read_text().splitlines()]  # each is whole
     gaps = [row["gap"] for row in rows if "gap" in row]
@@ -100,7 +100,7 @@ def test_a_disk_that_is_full_for_some_measures_leaves_a_gap_that_a_replay_names_
     found = run_from(start, journal, loaded=MADE)
     assert found.different == 0
     assert any(f"{gaps[0]} lines are missing" in problem for problem in found.problems)
-    assert any("goes on from the snapshot" in problem for problem in found.problems)
+    assert any("resumes at the snapshot" in problem for problem in found.problems)
     assert found.measures >= 3 + 10 - 8  # of older snapshots only every eighth stays
     [(first, last)] = found.not_compared
     assert found.measures + last - first + 1 == 3 + 5 + 10

@@ -34,7 +34,7 @@ def test_a_full_disk_is_counted():
 
 
 def test_a_disk_that_hangs_makes_nobody_wait(tmp_path, monkeypatch):
-    monkeypatch.setattr(journal_writer, "CAPACITY", 8)
+    monkeypatch.setattr(journal_writer, "MAX_WAITING_LINES", 8)
     writer = LineWriter(tmp_path / "a", name="test")
     release, stuck, add = threading.Event(), threading.Event(), writer._file.append
 
@@ -43,7 +43,7 @@ def test_a_disk_that_hangs_makes_nobody_wait(tmp_path, monkeypatch):
         release.wait(30)
         add(data)
 
-    monkeypatch.setattr(writer._file, "add", hangs)
+    monkeypatch.setattr(writer._file, "append", hangs)
     writer.line("first")
     assert stuck.wait(10)
     for number in range(20):  # returns at once although nothing can be written

@@ -124,7 +124,7 @@ def test_a_damaged_line_is_named_and_the_replay_goes_on_from_the_next_snapshot(c
     start = first_start(journal, MADE)
     found = run_from(start, journal, loaded=MADE)
     assert f"line {number}" in found.problems[0]
-    assert "goes on from the snapshot in measure" in found.problems[1]
+    assert "resumes at the snapshot in measure" in found.problems[1]
     assert found.different == 0
     assert found.ticks == journal.last_tick
     assert found.measures >= 5

@@ -63,7 +63,7 @@ def held_patch(extra: str = HELD) -> Patch:
 def held_bank(extra: str = HELD, apart: float = 0.75) -> ExampleBank | None:
     """What its partners answer from, followers `apart` [m] from their leaders."""
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(sketched_examples, "APART", apart)
+        patched.setattr(sketched_examples, "PARTNER_DISTANCE", apart)
         return load_example_bank(held_patch(extra), Path("test.toml"), graph_of().library)
 
 

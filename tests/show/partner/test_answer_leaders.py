@@ -11,7 +11,7 @@ from live.show.partner.leader_input import MAX_EXTRAPOLATION, answer_position, f
 def read(since):
     """A leader `since` frames after her latest one, whose answer goes 1 m along x in half a frame, then 2 m."""
     root = np.array([[0.0, 0.9, 4.0], [1.0, 0.9, 4.0], [3.0, 0.9, 4.0]], np.float32)
-    return SimpleNamespace(root=root, since=lambda danced: since)
+    return SimpleNamespace(root=root, frames_since=lambda danced: since)
 
 
 @pytest.mark.parametrize(

@@ -16,12 +16,12 @@ LEADER, FOLLOWER = 0, 1
 def go(along, x, *, wanted=True, measures=0.0, own_place=False, asked=ASKED, hips=None):
     """A tick in which the answer rests at x m; `hips` (2, 2), at the origin at first, are taken along."""
     read = SimpleNamespace(
-        root=np.array([[x, 0.9, 0.0]] * 3, np.float32), since=lambda danced: 0.0, answered=True, held=False
+        root=np.array([[x, 0.9, 0.0]] * 3, np.float32), frames_since=lambda danced: 0.0, has_answer=True, held=False
     )
     hips = np.zeros((2, 2), np.float32) if hips is None else hips
     along.begin_tick()
-    along.go(
-        Pair(0, LEADER, FOLLOWER, own_place), asked, read, wanted=wanted, danced=0.0, measures=measures,
+    along.move_follower(
+        Pair(0, LEADER, FOLLOWER, own_place), asked, read, wanted=wanted, danced_beats=0.0, measures=measures,
         hips=hips, agents=hips, dt=DT,
     )  # fmt: skip
     hips += along.displacement.astype(np.float32)

@@ -107,7 +107,7 @@ def test_the_music_favours_and_forbids():
 
 def hear(mood, loud):
     for _ in range(60):
-        mood.hear(
+        mood.update(
             MusicHeard(
                 time=0.0, source="audio", beat_time=0.0, loudness=loud, density=6.0 * loud, brightness=0.5, low=0.5,
                 build=0.0, drop=False,

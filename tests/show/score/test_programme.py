@@ -20,7 +20,7 @@ def made(steps, seed=1, **options):
 
 
 def names(programme, count):
-    return [GRAPH.library.steps[programme.wanted(m, NOBODY)] for m in range(count)]
+    return [GRAPH.library.steps[programme.step_for(m, NOBODY)] for m in range(count)]
 
 
 @pytest.mark.parametrize(
@@ -112,7 +112,7 @@ def live(*steps):
     ("change", "danced"),
     [
         (lambda programme: programme.release(), ["sway", "sway"]),
-        (lambda programme: programme.dance(live("spin")), ["spin", "spin"]),
+        (lambda programme: programme.set_sequence(live("spin")), ["spin", "spin"]),
         (lambda programme: programme.call(find_step(GRAPH, "spin"), measures=1), ["spin", "glide"]),
         (lambda programme: programme.apply_patch(made(["spin"])), ["glide", "glide"]),
     ],

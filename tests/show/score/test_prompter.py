@@ -27,7 +27,7 @@ def heard(show, monkeypatch):
     """The ticks with which events act, as (tick, event), from the score and whatever reacts."""
     acted = []
     act = show._handle
-    monkeypatch.setattr(show, "_act_on", lambda event: (acted.append((round(show.time / TICK), event)), act(event))[1])
+    monkeypatch.setattr(show, "_handle", lambda event: (acted.append((round(show.time / TICK), event)), act(event))[1])
     return acted
 
 

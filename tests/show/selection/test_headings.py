@@ -22,7 +22,7 @@ def measures(show, count, *, start=None, wish=None, planned=None, known=NOBODY):
     place = np.zeros((9, 2)) if start is None else start
     wish = place if wish is None else wish
     planned = np.zeros(9) if planned is None else planned
-    return np.degrees([headings.next(place, wish, planned, known) for _ in range(count)])
+    return np.degrees([headings.advance(place, wish, planned, known) for _ in range(count)])
 
 
 def face(show, words, group="*"):

@@ -29,13 +29,13 @@ WORDS = {
 
 def words_of(found):
     yield found.word
-    for each in found.of:
+    for each in found.items:
         yield from words_of(each)
 
 
 def finds_of(found):
     yield found.index_of
-    for each in found.of:
+    for each in found.items:
         yield from finds_of(each)
 
 

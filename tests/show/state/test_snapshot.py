@@ -167,7 +167,7 @@ def test_fades_count_ins_jumps_and_what_can_be_undone_go_on(tick):
         each.fill(each.view_now, 480 * TICK)
     assert restored.view_now.picture.tobytes() == show.view_now.picture.tobytes()
     assert restored.view_now.brightness == show.view_now.brightness < 0.5
-    assert restored.view_now.flashes
+    assert restored.view_now.flash_limit_lifted
     assert restored.desk.facts(480.0) == show.desk.facts(480.0)
 
 

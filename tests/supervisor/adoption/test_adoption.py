@@ -344,9 +344,9 @@ def test_who_says_something_else_is_sent_away_and_the_show_waits_for_nobody(alon
         longest = 0.0
         for tick in range(3):
             before = time.perf_counter()
-            alone.frame(tick)
+            alone.end_frame(tick)
             longest = max(longest, time.perf_counter() - before)
-        assert alone.alone
+        assert alone.orphaned
         assert longest < 0.1 * BUSY
         assert b"descriptors" not in answer(guest)
 
@@ -355,14 +355,14 @@ def test_who_says_nothing_is_sent_away_after_a_while_and_no_more_than_a_few_are_
     guests = []
     for tick in range(6):
         guests.append(reached(tmp_path))
-        alone.frame(tick)
+        alone.end_frame(tick)
     for guest in guests[4:]:
         assert answer(guest) == b""
     guests[0].setblocking(False)
     with pytest.raises(BlockingIOError):
         guests[0].recv(1)
     monkeypatch.setattr(rendezvous, "PATIENCE", 0.0)
-    alone.frame(9)
+    alone.end_frame(9)
     for guest in guests:
         assert answer(guest) == b""
         guest.close()
@@ -372,7 +372,7 @@ def test_another_user_is_not_let_in(alone, tmp_path, monkeypatch):
     monkeypatch.setattr(rendezvous.os, "getuid", lambda: os.geteuid() + 1)
     with reached(tmp_path) as guest:
         guest.sendall(b'{"alive":"adopt"}\n')
-        alone.frame(1)
+        alone.end_frame(1)
         assert answer(guest) == b""
 
 
@@ -403,23 +403,23 @@ def test_an_engine_of_another_version_is_named_and_left_alone(alone, tmp_path, m
     thread = threading.Thread(target=ask)
     thread.start()
     for tick in range(1, 500):
-        alone.frame(tick)
+        alone.end_frame(tick)
         if asked:
             break
         thread.join(0.02)
     assert "version" in asked[0]
     assert f"kill {os.getpid()}" in asked[0]
-    assert alone.alone
+    assert alone.orphaned
 
 
 def test_the_hand_over_gives_what_was_noted_so_far(alone, tmp_path):
-    alone.log.note('{"journal":2}')
-    alone.log.note('{"tick":5,"event":{"type":"Tap"}}')
+    alone.log.add_own_line('{"journal":2}')
+    alone.log.add_own_line('{"tick":5,"event":{"type":"Tap"}}')
     found: list[Any] = []
     thread = threading.Thread(target=lambda: found.append(find_engine(LABEL)))
     thread.start()
     for tick in range(6, 500):
-        alone.frame(tick)
+        alone.end_frame(tick)
         alone.beat(tick, Phase.RUNNING)
         if found:
             break
@@ -427,7 +427,7 @@ def test_the_hand_over_gives_what_was_noted_so_far(alone, tmp_path):
     assert found[0].lines[:2] == ['{"journal":2}', '{"tick":5,"event":{"type":"Tap"}}']
     assert found[0].process.pid == os.getpid()
     assert found[0].process.poll() is None
-    assert found[0].heart.phase is Phase.RUNNING
-    assert not alone.alone
-    found[0].wire.close()
-    found[0].heart.close()
+    assert found[0].heartbeat.phase is Phase.RUNNING
+    assert not alone.orphaned
+    found[0].channel.close()
+    found[0].heartbeat.close()
