@@ -49,7 +49,7 @@ def rows(full: bool, shared: Path | None) -> list[Row]:
         _row("tempo after 8 beats, jitter to 2 ms", calm, "bpm", TEMPO_BAR_BPM, lambda e: e.tempo_max_bpm),
         _row("tempo after 8 beats, jitter to 5 ms", noisy, "bpm", TEMPO_BAR_NOISY_BPM, lambda e: e.tempo_max_bpm),
         _row("beats until a tempo step is followed", results, "beats", 1.0, lambda e: float(e.step_beats)),
-        _row("number in the measure right", results, "share", 1.0, lambda e: e.beat_number_accuracy, least=True),
+        _row("number in the measure right", results, "share", 1.0, lambda e: e.measure_right, least=True),
         Row("MIDI clock: decoder", max((r.cpu for r in results), default=None), "cores"),
     ]
     if full:

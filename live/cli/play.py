@@ -85,7 +85,7 @@ def play(*, new_web_key: NewWebKey = False, **written: Any) -> None:
     find_patch(values["patch"])  # an unknown name is reported before seconds of loading
     console = Console(stderr=True, highlight=False)
     page = parse_web(
-        values["web"], key=values["web_key"] or None, new_key=new_web_key, hosts=values["web_hosts"],
+        written["web"], key=written["web_key"], new_key=new_web_key, hosts=values["web_hosts"],
         note=lambda words: console.print(f"note: {words}", style="yellow", markup=False, soft_wrap=True),
     )  # fmt: skip
     values |= {"web_key": page.key, "audience_secret": b"" if values["audience"] is None else secrets.token_bytes(32)}

@@ -51,7 +51,7 @@ def test_the_prediction_is_near_what_happens_and_leaves_the_agents_alone():
     spare, wants = AgentState.at_rest(state.position), AgentCommand(15)
     for tick in range(160):
         ask(wants, state, tick / 64)
-        advance(state, spare, wants=wants, surroundings=surroundings, time=tick / 64, dt=1 / 64)
+        advance(state, spare, commands=wants, surroundings=surroundings, time=tick / 64, dt=1 / 64)
         state, spare = spare, state
     assert np.hypot(*(look.positions[0] - state.position).T).mean() < 0.15
 

@@ -12,7 +12,7 @@ from live.cli.replay import _print_result
 def test_a_film_that_takes_longer_than_the_night_is_not_0_times_as_fast(capsys, speed, words):
     journal = cast(Any, SimpleNamespace(complete=True, problems=()))
     result = SimpleNamespace(
-        ticks=640, begun=0, measures=5, different=0, differences=(), failed=0, problems=(), lacking=()
+        ticks=640, first_tick=0, measures=5, different=0, differences=(), failed=0, problems=(), not_compared=()
     )
     _print_result(journal, cast(Any, result), speed)
     assert f"; {words} real time" in " ".join(capsys.readouterr().out.split())

@@ -107,7 +107,7 @@ def test_a_measure_that_the_machine_slept_through_is_not_missed(watched):
     show.span.number, show.danced_beats = 6, 24.0
     watching.take_snapshot(show, 502, begins=True)
     assert watching.problem_count == 0
-    assert watching.leapt == 2
+    assert watching.skipped_measures == 2
 
 
 def test_what_is_no_number_is_seen(watched):

@@ -69,7 +69,7 @@ def _short(value: float) -> str:
 def _print(report: "ClockReport") -> None:
     for beat in report.beats:
         where = f"{beat.beat + 1} {beat.measure + 1}" if beat.beat >= 0 else "- -"
-        print(f"B {beat.time:.6f} {beat.reported_at:.6f} {where} {beat.bpm:.3f}")
+        print(f"B {beat.time:.6f} {beat.emitted:.6f} {where} {beat.bpm:.3f}")
     for state in report.states:
         print(f"# {state.time:.3f} {state.state}" + (f" ({state.detail})" if state.detail else ""))
     print(f"# {report.pulses} pulses, {report.lost} lost and filled in by time, {report.rejected} messages rejected")

@@ -31,7 +31,7 @@ class DecodedBeat:
     """A beat as last reported by the decoder before it fell."""
 
     time: float
-    reported_at: float
+    emitted: float
     """Time of that report [s]."""
     bpm: float
     beat: int
@@ -61,7 +61,7 @@ class ClockErrors:
     """Share of the true beats with a reported beat within 70 ms."""
     extra: int
     """Reported beats without a true one."""
-    beat_number_accuracy: float
+    measure_right: float
     """Share of the true beats whose number in the measure was correct."""
     mean_delay_ms: float
     phase_p95_ms: float
@@ -151,7 +151,7 @@ def _until(estimate: ClockBeat, number: int, end: float, first: dict[int, float]
 def _beat(estimate: ClockBeat, number: int, beat: int, first: dict[int, float], metre: int) -> DecodedBeat:
     return DecodedBeat(
         time=estimate.beat_time + (beat - number) * estimate.period,
-        reported_at=estimate.time,
+        emitted=estimate.time,
         bpm=60.0 / estimate.period,
         beat=beat % metre if estimate.anchored else -1,
         measure=beat // metre if estimate.anchored else -1,
@@ -182,7 +182,7 @@ def clock_errors(
         beats=len(truth),
         found=len(pairs) / len(truth),
         extra=len(inside) - len({id(beat) for beat, _ in pairs}),
-        beat_number_accuracy=sum(beat.beat == true.beat for beat, true in pairs) / len(truth),
+        measure_right=sum(beat.beat == true.beat for beat, true in pairs) / len(truth),
         mean_delay_ms=1e3 * float(delay.mean()),
         phase_p95_ms=1e3 * _p95(phase),
         phase_max_ms=1e3 * float(phase.max()),

@@ -33,8 +33,8 @@ from live.show.state.type_check import check_state
 
 Array = npt.NDArray[Any]
 
-FORMAT: Final = 2
-"""Format 1 was a pickle, and is refused."""
+FORMAT: Final = 3
+"""Format 1 was a pickle; the fields of format 2 had other names. Both are refused."""
 CONSTANT_PATHS: Final = {
     "graph": "graph",
     "patch": "patch",

@@ -64,8 +64,8 @@ def dance(running, measures, position=START, push=None, bpm=120.0):
             state.position += wants.velocity * np.float32(4 * 60 / bpm / 128)
             if push is not None and measure == 0 and tick == 64:
                 state.position += push
-        there = running.target(4.0 * (measure + 1))
-        heading = np.where(there.under == 1, there.heading, heading)
+        there = running.predicted_state(4.0 * (measure + 1))
+        heading = np.where(there.controlled == 1, there.heading, heading)
         lines.append(state.position.copy())
     return np.array(lines)
 

@@ -74,7 +74,7 @@ def test_hard_streams_keep_the_measure(shared: Path, name: str) -> None:
         pytest.skip("the streams are not there")
     errors = clock_errors(replay(read_stream(file)[1]).beats, read_beats(file.with_suffix(".beats")))
     assert errors is not None
-    assert errors.beat_number_accuracy == errors.found == 1.0
+    assert errors.measure_right == errors.found == 1.0
     assert errors.extra == 0
     assert errors.phase_p95_ms <= 3.0
     assert errors.step_beats <= 1

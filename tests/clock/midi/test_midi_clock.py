@@ -36,7 +36,7 @@ def test_a_steady_clock_is_known_after_eight_beats(
 ) -> None:
     _, errors = judged(make_stream(steady(bpm), seconds=18.0, kind=kind, jitter=jitter, frame=frame, seed=3))
     assert errors.found == 1.0
-    assert errors.beat_number_accuracy == 1.0
+    assert errors.measure_right == 1.0
     assert errors.extra == 0
     assert errors.phase_p95_ms <= 3.0
     assert errors.ahead_p95_ms <= 3.0
@@ -48,7 +48,7 @@ def test_a_tempo_step_is_followed_within_a_beat_and_is_no_loss(to: float) -> Non
     report, errors = judged(make_stream(steps((0.0, 120.0), (6.0, to)), seconds=12.0, jitter=0.001, seed=1))
     assert report.lost == 0
     assert errors.step_beats <= 1
-    assert errors.beat_number_accuracy == 1.0
+    assert errors.measure_right == 1.0
 
 
 def test_ramps_and_swings_are_followed() -> None:
@@ -56,7 +56,7 @@ def test_ramps_and_swings_are_followed() -> None:
     _, on_swing = judged(make_stream(swing(96.0, 0.08, 20.0), seconds=30.0, jitter=0.001))
     assert on_ramp.phase_p95_ms <= 3.0
     assert on_swing.phase_p95_ms <= 4.0
-    assert on_ramp.beat_number_accuracy == on_swing.beat_number_accuracy == 1.0
+    assert on_ramp.measure_right == on_swing.measure_right == 1.0
 
 
 @pytest.mark.parametrize(("kind", "jitter"), [("uniform", 0.001), ("exponential", 0.003)])
@@ -65,7 +65,7 @@ def test_lost_clocks_are_counted_by_time(kind: str, jitter: float) -> None:
     report, errors = judged(make_stream(steady(128.0), seconds=18.0, kind=kind, jitter=jitter, dropouts=gaps, seed=2))
     sent = sum(128.0 / 60.0 * 24.0 * (end - begin) for begin, end in gaps)
     assert abs(report.lost - sent) <= 3.0
-    assert errors.beat_number_accuracy == errors.found == 1.0
+    assert errors.measure_right == errors.found == 1.0
     assert [state.state for state in report.states] == ["found", "started", "lost", "found"]
 
 

@@ -172,7 +172,7 @@ def test_an_output_that_goes_away_is_opened_again(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(click_output, "open_stream", open_stream)
     monkeypatch.setattr(click_output, "close_stream", lambda stream: None)
     monkeypatch.setattr(click_output, "refresh", lambda: True)
-    for name, value in (("FIRST_SOUND", 0.05), ("LOST_AFTER", 0.05), ("RETRY", 0.05)):
+    for name, value in (("START_TIMEOUT", 0.05), ("LOST_AFTER", 0.05), ("RETRY", 0.05)):
         monkeypatch.setattr(click_output, name, value)
     click = ClickOutput("drummer", SystemClock(), click_voices)
     click.start()
