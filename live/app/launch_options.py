@@ -19,6 +19,7 @@ from live.app.option_values import (
     parse_audience_link,
     parse_endpoint,
     parse_measures,
+    parse_shares,
     parse_size,
 )
 from live.base.field_types import build_dataclass
@@ -84,12 +85,6 @@ def _tls(text: str, name: str) -> tuple[Path, Path] | None:
     from live.app.services.audience_tls import parse_tls
 
     return parse_tls(text)
-
-
-def _shares(texts: list[str], name: str) -> tuple[str, ...]:
-    from live.app.live_recording import parse_shares
-
-    return parse_shares(texts)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -245,7 +240,7 @@ class LaunchOptions:
     record: Path | None = option(None, "Record the picture as an mp4.", RECORDING, metavar="FILE.mp4", parse=_writable)
     share: tuple[str, ...] = option(
         (), "Share the picture with other programs: shm:NAME, or a stream like udp://127.0.0.1:5000.", RECORDING,
-        metavar="shm:NAME|URL", written=list[str], parse=_shares,
+        metavar="shm:NAME|URL", written=list[str], parse=lambda texts, name: parse_shares(texts),
     )  # fmt: skip
     journal: Path | None = option(None, "Write the journal here, for `live replay`.", RECORDING, parse=_writable)
     status_json: Path | None = option(None, "Write one JSON line of figures a second.", RECORDING, parse=_writable)

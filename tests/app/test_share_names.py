@@ -2,8 +2,8 @@
 
 import pytest
 
-from live.app import live_recording
-from live.app.live_recording import parse_shares
+from live.app import option_values
+from live.app.option_values import parse_shares
 from live.base.errors import PersonError
 
 
@@ -27,7 +27,7 @@ def test_without_srt_it_is_told_what_carries_it_on(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(stream, "is_srt_supported", lambda: False)
     with pytest.raises(PersonError, match="built without SRT") as error:
-        live_recording.parse_shares(["srt://127.0.0.1:5000"])
+        option_values.parse_shares(["srt://127.0.0.1:5000"])
     assert "ffmpeg -i udp://" in str(error.value.remedy)
     monkeypatch.setattr(stream, "is_srt_supported", lambda: True)
-    assert live_recording.parse_shares(["srt://127.0.0.1:5000"]) == ("srt://127.0.0.1:5000",)
+    assert option_values.parse_shares(["srt://127.0.0.1:5000"]) == ("srt://127.0.0.1:5000",)

@@ -147,7 +147,7 @@ def view_of(name):
         whom = crowd().joint_position[3, 0, [0, 2]]
         row[[FOLLOWING, ALONG]] = 1.0, 0.5
         rig = CameraRig(SimpleNamespace(held=False), SimpleNamespace(), None, beats=4)
-        rig.follower = SimpleNamespace(running=True, at=lambda seconds: whom)
+        rig.follower = SimpleNamespace(running=True, position_at=lambda seconds: whom)
         rig.place(row, 0.0, 0.0)
         row[BY_ADDRESS["/dance/camera/field_of_view"].first] = 16.0
     elif name == "projector":

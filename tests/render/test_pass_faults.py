@@ -22,7 +22,7 @@ SIZE = (96, 64)
 @pytest.mark.parametrize(
     ("kind", "method", "name"),
     [
-        (BloomPass, "gather", "bloom"),
+        (BloomPass, "compute_glow", "bloom"),
         (ReflectionPass, "draw", "mirror"),
         (OverlayPass, "draw", "overlay"),
         (BackgroundPass, "prepare", "background"),

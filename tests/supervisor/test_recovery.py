@@ -218,7 +218,7 @@ def test_an_error_without_an_event_puts_its_stage_out_of_service_until_a_person_
 def test_who_resets_what_is_not_there_is_told_what_there_is(loaded):
     show = loaded.start(seed=5)
     assert not show.apply(ResetBreaker(time=0.0, source="osc", name="steerin"))
-    assert "there is no breaker 'steerin'; there are clock, measure" in show.refusals.words
+    assert "there is no breaker 'steerin'; there are clock, measure" in show.refusals.last_reason
     assert not show.apply(BreakerTripped(time=0.0, source="osc", name="call Nothing"))
     assert show.breakers.words() == ()
 
@@ -229,7 +229,7 @@ STAGES: dict[str, list[tuple[type, str]]] = {
     "score": [(ScoreRunner, "begin_measure"), (BeatScheduler, "fire")],
     "desk": [(LightDesk, "tick"), (LightDesk, "fire"), (LightDesk, "begin_measure")],
     "audience": [(Audience, "tick"), (Audience, "begin_measure")],
-    "edits": [(PatchUpdates, "due"), (PatchUpdates, "take")],
+    "edits": [(PatchUpdates, "is_due"), (PatchUpdates, "pop_ready")],
     "selection": [(Scheduler, "work"), (Scheduler, "decide"), (Scheduler, "set_speed")],
     "interrupts": [(Interrupts, "tick")],
     "steering": [(GroupMotion, "tick"), (GroupMotion, "begin_measure"), (Plan, "work")],
@@ -240,8 +240,8 @@ STAGES: dict[str, list[tuple[type, str]]] = {
     ],
     "dancers": [(Dancers, "tick"), (Dancers, "cross_measure_line")],
     "capture": [(CaptureManager, "tick")],
-    "partners": [(GroupMotion, "go_along")],
-    "variation": [(Variation, "begin_measure"), (Variation, "delay")],
+    "partners": [(GroupMotion, "follow_partner_response")],
+    "variation": [(Variation, "begin_measure"), (Variation, "update_delays")],
     "reactions": [(Reactions, "cross_measure_line")],
 }
 

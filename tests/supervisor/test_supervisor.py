@@ -149,7 +149,9 @@ def test_where_the_system_has_no_room_for_the_other_processes_the_show_runs_and_
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as port:
         reader = {"osc": port, "osc_reader": sleeper}
         plan = {"ticks": 150, "pace": 0.02}
-        code, lines, supervisor, _ = supervised(tmp_path, plan, spare=False, audio=sleeper, guard=sleeper, **reader)
+        code, lines, supervisor, _ = supervised(
+            tmp_path, plan, spare=False, audio=sleeper, fallback_window=sleeper, **reader
+        )
     assert code == 0
     assert numbers(lines) == list(range(1, 151))
     assert sorted(refused) == ["OSC", "audio", "guard"]

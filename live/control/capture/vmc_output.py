@@ -77,7 +77,7 @@ class VmcOutput:
 def pack_dancers(
     rows: npt.NDArray[np.integer], position: npt.NDArray[np.float32], rotation: npt.NDArray[np.float32]
 ) -> bytes:
-    """Return the data for `VmcOutput.take`, of dancers `rows` (n,), `position` (A, J, 3) [m], `rotation` (A, J, 4)."""
+    """Return the data for `VmcOutput.send_dancers`, of dancers `rows` (n,), `position` (A, J, 3) [m], `rotation` (A, J, 4)."""
     told = np.empty((len(rows), ROW_LENGTH), np.float32)
     told[:, :3], told[:, 3:] = position[rows, 0], rotation[rows].reshape(len(rows), -1)
     return told.tobytes()
@@ -94,7 +94,7 @@ def main() -> None:
         select.select([told.socket], [], [], STATUS_INTERVAL)
         newest = {packet[0]: packet for packet in told.packets()}  # after a delay only the latest packet of each target
         for index, moment, data in newest.values():
-            outs[index].take(moment, data)
+            outs[index].send_dancers(moment, data)
         if clock.now() >= say_at:
             say_at = clock.now() + STATUS_INTERVAL
             gc.collect(0)

@@ -150,12 +150,12 @@ def test_places_come_into_the_inbox_by_name_when_they_are_news():
 
 MULTICAST = """
 import socket
-from live.base.event_queue import Lane
+from live.base.event_queue import PriorityQueue
 from live.clock.time_source import SystemClock
 from live.control.capture.posistagenet import GROUP, PsnInput
 from tests.control.capture.psn_server import data_packet, tracker
 from tests.control.waiting import wait_for
-lane = Lane()
+lane = PriorityQueue()
 one, two = (PsnInput(GROUP, 56565, "127.0.0.1", lane, SystemClock()) for _ in range(2))
 one.start(), two.start()
 with socket.socket(type=socket.SOCK_DGRAM) as server:
@@ -163,7 +163,7 @@ with socket.socket(type=socket.SOCK_DGRAM) as server:
     server.sendto(data_packet(tracker(4, (1.0, 0.0, 2.0))), (GROUP, 56565))
 assert wait_for(lambda: one.received == two.received == 1, 5.0)
 one.stop(), two.stop()
-event = lane.take()
+event = lane.pop()
 print(event.tracker, event.x, event.z)
 """
 

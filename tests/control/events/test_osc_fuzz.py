@@ -65,9 +65,9 @@ def drive(inbox, door, packets):
     reached = []
     for number, packet in enumerate(packets):
         before = door.accepted + door.rejected.total + len(door.schedule)
-        answers = list(door.hear(memoryview(packet), FROM, number * 1e-3))
+        answers = list(door.handle(memoryview(packet), FROM, number * 1e-3))
         assert all(len(answer) % 4 == 0 for answer in answers)
-        door.release(number * 1e-3)
+        door.handle_due(number * 1e-3)
         assert door.accepted + door.rejected.total + len(door.schedule) >= before
         reached += inbox.drain()
     return reached

@@ -34,7 +34,7 @@ def test_a_pulse_that_cannot_be_placed_does_not_end_the_sending(monkeypatch: pyt
     def fail(_timeline: Timeline, _now: float) -> PulseMessages:
         raise OverflowError("no such pulse")
 
-    monkeypatch.setattr(sends._schedule, "due", fail)
+    monkeypatch.setattr(sends._schedule, "next_pulse", fail)
     sends.set_timeline(Timeline(tempo=240.0))
     sends.start()
     try:

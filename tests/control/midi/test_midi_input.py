@@ -21,7 +21,7 @@ class FakePort:
 
     def __init__(self, name: str) -> None:
         self.name = name
-        self.there = self.system_runs = True
+        self.exists = self.system_runs = True
         self.closed = False
         self.receive: Callable[[Sequence[int]], None] = lambda message: None
 
@@ -68,7 +68,7 @@ def test_a_port_that_goes_is_lost_and_found_by_its_name(monkeypatch: pytest.Monk
         ports[0].receive([0xF8])
         assert wait_for(lambda: listens.messages == 1, 5.0)
         plugged = False
-        ports[0].there = False
+        ports[0].exists = False
         assert wait_for(lambda: listens.problem == "no such port", 5.0)
         assert ports[0].closed
         plugged = True
@@ -98,7 +98,7 @@ def test_a_port_that_was_plugged_in_again_at_once_is_opened_again(monkeypatch: p
     try:
         for count in (1, 2, 3):
             assert wait_for(lambda count=count: len(ports) == count, 5.0)  # type: ignore[misc]
-            ports[-1].there = False
+            ports[-1].exists = False
         assert wait_for(lambda: len(ports) == 4, 5.0)
     finally:
         listens.stop()
@@ -130,7 +130,7 @@ def test_a_look_that_fails_does_not_end_the_listening(monkeypatch: pytest.Monkey
     def fail(_now: float) -> None:
         raise ZeroDivisionError("no beats")
 
-    monkeypatch.setattr(listens, "look", fail)
+    monkeypatch.setattr(listens, "advance", fail)
     listens.start()
     try:
         assert wait_for(lambda: listens.failed >= 2, 5.0)

@@ -66,7 +66,7 @@ def test_senders_keep_their_own_running_status_and_come_and_go(heard, stack: Exi
     assert wait_for(lambda: port.rejected == 1, 5.0)  # the note that was cut off
     second.sendall(b"\x08\x02")
     assert wait_for(lambda: found[4:] == [b"\xb0\x08\x02"], 5.0)
-    assert port.there
+    assert port.exists
 
 
 def test_too_many_senders_are_turned_away(heard, stack: ExitStack) -> None:

@@ -53,7 +53,7 @@ def _send(address, data):
 def test_osc(monkeypatch, counted):
     inbox = EventQueue()
     osc = OscInput("127.0.0.1", 0, inbox.add_queue(), SystemClock())
-    monkeypatch.setattr(osc, "_wait", Once(osc._seconds_to_next))
+    monkeypatch.setattr(osc, "_seconds_to_next", Once(osc._seconds_to_next))
     with osc:
         assert wait_for(lambda: counted() == 1, 5.0)
         _send(("127.0.0.1", osc.port), encode("/dance/blackout", (1,)))
@@ -103,7 +103,7 @@ def test_midi_over_rtp(monkeypatch, counted):
         free.bind(("127.0.0.1", 0))
         number = free.getsockname()[1] & ~1
     port = RtpPort("input", f"rtp:127.0.0.1:{number}")
-    monkeypatch.setattr(port.protocol, "hear", Once(port.protocol.handle))
+    monkeypatch.setattr(port.protocol, "handle", Once(port.protocol.handle))
     port.listen(lambda message: None)
     _send(("127.0.0.1", number), b"\xff\xff nonsense")
     assert wait_for(lambda: counted() == 1, 5.0)

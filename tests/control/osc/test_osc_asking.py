@@ -232,16 +232,16 @@ def test_a_bundle_waits_for_its_time_and_others_do_not_wait_for_it(stage):
     later = in_a_bundle(1.0, message("/dance/clock/one"), message("/dance/spread"))
     stage.send(later, in_a_bundle(0.5, message("/dance/clear")), message("/dance/clock/tap").dgram)
     assert stage.events() == [events.Tap(**STAMP)]
-    assert stage.osc.facts()["waiting"] == 3
+    assert stage.osc.status()["waiting"] == 3
     stage.clock.set(7.25 + 0.9)
-    wait_until(lambda: stage.osc.facts()["waiting"] == 2)
+    wait_until(lambda: stage.osc.status()["waiting"] == 2)
     (cleared,) = stage.events()
     assert isinstance(cleared, events.Clear)
     assert cleared.time == pytest.approx(7.75, abs=0.2)
     stage.clock.set(9.0)
-    wait_until(lambda: stage.osc.facts()["waiting"] == 0)
+    wait_until(lambda: stage.osc.status()["waiting"] == 0)
     assert [type(event) for event in stage.events()] == [events.One, events.Spread]
-    assert stage.osc.facts()["waited"] == 3
+    assert stage.osc.status()["waited"] == 3
     assert stage.osc.future_timetags == 0
 
 
@@ -251,7 +251,7 @@ def test_what_lies_beyond_the_horizon_or_the_queue_acts_at_once():
     assert all(later.put(1.0 - number / MAX_ITEMS, 0.0, number) for number in range(MAX_ITEMS))
     assert not later.put(1.0, 0.0, "one too many")
     assert [item for _, item in later.pop_due(2.0)] == list(range(MAX_ITEMS - 1, -1, -1))
-    asked = Asked(wall=lambda: 1e9)
+    asked = Asked(wall_clock=lambda: 1e9)
     tag = struct.pack(">Q", int((1e9 + 3600.0 + 2_208_988_800) * 2**32))
     tap = message("/dance/clock/tap").dgram
     list(asked.door.handle(memoryview(b"#bundle\0" + tag + struct.pack(">i", len(tap)) + tap), ME, 0.0))

@@ -98,5 +98,5 @@ def test_a_flood_of_values_through_a_port_ends_with_the_last(stage):
     found = []
     wait_until(lambda: found.extend(stage.events()) or found[-1].x > 0.998)
     assert found[-1] == events.SetPicture(parameter="/dance/light/key", x=pytest.approx(0.999), **STAMP)
-    facts = stage.osc.facts()
+    facts = stage.osc.status()
     assert stage.osc.accepted + facts["replaced"] >= 1000

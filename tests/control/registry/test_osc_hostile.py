@@ -117,7 +117,7 @@ def test_an_error_of_our_own_is_counted_and_the_next_datagram_heard():
 
 def test_an_error_before_datagrams_are_taken_apart_costs_those_alone(stage, monkeypatch):
     """The thread that receives would have ended with it, and nobody would have been heard any more."""
-    taken, failed = stage.osc._prefilter.take, []
+    taken, failed = stage.osc._prefilter.process, []
 
     def take(*found, **how):
         if found[0] and not failed:
@@ -125,7 +125,7 @@ def test_an_error_before_datagrams_are_taken_apart_costs_those_alone(stage, monk
             raise ZeroDivisionError("a fault of this program")
         return taken(*found, **how)
 
-    monkeypatch.setattr(stage.osc._prefilter, "take", take)
+    monkeypatch.setattr(stage.osc._prefilter, "process", take)
     stage.sender.sendto(TAP, ("127.0.0.1", stage.osc.port))
     wait_until(lambda: failed)
     stage.send(PING)

@@ -147,7 +147,7 @@ def test_values_go_both_ways_and_the_one_that_was_set_last_is_shown():
 
 def test_what_is_said_of_performers_is_told_for_each_of_them():
     async def what(client, page):
-        page.part.tell({"/dance/mocap/mirrored": (("anna", (True,)), ("ben", (False,)), ("two words", (True,)))})
+        page.part.publish({"/dance/mocap/mirrored": (("anna", (True,)), ("ben", (False,)), ("two words", (True,)))})
         page.part.frame()
         told: dict = {}
         async with opened(client, page) as ws:
@@ -199,7 +199,7 @@ def test_whatever_comes_is_refused_in_words_and_the_page_goes_on():
         async with opened(client, page) as ws:
             for _ in range(400):
                 await ws.send_str(good)
-            while "too much" not in (await ws.receive(timeout=20.0)).data:
+            while "too many" not in (await ws.receive(timeout=20.0)).data:
                 pass
         assert wait_for(lambda: page.part.frame() or page.part.status().get("refused", 0) > len(HOSTILE) + 100, 10.0)
 

@@ -57,7 +57,7 @@ CASES = {
     "a joint that is not there": (poke(JOINTS, 0, 200, "<B"), "refers to joint 200 of 22"),
     "a material that is not there": (put("meshes", 0, "primitives", 0, "material", value=3), "material is 3"),
     "an accessor that is not there": (put("meshes", 0, "primitives", 0, "indices", value=99), "no number 99"),
-    "an accessor that is too long": (put("accessors", 0, "count", value=10**9), "numbers|beyond"),
+    "an accessor that is too long": (put("accessors", 0, "count", value=10**9), "numbers|beyond|exceed"),
     "a view beyond the end": (put("bufferViews", 0, "byteLength", value=10**8), "ends at byte"),
     "lines": (put("meshes", 0, "primitives", 0, "mode", value=1), "hold no triangles"),
     "compressed": (put("extensionsRequired", value=["KHR_draco_mesh_compression"]), "needs KHR_draco"),

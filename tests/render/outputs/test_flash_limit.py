@@ -102,7 +102,7 @@ def test_the_light_comes_back_when_it_is_calm():
 
 
 def test_whoever_lifts_it_sees_everything():
-    _, left, limit = judged(strobe(12.0), lifted=True)
+    _, left, limit = judged(strobe(12.0), bypass=True)
     assert np.all(left == 1.0)
     assert limit.is_watching
 

@@ -142,7 +142,7 @@ def test_brightness_is_of_light_and_gamma_of_signals(throw):
     assert half**2.2 == pytest.approx(0.5, abs=0.01)
     dark = throw(white(value=128), Output(gamma=1.5))[90, 160, 0]
     assert dark == pytest.approx(255 * (128 / 255) ** 1.5, abs=1)
-    limited = throw(white(), Output(), left=0.25)[90, 160, 0] / 255.0
+    limited = throw(white(), Output(), light_share=0.25)[90, 160, 0] / 255.0
     assert limited**2.2 == pytest.approx(0.25, abs=0.01)
 
 
@@ -159,7 +159,7 @@ def test_a_mask_that_cannot_be_read_is_named(throw, tmp_path, content):
     with pytest.raises(PersonError, match=r"mask .*nothing\.png: there is no such file"):
         throw(white(), Output(mask=tmp_path / "nothing.png"))
     (tmp_path / "broken.png").write_bytes(content)
-    with pytest.raises(PersonError, match=r"broken\.png: no picture"):
+    with pytest.raises(PersonError, match=r"broken\.png: cannot be read as an image"):
         throw(white(), Output(mask=tmp_path / "broken.png"))
 
 

@@ -89,7 +89,7 @@ def test_one_that_was_lost_is_not_seen_and_a_broken_video_is_told_of(gl_context,
     making = PassSetup(gl_context, of, SOFTWARE, SIZE)
     one = BackgroundPass(making)
     row = picture_row(of)
-    moment = SimpleNamespace(amount=lambda place: float(row[place]))
+    moment = SimpleNamespace(parameter=lambda place: float(row[place]))
     row[BY_ADDRESS["/dance/background/1"].first] = 1.0
     assert not one.active(moment)
     row[BY_ADDRESS["/dance/background/2"].first] = 1.0

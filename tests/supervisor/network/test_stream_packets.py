@@ -116,7 +116,7 @@ def test_no_line_of_a_machine_that_may_take_part_ends_the_supervisor(remote, pac
     remote._engines.on_line = lambda line, kept: passed.append(kept)
     link, theirs = joined(remote, count)
     for number in range(packets):
-        remote._hear(link, mutated(chance))
+        remote._receive(link, mutated(chance))
         if number % 50 == 0:
             remote.look(float(number) / 50.0)
         if link.name not in remote._peers.links or remote._lead.leader != link.name:
@@ -138,7 +138,7 @@ def test_a_machine_that_never_stops_talking_is_not_followed_for_ever(remote):
     link, theirs = joined(remote, 1)
     event = {"type": "x", "words": "y" * 100_000}
     for tick in range(MAX_SHOW_BYTES // 100_000 + 2):
-        remote._hear(link, json.dumps({"tick": tick, "event": event}))
+        remote._receive(link, json.dumps({"tick": tick, "event": event}))
     assert link.name not in remote._peers.links
     theirs.close()
     assert resident_megabytes()() - before <= 200.0
@@ -151,7 +151,7 @@ def test_no_line_that_the_supervisor_lets_through_ends_the_engine_that_follows(r
     chance, ended, refused = random.Random(2), 0, 0
     following = StateFollower(loaded)
     following.add_line(header)
-    remote._engines.log.take(header)
+    remote._engines.log.add_line(header)
     for _ in range(1500):
         line = mutated(chance)
         try:
