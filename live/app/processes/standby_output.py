@@ -90,7 +90,7 @@ class StandbyOutput:
             self.window.draw(self._view)
             self.window.show(time)
             if self.sharing is not None:
-                self.sharing.frame(self.window.shown(), time)
+                self.sharing.frame(self.window.output_frame(), time)
         elif self.headless is not None:
             framebuffer = self.headless.draw(self._view, lambda: time)
             if self.sharing is not None:

@@ -75,17 +75,17 @@ def test_subscribers_are_told_each_at_her_address_and_not_what_they_said(asked):
                                                       for who in ("anna", "ben")}  # fmt: skip
     asked.ask(own("attract"), 0.25, at=1.0)
     asked.door.values.update({ATTRACT: (("anna", (0.25, "*")), ("ben", (0.0, "ember")))})
-    asked.door.subscribers.note([ATTRACT], 1.0)
+    asked.door.subscribers.mark_changed([ATTRACT], 1.0)
     assert (own("attract"), 0.25, "*") in asked.turn(1.1)[YOU]
     asked.turn(2.5)
     asked.ask(own("attract"), 0.125, "*", at=3.0)
     asked.door.values.update({ATTRACT: (("anna", (0.125, "*")), ("ben", (0.0, "ember")))})
-    asked.door.subscribers.note([ATTRACT], 3.0)
+    asked.door.subscribers.mark_changed([ATTRACT], 3.0)
     assert set(asked.turn(3.1)) == {YOU}
     assert asked.turn(4.5) == {}  # it came as it was said
     asked.ask(own("attract"), 0.5, "*", at=5.0)
     asked.door.values.update({ATTRACT: (("anna", (0.5, "*")), ("ben", (1.0, "ember")))})
-    asked.door.subscribers.note([ATTRACT], 5.0)
+    asked.door.subscribers.mark_changed([ATTRACT], 5.0)
     asked.turn(5.1)
     assert (own("attract", "ben"), 1.0, "ember") in asked.turn(6.5)[ME]  # and what another said is told
 
