@@ -38,7 +38,7 @@ def test_a_pass_that_fails_costs_two_frames_and_is_left_out_until_it_is_reset(
     usual, fails, calls = getattr(kind, method), [True], [0]
 
     def broken(*arguments: Any, **options: Any) -> Any:
-        if options.get("seen") is not False:
+        if options.get("visible") is not False:
             calls[0] += 1
             if fails[0]:
                 raise RuntimeError("the driver does not like it")

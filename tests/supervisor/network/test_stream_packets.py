@@ -78,7 +78,7 @@ def mutated(chance: random.Random) -> str:
 class Plain(LineChannel):
     """A wire without TLS, for many lines."""
 
-    refused = False
+    rejected = False
 
 
 @pytest.fixture
@@ -118,7 +118,7 @@ def test_no_line_of_a_machine_that_may_take_part_ends_the_supervisor(remote, pac
     for number in range(packets):
         remote._receive(link, mutated(chance))
         if number % 50 == 0:
-            remote.look(float(number) / 50.0)
+            remote.update(float(number) / 50.0)
         if link.name not in remote._peers.links or remote._lead.leader != link.name:
             remote._peers.drop(link)
             theirs.close()
