@@ -220,7 +220,7 @@ def test_who_resets_what_is_not_there_is_told_what_there_is(loaded):
     assert not show.apply(ResetBreaker(time=0.0, source="osc", name="steerin"))
     assert "there is no breaker 'steerin'; there are clock, measure" in show.refusals.last_reason
     assert not show.apply(BreakerTripped(time=0.0, source="osc", name="call Nothing"))
-    assert show.breakers.words() == ()
+    assert show.breakers.status_lines() == ()
 
 
 STAGES: dict[str, list[tuple[type, str]]] = {
