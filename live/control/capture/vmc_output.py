@@ -77,7 +77,10 @@ class VmcOutput:
 def pack_dancers(
     rows: npt.NDArray[np.integer], position: npt.NDArray[np.float32], rotation: npt.NDArray[np.float32]
 ) -> bytes:
-    """Return the data for `VmcOutput.send_dancers`, of dancers `rows` (n,), `position` (A, J, 3) [m], `rotation` (A, J, 4)."""
+    """Return the data for `VmcOutput.send_dancers`, of dancers `rows` (n,).
+
+    `position` (A, J, 3) [m], `rotation` (A, J, 4).
+    """
     told = np.empty((len(rows), ROW_LENGTH), np.float32)
     told[:, :3], told[:, 3:] = position[rows, 0], rotation[rows].reshape(len(rows), -1)
     return told.tobytes()
