@@ -28,11 +28,10 @@ from live.base.picture_parameters import (
 from live.base.stage_snapshot import Scene, StageView
 from live.cli.bench import Row
 from live.clock.ticks import TICK
-from live.render.adaptive_quality import is_software
 from live.render.frame_budget import FrameBudget
 from live.render.frame_stats import Pacer
 from live.render.gl_release import release_all
-from live.render.headless import OffscreenTarget, create_headless_context
+from live.render.headless import OffscreenTarget, create_headless_context, is_software
 from live.render.outputs.output import Output, SoftEdge
 from live.render.outputs.output_pass import OutputPass
 from live.render.outputs.photosensitivity import FlashLimiter

@@ -112,7 +112,7 @@ def _device(name: str, option: str, hint: str = "") -> str:
     except UnknownDevice as error:
         raise PersonError(f"{option}: {hint}{error}") from None
     except SoundUnavailable as error:
-        raise PersonError(f"{option}: there is no such file, and {error}") from None
+        raise PersonError(f"{option}: {hint}{error}") from None
 
 
 def _music(path: Path) -> Music:

@@ -98,7 +98,7 @@ def load_bench(name: str, folder: Path = BENCH_FOLDER) -> BenchFunction:
 
 def machine_info() -> dict[str, Any]:
     """Return this machine's {cpu, cores, python, gl}; gl is null without OpenGL."""
-    from live.cli.venue.doctor import probe_opengl
+    from live.app.machine.machine_check import probe_opengl
 
     return {
         "cpu": _cpu_name(),

@@ -72,4 +72,4 @@ def render(
         options, loaded, sound, path=film, seconds=length, console=console, report=report, fine=fine, guides=guides,
         click=click, taps=taps, alpha=alpha,
     )  # fmt: skip
-    console.print(f"film written: {film.resolve()}", soft_wrap=True, markup=False)
+    console.print(f"the film is here: {film.resolve()}", soft_wrap=True, markup=False)

@@ -70,7 +70,7 @@ def replay(
         result = film_replay(
             start, recorded, loaded, render, picture, rate, first=first, to=last, fine=fine, alpha=alpha
         )
-        console.print(f"film written: {render.resolve()}", soft_wrap=True, markup=False)
+        console.print(f"the film is here: {render.resolve()}", soft_wrap=True, markup=False)
     else:
         result = run_from(start, recorded, loaded=loaded, to=last)
     result.problems[:0] = problems

@@ -31,8 +31,8 @@ def install(
     import platformdirs
     from rich.console import Console
 
+    from live.app.machine.systemd_unit import OWN_JOURNAL, SystemdService, default_service_name, units_folder
     from live.app.option_values import expand_audience_option
-    from live.app.systemd_unit import OWN_JOURNAL, SystemdService, default_service_name, units_folder
     from live.app.whole_file import write_atomically
 
     arguments = expand_audience_option(context.args)
@@ -74,7 +74,7 @@ def uninstall(name: Name) -> None:
     """End the show and remove its unit; the journal is kept."""
     from rich.console import Console
 
-    from live.app.systemd_unit import unit_name, units_folder
+    from live.app.machine.systemd_unit import unit_name, units_folder
     from live.base.errors import PersonError
 
     path = units_folder() / unit_name(name)
@@ -92,7 +92,7 @@ def stop(name: Name) -> None:
     """End the show: its service, and any engine that runs without a supervisor."""
     from rich.console import Console
 
-    from live.app.systemd_unit import check_name
+    from live.app.machine.systemd_unit import check_name
 
     ended, problem = _stop_service(check_name(name))
     console = Console(highlight=False)
@@ -107,7 +107,7 @@ def status() -> None:
     """List the services, with their state, number of restarts, and whether they outlive a logout."""
     from rich.console import Console
 
-    from live.app.systemd_unit import units_folder
+    from live.app.machine.systemd_unit import units_folder
 
     console = Console(highlight=False)
     found = sorted(units_folder().glob("live-*.service"))
@@ -142,8 +142,8 @@ def _parse_play_arguments(arguments: list[str]) -> dict[str, Any]:
 
 def _stop_service(name: str) -> tuple[list[int], str | None]:
     """Stop the service, then any remaining engines; return their process ids, and systemd's error or None."""
+    from live.app.machine.systemd_unit import unit_name
     from live.app.processes.engine_main import service_label
-    from live.app.systemd_unit import unit_name
     from live.supervisor.adoption.adoption import end_engines
 
     problem = _systemctl("stop", unit_name(name))

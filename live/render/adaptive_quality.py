@@ -12,8 +12,8 @@ from typing import Final
 import moderngl
 
 from live.render.body.body_mesh import DISTANT, FINE, LIGHT
+from live.render.headless import is_software
 
-_SOFTWARE: Final = ("llvmpipe", "softpipe", "swrast", "software rasterizer", "swiftshader", "microsoft basic render")
 _MEDIUM_ABOVE: Final = 120
 """With more dancers than this, a graphics card also draws the light body, and the distant one far away."""
 
@@ -52,12 +52,6 @@ SOFTWARE: Final = Quality(0, LIGHT, 12, DISTANT, 256, 3, ("bloom",))
 """Without a graphics card: 50 dancers at 1280x720 in real time on two cores."""
 HARDWARE: Final = Quality(4, FINE, 120, LIGHT, 768, 2)
 """For a graphics card, or for offline films."""
-
-
-def is_software(ctx: moderngl.Context) -> bool:
-    """Whether OpenGL renders in software, judged by the renderer's name."""
-    name = str(ctx.info["GL_RENDERER"]).lower()
-    return any(word in name for word in _SOFTWARE)
 
 
 def choose_quality(ctx: moderngl.Context, dancer_count: int, samples: int | None) -> Quality:

@@ -108,10 +108,15 @@ def release_headless_context(ctx: moderngl.Context) -> None:
     ctx.release()
 
 
+def is_software_name(renderer: str) -> bool:
+    """Whether this name of a renderer (OpenGL's GL_RENDERER) is that of a software renderer."""
+    renderer = renderer.casefold()
+    return any(word in renderer for word in _SOFTWARE)
+
+
 def is_software(ctx: moderngl.Context) -> bool:
     """Whether OpenGL renders in software, so that expensive passes can be left out."""
-    renderer = str(ctx.info["GL_RENDERER"]).casefold()
-    return any(word in renderer for word in _SOFTWARE)
+    return is_software_name(str(ctx.info["GL_RENDERER"]))
 
 
 class OffscreenTarget:

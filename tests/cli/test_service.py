@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.app.systemd_unit import SystemdService, default_service_name, quote_word, unit_name
+from live.app.machine.systemd_unit import SystemdService, default_service_name, quote_word, unit_name
 from live.base.errors import PersonError
 from tests.cli.command import run_live
 

@@ -10,8 +10,9 @@ import pytest
 
 from live.base.stage_snapshot import ATTRACTOR, REPULSOR, SPREADER, Camera, Look, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-from live.render.adaptive_quality import HARDWARE, SOFTWARE, Quality, choose_quality, is_software
+from live.render.adaptive_quality import HARDWARE, SOFTWARE, Quality, choose_quality
 from live.render.camera import project_points
+from live.render.headless import is_software
 from live.render.renderer import Renderer
 from tests.render.poses import ARABESQUE, ARMS_DOWN, LUNGE, PLIE, REACH, STEP, stage_view
 

@@ -95,7 +95,7 @@ def play_step(preview: Preview) -> None:
         warm_kernels(console)
         seconds = preview.seconds or LOOPS * loop
         film_show(options, loaded, AudioChoice(), path=preview.film, seconds=seconds, console=console)
-        console.print(f"film written: {preview.film.resolve()}", soft_wrap=True, markup=False)
+        console.print(f"the film is here: {preview.film.resolve()}", soft_wrap=True, markup=False)
         return
     if not preview.headless and not list_monitors():  # play_show then makes a film: name it after the step
         name = "".join(letter if letter.isalnum() else "-" for letter in step.name)

@@ -20,7 +20,7 @@ from rich.console import Console
 
 from live.app.exit_codes import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, install_signal_handlers, show_person_error
 from live.app.launch_options import LaunchOptions
-from live.app.systemd_unit import check_name
+from live.app.machine.systemd_unit import check_name
 from live.base.errors import PersonError
 from live.base.native_stderr import survive_terminal_close
 from live.show.journal.journal_writer import move_aside

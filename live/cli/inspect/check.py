@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from live.cli.venue.doctor import Check
+    from live.app.machine.machine_check import Check
 
 
 def check(
@@ -41,8 +41,8 @@ def check(
     loaded = options.load()
     show = loaded.start()
     if venue is not None or as_json:
+        from live.app.machine.venue_check import all_venue_checks
         from live.app.option_values import parse_endpoint
-        from live.cli.inspect.venue_check import all_venue_checks
 
         _print_checks(all_venue_checks(loaded, show, hall, parse_endpoint(osc), venue), as_json=as_json)
         return

@@ -349,7 +349,7 @@ def apply_desired(
     most: Float64,
     least_left: float,
 ) -> None:
-    """Limit wishes by `bound_aims`, move predictions of dancers still adjustable, and add the avoidance."""
+    """Limit wishes by `limit_goals`, move predictions of dancers still adjustable, and add the avoidance."""
     limit_goals(rows[DESIRED], correction, aimed, phase, node, warp_curve, most, least_left)
     for n in range(node.shape[0]):
         if rows[DESIRED, n, 0] != correction[n, 0] or rows[DESIRED, n, 1] != correction[n, 1]:
@@ -370,7 +370,7 @@ def apply_goals(
     most: Float64,
     least_left: float,
 ) -> None:
-    """Limit goals, changed to avoid contact, by `bound_aims`; store their difference from the wishes as avoidance."""
+    """Limit goals, changed to avoid contact, by `limit_goals`; store their difference from the wishes as avoidance."""
     limit_goals(rows[GOAL], correction, aimed, phase, node, warp_curve, most, least_left)
     for n in range(node.shape[0]):
         rows[SEPARATION, n, 0] = rows[GOAL, n, 0] - rows[DESIRED, n, 0]

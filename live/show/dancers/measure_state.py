@@ -7,7 +7,7 @@ from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import own_end, take_placement, turn_vectors
 from live.graph.takes import NO_TAKE
 from live.motion.pose.gather_kernels import same_measures
-from live.motion.pose.root_warp_kernels import limit_goals, redirect_dancers
+from live.motion.pose.root_warp_kernels import redirect_dancers
 from live.motion.pose.turn_kernels import end_dancers, place_dancers
 
 Float32 = npt.NDArray[np.float32]
@@ -94,15 +94,6 @@ class MeasureState:
             self.graph.node_warp_curve,
             self.on_support,
         )
-
-    def bound_aims(self, goal: Float64, phase: Float64, most: Float64) -> None:
-        """Limit the corrections' goals, `goal` (A, 2) [m], to what can still be reached from `phase` (A,) on.
-
-        In the rest of a measure no dancer moves faster than with a correction of `most` (A,) [m] over the whole
-        measure, or than they already do.
-        """
-        rise = self.graph.node_warp_curve
-        limit_goals(goal, self.correction, self.aim_origin, phase, self.node, rise, most, MIN_REMAINING_WARP)
 
     def re_aim(self, correction: Float64, phase: Float64) -> None:
         """Change the corrections to `correction` (A, 2) [m] from `phase` (A,) of the measures on.

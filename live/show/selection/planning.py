@@ -19,9 +19,9 @@ from live.show.dancers.dancers import Dancers
 from live.show.dancers.measure_state import MeasureState
 from live.show.group.group_motion import GroupMotion
 from live.show.measure_span import MeasureSpan
-from live.show.patch.background_check import MeasureDraft
 from live.show.patch.patch import Patch
 from live.show.selection.choices import StepChoices
+from live.show.selection.measure_draft import MeasureDraft
 from live.show.selection.step_search import BATCH_SIZE, StepSearch
 from live.show.selection.step_targets import StepTargets
 

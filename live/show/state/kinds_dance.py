@@ -27,11 +27,11 @@ from live.show.partner.partner_agents import PartnerAgents
 from live.show.partner.partner_response import PartnerResponse
 from live.show.partner.response_path import ResponsePath
 from live.show.partner.response_pose import ResponsePoses
-from live.show.patch.background_check import MeasureDraft
 from live.show.selection.choices import StepChoices
 from live.show.selection.clip_cut import ClipCutter, Moment
 from live.show.selection.interrupts import Interrupts, _Cue
 from live.show.selection.lookahead import AgentLookAhead
+from live.show.selection.measure_draft import MeasureDraft
 from live.show.selection.planning import MeasurePlan
 from live.show.selection.scheduler import Scheduler
 from live.show.selection.step_search import StepSearch

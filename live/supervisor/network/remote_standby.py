@@ -69,7 +69,7 @@ class RemoteStandby:
         say: Callable[[str], None],
     ) -> None:
         self._starter, self._engines, self._report, self._say = starter, engines, report, say
-        self._now = self._turn = 0.0
+        self._now = 0.0
         self._updated_at: float | None = None
         self._run_delay = run_delay()
         self._promote_requested = self._drain_on_close = False

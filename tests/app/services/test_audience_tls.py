@@ -17,11 +17,11 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
 from live.app.launch_options import LaunchOptions
+from live.app.machine.venue_check import certificate_checks
 from live.app.services.audience_service import AudienceService, network_of, tls_files
 from live.app.services.audience_tls import parse_tls, read_identity
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
-from live.cli.inspect.venue_check import certificate_checks
 from live.clock.time_source import ManualClock
 from live.show.patch.section_io import AudienceSection
 from live.show.venue.venue import Venue

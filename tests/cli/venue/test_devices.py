@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from live.cli.venue import devices
+from live.app.machine import device_list
 from live.control.audio import devices as sound_devices
 from live.control.audio.devices import SoundDevice
 from tests.cli.command import run_live, run_live_process
@@ -76,7 +76,7 @@ class _Client:
 
 def test_midi_without_a_sequencer_is_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "rtmidi", _Midi(None))
-    first, second = devices.midi_sections()
+    first, second = device_list.midi_sections()
     assert first.items == second.items == ()
     assert first.why is not None
     assert first.why.endswith("rtmidi: MidiInAlsa::initialize: error creating ALSA sequencer client object.")
@@ -84,7 +84,7 @@ def test_midi_without_a_sequencer_is_a_reason(monkeypatch: pytest.MonkeyPatch) -
 
 def test_midi_ports_are_listed_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "rtmidi", _Midi(["keys:0", "pads:1"], []))
-    inputs, outputs = devices.midi_sections()
+    inputs, outputs = device_list.midi_sections()
     assert [item["name"] for item in inputs.items] == ["keys:0", "pads:1"]
     assert inputs.why is None
     assert outputs.why == "MIDI is available, but no device is connected"
@@ -95,7 +95,7 @@ def test_audio_devices_keep_their_numbers_and_are_sorted_by_direction(monkeypatc
     speakers = SoundDevice(0, "speakers", "JACK", 2, 44100.0, default=False)
     monkeypatch.setattr(sound_devices, "list_input_devices", lambda: [microphone])
     monkeypatch.setattr(sound_devices, "list_output_devices", lambda: [speakers])
-    inputs, outputs = devices.audio_sections()
+    inputs, outputs = device_list.audio_sections()
     keys = {"index": 1, "name": "microphone", "host": "ALSA", "channels": 1, "sample_rate": 48000.0, "default": True}
     assert inputs.items == (keys,)
     assert [item["name"] for item in outputs.items] == ["speakers"]
@@ -108,14 +108,14 @@ def test_audio_without_portaudio_is_a_reason(monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.setattr(sound_devices, "list_input_devices", unavailable)
     monkeypatch.setattr(sound_devices, "list_output_devices", list)
-    inputs, outputs = devices.audio_sections()
+    inputs, outputs = device_list.audio_sections()
     assert (inputs.items, inputs.why) == ((), "no sound devices: PortAudio library not found; install PortAudio")
     assert outputs.why is not None
     assert "no output" in outputs.why
 
 
 def test_stderr_is_given_back_after_the_silence(capfd: pytest.CaptureFixture[str]) -> None:
-    with devices.suppress_native_stderr():
+    with device_list.suppress_native_stderr():
         os.write(2, b"from a C library\n")
     os.write(2, b"ours\n")
     assert capfd.readouterr().err == "ours\n"

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from live.app.machine import machine_check
+from live.app.machine.device_list import Section
+from live.app.machine.machine_check import Check
 from live.base import jit
-from live.cli.venue import doctor
-from live.cli.venue.devices import Section
-from live.cli.venue.doctor import Check
 from tests.cli.command import run_live
 
 
@@ -61,23 +61,23 @@ def test_a_cold_cache_is_told_with_the_command_that_warms_it(tmp_path: Path, mon
 def test_a_busy_osc_port(monkeypatch: pytest.MonkeyPatch) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("127.0.0.1", 0))
-        monkeypatch.setattr(doctor, "OSC_ADDRESS", other.getsockname())
-        busy = doctor.check_osc_port()
+        monkeypatch.setattr(machine_check, "OSC_ADDRESS", other.getsockname())
+        busy = machine_check.check_osc_port()
         assert busy.state == "limited"
         assert str(other.getsockname()[1]) in busy.detail
         assert "--osc" in busy.remedy
-    assert doctor.check_osc_port().state == "ok"
+    assert machine_check.check_osc_port().state == "ok"
 
 
 def test_every_requirement_of_the_package_is_checked() -> None:
     from importlib.metadata import requires
 
-    assert len(list(doctor.check_packages())) == len(requires("choreographics-live") or [])
+    assert len(list(machine_check.check_packages())) == len(requires("choreographics-live") or [])
 
 
 def test_a_missing_package_stops_a_show(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.metadata.requires", lambda name: ["surely-not-there>=1", "numpy>=2"])
-    absent, present = doctor.check_packages()
+    absent, present = machine_check.check_packages()
     assert absent == Check("surely-not-there", "missing", "not installed", "make play", needed=True)
     assert (present.name, present.state) == ("numpy", "ok")
 
@@ -85,7 +85,7 @@ def test_a_missing_package_stops_a_show(monkeypatch: pytest.MonkeyPatch) -> None
 def test_a_package_that_this_python_does_not_take_is_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     requirement = 'surely-not-there>=1; python_version < "3.13"'
     monkeypatch.setattr("importlib.metadata.requires", lambda name: [requirement])
-    (found,) = doctor.check_packages()
+    (found,) = machine_check.check_packages()
     assert (found.state, found.needed) == ("limited", False)
     assert 'python_version < "3.13"' in found.detail
 
@@ -96,7 +96,7 @@ def test_without_ableton_link_shows_run(monkeypatch: pytest.MonkeyPatch) -> None
 
     monkeypatch.setattr("importlib.metadata.requires", lambda name: ['linkpython-extern>=1.3; extra == "link"'])
     monkeypatch.setattr("importlib.metadata.version", not_there)
-    (found,) = doctor.check_packages()
+    (found,) = machine_check.check_packages()
     assert (found.state, found.detail) == ("limited", "not installed: no Ableton Link")
 
 
@@ -104,9 +104,9 @@ def test_portaudio_that_is_not_installed_names_its_package(monkeypatch: pytest.M
     def not_there() -> str:
         raise OSError("PortAudio library not found")
 
-    monkeypatch.setattr(doctor, "_portaudio_version", not_there)
-    monkeypatch.setattr(doctor.shutil, "which", lambda name: name if name == "dnf" else None)
-    (found,) = doctor.check_audio()
+    monkeypatch.setattr(machine_check, "_portaudio_version", not_there)
+    monkeypatch.setattr(machine_check.shutil, "which", lambda name: name if name == "dnf" else None)
+    (found,) = machine_check.check_audio()
     assert found.remedy == "sudo dnf install portaudio"
 
 
@@ -120,10 +120,10 @@ def test_portaudio_that_is_not_installed_names_its_package(monkeypatch: pytest.M
 )
 def test_midi_remedies_fit_the_reason(monkeypatch: pytest.MonkeyPatch, why: str, remedy: str) -> None:
     monkeypatch.setattr(
-        doctor, "midi_sections", lambda: (Section("midi_inputs", (), why), Section("midi_outputs", (), why))
+        machine_check, "midi_sections", lambda: (Section("midi_inputs", (), why), Section("midi_outputs", (), why))
     )
-    monkeypatch.setattr(doctor.shutil, "which", lambda name: name if name == "dnf" else None)
-    for found in doctor.check_midi():
+    monkeypatch.setattr(machine_check.shutil, "which", lambda name: name if name == "dnf" else None)
+    for found in machine_check.check_midi():
         assert found.state == "limited"
         assert found.remedy.endswith(remedy)
 
@@ -139,8 +139,8 @@ def test_midi_remedies_fit_the_reason(monkeypatch: pytest.MonkeyPatch, why: str,
     ],
 )
 def test_install_lines(monkeypatch: pytest.MonkeyPatch, manager: str, library: str, line: str) -> None:
-    monkeypatch.setattr(doctor.shutil, "which", lambda name: name if name == manager else None)
-    assert doctor.install_command(library) == line
+    monkeypatch.setattr(machine_check.shutil, "which", lambda name: name if name == manager else None)
+    assert machine_check.install_command(library) == line
 
 
 def _answer(stdout: str, stderr: str = "", code: int = 0) -> "subprocess.CompletedProcess[str]":
@@ -157,21 +157,21 @@ def _answer(stdout: str, stderr: str = "", code: int = 0) -> "subprocess.Complet
 def test_opengl_that_fails_or_crashes_is_told(
     monkeypatch: pytest.MonkeyPatch, answer: "subprocess.CompletedProcess[str]", why: str
 ) -> None:
-    monkeypatch.setattr(doctor.subprocess, "run", lambda *_, **__: answer)
-    assert doctor.probe_opengl() == doctor.OpenGL(None, why=why)
+    monkeypatch.setattr(machine_check.subprocess, "run", lambda *_, **__: answer)
+    assert machine_check.probe_opengl() == machine_check.OpenGL(None, why=why)
 
 
 def test_opengl_that_hangs_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     def hang(*_: object, timeout: float, **__: object) -> None:
         raise subprocess.TimeoutExpired("probe", timeout)
 
-    monkeypatch.setattr(doctor.subprocess, "run", hang)
-    assert doctor.probe_opengl(timeout=3).why == "the driver did not answer within 3 s"
+    monkeypatch.setattr(machine_check.subprocess, "run", hang)
+    assert machine_check.probe_opengl(timeout=3).why == "the driver did not answer within 3 s"
 
 
 def test_an_old_opengl_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(doctor, "probe_opengl", lambda: doctor.OpenGL("old card", "3.3 driver", 330))
-    found = doctor.check_opengl()
+    monkeypatch.setattr(machine_check, "probe_opengl", lambda: machine_check.OpenGL("old card", "3.3 driver", 330))
+    found = machine_check.check_opengl()
     assert (found.state, found.needed) == ("missing", True)
     assert "4.1 is needed" in found.detail
 
@@ -180,6 +180,6 @@ def test_a_full_disk_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     def full(**_: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(doctor.tempfile, "TemporaryFile", full)
-    found = doctor.check_kernels()
+    monkeypatch.setattr(machine_check.tempfile, "TemporaryFile", full)
+    found = machine_check.check_kernels()
     assert (found.state, found.remedy) == ("limited", "free some space")

@@ -134,7 +134,7 @@ def planned_errors(seconds=16.0):
 
 def test_shares_are_refined_so_that_mixtures_end_nearer(monkeypatch):
     refined = planned_errors()
-    monkeypatch.setattr("live.show.patch.background_check.SHARE_REFINEMENT", 0.0)
+    monkeypatch.setattr("live.show.selection.measure_draft.SHARE_REFINEMENT", 0.0)
     stepped = planned_errors()
     assert len(refined) == len(stepped) == 8
     assert (refined[0] <= stepped[0] + 2e-3).all()  # until then nothing else differs

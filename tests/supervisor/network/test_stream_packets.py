@@ -122,7 +122,11 @@ def test_no_line_of_a_machine_that_may_take_part_ends_the_supervisor(remote, pac
         if link.name not in remote._peers.links or remote._leadership.leader != link.name:
             remote._peers.drop(link)
             theirs.close()
-            remote._engines.code, remote._leadership.role, remote._leadership.leader = None, type(remote._leadership.role).FOLLOWS, None
+            remote._engines.code, remote._leadership.role, remote._leadership.leader = (
+                None,
+                type(remote._leadership.role).FOLLOWS,
+                None,
+            )
             remote._leadership.term = Term(0, "")
             count += 1
             link, theirs = joined(remote, count)

@@ -4,7 +4,7 @@ import numpy as np
 
 from live.clock.ticks import TICK
 from live.graph.select.candidates import own_end
-from live.show.patch.background_check import MAX_END_SHIFT
+from live.show.selection.measure_draft import MAX_END_SHIFT
 from tests.show.made_show import made_show
 
 

@@ -8,9 +8,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from live.app.machine.device_list import Section, audio_sections, midi_sections
+from live.app.machine.machine_check import Check, check_kernels, check_monitors, check_opengl
 from live.base.errors import PersonError
-from live.cli.venue.devices import Section, audio_sections, midi_sections
-from live.cli.venue.doctor import Check, check_kernels, check_monitors, check_opengl
 from live.show.loader import LoadedShow
 from live.show.show import Show
 from live.show.venue.venue import Venue

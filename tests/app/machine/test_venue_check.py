@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 
 from live.app.launch_options import LaunchOptions
+from live.app.machine import venue_check
+from live.app.machine.device_list import Section
+from live.app.machine.venue_check import check_disk, check_osc, venue_checks
 from live.app.option_values import parse_measures
 from live.app.practice import practice_events, practice_tempo
 from live.app.session_audio import choose_audio
 from live.base.errors import PersonError
-from live.cli.inspect import venue_check
-from live.cli.inspect.venue_check import check_disk, check_osc, venue_checks
-from live.cli.venue.devices import Section
 from live.show.venue.venue import Venue, VenueAudio, VenueMidi
 from tests.cli.command import run_live
 from tests.show.made_show import made_show
