@@ -11,7 +11,7 @@ import numpy as np
 
 from live.base.fault_isolation import Bulkhead, callback_name
 from live.clock.follower.timeline_follower import TimelineFollower
-from live.show.journal.journal_writer import LineWriter
+from live.show.journal.line_writer import LineWriter
 from live.show.selection.choices import explanation_lines
 from live.show.show import Show
 

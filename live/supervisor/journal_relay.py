@@ -9,7 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from live.show.journal.journal_writer import SNAPSHOT_SUFFIX, JournalFile, UnfinishedFile, WriteProgress, with_gap
+from live.show.journal.journal_writer import SNAPSHOT_SUFFIX, JournalFile
+from live.show.journal.line_writer import UnfinishedFile, WriteProgress, with_gap
 from live.supervisor.recovery_log import SealedSnapshot
 from live.supervisor.supervisor_link import SupervisorLink
 

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from live.base.fault_isolation import run_once
-from live.show.journal.journal_writer import SNAPSHOT_SUFFIX, JournalFile, UnfinishedFile, WriteProgress, move_aside
+from live.show.journal.journal_writer import SNAPSHOT_SUFFIX, JournalFile, move_aside
+from live.show.journal.line_writer import UnfinishedFile, WriteProgress
 from live.show.journal.skipped_events import SINCE_KEY, SKIPPED_KEY, drop_last_events
 
 PATCH_EVENTS: Final = ("PatchChanged", "StepsAdded", "StepsChanged")

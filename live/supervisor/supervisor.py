@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Final
 
-from live.show.journal.journal_writer import WriteProgress
+from live.show.journal.line_writer import WriteProgress
 from live.supervisor.adoption.adoption import Adoption
 from live.supervisor.adoption.audio_adoption import adopt_audio
 from live.supervisor.adoption.journal_resume import InterruptedShow

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
-from live.show.journal.journal_writer import UnfinishedFile, WriteProgress
+from live.show.journal.line_writer import UnfinishedFile, WriteProgress
 from live.supervisor.adoption.rendezvous import EngineRendezvous, send_engine, send_unwritten
 from live.supervisor.heartbeat import Heartbeat, Phase
 from live.supervisor.line_channel import LineChannel

@@ -27,7 +27,7 @@ from live.control.audience.phone_registry import Device, Phone, group_number, hu
 from live.control.audience.rate_limit import RefusalReason
 from live.control.audience.session_state import SessionState
 from live.control.audience.websocket_reader import WebSocketReader
-from live.control.web.web_server import is_local_host
+from live.control.web.http_protection import is_local_host
 
 PAGE: Final = Path(__file__).with_name("page.html")
 LANGUAGES: Final = ("en", "pt")

@@ -19,9 +19,7 @@ from live.control.helper_process import HelperChannel
 from live.control.osc.osc_codec import bundles, encode
 from live.control.osc.oscquery_tree import Namespace, host_info
 from live.control.registry.registry import READABLE, REGISTRY, Rows, Values
-from live.control.web.mdns import Announcement, service_host
-from live.control.web.task_guard import keep_task
-from live.control.web.web_server import (
+from live.control.web.http_protection import (
     HEARTBEAT,
     SECURITY_HEADERS,
     BoundedServer,
@@ -29,6 +27,8 @@ from live.control.web.web_server import (
     is_same_origin,
     serve,
 )
+from live.control.web.mdns import Announcement, service_host
+from live.control.web.task_guard import keep_task
 
 MAX_CLIENTS: Final = 32
 MAX_CLIENTS_PER_GROUP: Final = 16

@@ -18,7 +18,7 @@ from typing import Any, Final
 from live.base.fault_isolation import Bulkhead
 from live.rehearse.chaos.call_sites import CallSite, ExceptionInjector, InjectedError, replace_method
 from live.rehearse.chaos.fault_page import FaultPage, PageWord
-from live.show.journal.journal_writer import AtomicAppendFile
+from live.show.journal.line_writer import AtomicAppendFile
 from live.supervisor.supervisor_link import SupervisorLink
 
 PAGE_FILE: Final = "page"

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from live.show.journal.journal_writer import GAP_KEY
+from live.show.journal.line_writer import GAP_KEY
 from live.show.journal.skipped_events import SKIPPED_KEY
 
 

@@ -15,7 +15,7 @@ from live.clock.ticks import TICK
 from live.control.events.event import ControlEvent
 from live.control.events.event_json import event_from_json
 from live.control.events.events import TicksSkipped
-from live.show.journal.journal_writer import GAP_KEY
+from live.show.journal.line_writer import GAP_KEY
 from live.show.journal.skipped_events import Gap, skipped_gaps
 
 FORMAT: Final = 2

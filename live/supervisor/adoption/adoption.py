@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from live import __version__
-from live.show.journal.journal_writer import UnfinishedFile, WriteProgress
+from live.show.journal.line_writer import UnfinishedFile, WriteProgress
 from live.supervisor.adoption.hung_engine import kill_if_hung, socket_holders
 from live.supervisor.adoption.rendezvous import ENDING, parse_first_line, path_in_folder, private_folder, same_user
 from live.supervisor.heartbeat import Heartbeat

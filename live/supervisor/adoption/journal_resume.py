@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from live.clock.ticks import TICK
-from live.show.journal.journal_writer import SNAPSHOT_SUFFIX, UnfinishedFile, WriteProgress, read_snapshots
+from live.show.journal.journal_writer import SNAPSHOT_SUFFIX, read_snapshots
+from live.show.journal.line_writer import UnfinishedFile, WriteProgress
 from live.supervisor.recovery_log import PATCH_EVENTS, RecoveryLog
 
 MAX_INTERRUPTION: Final = 300.0

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from live import __version__
-from live.show.journal.journal_writer import UnfinishedFile
+from live.show.journal.line_writer import UnfinishedFile
 from live.supervisor.line_channel import LineChannel
 from live.supervisor.recovery_log import RecoveryLog
 

@@ -21,7 +21,7 @@ from live.control.audience.http_server import language_of
 from live.control.audience.phone_registry import Phone
 from live.control.audience.rate_limit import RefusalReason
 from live.control.audience.websocket_reader import WebSocketReader
-from live.control.web.web_server import is_local_host
+from live.control.web.http_protection import is_local_host
 from tests.control.audience.made_gateway import FakePhone, key_of, made_gateway, until
 
 MASK = b"\x11\x22\x33\x44"

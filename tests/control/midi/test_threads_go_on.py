@@ -19,7 +19,7 @@ from live.control.midi.rtp_midi import RtpPort
 from live.control.osc.osc_codec import encode
 from live.control.osc.osc_server import OscInput
 from live.control.web.task_guard import guarded, keep_task
-from live.show.journal.journal_writer import WriterThread
+from live.show.journal.line_writer import WriterThread
 from tests.control.waiting import wait_for
 
 ROOT = Path(live.__file__).parent

@@ -7,7 +7,7 @@ import socket
 import pytest
 from aiohttp import web
 
-from live.control.web.web_server import BoundedServer, FailedKeys, accepted_hosts, address_group, mdns_name, serve
+from live.control.web.http_protection import BoundedServer, FailedKeys, accepted_hosts, address_group, mdns_name, serve
 
 
 def test_only_what_leads_here_is_accepted():

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from live.show.journal import journal_writer
-from live.show.journal.journal_writer import LineWriter, UnfinishedFile, with_gap
+from live.show.journal import line_writer
+from live.show.journal.line_writer import LineWriter, UnfinishedFile, with_gap
 from tests.control.waiting import wait_for
 
 
@@ -34,7 +34,7 @@ def test_a_full_disk_is_counted():
 
 
 def test_a_disk_that_hangs_makes_nobody_wait(tmp_path, monkeypatch):
-    monkeypatch.setattr(journal_writer, "MAX_WAITING_LINES", 8)
+    monkeypatch.setattr(line_writer, "MAX_WAITING_LINES", 8)
     writer = LineWriter(tmp_path / "a", name="test")
     release, stuck, add = threading.Event(), threading.Event(), writer._file.append
 
@@ -75,7 +75,7 @@ def test_two_never_write_a_journal_at_once_and_what_waits_is_written_when_the_ot
 
 
 def test_who_cannot_be_the_only_writer_writes_nothing_and_says_what_is_missing(tmp_path, monkeypatch):
-    monkeypatch.setattr("live.show.journal.journal_writer.LOCK_TIMEOUT", 0.05)
+    monkeypatch.setattr("live.show.journal.line_writer.LOCK_TIMEOUT", 0.05)
     path = tmp_path / "j"
     first = LineWriter(path, name="first", mark=with_gap)
     first.line('{"tick":1}', 1)
