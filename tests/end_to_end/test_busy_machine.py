@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.supervisor.test_overload import PER_PROCESSOR, dead_children
+from tests.supervisor.test_process_stats import PER_PROCESSOR, dead_children
 
 SECONDS = 75.0
 BPM = 120.0

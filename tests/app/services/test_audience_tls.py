@@ -25,7 +25,7 @@ from live.base.event_queue import EventQueue
 from live.clock.time_source import ManualClock
 from live.show.patch.section_io import AudienceSection
 from live.show.venue.venue import Venue
-from tests.app.services.test_audience_part import Stage
+from tests.app.services.test_audience_service import Stage
 from tests.control.audience.made_gateway import FakePhone, until
 from tests.show.made_show import made_show
 

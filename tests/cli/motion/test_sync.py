@@ -14,7 +14,7 @@ from live.library.beat_alignment import SyncResult
 from live.motion.beats.clap_sync import AssignedClap, Clap
 from live.motion.beats.music_reference import MusicReference
 from tests.cli.command import run_live
-from tests.library.test_music_reference import click_track
+from tests.library.test_beat_alignment import click_track
 from tests.motion.beats.test_claps import hands, uneven
 from tests.motion.formats.made_bvh import body_bvh
 from tests.motion.retarget.made_source import clapping

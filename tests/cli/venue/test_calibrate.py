@@ -11,7 +11,7 @@ from live.base.errors import PersonError
 from live.clock.time_source import ManualClock
 from live.control.audio.latency_claps import clap_offset, find_claps
 from live.show.venue.venue import Venue, read_venue, update_toml, updated_venue_text, venue_path
-from tests.control.audio.test_calibration_claps import hall
+from tests.control.audio.test_latency_claps import hall
 
 
 class Projector:

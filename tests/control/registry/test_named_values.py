@@ -10,7 +10,7 @@ from live.control.osc.oscquery_tree import Namespace
 from live.control.registry.registry import READABLE, REGISTRY, Values
 from live.show.desk.completions import completion_names
 from live.show.patch.patch_reader import parse_patch
-from tests.control.osc.test_osc_asking import ME, YOU, Asked
+from tests.control.osc.test_osc_handler import ME, YOU, Asked
 from tests.show.made_show import PATCH
 
 MIRRORED, PLACE, ATTRACT = (f"/dance/mocap/{what}" for what in ("mirrored", "place", "attract"))

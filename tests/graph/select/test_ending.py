@@ -3,7 +3,7 @@
 import numpy as np
 
 from live.graph.select.candidates import next_axes, own_end, turn_vectors
-from tests.motion.pose.test_asking import COUNT, GRAPH, danced
+from tests.motion.pose.test_gather_kernels import COUNT, GRAPH, danced
 
 
 def test_ends_and_axes_are_those_of_placing_and_joining():

@@ -7,7 +7,7 @@ from live.control.events.event_json import event_from_json, event_to_json
 from live.control.registry.registry import REGISTRY
 from live.show.state.snapshot import Snapshotter, restore
 from tests.show.desk.desk_show import Hands
-from tests.show.desk.test_desk_kept import LOADED
+from tests.show.desk.test_light_desk_state import LOADED
 
 
 def seen(hands):

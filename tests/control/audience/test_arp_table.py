@@ -67,7 +67,7 @@ HALL = """
     inside ip link add link vb name vc netns $third type macvlan mode bridge
     nsenter -t $third -n ip addr add 10.9.0.9/24 dev vc; nsenter -t $third -n ip link set vc up
     for x in 10.9.0.2 10.9.0.3 10.9.0.9 fd00:9::2; do (exec 3<>/dev/tcp/$x/9) 2>/dev/null || true; done
-    {python} -m tests.control.audience.test_neighbours
+    {python} -m tests.control.audience.test_arp_table
 """
 
 

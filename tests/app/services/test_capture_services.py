@@ -17,7 +17,7 @@ from live.motion.packed_pose import unpack_pose
 from live.show.patch.patch_reader import parse_patch
 from live.show.venue.venue import Venue
 from tests.cli.command import run_live
-from tests.control.capture.test_vmc_stream import poses, stream
+from tests.control.capture.test_vmc_input import poses, stream
 from tests.show.made_show import PATCH, made_show
 
 VENUE = Venue.model_validate({"vmc": {"at": ["0"]}, "psn": {"at": "127.0.0.1:0"}})

@@ -15,7 +15,7 @@ from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.packed_pose import unpack_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-from tests.control.capture.test_vmc_decode import bundle, message
+from tests.control.capture.test_vmc_protocol import bundle, message
 from tests.control.waiting import wait_for
 
 

@@ -15,7 +15,7 @@ from live.control.helper_process import HelperProcess
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.packed_pose import unpack_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-from tests.control.capture.test_vmc_stream import poses, stream
+from tests.control.capture.test_vmc_input import poses, stream
 
 
 @pytest.fixture
