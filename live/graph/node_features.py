@@ -15,10 +15,9 @@ from live.graph.build.metric import WINDOW_SAMPLES
 from live.graph.build.transitions import clouds, transition_windows
 from live.graph.step_library import StepLibrary, window_samples
 from live.motion.editing.foot_correction import ANKLES, BALLS, Feet
-from live.motion.editing.turn_insertion import support_turns
+from live.motion.editing.turn_insertion import support_turn_rows
 from live.motion.pose.pose_pipeline import PosePipeline, PoseSkeleton
-from live.motion.pose.root_warp import compute_reach_margin, compute_warp_curve, initial_hold_shares
-from live.motion.pose.root_warp_kernels import KNOTS
+from live.motion.pose.root_warp import measure_warps
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
 
@@ -185,29 +184,17 @@ def node_facts(library: StepLibrary, window: float) -> NodeFacts:
 def _turns(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
     """Return the support turns of every node, (N, 8, 8), and their peak speeds, (N,)."""
     feet = _feet(library)
-    turns = []
-    for node, clip in enumerate(library.node_clip):
-        step, measure = _measure(library, node)
-        turns.append(support_turns(step, measure, window=min(window, 0.9), softness=TURN_SOFTNESS, feet=feet[clip]))
-    rows = np.ascontiguousarray(np.stack([turn.rows() for turn in turns]))
-    return rows, np.array([float(turn.max_speed) for turn in turns])
+    measures = [(*_measure(library, node), feet[clip]) for node, clip in enumerate(library.node_clip)]
+    return support_turn_rows(measures, window=min(window, 0.9), softness=TURN_SOFTNESS)
 
 
 def _warp_curves(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float64]:
     """Return when each node's correction is applied, (N, KNOTS, 2), its reach per direction [m], (N, DIRECTIONS), and
     the share applied before each foot is first lifted, (N, 2)."""
     legs = _legs(library)
-    rises, gives, holds = [], [], []
-    for first, last in zip(library.node_first, library.node_last, strict=True):
-        at = np.linspace(first, last, 4 * (KNOTS - 1) + 1).round().astype(np.int64)
-        contact = library.clip_contact[at]
-        rise, follows = compute_warp_curve(contact, last=1.0 - min(window, 0.9))
-        rises.append(rise)
-        hip, ankle = legs[at][:, (1, 5)], legs[at][:, (3, 7)]
-        gives.append(compute_reach_margin(hip, ankle, contact, rise, follows_feet=follows))
-        holds.append(initial_hold_shares(ankle, contact, rise))
-    stacked = [np.ascontiguousarray(np.stack(rows)) for rows in (rises, gives, holds)]
-    return stacked[0], stacked[1], stacked[2]
+    hip, ankle = legs[:, (1, 5)], legs[:, (3, 7)]
+    measures = list(zip(library.node_first.tolist(), library.node_last.tolist(), strict=True))
+    return measure_warps(hip, ankle, library.clip_contact, measures, last=1.0 - min(window, 0.9))
 
 
 def _legs(library: StepLibrary) -> Float64:

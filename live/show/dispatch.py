@@ -1,6 +1,6 @@
 """Dispatch of events to the parts of a show."""
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
@@ -12,6 +12,8 @@ from live.show.capture.capture_manager import MOCAP_EVENTS
 from live.show.circuit_breakers import Stage, describe_tripped
 from live.show.dancers.step_requests import STEP_REQUEST_EVENTS
 from live.show.desk.light_desk import DESK_EVENTS
+from live.show.desk.undo_history import EDITED_PARTS
+from live.show.group.elements import ELEMENT_EVENTS
 from live.show.group.group_commands import GROUP_EVENTS
 from live.show.score.score_runner import SCORE_EVENTS
 from live.show.sound.clock_commands import CLOCK_EVENTS, apply_clock_event
@@ -31,10 +33,12 @@ class EventDispatcher(HotSwap):
             self._handle_music(event)
         elif isinstance(event, events.NotesHeard):
             self._handle_notes(event)
-        else:
+        elif type(event) in EDITED_PARTS:
             self.desk.undo_history.begin_edit(event)
             self._handle(event)
             self.desk.undo_history.end_edit(event)
+        else:
+            self._handle(event)
         return self.refusals.count + self.follower.rejected == before
 
     def _handle_music(self, event: events.MusicHeard) -> None:
@@ -122,6 +126,16 @@ class EventDispatcher(HotSwap):
         for change in changes:
             self._handle(change)
 
+    def _handle_element(self, event: Any) -> None:
+        """Place the element of an event (`ELEMENT_EVENTS`) now, or at the next measure line."""
+        try:
+            self.motion.elements.handle(
+                event, beat=self.timeline.beat_at(self.time), next_line=self.span.end,
+                beats_per_measure=self.timeline.beats_per_measure, position=self.state.position,
+            )  # fmt: skip
+        except PersonError as error:
+            self.refusals.add(f"{event.source}: {error}")
+
     def _handle_direction(self, event: ControlEvent) -> None:
         """Handle an event that directs steps or motion of groups."""
         self.desk.observe(event)
@@ -169,7 +183,8 @@ class EventDispatcher(HotSwap):
             self.refusals.add(f"{event.source}: {words}")
 
     _HANDLER_GROUPS: ClassVar = (
-        (FLOOR_AND_DESK, _handle_control), (CLOCK_EVENTS, _handle_clock), (MOCAP_EVENTS, _handle_mocap),
+        (ELEMENT_EVENTS, _handle_element), (FLOOR_AND_DESK, _handle_control), (CLOCK_EVENTS, _handle_clock),
+        (MOCAP_EVENTS, _handle_mocap),
         (STEP_REQUEST_EVENTS, _handle_direction), (SCORE_EVENTS, _handle_score), (AUDIENCE_EVENTS, _handle_audience),
     )  # fmt: skip
     """The handler of each group of events."""

@@ -28,7 +28,7 @@ from live.show.patch.patch_search_path import PATCHES
 from live.show.patch.score_conflicts import check_step_call, step_calls
 from live.show.patch.section_motion import parse_entry
 from live.show.score.step_names import UnknownStep
-from live.show.selection.graph_update import clip_key, library_hash
+from live.show.selection.graph_update import clip_key, clips_by_key, library_hash
 from live.show.show import Show
 from live.show.venue.venue_output import VenueProjector, with_venue_projector
 from live.show.view.render_scene import make_scene as make_scene
@@ -233,7 +233,7 @@ def read_clips(patch: Patch, path: Path, recordings: Path | None) -> list[StepCl
 
 def replace_clips(clips: list[StepClip], names: Sequence[str], former: Mapping[str, StepClip]) -> list[StepClip]:
     """Return the clips called `names`, in that order; clips in `former` replace those of the same key."""
-    there = {clip_key(clip): clip for clip in clips} | dict(former)
+    there = clips_by_key(clips) | dict(former)
     return [there[name] for name in names if name in there]
 
 
@@ -252,9 +252,13 @@ def load_from_patch(
     files are ignored), and `former` holds the former content of changed files.
     """
     found = read_clips(patch, path, recordings)
-    there = {clip_key(clip): clip for clip in found} | dict(former or {})
+    there = clips_by_key(found) | dict(former or {})
     reserve = {key: there[key] for key in sorted(reserved) if key in there}
-    clips = replace_clips(found, names, former or {}) if names else [c for c in found if clip_key(c) not in reserve]
+    clips = found
+    if names:
+        clips = replace_clips(found, names, former or {})
+    elif reserve:
+        clips = [clip for clip in found if clip_key(clip) not in reserve]
     if recordings is not None:
         patch = adapt_to_recordings(patch, clips)
     fitting = [clip for clip in clips if clip.beats_per_measure == patch.clock.beats_per_measure]

@@ -5,6 +5,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Final
 
+from live.agents.elements import element_table_kernels as column
 from live.agents.elements.element_kinds import (
     ATTRACTOR,
     CROSSING,
@@ -23,11 +24,12 @@ from live.agents.elements.element_kinds import (
     REPULSOR,
     UNIFORM,
 )
-from live.agents.elements.element_table_kernels import fade_in_level
 from live.base.errors import PersonError
 
 FADE_BEATS: Final = 1.0
 """Fade time in beats: ease-out after the start, linear before the end."""
+CROSSING_SEPARATION: Final = 0.7
+"""Separation of crossing dancers [m]; more would keep the two streams apart."""
 MAX_DISTANCE: Final = 1000.0
 """Largest distance of an element from the middle of the stage [m]."""
 Points = tuple[tuple[float, float], ...]
@@ -132,12 +134,39 @@ class Element:
         """Decay length [m] of the fall-off."""
         return self.decay if self.decay is not None else _DECAY.get(self.kind, 1.2)
 
+    def table_row(self, separation: float, corners: int) -> dict[int, float]:
+        """Return the numbers of the element by column of the element table.
+
+        `separation` [m]: the field's default; `corners`: number of vertices in the table.
+        """
+        usual = CROSSING_SEPARATION if self.kind == CROSSING else separation
+        flock = self.kind == FLOCK
+        return {
+            column.START: self.start_beat,
+            column.END: self.end_beat,
+            column.KIND: self.table_kind,
+            column.STRENGTH: self.strength,
+            column.CORNERS: corners,
+            column.CLOSED: self.closed and corners > 2,
+            column.RADIUS: self.radius,
+            column.DECAY: self.decay_length,
+            column.SEPARATION: usual if self.separation is None else self.separation,
+            column.ALIGNMENT: self.alignment if flock else 0.0,
+            column.COHESION: self.cohesion if flock else 0.0,
+            column.FLOW_KIND: self.flow_kind,
+            column.TARGET: self.target,
+            column.TARGET_GROUP: self.target_group,
+            column.WEDGE: self.wedge,
+            column.X: self.x,
+            column.Z: self.z,
+        }
+
     def level(self, beat: float) -> float:
         """Return the fade level, 0 to 1, at `beat`."""
         into, left = beat - self.start_beat, self.end_beat - beat
         if into < 0.0 or left <= 0.0:
             return 0.0
-        return float(min(fade_in_level(into / FADE_BEATS), left / FADE_BEATS))
+        return float(min(column.fade_in_level(into / FADE_BEATS), left / FADE_BEATS))
 
     def translated(self, dx: float, dz: float) -> "Element":
         """Return a copy moved by (dx, dz) [m]."""

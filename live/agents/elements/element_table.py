@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from live.agents.elements import element_table_kernels
 from live.agents.elements.element import FADE_BEATS, Element
-from live.agents.elements.element_kinds import CROSSING, DRAWN, FLOCK, FLOW, GRID, KIND_COUNT, MAX_VERTICES
+from live.agents.elements.element_kinds import DRAWN, FLOW, GRID, KIND_COUNT, MAX_VERTICES
 from live.agents.elements.polyline_flow import GRID_COLUMNS, GRID_ROWS, flow_grid_along, simplified_vertices
 
 Float32 = npt.NDArray[np.float32]
@@ -17,8 +17,6 @@ UInt64 = npt.NDArray[np.uint64]
 
 GRID_SLOTS: Final = 8
 """Largest number of drawn flows; the oldest is replaced."""
-CROSSING_SEPARATION: Final = 0.7
-"""Separation of crossing dancers [m]; more would keep the two streams apart."""
 
 
 class ElementTable:
@@ -116,32 +114,12 @@ class ElementTable:
             self._assign_slot(row, flow_grid_along(element.points, *self._half_size))
 
     def _write_row(self, row: int, element: Element) -> None:
-        corners = simplified_vertices(element.points)
+        points = element.points
+        corners = simplified_vertices(points) if len(points) > MAX_VERTICES else np.array(points, np.float32)
         self.vertices[row, : len(corners)] = corners
-        usual = CROSSING_SEPARATION if element.kind == CROSSING else self._separation
-        flock = element.kind == FLOCK
-        values = {
-            element_table_kernels.START: element.start_beat,
-            element_table_kernels.END: element.end_beat,
-            element_table_kernels.KIND: element.table_kind,
-            element_table_kernels.STRENGTH: element.strength,
-            element_table_kernels.CORNERS: len(corners),
-            element_table_kernels.CLOSED: element.closed and len(corners) > 2,
-            element_table_kernels.RADIUS: element.radius,
-            element_table_kernels.DECAY: element.decay_length,
-            element_table_kernels.SEPARATION: usual if element.separation is None else element.separation,
-            element_table_kernels.ALIGNMENT: element.alignment if flock else 0.0,
-            element_table_kernels.COHESION: element.cohesion if flock else 0.0,
-            element_table_kernels.FLOW_KIND: element.flow_kind,
-            element_table_kernels.TARGET: element.target,
-            element_table_kernels.TARGET_GROUP: element.target_group,
-            element_table_kernels.WEDGE: element.wedge,
-            element_table_kernels.X: element.x,
-            element_table_kernels.Z: element.z,
-        }
         own = self.rows[row]
-        for place, value in values.items():
-            own[place] = value
+        for column, value in element.table_row(self._separation, len(corners)).items():
+            own[column] = value
         self.masks[row] = element.groups
 
     def _assign_slot(self, row: int, grid: Float32) -> None:

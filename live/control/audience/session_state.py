@@ -231,7 +231,7 @@ class SessionState:
         self._tokens_left = min(max(self._tokens_left, 0.0) + (now - self._filled) * ALL_RATE, ALL_BURST)
         self._filled = now
         self.voices.apply_touches()
-        return self.aggregator.update(now, len(self.phones), self.rules.open, self._votes)
+        return self.aggregator.update(now, len(self.phones.by_number), self.rules.open, self._votes)
 
     def _votes(self) -> str:
         """Return the open vote's number and the voices for each choice in hundredths; empty if there is no vote."""

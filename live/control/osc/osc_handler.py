@@ -10,7 +10,7 @@ from typing import Final
 from live.base.event_queue import PriorityQueue
 from live.control.events.events import ControlEvent
 from live.control.osc.osc_codec import IMMEDIATELY, Message, OscRejected, Value, bundles, decode, encode
-from live.control.osc.osc_pattern import BadPattern, Matcher, is_pattern
+from live.control.osc.osc_pattern import WILDCARDS, BadPattern, Matcher
 from live.control.osc.osc_scheduler import TimedQueue
 from live.control.osc.osc_subscriptions import SocketAddress, Subscribers, is_local_network
 from live.control.registry.control import ROLE_RANKS, Control, Reply, Request, Role
@@ -103,7 +103,7 @@ class OscHandler:
     def _handle_message(
         self, address: str, values: Sequence[Value], sender: SocketAddress, time: float, answers: list[bytes]
     ) -> None:
-        if not is_pattern(address):
+        if WILDCARDS.isdisjoint(address):
             rejection = self._call(address, values, sender, time, answers)
             if rejection is not None:
                 self.reject(rejection)
@@ -137,12 +137,15 @@ class OscHandler:
     def _call(
         self, address: str, values: Sequence[Value], sender: SocketAddress, time: float, answers: list[bytes]
     ) -> Rejection | None:
-        control = self._registry.resolve(address)
+        control, names = self._registry.resolve(address)
         if _is_empty(values) and (address in READABLE if control is None else control.is_query(address)):
             return self._answer((address,), answers)
-        if control is not None and ROLE_RANKS[control.role] > ROLE_RANKS[self._role]:
+        if control is None:
+            return Rejection(Reason.UNKNOWN_ADDRESS, address)
+        if ROLE_RANKS[control.role] > ROLE_RANKS[self._role]:
             return Rejection(Reason.ROLE, address, f"an {control.role}", self._role)
-        result = self._registry.call(address, values, time, self._source)
+        all_values = [*names, *values]
+        result = control.call(all_values, time, self._source)
         match result:
             case Rejection():
                 return result
@@ -152,10 +155,11 @@ class OscHandler:
             case Request():
                 return self._serve(result, sender, time, answers)
             case ControlEvent():
-                kept, _ = self._registry.storage_key(address)
-                whole = values if control is None else self._registry.full_values(address, values)
-                self._put(result, control, whole, sender)
-                self.subscribers.record_setter(sender, kept, tuple(values if kept == address else whole), time)
+                self._put(result, control, all_values, sender)
+                if self.subscribers.by_address:
+                    named = control.named and names
+                    stored_at, stored = (control.address, all_values) if named else (address, values)
+                    self.subscribers.record_setter(sender, stored_at, tuple(stored), time)
         self.accepted += 1
         return None
 
@@ -179,12 +183,10 @@ class OscHandler:
         self._last_message[sender] = time
         return lane
 
-    def _put(
-        self, event: ControlEvent, control: Control | None, values: Sequence[object], sender: SocketAddress
-    ) -> None:
+    def _put(self, event: ControlEvent, control: Control, values: Sequence[object], sender: SocketAddress) -> None:
         """Queue an event; a value replaces an unread earlier value of the same control."""
         lane = self._lane(sender, event.time)
-        if control is None or control.kind == "event":
+        if control.kind == "event":
             lane.put(event)
             return
         whom = control.addressees(values)
@@ -195,8 +197,8 @@ class OscHandler:
 
     def _serve(self, request: Request, sender: SocketAddress, time: float, answers: list[bytes]) -> Rejection | None:
         if request.action == "get":
-            pattern = is_pattern(request.address)
-            found = self._find(request.address, time) if pattern else (request.address,)
+            exact = WILDCARDS.isdisjoint(request.address)
+            found = (request.address,) if exact else self._find(request.address, time)
             return found if isinstance(found, Rejection) else self._answer(found, answers)
         where = (sender[0], request.port or sender[1], *sender[2:])
         if request.action == "unsubscribe":
@@ -215,7 +217,7 @@ class OscHandler:
             answers += [encode(where, values) for where, values in self.values.messages(address)]
         if not known:
             address = addresses[0]
-            if address not in READABLE and self._registry.resolve(address) is None:
+            if address not in READABLE and self._registry.resolve(address)[0] is None:
                 return Rejection(Reason.UNKNOWN_ADDRESS, address)
             answers.append(encode("/dance/no_value", (address,)))
         self.accepted += 1

@@ -15,7 +15,8 @@ MAX_CHOICES: Final = 8
 """Maximum number of rows to which the braces of one part may expand."""
 CACHE_SIZE: Final = 64
 """Patterns whose addresses are cached."""
-WILD: Final = frozenset("*?[]{}")
+WILDCARDS: Final = frozenset("*?[]{}")
+"""An address that contains one of them is a pattern."""
 
 _PIECE = re.compile(r"\*+|\?|\[!?[^\[\]{},]+\]|[^*?\[\]{}]")
 _BRACES = re.compile(r"\{([^{}\[\]]*)\}")
@@ -24,11 +25,6 @@ _NESTED = re.compile(r"\{[^}]*\{")
 
 class BadPattern(ValueError):
     """The pattern is malformed, too long, or has too many choices."""
-
-
-def is_pattern(address: str) -> bool:
-    """Whether an address contains wildcards."""
-    return not WILD.isdisjoint(address)
 
 
 class _Row:

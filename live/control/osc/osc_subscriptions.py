@@ -60,7 +60,8 @@ class Subscribers:
 
     def __init__(self, values: Values) -> None:
         self._values = values
-        self._all: dict[SocketAddress, _Subscriber] = {}
+        self.by_address: dict[SocketAddress, _Subscriber] = {}
+        """The subscribers by the address that they receive at."""
         self._setters: dict[str, _Setter] = {}
         self.refused = 0
         """Number of subscriptions refused for lack of room."""
@@ -70,7 +71,7 @@ class Subscribers:
     @property
     def active(self) -> int:
         """The number of subscribers."""
-        return len(self._all)
+        return len(self.by_address)
 
     def add(self, where: SocketAddress, source: SocketAddress, prefix: str, seconds: float, now: float) -> bool:
         """Subscribe `where` to an address prefix for `seconds`, starting with all current values; False: no room.
@@ -78,9 +79,9 @@ class Subscribers:
         `source`: the address it sends from; it is not notified of values that it set itself.
         """
         self._expire(now)
-        one = self._all.get(where)
+        one = self.by_address.get(where)
         full = (
-            len(self._all) >= MAX_SUBSCRIBERS
+            len(self.by_address) >= MAX_SUBSCRIBERS
             if one is None
             else prefix not in one.prefixes and len(one.prefixes) >= MAX_PREFIXES
         )
@@ -88,7 +89,7 @@ class Subscribers:
             self.refused += 1
             return False
         if one is None:
-            one = self._all[where] = _Subscriber(where, source)
+            one = self.by_address[where] = _Subscriber(where, source)
         if prefix not in one.prefixes:
             one.due |= {address: now for address in READABLE if address in self._values and _under(address, prefix)}
         one.source, one.prefixes[prefix] = source, now + min(seconds, MAX_SECONDS)
@@ -96,31 +97,31 @@ class Subscribers:
 
     def remove(self, where: SocketAddress) -> None:
         """End its subscription; does nothing if there is none."""
-        self._all.pop(where, None)
+        self.by_address.pop(where, None)
 
     def record_setter(self, source: SocketAddress, address: str, values: tuple[object, ...], now: float) -> None:
         """Record that `source` sets a value; it is notified only if the show's value turns out different."""
-        if self._all and address in self._values:
+        if self.by_address and address in self._values:
             self._setters[address] = _Setter(source, values, now + ECHO_DELAY)
-            for one in self._all.values():
+            for one in self.by_address.values():
                 if one.source == source and one.is_subscribed(address):
                     one.due[address] = now + ECHO_DELAY
 
     def mark_changed(self, addresses: Iterable[str], now: float) -> None:
         """Mark addresses as changed."""
         for address in addresses:
-            for one in self._all.values():
+            for one in self.by_address.values():
                 if one.is_subscribed(address):
                     one.due.setdefault(address, now)
 
     def seconds_to_next(self) -> float | None:
         """Return the seconds until `turn` should be called again; None: no subscribers."""
-        return UPDATE_INTERVAL if self._all else None
+        return UPDATE_INTERVAL if self.by_address else None
 
     def send_due(self, now: float, send: Callable[[bytes, SocketAddress], None]) -> None:
         """Send the updates that are due."""
         self._expire(now)
-        for one in self._all.values():
+        for one in self.by_address.values():
             if one.due and now >= one.next:
                 one.next = now + UPDATE_INTERVAL
                 for datagram in bundles(self._updates(one, now)):
@@ -148,12 +149,12 @@ class Subscribers:
                     yield encode(where, values)
 
     def _expire(self, now: float) -> None:
-        for where, one in list(self._all.items()):
+        for where, one in list(self.by_address.items()):
             for part in [part for part, until in one.prefixes.items() if until <= now]:
                 del one.prefixes[part]
             if not one.prefixes:
-                del self._all[where]
-        if not self._all:
+                del self.by_address[where]
+        if not self.by_address:
             self._setters.clear()
 
 

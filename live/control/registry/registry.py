@@ -47,36 +47,36 @@ class Registry:
         """Return the control at an address; None if there is none."""
         return self._controls.get(address)
 
-    def resolve(self, address: str) -> Control | None:
-        """Return the control for an address, also with a pass or performer name in it; None if there is none."""
+    def resolve(self, address: str) -> tuple[Control | None, tuple[str, ...]]:
+        """Return the control for an address (None if there is none) and the values in the address.
+
+        A pass or performer may be named in the address; those names precede the values of the message.
+        """
         control = self._controls.get(address)
-        if control is None and address.startswith(_PASS):
-            return self._controls.get(f"{_PASS}set" if address.count("/") == 4 else _PASS.rstrip("/"))
-        if control is None and address.startswith(_MOCAP) and address.count("/") == 4:
-            return self._controls.get(_MOCAP + address.rpartition("/")[2])
-        return control
+        if control is not None:
+            return control, ()
+        if address.startswith(_PASS):
+            parts = tuple(address.removeprefix(_PASS).split("/"))
+            return self._controls.get(f"{_PASS}set" if len(parts) == 2 else _PASS.rstrip("/")), parts
+        if address.startswith(_MOCAP) and address.count("/") == 4:
+            performer, setting = address.removeprefix(_MOCAP).split("/")
+            return self._controls.get(_MOCAP + setting), (performer,)
+        return None, ()
 
     def call(self, address: str, values: Sequence[object], time: float, source: str) -> Result:
         """Call the control at `address` with `values` received at `time` [s of the show] from `source`.
 
         Call from any thread. Never raises for anything that a sender can choose.
         """
-        control = self.resolve(address)
+        control, names = self.resolve(address)
         if control is None:
             return Rejection(Reason.UNKNOWN_ADDRESS, address)
-        return control.call(self.full_values(address, values), time, source)
-
-    def full_values(self, address: str, values: Sequence[object]) -> Sequence[object]:
-        """Return the values of a message, preceded by those in its address."""
-        if address in self._controls or self.resolve(address) is None:
-            return values
-        within = address.removeprefix(_PASS).split("/")
-        return [*(address.split("/")[3:4] if address.startswith(_MOCAP) else within), *values]
+        return control.call([*names, *values], time, source)
 
     def storage_key(self, address: str) -> tuple[str, str]:
         """Return the address under which the value of `address` is stored, and the name in `address` or ""."""
-        control = None if address in self._controls else self.resolve(address)
-        return (address, "") if control is None or not control.named else (control.address, address.split("/")[3])
+        control, names = self.resolve(address)
+        return (control.address, names[0]) if control is not None and control.named and names else (address, "")
 
 
 REGISTRY: Final = Registry(

@@ -286,6 +286,20 @@ def support_turns(
     )
 
 
+def support_turn_rows(
+    measures: Sequence[tuple[StepClip, int, Feet]], *, window: float, softness: float
+) -> tuple[Float64, Float64]:
+    """Return the support turns of N measures (step, measure, feet) as rows, (N, 8, 8), and their peak speeds, (N,).
+
+    See `support_turns` and `SupportTurns.rows`.
+    """
+    turns = [
+        support_turns(step, measure, window=window, softness=softness, feet=feet) for step, measure, feet in measures
+    ]
+    rows = np.ascontiguousarray(np.stack([turn.rows() for turn in turns]))
+    return rows, np.array([float(turn.max_speed) for turn in turns])
+
+
 def _line_through(points: Float) -> tuple[Float, Float]:
     """Return the ends of the least-squares line through `points` (n, 2)."""
     if len(points) < 3:

@@ -3,6 +3,7 @@
 The warp curve follows the clip's foot contacts (T048, for translations); the reach margin follows leg length.
 """
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -25,6 +26,25 @@ MAX_WARP_RATE: Final = 1.3
 """Maximum warp speed [m per measure]."""
 ROUNDS: Final = 256
 """Rounds of the minimax weighting of the stretches."""
+
+
+def measure_warps(
+    hip: Float64, ankle: Float64, contact: Bool, measures: Sequence[tuple[float, float]], *, last: float
+) -> tuple[Float64, Float64, Float64]:
+    """Return warp curve, reach margin and initial hold shares of N measures: (N, KNOTS, 2), (N, DIRECTIONS), (N, 2).
+
+    `hip` and `ankle` (S, 2, 3) [m] of both legs and `contact` (S, 2) are those of all samples; each of `measures` is a
+    first and a last sample. `last`: see `compute_warp_curve`.
+    """
+    curves, margins, holds = [], [], []
+    for begin, end in measures:
+        at = np.linspace(begin, end, 4 * (KNOTS - 1) + 1).round().astype(np.int64)
+        stands, feet = contact[at], ankle[at]
+        curve, follows_feet = compute_warp_curve(stands, last=last)
+        curves.append(curve)
+        margins.append(compute_reach_margin(hip[at], feet, stands, curve, follows_feet=follows_feet))
+        holds.append(initial_hold_shares(feet, stands, curve))
+    return np.stack(curves), np.stack(margins), np.stack(holds)
 
 
 def compute_warp_curve(contact: Bool, *, last: float) -> tuple[Float64, bool]:

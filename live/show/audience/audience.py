@@ -202,25 +202,24 @@ class Audience:
             pull *= LED_GAIN
         attracting = [place for place in self._places if not place.repels and pull > 0.0]
         total = sum(place.weight for place in attracting) or 1.0
-        now = {"beat": beat, "next_line": beat, "beats_per_measure": size, "position": position}
+        touches: dict[str, events.Repel | events.Voice | None] = {}
         for index in range(MAX_PLACES):
             source = f"{SOURCE} {index + 1}"
             place = self._places[index] if index < len(self._places) and pull > 0.0 else None
-            place = place if place is not None and place.weight > 0.0 else None
-            away = place is not None and place.repels
-            elements.forget(source, beat, other=None if place is None else away, at_once=not heard)
-            if place is None:
-                continue
-            strength = pull * (place.weight**SHARPNESS if away else FULL_VOICES * place.weight / total)
-            if away:
-                elements.handle(events.Repel(time=time, source=source, x=place.x, z=place.z, strength=strength,
-                                          measures=2.0, drag=True), **now)  # type: ignore[arg-type]  # fmt: skip
+            if place is None or place.weight <= 0.0:
+                touches[source] = None
+            elif place.repels:
+                strength = pull * place.weight**SHARPNESS
+                touches[source] = events.Repel(
+                    time=time, source=source, x=place.x, z=place.z, strength=strength, measures=2.0, drag=True
+                )
             else:
-                elements.handle(events.Voice(time=time, source=source, x=place.x, z=place.z, strength=strength),
-                             **now)  # type: ignore[arg-type]  # fmt: skip
+                strength = pull * (FULL_VOICES * place.weight / total)
+                touches[source] = events.Voice(time=time, source=source, x=place.x, z=place.z, strength=strength)
+        elements.handle_touches(touches, beat=beat, beats_per_measure=size, position=position, at_once=not heard)
         if self._shaken and self.shaking and heard and not elements.has_source(f"{SOURCE} shakes"):
             spread = events.Spread(time=time, source=f"{SOURCE} shakes", measures=2.0)
-            elements.handle(spread, **now)  # type: ignore[arg-type]
+            elements.handle(spread, beat=beat, next_line=beat, beats_per_measure=size, position=position)
 
     # -- time ----------------------------------------------------------------------------------------------------
 

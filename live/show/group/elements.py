@@ -4,6 +4,7 @@ The group of an element is a bit in a mask per dancer (T104, T105: per subgroup)
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -24,6 +25,8 @@ from live.show.patch.section_elements import ElementSection
 from live.show.score.score import Score
 
 ElementEvent = events.Attract | events.Repel | events.Spread | events.Voice | events.PlaceElement
+ELEMENT_EVENTS: Final = (events.Attract, events.Repel, events.Spread, events.Voice, events.PlaceElement)
+"""The events that `Elements.handle` accepts."""
 VOICE_MEASURES: Final = 2.0
 """Duration of an audience voice's element if it is not repeated [measures]."""
 
@@ -279,6 +282,20 @@ class Elements:
         if len(self._last_of) > 4096:  # bounds memory for many senders
             self._last_of.clear()
         self._last_of[event.source] = placed
+
+    def handle_touches(
+        self, touches: Mapping[str, events.Repel | events.Voice | None], *, beat: float, beats_per_measure: int,
+        position: Float32, at_once: bool,
+    ) -> None:  # fmt: skip
+        """Apply what the audience touches, by source: None, or another kind than before, fades the former element out.
+
+        `at_once`: former elements are removed without a fade.
+        """
+        for source, event in touches.items():
+            repels = None if event is None else isinstance(event, events.Repel)
+            self.forget(source, beat, other=repels, at_once=at_once)
+            if event is not None:
+                self.handle(event, beat=beat, next_line=beat, beats_per_measure=beats_per_measure, position=position)
 
     @staticmethod
     def _kind(request: ElementRequest) -> int:

@@ -1,4 +1,4 @@
-"""Handler for live control events of group motion: elements, segments, groups, entrances, stage and obstacles."""
+"""Handler for live control events of group motion: segments, groups, entrances, stage and obstacles."""
 
 import numpy as np
 import numpy.typing as npt
@@ -17,14 +17,13 @@ from live.show.score.score import Score
 
 Bool = npt.NDArray[np.bool_]
 
-ELEMENT_EVENTS = (events.Attract, events.Repel, events.Spread, events.Voice, events.PlaceElement)
 SEGMENT_EVENTS = (events.Evolve, events.Travel, events.Pause)
 GROUP_EVENTS = (
-    *ELEMENT_EVENTS, *SEGMENT_EVENTS, events.DefineFormation, events.Release, events.Regroup, events.SetRipple,
+    *SEGMENT_EVENTS, events.DefineFormation, events.Release, events.Regroup, events.SetRipple,
     events.Enter, events.Leave, events.SetStage, events.PlaceObstacle, events.PlaceWall, events.RemoveObstacle,
     events.Performer,
 )  # fmt: skip
-"""The events that `act` accepts."""
+"""The events that `handle` accepts."""
 
 
 class GroupCommands:
@@ -45,8 +44,6 @@ class GroupCommands:
         motion, position = self._motion, self._motion.state.position
         beat, size = timeline.beat_at(time), timeline.beats_per_measure
         match event:
-            case events.Attract() | events.Repel() | events.Spread() | events.Voice() | events.PlaceElement():
-                motion.elements.handle(event, beat=beat, next_line=span.end, beats_per_measure=size, position=position)
             case events.Evolve() | events.Travel() | events.Pause():
                 danced = span.danced_beats(beat, self._patch.clock.beats_per_measure)
                 heading = self._dancers.present.end_heading()

@@ -36,6 +36,11 @@ def clip_key(clip: StepClip) -> str:
     return f"{clip.step} | {clip.clip.name} | {'mirrored' if clip.mirrored else 'as made'}"
 
 
+def clips_by_key(clips: Iterable[StepClip]) -> dict[str, StepClip]:
+    """Return clips by their keys, in order; the last clip of a key counts."""
+    return {clip_key(clip): clip for clip in clips}
+
+
 def updated_graph(graph: MotionGraph, removed: Sequence[str], added: Sequence[StepClip]) -> MotionGraph:
     """Return the graph with the clips `added`, in which the clips with the keys `removed` are not begun any more.
 
@@ -180,7 +185,7 @@ class LibraryWatch:
         self.graph = graph
         """The graph offered last."""
         self._offer, self._post, self._now = offer, post, now
-        self._known = {clip_key(clip): clip for clip in graph.library.clips}
+        self._known = clips_by_key(graph.library.clips)
         self._last_stamp = self._handled_stamp = folder_stamp(folder)
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._run, name="library watch", daemon=True)
@@ -241,7 +246,7 @@ class LibraryWatch:
             beats = self.graph.library.beats_per_measure
             if names:
                 self.problem = f"new steps: {names} do not fit this show, whose measures have {beats} beats"
-        there = {clip_key(clip): clip for clip in fitting}
+        there = clips_by_key(fitting)
         gone = [] if self._read is None else [clip for name, clip in self._known.items() if name not in there]
         old = {name: self._known[name] for name in there if name in self._known}
         gone += [clip for name, clip in old.items() if not same_clip(clip, there[name])]
@@ -255,7 +260,7 @@ class LibraryWatch:
             return False
         for name in left:
             del self._known[name]
-        self._known.update({clip_key(clip): clip for clip in came})
+        self._known.update(clips_by_key(came))
         return True
 
     def _join(self, came: list[StepClip]) -> None:
