@@ -27,9 +27,9 @@ from live.render.frame_stats import Pacer
 from live.show.engine import Engine
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
-from live.show.status import Status
 from live.show.venue.venue import Venue
 from live.show.venue.venue_audience import VenueAudience
+from live.show.view.status import Status
 
 PHONES: Final = 2000
 RATE: Final = 10.0

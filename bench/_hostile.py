@@ -22,7 +22,7 @@ from live.control.events.events import ControlEvent
 from live.show.engine import Engine
 from live.show.loader import LoadedShow
 from live.show.show import Show
-from live.show.status import Status
+from live.show.view.status import Status
 
 FPS: Final = 60
 DANCERS: Final = 50

@@ -17,7 +17,7 @@ from live.graph.motion_graph import MotionGraph
 from live.show.engine import Engine
 from live.show.patch.patch import Patch
 from live.show.show import Show
-from live.show.status import Status
+from live.show.view.status import Status
 
 FPS: Final = 60.0
 ENGINE: Final = "engine"

@@ -26,7 +26,7 @@ from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from live.show.show import Show
 from live.show.state.snapshot import Snapshotter, restore
-from live.show.status import Status
+from live.show.view.status import Status
 
 DANCERS: Final = 50
 FPS: Final = 60

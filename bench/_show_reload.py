@@ -19,7 +19,7 @@ from live.show.engine import Engine
 from live.show.loader import load_show
 from live.show.patch.hot_reload import PatchWatch
 from live.show.patch.patch_search_path import DEFAULT_PATCH
-from live.show.status import Status
+from live.show.view.status import Status
 
 FPS = 60.0
 EVERY = 2.0

@@ -34,7 +34,7 @@ from live.render.frame_stats import Pacer
 from live.show.engine import Engine
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
-from live.show.status import Status
+from live.show.view.status import Status
 
 FPS: Final = 60.0
 VALUES_PER_SECOND: Final = 40_000

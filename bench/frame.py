@@ -22,7 +22,7 @@ from live.control.events.events import Attract, ControlEvent, Spread
 from live.show.engine import Engine
 from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
-from live.show.status import Status
+from live.show.view.status import Status
 
 Float64 = npt.NDArray[np.float64]
 

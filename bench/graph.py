@@ -31,7 +31,7 @@ from live.motion.step_clip import StepClip
 from live.show.engine import Engine
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH, PATCHES
-from live.show.status import Status
+from live.show.view.status import Status
 
 Float64 = npt.NDArray[np.float64]
 

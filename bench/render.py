@@ -30,13 +30,13 @@ from live.cli.bench import Row
 from live.clock.ticks import TICK
 from live.render.frame_budget import FrameBudget
 from live.render.frame_stats import Pacer
-from live.render.gl_release import release_all
 from live.render.headless import OffscreenTarget, create_headless_context, is_software
 from live.render.outputs.output import Output, SoftEdge
 from live.render.outputs.output_pass import OutputPass
 from live.render.outputs.photosensitivity import FlashLimiter
 from live.render.outputs.screen import FrameBuffers
 from live.render.renderer import Renderer
+from live.render.shader import release_all
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from live.show.show import Show

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 
 from live.app.headless_picture import HeadlessPicture
-from live.app.kernel_warmup import warm_kernels
 from live.app.launch_options import LaunchOptions
+from live.app.machine.kernel_warmup import warm_kernels
 from live.app.session import Session
 from live.app.session_audio import AudioChoice, choose_audio
 from live.base.errors import PersonError

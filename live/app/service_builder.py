@@ -20,8 +20,8 @@ from live.clock.time_source import Clock
 from live.control.events.events import ControlEvent
 from live.control.registry.control import ROLE_RANKS
 from live.show.engine import Engine
-from live.show.status import Status
 from live.show.venue.venue import Venue
+from live.show.view.status import Status
 
 
 @dataclass

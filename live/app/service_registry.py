@@ -16,9 +16,9 @@ from live.show.loader import LoadedShow
 from live.show.patch.hot_reload import PatchWatch
 from live.show.selection.graph_update import LibraryWatch
 from live.show.show import Show
-from live.show.status import Status
-from live.show.telemetry import CurrentValues
 from live.show.venue.venue import Latencies
+from live.show.view.status import Status
+from live.show.view.telemetry import CurrentValues
 
 FIRST_RETRY_DELAY: Final = 0.5
 """First pause [s] before a service that failed to start is tried again; each pause is twice the one before."""

@@ -28,8 +28,8 @@ from live.show.loader import LoadedShow
 from live.show.patch.hot_reload import PatchWatch
 from live.show.selection.graph_update import LibraryWatch
 from live.show.show import Show
-from live.show.status import Pressure, Status
 from live.show.venue.venue import Latencies, Venue
+from live.show.view.status import Pressure, Status
 from live.supervisor.heartbeat import Phase
 from live.supervisor.supervisor_link import SupervisorLink
 

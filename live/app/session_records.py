@@ -13,7 +13,7 @@ from live.base.errors import PersonError
 from live.show.engine import Engine
 from live.show.journal.journal import JournalError, JournalWriter, disk_problem
 from live.show.loader import LoadedShow
-from live.show.status import Status, StatusFile
+from live.show.view.status import Status, StatusFile
 from live.supervisor.journal_relay import RelaySink
 from live.supervisor.supervisor_link import SupervisorLink
 

@@ -68,7 +68,7 @@ def layout(
 def _patch_names(patch: str, steps: Path | None) -> tuple[Mapping[str, Sequence[str]], tuple[float, float]]:
     from rich.console import Console
 
-    from live.app.kernel_warmup import warm_kernels
+    from live.app.machine.kernel_warmup import warm_kernels
     from live.show.patch.patch_search_path import find_patch
 
     find_patch(patch)  # reports an unknown name before seconds of loading

@@ -10,8 +10,8 @@ from typing import Annotated
 import typer
 
 from live import __version__
-from live.app import kernel_warmup as warm
 from live.app.exit_codes import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, install_signal_handlers, show_person_error
+from live.app.machine import kernel_warmup as warm
 from live.app.option_values import expand_audience_option
 from live.base.errors import PersonError
 from live.cli import bench, layout, pair, play, render, replay, service, simulate, soak

@@ -74,7 +74,7 @@ def play(*, new_web_key: NewWebKey = False, **written: Any) -> None:
 
     from rich.console import Console
 
-    from live.app.kernel_warmup import warm_kernels
+    from live.app.machine.kernel_warmup import warm_kernels
     from live.app.option_values import check_film_path
     from live.app.processes.engine_main import is_supervised, supervise
     from live.app.services.http_services import parse_web

@@ -42,7 +42,7 @@ def render(
     """Render a show to a film with sound, bit-identical each time."""
     from rich.console import Console
 
-    from live.app.kernel_warmup import warm_kernels
+    from live.app.machine.kernel_warmup import warm_kernels
     from live.app.offline.film import parse_film_path, parse_rate
     from live.app.option_values import check_range, check_writable, parse_size
     from live.base.errors import PersonError

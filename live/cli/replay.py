@@ -39,7 +39,7 @@ def replay(
 
     from rich.console import Console
 
-    from live.app.kernel_warmup import warm_kernels
+    from live.app.machine.kernel_warmup import warm_kernels
     from live.app.offline.film import parse_film_path, parse_rate
     from live.app.option_values import parse_size
     from live.base.errors import PersonError

@@ -116,7 +116,7 @@ def sim(
 
     from rich.console import Console
 
-    from live.app.kernel_warmup import warm_kernels
+    from live.app.machine.kernel_warmup import warm_kernels
     from live.app.option_values import check_choice, check_range, check_writable, parse_endpoint
     from live.base.errors import PersonError
     from live.show.patch.patch_search_path import find_patch

@@ -58,7 +58,7 @@ def soak(
     """
     from rich.console import Console
 
-    from live.app.kernel_warmup import warm_kernels
+    from live.app.machine.kernel_warmup import warm_kernels
     from live.app.offline.soak_run import (
         RunOptions,
         minimise_journal,

@@ -29,7 +29,7 @@ from live.show.engine import Engine
 from live.show.journal.journal import JournalSink
 from live.show.loader import LoadedShow, load_show
 from live.show.patch.hot_reload import PatchWatch
-from live.show.status import Status
+from live.show.view.status import Status
 
 GROWTH_MB: Final = 20.0
 """Maximum change of memory after the first hour (or the first third of a shorter run)."""

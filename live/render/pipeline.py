@@ -17,7 +17,6 @@ from live.base.custom_pass import CustomShader
 from live.base.stage_snapshot import FLOOR_MARGIN, Camera
 from live.render.adaptive_quality import Quality
 from live.render.camera import screen_bounds, view_rays, world_to_clip
-from live.render.gl_release import Releasable, release_all
 from live.render.pass_context import HDR, Moment, PassSetup, PicturePass, ScenePass, Surfaces
 from live.render.pass_faults import PassFaults, pass_name
 from live.render.passes.alpha_pass import AlphaPass
@@ -35,6 +34,7 @@ from live.render.passes.set_pass import ItemPass, build_vertices
 from live.render.passes.stage_pass import BackdropPass, StagePass
 from live.render.passes.styled_pass import StylePasses
 from live.render.passes.trail_pass import TrailsPass
+from live.render.shader import Releasable, release_all
 from live.render.uniforms import WALL_DISTANCE
 
 PICTURE_PASSES: Final[Mapping[str, Callable[[PassSetup], PicturePass]]] = {

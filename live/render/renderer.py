@@ -18,11 +18,10 @@ from live.base.picture_parameters import (
 from live.base.stage_snapshot import PATH, Camera, Scene, StageView
 from live.render.adaptive_quality import HARDWARE, Quality, QualityStep, choose_quality, quality_steps
 from live.render.dancers.dancer_batch import DancerBatch
-from live.render.gl_release import release_all
 from live.render.pass_context import Moment, PassSetup
 from live.render.passes.overlay_pass import FrameTimeGraphPass, GuidePass, OverlayPass
 from live.render.pipeline import Pipeline
-from live.render.shader import FullscreenShader
+from live.render.shader import FullscreenShader, release_all
 from live.render.uniforms import FrameUniforms
 
 JUMP_BEATS: Final = 64.0

@@ -8,12 +8,11 @@ from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Final
+from typing import Final, Protocol
 
 import moderngl
 
 from live.base.errors import PersonError
-from live.render.gl_release import release_all
 
 VERSION: Final = "#version 410 core"
 """The newest GLSL version of macOS."""
@@ -148,6 +147,19 @@ def set_uniform(linked: moderngl.Program, name: str, value: object) -> None:
     if uniform is not None:
         assert isinstance(uniform, moderngl.Uniform)
         uniform.value = value
+
+
+class Releasable(Protocol):
+    """An owner of OpenGL objects."""
+
+    def release(self) -> None:
+        """Free them."""
+
+
+def release_all(*things: Releasable) -> None:
+    """Free all of them, in order."""
+    for thing in things:
+        thing.release()
 
 
 class FullscreenShader:

@@ -25,8 +25,8 @@ from live.show.circuit_breakers import Stage
 from live.show.journal.journal import JournalWriter
 from live.show.patch.patch import Patch
 from live.show.show import Show, apply_safely
-from live.show.status import Status
 from live.show.view.debug_overlay import draw_guides
+from live.show.view.status import Status
 
 EVENTS_PER_FRAME = 512
 """Maximum number of events taken from the inbox in one frame."""

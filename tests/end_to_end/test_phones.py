@@ -16,7 +16,7 @@ from live.base.stage_snapshot import Camera, Look, Scene
 from live.clock.time_source import SystemClock
 from live.control.events import events
 from live.show.engine import Engine
-from live.show.status import Status
+from live.show.view.status import Status
 from tests.control.waiting import wait_for
 from tests.end_to_end.browser import Phone, browser, needs_browser
 from tests.show.made_show import made_show

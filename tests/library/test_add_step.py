@@ -11,8 +11,8 @@ from live.library.add_step import AddedStep, add_step, known_fields, refuse_dupl
 from live.library.recording_file import RecordingError
 from live.library.recordings import RecordingReader
 from live.library.step_folder import load_folder
+from tests.fixtures.mocap import mocap_file
 from tests.motion.formats.made_bvh import body_bvh, danced
-from tests.motion.mocap import mocap_file
 
 FIELDS = {"name": "sway", "bpm": 120.0, "first_beat_s": 2.5, "measures": 2}
 

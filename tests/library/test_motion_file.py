@@ -10,9 +10,9 @@ import pytest
 from live.library.motion_file import MAX_BYTES, read_motion
 from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.file_error import MotionFileError
+from tests.fixtures.mocap import mocap_file
 from tests.motion.formats.made_bvh import body_bvh, danced
 from tests.motion.formats.test_asf_amc import AMC, ASF
-from tests.motion.mocap import mocap_file
 
 
 @pytest.mark.parametrize("name", ["a.bvh", "a.BVH", "a.txt", "a.c3d", "no ending"])

@@ -13,8 +13,8 @@ from live.library.recordings import load_recordings
 from live.motion import quaternion
 from live.motion.mirror import mirror_step, swap_sides
 from live.motion.step_clip import StepClip, measured_direction, measured_distance
+from tests.fixtures.mocap import MOCAP, mocap_file
 from tests.motion.formats.made_bvh import body_bvh, column, danced, still
-from tests.motion.mocap import MOCAP, mocap_file
 
 ONE = """
 file = "dance.bvh"

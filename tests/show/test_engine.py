@@ -11,7 +11,7 @@ from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events.events import Attract, Blackout, CallStep, SetPicture
 from live.show.engine import EVENTS_PER_FRAME, Engine
-from live.show.status import Status
+from live.show.view.status import Status
 from tests.show.made_show import made_show
 
 

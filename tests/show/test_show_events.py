@@ -12,7 +12,7 @@ from live.show.engine import Engine
 from live.show.journal.journal import JournalWriter, read_journal
 from live.show.journal.replay import first_start, run_from
 from live.show.show import Show
-from live.show.status import Status
+from live.show.view.status import Status
 from live.supervisor.recovery import Recovery
 from live.supervisor.state_follower import StateFollower
 from tests.show.journal.test_replay import MADE

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.show.status import FULL_PRESSURE_SHARE, HALFLIFE, Pressure
+from live.show.view.status import FULL_PRESSURE_SHARE, HALFLIFE, Pressure
 from live.supervisor.engine_deaths import DeathHistory
 from live.supervisor.heartbeat import Heartbeat, Phase
 from live.supervisor.line_channel import ChannelError, LineChannel

@@ -37,7 +37,7 @@ from live.show.selection.interrupts import Interrupts
 from live.show.selection.scheduler import Scheduler
 from live.show.show import Show
 from live.show.state.snapshot import CapturedSnapshot
-from live.show.status import Status
+from live.show.view.status import Status
 from live.supervisor.heartbeat import Heartbeat
 from live.supervisor.recovery import Death, Recovery
 from live.supervisor.recovery_log import RecoveryLog

@@ -1,4 +1,4 @@
-"""Checks of the machine and of the venue before a show, its devices, and its start as a service.
+"""The machine before a show: its devices, compiled kernels, checks of it and of the venue, start as a service.
 
 May import what app may import.
 """

@@ -209,7 +209,7 @@ def check_midi() -> Iterator[Check]:
 
 def check_kernels() -> Check:
     """Check whether compiled kernels are cached in a writable folder."""
-    from live.app.kernel_warmup import is_warm
+    from live.app.machine.kernel_warmup import is_warm
     from live.base import jit
 
     wished, used = jit.cache_root(), jit.KERNEL_CACHE_DIR

@@ -38,7 +38,7 @@ from live.show.journal.motion_report import MotionReport
 from live.show.loader import LoadedShow
 from live.show.show import Show
 from live.show.sound.soundtrack import Soundtrack
-from live.show.status import Status, StatusFile
+from live.show.view.status import Status, StatusFile
 
 
 def film_show(

@@ -89,7 +89,7 @@ def play_step(preview: Preview) -> None:
     from live.render.window.monitors import list_monitors
 
     if preview.film is not None and not preview.headless:
-        from live.app.kernel_warmup import warm_kernels
+        from live.app.machine.kernel_warmup import warm_kernels
         from live.app.offline.film import film_show
 
         warm_kernels(console)

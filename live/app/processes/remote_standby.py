@@ -7,8 +7,8 @@ from typing import Any
 
 from rich.console import Console
 
-from live.app.kernel_warmup import warm_kernels
 from live.app.launch_options import LaunchOptions
+from live.app.machine.kernel_warmup import warm_kernels
 from live.app.processes.standby_output import StandbyOutput, check_status_writable
 from live.app.processes.warm_standby import available_audio, promote
 from live.base.errors import PersonError

@@ -16,8 +16,8 @@ from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.show.loader import LoadedShow
 from live.show.show import Show
-from live.show.status import Status, StatusFile
 from live.show.venue.venue import Venue
+from live.show.view.status import Status, StatusFile
 from live.supervisor.state_follower import StateFollower
 from live.supervisor.supervisor_link import SupervisorLink
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from live.app.kernel_warmup import warm_kernels
 from live.app.launch_options import LaunchOptions
+from live.app.machine.kernel_warmup import warm_kernels
 from live.app.processes.resume_state import ResumeState
 from live.app.session import Session
 from live.app.session_audio import AudioChoice, choose_audio

@@ -12,7 +12,7 @@ from live.control.dmx_output import ARTNET_PORT, RATE, SACN_PORT, Universe
 from live.control.helper_process import HelperProcess
 from live.control.registry.registry import Changes
 from live.show.engine import Engine
-from live.show.telemetry import Telemetry
+from live.show.view.telemetry import Telemetry
 
 if TYPE_CHECKING:
     from live.app.launch_options import LaunchOptions

@@ -18,8 +18,8 @@ from live.control.registry.control import ROLE_RANKS
 from live.control.registry.registry import Changes
 from live.show.engine import Engine
 from live.show.show import Show
-from live.show.telemetry import Telemetry
 from live.show.venue.venue import Venue
+from live.show.view.telemetry import Telemetry
 from live.supervisor.supervisor_link import SupervisorLink
 
 if TYPE_CHECKING:

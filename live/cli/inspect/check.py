@@ -26,7 +26,7 @@ def check(
     """
     from rich.console import Console
 
-    from live.app.kernel_warmup import warm_kernels
+    from live.app.machine.kernel_warmup import warm_kernels
     from live.base.errors import PersonError
     from live.show.patch.patch_search_path import find_patch
 

@@ -38,7 +38,7 @@ def contact_sheet(
 
     from rich.console import Console
 
-    from live.app.kernel_warmup import warm_kernels
+    from live.app.machine.kernel_warmup import warm_kernels
     from live.app.option_values import check_range, check_writable
     from live.base.errors import PersonError
 

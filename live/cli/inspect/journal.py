@@ -200,7 +200,7 @@ def export(
     if kind == ".csv":
         write_table(recorded, out)
         return
-    from live.app.kernel_warmup import warm_kernels
+    from live.app.machine.kernel_warmup import warm_kernels
     from live.app.offline.journal_midi import journal_to_midi
     from live.show.journal.replay import ReplayError, first_start, load_journal
 

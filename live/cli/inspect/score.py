@@ -24,7 +24,7 @@ def score(
     """
     from rich.console import Console
 
-    from live.app.kernel_warmup import warm_kernels
+    from live.app.machine.kernel_warmup import warm_kernels
     from live.app.option_values import check_range
     from live.show.patch.patch_search_path import find_patch
 

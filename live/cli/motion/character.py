@@ -28,7 +28,7 @@ def character(
 
     from rich.console import Console
 
-    from live.app.kernel_warmup import warm_kernels
+    from live.app.machine.kernel_warmup import warm_kernels
     from live.app.option_values import check_writable, parse_size
     from live.base.body_catalogue import CharacterFile
     from live.base.errors import PersonError

@@ -20,7 +20,7 @@ from live.rehearse.soak_test import SoakOptions, SoakTest
 from live.show.engine import Engine
 from live.show.patch.hot_reload import PatchWatch
 from live.show.state.snapshot import CapturedSnapshot
-from live.show.status import Status
+from live.show.view.status import Status
 from live.supervisor.engine_deaths import DeathHistory
 from live.supervisor.recovery import Death, Recovery
 from live.supervisor.recovery_log import JournalDisk, RecoveryLog

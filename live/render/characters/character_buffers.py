@@ -6,8 +6,7 @@ import moderngl
 import numpy as np
 
 from live.render.characters.character import Character
-from live.render.gl_release import release_all
-from live.render.shader import set_uniform
+from live.render.shader import release_all, set_uniform
 
 IMAGE_UNIT: Final = 9
 """Texture unit of the character's images."""

@@ -14,9 +14,8 @@ from live.render.body.body_mesh import BodyMesh
 from live.render.characters.character_buffers import CharacterBuffers
 from live.render.dancers.group_styles import WARDROBE_TEXELS, GroupStyles, dancer_colours
 from live.render.dancers.instance_lists import InstanceLists, ViewVolume
-from live.render.gl_release import release_all
 from live.render.render_kernels import pose_texels
-from live.render.shader import set_uniform
+from live.render.shader import release_all, set_uniform
 
 Float32 = npt.NDArray[np.float32]
 

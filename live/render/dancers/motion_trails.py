@@ -11,8 +11,8 @@ from live.base.picture_parameters import GROUP_COUNT, LONGEST_RIBBON, MAX_GHOSTS
 from live.base.stage_snapshot import StageView
 from live.motion.skeleton import SKELETON
 from live.render.dancers.dancer_batch import DancerBatch, pose_texture
-from live.render.gl_release import release_all
 from live.render.render_kernels import limb_tips
+from live.render.shader import release_all
 
 Float32 = npt.NDArray[np.float32]
 

@@ -9,12 +9,11 @@ import numpy.typing as npt
 from PIL import Image
 
 from live.base.errors import PersonError
-from live.render.gl_release import release_all
 from live.render.lettering import bake_atlas
 from live.render.outputs.output import Output, Point
 from live.render.outputs.test_card import CARDS, TINTS, Card, render_label
 from live.render.outputs.warp import MAX_VERTICES, vertices
-from live.render.shader import compile_program, set_uniform
+from live.render.shader import compile_program, release_all, set_uniform
 
 LARGEST_MASK: Final = 8192
 DISPLAY_GAMMA: Final = 2.2

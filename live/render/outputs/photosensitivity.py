@@ -12,8 +12,7 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.render.gl_release import release_all
-from live.render.shader import compile_program, set_uniform
+from live.render.shader import compile_program, release_all, set_uniform
 
 Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]

@@ -14,12 +14,12 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.stage_snapshot import Scene, StageView
-from live.render.gl_release import release_all
 from live.render.outputs.output import Output
 from live.render.outputs.output_pass import OutputPass
 from live.render.outputs.photosensitivity import FlashLimiter
 from live.render.outputs.screen import FrameBuffers, Screen, picture_size
 from live.render.renderer import Renderer
+from live.render.shader import release_all
 from live.render.window.monitors import Monitor, resolve_monitor
 from live.render.window.window import Window
 from live.render.window.window_input import PointerMoved, PointerPressed, PointerReleased, WindowInput

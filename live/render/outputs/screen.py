@@ -11,12 +11,12 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.render.gl_release import release_all
 from live.render.outputs.output import FULL_CROP, FULL_WINDOW, Output, Point
 from live.render.outputs.output_coordinates import window_to_picture
 from live.render.outputs.output_pass import HandlePass, OutputPass
 from live.render.outputs.test_card import Card
 from live.render.outputs.warp_editor import FloorEditor, WarpEditor
+from live.render.shader import release_all
 from live.render.window.window import Window
 
 MAX_SIDE: Final = 8192

@@ -7,9 +7,8 @@ which it looks the same over black.
 
 import moderngl
 
-from live.render.gl_release import release_all
 from live.render.pass_context import HDR
-from live.render.shader import FullscreenShader
+from live.render.shader import FullscreenShader, release_all
 
 
 class AlphaPass:

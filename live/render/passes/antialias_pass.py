@@ -2,9 +2,8 @@
 
 import moderngl
 
-from live.render.gl_release import release_all
 from live.render.pass_context import HDR
-from live.render.shader import compile_program, set_uniform
+from live.render.shader import compile_program, release_all, set_uniform
 
 
 class AntialiasPass:

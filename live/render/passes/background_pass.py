@@ -9,10 +9,9 @@ import moderngl
 
 from live.base.picture_parameters import BY_ADDRESS, MAX_BACKGROUNDS
 from live.base.stage_snapshot import Background, StageView
-from live.render.gl_release import release_all
 from live.render.media_background import Picture, Video, is_video, read_image
 from live.render.pass_context import Moment, PassSetup, ScenePass
-from live.render.shader import compile_program, set_uniform
+from live.render.shader import compile_program, release_all, set_uniform
 from live.render.uniforms import WALL_DISTANCE
 
 _ROWS: Final = tuple(BY_ADDRESS[f"/dance/background/{number}"].first for number in range(1, MAX_BACKGROUNDS + 1))

@@ -5,9 +5,8 @@ from typing import Final
 import moderngl
 
 from live.base.picture_parameters import BY_ADDRESS, SPOT_COUNT
-from live.render.gl_release import release_all
 from live.render.pass_context import HDR, Moment, PassSetup, ScenePass
-from live.render.shader import compile_program, set_uniform
+from live.render.shader import compile_program, release_all, set_uniform
 
 _DIVISOR: Final = 4
 """Light in haze is soft: it is drawn at 1/n of the picture's size and enlarged."""

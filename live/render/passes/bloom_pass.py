@@ -5,9 +5,8 @@ from typing import Final
 import moderngl
 
 from live.base.picture_parameters import BY_ADDRESS
-from live.render.gl_release import release_all
 from live.render.pass_context import HDR, Moment, PassSetup, Surfaces
-from live.render.shader import compile_program, set_uniform
+from live.render.shader import compile_program, release_all, set_uniform
 
 _DIVISOR: Final = 4
 _AMOUNT: Final = BY_ADDRESS["/dance/pass/bloom"].first

@@ -6,9 +6,8 @@ import moderngl
 import numpy as np
 
 from live.base.picture_parameters import BY_ADDRESS, VIGNETTE
-from live.render.gl_release import release_all
 from live.render.pass_context import Moment, PassSetup, Surfaces
-from live.render.shader import FullscreenShader, compile_program, set_uniform
+from live.render.shader import FullscreenShader, compile_program, release_all, set_uniform
 from live.render.uniforms import VIGNETTE_STRENGTH
 
 

@@ -8,9 +8,8 @@ import moderngl
 from live.base.custom_pass import NUMBERS_PER_PASS, CustomShader
 from live.base.picture_parameters import CUSTOM_PASS_SLICE
 from live.render.custom_pass import compile_pass
-from live.render.gl_release import release_all
 from live.render.pass_context import HDR, Moment, PassSetup, Surfaces
-from live.render.shader import set_uniform
+from live.render.shader import release_all, set_uniform
 
 _READS_SURFACES: Final = re.compile(r"\b(depth|normal|dancer)\s*\(")
 _READS_LAST: Final = re.compile(r"\blast\s*\(")

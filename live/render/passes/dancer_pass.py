@@ -5,9 +5,8 @@ import moderngl
 from live.render.adaptive_quality import Quality
 from live.render.camera import FAR, NEAR
 from live.render.dancers.dancer_batch import DancerBatch
-from live.render.gl_release import release_all
 from live.render.pass_context import HDR, Surfaces
-from live.render.shader import WORN, compile_program, set_uniform
+from live.render.shader import WORN, compile_program, release_all, set_uniform
 
 
 class DancerPass:

@@ -28,8 +28,7 @@ from live.base.stage_snapshot import (
     VORTEX,
     StageView,
 )
-from live.render.gl_release import release_all
-from live.render.shader import compile_program, set_uniform
+from live.render.shader import compile_program, release_all, set_uniform
 
 _KINDS: Final = (
     ("ATTRACTOR", ATTRACTOR),

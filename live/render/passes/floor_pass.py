@@ -14,10 +14,9 @@ from live.base.stage_snapshot import StageView
 from live.render.adaptive_quality import Quality
 from live.render.body.body_mesh import COARSE
 from live.render.dancers.dancer_batch import DancerBatch
-from live.render.gl_release import release_all
 from live.render.passes.element_pass import ElementPass
 from live.render.passes.set_pass import SetPass
-from live.render.shader import WORN, compile_program, set_uniform
+from live.render.shader import WORN, compile_program, release_all, set_uniform
 
 _TAPS: Final = 5
 _BLUR_RADII: Final = (0.6, 1.3, 2.6)

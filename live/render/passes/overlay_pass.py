@@ -8,9 +8,8 @@ import numpy.typing as npt
 
 from live.base.stage_snapshot import GUIDE_CAPACITY, StageView
 from live.render.frame_stats import GRAPH_FRAMES
-from live.render.gl_release import release_all
 from live.render.lettering import GlyphAtlas, bake_atlas
-from live.render.shader import compile_program, set_uniform
+from live.render.shader import compile_program, release_all, set_uniform
 
 _MAX_LETTERS: Final = 1024
 """Maximum number of letters."""

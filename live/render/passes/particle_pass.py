@@ -11,9 +11,8 @@ from live.render.body.body_lookup import bodies_of, mesh_of
 from live.render.body.body_mesh import LIGHT
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.dancers.particle_points import BodyPoints, build_points, points_on
-from live.render.gl_release import release_all
 from live.render.pass_context import PassSetup
-from live.render.shader import compile_program, set_uniform
+from live.render.shader import compile_program, release_all, set_uniform
 
 PERIOD = 96.0
 """Period of the points' motion [beats]."""

@@ -11,9 +11,8 @@ import numpy as np
 
 from live.base.picture_parameters import PLAN, Float64
 from live.base.stage_snapshot import StageView
-from live.render.gl_release import release_all
 from live.render.pass_context import Moment, PassSetup, ScenePass
-from live.render.shader import compile_program, set_uniform
+from live.render.shader import compile_program, release_all, set_uniform
 
 HISTORY: Final = 64
 """Stored places of each dancer."""

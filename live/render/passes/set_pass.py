@@ -11,9 +11,8 @@ import numpy as np
 
 from live.base.set_geometry import SetItem, item_triangles
 from live.base.stage_snapshot import SET_CAPACITY, StageView
-from live.render.gl_release import release_all
 from live.render.pass_context import Moment, PassSetup, ScenePass
-from live.render.shader import compile_program, set_uniform
+from live.render.shader import compile_program, release_all, set_uniform
 
 _WALL_THICKNESS: Final = 0.05
 """Half the drawn thickness of a wall [m]."""

@@ -7,8 +7,7 @@ from typing import Final
 
 import moderngl
 
-from live.render.gl_release import release_all
-from live.render.shader import compile_program, set_uniform
+from live.render.shader import compile_program, release_all, set_uniform
 from live.render.uniforms import WALL_DISTANCE
 
 _WALL_PROGRAM: Final = 3

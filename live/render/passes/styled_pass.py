@@ -14,11 +14,10 @@ from live.base.stage_snapshot import StageView
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.dancers.motion_trails import PoseHistory
 from live.render.dancers.xray_skeleton import bone_vertices
-from live.render.gl_release import release_all
 from live.render.pass_context import Moment, PassSetup, ScenePass
 from live.render.passes.particle_pass import ParticlePass
 from live.render.passes.trail_pass import RibbonPass
-from live.render.shader import WORN, compile_program, set_uniform
+from live.render.shader import WORN, compile_program, release_all, set_uniform
 
 
 class StyledPass:

@@ -10,9 +10,8 @@ from live.base.picture_parameters import BY_ADDRESS
 from live.base.stage_snapshot import StageView
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.dancers.motion_trails import LIMBS, LimbHistory
-from live.render.gl_release import release_all
 from live.render.pass_context import HDR, Moment, PassSetup, Surfaces
-from live.render.shader import FullscreenShader, compile_program, set_uniform
+from live.render.shader import FullscreenShader, compile_program, release_all, set_uniform
 
 _ROOT: Final = "/dance/pass/trails"
 _AMOUNT: Final = BY_ADDRESS[_ROOT].first

@@ -1,1 +1,3 @@
-"""The drawing snapshot of a show, its scene and debug overlay. It may import what `show` may."""
+"""What others see of a show: drawing snapshot, scene, debug overlay, status figures, published values.
+
+It may import what `show` may."""

@@ -168,7 +168,7 @@ def test_a_show_of_one_process_reads_osc_in_a_thread_unless_it_is_told_otherwise
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     wishes: list[Any] = []
-    monkeypatch.setattr("live.app.kernel_warmup.warm_kernels", lambda console: None)
+    monkeypatch.setattr("live.app.machine.kernel_warmup.warm_kernels", lambda console: None)
     monkeypatch.setattr("live.app.headless_loop.play_show", lambda options, **_: wishes.append(options))
     for options in ((), ("--osc-process",)):
         done = CliRunner().invoke(app, ["play", "--headless", "--alone", "--bpm", "120", *options])

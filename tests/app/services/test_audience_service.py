@@ -15,7 +15,7 @@ from live.base.event_queue import EventQueue
 from live.clock.time_source import SystemClock
 from live.control.events import events
 from live.show.engine import Engine
-from live.show.status import Status
+from live.show.view.status import Status
 from tests.control.audience.made_gateway import FakePhone, until
 from tests.show.made_show import made_show
 

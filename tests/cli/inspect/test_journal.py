@@ -17,7 +17,7 @@ from live.show.engine import Engine
 from live.show.journal.journal import JournalWriter
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import find_patch
-from live.show.status import Status
+from live.show.view.status import Status
 from tests.cli.command import run_live
 from tests.show.journal.disk import settled
 

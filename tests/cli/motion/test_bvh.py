@@ -8,8 +8,8 @@ import pytest
 
 from live.motion.skeleton import SKELETON
 from tests.cli.command import run_live
+from tests.fixtures.mocap import mocap_file
 from tests.motion.formats.made_bvh import NAMES, body_bvh, still
-from tests.motion.mocap import mocap_file
 
 KEYS = (
     "joints end_sites channels frames frames_declared header_fps fps seconds unit_m up root_offset tpose_first floor_m "

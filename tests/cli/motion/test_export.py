@@ -17,8 +17,8 @@ from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
 from live.show.patch.patch_search_path import PATCHES
 from tests.cli.command import run_live
+from tests.fixtures.mocap import mocap_file
 from tests.motion.formats.made_bvh import body_bvh, danced
-from tests.motion.mocap import mocap_file
 
 
 def positions(clip: Clip) -> np.ndarray:

@@ -24,11 +24,11 @@ from live.motion.mirror import mirror_step
 from live.motion.step_clip import measured_distance, travel
 from live.show.engine import Engine
 from live.show.loader import LoadedShow
-from live.show.status import Status
+from live.show.view.status import Status
 from tests.cli.command import run_live
 from tests.fixtures.made_steps import made_clip
+from tests.fixtures.mocap import mocap_file
 from tests.motion.formats.made_bvh import body_bvh, column, danced, still
-from tests.motion.mocap import mocap_file
 
 NO_SCREEN = {"DISPLAY": "", "WAYLAND_DISPLAY": ""}
 ASKED = ("--bpm", "120", "--anchor", "2.5", "--measures", "2")

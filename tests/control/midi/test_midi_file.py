@@ -15,7 +15,7 @@ from live.clock.time_source import ManualClock
 from live.control.events.events import BeatHeard, ControlEvent, NotesHeard, SetMotion
 from live.control.midi.midi_file import read_song
 from live.show.engine import Engine
-from live.show.status import Status
+from live.show.view.status import Status
 from tests.control.midi.midi_files import made_song
 from tests.show.made_show import made_show
 

@@ -9,7 +9,7 @@ import pytest
 from live.motion.beats.clap_sync import find_claps
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.body_tracks import body_tracks
-from tests.motion.mocap import mocap_motion
+from tests.fixtures.mocap import mocap_motion
 from tests.motion.retarget.made_source import NAMES, clapping, source
 
 Apart = Callable[[np.ndarray], np.ndarray]

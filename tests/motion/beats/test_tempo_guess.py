@@ -12,7 +12,7 @@ from live.motion.beats.tempo_estimation import MAX_CONFIDENCE, estimate_tempo
 from live.motion.clip import Clip
 from live.motion.retarget.retarget import retarget
 from live.motion.step_clip import StepClip
-from tests.motion.mocap import MOCAP, mocap_index, mocap_motion
+from tests.fixtures.mocap import MOCAP, mocap_index, mocap_motion
 from tests.places import ROOT
 
 STEPS = ROOT / "patches" / "steps"

@@ -14,7 +14,7 @@ from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.body_tracks import body_tracks
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
-from tests.motion.mocap import mocap_motion
+from tests.fixtures.mocap import mocap_motion
 from tests.motion.retarget.made_source import NAMES, lively, source
 
 

@@ -10,7 +10,7 @@ from live.motion.cleanup.glitch_detection import Glitch, find_glitches
 from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.body_tracks import body_tracks
-from tests.motion.mocap import mocap_index, mocap_motion
+from tests.fixtures.mocap import mocap_index, mocap_motion
 from tests.motion.retarget.made_source import NAMES, lively, source
 
 SALSA_LEADERS = {

@@ -5,7 +5,7 @@ import pytest
 
 from live.motion.cleanup.trim_start import RecordingStart, find_recording_start
 from live.motion.retarget.body_tracks import body_tracks
-from tests.motion.mocap import mocap_index, mocap_motion
+from tests.fixtures.mocap import mocap_index, mocap_motion
 from tests.motion.retarget.made_source import lively, source, still
 
 

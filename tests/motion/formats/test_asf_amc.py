@@ -13,7 +13,7 @@ from live.motion.formats.source_axes import body_height, find_unit, leg_length, 
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.joint_mapping import find_body, map_joints
 from live.motion.retarget.retarget import retarget
-from tests.motion.mocap import mocap_file, mocap_motion
+from tests.fixtures.mocap import mocap_file, mocap_motion
 
 ASF = """# a comment
 :version 1.10

@@ -10,7 +10,7 @@ from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_axes import find_unit, leg_length, standing_pose
 from live.motion.formats.source_motion import world_pose
 from live.motion.retarget.joint_mapping import find_body
-from tests.motion.mocap import mocap_bvh, mocap_index, mocap_motion, mocap_text
+from tests.fixtures.mocap import mocap_bvh, mocap_index, mocap_motion, mocap_text
 
 pytestmark = pytest.mark.shared
 ROWS = [row for row in mocap_index() if row.get("joints") is not None]

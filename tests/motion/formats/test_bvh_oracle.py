@@ -5,7 +5,7 @@ import pytest
 
 from live.motion.formats.bvh_reader import local_pose
 from live.motion.formats.source_motion import world_pose
-from tests.motion.mocap import mocap_bvh, mocap_file, mocap_index
+from tests.fixtures.mocap import mocap_bvh, mocap_file, mocap_index
 
 pybvh = pytest.importorskip("pybvh")
 

@@ -8,7 +8,7 @@ from live.motion.formats.bvh_reader import BvhMotion, bvh_to_source_motion, loca
 from live.motion.formats.source_motion import end_positions, rest_pose, world_pose
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import Skeleton
-from tests.motion.mocap import mocap_bvh
+from tests.fixtures.mocap import mocap_bvh
 
 ARM = """HIERARCHY
 ROOT A

@@ -17,7 +17,7 @@ from live.motion.formats.source_motion import LocalPose, world_pose
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import BODY_HEIGHT, BONE_TIPS, JOINT_COUNT, SKELETON
-from tests.motion.mocap import mocap_motion
+from tests.fixtures.mocap import mocap_motion
 from tests.motion.test_clip import made_clip
 
 ANGLES = st.floats(-7.0, 7.0)

@@ -13,8 +13,8 @@ from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.file_report import MotionReport, SourceTracks, analyze_motion
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.joint_mapping import find_body
+from tests.fixtures.mocap import MOCAP, mocap_file, mocap_index
 from tests.motion.formats.made_bvh import body_bvh, column, danced, still
-from tests.motion.mocap import MOCAP, mocap_file, mocap_index
 
 ROWS = [row for row in mocap_index() if row.get("joints") is not None]
 UNCLEAR = "edge/makehuman_benchmark_6and3.bvh"

@@ -13,8 +13,8 @@ from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.joint_mapping import map_joints
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
+from tests.fixtures.mocap import mocap_file
 from tests.motion.formats.made_gltf import MadeGltf, made_avatar, random_turns
-from tests.motion.mocap import mocap_file
 
 
 def world(motion: SourceMotion) -> np.ndarray:

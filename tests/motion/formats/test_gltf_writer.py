@@ -16,7 +16,7 @@ from live.motion.formats.source_motion import LocalPose, world_pose
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import BODY_HEIGHT, JOINT_COUNT, SKELETON
-from tests.motion.mocap import mocap_file
+from tests.fixtures.mocap import mocap_file
 from tests.motion.test_clip import made_clip
 
 TYPES = {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}

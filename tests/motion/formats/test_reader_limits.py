@@ -14,9 +14,9 @@ from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.retarget import retarget
+from tests.fixtures.mocap import mocap_file
 from tests.motion.formats.test_asf_amc import AMC, ASF
 from tests.motion.formats.test_bvh_fuzz import attempt, mutated
-from tests.motion.mocap import mocap_file
 
 SKELETON = parse_asf(ASF.encode(), "test.asf")
 FREE, PER_BYTE = 64_000_000, 20

@@ -12,7 +12,7 @@ from live.motion.pose.foot_lock_kernels import HELD, MAX_SHIFT, PELVIS_DROP, SHI
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
-from tests.motion.mocap import mocap_motion
+from tests.fixtures.mocap import mocap_motion
 from tests.places import ROOT
 
 STEPS = ROOT / "patches" / "steps"

@@ -6,8 +6,8 @@ from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.joint_mapping import find_body, map_joints, split_name
 from live.motion.skeleton import SKELETON
+from tests.fixtures.mocap import mocap_motion
 from tests.motion.formats.made_bvh import body_bvh, still
-from tests.motion.mocap import mocap_motion
 
 
 def skeleton(*paths: str) -> SourceMotion:

@@ -15,8 +15,8 @@ from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.joint_mapping import find_body
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
+from tests.fixtures.mocap import mocap_motion
 from tests.motion.formats.made_bvh import STANDING_CM, body_bvh, column, danced, still
-from tests.motion.mocap import mocap_motion
 
 LIMBS = [
     (side + joint, side + child)

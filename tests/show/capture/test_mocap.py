@@ -26,7 +26,7 @@ from live.show.journal.replay import first_start, run_from
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import PatchError, parse_patch
 from live.show.state.snapshot import Snapshotter, restore
-from live.show.status import Status
+from live.show.view.status import Status
 from tests.show.made_show import GRAPH, PATCH, made_show
 
 MEASURE = round(2.0 / TICK)

@@ -20,7 +20,7 @@ from live.show.journal.replay import first_start, run_from
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
 from live.show.state.snapshot import Snapshotter, restore
-from live.show.status import Status
+from live.show.view.status import Status
 from tests.show.capture.test_mocap import MEASURE
 from tests.show.made_show import GRAPH, PATCH, made_show
 

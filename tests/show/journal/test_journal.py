@@ -11,7 +11,7 @@ from live.control.events.event_json import event_from_json, event_to_json
 from live.show.engine import Engine
 from live.show.journal.journal import JournalError, JournalWriter, read_journal
 from live.show.journal.replay import replay
-from live.show.status import Status
+from live.show.view.status import Status
 from tests.show.made_show import made_show
 
 

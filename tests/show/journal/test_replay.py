@@ -21,7 +21,7 @@ from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_update import patch_version
 from live.show.state.snapshot import Snapshotter, snapshot_header
-from live.show.status import Status
+from live.show.view.status import Status
 from tests.show.journal.disk import settled
 from tests.show.made_show import GRAPH, PATCH
 

@@ -14,7 +14,7 @@ from live.show.patch.patch_reader import PatchError, parse_patch
 from live.show.patch.patch_update import patch_version, prepare_patch, split_deferred
 from live.show.show import Show
 from live.show.state.snapshot import Snapshotter, restore
-from live.show.telemetry import Telemetry
+from live.show.view.telemetry import Telemetry
 from tests.show.made_show import GRAPH, PATCH
 from tests.show.partner.answering_show import (
     DUET,

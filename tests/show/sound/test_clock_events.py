@@ -19,7 +19,7 @@ from live.show.journal.replay import replay
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
 from live.show.sound.clock_commands import CLOCK_EVENTS
-from live.show.status import Status
+from live.show.view.status import Status
 from tests.control.waiting import wait_for
 from tests.show.made_show import PATCH, made_show
 

@@ -18,7 +18,7 @@ from live.show.dancers.footfalls import FootfallDetector
 from live.show.desk.parameter_table import Parameter, addresses
 from live.show.partner.partner_pairs import PartnerSettings
 from live.show.show import Show
-from live.show.status import Status
+from live.show.view.status import Status
 
 NOTICES_PER_FRAME: Final = 64
 """Maximum number of step and foot notices sent per frame; the rest follows in the next frames."""

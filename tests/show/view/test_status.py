@@ -5,7 +5,7 @@ from collections import Counter
 
 import pytest
 
-from live.show.status import FrameTimes, Status, StatusFile
+from live.show.view.status import FrameTimes, Status, StatusFile
 from tests.show.made_show import made_show
 
 

@@ -6,7 +6,7 @@ import pytest
 from live.clock.ticks import TICK
 from live.motion.skeleton import SKELETON
 from live.show.dancers.footfalls import FootfallDetector
-from live.show.telemetry import Telemetry
+from live.show.view.telemetry import Telemetry
 from tests.show.made_show import made_show
 
 

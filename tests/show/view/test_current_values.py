@@ -5,8 +5,8 @@ import pytest
 from live.control.registry.control import Control
 from live.control.registry.registry import READABLE, REGISTRY, Values
 from live.control.registry.rejections import Rejection
-from live.show.status import Status
-from live.show.telemetry import CurrentValues
+from live.show.view.status import Status
+from live.show.view.telemetry import CurrentValues
 from tests.show.desk.desk_show import DESK, Hands
 
 ELSEWHERE = {"/dance/click", "/dance/latency/input", "/dance/latency/output", "/dance/latency/display",
