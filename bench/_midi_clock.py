@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from live.cli.beats.clock_check import read_beats, read_stream
+from live.app.offline.clock_stream import read_beats, read_stream
 from live.cli.bench import Row
 from live.clock.midi.clock_report import ClockErrors, DecodedBeat, clock_errors, replay
 

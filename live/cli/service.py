@@ -31,6 +31,7 @@ def install(
     import platformdirs
     from rich.console import Console
 
+    from live.app.machine.systemd_control import linger_enabled, systemctl, systemd_version
     from live.app.machine.systemd_unit import OWN_JOURNAL, SystemdService, default_service_name, units_folder
     from live.app.option_values import expand_audience_option
     from live.app.whole_file import write_atomically
@@ -50,19 +51,19 @@ def install(
         arguments += [OWN_JOURNAL, str(folder / f"{service.name}.jsonl")]
     folder = units_folder()
     folder.mkdir(parents=True, exist_ok=True)
-    text = service.text(version=_systemd_version())
+    text = service.text(version=systemd_version())
     write_atomically(text.encode(), folder / service.unit, "the unit")
     console = Console(highlight=False)
     console.print(f"written: {folder / service.unit}", soft_wrap=True, markup=False)
     begin = ["enable", *(["--now"] if now else []), service.unit]
     for words in (["daemon-reload"], begin):
-        if (problem := _systemctl(*words)) is not None:
+        if (problem := systemctl(*words)) is not None:
             console.print(
                 f"failed: systemctl --user {' '.join(words)}: {problem}", style="yellow", soft_wrap=True, markup=False
             )
     if not now:
         console.print(f"to start it now: systemctl --user start {service.unit}", soft_wrap=True, markup=False)
-    if not _linger_enabled():
+    if not linger_enabled():
         console.print(
             "it ends when you log out; to start it with the machine and keep it running: loginctl enable-linger",
             soft_wrap=True, markup=False,
@@ -74,16 +75,17 @@ def uninstall(name: Name) -> None:
     """End the show and remove its unit; the journal is kept."""
     from rich.console import Console
 
+    from live.app.machine.systemd_control import stop_service, systemctl
     from live.app.machine.systemd_unit import unit_name, units_folder
     from live.base.errors import PersonError
 
     path = units_folder() / unit_name(name)
     if not path.is_file():
         raise PersonError(f"there is no service {name}: no {path}", "live service status")
-    _stop_service(name)
-    _systemctl("disable", unit_name(name))
+    stop_service(name)
+    systemctl("disable", unit_name(name))
     path.unlink()
-    _systemctl("daemon-reload")
+    systemctl("daemon-reload")
     Console(highlight=False).print(f"removed: {path}", soft_wrap=True, markup=False)
 
 
@@ -92,9 +94,10 @@ def stop(name: Name) -> None:
     """End the show: its service, and any engine that runs without a supervisor."""
     from rich.console import Console
 
+    from live.app.machine.systemd_control import stop_service
     from live.app.machine.systemd_unit import check_name
 
-    ended, problem = _stop_service(check_name(name))
+    ended, problem = stop_service(check_name(name))
     console = Console(highlight=False)
     for pid in ended:
         console.print(f"ended an engine without a supervisor (process {pid})")
@@ -107,16 +110,17 @@ def status() -> None:
     """List the services, with their state, number of restarts, and whether they outlive a logout."""
     from rich.console import Console
 
+    from live.app.machine.systemd_control import linger_enabled, unit_state
     from live.app.machine.systemd_unit import units_folder
 
     console = Console(highlight=False)
     found = sorted(units_folder().glob("live-*.service"))
     for path in found:
         name = path.stem.removeprefix("live-")
-        console.print(f"{name}: {_state(path.name)}", soft_wrap=True, markup=False)
+        console.print(f"{name}: {unit_state(path.name)}", soft_wrap=True, markup=False)
     if not found:
         console.print(f"no service in {units_folder()}; live service install [PLAY ARGUMENTS]", markup=False)
-    lingers = "start with the machine and outlive a logout" if _linger_enabled() else "end with the session"
+    lingers = "start with the machine and outlive a logout" if linger_enabled() else "end with the session"
     console.print(f"services of this user {lingers} (loginctl enable-linger, disable-linger)", soft_wrap=True)
 
 
@@ -138,65 +142,3 @@ def _parse_play_arguments(arguments: list[str]) -> dict[str, Any]:
         raise PersonError("--help: nothing to install", "live play --help") from None
     except click.ClickException as error:
         raise PersonError(f"live play rejects these arguments: {error.format_message()}", "live play --help") from None
-
-
-def _stop_service(name: str) -> tuple[list[int], str | None]:
-    """Stop the service, then any remaining engines; return their process ids, and systemd's error or None."""
-    from live.app.machine.systemd_unit import unit_name
-    from live.app.processes.engine_main import service_label
-    from live.supervisor.adoption.adoption import end_engines
-
-    problem = _systemctl("stop", unit_name(name))
-    return end_engines(service_label(name)), problem
-
-
-def _systemctl(*words: str) -> str | None:
-    """Run a command of the user's systemd; return None, or the error."""
-    import subprocess
-
-    try:
-        done = subprocess.run(
-            ["systemctl", "--user", "--no-ask-password", *words], capture_output=True, text=True, timeout=90
-        )
-    except FileNotFoundError:
-        return "there is no systemctl on this machine"
-    except (OSError, subprocess.TimeoutExpired) as error:
-        return str(error)
-    return None if done.returncode == 0 else " ".join(done.stderr.split())[:300] or f"exit code {done.returncode}"
-
-
-def _state(unit: str) -> str:
-    import subprocess
-
-    words = ["show", "--property=ActiveState,SubState,NRestarts,MainPID", unit]
-    try:
-        done = subprocess.run(["systemctl", "--user", *words], capture_output=True, text=True, timeout=20)
-    except (OSError, subprocess.TimeoutExpired):
-        return "installed; systemd does not answer here"
-    told = dict(line.split("=", 1) for line in done.stdout.splitlines() if "=" in line)
-    if done.returncode or "ActiveState" not in told:
-        return "installed; systemd does not answer here"
-    process = f", process {told['MainPID']}" if told.get("MainPID", "0") != "0" else ""
-    return f"{told['ActiveState']} ({told.get('SubState')}){process}, restarted {told.get('NRestarts', '0')} times"
-
-
-def _systemd_version() -> int:
-    """Return the version of systemd; 0 if there is none."""
-    import re
-    import subprocess
-
-    try:
-        done = subprocess.run(["systemctl", "--version"], capture_output=True, text=True, timeout=20)
-    except (OSError, subprocess.TimeoutExpired):
-        return 0
-    found = re.match(r"systemd (\d{1,6})", done.stdout)
-    return 0 if found is None else int(found[1])
-
-
-def _linger_enabled() -> bool:
-    import getpass
-
-    try:
-        return Path("/var/lib/systemd/linger", getpass.getuser()).exists()
-    except (OSError, KeyError):
-        return False

@@ -11,8 +11,6 @@ from live.base.errors import PersonError
 
 if TYPE_CHECKING:
     from live.agents.scenarios.metrics import Metrics
-    from live.agents.scenarios.scenario import Scenario
-    from live.rehearse.simulated_band import SimulatedBand
 
 
 MAX_COORDINATES = 1 << 25
@@ -38,6 +36,7 @@ def simulate(
     from live.agents.scenarios.metrics import measure
     from live.agents.scenarios.run import simulate as run
     from live.agents.scenarios.run import ticks_in
+    from live.app.offline.simulation_input import load_scenario
     from live.app.pictures.simulate_svg import paths_svg
     from live.app.whole_file import write_atomically
 
@@ -54,26 +53,6 @@ def simulate(
     if svg is not None:
         write_atomically(paths_svg(wanted, time, position).encode(), svg, "--svg")
     print_metrics(measure(wanted, time, position), as_json)
-
-
-def load_scenario(path: Path, seed: int = 0) -> "Scenario":
-    """Return the scenario in a file, or the built-in one of that name; raise PersonError if there is neither."""
-    from live.agents.scenarios.generate import SCENARIOS
-    from live.agents.scenarios.reading import MAX_BYTES, read_scenario, unknown_fields
-
-    if str(path) in SCENARIOS and not path.exists():
-        return SCENARIOS[str(path)](seed)
-    try:
-        if path.is_file() and path.stat().st_size > MAX_BYTES:
-            raise PersonError(f"{path}: larger than {MAX_BYTES:,} bytes", "give a smaller scenario")
-        text = path.read_bytes()
-    except OSError as error:
-        remedy = f"give a scenario (JSON), or one of {', '.join(SCENARIOS)}"
-        raise PersonError(f"{path}: cannot be read: {error.strerror}", remedy) from None
-    scenario = read_scenario(text, str(path))
-    for name in unknown_fields(text):
-        typer.echo(f"{path}: unknown key {name!r} ignored", err=True)
-    return scenario
 
 
 def print_metrics(metrics: "Metrics", as_json: bool) -> None:
@@ -123,6 +102,7 @@ def sim(
 
     find_patch(patch)  # reports an unknown name before seconds of loading
     warm_kernels(Console(stderr=True))  # before modules with kernels are imported
+    from live.app.offline.simulation_input import make_band, open_midi_output, write_band_audio
     from live.rehearse.network_sender import UdpSender, clock_pulses, osc_packets, send_all
     from live.rehearse.simulated_players import ArgumentGenerator, SimulatedPlayers
     from live.show.loader import load_show
@@ -137,11 +117,11 @@ def sim(
     loaded = load_show(find_patch(patch))
     console = Console(stderr=True, highlight=False)
     clock = loaded.patch.clock
-    band = _make_band(seed, bpm or clock.bpm, clock.beats_per_measure, unruly)
+    band = make_band(seed, bpm or clock.bpm, clock.beats_per_measure, unruly)
     if audio is not None:
-        _write_band_audio(audio, band, seconds, seed, console)
+        write_band_audio(audio, band, seconds, seed, console)
         return
-    port = None if midi is None else _open_midi_output(midi)
+    port = None if midi is None else open_midi_output(midi)
     try:
         outlet = UdpSender(*parse_endpoint(osc))
     except OSError as error:
@@ -161,41 +141,3 @@ def sim(
         if port is not None:
             port.close()
         console.print(f"{outlet.sent} messages sent, {outlet.failed} failed", style="dim")
-
-
-def _make_band(seed: int, bpm: float, beats: int, irregularity: float) -> "SimulatedBand":
-    from live.rehearse.simulated_band import DRIFT, Irregularities, SimulatedBand
-
-    usual = Irregularities()
-    manners = Irregularities(
-        stop=usual.stop * irregularity,
-        fill=min(usual.fill * irregularity, 1.0),
-        wrong_downbeat=usual.wrong_downbeat * irregularity,
-        tempo_jump=usual.tempo_jump * irregularity,
-        drift=DRIFT * min(irregularity, 4.0),
-    )
-    return SimulatedBand(seed, bpm=bpm, beats_per_measure=beats, irregularities=manners)
-
-
-def _write_band_audio(path: Path, band: "SimulatedBand", seconds: float, seed: int, console: Any) -> None:
-    from live.base.errors import PersonError
-    from live.rehearse.simulated_band import render_audio, write_sound
-
-    if seconds > 7200.0:
-        raise PersonError(f"--seconds {seconds:g}: a sound file has at most two hours", "--seconds 600")
-    try:
-        write_sound(path, render_audio(band, seconds, seed=seed))
-    except OSError as error:
-        raise PersonError(f"cannot write --audio {path}: {error.strerror}") from None
-    did = ", ".join(f"{count} × {what}" for what, count in band.counts.items() if count) or "no irregularities"
-    console.print(f"band written: {path.resolve()} ({did})", soft_wrap=True, markup=False)
-
-
-def _open_midi_output(name: str) -> Any:
-    from live.base.errors import PersonError
-    from live.control.midi.midi_ports import MidiUnavailable, UnknownPort, open_port
-
-    try:
-        return open_port("output", name)
-    except (MidiUnavailable, UnknownPort) as error:
-        raise PersonError(f"--midi {name!r}: {error}", "see `live devices`") from None

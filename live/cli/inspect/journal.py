@@ -1,16 +1,10 @@
 """Commands `live journal show | diff | export`: print, compare and convert journals."""
 
-import csv
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-
-from live.base.errors import PersonError
-from live.clock.ticks import TICK
-from live.control.events.event_json import event_to_json
-from live.show.journal.journal_reader import Journal
 
 if TYPE_CHECKING:
     from live.show.journal.journal_reader import Journal, Survey
@@ -18,16 +12,6 @@ if TYPE_CHECKING:
 
 app = typer.Typer(help="Read journals of shows: print, compare, or convert to MIDI or CSV.", no_args_is_help=True)
 FILE = Annotated[Path, typer.Argument(help="A journal written by --journal.")]
-
-
-def _read(path: Path) -> "Journal":
-    from live.base.errors import PersonError
-    from live.show.journal.journal_reader import JournalError, read_journal
-
-    try:
-        return read_journal(path)
-    except JournalError as error:
-        raise PersonError(str(error)) from None
 
 
 @app.command("show")
@@ -38,10 +22,10 @@ def show(
     as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON.")] = False,
 ) -> None:
     """Print duration, number of measures, events by source, and damaged lines."""
-    import json
 
     from rich.console import Console
 
+    from live.app.offline.journal_report import journal_facts, read_person_journal
     from live.app.pictures.journal_picture import draw_journal, size_of
     from live.app.pictures.reach_picture import PngCanvas, SvgCanvas
     from live.app.whole_file import write_atomically
@@ -50,7 +34,7 @@ def show(
 
     if picture is not None and picture.suffix.lower() not in (".svg", ".png"):
         raise PersonError(f"--picture {picture}: a name that ends in .svg or .png expected")
-    recorded = _read(journal)
+    recorded = read_person_journal(journal)
     found = survey(recorded)
     if picture is not None:
         size = size_of(found)
@@ -58,7 +42,7 @@ def show(
         draw_journal(found, canvas)
         write_atomically(canvas.data(), picture, "--picture")
     if as_json:
-        print(json.dumps(_facts(found)))
+        print(json.dumps(journal_facts(found)))
         return
     console = Console(highlight=False)
     if events:
@@ -66,38 +50,12 @@ def show(
     _print_survey(found, console)
 
 
-def _facts(found: "Survey") -> dict[str, Any]:
-    from live.show.journal.journal_writer import read_snapshots
-    from live.show.journal.replay import snapshots_of
-    from live.show.state.snapshot import snapshot_header
-
-    header, problems = found.journal.header, list(found.problems)
-    path = snapshots_of(found.journal)
-    measures = [snapshot_header(data)["measure"] for data in read_snapshots(path, problems)]
-    tempo = [bpm for _, bpm in found.tempo()]
-    return {
-        "journal": str(found.journal.path),
-        "format": header.get("journal"),
-        "version": header.get("version"),
-        "show": found.journal.patch.get("name"),
-        "seed": header.get("seed"),
-        "complete": found.journal.complete,
-        "seconds": found.seconds,
-        "skipped_ticks": found.skipped,
-        "measures": len(found.measure),
-        "bpm": [min(tempo), max(tempo)] if tempo else None,
-        "events": [{"source": s, "type": t, "count": n} for (s, t), n in found.counts.most_common()],
-        "bytes": found.journal.path.stat().st_size,
-        "snapshots": {"measures": measures, "bytes": path.stat().st_size if path.is_file() else 0},
-        "damaged": found.damaged,
-        "problems": problems,
-    }
-
-
 def _print_survey(found: "Survey", console: Any) -> None:
     from rich.table import Table
 
-    facts = _facts(found)
+    from live.app.offline.journal_report import journal_facts
+
+    facts = journal_facts(found)
     end = "" if facts["complete"] else " (cut off)"
     tempo = "" if facts["bpm"] is None else ", {:.1f} to {:.1f} bpm".format(*facts["bpm"])
     console.print(
@@ -121,6 +79,7 @@ def _print_survey(found: "Survey", console: Any) -> None:
 
 
 def _print_events(journal: "Journal", console: Any) -> None:
+
     from live.clock.ticks import TICK
     from live.control.events.event_json import event_to_json
 
@@ -146,13 +105,13 @@ def diff(
     as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
     """Print the first event and the first state that differ between two journals. Exit 1 if there are any."""
-    import json
 
     from rich.console import Console
 
+    from live.app.offline.journal_report import read_person_journal
     from live.show.journal.journal_diff import differences
 
-    found = differences(_read(first), _read(second))
+    found = differences(read_person_journal(first), read_person_journal(second))
     if as_json:
         facts = {
             "header": list(found.header),
@@ -188,6 +147,7 @@ def export(
     """Export as a MIDI file (which replays the show), or as a table with a row for each event and measure."""
     from rich.console import Console
 
+    from live.app.offline.journal_report import read_person_journal, write_table
     from live.app.option_values import check_writable
     from live.app.whole_file import write_atomically
     from live.base.errors import PersonError
@@ -196,7 +156,7 @@ def export(
     if kind not in (".mid", ".midi", ".csv"):
         raise PersonError(f"{out}: a name that ends in .mid or .csv expected", f"{out.stem}.mid")
     check_writable(out, "OUT")
-    recorded = _read(journal)
+    recorded = read_person_journal(journal)
     if kind == ".csv":
         write_table(recorded, out)
         return
@@ -210,30 +170,3 @@ def export(
     except ReplayError as error:
         raise PersonError(str(error)) from None
     write_atomically(journal_to_midi(recorded, start), out, "OUT")
-
-
-COLUMNS = ("line", "tick", "seconds", "measure", "kind", "source", "values")
-
-
-def write_table(journal: Journal, out: Path) -> None:
-    """Write the journal as CSV; raise PersonError if that fails. `values` are JSON; a measure's is its state hash."""
-    try:
-        with out.open("w", newline="", encoding="utf-8") as file:
-            table = csv.writer(file)
-            table.writerow(COLUMNS)
-            measure = 1
-            for line in journal.lines_with_damage():
-                row: tuple[str, str, str] | None = None
-                if line.damaged is not None:
-                    row = "damaged", "", line.damaged
-                elif line.event is not None:
-                    values = event_to_json(line.event)
-                    kind, source = values.pop("type"), values.pop("source")
-                    row = kind, source, json.dumps(values, ensure_ascii=False)
-                elif line.measure is not None:
-                    measure = line.measure
-                    row = "measure", "", line.state or ""
-                if row is not None:
-                    table.writerow((line.number, line.tick, f"{line.tick * TICK:.6f}", measure, *row))
-    except OSError as error:
-        raise PersonError(f"{out}: cannot be written: {error.strerror}", "choose another folder") from None

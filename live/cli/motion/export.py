@@ -8,12 +8,6 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from live.motion.clip import Clip
-    from live.motion.formats.source_motion import UpAxis
-    from live.motion.step_clip import StepClip
-
-KNOWN_STEPS_SHOWN = 12
-
 
 def export(
     source: Annotated[str, typer.Argument(help="A motion file, or the name of a step.", metavar="FILE|STEP")],
@@ -43,6 +37,7 @@ def export(
     """
     from rich.console import Console
 
+    from live.app.offline.motion_export import load_file, load_step, write_motion
     from live.app.option_values import check_range
     from live.base.errors import PersonError
 
@@ -56,11 +51,11 @@ def export(
     for_steps = {"--library": library, "--variation": variation, "--measures": measures}
     if _is_file(source):
         _refuse_options(for_steps, source, "a file; that option is for steps")
-        clip = _load_file(Path(source), hertz, fps, unit, up, skeleton, drop_frames)
+        clip = load_file(Path(source), hertz, fps, unit, up, skeleton, drop_frames)
     else:
         _refuse_options(for_files, source, "a step; that option is for files")
-        clip = _load_step(source, hertz, library, variation, measures)
-    size = _write(clip, to)
+        clip = load_step(source, hertz, library, variation, measures)
+    size = write_motion(clip, to)
     Console(highlight=False).print(
         f"{to}: {clip.sample_count} frames, {clip.sample_rate:g} per second, {clip.seconds:.2f} s, {size} bytes",
         soft_wrap=True,
@@ -113,96 +108,3 @@ def _refuse_options(options: "Mapping[str, object]", source: str, words: str) ->
     given = [name for name, value in options.items() if value is not None]
     if given:
         raise PersonError(f"{given[0]}: {source!r} is {words}", f"leave {' and '.join(given)} out")
-
-
-def _load_file(
-    path: Path,
-    hertz: float | None,
-    fps: float | None,
-    unit: float | None,
-    up: str | None,
-    skeleton: Path | None,
-    drop_frames: int | None,
-) -> "Clip":
-    """Return the file's motion on the engine's skeleton; print warnings on stderr."""
-    from rich.console import Console
-
-    from live.base.errors import PersonError
-    from live.library.motion_file import read_motion
-    from live.motion.retarget.retarget import retarget
-
-    axis: UpAxis | None = None if up is None else "Y" if up.upper() == "Y" else "Z"
-    try:
-        motion = read_motion(path, skeleton=skeleton, up=axis)
-        clip = retarget(
-            motion,
-            name=path.stem.encode("utf-8", "replace").decode("utf-8"),
-            fps=fps,
-            unit_m=unit,
-            up=axis,
-            drop_frames=drop_frames or 0,
-            sample_rate=hertz or fps or motion.header_fps,
-        )
-    except ValueError as error:  # MotionFileError, or an argument out of range
-        raise PersonError(" ".join(str(error).split())) from None
-    console = Console(stderr=True, highlight=False)
-    for warning in motion.warnings:
-        console.print(f"warning: {path}: {warning.what}", soft_wrap=True, markup=False)
-    return clip
-
-
-def _load_step(
-    name: str, hertz: float | None, library: Path | None, variation: int | None, measures: int | None
-) -> "Clip":
-    """Return the measures of one variation of a step, without the lead-in."""
-    from live.base.errors import PersonError
-    from live.motion.clip import resample
-
-    found = _variations(name, library)
-    if variation is not None and not 1 <= variation <= len(found):
-        raise PersonError(f"--variation {variation}: the step {name!r} has {len(found)}: {_describe_variations(found)}")
-    step = found[(variation or 1) - 1]
-    if measures is not None and not 1 <= measures <= step.measures:
-        raise PersonError(f"--measures {measures}: the step {name!r} has {step.measures}")
-    last = step.first + (measures or step.measures) * step.samples_per_measure
-    return resample(step.clip, hertz or step.clip.sample_rate, first=step.first, last=last)
-
-
-def _variations(name: str, library: Path | None) -> "list[StepClip]":
-    import difflib
-
-    from live.app.offline.step_listing import library_folders, named_steps
-    from live.base.errors import PersonError
-
-    clips = [clip for step in named_steps(library) for clip in step.clips]
-    found = [clip for clip in clips if clip.step.casefold() == name.strip().casefold()]
-    if found:
-        return found
-    names = sorted({clip.step for clip in clips})
-    where = " and ".join(map(str, library_folders(library)))
-    near = difflib.get_close_matches(name, names, n=1)
-    shown = ", ".join(names[:KNOWN_STEPS_SHOWN]) + (", ..." if len(names) > KNOWN_STEPS_SHOWN else "")
-    raise PersonError(
-        f"there is no file and no step {name[:100]!r} in {where}; steps there: {shown}",
-        f"live export {near[0]!r}" if near else "give a motion file, a step, or --library DIR",
-    )
-
-
-def _describe_variations(clips: "list[StepClip]") -> str:
-    words = [f"{n} {clip.direction}{' (mirrored)' if clip.mirrored else ''}" for n, clip in enumerate(clips, 1)]
-    return ", ".join(words)
-
-
-def _write(clip: "Clip", to: Path) -> int:
-    """Write the file atomically; return its size in bytes."""
-    from live.app.whole_file import write_atomically
-
-    if to.suffix.lower() == ".bvh":
-        from live.motion.formats.bvh_writer import write_bvh
-
-        data = write_bvh(clip, rate=None).encode("ascii")
-    else:
-        from live.motion.formats.gltf_writer import write_glb
-
-        data = write_glb(clip, rate=None)
-    return write_atomically(data, to, "--to")

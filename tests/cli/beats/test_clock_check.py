@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from live.base.errors import PersonError
-from live.cli.beats.clock_check import clock_check, read_beats, read_stream
+from live.app.offline.clock_stream import read_beats, read_stream
+from live.cli.beats.clock_check import clock_check
 from live.clock.midi.clock_report import clock_errors, replay
 from tests.clock.midi_streams import make_stream, steady
 
