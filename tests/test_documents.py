@@ -1,6 +1,7 @@
 """Documents name only files that are there."""
 
 import re
+import tokenize
 from pathlib import Path
 
 import pytest
@@ -31,3 +32,51 @@ def test_what_a_document_names_is_there(document: Path) -> None:
         and f"/{name}\n" not in ENDINGS  # a package is often named without those above it
     ]
     assert not missing
+
+
+_CODE_WORD = re.compile(r"`([A-Za-z_][\w.]*)(?:\(\))?`")
+_FOREIGN_WORDS = frozenset(
+    (
+        "shm_open",
+        "betas",
+        "LeftShoulder",
+        "LeftLeg",
+        "LeftUpLeg",
+        "LeftFoot",
+        "LeftAnkle",
+        "lwrist",
+        "lhand",
+        "glTF",
+        "ink_width",
+        "Danca",
+    )
+)
+"""Names of other programs, file formats and patches in docstrings."""
+
+
+def _tokens(path: Path) -> list[tokenize.TokenInfo]:
+    with path.open("rb") as file:
+        return list(tokenize.tokenize(file.readline))
+
+
+def test_docstrings_name_code_that_exists() -> None:
+    """A name in backticks with an underscore, a dot or a capital is a name of the code, or a word of its texts."""
+    files = [path for folder in ("live", "bench", "tools") for path in (ROOT / folder).rglob("*.py")]
+    names, quoted = set(_FOREIGN_WORDS), []
+    for path in files:
+        names |= {path.stem, *path.parts}
+        for token in _tokens(path):
+            is_text = token.type in (tokenize.STRING, getattr(tokenize, "FSTRING_MIDDLE", tokenize.STRING))
+            if token.type == tokenize.NAME:
+                names.add(token.string)
+            elif token.type == tokenize.COMMENT or (is_text and '"""' in token.string):
+                where = f"{path.relative_to(ROOT)}:{token.start[0]}"
+                quoted += [(where, word) for word in _CODE_WORD.findall(token.string)]
+            elif is_text:
+                names |= set(re.findall(r"\w+", token.string))
+    stale = [
+        f"{where}: {word}"
+        for where, word in quoted
+        if word.isascii() and re.search(r"[A-Z_.]", word) and not set(word.split(".")) <= names
+    ]
+    assert stale == []

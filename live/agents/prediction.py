@@ -36,7 +36,7 @@ class CrowdPrediction:
     """Incremental prediction of agent positions.
 
     One beat before a measure ends, the next step is chosen from the predicted positions at the end of the *next*
-    measure. Computing this in one tick would delay the frame, so `work` runs a few steps at a time.
+    measure. Computing this in one tick would delay the frame, so `run` runs a few steps at a time.
     """
 
     STEP: Final = 1.0 / 16.0

@@ -103,7 +103,7 @@ class LiveSharing:
     def __init__(
         self, shares: tuple[str, ...], ctx: moderngl.Context, size: tuple[int, int], fps: float, music: Music | None
     ) -> None:
-        """`shares`: as returned by `parse_shares`; raise PersonError if one cannot be opened."""
+        """`shares`: as returned by `option_values.parse_shares`; raise PersonError if one cannot be opened."""
         self._rings: list[FrameRing] = []
         self._streams: list[NetworkStream] = []
         for share in shares:

@@ -71,7 +71,7 @@ def configured_monitor(text: str, setting: str) -> Monitor:
 
 
 class VenueWriter:
-    """Saves outputs and values to the venue's file in a thread, in order. `keep`: call in the main thread."""
+    """Saves outputs and values to the venue's file in a thread, in order. `save_output`: call in the main thread."""
 
     def __init__(self, venue: str | None, report: Callable[[str], None]) -> None:
         """`venue`: its name; without one nothing is saved. `report` gets the result in words, in any thread."""
@@ -139,7 +139,7 @@ CORNER_DIGITS = 5
 
 
 class FloorCorners:
-    """The floor's corners in the picture: reading and saving. Call `corners` and `keep` in the main thread."""
+    """The floor's corners in the picture: reading and saving. Call `corners` and `save_output` in the main thread."""
 
     def __init__(self, session: Session, writer: VenueWriter, size: Callable[[], tuple[int, int]]) -> None:
         """`size` returns the picture's size [pixels]."""
@@ -186,7 +186,7 @@ class FloorCorners:
 
 
 def visible_corners(camera: Camera | None, stage: tuple[float, float], size: tuple[int, int]) -> tuple[Point, ...]:
-    """Return a floor's corners as shares of a camera's picture; `GUESS` if it does not see all of them."""
+    """Return a floor's corners as shares of a camera's picture; DEFAULT_CORNERS if it does not see all of them."""
     if camera is None:
         return DEFAULT_CORNERS
     floor = [(x, 0.0, z) for x, z in floor_corners(*stage)]

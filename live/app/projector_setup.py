@@ -60,8 +60,8 @@ class OutputSetup:
         """`save_output` saves an output; `report_refusal` gets refusals in words; `floor`: corners of the real floor.
 
         `request_card` receives the output and the test card chosen by a key. It sends an event, so that the show stores
-        the card; the event then comes back to `hear`. `has_audience`: an audience may join, so there is a card with the
-        link.
+        the card; the event then comes back to `handle`. `has_audience`: an audience may join, so there is a card with
+        the link.
         """
         self._projection, self._save_output, self._refuse, self._ask = (
             projection,

@@ -46,7 +46,7 @@ NoticeText = Callable[[], str]
 class Notifier:
     """Prints notices when they change, in its own thread, so that a blocked terminal does not delay the show.
 
-    Thread: once it runs, only its own thread calls `look`; `refused` may be read from any thread.
+    Thread: once it runs, only its own thread calls `check`; `refused` may be read from any thread.
     """
 
     def __init__(

@@ -33,7 +33,7 @@ class QueueSlot(Generic[Item]):
 class PriorityQueue(Generic[Item]):
     """Bounded queue with one writer and one reader; when full, the oldest item is dropped and counted.
 
-    Thread: `put` from one thread, `take` from another. Single operations of a deque are atomic in the interpreter, so
+    Thread: `put` from one thread, `pop` from another. Single operations of a deque are atomic in the interpreter, so
     no lock is needed that a frame might wait for. Items without a key keep their order, also relative to the items put
     after them; the order of items with different keys does not matter.
     """

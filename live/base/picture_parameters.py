@@ -259,7 +259,7 @@ STYLE_ADDRESS_PREFIX: Final = "/dance/draw/"
 
 
 def group_colour(group: int) -> PictureParameter:
-    """Return the colour parameter of a group, by its index below `GROUPS`."""
+    """Return the colour parameter of a group, by its index below `GROUP_COUNT`."""
     words = "Colour of the clothes of a group."
     return PictureParameter(GROUP_COLOUR_ADDRESS, "colour", 0, 1, (0.8, 0.8, 0.8), "", words, COLOURS_START + 3 * group)
 
@@ -281,7 +281,7 @@ ROW_SIZE: Final = STYLES_START + STYLE_SIZE * GROUP_COUNT
 
 
 def group_parameter(address: str, group: int) -> PictureParameter:
-    """Return the parameter of `GROUP_PARAMETERS` at an address, for a group by its index below `GROUPS`."""
+    """Return the parameter of `GROUP_PARAMETERS` at an address, for a group by its index below `GROUP_COUNT`."""
     known = GROUP_PARAMETERS[address]
     stride = 3 if address == GROUP_COLOUR_ADDRESS else STYLE_SIZE
     return replace(known, first=known.first + stride * group)

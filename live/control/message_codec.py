@@ -57,7 +57,7 @@ def encode_packet(value: object) -> bytes:
 
 
 def decode_packet(data: bytes) -> Any:
-    """Decode the bytes of `packet_of`; PacketError for anything else."""
+    """Decode the bytes of `encode_packet`; PacketError for anything else."""
     try:
         return msgpack.unpackb(data, use_list=False, ext_hook=_decode_object, strict_map_key=False)
     except PacketError:

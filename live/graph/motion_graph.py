@@ -34,7 +34,8 @@ class MotionGraph:
     edge_transform: Float64
     """x, z [m], yaw [rad] that place the next clip in the axes of the last (K001), shape (E, 3)."""
     hops: Int32
-    """Measures from a node to the first measure of a step; 0: it is in it, NEVER: unreachable, shape (C, N)."""
+    """Measures from a node to the first measure of a step; 0: it is in it, UNREACHABLE if there is none, shape (C,
+    N)."""
     node_end: Float64
     """Hips at the end of each measure, in its clip's axes (x, z) [m], shape (N, 2)."""
     node_facing: Float64
@@ -83,7 +84,7 @@ class MotionGraph:
 
     @property
     def node_reach_margin(self) -> Float64:
-        """Mean of `node_gives` over all directions [m], shape (N,)."""
+        """Mean of `reach_margins` over all directions [m], shape (N,)."""
         return np.asarray(self.node_reach_margins.mean(axis=1))
 
     def entries(self, step: int) -> Int32:

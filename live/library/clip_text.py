@@ -63,7 +63,7 @@ def _byte_planes(values: npt.NDArray[np.float32]) -> npt.NDArray[np.uint8]:
 
 
 def _from_byte_planes(planes: npt.NDArray[np.uint8], shape: tuple[int, ...]) -> npt.NDArray[np.float32]:
-    """Inverse of `_planes` for values of this `shape`."""
+    """Inverse of `_byte_planes` for values of this `shape`."""
     whole = np.ascontiguousarray(planes.T).reshape(-1).view(np.uint32).reshape(-1, shape[0]).T
     summed = np.add.accumulate(whole, axis=0, dtype=np.uint32)
     return np.ascontiguousarray(summed).view(np.float32).reshape(shape)

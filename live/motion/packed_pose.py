@@ -30,7 +30,7 @@ _ROWS: Final = np.arange(JOINT_COUNT)
 def pack_pose(hips: npt.ArrayLike, rotation: npt.ArrayLike) -> str:
     """Pack the pose with `hips` (3,) [m] and local unit quaternions `rotation` (J, 4) (w, x, y, z).
 
-    Raises ValueError for an invalid pose: not finite, hips beyond `FARTHEST`, or rotations of zero length.
+    Raises ValueError for an invalid pose: not finite, hips beyond `MAX_COORDINATE`, or rotations of zero length.
     """
     root, turned = np.asarray(hips, np.float64), np.asarray(rotation, np.float64)
     if root.shape != (3,) or turned.shape != (JOINT_COUNT, 4):

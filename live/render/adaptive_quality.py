@@ -77,7 +77,7 @@ SETTLE_S: Final = 1.0
 WARM_UP_S: Final = 2.0
 """Late frames in the first seconds of a show are ignored, because drivers still compile."""
 LATE_SHARE_UP: Final = 0.005
-"""A smaller share of late frames than this for `PATIENCE` seconds, with a load below `ROOM`, takes a step up."""
+"""A smaller share of late frames than this for `PATIENCE_S`, with a load below `MAX_LOAD_UP`, takes a step up."""
 PATIENCE_S: Final = 15.0
 MAX_LOAD_UP: Final = 0.75
 """Quality goes up only while frames need less than this share of their time."""

@@ -77,7 +77,7 @@ class FrameTimes:
         return float(self._ring[(self._count - 1) % HISTORY_FRAMES, :-1].sum()) / (period * 1e3)
 
     def copy_recent(self, out: npt.NDArray[np.float32]) -> int:
-        """Fill `out` (SHOWN,) with the times from frame to frame [ms], oldest first; return their number."""
+        """Fill `out` (GRAPH_FRAMES,) with the times from frame to frame [ms], oldest first; return their number."""
         count = min(max(self._count - 1, 0), len(out))
         last = np.arange(self._count - 1 - count, self._count - 1) % HISTORY_FRAMES
         out[:count] = self._frame_times[last]

@@ -71,7 +71,7 @@ class ScenePass:
         return True
 
     def light_active(self, moment: Moment) -> bool:
-        """Whether `over` draws anything now; then a software picture uses half floats."""
+        """Whether `draw_lit` draws anything now; then a software picture uses half floats."""
         return False
 
     def draw_shadows(self) -> None:

@@ -53,7 +53,7 @@ class PassFaults:
         self._count = 0
 
     def reset(self, name: str) -> None:
-        """Enable a pass again, by its name as in `words`; empty: all."""
+        """Enable a pass again, by its name as in `pass_name`; empty: all."""
         if not name:
             self.disabled.clear()
         self.disabled.pop(name.removeprefix(PASS_PREFIX), None)

@@ -98,7 +98,7 @@ def cull_dancers(position: Float32, present: Bool, planes: Float32, light: Float
 
     position (A, J, 3), present (A,); planes (P, 4): a visible point p has n . p + d >= 0 for all of them, n unit
     vectors; light (3,): from the stage to the key light; `radius` of the sphere [m]. out (A,): bits of SEEN, MIRRORED,
-    SHADOWING, PRESENT. The test is conservative (Assarsson and Möller 2000: planes alone never cull a visible object).
+    CASTING, PRESENT. The test is conservative (Assarsson and Möller 2000: planes alone never cull a visible object).
     """
     wide = radius / light[1]
     for a in range(position.shape[0]):

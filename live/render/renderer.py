@@ -49,7 +49,7 @@ class Renderer:
         blocking_video: bool = False,
         transparent: bool = False,
     ) -> None:
-        """`steps`: also create what the lower quality steps need; see `take_step`.
+        """`steps`: also create what the lower quality steps need; see `set_step`.
         `transparent`: without a stage, in pictures with alpha (needs samples)."""
         self._ctx, self._scene, self._size = ctx, scene, _clamped_size(size)
         if target is not None and tuple(target.size) != size:

@@ -151,7 +151,7 @@ _PARTS: Final = "live.show."
 def swap_patch(part: Any, fresh: Any, old: Patch, new: Patch) -> None:
     """Update `part` and all parts below it with the data that `fresh` and its parts have from the patch `new`.
 
-    `take_patch` is called once for each part, outermost first, while the part still holds the `old` patch.
+    `apply_patch` is called once for each part, outermost first, while the part still holds the `old` patch.
     """
     _swap_patch(part, fresh, old, new, set())
 

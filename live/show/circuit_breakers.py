@@ -103,7 +103,7 @@ class CircuitBreakers:
         self._page = page
 
     def enter(self, stage: int) -> int:
-        """Begin a stage. Returns 0 if it is in service, else SIMPLER or NOTHING."""
+        """Begin a stage. Returns 0 if it is in service, else FALLBACK or SKIPPED."""
         self.running = stage
         if self._page is not None:
             self._page[0] = stage

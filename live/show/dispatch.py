@@ -19,7 +19,7 @@ from live.show.score.score_runner import SCORE_EVENTS
 from live.show.sound.clock_commands import CLOCK_EVENTS, apply_clock_event
 
 FLOOR_AND_DESK = (*GROUP_EVENTS, *DESK_EVENTS)
-"""Events that `_control` handles."""
+"""Events that `_handle_control` handles."""
 
 
 class EventDispatcher(HotSwap):

@@ -127,7 +127,7 @@ class Engine:
         self.on_error: Callable[[Exception], None] | None = None
         """Called once when drawing fails; the show continues. None (in tests and offline): the error is raised."""
         self.raise_when_undrawn = False
-        """Whether the error is raised after UNDRAWN failed frames, so that another engine takes over."""
+        """Whether the error is raised after MAX_UNDRAWN failed frames, so that another engine takes over."""
         self._undrawn = 0
 
     def frame(self, draw: DrawFunction, *, at: float | None = None) -> None:

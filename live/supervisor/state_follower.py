@@ -41,9 +41,9 @@ class TickFailed(Exception):
 class StateFollower:
     """Replays the lines of a show (`RecoveryLog.since` and later ones).
 
-    `advance` leaves the lines after the last measure line to `recover` (`recovery.py`), so that an event that kills one
-    engine does not kill the spare as well. A state that differs from the original's is counted, and the next snapshot
-    corrects it. Thread: one.
+    `advance` leaves the lines after the last measure line to `Recovery.run` (`recovery.py`), so that an event that
+    kills one engine does not kill the spare as well. A state that differs from the original's is counted, and the next
+    snapshot corrects it. Thread: one.
     """
 
     def __init__(self, loaded: LoadedShow, *, heartbeat: Heartbeat | None = None) -> None:
@@ -141,7 +141,7 @@ class StateFollower:
                 if not self._measures or self._stuck:
                     return False
                 self._run(self._pending.popleft())
-        except TickFailed:  # it ran on the original, but not here: `recover` finds out why
+        except TickFailed:  # it ran on the original, but not here: `Recovery.run` finds out why
             self._restart_from_snapshot(stuck=True)
             return False
         return self._measures > 0

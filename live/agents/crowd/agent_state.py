@@ -116,7 +116,7 @@ class AgentState:
         self.acceleration: Float32 = self.flat[4 * a : 6 * a].reshape(a, 2)
         """Low-pass filtered acceleration [m/s²], shape (A, 2)."""
         self.rest: Float32 = self.flat[6 * a : 7 * a]
-        """Time without motion [s], shape (A,); the agent sleeps from SLEEP on."""
+        """Time without motion [s], shape (A,); the agent sleeps from SLEEP_TIME on."""
         self.rest_separation: Float32 = self.flat[7 * a :]
         """Separation [m] at which the agent came to rest, shape (A,); a different value wakes it."""
 

@@ -75,7 +75,7 @@ _ROUNDING_MARGIN: Any = _F(
 def _sum_all_but_avoidance(
     sorted_: Float32, block: Float32, first: int, near: Int32, count: int, side: Any, meets: Int32, touches: Int32
 ) -> tuple[int, int]:
-    """Sum everything except AVOID of the block from slot `first` on over all `near`.
+    """Sum everything except AVOID_X/AVOID_Z of the block from slot `first` on over all `near`.
 
     Return the number of entries written into `meets` and `touches`.
     """
@@ -117,7 +117,7 @@ def _sum_all_but_avoidance(
 
 @inline_kernel
 def _sum_avoidance(sorted_: Float32, block: Float32, meets: Int32, count: int, side: Any, per_tau: Any) -> None:
-    """Sum AVOID of the block over all `meets`."""
+    """Sum AVOID_X/AVOID_Z of the block over all `meets`."""
     for m in range(count):
         k: Any = np.uint64(meets[np.uint64(m)])
         xk, zk, vxk, vzk, rk = sorted_[X, k], sorted_[Z, k], sorted_[VX, k], sorted_[VZ, k], sorted_[RADIUS, k]

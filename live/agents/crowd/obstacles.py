@@ -47,8 +47,8 @@ class _Rows:
 class Surroundings:
     """Walls and obstacles on the stage; may change at any time and take effect at the next tick.
 
-    Entries that cannot be stored (capacity reached, invalid number) are counted in `refused`. No error is raised, since
-    they may come from the network.
+    Entries that cannot be stored (capacity reached, invalid number) are counted in `refused_count`. No error is raised,
+    since they may come from the network.
     """
 
     def __init__(self) -> None:

@@ -85,7 +85,7 @@ def _fit_grid(state: Float32, commands: Float32, order: Int32, grid: Any, capaci
 
 @inline_kernel
 def _is_awake(state: Float32, commands: Float32, i: int, a: int) -> Any:
-    """Return 1 for an awake agent, 0 for a sleeping one: no command, and no motion for SLEEP seconds."""
+    """Return 1 for an awake agent, 0 for a sleeping one: no command, and no motion for SLEEP_TIME seconds."""
     wish = commands[8 * i] * commands[8 * i] + commands[8 * i + 1] * commands[8 * i + 1]
     asked = neighbour_command_key(commands[8 * i + 3], commands[8 * i + 5])
     asleep = state[6 * a + i] >= np.float32(SLEEP_TIME) and wish <= np.float32(0.0) and state[7 * a + i] == asked

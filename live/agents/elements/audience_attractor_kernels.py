@@ -158,8 +158,8 @@ def find_places(
 ) -> int:
     """Find the places of the acting voices; return their number.
 
-    Writes places (PLACES * AUDIENCES, 5) and audience (PLACES * AUDIENCES,), the group mask of each place. density (E,)
-    is scratch: the weight around each voice, or -1 once a voice belongs to a place.
+    Writes places (MAX_PLACES * MAX_AUDIENCES, 5) and audience (MAX_PLACES * MAX_AUDIENCES,), the group mask of each
+    place. density (E,) is scratch: the weight around each voice, or -1 once a voice belongs to a place.
     """
     weigh_voices(table, masks, active, density)
     count = 0
@@ -181,8 +181,8 @@ def fair_attraction(
 ) -> None:
     """Add the attraction to the places of an audience.
 
-    Weights are share ** SHARPNESS * exp(-SHARPNESS * d / NEARNESS). They are smooth, so that a dancer does not jitter
-    between two equal places, and so sharp that a place with few voices does not count next to one with many.
+    Weights are share ** SHARPNESS * exp(-SHARPNESS * d / NEAR_DISTANCE). They are smooth, so that a dancer does not
+    jitter between two equal places, and so sharp that a place with few voices does not count next to one with many.
     """
     for i in range(position.shape[0]):
         if sums[i, ADDRESSED_LEVEL] <= 0.0:

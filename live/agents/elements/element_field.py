@@ -46,7 +46,7 @@ class Kinematics(Protocol):
 class ElementField:
     """The elements of a show of A agents.
 
-    Each tick call `refresh`, then `wish` (as often as needed, also on copies).
+    Each tick call `refresh`, then `apply` (as often as needed, also on copies).
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class ElementField:
         """
         self._table = ElementTable(capacity, half_width=half_width, half_depth=half_depth, separation=separation)
         self.influence: Float32 = np.zeros(agent_count, np.float32)
-        """Influence of the elements on each agent in the last `wish`, 0 to 1, shape (A,)."""
+        """Influence of the elements on each agent in the last `apply`, 0 to 1, shape (A,)."""
         self._memory: Float64 = np.zeros((agent_count, MEMORY_COLUMNS))
         self._sums: Float64 = np.zeros((agent_count, SUM_COLUMNS))
         self._nearest: Float64 = np.zeros((agent_count, NEAR_COLUMNS))
@@ -175,7 +175,7 @@ class ElementField:
             )
 
     def preview(self, beat: float) -> None:
-        """Set the elements expected to act at `beat`, before `wish` on a copy; the next `refresh` undoes it."""
+        """Set the elements expected to act at `beat`, before `apply` on a copy; the next `refresh` undoes it."""
         self._table.preview(beat)
 
     def apply(

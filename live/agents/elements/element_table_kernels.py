@@ -74,7 +74,7 @@ def add_velocity(sums: Float64, i: int, x: float, z: float, influence: float, sw
 def reset_sums(table: Float64, masks: UInt64, active: Int32, commands: Float32, groups: UInt64, sums: Float64) -> None:
     """Reset the sums (A, 5) and raise the neighbour weights in `commands` (A, 8) to those of the acting elements.
 
-    sums[:, HEARD] becomes the largest level of the elements that address a present agent; 0: none does.
+    sums[:, ADDRESSED_LEVEL] becomes the largest level of the elements that address a present agent; 0: none does.
     """
     for i in range(commands.shape[0]):
         sums[i, SUM_X], sums[i, SUM_Z], sums[i, REMAINING_SPEED], sums[i, INFLUENCE], sums[i, ADDRESSED_LEVEL] = (

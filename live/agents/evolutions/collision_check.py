@@ -211,7 +211,7 @@ def repair_in_pieces(
     seed: int = 0,
     half: tuple[float, float] | None = None,
 ) -> Pieces[RepairResult]:
-    """The same as `mended`, in pieces. Without `retime` waits stay, without `bend` paths stay."""
+    """The same as `repair_collisions`, in pieces. Without `retime` waits stay, without `bend` paths stay."""
     clearance = Clearance(locomotion, radius)
     yield from clearance.compute_all()
     wait_mending = WaitRepair(clearance, begin, end, waits, arrive)

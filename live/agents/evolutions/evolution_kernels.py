@@ -136,7 +136,7 @@ def sample_paths(
 ) -> None:
     """Write places of the dancers `first` to `last` (not included) at T `beats` into `sample` (T, D, 2) [m].
 
-    Arguments as in `places_at`, but knots are joined by straight lines: within millimetres where they lie dense.
+    Arguments as in `evaluate_paths`, but knots are joined by straight lines: within millimetres where they lie dense.
     """
     final = ways.shape[1] - 1
     for d in range(first, last):
@@ -361,7 +361,7 @@ def pair_collides(ways: Float32, i: int, j: int, clear: float, step: float) -> b
 def count_collisions(ways: Float32, step: Float64, first: int, last: int, clear: float) -> int:
     """Count the pairs of a dancer `first` to `last` (not included) and a later one that come nearer than `clear` [m].
 
-    `ways` as in `meet`, `step` (D,) [m] by `longest_steps`.
+    `ways` as in `pair_collides`, `step` (D,) [m] by `longest_steps`.
     """
     meeting = 0
     for i in range(first, last):

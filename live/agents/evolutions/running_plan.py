@@ -145,7 +145,8 @@ class Plan:
     def prepare(
         self, measure: int, positions: npt.ArrayLike, headings: npt.ArrayLike, *, if_controlled: bool = False
     ) -> None:
-        """Start to plan the segments of `measure` ahead of time; `target` includes them as soon as they are usable.
+        """Start to plan the segments of `measure` ahead of time; `write_commands` includes them as soon as they are
+        usable.
 
         `positions` (A, 2) [m] and `headings` (A,) [rad] are the predictions for its line, for dancers without a segment
         then. `if_controlled`: only if segments control every dancer who takes part. Measures without segments cost
@@ -259,7 +260,7 @@ class Plan:
     def predicted_state(self, beat: float) -> GroupState:
         """Return the planned state at a future beat, including prepared segments: exact where `under` is 1.
 
-        The array is not that of `at`; the next call of `target` overwrites it.
+        The array is not that of `at`; the next call of `write_commands` overwrites it.
         """
         return self._fill(beat, self._target, True)
 

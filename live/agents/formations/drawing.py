@@ -39,7 +39,7 @@ class Curve:
     corners: tuple[float, ...] = ()
     """Positions of the corners in units of `at`; ends of open lines are not corners."""
     gaps: tuple[float, float] = (FREE_END, FREE_END)
-    """FREE, HALF, MEETS or SHARED, for both ends of an open line."""
+    """FREE_END, SYMMETRY_END, JOINT or SHARED_END, for both ends of an open line."""
     use_corners: bool = True
     """Whether its corners may be filled first."""
 

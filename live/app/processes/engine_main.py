@@ -119,7 +119,7 @@ GENERATED_OPTIONS: Final = ("web_key", "audience_secret")
 
 
 def is_supervised(options: LaunchOptions) -> bool:
-    """Whether to supervise this show: on a screen or headless, and not shorter than `SHORT`.
+    """Whether to supervise this show: on a screen or headless, and not shorter than `MIN_SUPERVISED_SECONDS`.
 
     Films are made by one process, because a standby cannot continue half a film. Raise PersonError where the show
     has to follow another machine, or to be followed by one, and cannot be supervised.

@@ -124,7 +124,7 @@ class OscQueryService(HttpService):
     def __init__(
         self, where: tuple[str, int], osc: tuple[str, int], name: str, clock: Clock, *, hosts: Sequence[str] = ()
     ) -> None:
-        """`osc`: the show's OSC address; `hosts`: see `accepted_hosts`."""
+        """`osc`: the show's OSC address; `hosts`: see `http_protection.accepted_hosts`."""
         super().__init__(
             where, "--oscquery", "live.control.osc.oscquery_server",
             lambda: {"osc": osc, "name": name, "hosts": list(hosts)}, clock, needs=("aiohttp", "zeroconf"),
@@ -279,7 +279,7 @@ class WebService(HttpService):
         self, where: tuple[str, int], key: str, osc: tuple[str, int], show: Show, clock: Clock, *,
         hosts: Sequence[str] = (),
     ) -> None:  # fmt: skip
-        """`key`: the access key; `osc`: the show's OSC address; `hosts`: see `accepted_hosts`."""
+        """`key`: the access key; `osc`: the show's OSC address; `hosts`: see `http_protection.accepted_hosts`."""
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(osc[0], osc[0])
 
         def plan() -> dict[str, Any]:

@@ -14,7 +14,7 @@ from live.show.patch.section_io import MidiSection
 
 
 class MidiMapWriter:
-    """Saves learned bindings next to the patch, one change after the other. `keep`: call in the show's thread."""
+    """Saves learned bindings next to the patch, one change after the other. `save`: call in the show's thread."""
 
     def __init__(self, patch: Path, report: Callable[[str], None]) -> None:
         """`patch`: its file. `report` is called with the result in words, in any thread."""

@@ -99,7 +99,8 @@ class BeatRegression:
         self._slope = self._line()[0] if self._count >= MIN_BEATS else 0.0
 
     def _line(self) -> tuple[float, float]:
-        """Return (frames from beat to beat, the line's time of the last beat [frame]), from at least `FEWEST` beats."""
+        """Return (frames from beat to beat, the line's time of the last beat [frame]), from at least `MIN_BEATS`
+        beats."""
         for count in (*LINE_LENGTHS, min(FALLBACK_LENGTH, self._count)):
             if count > self._count:
                 continue

@@ -140,7 +140,7 @@ contradicts loudly does not win much sooner than music that does so softly.
 class ManualConstraints:
     """Applies manual settings to the states and to all later transitions.
 
-    Each frame uses `tempo`, `metre`, `born`, `leap`, `line_change`, `downbeat_sharpness` and `downbeat_range`.
+    Each frame uses the transition probabilities that it holds as attributes.
     """
 
     def __init__(self, states: StateSpace) -> None:

@@ -153,7 +153,7 @@ class Source(Protocol):
 
 
 class ObservedSource:
-    """Base class of sources that receive observations, through `heard`, `silent`, `lost` …"""
+    """Base class of sources that receive observations, through `observe`, `silent`, `lost` …"""
 
     def __init__(self, name: str) -> None:
         self.name = name

@@ -47,8 +47,8 @@ class PulseSchedule:
         self.jumps = 0
 
     def next_pulse(self, timeline: Timeline, now: float) -> PulseMessages:
-        """Return the next pulse and the messages before it, at its time on the timeline; the same one until `sent` is
-        called."""
+        """Return the next pulse and the messages before it, at its time on the timeline; the same one until `mark_sent`
+        is called."""
         here = (timeline.beat_at(now) - timeline.measure_origin) * PULSES_PER_BEAT
         if self._next is None:
             self._next = math.ceil(here)
@@ -61,8 +61,8 @@ class PulseSchedule:
         return PulseMessages(time, (*stop, *self._transport(timeline), bytes((CLOCK,))))
 
     def mark_sent(self, timeline: Timeline) -> None:
-        """Confirm that the messages of `due` were sent."""
-        assert self._next is not None  # `due` came first
+        """Confirm that the messages of `next_pulse` were sent."""
+        assert self._next is not None  # `next_pulse` came first
         if self._transport(timeline):
             if self._starts(timeline):
                 self._begun_at, self._begun = self._next, True

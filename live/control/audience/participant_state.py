@@ -31,7 +31,7 @@ MIN_PLACE_WEIGHT: Final = 0.3
 """Places with less than this share of the heaviest place's weight are ignored."""
 MIN_PHONES: Final = 4.0
 FULL_FORCE_SHARE: Final = 0.05
-"""The force is full from this share of the phones on, but needs at least `FEW` phones if there are several."""
+"""The force is full from this share of the phones on, but needs at least `MIN_PHONES` phones if there are several."""
 SHAKE_SECONDS: Final = 1.0
 """A shake counts this long [s]."""
 
@@ -76,7 +76,7 @@ class Voices:
         self.share: Float64 = np.ones(most)
         """Fraction of a voice of each row."""
         self.pending_touches: dict[int, tuple[bytes, float]] = {}
-        """Latest raw message and its time [s] of each row since the last `take_up`."""
+        """Latest raw message and its time [s] of each row since the last `apply_touches`."""
         self._free = list(range(most - 1, -1, -1))
         self._weights: Float64 = np.ones(1)
         self._half = (6.0, 4.0)

@@ -69,7 +69,7 @@ class AudioInput:
 
     When no sound arrives for half a second, the source is "lost". The device is then reopened by name every two seconds
     until it is "found"; its rate and channels may have changed. A failed analysis is restarted and counted. NaN samples
-    become silence. `act` handles the events that control the input.
+    become silence. `handle` handles the events that control the input.
     """
 
     def __init__(

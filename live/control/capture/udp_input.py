@@ -19,7 +19,7 @@ _PAUSE_S: Final = 0.05
 
 
 class CaptureInput:
-    """Receives datagrams and passes them to `hear`. Subclasses implement `open` and `hear`.
+    """Receives datagrams and passes them to `handle`. Subclasses implement `open` and `handle`.
 
     Thread: its own daemon thread receives; all counters may be read from any thread.
     """

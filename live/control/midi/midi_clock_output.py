@@ -38,7 +38,8 @@ SWITCH_INTERVAL: Final = 0.0005
 
 
 class MidiClockOutput(PortThread):
-    """Sends the pulses of a PulseSchedule. Call `follow` from the show's thread, the rest from the creating thread."""
+    """Sends the pulses of a PulseSchedule. Call `set_timeline` from the show's thread, the rest from the creating
+    thread."""
 
     def __init__(self, name: str, clock: Clock, *, open_by_name: Open = open_output) -> None:
         """Open nothing yet; a missing port is opened as soon as it appears."""

@@ -30,7 +30,7 @@ RESTART_AFTER: Final = 2.0
 
 
 class MidiClockProcess:
-    """The show's end. Call `follow` from the show's thread, `start` and `stop` from the creating thread."""
+    """The show's end. Call `set_timeline` from the show's thread, `start` and `stop` from the creating thread."""
 
     def __init__(self, name: str, clock: Clock) -> None:
         """Start nothing yet; a missing port is opened as soon as it appears."""
@@ -86,7 +86,7 @@ class MidiClockProcess:
             self._last_sent = timeline
 
     def _restart(self, ended: "subprocess.Popen[bytes]") -> None:
-        """Restart a process that has ended; if the system has no resources for it, `follow` tries again later."""
+        """Restart a process that has ended; if the system has no resources for it, `set_timeline` tries again later."""
         self._close(ended)
         try:
             self.start()

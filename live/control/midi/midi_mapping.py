@@ -23,7 +23,7 @@ _Trigger = tuple[Kind, int, bool]
 
 
 class MidiMap:
-    """Turns channel messages into events. Use from one thread at a time; `take` may be called from any."""
+    """Turns channel messages into events. Use from one thread at a time; `events` may be called from any."""
 
     def __init__(self, bindings: Sequence[Binding] = DEFAULTS, values: Values | None = None) -> None:
         """`values`: the current values, for soft takeover of faders and toggling by pads."""

@@ -149,10 +149,11 @@ class OscRemote:
 
 
 class EventForwarder:
-    """Forwards received events to the show, one packet per `PACE` and only as fast as the show confirms them.
+    """Forwards received events to the show, one packet per `PACKET_INTERVAL` and only as fast as the show confirms
+    them.
 
-    Events that wait stay in their lane, where later values replace them. Use from the receiving thread; `taken` is set
-    by another thread.
+    Events that wait stay in their lane, where later values replace them. Use from the receiving thread; another thread
+    confirms.
     """
 
     def __init__(

@@ -115,7 +115,7 @@ class Subscribers:
                     one.due.setdefault(address, now)
 
     def seconds_to_next(self) -> float | None:
-        """Return the seconds until `turn` should be called again; None: no subscribers."""
+        """Return the seconds until `send_due` should be called again; None: no subscribers."""
         return UPDATE_INTERVAL if self.by_address else None
 
     def send_due(self, now: float, send: Callable[[bytes, SocketAddress], None]) -> None:

@@ -27,8 +27,8 @@ MAX_WAITING: Final = 384
 MAX_PER_ADDRESS: Final = 128
 """The same for one address (for one /64 of IPv6)."""
 ACCEPT_BATCH: Final = 16
-"""Connections accepted in one turn of the loop. It is small so that a prompt request is read before MOST_OF_ONE others
-arrive.
+"""Connections accepted in one turn of the loop. It is small so that a prompt request is read before MAX_PER_ADDRESS
+others arrive.
 """
 BACKLOG: Final = 1024
 """Connections that the system queues until they are accepted."""

@@ -59,10 +59,10 @@ def _with_horizon(graph: MotionGraph, wanted: Sequence[SequenceEntry], horizon: 
 class LiveSequence:
     """The sequence that a group dances; it can be changed while it is danced.
 
-    The show calls `ahead` once per measure, after the line, and passes the result to `choose_measures` as the cost of
-    each next node, so that path and heading decide among the nodes that keep the sequence. It calls `advance` when the
-    measure is chosen. `ask` tests whether a change can be danced before it is made; a change that cannot be danced has
-    no effect.
+    The show calls `costs_ahead` once per measure, after the line, and passes the result to `choose_measures` as the
+    cost of each next node, so that path and heading decide among the nodes that keep the sequence. It calls `advance`
+    when the measure is chosen. `feasible_delay` tests whether a change can be danced before it is made; a change that
+    cannot be danced has no effect.
     """
 
     def __init__(

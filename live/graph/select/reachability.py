@@ -84,7 +84,7 @@ def _hull_extent(way: Float64, towards: Float64) -> Float64:
     """Return the extent of the convex hull of the origin and the ends `way` (n, 2) along `towards` (2, d), (d,) [m].
 
     Mixtures lie in the hull and fill it for a step in nine directions (T131). It is the intersection of its half
-    planes, of which NORMALS are used; the result is too large by a thousandth at most.
+    planes, of which HALF_PLANES are used; the result is too large by a thousandth at most.
     """
     angle = np.arange(HALF_PLANES) * (2.0 * np.pi / HALF_PLANES)
     normal = np.array([np.sin(angle), np.cos(angle)])

@@ -30,7 +30,7 @@ _MAX_LENGTH = 1000
 _ZERO, _ONE, _TEN, _ZERO_CHARACTER = np.uint64(0), np.uint64(1), np.uint64(10), np.uint64(48)
 
 COUNT, INVALID, OUT_OF_RANGE, INEXACT, WRONG_COUNT, WRONG_PLACE, WRONG_LAST, WRAPPED = range(8)
-"""Entries of `found` in `scan_numbers`."""
+"""Entries of the result of `scan_numbers`."""
 
 
 @kernel("f8(u8, i8)")
@@ -113,8 +113,8 @@ def scan_numbers(text: UInt8, columns: int, values: Float64, inexact: Int64, res
     """Read the numbers of `text` into `values`, up to its size, and check that lines hold whole frames.
 
     Lines end with LF, CR or both; `text` ends with a line end. Written to `result`: COUNT of numbers, place of a BAD
-    word (-1: none; reading stops there), place of a STRANGE number (not within 1e7), count of HARD ones (index and
-    place go to `inexact` (n, 2), up to its size); WRONG_COUNT, WRONG_PLACE (of its last word), WRONG_LAST (nothing
+    word (-1: none; reading stops there), place of an OUT_OF_RANGE number (not within 1e7), count of INEXACT ones (index
+    and place go to `inexact` (n, 2), up to its size); WRONG_COUNT, WRONG_PLACE (of its last word), WRONG_LAST (nothing
     follows) of the first line whose count is no multiple of `columns`; WRAPPED = 1 if each frame still begins a line.
     """
     place, last_word = _ZERO, _ZERO

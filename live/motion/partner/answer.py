@@ -126,7 +126,7 @@ def _join(parts: list[_Part], rate: float, smoothing: Smoothing) -> None:
 
 
 def _velocity_ramp(seconds: Float64) -> Float64:
-    """Return a curve that starts at 0 with slope 1 and is 0 with slope 0 after SETTLES; [s], (T, 1, 1)."""
+    """Return a curve that starts at 0 with slope 1 and is 0 with slope 0 after SETTLE_S; [s], (T, 1, 1)."""
     t = np.clip(seconds / SETTLE_S, 0.0, 1.0)
     return np.asarray(SETTLE_S * t * (1.0 - t) ** 2)[:, None, None]
 

@@ -166,7 +166,7 @@ class LivePartner:
 
     @property
     def sample(self) -> float:
-        """Current sample in the unit's recording; valid only if `known`."""
+        """Current sample in the unit's recording; valid only if `has_pose`."""
         return self._source
 
     @property
@@ -177,8 +177,8 @@ class LivePartner:
     def _next_unit(self) -> UnitHypothesis | None:
         """Return the unit to switch to now, or None.
 
-        In the first half of a unit this is the best guess if it is better than the current one by SWITCH; after that
-        the unit is final until the next one begins.
+        In the first half of a unit this is the best guess if it is better than the current one by SWITCH_MARGIN; after
+        that the unit is final until the next one begins.
         """
         if self.unit < 0:
             return self.decoder.best_hypothesis()
@@ -294,7 +294,7 @@ class LivePartner:
         self._floor_transform.follow(place, facing, wanted, dt, standing=stands, too_near=free != here)
 
     def pose(self, ahead: float = 0.0) -> LivePose:
-        """Return the pose `ahead` [s] after the latest frame, at most one frame; valid only if `known`."""
+        """Return the pose `ahead` [s] after the latest frame, at most one frame; valid only if `has_pose`."""
         part = ahead * self.decoder.rate
         root, rotation = self._sample_pose(self._source + self._step * part, part)
         offset, _ = self._remaining_offset(ahead)

@@ -67,7 +67,8 @@ class PartnerExamples:
 
 
 class LeaderReader:
-    """Reads one leader; `root` and `turned` are the follower's poses now, half a frame later and a frame later."""
+    """Reads one leader; `root` and `answer_rotation` are the follower's poses now, half a frame later and a frame
+    later."""
 
     def __init__(self, lore: PartnerExamples, shift: float = 0.0) -> None:
         """The frames are offset by `shift` (0 to 1) of a frame, so that leaders are not all read at once."""
@@ -97,7 +98,7 @@ class LeaderReader:
         return self.partner.has_pose and not self.held
 
     def hold(self, frames: float) -> None:
-        """Forget the input; hold the last answer, `frames` after its frame, until `let_go`."""
+        """Forget the input; hold the last answer, `frames` after its frame, until `release`."""
         begin, t = (1, 2.0 * frames - 1.0) if frames >= 0.5 else (0, 2.0 * frames)
         self.root[:] = (1.0 - t) * self.root[begin] + t * self.root[begin + 1]
         self.answer_rotation[:] = quaternion.slerp(

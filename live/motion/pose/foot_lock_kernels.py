@@ -41,8 +41,8 @@ blended clips has the foot in the air, and the distance [m] over which that mini
 UNLOCK_DISTANCE: Any = np.float32(0.2)
 LOCK_DISTANCE: Any = np.float32(0.08)
 JUMP_DISTANCE: Any = np.float32(0.5)
-"""A foot is released when its shift exceeds UNLOCK [m], held again only below GRAB [m], and never held through a jump
-of its clip by more than JUMP [m] in a tick."""
+"""A foot is released when its shift exceeds UNLOCK_DISTANCE [m], held again only below LOCK_DISTANCE [m], and never
+held through a jump of its clip by more than JUMP_DISTANCE [m] in a tick."""
 RELEASE_HALFLIFE: Any = np.float32(0.07)
 """Half-life with which a free foot returns to its clip [s]."""
 TOE_LIFT: Any = np.float32(0.01)

@@ -41,7 +41,7 @@ def same_measures(
 
 @kernel("void(f8[::1], f8, f8[:,::1], f8)")
 def warp_phases(out: Float64, fraction: float, warp: Float64, window: float) -> None:
-    """Compute phases (A,) of measures warped by `warp` (4, A) at `fraction`: `measure_warp` (T055)."""
+    """Compute phases (A,) of measures warped by `warp` (4, A) at `fraction` (T055)."""
     room = 1.0 - window
     for n in range(out.shape[0]):
         out[n] = fraction
@@ -158,7 +158,7 @@ def gather_dancers(
 
     Their measures: `node`, `clip_placement` (A, 3) placement of the clips, `correction` and `aimed` (A, 3),
     `on_support`, `take`, `take_share` (2, A) and `amplitude` (2, A), eased by `fraction`. For the following measures,
-    if the dance `continues`, the same with `next_`, blended in over the last `window` of the measure (K004). Of N
+    if the dance `continues`, the same for the next clips, blended in over the last `window` of the measure (K004). Of N
     nodes: `first`, `last`, `lead` samples, `start` (N, 2) and `facing` (N,) of the hips at their beginning, `turns` and
     `warp_curve`. Outputs as in `PosePipeline`: `sample` (4, A), `placement` (4, A, 4), `share` (5, A), `mean` (2, A),
     amplitude `scaled_amplitude` (A,).
@@ -240,7 +240,7 @@ def set_clearance(feet: Float32, sample: Float64, share: Float32, height: Float3
     """Set the minimum foot heights where clips are mixed or blended: columns CLEAR and ROUND of `feet` (A, 2, 9).
 
     The blend of a standing and a swinging foot would drag over the floor at a fraction of the swing's height. A foot is
-    therefore as high as the highest of its clips, up to CLEARED, by the sole `height` (S, 2) [m] of all samples.
+    therefore as high as the highest of its clips, up to MAX_CLEARANCE, by the sole `height` (S, 2) [m] of all samples.
     Unblended clips are unchanged, and a foot that stands in all clips stands.
     """
     weight = np.empty(4)

@@ -28,9 +28,9 @@ class Inertialization:
         self.cut_time: Float64 = np.full(dancer_count, -np.inf)
         """Time of each dancer's last cut [s], shape (A,)."""
         self.age: Float32 = np.full(dancer_count, MAX_FADE_TIME, np.float32)
-        """Time since that cut [s], at most LONGEST, shape (A,); updated by `place`."""
+        """Time since that cut [s], at most MAX_FADE_TIME, shape (A,); updated by `update_age`."""
         self.any_fading = False
-        """Whether any difference was still fading at the last `place`."""
+        """Whether any difference was still fading at the last `update_age`."""
 
     def update_age(self, time: float) -> None:
         """Update `age` to `time` [s]."""

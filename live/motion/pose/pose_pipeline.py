@@ -138,11 +138,11 @@ class PosePipeline:
         self.lock = False
         self.difference: Float32 = zero_differences(1, joints)
         """Fading differences after cuts, (A, rows, 7) as in `inertialization_kernels`; read only where `age` is below
-        LONGEST."""
+        MAX_FADE_TIME."""
         self.age: Float32 = np.full(count, MAX_FADE_TIME, np.float32)
         """Time since each dancer's last cut [s], shape (A,)."""
         self.difference_rows: Int32 = np.arange(joints, dtype=np.int32)
-        """Row of `settling` for each joint, shape (J,)."""
+        """Row of the fading differences for each joint, shape (J,)."""
         self.position: Float32 = np.zeros((count, joints, 3), np.float32)
         """World positions of the joints [m], shape (A, J, 3)."""
         self.rotation: Float32 = np.zeros((count, joints, 4), np.float32)

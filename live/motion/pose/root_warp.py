@@ -128,8 +128,8 @@ def compute_reach_margin(hip: Float64, ankle: Float64, contact: Bool, curve: Flo
 
     `hip` and `ankle` (T, 2, 3) [m] of both legs and `contact` (T, 2), evenly spaced over the measure; `curve` (KNOTS,
     2). While a foot stands the body moves over it by the share applied meanwhile: the leg must reach, and no foot is
-    held against more than MOST_HELD. A foot that slides in the clip itself is no constraint. Direction k has yaw 2 pi k
-    / DIRECTIONS.
+    held against more than MAX_HELD_SHIFT. A foot that slides in the clip itself is no constraint. Direction k has yaw 2
+    pi k / DIRECTIONS.
     """
     planted = [stance for stance in stances(contact) if not _slides(ankle, *stance)]
     follows_feet |= len(planted) < len(stances(contact))

@@ -178,7 +178,7 @@ def end_dancers(
 
     `placement` to `on_support` as in `place_dancers`; `end` (A, 2) and `facing` (A,): final hips and facing in the
     clips' axes, takes mixed in; `node_end` (N, 2) and `node_facing` (N,): the same of the nodes alone, to which the
-    graph's transforms refer (`next_axes`).
+    graph's transforms refer.
     """
     for n in range(node.shape[0]):
         v = max(node[n], 0)

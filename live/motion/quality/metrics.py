@@ -211,7 +211,7 @@ class StepMetrics:
 
     @property
     def mean_slide(self) -> float | None:
-        """Mean of `slides`; None if no foot is ever in contact."""
+        """Mean of `slide_speeds`; None if no foot is ever in contact."""
         found = self.contact_speeds
         return float(found.mean()) if len(found) else None
 

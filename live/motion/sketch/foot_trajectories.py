@@ -133,7 +133,7 @@ def separate_feet(left: list[Stance], left_world: Float, right: list[Stance], ri
 def foot_track(
     path: BodyPath, own: list[Stance], world: Float, side: float, beats: Float, leaps: list[tuple[float, float]]
 ) -> FootTrack:
-    """Return the foot's trajectory at `beats` (T,) through stances at `world` (K, 3); `leaps` as from `flights`."""
+    """Return the foot's trajectory at `beats` (T,) through stances at `world` (K, 3); `leaps`: spans in the air."""
     ball = world.copy()
     ball[:, 0] += BALL_FORWARD * np.sin(world[:, 2])
     ball[:, 1] += BALL_FORWARD * np.cos(world[:, 2])

@@ -76,7 +76,7 @@ def texture_weights(contact: Bool, height: Float, rate: float) -> Float64:
     """Return the weight of texture for each leg, (T, 2), smooth in time.
 
     It is 0 while the foot is in contact or its sole, at `height` (T, 2) [m], is low, because the foot would skate.
-    It is 1 from `EASE` away from that.
+    It is 1 from `FADE_S` away from that.
     """
     held = (contact | (height < MAX_SOLE_HEIGHT)).astype(np.float64)
     return np.asarray(1.0 - smooth_upper_bound(held, max(1, round(0.5 * FADE_S * rate))))

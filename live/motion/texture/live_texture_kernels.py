@@ -86,7 +86,7 @@ def hash_24bit(seed: int, dancer: int, fragment: int) -> int:
 def write_prefix(own: Float32, history: Float32, line: int) -> None:
     """Write the features of the legs around the beat `line` to `own` (D,), from `history` (moments, FEATURES).
 
-    They are knees and ankles at SLOTS moments, then their changes, in the layout of `compared` in `live_bank`.
+    They are knees and ankles at SLOTS moments, then their changes, in the layout of the stored fragments.
     """
     moments = history.shape[0]
     for slot in range(SLOTS):

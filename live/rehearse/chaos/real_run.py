@@ -243,7 +243,7 @@ class ChaosRun:
         return False
 
     def _wait_for_ticks(self, since: float) -> bool:
-        """Wait until ticks are run after `since`; False after `NEVER` seconds without them."""
+        """Wait until ticks are run after `since`; False after `TICK_TIMEOUT` seconds without them."""
         frames, deadline = None, max(since, time.monotonic()) + TICK_TIMEOUT
         while time.monotonic() < deadline and not self._has_ended():
             now = self._read_word(PageWord.FRAMES)

@@ -127,7 +127,7 @@ class SiteSequence:
         self._soak, self._pending = soak, list(reversed(sites))
         self.injector = ExceptionInjector()
         self.current: tuple[CallSite, str] | None = None
-        """The site that fails now, and how often (key of TIMES)."""
+        """The site that fails now, and how often (key of REPETITIONS)."""
         self._begun = self._next_start = 0.0
         self._deaths = 0
         self.tried_count = 0

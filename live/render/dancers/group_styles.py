@@ -48,7 +48,7 @@ _LAYOUT: Final = (
 
 
 def _columns() -> npt.NDArray[np.intp]:
-    """Return the style index of each component of a group's vectors, -1 for none, shape (TEXELS * 4,)."""
+    """Return the style index of each component of a group's vectors, -1 for none, shape (STYLE_TEXELS * 4,)."""
     columns = np.full((STYLE_TEXELS, 4), -1)
     for row, names in enumerate(_LAYOUT):
         places: list[int] = []
@@ -64,7 +64,7 @@ _USED: Final = np.flatnonzero(_COLUMNS >= 0)
 
 
 class GroupStyles:
-    """The block; call `take` if the parameter row has changed. Masks are by group, shape (16,)."""
+    """The block; call `apply_row` if the parameter row has changed. Masks are by group, shape (16,)."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._data = np.zeros((GROUP_COUNT, STYLE_TEXELS * 4), np.float32)

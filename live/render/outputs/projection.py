@@ -227,11 +227,11 @@ class Projection:
         self.window.swap()
 
     def prepare_output_frame(self) -> None:
-        """Create what `shown` needs; call it before the show if `shown` will be used."""
+        """Create what `output_frame` needs; call it before the show if `output_frame` will be used."""
         self._output_frame = OutputFrame(self.window.ctx, self.pictures.size)
 
     def output_frame(self) -> moderngl.Framebuffer:
-        """Return the last shown frame, whole and with its limited light, see `Shown`."""
+        """Return the last shown frame, whole and with its limited light, see `OutputFrame`."""
         return (
             self.pictures.last
             if self._output_frame is None

@@ -132,7 +132,7 @@ def warp_grid(mesh: Mesh, across: Float64, down: Float64) -> Float64:
 
 
 def unwarp_point(mesh: Mesh, place: Point) -> Point:
-    """Return the point of the regular frame that is drawn at a place of the warped one (inverse of `bent`).
+    """Return the point of the regular frame that is drawn at a place of the warped one (inverse of the warp).
 
     Uses the same triangles that are drawn. Outside the mesh the nearest triangle is extrapolated.
     """

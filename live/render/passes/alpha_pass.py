@@ -12,7 +12,8 @@ from live.render.shader import FullscreenShader, release_all
 
 
 class AlphaPass:
-    """`keep` the surfaces, `straighten` the scene, draw its picture into `target`, then `draw` it with its alpha."""
+    """`store_coverage` the surfaces, `straighten` the scene, draw its picture into `target`, then `draw` it with its
+    alpha."""
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int]) -> None:
         self._ctx = ctx

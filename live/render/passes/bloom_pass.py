@@ -15,7 +15,8 @@ STRENGTH: Final = 0.22
 
 
 class BloomPass:
-    """`gather` computes the glow; `draw` adds it. As the last pass it is added by tone mapping, which saves a pass."""
+    """`compute_glow` computes the glow; `draw` adds it. As the last pass it is added by tone mapping, which saves a
+    pass."""
 
     needs_surfaces = False
 

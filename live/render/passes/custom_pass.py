@@ -17,7 +17,7 @@ _BEAT_PERIOD: Final = 4096.0
 
 
 class CustomPass:
-    """Draws with the last source that compiled; `take` replaces it."""
+    """Draws with the last source that compiled; `replace_source` replaces it."""
 
     def __init__(self, making: PassSetup, own: CustomShader, slot: int) -> None:
         """`slot`: index of its parameters in the picture's row. Raises PersonError if it does not compile."""

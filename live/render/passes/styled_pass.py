@@ -91,7 +91,7 @@ class XrayPass:
 
 
 class GhostPass:
-    """Draws ghosts over the bound target, which must not write depth; call `follow` each frame while there are any."""
+    """Draws ghosts over the bound target, which must not write depth; call `record` each frame while there are any."""
 
     def __init__(self, making: PassSetup) -> None:
         ctx = self._ctx = making.ctx
@@ -157,7 +157,7 @@ class StylePasses(ScenePass):
             self._styled.draw(moment.batch, moment.floor)
 
     def light_active(self, moment: Moment) -> bool:
-        """Whether `over` draws. Without multisampling, styled bodies are also lit there: their depth is known."""
+        """Whether `draw_lit` draws. Without multisampling, styled bodies are also lit there: their depth is known."""
         return _has_translucent(moment) or (_has_bodies(moment) and not self._multisampled)
 
     def draw_light(self, moment: Moment) -> None:

@@ -88,7 +88,7 @@ _LIMBS_UNIT: Final = 2
 
 
 class RibbonPass:
-    """Draws ribbons over the bound target, which must not write depth; call `follow` each frame while there are any."""
+    """Draws ribbons over the bound target, which must not write depth; call `record` each frame while there are any."""
 
     def __init__(self, making: PassSetup) -> None:
         ctx = self._ctx = making.ctx

@@ -26,7 +26,7 @@ _WINDOWS_USUAL: Final = 0x80000000
 
 
 class ScreensaverInhibitor:
-    """Inhibits display sleep from `begin` to `end`. Failures never affect a show. Thread: main thread only."""
+    """Inhibits display sleep from `start` to `stop`. Failures never affect a show. Thread: main thread only."""
 
     def __init__(self, x11_display: int | None = None) -> None:
         """`x11_display`: the address of Xlib's Display, from GLFW; None: there is no X server."""

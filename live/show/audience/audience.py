@@ -26,7 +26,7 @@ AUDIENCE_EVENTS: Final = (
     events.AudienceHeard, events.OpenAudience, events.SetAudienceGain, events.MuteAudience, events.WeighRegion,
     events.GiveTurn, events.BanPhone, events.AskVote, events.DropVote, events.AllowShaking,
 )  # fmt: skip
-"""Events that `act` handles."""
+"""Events that `handle` handles."""
 SOURCE: Final = "audience"
 FULL_VOICES: Final = 4.0
 """Votes that pull with full strength: see `QUORUM` of the fair kernels."""

@@ -36,7 +36,7 @@ MOCAP_EVENTS: Final = (
     events.MocapFrame, events.TrackerMoved, events.CastMocap, events.ShowMocap, events.MirrorMocap, events.PlaceMocap,
     events.CanonMocap, events.BlockMocap, events.DrawMocap,
 )  # fmt: skip
-"""Events that `act` handles."""
+"""Events that `handle` handles."""
 SETTINGS: Final[dict[str, tuple[Callable[..., ControlEvent], tuple[str, ...]]]] = {
     "dancer": (events.CastMocap, ("dancer",)),
     "shown": (events.ShowMocap, ("shown",)),

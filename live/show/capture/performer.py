@@ -227,8 +227,8 @@ class CapturedPerformer(PerformerSettings):
         self.mirrored = mirrored
 
     def is_live(self, requests: Float64, time: float, tempo: float) -> npt.NDArray[np.bool_]:
-        """Return for which of `rows` there is a pose at `time` [s], given the sample requests `requests` (n, ASKED),
-        (n,)."""
+        """Return for which of `rows` there is a pose at `time` [s], given the sample requests `requests` (n,
+        REQUEST_COLUMNS), (n,)."""
         if not self.poses.count:
             return np.zeros(len(self.rows), np.bool_)
         here = time - self.poses.last <= HOLD_S
@@ -250,7 +250,7 @@ class CapturedPerformer(PerformerSettings):
         self, requests: Float64, live: npt.NDArray[np.bool_], drawn_hips: Float32, legs: Float32
     ) -> tuple[Float64, Float64]:
         """Return the visible positions of the dancers, and the displacement of fully driven ones from their own
-        steps, (n, 2) each [m]: see `find_places`."""
+        steps, (n, 2) each [m]: see `find_positions`."""
         there, way = np.empty((2, len(self.rows), 2))
         find_positions(
             there, way, self.turn_angle, self.rows, live, requests, *self.poses.arrays,
@@ -259,14 +259,16 @@ class CapturedPerformer(PerformerSettings):
         return there, way
 
     def _positions(self, requests: Float64) -> Float64:
-        """Return the hip positions for the sample requests `requests` (n, ASKED), (n, 2) [m]; zeros without a pose."""
+        """Return the hip positions for the sample requests `requests` (n, REQUEST_COLUMNS), (n, 2) [m]; zeros without a
+        pose."""
         place = np.zeros((len(requests), 4))
         if self.poses.count:
             captured_hips(place, requests, *self.poses.arrays, self.scale, self.mirrored)
         return np.asarray(place[:, :3:2])
 
     def keep_on_stage(self, time: float, beat: float) -> Float64:
-        """Advance one tick: keep dancers in canon on the stage, and return the sample requests, (n, ASKED)."""
+        """Advance one tick: keep dancers in canon on the stage, and return the sample requests, (n,
+        REQUEST_COLUMNS)."""
         asked, repeats = self._sample_requests(time, beat), self.delay > 0.0
         if repeats.any():
             there, floor = self._positions(asked), (*self.origin, self.scale)
@@ -276,7 +278,7 @@ class CapturedPerformer(PerformerSettings):
         return asked
 
     def sample_requests(self, time: float, beat: float) -> Float64:
-        """Return the sample requests for all of `rows`, at most a tick after `stay`, (n, ASKED)."""
+        """Return the sample requests for all of `rows`, at most a tick after `keep_on_stage`, (n, REQUEST_COLUMNS)."""
         asked, repeats = self._sample_requests(time, beat), self.delay > 0.0
         if repeats.any():
             way = self.bounds.correction(self._positions(asked), time)

@@ -49,7 +49,7 @@ class CurrentMeasures:
         self.coming.undecide()
 
     def measures(self) -> tuple[MeasureState, MeasureState, MeasureState]:
-        """The past, the present and the next measure, indexed by the first result of `whose`."""
+        """The past, the present and the next measure, indexed by the first result of `measure_and_phase`."""
         return self.past, self.present, self.coming
 
     def measure_and_phase(self, fraction: float) -> tuple[Int32, Float64]:

@@ -140,7 +140,7 @@ class Dancers(CurrentMeasures):
         return position, rotation
 
     def tick_partner_response(self, there: Bool, tracks: Tracks, fraction: float, time: float, dt: float) -> Float64:
-        """Advance the partner response by a tick, after `tick`; see `Answering.tick`.
+        """Advance the partner response by a tick, after `tick`; see `PartnerResponse.tick`.
 
         Returns the displacement of each dancer [m], (A, 2).
         """

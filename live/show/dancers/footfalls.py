@@ -53,7 +53,7 @@ class Footfall:
 
 
 class FootfallDetector:
-    """Finds the footfalls between frames. `frame` must be called for every frame, right after it was filled.
+    """Finds the footfalls between frames. `detect` must be called for every frame, right after it was filled.
 
     A foot strikes when the clips annotate a new contact, at the exact moment whatever the frame rate, and when the heel
     or ball of a standing foot comes down in the drawn frames.

@@ -71,7 +71,7 @@ class Partners:
         """Followers of the P pairs, shape (P,)."""
         self.other: Int32 = np.full((count, 2), NOBODY, np.int32)
         self.hand: Int32 = np.zeros((count, 2, 2), np.int32)
-        """The hands to be held, as `Hands.tick` expects them."""
+        """The hands to be held, as `LiveHandHolds.tick` expects them."""
         self._meeting: Bool = np.zeros(count, np.bool_)
         self._own: Int32 = np.arange(count, dtype=np.int32)
         self._dance = bool(self._arrangement.any())  # whether any group has partners

@@ -151,4 +151,4 @@ _HANDLERS: Final[dict[type, Callable[..., None]]] = {
     events.AskWhy: StepRequests._ask_why,
 }
 STEP_REQUEST_EVENTS: Final = tuple(_HANDLERS)
-"""The events that `act` accepts."""
+"""The events that `handle` accepts."""

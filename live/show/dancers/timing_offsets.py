@@ -37,7 +37,7 @@ class Drift:
         self._amplitude_knots, self._frequency_knots = self._knots
         self._drawn: tuple[int | None, Float64] = None, np.zeros((2, count))
         self._knots_of: int | None = None
-        self._passes: Float64 | None = None  # cached result of `_passed`
+        self._passes: Float64 | None = None  # cached result of `_phase_advance`
 
     def begin_measure(self, measure: int) -> None:
         """Begin the measure `measure` (from 0): advance the phase and the spline knots."""

@@ -105,7 +105,7 @@ DESK_EVENTS: Final = (
     *SCENE_EVENTS, events.Go, events.GiveCue, events.StandBy, events.StepBack, events.Panic, events.HoldShow,
     events.Undo, events.Redo, events.FollowSpot, *MASTER_EVENTS,
 )  # fmt: skip
-"""Events that `Desk.act` handles."""
+"""Events that `LightDesk.handle` handles."""
 ENERGY_HALFLIFE: Final = 0.25
 """Half-life of the light's response to the energy of the music [s]."""
 PANIC_FADE_BEATS: Final = 2.0

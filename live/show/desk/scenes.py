@@ -277,4 +277,4 @@ _HANDLERS: Final[dict[type, Callable[..., None]]] = {
     events.StoreScene: Scenes._store,
 }
 SCENE_EVENTS: Final = tuple(_HANDLERS)
-"""Events that `act` handles."""
+"""Events that `handle` handles."""

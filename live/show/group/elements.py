@@ -372,7 +372,7 @@ class Elements:
     # -- each tick -----------------------------------------------------------------------------------------------
 
     def refresh(self, beat: float, wants: AgentCommand, state: AgentState) -> None:
-        """Update which elements act at `beat`. Called once a tick, before `wish`."""
+        """Update which elements act at `beat`. Called once a tick, before `blend`."""
         self._field.refresh(beat, wants, state, self._group_masks.bits)
 
     def blend(self, wants: AgentCommand, state: AgentState, *, time: float, beat: float, ahead: bool) -> None:

@@ -29,7 +29,7 @@ SNAPSHOT_SUFFIX: Final = ".snap"
 
 
 class Sealable(Protocol):
-    """A snapshot to be written: `Taken`, or one that another process has sealed."""
+    """A snapshot to be written: one captured in this process, or sealed by another."""
 
     def seal(self) -> bytes:
         """Return the bytes of the snapshot. Thread: any."""

@@ -67,7 +67,7 @@ class LeaderReaders:
         tracks: Tracks,
         poses_of: PoseSource,
     ) -> None:
-        """Read up to AT_ONCE leaders whose next frame has begun, most overdue first; see `Answering.tick`."""
+        """Read up to AT_ONCE leaders whose next frame has begun, most overdue first; see `PartnerResponse.tick`."""
         due = []
         for key, read in self.readers.items():
             leader = key[1]

@@ -107,7 +107,8 @@ class PartnerResponse:
         return found
 
     def set_value(self, name: str, key: str, value: object) -> None:
-        """Set one key of `Asked` for the partners called `name`; raises PersonError if the result is invalid."""
+        """Set one key of `PartnerSettings` for the partners called `name`; raises PersonError if the result is
+        invalid."""
         asked = list(self.settings)
         for index in self.find(name):
             if key == "window":

@@ -94,7 +94,7 @@ class PatchWatch:
             self.free_replaced()
 
     def free_replaced(self) -> None:
-        """Free the shows of patches that were tried or replaced (they hold reference cycles). Call after `look`."""
+        """Free the shows of patches that were tried or replaced (they hold reference cycles). Call after `poll`."""
         over = self._failure_count, self._show.patch_updates.applied_count
         if over != self._freed_counts:
             self._freed_counts = over

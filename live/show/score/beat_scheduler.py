@@ -33,7 +33,8 @@ class BeatScheduler:
         return len(self._heap)
 
     def schedule(self, beat: float, event: ControlEvent) -> None:
-        """Schedule `event` for the danced `beat`. Events of the same beat fire in the order of their `put` calls."""
+        """Schedule `event` for the danced `beat`. Events of the same beat fire in the order of their `schedule`
+        calls."""
         if len(self._heap) >= MAX_WAITING:
             self.dropped += 1
             return

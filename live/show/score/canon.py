@@ -39,7 +39,7 @@ class Canon:
     """
 
     def __init__(self, leader: StepProgram, own: StepProgram, *, measures: int) -> None:
-        """`own`: the program for sequences set live; `measures`: the delay, 0 to `REMEMBERED` - 1."""
+        """`own`: the program for sequences set live; `measures`: the delay, 0 to `HISTORY_MEASURES` - 1."""
         self._leader = leader
         self._own = own
         self._delay = measures

@@ -74,7 +74,7 @@ class Playhead:
     """Position of each measure. Deterministic: the same calls give the same places. Thread: the show's."""
 
     def __init__(self, sections: Sequence[SectionTiming]) -> None:
-        """At least one stretch; before the first `cross` the score waits for measure 0 of the first."""
+        """At least one stretch; before the first `begin_measure` the score waits for measure 0 of the first."""
         self.sections = tuple(sections)
         self.measure = -1
         """Current measure of the show."""

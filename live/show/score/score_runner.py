@@ -24,7 +24,7 @@ AHEAD_BEATS: Final = 2.0
 AHEAD_SOURCE: Final = "score ahead"
 """Source of these calls."""
 SCORE_EVENTS: Final = (events.JumpTo, events.Advance, events.HoldScore, events.Practice, events.Signal)
-"""Events that `act` handles."""
+"""Events that `handle` handles."""
 
 
 class ScoreRunner:

@@ -29,7 +29,7 @@ Int32 = npt.NDArray[np.int32]
 
 
 class MeasurePlan:
-    """The plan of A dancers for one measure. Call `begin`, run its `pieces`, then `finish` and `forget`."""
+    """The plan of A dancers for one measure. Call `begin`, run its `pieces`, then `finish` and `clear`."""
 
     def __init__(
         self,

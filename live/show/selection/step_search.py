@@ -26,7 +26,8 @@ BATCH_SIZE: Final = 48
 class StepSearch:
     """Search for A dancers; the results are written to `choices`.
 
-    Call `limit`, then `choose` for all dancers, `lead`, and `follow` for all pairs; `catch_up` at any time after that.
+    Call `prepare`, then `choose` for all dancers, `set_follower_targets`, and `choose_followers` for all pairs;
+    `choose_replaced` at any time after that.
     """
 
     def __init__(

@@ -67,7 +67,7 @@ class Headings:
         self._raw[:] = heading
 
     def undo(self) -> None:
-        """Undo the last call of `next`."""
+        """Undo the last call of `advance`."""
         self._raw[:] = self._before
 
     def advance(self, start: Float64, wish: Float64, planned: Float64, known: Bool) -> Float64:

@@ -48,7 +48,7 @@ MAX_DEPTH: Final = 64
 
 
 def read_state(data: bytes, constants: Constants) -> Any:
-    """Decode the bytes of `Written.packed` and return the root; Unreadable for anything else.
+    """Decode an encoded state and return its root; StateDecodeError for anything else.
 
     `constants` are those of a fresh show. The caller must check the result with `type_check.py`.
     """

@@ -13,8 +13,8 @@ written as:
     T|U                                     either
 
 An array has the same shape as in a fresh show; `f4*` may have any shape. `i4(node)` holds indices of nodes, which are
-checked against the number of nodes. Array values are finite with a magnitude up to `FARTHEST`; those of `f4~` may be
-any.
+checked against the number of nodes. Array values are finite with a magnitude up to `MAX_MAGNITUDE`; those of `f4~` may
+be any.
 """
 
 import re

@@ -48,7 +48,7 @@ class ViewBuilder:
     ) -> None:  # fmt: skip
         """Fill the snapshot for `time` [s], at most a tick after `last_tick`; poses are at the exact beat.
 
-        While the picture is frozen only its light changes; a new view gets the stored picture (`keep`).
+        While the picture is frozen only its light changes; a new view gets the stored picture (`update_frozen_view`).
         """
         view.brightness, view.flash_limit_lifted = brightness, self._desk.master.flashes
         if self._desk.master.frozen and view.filled:

@@ -45,7 +45,7 @@ class AudioLink:
     """Supervisor link of the audio process, and its end of the engine's socket. Thread: its own."""
 
     def __init__(self, sock: socket.socket, link: SupervisorLink, *, round_s: float, largest: int) -> None:
-        """`round_s`: most seconds that `orders` waits; `largest`: most bytes of a command."""
+        """`round_s`: most seconds that `receive_commands` waits; `largest`: most bytes of a command."""
         self._sock, self.link = sock, link
         self._round, self._largest = round_s, largest
         self.orphaned = False

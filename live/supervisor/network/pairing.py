@@ -4,11 +4,11 @@ The channel is TLS 1.3 to the machine that shows the phrase. Its certificate is 
 between. Therefore each side proves that it knows the phrase by an HMAC over everything that must be the same at both
 ends: the server's certificate as the *channel* has it (the binding `tls-server-end-point` of RFC 5929; an attacker has
 another one, without the server's key), the client's certificate, names and fresh nonces of both. This is the scheme of
-SCRAM (RFC 5802). The client proves first, so a false client has one guess per attempt, and TRIES of them. A false
-server gets one proof to guess at offline: the phrase has 48 bits and is stretched by scrypt (RFC 7914, 32 MiB and some
-hundredths of a second per guess), so 2^47 guesses are needed within the minutes in which the phrase is valid. It is
-never used again. A PAKE would need no such bound, but no maintained library has one, and our own would be the greater
-risk.
+SCRAM (RFC 5802). The client proves first, so a false client has one guess per attempt, and MAX_WRONG_PHRASES of them. A
+false server gets one proof to guess at offline: the phrase has 48 bits and is stretched by scrypt (RFC 7914, 32 MiB and
+some hundredths of a second per guess), so 2^47 guesses are needed within the minutes in which the phrase is valid. It
+is never used again. A PAKE would need no such bound, but no maintained library has one, and our own would be the
+greater risk.
 
 The phrase consists of proquints (D. S. Wilkerson, "A Proposal for Proquints", arXiv:0901.4016): five pronounceable
 letters for 16 bits each.
