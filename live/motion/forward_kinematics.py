@@ -15,24 +15,10 @@ def forward_kinematics(root_position: Float, rotation: Float, skeleton: Skeleton
     `root_position` (T, 3) [m] is the world position of the root, `rotation` (T, J, 4) holds local unit quaternions. The
     results have the wider of the two dtypes.
     """
-    positions = np.empty((*rotation.shape[:2], 3), np.result_type(root_position, rotation))
-    rotations = np.empty(rotation.shape, positions.dtype)
-    for joint, parent in enumerate(skeleton.parents):
-        if parent < 0:
-            positions[:, joint] = root_position
-            rotations[:, joint] = rotation[:, joint]
-        else:
-            offset = skeleton.offsets[joint].astype(positions.dtype)
-            positions[:, joint] = positions[:, parent] + quaternion.rotate(rotations[:, parent], offset)
-            rotations[:, joint] = quaternion.mul(rotations[:, parent], rotation[:, joint])
-    return positions, rotations
+    offsets = skeleton.offsets.astype(np.result_type(root_position, rotation))
+    return quaternion.chain(skeleton.parents, [root_position, *offsets[1:]], rotation)
 
 
 def local_rotations(world: Float, skeleton: Skeleton = SKELETON) -> Float:
     """Return local unit rotations (T, J, 4), float64, from world rotations (T, J, 4)."""
-    world = np.asarray(world, np.float64)
-    rotation = world.copy()
-    for joint, parent in enumerate(skeleton.parents):
-        if parent >= 0:
-            rotation[:, joint] = quaternion.mul(quaternion.inverse(world[:, parent]), world[:, joint])
-    return quaternion.unit(rotation)
+    return quaternion.unchain(skeleton.parents, world)

@@ -4,6 +4,7 @@ Includes Euler angles in any order (BVH channels, T164), mean rotations, and sca
 frame loop uses the scalar kernels of `live.base.scalar_kernels` instead.
 """
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -48,6 +49,36 @@ def rotate(q: Float, vector: Float) -> Float:
     axis, vector = np.broadcast_arrays(axis, vector)
     twice = 2.0 * np.cross(axis, vector)
     return np.asarray(vector + q[..., :1] * twice + np.cross(axis, twice))
+
+
+def chain(
+    parents: npt.NDArray[np.integer], translation: Sequence[Float] | Float, rotation: Float
+) -> tuple[Float, Float]:
+    """Return world positions (T, J, 3) and rotations (T, J, 4) of a chain of joints: B = A + O_B R_A and so on (T164).
+
+    `translation` of each joint is (T, 3) or (3,), in its parent's axes; of a root (parent below 0) it is the world
+    position. `rotation` (T, J, 4) is local. Parents come before their children. The results have the wider dtype.
+    """
+    frames, joints = rotation.shape[:2]
+    dtype = np.result_type(rotation, *translation)
+    positions, rotations = np.empty((joints, frames, 3), dtype), np.empty((joints, frames, 4), dtype)
+    for joint, parent in enumerate(parents):
+        if parent < 0:
+            positions[joint], rotations[joint] = translation[joint], rotation[:, joint]
+        else:
+            positions[joint] = positions[parent] + rotate(rotations[parent], translation[joint])
+            rotations[joint] = mul(rotations[parent], rotation[:, joint])
+    return np.ascontiguousarray(positions.swapaxes(0, 1)), np.ascontiguousarray(rotations.swapaxes(0, 1))
+
+
+def unchain(parents: npt.NDArray[np.integer], world: Float) -> Float:
+    """Return unit rotations relative to the parents (T, J, 4), float64, from `world` rotations (T, J, 4)."""
+    world = np.asarray(world, np.float64)
+    rotation = world.copy()
+    for joint, parent in enumerate(parents):
+        if parent >= 0:
+            rotation[:, joint] = mul(inverse(world[:, parent]), world[:, joint])
+    return unit(rotation)
 
 
 def slerp(a: Float, b: Float, t: Float) -> Float:

@@ -100,16 +100,7 @@ class WorldPose:
 
 def world_pose(parents: Int32, local: LocalPose) -> WorldPose:
     """Forward kinematics on the file's own skeleton: B = A + O_B R_A and so on (T164), over all frames at once."""
-    frames, joints = local.rotation.shape[:2]
-    positions, rotations = np.empty((joints, frames, 3)), np.empty((joints, frames, 4))
-    for joint, parent in enumerate(parents):
-        move, turn = local.translation[:, joint], local.rotation[:, joint]
-        if parent < 0:
-            positions[joint], rotations[joint] = move, turn
-        else:
-            positions[joint] = positions[parent] + quaternion.rotate(rotations[parent], move)
-            rotations[joint] = quaternion.mul(rotations[parent], turn)
-    return WorldPose(np.ascontiguousarray(positions.swapaxes(0, 1)), np.ascontiguousarray(rotations.swapaxes(0, 1)))
+    return WorldPose(*quaternion.chain(parents, local.translation.swapaxes(0, 1), local.rotation))
 
 
 def end_positions(motion: SourceMotion, world: WorldPose) -> Float:

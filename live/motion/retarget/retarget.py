@@ -14,7 +14,7 @@ from live.motion.foot_contact import TOES_OVER_SOLE, find_contacts
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_axes import BODY_HEIGHT_RANGE, ENGINE_LEG, body_height, leg_length, standing_pose
 from live.motion.formats.source_motion import LocalPose, SourceMotion, UpAxis, world_pose
-from live.motion.forward_kinematics import forward_kinematics
+from live.motion.forward_kinematics import forward_kinematics, local_rotations
 from live.motion.retarget.body_tracks import rest_points, source_points
 from live.motion.retarget.floor_contact import find_floor, place_hips
 from live.motion.retarget.joint_mapping import SourceBody, find_body
@@ -143,15 +143,6 @@ def _align_hinge(points: SourcePoints, rotation: Float, joint: str, tolerance: f
     if abs(angle) <= tolerance:
         return rotation
     return quaternion.mul(rotation, quaternion.from_axis_angle(bone, np.asarray(angle)))
-
-
-def local_rotations(world: Float) -> Float:
-    """Return each joint's rotation relative to its parent from `world` rotations, both (T, 22, 4)."""
-    local = world.copy()
-    for joint, parent in enumerate(SKELETON.parents):
-        if parent >= 0:
-            local[:, joint] = quaternion.mul(quaternion.inverse(world[:, parent]), world[:, joint])
-    return quaternion.unit(local)
 
 
 SAMPLE_RATE: Final = 60.0
