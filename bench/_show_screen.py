@@ -21,7 +21,7 @@ import psutil
 from bench._show_alive import AFTER, alive, engines, playing, until
 from live.cli.bench import Row
 from tests.fixtures import two_monitor_x
-from tests.fixtures.screen_eye import Eye
+from tests.fixtures.screen_eye import ScreenReader
 
 STAGE: Final = (160, 100, 320, 200)
 """The middle of the first monitor: x, y, width, height [pixels]."""
@@ -38,7 +38,7 @@ class Onlooker:
 
     def __init__(self, display: str) -> None:
         self.times: list[float] = []
-        self._eye = Eye(display, *STAGE)
+        self._eye = ScreenReader(display, *STAGE)
         self._going = True
         self._thread = threading.Thread(target=self._look, daemon=True)
         self._thread.start()

@@ -1,4 +1,4 @@
-"""What all tests share: fixed seeds, strict floating point, several processes, test data."""
+"""Shared test setup: fixed seeds, strict floating point, parallel processes, test data."""
 
 import os
 import random
@@ -24,21 +24,22 @@ settings.load_profile("steady")
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 ONE_AT_A_TIME = ("pulse", "x11", "network")
-"""Markers or fixtures of tests with real devices: those of one name never run at the same time."""
+"""Markers or fixtures of tests with real devices: tests with the same one never run at the same time."""
 
-LONG_FIRST = ("pulse", "x11", "test_kernels_in_python.py", "end_to_end", "network", "alive", "cli", "show")
-"""What is begun first, so that nobody is left with something long at the end: such tests, then folders or files. What
-mostly waits lies beside what computes."""
+LONG_FIRST = ("pulse", "x11", "test_kernels_in_python.py", "end_to_end", "network", "supervisor", "app", "cli", "show")
+"""Groups, folders or files that start first, so that no process has a long test left at the end. Tests that mostly wait
+are mixed with tests that compute."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--regenerate-goldens", action="store_true", help="write the golden pictures anew")
+    parser.addoption("--regenerate-goldens", action="store_true", help="rewrite the golden images")
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """One process more than there are cores for the whole suite, since one or the other waits for a device or for
-    another process; else only this one: to start more takes longer than it saves."""
+    """One process more than cores for the whole suite, since some tests wait for a device or another process;
+    otherwise only this one: starting more takes longer than it saves.
+    """
     asked = {(config.invocation_params.dir / argument).resolve() for argument in config.args}
     if not asked <= {TESTS, TESTS.parent}:
         return 0
@@ -47,7 +48,7 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """The tests of a file stay together, because they share what is costly to make, and so do those of a group."""
+    """Tests of a file stay together, since they share costly fixtures, and so do tests of a group."""
     from xdist.scheduler import LoadGroupScheduling
 
     class Files(LoadGroupScheduling):
@@ -60,7 +61,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """With several processes: what uses one real thing is a group, and what takes long comes first."""
+    """With several processes: tests of one real device form a group, and long tests come first."""
     if not hasattr(config, "workerinput"):
         return
     for item in items:
@@ -79,9 +80,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 @pytest.fixture(autouse=True)
 def fixed_seeds() -> Iterator[None]:
-    """The same random numbers for each test, whatever ran before; floating point errors raise.
+    """The same random numbers for each test, in any order; floating point errors raise.
 
-    Not underflow: the square of a tiny number may be zero.
+    Except underflow: the square of a tiny number may be zero.
     """
     random.seed(0)
     np.random.seed(0)  # noqa: NPY002 - for libraries that still draw from the global generator
@@ -91,7 +92,7 @@ def fixed_seeds() -> Iterator[None]:
 
 @pytest.fixture(scope="session", autouse=True)
 def facts_remembered() -> Iterator[None]:
-    """Steps are measured once, not for every show that is loaded; only where tests with graphs were collected."""
+    """Steps are measured once, not for every loaded show; only where tests with graphs were collected."""
     if "live.graph.motion_graph" not in sys.modules:
         yield
         return

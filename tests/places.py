@@ -1,4 +1,4 @@
-"""Where tests find what is no Python: the checkout, and the folder of shared data beside it, which may be absent."""
+"""Paths for tests: the checkout, and the folder of shared data beside it, which may be absent."""
 
 from pathlib import Path
 from typing import Final
@@ -6,4 +6,4 @@ from typing import Final
 ROOT: Final = Path(__file__).resolve().parents[1]
 """The checkout."""
 SHARED: Final = ROOT.parent / "shared"
-"""Recordings, songs and papers; tests that need them skip where they are not there."""
+"""Recordings, songs and papers; tests that need them skip without them."""

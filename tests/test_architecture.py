@@ -1,4 +1,4 @@
-"""The rules of ARCHITECTURE.md that a machine can check: layers, names, docstrings, one door to numba."""
+"""The rules of ARCHITECTURE.md that code can check: layers, names, docstrings, one import of numba."""
 
 import ast
 import graphlib
@@ -26,7 +26,7 @@ def _tree(path: Path) -> ast.Module:
 
 @cache
 def _imports(path: Path) -> frozenset[str]:
-    """Top names of all that a file imports, at its top and inside its functions."""
+    """Top-level names of all imports of a file, at module level and inside functions."""
     found: set[str] = set()
     for node in ast.walk(_tree(path)):
         if isinstance(node, ast.Import):
@@ -36,7 +36,7 @@ def _imports(path: Path) -> frozenset[str]:
     return frozenset(found)
 
 
-def test_layers_are_kept() -> None:
+def test_layers_import_only_lower_layers() -> None:
     lint = shutil.which("lint-imports", path=str(Path(sys.executable).parent))
     if lint is None:
         pytest.skip("import-linter is not installed (it comes with `make test`)")
@@ -45,14 +45,14 @@ def test_layers_are_kept() -> None:
     assert "0 broken" in done.stdout
 
 
-def test_no_module_imports_itself_through_others() -> None:
+def test_modules_have_no_import_cycles() -> None:
     grimp = pytest.importorskip("grimp", reason="grimp is not installed (it comes with `make test`)")
     graph = grimp.build_graph("live", cache_dir=None)
     imports = {module: graph.find_modules_directly_imported_by(module) for module in graph.modules}
     graphlib.TopologicalSorter(imports).prepare()  # raises CycleError, which names them
 
 
-def test_every_package_has_its_place() -> None:
+def test_top_packages_are_the_listed_ones() -> None:
     packages = {path.name for path in (ROOT / "live").iterdir() if path.is_dir() and any(path.rglob("*.py"))}
     assert packages == {
         "agents",
@@ -73,15 +73,15 @@ def test_every_package_has_its_place() -> None:
     assert without == []
 
 
-def _rooms() -> list[Path]:
-    """All folders of live/ and tests/ with something in them that git would know."""
+def _folders() -> list[Path]:
+    """All folders of live/ and tests/ with content that git tracks."""
     folders = [path for part in ("live", "tests") for path in (ROOT / part, *(ROOT / part).rglob("*")) if path.is_dir()]
     return [path for path in folders if "__pycache__" not in path.parts and any(path.glob("*.*"))]
 
 
-def test_rooms_are_small_and_not_deep() -> None:
+def test_folders_are_small_and_not_deep() -> None:
     """At most 25 entries, at most three names below live/, and no package of one module."""
-    entries = {path: [each for each in path.iterdir() if each.name != "__pycache__"] for path in _rooms()}
+    entries = {path: [each for each in path.iterdir() if each.name != "__pycache__"] for path in _folders()}
     assert {_identify(path): len(each) for path, each in entries.items() if len(each) > 25} == {}
     assert [_identify(path) for path in MODULES if len(path.relative_to(ROOT / "live").parts) > 3] == []
     assert [
@@ -91,24 +91,24 @@ def test_rooms_are_small_and_not_deep() -> None:
     ] == []
 
 
-def test_every_module_says_what_it_is() -> None:
+def test_every_module_has_a_docstring() -> None:
     assert MODULES
     assert [_identify(path) for path in MODULES if not ast.get_docstring(_tree(path))] == []
 
 
-def test_no_drawer_for_odds_and_ends() -> None:
+def test_no_module_has_a_catch_all_name() -> None:
     forbidden = {"util", "utils", "helpers", "misc", "common", "manager"}
     assert [
         _identify(path) for path in MODULES if {part.lower() for part in (path.stem, path.parent.name)} & forbidden
     ] == []
 
 
-def test_one_door_to_numba() -> None:
+def test_only_jit_module_imports_numba() -> None:
     users = [_identify(path) for path in MODULES if _imports(path) & {"numba", "llvmlite"}]
     assert users == ["live/base/jit.py"]
 
 
-def test_kernels_stand_in_kernels_files_only() -> None:
+def test_kernels_are_defined_in_kernels_files_only() -> None:
     outside = [
         _identify(path)
         for path in MODULES
@@ -125,14 +125,14 @@ def test_kernels_import_only_numpy_math_and_lower_kernels() -> None:
         assert _imports(path) <= {"math", "numpy", "typing", "live"}, _identify(path)
 
 
-def test_the_core_reads_neither_disk_nor_wall_clock() -> None:
+def test_core_imports_neither_disk_nor_clock_modules() -> None:
     core = [path for path in MODULES if path.relative_to(ROOT).parts[1] in ("agents", "graph", "motion")]
     assert core
     for path in core:
         assert not _imports(path) & {"time", "datetime", "random", "subprocess", "tempfile"}, _identify(path)
 
 
-def test_nothing_uses_the_generator_without_a_seed() -> None:
+def test_random_generators_are_seeded() -> None:
     seedless = {"seed", "rand", "randn", "random", "normal", "uniform", "choice", "shuffle"}
     for path in MODULES:
         for node in ast.walk(_tree(path)):
@@ -143,15 +143,15 @@ def test_nothing_uses_the_generator_without_a_seed() -> None:
 
 
 _CODE_FROM_BYTES = {"pickle", "_pickle", "marshal", "shelve", "dill", "cloudpickle", "joblib", "copyreg", "code"}
-"""Modules that make code or objects of bytes."""
+"""Modules that make code or objects from bytes."""
 _CALLS = {"eval", "exec", "compile", "__import__"}
 _BY_NAME = {"import_module", "load_module", "exec_module", "find_class", "resolve_name"}
 _OWN_NAMES = {"live/cli/bench.py", "live/app/processes/warm_standby.py", "live/app/machine/kernel_warmup.py"}
-"""Files that import by names that stand in the program, or on the command line of a bench."""
+"""Files that import by names from the program itself, or from the command line of a benchmark."""
 
 
 def _makes_code(node: ast.Call, path: str) -> bool:
-    """Whether a call could make code or objects of what it is given."""
+    """Whether a call can make code or objects from its arguments."""
     called, name = ast.unparse(node.func), node.func.attr if isinstance(node.func, ast.Attribute) else ""
     pickles = [word.value for word in node.keywords if word.arg == "allow_pickle"]
     arrays = called in ("np.load", "numpy.load") and not pickles
@@ -160,8 +160,8 @@ def _makes_code(node: ast.Call, path: str) -> bool:
     return called in _CALLS or by_name or arrays or unpickles or called.endswith("yaml.load")
 
 
-def test_no_bytes_are_ever_unpickled_evaluated_or_imported() -> None:
-    """Files and sockets hold data: what makes code or objects of bytes is not there to be reached."""
+def test_no_module_unpickles_evaluates_or_imports_bytes() -> None:
+    """Files and sockets contain data only: no function that makes code or objects from bytes is used."""
     assert [_identify(path) for path in MODULES if _imports(path) & _CODE_FROM_BYTES] == []
     calls = ((path, node) for path in MODULES for node in ast.walk(_tree(path)) if isinstance(node, ast.Call))
     found = [

@@ -1,4 +1,4 @@
-"""Documents name only files that are there."""
+"""Documents refer only to existing files."""
 
 import re
 import tokenize
@@ -18,11 +18,11 @@ NAMED = re.compile(
     r"(?<![\w/~.-])((?:live|tests|docs|bench|patches|tools)/[\w./-]+\.[a-z]{2,6}|[a-z_]+/[a-z_/]+\.py)(?![\w/-])"
 )
 LINKED = re.compile(r"\]\((?!https?:|mailto:|#)([^)#\s]+)")
-"""Where a link leads, without what it leads to inside."""
+"""The target of a link, without its fragment."""
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.relative_to(ROOT).as_posix())
-def test_what_a_document_names_is_there(document: Path) -> None:
+def test_files_named_by_documents_exist(document: Path) -> None:
     text = document.read_text(encoding="utf-8")
     missing = [
         name
@@ -60,7 +60,7 @@ def _tokens(path: Path) -> list[tokenize.TokenInfo]:
 
 
 def test_docstrings_name_code_that_exists() -> None:
-    """A name in backticks with an underscore, a dot or a capital is a name of the code, or a word of its texts."""
+    """A name in backticks with an underscore, a dot or a capital is a name in the code or a word in its strings."""
     files = [path for folder in ("live", "bench", "tools") for path in (ROOT / folder).rglob("*.py")]
     names, quoted = set(_FOREIGN_WORDS), []
     for path in files:

@@ -13,7 +13,7 @@ from live.graph.build.metric import FlatClouds
 from live.graph.build.transitions import Boundaries, JoinSettings, find_joins
 from live.graph.motion_graph import MotionGraph, largest_component, strong_components
 from live.graph.step_library import StepLibrary
-from live.graph.transition_rules import initial_side, may_follow_between, plain_pose
+from live.graph.structure_rules import initial_side, may_follow_between, plain_pose
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]

@@ -10,8 +10,8 @@ from live.graph.build.transitions import Boundaries, Joins, JoinSettings, Transi
 from live.graph.distance_kernels import count_hops, reverse_edges
 from live.graph.node_features import Moments, NodeFacts, node_facts
 from live.graph.step_library import StepLibrary
+from live.graph.structure_rules import may_follow, unmatched_poses
 from live.graph.takes import Takes, find_takes
-from live.graph.transition_rules import may_follow, unmatched_poses
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]

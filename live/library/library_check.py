@@ -12,7 +12,7 @@ from typing import Final, Literal
 from live.base.errors import PersonError
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
-from live.graph.transition_rules import plain_pose
+from live.graph.structure_rules import plain_pose
 from live.library.beat_alignment import guess_warnings
 from live.library.recording_file import Problem, RecordingEntry, RecordingError, read_step_files
 from live.library.recordings import RecordingReader, cut_recording

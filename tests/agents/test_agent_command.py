@@ -1,4 +1,4 @@
-"""Wants before and after choreography: the same as said in arrays at once."""
+"""Agent command kernels before and after choreography, against array formulas."""
 
 import numpy as np
 
@@ -8,15 +8,15 @@ from live.agents.agent_command_kernels import hold_on_leash, write_presence
 COUNT = 40
 
 
-def drawn(seed=1):
+def random_commands(seed=1):
     chance = np.random.default_rng(seed)
     wants = AgentCommand(COUNT)
     wants.rows[:] = chance.uniform(-1.0, 1.0, wants.rows.shape)
     return chance, wants
 
 
-def test_nobody_wants_anything_but_room_and_her_speed():
-    chance, wants = drawn()
+def test_reset_keeps_only_presence_speed_and_separation():
+    chance, wants = random_commands()
     before, speed = wants.rows.copy(), chance.uniform(0.5, 2.0, COUNT).astype(np.float32)
     wants.reset(speed, 0.9)
     expected = np.zeros_like(before)
@@ -24,8 +24,8 @@ def test_nobody_wants_anything_but_room_and_her_speed():
     np.testing.assert_array_equal(wants.rows, expected)
 
 
-def test_only_the_firm_hurry():
-    chance, wants = drawn()
+def test_only_firm_agents_get_a_higher_speed():
+    chance, wants = random_commands()
     before, speed = wants.rows.copy(), chance.uniform(0.5, 2.0, COUNT).astype(np.float32)
     wants.raise_firm_speeds(speed, 1.6)
     firm = before[:, FIRM] > 0.0
@@ -33,16 +33,16 @@ def test_only_the_firm_hurry():
     np.testing.assert_array_equal(wants.speed, np.where(firm, speed * np.float32(1.6), before[:, SPEED]))
 
 
-def test_presence_follows_the_state_and_who_passes_is_counted():
-    chance, wants = drawn()
+def test_presence_follows_state_and_passing_agents_are_counted():
+    chance, wants = random_commands()
     presence = np.array([ABSENT, ABSENT, PASSING, ON_STAGE, PASSING], np.float32)
     state = chance.integers(0, 5, COUNT).astype(np.int8)
     assert write_presence(wants.rows, state, presence, PASSING) == np.isin(state, (2, 4)).sum()
     np.testing.assert_array_equal(wants.presence, presence[state])
 
 
-def test_leashes_are_for_those_who_are_seen_and_under_no_plan():
-    chance, wants = drawn()
+def test_leash_limits_only_visible_agents_without_plan():
+    chance, wants = random_commands()
     wants.rows[:, FIRM] = chance.integers(0, 2, COUNT)
     state = chance.integers(0, 5, COUNT).astype(np.int8)
     position = chance.uniform(-3.0, 3.0, (COUNT, 2)).astype(np.float32)

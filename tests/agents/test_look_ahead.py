@@ -1,4 +1,4 @@
-"""CrowdPrediction: the same motion as the advance it copies, however it is cut into pieces."""
+"""CrowdPrediction: the same motion as the stepper it copies, for any batch size."""
 
 import numpy as np
 
@@ -9,8 +9,8 @@ from live.agents.crowd.obstacles import Surroundings
 from live.agents.prediction import CrowdPrediction
 
 
-def ask(wants, state, time):
-    """Everybody wants to be at (2, 1)."""
+def write_commands(wants, state, time):
+    """Commands every agent to (2, 1)."""
     wants.clear()
     wants.speed[:] = 0.8
     wants.separation[:] = 1.0
@@ -27,11 +27,11 @@ def scene(count=15):
     return state, CrowdStepper(model), surroundings
 
 
-def test_pieces_of_any_size_give_the_same_prediction():
+def test_prediction_is_independent_of_batch_size():
     results = []
     for piece in (1, 3, 1000):
         state, advance, surroundings = scene()
-        look = CrowdPrediction(15, advance, surroundings, ask)
+        look = CrowdPrediction(15, advance, surroundings, write_commands)
         look.begin(state, time=0.0, seconds=[1.3, 2.6])
         while not look.done:
             look.run(piece)
@@ -41,24 +41,24 @@ def test_pieces_of_any_size_give_the_same_prediction():
     assert np.abs(results[0][0] - results[0][1]).max() > 0.1
 
 
-def test_the_prediction_is_near_what_happens_and_leaves_the_agents_alone():
+def test_prediction_is_accurate_and_leaves_state_unchanged():
     state, advance, surroundings = scene()
     before = state.flat.copy()
-    look = CrowdPrediction(15, advance, surroundings, ask)
+    look = CrowdPrediction(15, advance, surroundings, write_commands)
     look.begin(state, time=0.0, seconds=[2.5])
     look.run(10**6)
     assert (state.flat == before).all()
     spare, wants = AgentState.at_rest(state.position), AgentCommand(15)
     for tick in range(160):
-        ask(wants, state, tick / 64)
+        write_commands(wants, state, tick / 64)
         advance(state, spare, commands=wants, surroundings=surroundings, time=tick / 64, dt=1 / 64)
         state, spare = spare, state
     assert np.hypot(*(look.positions[0] - state.position).T).mean() < 0.15
 
 
-def test_nobody_is_no_problem():
+def test_prediction_accepts_zero_agents():
     state, advance, surroundings = scene(0)
-    look = CrowdPrediction(0, advance, surroundings, ask)
+    look = CrowdPrediction(0, advance, surroundings, write_commands)
     look.begin(state, time=0.0, seconds=[1.0])
     look.run(100)
     assert look.done

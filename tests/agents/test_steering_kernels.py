@@ -1,4 +1,4 @@
-"""Reynolds' behaviours: directions, limits, prediction, and what happens where a direction has no meaning."""
+"""Reynolds' behaviors: directions, limits, prediction and degenerate directions."""
 
 import math
 
@@ -19,7 +19,7 @@ def line(*points):
 
 
 @given(PLACE, PLACE, PLACE, PLACE)
-def test_flee_is_the_inverse_of_seek_and_both_are_at_top_speed(x, z, tx, tz):
+def test_flee_is_the_inverse_of_seek_at_top_speed(x, z, tx, tz):
     to, away = np.array(b.seek(x, z, tx, tz)), np.array(b.flee(x, z, tx, tz))
     assert np.allclose(to, -away)
     d = math.hypot(tx - x, tz - z)
@@ -29,21 +29,21 @@ def test_flee_is_the_inverse_of_seek_and_both_are_at_top_speed(x, z, tx, tz):
 
 
 @given(PLACE, PLACE)
-def test_arrival_slows_down_in_proportion_to_the_distance(x, z):
+def test_arrival_speed_is_proportional_to_distance(x, z):
     d = math.hypot(x, z)
     assert math.hypot(*b.arrive(x, z, 0.0, 0.0, 2.0)) == pytest.approx(min(d / 2.0, 1.0), abs=1e-9)
     assert b.arrive(1.0, 1.0, 1.0, 1.0, 0.0) == (0.0, 0.0)
 
 
-def test_pursuit_aims_before_the_quarry_and_evasion_the_other_way():
-    # the quarry 3 m off walks across at 1 m/s; at 2 m/s she is met 1.5 s later, 1.5 m farther
+def test_pursuit_leads_the_target_and_evasion_is_opposite():
+    # the target 3 m away crosses at 1 m/s; at 2 m/s it is reached after 1.5 s, 1.5 m farther
     to = np.array(b.pursue(0.0, 0.0, 0.0, 3.0, 1.0, 0.0, 2.0))
     assert np.allclose(to, np.array([1.5, 3.0]) / math.hypot(1.5, 3.0))
     assert np.allclose(b.evade(0.0, 0.0, 0.0, 3.0, 1.0, 0.0, 2.0), -to)
     assert np.allclose(b.pursue(0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 2.0), b.seek(0.0, 0.0, 0.0, 3.0))
 
 
-def test_wandering_turns_little_by_little_and_is_the_same_for_the_same_seed():
+def test_wander_turns_gradually_and_is_seeded():
     times = np.arange(0.0, 20.0, 1.0 / 64.0)
     way = np.array([b.wander(0.0, 0.0, 0.0, 1.0, 9.0, 9.0, 7, 3, t) for t in times])
     assert np.allclose(np.hypot(*way.T), 1.0)
@@ -56,21 +56,21 @@ def test_wandering_turns_little_by_little_and_is_the_same_for_the_same_seed():
 
 
 @given(PLACE, PLACE, st.integers(0, 50), st.floats(0.0, 100.0))
-def test_wandering_never_leads_off_the_stage(x, z, agent, time):
+def test_wander_never_leaves_the_stage(x, z, agent, time):
     wx, wz = b.wander(x, z, x, z, 8.0, 8.0, 1, agent, time)
     assert abs(x + 0.4 * wx) <= 8.0 + 1e-6
     assert abs(z + 0.4 * wz) <= 8.0 + 1e-6
 
 
 @given(PLACE, PLACE)
-def test_a_vortex_is_radial_flow_turned_by_a_quarter(x, z):
+def test_vortex_is_perpendicular_to_radial_flow(x, z):
     out, turn = np.array(b.flow_radial(x, z, 1.0, -1.0, 1.5)), np.array(b.flow_vortex(x, z, 1.0, -1.0, 1.5))
     assert abs(out @ turn) < 1e-12
     d = math.hypot(x - 1.0, z + 1.0)
     assert np.hypot(*out) == pytest.approx(1.0 - math.exp(-d / 1.5), abs=1e-6)
 
 
-def test_a_grid_is_read_between_its_nodes_and_at_its_edges():
+def test_flow_grid_is_interpolated_and_clamped_at_edges():
     grid = np.zeros((1, 3, 5, 2), np.float32)
     u, v = np.meshgrid(np.linspace(-4, 4, 5), np.linspace(-2, 2, 3))
     grid[0, ..., 0], grid[0, ..., 1] = 2 * u + v, v - 1
@@ -80,7 +80,7 @@ def test_a_grid_is_read_between_its_nodes_and_at_its_edges():
 
 
 @given(st.lists(st.tuples(PLACE, PLACE), min_size=1, max_size=9), st.booleans(), PLACE, PLACE)
-def test_the_nearest_point_of_a_line_is_that_of_shapely(points, closed, x, z):
+def test_nearest_point_on_line_matches_shapely(points, closed, x, z):
     import shapely
 
     vertices, count = line(*points)
@@ -93,7 +93,7 @@ def test_the_nearest_point_of_a_line_is_that_of_shapely(points, closed, x, z):
     assert 0.0 <= t <= 1.0
 
 
-def test_along_a_line_counts_corners_and_stops_at_the_end():
+def test_advance_along_line_passes_corners_and_stops_at_end():
     vertices, count = line((0, 0), (2, 0), (2, 3))
     assert np.allclose(b.along_line(vertices, 0, count, False, 0, 0.5, 0.5), (1.5, 0, 1, 0))
     assert np.allclose(b.along_line(vertices, 0, count, False, 0, 0.5, 2.0), (2, 1, 0, 1))
@@ -105,7 +105,7 @@ def test_along_a_line_counts_corners_and_stops_at_the_end():
 
 
 def walk(step, seconds, x=0.0, z=0.0, speed=1.3):
-    """A vehicle of Reynolds' kind without neighbours; its places, 64 a second."""
+    """A Reynolds vehicle without neighbors; its positions, 64 per second."""
     place, velocity, way = np.array([x, z]), np.zeros(2), []
     for _ in range(int(seconds * 64)):
         force = (np.array(step(*place, *velocity)) * speed - velocity) / 0.3  # T081: desired minus current velocity
@@ -115,7 +115,7 @@ def walk(step, seconds, x=0.0, z=0.0, speed=1.3):
     return np.array(way)
 
 
-def test_a_path_is_followed_within_its_width_and_ended():
+def test_path_is_followed_within_its_width_to_the_end():
     import shapely
 
     corners = ((-4, 0), (0, 2), (4, -2), (5, 3))
@@ -131,7 +131,7 @@ def test_a_path_is_followed_within_its_width_and_ended():
     assert np.hypot(*(way[-1] - (5, 3))) < 0.1
 
 
-def test_a_figure_eight_is_danced_through_its_crossing():
+def test_figure_eight_is_followed_through_its_crossing():
     t = np.linspace(0, 2 * np.pi, 40, endpoint=False)
     vertices, count = line(*np.stack([4 * np.sin(t), 2 * np.sin(2 * t)], 1))
 
@@ -144,8 +144,8 @@ def test_a_figure_eight_is_danced_through_its_crossing():
     assert right
 
 
-def test_a_follower_stays_behind_and_out_of_the_way():
-    # the one before walks along +x: the place behind is at -x
+def test_follower_stays_behind_and_clears_the_path():
+    # the leader walks along +x: the place behind is at -x
     fx, fz = b.follow_behind(0.0, 0.0, 3.0, 0.0, 1.0, 0.0, 0.9)
     assert fx > 0.9
     assert abs(fz) < 1e-9
@@ -153,11 +153,11 @@ def test_a_follower_stays_behind_and_out_of_the_way():
     # towards the audience, a side of +1 is at +x: back by the gap and to the right by the gap
     assert np.allclose(b.follow_in_wedge(1.0, -1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0), (0.0, 0.0))
     ahead = np.array(b.clear_path(1.0, 0.2, 0.0, 0.0, 1.0, 0.0))
-    assert ahead[1] > 0.2  # aside, to the side on which she stands
+    assert ahead[1] > 0.2  # aside, to the side of the follower
     assert b.clear_path(-1.0, 0.2, 0.0, 0.0, 1.0, 0.0) == (0.0, 0.0)
     assert b.clear_path(1.0, 0.9, 0.0, 0.0, 1.0, 0.0) == (0.0, 0.0)
 
 
 @given(st.integers(0, 2**31), st.integers(0, 4000), st.integers(0, 2**31))
-def test_chance_is_in_the_unit_interval(seed, agent, turn):
+def test_hash_is_in_the_unit_interval(seed, agent, turn):
     assert 0.0 <= b.hash_unit(seed, agent, turn) < 1.0

@@ -1,4 +1,4 @@
-"""What quality a live picture has: chosen by what frames cost, or held by the operator; told in status and overlay."""
+"""Quality of a live picture: chosen by frame cost or held by the operator, and reported in status and overlay."""
 
 from types import SimpleNamespace
 
@@ -11,7 +11,7 @@ from live.render.adaptive_quality import SOFTWARE, quality_steps
 PERIOD = 1.0 / 30.0
 
 
-class Drawn:
+class FakeRenderer:
     """A renderer that draws nothing; frames of the upper steps take too long."""
 
     def __init__(self):
@@ -25,8 +25,8 @@ class Drawn:
 
 
 @pytest.fixture
-def watched():
-    """A function that makes a watch with its session, and lets frames pass for some seconds."""
+def make_watch():
+    """A function that creates a quality controller with its session and lets frames pass for some seconds."""
 
     def make(quality=None, holds=5):
         clock = SimpleNamespace(time=0.0, now=lambda: clock.time)
@@ -37,7 +37,7 @@ def watched():
             status=SimpleNamespace(extra_figures={}, notices=[]),
             overload=0.0,
         )
-        watch = QualityController(session, Drawn())
+        watch = QualityController(session, FakeRenderer())
         watch.period, late = PERIOD, [0]
 
         def run(seconds):
@@ -59,8 +59,8 @@ def watched():
     return make
 
 
-def test_the_machine_chooses_until_the_operator_does(watched):
-    watch, session, run, hear = watched()
+def test_quality_is_chosen_automatically_until_operator_holds_step(make_watch):
+    watch, session, run, hear = make_watch()
     run(15.0)
     told = session.status.extra_figures["quality"]()
     assert (told["step"], told["held"], told["changes"]) == (5, None, 3)  # 1 and 2 take nothing from this picture
@@ -77,8 +77,8 @@ def test_the_machine_chooses_until_the_operator_does(watched):
     assert watch.controller.held is None
 
 
-def test_a_command_line_begins_with_a_held_step_and_the_overlay_says_so(watched):
-    watch, session, run, hear = watched(quality=15)
+def test_quality_option_holds_step_and_overlay_reports_hold(make_watch):
+    watch, session, run, hear = make_watch(quality=15)
     run(5.0)
     last = len(quality_steps(SOFTWARE)) - 1
     assert watch._renderer.step == last
@@ -89,9 +89,9 @@ def test_a_command_line_begins_with_a_held_step_and_the_overlay_says_so(watched)
     assert session.status.notices[0]().startswith(f"quality 0 of {last} (held)")
 
 
-def test_what_the_supervisor_feels_of_an_overload_reaches_the_ladder(watched):
-    """Frames are in time here: nothing else keeps it from going up."""
-    watch, session, run, _ = watched(holds=1)
+def test_supervisor_overload_keeps_quality_from_rising(make_watch):
+    """Frames are in time here: no other cause keeps the quality from rising."""
+    watch, session, run, _ = make_watch(holds=1)
     run(15.0)
     assert watch._renderer.step > 0
     session.overload = 0.5

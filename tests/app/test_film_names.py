@@ -1,4 +1,4 @@
-"""Names and rates of films as people write them."""
+"""Parsing of film names and frame rates."""
 
 from fractions import Fraction
 from pathlib import Path
@@ -17,20 +17,20 @@ from live.base.errors import PersonError
         ("50.0", 50), (" 48 ", 48), ("119.88", Fraction(120000, 1001)),
     ],
 )  # fmt: skip
-def test_frames_a_second(text: str, rate: Fraction) -> None:
+def test_frame_rates_are_parsed(text: str, rate: Fraction) -> None:
     found = parse_rate(text)
     assert found is not None
     assert Fraction(found).limit_denominator(1001) == rate
 
 
 @pytest.mark.parametrize("text", ["", "fast", "0", "-25", "481", "1/0", "nan", "inf", "25 30"])
-def test_what_is_no_rate(text: str) -> None:
+def test_invalid_frame_rates_are_refused(text: str) -> None:
     with pytest.raises(PersonError, match="--fps"):
         parse_rate(text)
     assert parse_rate(None) is None
 
 
-def test_names(tmp_path: Path) -> None:
+def test_film_paths_are_parsed(tmp_path: Path) -> None:
     for name in ("film.mp4", "film.mov", "FILM.MKV"):
         assert parse_film_path(tmp_path / name, "--out", inputs=[None]) == tmp_path / name
     assert parse_film_path(tmp_path, "--out", inputs=[]) == tmp_path / "%05d.png"
@@ -46,13 +46,13 @@ def test_names(tmp_path: Path) -> None:
         ("none/film.mp4", "no folder"), ("none/take/%05d.png", "no folder"), ("%d/%d.png", "not in the folder's"),
     ],
 )  # fmt: skip
-def test_names_that_are_refused(tmp_path: Path, name: str, told: str) -> None:
+def test_invalid_film_paths_are_refused(tmp_path: Path, name: str, told: str) -> None:
     with pytest.raises(PersonError) as error:
         parse_film_path(tmp_path / name, "--out", inputs=[])
     assert told in str(error.value.message) + str(error.value.remedy)
 
 
-def test_alpha_and_what_is_read(tmp_path: Path) -> None:
+def test_alpha_in_mp4_and_input_file_are_refused(tmp_path: Path) -> None:
     with pytest.raises(PersonError, match="no alpha") as error:
         parse_film_path(tmp_path / "film.mp4", "--out", alpha=True, inputs=[])
     assert "film.mov" in str(error.value.remedy)

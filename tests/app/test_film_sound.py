@@ -1,4 +1,4 @@
-"""`live render --click --taps`: the film of the tap patch is heard with its own feet."""
+"""`live render --click --taps`: the film of the tap patch contains click and tap sounds."""
 
 import av
 import numpy as np
@@ -8,8 +8,8 @@ from tests.cli.command import run_live
 from tests.cli.test_show_commands import gl_or_skip
 
 
-def heard(film):
-    """Samples of the film's sound (n, 2), as they are played, and their rate."""
+def read_sound(film):
+    """Samples of the film's sound (n, 2) in playing order, and their rate."""
     with av.open(str(film)) as container:
         stream = container.streams.audio[0]
         frames = [frame.to_ndarray() for frame in container.decode(stream)]
@@ -17,7 +17,7 @@ def heard(film):
 
 
 @pytest.mark.long
-def test_a_film_of_the_tap_patch_clicks_and_taps_as_asked(tmp_path):
+def test_film_of_tap_patch_contains_requested_clicks_and_taps(tmp_path):
     gl_or_skip()
     films = {}
     for name, asked in (("as the patch says", ()), ("feet alone", ("--no-click",))):
@@ -27,8 +27,8 @@ def test_a_film_of_the_tap_patch_clicks_and_taps_as_asked(tmp_path):
         )
         assert result.returncode == 0, result.stderr
         films[name] = film
-    both, rate = heard(films["as the patch says"])
-    feet, _ = heard(films["feet alone"])
+    both, rate = read_sound(films["as the patch says"])
+    feet, _ = read_sound(films["feet alone"])
     assert abs(len(both) / rate - 2.0) < 0.1
     assert (feet**2).mean() > 1e-5
     beat = 60.0 / 108.0

@@ -1,4 +1,4 @@
-"""Launch options: every option becomes a field, and every field reaches the process that plays."""
+"""Launch options: every option becomes a field, and every field reaches the playing process."""
 
 import base64
 import pickle
@@ -30,16 +30,16 @@ ALL = LaunchOptions(
 
 
 @pytest.mark.parametrize("options", [USUAL, ALL])
-def test_they_come_as_they_were_sent(options):
+def test_encoded_options_decode_unchanged(options):
     assert LaunchOptions.decode(options.encode()) == options
 
 
-def test_every_field_was_tried():
+def test_sample_options_differ_from_defaults_in_every_field():
     assert [each.name for each in fields(LaunchOptions) if getattr(ALL, each.name) == getattr(USUAL, each.name)] == []
 
 
-def written_by(*words):
-    """What a command with these options gets from a command line."""
+def parse_command_line(*words):
+    """The values that a command with these options receives from a command line."""
     found = {}
 
     @with_launch_options
@@ -53,13 +53,13 @@ def written_by(*words):
     return found
 
 
-def test_a_command_line_without_options_means_the_usual_ones():
-    values = parsed(written_by())
+def test_empty_command_line_gives_default_options():
+    values = parsed(parse_command_line())
     assert LaunchOptions(**values) == USUAL
     assert set(values) == {each.name for each in fields(LaunchOptions)} - {"audience_secret"}  # nobody writes that
 
 
-def test_each_option_becomes_its_field(tmp_path):
+def test_each_option_sets_its_field(tmp_path):
     words = (
         "samba --audio mic --audio-channel 3 --venue hall --bpm 120 --link lead --midi in --midi-file a.mid "
         "--midi-out out --midi-clock-out clock --click out --click-channels 1 --seconds 3.5 --measures 2-9 "
@@ -71,7 +71,7 @@ def test_each_option_becomes_its_field(tmp_path):
         f"--record {tmp_path}/film.mp4 --share shm:x --journal {tmp_path}/night.jsonl --status-json {tmp_path}/s.json "
         "--alone --lead 9020 --standby other --service hall"
     ).split()
-    values = parsed(written_by(*words))
+    values = parsed(parse_command_line(*words))
     here = {"steps": Path("/tmp"), "journal": tmp_path / "night.jsonl", "status_json": tmp_path / "s.json"}
     here |= {"record": tmp_path / "film.mp4"}
     wanted = {name: here.get(name, getattr(ALL, name)) for name in values}
@@ -84,22 +84,22 @@ def test_each_option_becomes_its_field(tmp_path):
      ("size", "big"), ("osc", "x:y"), ("vmc", ["a:b:c"]), ("measures", "9-2"), ("journal", Path("/nowhere/a/b")),
      ("audience_tls", "one.pem"), ("share", ["ftp:x"])],
 )  # fmt: skip
-def test_a_wrong_value_is_refused_with_the_name_of_its_option(word, value):
+def test_invalid_value_is_refused_with_option_name(word, value):
     with pytest.raises(PersonError, match=f"--{word.replace('_', '-')}"):
-        parsed({**written_by(), word: value})
+        parsed({**parse_command_line(), word: value})
 
 
-def test_every_option_has_a_text_for_people():
+def test_every_option_has_help_text():
     assert [
         each.name for each in fields(LaunchOptions) if OPTION in each.metadata and not each.metadata[OPTION].help
     ] == []
 
 
-def word(value):
+def encode_options(value):
     return base64.b64encode(encode_packet(value)).decode()
 
 
-class Calls:
+class ExecPayload:
     def __reduce__(self):
         return exec, ("raise SystemExit('called')",)
 
@@ -109,15 +109,15 @@ class Calls:
     [
         "",
         "?",
-        base64.b64encode(pickle.dumps(Calls())).decode(),
+        base64.b64encode(pickle.dumps(ExecPayload())).decode(),
         base64.b64encode(pickle.dumps(USUAL)).decode(),
-        word([]),
-        word({"patch": 7}),
-        word({"run": "x"}),
-        word({"headless": "yes"}),
-        word({"osc": ("127.0.0.1", "9010")}),
+        encode_options([]),
+        encode_options({"patch": 7}),
+        encode_options({"run": "x"}),
+        encode_options({"headless": "yes"}),
+        encode_options({"osc": ("127.0.0.1", "9010")}),
     ],
 )
-def test_a_word_that_somebody_made_up_is_refused(said):
+def test_forged_option_text_is_refused(said):
     with pytest.raises(ValueError):  # noqa: PT011
         LaunchOptions.decode(said)

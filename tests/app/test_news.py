@@ -1,12 +1,12 @@
-"""News: an operator without the overlay reads what was refused and what has joined, each once."""
+"""News: an operator without the overlay reads refusals and joined parts, each once."""
 
 import threading
 
 from live.app.session import Notifier
 
 
-class Part:
-    """Something that refuses, or tells."""
+class MessageSource:
+    """A source of refusals or messages."""
 
     def __init__(self):
         self.words = ""
@@ -15,13 +15,13 @@ class Part:
         return self.words
 
 
-def made_news():
-    osc, show, library, said = Part(), Part(), Part(), []
+def make_news():
+    osc, show, library, said = MessageSource(), MessageSource(), MessageSource(), []
     return Notifier([osc, show], [library], said.append), osc, show, library, said
 
 
-def test_each_change_is_said_once():
-    news, osc, show, library, said = made_news()
+def test_each_change_is_printed_once():
+    news, osc, show, library, said = make_news()
     news.check()
     assert said == []
     show.words, library.words = "there is no step 'sambaa'", "new steps: bow can be danced"
@@ -33,9 +33,9 @@ def test_each_change_is_said_once():
     assert said[2:] == ["refused: unknown address", "refused: no group is called 'b'"]
 
 
-def test_the_last_refusal_is_the_newest_of_all_parts():
-    """An old refusal of one part hides no new one of another, and what is mended is not the last any more."""
-    news, osc, show, library, _ = made_news()
+def test_last_refusal_is_newest_of_all_sources():
+    """An old refusal of one source hides no new one of another, and a resolved refusal is no longer the last."""
+    news, osc, show, library, _ = make_news()
     for part, words in ((osc, "first"), (show, "second"), (osc, "third"), (show, "fourth")):
         part.words = words
         news.check()
@@ -51,8 +51,8 @@ def test_the_last_refusal_is_the_newest_of_all_parts():
     assert news.refused == ""
 
 
-def test_what_is_new_at_the_end_is_said_and_the_thread_ends():
-    news, _, show, _, said = made_news()
+def test_final_change_is_printed_and_thread_ends():
+    news, _, show, _, said = make_news()
     threads = threading.active_count()
     news.start()
     show.words = "too late for the last look"
@@ -61,7 +61,7 @@ def test_what_is_new_at_the_end_is_said_and_the_thread_ends():
     assert threading.active_count() == threads
 
 
-def test_without_a_start_it_can_be_stopped():
-    news, *_, said = made_news()
+def test_notifier_stops_without_start():
+    news, *_, said = make_news()
     news.stop()
     assert said == []

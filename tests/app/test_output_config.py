@@ -1,4 +1,4 @@
-"""Corners of the real floor that were pointed at: the picture follows at once, the venue's file for good."""
+"""Marked corners of the real floor: the camera follows at once, and the venue file keeps them."""
 
 import tomllib
 from types import SimpleNamespace
@@ -12,21 +12,21 @@ from live.base.stage_snapshot import Camera
 from live.render.camera import project_points
 from live.show.patch.patch_reader import parse_model
 from live.show.venue.venue import Venue, venue_path
-from tests.show.desk.desk_show import Hands
+from tests.show.desk.desk_show import DeskSession
 
 AT = 'name = "hall"   # ours\n[projector]\nat = [2.0, 5.0, 12.0]   # with a laser\n'
 
 
 @pytest.fixture
-def kept(tmp_path, monkeypatch):
-    """Keeps corners for a show in a hall whose file has this text: what it says, the show, and the file's text then."""
+def save_corners(tmp_path, monkeypatch):
+    """Saves corners for a show in a venue with this file text; returns the message, the show, and the new text."""
     monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
 
     def keep(text, corners=None):
         path = venue_path("hall")
         path.parent.mkdir(exist_ok=True)
         path.write_text(text)
-        hands = Hands()
+        hands = DeskSession()
         view = hands.show.view()
         hands.show.fill(view, 0.0)
         session = SimpleNamespace(
@@ -48,17 +48,17 @@ def kept(tmp_path, monkeypatch):
     return keep
 
 
-def floor_of(camera, stage):
+def floor_in_picture(camera, stage):
     x, z = 0.5 * stage[0], 0.5 * stage[1]
     return project_points(camera, (1600, 900), [(-x, 0, -z), (x, 0, -z), (x, 0, z), (-x, 0, z)]) / (1600, 900)
 
 
-def test_the_picture_follows_at_once_and_the_file_has_it(kept):
+def test_camera_follows_corners_at_once_and_file_contains_them(save_corners):
     corners = [(0.22, 0.4), (0.77, 0.36), (0.93, 0.88), (0.04, 0.93)]
-    done = kept(AT, corners)
+    done = save_corners(AT, corners)
     assert done.words == ""
-    stage = Hands().show.patch.stage
-    np.testing.assert_allclose(floor_of(done.camera, (stage.width, stage.depth)), corners, atol=1e-6)
+    stage = DeskSession().show.patch.stage
+    np.testing.assert_allclose(floor_in_picture(done.camera, (stage.width, stage.depth)), corners, atol=1e-6)
     assert done.camera.eye == pytest.approx((2.0, 5.0, 12.0), abs=1e-6)
     said = tomllib.loads(done.text)["projector"]
     assert said == {"at": [2.0, 5.0, 12.0], "corners": [list(one) for one in corners], "aspect": 1.77778}
@@ -67,16 +67,16 @@ def test_the_picture_follows_at_once_and_the_file_has_it(kept):
 
 
 @pytest.mark.parametrize("text", ['name = "hall"\n', AT.replace("5.0", "0.0")])
-def test_what_cannot_be_is_told_and_nothing_is_written(kept, text):
-    done = kept(text)
+def test_unusable_projector_position_is_reported_and_file_is_unchanged(save_corners, text):
+    done = save_corners(text)
     assert done.words.startswith("NOT SAVED: ")
     assert done.text == text
     assert done.floor.corners() == done.seen
 
 
-def test_it_begins_where_the_camera_sees_the_floor():
+def test_corners_start_at_visible_floor_or_default():
     camera = Camera()
-    np.testing.assert_allclose(visible_corners(camera, (6.0, 5.0), (1600, 900)), floor_of(camera, (6.0, 5.0)))
+    np.testing.assert_allclose(visible_corners(camera, (6.0, 5.0), (1600, 900)), floor_in_picture(camera, (6.0, 5.0)))
     assert visible_corners(camera, (14.0, 8.0), (1600, 900)) == DEFAULT_CORNERS
     assert visible_corners(Camera((0.0, 1.0, 1.0), (0.0, 1.0, -5.0)), (10.0, 8.0), (1600, 900)) == DEFAULT_CORNERS
     assert visible_corners(None, (10.0, 8.0), (1600, 900)) == DEFAULT_CORNERS

@@ -1,4 +1,4 @@
-"""Test cards and bending at the windows: which keys are taken, whose output they mean, what is kept."""
+"""Test cards and warping at the windows: handled keys, selected outputs, saved values."""
 
 from types import SimpleNamespace
 
@@ -32,7 +32,7 @@ class FakeScreen:
 
 
 class FakeFloor:
-    """Where the real floor lies."""
+    """The position of the real floor in the picture."""
 
     def __init__(self):
         self.kept, self.words = [], ""
@@ -62,7 +62,7 @@ def press(hall, screen, *names, shift=False):
     return [hall.setup.handle_input(screen, KeyPressed(name, shift)) for name in names]
 
 
-def test_keys_of_the_show_are_left_to_it(hall):
+def test_show_keys_are_not_handled_by_setup(hall):
     assert press(hall, hall.left, "space", "b", "tab", "left", "m", "enter", "escape") == [False] * 7
     press(hall, hall.left, "f9")
     assert press(hall, hall.left, "space", "b") == [False] * 2
@@ -70,7 +70,7 @@ def test_keys_of_the_show_are_left_to_it(hall):
     assert press(hall, hall.left, "left") == [False]
 
 
-def test_arrows_move_a_corner_by_pixels_and_leaving_keeps_it(hall):
+def test_arrows_move_corner_by_pixels_and_leaving_saves(hall):
     press(hall, hall.left, "f9", "tab", "down")
     press(hall, hall.left, "left", shift=True)
     assert hall.left.output.corners[1] == pytest.approx((0.99, 0.002))
@@ -81,7 +81,7 @@ def test_arrows_move_a_corner_by_pixels_and_leaving_keeps_it(hall):
     assert hall.left.editing is None
 
 
-def test_the_mouse_moves_what_is_edited_and_nothing_else(hall):
+def test_mouse_moves_only_edited_output(hall):
     drag = [PointerPressed(5, 5), PointerMoved(100, 50), PointerReleased(100, 50)]
     assert [hall.setup.handle_input(hall.left, value) for value in drag] == [False] * 3
     press(hall, hall.left, "f9")
@@ -93,7 +93,7 @@ def test_the_mouse_moves_what_is_edited_and_nothing_else(hall):
     assert hall.left.output.corners == FULL_WINDOW
 
 
-def test_at_the_operators_window_one_output_after_the_other(hall):
+def test_operator_window_edits_outputs_in_turn(hall):
     seen = []
     for _ in range(3):
         press(hall, hall.desk, "f9")
@@ -103,7 +103,7 @@ def test_at_the_operators_window_one_output_after_the_other(hall):
     assert [one.name for one in hall.kept] == ["left", "right"]
 
 
-def test_the_real_floors_corners_are_pointed_at_on_the_projector(hall):
+def test_real_floor_corners_are_marked_on_projector(hall):
     hall.left.output = Output("left", crop=(0.0, 0.0, 0.5, 1.0), corners=((0.1, 0), (1, 0), (1, 1), (0.1, 1)))
     press(hall, hall.left, "f9", "p")
     assert hall.left.lines[0] == "left: the floor's back left corner"
@@ -124,7 +124,7 @@ def test_the_real_floors_corners_are_pointed_at_on_the_projector(hall):
     assert hall.left.output.mesh == ()
 
 
-def test_a_floor_of_no_area_is_not_taken_and_what_cannot_be_kept_is_told(hall):
+def test_floor_without_area_is_refused_and_save_failure_is_reported(hall):
     press(hall, hall.left, "f9", "p")
     before = hall.left.editing.corners
     (x, y), (there, _) = before[0], before[1]
@@ -143,14 +143,14 @@ def test_a_floor_of_no_area_is_not_taken_and_what_cannot_be_kept_is_told(hall):
     assert hall.left.editing.corners == before
 
 
-def test_nothing_is_kept_that_was_not_changed(hall):
+def test_unchanged_output_is_not_saved(hall):
     press(hall, hall.left, "f9", "tab", "m", "m", "f9")
     assert [one.mesh for one in hall.kept] == [hall.left.output.mesh]
     press(hall, hall.left, "f9", "tab", "f9")
     assert len(hall.kept) == 1
 
 
-def test_cards_by_key_and_from_afar(hall):
+def test_cards_are_selected_by_key_and_by_osc(hall):
     press(hall, hall.left, "f8", "f8")
     assert (hall.left.card, hall.right.card) == ("bars", "off")
     hall.setup.handle(ShowCard(time=0.0, source="osc", output="RIGHT", card="focus"))
@@ -163,7 +163,7 @@ def test_cards_by_key_and_from_afar(hall):
     assert hall.asked == [("left", "grid"), ("left", "bars"), ("left", "grid"), ("right", "grid")]
 
 
-def test_who_goes_on_shows_the_cards_that_were_there(hall):
+def test_resumed_show_restores_cards(hall):
     hall.setup.restore_cards({"*": "grid", "left": "focus", "gone": "bars"})
     assert (hall.left.card, hall.right.card) == ("focus", "grid")
     hall.setup.restore_cards({"right": "off", "left": "smiley"})
@@ -171,13 +171,13 @@ def test_who_goes_on_shows_the_cards_that_were_there(hall):
 
 
 @pytest.mark.parametrize(("output", "card", "words"), [("middle", "grid", "left, right"), ("left", "smiley", "focus")])
-def test_what_there_is_not_is_told(hall, output, card, words):
+def test_unknown_output_or_card_is_refused(hall, output, card, words):
     hall.setup.handle(ShowCard(time=0.0, source="osc", output=output, card=card))
     assert words in hall.refused[0]
     assert hall.left.card == "off"
 
 
-def test_what_is_kept_is_in_the_venue_next_time(tmp_path, monkeypatch):
+def test_saved_output_is_read_from_venue(tmp_path, monkeypatch):
     monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
     told = []
     keeping = VenueWriter("hall", told.append)
@@ -188,7 +188,7 @@ def test_what_is_kept_is_in_the_venue_next_time(tmp_path, monkeypatch):
     assert [path.name for path in (tmp_path / "venues").iterdir()] == ["hall.toml"]
 
 
-def test_what_cannot_be_kept_is_told_and_the_file_stays(tmp_path, monkeypatch):
+def test_save_failure_is_reported_and_file_is_unchanged(tmp_path, monkeypatch):
     monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
     (tmp_path / "venues").mkdir()
     path = tmp_path / "venues" / "hall.toml"

@@ -1,4 +1,4 @@
-"""Parts beside a show: an error of one, when it starts, in a frame or when it ends, is its own."""
+"""Services beside a show: an error of one at start, in a frame or at its end does not affect the others."""
 
 import pytest
 
@@ -9,7 +9,7 @@ from tests.control.waiting import wait_for
 
 
 class Device:
-    """A part that fails where it is told to."""
+    """A service that fails in the given calls."""
 
     def __init__(self, *fails):
         self.fails, self.done = fails, []
@@ -36,12 +36,12 @@ class Device:
 
 
 class Lamp(Device):
-    """Another one, so that it has another name."""
+    """A second class, for a second name."""
 
 
 @pytest.fixture(autouse=True)
-def alone():
-    """What is left out here is of no other test."""
+def reset_faults():
+    """Clears the skipped services of a test for the next one."""
     yield
     FAULTS.skipped.clear()
 
@@ -56,7 +56,7 @@ def parts():
     return made
 
 
-def test_a_part_that_fails_in_each_frame_is_left_out_and_the_others_are_not(parts):
+def test_service_failing_each_frame_is_skipped_and_others_continue(parts):
     before = FAULTS.total
     for _ in range(300):
         parts.before_frame()
@@ -67,12 +67,12 @@ def test_a_part_that_fails_in_each_frame_is_left_out_and_the_others_are_not(part
     assert "device" in FAULTS.problem()
 
 
-def test_one_that_cannot_end_keeps_nobody_else_from_it(parts):
+def test_failing_stop_does_not_prevent_other_stops(parts):
     parts.stop()
     assert parts.good.done == ["stop"]
 
 
-def test_one_that_cannot_start_ends_a_start_but_not_a_show_that_is_gone_on_with():
+def test_failing_start_ends_new_show_but_not_resumed_show():
     for forgiving in (False, True):
         parts, bad, good = ServiceRegistry(), Device("start"), Lamp()
         parts.add(bad)
@@ -88,7 +88,7 @@ def test_one_that_cannot_start_ends_a_start_but_not_a_show_that_is_gone_on_with(
 
 
 class Page(Device):
-    """Its port is somebody else's for a while."""
+    """A service whose port is in use for a while."""
 
     def __init__(self, tries):
         super().__init__()
@@ -100,7 +100,7 @@ class Page(Device):
             raise PersonError("the port is in use", "choose another port")
 
 
-def test_one_whose_port_is_taken_starts_as_soon_as_it_is_free(monkeypatch):
+def test_service_with_busy_port_starts_once_port_is_free(monkeypatch):
     monkeypatch.setattr("live.app.service_registry.FIRST_RETRY_DELAY", 0.01)
     parts, page, good = ServiceRegistry(), Page(4), Lamp()
     parts.add(page)
@@ -114,7 +114,7 @@ def test_one_whose_port_is_taken_starts_as_soon_as_it_is_free(monkeypatch):
     assert page.done[-1] == good.done[-1] == "stop"
 
 
-def test_one_that_never_starts_keeps_no_show_from_its_end():
+def test_service_that_never_starts_does_not_delay_end_of_show():
     parts, page = ServiceRegistry(), Page(10**9)
     parts.add(page)
     parts.start(tolerant=True)

@@ -1,4 +1,4 @@
-"""What a show listens with: the hand's word outlives the device, and a restart by hand lets go of it."""
+"""Audio input of a show: manual settings outlive the device, and a manual restart clears them."""
 
 from types import SimpleNamespace
 from typing import Any, cast
@@ -19,8 +19,8 @@ from tests.control.audio.fake_sound import fake_sound_system
 LOADED: Any = SimpleNamespace(patch=SimpleNamespace(clock=SimpleNamespace(tracker="network")))
 
 
-class Shown:
-    """As much of a show as its sound asks of it: its patch says a measure of 3."""
+class FakeShow:
+    """The part of a show used by its audio: its patch has measures of 3 beats."""
 
     def __init__(self) -> None:
         self.follower = SimpleNamespace(on_hint=None)
@@ -30,27 +30,27 @@ class Shown:
         self.follower.on_hint = told
 
 
-def told(analysis: AudioAnalysis) -> tuple[float, int]:
-    """The interval [frames] and the metre that were set by hand, as the next samples find them."""
+def manual_settings(analysis: AudioAnalysis) -> tuple[float, int]:
+    """The manually set interval [frames] and metre, as found by the next samples."""
     analysis.feed(np.zeros((1, 1), np.float32), lambda position: position)
     assert isinstance(analysis.tracker, BeatTracker)
     hand = analysis.tracker.pointer._manual
     return hand.held_interval, hand.held_metre
 
 
-def test_the_next_analysis_knows_what_the_last_one_was_told() -> None:
-    show = Shown()
+def test_next_analysis_keeps_manual_settings_of_last_one() -> None:
+    show = FakeShow()
     make = make_show_analysis(LOADED, cast(Any, show))
     first = make(44_100.0)
     show.follower.on_hint(TrackerHint("tempo", 1.0, 60.0))
-    assert told(first) == (pytest.approx(86.13, abs=0.01), 3)
+    assert manual_settings(first) == (pytest.approx(86.13, abs=0.01), 3)
     make(96_000.0)  # refused at this rate: it never hears anything
-    assert told(make(48_000.0)) == (pytest.approx(86.13, abs=0.01), 3)
+    assert manual_settings(make(48_000.0)) == (pytest.approx(86.13, abs=0.01), 3)
 
 
-def test_a_restart_by_hand_lets_go_but_for_what_the_patch_says(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_manual_restart_keeps_only_patch_settings(monkeypatch: pytest.MonkeyPatch) -> None:
     system = fake_sound_system(monkeypatch)
-    show, inbox = Shown(), cast("EventQueue[ControlEvent]", EventQueue())
+    show, inbox = FakeShow(), cast("EventQueue[ControlEvent]", EventQueue())
     source, tell = make_audio(
         AudioChoice(device="stage box"), LOADED, cast(Any, show), Latencies(), inbox, system.clock
     )
@@ -58,7 +58,7 @@ def test_a_restart_by_hand_lets_go_but_for_what_the_patch_says(monkeypatch: pyte
     source._open(source._watchdog.stop_event)
     assert source._open_stream is not None
     show.follower.on_hint(TrackerHint("tempo", 1.0, 60.0))
-    assert told(source._open_stream.analysis)[0] > 0.0
+    assert manual_settings(source._open_stream.analysis)[0] > 0.0
     tell(RestartAudio(time=2.0, source="key"))
     source.poll()
-    assert told(source._open_stream.analysis) == (0.0, 3)
+    assert manual_settings(source._open_stream.analysis) == (0.0, 3)

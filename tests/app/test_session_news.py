@@ -1,4 +1,4 @@
-"""What the parts of a show tell an operator who has no overlay."""
+"""Messages of the parts of a show to an operator without the overlay."""
 
 from types import SimpleNamespace
 from typing import Any, cast
@@ -8,7 +8,7 @@ import pytest
 from live.app.session import make_notifier
 
 
-def test_refusals_and_problems_of_all_parts_are_told_once(capsys: pytest.CaptureFixture[str]) -> None:
+def test_refusals_and_problems_of_all_parts_are_printed_once(capsys: pytest.CaptureFixture[str]) -> None:
     show = SimpleNamespace(refusals=SimpleNamespace(last_reason=""))
     refused = ""
     osc = SimpleNamespace(refusal=lambda: refused)

@@ -1,4 +1,4 @@
-"""What a session says of the time that its frames take."""
+"""Frame times reported by a session."""
 
 import socket
 import threading
@@ -13,41 +13,41 @@ from live.supervisor.supervisor_link import SupervisorLink
 from tests.end_to_end.conftest import PATCH
 
 
-def made_session(folder: Path, lifeline: SupervisorLink | None = None) -> Session:
+def make_session(folder: Path, lifeline: SupervisorLink | None = None) -> Session:
     patch = folder / "show.toml"
     patch.write_text(PATCH)
     options = LaunchOptions(patch=str(patch), seed=1, osc=("127.0.0.1", 0))
     return Session(options, options.load(), AudioChoice(), lifeline=lifeline)
 
 
-def frame(session: Session, seconds: float) -> None:
-    """One frame in which drawing waits for so long."""
+def run_frame(session: Session, seconds: float) -> None:
+    """One frame in which drawing waits for this many seconds."""
     started = session.clock.now()
     session.before_frame()
     session.engine.frame(lambda view: threading.Event().wait(seconds) and None)
     session.after_frame(started, started - 0.016)
 
 
-def test_a_frame_that_waits_takes_time_but_none_of_the_processor(tmp_path):
-    session = made_session(tmp_path)
+def test_waiting_frame_takes_work_time_but_no_processor_time(tmp_path):
+    session = make_session(tmp_path)
     with session.running():
         for _ in range(5):
-            frame(session, 0.1)
+            run_frame(session, 0.1)
         told = session.status.snapshot(session.clock.now())
     assert told["work_ms"]["p50"] >= 100.0
     assert 0.0 < told["cpu_ms"]["p50"] < 50.0
 
 
-def test_what_the_supervisor_says_of_the_machine_is_pressure(tmp_path):
-    """From its facts on the wire to the status and to whoever draws."""
+def test_overload_from_supervisor_is_reported_as_pressure(tmp_path):
+    """From the supervisor's facts on the channel to the status and the renderer."""
     ours, theirs = socket.socketpair()
     supervisor, lifeline = LineChannel(ours), SupervisorLink(LineChannel(theirs), Heartbeat())
-    session = made_session(tmp_path, lifeline)
+    session = make_session(tmp_path, lifeline)
     with session.running():
         assert session.overload == 0.0
         supervisor.send_json(alive="facts", facts={"overload": 0.8})
-        frame(session, 0.0)
-        frame(session, 0.0)
+        run_frame(session, 0.0)
+        run_frame(session, 0.0)
         told = session.status.snapshot(session.clock.now())
     assert session.overload == told["pressure"] == 0.8
     supervisor.close()

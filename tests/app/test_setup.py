@@ -1,4 +1,4 @@
-"""tools/setup.sh on machines made of small scripts: which packages it asks for, in which order, and only once."""
+"""tools/setup.sh on machines made of small scripts: requested packages, their order, and no repetition."""
 
 import os
 import pty
@@ -83,7 +83,7 @@ for word in "$@"; do :; done
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """A checkout in `home`/show and a PATH of fakes; `run` returns what setup.sh says on stderr."""
+    """A checkout in `home`/show and a PATH of fakes; `run` returns the stderr of setup.sh."""
 
     home: Path
     environment: dict[str, str]
@@ -107,7 +107,7 @@ class Machine:
         return done.stderr
 
     def log(self) -> list[str]:
-        """The commands that did something, since the last call."""
+        """Commands with effects since the last call."""
         path = self.home / "log"
         lines = path.read_text().splitlines() if path.exists() else []
         path.unlink(missing_ok=True)
@@ -163,7 +163,7 @@ APT_LINE = (
 )
 
 
-def test_dry_run_prints_and_touches_nothing(debian: Machine) -> None:
+def test_dry_run_prints_commands_and_changes_nothing(debian: Machine) -> None:
     said = debian.run("play", SETUP_DRY_RUN="1")
     assert said.splitlines()[0] == APT_LINE
     assert "uv sync --frozen" in said
@@ -171,24 +171,24 @@ def test_dry_run_prints_and_touches_nothing(debian: Machine) -> None:
     assert not (debian.home / "show" / ".venv").exists()
 
 
-def test_dry_run_of_the_tests_lists_their_packages_too(debian: Machine) -> None:
+def test_dry_run_of_tests_lists_test_packages(debian: Machine) -> None:
     second = debian.run("test", SETUP_DRY_RUN="1").splitlines()[1]
     for package in ("xserver-xorg-video-dummy", "xdotool", "imagemagick", "pulseaudio", "liblo-tools"):
         assert f" {package}" in second
 
 
-def test_without_root_the_exact_line_is_printed_and_nothing_done(debian: Machine) -> None:
+def test_setup_without_root_prints_install_command_and_changes_nothing(debian: Machine) -> None:
     said = debian.run("play", code=1)
     assert said.splitlines()[-1] == APT_LINE
     assert debian.log() == []
 
 
-def test_names_of_a_newer_release(debian: Machine) -> None:
+def test_package_names_of_newer_release_are_used(debian: Machine) -> None:
     (debian.home / "updated").touch()
     assert " libasound2t64 " in debian.run("play", code=1, FAKE_UNKNOWN="")
 
 
-def test_what_is_installed_is_not_asked_for(debian: Machine) -> None:
+def test_installed_packages_are_not_requested(debian: Machine) -> None:
     for package in ("libegl1", "libasound2t64", "python3.11-venv"):
         (debian.home / "installed" / package).touch()
     assert debian.run("play", code=1).splitlines()[-1] == (
@@ -204,19 +204,19 @@ def test_what_is_installed_is_not_asked_for(debian: Machine) -> None:
         ("brew", "brew", "  brew install portaudio"),
     ],
 )
-def test_other_package_managers_get_their_line(machine: Machine, manager: str, asker: str, line: str) -> None:
+def test_other_package_managers_get_their_command(machine: Machine, manager: str, asker: str, line: str) -> None:
     machine.add(manager, "#!/bin/sh\nexit 1\n")
     machine.add(asker, ASK_INSTALLED)
     (machine.home / "installed" / "python3.11-venv").touch()  # a Python that is whole, as there
     assert machine.run("play", code=1).splitlines()[-1].startswith(line)
 
 
-def test_without_any_package_manager_it_goes_on(machine: Machine) -> None:
+def test_setup_continues_without_package_manager(machine: Machine) -> None:
     assert "no apt, dnf or brew" in machine.run("play")
     assert any(line.startswith("uv sync") for line in machine.log())
 
 
-def test_without_a_wheel_of_link_everything_else_is_installed(debian: Machine) -> None:
+def test_missing_link_wheel_does_not_prevent_installation(debian: Machine) -> None:
     _make_root(debian)
     assert "without Ableton Link" in debian.run("play", FAKE_NO_LINK="yes")
     first, second = (line for line in debian.log() if line.startswith("uv sync"))
@@ -225,7 +225,7 @@ def test_without_a_wheel_of_link_everything_else_is_installed(debian: Machine) -
     assert "--extra=fast" in second
 
 
-def test_as_root_all_is_installed_once(debian: Machine) -> None:
+def test_setup_as_root_installs_everything_once(debian: Machine) -> None:
     _make_root(debian)
     debian.run("play")
     update, install, *python = debian.log()
@@ -244,18 +244,18 @@ def test_as_root_all_is_installed_once(debian: Machine) -> None:
     assert debian.log() == []
 
 
-def test_with_sudo_that_asks_nothing(debian: Machine) -> None:
+def test_passwordless_sudo_installs_packages(debian: Machine) -> None:
     debian.add("sudo", '#!/bin/sh\necho "sudo $*" >>"$LOG"\n[ "$1" = -n ] && shift\nexec "$@"\n')
     debian.run("play")
     assert any(line.startswith("sudo -n env DEBIAN_FRONTEND=noninteractive apt-get install") for line in debian.log())
 
 
-def test_with_sudo_that_would_ask_a_password_without_a_terminal(debian: Machine) -> None:
+def test_sudo_needing_password_without_terminal_prints_command(debian: Machine) -> None:
     debian.add("sudo", "#!/bin/sh\nexit 1\n")
     assert debian.run("play", code=1).splitlines()[-1] == APT_LINE
 
 
-def test_with_a_terminal_sudo_may_ask_for_the_password(debian: Machine) -> None:
+def test_sudo_may_request_password_with_terminal(debian: Machine) -> None:
     sudo = '#!/bin/sh\necho "sudo $*" >>"$LOG"\ncase $1 in -n) exit 1 ;; -v) exit $FAKE_REFUSED ;; esac\nexec "$@"\n'
     debian.add("sudo", sudo)
     for refused in (1, 0):
@@ -280,7 +280,7 @@ def test_with_a_terminal_sudo_may_ask_for_the_password(debian: Machine) -> None:
     assert any(line.startswith("sudo env DEBIAN_FRONTEND=noninteractive apt-get install") for line in debian.log())
 
 
-def test_tests_go_on_without_their_packages_and_ask_again(debian: Machine) -> None:
+def test_missing_test_packages_are_skipped_and_requested_again(debian: Machine) -> None:
     _make_root(debian)
     assert "skipped" in debian.run("test", FAKE_UNINSTALLABLE="pulseaudio")
     log = debian.log()
@@ -293,7 +293,7 @@ def test_tests_go_on_without_their_packages_and_ask_again(debian: Machine) -> No
     assert (debian.home / "installed" / "pulseaudio").exists()
 
 
-def test_a_needed_package_that_cannot_be_installed_stops(debian: Machine) -> None:
+def test_uninstallable_required_package_stops_setup(debian: Machine) -> None:
     _make_root(debian)
     said = debian.run("play", code=1, FAKE_UNINSTALLABLE="libportaudio2")
     assert "apt-get could not install" in said
@@ -301,7 +301,7 @@ def test_a_needed_package_that_cannot_be_installed_stops(debian: Machine) -> Non
 
 
 @pytest.mark.parametrize("name", ["uv.lock", "pyproject.toml", "tools/uv-requirements.txt"])
-def test_a_changed_lock_is_synced_again(debian: Machine, name: str) -> None:
+def test_changed_lock_file_is_synced_again(debian: Machine, name: str) -> None:
     _make_root(debian)
     debian.run("play")
     debian.log()
@@ -310,7 +310,7 @@ def test_a_changed_lock_is_synced_again(debian: Machine, name: str) -> None:
     assert [line.split()[0] for line in debian.log()] == ["uv"]
 
 
-def test_changed_or_lost_kernels_are_warmed_again(debian: Machine) -> None:
+def test_changed_or_deleted_kernels_are_warmed_again(debian: Machine) -> None:
     _make_root(debian)
     debian.run("play")
     debian.log()
@@ -322,7 +322,7 @@ def test_changed_or_lost_kernels_are_warmed_again(debian: Machine) -> None:
     assert [line.split()[0] for line in debian.log()] == ["live"]
 
 
-def test_a_venv_of_a_python_that_is_gone_is_made_anew(debian: Machine) -> None:
+def test_venv_of_removed_python_is_recreated(debian: Machine) -> None:
     _make_root(debian)
     debian.run("play")
     debian.log()
@@ -334,19 +334,19 @@ def test_a_venv_of_a_python_that_is_gone_is_made_anew(debian: Machine) -> None:
 
 
 @pytest.mark.parametrize("version", ["3.9", "3.10", "3.15", "2.7"])
-def test_a_python_that_does_not_fit_is_told(debian: Machine, version: str) -> None:
+def test_unsupported_python_version_is_reported(debian: Machine, version: str) -> None:
     said = debian.run("play", code=1, FAKE_PYTHON=version)
     assert "Python 3.11, 3.12, 3.13 or 3.14 is needed" in said
     assert f"python3 {version}" in said
     assert debian.log() == []
 
 
-def test_no_python_at_all(debian: Machine) -> None:
+def test_missing_python_is_reported(debian: Machine) -> None:
     (debian.home / "bin" / "python3").unlink()
     assert "python3 none" in debian.run("play", code=1)
 
 
-def test_the_newest_python_that_is_whole(debian: Machine) -> None:
+def test_newest_complete_python_is_chosen(debian: Machine) -> None:
     (debian.home / "installed" / "python3.12-venv").touch()
     for minor in (10, 12, 13):  # 3.13 is the newest but cannot make a .venv, 3.10 is too old
         debian.add(f"python3.{minor}", PYTHON.replace("$FAKE_PYTHON", f"3.{minor}"))
@@ -355,11 +355,11 @@ def test_the_newest_python_that_is_whole(debian: Machine) -> None:
     assert "with python3.13 (3.13)" in debian.run("play", SETUP_DRY_RUN="1")
 
 
-def test_another_word_than_play_or_test(debian: Machine) -> None:
+def test_unknown_mode_prints_usage(debian: Machine) -> None:
     assert "usage" in debian.run("show", code=2)
 
 
-def test_uv_is_one_version_whose_files_are_known_by_their_hashes(debian):
+def test_uv_is_pinned_with_hashes(debian):
     _make_root(debian)
     debian.run("play")
     installs = [line for line in debian.log() if " pip install" in line]

@@ -1,4 +1,4 @@
-"""Where pictures are shared, as people write it."""
+"""Parsing of picture share names and addresses."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from live.app.option_values import parse_shares
 from live.base.errors import PersonError
 
 
-def test_names_and_addresses() -> None:
+def test_names_and_addresses_are_parsed() -> None:
     given = ["shm:stage", "udp://127.0.0.1:5000", "udp://239.0.0.1:5000?ttl=2", "tcp://[::1]:7000", "shm:stage"]
     assert parse_shares(given) == tuple(given[:4])
     assert parse_shares(None) == ()
@@ -17,12 +17,12 @@ def test_names_and_addresses() -> None:
     "text", ["", "stage", "shm:", "shm:../x", "udp:127.0.0.1", "udp://127.0.0.1", "udp://host:0", "udp://host:70000",
              "http://host:80", "rtmp://host:1935/live"],
 )  # fmt: skip
-def test_what_is_neither(text: str) -> None:
+def test_invalid_shares_are_refused(text: str) -> None:
     with pytest.raises(PersonError, match="--share"):
         parse_shares([text])
 
 
-def test_without_srt_it_is_told_what_carries_it_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_srt_support_is_reported_with_alternative(monkeypatch: pytest.MonkeyPatch) -> None:
     import live.render.film.network_stream as stream
 
     monkeypatch.setattr(stream, "is_srt_supported", lambda: False)

@@ -1,4 +1,4 @@
-"""`live warm`: compiles once, names every kernel, is quick and quiet afterwards."""
+"""`live warm`: compiles once, names every kernel, and does nothing on the second run."""
 
 import os
 import re
@@ -34,7 +34,7 @@ def warm(cache: Path, *options: str) -> "subprocess.CompletedProcess[str]":
 
 @pytest.mark.long
 @pytest.mark.skipif(jit.JIT_DISABLED, reason="NUMBA_DISABLE_JIT=1: nothing is compiled")
-def test_warm_compiles_once_and_leaves_its_mark_in_the_stamp(tmp_path: Path) -> None:
+def test_warm_compiles_once_and_writes_stamp(tmp_path: Path) -> None:
     package = Path(jit.__file__).parents[1]
     count = sum(
         (package / name).read_text().count("\n@kernel(") for name in ("base/scalar_kernels.py", "motion/yaw_kernels.py")
@@ -57,8 +57,8 @@ def test_warm_compiles_once_and_leaves_its_mark_in_the_stamp(tmp_path: Path) -> 
 @pytest.mark.long
 @pytest.mark.skipif(jit.JIT_DISABLED, reason="NUMBA_DISABLE_JIT=1: nothing is compiled")
 @pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
-def test_who_ends_it_while_kernels_are_compiled_is_told_one_line(tmp_path: Path, name: str, code: int) -> None:
-    """The signal comes where it is worst: in the middle of numba's work on the second kernel."""
+def test_interrupted_warm_prints_one_line(tmp_path: Path, name: str, code: int) -> None:
+    """The signal comes at the worst moment: in the middle of numba's work on the second kernel."""
     tripped = FEW.replace(
         "main()\n",
         f"""

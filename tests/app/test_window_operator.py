@@ -23,7 +23,7 @@ SCENE = Scene((12.0, 8.0), Camera(), Look(), 1, 22)
 
 
 class FakeWindow:
-    """Only what the operator touches."""
+    """The window attributes used by the operator input."""
 
     size = SIZE
     fullscreen = False
@@ -57,25 +57,25 @@ def desk():
         ("s", events.Spread(time=2.0, source="key")),
     ],
 )
-def test_keys_make_events(desk, name, event):
+def test_keys_post_events(desk, name, event):
     desk.operator.handle(KeyPressed(name), 2.0)
     assert desk.inbox.drain() == [event]
 
 
-def test_b_brings_the_light_back(desk):
+def test_b_key_ends_blackout(desk):
     desk.session.show.blackout = True
     desk.operator.handle(KeyPressed("b"), 2.0)
     assert desk.inbox.drain() == [events.Blackout(time=2.0, source="key", on=False)]
 
 
-def test_z_holds_the_tempo_and_lets_it_go(desk):
+def test_z_key_holds_and_releases_tempo(desk):
     desk.operator.handle(KeyPressed("z"), 2.0)
     desk.session.show.follower.held = True
     desk.operator.handle(KeyPressed("z"), 2.0)
     assert [event.on for event in desk.inbox.drain()] == [True, False]
 
 
-def test_arrows_and_marks_nudge_and_shift(desk):
+def test_arrow_and_punctuation_keys_nudge_and_shift_beat(desk):
     for name in ("left", "right", ",", ".", "j"):
         desk.operator.handle(KeyPressed(name), 2.0)
     pressed = desk.inbox.drain()
@@ -83,7 +83,7 @@ def test_arrows_and_marks_nudge_and_shift(desk):
     assert [event.beats for event in pressed[2:]] == [-1.0, 1.0, 0.5]
 
 
-def test_f_and_o_change_the_window_only(desk):
+def test_f_and_o_keys_change_window_only(desk):
     desk.operator.handle(KeyPressed("f"), 2.0)
     desk.operator.handle(KeyPressed("o"), 2.0)
     assert desk.window.fullscreen
@@ -94,7 +94,7 @@ def test_f_and_o_change_the_window_only(desk):
     assert not desk.operator.close_requested
 
 
-def test_escape_never_ends_a_show_in_full_screen(desk):
+def test_escape_never_ends_fullscreen_show(desk):
     desk.window.fullscreen = True
     desk.operator.handle(KeyPressed("escape"), 2.0)
     assert not desk.operator.close_requested
@@ -103,12 +103,12 @@ def test_escape_never_ends_a_show_in_full_screen(desk):
     assert desk.operator.close_requested
 
 
-def test_a_closed_window_ends_the_show(desk):
+def test_closed_window_ends_show(desk):
     desk.operator.handle(CloseRequested(), 2.0)
     assert desk.operator.close_requested
 
 
-def test_click_and_drag_are_an_attractor_on_the_floor_and_shift_a_repulsor(desk):
+def test_drag_posts_attractor_on_floor_and_shift_posts_repulsor(desk):
     def pixel(x, z):
         return project_points(SCENE.camera, SIZE, [[x, 0.0, z]])[0]
 
@@ -126,7 +126,7 @@ def test_click_and_drag_are_an_attractor_on_the_floor_and_shift_a_repulsor(desk)
     assert (third.x, third.z, third.source) == (pytest.approx(-2.0), pytest.approx(1.0), "pointer")
 
 
-def test_a_key_chooses_what_a_stroke_places_when_it_is_let_go(desk):
+def test_tool_key_selects_element_placed_by_stroke_on_release(desk):
     def pixel(x, z):
         return project_points(SCENE.camera, SIZE, [[x, 0.0, z]])[0]
 
@@ -145,7 +145,7 @@ def test_a_key_chooses_what_a_stroke_places_when_it_is_let_go(desk):
     assert isinstance(desk.inbox.drain()[0], events.Attract)
 
 
-def test_digits_send_to_the_patchs_formations_as_far_as_there_are_any(desk):
+def test_digit_keys_select_existing_formations_of_patch(desk):
     desk.operator.handle(KeyPressed("3"), 1.0)
     desk.operator.handle(KeyPressed("4"), 1.1)
     (event,) = desk.inbox.drain()

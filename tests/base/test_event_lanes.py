@@ -1,4 +1,4 @@
-"""Lanes: the last value of a key counts, order is kept, nobody is starved by who floods."""
+"""Priority queues: the last value of a key remains, order is kept, and a flood starves no other sender."""
 
 import threading
 
@@ -11,8 +11,8 @@ actions_of_two = st.lists(st.one_of(st.none(), st.sampled_from("abcx")), max_siz
 
 
 @given(actions_of_two, st.integers(4, 9))
-def test_what_is_taken_ends_where_taking_everything_would(actions, capacity):
-    """None takes one; x has no key. Where nothing was pushed out, a reader ends with the same values of all keys."""
+def test_reader_ends_with_the_last_value_of_every_key(actions, capacity):
+    """None takes one item; x has no key. Without drops, a reader ends with the same values of all keys."""
     lane, taken, put = PriorityQueue(capacity), [], []
     for number, action in enumerate(actions):
         if action is None:
@@ -34,7 +34,7 @@ def test_what_is_taken_ends_where_taking_everything_would(actions, capacity):
         assert [item for item in taken if item[0] == "x"] == [item for item in put if item[0] == "x"]
 
 
-def test_a_value_does_not_overtake_what_was_put_between():
+def test_value_does_not_overtake_items_put_between():
     lane = PriorityQueue()
     for item, key in (("light 0", "light"), ("scene", None), ("light 1", "light"), ("light 2", "light")):
         lane.put(item, key)
@@ -42,7 +42,7 @@ def test_a_value_does_not_overtake_what_was_put_between():
     assert lane.replaced == 1
 
 
-def test_a_writer_and_a_reader_never_lose_the_last_value():
+def test_last_value_survives_concurrent_writer_and_reader():
     lane, last = PriorityQueue(), 30_000
     writer = threading.Thread(target=lambda: [lane.put((key, k), key) for k in range(last + 1) for key in "ab"])
     writer.start()
@@ -59,7 +59,7 @@ def test_a_writer_and_a_reader_never_lose_the_last_value():
     assert counts >= 2
 
 
-def test_who_floods_starves_nobody():
+def test_flooding_queue_starves_no_other_queue():
     inbox = EventQueue()
     flood, quiet = inbox.add_queue(100), inbox.add_queue(100)
     for number in range(1000):

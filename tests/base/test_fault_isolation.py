@@ -1,4 +1,4 @@
-"""Part faults: work is begun again after pauses that grow; callbacks rest and are tried again; people read of it."""
+"""Fault isolation: failed work restarts after growing pauses; failing callbacks are skipped, retried and reported."""
 
 import pytest
 
@@ -13,8 +13,8 @@ from live.base.fault_isolation import (
 )
 
 
-class Breaks:
-    """Fails so many times, then works."""
+class FailingCall:
+    """A callable that fails a given number of times, then works."""
 
     def __init__(self, times):
         self.left, self.calls = times, 0
@@ -27,8 +27,8 @@ class Breaks:
         return values or "done"
 
 
-def test_work_is_begun_again_after_pauses_that_grow_and_ends_when_it_returns():
-    faults, work, pauses = FaultLog(), Breaks(8), []
+def test_failed_work_restarts_after_growing_pauses_until_it_returns():
+    faults, work, pauses = FaultLog(), FailingCall(8), []
 
     def wait(seconds):
         pauses.append(seconds)
@@ -44,13 +44,13 @@ def test_work_is_begun_again_after_pauses_that_grow_and_ends_when_it_returns():
     )
 
 
-def test_a_thread_that_is_to_end_is_not_begun_again():
-    work = Breaks(8)
+def test_stopping_thread_does_not_restart_work():
+    work = FailingCall(8)
     keep_running("", work, lambda seconds: True, faults=FaultLog())
     assert work.calls == 1
 
 
-def test_what_is_no_fault_of_the_work_ends_it():
+def test_keyboard_interrupt_ends_the_work():
     def stop():
         raise KeyboardInterrupt
 
@@ -58,18 +58,18 @@ def test_what_is_no_fault_of_the_work_ends_it():
         keep_running("", stop, lambda seconds: False, faults=FaultLog())
 
 
-def test_a_callback_that_fails_once_is_called_again_at_once():
+def test_callback_that_failed_once_is_called_again():
     faults = FaultLog()
-    calls, act = Bulkhead(faults), Breaks(1)
+    calls, act = Bulkhead(faults), FailingCall(1)
     assert calls.call("click", act, 1) is None
     assert calls.call("click", act, 1) == (1,)
     assert faults.counts == {"click": 1}
     assert faults.problem() == ""
 
 
-def test_one_that_fails_again_and_again_rests_and_comes_back_and_others_never_do():
+def test_repeatedly_failing_callback_is_skipped_and_retried():
     faults = FaultLog()
-    calls, bad, good = Bulkhead(faults), Breaks(FAILURES_BEFORE_SKIP + 1), Breaks(0)
+    calls, bad, good = Bulkhead(faults), FailingCall(FAILURES_BEFORE_SKIP + 1), FailingCall(0)
     frames = 0
     while bad.left:
         calls.call("click", bad)
@@ -85,9 +85,9 @@ def test_one_that_fails_again_and_again_rests_and_comes_back_and_others_never_do
     assert faults.last_notice() == "click works again"
 
 
-def test_a_part_that_fails_in_every_call_costs_little_and_fills_no_terminal():
+def test_always_failing_callback_has_bounded_calls_and_notices():
     faults, told = FaultLog(), set()
-    calls, bad = Bulkhead(faults), Breaks(1 << 30)
+    calls, bad = Bulkhead(faults), FailingCall(1 << 30)
     for _ in range(100_000):
         calls.call("click", bad)
         told.add(faults.last_notice())
@@ -98,17 +98,17 @@ def test_a_part_that_fails_in_every_call_costs_little_and_fills_no_terminal():
     assert len(faults.counts) <= 33
 
 
-def test_run_once_says_whether_it_went_well():
+def test_run_once_returns_whether_work_succeeded():
     faults = FaultLog()
-    assert run_once("a", Breaks(0), faults=faults)
-    assert not run_once("a", Breaks(1), faults=faults)
+    assert run_once("a", FailingCall(0), faults=faults)
+    assert not run_once("a", FailingCall(1), faults=faults)
     assert faults.total == 1
 
 
-def test_names_are_for_people():
+def test_callback_names_are_readable():
     class WebPart:
         def frame(self):
-            """Nothing."""
+            """Does nothing."""
 
     assert callback_name(WebPart().frame) == "web part"
-    assert callback_name(lambda: None) == "test names are for people"
+    assert callback_name(lambda: None) == "test callback names are readable"

@@ -28,7 +28,7 @@ class Row:
     at: Point | None = None
 
 
-def test_values_become_what_the_annotations_say():
+def test_values_are_converted_by_their_annotations():
     values = {"name": "a", "size": [3, 4], "many": [["b", 1]], "path": "x/y", "side": "right", "at": {"x": 1}}
     assert build_dataclass(Row, values) == Row(
         "a", 0, False, (3, 4), (("b", 1.0),), Path("x/y"), "right", b"", Point(1.0)
@@ -57,11 +57,11 @@ def test_values_become_what_the_annotations_say():
         ("__class__", "x"),
     ],
 )
-def test_what_is_of_another_type_is_named(name, value):
+def test_value_of_another_type_is_refused_with_field_name(name, value):
     with pytest.raises(ValueError, match=f"{name}|Point"):
         build_dataclass(Row, {"name": "a"} | {name: value})
 
 
-def test_a_field_that_is_missing_is_named():
+def test_missing_field_is_refused_with_its_name():
     with pytest.raises(ValueError, match="name"):
         build_dataclass(Row, {})

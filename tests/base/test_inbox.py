@@ -1,4 +1,4 @@
-"""Inbox: bounds, order, counts; many writers."""
+"""EventQueue: capacity, order, counts, and concurrent writers."""
 
 import threading
 
@@ -9,8 +9,8 @@ from live.base.event_queue import EventQueue
 
 
 @given(st.lists(st.one_of(st.integers(0, 99), st.none()), max_size=60), st.integers(1, 8))
-def test_nothing_is_lost_uncounted(actions, capacity):
-    """None drains, a number is put: whatever happens, put = drained + waiting + dropped, and order is kept."""
+def test_every_lost_item_is_counted(actions, capacity):
+    """None drains, a number is put: always put = drained + waiting + dropped, and order is kept."""
     inbox = EventQueue(capacity)
     put, drained = 0, []
     for action in actions:
@@ -24,7 +24,7 @@ def test_nothing_is_lost_uncounted(actions, capacity):
     assert len(inbox) <= capacity
 
 
-def test_a_limit_leaves_the_rest_for_later():
+def test_drain_limit_leaves_the_rest():
     inbox = EventQueue(10)
     for number in range(5):
         inbox.put(number)
@@ -33,7 +33,7 @@ def test_a_limit_leaves_the_rest_for_later():
     assert inbox.drain() == []
 
 
-def test_who_has_said_little_comes_before_all_who_have_much_waiting():
+def test_quiet_queue_is_drained_before_full_queues():
     inbox = EventQueue()
     lanes, quiet = [inbox.add_queue() for _ in range(40)], inbox.add_queue()
     for number in range(30):
@@ -47,7 +47,7 @@ def test_who_has_said_little_comes_before_all_who_have_much_waiting():
     assert len(inbox.drain()) == 40 * 30 + 2 - 181
 
 
-def test_so_many_values_at_most_and_what_is_no_value_goes_on():
+def test_value_limit_does_not_hold_back_events():
     inbox = EventQueue()
     flooded, taps = inbox.add_queue(), inbox.add_queue()
     for number in range(5):
@@ -60,7 +60,7 @@ def test_so_many_values_at_most_and_what_is_no_value_goes_on():
     assert inbox.received_count == 11
 
 
-def test_many_writers_and_a_reader():
+def test_concurrent_writers_keep_their_order():
     inbox = EventQueue(1000)
     writers = [threading.Thread(target=lambda w=w: [inbox.put((w, k)) for k in range(5000)]) for w in range(4)]
     taken = []

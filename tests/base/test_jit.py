@@ -1,4 +1,4 @@
-"""The door to numba: names of the cache, counts, and that wrong arrays are refused rather than compiled anew."""
+"""The numba wrapper: cache names, kernel counts, and refusal of wrong arrays without recompilation."""
 
 import os
 import re
@@ -14,8 +14,8 @@ from live.base import scalar_kernels as kernels
 from live.motion.pose.foot_lock_kernels import update_lock
 
 
-def test_the_name_of_the_cache_follows_a_file_and_what_it_takes_from_others(tmp_path, monkeypatch):
-    """An edit renames the folders of those who use it, and of nobody else."""
+def test_cache_name_depends_on_file_and_its_imports(tmp_path, monkeypatch):
+    """An edit renames the cache folders of its importers only."""
     package = tmp_path / "live"
     texts = {
         "a/kernels.py": "from live.b.kernels import part_of\n",
@@ -42,7 +42,7 @@ def test_the_name_of_the_cache_follows_a_file_and_what_it_takes_from_others(tmp_
     assert {folder for folder in "abe" if again[folder] != after[folder]} == {"e"}
 
 
-def test_kernels_are_kept_in_the_folder_of_their_file():
+def test_kernels_are_cached_in_the_folder_of_their_file():
     folder = jit.KERNEL_CACHE_DIR / jit.cache_name(Path(kernels.__file__).resolve())
     assert jit.JIT_DISABLED or list(folder.rglob("*.nbi"))
 
@@ -53,13 +53,13 @@ def test_every_kernel_file_is_counted():
 
 
 @pytest.mark.skipif(jit.JIT_DISABLED, reason="plain Python functions take any array")
-def test_a_wrong_array_is_a_type_error_and_compiles_nothing():
+def test_wrong_array_raises_type_error_without_compilation():
     good, contact = np.zeros((1, 2, 8), np.float32), np.ones((1, 2), np.bool_)
     with pytest.raises(TypeError):
         update_lock(good, np.zeros((1, 9, 3)), contact, 0.1, 0.1, 0.01)
 
 
-def test_a_cache_that_cannot_be_written_does_not_stop_the_start(tmp_path):
+def test_unwritable_cache_does_not_prevent_start(tmp_path):
     blocked = tmp_path / "file"
     blocked.write_text("not a folder")
     environment = {**os.environ, "LIVE_CACHE_DIR": str(blocked), "TMPDIR": str(tmp_path), "NUMBA_DISABLE_JIT": "1"}
@@ -68,8 +68,8 @@ def test_a_cache_that_cannot_be_written_does_not_stop_the_start(tmp_path):
     assert Path(result.stdout.strip()).parent == tmp_path
 
 
-def test_kernels_name_their_sources_in_full():
-    """`sources_of` reads ``from live.… import …`` at the beginning of a line: nothing may come in another way."""
+def test_kernels_import_their_sources_by_full_name():
+    """`sources_of` reads ``from live.… import …`` at the beginning of a line: other import forms are not allowed."""
     for path in jit.kernel_files():
         text = path.read_text(encoding="utf-8")
         for line in re.findall(r"^.*\blive[.\w]*.*\bimport\b.*$|^.*\bimport\b.*\blive\b.*$", text, re.MULTILINE):

@@ -1,4 +1,4 @@
-"""Streams of a process that outlives its terminal."""
+"""Standard streams of a process that outlives its terminal."""
 
 import os
 import pty
@@ -22,7 +22,7 @@ Path(sys.argv[2]).touch()
 """
 
 
-def test_who_says_something_where_the_terminal_has_gone_lives_on(tmp_path):
+def test_process_survives_output_to_closed_terminal(tmp_path):
     mine, theirs = pty.openpty()
     closed, done = tmp_path / "closed", tmp_path / "done"
     process = subprocess.Popen(

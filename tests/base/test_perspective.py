@@ -1,4 +1,4 @@
-"""The projector's perspective: the floor's corners come back to where they were seen, for any place and any picture."""
+"""Projector perspective: the floor's corners are projected back to their picture positions, for any place."""
 
 import numpy as np
 import pytest
@@ -12,8 +12,8 @@ SIZE, STAGE = (1920, 1080), (12.0, 8.0)
 ASPECT = SIZE[0] / SIZE[1]
 
 
-def seen(camera, stage=STAGE):
-    """Where the floor's corners lie in the picture of a camera, 0..1 (4, 2)."""
+def project_floor(camera, stage=STAGE):
+    """Positions of the floor's corners in the picture of a camera, 0..1 (4, 2)."""
     floor = floor_corners(*stage)
     return project_points(camera, SIZE, np.stack([floor[:, 0], np.zeros(4), floor[:, 1]], axis=1)) / SIZE
 
@@ -28,8 +28,8 @@ def seen(camera, stage=STAGE):
         Camera((-6.0, 9.0, -7.0), (0.0, 0.0, 0.0), 45.0, -170.0),
     ],
 )
-def test_a_true_projector_comes_back_from_its_place_and_its_corners(camera):
-    found = camera_from_corners(camera.eye, seen(camera), STAGE, ASPECT)
+def test_camera_is_recovered_from_place_and_corners(camera):
+    found = camera_from_corners(camera.eye, project_floor(camera), STAGE, ASPECT)
     assert found.eye == camera.eye
     assert found.field_of_view_deg == pytest.approx(camera.field_of_view_deg, abs=1e-6)
     assert found.roll_deg == pytest.approx(camera.roll_deg, abs=1e-6)
@@ -41,14 +41,14 @@ def test_a_true_projector_comes_back_from_its_place_and_its_corners(camera):
     assert np.abs(project_points(found, SIZE, body) - project_points(camera, SIZE, body)).max() < 1e-4
 
 
-def test_corners_set_by_hand_are_met_within_a_pixel():
-    """Corners as hands move them over a keystone correction: no true lens sees them so, and yet feet meet the floor."""
+def test_hand_set_corners_are_matched_within_a_pixel():
+    """Corners adjusted by hand after a keystone correction: no real lens has them, yet feet still meet the floor."""
     chance, tried = np.random.default_rng(9), 0
     for _ in range(60):
         camera = Camera(tuple(chance.uniform((-4, 3, 8), (4, 9, 16))), (0.0, 0.0, 0.0), float(chance.uniform(30, 60)))
-        corners = seen(camera) + chance.normal(0.0, 0.01, (4, 2))
+        corners = project_floor(camera) + chance.normal(0.0, 0.01, (4, 2))
         found = camera_from_corners(camera.eye, corners, STAGE, ASPECT)
-        assert np.abs(seen(found) - corners).max() * SIZE[0] < 1e-6
+        assert np.abs(project_floor(found) - corners).max() * SIZE[0] < 1e-6
         middle = project_points(found, SIZE, [(0.0, 0.0, 0.0)])[0] / SIZE  # where the diagonals meet
         a, b, c, d = corners
         across = np.linalg.solve(np.stack([c - a, b - d], axis=1), b - a)
@@ -68,10 +68,10 @@ def test_corners_set_by_hand_are_met_within_a_pixel():
         ((0, 5, -12), [(0.2, 0.3), (0.8, 0.3), (0.9, 0.8), (0.1, 0.8)], "angle of view"),
     ],
 )
-def test_what_cannot_be_is_named(at, corners, words):
+def test_invalid_corners_are_refused_with_reason(at, corners, words):
     with pytest.raises(PersonError, match=words):
         camera_from_corners(at, corners, STAGE, ASPECT)
 
 
-def test_corners_of_a_picture_are_fine_in_their_order():
+def test_ordered_picture_corners_are_valid():
     check_corners([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])

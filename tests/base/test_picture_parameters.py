@@ -1,4 +1,4 @@
-"""The row of the picture: one table, laid out without gaps, exactly what a scene says."""
+"""The picture's parameter row: one table without gaps that contains exactly the values of a scene."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from live.base.stage_snapshot import Camera, Look, Scene
 SCENE = Scene((10.0, 8.0), Camera((0.1, 3.4, 11.7), (0.3, 0.9, -0.2), 37.3), Look(ambient=0.3), 3, 22)
 
 
-def test_the_numbers_of_all_parameters_lie_side_by_side():
+def test_parameter_slices_fill_the_row_without_gaps():
     places = [
         place
         for known in picture_parameters.PARAMETERS
@@ -34,7 +34,7 @@ def test_the_numbers_of_all_parameters_lie_side_by_side():
     assert places + passes + groups + styles == list(range(picture_parameters.ROW_SIZE))
 
 
-def test_every_parameter_starts_within_its_range_and_has_words():
+def test_every_parameter_has_valid_start_and_description():
     for known in (*picture_parameters.PARAMETERS, *picture_parameters.GROUP_PARAMETERS.values()):
         assert len(known.start) == known.size
         assert all(known.low <= value <= known.high for value in known.start)
@@ -42,7 +42,7 @@ def test_every_parameter_starts_within_its_range_and_has_words():
         assert known.address.startswith("/dance/")
 
 
-def test_a_scene_comes_back_from_its_row_bit_by_bit():
+def test_scene_is_recovered_exactly_from_its_row():
     row = picture_parameters.picture_row(SCENE)
     assert picture_parameters.camera_from_row(row) == SCENE.camera
     assert row[picture_parameters.BY_ADDRESS["/dance/light/ambient"].first] == 0.3
@@ -50,13 +50,13 @@ def test_a_scene_comes_back_from_its_row_bit_by_bit():
         assert tuple(row[picture_parameters.BY_ADDRESS[address].row_slice]) == value
 
 
-def test_the_row_of_a_default_scene_is_the_table_s():
+def test_row_of_default_scene_has_the_table_defaults():
     row = picture_parameters.picture_row(Scene((10.0, 8.0), Camera(), Look(), 3, 22))
     for known in picture_parameters.PARAMETERS:
         assert tuple(row[known.row_slice]) == known.start
 
 
-def test_groups_beyond_the_colours_begin_with_the_first_again():
+def test_group_colors_repeat_beyond_the_list():
     colours = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     row = picture_parameters.picture_row(replace(SCENE, look=replace(SCENE.look, group_colours=colours)))
     rows = row[picture_parameters.COLOURS_START : picture_parameters.STYLES_START].reshape(-1, 3)
@@ -65,7 +65,7 @@ def test_groups_beyond_the_colours_begin_with_the_first_again():
     assert np.array_equal(rows[1], rows[5])
 
 
-def test_styles_of_a_look_are_those_of_their_groups_and_all_others_are_as_usual():
+def test_look_styles_change_only_their_groups():
     look = replace(
         SCENE.look, group_styles=((), (("/dance/draw/ink", (1.0,)), ("/dance/draw/ink/colour", (0.1, 0.2, 0.3))))
     )

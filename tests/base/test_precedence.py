@@ -1,4 +1,4 @@
-"""Precedence: the higher hand's value counts, and only while it is there."""
+"""Precedence: the value of a higher rank is kept, but only while its sender is active."""
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,8 +9,8 @@ SET = st.lists(st.tuples(st.sampled_from("ab"), st.integers(0, 2), st.floats(0.0
 
 
 @given(SET)
-def test_a_value_gives_way_exactly_where_a_higher_rank_was_the_last_and_lately(sets):
-    """Against the rule said over the whole history."""
+def test_value_is_refused_only_after_recent_higher_rank(sets):
+    """Against the rule evaluated over the whole history."""
     precedence, history, now, outranked = Precedence(), [], 0.0, 0
     for key, rank, pause in sets:
         now += pause
@@ -23,7 +23,7 @@ def test_a_value_gives_way_exactly_where_a_higher_rank_was_the_last_and_lately(s
     assert precedence.outranked == outranked
 
 
-def test_the_operator_s_value_counts_whoever_was_heard_first():
+def test_operator_value_wins_in_any_order():
     for operator_first in (True, False):
         inbox = EventQueue()
         lanes = [inbox.add_queue(rank=rank) for rank in ((2, 1) if operator_first else (1, 2))]
@@ -41,7 +41,7 @@ def test_the_operator_s_value_counts_whoever_was_heard_first():
         assert inbox.drain(now=5.0 + PRECEDENCE_HOLD * 1.1) == ["1 again"]
 
 
-def test_what_is_remembered_is_bounded():
+def test_precedence_memory_is_bounded():
     precedence = Precedence()
     for number in range(20_000):
         assert precedence.accepts(number, 2, 1.0)

@@ -1,4 +1,4 @@
-"""Scalar kernels against scipy's rotations and laws."""
+"""Scalar kernels against the math module and their laws."""
 
 import math
 
@@ -10,7 +10,7 @@ from live.base import scalar_kernels as kernels
 
 
 @given(st.floats(-1e4, 1e4))
-def test_wrapped_angles_are_the_same_angle(angle):
+def test_wrapped_angle_is_the_same_angle(angle):
     wrapped = kernels.angle_wrap(angle)
     assert -math.pi <= wrapped < math.pi + 1e-9
     assert math.cos(wrapped) == pytest.approx(math.cos(angle), abs=1e-9)
@@ -18,14 +18,14 @@ def test_wrapped_angles_are_the_same_angle(angle):
 
 
 @given(st.floats(-0.5, 1.5), st.floats(0, 0.5))
-def test_ease_is_monotonic_symmetric_and_stands_still_at_both_ends(t, more):
+def test_ease_is_monotonic_symmetric_and_flat_at_ends(t, more):
     assert kernels.ease(t) <= kernels.ease(t + more) + 1e-12
     assert kernels.ease(t) + kernels.ease(1 - t) == pytest.approx(1.0)
     assert kernels.ease(1e-4) < 1e-6
 
 
 @given(st.floats(-5, 5), st.floats(-5, 5), st.floats(0.01, 2), st.floats(0, 1), st.floats(0, 1))
-def test_the_damper_does_not_depend_on_how_time_is_cut(value, goal, halflife, first, second):
+def test_damper_is_independent_of_time_steps(value, goal, halflife, first, second):
     whole = kernels.damper(value, goal, halflife, first + second)
     parts = kernels.damper(kernels.damper(value, goal, halflife, first), goal, halflife, second)
     assert parts == pytest.approx(whole, abs=1e-9)

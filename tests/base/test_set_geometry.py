@@ -1,4 +1,4 @@
-"""Items of the set: closed bodies of the right volume whose triangles face outwards."""
+"""Set items: closed bodies of the right volume with outward triangles."""
 
 import math
 
@@ -11,7 +11,7 @@ SIZE = (3.0, 1.2, 2.0)
 
 
 def volume(corners):
-    """Of a closed surface, by the divergence theorem; positive if its triangles face outwards."""
+    """The volume of a closed surface, by the divergence theorem; positive if its triangles face outwards."""
     return float(np.einsum("ti,ti->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0)
 
 
@@ -31,7 +31,7 @@ def test_items_are_closed_and_face_outwards(item, expected):
     assert (np.einsum("ti,tci->tc", flat, normals) > 0.0).all()
 
 
-def test_steps_rise_away_from_the_audience_and_items_turn_as_dancers_do():
+def test_steps_rise_upstage_and_items_turn_like_dancers():
     corners, _ = item_triangles(SetItem("steps", (0.0, 0.0), SIZE))
     high = corners[corners[..., 1] > 1.1]
     assert high[:, 2].max() <= -0.49

@@ -1,4 +1,4 @@
-"""Lines of keys in TOML texts, against texts whose lines can be counted by eye and against tomllib's own keys."""
+"""Line numbers of TOML keys, against counted texts and against tomllib's keys."""
 
 import tomllib
 from typing import Any
@@ -66,7 +66,7 @@ def test_every_key_has_its_line(path: KeyPath, line: int) -> None:
     assert toml_line_numbers(TEXT)[path] == line
 
 
-def test_a_missing_key_is_looked_for_in_what_surrounds_it() -> None:
+def test_missing_key_has_the_line_of_its_parent() -> None:
     lines = toml_line_numbers(TEXT)
     assert line_of(lines, ("group", 1, "steps")) == 20
     assert line_of(lines, ("nowhere", "at", "all")) == 1
@@ -83,7 +83,7 @@ def paths_of(value: object, path: KeyPath = ()) -> set[KeyPath]:
     return found
 
 
-def test_it_finds_the_same_keys_as_tomllib() -> None:
+def test_line_numbers_cover_the_keys_of_tomllib() -> None:
     assert set(toml_line_numbers(TEXT)) == paths_of(tomllib.loads(TEXT))
 
 
@@ -102,24 +102,24 @@ def quoted(text: str) -> str:
     return f'"{text}"'
 
 
-def written(value: Any) -> str:
+def toml_value(value: Any) -> str:
     if isinstance(value, str):
         return quoted(value)
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, list):
-        return "[\n" + "".join(f"{written(inner)}, # [ = \n" for inner in value) + "]"
+        return "[\n" + "".join(f"{toml_value(inner)}, # [ = \n" for inner in value) + "]"
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{quoted(key)} = {written(inner)}" for key, inner in value.items()) + "}"
+        return "{" + ", ".join(f"{quoted(key)} = {toml_value(inner)}" for key, inner in value.items()) + "}"
     return str(value)
 
 
 @given(st.dictionaries(keys, values, max_size=4))
-def test_any_document_is_followed_to_its_end(table: dict[str, Any]) -> None:
+def test_every_document_is_scanned_to_its_end(table: dict[str, Any]) -> None:
     text, expected = "", {}
     for key, value in table.items():
         expected[(key,)] = text.count("\n") + 1
-        text += f"{quoted(key)} = {written(value)}\n\n"
+        text += f"{quoted(key)} = {toml_value(value)}\n\n"
     assert tomllib.loads(text) == table
     lines = toml_line_numbers(text)
     assert set(lines) == paths_of(table)
@@ -127,16 +127,16 @@ def test_any_document_is_followed_to_its_end(table: dict[str, Any]) -> None:
 
 
 @given(st.text(st.sampled_from("ab[]{}=\"'\n#,.\\ 1"), max_size=40))
-def test_what_is_not_toml_raises_nothing(text: str) -> None:
+def test_invalid_toml_raises_no_exception(text: str) -> None:
     assert all(line >= 1 for line in toml_line_numbers(text).values())
 
 
 @pytest.mark.parametrize("text", ["a=[}", "a=[,]", "a={]", "a=[[}", "a=]", "a=[1}", "a={b=}", "a=[\n#}\n}"])
-def test_wrong_brackets_come_to_an_end(text: str) -> None:
+def test_mismatched_brackets_end_the_scan(text: str) -> None:
     assert toml_line_numbers(text)[("a",)] == 1
 
 
-def test_the_line_of_a_syntax_error() -> None:
+def test_syntax_error_has_its_line() -> None:
     text = "a = 1\nb = \nc = 2\n"
     with pytest.raises(tomllib.TOMLDecodeError) as caught:
         tomllib.loads(text)

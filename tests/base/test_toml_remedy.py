@@ -1,4 +1,4 @@
-"""What is no TOML is told with what would mend it."""
+"""Remedies for invalid TOML."""
 
 import tomllib
 
@@ -29,7 +29,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("text", "remedy", "mended"), BAD)
-def test_what_is_told_mends_it(text, remedy, mended):
+def test_remedy_is_suggested_and_fixes_the_text(text, remedy, mended):
     with pytest.raises(tomllib.TOMLDecodeError) as caught:
         tomllib.loads(text)
     told = toml_remedy(str(caught.value), text, error_line(str(caught.value), text))
@@ -38,5 +38,5 @@ def test_what_is_told_mends_it(text, remedy, mended):
     tomllib.loads(mended)
 
 
-def test_a_hostile_value_is_not_told_at_full_length():
+def test_long_hostile_value_is_shortened():
     assert len(toml_remedy("Invalid value (at line 1, column 5)", "a = " + "x" * 10_000, 1)) < 200

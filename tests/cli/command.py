@@ -1,4 +1,4 @@
-"""Running the command `live` as people do: within this process, or, where the process counts, in one of its own."""
+"""Running the command `live`: within this process, or in a process of its own where the process matters."""
 
 import contextlib
 import io
@@ -19,8 +19,8 @@ WITHOUT_TERMINAL = {"COLUMNS": "160", "NO_COLOR": "1"}
 
 
 @contextlib.contextmanager
-def _as_before() -> Iterator[None]:
-    """What the command sets for a whole process is put back: working folder, arguments, signals, numpy's errors."""
+def _restore_process_state() -> Iterator[None]:
+    """Restores what the command sets for a whole process: working folder, arguments, signals, numpy's error state."""
     folder, handlers = Path.cwd(), {number: signal.getsignal(number) for number in SIGNALS}
     try:
         with np.errstate():
@@ -40,7 +40,7 @@ def run_live(*arguments: str, cwd: Path | None = None, **environment: str) -> "s
     out, err = io.StringIO(), io.StringIO()
     code = 0
     with (
-        _as_before(),
+        _restore_process_state(),
         mock.patch.dict(os.environ, {**WITHOUT_TERMINAL, **environment}),
         mock.patch.object(sys, "argv", ["live", *arguments]),
         contextlib.redirect_stdout(out),
@@ -57,7 +57,7 @@ def run_live(*arguments: str, cwd: Path | None = None, **environment: str) -> "s
 def run_live_process(
     *arguments: str, cwd: Path | None = None, **environment: str
 ) -> "subprocess.CompletedProcess[str]":
-    """The same in a process of its own, which takes seconds to start."""
+    """Run `live ARGUMENTS` in a process of its own, which takes seconds to start."""
     return subprocess.run(
         [sys.executable, "-m", "live", *arguments],
         capture_output=True,

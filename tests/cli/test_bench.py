@@ -1,4 +1,4 @@
-"""`live bench`: the form of its rows and reports, and benches that are not there."""
+"""`live bench`: format of rows and reports, and unknown benchmarks."""
 
 import json
 import os
@@ -36,7 +36,7 @@ def run(full, shared):
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def bench_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "claps.py").write_text(SOURCE)
     (tmp_path / "_helper.py").write_text("raise SystemExit")
     (tmp_path / "__init__.py").write_text("")
@@ -57,13 +57,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (float("nan"), 2.0, "at most", False),
     ],
 )
-def test_a_row_is_ok_on_the_right_side_of_its_bar(
-    value: float | None, bar: float | None, sense: str, ok: bool | None
-) -> None:
+def test_row_is_ok_on_right_side_of_bar(value: float | None, bar: float | None, sense: str, ok: bool | None) -> None:
     assert Row("x", value, "ms", bar, sense).ok is ok  # type: ignore[arg-type]
 
 
-def test_report_in_the_agreed_form(folder: Path, tmp_path: Path) -> None:
+def test_report_has_specified_format(bench_folder: Path, tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["bench", "claps", "--json", "--full", "--shared", str(tmp_path)])
     assert done.exit_code == 0, done.output
     report = json.loads(done.stdout)
@@ -86,15 +84,15 @@ def test_report_in_the_agreed_form(folder: Path, tmp_path: Path) -> None:
     assert shared["name"] == str(tmp_path)
 
 
-def test_without_a_name_all_are_run(folder: Path) -> None:
-    (folder / "bows.py").write_text(SOURCE.replace("Claps", "Bows"))
+def test_all_benches_run_without_name(bench_folder: Path) -> None:
+    (bench_folder / "bows.py").write_text(SOURCE.replace("Claps", "Bows"))
     done = CliRunner().invoke(app, ["bench", "--json"])
     reports = json.loads(done.stdout)
     assert [report["bench"] for report in reports] == ["bows", "claps"]
     assert reports[0]["rows"][2]["name"] == "quick"
 
 
-def test_table_shows_bars_and_peers(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_table_shows_bars_and_peers(bench_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "120")
     done = CliRunner().invoke(app, ["bench", "claps"])
     assert "claps: Claps: hands per second." in done.stdout
@@ -106,18 +104,18 @@ def test_table_shows_bars_and_peers(folder: Path, monkeypatch: pytest.MonkeyPatc
     assert "missed" in done.stdout
 
 
-def test_list_runs_nothing(folder: Path) -> None:
-    (folder / "breaks.py").write_text('"""Breaks when run."""\nraise RuntimeError\n')
+def test_list_runs_no_bench(bench_folder: Path) -> None:
+    (bench_folder / "breaks.py").write_text('"""Breaks when run."""\nraise RuntimeError\n')
     done = CliRunner().invoke(app, ["bench", "--list"])
     assert done.stdout.splitlines() == ["breaks  Breaks when run.", "claps  Claps: hands per second."]
 
 
-def test_an_unknown_bench_names_those_there_are(folder: Path) -> None:
+def test_unknown_bench_is_refused_with_known_names(bench_folder: Path) -> None:
     with pytest.raises(PersonError, match="no benchmark is called 'clasp'; there are: claps"):
         load_bench("clasp")
 
 
-def test_a_name_is_not_a_path(folder: Path) -> None:
+def test_path_is_refused_as_bench_name(bench_folder: Path) -> None:
     with pytest.raises(PersonError):
         load_bench("../cli/claps")
     with pytest.raises(PersonError):
@@ -125,14 +123,14 @@ def test_a_name_is_not_a_path(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["high-fives", "high_fives"])
-def test_words_are_joined_by_hyphens_or_underscores(folder: Path, name: str) -> None:
-    (folder / "high_fives.py").write_text(SOURCE)
+def test_bench_name_accepts_hyphens_or_underscores(bench_folder: Path, name: str) -> None:
+    (bench_folder / "high_fives.py").write_text(SOURCE)
     assert bench_names() == ["claps", "high-fives"]
     assert bench_title(name) == "Claps: hands per second."
     assert load_bench(name)(False, None)[0].value == 2.0
 
 
-def test_the_projects_own_benches_are_documented() -> None:
+def test_project_benches_are_documented() -> None:
     assert bench_module.BENCH_FOLDER.is_dir()
     done = run_live("bench", "--list")
     assert done.returncode == 0, done.stderr

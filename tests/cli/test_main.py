@@ -29,18 +29,18 @@ def test_every_command_has_help(command: str) -> None:
     assert f"live {command}" in done.stdout
 
 
-def test_version_is_the_installed_one() -> None:
+def test_version_is_installed_version() -> None:
     assert run_live("--version").stdout == f"live {version('choreographics-live')}\n"
 
 
-def test_help_needs_nothing_heavy() -> None:
+def test_help_imports_no_heavy_package() -> None:
     heavy = ["numpy", "numba", "scipy", "moderngl", "glfw", "sounddevice", "mido", "av", "aubio", "pydantic"]
     code = f"import sys, live.cli.main; print(*[name for name in {heavy} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
     assert done.stdout.split() == []
 
 
-def test_unknown_command_is_an_error_of_use() -> None:
+def test_unknown_command_is_usage_error() -> None:
     done = run_live("dnace")
     assert done.returncode == 2
     assert "No such command 'dnace'" in done.stderr
@@ -49,14 +49,14 @@ def test_unknown_command_is_an_error_of_use() -> None:
 
 @pytest.fixture(autouse=True)
 def _signals() -> Iterator[None]:
-    """`main` takes signals over for good."""
+    """`main` changes the signal handlers of the process."""
     before = {number: signal.getsignal(number) for number in SIGNALS}
     yield
     for number, handler in before.items():
         signal.signal(number, handler)
 
 
-def _main_with(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> int:
+def _main_exit_code(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> int:
     def fail() -> None:
         raise error
 
@@ -67,18 +67,18 @@ def _main_with(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> int:
     return stopped.value.code
 
 
-def test_a_persons_error_is_one_line_with_its_remedy(
+def test_person_error_is_one_line_with_remedy(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     error = PersonError("no monitor [red]9[/]:\nthere are 1 and 2" + " x" * 100, "--monitor 1")
-    assert _main_with(monkeypatch, error) == 2
+    assert _main_exit_code(monkeypatch, error) == 2
     first, second, rest = capsys.readouterr().err.split("\n", 2)
     assert first == "error: no monitor [red]9[/]: there are 1 and 2" + " x" * 100
     assert second.strip() == "try: --monitor 1"
     assert rest == ""
 
 
-def test_other_errors_are_not_hidden(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_errors_propagate(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail() -> None:
         raise ZeroDivisionError
 
@@ -87,12 +87,12 @@ def test_other_errors_are_not_hidden(monkeypatch: pytest.MonkeyPatch) -> None:
         main_module.main()
 
 
-def test_ctrl_c_ends_quietly_with_130(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    assert _main_with(monkeypatch, KeyboardInterrupt()) == 128 + signal.SIGINT
+def test_ctrl_c_exits_quietly_with_130(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert _main_exit_code(monkeypatch, KeyboardInterrupt()) == 128 + signal.SIGINT
     assert capsys.readouterr().err == ""
 
 
-def test_ctrl_c_within_a_command_too() -> None:
+def test_ctrl_c_within_command_exits_with_130() -> None:
     code = """
 import os, signal, sys
 from live.cli import main

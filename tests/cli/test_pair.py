@@ -1,4 +1,4 @@
-"""`live pair` as two people use it, and what --lead and --standby say without it."""
+"""`live pair` between two machines, and errors of --lead and --standby without pairing."""
 
 import io
 import os
@@ -11,7 +11,7 @@ from tests.cli.command import run_live
 from tests.supervisor.made_machines import machine, pair_folders
 
 
-def test_two_machines_are_paired_by_a_phrase_listed_and_forgotten(tmp_path: Path, monkeypatch):
+def test_two_machines_are_paired_by_phrase_listed_and_forgotten(tmp_path: Path, monkeypatch):
     shown = subprocess.Popen(
         [sys.executable, "-m", "live", "pair", "--on", "127.0.0.1:0"], stdout=subprocess.PIPE, text=True,
         env={**os.environ, "LIVE_CONFIG_DIR": str(tmp_path / "left")},
@@ -51,7 +51,7 @@ def test_two_machines_are_paired_by_a_phrase_listed_and_forgotten(tmp_path: Path
     assert "no paired machines" in run_live("pair", "--list", LIVE_CONFIG_DIR=right).stdout
 
 
-def test_without_pairing_a_show_is_led_and_followed_on_this_machine_alone(tmp_path: Path):
+def test_unpaired_machine_refuses_remote_lead_and_standby(tmp_path: Path):
     for option, place in (("--lead", "0.0.0.0:9020"), ("--standby", "192.0.2.1:9020"), ("--lead", "[::]:9020")):
         done = run_live("play", "--headless", option, place, LIVE_CONFIG_DIR=str(tmp_path / "one"))
         assert done.returncode == 2
@@ -59,7 +59,7 @@ def test_without_pairing_a_show_is_led_and_followed_on_this_machine_alone(tmp_pa
         assert "live pair" in done.stderr
 
 
-def test_keys_that_others_can_read_are_refused_before_a_show_begins(tmp_path: Path):
+def test_keys_readable_by_others_are_refused_before_show(tmp_path: Path):
     pair_folders(tmp_path / "one", tmp_path / "two")
     (tmp_path / "one" / "network" / "identity.pem").chmod(0o644)
     done = run_live("play", "--headless", "--lead", "9020", LIVE_CONFIG_DIR=str(tmp_path / "one"))
@@ -68,7 +68,7 @@ def test_keys_that_others_can_read_are_refused_before_a_show_begins(tmp_path: Pa
     assert "chmod 600" in done.stderr
 
 
-def test_one_thing_at_a_time():
+def test_combined_pair_options_are_refused():
     done = run_live("pair", "somewhere", "--list")
     assert done.returncode == 2
     assert "at a time" in done.stderr

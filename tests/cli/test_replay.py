@@ -1,4 +1,4 @@
-"""What `live replay` says of its speed."""
+"""The speed printed by `live replay`."""
 
 from types import SimpleNamespace
 from typing import Any, cast
@@ -9,7 +9,7 @@ from live.cli.replay import _print_result
 
 
 @pytest.mark.parametrize(("speed", "words"), [(0.048, "0.05 times"), (3.96, "3.96 times"), (38.2, "38 times")])
-def test_a_film_that_takes_longer_than_the_night_is_not_0_times_as_fast(capsys, speed, words):
+def test_replay_slower_than_real_time_prints_nonzero_speed(capsys, speed, words):
     journal = cast(Any, SimpleNamespace(complete=True, problems=()))
     result = SimpleNamespace(
         ticks=640, first_tick=0, measures=5, different=0, differences=(), failed=0, problems=(), not_compared=()

@@ -1,4 +1,4 @@
-"""The unit that `live service install` writes, read back as systemd reads it."""
+"""The unit written by `live service install`, read back by systemd's rules."""
 
 import os
 import re
@@ -15,8 +15,8 @@ from live.base.errors import PersonError
 from tests.cli.command import run_live
 
 
-def unit(text: str) -> dict[str, list[str]]:
-    """Its assignments, by name."""
+def parse_unit(text: str) -> dict[str, list[str]]:
+    """Assignments of the unit by name."""
     found: dict[str, list[str]] = {}
     for line in text.splitlines():
         if "=" in line and not line.startswith("#"):
@@ -25,8 +25,8 @@ def unit(text: str) -> dict[str, list[str]]:
     return found
 
 
-def words(line: str) -> list[str]:
-    """A command line as systemd.service(5) and systemd.syntax(7) say that it is read."""
+def split_command_line(line: str) -> list[str]:
+    """A command line split as specified by systemd.service(5) and systemd.syntax(7)."""
     found = []
     for quoted, plain in re.findall(r'"((?:[^"\\]|\\.)*)"|(\S+)', line):
         text = re.sub(r"\\(.)", r"\1", quoted) if quoted or not plain else plain
@@ -38,14 +38,14 @@ TEXTS = st.text(st.characters(min_codepoint=32, blacklist_categories=("Cs", "Cc"
 
 
 @given(st.lists(TEXTS, max_size=5))
-def test_whatever_the_arguments_are_systemd_reads_them_as_they_were(arguments):
+def test_systemd_reads_any_arguments_unchanged(arguments):
     service = SystemdService("a", arguments, Path("/tmp"), True, {})
-    line = unit(service.text(version=252))["ExecStart"][0]
-    assert words(line) == service.command()
+    line = parse_unit(service.text(version=252))["ExecStart"][0]
+    assert split_command_line(line) == service.command()
 
 
 @pytest.mark.parametrize("text", ["a\nExecStartPre=/bin/evil", "a\0b", "a\x7fb", "\udcff"])
-def test_what_no_line_of_a_unit_can_hold_is_refused(text):
+def test_text_invalid_in_unit_line_is_refused(text):
     with pytest.raises(PersonError):
         quote_word(text)
     with pytest.raises(PersonError):
@@ -53,35 +53,36 @@ def test_what_no_line_of_a_unit_can_hold_is_refused(text):
 
 
 @pytest.mark.parametrize("name", ["", "../x", "A", "a b", "a%n", "a" * 41, "-a"])
-def test_a_name_is_a_few_plain_letters(name):
+def test_service_name_with_other_characters_is_refused(name):
     with pytest.raises(PersonError):
         unit_name(name)
 
 
-def test_names_come_from_patches(tmp_path: Path, monkeypatch):
+def test_default_service_name_comes_from_patch(tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert [default_service_name(patch) for patch in (None, "Contemporary", "a/b c.toml", "x/show.toml", "ü")] == [
         "first-show", "contemporary", "b-c", "x", "show",
     ]  # fmt: skip
 
 
-def test_a_show_with_a_window_follows_the_session_and_one_without_the_machine():
+def test_windowed_service_follows_session_and_headless_service_follows_machine():
     there = {"DISPLAY": ":0", "XAUTHORITY": "/run/x y", "HOME": "/h", "PULSE_SERVER": "unix:/p"}
-    window = unit(SystemdService("a", [], Path("/tmp"), False, there).text(version=254))
+    window = parse_unit(SystemdService("a", [], Path("/tmp"), False, there).text(version=254))
     assert window["WantedBy"] == window["PartOf"] == ["graphical-session.target"]
     assert window["Environment"] == ["PULSE_SERVER=unix:/p", "DISPLAY=:0", '"XAUTHORITY=/run/x y"']
     assert window["RestartMaxDelaySec"] == ["10s"]
-    bare = unit(SystemdService("a", [], Path("/tmp"), True, there).text(version=252))
+    bare = parse_unit(SystemdService("a", [], Path("/tmp"), True, there).text(version=252))
     assert bare["WantedBy"] == ["default.target"]
     assert "PartOf" not in bare
     assert bare["Environment"] == ["PULSE_SERVER=unix:/p"]
     assert "RestartMaxDelaySec" not in bare
 
 
-def test_engines_outlive_a_crash_and_a_stop_ends_all_in_order():
-    """KillMode=process: of a service that failed systemd kills no more than the supervisor, which is dead then; on a
-    stop it gets SIGTERM and ends the others."""
-    found = unit(SystemdService("a", [], Path("/tmp"), True, {}).text(version=252))
+def test_engines_survive_crash_and_stop_ends_all_in_order():
+    """KillMode=process: of a failed service systemd kills only the supervisor, which is already dead; on a stop it
+    receives SIGTERM and ends the others.
+    """
+    found = parse_unit(SystemdService("a", [], Path("/tmp"), True, {}).text(version=252))
     assert (found["KillMode"], found["Restart"], found["OOMPolicy"]) == (["process"], ["on-failure"], ["continue"])
     assert set(found["SuccessExitStatus"][0].split()) == {"129", "130", "143"}
     assert found["RestartPreventExitStatus"] == ["2"]
@@ -90,7 +91,7 @@ def test_engines_outlive_a_crash_and_a_stop_ends_all_in_order():
 
 @pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="needs systemd-analyze")
 @pytest.mark.parametrize("headless", [True, False])
-def test_systemd_finds_nothing_wrong_with_it(tmp_path: Path, headless):
+def test_systemd_verifies_unit_without_messages(tmp_path: Path, headless):
     service = SystemdService("a", ["my show.toml", "--bpm", "100%", "$HOME"], tmp_path, headless, dict(os.environ))
     path = tmp_path / service.unit
     path.write_text(service.text(version=252))
@@ -109,7 +110,7 @@ def test_install_and_uninstall_write_and_remove_one_file(tmp_path: Path, monkeyp
     done = run_live("service", "install", "--name", "one", "contemporary", "--headless", "--audience", "--bpm", "120")
     assert done.returncode == 0, done.stderr
     path = tmp_path / "config" / "systemd" / "user" / "live-one.service"
-    line = words(unit(path.read_text())["ExecStart"][0])
+    line = split_command_line(parse_unit(path.read_text())["ExecStart"][0])
     assert line[1:] == [
         "-m", "live", "play", "--service", "one", "contemporary", "--headless", "--audience", "127.0.0.1:8020",
         "--bpm", "120", "--journal", str(tmp_path / "state" / "choreographics-live" / "one.jsonl"),
@@ -123,7 +124,7 @@ def test_install_and_uninstall_write_and_remove_one_file(tmp_path: Path, monkeyp
 @pytest.mark.parametrize(
     "wrong", [["--no-such-option"], ["--bpm", "fast"], ["--alone"], ["--record=x.mp4"], ["--help"]]
 )
-def test_what_play_would_refuse_is_refused_before_anything_is_written(tmp_path: Path, monkeypatch, wrong):
+def test_options_invalid_for_play_are_refused_before_writing(tmp_path: Path, monkeypatch, wrong):
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     done = run_live("service", "install", "contemporary", *wrong)
     assert done.returncode in ((0, 2) if wrong == ["--help"] else (2,))

@@ -28,8 +28,8 @@ def gl_or_skip():
 
 
 @contextlib.contextmanager
-def told(number, when):
-    """Sends the command in this process a signal as soon as `when` holds."""
+def signal_when(number, when):
+    """Sends a signal to this process as soon as `when` holds."""
     over = threading.Event()
 
     def watch():
@@ -48,7 +48,7 @@ def told(number, when):
 
 
 @pytest.mark.long
-def test_render_makes_a_film_with_sound_the_same_each_time(tmp_path):
+def test_render_makes_identical_films_with_sound(tmp_path):
     gl_or_skip()
     films = []
     for name in ("a", "b"):
@@ -77,7 +77,7 @@ def test_render_makes_a_film_with_sound_the_same_each_time(tmp_path):
     assert run_live("replay", str(tmp_path / "c.jsonl"), "--verify").returncode == 1
 
 
-def test_without_a_screen_play_makes_the_film_and_says_where(tmp_path):
+def test_play_without_screen_makes_film_and_prints_path(tmp_path):
     gl_or_skip()
     film = tmp_path / "mine.mp4"
     result = run_live(
@@ -88,7 +88,7 @@ def test_without_a_screen_play_makes_the_film_and_says_where(tmp_path):
     assert film.stat().st_size > 1000
 
 
-def test_headless_runs_in_real_time_and_writes_a_journal_that_replays(tmp_path):
+def test_headless_show_runs_in_real_time_with_replayable_journal(tmp_path):
     journal, status = tmp_path / "j.jsonl", tmp_path / "s.jsonl"
     result = run_live(
         "play", "--headless", "--seconds", "4", "--bpm", "150", "--osc", "127.0.0.1:0", "--journal", str(journal),
@@ -109,7 +109,7 @@ def test_headless_runs_in_real_time_and_writes_a_journal_that_replays(tmp_path):
     assert json.loads(verified.stdout)["measures"] >= 1
 
 
-def test_check_says_ok_or_names_line_field_and_remedy(tmp_path):
+def test_check_prints_ok_or_line_field_and_remedy(tmp_path):
     good = run_live("check")
     assert good.returncode == 0, good.stderr
     assert "24 dancers" in good.stdout
@@ -139,14 +139,14 @@ def test_check_says_ok_or_names_line_field_and_remedy(tmp_path):
         (("not_a_patch",), "there is no patch 'not_a_patch'"),
     ],
 )
-def test_what_cannot_be_is_said_in_a_line(options, words):
+def test_invalid_options_are_refused_in_one_line(options, words):
     result = run_live("play", "--seconds", "1", *options, **NO_SCREEN)
     assert result.returncode == 2, result.stderr
     assert words in result.stderr
     assert "Traceback" not in result.stderr
 
 
-def test_a_busy_port_is_named_with_the_remedy():
+def test_busy_port_is_named_with_remedy():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.0.1", 0))
         port = taken.getsockname()[1]
@@ -156,8 +156,8 @@ def test_a_busy_port_is_named_with_the_remedy():
     assert "--osc" in result.stderr
 
 
-def test_names_may_hold_anything(tmp_path):
-    """Square brackets are markup to the console, and no business of a choreographer's."""
+def test_names_with_square_brackets_are_accepted(tmp_path):
+    """Square brackets are markup to the console but allowed in names."""
     show = tmp_path / "[b] show.toml"
     show.write_text('name = "Act [/b]"\n[[group]]\nname = "[red]"\ndancers = 1\nsteps = ["groove"]\n')
     result = run_live("check", str(show))
@@ -166,7 +166,7 @@ def test_names_may_hold_anything(tmp_path):
 
 
 @pytest.mark.long
-def test_a_journal_replays_from_another_folder_and_a_refused_start_leaves_the_old_one(tmp_path):
+def test_journal_replays_elsewhere_and_refused_start_keeps_old_journal(tmp_path):
     (tmp_path / "mine" / "steps").mkdir(parents=True)
     sway = 'name = "sway"\n[pelvis]\n"1" = "left 4"\n"3" = "right 4"\n'
     (tmp_path / "mine" / "steps" / "sway.toml").write_text(sway)
@@ -190,10 +190,12 @@ def test_a_journal_replays_from_another_folder_and_a_refused_start_leaves_the_ol
 
 
 @pytest.mark.long
-def test_a_film_that_is_broken_off_plays_as_far_as_it_goes(tmp_path):
+def test_interrupted_film_is_playable_to_its_end(tmp_path):
     gl_or_skip()
     film, journal = tmp_path / "a.mp4", tmp_path / "j"
-    with told(signal.SIGINT, lambda: journal.exists() and journal.read_bytes().count(b'"hash":') >= 2):  # measures
+    with signal_when(
+        signal.SIGINT, lambda: journal.exists() and journal.read_bytes().count(b'"hash":') >= 2
+    ):  # measures
         result = run_live(
             "render", "--seconds", "600", "--size", "160x90", "--fps", "10", "--out", str(film), "--journal",
             str(journal),
@@ -203,7 +205,7 @@ def test_a_film_that_is_broken_off_plays_as_far_as_it_goes(tmp_path):
         assert sum(1 for _ in container.decode(video=0)) >= 10
 
 
-def test_what_is_read_is_never_written_over(tmp_path):
+def test_input_file_is_never_overwritten(tmp_path):
     music = tmp_path / "song.mp4"
     music.write_bytes(b"precious")
     result = run_live("render", "--audio", str(music), "--out", str(music), "--seconds", "1")
@@ -215,28 +217,29 @@ def test_what_is_read_is_never_written_over(tmp_path):
     assert "ends in .mp4" in result.stderr
 
 
-def endless(journal, status):
-    """Options of a show that goes on until it is told to end."""
+def endless_show_options(journal, status):
+    """Options of a show that runs until it is ended."""
     where = ("--osc", "127.0.0.1:0", "--journal", str(journal), "--status-json", str(status))
     return "play", "--headless", "--bpm", "120", *where
 
 
 @pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGINT])
-def test_a_show_that_is_told_to_end_ends_its_journal(tmp_path, number):
-    """All in this process; the next one is a show of several processes. It has begun when it is told: where it opens a
-    file at that moment, Python itself complains that nobody closes it."""
+def test_show_ended_by_signal_completes_its_journal(tmp_path, number):
+    """All in this process; the next test is a show of several processes. It has begun when the signal comes: where
+    it opens a file at that moment, Python itself warns that the file is not closed.
+    """
     journal, status = tmp_path / "j", tmp_path / "s"
-    with told(number, lambda: status.exists() and status.read_text().count("\n") >= 2):
-        result = run_live(*endless(journal, status), "--alone")
+    with signal_when(number, lambda: status.exists() and status.read_text().count("\n") >= 2):
+        result = run_live(*endless_show_options(journal, status), "--alone")
     assert result.returncode == 128 + number
     assert "Traceback" not in result.stderr
     assert journal.read_text().endswith('"end":true}\n')
 
 
-def test_a_process_that_is_told_to_end_ends_its_journal(tmp_path):
+def test_process_ended_by_signal_completes_its_journal(tmp_path):
     journal, status = tmp_path / "j", tmp_path / "s"
     process = subprocess.Popen(
-        [sys.executable, "-m", "live", *endless(journal, status)], stderr=subprocess.PIPE, text=True
+        [sys.executable, "-m", "live", *endless_show_options(journal, status)], stderr=subprocess.PIPE, text=True
     )
     try:
         deadline = time.monotonic() + 120
@@ -254,7 +257,7 @@ def test_a_process_that_is_told_to_end_ends_its_journal(tmp_path):
 
 
 @pytest.mark.long
-def test_a_full_disk_is_told_at_the_end():
+def test_full_disk_is_reported_at_end():
     if not os.path.exists("/dev/full"):
         pytest.skip("this system has no /dev/full")
     result = run_live(
@@ -264,7 +267,7 @@ def test_a_full_disk_is_told_at_the_end():
     assert "of the journal could not be written" in result.stderr
 
 
-def test_own_steps_stand_beside_the_projects(tmp_path):
+def test_own_steps_are_used_beside_project_steps(tmp_path):
     (tmp_path / "steps").mkdir()
     sway = 'name = "sway"\n[pelvis]\n"1" = "left 4"\n"3" = "right 4"\n'
     (tmp_path / "steps" / "sway.toml").write_text(sway)

@@ -1,4 +1,4 @@
-"""`live simulate` as people type it."""
+"""`live simulate`: scenarios, results and errors."""
 
 import json
 import re
@@ -24,7 +24,7 @@ HEADON = {
 }
 
 
-def test_a_scenario_is_simulated_measured_and_drawn(tmp_path):
+def test_scenario_is_simulated_measured_and_drawn(tmp_path):
     (tmp_path / "a.json").write_text(json.dumps(HEADON), encoding="utf-8")
     arguments = ("simulate", "a.json", "--out", "traj.npz", "--svg", "a.svg", "--json")
     result = run_live(*arguments, cwd=tmp_path)
@@ -44,7 +44,7 @@ def test_a_scenario_is_simulated_measured_and_drawn(tmp_path):
     assert len(drawing.findall("{*}polyline")) == 2
 
 
-def test_a_scenario_of_ours_goes_by_its_name(tmp_path, monkeypatch, capsys):
+def test_project_scenario_is_found_by_name(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     simulate(Path("sym-4"), as_json=True)
     assert json.loads(capsys.readouterr().out)["done"] == 1.0
@@ -62,7 +62,7 @@ def test_a_scenario_of_ours_goes_by_its_name(tmp_path, monkeypatch, capsys):
         (None, "cannot be read"),
     ],
 )
-def test_what_is_wrong_is_said_with_a_remedy(tmp_path, text, words):
+def test_invalid_scenario_is_refused_with_remedy(tmp_path, text, words):
     if text is not None:
         (tmp_path / "a.json").write_text(text, encoding="utf-8")
     with pytest.raises(PersonError, match=re.escape(words)) as caught:
@@ -71,7 +71,7 @@ def test_what_is_wrong_is_said_with_a_remedy(tmp_path, text, words):
     assert not (tmp_path / "traj.npz").exists()
 
 
-def test_the_command_says_so_in_a_line_and_exits_with_two(tmp_path):
+def test_command_prints_error_and_exits_with_two(tmp_path):
     (tmp_path / "a.json").write_text(json.dumps({**HEADON, "radius": "wide"}), encoding="utf-8")
     result = run_live("simulate", "a.json", "--out", "traj.npz", cwd=tmp_path)
     assert result.returncode == 2
@@ -79,13 +79,13 @@ def test_the_command_says_so_in_a_line_and_exits_with_two(tmp_path):
     assert "radius" in result.stderr
 
 
-def test_a_folder_that_is_not_there_is_named(tmp_path):
+def test_missing_output_folder_is_refused(tmp_path):
     (tmp_path / "a.json").write_text(json.dumps({**HEADON, "duration": 1}), encoding="utf-8")
     with pytest.raises(PersonError, match="--out"):
         simulate(tmp_path / "a.json", out=tmp_path / "nowhere" / "traj.npz")
 
 
-def test_what_means_nothing_is_told_and_left_out(tmp_path, capsys):
+def test_unknown_key_is_reported_and_ignored(tmp_path, capsys):
     (tmp_path / "a.json").write_text(json.dumps({**HEADON, "duration": 1, "wall": []}), encoding="utf-8")
     simulate(tmp_path / "a.json")
     assert "unknown key 'wall'" in capsys.readouterr().err

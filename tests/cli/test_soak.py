@@ -1,4 +1,4 @@
-"""`live soak` and `live sim`: reports, exit codes, refusals; what is judged in real time."""
+"""`live soak` and `live sim`: reports, exit codes, refusals, and real-time operation."""
 
 import json
 import signal
@@ -13,7 +13,7 @@ from tests.cli.command import run_live
 
 
 @pytest.mark.long
-def test_a_short_soak_reports_and_replays_its_journal(tmp_path):
+def test_short_soak_reports_and_replays_its_journal(tmp_path):
     report = tmp_path / "report.json"
     told = run_live(
         "soak", "score", "--minutes", "0.2", "--fps", "8", "--seed", "3", "--faults", "20",
@@ -30,7 +30,7 @@ def test_a_short_soak_reports_and_replays_its_journal(tmp_path):
 
 
 @pytest.mark.long
-def test_six_seconds_of_real_time_reach_the_show_over_the_network(tmp_path):
+def test_real_time_soak_of_six_seconds_reaches_show_over_network(tmp_path):
     told = run_live("soak", "score", "--minutes", "0.1", "--real", "--players", "400", "--faults", "0", "--json")
     facts = json.loads(told.stdout)
     assert facts["frames"] > 30
@@ -52,13 +52,13 @@ def test_six_seconds_of_real_time_reach_the_show_over_the_network(tmp_path):
         (("sim", "--midi", "no such port"), "--midi"),
     ],
 )
-def test_what_cannot_be_asked_for_is_told_in_a_line(arguments, words):
+def test_invalid_options_are_refused_in_one_line(arguments, words):
     told = run_live(*arguments)
     assert told.returncode == 2
     assert words in told.stderr
 
 
-def test_the_band_is_written_as_a_sound(tmp_path):
+def test_simulated_band_is_written_as_sound(tmp_path):
     path = tmp_path / "band.wav"
     told = run_live("sim", "score", "--audio", str(path), "--seconds", "3")
     assert told.returncode == 0, told.stderr
@@ -66,7 +66,7 @@ def test_the_band_is_written_as_a_sound(tmp_path):
         assert file.getnframes() == 3 * file.getframerate()
 
 
-def test_growing_frame_times_are_seen_and_noise_is_not():
+def test_growing_frame_times_are_detected_and_noise_is_not():
     rising, even = FrameTimeStats(), FrameTimeStats()
     for row in range(9):
         for number in range(100):
@@ -84,7 +84,7 @@ def test_growing_frame_times_are_seen_and_noise_is_not():
 
 @pytest.mark.long
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_soak_that_is_ended_by_hand_reports_what_it_has_found(tmp_path, number):
+def test_soak_ended_by_signal_reports_results_so_far(tmp_path, number):
     report = tmp_path / "report.json"
     command = [sys.executable, "-m", "live", "soak", "score", "--hours", "20", "--report", str(report)]
     with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=tmp_path) as running:

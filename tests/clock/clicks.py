@@ -1,4 +1,4 @@
-"""Click tracks and noise for the tests, from a seed."""
+"""Seeded click tracks and noise for the tests."""
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +19,7 @@ def clicks(bpm: float, sample_rate: int, seconds: float, first: float = 0.3) -> 
 
 
 def groove(bpm: float, sample_rate: int, seconds: float) -> Sound:
-    """Bass drum on the beats, loud hi-hat between them, samples (n,): what takes trackers half a beat off."""
+    """Bass drum on the beats and loud hi-hat between them, samples (n,): misleads trackers by half a beat."""
     rng = np.random.default_rng(2)
     sound = rng.normal(0.0, 1e-4, int(seconds * sample_rate))
     t = np.arange(int(0.15 * sample_rate)) / sample_rate

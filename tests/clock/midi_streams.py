@@ -1,4 +1,4 @@
-"""MIDI clock as senders and cables make it: seeded streams with jitter, bundles, losses and moving tempos."""
+"""Simulated MIDI clock: seeded streams with jitter, bunching, losses and tempo changes."""
 
 import math
 from collections.abc import Callable

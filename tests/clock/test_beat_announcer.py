@@ -1,4 +1,4 @@
-"""Announcer: each beat once, ahead of its time; corrected while it is ahead; jumps of the grid."""
+"""BeatAnnouncer: each beat once and ahead of time; corrections of announced beats; grid jumps."""
 
 import math
 from itertools import pairwise
@@ -13,7 +13,7 @@ DELAY = 3 * HOP
 
 
 def run(beats_at: Any, seconds: float = 10.0, period: float = 0.5, metre: int = 4) -> list[BeatEstimate]:
-    """What is named while a pointer believes at each time t [s] in beats at beats_at(t) + k · period."""
+    """Beats announced for a pointer whose grid at time t [s] is beats_at(t) + k · period."""
     announcer, found = BeatAnnouncer(), []
     for frame in range(int(seconds / HOP)):
         moment = frame * HOP
@@ -28,7 +28,7 @@ def run(beats_at: Any, seconds: float = 10.0, period: float = 0.5, metre: int = 
     return found
 
 
-def test_each_beat_is_named_once_and_ahead_with_its_number() -> None:
+def test_each_beat_is_announced_once_ahead_with_its_number() -> None:
     found = run(lambda t: 0.2)
     assert len(found) == 20
     for number, beat in enumerate(found[1:]):
@@ -39,25 +39,25 @@ def test_each_beat_is_named_once_and_ahead_with_its_number() -> None:
         assert math.isnan(beat.replaces)
 
 
-def test_a_beat_that_moves_while_it_is_ahead_is_corrected() -> None:
-    found = run(lambda t: 0.2 if t < 4.62 else 0.215)  # the beat at 4.7 s has just been named
+def test_moved_future_beat_is_corrected() -> None:
+    found = run(lambda t: 0.2 if t < 4.62 else 0.215)  # the beat at 4.7 s has just been announced
     (beat,) = (beat for beat in found if not math.isnan(beat.replaces))
     assert beat.fed < beat.replaces
     assert abs(beat.replaces - (4.7 + BIAS)) < 1e-6
     assert abs(beat.position - beat.replaces - 0.015) < 1e-6
 
 
-def test_beats_never_come_too_near_whatever_the_grid_does() -> None:
+def test_announced_beats_keep_minimum_spacing() -> None:
     found = run(lambda t: 0.2 + 0.17 * math.floor(t / 1.3), 20.0)
     first = [beat.position for beat in found if math.isnan(beat.replaces)]
     assert all(b - a > 0.24 for a, b in pairwise(first))
     assert len(first) > 30
 
 
-def test_a_beat_that_was_overlooked_is_still_named_if_it_has_just_passed() -> None:
+def test_skipped_beat_is_announced_if_just_passed() -> None:
     found = run(lambda t: 0.2 if t < 2.957 else -0.045)  # beats at 2.7, 3.2 become beats at 2.955, 3.455
     (late,) = (beat for beat in found if beat.fed > beat.position)
     assert abs(late.position - (2.955 + BIAS)) < 1e-6
     assert late.fed - late.position <= MAX_LATENESS
-    gone = run(lambda t: 0.2 if t < 3.0 else -0.045)  # here it is too long past
+    gone = run(lambda t: 0.2 if t < 3.0 else -0.045)  # here the beat is too old
     assert all(beat.fed < beat.position for beat in gone)

@@ -1,4 +1,4 @@
-"""What notes are like: against closed formulas over the strokes."""
+"""Note energy against closed formulas over the note strokes."""
 
 import math
 
@@ -8,8 +8,8 @@ import pytest
 from live.clock.note_energy import DENSITY_WINDOW, ENERGY_HALF_LIFE, REPORT_INTERVAL, NoteEnergy, NoteFigures
 
 
-def played(notes: list[tuple[float, tuple[int, ...]]], end: float, *, tempo: float = 120.0) -> list[NoteFigures]:
-    """All that is told, with a look every 10 ms."""
+def play_notes(notes: list[tuple[float, tuple[int, ...]]], end: float, *, tempo: float = 120.0) -> list[NoteFigures]:
+    """All reports, polled every 10 ms."""
     found, energy, now = [], NoteEnergy(tempo=tempo), 0.0
     waiting = sorted(notes)
     while now < end:
@@ -17,56 +17,56 @@ def played(notes: list[tuple[float, tuple[int, ...]]], end: float, *, tempo: flo
         while waiting and waiting[0][0] <= now:
             time, message = waiting.pop(0)
             energy.receive(message, time)
-        told = energy.advance(now)
-        if told is not None:
-            found.append(told)
+        reports = energy.advance(now)
+        if reports is not None:
+            found.append(reports)
     return found
 
 
 @pytest.mark.parametrize("tempo", [60.0, 120.0, 173.0])
-def test_energy_and_density_are_those_of_the_strokes(tempo: float) -> None:
+def test_energy_and_density_match_closed_formulas(tempo: float) -> None:
     rng = np.random.default_rng(4)
     times = np.cumsum(rng.uniform(0.04, 0.5, 40))
     velocities = rng.integers(1, 128, 40)
     keys = rng.integers(30, 90, 40)
     notes = [(float(t), (0x90, int(k), int(v))) for t, v, k in zip(times, velocities, keys, strict=True)]
-    told = played(notes, float(times[-1]) + 1.0, tempo=tempo)
-    assert len(told) > 60
-    for figures in told:
+    reports = play_notes(notes, float(times[-1]) + 1.0, tempo=tempo)
+    assert len(reports) > 60
+    for figures in reports:
         beats = (figures.time - times[times <= figures.time]) * tempo / 60.0
         shares = velocities[: len(beats)] / 127.0
         assert figures.energy == pytest.approx(max(shares * 0.5 ** (beats / ENERGY_HALF_LIFE), default=0.0), abs=1e-9)
         assert figures.density == pytest.approx(sum(np.exp(-beats / DENSITY_WINDOW)) / DENSITY_WINDOW, abs=1e-9)
         assert figures.chord == len(set(keys[: len(beats)].tolist()))
-    assert np.diff([figures.time for figures in told]).min() >= REPORT_INTERVAL - 1e-9
-    assert sum(figures.beats for figures in told) == pytest.approx(told[-1].time * tempo / 60.0)
+    assert np.diff([figures.time for figures in reports]).min() >= REPORT_INTERVAL - 1e-9
+    assert sum(figures.beats for figures in reports) == pytest.approx(reports[-1].time * tempo / 60.0)
 
 
-def test_even_eighths_count_two_strokes_a_beat_and_chords_once() -> None:
+def test_chord_counts_as_one_stroke_in_density() -> None:
     eighths = [(0.25 * i, (0x90, key, 80)) for i in range(120) for key in (60, 64, 67)]
-    last = played(eighths, 30.0)[-1]
+    last = play_notes(eighths, 30.0)[-1]
     assert last.density == pytest.approx(2.0, rel=0.15)  # between strokes it falls by an eighth
     assert last.chord == 3
 
 
-def test_all_dies_away_and_then_nothing_is_told() -> None:
-    told = played([(1.0, (0x90, 60, 127)), (1.5, (0x80, 60, 0))], 60.0)
-    last = told[-1]
+def test_energy_decays_to_zero_and_reports_end() -> None:
+    reports = play_notes([(1.0, (0x90, 60, 127)), (1.5, (0x80, 60, 0))], 60.0)
+    last = reports[-1]
     assert (last.energy, last.density, last.chord) == (0.0, 0.0, 0)
     assert last.time < 1.0 + 0.5 * DENSITY_WINDOW * math.log(1.0 / DENSITY_WINDOW / 0.01) + 0.2
-    assert len(told) < 150
+    assert len(reports) < 150
 
 
-def test_what_sounds_is_counted_with_pedal_and_resets() -> None:
+def test_sounding_notes_include_pedal_and_resets() -> None:
     def chord(*messages: tuple[int, ...]) -> tuple[int, float]:
         energy = NoteEnergy()
         energy.receive((0x90, 60, 9), 0.0)
         energy.receive((0x91, 60, 9), 0.0)
         for message in messages:
             energy.receive(message, 0.5)
-        told = energy.advance(1.0)
-        assert told is not None
-        return told.chord, told.pitch
+        reports = energy.advance(1.0)
+        assert reports is not None
+        return reports.chord, reports.pitch
 
     assert chord()[0] == 2
     assert chord((0x80, 60, 0))[0] == chord((0x90, 60, 0))[0] == 1
@@ -79,12 +79,12 @@ def test_what_sounds_is_counted_with_pedal_and_resets() -> None:
     assert chord((0x90, 21, 9), (0x80, 60, 0), (0x81, 60, 0)) == (1, 0.0)
 
 
-def test_rubbish_changes_nothing_that_is_told() -> None:
+def test_random_bytes_give_finite_figures() -> None:
     energy = NoteEnergy()
     rng = np.random.default_rng(9)
     for message in rng.integers(0, 256, (2000, 3)).tolist():
         energy.receive(tuple(message[: rng.integers(0, 4)]), 1.0)
-    told = energy.advance(2.0)
-    assert told is not None
-    assert all(math.isfinite(value) for value in (told.energy, told.density, told.pitch))
-    assert told.chord <= 2000
+    reports = energy.advance(2.0)
+    assert reports is not None
+    assert all(math.isfinite(value) for value in (reports.energy, reports.density, reports.pitch))
+    assert reports.chord <= 2000

@@ -1,4 +1,4 @@
-"""SampleClock: a straight line through callbacks that come when they like."""
+"""SampleClock: a straight line through callbacks with irregular timing."""
 
 import numpy as np
 import pytest
@@ -17,8 +17,8 @@ def observe(
         clock.observe(frame, 5.0 + frame / RATE * (1.0 + ppm * 1e-6) + lost + jitter[block % len(jitter)])
 
 
-def worst(jitter: list[float], lost_every: int = 0, seconds: float = 40.0) -> float:
-    """Largest error [s] after the first three seconds of late callbacks, while every so many-th block is lost."""
+def largest_error(jitter: list[float], lost_every: int = 0, seconds: float = 40.0) -> float:
+    """Largest error [s] after the first three seconds of late callbacks; every `lost_every`-th block is lost."""
     clock, frames, errors = SampleClock(RATE), 0, []
     for block in range(int(seconds * RATE / BLOCK)):
         true = 5.0 + (block + 1) * BLOCK / RATE
@@ -32,12 +32,12 @@ def worst(jitter: list[float], lost_every: int = 0, seconds: float = 40.0) -> fl
 
 
 def bunches(of: int) -> list[float]:
-    """Blocks that all come with the last of a bunch."""
+    """Blocks that all arrive with the last of a bunch."""
     return [(of - 1 - n) * BLOCK / RATE for n in range(of)]
 
 
 def stalls(share: float, longest: float) -> list[float]:
-    """Now and then nothing comes for a while, and then all of it at once."""
+    """Occasional stalls, after which all delayed blocks arrive at once."""
     rng = np.random.default_rng(2)
     free, late = 0.0, []
     for block in range(3001):
@@ -53,16 +53,16 @@ def stalls(share: float, longest: float) -> list[float]:
     [[*np.random.default_rng(1).exponential(0.006, 997)], bunches(4), bunches(9), stalls(0.05, 0.15)],
     ids=["late", "bunches of 4", "bunches of 9", "stalls"],
 )
-def test_bunched_and_late_callbacks_move_the_line_by_less_than_a_millisecond(jitter: list[float]) -> None:
-    assert worst(jitter) < 0.001
+def test_bunched_and_late_callbacks_cause_less_than_a_millisecond_error(jitter: list[float]) -> None:
+    assert largest_error(jitter) < 0.001
 
 
-def test_a_block_lost_every_two_seconds_is_never_more_than_one_block_behind() -> None:
+def test_periodic_block_loss_causes_at_most_one_block_error() -> None:
     jitter = [*np.random.default_rng(1).exponential(0.003, 997)]
-    assert worst(jitter, lost_every=188) < 1.1 * BLOCK / RATE
+    assert largest_error(jitter, lost_every=188) < 1.1 * BLOCK / RATE
 
 
-def test_a_stall_taken_for_a_loss_is_taken_back_at_once() -> None:
+def test_stall_mistaken_for_loss_is_corrected_at_once() -> None:
     clock = SampleClock(RATE)
     observe(clock, 0, 500, [0.0])
     observe(clock, 500, 120, [0.3])  # more than a second in which everything is late
@@ -72,14 +72,14 @@ def test_a_stall_taken_for_a_loss_is_taken_back_at_once() -> None:
 
 
 @pytest.mark.parametrize("ppm", [-100.0, 0.0, 120.0])
-def test_finds_the_devices_true_rate(ppm: float) -> None:
+def test_clock_finds_the_true_device_rate(ppm: float) -> None:
     clock = SampleClock(RATE)
     observe(clock, 0, 1500, [0.0], ppm)
     ahead = 1500 * BLOCK + 10 * RATE
     assert clock.time_of(ahead) == pytest.approx(5.0 + ahead / RATE * (1.0 + ppm * 1e-6), abs=2e-4)
 
 
-def test_one_wild_callback_changes_nothing() -> None:
+def test_single_outlier_callback_changes_nothing() -> None:
     clock = SampleClock(RATE)
     observe(clock, 0, 500, [0.0])
     before = clock.time_of(300_000)
@@ -88,7 +88,7 @@ def test_one_wild_callback_changes_nothing() -> None:
     assert clock.time_of(300_000) == pytest.approx(before, abs=1e-4)
 
 
-def test_lost_samples_begin_the_line_anew() -> None:
+def test_lost_samples_restart_the_line() -> None:
     clock = SampleClock(RATE)
     observe(clock, 0, 500, [0.0])
     observe(clock, 500, 60, [0.0], lost=0.2)
@@ -97,7 +97,7 @@ def test_lost_samples_begin_the_line_anew() -> None:
     assert clock.time_of(frame) == pytest.approx(5.0 + frame / RATE + 0.2, abs=1e-3)
 
 
-def test_frame_at_is_the_inverse() -> None:
+def test_frame_at_is_the_inverse_of_time_of() -> None:
     clock = SampleClock(RATE)
     observe(clock, 0, 1200, [0.0], 80.0)
     assert clock.frame_at(clock.time_of(500_000.0)) == pytest.approx(500_000.0, abs=0.1)

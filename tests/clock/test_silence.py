@@ -1,11 +1,11 @@
-"""Quiet: silence, rests that belong to the music, and the pauses that do not."""
+"""SilenceDetector: silence, musical rests, and pauses."""
 
 from live.clock.silence import BEAT_THRESHOLD, PAUSE, SILENT_AFTER, SilenceDetector
 
 HOP = 0.01
 
 
-def test_silence_begins_after_a_while_and_ends_at_once() -> None:
+def test_silence_starts_after_a_delay_and_ends_at_once() -> None:
     quiet = SilenceDetector(HOP)
     assert not quiet.has_sound
     quiet.step(0.1)
@@ -19,7 +19,7 @@ def test_silence_begins_after_a_while_and_ends_at_once() -> None:
     assert not quiet.silent
 
 
-def test_music_without_rests_is_paused_soon() -> None:
+def test_continuous_music_is_paused_soon_after_stopping() -> None:
     quiet = SilenceDetector(HOP)
     for _ in range(500):
         quiet.step(0.1)
@@ -32,8 +32,8 @@ def test_music_without_rests_is_paused_soon() -> None:
     assert not quiet.expects_beats
 
 
-def test_clicks_with_rests_between_them_are_listened_to_all_the_time() -> None:
-    """At 50 bpm: from the second click on the rest is known; the rest of a stop is longer."""
+def test_clicks_with_rests_are_not_paused() -> None:
+    """At 50 bpm: the rest length is known from the second click on; a stop is longer than a rest."""
     quiet = SilenceDetector(HOP)
     for click in range(6):
         for frame in range(120):
@@ -44,7 +44,7 @@ def test_clicks_with_rests_between_them_are_listened_to_all_the_time() -> None:
     assert not quiet.expects_beats
 
 
-def test_a_room_that_murmurs_far_below_the_music_is_a_silence_unless_it_beats() -> None:
+def test_soft_background_is_silence_unless_beats_are_detected() -> None:
     for chance, silent in ((0.0, True), (BEAT_THRESHOLD + 0.1, False)):
         quiet = SilenceDetector(HOP)
         for _ in range(800):
@@ -54,7 +54,7 @@ def test_a_room_that_murmurs_far_below_the_music_is_a_silence_unless_it_beats() 
         assert quiet.silent == silent
 
 
-def test_music_that_goes_on_softly_is_music_again_after_a_while() -> None:
+def test_soft_music_is_sound_again_after_a_delay() -> None:
     quiet = SilenceDetector(HOP)
     for _ in range(800):
         quiet.step(0.2, 0.0)

@@ -1,4 +1,4 @@
-"""TapTempo: tempo and phase from a row of taps."""
+"""TapTempo: tempo and phase from a series of taps."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from live.clock.tap_tempo import TapTempo
 
 
-def test_three_taps_make_a_grid() -> None:
+def test_three_taps_give_a_grid() -> None:
     taps = TapTempo()
     assert taps.tap(10.0) is None
     assert taps.tap(10.5) is None
@@ -16,7 +16,7 @@ def test_three_taps_make_a_grid() -> None:
     assert grid.residual(12.5) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_nervous_fingers_average_out() -> None:
+def test_jittered_taps_average_to_the_tempo() -> None:
     rng = np.random.default_rng(3)
     taps = TapTempo()
     grid = None
@@ -27,7 +27,7 @@ def test_nervous_fingers_average_out() -> None:
     assert abs(grid.residual(0.0)) * grid.period < 0.012
 
 
-def test_a_missed_tap_does_not_halve_the_tempo() -> None:
+def test_missed_tap_does_not_halve_the_tempo() -> None:
     taps = TapTempo()
     grid = None
     for time in (0.0, 0.5, 1.0, 2.0, 2.5, 3.0):
@@ -36,7 +36,7 @@ def test_a_missed_tap_does_not_halve_the_tempo() -> None:
     assert grid.tempo == pytest.approx(120.0)
 
 
-def test_a_bouncing_key_is_one_tap() -> None:
+def test_key_bounce_counts_as_one_tap() -> None:
     taps = TapTempo()
     grid = None
     for time in (0.0, 0.02, 0.5, 0.53, 1.0, 1.04):
@@ -45,7 +45,7 @@ def test_a_bouncing_key_is_one_tap() -> None:
     assert grid.tempo == pytest.approx(120.0)
 
 
-def test_after_two_seconds_a_new_row_begins() -> None:
+def test_pause_of_two_seconds_starts_a_new_series() -> None:
     taps = TapTempo()
     for time in (0.0, 0.5, 1.0):
         taps.tap(time)
@@ -56,7 +56,7 @@ def test_after_two_seconds_a_new_row_begins() -> None:
     assert grid.tempo == pytest.approx(60.0)
 
 
-def test_a_tap_from_nowhere_does_not_silence_the_ones_after() -> None:
+def test_absurd_tap_time_does_not_block_later_taps() -> None:
     taps = TapTempo()
     taps.tap(1e30)
     grid = None
@@ -66,7 +66,7 @@ def test_a_tap_from_nowhere_does_not_silence_the_ones_after() -> None:
     assert grid.tempo == pytest.approx(120.0)
 
 
-def test_uneven_taps_still_give_a_grid() -> None:
+def test_uneven_taps_give_a_grid() -> None:
     taps = TapTempo()
     for time in (0.0, 0.16):
         taps.tap(time)

@@ -1,4 +1,4 @@
-"""Ticks: the same ones at any frame rate."""
+"""TickCounter: identical ticks at any frame rate."""
 
 import pytest
 from hypothesis import given
@@ -8,7 +8,7 @@ from live.clock.ticks import STALL, TICK, TickCounter
 
 
 @given(st.lists(st.floats(0.0, STALL), min_size=1, max_size=60))
-def test_every_tick_comes_once_and_in_time(frames: list[float]) -> None:
+def test_every_tick_is_issued_once_and_on_time(frames: list[float]) -> None:
     ticks, target, seen = TickCounter(), 0.0, []
     for frame in frames:
         target += frame
@@ -20,13 +20,13 @@ def test_every_tick_comes_once_and_in_time(frames: list[float]) -> None:
 
 
 @pytest.mark.parametrize("rate", [25, 60, 144])
-def test_ticks_do_not_depend_on_the_frame_rate(rate: int) -> None:
+def test_ticks_are_independent_of_frame_rate(rate: int) -> None:
     ticks = TickCounter()
     seen = [time for frame in range(1, 10 * rate + 1) for time in ticks.due(frame / rate)]
     assert seen == [index / 64 for index in range(1, 641)]
 
 
-def test_a_stall_is_skipped_and_counted() -> None:
+def test_stalled_ticks_are_skipped_and_counted() -> None:
     ticks = TickCounter()
     assert ticks.stalled(STALL) == 0
     missed = ticks.stalled(2.0)

@@ -1,4 +1,4 @@
-"""Timeline: the laws of a bijection, and where the measures lie in it."""
+"""Timeline: bijection of beats and times, and positions of the measures."""
 
 import math
 
@@ -34,7 +34,7 @@ def test_measure_and_phase_make_up_the_beat(timeline: Timeline, time: float) -> 
 
 
 @given(timelines, tempi, times, times)
-def test_another_tempo_starts_at_the_same_beat(timeline: Timeline, tempo: float, change: float, later: float) -> None:
+def test_tempo_change_keeps_the_current_beat(timeline: Timeline, tempo: float, change: float, later: float) -> None:
     changed = timeline.with_tempo(tempo, change)
     assert changed.beat_at(change) == timeline.beat_at(change)
     assert changed.beat_at(change + 60.0 / tempo) == pytest.approx(timeline.beat_at(change) + 1.0, abs=1e-6)
@@ -42,13 +42,13 @@ def test_another_tempo_starts_at_the_same_beat(timeline: Timeline, tempo: float,
 
 
 @given(timelines, times)
-def test_the_one_is_the_nearest_beat(timeline: Timeline, time: float) -> None:
-    told = timeline.with_downbeat_at(time)
-    off = told.phase_at(time)
-    assert min(off, told.beats_per_measure - off) <= 0.5 + 1e-6
-    assert told.beat_at(time) == timeline.beat_at(time)
-    assert abs(told.measure_origin - timeline.measure_origin) <= timeline.beats_per_measure / 2 + 0.5 + 1e-9
-    assert told.with_downbeat_at(time) == told
+def test_downbeat_is_set_at_the_nearest_beat(timeline: Timeline, time: float) -> None:
+    marked = timeline.with_downbeat_at(time)
+    off = marked.phase_at(time)
+    assert min(off, marked.beats_per_measure - off) <= 0.5 + 1e-6
+    assert marked.beat_at(time) == timeline.beat_at(time)
+    assert abs(marked.measure_origin - timeline.measure_origin) <= timeline.beats_per_measure / 2 + 0.5 + 1e-9
+    assert marked.with_downbeat_at(time) == marked
 
 
 @given(beats, st.sampled_from([1.0, 2.0, 3.0, 4.0, 7.0, 0.5]))
@@ -59,7 +59,7 @@ def test_phase_lies_in_the_quantum(beat: float, quantum: float) -> None:
     )
 
 
-def test_phase_of_a_hair_before_the_line_is_the_line() -> None:
+def test_phase_just_before_the_measure_line_is_zero() -> None:
     assert phase(-1e-18, 4.0) == 0.0
     assert Timeline(tempo=60.0).measure_at(-1e-18) == 0
 
@@ -72,7 +72,7 @@ def test_next_phase_match_lies_ahead_within_one_quantum(beat: float, target: flo
     assert turns == pytest.approx(round(turns), abs=1e-6)
 
 
-def test_measures_of_a_waltz() -> None:
+def test_waltz_measures_have_three_beats() -> None:
     waltz = Timeline(tempo=180.0, beats_per_measure=3)
     assert [waltz.measure_at(second) for second in (0.0, 0.99, 1.0, 1.99, -0.01)] == [0, 0, 1, 1, -1]
     assert waltz.phase_at(1.5) == pytest.approx(1.5)
@@ -84,6 +84,6 @@ def test_absurd_tempo_is_refused(tempo: float) -> None:
         Timeline(tempo=tempo)
 
 
-def test_a_measure_needs_a_beat() -> None:
+def test_measure_without_beats_is_refused() -> None:
     with pytest.raises(ValueError, match="at least 1"):
         Timeline(beats_per_measure=0)

@@ -1,4 +1,4 @@
-"""An OSC input with somebody who sends, and a private PulseAudio with a null sink: what is played into it is heard."""
+"""Fixtures: an OSC input with a sender, and a private PulseAudio with a null sink whose monitor is recorded."""
 
 import os
 import shutil
@@ -26,7 +26,7 @@ class PulseSink:
     players: list[subprocess.Popen[bytes]]
 
     def play(self, wav_path: Path) -> subprocess.Popen[bytes]:
-        """Start to play a file into the sink."""
+        """Starts to play a file into the sink."""
         player = subprocess.Popen(["paplay", str(wav_path)], env=self.env)
         self.players.append(player)
         return player
@@ -39,7 +39,7 @@ class PulseSink:
             time.sleep(0.05)
 
     def restart(self, *, rate: int = 48_000, channels: int = 2) -> None:
-        """Start the server again after it was killed, with another sound card in it if asked for."""
+        """Restarts the server after a kill, optionally with another sound card format."""
         card = f"rate={rate} channels={channels}"
         command = [part.replace("rate=48000 channels=2", card) for part in self.command]
         self.server = subprocess.Popen(command, env=self.env)
@@ -51,7 +51,7 @@ class PulseSink:
             subprocess.run(["pactl", f"set-default-{kind}", name], env=self.env, check=True)
 
     def kill(self) -> None:
-        """The sound system is gone, without a goodbye."""
+        """Kills the server without a clean shutdown."""
         self.server.kill()
         self.server.wait()
 

@@ -10,17 +10,17 @@ from live.control.registry.registry import REGISTRY
     ("name", "kind"),
     [("Space", events.Tap), ("1", events.One), ("S", events.Spread), ("s", events.Spread), ("M", events.RestartAudio)],
 )
-def test_keys_make_their_events(name, kind):
+def test_keys_create_their_events(name, kind):
     assert event_for_key(name, time=3.5, blackout_now=False) == kind(time=3.5, source="key")
 
 
-def test_b_turns_the_light_out_and_back():
+def test_b_key_toggles_blackout():
     assert event_for_key("B", time=1.0, blackout_now=False) == events.Blackout(time=1.0, source="key", on=True)
     assert event_for_key("B", time=1.0, blackout_now=True) == events.Blackout(time=1.0, source="key", on=False)
 
 
 @pytest.mark.parametrize("name", ["F", "O", "Esc", "Escape", "F12", "", "space\0"])
-def test_keys_of_the_window_and_unknown_keys_leave_the_show_alone(name):
+def test_window_and_unknown_keys_create_no_event(name):
     assert event_for_key(name, time=1.0, blackout_now=False) is None
 
 
@@ -28,14 +28,14 @@ def test_esc_is_not_a_key_of_the_show():
     assert not any(name.lower().startswith("esc") for name in KEYS)
 
 
-def test_every_key_of_the_show_uses_a_control_and_makes_an_event():
+def test_every_show_key_uses_a_control():
     addresses = {control.address for control in REGISTRY}
     for name, key in KEYS.items():
         assert key.is_control == (key.command in addresses)
         assert (event_for_key(name, time=0.0, blackout_now=True) is not None) == key.is_control
 
 
-def test_a_digit_sends_everybody_to_a_formation_from_the_next_measure():
+def test_digit_key_starts_formation_at_next_measure():
     assert event_for_formation("wedge", time=3.0) == events.Evolve(
         time=3.0, source="key", formation="wedge", measures=4.0, next=True
     )

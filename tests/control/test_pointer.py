@@ -1,4 +1,4 @@
-"""What strokes of the pointer place: every tool makes an event that the registry takes."""
+"""Tests of pointer strokes: every tool creates an event that the registry accepts."""
 
 import itertools
 import math
@@ -15,34 +15,34 @@ STAMP = {"time": 4.0, "source": "pointer"}
 STROKE = [(0.0, 0.0), (0.5, 0.5), (2.0, 0.0)]
 
 
-def test_the_first_tool_attracts_while_it_is_drawn_and_with_shift_repels():
+def test_first_tool_attracts_and_shift_repels():
     assert event_for_place("A", 1.5, -2.0, False, 4.0) == events.Attract(x=1.5, z=-2.0, **STAMP)
     assert event_for_place("A", 1.5, -2.0, True, 4.0) == events.Repel(x=1.5, z=-2.0, **STAMP)
     assert event_for_place("L", 1.5, -2.0, False, 4.0) is None
     assert next(iter(TOOLS)) == "A"
 
 
-def test_a_way_is_walked_while_it_is_drawn():
+def test_walk_tool_creates_walk_events_while_drawing():
     place = {"x": 1.5, "z": -2.0, "partner": "*", **STAMP}
     assert event_for_place("0", 1.5, -2.0, True, 4.0) == events.WalkOn(anew=True, **place)
     assert event_for_place("0", 1.5, -2.0, False, 4.0) == events.WalkOn(**place)
 
 
-def test_numpys_floats_serve_as_well():
+def test_numpy_floats_become_plain_floats():
     event = event_for_place("A", np.float32(1.5), np.float64(-2.0), False, 4.0)
     assert event == events.Attract(x=1.5, z=-2.0, **STAMP)
     assert type(event.x) is type(event.z) is float
 
 
 @pytest.mark.parametrize(("x", "z"), [(math.nan, 0.0), (0.0, math.inf), (1e9, 0.0), (0.0, -100.5)])
-def test_a_click_beside_the_floor_makes_nothing(x, z):
+def test_click_outside_the_floor_creates_no_event(x, z):
     assert event_for_place("A", x, z, False, 4.0) is None
     assert all(event_for_stroke(tool, [(0.0, 0.0), (x, z)], False, 4.0) is None for tool in ("L", "X", "U"))
 
 
 @pytest.mark.parametrize("shift", [False, True])
 @pytest.mark.parametrize("tool", TOOLS)
-def test_every_tool_makes_an_event(tool, shift):
+def test_every_tool_creates_an_event(tool, shift):
     event = event_for_stroke(tool, STROKE, shift, 4.0)
     assert event is not None
     assert event.source == "pointer"
@@ -60,11 +60,11 @@ def test_every_tool_makes_an_event(tool, shift):
         ("T", False, events.Travel(points="0.00 0.00, 0.50 0.50, 2.00 0.00", **STAMP)),
     ],
 )
-def test_what_strokes_place(tool, shift, event):
+def test_strokes_create_the_expected_elements(tool, shift, event):
     assert event_for_stroke(tool, STROKE, shift, 4.0) == event
 
 
-def test_a_click_is_no_line_but_a_small_region():
+def test_click_creates_small_region_but_no_line():
     assert event_for_stroke("L", [(1.0, 1.0)], False, 4.0) is None
     assert event_for_stroke("P", [(1.0, 1.0)] * 9, False, 4.0) is None
     assert event_for_stroke("R", [(1.0, 1.0)], False, 4.0).radius == MIN_STROKE
@@ -72,7 +72,7 @@ def test_a_click_is_no_line_but_a_small_region():
 
 
 @given(st.lists(st.tuples(st.floats(-99.99, 99.99), st.floats(-99.99, 99.99)), min_size=2, max_size=300))
-def test_a_long_stroke_is_thinned_to_a_text_that_is_taken(points):
+def test_long_stroke_is_thinned_to_point_limit(points):
     event = event_for_stroke("D", points, False, 4.0)
     far = sum(math.dist(a, b) for a, b in itertools.pairwise(points))
     assert (event is not None) == (far >= MIN_STROKE)

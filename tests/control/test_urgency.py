@@ -1,4 +1,4 @@
-"""Urgency: whatever the system refuses, the thread runs on, and its timers are exact."""
+"""Tests of urgency: refused system calls do not stop the thread, and timers are exact."""
 
 import ctypes
 import os
@@ -13,8 +13,8 @@ from live.control import realtime_priority as urgency
 PR_GET_TIMERSLACK = 30
 
 
-def in_a_thread(act: Any) -> Any:
-    """What `act` gives in a thread of its own, whose priorities end with it."""
+def run_in_thread(act: Any) -> Any:
+    """The result of `act` in a thread of its own, whose priorities end with it."""
     given: list[Any] = []
     thread = threading.Thread(target=lambda: given.append(act()))
     thread.start()
@@ -22,14 +22,14 @@ def in_a_thread(act: Any) -> Any:
     return given[0]
 
 
-def refused(*_: Any) -> None:
+def refuse(*_: Any) -> None:
     raise PermissionError(1, "not allowed")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="Linux' own calls")
-def test_without_any_right_timers_are_exact_and_slices_short(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(os, "sched_setscheduler", refused)
-    monkeypatch.setattr(os, "setpriority", refused)
+def test_unprivileged_thread_gets_exact_timers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_setscheduler", refuse)
+    monkeypatch.setattr(os, "setpriority", refuse)
 
     def hurried() -> tuple[bool, int, int, int]:
         before = os.getpriority(os.PRIO_PROCESS, 0)
@@ -37,11 +37,11 @@ def test_without_any_right_timers_are_exact_and_slices_short(monkeypatch: pytest
         slack = ctypes.CDLL(None).prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0)
         return done, slack, os.sched_getscheduler(0), os.getpriority(os.PRIO_PROCESS, 0) - before
 
-    assert in_a_thread(hurried) == (False, 1, os.SCHED_OTHER, 0)
+    assert run_in_thread(hurried) == (False, 1, os.SCHED_OTHER, 0)
 
 
-def test_a_system_that_has_none_of_it_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(os, "sched_setscheduler", refused)
-    monkeypatch.setattr(os, "setpriority", refused)
+def test_unsupported_system_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_setscheduler", refuse)
+    monkeypatch.setattr(os, "setpriority", refuse)
     monkeypatch.setattr(sys, "platform", "darwin")
-    assert in_a_thread(urgency.request_realtime) is False
+    assert run_in_thread(urgency.request_realtime) is False

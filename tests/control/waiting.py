@@ -1,4 +1,4 @@
-"""Wait for something of a real part, with a deadline."""
+"""Waits for a condition with a deadline."""
 
 import time
 from collections.abc import Callable
@@ -8,7 +8,7 @@ BUSY = 4.0
 
 
 def wait_for(what: Callable[[], bool], seconds: float) -> bool:
-    """Whether `what` became true within `seconds` of an idle machine."""
+    """Whether the condition became true within `seconds` of an idle machine."""
     deadline = time.monotonic() + BUSY * seconds
     while time.monotonic() < deadline:
         if what():

@@ -31,12 +31,12 @@ class Phone:
         self._touch = self.context.new_cdp_session(self.page)
 
     def ready(self):
-        """Wait until it plays and knows the beat; returns itself."""
+        """Wait until the phone plays and knows the beat; returns itself."""
         self.until("live.ready()")
         return self
 
     def until(self, expression):
-        """Wait until it is true in the page, whose own policy lets nobody evaluate anything in it for long."""
+        """Poll until the expression is true in the page, whose security policy forbids long evaluation."""
         deadline = time.monotonic() + 60.0
         while not self.page.evaluate(expression):
             assert time.monotonic() < deadline, f"waited in vain for {expression}: {self.errors}"
@@ -48,12 +48,12 @@ class Phone:
         )
 
     def at(self, across, down):
-        """A place of the surface, shares of its width and height, in pixels of the page."""
+        """Page pixels of a surface position given as shares of width and height."""
         box = self.page.locator("#stage").bounding_box()
         return box["x"] + across * box["width"], box["y"] + down * box["height"]
 
     def drag(self, start, end, steps=6):
-        """Put a finger down and move it; it stays."""
+        """Put a finger down, move it and leave it down."""
         self._send("touchStart", self.at(*start))
         for step in range(1, steps + 1):
             share = step / steps
@@ -70,7 +70,7 @@ class Phone:
 
 @contextlib.contextmanager
 def browser(*arguments):
-    """Yields (the browser, the device that its phones are); `arguments`: more for Chromium."""
+    """Yields (the browser, the device emulated by its phones); `arguments`: further ones for Chromium."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:

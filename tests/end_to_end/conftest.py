@@ -1,4 +1,4 @@
-"""The command `live` as a user starts it, with what it writes read back."""
+"""The command `live` as a user starts it, with its output files read back."""
 
 import json
 import os
@@ -45,16 +45,16 @@ class Running:
     process: subprocess.Popen[str]
     status: Path
     mark: str
-    """What the environment of all its processes has."""
+    """The environment entry of all its processes."""
 
     def lines(self) -> list[dict[str, Any]]:
-        """The whole status lines written so far."""
+        """Complete status lines written so far."""
         text = self.status.read_text() if self.status.exists() else ""
         return [json.loads(line) for line in text.splitlines(keepends=True) if line.endswith("\n")]
 
     def wait_for(self, condition: Callable[[dict[str, Any]], bool], seconds: float) -> dict[str, Any]:
-        """The first status line that fulfils the condition; fails when the process ends, or after `seconds` of an idle
-        machine."""
+        """The first status line that fulfills the condition; fails when the process ends, or after `seconds` on an
+        idle machine."""
         deadline = time.monotonic() + BUSY * seconds
         while time.monotonic() < deadline:
             for line in self.lines():
@@ -81,7 +81,7 @@ class Running:
 
 
 def end_all(mark: str) -> None:
-    """Kill every process whose environment has this word."""
+    """Kill every process with this entry in its environment."""
     for path in Path("/proc").glob("[0-9]*"):
         try:
             if mark.encode() in (path / "environ").read_bytes().split(b"\0"):
@@ -91,7 +91,7 @@ def end_all(mark: str) -> None:
 
 
 def children(running: Running, module: str) -> list[int]:
-    """Processes of that module which the command has started, the oldest first."""
+    """Processes of that module started by the command, the oldest first."""
     found = []
     for folder in Path("/proc").glob("[0-9]*"):
         try:

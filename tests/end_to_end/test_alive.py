@@ -1,4 +1,4 @@
-"""Shows whose processes are killed in the middle: the same measure, the same states, never a desktop."""
+"""Shows with processes killed midway: the same measure, the same states, and no visible desktop."""
 
 import json
 import os
@@ -22,7 +22,7 @@ from tests.cli.command import run_live
 from tests.control.waiting import BUSY, wait_for
 from tests.end_to_end.conftest import Running, children, end_all
 from tests.end_to_end.test_window_show import _needs
-from tests.fixtures.screen_eye import Eye
+from tests.fixtures.screen_eye import ScreenReader
 from tests.fixtures.two_monitor_x import FIRST, TwoMonitorX
 from tests.supervisor.made_machines import free_port, pair_folders
 
@@ -30,23 +30,22 @@ RED = "c00000"
 """What the desktop shows where nothing else is seen."""
 
 
-def until_spare(running: Running) -> None:
+def wait_for_spare(running: Running) -> None:
     running.wait_for(lambda line: line["alive"].get("spare", False) and line["measure"] > 2, 60)
 
 
-def verified(journal: Path, begin: int = 1) -> dict[str, object]:
+def verify_journal(journal: Path, begin: int = 1) -> dict[str, object]:
     done = run_live("replay", str(journal), "--verify", "--json", "--from", str(begin))
     assert done.returncode == 0, done.stdout + done.stderr
     found: dict[str, object] = json.loads(done.stdout)
     return found
 
 
-def test_whatever_is_killed_the_show_goes_on_in_the_same_measure_with_the_same_states(
-    play, patch: Path, tmp_path: Path
-):
-    """One show: its sound and who reads OSC are killed, then three engines, sooner than a spare can prepare itself. The
-    journal of all of them is that of one show; the music plays on in its own process; what was sent while nobody danced
-    is in it. Who was let in by the operator's page is let in again."""
+def test_killed_processes_leave_measure_and_states_unchanged(play, patch: Path, tmp_path: Path):
+    """One show: audio process and OSC reader are killed, then three engines, sooner than a spare can prepare itself.
+    The journal of all of them is that of one show; the music plays on in its own process; messages sent while no
+    engine ran are in it. A client logged in to the operator's page is accepted again.
+    """
     journal = tmp_path / "j.jsonl"
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
@@ -56,32 +55,32 @@ def test_whatever_is_killed_the_show_goes_on_in_the_same_measure_with_the_same_s
     how = (str(patch), "--audio", str(PATCHES / "music" / "first_show.ogg"), "--headless", "--osc", f"127.0.0.1:{port}")
     config = {"LIVE_CONFIG_DIR": str(tmp_path / "config")}
     running = play(*how, "--web", str(page), "--journal", str(journal), env=config)
-    until_spare(running)
+    wait_for_spare(running)
     key = (tmp_path / "config" / "web-key").read_text().strip()
-    assert wait_for(lambda: page_answers(page, key) == 200, 20)
+    assert wait_for(lambda: page_status(page, key) == 200, 20)
     os.kill(children(running, "audio_main")[0], signal.SIGKILL)
     os.kill(children(running, "osc_reader")[0], signal.SIGKILL)
     running.wait_for(lambda line: line["alive"].get("audio_restarts") == line["alive"].get("osc_restarts") == 1, 20)
     before = running.lines()[-1]
-    after = three_kills_half_a_second_apart(running, port)
+    after = kill_three_engines(running, port)
     beats = (after["time"] - before["time"]) * after["bpm"] / 60  # the measure is the one that it would have been
     assert after["measure"] - before["measure"] == pytest.approx(beats / 4, abs=1.0)
     heard = journal.read_text().count('"audio"')
     assert wait_for(lambda: journal.read_text().count('"audio"') > heard + 3, 20)
     running.wait_for(lambda line: line["alive"].get("spare", False) and line["measure"] > after["measure"] + 1, 20)
-    assert wait_for(lambda: page_answers(page, key) == 200, 20), "the key is the same in every engine"
-    assert page_answers(page, "another-key-than-that") == 401
+    assert wait_for(lambda: page_status(page, key) == 200, 20), "the key is the same in every engine"
+    assert page_status(page, "another-key-than-that") == 401
     processes = children(running, "process")
     assert "Traceback" not in running.stop()
     assert wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in processes), 5)
-    found = verified(journal)
+    found = verify_journal(journal)
     assert found["complete"]
     assert int(str(found["measures"])) > after["measure"]
     assert journal.read_text().count('"Blackout"') == 1
 
 
-def page_answers(port: int, key: str) -> int:
-    """The status with which the operator's page answers who brings this key; 0 while nobody does."""
+def page_status(port: int, key: str) -> int:
+    """The HTTP status of the operator's page for this key; 0 without an answer."""
     asked = urllib.request.Request(f"http://127.0.0.1:{port}/surface.json", headers={"Authorization": f"Bearer {key}"})
     try:
         with urllib.request.urlopen(asked, timeout=5.0) as answer:
@@ -92,9 +91,10 @@ def page_answers(port: int, key: str) -> int:
         return 0
 
 
-def three_kills_half_a_second_apart(running: Running, port: int) -> dict[str, Any]:
-    """Kill to dance within three seconds: who comes after the spare comes out of the nursery, with all loaded. The
-    stage is made black by OSC at `port` while nobody is there."""
+def kill_three_engines(running: Running, port: int) -> dict[str, Any]:
+    """From kill to dance within three seconds: the engine after the spare comes from the nursery, with all loaded. The
+    stage is blacked out by OSC at `port` while no engine runs.
+    """
     engine, nursery, spare = children(running, "engine_main")
     killed: list[int] = []
 
@@ -108,7 +108,7 @@ def three_kills_half_a_second_apart(running: Running, port: int) -> dict[str, An
         killed.append(dancing()[0])
         os.kill(killed[-1], signal.SIGKILL)
         if not number:
-            blackout(port)
+            send_blackout(port)
     assert killed[:2] == [engine, spare]
     line = running.wait_for(lambda line: line["alive"].get("restarts") == 3 and line["alive"]["takeover_s"], 20)
     assert line["alive"]["takeover_s"] < 3.0 * BUSY  # since the first of them
@@ -117,9 +117,10 @@ def three_kills_half_a_second_apart(running: Running, port: int) -> dict[str, An
     return line
 
 
-def test_a_show_outlives_its_supervisor_and_the_next_one_takes_it_over(play, patch: Path, tmp_path: Path):
-    """Supervisor killed: ticks, journal, sound, status and OSC go on, in the same engine. Started again, it takes that
-    engine over; then the engine is killed, and the show goes on as if it had always been the supervisor's."""
+def test_show_outlives_supervisor_and_is_adopted_by_next_one(play, patch: Path, tmp_path: Path):
+    """Supervisor killed: ticks, journal, sound, status and OSC continue in the same engine. Started again, it adopts
+    that engine; then the engine is killed, and the show continues as if it had always been the supervisor's.
+    """
     journal = tmp_path / "j.jsonl"
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
@@ -130,7 +131,7 @@ def test_a_show_outlives_its_supervisor_and_the_next_one_takes_it_over(play, pat
     assert service[:4] == [sys.executable, "-m", "live", "play"]
     own = {"XDG_RUNTIME_DIR": str(tmp_path)}
     running = play(*service[4:], env=own)
-    until_spare(running)
+    wait_for_spare(running)
     engine, sound = children(running, "engine_main")[0], children(running, "audio_main")[0]
     running.process.kill()
     running.process.wait()
@@ -139,7 +140,7 @@ def test_a_show_outlives_its_supervisor_and_the_next_one_takes_it_over(play, pat
     alone = running.lines()[-1]
     assert not alone["alive"]["supervised"]
     assert alone["audio"]["state"] == killed["audio"]["state"]
-    blackout(port)
+    send_blackout(port)
     assert wait_for(lambda: '"Blackout"' in journal.read_text(), 10)
     again = play(*service[4:], env=own, status=running.status)
     again.wait_for(lambda line: line["alive"].get("adopted") == 1 and line["alive"]["supervised"], 30)
@@ -150,19 +151,19 @@ def test_a_show_outlives_its_supervisor_and_the_next_one_takes_it_over(play, pat
     again.wait_for(lambda now: now["measure"] > line["measure"] + 1, 20)
     beats = (line["time"] - killed["time"]) * line["bpm"] / 60
     assert line["measure"] - killed["measure"] == pytest.approx(beats / 4, abs=1.0)
-    gaps = [after["time"] - before["time"] for before, after in pairwise(lines_until(again.lines(), alone, line))]
+    gaps = [after["time"] - before["time"] for before, after in pairwise(lines_between(again.lines(), alone, line))]
     assert max(gaps) < 3.0 * BUSY
     processes = children(again, "process")
     assert "Traceback" not in again.stop()
     assert wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in (*processes, sound)), 5)
-    found = verified(journal)
+    found = verify_journal(journal)
     assert found["complete"]
     assert found["problems"] == []
 
 
 @pytest.mark.long
-def test_a_service_of_which_no_process_is_left_goes_on_from_its_journal(play, patch: Path, tmp_path: Path):
-    """All are killed at once; what systemd starts then stands in the measure where the show would be."""
+def test_service_without_processes_resumes_from_journal(play, patch: Path, tmp_path: Path):
+    """All are killed at once; the service started next by systemd is in the measure where the show would be."""
     journal = tmp_path / "j.jsonl"
     how = (str(patch), "--bpm", "240", "--headless", "--osc", "127.0.0.1:0", "--journal", str(journal))
     service = SystemdService("evening", how, tmp_path, True, {}).command()
@@ -176,23 +177,23 @@ def test_a_service_of_which_no_process_is_left_goes_on_from_its_journal(play, pa
     back = again.lines()[-1]
     assert back["measure"] - gone["measure"] == pytest.approx(back["time"] - gone["time"], abs=1.1)
     assert "Traceback" not in again.stop()
-    found = verified(journal)
+    found = verify_journal(journal)
     assert found["complete"]
     assert int(str(found["measures"])) >= back["measure"] - 3  # hashes that were on their way are lost with all
 
 
-def lines_until(lines: list[dict[str, Any]], first: dict[str, Any], last: dict[str, Any]) -> list[dict[str, Any]]:
+def lines_between(lines: list[dict[str, Any]], first: dict[str, Any], last: dict[str, Any]) -> list[dict[str, Any]]:
     return [line for line in lines if first["time"] <= line["time"] <= last["time"]]
 
 
-def blackout(port: int) -> None:
+def send_blackout(port: int) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         sender.sendto(b"/dance/blackout\0,i\0\0\0\0\0\1", ("127.0.0.1", port))
 
 
 @pytest.mark.long
-def test_a_machine_that_stands_by_dances_the_same_and_goes_on_when_the_other_is_gone(play, patch: Path, tmp_path: Path):
-    """Two machines that are paired; the one that stands by has no screen, draws into a share and tells how it is."""
+def test_standby_machine_dances_same_show_and_takes_over(play, patch: Path, tmp_path: Path):
+    """Two paired machines; the standby has no screen, draws into a share and reports its state."""
     one, two, name = tmp_path / "one", tmp_path / "two", f"standby-{os.getpid()}"
     pair_folders(one, two)
     port = free_port()
@@ -207,26 +208,24 @@ def test_a_machine_that_stands_by_dances_the_same_and_goes_on_when_the_other_is_
     ready = other.wait_for(lambda line: line["alive"].get("is_deputy", False), 20)
     assert (ready["alive"]["ready"], ready["alive"]["follows"]) == (True, "one")
     assert wait_for(lambda: _hashes(tmp_path / "j.jsonl") > 4, 60)
-    before, _ = newest(name)
-    assert wait_for(lambda: newest(name)[0] > before + 10, 10)
-    assert max(newest(name)[1]) > 30  # it is no black picture
+    before, _ = newest_picture(name)
+    assert wait_for(lambda: newest_picture(name)[0] > before + 10, 10)
+    assert max(newest_picture(name)[1]) > 30  # it is no black picture
     for pid in (*children(leader, "engine_main"), leader.process.pid):
         os.kill(pid, signal.SIGKILL)
     line = other.wait_for(lambda line: line["alive"].get("epoch") == 2, 20)
     assert ready["measure"] <= line["measure"]
-    before, _ = newest(name)
-    assert wait_for(lambda: newest(name)[0] > before + 10, 10)  # the same ring goes on
+    before, _ = newest_picture(name)
+    assert wait_for(lambda: newest_picture(name)[0] > before + 10, 10)  # the same ring goes on
     assert (line["alive"]["different"], line["alive"]["compared"] > 3) == (0, True)
     other.wait_for(lambda now: now["measure"] > line["measure"] + 2, 20)
     assert "Traceback" not in other.stop()
-    verified(tmp_path / "j.jsonl")
+    verify_journal(tmp_path / "j.jsonl")
 
 
 @pytest.mark.long
-def test_a_leader_that_was_stopped_follows_when_it_is_back_and_leads_once_more_when_it_has_to(
-    play, patch: Path, tmp_path: Path
-):
-    """The real engines of both change their parts twice, and both journals verify."""
+def test_stopped_leader_follows_after_return_and_leads_again_when_needed(play, patch: Path, tmp_path: Path):
+    """The real engines of both change roles twice, and both journals verify."""
     one, two = tmp_path / "one", tmp_path / "two"
     pair_folders(one, two)
     port = free_port()
@@ -252,11 +251,11 @@ def test_a_leader_that_was_stopped_follows_when_it_is_back_and_leads_once_more_w
     assert again["alive"]["silent_s"] < 3.0
     assert not again["alive"]["fenced"]
     assert "Traceback" not in leader.stop()
-    verified(journals[0], begin=back["measure"])  # it begins with the snapshot that the other one gave
+    verify_journal(journals[0], begin=back["measure"])  # it begins with the snapshot that the other one gave
     assert journals[0].with_name("one.jsonl.1").exists()  # what it led before
 
 
-def newest(name: str) -> tuple[int, bytes]:
+def newest_picture(name: str) -> tuple[int, bytes]:
     """The number of the newest picture of a share of 160 x 96, and its pixels."""
     data = ring_path(name).read_bytes()
     number = int.from_bytes(data[32:40], "little")
@@ -271,9 +270,7 @@ def _hashes(journal: Path) -> int:
 
 @pytest.mark.long
 @pytest.mark.x11
-def test_on_a_projector_the_dance_comes_back_and_the_desktop_is_never_seen(
-    play, patch: Path, two_monitor_x: TwoMonitorX
-):
+def test_projector_shows_dance_again_and_never_desktop(play, patch: Path, two_monitor_x: TwoMonitorX):
     _needs("xsetroot")
     two_monitor_x.plug_both()
     two_monitor_x.run("xsetroot", "-solid", f"#{RED}")
@@ -281,8 +278,8 @@ def test_on_a_projector_the_dance_comes_back_and_the_desktop_is_never_seen(
     running = play(
         str(patch), "--bpm", "150", "--monitor", "2", "--fullscreen", "--osc", "127.0.0.1:0", env=environment
     )  # fmt: skip
-    until_spare(running)
-    eye = Eye(two_monitor_x.display, FIRST[0] + 400, 560)  # on the stage's floor, near the audience
+    wait_for_spare(running)
+    eye = ScreenReader(two_monitor_x.display, FIRST[0] + 400, 560)  # on the stage's floor, near the audience
     try:
         floor = eye.see()
         assert floor not in (RED, "000000")
@@ -302,7 +299,7 @@ def test_on_a_projector_the_dance_comes_back_and_the_desktop_is_never_seen(
         eye.close()
 
 
-def test_machines_need_a_supervisor(tmp_path: Path):
+def test_lead_and_standby_need_supervisor_and_valid_address(tmp_path: Path):
     for option in (("--lead", "9020"), ("--standby", "somewhere")):
         done = run_live("play", "--headless", "--alone", *option)
         assert done.returncode == 2
@@ -314,7 +311,7 @@ def test_machines_need_a_supervisor(tmp_path: Path):
 
 
 @pytest.mark.parametrize("signals", [(signal.SIGINT,), (signal.SIGTERM,)])
-def test_a_start_that_is_broken_off_leaves_nobody_behind(play, patch: Path, signals):
+def test_interrupted_start_leaves_no_process(play, patch: Path, signals):
     running = play(str(patch), "--headless", "--osc", "127.0.0.1:0")
     assert wait_for(lambda: len(children(running, "process")) > 0, 20)
     processes = children(running, "process")
@@ -326,7 +323,7 @@ def test_a_start_that_is_broken_off_leaves_nobody_behind(play, patch: Path, sign
 
 
 @pytest.mark.long
-def test_a_person_s_error_is_said_once_and_ends_the_command(tmp_path: Path):
+def test_person_error_is_printed_once_and_ends_command(tmp_path: Path):
     done = subprocess.run(
         [sys.executable, "-m", "live", "play", "no-such-patch", "--headless"],
         capture_output=True,

@@ -1,4 +1,4 @@
-"""The code that the audience joins by, on a real window: a key shows it, OSC hides it, and it leads in."""
+"""The audience's QR code on a real window: shown by a key, hidden over OSC."""
 
 import shutil
 import subprocess
@@ -14,30 +14,30 @@ OSC, PHONES = 19023, 19024
 
 
 @pytest.mark.skipif(not (shutil.which("xdotool") and shutil.which("oscsend")), reason="needs xdotool and liblo-tools")
-def test_the_code_is_shown_by_a_key_and_hidden_over_osc(play, patch: Path, two_monitor_x: TwoMonitorX):
+def test_code_is_shown_by_key_and_hidden_over_osc(play, patch: Path, two_monitor_x: TwoMonitorX):
     two_monitor_x.plug_both()
     running = play(
         str(patch), "--bpm", "120", "--monitor", "2", "--fullscreen", "--alone", "--osc", f"127.0.0.1:{OSC}",
         "--audience", str(PHONES), env={"DISPLAY": two_monitor_x.display},
     )  # fmt: skip
     running.wait_for(lambda line: line["frames"] > 20 and line["audience"]["at"].endswith(str(PHONES)), 60)
-    assert white(two_monitor_x) < 0.02
+    assert white_share(two_monitor_x) < 0.02
     two_monitor_x.run("xdotool", "key", "q")
-    until(lambda: 0.1 < white(two_monitor_x) < 0.5)  # a panel of light and dark, in the middle
+    wait_until(lambda: 0.1 < white_share(two_monitor_x) < 0.5)  # a panel of light and dark, in the middle
     middle = two_monitor_x.screenshot()[: SECOND[1], FIRST[0] : FIRST[0] + SECOND[0]][200:400, 300:500, 0]
     assert 0.3 < (middle > 128).mean() < 0.75  # as many light as dark modules, or nearly
     running.wait_for(lambda line: line["outputs"][0]["card"] == "qr", 30)
     subprocess.run(["oscsend", "127.0.0.1", str(OSC), "/dance/audience/qr", "i", "0"], check=True)
-    until(lambda: white(two_monitor_x) < 0.02)
+    wait_until(lambda: white_share(two_monitor_x) < 0.02)
 
 
-def white(server: TwoMonitorX) -> float:
-    """Which share of the second monitor is as light as paper."""
+def white_share(server: TwoMonitorX) -> float:
+    """The share of the second monitor that is as light as paper."""
     seen = server.screenshot()[: SECOND[1], FIRST[0] : FIRST[0] + SECOND[0]]
     return float((seen.min(axis=2) > 200).mean())
 
 
-def until(what, seconds=60.0):
+def wait_until(what, seconds=60.0):
     deadline = time.monotonic() + seconds
     while not what():
         assert time.monotonic() < deadline, "waited in vain"

@@ -1,4 +1,4 @@
-"""A show beside three busy loops for each processor: it goes on, and nobody is killed for being slow."""
+"""A show beside three busy loops for each processor: it continues, and no process is killed for being slow."""
 
 import os
 import socket
@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.supervisor.test_process_stats import PER_PROCESSOR, dead_children
+from tests.supervisor.test_process_stats import PER_PROCESSOR, zombie_children
 
 SECONDS = 75.0
 BPM = 120.0
@@ -19,7 +19,7 @@ BPM = 120.0
 
 @pytest.fixture
 def busy_machine() -> Iterator[None]:
-    """Loops with as much right to a processor as any other program."""
+    """Loops with the same priority as any other program."""
     loop = [sys.executable, "-S", "-c", "while True: pass"]
     count = PER_PROCESSOR * len(os.sched_getaffinity(0))
     loops = [subprocess.Popen(loop, start_new_session=True) for _ in range(count)]
@@ -30,7 +30,7 @@ def busy_machine() -> Iterator[None]:
 
 
 def answers(port: int) -> bool:
-    """Whether the page answers, in whatever words, to somebody without its key."""
+    """Whether the page answers a request without its key with any status."""
     try:
         urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=10.0).close()
     except urllib.error.HTTPError:
@@ -41,7 +41,7 @@ def answers(port: int) -> bool:
 
 
 @pytest.mark.soak
-def test_a_show_of_24_dancers_goes_on_without_one_kill(play, request):
+def test_show_of_24_dancers_continues_without_kills(play, request):
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
     running = play("--bpm", f"{BPM:g}", "--headless", "--osc", "127.0.0.1:0", "--web", f"127.0.0.1:{port}")
@@ -58,5 +58,5 @@ def test_a_show_of_24_dancers_goes_on_without_one_kill(play, request):
     measures = (now["time"] - before["time"]) * BPM / 240.0
     assert now["measure"] - before["measure"] == pytest.approx(measures, abs=1.0)
     assert all(asked)
-    assert dead_children(running.process.pid) == []
+    assert zombie_children(running.process.pid) == []
     assert "no sign of life" not in running.stop()

@@ -24,9 +24,10 @@ def _as_wav(path: Path, seconds: float) -> Path:
 
 
 @pytest.mark.pulse
-def test_music_heard_by_the_input_device_changes_measures(play, patch: Path, pulse_sink, tmp_path: Path):
-    """The patch begins at 90 bpm in its own clock; the music's 112 bpm must be heard to be known. `--alone` means one
-    process, which listens and dances."""
+def test_music_from_input_device_changes_measures(play, patch: Path, pulse_sink, tmp_path: Path):
+    """The patch begins at 90 bpm in its own clock; the music's 112 bpm comes only from the input. `--alone` means one
+    process for listening and dancing.
+    """
     patch.write_text("clock = {bpm = 90}\n" + patch.read_text())
     running = play(
         str(patch), "--headless", "--audio", "pulse", "--seconds", "90", "--osc", "127.0.0.1:0", "--alone",

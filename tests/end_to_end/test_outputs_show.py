@@ -1,4 +1,4 @@
-"""A show on a bent projector beside the operator's window: cards from afar, bending by keys, what the venue keeps."""
+"""A show on a warped projector beside the operator's window: cards by OSC, warping by keys, saved venue file."""
 
 import subprocess
 import tomllib
@@ -23,7 +23,7 @@ corners = [[0.1, 0.1], [0.95, 0.0], [0.9, 1.0], [0.0, 0.9]]
 @pytest.mark.long
 @pytest.mark.x11
 @pytest.mark.liblo
-def test_a_projector_is_set_up_while_the_show_runs(play, patch: Path, tmp_path: Path, two_monitor_x: TwoMonitorX):
+def test_projector_is_set_up_during_show(play, patch: Path, tmp_path: Path, two_monitor_x: TwoMonitorX):
     _needs("oscsend", "xdotool")
     two_monitor_x.plug_both()
     (tmp_path / "venues").mkdir()
@@ -66,7 +66,7 @@ def test_a_projector_is_set_up_while_the_show_runs(play, patch: Path, tmp_path: 
 
 @pytest.mark.long
 @pytest.mark.x11
-def test_a_venue_for_a_monitor_that_is_not_there_is_refused_before_the_show(
+def test_venue_with_missing_monitor_is_refused_before_show(
     play, patch: Path, tmp_path: Path, two_monitor_x: TwoMonitorX
 ):
     two_monitor_x.plug_both()

@@ -1,4 +1,4 @@
-"""Phones in headless Chromium: join by the link, drag, see it in the show and in the picture, die and resume."""
+"""Phones in headless Chromium: join by the link, drag, appear in show and picture, disconnect and resume."""
 
 import os
 import signal
@@ -27,7 +27,7 @@ BEAT_WITHIN = 0.015
 
 
 class Stage:
-    """A show that runs in a thread, with its audience; `lock` to look at it."""
+    """A show that runs in a thread, with its audience; hold `lock` to inspect it."""
 
     def __init__(self, audience='regions = ["stalls", "balcony"]\nvote_measures = 1\n', **wished):
         self.show = made_show(f"[audience]\n{audience}")
@@ -88,8 +88,8 @@ def hall(chromium):
         yield stage, lambda link=None, language="en-GB": Phone(opened, device, link or stage.part.link, language)
 
 
-def on_stage(across, down):
-    """Where a place of the page's surface lies on the stage [m]: the page's perspective, worked out another way."""
+def stage_position(across, down):
+    """The stage position [m] of a place on the page's surface: the page's perspective, computed in another way."""
     inset, far = 0.06, 0.7
     wide = far + (1 - far) * (down - inset) / (1 - 2 * inset)
     x = (across - 0.5) / (wide * (1 - 2 * inset)) * 12.0
@@ -97,20 +97,20 @@ def on_stage(across, down):
     return x, depth * 8.0 - 4.0
 
 
-def test_a_phone_joins_by_the_link_and_its_drag_is_an_attractor_in_show_and_picture(hall):
+def test_phone_joins_by_link_and_drag_is_attractor_in_show_and_picture(hall):
     stage, phone_of = hall
     phone = phone_of().ready()
     number = phone.page.evaluate("live.me().number")
     assert "#" not in phone.page.url  # whoever sees it over her shoulder cannot use it
     assert phone.page.get_attribute("html", "lang") == "en"
     phone.drag((0.5, 0.5), (0.75, 0.6))
-    stage.await_place("audience 1", *on_stage(0.75, 0.6))
+    stage.await_place("audience 1", *stage_position(0.75, 0.6))
     assert wait_for(
-        lambda: np.hypot(*np.subtract(stage.lights().get(number, (99, 99)), on_stage(0.75, 0.6))) < 0.3, 5.0
+        lambda: np.hypot(*np.subtract(stage.lights().get(number, (99, 99)), stage_position(0.75, 0.6))) < 0.3, 5.0
     )
     phone.until("live.lit()")
     assert "light is on the stage" in phone.page.inner_text("#said")
-    lit, dark = pictures(stage)
+    lit, dark = draw_pictures(stage)
     hue = phone.page.evaluate("live.me().hue") / 1000
     change = (lit - dark)[(lit - dark).max(axis=2) > 10]
     assert len(change) > 50  # it is seen ...
@@ -122,7 +122,7 @@ def test_a_phone_joins_by_the_link_and_its_drag_is_an_attractor_in_show_and_pict
     phone.context.close()
 
 
-def pictures(stage):
+def draw_pictures(stage):
     """The projector's picture now, with the phones' lights and without, each (180, 320, 3)."""
     from live.render.headless import create_headless_context, release_headless_context
     from live.render.renderer import Renderer
@@ -145,7 +145,7 @@ def pictures(stage):
     return seen
 
 
-def test_hold_repels_and_beats_are_known_to_the_phone(hall):
+def test_hold_repels_and_phone_knows_beat(hall):
     stage, phone_of = hall
     phone = phone_of(language="pt-PT").ready()
     assert phone.page.get_attribute("html", "lang") == "pt"
@@ -169,7 +169,7 @@ def test_hold_repels_and_beats_are_known_to_the_phone(hall):
     phone.context.close()
 
 
-def test_five_phones_vote_and_take_turns_and_the_winner_is_called(hall):
+def test_five_phones_vote_and_take_turns_and_winner_is_reported(hall):
     stage, phone_of = hall
     phones = [phone_of() for _ in range(5)]
     for phone in phones:
@@ -196,7 +196,7 @@ def test_five_phones_vote_and_take_turns_and_the_winner_is_called(hall):
         phone.context.close()
 
 
-def test_a_killed_gateway_is_back_and_phones_resume_while_frames_go_on(hall):
+def test_killed_gateway_restarts_and_phones_resume_while_frames_continue(hall):
     stage, phone_of = hall
     phone = phone_of().ready()
     me = phone.page.evaluate("live.me()")
@@ -215,21 +215,21 @@ def test_a_killed_gateway_is_back_and_phones_resume_while_frames_go_on(hall):
     phone.until("live.me() !== null && live.me() !== window.before")
     assert phone.page.evaluate("live.me().number") == me["number"]
     phone.drag((0.5, 0.5), (0.2, 0.5))
-    stage.await_place("audience 1", *on_stage(0.2, 0.5))
+    stage.await_place("audience 1", *stage_position(0.2, 0.5))
     stage.say(events.OpenAudience, on=False)
     phone.until("document.getElementById('said').textContent.startsWith('Not now')")
     assert wait_for(lambda: not any(source.startswith("audience") for source in stage.elements()), 5.0)
     phone.context.close()
 
 
-def test_without_a_link_a_phone_is_asked_to_scan_the_code(hall):
+def test_phone_without_link_is_asked_to_scan_code(hall):
     stage, phone_of = hall
     phone = phone_of(stage.part.address)
     phone.until("document.getElementById('said').textContent.includes('scan the code')")
     phone.context.close()
 
 
-def test_who_finds_all_places_taken_waits_with_a_voucher_and_comes_in_by_itself(chromium):
+def test_phone_waits_with_voucher_when_full_and_joins_automatically(chromium):
     opened, device = chromium
     with Stage("phones = 1") as stage:
         first = Phone(opened, device, stage.part.link).ready()
@@ -247,7 +247,7 @@ def test_who_finds_all_places_taken_waits_with_a_voucher_and_comes_in_by_itself(
         waiting.context.close()
 
 
-def test_a_phone_that_hears_nothing_for_long_comes_back_as_itself(hall):
+def test_phone_returns_with_same_number_after_long_silence(hall):
     stage, phone_of = hall
     phone = phone_of().ready()
     number = phone.page.evaluate("live.me().number")

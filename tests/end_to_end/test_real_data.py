@@ -1,4 +1,4 @@
-"""Real music and real recordings: the show follows a file of beats and dances clips of motion capture."""
+"""Real music and real recordings: the show follows a music file and dances clips of motion capture."""
 
 import json
 from pathlib import Path
@@ -37,8 +37,8 @@ def _salsa(folder: Path) -> Path:
 
 @pytest.mark.long
 @pytest.mark.shared
-def test_the_show_follows_music_and_dances_recordings(tmp_path):
-    """A band at 104 bpm; the film is small, its journal replays, and what was danced comes from the recordings."""
+def test_show_follows_music_and_dances_recordings(tmp_path):
+    """A band at 104 bpm; the film is small, its journal replays, and the danced steps come from the recordings."""
     music = _shared("beats", "open", "o03_band_104.ogg")
     library = _salsa(tmp_path / "library")
     film, journal, report = (tmp_path / name for name in ("a.mp4", "a.jsonl", "a.json"))

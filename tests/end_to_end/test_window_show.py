@@ -19,12 +19,12 @@ def _needs(*programs: str) -> None:
 
 
 def _second_monitor(server: TwoMonitorX) -> np.ndarray:
-    """What the second monitor shows, (height, width, 3)."""
+    """The picture of the second monitor, (height, width, 3)."""
     return server.screenshot()[: SECOND[1], FIRST[0] : FIRST[0] + SECOND[0]].astype(int)
 
 
 def _dancers_at(picture: np.ndarray) -> float:
-    """Where the blue dancers are across the picture: the mean column [share of the width] of strongly blue pixels."""
+    """Position of the blue dancers across the picture: the mean column [share of the width] of strongly blue pixels."""
     blue = (picture[..., 2] > 70) & (picture[..., 2] > 1.7 * picture[..., 0])
     assert blue.sum() > 500, "no blue dancers in the picture"
     return float(np.nonzero(blue)[1].mean() / SECOND[0])
@@ -44,7 +44,7 @@ def _wait_until(condition, seconds: float, running: Running, what: str) -> None:
 
 @pytest.mark.x11
 @pytest.mark.liblo
-def test_dancers_move_on_the_second_monitor_when_osc_says_so(play, patch: Path, two_monitor_x: TwoMonitorX):
+def test_osc_moves_dancers_on_second_monitor(play, patch: Path, two_monitor_x: TwoMonitorX):
     _needs("oscsend", "xdotool")
     two_monitor_x.plug_both()
     port = 19017

@@ -1,4 +1,4 @@
-"""Graphs made by chance for tests of the searches: steps of 1, 2 and 4 measures, edges between their ends."""
+"""Random graphs for tests of the searches: steps of 1, 2 and 4 measures, edges between their ends."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from live.graph.search.viterbi import Edges
 
 @dataclass(frozen=True)
 class MadeGraph:
-    """Nodes and edges, as plain lists beside what the searches read."""
+    """Nodes and edges, as plain lists beside the arrays of the searches."""
 
     edges: Edges
     step: list[int]
@@ -19,7 +19,7 @@ class MadeGraph:
     length: list[int]
 
     def follows(self, node: int) -> dict[int, float]:
-        """The nodes after a node, and what each edge costs."""
+        """The successors of a node with the cost of each edge."""
         row = range(self.edges.start[node], self.edges.start[node + 1])
         return {int(self.edges.target[e]): float(self.edges.cost[e]) for e in row}
 
@@ -43,14 +43,14 @@ def made_graph(chance: np.random.Generator, *, steps: int = 3, density: float = 
 
 
 def made_edges(rows: list[list[int]], chance: np.random.Generator | None = None) -> Edges:
-    """Edges to the nodes in each row; costs by chance, or nothing."""
+    """Edges to the nodes in each row, with random or zero costs."""
     target = np.array([v for row in rows for v in row], np.int32)
     cost = np.zeros(len(target)) if chance is None else chance.uniform(0.0, 0.3, len(target))
     return Edges(np.cumsum([0, *map(len, rows)]).astype(np.int32), target, cost)
 
 
 def made_specification(graph: MadeGraph, names: Sequence[int | None]) -> SequenceSpec:
-    """One entry for each step named, None: a measure of anything."""
+    """One entry for each step named; None is a measure of any step."""
     step, measure = np.array(graph.step), np.array(graph.measure)
     leaves = measure == np.array(graph.length) - 1
     wanted, fits, entry = [], [], []
@@ -61,13 +61,13 @@ def made_specification(graph: MadeGraph, names: Sequence[int | None]) -> Sequenc
             fits.append(np.ones(len(step), bool) if name is None else (step == name) & (measure == m))
             entry.append(number)
     if names[-1] is None:
-        fits[-1] = fits[-1] & leaves  # whatever is danced last ends with the dance
+        fits[-1] = fits[-1] & leaves  # the last step ends with the dance
     kind = np.arange(len(fits), dtype=np.int32)
     return SequenceSpec(tuple(wanted), np.array(fits), kind, np.array(entry, np.int32), measure == 0, leaves, False)
 
 
-def every_dance(graph: MadeGraph, measures: int, *, start: int | None = None):
-    """All paths of so many measures that begin and end as dances do, by recursion: (nodes, sum of edge costs)."""
+def enumerate_dances(graph: MadeGraph, measures: int, *, start: int | None = None):
+    """All paths of so many measures with valid beginning and end, by recursion: (nodes, sum of edge costs)."""
 
     def further(path: tuple[int, ...], cost: float):
         if len(path) == measures:

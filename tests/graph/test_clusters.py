@@ -1,4 +1,4 @@
-"""Clusters, structural variations and what leads where, against plain loops over the joins."""
+"""Tests of clusters, structural variations and joins between steps against loops over the joins."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from live.graph.build.transitions import all_pairs, transition_windows
 from live.graph.clusters import connectivity, join_summaries, nearest_steps, structural_components
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
-from live.graph.transition_rules import may_follow
+from live.graph.structure_rules import may_follow
 from tests.fixtures.made_steps import made_clip, made_steps
 
 
@@ -26,7 +26,7 @@ def graph():
     return build_graph(build_library(clips), threshold=0.1, prune=False)
 
 
-def test_components_are_the_structural_variations(graph):
+def test_components_are_structural_variations(graph):
     library = graph.library
     found = structural_components(library)
     assert sorted(node for one in found for node in one.nodes) == list(range(library.node_count))
@@ -37,7 +37,7 @@ def test_components_are_the_structural_variations(graph):
     }
 
 
-def test_leads_count_every_join_between_steps(graph):
+def test_join_summaries_count_every_join_between_steps(graph):
     library, joins = graph.library, graph.joins
     counted: dict[tuple[int, int], list[float]] = {}
     for source, target, cost in zip(joins.source, joins.target, joins.cost, strict=True):
@@ -50,7 +50,7 @@ def test_leads_count_every_join_between_steps(graph):
     }
 
 
-def test_nearest_steps_are_the_minima_of_the_whole_table(graph):
+def test_nearest_steps_are_minima_of_dense_table(graph):
     library = graph.library
     table = all_pairs(*transition_windows(library, graph.window)).distance
     table[~may_follow(library)] = np.inf
@@ -65,7 +65,7 @@ def test_nearest_steps_are_the_minima_of_the_whole_table(graph):
     assert np.isinf(nearest_steps(graph)[spring, spring])  # a repeat needs the other side
 
 
-def test_dead_ends_are_told_apart(graph):
+def test_successors_and_predecessors_are_distinguished(graph):
     whole, library = connectivity(graph), graph.library
     pruned = build_graph(library, threshold=0.1)
     assert np.array_equal(whole.alive, pruned.alive)
@@ -76,6 +76,6 @@ def test_dead_ends_are_told_apart(graph):
         assert whole.has_predecessor[node] == (node in graph.joins.target)
 
 
-def test_without_any_edge_nothing_is_alive():
+def test_graph_without_edges_has_no_live_nodes():
     steps = [replace(made_clip("a"), end_pose="x", begin_pose="y")]
     assert not connectivity(build_graph(build_library(steps), prune=False)).alive.any()

@@ -1,4 +1,4 @@
-"""The figures of a dance: jumps that are put in are seen, beats are found in the motion itself, keys are all there."""
+"""Tests of dance metrics: inserted jumps are measured, beats are found in the motion, and all keys are present."""
 
 import json
 from dataclasses import replace
@@ -36,7 +36,7 @@ def dance(graph):
     return render_dance(graph, path, bpm=117.0)
 
 
-def test_all_keys_of_the_contract_and_json(graph, dance):
+def test_result_has_all_keys_and_is_json(graph, dance):
     targets = Targets(np.vstack([[0.0, 0.0], dance.end[:, :2]]), np.concatenate([[0.0], dance.end[:, 2]]))
     values = DanceMetrics(graph, dance, targets).result()
     assert set(values) == KEYS
@@ -48,25 +48,25 @@ def test_all_keys_of_the_contract_and_json(graph, dance):
     assert DanceMetrics(graph, dance).result()["path_error_m"] == {"list": [], "p95": None}
 
 
-def test_a_jump_at_a_join_is_seen_and_one_elsewhere_is_not(graph, dance):
+def test_only_jumps_at_joins_are_measured(graph, dance):
     whole = DanceMetrics(graph, dance).joins
 
     def jumped(seconds):
         root = dance.clip.root_position.copy()
-        root[round(seconds * 60.0), 0] += 0.2  # one sample beside the others: 12 m/s to and fro
+        root[round(seconds * 60.0), 0] += 0.2  # one displaced sample: 12 m/s back and forth
         return DanceMetrics(graph, replace(dance, clip=replace(dance.clip, root_position=root))).joins
 
     join = dance.join[2]
-    seen = jumped(join.mean())
-    assert seen[0][2] > 10.0
-    assert seen[1][2] > 100.0
-    np.testing.assert_allclose(np.delete(seen[0], 2), np.delete(whole[0], 2))
-    beside = jumped(join[1] + 0.9)
-    np.testing.assert_allclose(beside[0], whole[0])
+    at_join = jumped(join.mean())
+    assert at_join[0][2] > 10.0
+    assert at_join[1][2] > 100.0
+    np.testing.assert_allclose(np.delete(at_join[0], 2), np.delete(whole[0], 2))
+    elsewhere = jumped(join[1] + 0.9)
+    np.testing.assert_allclose(elsewhere[0], whole[0])
 
 
-def test_raw_clips_are_played_at_the_tempo_of_the_dance(graph):
-    """At half the tempo velocities are half, accelerations a quarter."""
+def test_raw_clips_are_played_at_tempo_of_dance(graph):
+    """At half the tempo, velocities are half and accelerations a quarter."""
     steps = tuple(graph.library.clips[:4])
     fast, slow = (RawClips(steps, seconds, 60.0) for seconds in (2.0, 4.0))
     assert fast.slide.mean() == pytest.approx(2.0 * slow.slide.mean(), abs=2e-3)
@@ -80,8 +80,8 @@ def test_raw_clips_are_played_at_the_tempo_of_the_dance(graph):
     )
 
 
-def test_annotated_beats_are_shown_on_the_beat(graph, dance):
-    """As planned, and found again in the motion: when the arms are as the clip has them on its beat."""
+def test_annotated_beats_match_music_beats(graph, dance):
+    """As planned, and found again in the motion: when the arms match the clip's pose on its beat."""
     figures = DanceMetrics(graph, dance)
     np.testing.assert_allclose(figures.annotated_offsets, 0.0, atol=1e-9)
     library, clip = graph.library, dance.clip
@@ -99,8 +99,8 @@ def test_annotated_beats_are_shown_on_the_beat(graph, dance):
     assert np.abs(off).max() <= 1.0 / 60.0
 
 
-def test_a_clip_whose_beats_are_annotated_wrong_is_found_late():
-    """The node ends early, so that the clip is played slower than its beats say."""
+def test_wrong_beat_annotation_is_measured_as_late():
+    """The node ends early, so that the clip is played slower than its beats indicate."""
     graph = build_graph(build_library([made_clip("sway"), made_clip("glide", way=(0.0, 0.5))]), threshold=0.3)
     last = graph.library.node_last.copy()
     last[0] -= 4.0  # of 32 samples
@@ -111,7 +111,7 @@ def test_a_clip_whose_beats_are_annotated_wrong_is_found_late():
     assert DanceMetrics(late, dance).result()["beat_offset_ms"]["annotated"]["p95"] > 100.0
 
 
-def test_small_forms():
+def test_ratio_and_summaries_handle_empty_input():
     assert ratio(np.array([2.0]), 4.0) == 0.5
     assert ratio(np.zeros(0), 4.0) is None
     assert ratio(np.ones(3), 0.0) is None

@@ -1,4 +1,4 @@
-"""What can follow a step, against the edges of the graph."""
+"""Tests of the successors of a step against the edges of the graph."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from live.graph.step_library import build_library
 from tests.fixtures.made_steps import made_clip, made_steps
 
 
-def test_followers_are_those_of_the_graph_with_their_best_cost():
+def test_successors_match_graph_with_best_cost():
     library = build_library([*made_steps(), made_clip("arms up", arm=-1.2)])
     graph = build_graph(library, threshold=0.2)
     for step in range(len(library.steps)):
@@ -22,14 +22,14 @@ def test_followers_are_those_of_the_graph_with_their_best_cost():
                     name = library.steps[library.node_step[target]]
                     costs.setdefault(name, []).append(graph.edge_cost[edge])
         found = {f.step: f for f in successors(library, step, threshold=0.2)}
-        if costs:  # what is alive in the graph
+        if costs:  # alive in the graph
             assert found.keys() == costs.keys()
             for name, own in costs.items():
                 assert found[name].pairs == len(own)
                 assert found[name].distance_m == min(own)
 
 
-def test_the_nearest_comes_first_and_structure_is_kept():
+def test_successors_are_sorted_and_match_structure():
     library = build_library([made_clip("a"), made_clip("b", arm=1.3), replace(made_clip("c"), begin_pose="x")])
     names = [f.step for f in successors(library, 0, threshold=0.2)]
     assert names == ["a", "c", "b"]

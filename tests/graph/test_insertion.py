@@ -1,4 +1,4 @@
-"""A take inserted into a graph that is danced: the same as building everything from nothing."""
+"""Tests of inserting a take into a graph in use: the same result as building the whole graph."""
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields
@@ -20,7 +20,7 @@ from tests.fixtures.made_steps import made_clip, made_steps
 
 
 def assert_same(one, other):
-    """Every array of two graphs, libraries included."""
+    """Compares every array of two graphs, libraries included."""
     assert type(one) is type(other)
     for field in fields(one):
         a, b = getattr(one, field.name), getattr(other, field.name)
@@ -29,7 +29,7 @@ def assert_same(one, other):
         elif isinstance(a, np.ndarray):
             assert a.dtype == b.dtype, field.name
             assert a.shape == b.shape, field.name
-            # distances near 0 are roots of differences: 1e-7 m is what float64 leaves of them
+            # distances near 0 are roots of differences, with a float64 accuracy of 1e-7 m
             assert np.allclose(a, b, rtol=1e-6, atol=2e-6), field.name
         elif field.name == "clips":
             assert all(x is y for x, y in zip(a, b, strict=True))
@@ -39,7 +39,7 @@ def assert_same(one, other):
 
 @st.composite
 def made_libraries(draw):
-    """Clips in any order, some of them dead ends, some of the same step, cut in two."""
+    """Clips in any order, some of them dead ends, some of the same step, split in two lists."""
     kinds = st.builds(
         made_clip,
         st.sampled_from(["sway", "glide", "phrase", "new"]),
@@ -53,13 +53,13 @@ def made_libraries(draw):
 
 @settings(max_examples=20, deadline=None)
 @given(made_libraries(), st.sampled_from([0.03, 0.1, 0.5]))
-def test_inserted_is_the_same_as_built(clips, threshold):
+def test_insertion_equals_full_build(clips, threshold):
     before, new = clips
     graph = build_graph(build_library(before), threshold=threshold)
     assert_same(insert_clips(graph, new), build_graph(build_library([*before, *new]), threshold=threshold))
 
 
-def test_the_old_graph_is_left_as_it_was():
+def test_insertion_leaves_old_graph_unchanged():
     graph = build_graph(build_library(made_steps()))
     kept = build_graph(build_library(made_steps()))
     new = insert_clips(graph, [made_clip("new"), made_clip("sway", arm=1.18)])
@@ -74,8 +74,8 @@ def test_the_old_graph_is_left_as_it_was():
     assert [new.library.describe(n) for n in range(old)] == [graph.library.describe(n) for n in range(old)]
 
 
-def test_a_take_revives_what_led_nowhere():
-    """A step that ended in a dead end lives when a take comes that leads away from it."""
+def test_inserted_take_revives_dead_end():
+    """A dead end step becomes alive with a take that leads away from it."""
     alone = made_clip("lifted", arm=-1.2)
     graph = build_graph(build_library([*made_steps(), alone]), threshold=0.05)
     lifted = graph.library.node_step == graph.library.steps.index("lifted")
@@ -84,7 +84,7 @@ def test_a_take_revives_what_led_nowhere():
     assert insert_clips(graph, more).alive[: graph.library.node_count][lifted].all()
 
 
-def test_another_metre_is_refused():
+def test_different_meter_is_refused():
     graph = build_graph(build_library(made_steps()))
     with pytest.raises(ValueError, match="'waltz' has 3 beats a measure, the library it should join has 4"):
         insert_clips(graph, [made_clip("waltz", beats=3)])
@@ -92,7 +92,7 @@ def test_another_metre_is_refused():
         insert_clips(graph, [])
 
 
-def test_inserting_in_a_thread_is_the_same():
+def test_insertion_in_thread_gives_same_graph():
     graph = build_graph(build_library(made_steps()))
     clips = [made_clip("new", arm=1.0 + 0.01 * n) for n in range(4)]
     with ThreadPoolExecutor(2) as pool:
@@ -101,7 +101,7 @@ def test_inserting_in_a_thread_is_the_same():
         assert_same(result, insert_clips(graph, [clip]))
 
 
-def test_dancers_are_stranded_where_nothing_leads_on():
+def test_dancers_on_dead_nodes_are_stranded():
     graph = build_graph(build_library([*made_steps(), made_clip("arms up", arm=-1.2)]), threshold=0.1)
     nodes = np.arange(graph.library.node_count, dtype=np.int32)
     assert isinstance(graph, MotionGraph)

@@ -1,11 +1,11 @@
-"""One layer of the search against numpy, nodes without edges included."""
+"""Tests of one search layer against numpy, nodes without edges included."""
 
 import numpy as np
 
 from live.graph.distance_kernels import cheapest_successors
 
 
-def test_a_layer_is_the_least_of_every_row_of_edges():
+def test_layer_is_minimum_over_edges_of_each_node():
     chance = np.random.default_rng(2)
     node, first = np.array([0, 2, 3, 7]), np.array([0, 4, 5, 11])
     target, cost = chance.integers(0, 9, 20).astype(np.int32), chance.uniform(size=20)
@@ -18,7 +18,7 @@ def test_a_layer_is_the_least_of_every_row_of_edges():
     assert np.isfinite(out).sum() == 4
 
 
-def test_without_edges_nothing_goes_on():
+def test_nodes_without_edges_have_infinite_cost():
     out, none = np.zeros(3), np.zeros(0)
     cheapest_successors(out, np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.int32), none, np.ones(3))
     assert np.isinf(out).all()

@@ -1,4 +1,4 @@
-"""The step library: nodes, ways, names."""
+"""Tests of the step library: nodes, travel and names."""
 
 import pytest
 
@@ -6,7 +6,7 @@ from live.graph.step_library import build_library
 from tests.fixtures.made_steps import SAMPLES_PER_BEAT, made_steps
 
 
-def test_every_measure_is_a_node_with_its_way():
+def test_every_measure_is_a_node_with_travel():
     library = build_library(made_steps())
     assert library.node_count == 9
     per_measure = 4 * SAMPLES_PER_BEAT
@@ -19,13 +19,13 @@ def test_every_measure_is_a_node_with_its_way():
 
 
 @pytest.mark.parametrize("name", ["sway", "Sway", " SWAY "])
-def test_names_forgive_case_and_blanks(name):
+def test_names_ignore_case_and_blanks(name):
     library = build_library(made_steps())
     assert library.step_index(name) == 0
     assert library.step_index("swaying") is None
 
 
-def test_a_node_in_words():
+def test_node_description_has_step_and_measure():
     library = build_library(made_steps())
     assert library.describe(2) == "glide long forward"
     assert library.describe(8) == "phrase 2/2"

@@ -1,4 +1,4 @@
-"""How a library stores clips: mean poses and signs of all nodes at once against those of one clip."""
+"""Tests of library storage: mean poses and signs of all nodes at once against those of one clip."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ def _rotations(seed, count):
     return quaternion.from_axis_angle(turns / angle[..., None], angle).astype(np.float32)
 
 
-def test_mean_poses_are_the_mean_pose_of_each_node():
+def test_mean_poses_equal_mean_pose_of_each_node():
     rotation = np.concatenate([_rotations(1, 70), -_rotations(2, 50)])
     first, last = np.array([0, 30, 70, 119]), np.array([29, 69, 118, 119])
     found = mean_poses(rotation, first, last)
@@ -26,7 +26,7 @@ def test_mean_poses_are_the_mean_pose_of_each_node():
         assert found[n] == pytest.approx(mean_pose(rotation[a : b + 1]), abs=1e-6)
 
 
-def test_signs_follow_each_clip_and_are_those_nearest_to_the_rest_pose():
+def test_signs_are_continuous_and_nearest_to_rest_pose():
     clips = [_rotations(seed, 40) for seed in (1, 2, 3)]
     chance = np.random.default_rng(4)
     flipped = [clip * chance.choice([-1, 1], clip.shape[:2])[..., None].astype(np.float32) for clip in clips]
@@ -40,7 +40,7 @@ def test_signs_follow_each_clip_and_are_those_nearest_to_the_rest_pose():
         assert (np.take_along_axis(found[..., 0], nearest[None], axis=0) > 0).all()
 
 
-def test_a_joined_library_reads_the_same_samples():
+def test_joined_library_has_same_samples():
     clips = [*made_steps(), made_clip("new", measures=2), made_clip("sway", arm=0.7)]
     whole, joined = build_library(clips), joined_library(build_library(clips[:8]), build_library(clips[8:]))
     assert joined.steps == whole.steps

@@ -1,4 +1,4 @@
-"""Moments of measures against bodies posed by hand."""
+"""Tests of moments of measures against known poses."""
 
 import math
 
@@ -17,7 +17,7 @@ LIBRARY = build_library(made_steps())
 MOMENTS = moments_of(LIBRARY)
 
 
-def test_hips_and_headings_are_those_of_the_clips():
+def test_hips_and_headings_match_clips():
     """A glide moves evenly, a spin turns evenly: both are known in closed form."""
     glide = LIBRARY.step_index("glide")
     for node in np.flatnonzero(LIBRARY.node_step == glide):
@@ -28,8 +28,8 @@ def test_hips_and_headings_are_those_of_the_clips():
     assert turned == pytest.approx(2 * math.pi * np.linspace(0, 1, 17), abs=0.02)
 
 
-def test_features_are_seen_from_the_body():
-    """Where she stands and which way she faces makes no difference; how she moves does."""
+def test_features_are_relative_to_body():
+    """Position and heading make no difference; velocity does."""
     cloud = clouds(LIBRARY, LIBRARY.node_first[:, None])[:, 0]
     speed = np.random.default_rng(2).normal(0, 1, cloud.shape)
     stands = np.ones((*cloud.shape[:-2], 2), np.bool_)
@@ -47,7 +47,7 @@ def test_features_are_seen_from_the_body():
     assert np.abs(faster - plain).max() > 0.05
 
 
-def test_each_moment_is_nearest_to_itself():
+def test_each_moment_has_zero_distance_to_itself():
     nodes = np.arange(LIBRARY.node_count, dtype=np.int32)
     for k in (0, 5, 16):
         fraction = np.full(len(nodes), k / 16)
@@ -57,7 +57,7 @@ def test_each_moment_is_nearest_to_itself():
         assert np.diag(distance) == pytest.approx(0.0, abs=2e-3)
 
 
-def test_the_speed_of_a_glide_tells_it_from_a_stand():
+def test_speed_distinguishes_glide_from_stand():
     """At its middle a glide looks like a sway; only the speed of 0.8 m a measure differs."""
     glide = next(n for n in range(LIBRARY.node_count) if LIBRARY.node_travel[n, 1] > 0.7)
     sway = int(np.flatnonzero(LIBRARY.node_step == LIBRARY.step_index("sway"))[0])
@@ -66,7 +66,7 @@ def test_the_speed_of_a_glide_tells_it_from_a_stand():
     assert near[0] < 1e-2 < near[1]
 
 
-def test_a_graph_that_grows_has_the_moments_of_one_built_at_once():
+def test_grown_graph_has_moments_of_full_build():
     clips = made_steps()
     whole = build_graph(build_library([*clips, made_clip("new", way=(0.1, 0.2))]), threshold=0.2)
     grown = insert_clips(build_graph(build_library(clips), threshold=0.2), [made_clip("new", way=(0.1, 0.2))])

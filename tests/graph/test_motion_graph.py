@@ -1,4 +1,4 @@
-"""The motion graph: edges, pruning, hops."""
+"""Tests of the motion graph: edges, pruning, hops."""
 
 import math
 from dataclasses import replace
@@ -20,7 +20,7 @@ def graph():
     return build_graph(build_library(made_steps()), threshold=0.2)
 
 
-def test_a_step_of_two_measures_is_danced_whole(graph):
+def test_two_measure_step_is_danced_whole(graph):
     library = graph.library
     phrase = library.steps.index("phrase")
     first, second = np.flatnonzero(library.node_step == phrase)
@@ -31,8 +31,8 @@ def test_a_step_of_two_measures_is_danced_whole(graph):
 
 
 @pytest.mark.parametrize("threshold", [0.02, 0.1, 0.3])
-def test_edges_are_those_of_the_whole_table(threshold):
-    """Against all pairs at once, the structure of each, and pruning of what cannot be reached and left."""
+def test_edges_equal_edges_of_dense_table(threshold):
+    """Against all pairs at once, the structure of each, and pruning of unreachable nodes and dead ends."""
     library = build_library([*made_steps(), made_clip("arms up", arm=-1.2)])
     graph = build_graph(library, threshold=threshold)
     table = all_pairs(*transition_windows(library, graph.window))
@@ -47,15 +47,15 @@ def test_edges_are_those_of_the_whole_table(threshold):
     assert graph.edge_transform[between][:, :2] == pytest.approx(table.shift[source, target][between], abs=1e-7)
 
 
-def test_weights_of_the_joints_decide_which_steps_connect():
-    """Arms that differ keep two steps apart only as long as arms count."""
+def test_joint_weights_decide_which_steps_connect():
+    """Different arms keep two steps apart only while the arms have weight."""
     library = build_library([made_clip("sway"), made_clip("reach", arm=0.4)])
     arms = {side + part: 0.0 for side in ("left", "right") for part in ("UpperArm", "LowerArm", "Hand")}
     assert build_graph(library, threshold=0.05).edge_count == 1
     assert build_graph(library, threshold=0.05, metric=Metric.of(arms)).edge_count == 4
 
 
-def test_steps_that_lead_nowhere_are_pruned_and_named():
+def test_dead_end_steps_are_pruned_and_reported():
     arms_up = made_clip("arms up", arm=-1.2)
     graph = build_graph(build_library([*made_steps(), arms_up]), threshold=0.1)
     index = graph.library.steps.index("arms up")
@@ -65,16 +65,16 @@ def test_steps_that_lead_nowhere_are_pruned_and_named():
     assert not np.isin(np.flatnonzero(graph.library.node_step == index), graph.edge_target).any()
 
 
-def test_no_connection_at_all_is_an_error():
+def test_unconnected_library_is_refused():
     once = made_clip("once", measures=2)
     root = once.clip.root_position.copy()
-    root[:, 1] += np.linspace(0.0, 1.0, len(root), dtype=np.float32)  # she rises and never comes down again
+    root[:, 1] += np.linspace(0.0, 1.0, len(root), dtype=np.float32)  # the dancer rises and does not come down
     rising = replace(once, clip=replace(once.clip, root_position=root))
     with pytest.raises(ValueError, match="once"):
         build_graph(build_library([rising]), threshold=0.1)
 
 
-def test_mixed_metres_and_an_empty_library_are_errors():
+def test_mixed_meters_and_empty_library_are_refused():
     with pytest.raises(ValueError, match="no steps"):
         build_library([])
     with pytest.raises(ValueError, match="'waltz' has 3"):
@@ -82,7 +82,7 @@ def test_mixed_metres_and_an_empty_library_are_errors():
 
 
 @given(st.integers(1, 12), st.integers(0, 2**32 - 1), st.floats(0.05, 0.5))
-def test_the_largest_component_is_strongly_connected(count, seed, density):
+def test_largest_component_is_strongly_connected(count, seed, density):
     """Against reachability by repeated squaring of the adjacency matrix."""
     allowed = np.random.default_rng(seed).random((count, count)) < density
     reach = np.eye(count, dtype=bool) | allowed
@@ -94,14 +94,14 @@ def test_the_largest_component_is_strongly_connected(count, seed, density):
     assert together[np.ix_(alive, alive)].all()
 
 
-def test_a_step_that_repeats_itself_lives_and_a_lone_one_without_an_edge_does_not():
+def test_node_with_self_loop_is_kept_and_isolated_node_pruned():
     allowed = np.zeros((3, 3), np.bool_)
     allowed[2, 2] = True
     assert largest_component(3, *np.nonzero(allowed)).tolist() == [False, False, True]
 
 
-def test_hops_count_measures_to_a_step(graph):
-    """Against a walk along the edges, node by node."""
+def test_hops_count_measures_to_step(graph):
+    """Against a search along the edges, node by node."""
     library = graph.library
     for step in range(len(library.steps)):
         for node in range(library.node_count):
@@ -115,7 +115,7 @@ def test_hops_count_measures_to_a_step(graph):
             assert graph.hops[step, node] == (distance if front else UNREACHABLE)
 
 
-def test_facing_is_that_of_the_body(graph):
+def test_node_facing_equals_body_heading(graph):
     library = graph.library
     spin = np.flatnonzero(library.node_step == library.steps.index("spin"))[0]
     still = np.flatnonzero(library.node_step != library.steps.index("spin"))

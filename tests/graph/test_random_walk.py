@@ -1,4 +1,4 @@
-"""Random walks: every measure follows the one before it along an edge, and the same seed gives the same dance."""
+"""Tests of random walks: every measure follows an edge, and the same seed gives the same dance."""
 
 import itertools
 
@@ -19,7 +19,7 @@ def graph():
 
 
 @given(seed=st.integers(0, 2**32 - 1), measures=st.integers(1, 60))
-def test_a_walk_follows_edges_and_keeps_to_the_metre(graph, seed, measures):
+def test_walk_follows_edges_and_keeps_measures_in_order(graph, seed, measures):
     walk = random_walk(graph, measures, seed=seed)
     library = graph.library
     assert len(walk) == measures
@@ -31,11 +31,11 @@ def test_a_walk_follows_edges_and_keeps_to_the_metre(graph, seed, measures):
     assert np.array_equal(walk, random_walk(graph, measures, seed=seed))
 
 
-def test_a_long_walk_comes_everywhere(graph):
+def test_long_walk_visits_every_live_node(graph):
     assert set(random_walk(graph, 2000, seed=1).tolist()) == set(np.flatnonzero(graph.alive).tolist())
 
 
-def test_what_cannot_be_walked_is_told(graph):
+def test_impossible_walk_is_refused(graph):
     with pytest.raises(ValueError, match="0 measures: at least 1"):
         random_walk(graph, 0, seed=1)
     dead = int(np.flatnonzero(~graph.alive)[0])

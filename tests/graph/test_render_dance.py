@@ -1,4 +1,4 @@
-"""A path of nodes as one motion: against the live dancers, against the source clips, and what is refused."""
+"""Tests of rendering a path of nodes as one motion: against live dancers and source clips, and invalid input."""
 
 import math
 
@@ -21,7 +21,7 @@ def graph():
     return build_graph(build_library(project_steps("walk", "samba", "grapevine")))
 
 
-def wander(graph, count, seed):
+def random_path(graph, count, seed):
     """A random path through the graph, from the seed."""
     chance = np.random.default_rng(seed)
     node = int(chance.choice(np.flatnonzero(graph.alive & (graph.library.node_measure == 0))))
@@ -32,7 +32,7 @@ def wander(graph, count, seed):
     return path
 
 
-def drawn(graph, path, seed):
+def random_edits(graph, path, seed):
     """Turns, corrections, takes and shares for a path."""
     chance = np.random.default_rng(seed)
     turns = chance.uniform(-1.0, 1.0, len(path))
@@ -41,8 +41,8 @@ def drawn(graph, path, seed):
     return turns, corrections, takes, chance.choice((0.25, 0.5, 0.75), len(path))
 
 
-def danced_live(graph, path, turns, corrections, takes, shares, start, seconds, rate):
-    """The same path in the live show's own code, sample by sample: world joints (T, J, 3)."""
+def render_live(graph, path, turns, corrections, takes, shares, start, seconds, rate):
+    """The same path by the code of the live show, sample by sample: world joints (T, J, 3)."""
     variation = Variation(
         [VariationSettings(lock=0.0)], np.zeros(1, np.int32), seed=1, beats_per_measure=4, window=graph.window
     )  # fmt: skip
@@ -73,9 +73,9 @@ def danced_live(graph, path, turns, corrections, takes, shares, start, seconds, 
     return np.stack(poses)
 
 
-def test_what_is_put_together_is_what_the_live_show_dances(graph):
-    path = wander(graph, 6, 3)
-    turns, corrections, takes, shares = drawn(graph, path, 4)
+def test_rendered_dance_equals_live_dance(graph):
+    path = random_path(graph, 6, 3)
+    turns, corrections, takes, shares = random_edits(graph, path, 4)
     assert (takes != NO_TAKE).sum() >= 3
     start = (0.4, -1.0, 0.7)
     made = render_dance(
@@ -88,14 +88,14 @@ def test_what_is_put_together_is_what_the_live_show_dances(graph):
         start=start,
         hold_feet=False,
     )
-    live = danced_live(graph, path, turns, corrections, takes, shares, start, 240.0 / 110.0, 60.0)
+    live = render_live(graph, path, turns, corrections, takes, shares, start, 240.0 / 110.0, 60.0)
     joints, _ = forward_kinematics(made.clip.root_position, made.clip.rotation)
     assert abs(len(joints) - len(live)) <= 1
     np.testing.assert_allclose(joints[: len(live)], live[: len(joints)], atol=2e-4)
 
 
-def test_outside_the_blends_it_is_the_source_clip_laid_down_rigidly(graph):
-    path, library = wander(graph, 4, 5), graph.library
+def test_motion_outside_blends_is_rigidly_placed_source_clip(graph):
+    path, library = random_path(graph, 4, 5), graph.library
     made = render_dance(graph, path, bpm=97.0, hold_feet=False)
     seconds = 240.0 / 97.0
     for n, node in enumerate(path):
@@ -118,8 +118,8 @@ def test_outside_the_blends_it_is_the_source_clip_laid_down_rigidly(graph):
         np.testing.assert_array_equal(made.clip.contact[at], library.clip_contact[near])
 
 
-def test_planned_ends_are_where_the_last_measure_ends_and_turns_turn_the_heading(graph):
-    path = wander(graph, 5, 8)
+def test_planned_ends_match_motion_and_turns_change_heading(graph):
+    path = random_path(graph, 5, 8)
     straight = render_dance(graph, path, bpm=120.0, hold_feet=False)
     made = render_dance(graph, path, bpm=120.0, turns=[0.0, 0.0, 0.0, 0.0, 0.9], hold_feet=False)
     np.testing.assert_allclose(made.clip.root_position[-1, [0, 2]], made.end[-1, :2], atol=1e-3)
@@ -129,7 +129,7 @@ def test_planned_ends_are_where_the_last_measure_ends_and_turns_turn_the_heading
     np.testing.assert_array_equal(made.clip.root_position[:before], straight.clip.root_position[:before])
 
 
-def test_a_step_of_two_measures_has_no_join_inside():
+def test_two_measure_step_has_no_inner_join():
     graph = build_graph(build_library(made_steps()), threshold=0.2)
     library = graph.library
     first, second = np.flatnonzero(library.node_step == library.steps.index("phrase"))
@@ -143,9 +143,9 @@ def test_a_step_of_two_measures_has_no_join_inside():
     assert len(made.beat_time) == 17
 
 
-def test_held_feet_stand_still_and_the_rest_stays(graph):
-    path = wander(graph, 6, 11)
-    turns = drawn(graph, path, 12)[0]
+def test_held_feet_stand_still_without_moving_root(graph):
+    path = random_path(graph, 6, 11)
+    turns = random_edits(graph, path, 12)[0]
     free, held = (render_dance(graph, path, bpm=120.0, turns=turns, hold_feet=hold).clip for hold in (False, True))
     np.testing.assert_array_equal(free.contact, held.contact)
     np.testing.assert_allclose(free.root_position[:, [0, 2]], held.root_position[:, [0, 2]], atol=1e-5)
@@ -160,8 +160,8 @@ def test_held_feet_stand_still_and_the_rest_stays(graph):
     assert slide(held) < 0.5 * slide(free)
 
 
-def test_the_rate_of_samples_does_not_change_the_dance(graph):
-    path = wander(graph, 3, 2)
+def test_sample_rate_does_not_change_dance(graph):
+    path = random_path(graph, 3, 2)
     coarse, fine = (
         render_dance(graph, path, bpm=120.0, sample_rate=rate, hold_feet=False).clip for rate in (30.0, 120.0)
     )
@@ -171,13 +171,13 @@ def test_the_rate_of_samples_does_not_change_the_dance(graph):
 
 
 @pytest.mark.parametrize("bpm", [0.0, -3.0, math.nan, math.inf])
-def test_no_tempo_is_refused(graph, bpm):
+def test_invalid_tempo_is_refused(graph, bpm):
     with pytest.raises(ValueError, match="above 0"):
-        render_dance(graph, wander(graph, 2, 0), bpm=bpm)
+        render_dance(graph, random_path(graph, 2, 0), bpm=bpm)
 
 
-def test_what_does_not_fit_is_refused(graph):
-    path = wander(graph, 3, 0)
+def test_inconsistent_arguments_are_refused(graph):
+    path = random_path(graph, 3, 0)
     with pytest.raises(ValueError, match="turns"):
         render_dance(graph, path, bpm=120.0, turns=[0.0])
     with pytest.raises(ValueError, match="corrections"):
@@ -190,7 +190,7 @@ def test_what_does_not_fit_is_refused(graph):
         render_dance(graph, path * MAX_SAMPLES, bpm=120.0)
 
 
-def test_a_missing_edge_is_named():
+def test_missing_edge_is_reported():
     graph = build_graph(build_library(made_steps()), threshold=0.2)
     library = graph.library
     first, second = np.flatnonzero(library.node_step == library.steps.index("phrase"))
@@ -199,7 +199,7 @@ def test_a_missing_edge_is_named():
     assert graph.edge_target[edge_between(graph, first, second)] == second
 
 
-def test_local_rotations_undo_forward_kinematics(graph):
-    clip = render_dance(graph, wander(graph, 2, 1), bpm=120.0).clip
+def test_local_rotations_invert_forward_kinematics(graph):
+    clip = render_dance(graph, random_path(graph, 2, 1), bpm=120.0).clip
     _, world = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
     assert np.abs(np.abs(np.sum(local_rotations(world) * clip.rotation, axis=-1)) - 1.0).max() < 1e-6

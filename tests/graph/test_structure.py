@@ -1,4 +1,4 @@
-"""Structure decides which steps may follow which: poses at both ends (T136), weight transfer (T135)."""
+"""Tests of structure rules between steps: poses at both ends (T136), weight transfer (T135)."""
 
 from dataclasses import replace
 
@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
-from live.graph.transition_rules import initial_side, may_follow, plain_pose, unmatched_poses
+from live.graph.structure_rules import initial_side, may_follow, plain_pose, unmatched_poses
 from live.motion.mirror import mirror_step
 from tests.fixtures.made_steps import made_clip
 
 
-def follows(graph, first, second):
-    """Pairs of clips (by their numbers in the library) that an edge joins, from the end of one to the other's start."""
+def connected_clips(graph, first, second):
+    """Pairs of clip numbers in the library joined by an edge, from the end of one to the start of the other."""
     library = graph.library
     pairs = set()
     for node in range(library.node_count):
@@ -26,8 +26,8 @@ def follows(graph, first, second):
     return {(u, v) for u, v in pairs if u in first and v in second}
 
 
-def test_steps_connect_where_their_poses_agree_or_are_not_given():
-    """Fig 5.9 of the thesis in little: échappé ends in plié, couru in either (T136, T137)."""
+def test_steps_connect_if_poses_match_or_are_missing():
+    """Small version of Fig 5.9 of the thesis: échappé ends in plié, couru in either (T136, T137)."""
     clips = [
         replace(made_clip("échappé"), begin_pose="sous-sus", end_pose="plié"),
         replace(made_clip("couru"), begin_pose="plié", end_pose="sous-sus"),
@@ -36,33 +36,33 @@ def test_steps_connect_where_their_poses_agree_or_are_not_given():
     ]
     graph = build_graph(build_library(clips), threshold=0.2)
     everything = range(4)
-    assert follows(graph, everything, everything) == {
+    assert connected_clips(graph, everything, everything) == {
         (0, 1), (0, 2), (1, 0), (2, 1), (2, 2), (0, 3), (1, 3), (2, 3), (3, 0), (3, 1), (3, 2), (3, 3),
     }  # fmt: skip
 
 
-def test_a_step_that_transfers_the_weight_is_repeated_on_the_other_side():
+def test_weight_transfer_step_repeats_on_other_side():
     left = replace(made_clip("spring point"), leading_foot="left", weight_transfer=True)
     graph = build_graph(build_library([left, mirror_step(left), made_clip("sway")]), threshold=0.2)
-    assert follows(graph, (0, 1), (0, 1)) == {(0, 1), (1, 0)}
-    assert follows(graph, (0, 1, 2), (2,)) == {(0, 2), (1, 2), (2, 2)}
+    assert connected_clips(graph, (0, 1), (0, 1)) == {(0, 1), (1, 0)}
+    assert connected_clips(graph, (0, 1, 2), (2,)) == {(0, 2), (1, 2), (2, 2)}
 
 
-def test_without_a_leading_foot_the_mirror_image_is_the_other_side():
+def test_mirrored_step_is_other_side_without_leading_foot():
     step = replace(made_clip("spring point"), weight_transfer=True)
     other = replace(made_clip("spring point"), weight_transfer=True)
     graph = build_graph(build_library([step, other, mirror_step(step), made_clip("sway")]), threshold=0.2)
-    assert follows(graph, (0, 1, 2), (0, 1, 2)) == {(0, 2), (1, 2), (2, 0), (2, 1)}
+    assert connected_clips(graph, (0, 1, 2), (0, 1, 2)) == {(0, 2), (1, 2), (2, 0), (2, 1)}
 
 
-def test_inside_a_step_of_several_measures_nothing_is_refused():
+def test_rules_do_not_apply_inside_step():
     long = replace(made_clip("phrase", measures=3), begin_pose="a", end_pose="b", weight_transfer=True)
     back = replace(made_clip("back"), begin_pose="b", end_pose="a")
     graph = build_graph(build_library([long, back]), threshold=0.2)
     assert graph.edge_target.tolist() == [1, 2, 3, 0]
 
 
-def test_a_pose_that_nothing_matches_is_told_with_the_step():
+def test_unmatched_pose_is_reported_with_step():
     lost = replace(made_clip("lost"), begin_pose="plié", end_pose="the air")
     closed = replace(made_clip("sway"), begin_pose="plié", end_pose="plié")
     library = build_library([lost, closed])
@@ -76,7 +76,7 @@ def test_a_pose_that_nothing_matches_is_told_with_the_step():
 
 
 @given(st.integers(0, 2**32 - 1))
-def test_against_a_plain_reading_of_the_rules(seed):
+def test_allowed_pairs_equal_direct_rules(seed):
     chance = np.random.default_rng(seed)
     poses = ("", "a", "b", "A ")
     clips = [

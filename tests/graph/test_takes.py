@@ -1,4 +1,4 @@
-"""Takes: which clips may be mixed into which (T044-T047)."""
+"""Tests of takes: which clips may be mixed into which (T044-T047)."""
 
 import contextlib
 from dataclasses import replace
@@ -11,7 +11,7 @@ from live.motion.step_clip import check_same_structure
 from tests.fixtures.made_steps import made_clip, made_steps
 
 
-def test_takes_are_the_same_measure_of_the_same_step_in_another_clip():
+def test_takes_are_same_measure_of_step_in_other_clips():
     library = build_library(made_steps())
     takes = find_takes(library)
     assert len(takes.node) > 0
@@ -23,7 +23,7 @@ def test_takes_are_the_same_measure_of_the_same_step_in_another_clip():
             check_same_structure(library.clips[library.node_clip[u]], library.clips[library.node_clip[v]])
 
 
-def test_draws_are_takes_and_reach_them_all():
+def test_draws_cover_all_takes():
     takes = find_takes(build_library(made_steps()))
     nodes = np.repeat(np.arange(len(takes.start) - 1, dtype=np.int32), 64)
     chance = np.tile(np.linspace(0, 0.999999, 64), len(takes.start) - 1)
@@ -33,14 +33,14 @@ def test_draws_are_takes_and_reach_them_all():
         assert set(row.tolist()) == (wanted or {NO_TAKE})
 
 
-def test_one_clip_has_no_other_take():
+def test_single_clip_has_no_other_take():
     library = build_library(made_steps()[:1])
     takes = find_takes(library)
     node = np.zeros(3, np.int32)
     assert takes.draw(node, np.array([0.0, 0.5, 0.99])).tolist() == [NO_TAKE] * 3
 
 
-def test_takes_are_the_pairs_that_the_editing_tools_would_mix():
+def test_takes_match_pairs_accepted_by_structure_check():
     """Against `check_same_structure` on every pair of a mixed library."""
     chance = np.random.default_rng(3)
     clips = [
@@ -65,6 +65,6 @@ def test_takes_are_the_pairs_that_the_editing_tools_would_mix():
         assert takes.node[takes.start[u] : takes.start[u + 1]].tolist() == expected
 
 
-def test_the_measures_of_a_stream_are_no_takes_of_each_other():
+def test_stream_measures_are_not_takes_of_each_other():
     library = build_library([replace(made_clip("stream"), in_stream=True) for _ in range(3)])
     assert find_takes(library).count(np.arange(3, dtype=np.int32)).tolist() == [0, 0, 0]

@@ -1,4 +1,4 @@
-"""Adding a step: cut before anything is written, copied once, never over anything, taken back if it fails."""
+"""Adding a step: checked before writing, copied once, no file overwritten, undone on failure."""
 
 import tomllib
 from pathlib import Path
@@ -12,20 +12,20 @@ from live.library.recording_file import RecordingError
 from live.library.recordings import RecordingReader
 from live.library.step_folder import load_folder
 from tests.fixtures.mocap import mocap_file
-from tests.motion.formats.made_bvh import body_bvh, danced
+from tests.motion.formats.made_bvh import body_bvh, dance_values
 
 FIELDS = {"name": "sway", "bpm": 120.0, "first_beat_s": 2.5, "measures": 2}
 
 
 @pytest.fixture(autouse=True)
-def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def isolated_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
 
 
 @pytest.fixture
 def take(tmp_path: Path) -> Path:
     path = tmp_path / "take one.bvh"
-    path.write_text(body_bvh(danced(601)))
+    path.write_text(body_bvh(dance_values(601)))
     return path
 
 
@@ -33,7 +33,7 @@ def add(library: Path, take: Path, **fields: object) -> AddedStep:
     return add_step(library, request_entry(take, FIELDS | fields))
 
 
-def test_a_new_library_holds_recording_and_description(tmp_path: Path, take: Path) -> None:
+def test_new_library_contains_recording_and_description(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "new" / "library"
     added = add(library, take, tags=["slow"], leading_foot="left")
     assert added.copied
@@ -46,7 +46,7 @@ def test_a_new_library_holds_recording_and_description(tmp_path: Path, take: Pat
     assert (step.clip.rotation == added.step.clip.rotation).all()
 
 
-def test_a_second_step_joins_and_the_recording_is_copied_once(tmp_path: Path, take: Path) -> None:
+def test_second_step_is_appended_and_recording_copied_once(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     first = add(library, take)
     first.toml.write_text("# mine\n" + first.toml.read_text())
@@ -58,7 +58,7 @@ def test_a_second_step_joins_and_the_recording_is_copied_once(tmp_path: Path, ta
     assert [step.step for step in load_folder(library)] == ["sway", "other"]
 
 
-def test_a_recording_inside_the_library_is_named_where_it_is(tmp_path: Path, take: Path) -> None:
+def test_recording_inside_library_is_referenced_in_place(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     (library / "may").mkdir(parents=True)
     inside = library / "may" / "take.bvh"
@@ -69,11 +69,11 @@ def test_a_recording_inside_the_library_is_named_where_it_is(tmp_path: Path, tak
     assert len(load_folder(library)) == 1
 
 
-def test_another_recording_of_that_name_is_not_written_over(tmp_path: Path, take: Path) -> None:
+def test_other_recording_of_same_name_is_not_overwritten(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     add(library, take)
     kept = take.read_bytes()
-    take.write_text(body_bvh(danced(601, seed=8)))
+    take.write_text(body_bvh(dance_values(601, seed=8)))
     added = add(library, take, name="second")
     assert added.file.name == "take one-2.bvh"
     assert (library / "take one.bvh").read_bytes() == kept
@@ -84,7 +84,7 @@ def test_another_recording_of_that_name_is_not_written_over(tmp_path: Path, take
     "text",
     ['[[pair]]\nleader = { file = "x.bvh" }\n', "not TOML at all", 'name = "bob"\n[pelvis]\n"1" = "down 4"\n', "\xff"],
 )
-def test_a_file_that_cannot_take_it_is_left_alone(tmp_path: Path, take: Path, text: str) -> None:
+def test_incompatible_toml_file_is_unchanged(tmp_path: Path, take: Path, text: str) -> None:
     library = tmp_path / "library"
     library.mkdir()
     (library / "take one.toml").write_bytes(text.encode("latin-1"))
@@ -107,7 +107,7 @@ def test_a_file_that_cannot_take_it_is_left_alone(tmp_path: Path, take: Path, te
         ({"distance_m": 1e9}, "--distance: a number from 0 to 100 expected"),
     ],
 )
-def test_what_is_wrong_is_named_by_its_option_and_nothing_is_written(
+def test_invalid_field_is_refused_by_option_and_nothing_is_written(
     tmp_path: Path, take: Path, fields: dict[str, object], words: str
 ) -> None:
     library = tmp_path / "library"
@@ -117,7 +117,7 @@ def test_what_is_wrong_is_named_by_its_option_and_nothing_is_written(
     assert not library.exists()
 
 
-def test_missing_options_and_files_are_named(tmp_path: Path, take: Path) -> None:
+def test_missing_options_and_files_are_reported(tmp_path: Path, take: Path) -> None:
     with pytest.raises(RecordingError, match=r"--bpm: must be given.*--anchor: must be given"):
         request_entry(take, {"name": "x"})
     with pytest.raises(RecordingError, match=r"gone\.bvh: there is no such file"):
@@ -128,7 +128,7 @@ def test_missing_options_and_files_are_named(tmp_path: Path, take: Path) -> None
     assert not (tmp_path / "library").exists()
 
 
-def test_what_was_begun_is_taken_back(tmp_path: Path, take: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_addition_is_undone(tmp_path: Path, take: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     library = tmp_path / "library"
     library.mkdir()
 
@@ -141,7 +141,7 @@ def test_what_was_begun_is_taken_back(tmp_path: Path, take: Path, monkeypatch: p
     assert list(library.iterdir()) == []
 
 
-def test_an_interrupted_change_leaves_the_old_text(tmp_path: Path, take: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interrupted_change_keeps_old_text(tmp_path: Path, take: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     library = tmp_path / "library"
     before = add(library, take).toml.read_text()
 
@@ -155,14 +155,14 @@ def test_an_interrupted_change_leaves_the_old_text(tmp_path: Path, take: Path, m
     assert sorted(path.name for path in library.iterdir()) == ["take one.bvh", "take one.toml"]
 
 
-def test_a_library_that_cannot_be_made(tmp_path: Path, take: Path) -> None:
+def test_impossible_library_folder_is_refused(tmp_path: Path, take: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(PersonError, match="cannot make the library"):
         add(tmp_path / "file" / "library", take)
 
 
 @pytest.mark.shared
-def test_a_skeleton_comes_along(tmp_path: Path) -> None:
+def test_asf_skeleton_is_copied_with_amc_recording(tmp_path: Path) -> None:
     source = mocap_file("asfamc/49_10.amc")
     library = tmp_path / "library"
     add_step(library, request_entry(source, {"name": "fold", "bpm": 90.0, "first_beat_s": 0.5}))
@@ -174,7 +174,7 @@ def test_a_skeleton_comes_along(tmp_path: Path) -> None:
         request_entry(lonely, {"name": "fold", "bpm": 90.0, "first_beat_s": 0.5})
 
 
-def test_a_recording_in_several_files_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, take: Path) -> None:
+def test_multi_file_recording_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, take: Path) -> None:
     path = tmp_path / "parts.gltf"
     path.write_text('{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 4, "uri": "parts.bin"}]}')
     clip = RecordingReader().clip(request_entry(take, FIELDS))
@@ -185,7 +185,7 @@ def test_a_recording_in_several_files_is_refused(tmp_path: Path, monkeypatch: py
     assert add(tmp_path / "library", path).copied
 
 
-def test_what_the_library_knows_of_a_recording_need_not_be_said_again(tmp_path: Path, take: Path) -> None:
+def test_known_fields_of_recording_are_reused(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     assert known_fields(tmp_path / "nowhere", take, {}) == ({}, {})
     add(library, take, fps=30.0, drop_frames=5, bpm=96.0, tags=["slow"])
@@ -196,13 +196,13 @@ def test_what_the_library_knows_of_a_recording_need_not_be_said_again(tmp_path: 
     assert known_fields(library, take, {"drop_frames": 9})[0] == {"fps": 30}
     assert known_fields(library, take, {"bpm": 100.0})[0] == {"fps": 30}
     other = tmp_path / "other.bvh"
-    other.write_text(body_bvh(danced(601, seed=3)))
+    other.write_text(body_bvh(dance_values(601, seed=3)))
     assert known_fields(library, other, {})[0] == {}
     (library / "broken.toml").write_text("x = ")
     assert known_fields(library, take, {})[0] == {"fps": 30, **music}
 
 
-def test_a_guess_stays_one_until_somebody_takes_the_comment_away(tmp_path: Path, take: Path) -> None:
+def test_guess_comment_is_kept_until_removed(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     marks = {"bpm": "guess: confirm", "first_beat_s": "guess: confirm"}
     add_step(library, request_entry(take, FIELDS), comments=marks)
@@ -215,7 +215,7 @@ def test_a_guess_stays_one_until_somebody_takes_the_comment_away(tmp_path: Path,
     assert known_fields(library, take, {})[1] == {}
 
 
-def test_the_same_cut_is_not_added_twice(tmp_path: Path, take: Path) -> None:
+def test_duplicate_step_is_refused(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     refuse_duplicate(library, request_entry(take, FIELDS))  # there is no library yet
     add(library, take)
@@ -224,11 +224,11 @@ def test_the_same_cut_is_not_added_twice(tmp_path: Path, take: Path) -> None:
     for other in ({"name": "swing"}, {"start_measure": 2}, {"bpm": 96.0}, {"fps": 30.0}):
         refuse_duplicate(library, request_entry(take, FIELDS | other))
     another = tmp_path / "another.bvh"
-    another.write_text(body_bvh(danced(601, seed=3)))
+    another.write_text(body_bvh(dance_values(601, seed=3)))
     refuse_duplicate(library, request_entry(another, FIELDS))
 
 
-def test_a_name_is_one_line(tmp_path: Path, take: Path) -> None:
+def test_blank_or_multiline_name_is_refused(tmp_path: Path, take: Path) -> None:
     with pytest.raises(PersonError, match=r"--name: a text that is not blank, without line breaks .* found 'a\\nb'"):
         add(tmp_path / "library", take, name="a\nb")
     with pytest.raises(PersonError, match=r"--name: a text that is not blank, .* found '  '"):

@@ -1,4 +1,4 @@
-"""Beats of an audio file, offline: made clicks whose times are known, and songs with annotated beats."""
+"""Offline beat tracking of audio files: generated clicks at known times, and songs with annotated beats."""
 
 import wave
 from pathlib import Path
@@ -15,7 +15,7 @@ RATE = 44_100
 
 
 def click_track(path: Path, times: np.ndarray, seconds: float) -> Path:
-    """Short bursts of noise at `times` [s], as a wave file."""
+    """Short bursts of noise at `times` [s], as a WAV file."""
     random = np.random.default_rng(1)
     sound = np.zeros(round(seconds * RATE))
     burst = random.normal(0.0, 0.3, 1500) * np.exp(-np.arange(1500) / 200.0)
@@ -32,7 +32,7 @@ def click_track(path: Path, times: np.ndarray, seconds: float) -> Path:
 
 @pytest.mark.parametrize("bpm", [96.0, 124.0, 140.0])
 @pytest.mark.parametrize("begin", [0.3, 2.0])
-def test_a_click_from_its_first_beat_on(tmp_path: Path, bpm: float, begin: float) -> None:
+def test_click_track_is_tracked_from_first_beat(tmp_path: Path, bpm: float, begin: float) -> None:
     truth = begin + 60.0 / bpm * np.arange(int(38.0 * bpm / 60.0))
     found = song_beats(click_track(tmp_path / "click.wav", truth, 40.0))
     assert found.steady
@@ -40,7 +40,7 @@ def test_a_click_from_its_first_beat_on(tmp_path: Path, bpm: float, begin: float
     np.testing.assert_allclose(found.beats[: truth.size], truth, atol=0.012)
 
 
-def test_music_that_changes_its_tempo_is_not_even(tmp_path: Path) -> None:
+def test_accelerating_music_is_not_steady(tmp_path: Path) -> None:
     gaps = np.linspace(0.65, 0.42, 70)
     truth = 0.5 + np.cumsum(gaps)
     found = song_beats(click_track(tmp_path / "faster.wav", truth, float(truth[-1]) + 1.0))
@@ -48,7 +48,7 @@ def test_music_that_changes_its_tempo_is_not_even(tmp_path: Path) -> None:
     assert (np.diff(found.beats) > 0.2).all()
 
 
-def test_what_is_no_music(tmp_path: Path) -> None:
+def test_files_without_music_are_refused(tmp_path: Path) -> None:
     with pytest.raises(PersonError, match="no such file"):
         song_beats(tmp_path / "none.wav")
     text = tmp_path / "text.wav"
@@ -62,7 +62,7 @@ def test_what_is_no_music(tmp_path: Path) -> None:
 
 @pytest.mark.shared
 @pytest.mark.parametrize("name", ["o03_band_104", "o07_band_186", "o12_drums_punk_144", "o16_pop_keys_116"])
-def test_songs_that_keep_their_tempo(name: str) -> None:
+def test_beats_of_steady_songs_match_annotations(name: str) -> None:
     """Annotated beats of real songs: nine of ten within 40 ms."""
     if not (SONGS / f"{name}.ogg").is_file():
         pytest.skip(f"needs {SONGS / name}.ogg")

@@ -1,4 +1,4 @@
-"""The cache gives back what it was given, or nothing: bit by bit, bounded, and no trouble when broken."""
+"""The clip cache: bit-exact round trip, bounded size, and rebuild of damaged or outdated entries."""
 
 from dataclasses import fields, replace
 
@@ -19,11 +19,11 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def never():
-    pytest.fail("built anew although nothing changed")
+def fail_on_rebuild():
+    pytest.fail("rebuilt although nothing changed")
 
 
-def test_every_field_comes_back_bit_by_bit():
+def test_cached_steps_are_bit_exact_in_every_field():
     told = replace(
         made_clip("told"),
         first=31.5,
@@ -39,7 +39,7 @@ def test_every_field_comes_back_bit_by_bit():
     )
     steps = [told, *made_steps()]
     assert CACHE.load_or_build([b"a"], lambda: steps) is steps
-    again = CACHE.load_or_build([b"a"], never)
+    again = CACHE.load_or_build([b"a"], fail_on_rebuild)
     assert len(again) == len(steps)
     for a, b in zip(steps, again, strict=True):
         for field in fields(StepClip):
@@ -52,29 +52,29 @@ def test_every_field_comes_back_bit_by_bit():
             assert not getattr(b.clip, name).flags.writeable
 
 
-def test_other_sources_other_clips():
+def test_different_sources_have_separate_entries():
     CACHE.load_or_build([b"a", b"b"], lambda: made_steps()[:1])
     assert len(CACHE.load_or_build([b"ab"], lambda: made_steps()[:2])) == 2  # where one source ends matters
-    assert len(CACHE.load_or_build([b"a", b"b"], never)) == 1
+    assert len(CACHE.load_or_build([b"a", b"b"], fail_on_rebuild)) == 1
 
 
-def test_other_code_other_clips(monkeypatch):
+def test_changed_code_digest_rebuilds_clips(monkeypatch):
     CACHE.load_or_build([b"a"], lambda: made_steps()[:1])
     monkeypatch.setattr(disk_cache, "_code_digest", lambda: b"changed")
     assert len(CACHE.load_or_build([b"a"], lambda: made_steps()[:2])) == 2
 
 
 @pytest.mark.parametrize("damage", [b"", b"PK broken", None])
-def test_a_broken_cache_is_built_anew(folder, damage):
+def test_broken_entry_is_rebuilt(folder, damage):
     CACHE.load_or_build([b"a"], made_steps)
     (path,) = folder.glob("made-*.npz")
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2] if damage is None else damage)
     assert len(CACHE.load_or_build([b"a"], made_steps)) == len(made_steps())
-    assert len(CACHE.load_or_build([b"a"], never)) == len(made_steps())
+    assert len(CACHE.load_or_build([b"a"], fail_on_rebuild)) == len(made_steps())
 
 
-def test_any_damaged_byte_gives_the_clips_or_builds_anew(folder):
+def test_any_damaged_byte_still_gives_correct_clips(folder):
     steps = made_steps()[:1]
     CACHE.load_or_build([b"a"], lambda: steps)
     (path,) = folder.glob("made-*.npz")
@@ -87,17 +87,17 @@ def test_any_damaged_byte_gives_the_clips_or_builds_anew(folder):
         assert step.step == "sway"
 
 
-def test_the_newest_are_kept_and_one_that_is_read_counts_as_new(folder):
+def test_most_recently_used_entries_are_kept(folder):
     for key in (b"a", b"b", b"c"):
         CACHE.load_or_build([key], made_steps)
-    CACHE.load_or_build([b"a"], never)
+    CACHE.load_or_build([b"a"], fail_on_rebuild)
     CACHE.load_or_build([b"d"], made_steps)
     assert len(list(folder.glob("made-*.npz"))) == 3
-    CACHE.load_or_build([b"a"], never)
+    CACHE.load_or_build([b"a"], fail_on_rebuild)
     assert len(CACHE.load_or_build([b"b"], lambda: made_steps()[:1])) == 1
 
 
-def test_they_stay_within_their_size_and_leave_others_alone(folder):
+def test_cache_stays_within_size_and_keeps_other_files(folder):
     (folder / "other-1.npz").write_bytes(b"x" * 100)
     small = ClipCache("made", max_entries=3, max_bytes=1)
     for key in (b"a", b"b"):
@@ -106,7 +106,7 @@ def test_they_stay_within_their_size_and_leave_others_alone(folder):
     assert (folder / "other-1.npz").exists()
 
 
-def test_without_a_folder_to_write_in_it_builds_every_time(folder, monkeypatch):
+def test_unwritable_folder_rebuilds_every_time(folder, monkeypatch):
     (folder / "file").write_text("no folder")
     monkeypatch.setenv("LIVE_CACHE_DIR", str(folder / "file"))
     assert len(CACHE.load_or_build([b"a"], made_steps)) == len(made_steps())
@@ -114,8 +114,8 @@ def test_without_a_folder_to_write_in_it_builds_every_time(folder, monkeypatch):
 
 
 @pytest.mark.parametrize("package", ["motion", "library"])
-def test_clips_are_made_again_when_the_code_that_makes_them_has_changed(tmp_path, monkeypatch, package):
-    """A folder that was renamed dropped out of the digest in silence."""
+def test_code_digest_covers_motion_and_library_packages(tmp_path, monkeypatch, package):
+    """Regression: a renamed folder was silently missing from the digest."""
     assert all((disk_cache._PACKAGE / name).is_dir() for name in ("motion", "library"))
     for name in ("motion", "library"):
         (tmp_path / name).mkdir()

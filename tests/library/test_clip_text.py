@@ -1,4 +1,4 @@
-"""Clips as text: every bit comes back, and what is damaged is told."""
+"""Clips as text: bit-exact round trip, and damaged text is refused."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from live.show.selection.graph_update import same_clip
 from tests.fixtures.made_steps import made_steps
 
 
-def test_every_bit_comes_back_in_a_fraction_of_the_room():
+def test_clips_are_bit_exact_at_half_the_size():
     clips = made_steps()
     text = clips_to_text(clips)
     again = clips_from_text(text)
@@ -20,6 +20,6 @@ def test_every_bit_comes_back_in_a_fraction_of_the_room():
 
 
 @pytest.mark.parametrize("harm", [lambda text: text[:-40], lambda text: "x" + text[1:], lambda text: "no base64!"])
-def test_damage_is_told(harm):
+def test_damaged_text_is_refused(harm):
     with pytest.raises(ValueError, match="damaged"):
         clips_from_text(harm(clips_to_text(made_steps()[:2])))

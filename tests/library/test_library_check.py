@@ -1,4 +1,4 @@
-"""What is wrong or doubtful in a folder of steps is found and named with file, line and field."""
+"""The library check reports errors and doubtful values with file, line and field."""
 
 import math
 from dataclasses import replace
@@ -10,7 +10,7 @@ import pytest
 from live.library.library_check import Finding, check_connections, check_folder, step_warnings
 from live.library.recordings import RecordingReader
 from live.motion.editing.facing import turn_clip
-from tests.motion.formats.made_bvh import body_bvh, column, danced, still
+from tests.motion.formats.made_bvh import body_bvh, column, dance_values, still
 
 ONE = 'file = "dance.bvh"\nname = "sway"\nbpm = 120\nfirst_beat_s = 2.5\n'
 
@@ -20,18 +20,18 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
     path = tmp_path / "steps"
     path.mkdir()
-    (path / "dance.bvh").write_text(body_bvh(danced(601)))
+    (path / "dance.bvh").write_text(body_bvh(dance_values(601)))
     (path / "dance.toml").write_text(ONE)
     return path
 
 
-def told(findings: list[Finding]) -> list[str]:
+def finding_texts(findings: list[Finding]) -> list[str]:
     return [f"{finding.kind}: {finding.problem}" for finding in findings]
 
 
-def test_nothing_is_found_where_nothing_is_wrong(folder: Path) -> None:
+def test_valid_folder_has_no_findings(folder: Path) -> None:
     checked = check_folder(folder)
-    assert told(checked.findings) == []
+    assert finding_texts(checked.findings) == []
     assert [step.step for step in checked.steps] == ["sway"]
 
 
@@ -43,27 +43,27 @@ def test_nothing_is_found_where_nothing_is_wrong(folder: Path) -> None:
         ("weight_transfer = true", "line 5: weight_transfer: true, but leading_foot is not given"),
     ],
 )
-def test_what_is_said_is_held_against_what_is_measured(folder: Path, line: str, words: str) -> None:
+def test_given_values_are_compared_with_measured_values(folder: Path, line: str, words: str) -> None:
     (folder / "dance.toml").write_text(ONE + line + "\n")
-    (finding,) = told(check_folder(folder).findings)
+    (finding,) = finding_texts(check_folder(folder).findings)
     assert finding.startswith("doubtful: ")
     assert words in finding
 
 
-def test_what_is_said_truly_is_believed(folder: Path) -> None:
+def test_correct_values_give_no_findings(folder: Path) -> None:
     (step,) = check_folder(folder).steps
     direction = step.direction.replace("short", "long")  # how long is long is for the choreographer to say
     (folder / "dance.toml").write_text(ONE + f'direction = "{direction}"\ndistance_m = {step.distance_m + 0.05:.3f}\n')
-    assert told(check_folder(folder).findings) == []
+    assert finding_texts(check_folder(folder).findings) == []
 
 
-def test_no_lead_in_and_no_contact_are_told(folder: Path) -> None:
+def test_missing_lead_in_is_reported(folder: Path) -> None:
     (folder / "dance.toml").write_text(ONE.replace("2.5", "0.1"))
-    findings = told(check_folder(folder).findings)
+    findings = finding_texts(check_folder(folder).findings)
     assert any("line 4: first_beat_s: the recording begins 0.10 s before the step" in finding for finding in findings)
 
 
-def test_a_step_without_a_foot_on_the_floor_is_told(folder: Path) -> None:
+def test_step_without_foot_contact_is_reported(folder: Path) -> None:
     checked = check_folder(folder)
     entry, step = checked.entries[0], checked.steps[0]
     assert step_warnings(entry, step) == []
@@ -75,7 +75,7 @@ def test_a_step_without_a_foot_on_the_floor_is_told(folder: Path) -> None:
     assert doubt == ("file", "a foot is on the floor in 4 % of this step only; check the floor, unit_m and up")
 
 
-def test_a_step_with_the_back_to_the_public_is_told(folder: Path) -> None:
+def test_step_with_back_to_audience_is_reported(folder: Path) -> None:
     checked = check_folder(folder)
     entry, step = checked.entries[0], checked.steps[0]
     back = turn_clip(step.clip, math.radians(170.0))
@@ -85,24 +85,24 @@ def test_a_step_with_the_back_to_the_public_is_told(folder: Path) -> None:
     assert step_warnings(entry, replace(step, clip=turn_clip(step.clip, math.radians(90.0)))) == []
 
 
-def test_a_guess_is_told_until_it_is_confirmed(folder: Path) -> None:
+def test_guess_is_reported_until_confirmed(folder: Path) -> None:
     toml = folder / "dance.toml"
     toml.write_text(ONE.replace("= 120", "= 120 # guess: confirm").replace("= 2.5", "= 2.5 #guess: confirm"))
-    bpm, first = told(check_folder(folder).findings)
+    bpm, first = finding_texts(check_folder(folder).findings)
     assert "dance.toml, line 3: bpm: 120 is a guess; " in bpm
     assert "dance.toml, line 4: first_beat_s: 2.5 is a guess; " in first
     toml.write_text(ONE.replace('"sway"', '"guess: confirm"').replace("= 120", "= 120 # counted"))
-    assert told(check_folder(folder).findings) == []
+    assert finding_texts(check_folder(folder).findings) == []
 
 
-def test_what_cannot_be_used_is_wrong_and_the_rest_is_checked_all_the_same(folder: Path) -> None:
+def test_unusable_files_are_reported_and_others_are_checked(folder: Path) -> None:
     (folder / "a.toml").write_text('[[step]]\nfile = "gone.bvh"\nname = "a"\nbpm = 120\nfirst_beat_s = 0\n')
     (folder / "b.toml").write_text(ONE + "measures = 40\n")
     (folder / "c.toml").write_text("name = \n")
     (folder / "d.toml").write_text('name = "d"\n[pelvis]\n"1" = "sideways 4"\n')
     checked = check_folder(folder)
     assert [finding.kind for finding in checked.findings] == ["wrong"] * 4
-    lines = "\n".join(told(checked.findings))
+    lines = "\n".join(finding_texts(checked.findings))
     for words in (
         "a.toml, line 2: step.1.file: ",
         "b.toml, line 5: measures: ",
@@ -113,24 +113,24 @@ def test_what_cannot_be_used_is_wrong_and_the_rest_is_checked_all_the_same(folde
     assert [step.step for step in checked.steps] == ["sway"]
 
 
-def glitched(folder: Path, frame: int) -> None:
-    values = danced(601)
+def write_glitch(folder: Path, frame: int) -> None:
+    values = dance_values(601)
     values[frame : frame + 2, 0] += 60.0
     values[frame : frame + 2, column("LeftUpLeg", "X")] += 70.0
     (folder / "dance.bvh").write_text(body_bvh(values))
 
 
-def test_a_fault_inside_a_step_is_told_and_one_beside_it_is_not(folder: Path) -> None:
-    glitched(folder, 200)  # 3.33 s, inside the step that lasts from 2.5 to 4.5 s
-    findings = told(check_folder(folder).findings)
+def test_glitch_is_reported_only_inside_step(folder: Path) -> None:
+    write_glitch(folder, 200)  # 3.33 s, inside the step that lasts from 2.5 to 4.5 s
+    findings = finding_texts(check_folder(folder).findings)
     assert any("line 1: file: frame" in finding and "write repair = true" in finding for finding in findings)
-    glitched(folder, 400)
-    assert not any("frame" in finding for finding in told(check_folder(folder).findings))
+    write_glitch(folder, 400)
+    assert not any("frame" in finding for finding in finding_texts(check_folder(folder).findings))
 
 
-def test_a_repair_mends_the_fault_and_leaves_the_rest(folder: Path) -> None:
+def test_repair_removes_glitch_and_keeps_other_motion(folder: Path) -> None:
     clean = check_folder(folder).steps[0].clip
-    glitched(folder, 200)
+    write_glitch(folder, 200)
     faulty = check_folder(folder).steps[0].clip
     (folder / "dance.toml").write_text(ONE + "repair = true\n")
     checked = check_folder(folder)
@@ -141,27 +141,27 @@ def test_a_repair_mends_the_fault_and_leaves_the_rest(folder: Path) -> None:
 
     assert off(faulty) > 0.3
     assert off(mended) < 0.1
-    assert not any("frame" in finding for finding in told(checked.findings))
+    assert not any("frame" in finding for finding in finding_texts(checked.findings))
     assert RecordingReader().glitches(checked.entries[0]) == []
 
 
-def test_poses_that_nothing_matches_are_told(folder: Path) -> None:
+def test_unmatched_begin_and_end_poses_are_reported(folder: Path) -> None:
     (folder / "dance.toml").write_text(ONE + 'end_pose = "plie"\nbegin_pose = "plié"\n')
     checked = check_folder(folder)
-    findings = told(check_connections([checked], folder, threshold=2.0))
+    findings = finding_texts(check_connections([checked], folder, threshold=2.0))
     assert any("line 5: end_pose: no step begins in 'plie'; there are: 'plié'" in finding for finding in findings)
     assert any("line 6: begin_pose: no step ends in 'plié'; there are: 'plie'" in finding for finding in findings)
 
 
-def test_steps_that_lead_nowhere_are_told_with_their_line(folder: Path) -> None:
+def test_steps_without_transition_are_reported(folder: Path) -> None:
     checked = check_folder(folder)
-    (finding,) = told(check_connections([checked], folder, threshold=0.02))
+    (finding,) = finding_texts(check_connections([checked], folder, threshold=0.02))
     assert "no step of sway leads to another within 0.02 m" in finding
-    assert told(check_connections([checked], folder, threshold=2.0)) == []
+    assert finding_texts(check_connections([checked], folder, threshold=2.0)) == []
 
 
-def stamping(bpm: float) -> np.ndarray:
-    """Values of a body that steps from foot to foot at `bpm`, 20 s at 60 frames/s."""
+def stepping_body(bpm: float) -> np.ndarray:
+    """Channel values of a body that steps from foot to foot at `bpm`, 20 s at 60 frames/s."""
     values = still(1201)
     beat = np.arange(1201) / 60.0 * bpm / 60.0
     for side, phase in (("Left", 0.0), ("Right", 1.0)):
@@ -174,10 +174,10 @@ def stamping(bpm: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("written", "doubted"), [(120.0, False), (60.0, False), (240.0, False), (107.0, True)])
-def test_a_tempo_that_the_feet_deny_is_told(folder: Path, written: float, doubted: bool) -> None:
-    (folder / "dance.bvh").write_text(body_bvh(stamping(120.0)))
+def test_tempo_that_contradicts_footsteps_is_reported(folder: Path, written: float, doubted: bool) -> None:
+    (folder / "dance.bvh").write_text(body_bvh(stepping_body(120.0)))
     (folder / "dance.toml").write_text(ONE.replace("120", f"{written:g}"))
-    findings = [finding for finding in told(check_folder(folder).findings) if ": bpm: " in finding]
+    findings = [finding for finding in finding_texts(check_folder(folder).findings) if ": bpm: " in finding]
     assert bool(findings) == doubted
     if doubted:
         assert "line 3: bpm: 107, but the feet give" in findings[0]

@@ -1,4 +1,4 @@
-"""Which reader takes which file, and what is said about files that none takes."""
+"""Choice of the reader for a motion file, and error messages for unsupported files."""
 
 import os
 import shutil
@@ -11,20 +11,20 @@ from live.library.motion_file import MAX_BYTES, read_motion
 from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.file_error import MotionFileError
 from tests.fixtures.mocap import mocap_file
-from tests.motion.formats.made_bvh import body_bvh, danced
+from tests.motion.formats.made_bvh import body_bvh, dance_values
 from tests.motion.formats.test_asf_amc import AMC, ASF
 
 
 @pytest.mark.parametrize("name", ["a.bvh", "a.BVH", "a.txt", "a.c3d", "no ending"])
-def test_bvh_is_known_by_its_content(tmp_path: Path, name: str) -> None:
-    (tmp_path / name).write_text(body_bvh(danced(5)))
+def test_bvh_is_recognized_by_content(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text(body_bvh(dance_values(5)))
     motion = read_motion(tmp_path / name)
-    expected = bvh_to_source_motion(parse_bvh(body_bvh(danced(5)), "x"))
+    expected = bvh_to_source_motion(parse_bvh(body_bvh(dance_values(5)), "x"))
     np.testing.assert_array_equal(motion.rotation, expected.rotation)
     assert motion.file == str(tmp_path / name)
 
 
-def test_an_amc_finds_its_skeleton(tmp_path: Path) -> None:
+def test_amc_uses_matching_asf_skeleton(tmp_path: Path) -> None:
     path = tmp_path / "7_01.amc"
     path.write_text(AMC)
     with pytest.raises(MotionFileError, match=r"its skeleton is not known; next to it: no .asf file; .*--skeleton"):
@@ -61,7 +61,7 @@ def test_an_amc_finds_its_skeleton(tmp_path: Path) -> None:
         ("a.amc", b":DEGREES\n", "its skeleton is not known"),
     ],
 )
-def test_what_is_not_read_is_said_with_a_remedy(tmp_path: Path, name: str, content: bytes, words: str) -> None:
+def test_unsupported_file_is_refused_with_remedy(tmp_path: Path, name: str, content: bytes, words: str) -> None:
     (tmp_path / name).write_bytes(content)
     with pytest.raises(MotionFileError) as caught:
         read_motion(tmp_path / name)
@@ -70,7 +70,7 @@ def test_what_is_not_read_is_said_with_a_remedy(tmp_path: Path, name: str, conte
     assert "\n" not in str(caught.value)
 
 
-def test_what_is_not_there_or_no_file_or_too_large(tmp_path: Path) -> None:
+def test_missing_special_or_oversized_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "dance.bvh").write_text("x")
     with pytest.raises(MotionFileError, match=r"danse.bvh: there is no such file; there are: dance.bvh"):
         read_motion(tmp_path / "danse.bvh")
@@ -88,13 +88,13 @@ def test_what_is_not_there_or_no_file_or_too_large(tmp_path: Path) -> None:
 
 
 @pytest.mark.shared
-def test_a_gltf_and_a_bvh_of_one_dancer(tmp_path: Path) -> None:
+def test_glb_is_recognized_by_content(tmp_path: Path) -> None:
     shutil.copy(mocap_file("group/perfume_aachan.glb"), tmp_path / "any.name")
     assert read_motion(tmp_path / "any.name").joint_count == 23
 
 
-def test_the_axis_that_a_person_names_decides_the_root_offset(tmp_path: Path) -> None:
-    values = danced(60)
+def test_given_up_axis_is_used_for_bvh(tmp_path: Path) -> None:
+    values = dance_values(60)
     (tmp_path / "z.bvh").write_text(body_bvh(values, z_up=True, offsets={"Hips": (3.0, 94.0, 7.0)}))
     assert read_motion(tmp_path / "z.bvh").root_offset == "replace"
     assert read_motion(tmp_path / "z.bvh", up="Z").up == "Z"

@@ -1,4 +1,4 @@
-"""Holds are looked for only where a pair says nothing of them."""
+"""Holds are detected only where a pair description gives none."""
 
 from pathlib import Path
 from typing import Any
@@ -15,8 +15,8 @@ WRITTEN = (Hold(0, 0, 10.0, 20.0),)
 NEAR = HoldCriterion(0.1, 0.4)
 
 
-def made(known: tuple[Hold, ...], **said: Any) -> PartnerExamples:
-    """One pair of two who stand in one another, so that left holds left and right holds right."""
+def partner_examples(known: tuple[Hold, ...], **said: Any) -> PartnerExamples:
+    """One pair in which both stand at the same position, so that left holds left and right holds right."""
     clip = standing(120, 60.0)
     cloud = ends_cloud(clip)
     units = cut_units([Example("one", cloud, cloud, clip, np.array((0.0, 60.0, 119.0)), np.zeros(0), known)])
@@ -26,12 +26,15 @@ def made(known: tuple[Hold, ...], **said: Any) -> PartnerExamples:
     return PartnerExamples(Path("a.toml"), wanted, units, (one,), (one,), (False,))
 
 
-def test_holds_are_found_where_nothing_is_said() -> None:
-    units = add_found_holds(made(()), NEAR)
+def test_holds_are_detected_when_not_given() -> None:
+    units = add_found_holds(partner_examples(()), NEAR)
     assert units.examples[0].holds == (Hold(0, 0, 0.0, 119.0), Hold(1, 1, 0.0, 119.0))
     assert units.count == 2
 
 
-def test_what_is_written_stays_and_none_is_none() -> None:
-    assert add_found_holds(made(WRITTEN, holds=[("left", "left", 0.1, 0.3)]), NEAR).examples[0].holds == WRITTEN
-    assert add_found_holds(made((), holds=[]), NEAR).examples[0].holds == ()
+def test_given_holds_and_empty_list_are_kept() -> None:
+    assert (
+        add_found_holds(partner_examples(WRITTEN, holds=[("left", "left", 0.1, 0.3)]), NEAR).examples[0].holds
+        == WRITTEN
+    )
+    assert add_found_holds(partner_examples((), holds=[]), NEAR).examples[0].holds == ()

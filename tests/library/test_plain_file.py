@@ -1,4 +1,4 @@
-"""Plain files are read; pipes, devices and folders are named and never waited for."""
+"""Regular files are read; pipes, devices and folders are refused without waiting."""
 
 import os
 from pathlib import Path
@@ -11,14 +11,14 @@ from live.library.step_folder import load_steps
 from live.show.patch.patch_reader import read_text
 
 
-def test_no_more_is_read_than_asked(tmp_path):
+def test_read_is_limited_to_one_byte_more_than_limit(tmp_path):
     (tmp_path / "long").write_bytes(b"abcdef")
     assert read_regular_file(tmp_path / "long", 3) == b"abcd"
     assert read_regular_file(tmp_path / "long", 6) == b"abcdef"
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names here")
-def test_a_pipe_is_not_waited_for(tmp_path):
+def test_pipe_is_refused_without_waiting(tmp_path):
     os.mkfifo(tmp_path / "groove.toml")
     with pytest.raises(PersonError, match=r"cannot read the patch .*groove\.toml: a file expected"):
         read_text(tmp_path / "groove.toml", "patch")
@@ -27,12 +27,12 @@ def test_a_pipe_is_not_waited_for(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["/dev/zero", "."])
-def test_devices_and_folders_are_named(name):
+def test_devices_and_folders_are_refused(name):
     if Path(name).exists():
         with pytest.raises(PersonError, match="cannot read the patch"):
             read_text(Path(name), "patch")
 
 
-def test_a_name_that_no_file_has_is_named(tmp_path):
+def test_impossible_file_name_is_refused(tmp_path):
     with pytest.raises(PersonError, match="no file can have this name"):
         read_text(tmp_path / "a\0b", "patch")

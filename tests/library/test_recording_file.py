@@ -1,4 +1,4 @@
-"""Wrong fields are described in our own words, for every field and every kind of wrong value."""
+"""Error messages for invalid fields of a recording, in plain words for every field and kind of value."""
 
 import re
 
@@ -13,7 +13,7 @@ FOREIGN = re.compile(r"input|valid|should|type|pydantic|literal|finite|instance|
 
 
 @pytest.mark.parametrize("field", list(Recording.model_fields))
-def test_every_wrong_value_is_told_in_our_words(field: str) -> None:
+def test_every_invalid_value_has_plain_message(field: str) -> None:
     told = 0
     for value in WRONG:
         try:
@@ -29,8 +29,8 @@ def test_every_wrong_value_is_told_in_our_words(field: str) -> None:
 
 
 @pytest.mark.parametrize("field", list(Recording.model_fields))
-def test_the_bounds_that_are_told_are_those_that_hold(field: str) -> None:
-    """What is said to be allowed is allowed, and what lies beside it is not."""
+def test_reported_bounds_match_validation(field: str) -> None:
+    """The reported bounds are valid, and the values just outside them are refused."""
     bounds = re.fullmatch(r"a (?:whole )?number from ([\d,]+) to ([\d,]+)", expected_text(field))
     if bounds is None:
         return  # a text, a switch, or a number with an open bound: see below
@@ -56,11 +56,11 @@ def test_the_bounds_that_are_told_are_those_that_hold(field: str) -> None:
         ("tags", 'a list of at most 64 texts, like ["slow", "low"],'),
     ],
 )
-def test_what_is_expected(field: str, words: str) -> None:
+def test_expected_text_describes_field(field: str, words: str) -> None:
     assert expected_text(field) == words
 
 
-def test_unknown_and_missing_keys() -> None:
+def test_unknown_and_missing_keys_are_reported() -> None:
     with pytest.raises(ValidationError) as caught:
         Recording.model_validate({"file": "a.bvh", "name": "a", "bmp": 120})
     words = {problem["loc"][0]: problem_text(problem) for problem in caught.value.errors()}

@@ -1,4 +1,4 @@
-"""A folder of recordings as steps: cut at the beats, ready to be chained, and errors that name the place."""
+"""A folder of recordings as steps: cut at the beats, aligned to the stage, with errors by file and line."""
 
 import json
 import math
@@ -14,7 +14,7 @@ from live.motion import quaternion
 from live.motion.mirror import mirror_step, swap_sides
 from live.motion.step_clip import StepClip, measured_direction, measured_distance
 from tests.fixtures.mocap import MOCAP, mocap_file
-from tests.motion.formats.made_bvh import body_bvh, column, danced, still
+from tests.motion.formats.made_bvh import body_bvh, column, dance_values, still
 
 ONE = """
 file = "dance.bvh"
@@ -26,7 +26,7 @@ measures = 2
 
 
 @pytest.fixture(autouse=True)
-def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
+def isolated_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
     path = tmp_path_factory.mktemp("cache")
     monkeypatch.setenv("LIVE_CACHE_DIR", str(path))
     return path
@@ -34,13 +34,13 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.Monk
 
 def folder(tmp_path: Path, toml: str, values: np.ndarray | None = None) -> Path:
     """A folder with dance.bvh (10 s at 60 frames/s unless given) and steps.toml."""
-    (tmp_path / "dance.bvh").write_text(body_bvh(danced(601) if values is None else values))
+    (tmp_path / "dance.bvh").write_text(body_bvh(dance_values(601) if values is None else values))
     (tmp_path / "steps.toml").write_text(toml)
     return tmp_path
 
 
 def pose_at(step: StepClip, sample: float) -> tuple[np.ndarray, float]:
-    """Place of the hips [m] and their heading [rad] at a fractional sample."""
+    """Position of the hips [m] and heading [rad] at a fractional sample."""
     before = min(math.floor(sample), step.clip.sample_count - 2)
     part = sample - before
     root = step.clip.root_position
@@ -56,7 +56,7 @@ def problems_of(directory: Path) -> str:
     return str(caught.value)
 
 
-def test_one_recording_at_the_top_level(tmp_path: Path) -> None:
+def test_top_level_recording_is_one_step(tmp_path: Path) -> None:
     (step,) = load_recordings(folder(tmp_path, ONE))
     assert (step.step, step.measures, step.beats_per_measure, step.bpm) == ("sway", 2, 4, 120.0)
     assert step.samples_per_measure == pytest.approx(120.0)
@@ -69,9 +69,7 @@ def test_one_recording_at_the_top_level(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("first_beat", [2.5, 3.3217, 0.0])
-def test_at_the_first_downbeat_the_hips_stand_at_the_centre_facing_the_audience(
-    tmp_path: Path, first_beat: float
-) -> None:
+def test_hips_are_centred_facing_audience_at_first_downbeat(tmp_path: Path, first_beat: float) -> None:
     (step,) = load_recordings(folder(tmp_path, ONE.replace("2.5", str(first_beat))))
     place, heading = pose_at(step, step.first)
     assert np.hypot(place[0], place[2]) < 1e-4
@@ -79,8 +77,8 @@ def test_at_the_first_downbeat_the_hips_stand_at_the_centre_facing_the_audience(
     assert place[1] > 0.7
 
 
-def test_beats_fall_where_they_are_between_samples(tmp_path: Path) -> None:
-    """A body that turns evenly by 20 degrees a second: the heading tells the time of every sample."""
+def test_beats_between_samples_are_exact(tmp_path: Path) -> None:
+    """A body that turns by 20 degrees per second: the heading gives the time of every sample."""
     values = still(601)
     values[:, column("Hips", "Y")] = np.linspace(0.0, 200.0, 601)
     toml = ONE.replace("2.5", "2.51").replace("120", "97.3") + "start_measure = 2\n"
@@ -92,7 +90,7 @@ def test_beats_fall_where_they_are_between_samples(tmp_path: Path) -> None:
         assert math.degrees(heading) == pytest.approx(20.0 * measures * measure, abs=0.01)
 
 
-def test_where_the_recording_begins_late_its_first_sample_is_held(tmp_path: Path) -> None:
+def test_first_sample_is_held_when_recording_begins_late(tmp_path: Path) -> None:
     (step,) = load_recordings(folder(tmp_path, ONE.replace("2.5", "0.5")))
     held = int(step.first - 0.5 * 60)
     assert held >= 89
@@ -102,7 +100,7 @@ def test_where_the_recording_begins_late_its_first_sample_is_held(tmp_path: Path
     assert not np.allclose(early.clip.root_position[10], early.clip.root_position[0])
 
 
-def test_frames_are_dropped_before_anything_is_counted(tmp_path: Path) -> None:
+def test_dropped_frames_do_not_count_as_time(tmp_path: Path) -> None:
     values = still(601)
     values[:, column("Hips", "Y")] = np.linspace(0.0, 200.0, 601)
     values[:30, column("Spine", "X")] = 80.0
@@ -114,7 +112,7 @@ def test_frames_are_dropped_before_anything_is_counted(tmp_path: Path) -> None:
     )
 
 
-def test_the_true_rate_stretches_the_time(tmp_path: Path) -> None:
+def test_given_frame_rate_scales_time(tmp_path: Path) -> None:
     (step,) = load_recordings(folder(tmp_path, ONE + "fps = 30\nstart_measure = 7\n"))
     assert step.first == pytest.approx(120.0)
     assert "measures: the step ends with measure 4, but dance.bvh has 3 whole measures" in problems_of(
@@ -122,7 +120,7 @@ def test_the_true_rate_stretches_the_time(tmp_path: Path) -> None:
     )
 
 
-def test_many_steps_in_one_file_with_common_keys(tmp_path: Path) -> None:
+def test_steps_of_one_file_share_common_keys(tmp_path: Path) -> None:
     toml = """
 file = "dance.bvh"
 bpm = 120
@@ -160,7 +158,7 @@ mirror = true
     np.testing.assert_array_equal(steps[3].clip.rotation, mirror_step(steps[2]).clip.rotation)
 
 
-def test_several_files_come_in_the_order_of_their_names_and_pairs_are_passed_over(tmp_path: Path) -> None:
+def test_files_are_read_in_name_order_without_pairs(tmp_path: Path) -> None:
     directory = folder(tmp_path, ONE)
     (directory / "a.toml").write_text(ONE.replace("sway", "first"))
     (directory / "pairs.toml").write_text('[[pair]]\nleader = { file = "x.bvh" }\n')
@@ -194,13 +192,13 @@ def test_several_files_come_in_the_order_of_their_names_and_pairs_are_passed_ove
         ("measures = 2", "step = 4", "line 6: step: a list of tables expected, each begun by [[step]]"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_named_with_file_line_and_field(tmp_path: Path, old: str, new: str, words: str) -> None:
+def test_invalid_field_is_reported_with_file_and_line(tmp_path: Path, old: str, new: str, words: str) -> None:
     assert old in ONE
     message = problems_of(folder(tmp_path, ONE.replace(old, new)))
     assert f"steps.toml, {words}" in message
 
 
-def test_problems_of_the_recording_itself_are_named(tmp_path: Path) -> None:
+def test_broken_recording_is_reported(tmp_path: Path) -> None:
     directory = folder(tmp_path, ONE)
     text = (directory / "dance.bvh").read_text()
     (directory / "dance.bvh").write_text(text[: len(text) // 2])
@@ -212,7 +210,7 @@ def test_problems_of_the_recording_itself_are_named(tmp_path: Path) -> None:
     assert "a BVH file begins with HIERARCHY" in problems_of(directory)
 
 
-def test_a_recording_cut_off_between_two_lines_is_told_and_one_frame_is_forgiven(tmp_path: Path) -> None:
+def test_truncated_recording_is_reported_unless_one_frame_is_missing(tmp_path: Path) -> None:
     directory = folder(tmp_path, ONE)
     lines = (directory / "dance.bvh").read_text().splitlines(keepends=True)
     (directory / "dance.bvh").write_text("".join(lines[:-1]))
@@ -221,7 +219,7 @@ def test_a_recording_cut_off_between_two_lines_is_told_and_one_frame_is_forgiven
     assert "is cut off: it declares 601 frames and has 561" in problems_of(directory)
 
 
-def test_several_problems_are_told_at_once(tmp_path: Path) -> None:
+def test_several_problems_are_reported_together(tmp_path: Path) -> None:
     toml = '[[step]]\nfile = "no.bvh"\nname = ""\n[[step]]\nname = "b"\nbpm = 3\ncolour = 1\n'
     message = problems_of(folder(tmp_path, toml))
     for words in ("line 3: step.1.name", "step.1.bpm: missing", "line 6: step.2.bpm", "line 7: step.2.colour: unknown"):
@@ -230,12 +228,12 @@ def test_several_problems_are_told_at_once(tmp_path: Path) -> None:
     assert "; and 12 more" in problems_of(folder(tmp_path, many))
 
 
-def test_a_common_key_is_named_where_it_stands(tmp_path: Path) -> None:
+def test_invalid_common_key_is_reported_at_its_line(tmp_path: Path) -> None:
     toml = 'file = "dance.bvh"\nfirst_beat_s = 0\nbpm = 9\n[[step]]\nname = "a"\n'
     assert "line 3: bpm: a number from 20 to 400 expected, found 9" in problems_of(folder(tmp_path, toml))
 
 
-def test_folders_without_anything_usable(tmp_path: Path) -> None:
+def test_folder_without_usable_files_is_refused(tmp_path: Path) -> None:
     assert "there is no folder" in problems_of(tmp_path / "nowhere")
     assert "no TOML file" in problems_of(tmp_path)
     (tmp_path / "dance.bvh").write_text(body_bvh(still(3)))
@@ -251,7 +249,7 @@ def test_folders_without_anything_usable(tmp_path: Path) -> None:
     assert "folder.toml: not a file" in problems_of(tmp_path)
 
 
-def test_a_file_is_read_once_for_all_its_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_recording_is_read_once_for_all_its_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     read: list[Path] = []
     read_motion = recordings.read_motion
     monkeypatch.setattr(
@@ -262,19 +260,17 @@ def test_a_file_is_read_once_for_all_its_steps(tmp_path: Path, monkeypatch: pyte
     assert len(read) == 1
 
 
-def never(entries: object) -> list[StepClip]:
-    pytest.fail("cut anew although nothing changed")
+def fail_on_rebuild(entries: object) -> list[StepClip]:
+    pytest.fail("cut again although nothing changed")
 
 
-def test_what_was_cut_comes_out_of_the_cache_and_follows_every_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_cached_steps_are_reused_until_their_files_change(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     directory = folder(tmp_path, ONE + "mirror = true\n")
-    (directory / "other.bvh").write_text(body_bvh(danced(601, seed=7)))
+    (directory / "other.bvh").write_text(body_bvh(dance_values(601, seed=7)))
     (directory / "other.toml").write_text(ONE.replace("dance.bvh", "other.bvh").replace("sway", "other"))
     first = load_recordings(directory)
     with monkeypatch.context() as patched:
-        patched.setattr(recordings, "_build_steps", never)
+        patched.setattr(recordings, "_build_steps", fail_on_rebuild)
         again = load_recordings(directory)
     assert [step.step for step in again] == ["other", "sway", "sway"]
     for a, b in zip(first, again, strict=True):
@@ -287,7 +283,7 @@ def test_what_was_cut_comes_out_of_the_cache_and_follows_every_file(
     monkeypatch.setattr(
         recordings, "_build_steps", lambda entries: built.append(entries[0].recording.name) or build(entries)
     )
-    (directory / "dance.bvh").write_text(body_bvh(danced(601, seed=9)))
+    (directory / "dance.bvh").write_text(body_bvh(dance_values(601, seed=9)))
     changed = load_recordings(directory)
     assert built == ["sway"]
     assert not np.array_equal(changed[1].clip.rotation, first[1].clip.rotation)
@@ -296,14 +292,14 @@ def test_what_was_cut_comes_out_of_the_cache_and_follows_every_file(
     assert built == ["sway", "other"]
 
 
-def test_a_recording_that_is_gone_is_told_although_its_steps_are_cached(tmp_path: Path) -> None:
+def test_missing_recording_is_reported_despite_cache(tmp_path: Path) -> None:
     directory = folder(tmp_path, ONE)
     load_recordings(directory)
     (directory / "dance.bvh").unlink()
     assert "line 2: file: " in problems_of(directory)
 
 
-def test_a_recording_that_must_not_be_read_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_recording_without_read_permission_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     directory = folder(tmp_path, ONE)
     read = Path.read_bytes
 
@@ -317,7 +313,7 @@ def test_a_recording_that_must_not_be_read_is_told(tmp_path: Path, monkeypatch: 
     assert "dance.bvh: cannot be read: Permission denied" in problems_of(directory)
 
 
-def test_problems_of_all_files_are_told_together(tmp_path: Path) -> None:
+def test_problems_of_all_files_are_reported_together(tmp_path: Path) -> None:
     directory = folder(tmp_path, ONE.replace("measures = 2", "measures = 9"))
     (directory / "b.toml").write_text(ONE.replace("bpm = 120", "bpm = 1"))
     message = problems_of(directory)
@@ -339,7 +335,7 @@ def salsa_toml() -> str:
 
 
 @pytest.mark.shared
-def test_real_salsa(tmp_path: Path) -> None:
+def test_real_salsa_recordings_load_as_steps(tmp_path: Path) -> None:
     (tmp_path / "salsa.toml").write_text(salsa_toml())
     assert len(read_recordings(tmp_path)) == 22
     steps = load_recordings(tmp_path)

@@ -1,4 +1,4 @@
-"""Folders of sketched steps: errors, and a cache that follows the files."""
+"""Tests of folders of sketched steps: errors, and a cache that follows the files."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ SWAY = 'name = "sway"\n[pelvis]\n"1" = "left 4"\n"3" = "right 4"\n'
 
 
 @pytest.fixture(autouse=True)
-def own_cache(tmp_path, monkeypatch):
+def isolated_cache(tmp_path, monkeypatch):
     monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
     (tmp_path / "cache").mkdir()
 
@@ -25,11 +25,9 @@ def folder(tmp_path):
     return path
 
 
-def test_the_cache_gives_the_same_clips_bit_by_bit(folder, monkeypatch):
+def test_cached_clips_are_bit_exact(folder, monkeypatch):
     first = load_steps(folder)
-    monkeypatch.setattr(
-        step_folder, "_build_sketches", lambda texts: pytest.fail("built anew although nothing changed")
-    )
+    monkeypatch.setattr(step_folder, "_build_sketches", lambda texts: pytest.fail("rebuilt although nothing changed"))
     again = load_steps(folder)
     assert len(again) == len(first) > 0
     for a, b in zip(first, again, strict=True):
@@ -41,14 +39,14 @@ def test_the_cache_gives_the_same_clips_bit_by_bit(folder, monkeypatch):
         assert (a.clip.contact == b.clip.contact).all()
 
 
-def test_a_changed_step_is_read_anew(folder):
+def test_changed_step_is_read_again(folder):
     before = load_steps(folder)[0].clip.root_position
     (folder / "sway.toml").write_text(SWAY.replace("left 4", "left 8"))
     after = load_steps(folder)[0].clip.root_position
     assert np.abs(after[:, 0]).max() > 1.3 * np.abs(before[:, 0]).max()
 
 
-def test_a_broken_cache_is_no_problem(folder, tmp_path):
+def test_broken_cache_is_rebuilt(folder, tmp_path):
     load_steps(folder)
     for cache in (tmp_path / "cache").glob("steps-*.npz"):
         cache.write_bytes(b"PK broken")
@@ -75,12 +73,12 @@ def test_errors_name_file_and_line(folder):
         load_steps(folder)
 
 
-def test_a_folder_without_steps(tmp_path):
+def test_folder_without_steps_is_refused(tmp_path):
     with pytest.raises(StepsError, match="no steps in"):
         load_steps(tmp_path)
 
 
-def test_the_projects_steps_are_at_least_eight_and_travel_in_nine_directions():
+def test_project_has_eight_steps_and_walk_has_nine_directions():
     clips = load_steps(PATCHES / "steps")
     names = {clip.step for clip in clips}
     assert len(names) >= 8

@@ -1,4 +1,4 @@
-"""One more step in a TOML text: nothing that a person wrote is lost, and what is read back is what was meant."""
+"""Appending a step to a TOML text: existing lines are kept, and the result reads back unchanged."""
 
 import tomllib
 
@@ -35,14 +35,14 @@ def lines_of(text: str) -> list[str]:
     return [line for line in text.splitlines() if line.strip()]
 
 
-def test_a_new_file_is_written_as_a_person_would() -> None:
+def test_new_file_is_written_in_plain_layout() -> None:
     assert append_step("", NEW, {"bpm": "guess: confirm"}) == (
         '[[step]]\nfile = "b.bvh"\nname = "two"\nbpm = 96.5 # guess: confirm\nfirst_beat_s = 1\nmeasures = 2\n'
         'tags = ["slow"]\n'
     )
 
 
-def test_a_list_gets_one_more_and_keeps_every_line() -> None:
+def test_step_is_appended_and_every_line_is_kept() -> None:
     text = append_step(LIST, NEW | {"fps": 60})
     assert text is not None
     assert text.startswith(LIST.rstrip("\n"))
@@ -52,7 +52,7 @@ def test_a_list_gets_one_more_and_keeps_every_line() -> None:
     assert '\n\n[[step]]\nfile = "b.bvh"' in text
 
 
-def test_one_recording_at_the_top_becomes_the_first_of_two() -> None:
+def test_top_level_recording_becomes_first_of_two() -> None:
     text = append_step(SINGLE, NEW)
     assert text is not None
     assert tomllib.loads(text)["step"] == [tomllib.loads(SINGLE), NEW]
@@ -68,7 +68,7 @@ def test_one_recording_at_the_top_becomes_the_first_of_two() -> None:
         ('tags = ["x"]\nmeasures = 4\n', {}),
     ],
 )
-def test_defaults_that_are_not_meant_are_taken_back(text: str, left: dict[str, object]) -> None:
+def test_unwanted_file_defaults_are_overridden(text: str, left: dict[str, object]) -> None:
     table = NEW if left else {key: value for key, value in NEW.items() if key not in ("tags", "measures")}
     written = append_step(text + LIST.partition("\n\n")[2], table)
     assert written is not None
@@ -89,18 +89,18 @@ def test_defaults_that_are_not_meant_are_taken_back(text: str, left: dict[str, o
         "colour = 3\n" + LIST,
     ],
 )
-def test_what_cannot_take_the_step_is_left_alone(text: str) -> None:
+def test_incompatible_text_is_refused(text: str) -> None:
     assert append_step(text, NEW) is None
 
 
-def test_a_file_of_comments_keeps_them() -> None:
+def test_comments_of_empty_file_are_kept() -> None:
     text = append_step("# nothing yet\n", NEW)
     assert text is not None
     assert text.startswith("# nothing yet\n")
     assert tomllib.loads(text)["step"] == [NEW]
 
 
-def test_windows_line_ends_are_kept() -> None:
+def test_windows_line_endings_are_kept() -> None:
     text = append_step(LIST.replace("\n", "\r\n"), NEW | {"fps": 60})
     assert text is not None
     assert text.startswith(LIST.rstrip("\n").replace("\n", "\r\n"))
@@ -123,7 +123,7 @@ def test_windows_line_ends_are_kept() -> None:
         max_size=4,
     )
 )
-def test_whatever_is_written_is_read_back(tables: list[dict[str, object]]) -> None:
+def test_written_steps_are_read_back_unchanged(tables: list[dict[str, object]]) -> None:
     text: str | None = ""
     for table in tables:
         assert text is not None

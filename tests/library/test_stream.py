@@ -1,4 +1,4 @@
-"""Streams: a whole recording cut at its measure lines, danced by similarity alone."""
+"""Tests of streams: a whole recording cut at its measure lines, joined by pose similarity alone."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +14,7 @@ from live.library.recording_file import RecordingError
 from live.library.recordings import load_recordings
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
-from tests.motion.formats.made_bvh import body_bvh, danced
+from tests.motion.formats.made_bvh import body_bvh, dance_values
 
 STREAM = """
 file = "dance.bvh"
@@ -26,18 +26,18 @@ unstructured = true
 
 
 @pytest.fixture(autouse=True)
-def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+def isolated_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path_factory.mktemp("cache")))
 
 
 def folder(tmp_path: Path, toml: str) -> Path:
     """Ten seconds at 60 frames/s: four whole measures of two seconds after 0.5 s."""
-    (tmp_path / "dance.bvh").write_text(body_bvh(danced(601)))
+    (tmp_path / "dance.bvh").write_text(body_bvh(dance_values(601)))
     (tmp_path / "steps.toml").write_text(toml)
     return tmp_path
 
 
-def test_every_measure_is_a_clip_and_follows_the_one_before_it(tmp_path: Path) -> None:
+def test_every_measure_is_clip_that_follows_previous(tmp_path: Path) -> None:
     clips = load_recordings(folder(tmp_path, STREAM))
     assert [clip.measures for clip in clips] == [1, 1, 1, 1]
     assert all(clip.in_stream and clip.step == "samba" for clip in clips)
@@ -54,7 +54,7 @@ def test_every_measure_is_a_clip_and_follows_the_one_before_it(tmp_path: Path) -
     assert len(graph.takes.node) == 0
 
 
-def test_some_measures_and_their_mirror_images(tmp_path: Path) -> None:
+def test_selected_measures_are_mirrored(tmp_path: Path) -> None:
     clips = load_recordings(folder(tmp_path, STREAM + "start_measure = 2\nmeasures = 2\nmirror = true\n"))
     assert [clip.mirrored for clip in clips] == [False, True, False, True]
     assert [clip.clip.name for clip in clips[::2]] == [
@@ -63,7 +63,7 @@ def test_some_measures_and_their_mirror_images(tmp_path: Path) -> None:
     ]
 
 
-def test_a_show_dances_a_stream(tmp_path: Path) -> None:
+def test_show_loads_stream(tmp_path: Path) -> None:
     """As `live play --steps` loads it: the dancers go from measure to measure of the recording."""
     show = load_show(DEFAULT_PATCH, recordings=folder(tmp_path, STREAM)).start()
     assert show.dancers.graph.library.steps == ("samba",)
@@ -71,20 +71,20 @@ def test_a_show_dances_a_stream(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("said", ['leading_foot = "left"', 'end_pose = "plié"', 'direction = "long left"'])
-def test_what_is_said_of_a_step_is_refused(tmp_path: Path, said: str) -> None:
+def test_step_fields_are_refused_in_stream(tmp_path: Path, said: str) -> None:
     with pytest.raises(RecordingError) as caught:
         load_recordings(folder(tmp_path, STREAM + said))
     assert f"steps.toml, line 7: {said.split()[0]}: it belongs to a step" in str(caught.value)
 
 
-def test_a_stream_that_is_too_long_is_refused(tmp_path: Path) -> None:
+def test_stream_beyond_recording_is_refused(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match=r"line 7: measures: .*ends with measure 9, but dance.bvh has 4 whole"):
         load_recordings(folder(tmp_path, STREAM + "measures = 9"))
     with pytest.raises(RecordingError, match="start_measure: the step ends with measure 8"):
         load_recordings(folder(tmp_path, STREAM + "start_measure = 8"))
 
 
-def test_the_check_reads_all_measures(tmp_path: Path) -> None:
+def test_library_check_reads_all_measures(tmp_path: Path) -> None:
     checked = check_folder(folder(tmp_path, STREAM))
     assert len(checked.steps) == 4
     assert not [finding for finding in checked.findings if finding.kind == "wrong"]

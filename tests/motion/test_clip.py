@@ -1,4 +1,4 @@
-"""A clip at another rate: samples that both have stay, those between lie on the way, the ends are kept."""
+"""Tests of clip resampling: common samples are kept, others are interpolated, and the ends are kept."""
 
 import numpy as np
 import pytest
@@ -17,13 +17,13 @@ def made_clip(samples: int, rate: float, seed: int = 0) -> Clip:
     return Clip("made", root.astype(np.float32), turns.astype(np.float32), rate, contact)
 
 
-def test_the_same_rate_and_the_whole_clip_is_the_clip() -> None:
+def test_resampling_at_same_rate_returns_same_clip() -> None:
     clip = made_clip(9, 60.0)
     assert resample(clip, 60.0) is clip
 
 
 @pytest.mark.parametrize(("rate", "step"), [(30.0, 2), (20.0, 3), (12.0, 5)])
-def test_a_part_of_the_rate_keeps_every_nth_sample(rate: float, step: int) -> None:
+def test_divided_rate_keeps_every_nth_sample(rate: float, step: int) -> None:
     clip = made_clip(31, 60.0)
     fewer = resample(clip, rate)
     assert (fewer.sample_rate, fewer.seconds) == (rate, clip.seconds)
@@ -33,7 +33,7 @@ def test_a_part_of_the_rate_keeps_every_nth_sample(rate: float, step: int) -> No
     np.testing.assert_array_equal(fewer.contact, clip.contact[::step])
 
 
-def test_between_samples_joints_are_slerped_and_the_root_goes_straight() -> None:
+def test_joints_are_slerped_and_root_is_linear_between_samples() -> None:
     clip = made_clip(13, 60.0)
     part = resample(clip, 100.0, first=2.25, last=9.75)
     at = 2.25 + np.arange(part.sample_count) * 0.6
@@ -47,7 +47,7 @@ def test_between_samples_joints_are_slerped_and_the_root_goes_straight() -> None
         assert (got * Slerp(np.arange(13), turns)(at).inv()).magnitude().max() < 2e-3  # float32
 
 
-def test_one_sample_is_enough_and_ranges_outside_are_refused() -> None:
+def test_one_sample_is_accepted_and_outside_ranges_are_refused() -> None:
     one = made_clip(1, 60.0)
     assert resample(one, 30.0).sample_count == 1
     for first, last in ((-0.1, 3.0), (4.0, 3.0), (0.0, 8.1)):

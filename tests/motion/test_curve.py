@@ -1,4 +1,4 @@
-"""Curves and filters: laws, and scipy's PCHIP as an independent implementation."""
+"""Tests of curves and filters: their properties, and scipy's PCHIP as an independent implementation."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ keys = st.lists(st.tuples(st.floats(0.1, 2.0), st.floats(-3.0, 3.0)), min_size=2
 
 
 @given(keys)
-def test_a_curve_meets_its_keys_and_never_leaves_the_span_between_two(pairs: list[tuple[float, float]]) -> None:
+def test_curve_meets_keys_without_overshoot(pairs: list[tuple[float, float]]) -> None:
     times = np.cumsum([gap for gap, _ in pairs])
     values = np.array([value for _, value in pairs])
     assert np.allclose(interpolate(times, values, times), values)
@@ -32,27 +32,27 @@ def test_a_curve_meets_its_keys_and_never_leaves_the_span_between_two(pairs: lis
         assert (between <= high + 1e-9).all()
 
 
-def test_inner_slopes_are_those_of_pchip() -> None:
+def test_inner_slopes_match_pchip() -> None:
     random = np.random.default_rng(5)
     times, values = np.cumsum(random.uniform(0.2, 1.0, 20)), random.normal(size=20)
     expected = PchipInterpolator(times, values).derivative()(times)
     assert np.allclose(monotone_slopes(times, values)[1:-1], expected[1:-1])
 
 
-def test_a_cubic_with_slopes_of_a_throw_is_the_parabola_of_the_throw() -> None:
+def test_hermite_curve_reproduces_ballistic_parabola() -> None:
     time = np.linspace(0.0, 0.5, 50)
     speed = 9.81 * 0.25
     way = hermite(np.array((0.0, 0.5)), np.zeros(2), np.array((speed, -speed)), time)
     assert np.allclose(way, speed * time - 0.5 * 9.81 * time**2)
 
 
-def test_one_key_and_times_outside_hold_still() -> None:
+def test_values_are_held_outside_keys() -> None:
     at = np.linspace(-5.0, 5.0, 11)
     assert np.allclose(interpolate(np.array((1.0,)), np.array((2.0,)), at), 2.0)
     assert np.allclose(interpolate(np.array((0.0, 1.0)), np.array((2.0, 3.0)), at)[[0, -1]], (2.0, 3.0))
 
 
-def test_repeated_keys_give_the_same_curve_every_time() -> None:
+def test_repeated_keys_give_periodic_curve() -> None:
     at = np.linspace(-4.0, 8.0, 12 * 32 + 1)
     times, values = repeat_keys(np.array((0.5, 1.0, 3.0)), np.array((0.0, 1.0, -1.0)), 4.0, 0.25, at)
     curve = interpolate(times, values, at)
@@ -60,7 +60,7 @@ def test_repeated_keys_give_the_same_curve_every_time() -> None:
 
 
 @pytest.mark.parametrize("soften", [lambda x: gaussian_filter(x, 5.0), lambda x: spring_response(x, 16.0, 0.5)])
-def test_filters_keep_constants_lines_and_repetition(soften) -> None:  # type: ignore[no-untyped-def]
+def test_filters_keep_constants_lines_and_period(soften) -> None:  # type: ignore[no-untyped-def]
     time = np.arange(400.0)
     assert np.allclose(soften(np.full((400, 2), 3.0)), 3.0)
     steady = soften(time)[100:300]
@@ -69,7 +69,7 @@ def test_filters_keep_constants_lines_and_repetition(soften) -> None:  # type: i
     assert np.allclose(wave[100:236], wave[164:300])
 
 
-def test_smoothing_has_no_delay_and_following_has() -> None:
+def test_gaussian_has_no_delay_and_spring_has() -> None:
     step = (np.arange(200) >= 100).astype(float)
     assert gaussian_filter(step, 4.0)[99:101].mean() == pytest.approx(0.5)
     late = spring_response(step, 16.0, 0.4)
@@ -78,7 +78,7 @@ def test_smoothing_has_no_delay_and_following_has() -> None:
     assert late[-1] == pytest.approx(1.0, abs=1e-6)
 
 
-def test_a_filter_weighs_the_past_as_told() -> None:
+def test_filter_applies_weights_to_past_samples() -> None:
     assert filter_samples(np.array((0.0, 0.0, 1.0, 0.0, 0.0)), np.array((0.25, 0.75)), 1).tolist() == [
         0,
         0,
@@ -89,7 +89,7 @@ def test_a_filter_weighs_the_past_as_told() -> None:
 
 
 @given(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(0.001, 1.0))
-def test_the_soft_minimum_is_below_both_and_near_the_lesser(a: float, b: float, width: float) -> None:
+def test_soft_minimum_is_just_below_minimum(a: float, b: float, width: float) -> None:
     least = float(soft_min(np.array(a), np.array(b), width))
     assert least <= min(a, b) + 1e-12
     assert least >= min(a, b) - 0.5 * width - 1e-12

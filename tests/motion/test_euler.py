@@ -1,4 +1,4 @@
-"""Euler angles in every order against products of rotation matrices."""
+"""Tests of Euler angles in every order against products of rotation matrices."""
 
 from itertools import permutations, product
 
@@ -21,7 +21,7 @@ def matrix(axis: str, angle: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_the_first_named_axis_turns_last(order: str) -> None:
+def test_first_named_axis_is_applied_last(order: str) -> None:
     rng = np.random.default_rng(len(order) + ord(order[0]))
     angles = rng.uniform(-2 * np.pi, 2 * np.pi, (20, len(order)))
     quaternions = euler_to_quaternion(angles, order)
@@ -32,7 +32,7 @@ def test_the_first_named_axis_turns_last(order: str) -> None:
         np.testing.assert_allclose(quaternion.rotate(q, np.eye(3)).T, expected, atol=1e-12)
 
 
-def test_no_axis_is_the_identity_and_shapes_are_kept() -> None:
+def test_no_axis_gives_identity_and_shapes_are_kept() -> None:
     assert euler_to_quaternion(np.zeros((4, 5, 0)), "").tolist() == np.tile([1.0, 0, 0, 0], (4, 5, 1)).tolist()
     assert euler_to_quaternion(np.zeros((4, 5, 3)), "ZXY").shape == (4, 5, 4)
 
@@ -44,6 +44,6 @@ def test_all_quaternions_are_unit() -> None:
         np.testing.assert_allclose(np.linalg.norm(q, axis=-1), 1.0, atol=1e-12)
 
 
-def test_another_number_of_angles_is_refused() -> None:
+def test_wrong_number_of_angles_is_refused() -> None:
     with pytest.raises(ValueError, match="2 angles for the axes 'ZXY'"):
         euler_to_quaternion(np.zeros((1, 2)), "ZXY")

@@ -1,4 +1,4 @@
-"""Forward kinematics: the rest pose, an arm moved by hand, and the law that bones keep their lengths."""
+"""Tests of forward kinematics: the rest pose, a raised arm, and constant bone lengths."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -7,14 +7,14 @@ from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 
-def test_the_rest_pose() -> None:
+def test_identity_rotations_give_rest_pose() -> None:
     rotation = np.zeros((1, JOINT_COUNT, 4))
     rotation[..., 0] = 1.0
     position, _ = forward_kinematics(SKELETON.offsets[:1].astype(float), rotation)
     assert np.allclose(position[0], SKELETON.rest_positions(), atol=1e-6)
 
 
-def test_a_lifted_arm_points_up() -> None:
+def test_lifted_arm_points_up() -> None:
     rotation = np.zeros((1, JOINT_COUNT, 4))
     rotation[..., 0] = 1.0
     rotation[0, SKELETON.index("leftUpperArm")] = np.array((1.0, 0.0, 0.0, 1.0)) / np.sqrt(2.0)  # a quarter about z

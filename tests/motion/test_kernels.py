@@ -1,4 +1,4 @@
-"""Turning on the stage plane."""
+"""Tests of rotation on the stage plane."""
 
 import math
 
@@ -11,7 +11,7 @@ from live.motion.yaw_kernels import yaw_rotate
 
 
 @given(st.floats(-4, 4), st.floats(-4, 4), st.floats(-7, 7))
-def test_yaw_turns_the_public_towards_plus_x(x, z, yaw):
+def test_positive_yaw_turns_audience_direction_toward_plus_x(x, z, yaw):
     """K001's rotation: as complex numbers x + iz it is a multiplication by exp(-i yaw)."""
     turned = complex(x, z) * np.exp(-1j * yaw)
     assert yaw_rotate(x, z, yaw) == pytest.approx((turned.real, turned.imag), abs=1e-9)

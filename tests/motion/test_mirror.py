@@ -1,4 +1,4 @@
-"""The other side of the body (T042): laws of reflection."""
+"""Tests of mirroring (T042): properties of the reflection."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def steps() -> list[StepClip]:
     return step_clips(parse_sketch(SKETCH, "one-sided.toml"))
 
 
-def test_twice_mirrored_is_the_step_itself(steps: list[StepClip]) -> None:
+def test_mirroring_twice_returns_same_step(steps: list[StepClip]) -> None:
     for step in steps:
         again = mirror_step(mirror_step(step))
         assert np.array_equal(again.clip.root_position, step.clip.root_position)
@@ -39,7 +39,7 @@ def test_twice_mirrored_is_the_step_itself(steps: list[StepClip]) -> None:
         assert (again.direction, again.mirrored, again.clip.name) == (step.direction, step.mirrored, step.clip.name)
 
 
-def test_every_joint_is_reflected_onto_its_partner(steps: list[StepClip]) -> None:
+def test_every_joint_is_reflected_onto_opposite_joint(steps: list[StepClip]) -> None:
     clip = steps[0].clip
     position, _ = forward_kinematics(clip.root_position, clip.rotation)
     mirrored = mirror_clip(clip)
@@ -47,13 +47,13 @@ def test_every_joint_is_reflected_onto_its_partner(steps: list[StepClip]) -> Non
     assert np.allclose(reflected, position[:, MIRROR] * (-1.0, 1.0, 1.0), atol=1e-5)
 
 
-def test_contacts_change_sides(steps: list[StepClip]) -> None:
+def test_contacts_exchange_sides(steps: list[StepClip]) -> None:
     mirrored = mirror_step(steps[0])
     assert (steps[0].clip.contact[:, 0] != steps[0].clip.contact[:, 1]).any()
     assert np.array_equal(mirrored.clip.contact[:, 0], steps[0].clip.contact[:, 1])
 
 
-def test_right_becomes_left_and_forward_stays(steps: list[StepClip]) -> None:
+def test_left_and_right_directions_are_exchanged(steps: list[StepClip]) -> None:
     turned = [mirror_step(step).direction for step in steps[: len(DIRECTIONS)]]
     expected = [
         "in place",

@@ -1,4 +1,4 @@
-"""Packed poses: what comes back is what went in, to the last bit once it is packed; nothing else is a pose."""
+"""Tests of packed poses: round trips, invalid poses and damaged text."""
 
 import base64
 
@@ -16,7 +16,7 @@ def _rotations(seed: int) -> np.ndarray:
     return rotation / np.linalg.norm(rotation, axis=1, keepdims=True)
 
 
-def test_rotations_come_back_within_a_hundredth_of_a_degree() -> None:
+def test_rotations_round_trip_within_hundredth_of_degree() -> None:
     for seed in range(50):
         rotation, hips = _rotations(seed), np.array([1.25, 0.875, -3.5])
         packed = pack_pose(hips, rotation)
@@ -27,7 +27,7 @@ def test_rotations_come_back_within_a_hundredth_of_a_degree() -> None:
         assert np.degrees(4.0 * np.arcsin(apart.max() / 2.0)) < 0.009
 
 
-def test_the_largest_component_may_be_any_and_of_either_sign() -> None:
+def test_any_component_may_be_largest_with_either_sign() -> None:
     for axis in range(4):
         for sign in (1.0, -1.0):
             rotation = np.zeros((JOINT_COUNT, 4))
@@ -46,12 +46,12 @@ def test_the_largest_component_may_be_any_and_of_either_sign() -> None:
         ([0.0, 1.0, 0.0], _rotations(1)[:-1]),
     ],
 )
-def test_what_is_no_pose_is_not_packed(hips: list[float], rotation: np.ndarray) -> None:
+def test_invalid_pose_is_not_packed(hips: list[float], rotation: np.ndarray) -> None:
     with pytest.raises(ValueError, match=r"pose|expected"):
         pack_pose(hips, rotation)
 
 
-def test_damaged_letters_are_no_pose_or_a_pose_of_unit_rotations() -> None:
+def test_damaged_text_is_refused_or_gives_unit_rotations() -> None:
     packed = pack_pose([0.0, 1.0, 0.0], _rotations(3))
     for text in ("", packed[:-4], packed + "AAAA", "!" * PACKED_LENGTH, "é" * PACKED_LENGTH, packed[:-1] + "="):
         with pytest.raises(ValueError, match=r"pose|expected"):
@@ -63,6 +63,6 @@ def test_damaged_letters_are_no_pose_or_a_pose_of_unit_rotations() -> None:
     np.testing.assert_allclose(np.linalg.norm(turned, axis=1), 1.0, atol=1e-6)
 
 
-def test_a_frame_comes_back_from_the_journal_as_it_went_in() -> None:
+def test_mocap_frame_round_trips_through_journal() -> None:
     frame = MocapFrame(time=12.345678901, source="vmc", performer="anna", pose=pack_pose(np.ones(3), _rotations(5)))
     assert event_from_json(event_to_row(frame)) == frame

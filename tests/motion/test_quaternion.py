@@ -1,4 +1,4 @@
-"""Quaternion arrays against scipy's Rotation, an independent implementation."""
+"""Tests of quaternion arrays against scipy's Rotation, an independent implementation."""
 
 import numpy as np
 import numpy.typing as npt
@@ -23,7 +23,7 @@ def random() -> np.random.Generator:
     return np.random.default_rng(11)
 
 
-def test_product_and_rotation(random: np.random.Generator) -> None:
+def test_product_and_rotation_match_scipy(random: np.random.Generator) -> None:
     a, b = Rotation.random(50, random), Rotation.random(50, random)
     vectors = random.normal(size=(50, 3))
     assert same(quaternion.mul(wxyz(a), wxyz(b)), wxyz(a * b))
@@ -41,12 +41,12 @@ def test_slerp_takes_the_shorter_arc(random: np.random.Generator) -> None:
             assert same(quaternion.slerp(a, sign * b, times), expected)
 
 
-def test_slerp_of_equal_ends_is_that_end() -> None:
+def test_slerp_of_equal_ends_is_constant() -> None:
     one = np.array(quaternion.IDENTITY)
     assert np.allclose(quaternion.slerp(one, one, np.linspace(0.0, 1.0, 3)), one)
 
 
-def test_rotations_from_axes_and_columns(random: np.random.Generator) -> None:
+def test_rotations_from_axes_and_columns_match_scipy(random: np.random.Generator) -> None:
     vectors = random.normal(size=(50, 3))
     angles = np.linalg.norm(vectors, axis=1)
     assert same(quaternion.from_axis_angle(vectors, angles), wxyz(Rotation.from_rotvec(vectors)))
@@ -56,14 +56,14 @@ def test_rotations_from_axes_and_columns(random: np.random.Generator) -> None:
         assert same(quaternion.from_columns(*columns), wxyz(rotations))
 
 
-def test_the_rotation_between_two_directions(random: np.random.Generator) -> None:
+def test_rotation_between_vectors_maps_first_to_second(random: np.random.Generator) -> None:
     a, b = random.normal(size=(2, 50, 3))
     b[0], b[1] = -a[0], a[1]  # opposite and equal ones too
     turned = quaternion.rotate(quaternion.from_two_vectors(a, b), quaternion.unit(a))
     assert np.allclose(turned, quaternion.unit(b))
 
 
-def test_signs_become_continuous_and_rotations_stay() -> None:
+def test_aligned_signs_are_continuous_and_keep_rotations() -> None:
     turn = Rotation.from_rotvec(np.linspace(0.0, 12.0, 60)[:, None] * (0.0, 0.0, 1.0))
     jumping = wxyz(turn) * np.where(np.arange(60) % 3 == 1, -1.0, 1.0)[:, None]
     smooth = quaternion.align_signs(jumping)
@@ -71,7 +71,7 @@ def test_signs_become_continuous_and_rotations_stay() -> None:
     assert (np.sum(smooth[1:] * smooth[:-1], axis=1) > 0.9).all()
 
 
-def test_rotation_vectors(random: np.random.Generator) -> None:
+def test_rotation_vectors_match_scipy(random: np.random.Generator) -> None:
     rotations = Rotation.random(50, random)
     vectors = rotations.as_rotvec()
     assert same(quaternion.from_rotation_vector(vectors), wxyz(rotations))

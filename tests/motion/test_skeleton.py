@@ -1,4 +1,4 @@
-"""Skeleton, Clip and StepClip: what they promise, and what they refuse."""
+"""Tests of Skeleton, Clip and StepClip: their properties and validation."""
 
 import numpy as np
 import pytest
@@ -14,16 +14,16 @@ HUMANOID = ["hips", "spine", "chest", "upperChest", "neck", "head"] + [
 ]
 
 
-def test_the_skeleton_has_the_names_and_order_of_a_vrm_humanoid():
+def test_skeleton_has_vrm_humanoid_names_in_order():
     assert list(SKELETON.names) == HUMANOID
     assert JOINT_COUNT == 22
     assert all(parent < joint for joint, parent in enumerate(SKELETON.parents))
 
 
-def test_it_stands_on_the_floor_in_a_t_pose_and_is_symmetric():
+def test_rest_pose_is_symmetric_t_pose_on_floor():
     rest = SKELETON.rest_positions()
     left, right = rest[SKELETON.index("leftHand")], rest[SKELETON.index("rightHand")]
-    assert left[0] > 0.6  # she faces the audience: her left is at +x
+    assert left[0] > 0.6  # facing the audience, left is at +x
     assert left == pytest.approx(right * [-1, 1, 1])
     assert rest[list(MIRROR)] == pytest.approx(rest * [-1, 1, 1], abs=1e-6)
     assert rest[SKELETON.index("leftFoot"), 1] == pytest.approx(SOLE_BELOW_ANKLE)
@@ -43,7 +43,7 @@ def _clip(samples=9, **changes):
     return Clip(**{**values, **changes})
 
 
-def test_a_clip_is_read_only_and_knows_its_length():
+def test_clip_is_read_only_and_has_duration():
     clip = _clip()
     assert clip.seconds == 2.0
     with pytest.raises(ValueError, match="read-only"):
@@ -59,12 +59,12 @@ def test_a_clip_is_read_only_and_knows_its_length():
         {"rotation": np.full((9, 22, 4), np.inf, np.float32)},
     ],
 )
-def test_a_clip_with_wrong_shapes_or_numbers_is_refused(changes):
+def test_clip_with_wrong_shapes_or_numbers_is_refused(changes):
     with pytest.raises(ValueError, match="clip 'x'"):
         _clip(**changes)
 
 
-def test_a_step_must_lie_within_its_clip():
+def test_step_outside_clip_is_refused():
     step = StepClip("s", _clip(), first=2.0, samples_per_measure=3.0, measures=2)
     assert step.beats == 8
     with pytest.raises(ValueError, match="ends at 8"):
@@ -73,5 +73,5 @@ def test_a_step_must_lie_within_its_clip():
         StepClip("s", _clip(), first=-1.0, samples_per_measure=3.0)
 
 
-def test_nine_directions():
+def test_nine_directions_are_distinct():
     assert len(set(DIRECTIONS)) == 9

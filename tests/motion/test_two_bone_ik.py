@@ -1,4 +1,4 @@
-"""Two-bone inverse kinematics: laws for any target, pole and pair of lengths."""
+"""Tests of two-bone inverse kinematics: properties for any target, pole and pair of lengths."""
 
 import numpy as np
 import numpy.typing as npt
@@ -15,21 +15,21 @@ point = st.tuples(coordinate, coordinate, coordinate).map(np.array)
 length = st.floats(0.05, 0.6)
 
 
-def bones(root: Float, middle: Float, end: Float) -> tuple[float, float]:
+def bone_lengths(root: Float, middle: Float, end: Float) -> tuple[float, float]:
     return float(np.linalg.norm(middle - root)), float(np.linalg.norm(end - middle))
 
 
 @given(point, point, point, length, length)
-def test_bones_keep_their_lengths_wherever_the_target_is(
+def test_bone_lengths_are_constant_for_any_target(
     root: Float, target: Float, pole: Float, upper: float, lower: float
 ) -> None:
     middle, end = two_bone(root, target, pole, upper=upper, lower=lower)
-    assert np.allclose(bones(root, middle, end), (upper, lower), atol=1e-6)
+    assert np.allclose(bone_lengths(root, middle, end), (upper, lower), atol=1e-6)
     assert np.linalg.norm(end - root) <= (upper + lower) * (1.0 + 1e-9)
 
 
 @given(point, point, point, length, length, st.floats(0.0, 1.0))
-def test_a_target_within_reach_is_reached_exactly(
+def test_target_within_reach_is_reached_exactly(
     root: Float, direction: Float, pole: Float, upper: float, lower: float, share: float
 ) -> None:
     assume(np.linalg.norm(direction) > 0.01)
@@ -41,14 +41,14 @@ def test_a_target_within_reach_is_reached_exactly(
 
 
 @given(point, point, length, length)
-def test_the_middle_joint_points_to_the_pole(target: Float, pole: Float, upper: float, lower: float) -> None:
+def test_middle_joint_bends_toward_pole(target: Float, pole: Float, upper: float, lower: float) -> None:
     assume(np.linalg.norm(np.cross(target, pole)) > 0.05 * np.linalg.norm(target) * np.linalg.norm(pole) > 0.0)
     middle, end = two_bone(np.zeros(3), target, pole, upper=upper, lower=lower)
     aside = middle - end * (middle @ end) / max(end @ end, 1e-12)
     assert aside @ pole >= -1e-9
 
 
-def test_a_limb_stretches_smoothly_and_never_beyond_its_length() -> None:
+def test_limb_stretches_smoothly_within_its_length() -> None:
     distances = np.linspace(0.7, 1.4, 400)
     targets = distances[:, None] * (0.0, -1.0, 0.0)
     middle, end = two_bone(np.zeros(3), targets, np.array((0.0, 0.0, 1.0)), upper=0.5, lower=0.5)
@@ -61,7 +61,7 @@ def test_a_limb_stretches_smoothly_and_never_beyond_its_length() -> None:
     assert (middle[:, 2] >= 0.0).all(), "the knee gives way backwards"
 
 
-def test_a_target_on_the_root_and_a_pole_along_the_limb_give_numbers() -> None:
+def test_degenerate_targets_and_poles_give_finite_results() -> None:
     root, up = np.zeros((2, 3)), np.array((0.0, 1.0, 0.0))
     for target, pole in ((root, up), (np.tile(up, (2, 1)), up), (root, np.zeros(3))):
         for part in two_bone(root, target, pole, upper=0.4, lower=0.4):
@@ -71,7 +71,7 @@ def test_a_target_on_the_root_and_a_pole_along_the_limb_give_numbers() -> None:
 
 
 @given(point, point)
-def test_a_bone_lies_along_its_direction_and_turns_about_its_hinge(direction: Float, hinge: Float) -> None:
+def test_bone_rotation_aligns_direction_and_hinge(direction: Float, hinge: Float) -> None:
     assume(np.linalg.norm(np.cross(direction, hinge)) > 1e-3)
     rotation = bone_rotation(direction, hinge, np.array((1.0, 0.0, 0.0)), np.array((0.0, 1.0, 0.0)))
     along = quaternion.unit(direction)
@@ -81,9 +81,7 @@ def test_a_bone_lies_along_its_direction_and_turns_about_its_hinge(direction: Fl
 
 
 @given(point, point, length, length)
-def test_both_bones_are_normal_to_the_hinge_and_bend_towards_the_pole(
-    target: Float, pole: Float, upper: float, lower: float
-) -> None:
+def test_bones_are_normal_to_hinge_and_bend_toward_pole(target: Float, pole: Float, upper: float, lower: float) -> None:
     assume(np.linalg.norm(np.cross(target, pole)) > 0.05 * np.linalg.norm(target) * np.linalg.norm(pole) > 0.0)
     middle, end = two_bone(np.zeros(3), target, pole, upper=upper, lower=lower)
     hinge = hinge_axis(np.zeros(3), target, pole)
@@ -92,8 +90,8 @@ def test_both_bones_are_normal_to_the_hinge_and_bend_towards_the_pole(
     assert hinge @ np.cross(end, middle) >= -1e-9
 
 
-def test_a_bone_that_swings_through_the_pole_does_not_turn_over() -> None:
-    """The upper arm passes the direction of the elbow's pole: its own turn must stay continuous."""
+def test_bone_swinging_through_pole_rotates_continuously() -> None:
+    """The upper arm passes the direction of the elbow's pole: its own rotation must stay continuous."""
     angles = np.linspace(-0.4, 0.4, 81)
     pole = np.array((1.0, 0.0, 0.0))
     target = 0.45 * np.stack((np.cos(angles), np.sin(angles) - 0.6, 0.0 * angles), axis=1)

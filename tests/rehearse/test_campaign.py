@@ -1,4 +1,4 @@
-"""Campaigns go on where they were; a harness that fails is in the report; a report can be read whatever happens."""
+"""Campaigns resume where they stopped; harness failures are in the report; every report is readable."""
 
 import json
 
@@ -17,7 +17,7 @@ def _job(name, done, **facts):
     return Job(name, run)
 
 
-def test_what_is_done_is_not_run_again(tmp_path):
+def test_completed_run_is_not_repeated(tmp_path):
     done = []
     jobs = [_job("a-0", done), _job("b-0", done)]
     Campaign(tmp_path, {"hours": 1.0}).run(jobs[:1])
@@ -28,7 +28,7 @@ def test_what_is_done_is_not_run_again(tmp_path):
     assert json.loads((tmp_path / STATE_FILE).read_text())["done"].keys() == {"a-0", "b-0"}
 
 
-def test_a_folder_of_another_campaign_is_refused(tmp_path):
+def test_folder_of_another_campaign_is_refused(tmp_path):
     Campaign(tmp_path, {"hours": 1.0}).run([_job("a-0", [])])
     with pytest.raises(PersonError, match="other options"):
         Campaign(tmp_path, {"hours": 2.0})
@@ -37,7 +37,7 @@ def test_a_folder_of_another_campaign_is_refused(tmp_path):
         Campaign(tmp_path, {"hours": 1.0})
 
 
-def test_an_exception_of_the_harness_is_a_problem_and_the_campaign_goes_on(tmp_path):
+def test_harness_exception_is_reported_and_campaign_continues(tmp_path):
     def breaks(folder):
         return {}["no such"]
 
@@ -52,7 +52,7 @@ def test_an_exception_of_the_harness_is_a_problem_and_the_campaign_goes_on(tmp_p
     json.dumps(facts)
 
 
-def test_what_was_interrupted_says_what_was_not_run(tmp_path):
+def test_interrupted_campaign_reports_missing_runs(tmp_path):
     def interrupted(folder):
         raise KeyboardInterrupt
 
@@ -65,7 +65,7 @@ def test_what_was_interrupted_says_what_was_not_run(tmp_path):
     assert any("not run: b-0" in line for line in report_lines(facts))
 
 
-def test_long_problems_are_cut_in_lines_and_whole_in_the_report(tmp_path):
+def test_long_problems_are_shortened_in_lines_only(tmp_path):
     facts = run_safely(_job("a", [], ok=False, problems=[f"first\n  line {n}" for n in range(30)]), tmp_path / "a")
     report = {"runs": {"a": facts}, "not_run": []}
     told = list(report_lines(report))

@@ -1,4 +1,4 @@
-"""Edits: the good ones are good, the bad ones bad, for a patch of one file and for a folder; the patch itself stays."""
+"""PatchEditor: valid edits load and invalid ones are refused, for a file and a folder; the original is unchanged."""
 
 import pytest
 
@@ -10,7 +10,7 @@ from live.show.patch.patch_search_path import find_patch
 
 @pytest.mark.parametrize("name", [None, "score"])
 @pytest.mark.parametrize("table", VALID_TABLES)
-def test_every_good_edit_is_a_patch(name, table, tmp_path):
+def test_every_valid_edit_is_a_valid_patch(name, table, tmp_path):
     edits = PatchEditor(find_patch(name), tmp_path / "patch", 1)
     edits._save("good", f"{edits._text}\n{table.format(n=3, a=2.0, b=0.25)}")
     assert read_patch(edits.path) != read_patch(find_patch(name))
@@ -19,14 +19,14 @@ def test_every_good_edit_is_a_patch(name, table, tmp_path):
 @pytest.mark.parametrize(
     "table", [table for table in INVALID_TABLES if "no such step" not in table and "1e-9" not in table]
 )
-def test_every_bad_edit_is_refused(table, tmp_path):
+def test_every_invalid_edit_is_refused(table, tmp_path):
     edits = PatchEditor(find_patch("score"), tmp_path / "patch", 1)
     edits._save("bad", f"{edits._text}\n{table}")
     with pytest.raises(PersonError):
         read_patch(edits.path)
 
 
-def test_the_patch_is_left_alone_and_comes_back(tmp_path):
+def test_original_patch_is_unchanged_and_restored(tmp_path):
     before = find_patch("score").read_bytes()
     edits = PatchEditor(find_patch("score"), tmp_path / "patch", 2)
     for _ in range(20):

@@ -1,4 +1,4 @@
-"""Journals that ended a show once (`live soak --minimise`): none of them ever does again."""
+"""Kept journals of past failures (`live soak --minimise`): none of them fails again."""
 
 import pytest
 
@@ -8,12 +8,12 @@ from tests.places import ROOT
 
 KEPT = ROOT / "tests" / "journals"
 MORE = 256
-"""Ticks that the show goes on behind the place where it failed."""
+"""Ticks that the show runs on after the former failure."""
 
 
 @pytest.mark.parametrize("path", sorted(KEPT.glob("*.jsonl")), ids=lambda path: path.stem)
 @pytest.mark.parametrize("snapshots", [False, True], ids=["run through", "from a snapshot"])
-def test_what_ended_a_show_once_does_not_again(path, snapshots):
+def test_kept_journal_does_not_fail_again(path, snapshots):
     journal = read_journal(path)
     entries, end = entries_of(journal)
     assert entries

@@ -1,4 +1,4 @@
-"""What `live check` tells of a score that can be played, but hardly as it was meant; and what it leaves alone."""
+"""Warnings of `live check` on playable but doubtful scores, and scores without warnings."""
 
 import pytest
 
@@ -15,7 +15,7 @@ def patch_of(extra):
     return parse_patch(PATCH + extra, "made.toml")
 
 
-def told(notes, words):
+def assert_warning(notes, words):
     assert len(notes) == (words is not None), notes
     assert words is None or words in notes[0]
 
@@ -32,21 +32,21 @@ def told(notes, words):
     ],
 )
 @pytest.mark.parametrize("kind", ["[[segment]]", '[[element]]\nkind = "spread"'])
-def test_who_is_longer_than_the_rest_of_her_section_goes_on(kind, entry, words):
+def test_span_beyond_its_section_is_warned_about(kind, entry, words):
     sections = SECTIONS.replace('name = "b"', 'name = "b"\nrepeat = 2').format('then = "end"')
-    told(span_warnings(patch_of(f"{sections}{kind}\n{entry}\n")), words)
+    assert_warning(span_warnings(patch_of(f"{sections}{kind}\n{entry}\n")), words)
 
 
-def test_without_sections_the_loop_counts_and_without_loop_nothing_does():
+def test_span_beyond_loop_is_warned_about_without_sections():
     entry = '[[element]]\nkind = "spread"\nmeasure = 7\nmeasures = 4\n'
-    told(
+    assert_warning(
         span_warnings(parse_patch("loop_measures = 8\n" + PATCH + entry, "made.toml")),
         "but the score ends with measure",
     )
-    told(span_warnings(patch_of(entry)), None)
+    assert_warning(span_warnings(patch_of(entry)), None)
 
 
-def test_no_more_than_a_few_ends_are_told():
+def test_number_of_span_warnings_is_limited():
     many = '[[element]]\nkind = "spread"\nsection = "b"\nmeasure = 4\n' * (MAX_WARNINGS + 3)
     notes = span_warnings(patch_of(SECTIONS.format("") + many))
     assert len(notes) == MAX_WARNINGS + 1
@@ -63,8 +63,8 @@ def test_no_more_than_a_few_ends_are_told():
         ("[camera]\neye = [0, 0.0, 9]\ntarget = [0, -1, 0]\n", None),
     ],
 )
-def test_a_camera_below_the_floor_is_told(extra, words):
-    told(camera_warnings(patch_of(extra)), words)
+def test_camera_below_floor_is_warned_about(extra, words):
+    assert_warning(camera_warnings(patch_of(extra)), words)
 
 
 def improvise(front, back):
@@ -84,19 +84,19 @@ def improvise(front, back):
         ('[[improvise]]\nanswers = "front"\n', "answers itself"),
     ],
 )
-def test_calls_and_answers_that_do_not_fit(extra, words):
-    told(call_response_warnings(patch_of(extra)), words)
+def test_mismatched_calls_and_answers_are_warned_about(extra, words):
+    assert_warning(call_response_warnings(patch_of(extra)), words)
 
 
 @pytest.mark.parametrize("name", ["score", "cues", "formations", "pairs"])
-def test_the_shows_that_come_along_give_no_reason_for_doubt(name):
+def test_included_shows_have_no_warnings(name):
     from live.show.patch.patch_search_path import find_patch
 
     patch = read_patch(find_patch(name))
     assert [*span_warnings(patch), *camera_warnings(patch), *call_response_warnings(patch)] == []
 
 
-def test_all_of_it_is_told_by_kind():
+def test_lint_groups_warnings_by_kind():
     show = made_show('[camera]\neye = [0, -2, 9]\n[[cue]]\nname = "x"\nthen = "auto"\n')
     doubts = {one.name: one for one in lint_show(show)}
     assert [name for name, one in doubts.items() if one.warnings] == ["cues", "cameras"]

@@ -1,4 +1,4 @@
-"""Minimising: of a long journal that fails the few events stay that make it fail, moved to its beginning."""
+"""Journal minimizing: only the events that cause a failure remain, moved to the beginning."""
 
 import json
 
@@ -17,7 +17,7 @@ MEASURE = 100
 
 
 class _Trial(Trial):
-    """Fails 10 ticks after a blackout that was said in the measure of an attractor with x = 2."""
+    """Fails 10 ticks after a blackout in the same measure as an attractor with x = 2."""
 
     def __init__(self):
         self.count, self.measure_ticks = 0, []
@@ -32,15 +32,15 @@ class _Trial(Trial):
         return None
 
 
-def _said(tick: int, x: float | None) -> tuple[int, ControlEvent]:
+def _entry(tick: int, x: float | None) -> tuple[int, ControlEvent]:
     if x is None:
         return tick, Blackout(time=tick * TICK, source="osc", on=True)
     return tick, Attract(time=tick * TICK, source="osc", x=x, z=0.0)
 
 
-def test_only_the_events_that_count_stay_and_move_to_the_beginning():
-    entries = [_said(tick, 1.0) for tick in range(5, 5000, 10)]
-    entries += [_said(4520, 2.0), _said(4530, None), _said(4990, None)]
+def test_only_failing_events_remain_and_move_to_beginning():
+    entries = [_entry(tick, 1.0) for tick in range(5, 5000, 10)]
+    entries += [_entry(4520, 2.0), _entry(4530, None), _entry(4990, None)]
     entries.sort(key=lambda entry: entry[0])
     trial = _Trial()
     found = Minimiser(trial, {}, beats=4).run(entries, 5000)
@@ -53,27 +53,27 @@ def test_only_the_events_that_count_stay_and_move_to_the_beginning():
     assert trial.count < 200
 
 
-def test_what_does_not_fail_is_left_alone():
-    assert Minimiser(_Trial(), {}).run([_said(5, 1.0)], 500) is None
+def test_journal_without_failure_is_not_minimized():
+    assert Minimiser(_Trial(), {}).run([_entry(5, 1.0)], 500) is None
 
 
-def test_without_time_the_journal_stays_as_it_is():
-    entries = [_said(4500, 1.0), _said(4520, 2.0), _said(4530, None)]
+def test_journal_is_unchanged_without_time_budget():
+    entries = [_entry(4500, 1.0), _entry(4520, 2.0), _entry(4530, None)]
     found = Minimiser(_Trial(), {}, seconds=-1.0).run(entries, 5000)
     assert [tick for tick, _ in found.entries] == [4500, 4520, 4530]
 
 
 @pytest.fixture(scope="module")
-def loaded():
+def score_show():
     return load_show(find_patch("score"))
 
 
-def test_a_journal_that_fails_becomes_a_short_one_that_can_be_kept(tmp_path, loaded, monkeypatch):
-    show = loaded.start(seed=3)
-    said = [_said(tick, 1.0) for tick in range(20, 700, 20)]
+def test_failing_journal_is_minimized_and_written(tmp_path, score_show, monkeypatch):
+    show = score_show.start(seed=3)
+    said = [_entry(tick, 1.0) for tick in range(20, 700, 20)]
     said[20] = said[20][0], Blackout(time=said[20][1].time, source="osc", on=True)
     path = tmp_path / "long.jsonl"
-    header = {"journal": 2, **loaded.header(show, tempo=None)}
+    header = {"journal": 2, **score_show.header(show, tempo=None)}
     path.write_text(
         "\n".join([json.dumps(header), *(event_line(*entry) for entry in said), '{"tick":700,"end":true}', ""])
     )
@@ -100,9 +100,9 @@ def test_a_journal_that_fails_becomes_a_short_one_that_can_be_kept(tmp_path, loa
     assert minimise(kept, seconds=5.0) is None
 
 
-def test_a_snapshot_that_leads_to_another_state_is_a_failure(loaded, monkeypatch):
-    trial = Trial(loaded, {"seed": 3, "tempo": None}, snapshots=True)
-    assert trial.run([_said(20, 1.0)], 500) is None
+def test_snapshot_with_different_state_is_a_failure(score_show, monkeypatch):
+    trial = Trial(score_show, {"seed": 3, "tempo": None}, snapshots=True)
+    assert trial.run([_entry(20, 1.0)], 500) is None
 
     def other(show, entries, end, *, begin=0):
         for tick, begins in run_entries(show, entries, end, begin=begin):
@@ -111,5 +111,5 @@ def test_a_snapshot_that_leads_to_another_state_is_a_failure(loaded, monkeypatch
             yield tick, begins
 
     monkeypatch.setattr("live.rehearse.journal_minimiser.run_entries", other)
-    failure = trial.run([_said(20, 1.0)], 500)
+    failure = trial.run([_entry(20, 1.0)], 500)
     assert failure.kind == DIFFERENT_STATE

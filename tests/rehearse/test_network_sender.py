@@ -1,4 +1,4 @@
-"""What is sent is what a show receives, and when it is due."""
+"""Network sender: OSC packets, MIDI clock and sound are what a show receives, sent when due."""
 
 import heapq
 import wave
@@ -15,18 +15,18 @@ from live.rehearse.simulated_players import Call
 CALM = Irregularities(stop=0.0, fill=0.0, wrong_downbeat=0.0, tempo_jump=0.0, drift=0.0)
 
 
-def test_a_call_comes_through_as_it_was():
+def test_call_is_decoded_as_it_was_sent():
     call = Call(1.0, "/dance/formation", ["circle", 4.0, "*", True, None], "phone 1")
     (message,) = decode(packet_of(call))
     assert message.address == "/dance/formation"
     assert list(message.arguments) == ["circle", 4.0, "*", True, None]
 
 
-def test_what_osc_cannot_say_is_not_sent():
+def test_call_without_osc_types_is_not_sent():
     assert packet_of(Call(1.0, "/dance/attract", [1e300, object()], "phone 1")) is None
 
 
-def test_the_band_as_midi_clock_has_24_pulses_a_beat():
+def test_midi_clock_of_band_has_24_pulses_per_beat():
     coming = list(islice(clock_pulses(SimulatedBand(1, bpm=120.0, irregularities=CALM)), 1 + 24 * 40))
     assert coming[0] == (0.5, START)
     times = [time for time, what in coming if what == CLOCK]
@@ -34,7 +34,7 @@ def test_the_band_as_midi_clock_has_24_pulses_a_beat():
     assert np.diff(times).mean() == pytest.approx(0.5 / 24.0, rel=0.01)
 
 
-def test_a_band_that_rests_stops_its_clock_and_starts_again():
+def test_midi_clock_stops_and_restarts_with_rests():
     coming = list(islice(clock_pulses(SimulatedBand(2, irregularities=Irregularities(stop=0.5))), 5000))
     kinds = [what for _, what in coming if what != CLOCK]
     assert kinds[0] == START
@@ -43,7 +43,7 @@ def test_a_band_that_rests_stops_its_clock_and_starts_again():
     assert all(a[0] <= b[0] + 1e-9 for a, b in pairwise(coming))
 
 
-def test_streams_are_sent_in_the_order_of_their_times_and_not_before():
+def test_streams_are_sent_in_time_order_and_not_early():
     time, sent = [0.0], []
 
     def wait(seconds):
@@ -61,7 +61,7 @@ def test_streams_are_sent_in_the_order_of_their_times_and_not_before():
     assert time[0] == pytest.approx(2.0)
 
 
-def test_packets_reach_the_address():
+def test_udp_packets_reach_their_address():
     import socket
 
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as there:
@@ -75,7 +75,7 @@ def test_packets_reach_the_address():
         assert (outlet.sent, outlet.failed) == (1, 1)
 
 
-def test_the_sound_has_its_strokes_where_the_band_plays(tmp_path):
+def test_rendered_sound_has_onsets_on_band_beats(tmp_path):
     sound = render_audio(SimulatedBand(3, bpm=120.0, irregularities=CALM), 8.0)
     assert np.abs(sound).max() < 1.0
     energy = np.square(sound[: len(sound) // 441 * 441]).reshape(-1, 441).mean(axis=1)  # in hundredths of a second

@@ -1,4 +1,4 @@
-"""What a score makes doubtful, and that a sound one is not doubted."""
+"""Warnings on doubtful scores, and no warnings on sound ones."""
 
 import pytest
 
@@ -41,13 +41,13 @@ def patch_of(extra):
     return parse_patch(PATCH + extra, "made.toml")
 
 
-def test_a_section_that_nothing_leads_to_is_named():
+def test_unreachable_section_is_warned_about():
     assert [note.split("'")[1] for note in section_warnings(patch_of(SECTIONS))] == ["b"]
     assert section_warnings(patch_of("")) == []
     assert section_warnings(patch_of(DESK)) == []
 
 
-def sequence_of(measures, steps):
+def sequence_show(measures, steps):
     written = f"""
 [[sequence]]
 group = "front"
@@ -57,10 +57,10 @@ steps = {steps}
     return made_show(written)
 
 
-def test_a_sequence_that_ends_before_its_last_step_is_named():
-    assert sequence_warnings(sequence_of(3, '["glide", "spin x2"]')) == []
-    assert sequence_warnings(sequence_of(4, '["glide", "spin"]')) == []  # danced again: nothing is left out
-    assert "before 'spin'" in sequence_warnings(sequence_of(2, '["glide", "spin x2"]'))[0]
+def test_sequence_shorter_than_its_steps_is_warned_about():
+    assert sequence_warnings(sequence_show(3, '["glide", "spin x2"]')) == []
+    assert sequence_warnings(sequence_show(4, '["glide", "spin"]')) == []  # danced again: nothing is left out
+    assert "before 'spin'" in sequence_warnings(sequence_show(2, '["glide", "spin x2"]'))[0]
 
 
 @pytest.mark.parametrize(
@@ -72,11 +72,11 @@ def test_a_sequence_that_ends_before_its_last_step_is_named():
         '[[react]]\non = "drop"\ncall = "/dance/section"\nvalues = ["b"]\n',
     ],
 )
-def test_cues_and_calls_lead_to_sections(leads):
+def test_section_reached_by_cue_or_call_has_no_warning(leads):
     assert section_warnings(patch_of(SECTIONS + leads)) == []
 
 
-def cues(first, second):
+def cues_toml(first, second):
     return f'{SCENES}[[cue]]\nname = "one"\n{first}\n[[cue]]\nname = "two"\n{second}\n'
 
 
@@ -94,30 +94,30 @@ def cues(first, second):
         ('scene = "low"\nmeasures = 1\nthen = "auto"\nafter = 2', 'scene = "high"', None),
     ],
 )
-def test_cues_that_collide(first, second, words):
-    notes = cue_warnings(patch_of(cues(first, second)))
+def test_colliding_cues_are_warned_about(first, second, words):
+    notes = cue_warnings(patch_of(cues_toml(first, second)))
     assert len(notes) == (words is not None)
     assert words is None or words in notes[0]
 
 
-def at(measure, scene, beat=1):
+def scene_at(measure, scene, beat=1):
     return f'[[at]]\nmeasure = {measure}\nbeat = {beat}\nscene = "{scene}"\n'
 
 
 @pytest.mark.parametrize(
     ("entries", "count"),
     [
-        (at(2, "low") + at(4, "high", 2), 1),
-        (at(2, "low") + at(6, "high"), 0),
-        (at(2, "low") + at(4, "haze"), 0),
-        (at(2, "high") + at(2, "low"), 1),
+        (scene_at(2, "low") + scene_at(4, "high", 2), 1),
+        (scene_at(2, "low") + scene_at(6, "high"), 0),
+        (scene_at(2, "low") + scene_at(4, "haze"), 0),
+        (scene_at(2, "high") + scene_at(2, "low"), 1),
     ],
 )
-def test_scenes_of_the_score_that_meet(entries, count):
+def test_overlapping_scene_fades_are_warned_about(entries, count):
     assert len(cue_warnings(patch_of(SCENES + entries))) == count
 
 
-def test_a_formation_too_tight_for_its_dancers_is_named_with_its_distance():
+def test_tight_formation_is_warned_about_with_its_distance():
     tight = '[[formation]]\nname = "dot"\nshape = "line"\nsize = [1.0, 1.0]\n'
     wide = tight.replace("[1.0, 1.0]", "[8.0, 1.0]").replace("dot", "row")
     segments = '[[segment]]\nmeasure = {}\nmeasures = 2\nformation = "{}"\n'

@@ -1,4 +1,4 @@
-"""The long run in short: nothing goes wrong in a sound show, and what would be wrong is seen."""
+"""A short soak test: a sound show has no problems, and injected problems are detected."""
 
 import json
 from types import SimpleNamespace
@@ -15,8 +15,8 @@ from live.show.patch.patch_search_path import find_patch
 
 
 @pytest.fixture(scope="module")
-def soaked(tmp_path_factory):
-    """Half a minute, in which every kind of fault happens."""
+def soak_and_report(tmp_path_factory):
+    """Half a minute, with every kind of fault."""
     soak = SoakTest(
         SoakOptions(find_patch("score"), seed=4, hours=30.0 / 3600.0, fps=8.0, faults=0.0), tmp_path_factory.mktemp("s")
     )
@@ -27,8 +27,8 @@ def soaked(tmp_path_factory):
 
 
 @pytest.mark.long
-def test_half_a_minute_with_every_fault_goes_well(soaked):
-    _, report = soaked
+def test_half_a_minute_with_every_fault_has_no_problems(soak_and_report):
+    _, report = soak_and_report
     assert report.problems == []
     assert report.faults == dict.fromkeys(FAULT_RATES, 1)
     assert report.measures >= 8
@@ -39,8 +39,8 @@ def test_half_a_minute_with_every_fault_goes_well(soaked):
 
 
 @pytest.mark.long
-def test_its_journal_replays_to_the_same_states(soaked):
-    soak, report = soaked
+def test_soak_journal_replays_to_the_same_states(soak_and_report):
+    soak, report = soak_and_report
     found = check_replay(soak.journal_path, seed=1, parts=2)
     assert found["problems"] == []
     assert found["different"] == 0
@@ -48,7 +48,7 @@ def test_its_journal_replays_to_the_same_states(soaked):
     assert found["stretches"] == 2
 
 
-def test_every_fault_can_happen_and_comes_as_often_as_it_should():
+def test_every_fault_has_a_handler_and_its_rate():
     assert set(FAULT_HANDLERS) == set(FAULT_RATES)
     times, kinds = [], []
     for fault in fault_schedule(1, rate=2.0, start=0.0):
@@ -62,8 +62,8 @@ def test_every_fault_can_happen_and_comes_as_often_as_it_should():
     assert list(fault_schedule(1, rate=0.0)) == []
 
 
-class _Show:
-    """As much of a show as is watched."""
+class _FakeShow:
+    """The part of a show that the writer checks."""
 
     def __init__(self):
         self.span = SimpleNamespace(number=3)
@@ -75,9 +75,9 @@ class _Show:
 
 
 @pytest.fixture
-def watched(tmp_path):
+def writer_and_show(tmp_path):
     watching = CheckingJournalWriter(tmp_path / "j", {}, snapshots=False)
-    show = _Show()
+    show = _FakeShow()
     watching.take_snapshot(show, 1, begins=False)
     yield watching, show
     watching.close(9)
@@ -93,16 +93,16 @@ def watched(tmp_path):
         (3, float("nan"), False, "goes back"),
     ],
 )
-def test_a_measure_that_is_missed_or_danced_twice_is_seen(watched, number, danced, begins, words):
-    watching, show = watched
+def test_missed_or_repeated_measure_is_detected(writer_and_show, number, danced, begins, words):
+    watching, show = writer_and_show
     show.span.number, show.danced_beats = number, danced
     watching.take_snapshot(show, 2, begins=begins)
     assert watching.problem_count == 1
     assert words in watching.problems[0]
 
 
-def test_a_measure_that_the_machine_slept_through_is_not_missed(watched):
-    watching, show = watched
+def test_measure_within_skipped_ticks_is_not_missed(writer_and_show):
+    watching, show = writer_and_show
     watching.record_event(1, TicksSkipped(time=0.0, source="engine", count=500))
     show.span.number, show.danced_beats = 6, 24.0
     watching.take_snapshot(show, 502, begins=True)
@@ -110,15 +110,15 @@ def test_a_measure_that_the_machine_slept_through_is_not_missed(watched):
     assert watching.skipped_measures == 2
 
 
-def test_what_is_no_number_is_seen(watched):
-    watching, show = watched
+def test_nan_in_state_is_detected(writer_and_show):
+    watching, show = writer_and_show
     show.state.velocity[1, 0] = np.nan
     watching.take_snapshot(show, 2, begins=False)
     assert "velocity" in watching.problems[0]
 
 
-def test_a_picture_that_is_no_number_names_its_dancers_and_its_moment(watched):
-    watching, _ = watched
+def test_nan_in_view_is_reported_with_rows_and_beat(writer_and_show):
+    watching, _ = writer_and_show
     view = StageView.allocate(4, 2)
     view.phase = 1.25
     watching.check_view(view, 2)
@@ -129,7 +129,7 @@ def test_a_picture_that_is_no_number_names_its_dancers_and_its_moment(watched):
     assert "joint_position is not finite in rows 1, 3 of 4, 2 in all; 1.250 beats" in watching.problems[0]
 
 
-def test_a_show_that_ends_in_an_exception_is_told_in_a_line_and_its_replay_in_another(tmp_path, monkeypatch):
+def test_exceptions_of_show_and_replay_are_reported_in_one_line_each(tmp_path, monkeypatch):
     soak = SoakTest(SoakOptions(find_patch("score"), seed=4, hours=20.0 / 3600.0, fps=8.0, faults=0.0), tmp_path)
     show = type(soak.show)
     was = show.tick

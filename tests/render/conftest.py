@@ -1,4 +1,4 @@
-"""Real screens and drawing contexts for the tests of this package."""
+"""Fixtures of real displays and OpenGL contexts for the render tests."""
 
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -15,7 +15,7 @@ from tests.render.golden import check_golden
 
 @pytest.fixture(scope="session")
 def two_monitor_x(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TwoMonitorX]:
-    """One X server with two monitors for all tests of the session; skips, saying why, where there can be none."""
+    """One X server with two monitors for the session; skips with a reason where none can run."""
     try:
         there, server = x_server.start(tmp_path_factory.mktemp("xorg"))
     except x_server.NoX as reason:
@@ -27,7 +27,7 @@ def two_monitor_x(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TwoMonit
 
 @pytest.fixture
 def stage_x(two_monitor_x: TwoMonitorX, monkeypatch: pytest.MonkeyPatch) -> Iterator[TwoMonitorX]:
-    """The X server as this process' display, both monitors plugged in, GLFW started anew."""
+    """The X server as this process' display, with both monitors connected and GLFW restarted."""
     two_monitor_x.plug_both()
     monkeypatch.setenv("DISPLAY", two_monitor_x.display)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
@@ -48,7 +48,7 @@ def no_screen(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def headless_context() -> moderngl.Context:
-    """One headless OpenGL context for the session; skips, saying why, where there is none."""
+    """One headless OpenGL context for the session; skips with a reason where none can be created."""
     try:
         return create_headless_context()
     except NoOpenGL as reason:
@@ -57,10 +57,10 @@ def headless_context() -> moderngl.Context:
 
 @pytest.fixture
 def gl_context(headless_context: moderngl.Context) -> Iterator[moderngl.Context]:
-    """The headless context, current for this test (the window of another one may have been in between).
+    """The headless context, made current for this test (a window of another test may have been current).
 
-    moderngl makes the last program current again when it sets a uniform, also if that one was released meanwhile;
-    OpenGL notes an error, which is read here so that no other test takes it for its own.
+    moderngl makes the last program current again when it sets a uniform, even if that program was released;
+    OpenGL records an error, which is read here so that no other test sees it.
     """
     with headless_context:
         _ = headless_context.error
@@ -69,7 +69,7 @@ def gl_context(headless_context: moderngl.Context) -> Iterator[moderngl.Context]
 
 @pytest.fixture
 def golden(request: pytest.FixtureRequest, gl_context: moderngl.Context) -> Callable[..., None]:
-    """Compare a picture with the golden one: `golden(picture, "name", law=...)`, see `golden.py`; llvmpipe only."""
+    """Compare a picture with its golden picture: `golden(picture, "name", law=...)`, see `golden.py`; llvmpipe only."""
     if "llvmpipe" not in str(gl_context.info["GL_RENDERER"]):
         pytest.skip("golden pictures are compared on llvmpipe only")
     return partial(check_golden, regenerate=request.config.getoption("--regenerate-goldens"))

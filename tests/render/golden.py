@@ -1,9 +1,9 @@
-"""Golden pictures: small, seeded, drawn on llvmpipe; compared with a tolerance, and bound to a law of their own.
+"""Golden pictures: small, seeded, drawn on llvmpipe; compared with a tolerance and a condition (law) each.
 
-    def test_it(golden, draw):  # `golden` is a fixture of this package: it skips where the driver is another one
+    def test_it(golden, draw):  # `golden` is a fixture of this package: it skips on any other driver
         golden(draw(view), "ink", law=lambda seen: (seen < 40).mean() > 0.01)
 
-`pytest tests/render --regenerate-goldens` writes them anew: look at each, then commit it. A picture that breaks its
+`pytest tests/render --regenerate-goldens` rewrites them: look at each, then commit it. A picture that breaks its
 law is never written.
 """
 
@@ -21,15 +21,15 @@ Law = Callable[[Picture], bool]
 
 FOLDER: Final = Path(__file__).parent / "golden"
 KINDS: Final = ("camera", "card", "light", "output", "pass", "style")
-"""First words of names whose pictures lie in a folder of their own."""
+"""First words of names whose pictures are kept in a separate folder."""
 LARGEST: Final = 40_000
-"""Bytes of a golden picture at most."""
+"""Maximum size of a golden picture [bytes]."""
 OFF: Final = 12
 """A pixel is off if one of its colours differs by more steps of 255 than this."""
 
 
-def differs(picture: Picture, expected: Picture, *, mean: float, off: float) -> str:
-    """How two pictures (H, W, 3) of one size differ by more than allowed, in words; empty if they do not."""
+def describe_difference(picture: Picture, expected: Picture, *, mean: float, off: float) -> str:
+    """How two pictures (H, W, 3) differ beyond the tolerance, in words; empty if they do not."""
     if picture.shape != expected.shape:
         return f"it is {picture.shape}, not {expected.shape}"
     difference = np.abs(picture.astype(np.int16) - expected.astype(np.int16))
@@ -40,7 +40,7 @@ def differs(picture: Picture, expected: Picture, *, mean: float, off: float) -> 
 
 
 def path_of(name: str) -> Path:
-    """Where a golden picture lies: `light_key` is `golden/light/key.png`."""
+    """Path of a golden picture: `light_key` is `golden/light/key.png`."""
     kind, _, rest = name.partition("_")
     return FOLDER / kind / f"{rest}.png" if kind in KINDS else FOLDER / f"{name}.png"
 
@@ -48,8 +48,9 @@ def path_of(name: str) -> Path:
 def check_golden(
     picture: Picture, name: str, *, law: Law, regenerate: bool = False, mean: float = 0.5, off: float = 0.002
 ) -> None:
-    """Fail unless `picture` (H, W, 3) keeps `law` and is the one of that name: `mean` steps of 255 off on
-    average and a share `off` of pixels at most. On failure what was drawn lies beside it as NAME.seen.png."""
+    """Fail unless `picture` (H, W, 3) keeps `law` and matches the golden picture of that name: at most `mean`
+    steps of 255 off on average and a share `off` of pixels. On failure it is saved as NAME.seen.png.
+    """
     if not law(picture):
         Image.fromarray(picture).save(FOLDER / f"{name}.seen.png")
         pytest.fail(f"{name}: the picture does not keep its law; see golden/{name}.seen.png")
@@ -61,7 +62,7 @@ def check_golden(
         return
     if not path.exists():
         pytest.fail(f"{path} is missing; run pytest --regenerate-goldens, look at it and commit it")
-    why = differs(picture, np.asarray(Image.open(path).convert("RGB")), mean=mean, off=off)
+    why = describe_difference(picture, np.asarray(Image.open(path).convert("RGB")), mean=mean, off=off)
     if why:
         Image.fromarray(picture).save(FOLDER / f"{name}.seen.png")
         pytest.fail(f"{name}: {why}; see golden/{name}.seen.png")

@@ -1,4 +1,4 @@
-"""Images and videos made for tests."""
+"""Generated images and videos for tests."""
 
 import av
 import numpy as np
@@ -8,12 +8,12 @@ FRAMES, RATE = 20, 10
 
 
 def grey_of(number):
-    """The grey of a video's picture, of 255."""
+    """Grey level of a video picture, of 255."""
     return 20 + 10 * number
 
 
 def write_video(path, *, size=(64, 48)):
-    """A video of FRAMES pictures, each of one grey, RATE a second."""
+    """A video of FRAMES pictures, each of one grey, at RATE per second."""
     with av.open(str(path), "w") as out:
         stream = out.add_stream("libx264", rate=RATE, options={"crf": "1", "g": "5"})
         stream.width, stream.height, stream.pix_fmt = *size, "yuv420p"

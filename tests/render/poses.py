@@ -1,5 +1,6 @@
-"""Poses for pictures, made by a small forward kinematics of their own: rotations [degrees] of joints in world axes
-of the parent, on top of the rest pose."""
+"""Poses for pictures, from a separate small forward kinematics: joint rotations [degrees] in world axes
+of the parent, on top of the rest pose.
+"""
 
 import numpy as np
 import numpy.typing as npt
@@ -159,7 +160,7 @@ def _quaternion(matrix: Float64) -> Float64:
 
 
 def pose(turns: Turns, place: tuple[float, float] = (0.0, 0.0), heading_deg: float = 0.0) -> tuple[Float32, Float32]:
-    """World positions (22, 3) [m] and rotations (22, 4) of a pose, its lowest joint set on the floor."""
+    """World positions (22, 3) [m] and rotations (22, 4) of a pose, with the lowest joint on the floor."""
     world = np.zeros((JOINT_COUNT, 3, 3))
     position = np.zeros((JOINT_COUNT, 3))
     for joint, name in enumerate(SKELETON.names):

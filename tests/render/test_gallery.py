@@ -1,6 +1,6 @@
-"""Golden pictures of what lights and frames the stage: lamps, beams, spots, backgrounds, the set, bodies and cameras.
+"""Golden pictures of lights and framing: lamps, beams, spots, backgrounds, the set, bodies and cameras.
 
-One renderer for all of them; each picture has a law by the picture of the same dancers in the usual light.
+One renderer for all of them; each picture has a law against the picture of the same dancers in default light.
 """
 
 import math
@@ -48,8 +48,8 @@ Law = Callable[[np.ndarray, np.ndarray], bool]
 
 
 @pytest.fixture(scope="module")
-def made(headless_context, tmp_path_factory):
-    """Draws the crowd with some parameters of the picture, by the rest of their addresses; `row`: another camera's."""
+def draw_stage(headless_context, tmp_path_factory):
+    """Draws the crowd with picture parameters by the end of their addresses; `row`: a row with another camera."""
     folder, kept = tmp_path_factory.mktemp("media"), []
     files = (Background(str(write_image(folder / "a.png")), width=12.0),
              Background(str(write_video(folder / "v.mp4")), fit="picture", beats=10.0, brightness=1.0))  # fmt: skip
@@ -77,13 +77,13 @@ def made(headless_context, tmp_path_factory):
             thing.release()
 
 
-def more(seen, plain):
-    """By how much each pixel is brighter, (H, W)."""
+def gain(seen, plain):
+    """Brightness gain of each pixel, (H, W)."""
     return (seen.astype(int) - plain) @ GREY
 
 
 def hue(seen, plain, colour):
-    """The share of pixels that have gained light, and most of it in one colour."""
+    """Share of pixels with a brightness gain that is largest in one colour."""
     gained = seen.astype(int) - plain
     return float(((gained.max(axis=2) > 12) & (gained.argmax(axis=2) == colour)).mean())
 
@@ -91,33 +91,33 @@ def hue(seen, plain, colour):
 LAMPS: dict[str, tuple[dict[str, object], Law]] = {
     "key": ({"light/rim": 0.0, "light/ambient": 0.0}, lambda seen, plain: 0.5 < seen.mean() / plain.mean() < 1.0),
     "rim": ({"light/key": 0.0, "light/ambient": 0.0, "light/rim": 2.0},
-            lambda seen, plain: seen[..., 2].mean() > seen[..., 0].mean() and more(seen, plain).min() < -40),
+            lambda seen, plain: seen[..., 2].mean() > seen[..., 0].mean() and gain(seen, plain).min() < -40),
     "side": (DIM | {"light/side": 1.5, "light/side/left": (1, 0.1, 0), "light/side/right": (0, 0.2, 1)},
              lambda seen, plain: hue(seen, plain, 0) > 0.002 and hue(seen, plain, 2) > 0.004),
     "back": (DIM | {"light/back": 2.0, "light/back/colour": (1, 0.6, 0.2)},
-             lambda seen, plain: hue(seen, plain, 0) > 0.002 and more(seen, plain).mean() < 0),
+             lambda seen, plain: hue(seen, plain, 0) > 0.002 and gain(seen, plain).mean() < 0),
     "ambient": ({"light/key": 0.0, "light/rim": 0.0, "light/ambient": 1.0, "light/ambient/colour": (0.3, 1, 0.3)},
                 lambda seen, plain: (seen[..., 1] > 12.0 + seen[..., [0, 2]].max(axis=2)).mean() > 0.01),
     "beams": (DIM | {"light/beams": 2.0, "light/beams/colour": (0.4, 0.6, 1.0)},
-              lambda seen, plain: more(seen, plain)[:30].max() > 20 and hue(seen, plain, 2) > 0.03),
+              lambda seen, plain: gain(seen, plain)[:30].max() > 20 and hue(seen, plain, 2) > 0.03),
     "spots": (DIM | {"spot/1": 1.0, "spot/2": 1.0, "spot/2/colour": (1, 0.2, 0.2), "spot/1/radius": 0.6},
-              lambda seen, plain: seen.max() > 200 and more(seen, plain).mean() < -5),
+              lambda seen, plain: seen.max() > 200 and gain(seen, plain).mean() < -5),
     "gradient": ({"background/gradient": 1.0, "background/top": (0, 0, 0.4), "background/bottom": (0.4, 0.1, 0)},
                  lambda seen, plain: hue(seen, plain, 2) > 0.05 and hue(seen, plain, 0) > 0.05),
     "gauze": ({"light/stage": 0.0}, lambda seen, plain: (seen.max(axis=2) == 0).mean() > 0.5 and seen.max() > 100),
     "image": ({"background/1": 1.0}, lambda seen, plain: (seen.min(axis=2) > 120).mean() > 0.03),
-    "video": ({"background/2": 0.8}, lambda seen, plain: more(seen, plain)[:20].min() > 5),
-    "no_shadow": ({"pass/shadow": 0.0}, lambda seen, plain: more(seen, plain).mean() > 0.2),
-    "no_mirror": ({"pass/mirror": 0.0}, lambda seen, plain: np.abs(more(seen, plain)).max() > 5),
+    "video": ({"background/2": 0.8}, lambda seen, plain: gain(seen, plain)[:20].min() > 5),
+    "no_shadow": ({"pass/shadow": 0.0}, lambda seen, plain: gain(seen, plain).mean() > 0.2),
+    "no_mirror": ({"pass/mirror": 0.0}, lambda seen, plain: np.abs(gain(seen, plain)).max() > 5),
 }  # fmt: skip
-"""What is set, and what must be seen of it beside the usual light."""
+"""Parameters, and the condition on the picture against the default light."""
 
 
 @pytest.mark.parametrize("lamp", LAMPS)
-def test_light_and_what_is_behind(made, golden, lamp):
+def test_golden_lights_and_backgrounds(draw_stage, golden, lamp):
     said, law = LAMPS[lamp]
-    plain = made({})
-    golden(made(said), f"light_{lamp}", law=lambda seen: law(seen, plain))
+    plain = draw_stage({})
+    golden(draw_stage(said), f"light_{lamp}", law=lambda seen: law(seen, plain))
 
 
 PATCH = Patch.model_validate(
@@ -132,12 +132,13 @@ THROWN = project_points(Camera(LENS, (0.3, 0.4, 0.0), 38.0), SIZE, FLOOR) / SIZE
     (0, 0.015),
     (0, 0),
 )
-"""Where somebody has measured the floor's corners in the projector's picture, not quite exactly, (4, 2)."""
+"""Measured floor corners in the projector's picture, with small errors, (4, 2)."""
 
 
-def view_of(name):
-    """The picture's row of a view as the show has it: `around` after an eighth of its way, `follow` turned to a dancer,
-    who stands aside."""
+def camera_row(name):
+    """The picture row of a camera view as in the show: `around` after an eighth of its orbit, `follow` aimed at
+    a dancer to the side.
+    """
     row = picture_row(scene(12))
     for address, value in view_settings(PATCH)["front" if name in ("projector", "follow") else name][0].items():
         row[BY_ADDRESS[address].row_slice] = value
@@ -158,18 +159,18 @@ def view_of(name):
 
 
 @pytest.mark.parametrize("name", ["front", "side", "around", "top", "follow", "projector"])
-def test_cameras(made, golden, name):
-    """Whoever is far from the others is seen where the camera has her."""
-    row, view = view_of(name), crowd()
+def test_golden_cameras(draw_stage, golden, name):
+    """Every dancer within the frame is drawn at the projected position."""
+    row, view = camera_row(name), crowd()
     hips = project_points(camera_from_row(row), SIZE, view.joint_position[:, 0])
     within = [(x, y) for x, y in hips.astype(int) if 4 <= x < SIZE[0] - 4 and 4 <= y < SIZE[1] - 4]
     assert len(within) >= (1 if name == "follow" else 12)
-    seen = made({}, row)
-    bright = [more(seen, 0)[y - 3 : y + 4, x - 3 : x + 4].max() for x, y in within]
+    seen = draw_stage({}, row)
+    bright = [gain(seen, 0)[y - 3 : y + 4, x - 3 : x + 4].max() for x, y in within]
     golden(seen, f"camera_{name}", law=lambda picture: min(bright) > 25 and picture.std() > 8)
 
 
-def test_the_projectors_floor_is_the_real_one():
-    """The floor's corners are drawn where they were measured."""
-    found = project_points(camera_from_row(view_of("projector")), SIZE, FLOOR)
+def test_projector_camera_matches_measured_floor_corners():
+    """The floor corners are drawn at their measured positions."""
+    found = project_points(camera_from_row(camera_row("projector")), SIZE, FLOOR)
     assert found / SIZE == pytest.approx(THROWN, abs=1e-9)

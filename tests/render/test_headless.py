@@ -1,4 +1,4 @@
-"""Drawing and reading back without a screen."""
+"""Tests of drawing and reading back without a screen."""
 
 import ctypes
 import ctypes.util
@@ -21,8 +21,8 @@ from live.render.headless import (
 SIZE = (61, 34)  # no multiple of four: rows of pixels are not aligned
 
 
-def paint(target: Any, upper: tuple[float, ...], lower: tuple[float, ...]) -> None:
-    """One colour in the upper half, another in the lower (OpenGL counts rows from below)."""
+def paint_halves(target: Any, upper: tuple[float, ...], lower: tuple[float, ...]) -> None:
+    """One colour in the upper half, another in the lower half (OpenGL counts rows from below)."""
     _, _, width, height = target.viewport
     target.use()
     target.clear(*upper)
@@ -30,15 +30,15 @@ def paint(target: Any, upper: tuple[float, ...], lower: tuple[float, ...]) -> No
 
 
 @pytest.mark.gl
-def test_the_context_is_recent_enough(gl_context: moderngl.Context) -> None:
+def test_context_has_required_version(gl_context: moderngl.Context) -> None:
     assert gl_context.version_code >= 410
     assert gl_context.error == "GL_NO_ERROR"
 
 
 @pytest.mark.gl
-def test_pictures_come_back_upright_and_in_rgb(gl_context: moderngl.Context) -> None:
+def test_picture_is_read_upright_in_rgb(gl_context: moderngl.Context) -> None:
     target = OffscreenTarget(gl_context, SIZE)
-    paint(target.framebuffer, (1.0, 0.0, 0.0), (0.0, 0.2, 1.0))
+    paint_halves(target.framebuffer, (1.0, 0.0, 0.0), (0.0, 0.2, 1.0))
     picture = target.read()
     assert picture.shape == (34, 61, 3)
     assert picture.dtype == np.uint8
@@ -48,7 +48,7 @@ def test_pictures_come_back_upright_and_in_rgb(gl_context: moderngl.Context) -> 
 
 
 @pytest.mark.gl
-def test_depth_is_tested(gl_context: moderngl.Context) -> None:
+def test_depth_test_hides_farther_triangle(gl_context: moderngl.Context) -> None:
     target = OffscreenTarget(gl_context, SIZE)
     target.framebuffer.use()
     target.framebuffer.clear(depth=0.5)
@@ -69,7 +69,7 @@ def test_depth_is_tested(gl_context: moderngl.Context) -> None:
 
 
 @pytest.mark.gl
-def test_a_push_returns_the_frame_before(gl_context: moderngl.Context) -> None:
+def test_push_returns_previous_frame(gl_context: moderngl.Context) -> None:
     target = OffscreenTarget(gl_context, SIZE)
     seen: list[int] = []
     for number in range(5):
@@ -89,9 +89,11 @@ def test_a_push_returns_the_frame_before(gl_context: moderngl.Context) -> None:
 
 @pytest.mark.gl
 @pytest.mark.parametrize("size", [(80, 50), (40, 20), (80, 20)])
-def test_a_framebuffer_of_another_size_fills_what_it_can(gl_context: moderngl.Context, size: tuple[int, int]) -> None:
+def test_framebuffer_of_other_size_is_read_where_it_overlaps(
+    gl_context: moderngl.Context, size: tuple[int, int]
+) -> None:
     drawn = OffscreenTarget(gl_context, size)
-    paint(drawn.framebuffer, (1.0, 1.0, 0.0), (0.0, 1.0, 1.0))
+    paint_halves(drawn.framebuffer, (1.0, 1.0, 0.0), (0.0, 1.0, 1.0))
     reader = FrameReader(gl_context, SIZE)
     picture = reader.read(drawn.framebuffer)
     expected = np.zeros((34, 61, 3), np.uint8)
@@ -104,7 +106,7 @@ def test_a_framebuffer_of_another_size_fills_what_it_can(gl_context: moderngl.Co
 
 @pytest.mark.gl
 @pytest.mark.parametrize("size", [(0, 10), (10, -1), (10**6, 10)])
-def test_impossible_sizes_are_refused(gl_context: moderngl.Context, size: tuple[int, int]) -> None:
+def test_invalid_size_is_refused(gl_context: moderngl.Context, size: tuple[int, int]) -> None:
     with pytest.raises(ValueError, match="cannot be drawn"):
         OffscreenTarget(gl_context, size)
 
@@ -120,12 +122,12 @@ def test_impossible_sizes_are_refused(gl_context: moderngl.Context, size: tuple[
         ("Apple M2", False),
     ],
 )
-def test_software_is_told_from_a_card(renderer: str, software: bool) -> None:
+def test_software_renderer_is_recognized_by_name(renderer: str, software: bool) -> None:
     context: Any = SimpleNamespace(info={"GL_RENDERER": renderer})
     assert is_software(context) is software
 
 
-def test_without_egl_the_error_names_the_packages(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_egl_error_names_packages(monkeypatch: pytest.MonkeyPatch) -> None:
     def missing(**_: Any) -> None:
         raise Exception("libEGL.so not loaded")
 
@@ -135,8 +137,8 @@ def test_without_egl_the_error_names_the_packages(monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.gl
-def test_a_context_that_is_given_back_is_not_the_current_one() -> None:
-    """While one of EGL is, GLX opens no window: BadAccess, and Xlib ends the process."""
+def test_released_context_is_not_current() -> None:
+    """While an EGL context is current, GLX opens no window: BadAccess, and Xlib ends the process."""
     name = ctypes.util.find_library("EGL")
     if name is None:
         pytest.skip("there is no EGL here")

@@ -1,4 +1,4 @@
-"""Letters of the overlay."""
+"""Tests of the glyph atlas and text layout of the overlay."""
 
 import numpy as np
 from PIL import ImageFont
@@ -6,7 +6,7 @@ from PIL import ImageFont
 from live.render.lettering import bake_atlas, without_accents
 
 
-def test_every_letter_but_the_space_leaves_ink_within_its_own_cell() -> None:
+def test_every_printable_glyph_has_ink_in_its_cell() -> None:
     lettering = bake_atlas(16)
     width, tall = lettering.cell
     columns = lettering.coverage.shape[1] // width
@@ -18,12 +18,12 @@ def test_every_letter_but_the_space_leaves_ink_within_its_own_cell() -> None:
         assert ink.max() > 100, one
 
 
-def test_digits_are_equally_wide_so_that_numbers_do_not_dance() -> None:
+def test_digits_have_equal_width() -> None:
     lettering = bake_atlas(18)
     assert len({lettering.advance[digit] for digit in "0123456789"}) == 1
 
 
-def test_lines_run_right_and_down_and_spaces_cost_nothing() -> None:
+def test_lines_run_right_and_down_and_spaces_use_no_glyph() -> None:
     lettering = bake_atlas(14)
     laid = lettering.lay_out(("ab", "c d"), (10.0, 20.0), 100)
     assert laid.shape == (4, 4)
@@ -31,7 +31,7 @@ def test_lines_run_right_and_down_and_spaces_cost_nothing() -> None:
     np.testing.assert_array_equal(laid[:, 1], [20.0, 20.0, 20.0 + lettering.cell[1], 20.0 + lettering.cell[1]])
 
 
-def test_unknown_letters_become_question_marks_and_length_is_limited() -> None:
+def test_unknown_characters_become_question_marks_and_length_is_limited() -> None:
     lettering = bake_atlas(14)
     strange = lettering.lay_out(("\u6f22",), (0.0, 0.0), 10)
     known = lettering.lay_out(("?",), (0.0, 0.0), 10)
@@ -40,7 +40,7 @@ def test_unknown_letters_become_question_marks_and_length_is_limited() -> None:
     assert lettering.lay_out((), (0.0, 0.0), 10).shape == (0, 4)
 
 
-def test_words_with_accents_stay_readable() -> None:
+def test_accents_are_removed() -> None:
     lettering = bake_atlas(14)
     laid = lettering.lay_out(("Dan\u00e7a S\u00e3o, \u00c9lan",), (3.0, 4.0), 100)
     np.testing.assert_array_equal(laid, lettering.lay_out(("Danca Sao, Elan",), (3.0, 4.0), 100))
@@ -49,7 +49,7 @@ def test_words_with_accents_stay_readable() -> None:
     assert without_accents("\u6f22") == "?"
 
 
-def test_no_letter_that_is_drawn_is_the_box_of_those_that_are_missing() -> None:
+def test_no_atlas_glyph_is_missing_glyph_box() -> None:
     font = ImageFont.load_default(size=20)
     missing = bytes(font.getmask("\uffff"))
     for one in bake_atlas(20).index:

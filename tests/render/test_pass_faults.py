@@ -1,4 +1,4 @@
-"""Passes that cannot be drawn are left out, and the picture goes on; a person puts them back."""
+"""Failing passes are disabled while the picture continues, until an operator resets them."""
 
 from typing import Any
 
@@ -28,7 +28,7 @@ SIZE = (96, 64)
         (BackgroundPass, "prepare", "background"),
     ],
 )
-def test_a_pass_that_fails_costs_two_frames_and_is_left_out_until_it_is_reset(
+def test_failing_pass_is_disabled_after_two_frames_until_reset(
     gl_context: moderngl.Context, monkeypatch: pytest.MonkeyPatch, kind: type, method: str, name: str
 ) -> None:
     renderer = Renderer(gl_context, scene(1), size=SIZE, quality=HARDWARE)

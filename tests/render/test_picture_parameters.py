@@ -1,4 +1,4 @@
-"""A picture's row in the renderer: it draws what a scene would that had been made so from the start, bit by bit."""
+"""The picture row in the renderer: same pixels as a scene created with the same values."""
 
 from dataclasses import replace
 
@@ -23,8 +23,8 @@ OTHER = Scene(
 
 
 @pytest.fixture
-def made(gl_context):
-    """A renderer, and a function that draws one view with it and gives its pixels."""
+def make_renderer(gl_context):
+    """Creates a renderer; returns a function that draws one view with it and returns its pixels."""
     kept = []
 
     def make(of, quality=SOFTWARE):
@@ -47,8 +47,8 @@ def made(gl_context):
 
 
 @pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
-def test_a_row_draws_what_a_scene_made_so_would(made, quality):
-    from_start, changed = made(OTHER, quality), made(scene(12), quality)
+def test_picture_row_matches_scene_with_same_values(make_renderer, quality):
+    from_start, changed = make_renderer(OTHER, quality), make_renderer(scene(12), quality)
     plain = changed(crowd())
     assert np.array_equal(changed(crowd(), picture_row(scene(12))), plain)  # the scene's own row changes nothing
     there = changed(crowd(), picture_row(OTHER), times=2)  # in the second frame light and camera stand
@@ -56,8 +56,8 @@ def test_a_row_draws_what_a_scene_made_so_would(made, quality):
     assert np.array_equal(changed(crowd(), times=2), plain)  # and back
 
 
-def test_while_light_moves_the_picture_is_nearly_what_it_is_when_it_stands(made):
-    draw = made(scene(12))
+def test_picture_during_light_change_is_close_to_final(make_renderer):
+    draw = make_renderer(scene(12))
     row = picture_row(scene(12))
     draw(crowd())
     row[BY_ADDRESS["/dance/light/rim"].first] = 1.5
@@ -65,17 +65,17 @@ def test_while_light_moves_the_picture_is_nearly_what_it_is_when_it_stands(made)
     assert np.abs(moving - standing).mean() < 1.0
 
 
-def test_what_changed_in_the_dark_is_there_when_the_light_comes_back(made):
-    draw, view = made(scene(12)), crowd()
+def test_changes_during_blackout_appear_afterwards(make_renderer):
+    draw, view = make_renderer(scene(12)), crowd()
     draw(view)
     view.brightness = 0.0
     assert draw(view, picture_row(OTHER)).max() == 0
     view.brightness = 1.0
-    assert np.array_equal(draw(view, picture_row(OTHER)), made(OTHER)(crowd()))
+    assert np.array_equal(draw(view, picture_row(OTHER)), make_renderer(OTHER)(crowd()))
 
 
-def test_level_is_darker_down_to_black_and_saturation_goes_down_to_grey(made):
-    draw, row = made(scene(12)), picture_row(scene(12))
+def test_level_fades_to_black_and_saturation_to_grey(make_renderer):
+    draw, row = make_renderer(scene(12)), picture_row(scene(12))
     means = []
     for level in (1.0, 0.5, 0.1, 0.0):
         row[BY_ADDRESS["/dance/light/level"].first] = level
@@ -88,15 +88,15 @@ def test_level_is_darker_down_to_black_and_saturation_goes_down_to_grey(made):
     assert np.ptp(grey, axis=2).max() <= 1
 
 
-def test_a_camera_that_looks_nowhere_leaves_the_last_one(made):
-    draw, row = made(scene(12)), picture_row(scene(12))
+def test_invalid_camera_keeps_last_camera(make_renderer):
+    draw, row = make_renderer(scene(12)), picture_row(scene(12))
     before = draw(crowd(), row)
     row[BY_ADDRESS["/dance/camera/target"].row_slice] = row[BY_ADDRESS["/dance/camera/eye"].row_slice]
     assert np.array_equal(draw(crowd(), row, times=2), before)
     assert CAMERA.stop <= COLOURS_START
 
 
-def test_colours_survive_a_new_size(gl_context):
+def test_group_colours_are_kept_after_resize(gl_context):
     renderer = Renderer(gl_context, scene(12), size=SIZE, quality=SOFTWARE)
     view = crowd()
     row = picture_row(replace(OTHER, camera=Camera(), look=replace(Look(), group_colours=OTHER.look.group_colours)))

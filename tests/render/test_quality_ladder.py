@@ -1,4 +1,4 @@
-"""The ladder of quality on machines made for the test: as good as can be held, and no swinging to and fro."""
+"""The quality controller on simulated machines: highest sustainable step, without oscillation."""
 
 from itertools import pairwise
 
@@ -17,8 +17,8 @@ from live.render.adaptive_quality import (
 PERIOD = 1.0 / 60.0
 
 
-class Machine:
-    """Draws frames whose time depends on the step, with a pacer that waits for the next display's picture."""
+class SimulatedMachine:
+    """Draws frames whose duration depends on the step, with a pacer that waits for the next display refresh."""
 
     def __init__(self, costs):
         self.ladder = QualityController(len(costs))
@@ -38,9 +38,9 @@ class Machine:
 
 
 @pytest.mark.parametrize("holds", range(5))
-def test_it_goes_down_to_the_first_step_that_can_be_held_and_stays(holds):
+def test_controller_settles_at_first_sustainable_step(holds):
     costs = [0.03] * holds + [0.010] * (5 - holds)
-    machine = Machine(costs).run(WARM_UP_S + holds * (SETTLE_S + 0.5) + 1.0)
+    machine = SimulatedMachine(costs).run(WARM_UP_S + holds * (SETTLE_S + 0.5) + 1.0)
     assert machine.ladder.step == holds
     late = machine.late
     machine.run(10.0)
@@ -48,14 +48,14 @@ def test_it_goes_down_to_the_first_step_that_can_be_held_and_stays(holds):
     assert machine.late == late
 
 
-def test_the_first_step_down_comes_within_a_moment_but_not_while_drivers_compile():
-    machine = Machine([0.03, 0.01]).run(WARM_UP_S)
+def test_first_step_down_follows_shortly_after_warm_up():
+    machine = SimulatedMachine([0.03, 0.01]).run(WARM_UP_S)
     assert machine.ladder.step == 0
     assert machine.run(0.3).ladder.step == 1
 
 
-def test_it_comes_back_slowly_step_by_step_when_there_is_room():
-    machine = Machine([0.03, 0.03, 0.0155]).run(30.0)
+def test_quality_rises_slowly_step_by_step_with_headroom():
+    machine = SimulatedMachine([0.03, 0.03, 0.0155]).run(30.0)
     assert machine.ladder.step == 2
     machine.costs = [0.004, 0.004, 0.004]
     machine.run(PATIENCE_S - 1.0)
@@ -66,21 +66,21 @@ def test_it_comes_back_slowly_step_by_step_when_there_is_room():
     assert machine.ladder.step == 0
 
 
-def test_without_room_it_does_not_go_up():
-    machine = Machine([0.03, 0.0155]).run(300.0)  # in time, but only just
+def test_quality_does_not_rise_without_headroom():
+    machine = SimulatedMachine([0.03, 0.0155]).run(300.0)  # in time, but only just
     assert machine.ladder.step == 1
     assert machine.ladder.changes == 1
 
 
-def test_what_looks_easy_and_is_not_is_tried_ever_more_rarely():
-    machine = Machine([0.03, 0.004]).run(1800.0)
+def test_failed_step_up_is_retried_at_growing_intervals():
+    machine = SimulatedMachine([0.03, 0.004]).run(1800.0)
     ups = [now < before for before, now in pairwise(machine.steps)]
     assert 3 <= sum(ups) <= 12
     assert machine.late < 1800.0 / PERIOD * 0.01
 
 
 def test_a_single_late_frame_changes_nothing():
-    machine = Machine([0.004, 0.002]).run(20.0)
+    machine = SimulatedMachine([0.004, 0.002]).run(20.0)
     machine.costs = [0.04, 0.002]
     machine.run(0.04)
     machine.costs = [0.004, 0.002]
@@ -89,7 +89,7 @@ def test_a_single_late_frame_changes_nothing():
 
 
 @pytest.mark.parametrize("best", [SOFTWARE, HARDWARE], ids=["software", "card"])
-def test_each_step_draws_less_than_the_one_above_and_the_resolution_comes_last(best):
+def test_each_step_costs_less_and_resolution_is_reduced_last(best):
     steps = quality_steps(best)
     assert steps[0].quality == best
     names = [step.name for step in steps]
@@ -103,8 +103,8 @@ def test_each_step_draws_less_than_the_one_above_and_the_resolution_comes_last(b
         assert (a.samples > 0) == (b.samples > 0)
 
 
-def test_steps_that_take_nothing_from_this_picture_are_passed_over_both_ways():
-    machine = Machine([0.03, 0.03, 0.03, 0.01, 0.01])
+def test_steps_without_effect_are_skipped_in_both_directions():
+    machine = SimulatedMachine([0.03, 0.03, 0.03, 0.01, 0.01])
     machine.ladder = QualityController(5, lambda step: step not in (1, 2))
     machine.run(WARM_UP_S + 0.5)
     assert machine.steps[-1] == 3
@@ -116,8 +116,8 @@ def test_steps_that_take_nothing_from_this_picture_are_passed_over_both_ways():
     assert machine.ladder.step == 0
 
 
-def test_a_step_that_is_held_stays_until_it_is_let_go():
-    machine = Machine([0.03] * 4 + [0.001])
+def test_held_step_stays_until_release():
+    machine = SimulatedMachine([0.03] * 4 + [0.001])
     machine.ladder.hold(1)
     assert (machine.run(20.0).ladder.step, machine.ladder.held) == (1, 1)
     machine.ladder.hold(9)
@@ -130,8 +130,8 @@ def test_a_step_that_is_held_stays_until_it_is_let_go():
     assert machine.ladder.step == 4
 
 
-def test_on_an_overloaded_machine_a_single_late_frame_takes_a_step_down_and_none_is_taken_up():
-    machine = Machine([0.004, 0.002, 0.002]).run(20.0)
+def test_overloaded_machine_steps_down_after_one_late_frame_and_never_up():
+    machine = SimulatedMachine([0.004, 0.002, 0.002]).run(20.0)
     machine.overload = 1.0
     machine.costs = [0.04, 0.002, 0.002]
     machine.run(0.04)

@@ -1,4 +1,4 @@
-"""Dual quaternions of the pose texture against plain matrices; who is seen, near, and on which list."""
+"""Dual quaternions of the pose texture against matrices; culling, level of detail and draw lists."""
 
 import numpy as np
 
@@ -32,7 +32,7 @@ def _matrix(q: np.ndarray) -> np.ndarray:
     )
 
 
-def test_texels_carry_each_rest_joint_to_its_place_and_turn_around_it() -> None:
+def test_pose_texels_match_joint_matrices() -> None:
     rest = SKELETON.rest_positions()
     poses = [pose(LUNGE, (1.0, -2.0), 30.0), pose(ARABESQUE, (-3.0, 0.5), -80.0), pose(LUNGE)]
     position = np.array([one[0] for one in poses])
@@ -52,7 +52,7 @@ def test_texels_carry_each_rest_joint_to_its_place_and_turn_around_it() -> None:
             np.testing.assert_allclose(carried, expected, atol=2e-5)
 
 
-def test_nobody_who_is_seen_is_left_out_and_most_who_are_not_are() -> None:
+def test_culling_keeps_every_visible_dancer_and_removes_most_others() -> None:
     camera, size = Camera(), (1280, 720)
     sight = ViewVolume.of(camera, size)
     random = np.random.default_rng(4)
@@ -75,7 +75,7 @@ def test_nobody_who_is_seen_is_left_out_and_most_who_are_not_are() -> None:
     assert not bits[place[:, 0] >= 29.0].any()
 
 
-def test_the_nearest_get_the_near_body_and_all_who_stand_near() -> None:
+def test_near_body_goes_to_nearest_and_all_within_distance() -> None:
     random = np.random.default_rng(5)
     position = random.uniform(-20.0, 20.0, (300, 22, 3)).astype(np.float32)
     bits = np.where(random.random(300) < 0.7, VISIBLE | PRESENT, PRESENT).astype(np.uint8)
@@ -91,7 +91,7 @@ def test_the_nearest_get_the_near_body_and_all_who_stand_near() -> None:
         assert ((here & (NEAR | FAR) == NEAR) ^ (here & (NEAR | FAR) == FAR)).all()
 
 
-def test_lists_hold_who_belongs_on_them_by_body() -> None:
+def test_draw_lists_contain_matching_dancers_by_body() -> None:
     sight = np.array([VISIBLE, VISIBLE | NEAR, 0, VISIBLE | NEAR, NEAR], np.uint8)
     group, body = np.array([0, 1, 0, 17, 1], np.int32), np.array([0, 1, 0, 1, 0], np.int32)
     ways = np.zeros(16, np.int32)

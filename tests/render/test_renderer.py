@@ -1,4 +1,4 @@
-"""Pictures: small, seeded, headless; what must be seen is asked of the pixels."""
+"""Pictures of the renderer: small, seeded, headless; checked by their pixels."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -35,7 +35,7 @@ def read(framebuffer: moderngl.Framebuffer) -> Picture:
 
 @pytest.fixture
 def draw(gl_context: moderngl.Context) -> Iterator[Draw]:
-    """Draw a view once into a fresh framebuffer and give its pixels, (H, W, 3) with row 0 on top."""
+    """Draws a view once into a new framebuffer; returns its pixels, (H, W, 3) with row 0 on top."""
     made: list[Renderer] = []
 
     def once(
@@ -82,14 +82,14 @@ def test_dancers_cover_the_pixels_of_their_joints(draw: Draw, quality: Quality) 
 
 
 @pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
-def test_the_stage_is_neither_black_nor_burnt_out(draw: Draw, quality: Quality) -> None:
+def test_stage_is_neither_black_nor_overexposed(draw: Draw, quality: Quality) -> None:
     picture = draw(crowd(), quality=quality)
     assert 8.0 < picture.mean() < 110.0
     assert picture.max() > 120
     assert (picture == 255).all(axis=2).mean() < 0.01
 
 
-def test_both_tiers_show_the_same_stage(draw: Draw) -> None:
+def test_both_qualities_show_same_stage(draw: Draw) -> None:
     plain, film = draw(crowd(), quality=SOFTWARE).astype(int), draw(crowd(), quality=HARDWARE).astype(int)
     assert np.abs(plain - film).mean() < 3.0
 
@@ -125,7 +125,7 @@ def test_shadows_darken_the_floor_on_the_side_away_from_the_light(draw: Draw) ->
 
 
 @pytest.mark.parametrize(("kind", "warm"), [(ATTRACTOR, True), (REPULSOR, False), (SPREADER, None)])
-def test_elements_light_the_floor_where_they_act(draw: Draw, kind: int, warm: bool | None) -> None:
+def test_elements_light_floor_around_their_position(draw: Draw, kind: int, warm: bool | None) -> None:
     view = empty()
     dark = draw(view).astype(int)
     view.element_count = 1
@@ -142,7 +142,7 @@ def test_elements_light_the_floor_where_they_act(draw: Draw, kind: int, warm: bo
     assert 0.0 < (draw(view).astype(int) - dark).sum() < light.sum()
 
 
-def test_the_attractor_breathes_with_the_beat(draw: Draw) -> None:
+def test_attractor_light_pulses_with_beat(draw: Draw) -> None:
     view = empty()
     view.element_count, view.element_level[0] = 1, 1.0
     on_the_beat = draw(view).astype(int)
@@ -150,14 +150,14 @@ def test_the_attractor_breathes_with_the_beat(draw: Draw) -> None:
     assert np.abs(on_the_beat - draw(view).astype(int)).max() > 5
 
 
-def test_more_elements_than_can_be_drawn_do_no_harm(draw: Draw) -> None:
+def test_excess_elements_are_ignored(draw: Draw) -> None:
     view = empty()
     view.element_count = 5000
     view.element_level[:] = 1.0
     assert draw(view).mean() > 5.0
 
 
-def test_the_overlay_draws_light_letters_on_a_dark_panel_in_its_corner(draw: Draw) -> None:
+def test_overlay_draws_bright_text_in_corner_only(draw: Draw) -> None:
     view = crowd()
     plain = draw(view, size=(640, 360)).astype(int)
     view.overlay = ("tempo 120.0", "measure 17")
@@ -181,7 +181,7 @@ def test_any_number_of_dancers_is_drawn(draw: Draw, count: int) -> None:
     assert (covered == 0.0) if count == 0 else (covered > 0.002)
 
 
-def test_a_view_with_more_dancers_than_the_scene_said_is_drawn(gl_context: moderngl.Context) -> None:
+def test_view_with_more_dancers_than_scene_is_drawn(gl_context: moderngl.Context) -> None:
     renderer = Renderer(gl_context, scene(1, NEAR_CAMERA), size=SIZE, quality=SOFTWARE)
     target = gl_context.simple_framebuffer(SIZE)
     renderer.draw(standing(), target)
@@ -194,7 +194,7 @@ def test_a_view_with_more_dancers_than_the_scene_said_is_drawn(gl_context: moder
 
 
 @pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
-def test_the_same_moment_twice_is_the_same_picture(gl_context: moderngl.Context, quality: Quality) -> None:
+def test_same_moment_gives_same_picture(gl_context: moderngl.Context, quality: Quality) -> None:
     renderer = Renderer(gl_context, scene(12), size=SIZE, quality=quality)
     target = gl_context.simple_framebuffer(SIZE)
     view, other = crowd(), standing()
@@ -210,7 +210,7 @@ def test_the_same_moment_twice_is_the_same_picture(gl_context: moderngl.Context,
 
 
 @pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
-def test_resizing_gives_what_a_new_renderer_gives(gl_context: moderngl.Context, draw: Draw, quality: Quality) -> None:
+def test_resized_renderer_matches_new_renderer(gl_context: moderngl.Context, draw: Draw, quality: Quality) -> None:
     renderer = Renderer(gl_context, scene(12), size=(200, 200), quality=quality)
     view = crowd()
     small, large = gl_context.simple_framebuffer((200, 200)), gl_context.simple_framebuffer(SIZE)
@@ -226,8 +226,8 @@ def test_resizing_gives_what_a_new_renderer_gives(gl_context: moderngl.Context, 
         thing.release()
 
 
-def test_the_near_dancers_get_the_finer_body(draw: Draw) -> None:
-    """Light for the nearest only: changing how many are near changes the far dancer's outline, not the near one's."""
+def test_near_dancers_get_finer_body(draw: Draw) -> None:
+    """The finer body for the nearest only: the near count changes only the far dancer's outline."""
     view = stage_view([(ARMS_DOWN, (-0.7, -1.5), 0.0, 0), (ARMS_DOWN, (0.7, 1.0), 0.0, 0)])
     both, one = (draw(view, quality=replace(SOFTWARE, near_count=count)).astype(int) for count in (2, 1))
     changed = np.abs(both - one).max(axis=2) > 0
@@ -236,7 +236,7 @@ def test_the_near_dancers_get_the_finer_body(draw: Draw) -> None:
     assert not changed[: SIZE[1] // 2 + 20, x - 3 : x + 4].any()
 
 
-def test_a_scene_of_another_skeleton_or_target_of_another_size_is_refused(gl_context: moderngl.Context) -> None:
+def test_other_skeleton_or_target_size_is_refused(gl_context: moderngl.Context) -> None:
     with pytest.raises(ValueError, match="joint_count 18"):
         Renderer(gl_context, replace(scene(1), joint_count=18), size=SIZE)
     target = gl_context.simple_framebuffer((64, 64))
@@ -245,7 +245,7 @@ def test_a_scene_of_another_skeleton_or_target_of_another_size_is_refused(gl_con
     target.release()
 
 
-def test_the_tier_follows_the_driver_and_the_crowd(gl_context: moderngl.Context) -> None:
+def test_quality_follows_driver_and_requested_samples(gl_context: moderngl.Context) -> None:
     with pytest.raises(ValueError, match="samples -1"):
         choose_quality(gl_context, 50, -1)
     assert choose_quality(gl_context, 50, 2).samples == 2
@@ -255,7 +255,7 @@ def test_the_tier_follows_the_driver_and_the_crowd(gl_context: moderngl.Context)
 
 
 @pytest.mark.parametrize(("quality", "name"), [(SOFTWARE, "stage_plain"), (HARDWARE, "stage_film")])
-def test_golden(draw: Draw, golden: Callable[..., None], quality: Quality, name: str) -> None:
+def test_golden_stage(draw: Draw, golden: Callable[..., None], quality: Quality, name: str) -> None:
     view = crowd()
     view.element_count = 3
     view.element_kind[:3] = (ATTRACTOR, REPULSOR, SPREADER)
@@ -266,8 +266,8 @@ def test_golden(draw: Draw, golden: Callable[..., None], quality: Quality, name:
 
 
 @pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
-def test_a_stage_that_became_smaller_is_dark_beyond_its_border(draw: Draw, quality: Quality) -> None:
-    """And lighter than it was where it grew; the scene's own size is as if nothing had been said."""
+def test_reduced_stage_is_dark_beyond_its_border(draw: Draw, quality: Quality) -> None:
+    """An enlarged stage is lighter in the added area; the scene's own size changes nothing."""
     plain = draw(empty(), quality=quality).astype(int)
     view = empty()
     view.stage_size = (10.0, 8.0)

@@ -1,4 +1,4 @@
-"""Shader sources: includes, constants, and the version that macOS still speaks."""
+"""Tests of shader sources: includes, constants, the GLSL version for macOS, and edited shader folders."""
 
 import io
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ from live.render.shader import _first_error, builtin_text, set_override_folder, 
 from tests.render.test_renderer import read, scene, standing
 
 
-def test_includes_come_once_and_constants_follow_the_version() -> None:
+def test_includes_are_expanded_once_and_constants_follow_version() -> None:
     text = source("dancer_fragment.glsl", (("SOFT", 1),))
     lines = text.splitlines()
     assert lines[0] == "#version 410 core"
@@ -27,14 +27,14 @@ def test_includes_come_once_and_constants_follow_the_version() -> None:
     assert "#include" not in text
 
 
-def test_an_unknown_shader_is_an_error() -> None:
+def test_unknown_shader_is_refused() -> None:
     with pytest.raises(FileNotFoundError):
         source("no_such_shader.glsl")
 
 
 @pytest.fixture
-def own_folder(tmp_path: Path) -> Iterator[Path]:
-    """A folder whose shaders are taken instead of the program's."""
+def shader_folder(tmp_path: Path) -> Iterator[Path]:
+    """A folder whose shaders override the built-in ones."""
     set_override_folder(tmp_path)
     yield tmp_path
     set_override_folder(None)
@@ -49,19 +49,19 @@ def own_folder(tmp_path: Path) -> Iterator[Path]:
         ("Linker: no main", "a.glsl: Linker: no main"),
     ],
 )
-def test_every_driver_s_words_give_file_and_line(log: str, told: str) -> None:
+def test_file_and_line_are_read_from_log_of_every_driver(log: str, told: str) -> None:
     assert _first_error(log, ["a.glsl", "b.glsl, line 1", "c.glsl, line 7"]).startswith(told)
 
 
-def test_an_include_that_is_not_there_is_told_with_its_place(own_folder: Path) -> None:
-    (own_folder / "grade_fragment.glsl").write_text('\n#include "frame.glsl"\n#include "nothing.glsl"\n')
+def test_missing_include_is_reported_with_file_and_line(shader_folder: Path) -> None:
+    (shader_folder / "grade_fragment.glsl").write_text('\n#include "frame.glsl"\n#include "nothing.glsl"\n')
     with pytest.raises(PersonError, match=r"shaders/grade_fragment.glsl, line 3: there is no such file"):
         source("grade_fragment.glsl")
 
 
 @pytest.mark.gl
-def test_edited_shaders_are_drawn_with_and_a_wrong_one_leaves_the_last_good_one(
-    gl_context: moderngl.Context, own_folder: Path
+def test_edited_shader_is_reloaded_and_invalid_edit_keeps_last_valid(
+    gl_context: moderngl.Context, shader_folder: Path
 ) -> None:
     renderer = Renderer(gl_context, scene(1), size=(64, 36), quality=SOFTWARE)
     target, view, watched = gl_context.simple_framebuffer((64, 36)), standing(), []
@@ -71,10 +71,10 @@ def test_edited_shaders_are_drawn_with_and_a_wrong_one_leaves_the_last_good_one(
             renderer.draw(view, target)
         return read(target)
 
-    watch = ShaderWatch(own_folder, renderer.reload_shaders)
+    watch = ShaderWatch(shader_folder, renderer.reload_shaders)
 
     def edit(name: str, text: str) -> None:
-        (own_folder / name).write_text(text)
+        (shader_folder / name).write_text(text)
         for _ in range(3):
             watched.append(None)
             watch.check(float(len(watched)))
@@ -98,7 +98,7 @@ def test_edited_shaders_are_drawn_with_and_a_wrong_one_leaves_the_last_good_one(
     target.release()
 
 
-def test_a_folder_that_is_not_there_is_made_with_all_shaders(tmp_path: Path) -> None:
+def test_missing_shader_folder_is_created_with_all_shaders(tmp_path: Path) -> None:
     console, folder = Console(file=io.StringIO()), tmp_path / "looks" / "mine"
     try:
         use_shader_folder(folder, console)

@@ -1,4 +1,4 @@
-"""A small show from made steps, for tests of the core."""
+"""A small show of synthetic steps, for tests of the core."""
 
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
@@ -31,7 +31,7 @@ size = [8.0, 2.0]
 
 
 def made_graph(threshold=0.2):
-    """The motion graph of the made steps."""
+    """The motion graph of the synthetic steps."""
     return build_graph(build_library(made_steps()), threshold=threshold)
 
 
@@ -39,6 +39,6 @@ GRAPH = made_graph()
 
 
 def made_show(extra="", *, top=False, reserve=0, **options):
-    """A fresh show of PATCH with `extra` TOML at its end (`top`: at its beginning) and `reserve` dancers who wait."""
+    """A new show of PATCH with `extra` TOML at its end (`top`: at its beginning) and `reserve` dancers in reserve."""
     patch = PATCH.replace("reserve = 0", f"reserve = {reserve}")
     return Show(parse_patch(extra + patch if top else patch + extra, "test.toml"), GRAPH, **options)

@@ -1,4 +1,4 @@
-"""Polite work lets others in soon while it lasts, and only then."""
+"""Background work shortens the thread switch interval only while it lasts."""
 
 import sys
 import threading
@@ -8,7 +8,7 @@ import pytest
 from live.show.background_work import SWITCH_INTERVAL_S, short_switch_interval
 
 
-def test_others_are_let_in_soon_until_the_last_one_is_done():
+def test_switch_interval_is_short_until_last_worker_ends():
     before = sys.getswitchinterval()
     inside, leave = threading.Event(), threading.Event()
 
@@ -28,7 +28,7 @@ def test_others_are_let_in_soon_until_the_last_one_is_done():
     assert sys.getswitchinterval() == before
 
 
-def test_an_error_passes():
+def test_exception_restores_the_switch_interval():
     before = sys.getswitchinterval()
     with pytest.raises(KeyError), short_switch_interval():
         raise KeyError("x")

@@ -1,4 +1,4 @@
-"""The frame loop: ticks, events, stalls; the same states at any frame rate."""
+"""The frame loop: ticks, events, stalls, and equal states at any frame rate."""
 
 import math
 
@@ -21,12 +21,12 @@ def made_engine(**options):
     return Engine(show, clock=clock, inbox=inbox, status=status, **options), clock, inbox, status
 
 
-def nothing(view):
+def skip_render(view):
     pass
 
 
-def test_of_a_flood_of_values_few_act_in_a_frame_and_events_all_the_same():
-    """A thread of the show's own that reads a flood: what each value costs is the frame's."""
+def test_flooded_values_are_limited_per_frame_and_events_are_not():
+    """The sender has its own thread; the frame pays only for the values that it applies."""
     engine, clock, inbox, _ = made_engine()
     lane, musician = inbox.add_queue(), inbox.add_queue()
     acted = []
@@ -37,15 +37,15 @@ def test_of_a_flood_of_values_few_act_in_a_frame_and_events_all_the_same():
             lane.put(SetPicture(time=clock.now(), source="osc", parameter="/dance/light/level", x=0.5), number % 60)
         if frame == 0 or frame == 200:
             musician.put(Attract(time=clock.now(), source="osc", x=1.0, z=1.0))
-        engine.frame(nothing)
+        engine.frame(skip_render)
     values = [at for name, at in acted if name == "SetPicture"]
     assert len([at for at in values if at >= 1.0]) <= 4.0 * FLOODED_PER_SECOND + 8
     assert max(values.count(at) for at in set(values) if at >= 1.0) <= 4
     assert [at for name, at in acted if name == "Attract"] == [0.0, 200 / 60]
 
 
-def test_the_same_events_give_the_same_states_at_any_frame_rate():
-    """Events are stamped with ticks: applied at those, 25, 60 and 144 frames/s are one show."""
+def test_same_events_give_same_states_at_any_frame_rate():
+    """Events are stamped with ticks: applied at those, shows at 25, 60 and 144 frames/s are identical."""
     results = []
     for fps in (25, 60, 144):
         engine, clock, _, _ = made_engine(lead=0.0)
@@ -59,44 +59,44 @@ def test_the_same_events_give_the_same_states_at_any_frame_rate():
                 tick, event = pending.pop(0)
                 if engine.ticks.time < tick * TICK:
                     clock.set(max(clock.now(), tick * TICK))
-                    engine.frame(nothing)
+                    engine.frame(skip_render)
                 engine.apply(event)
             clock.set(max(clock.now(), target))
-            engine.frame(nothing)
+            engine.frame(skip_render)
             if frame % fps == 0:
                 hashes[frame // fps] = engine.show.state_hash()
         results.append(hashes)
     assert results[0] == results[1] == results[2]
 
 
-def test_a_stall_skips_ticks_and_counts_them():
+def test_stall_skips_and_counts_ticks():
     engine, clock, _, status = made_engine()
     clock.set(1.0)
-    engine.frame(nothing)
+    engine.frame(skip_render)
     assert status.skipped_ticks > 0  # the very first frame came a second late
     skipped, ticks = status.skipped_ticks, status.ticks
     clock.set(1.1)
-    engine.frame(nothing)
+    engine.frame(skip_render)
     assert status.skipped_ticks == skipped
     clock.set(5.0)
-    engine.frame(nothing)
+    engine.frame(skip_render)
     assert status.skipped_ticks - skipped > 3.8 * 64 - 2
     assert status.ticks - ticks < 20
     assert engine.ticks.time <= 5.0 + TICK
 
 
-def test_a_flood_of_events_is_taken_in_pieces():
+def test_flooded_events_are_spread_over_frames():
     engine, clock, inbox, status = made_engine()
     for _ in range(EVENTS_PER_FRAME + 100):
         inbox.put(Blackout(time=0.0, source="osc", on=False))
     clock.set(0.02)
-    engine.frame(nothing)
+    engine.frame(skip_render)
     assert status.events_accepted == EVENTS_PER_FRAME
-    engine.frame(nothing)
+    engine.frame(skip_render)
     assert status.events_accepted == EVENTS_PER_FRAME + 100
 
 
-def test_a_failing_picture_is_told_once_and_the_show_goes_on():
+def test_render_failure_is_reported_once_and_show_continues():
     engine, clock, _, status = made_engine()
     told = []
     engine.on_error = told.append
@@ -115,7 +115,7 @@ def test_a_failing_picture_is_told_once_and_the_show_goes_on():
         engine.frame(fail)
 
 
-def test_the_picture_is_a_tick_ahead_of_the_clock():
+def test_view_is_one_tick_ahead_of_clock():
     engine, clock, _, _ = made_engine()
     seen = []
     clock.set(1 / 60)
@@ -124,47 +124,47 @@ def test_the_picture_is_a_tick_ahead_of_the_clock():
     assert seen[0][1] == pytest.approx(2.0 * seen[0][0])
 
 
-def test_offline_no_tick_is_left_out_at_any_rate():
+def test_offline_engine_runs_every_tick_at_any_rate():
     """Two frames a second are a slow film of the same dance."""
     states = []
     for fps in (2, 50):
         engine, clock, _, status = made_engine(stall=math.inf, lead=0.0)
         for frame in range(1, 6 * fps + 1):
             clock.set(frame / fps)
-            engine.frame(nothing)
+            engine.frame(skip_render)
         states.append(engine.show.state_hash())
         assert status.ticks == 6 * 64
         assert status.skipped_ticks == 0
     assert states[0] == states[1]
 
 
-def test_what_the_show_refuses_is_not_counted_as_accepted():
+def test_refused_event_is_not_counted_as_accepted():
     engine, clock, inbox, status = made_engine()
     inbox.put(CallStep(time=0.0, source="osc", name="moonwalk"))
     inbox.put(CallStep(time=0.0, source="osc", name="spin"))
     clock.set(0.02)
-    engine.frame(nothing)
+    engine.frame(skip_render)
     assert status.events_accepted == 1
     assert status.snapshot(0.02)["events_rejected"] == {"not in this show": 1}
 
 
 @pytest.mark.parametrize("lead", [0.0, 0.02, 0.113])
-def test_a_picture_shows_the_moment_at_which_it_will_be_seen(lead):
-    """Display and projector take `lead`: what is drawn now is the beat that is heard when it is seen."""
+def test_view_time_includes_the_display_latency(lead):
+    """Display and projector take `lead`: the frame shows the beat that sounds when the frame is visible."""
     engine, clock, _, _ = made_engine(lead=lead)
     for _ in range(60):
         clock.advance(0.021)
-        engine.frame(nothing)
+        engine.frame(skip_render)
         assert engine.view.time == pytest.approx(clock.now() + lead)
         assert engine.view.beat == pytest.approx(engine.show.timeline.beat_at(clock.now() + lead))
     engine.lead = lead + 0.05  # the projector turns out to be slower
     clock.advance(0.021)
-    engine.frame(nothing)
+    engine.frame(skip_render)
     assert engine.view.time == pytest.approx(clock.now() + lead + 0.05)
 
 
-def test_errors_of_what_is_beside_the_show_end_no_frame_and_change_no_state():
-    """Devices that are told events or the patch, files that are asked what happens next, figures for the overlay."""
+def test_listener_and_source_errors_do_not_affect_frames_or_state():
+    """Event and patch listeners, event sources, and figures for the overlay."""
     engine, clock, inbox, status = made_engine()
     plain, plain_clock, plain_inbox, _ = made_engine()
     engine.bulkhead = Bulkhead(faults := FaultLog())
@@ -190,16 +190,16 @@ def test_errors_of_what_is_beside_the_show_end_no_frame_and_change_no_state():
                 inbox_of.put(Blackout(time=frame / 30, source="test", on=True))
         for clock_of, one in ((clock, engine), (plain_clock, plain)):
             clock_of.set(frame / 30)
-            one.frame(nothing)
+            one.frame(skip_render)
     assert len(told) == 1
     assert engine.show.state_hash() == plain.show.state_hash()
     assert faults.total >= 5
     assert status.snapshot(2.0)["made"] is None
 
 
-def test_offline_and_in_tests_an_error_of_what_is_beside_the_show_is_raised():
+def test_event_source_error_is_raised_without_bulkhead():
     engine, clock, _, _ = made_engine()
     engine.event_sources.append(lambda time: [][1])
     clock.set(0.1)
     with pytest.raises(IndexError):
-        engine.frame(nothing)
+        engine.frame(skip_render)

@@ -1,4 +1,4 @@
-"""Loading: metres, recordings that do not connect, names as they are."""
+"""Show loader: meters, recordings without transitions, and recording names."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -17,58 +17,58 @@ from tests.show.made_show import PATCH
 HERE = Path("show.toml")
 
 
-def loaded(monkeypatch, clips, patch=PATCH, recordings=Path("recordings")):
+def load_with_clips(monkeypatch, clips, patch=PATCH, recordings=Path("recordings")):
     monkeypatch.setattr(loader, "load_folder", lambda folder: clips)
     return load_from_patch(parse_patch(patch, "show.toml"), HERE, recordings=recordings)
 
 
-def test_recordings_take_the_place_of_every_groups_steps(monkeypatch):
-    show = loaded(monkeypatch, made_steps())
+def test_recordings_replace_the_steps_of_every_group(monkeypatch):
+    show = load_with_clips(monkeypatch, made_steps())
     assert all(group.choose == "random" and group.travel_step is None for group in show.patch.group)
     show.start()
 
 
-def test_recordings_of_another_metre_are_left_out(monkeypatch):
-    show = loaded(monkeypatch, [*made_steps(), made_clip("waltz", beats=3)])
+def test_recordings_of_another_meter_are_left_out(monkeypatch):
+    show = load_with_clips(monkeypatch, [*made_steps(), made_clip("waltz", beats=3)])
     assert show.patch.clock.beats_per_measure == 4
     assert "waltz" not in show.graph.library.steps
     show.start()
 
 
-def test_the_metre_is_that_of_most_recordings(monkeypatch):
-    show = loaded(monkeypatch, [made_clip("sway"), made_clip("waltz", beats=3), made_clip("boston", beats=3)])
+def test_meter_is_that_of_most_recordings(monkeypatch):
+    show = load_with_clips(monkeypatch, [made_clip("sway"), made_clip("waltz", beats=3), made_clip("boston", beats=3)])
     assert show.patch.clock.beats_per_measure == 3
 
 
-def test_a_recording_that_connects_to_nothing_is_noted_and_not_danced(monkeypatch):
+def test_recording_without_transitions_is_noted_and_left_out(monkeypatch):
     flying = made_clip("flying")
     root = flying.clip.root_position + np.array([0.0, 1.0, 0.0], np.float32)
     flying = replace(flying, clip=replace(flying.clip, root_position=root))
-    show = loaded(monkeypatch, [*made_steps(), flying])
+    show = load_with_clips(monkeypatch, [*made_steps(), flying])
     assert any("flying" in note for note in show.graph.missing)
     assert not any("flying" in entry for group in show.patch.group for entry in group.steps)
     show.start()
 
 
-def test_a_recording_may_be_called_like_a_repeat(monkeypatch):
-    show = loaded(monkeypatch, [made_clip("take x2"), made_clip("take x3")])
+def test_recording_name_can_look_like_a_repeat(monkeypatch):
+    show = load_with_clips(monkeypatch, [made_clip("take x2"), made_clip("take x3")])
     show.start()
 
 
-def test_a_step_of_another_metre_is_told_as_such(monkeypatch):
+def test_step_of_another_meter_is_refused_with_both_meters(monkeypatch):
     patch = PATCH.replace('"spin", "phrase"]', '"waltz"]')
     with pytest.raises(PersonError, match="step 'waltz' of group 'front' has 3 beats per measure, this show has 4"):
-        loaded(monkeypatch, [*made_steps(), made_clip("waltz", beats=3)], patch, recordings=None)
+        load_with_clips(monkeypatch, [*made_steps(), made_clip("waltz", beats=3)], patch, recordings=None)
 
 
-def test_no_step_of_the_metre_names_those_there_are(monkeypatch):
+def test_error_without_matching_meter_names_found_meters(monkeypatch):
     patch = PATCH.replace("bpm = 120", "bpm = 120\nbeats_per_measure = 7")
     with pytest.raises(PersonError, match="no step has 7 beats per measure; the steps found have 4"):
-        loaded(monkeypatch, made_steps(), patch, recordings=None)
+        load_with_clips(monkeypatch, made_steps(), patch, recordings=None)
 
 
-def test_weights_of_the_metric_come_from_the_patch(tmp_path):
-    """Where hands alone count, other poses are alike than where feet alone do; an unknown joint is named."""
+def test_metric_weights_come_from_the_patch(tmp_path):
+    """Weights on hands alone and on feet alone give different edges; an unknown joint is refused by name."""
     text = DEFAULT_PATCH.read_text()
 
     def edges(weights):

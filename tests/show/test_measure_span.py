@@ -1,4 +1,4 @@
-"""MeasureSpan: fractions never go back, lines may move."""
+"""MeasureSpan: fractions never decrease, while measure lines can move."""
 
 import pytest
 from hypothesis import given
@@ -8,7 +8,7 @@ from live.clock.timeline import Timeline
 from live.show.measure_span import MeasureSpan
 
 
-def test_fractions_and_the_next_measure():
+def test_fractions_and_next_measure_are_computed():
     timeline = Timeline(tempo=120, beats_per_measure=3)
     span = MeasureSpan.at(timeline, 4.0)
     assert (span.number, span.end) == (1, 6.0)
@@ -18,7 +18,7 @@ def test_fractions_and_the_next_measure():
 
 
 @given(st.floats(0.0, 7.9), st.integers(0, 3), st.integers(2, 7))
-def test_a_moved_line_is_reached_with_fractions_that_only_grow(press, shift, size):
+def test_moved_line_is_reached_with_increasing_fractions(press, shift, size):
     timeline = Timeline(tempo=120, beats_per_measure=size)
     span = MeasureSpan.at(timeline, press)
     before = span.fraction(press)
@@ -35,14 +35,14 @@ def test_a_moved_line_is_reached_with_fractions_that_only_grow(press, shift, siz
     assert not span.follow(moved, press, shortest=0.5)
 
 
-def test_measures_after_a_hair_of_a_shift_are_not_skipped_or_doubled():
+def test_tiny_line_shift_skips_or_repeats_no_measure():
     span = MeasureSpan(0, 0.0, 4.0)
     nearly = Timeline(beats_per_measure=4, measure_origin=1e-5)
     assert span.next(nearly).end == pytest.approx(8.0, abs=1e-3)
 
 
 @given(st.floats(0.0, 7.95), st.floats(0.001, 0.999), st.integers(0, 3), st.integers(2, 7))
-def test_a_leap_of_the_beat_leaves_what_is_danced_where_it_is(beat, leap, shift, size):
+def test_beat_jump_keeps_the_danced_fraction(beat, leap, shift, size):
     timeline = Timeline(tempo=120, beats_per_measure=size)
     span = MeasureSpan.at(timeline, beat)
     before, number, after = span.fraction(beat), span.number, beat + leap
@@ -55,7 +55,7 @@ def test_a_leap_of_the_beat_leaves_what_is_danced_where_it_is(beat, leap, shift,
     assert (span.end - moved.measure_origin) % size == pytest.approx(0.0, abs=1e-6)
 
 
-def test_a_leap_over_the_line_ends_the_measure_there():
+def test_beat_jump_over_line_ends_the_measure():
     timeline = Timeline(tempo=120)
     span = MeasureSpan.at(timeline, 3.9)
     span.jump(timeline, 4.05, 4.6, shortest=0.5)
@@ -66,7 +66,7 @@ def test_a_leap_over_the_line_ends_the_measure_there():
 
 
 @given(st.floats(0.0, 6.9), st.floats(0.0, 500.0), st.integers(2, 16), st.integers(2, 7))
-def test_after_a_stall_lines_are_crossed_and_nothing_danced_goes_back(begin, far, metre, size):
+def test_danced_beats_never_decrease_after_stall(begin, far, metre, size):
     """The music's measures may have other beats than the dance's: seven are danced in the time of four."""
     timeline = Timeline(tempo=120, beats_per_measure=metre)
     span, beat = MeasureSpan.at(timeline, begin), begin + far
@@ -84,7 +84,7 @@ def test_after_a_stall_lines_are_crossed_and_nothing_danced_goes_back(begin, far
     st.floats(5.5, 2000.0), st.sampled_from((-3.7, -0.2, 0.0, 0.4, 7.3)), st.floats(0.0, 7.0), st.integers(2, 7),
     st.integers(2, 7),
 )  # fmt: skip
-def test_nothing_danced_goes_back_when_beats_leap_while_a_stall_is_made_up_for(late, leap, origin, size, other):
+def test_danced_beats_never_decrease_for_beat_jump_after_stall(late, leap, origin, size, other):
     span = MeasureSpan.at(Timeline(tempo=120, beats_per_measure=size), 0.0)
     before, after = size + late, size + late + leap
     danced = span.danced_beats(before, 4)

@@ -1,4 +1,4 @@
-"""Recorded: a patch that is danced with recordings has their metre and all their steps; edits of it stay so."""
+"""Recordings: a patch danced with them has their meter and all their steps, also after edits."""
 
 from live.show.loader import adapt_edited_patch, adapt_to_recordings, with_connected_steps
 from live.show.patch.patch_reader import parse_patch
@@ -6,7 +6,7 @@ from tests.fixtures.made_steps import made_steps
 from tests.show.made_show import GRAPH, PATCH
 
 
-def test_the_metre_is_that_of_most_clips_and_blends_take_a_beat():
+def test_meter_is_that_of_most_clips_and_transitions_take_one_beat():
     clips = made_steps()
     patch = adapt_to_recordings(parse_patch(PATCH, "test.toml"), clips)
     metres = [clip.beats_per_measure for clip in clips]
@@ -14,7 +14,7 @@ def test_the_metre_is_that_of_most_clips_and_blends_take_a_beat():
     assert patch.locomotion.transition_beats == 1.0
 
 
-def test_groups_draw_from_all_steps_that_connect():
+def test_groups_draw_from_all_connected_steps():
     patch = with_connected_steps(parse_patch(PATCH, "test.toml"), GRAPH)
     for group in patch.group:
         if not group.like:
@@ -22,7 +22,7 @@ def test_groups_draw_from_all_steps_that_connect():
             assert {entry.rsplit(" ", 1)[0] for entry in group.steps} <= set(GRAPH.library.steps)
 
 
-def test_an_edited_patch_keeps_what_recordings_made_of_it():
+def test_edited_patch_keeps_its_adaptation_to_recordings():
     edited = parse_patch(PATCH, "test.toml")
     running = adapt_to_recordings(edited, made_steps())
     assert adapt_edited_patch(edited, GRAPH, running, recordings=False) is edited
@@ -32,8 +32,8 @@ def test_an_edited_patch_keeps_what_recordings_made_of_it():
     assert found.group == with_connected_steps(edited, GRAPH).group
 
 
-def test_what_is_heard_or_played_calls_no_step_that_the_recordings_do_not_have():
-    """A show of sketches is danced with recordings: it starts, and what it cannot call it does not."""
+def test_reactions_and_keys_with_missing_steps_are_dropped():
+    """A patch of sketched steps is danced with recordings: it starts without the calls of steps that do not exist."""
     extra = "".join(
         f'[[react]]\non = "drop"\ncall = "/dance/{call}"\nvalues = ["{step}"]\n'
         for call, step in (("step", "moonwalk"), ("step", "spin"), ("sequence", "spin, moonwalk"), ("spread", ""))

@@ -1,4 +1,4 @@
-"""The deterministic core: same events, same states; measure lines; what events do."""
+"""The deterministic core: same events, same states; measure lines; effects of events."""
 
 import numpy as np
 import pytest
@@ -12,12 +12,12 @@ from live.show.show import Show
 from tests.show.made_show import GRAPH, made_show
 
 
-def at(kind, show, **values):
+def event_now(kind, show, **values):
     return kind(time=show.time, source="test", **values)
 
 
 def run(show, seconds, script=()):
-    """Tick through `seconds`; `script` maps ticks to functions of the show. Hashes at measure lines."""
+    """Runs ticks for `seconds`; `script`: functions of the show by tick. Returns hashes at measure lines."""
     hashes = []
     start = round(show.time / TICK)
     for tick in range(start + 1, start + round(seconds / TICK) + 1):
@@ -29,15 +29,19 @@ def run(show, seconds, script=()):
     return hashes
 
 
-def gather(show):
-    show.apply(at(events.Attract, show, x=3.0, z=1.0, measures=8.0))
+def gather_dancers(show):
+    show.apply(event_now(events.Attract, show, x=3.0, z=1.0, measures=8.0))
 
 
 def hips(show):
     return show.dancers.hips(show.span.fraction(show.timeline.beat_at(show.time)))
 
 
-SCRIPT = ((200, gather), (700, lambda s: s.apply(at(events.Spread, s))), (900, lambda s: s.apply(at(events.One, s))))
+SCRIPT = (
+    (200, gather_dancers),
+    (700, lambda s: s.apply(event_now(events.Spread, s))),
+    (900, lambda s: s.apply(event_now(events.One, s))),
+)
 
 
 def test_same_patch_seed_and_events_give_the_same_states():
@@ -46,7 +50,7 @@ def test_same_patch_seed_and_events_give_the_same_states():
     assert first == second
 
 
-def test_seed_and_events_change_the_states():
+def test_other_seed_or_events_change_the_states():
     plain = run(made_show(), 6)
     assert run(made_show(seed=4), 6) != plain
     assert run(made_show(), 6, SCRIPT) != plain
@@ -60,7 +64,7 @@ def test_measures_are_crossed_on_the_beat():
         assert show.span.number == tick // 128
 
 
-def test_the_next_step_is_chosen_a_beat_before_the_line_and_not_at_it():
+def test_next_step_is_decided_one_beat_before_measure_line():
     show = made_show()
     for tick in range(1, 64 * 8):
         show.tick(tick * TICK)
@@ -68,7 +72,7 @@ def test_the_next_step_is_chosen_a_beat_before_the_line_and_not_at_it():
         assert show.dancers.decided == (left <= 1.0)
 
 
-def test_the_sequence_is_danced_in_its_order_by_everybody():
+def test_all_dancers_dance_the_sequence_in_order():
     show = made_show()
     library = show.graph.library
     danced = []
@@ -79,28 +83,28 @@ def test_the_sequence_is_danced_in_its_order_by_everybody():
     assert danced[:12] == [{name} for name in names * 2]
 
 
-def test_dancers_gather_at_an_attractor_and_spread_again():
+def test_dancers_gather_at_attractor_and_spread_again():
     show = made_show()
     run(show, 4)
     before = np.hypot(*(hips(show) - [3, 1]).T).mean()
-    gather(show)
+    gather_dancers(show)
     run(show, 16)
     gathered = np.hypot(*(hips(show) - [3, 1]).T).mean()
     assert gathered < 0.5 * before
-    show.apply(at(events.Clear, show))
-    show.apply(at(events.Spread, show, measures=12.0))
+    show.apply(event_now(events.Clear, show))
+    show.apply(event_now(events.Spread, show, measures=12.0))
     run(show, 24)
     assert np.hypot(*(hips(show) - [3, 1]).T).mean() > 1.8 * gathered
 
 
 @pytest.mark.parametrize(("lock", "left"), [("false", 0.05), ("true", 0.15)])
 def test_dancers_follow_their_agents_and_catch_up(lock, left):
-    """A dancer answers with her next measure: an agent that sets off is at most a measure's way ahead of her.
+    """A dancer follows with her next measure: an agent that starts to move is at most a measure's distance ahead.
 
-    These steps lift no foot: where feet are held, the last of the way is not gone, for they would be held against more.
+    These steps lift no foot: with foot lock the last part of the distance stays, since locked feet would be dragged.
     """
     show = made_show(f"[motion]\nfoot_lock = {lock}\n")
-    gather(show)
+    gather_dancers(show)
     errors = []
     for tick in range(1, 64 * 32 + 1):
         if show.tick(tick * TICK):
@@ -110,9 +114,9 @@ def test_dancers_follow_their_agents_and_catch_up(lock, left):
 
 
 def test_poses_are_continuous_in_time():
-    """No joint moves faster than a body can: 9 m/s; the made steps themselves reach about 3."""
+    """No joint moves faster than a body can: 9 m/s; the synthetic steps themselves reach about 3."""
     show = made_show()
-    gather(show)
+    gather_dancers(show)
     view, before, fastest = show.view(), None, 0.0
     for tick in range(1, 64 * 14):
         show.tick(tick * TICK)
@@ -124,10 +128,10 @@ def test_poses_are_continuous_in_time():
     assert fastest < 9.0
 
 
-def test_a_picture_between_the_line_and_the_tick_that_crosses_it_is_danced_on():
-    """The same moment, drawn a tick before the line is crossed and right after: nobody waits for the tick."""
+def test_frame_between_line_and_crossing_tick_continues_the_dance():
+    """The same moment, drawn a tick before the line is crossed and right after it: no dancer waits for the tick."""
     show, other = made_show(), None
-    show.apply(at(events.SetTempo, show, tempo=113.0))
+    show.apply(event_now(events.SetTempo, show, tempo=113.0))
     apart, view = [], show.view()
     for tick in range(1, round(30.0 / TICK)):
         before = show.time
@@ -145,10 +149,10 @@ def test_a_picture_between_the_line_and_the_tick_that_crosses_it_is_danced_on():
     assert max(apart) < 3e-4
 
 
-def test_a_called_step_is_danced_for_its_measures_by_everybody():
+def test_all_dancers_dance_called_step_for_its_measures():
     show = made_show()
     library = show.graph.library
-    show.apply(at(events.CallStep, show, name="Spin", measures=2.0))
+    show.apply(event_now(events.CallStep, show, name="Spin", measures=2.0))
     danced = []
     for tick in range(1, 64 * 10):
         if show.tick(tick * TICK):
@@ -157,18 +161,18 @@ def test_a_called_step_is_danced_for_its_measures_by_everybody():
     assert danced[2] != {"spin"}
 
 
-def test_an_unknown_step_is_counted_and_changes_nothing():
+def test_unknown_step_is_counted_without_effect():
     show, plain = made_show(), made_show()
-    show.apply(at(events.CallStep, show, name="moonwalk"))
+    show.apply(event_now(events.CallStep, show, name="moonwalk"))
     assert show.refusals.count == 1
     assert run(show, 6) == run(plain, 6)
 
 
-def test_this_is_the_one_moves_the_line_without_a_jump():
+def test_downbeat_event_moves_line_without_jump():
     show = made_show()
     run(show, 3.0)  # beat 6: phase 2 of measure 1
     before = show.span.fraction(show.timeline.beat_at(show.time))
-    show.apply(at(events.One, show))
+    show.apply(event_now(events.One, show))
     fractions, numbers = [before], [show.span.number]
     for tick in range(193, 193 + 64 * 6):
         show.tick(tick * TICK)
@@ -182,24 +186,24 @@ def test_this_is_the_one_moves_the_line_without_a_jump():
     assert (show.span.end - show.timeline.measure_origin) % 4 == pytest.approx(0)
 
 
-def test_blackout_fades_within_a_fifth_of_a_second_and_comes_back():
+def test_blackout_fades_out_and_back_within_300_ms():
     show = made_show()
-    show.apply(at(events.Blackout, show, on=True))
+    show.apply(event_now(events.Blackout, show, on=True))
     run(show, 0.3)
     assert show.brightness < 0.05
-    show.apply(at(events.Blackout, show, on=False))
+    show.apply(event_now(events.Blackout, show, on=False))
     run(show, 0.3)
     assert show.brightness > 0.95
 
 
-def test_tempo_stretches_the_dance():
+def test_slower_tempo_stretches_the_measures():
     show = made_show()
-    show.apply(at(events.SetTempo, show, tempo=60.0))
+    show.apply(event_now(events.SetTempo, show, tempo=60.0))
     crossed = [tick for tick in range(1, 64 * 13) if show.tick(tick * TICK)]
     assert np.diff(crossed) == pytest.approx(256, abs=1)
 
 
-def test_the_score_places_elements_at_their_measures():
+def test_score_places_elements_in_their_measures():
     show = made_show('[[element]]\nkind = "attract"\nmeasure = 3\nmeasures = 2\nat = [1.0, 2.0]\n')
     view = show.view()
     seen = {}
@@ -214,7 +218,7 @@ def test_the_score_places_elements_at_their_measures():
     assert view.element_kind[0] == ATTRACTOR
 
 
-def test_a_dragged_attractor_stays_one_and_leaves_the_others_alone():
+def test_dragged_attractor_moves_alone():
     show = made_show('[[element]]\nkind = "spread"\nmeasure = 2\nmeasures = 4\n')
     show.apply(events.Attract(time=0.0, source="pointer", x=0.0, z=0.0))
     for tick in range(1, 64 * 4):  # over a measure line, at which the score adds a spreader
@@ -224,17 +228,17 @@ def test_a_dragged_attractor_stays_one_and_leaves_the_others_alone():
     kinds = [element.kind for element in show.motion.elements.in_force]
     assert kinds == [ATTRACTOR, SPREADER]
     assert show.motion.elements.in_force[0].x == pytest.approx(2.4)
-    show.apply(at(events.Attract, show, x=0.0, z=0.0, drag=True))  # another source: nothing to move yet
+    show.apply(event_now(events.Attract, show, x=0.0, z=0.0, drag=True))  # another source: nothing to move yet
     show.apply(events.Attract(time=9.0, source="pointer", x=0.0, z=0.0))
     assert len(show.motion.elements.in_force) == 4
 
 
 @pytest.mark.parametrize("press", [3.75, 3.9, 4.05, 5.5, 6.9])
-def test_the_one_makes_no_joint_jump(press):
-    """Whenever it is pressed, also where the stretched measure reaches its blend long before its end."""
+def test_downbeat_event_causes_no_joint_jump(press):
+    """At any press time, also where the stretched measure reaches its blend long before its end."""
     show = made_show()
     run(show, press * 0.5)
-    show.apply(at(events.One, show))
+    show.apply(event_now(events.One, show))
     view, before, fastest = show.view(), None, 0.0
     for tick in range(round(press * 32) + 1, round(press * 32) + 64 * 5):
         show.tick(tick * TICK)
@@ -246,11 +250,11 @@ def test_the_one_makes_no_joint_jump(press):
 
 
 @pytest.mark.parametrize("beat", [1.0, 3.2, 3.9])
-def test_a_step_called_for_one_measure_is_danced_for_one_whenever_it_is_called(beat):
+def test_step_called_for_one_measure_is_danced_at_any_beat(beat):
     show = made_show()
     library = show.graph.library
     run(show, beat * 0.5)
-    show.apply(at(events.CallStep, show, name="spin", measures=1.0))
+    show.apply(event_now(events.CallStep, show, name="spin", measures=1.0))
     danced = []
     for tick in range(round(beat * 32) + 1, 64 * 9):
         if show.tick(tick * TICK):
@@ -258,16 +262,16 @@ def test_a_step_called_for_one_measure_is_danced_for_one_whenever_it_is_called(b
     assert danced.count(5) >= 1
 
 
-def test_nobody_is_sent_off_the_stage():
+def test_dancers_stay_on_stage_with_attractor_outside():
     show = made_show()
-    show.apply(at(events.Attract, show, x=100.0, z=100.0, strength=10.0, measures=40.0))
+    show.apply(event_now(events.Attract, show, x=100.0, z=100.0, strength=10.0, measures=40.0))
     for tick in range(1, 64 * 16):
         show.tick(tick * TICK)
     ends = show.dancers.present.end_position()
     assert (np.abs(ends) <= np.array([6.0, 4.0]) + 1e-4).all()
 
 
-def test_music_whose_downbeat_comes_later_begins_with_the_first_step_and_no_element():
+def test_music_with_late_downbeat_starts_with_first_step():
     top = "loop_measures = 3\nmusic = {one_at_s = 1.5, bpm = 120}\n"
     show = made_show(top + 'element = [{kind = "spread", measure = 3}]\n', top=True)
     assert show.span.number == -1
@@ -280,25 +284,25 @@ def test_music_whose_downbeat_comes_later_begins_with_the_first_step_and_no_elem
     assert (danced[-1], danced[0], danced[1]) == ("sway", "sway", "glide")
 
 
-def test_a_wild_tempo_and_many_elements_leave_everything_finite():
+def test_extreme_tempo_and_many_elements_keep_state_finite():
     show = made_show()
     for k in range(400):
         show.apply(events.Attract(time=0.0, source="osc", x=100.0 * (-1) ** k, z=-100.0, strength=10.0))
         show.apply(events.Repel(time=0.0, source="osc", x=0.0, z=0.0, strength=10.0))
     for tick in range(1, 64 * 8):
         if tick % 20 == 0:
-            show.apply(at(events.SetTempo, show, tempo=[20.0, 400.0][tick // 20 % 2]))
+            show.apply(event_now(events.SetTempo, show, tempo=[20.0, 400.0][tick // 20 % 2]))
         show.tick(tick * TICK)
         assert np.isfinite(show.state.position).all()
     assert np.isfinite(hips(show)).all()
     assert (np.abs(show.state.position) <= np.array([6.0, 4.0]) + 1e-4).all()
 
 
-def test_after_a_long_stall_nobody_is_drawn_many_measures_beyond_her_step():
+def test_dancers_are_not_extrapolated_beyond_step_after_stall():
     show, view = made_show(), made_show().view()
     run(show, 5.0)
     count = 64 * 60
-    show.apply(at(events.TicksSkipped, show, count=count))
+    show.apply(event_now(events.TicksSkipped, show, count=count))
     show.tick(show.time + TICK)
     behind = (show.timeline.beat_at(show.time) - show.span.end) / show.timeline.beats_per_measure
     assert behind > 10.0  # lines are crossed a few in each tick
@@ -308,7 +312,7 @@ def test_after_a_long_stall_nobody_is_drawn_many_measures_beyond_her_step():
     assert not np.allclose(view.joint_position, show.dancers.pose(1.0 + behind, show.time)[0], atol=0.01)
 
 
-def test_groups_that_begin_on_one_place_stand_apart():
+def test_groups_with_the_same_start_position_are_separated():
     patch = "".join(f'[[group]]\nname = "g{k}"\ndancers = 5\nsteps = ["sway"]\n' for k in range(2))
     show = Show(parse_patch('name = "x"\n' + patch, "x"), GRAPH)
     apart = np.hypot(*(show.state.position[:, None] - show.state.position[None]).transpose(2, 0, 1))

@@ -1,4 +1,4 @@
-"""An event that ends in an error half way: who dances, who replays and who goes on come to the same state."""
+"""An event that fails half way: the live show, its replay and its standby reach the same state."""
 
 import json
 
@@ -21,8 +21,8 @@ BAD = events.SetMotion(time=2.0, source="osc", parameter="warp_beats", value=0.4
 
 
 @pytest.fixture
-def poison(monkeypatch):
-    """An error in the program: who asks for BAD gets it done, and something else as well, and then the error."""
+def failing_event(monkeypatch):
+    """An injected fault: SetMotion takes effect, causes a Spread as well, and then raises an exception."""
     apply = Show.apply
 
     def poisoned(show: Show, event: ControlEvent) -> bool:
@@ -44,7 +44,7 @@ def engine_with(path, *, forgiving):
     return engine, clock, inbox, writer
 
 
-def test_the_show_its_replay_and_its_heir_refuse_it_alike(poison, tmp_path):
+def test_show_replay_and_standby_refuse_failing_event_alike(failing_event, tmp_path):
     engine, clock, inbox, writer = engine_with(tmp_path / "a.jsonl", forgiving=True)
     for frame in range(1, 271):
         clock.set(frame / 30)
@@ -69,7 +69,7 @@ def test_the_show_its_replay_and_its_heir_refuse_it_alike(poison, tmp_path):
     assert (following.differences, heir.refusals.last_reason) == (0, engine.show.refusals.last_reason)
 
 
-def test_who_looks_for_errors_is_not_spared_them(poison, tmp_path):
+def test_failing_event_is_raised_without_refusal_mode(failing_event, tmp_path):
     engine, *_ = engine_with(tmp_path / "a.jsonl", forgiving=False)
     with pytest.raises(ZeroDivisionError, match="half way"):
         engine.apply(BAD)

@@ -1,12 +1,12 @@
-"""An engine without a show, as a process: it counts ticks, and ends as its brief says.
+"""An engine without a show, as a process: counts ticks and ends as its brief specifies.
 
-The brief's `show` is a JSON object: `ends` (exit code when it has counted to `ticks`), `kills` (ticks at which engines
-that began or took over kill themselves, one after another), `crashes` (tick and exit code of one engine after the
-other, in the stage of the tick that `stage` says), `hangs` (tick at which it stops beating), `hangs_again` (so does the
-first one that goes on), `cannot` (why it cannot stand by), `burns` (seconds of the processor that each
-tick takes), `cuts` (tick at which the first one's wire is cut while it dances on), `loops` (tick at which it goes into
-a loop without end), `helpers` (so many processes of its own that end when it does), `journal` (where it goes on with
-the journal when it is alone), `alone` (seconds that it dances so at most; without it, not at all).
+The brief's `show` is a JSON object: `ends` (exit code once it has counted to `ticks`), `kills` (ticks at which engines
+that began or took over kill themselves, one after another), `crashes` (tick and exit code of one engine after
+another, in the tick stage given by `stage`), `hangs` (tick at which the heartbeat stops), `hangs_again` (the first
+replacement hangs too), `cannot` (reason why it cannot stand by), `burns` (processor seconds used by each tick),
+`cuts` (tick at which the first engine's channel is cut while it keeps running), `loops` (tick at which it enters an
+infinite loop), `helpers` (number of child processes that end with it), `journal` (where it continues the journal
+without a supervisor), `alone` (maximum seconds of running without a supervisor; without it, not at all).
 """
 
 import json
@@ -26,7 +26,7 @@ from live.supervisor.supervisor_link import Brief, SupervisorLink, is_abandoned
 
 
 def follow(lifeline: SupervisorLink, role: str, nursery: int | None, plan: dict[str, Any]) -> int:
-    """Take lines until the word comes; the tick from which to go on. `nursery`: the process out of which it came."""
+    """Receive lines until the go message; return the tick to continue from. `nursery`: the prefork parent process."""
     tick = 0
     while not is_abandoned(lifeline):
         lifeline.receive()
@@ -58,8 +58,8 @@ def follow(lifeline: SupervisorLink, role: str, nursery: int | None, plan: dict[
     sys.exit(0)
 
 
-def begun() -> tuple[SupervisorLink, Brief, int | None]:
-    """The lifeline, what this process is for, and the nursery that it came out of."""
+def connect_supervisor() -> tuple[SupervisorLink, Brief, int | None]:
+    """The link to the supervisor, the brief, and the prefork parent that created this process."""
     lifeline = SupervisorLink.inherited(int(sys.argv[1]), int(sys.argv[2]))
     brief = lifeline.receive_brief()
     if brief.role != "nursery":
@@ -74,20 +74,20 @@ def begun() -> tuple[SupervisorLink, Brief, int | None]:
 
 
 def burn(seconds: float) -> None:
-    """Use the processor for so long, however long that takes."""
+    """Use the processor for this many seconds of thread time."""
     until = time.thread_time() + seconds
     while time.thread_time() < until:
         pass
 
 
-def begin_helpers(count: int) -> list[subprocess.Popen[bytes]]:
-    """Processes that end when this one has gone; each in a session of its own, as a show's are."""
+def start_helpers(count: int) -> list[subprocess.Popen[bytes]]:
+    """Processes that end together with this one, each in a session of its own like those of a show."""
     wait = [sys.executable, "-S", "-c", "import sys; sys.stdin.read()"]
     return [subprocess.Popen(wait, stdin=subprocess.PIPE, start_new_session=True) for _ in range(count)]
 
 
 def work(plan: dict[str, Any], tick: int, *, first: bool, wire: socket.socket) -> None:
-    """A tick's work, which may have no end. `first`: for the engine that began the show."""
+    """The work of a tick, possibly endless. `first`: for the engine that began the show."""
     if first and tick == plan.get("cuts"):
         wire.shutdown(socket.SHUT_RDWR)
     if first and tick == plan.get("hangs"):
@@ -97,25 +97,25 @@ def work(plan: dict[str, Any], tick: int, *, first: bool, wire: socket.socket) -
     burn(plan.get("burns", 0.0))
 
 
-def journal_of(plan: dict[str, Any]) -> Path | None:
-    """Where an engine that is alone writes."""
+def journal_path(plan: dict[str, Any]) -> Path | None:
+    """Path of the journal that an engine without a supervisor writes."""
     return Path(plan["journal"]) if "journal" in plan else None
 
 
 def compact(line: dict[str, Any]) -> str:
-    """As a journal has it."""
+    """JSON without spaces, as in a journal."""
     return json.dumps(line, separators=(",", ":"))
 
 
 def main() -> None:
     begun_at = time.monotonic()
-    lifeline, brief, nursery = begun()
+    lifeline, brief, nursery = connect_supervisor()
     plan = json.loads(brief.show)
     if "start" in plan and brief.role == "engine":
         sys.exit(plan["start"])
     sink = None
     if brief.role == "engine":
-        sink = RelaySink(lifeline, journal_of(plan))
+        sink = RelaySink(lifeline, journal_path(plan))
         sink.put(
             compact({"journal": 2, "pid": os.getpid(), **({"origin": plan["origin"]} if "origin" in plan else {})})
         )
@@ -124,9 +124,9 @@ def main() -> None:
         tick = follow(lifeline, brief.role, nursery, plan)
     if brief.role != "engine":
         time.sleep(plan.get("slow", 0.0))
-    sink = sink or RelaySink(lifeline, journal_of(plan))
+    sink = sink or RelaySink(lifeline, journal_path(plan))
     crashes = plan.get("crashes", [])[lifeline.facts.get("restarts", 0) :]
-    helpers = begin_helpers(plan.get("helpers", 0))
+    helpers = start_helpers(plan.get("helpers", 0))
     kills = [at for at in plan.get("kills", []) if at > tick]
     while True:
         tick += 1

@@ -1,4 +1,4 @@
-"""Machines with config folders of their own, paired or not; and supervisors with made engines, as processes."""
+"""Machines with config folders of their own, paired or not, and supervisors with test engines, as processes."""
 
 import contextlib
 import json
@@ -50,7 +50,7 @@ def machine(config: Path) -> tuple[Identity, Pairings]:
 
 
 def pair_folders(one: Path, other: Path) -> None:
-    """Let two machines know each other."""
+    """Pair two machines with each other."""
     (mine, my_pairings), (theirs, their_pairings) = machine(one), machine(other)
     my_pairings.add(other.name, theirs.certificate)
     their_pairings.add(one.name, mine.certificate)
@@ -84,34 +84,34 @@ class Machine:
         return [line["event"]["number"] for line in self.lines() if "number" in line.get("event", {})]
 
     def engine(self) -> int:
-        """The engine's process."""
+        """The engine's process number."""
         return int(self.lines()[0]["pid"])
 
-    def everything(self, number: int) -> None:
-        """Send a signal to the supervisor and its engine; it must neither begin another one nor find this one hang."""
+    def signal_all(self, number: int) -> None:
+        """Send a signal to supervisor and engine in an order without restart or hang detection."""
         both = (self.engine(), self.process.pid)
         for pid in both[::-1] if number == signal.SIGKILL else both:
             with contextlib.suppress(ProcessLookupError):  # it ends by itself when its supervisor has gone
                 os.kill(pid, number)
 
-    def says(self, words: str, seconds: float = 20.0) -> bool:
-        """Whether it says that in time."""
+    def prints(self, words: str, seconds: float = 20.0) -> bool:
+        """Whether the output contains these words in time."""
         return wait_for(lambda: words in self.said.read_text(), seconds)
 
     def report(self) -> dict[str, Any]:
-        """After its end."""
+        """The report printed at its end."""
         found: dict[str, Any] = json.loads(self.said.read_text().splitlines()[-1])
         return found
 
     def stop(self) -> dict[str, Any]:
-        """End it as Ctrl-C does; its report."""
+        """End it as Ctrl-C does and return its report."""
         self.process.send_signal(signal.SIGINT)
         self.process.wait(30)
         return self.report()
 
 
 def stop_all(machines: list[Machine]) -> None:
-    """End what still runs."""
+    """End the processes still running."""
     for one in machines:
         if one.process.poll() is None:
             one.process.send_signal(signal.SIGCONT)
@@ -128,6 +128,6 @@ Start = Callable[..., tuple[Machine, Machine]]
 
 
 def free_port() -> int:
-    """A port on loopback where nobody listens."""
+    """A loopback port without a listener."""
     with socket.create_server(("127.0.0.1", 0)) as free:
         return int(free.getsockname()[1])

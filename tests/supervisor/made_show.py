@@ -1,6 +1,6 @@
-"""A supervisor of made-up engines as a process that can be killed: `python -m tests.supervisor.made_show JOURNAL PLAN`.
+"""A supervisor of test engines as a process that can be killed: `python -m tests.supervisor.made_show JOURNAL PLAN`.
 
-It adopts the engine of an earlier one if that dances alone. What it says goes to stdout.
+Adopts the orphaned engine of an earlier supervisor. Messages go to stdout.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""The parts of staying alive, each by itself: hearts, limits, wires, the log, pressure."""
+"""Supervision parts one by one: heartbeats, restart limits, line channels, the recovery log, pressure."""
 
 import json
 import math
@@ -21,7 +21,7 @@ from live.supervisor.restart_policy import SETTLED, Backoff, RestartLimit
 from tests.control.waiting import wait_for
 
 
-def test_another_mapping_of_the_page_sees_the_beat():
+def test_second_mapping_of_page_contains_beat():
     mine = Heartbeat()
     theirs = Heartbeat(os.dup(mine.descriptor))
     assert (mine.last, mine.phase) == (0.0, Phase.STARTING)
@@ -34,7 +34,7 @@ def test_another_mapping_of_the_page_sees_the_beat():
 
 
 @given(st.lists(st.floats(0.0, 40.0), min_size=1, max_size=40))
-def test_a_restart_is_one_too_many_exactly_if_three_others_lie_within_thirty_seconds(gaps):
+def test_restart_exceeds_limit_exactly_if_three_others_lie_within_thirty_seconds(gaps):
     limit, times = RestartLimit(), []
     for gap in gaps:
         now = (times[-1] if times else 100.0) + gap
@@ -43,7 +43,7 @@ def test_a_restart_is_one_too_many_exactly_if_three_others_lie_within_thirty_sec
     assert limit.count == len(times)
 
 
-def test_who_was_ended_on_an_overloaded_machine_counts_for_nothing_but_twice_in_the_same_tick():
+def test_deaths_on_overloaded_machine_count_only_when_repeated_in_same_tick():
     deaths = DeathHistory()
     for now in range(10):
         outside = deaths.record(now, 100 + now, 0, blamed=False)
@@ -56,7 +56,7 @@ def test_who_was_ended_on_an_overloaded_machine_counts_for_nothing_but_twice_in_
 
 
 @given(st.lists(st.floats(0.0, 50.0), min_size=1, max_size=40))
-def test_starts_back_off_up_to_a_ceiling_and_begin_anew_once_one_has_settled(lives):
+def test_start_delays_grow_to_ceiling_and_reset_after_settling(lives):
     backoff, now, waits = Backoff(free=2, first=1.0, most=30.0), 0.0, []
     for seconds in lives:
         now += seconds  # it ran for so long
@@ -66,14 +66,14 @@ def test_starts_back_off_up_to_a_ceiling_and_begin_anew_once_one_has_settled(liv
     assert backoff.next_delay(now + SETTLED + 1.0) == 0.0
 
 
-def _wires(**how: int) -> tuple[LineChannel, LineChannel]:
+def channel_pair(**how: int) -> tuple[LineChannel, LineChannel]:
     mine, theirs = socket.socketpair()
     return LineChannel(mine, **how), LineChannel(theirs)
 
 
 @given(st.lists(st.text(st.characters(blacklist_characters="\n", blacklist_categories=("Cs",)), max_size=200)))
-def test_lines_arrive_whole_and_in_order_and_what_was_sent_before_an_end_is_read_after_it(lines):
-    here, there = _wires()
+def test_lines_arrive_whole_in_order_and_before_end(lines):
+    here, there = channel_pair()
     for line in lines:
         here.send_line(line)
     here.close()
@@ -84,8 +84,8 @@ def test_lines_arrive_whole_and_in_order_and_what_was_sent_before_an_end_is_read
     there.close()
 
 
-def test_who_reads_no_more_is_never_waited_for_and_what_is_lost_is_counted():
-    here, there = _wires(backlog=100_000)
+def test_stalled_reader_is_not_waited_for_and_lost_lines_are_counted():
+    here, there = channel_pair(backlog=100_000)
     line = "x" * 9_999
     for _ in range(2_000):  # 20 MB: more than the system holds and the backlog together
         here.send_line(line)
@@ -102,8 +102,8 @@ def test_who_reads_no_more_is_never_waited_for_and_what_is_lost_is_counted():
     here.close()
 
 
-def test_last_words_are_read_though_the_peer_goes_on_sending():
-    """Over TCP: who sends to a stream that is closed finds it broken, and looks no more for what came before."""
+def test_last_lines_are_read_while_peer_keeps_sending():
+    """Over TCP: a send to a closed stream reports it broken, and lines received before would not be read."""
     with socket.create_server(("127.0.0.1", 0)) as there:
         mine = LineChannel(socket.create_connection(there.getsockname()))
         theirs = LineChannel(there.accept()[0])
@@ -121,9 +121,9 @@ def test_last_words_are_read_though_the_peer_goes_on_sending():
     assert not parting.is_alive()
 
 
-def test_a_line_without_end_is_no_protocol(monkeypatch):
+def test_endless_line_is_protocol_error(monkeypatch):
     monkeypatch.setattr("live.supervisor.line_channel.MAX_LINE_BYTES", 100)
-    here, there = _wires()
+    here, there = channel_pair()
     here._send_data(b"y" * 200)
     with pytest.raises(ChannelError):
         there.read_lines()
@@ -131,7 +131,7 @@ def test_a_line_without_end_is_no_protocol(monkeypatch):
     there.close()
 
 
-def test_the_log_keeps_what_came_after_the_snapshot_and_no_more():
+def test_log_keeps_only_lines_after_snapshot():
     log = RecoveryLog()
     header = '{"journal": 2}'
     event = '{"tick": %d, "event": {"type": "Tap"}}'
@@ -152,7 +152,7 @@ def test_the_log_keeps_what_came_after_the_snapshot_and_no_more():
     ]
 
 
-def test_after_the_patch_has_changed_the_snapshot_from_before_and_all_since_are_kept():
+def test_patch_change_keeps_snapshot_before_and_all_lines_since():
     log = RecoveryLog()
     for line in (
         '{"journal": 2}',
@@ -165,13 +165,13 @@ def test_after_the_patch_has_changed_the_snapshot_from_before_and_all_since_are_
 
 
 @pytest.mark.parametrize("line", ["", "nonsense", "[]", "7", '{"tick": "x"}', '{"no": 1}', '{"tick": null}'])
-def test_what_is_no_line_of_a_show_is_refused(line):
+def test_invalid_show_line_is_refused(line):
     log = RecoveryLog()
     assert not log.add_line(line)
     assert list(log.replay_lines()) == []
 
 
-def test_pressure_is_the_share_of_late_frames_of_the_last_seconds():
+def test_pressure_is_share_of_recent_late_frames():
     pressure, late = Pressure(), 0
     for frame in range(600):  # one of twenty is late
         late += frame % 20 == 0
@@ -188,7 +188,7 @@ def test_pressure_is_the_share_of_late_frames_of_the_last_seconds():
     assert pressure.value <= share / FULL_PRESSURE_SHARE * 1.01
 
 
-def test_a_machine_that_has_too_much_to_do_is_pressure_before_a_frame_is_late():
+def test_overload_is_pressure_before_frame_is_late():
     pressure = Pressure()
     pressure.frame(0, 1 / 60, 0.7)
     assert pressure.value == 0.7

@@ -1,4 +1,4 @@
-"""What processes of a show ask of the scheduler, each in a session of its own."""
+"""Scheduler priorities of show processes, each in a session of its own."""
 
 import os
 import subprocess
@@ -31,8 +31,8 @@ assert weight() in (0, -5), weight()
 
 @pytest.mark.skipif(not GROUPS.exists(), reason="this system does not weigh sessions (sched_autogroup)")
 @pytest.mark.parametrize("rights", [True, False])
-def test_who_prepares_itself_weighs_less_and_whoever_dances_as_much_as_all_others(rights):
-    """Whoever runs this, and (where that is root) a user whom the system lets change it only ten times a second."""
+def test_preparing_process_has_low_weight_and_dancing_process_has_normal_weight(rights):
+    """The current user and (where that is root) a user limited by the system to ten changes a second."""
     if not rights and os.geteuid():
         pytest.skip("only root can become another user")
     command = [sys.executable, "-c", STEPS, *([] if rights else ["other"])]

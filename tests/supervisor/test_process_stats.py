@@ -1,4 +1,4 @@
-"""A supervisor on a busy machine, with real processes: nobody is ended for being slow, and no zombie stays."""
+"""A supervisor on a busy machine, with real processes: slow engines are not ended and no zombie remains."""
 
 import itertools
 import json
@@ -20,7 +20,7 @@ from live.supervisor.process import AuxiliaryProcess
 from live.supervisor.process_stats import GRACE, Reaper, zombies
 from live.supervisor.restart_policy import HANGS_AFTER, MAX_SILENCE
 from tests.control.waiting import wait_for
-from tests.supervisor.test_supervisor import ENGINE, numbers, supervised
+from tests.supervisor.test_supervisor import ENGINE, event_numbers, run_supervisor
 
 PER_PROCESSOR = 3
 """Busy loops beside a show."""
@@ -28,7 +28,7 @@ PER_PROCESSOR = 3
 
 @pytest.fixture
 def busy_machine() -> Iterator[None]:
-    """Three loops for each processor, each with as much right to it as an engine has."""
+    """Three loops for each processor, each with the same priority as an engine."""
     loop = [sys.executable, "-S", "-c", "while True: pass"]
     count = PER_PROCESSOR * len(os.sched_getaffinity(0))
     loops = [subprocess.Popen(loop, start_new_session=True) for _ in range(count)]
@@ -40,62 +40,62 @@ def busy_machine() -> Iterator[None]:
 
 @pytest.mark.long
 @pytest.mark.usefixtures("busy_machine")
-def test_an_engine_that_gets_a_quarter_of_a_processor_is_not_killed_for_it(tmp_path):
-    """Its frames take 0.8 s of the processor, which are more than two and a half here."""
-    code, lines, supervisor, said = supervised(tmp_path, {"burns": 0.8, "ticks": 4}, spare=False)
+def test_engine_with_quarter_of_processor_is_not_killed(tmp_path):
+    """Its frames take 0.8 s of processor time, more than two and a half seconds here."""
+    code, lines, supervisor, said = run_supervisor(tmp_path, {"burns": 0.8, "ticks": 4}, spare=False)
     assert (code, said, supervisor.report.restarts) == (0, [], 0)
-    assert numbers(lines) == [1, 2, 3, 4]
+    assert event_numbers(lines) == [1, 2, 3, 4]
     assert supervisor.report.slowdown > 1.5
 
 
 @pytest.mark.long
 @pytest.mark.usefixtures("busy_machine")
 @pytest.mark.parametrize("how", ["hangs", "loops"])
-def test_an_engine_that_hangs_on_a_busy_machine_is_killed_all_the_same(tmp_path, how):
+def test_hung_engine_on_busy_machine_is_killed(tmp_path, how):
     """Asleep or in a loop."""
-    code, lines, supervisor, said = supervised(tmp_path, {how: 20, "ticks": 30}, spare=False)
+    code, lines, supervisor, said = run_supervisor(tmp_path, {how: 20, "ticks": 30}, spare=False)
     assert (code, supervisor.report.restarts, supervisor.report.calm) == (0, 1, False)
-    assert numbers(lines) == list(range(1, 31))
+    assert event_numbers(lines) == list(range(1, 31))
     after = float(said[0].partition(" for ")[2].split()[0])
     assert "no sign of life" in said[0]
     assert HANGS_AFTER <= after < MAX_SILENCE + 5.0  # a loop has two seconds of a processor, a sleep lasts eight
 
 
-def test_an_engine_in_a_loop_is_killed_and_replaced(tmp_path):
-    code, lines, supervisor, said = supervised(tmp_path, {"loops": 120, "ticks": 160})
+def test_engine_in_loop_is_killed_and_replaced(tmp_path):
+    code, lines, supervisor, said = run_supervisor(tmp_path, {"loops": 120, "ticks": 160})
     assert (code, supervisor.report.restarts) == (0, 1)
-    assert numbers(lines) == list(range(1, 161))
+    assert event_numbers(lines) == list(range(1, 161))
     assert "no sign of life" in said[0]
 
 
-def test_nobody_is_prepared_while_there_is_too_much_to_do(tmp_path, monkeypatch):
-    """Neither a spare nor a nursery: the engine that goes on begins when it is needed, and not before."""
+def test_no_process_is_prepared_during_overload(tmp_path, monkeypatch):
+    """Neither a spare nor a nursery: the next engine starts when it is needed, and not before."""
     monkeypatch.setattr("live.supervisor.engine_failover.overload", lambda load, watched: 1.0)
-    code, lines, supervisor, _ = supervised(tmp_path, {"kills": [200], "ticks": 220})
+    code, lines, supervisor, _ = run_supervisor(tmp_path, {"kills": [200], "ticks": 220})
     assert code == 0
     assert [(line["went"], line["nursery"]) for line in lines if "went" in line] == [("heir", None)]
     assert supervisor.report.overload == 1.0
 
 
-def test_an_overload_that_lasts_keeps_the_next_engine_waiting_only_for_so_long(tmp_path, monkeypatch):
+def test_lasting_overload_delays_spare_engine_for_limited_time(tmp_path, monkeypatch):
     monkeypatch.setattr("live.supervisor.engine_failover.overload", lambda load, watched: 1.0)
     monkeypatch.setattr("live.supervisor.engine_failover.MAX_SPARE_DELAY", 0.1)
-    _, lines, _, _ = supervised(tmp_path, {"kills": [300], "ticks": 320})
+    _, lines, _, _ = run_supervisor(tmp_path, {"kills": [300], "ticks": 320})
     assert [line["went"] for line in lines if "went" in line] == ["spare"]
 
 
 @pytest.mark.long
-def test_engines_ended_on_an_overloaded_machine_are_given_longer_and_longer(tmp_path, monkeypatch):
-    """Three hang one after the other, the last two in the same tick: each may be silent for twice as long."""
+def test_engines_ended_during_overload_get_growing_time_limits(tmp_path, monkeypatch):
+    """Three hang one after another, the last two in the same tick: each time the silence limit doubles."""
     monkeypatch.setattr("live.supervisor.engine_failover.overload", lambda load, watched: 1.0)
     plan = {"stage": 9, "hangs": 20, "hangs_again": True, "ticks": 40}
-    code, lines, supervisor, said = supervised(tmp_path, plan, spare=False)
+    code, lines, supervisor, said = run_supervisor(tmp_path, plan, spare=False)
     after = [float(line.partition(" for ")[2].split()[0]) for line in said if "no sign of life" in line]
     assert len(after) == supervisor.report.restarts == 3
     for number, seconds in enumerate(after):
         assert seconds >= HANGS_AFTER * 2.0**number
     assert (code, supervisor.report.calm) == (0, False)
-    assert numbers(lines) == list(range(1, 20)) + list(range(20, 41))
+    assert event_numbers(lines) == list(range(1, 20)) + list(range(20, 41))
 
 
 SHOW = """
@@ -107,7 +107,7 @@ sys.exit(Supervisor(orders, lambda line: print(line, flush=True)).run())
 """
 
 
-def dead_children(process: int) -> list[int]:
+def zombie_children(process: int) -> list[int]:
     """The zombies of another process."""
     found = []
     for child in psutil.Process(process).children():
@@ -120,9 +120,10 @@ def dead_children(process: int) -> list[int]:
 
 
 @pytest.mark.parametrize("seed", [21, 22])
-def test_whoever_is_killed_at_random_no_zombie_stays(seed):
-    """Engines, those who wait, the nursery, whoever begins, and the helpers of each: nobody waits for these once their
-    engine has gone, and the supervisor has adopted them."""
+def test_random_kills_leave_no_zombies(seed):
+    """Engines, spares, the nursery, starting processes, and the helpers of each: helpers have no waiting parent once
+    their engine is gone, and the supervisor has adopted them.
+    """
     chance = random.Random(seed)
     command = [sys.executable, "-c", SHOW, json.dumps({"helpers": 3}), *ENGINE]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as show:
@@ -135,7 +136,7 @@ def test_whoever_is_killed_at_random_no_zombie_stays(seed):
                 adopted += victim.ppid() == show.pid
                 victim.kill()
                 threading.Event().wait(chance.uniform(0.0, 0.4))
-            assert wait_for(lambda: not dead_children(show.pid), 3 * GRACE)
+            assert wait_for(lambda: not zombie_children(show.pid), 3 * GRACE)
             assert show.poll() is None
             assert adopted > 2  # engines among them
         finally:
@@ -143,8 +144,8 @@ def test_whoever_is_killed_at_random_no_zombie_stays(seed):
             show.communicate(timeout=60)
 
 
-def test_a_child_that_somebody_waits_for_keeps_its_exit_code():
-    """Who was started here is cleared away only after a moment in which nobody asked how it ended."""
+def test_awaited_child_keeps_exit_code():
+    """A started process is reaped only after a time in which its exit code was not asked for."""
     reaper, clock = Reaper(), ManualClock(time.monotonic())
     asked = subprocess.Popen([sys.executable, "-S", "-c", "raise SystemExit(7)"])
     forgotten = os.posix_spawn(sys.executable, [sys.executable, "-S", "-c", ""], {})
@@ -159,7 +160,7 @@ def test_a_child_that_somebody_waits_for_keeps_its_exit_code():
     assert reaper.count > 0
 
 
-class MadeChild:
+class ExitingChild:
     """A process that ends at once."""
 
     role, killed = "made", False
@@ -177,14 +178,14 @@ class MadeChild:
         return 1
 
 
-def test_a_process_beside_the_engine_that_cannot_live_is_started_less_and_less_often_and_never_given_up():
+def test_failing_auxiliary_process_is_restarted_ever_more_rarely_without_end():
     clock, starts = ManualClock(100.0), list[float]()
 
     def start() -> Any:
         starts.append(clock.now())
         if len(starts) == 5:
             raise OSError("out of processes")
-        return MadeChild()
+        return ExitingChild()
 
     said: list[str] = []
     side = AuxiliaryProcess(start, said.append, child=start())

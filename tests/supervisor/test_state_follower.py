@@ -1,4 +1,4 @@
-"""A show that follows another one's lines stands where that one stands, to the bit, wherever it begins."""
+"""A show that follows another one's lines reaches the same state, bit for bit, from any starting point."""
 
 import base64
 import json
@@ -33,8 +33,8 @@ def loaded() -> LoadedShow:
     return LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)
 
 
-class Leading:
-    """A show that is danced and tells of it as an engine does; a hash of each of its ticks."""
+class LeadingShow:
+    """A show that runs and writes lines as an engine does, with a hash of each of its ticks."""
 
     def __init__(self, loaded: LoadedShow, snapshots: tuple[int, ...] = ()) -> None:
         self.show = loaded.start(seed=5)
@@ -61,8 +61,8 @@ class Leading:
 
 
 @pytest.fixture(scope="module")
-def leading(loaded: LoadedShow) -> Leading:
-    return Leading(loaded, (650, 1250))
+def leading_show(loaded: LoadedShow) -> LeadingShow:
+    return LeadingShow(loaded, (650, 1250))
 
 
 def follow(loaded: LoadedShow, lines: list[str]) -> tuple[StateFollower, Show]:
@@ -73,44 +73,46 @@ def follow(loaded: LoadedShow, lines: list[str]) -> tuple[StateFollower, Show]:
 
 
 @pytest.mark.parametrize("end", [90, 405, 720, 1100, 1430])
-def test_it_stands_where_the_other_one_was_killed_in_the_middle(loaded, leading, end):
-    """`end`: how many lines the other one could still send."""
-    following, show = follow(loaded, leading.lines[:end])
-    assert show.state_hash() == leading.hashes[following.tick]
+def test_follower_reaches_state_of_leader_killed_midway(loaded, leading_show, end):
+    """`end`: number of lines sent before the leader was killed."""
+    following, show = follow(loaded, leading_show.lines[:end])
+    assert show.state_hash() == leading_show.hashes[following.tick]
     assert following.differences == 0
     assert following.origin == 12.5
 
 
-def test_who_comes_late_begins_with_the_snapshot_and_stands_in_the_same_place(loaded, leading):
+def test_late_follower_begins_with_snapshot_and_reaches_same_state(loaded, leading_show):
     log = RecoveryLog()
-    for line in leading.lines:
+    for line in leading_show.lines:
         log.add_line(line)
     lines = list(log.replay_lines())
     assert len(lines) < 20  # header, snapshot, and what came since
     following, show = follow(loaded, lines)
     assert following.tick == LAST
-    assert show.state_hash() == leading.hashes[LAST]
+    assert show.state_hash() == leading_show.hashes[LAST]
     assert following.compared >= 1
     assert following.differences == 0
 
 
-def test_the_one_that_waits_stays_behind_the_last_measure_line_until_it_is_needed(loaded, leading):
+def test_standby_stays_behind_last_measure_line_until_needed(loaded, leading_show):
     following = StateFollower(loaded)
-    for line in leading.lines[:600]:
+    for line in leading_show.lines[:600]:
         following.add_line(line)
     while following.advance():
         pass
-    measures = [json.loads(line)["tick"] for line in leading.lines[:600] if "hash" in json.loads(line) and "me" in line]
+    measures = [
+        json.loads(line)["tick"] for line in leading_show.lines[:600] if "hash" in json.loads(line) and "me" in line
+    ]
     assert following.tick == measures[-1]
     Recovery(following).run()
-    assert following.tick == json.loads(leading.lines[599])["tick"]
+    assert following.tick == json.loads(leading_show.lines[599])["tick"]
 
 
-def test_a_state_that_differs_is_counted_and_the_next_snapshot_puts_it_right(loaded, leading):
+def test_differing_state_is_counted_and_repaired_by_next_snapshot(loaded, leading_show):
     following = StateFollower(loaded)
-    for line in leading.lines[1:]:
+    for line in leading_show.lines[1:]:
         if not following.header:
-            following.add_line(leading.lines[0])
+            following.add_line(leading_show.lines[0])
         following.add_line(line)
         following.run_pending()
         if following.tick == 300 and following.show is not None:  # something this machine does differently
@@ -118,11 +120,11 @@ def test_a_state_that_differs_is_counted_and_the_next_snapshot_puts_it_right(loa
     assert following.differences >= 1
     assert following.repaired >= 1
     assert following.show is not None
-    assert following.show.state_hash() == leading.hashes[LAST]
+    assert following.show.state_hash() == leading_show.hashes[LAST]
 
 
-def test_an_event_that_ends_one_engine_does_not_end_the_next(loaded, leading, monkeypatch):
-    """Whatever an event does to who applies it: who follows leaves it out, counts it and goes on."""
+def test_event_that_ends_one_engine_does_not_end_next(loaded, leading_show, monkeypatch):
+    """An event that raises in the leader is left out and counted by the follower, which continues."""
     apply = Show.apply
 
     def poisoned(show: Show, event: ControlEvent) -> bool:
@@ -131,13 +133,13 @@ def test_an_event_that_ends_one_engine_does_not_end_the_next(loaded, leading, mo
         return apply(show, event)
 
     monkeypatch.setattr(Show, "apply", poisoned)
-    following, _ = follow(loaded, leading.lines)
+    following, _ = follow(loaded, leading_show.lines)
     assert following.tick == LAST
     assert following.refused == 2
     assert following.latencies == {"projector": 0.05}
 
 
-def test_the_clock_of_another_machine_is_that_of_the_tick_that_came_soonest(loaded):
+def test_remote_clock_origin_comes_from_earliest_tick(loaded):
     following = StateFollower(loaded)
     for tick, late in ((640, 0.030), (641, 0.004), (642, 0.011)):
         following.add_line(json.dumps({"tick": tick}), arrived=1000.0 + tick * TICK + late)

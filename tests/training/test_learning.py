@@ -1,4 +1,4 @@
-"""What is learned from: features as the engine hears them, labels on the beats, JAX's network as the engine's."""
+"""Training data and network: features as in the engine, labels on the beats, JAX's network equal to the engine's."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def made_item(seconds: float = 12.0, bpm: float = 120.0, **facts: object) -> Ite
     return Item("a", "groove", np.log(bands_of(sound) + LOG_FLOOR).astype(np.float16), beats, places, dict(facts))
 
 
-def heard(sound: np.ndarray) -> np.ndarray:
+def engine_bands(sound: np.ndarray) -> np.ndarray:
     spectrum, out, start = Spectrum(RATE), [], 0
     while start < sound.size:
         start += spectrum.feed(sound, start)
@@ -30,12 +30,12 @@ def heard(sound: np.ndarray) -> np.ndarray:
     return np.array(out)
 
 
-def test_features_are_what_the_engine_hears() -> None:
+def test_features_equal_the_bands_of_the_engine() -> None:
     sound = groove(120, RATE, 2.0)
-    np.testing.assert_allclose(bands_of(sound), heard(sound), atol=1e-6)
+    np.testing.assert_allclose(bands_of(sound), engine_bands(sound), atol=1e-6)
 
 
-def test_a_label_lies_on_the_frame_that_speaks_of_its_beat() -> None:
+def test_label_lies_on_the_frame_of_its_beat() -> None:
     item = made_item()
     found = label(item, 0.0, 1.0, item.log_bands.shape[0])
     moments = (np.arange(item.log_bands.shape[0]) + 1) * HOP - DELAY
@@ -48,8 +48,8 @@ def test_a_label_lies_on_the_frame_that_speaks_of_its_beat() -> None:
     np.testing.assert_allclose(found.classes.sum(axis=1), 1.0, atol=1e-6)
 
 
-def test_a_stretch_turns_about_the_attack() -> None:
-    """Whatever the speed, the label lies as long after the frame in which the attack was taken up."""
+def test_time_stretch_keeps_label_delay_after_attack() -> None:
+    """At any speed, the label lies the same time after the frame that contains the attack."""
     item = made_item()
     for step in (0.8, 1.0, 1.25):
         found = label(item, 37.5, step, 500)
@@ -61,7 +61,7 @@ def test_a_stretch_turns_about_the_attack() -> None:
         assert np.average(near, weights=shares) == pytest.approx(centre, abs=0.1)
 
 
-def test_measures_are_counted_over_a_change_of_metre_and_before_the_first_one() -> None:
+def test_measures_are_counted_across_meter_change_and_pickup() -> None:
     item = made_item()
     places = np.array([3, 4, 1, 2, 3, 4, 1, 2, 3, 1, 2, 3, 1, 2], np.int32)
     item = Item("a", "b", item.log_bands, np.arange(14) * 0.5, places, {})
@@ -69,7 +69,7 @@ def test_measures_are_counted_over_a_change_of_metre_and_before_the_first_one() 
     np.testing.assert_allclose(measures(item), expected)
 
 
-def test_stops_hardly_count_and_unknown_downbeats_do_not() -> None:
+def test_ignored_spans_and_unknown_downbeats_have_low_weights() -> None:
     item = made_item(ignore=[[4.0, 6.0]], has_downbeat=False)
     found = label(item, 0.0, 1.0, item.log_bands.shape[0])
     at = int(5.0 / HOP)
@@ -79,7 +79,7 @@ def test_stops_hardly_count_and_unknown_downbeats_do_not() -> None:
     assert found.known[int(3.0 / HOP), 0] == 1.0
 
 
-def test_a_stream_without_changes_gives_what_the_engine_sees_in_pieces_of_any_length() -> None:
+def test_unaltered_stream_is_independent_of_piece_length() -> None:
     item = made_item()
     whole, pieces = Stream([item], 1, altered=False), Stream([item], 1, altered=False)
 
@@ -94,7 +94,7 @@ def test_a_stream_without_changes_gives_what_the_engine_sees_in_pieces_of_any_le
     )
 
 
-def test_examples_are_the_same_for_the_same_seed() -> None:
+def test_same_seed_gives_the_same_examples() -> None:
     def look(seed: int) -> np.ndarray:
         out = np.zeros((300, 2 * BAND_COUNT), np.float32)
         Stream([made_item()], seed).fill(out, *(np.zeros((300, size), np.float32) for size in (3, 4, 4)))
@@ -104,7 +104,7 @@ def test_examples_are_the_same_for_the_same_seed() -> None:
     assert np.abs(look(3) - look(4)).max() > 0.1
 
 
-def test_jax_and_the_engine_say_the_same() -> None:
+def test_jax_network_equals_engine_network() -> None:
     pytest.importorskip("jax", reason="the extra `train` is not installed")
     from training import network
 
@@ -121,7 +121,7 @@ def test_jax_and_the_engine_say_the_same() -> None:
     np.testing.assert_allclose(np.array(got)[:, 1], expected[:, 2], atol=2e-5)
 
 
-def test_the_hand_made_gradient_of_the_recurrent_layer_is_the_true_one() -> None:
+def test_custom_gru_gradient_equals_automatic_gradient() -> None:
     jax = pytest.importorskip("jax", reason="the extra `train` is not installed")
     from training import network
 

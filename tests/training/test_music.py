@@ -1,4 +1,4 @@
-"""Laws of the composed pieces: every style, without sound."""
+"""Composed training pieces: laws of every style, without sound."""
 
 from random import Random
 
@@ -17,13 +17,13 @@ FAMILIES = sorted({style.family for style in STYLES.values()})
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-def test_pieces_keep_the_laws(family: str) -> None:
+def test_pieces_of_every_style_keep_the_laws(family: str) -> None:
     for style in STYLES.values():
         if style.family == family:
-            _check(compose(Random(style.name), style.name, 10.0))
+            _check_piece(compose(Random(style.name), style.name, 10.0))
 
 
-def _check(piece: Piece) -> None:
+def _check_piece(piece: Piece) -> None:
     beats = piece.beats()
     times = np.array([time for time, _ in beats])
     assert (np.diff(times) > 0.15).all()
@@ -37,14 +37,14 @@ def _check(piece: Piece) -> None:
     assert 40 <= piece.bpm <= 216
 
 
-def test_one_seed_is_one_piece() -> None:
+def test_one_seed_gives_one_piece() -> None:
     for name in sorted(STYLES)[::9]:
         first, second = (compose(Random(3), name, 2.0).perform(Random(4)) for _ in range(2))
         assert first == second
         assert first != compose(Random(5), name, 2.0).perform(Random(4))
 
 
-def test_attacks_gather_on_the_beats() -> None:
+def test_note_onsets_concentrate_on_the_beats() -> None:
     """Over many styles far more notes begin on annotated beats than an eighth of a beat beside them."""
     on = beside = 0
     for name in sorted(STYLES)[::5]:
@@ -61,7 +61,7 @@ def test_attacks_gather_on_the_beats() -> None:
     assert on > 2.5 * beside
 
 
-def test_the_mix_is_as_wide_as_music() -> None:
+def test_styles_cover_wide_tempo_and_meter_ranges() -> None:
     plans = [STYLES[name].draw(Random(f"{name}{turn}")) for name in sorted(STYLES) for turn in range(4)]
     tempi = np.array([plan.bpm for plan in plans])
     assert 95 < np.median(tempi) < 125
@@ -72,7 +72,7 @@ def test_the_mix_is_as_wide_as_music() -> None:
     assert 5 <= len(held) <= len(STYLES) / 5
 
 
-def test_patterns_are_read_as_written() -> None:
+def test_patterns_are_parsed_and_weighted_by_meter() -> None:
     assert parse("X...o.-.", 4) == [(0.0, 1.0), (2.0, 0.62), (3.0, 0.36)]
     assert parse("X..x..", 2) == [(0.0, 1.0), (1.0, 0.82)]
     hits = [at for seed in range(400) for at, _ in weave(Random(seed), COMMON, 0.4)]
@@ -80,20 +80,20 @@ def test_patterns_are_read_as_written() -> None:
     assert counts[0.0] > counts[1.0] > counts[0.5] > counts[0.25]
 
 
-def test_weights_of_the_metre() -> None:
+def test_meter_strengths_and_names_are_correct() -> None:
     assert [COMMON.strength(beat) for beat in (0, 1, 2, 3, 0.5, 0.25)] == [4, 2, 3, 2, 1, 0]
     assert [JIG.strength(place) for place in (0, 1 / 3, 1, 1.5)] == [4, 1, 2, 0]
     assert (JIG.name, THREE.name, Metre(3, 3).name) == ("6/8", "3/4", "9/8")
 
 
 @pytest.mark.parametrize("metre", [COMMON, THREE, JIG, Metre(4, 3)])
-def test_rhythms_stay_in_their_bar(metre: Metre) -> None:
+def test_rhythms_stay_in_their_measure(metre: Metre) -> None:
     for seed in range(200):
         line = rhythm(Random(seed), metre, seed / 200)
         assert all(0 <= at < metre.beats and at + length <= metre.beats + 1 for at, length in line)
 
 
-def test_chords_are_what_their_names_say() -> None:
+def test_chords_match_their_names() -> None:
     key = Key(0, "major")
     assert key.chord("I").classes == (0, 4, 7)
     assert key.chord("ii7").classes == (2, 5, 9, 0)
@@ -103,7 +103,7 @@ def test_chords_are_what_their_names_say() -> None:
     assert all(54 <= pitch <= 66 for pitch in voicing(key.chord("IV"), 60))
 
 
-def test_clocks() -> None:
+def test_tempo_clocks_match_their_parameters() -> None:
     assert steady(8, 120).seconds([0, 1, 2.5]).tolist() == [0, 0.5, 1.25]
     tempo = 60 / np.diff(human(Random(1), 4000, 100, 0.02).seconds(range(4000)))
     assert 97 < tempo.mean() < 103
@@ -122,7 +122,7 @@ def test_clocks() -> None:
 
 
 @pytest.mark.long
-def test_swing_moves_the_half_and_keeps_the_beat() -> None:
+def test_swing_moves_offbeats_and_keeps_beats() -> None:
     feel = Feel(swing=2 / 3)
     assert [feel.warp(beat) for beat in (0, 0.5, 1, 1.5)] == pytest.approx([0, 2 / 3, 1, 5 / 3])
     fine = Feel(swing_fine=0.6)

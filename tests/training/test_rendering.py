@@ -1,4 +1,4 @@
-"""A short item, rendered: the attacks lie on the annotated beats, and the same seed gives the same bytes."""
+"""A short rendered item: attacks lie on the annotated beats, and the same seed gives the same bytes."""
 
 from pathlib import Path
 from random import Random
@@ -22,7 +22,7 @@ def _needs_fluidsynth() -> None:
         pytest.skip(reason or "TimGM6mb is not installed (apt: timgm6mb-soundfont)")
 
 
-def test_attacks_lie_on_their_times() -> None:
+def test_attacks_lie_on_their_note_times() -> None:
     _needs_fluidsynth()
     sound = synthesise(NOTES, [(9, 0)], fonts()["TimGM6mb.sf2"], 3.0)
     again = synthesise(NOTES, [(9, 0)], fonts()["TimGM6mb.sf2"], 3.0)
@@ -34,7 +34,7 @@ def test_attacks_lie_on_their_times() -> None:
         assert abs(attack) < 0.003
 
 
-def test_an_item_is_written_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_item_is_written_completely_and_reproducibly(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _needs_fluidsynth()
     monkeypatch.setattr("training.dataset.FONTS", {"TimGM6mb.sf2": 1.0})
     for folder in ("a", "b"):
@@ -56,7 +56,7 @@ def _clicks() -> np.ndarray:
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_damage_keeps_sound_and_beats_sane(seed: int) -> None:
+def test_damage_keeps_sound_and_beats_valid(seed: int) -> None:
     take = spoil(Random(seed), Take(_clicks(), [(0.25 + 0.5 * beat, 1 + beat % 4) for beat in range(19)], []), 1.0)
     assert np.isfinite(take.sound).all()
     assert np.abs(take.sound).max() <= 1.0
@@ -65,7 +65,7 @@ def test_damage_keeps_sound_and_beats_sane(seed: int) -> None:
     assert all(start < end for start, end in take.ignore)
 
 
-def test_warp_moves_sound_and_times_alike() -> None:
+def test_warp_moves_sound_and_times_equally() -> None:
     rng = np.random.default_rng(1)
     warp = medium.fader(rng, 10.0)
     sound = warp.play(_clicks())
@@ -75,7 +75,7 @@ def test_warp_moves_sound_and_times_alike() -> None:
         assert abs(np.argmax(window > 0.5) / RATE - 0.05) < 0.002
 
 
-def test_room_and_noise_are_as_asked() -> None:
+def test_room_decay_and_noise_level_match_parameters() -> None:
     rng = np.random.default_rng(2)
     click = np.zeros(3 * RATE, np.float32)
     click[0] = 1.0

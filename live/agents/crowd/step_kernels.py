@@ -19,7 +19,7 @@ from live.agents.crowd.contact_kernels import (
     limit_closing_speeds,
     resolve_overlaps,
 )
-from live.agents.crowd.neighbour_kernels import sum_neighbours
+from live.agents.crowd.predictive_avoidance_kernels import sum_neighbours
 from live.agents.crowd.reynolds_avoidance_kernels import avoid_by_distance
 from live.agents.crowd.spatial_grid_kernels import (
     ALIGNMENT,

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from live.graph.build.transitions import all_pairs, transition_windows
 from live.graph.motion_graph import MotionGraph
-from live.graph.transition_rules import initial_side, plain_pose
+from live.graph.structure_rules import initial_side, plain_pose
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]

@@ -47,7 +47,7 @@ class Pairs:
 def near_pairs(first: FlatClouds, second: FlatClouds, threshold: float, codes: tuple[Int32, Int32]) -> Pairs:
     """Return pairs of `first` (N clouds) and `second` (M) within `threshold` [m] whose `codes` (N, 2), (M, 2) agree.
 
-    Codes as in `transition_rules.StructureCodes`. ValueError if there are more than sixteen million.
+    Codes as in `structure_rules.StructureCodes`. ValueError if there are more than sixteen million.
     """
     if not (len(first) and len(second)):
         return Pairs(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros(0), np.zeros((0, 3)))

@@ -22,7 +22,7 @@ from live.graph.build.blend_feasibility import can_blend
 from live.graph.build.metric import WINDOW_SAMPLES, FlatClouds, Metric, joint_weights, window_weights
 from live.graph.build.nearest_pairs import aligned, near_pairs
 from live.graph.step_library import StepLibrary, travel_of, window_samples
-from live.graph.transition_rules import StructureCodes, may_follow_between, structure_codes
+from live.graph.structure_rules import StructureCodes, may_follow_between, structure_codes
 from live.motion.pose.pose_pipeline import PosePipeline
 from live.motion.skeleton import SKELETON
 

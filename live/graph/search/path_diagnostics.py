@@ -18,7 +18,7 @@ from live.graph.search.sequence_diagnostics import Gap, find_gaps
 from live.graph.search.sequence_spec import LEADING_FOOT, SequenceEntry, SequenceSpec
 from live.graph.select.candidates import Candidates, turn_vectors
 from live.graph.select.reachability import DIRECTION_NAMES, direction_of, reach_of
-from live.graph.transition_rules import initial_side
+from live.graph.structure_rules import initial_side
 from live.motion.step_clip import StepClip
 
 Float64 = npt.NDArray[np.float64]

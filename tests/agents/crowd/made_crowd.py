@@ -1,4 +1,4 @@
-"""Crowds for tests: agents, their goals, and a run of ticks."""
+"""Crowds for tests: agents, their goals and a run of ticks."""
 
 import numpy as np
 
@@ -8,8 +8,8 @@ from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
 
 
-class MadeCrowd:
-    """Agents who walk to their goals at 1.3 m/s, slower near them."""
+class CrowdHarness:
+    """Agents that walk to their goals at 1.3 m/s and slow down near them."""
 
     def __init__(self, position, goal=None, *, responsibility=None, radius=0.25, tick=1 / 64, **steering):
         position = np.asarray(position, float).reshape(-1, 2)
@@ -30,7 +30,7 @@ class MadeCrowd:
         self.tick, self.time = tick, 0.0
 
     def run(self, seconds, look=None):
-        """Advance; `look(state)` is called after every tick; returns all positions (T, A, 2)."""
+        """Advances; calls `look(state)` after every tick; returns all positions (T, A, 2)."""
         track = [self.state.position.copy()]
         for _ in range(round(seconds / self.tick)):
             if self.goal is not None:
@@ -53,8 +53,8 @@ class MadeCrowd:
         return np.array(track)
 
 
-def nearest(track):
-    """The smallest distance of any two agents at any time [m]; track (T, A, 2)."""
+def smallest_distance(track):
+    """The smallest distance between any two agents at any time [m]; track (T, A, 2)."""
     gap = np.hypot(*(track[:, :, None] - track[:, None]).transpose(3, 0, 1, 2))
     gap[:, np.arange(track.shape[1]), np.arange(track.shape[1])] = np.inf
     return gap.min()

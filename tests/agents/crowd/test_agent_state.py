@@ -1,4 +1,4 @@
-"""AgentModel, AgentState, Steering: what is refused, and that the state's arrays are parts of one."""
+"""AgentModel, AgentState and Steering: refused parameters, and state arrays as views of one buffer."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
 
 
-def test_the_arrays_of_a_state_are_contiguous_parts_of_one():
+def test_state_arrays_are_contiguous_views_of_one_buffer():
     state = AgentState.at_rest(np.arange(6.0).reshape(3, 2))
     for array in (state.position, state.velocity, state.acceleration, state.rest, state.rest_separation):
         assert array.flags.c_contiguous
@@ -17,7 +17,7 @@ def test_the_arrays_of_a_state_are_contiguous_parts_of_one():
     assert not np.shares_memory(other.flat, state.flat)
 
 
-def test_an_unbounded_stage_is_infinite_for_the_kernels():
+def test_unbounded_stage_is_infinite_in_kernel_vector():
     vector = Steering(half_width=None, half_depth=3.0, avoidance="thesis").vector()
     assert np.isinf(vector[0])
     assert vector[1] == 3.0
@@ -25,7 +25,7 @@ def test_an_unbounded_stage_is_infinite_for_the_kernels():
 
 
 @pytest.mark.parametrize("wrong", [{"acceleration": -1.0}, {"turn_rate": float("nan")}, {"avoidance": "none"}])
-def test_parameters_that_make_no_sense_are_refused(wrong):
+def test_invalid_steering_parameters_are_refused(wrong):
     with pytest.raises(ValueError, match=next(iter(wrong))):
         Steering(**wrong)
 
@@ -33,6 +33,6 @@ def test_parameters_that_make_no_sense_are_refused(wrong):
 @pytest.mark.parametrize(
     ("radius", "responsibility"), [([0.0], [1.0]), ([0.3], [1.5]), ([0.3], [-0.1]), ([0.3, 0.3], [1.0])]
 )
-def test_a_model_needs_bodies_and_shares(radius, responsibility):
+def test_invalid_radius_or_responsibility_is_refused(radius, responsibility):
     with pytest.raises(ValueError, match=r"radius|responsib"):
         AgentModel(np.array(radius, np.float32), np.array(responsibility, np.float32), Steering(), 1)

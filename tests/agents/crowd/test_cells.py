@@ -1,4 +1,4 @@
-"""Cells hold everybody who is present, once, wherever she is and even where her place is no number."""
+"""Grid cells contain every present agent once, also agents with non-finite positions."""
 
 from itertools import chain, pairwise
 
@@ -11,7 +11,7 @@ CAPACITY = 64
 
 
 def sorted_by_cells(places):
-    """Which agents each cell holds, as a list; `places` (A, 2) [m]."""
+    """The agents in each cell, as a list; `places` (A, 2) [m]."""
     count = len(places)
     state, wants = np.zeros(8 * count, np.float32), np.zeros(8 * count, np.float32)
     state[: 2 * count] = np.ravel(places)
@@ -32,7 +32,7 @@ def sorted_by_cells(places):
 
 @pytest.mark.parametrize("strange", [np.nan, np.inf, -np.inf, 3e38, -3e38, 1e7], ids=str)
 @pytest.mark.parametrize("many", [1, 5, 16])
-def test_an_agent_whose_place_is_no_number_is_in_a_cell_too(strange, many):
+def test_agent_with_non_finite_position_is_in_a_cell(strange, many):
     places = np.random.default_rng(3).uniform(-4.0, 4.0, (16, 2)).astype(np.float32)
     places[:many] = strange
     cells = sorted_by_cells(places)
@@ -41,6 +41,6 @@ def test_an_agent_whose_place_is_no_number_is_in_a_cell_too(strange, many):
     assert sorted(chain(*sorted_by_cells(places))) == list(range(16))
 
 
-def test_neighbours_are_in_neighbouring_cells():
+def test_nearby_agents_share_a_cell():
     cells = sorted_by_cells(np.array([[0.1, 0.1], [0.2, 0.1], [2.5, 0.1], [0.1, 3.5]]))
     assert [sorted(cell) for cell in cells if cell] == [[0, 1], [2], [3]]

@@ -1,4 +1,4 @@
-"""The neighbour pass against plain numpy, pair by pair, and the power law it follows."""
+"""The neighbor pass against plain numpy, pair by pair, and the power law of its avoidance force."""
 
 import math
 
@@ -7,7 +7,7 @@ import pytest
 
 from live.agents.crowd.agent_state import Steering
 from live.agents.crowd.contact_kernels import CONTACT_MARGIN
-from live.agents.crowd.neighbour_kernels import sum_neighbours
+from live.agents.crowd.predictive_avoidance_kernels import sum_neighbours
 from live.agents.crowd.spatial_grid_kernels import (
     AVOID_X,
     AVOID_Z,
@@ -54,7 +54,7 @@ def _sums(position, velocity, give=None, separation=1.2, horizon=3.0, steering=N
 
 
 def _one_pair(dx, dz, ux, uz, give, separation, horizon, steering):
-    """What one neighbour asks of an agent; (dx, dz) from her to the agent, (ux, uz) relative velocity; plain floats."""
+    """Sums that one neighbor adds to an agent; (dx, dz) from neighbor to agent, (ux, uz) relative velocity; floats."""
     d2 = dx * dx + dz * dz
     out = np.zeros(SUM_ROWS)
     push = max(1 - d2 / separation**2, 0.0) ** 2
@@ -74,7 +74,7 @@ def _one_pair(dx, dz, ux, uz, give, separation, horizon, steering):
 
 
 @pytest.mark.parametrize("count", [2, 7, 60])
-def test_all_sums_are_those_of_all_pairs(count):
+def test_neighbor_sums_equal_sums_over_all_pairs(count):
     chance, steering = np.random.default_rng(count), Steering()
     position = chance.uniform(-4, 4, (count, 2)).astype(np.float32)
     velocity = chance.normal(0, 0.8, (count, 2)).astype(np.float32)
@@ -82,7 +82,7 @@ def test_all_sums_are_those_of_all_pairs(count):
     sums, pairs = _sums(position, velocity, give)
     for i in range(count):
         expected = np.zeros(SUM_ROWS)
-        expected[WEIGHT] = 1.0  # herself
+        expected[WEIGHT] = 1.0  # the agent itself
         for j in set(range(count)) - {i}:
             d, u = (position[i] - position[j]).astype(float), (velocity[i] - velocity[j]).astype(float)
             one = _one_pair(*d, *u, give[j], 1.2, 3.0, steering)
@@ -94,7 +94,7 @@ def test_all_sums_are_those_of_all_pairs(count):
 
 
 @pytest.mark.parametrize("time", [0.3, 0.5, 1.0])
-def test_head_on_the_force_is_the_gradient_of_the_power_law(time):
+def test_head_on_force_is_power_law_gradient(time):
     # Karamouzas, Skinner & Guy 2014: E = k exp(-t / t0) / t²; head on the gradient of t along the way is 1 / speed
     speed, k, t0 = 2.0, 4.0, 30.0
     steering = Steering(side=0.0, strength=k, horizon=t0)
@@ -109,24 +109,24 @@ def test_head_on_the_force_is_the_gradient_of_the_power_law(time):
     assert abs(sums[AVOID_Z, 0]) < 1e-6
 
 
-def test_many_in_one_place_are_all_counted():
+def test_all_coincident_agents_are_counted():
     position = np.zeros((300, 2), np.float32)
     sums, _ = _sums(position, np.zeros_like(position))
     assert (sums[WEIGHT] == 300).all()
     assert np.isfinite(sums).all()
 
 
-def test_neighbours_out_of_reach_add_exactly_nothing():
+def test_neighbors_out_of_range_add_nothing():
     position = np.array([[0.0, 0.0], [NEIGHBOUR_RANGE + 0.01, 0.0]], np.float32)
     sums, _ = _sums(position, np.array([[2.0, 0.0], [-2.0, 0.0]], np.float32))
     assert (sums[[PUSH_X, PUSH_Z, FLOCK_X, FLOCK_Z, AVOID_X, AVOID_Z]] == 0).all()
 
 
-def test_the_sums_of_an_agent_do_not_depend_on_who_shares_her_block():
+def test_sums_are_independent_of_agents_out_of_range():
     chance = np.random.default_rng(5)
     position = chance.uniform(-3, 3, (40, 2)).astype(np.float32)
     velocity = chance.normal(0, 0.8, (40, 2)).astype(np.float32)
-    position[0], position[1] = (-3, -3), (3, 3)  # they span the grid
+    position[0], position[1] = (-3, -3), (3, 3)  # these two span the grid
     alone, _ = _sums(position, velocity, np.ones(40))
     for gone in range(2, 40):
         near = np.hypot(*(position - position[gone]).T) <= NEIGHBOUR_RANGE
@@ -135,7 +135,7 @@ def test_the_sums_of_an_agent_do_not_depend_on_who_shares_her_block():
         assert (fewer[:, ~near[stay]] == alone[:, ~near]).all()
 
 
-def test_where_all_sleep_nothing_is_summed_and_who_is_near_one_awake_is():
+def test_only_agents_near_an_awake_agent_are_summed():
     position = np.stack([np.arange(0.1, 12.0, 0.9), np.zeros(14)], 1).astype(np.float32)
     sums, _ = _sums(position, np.zeros_like(position), asleep=range(1, 14))
     assert (sums[:, position[:, 0] > 5] == 0).all()

@@ -1,4 +1,4 @@
-"""Round obstacles are gone around, also head on; who wants to be there rests at them; walls stop."""
+"""Round obstacles are bypassed, also head on; agents with a goal inside rest beside them; walls stop agents."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from live.agents.crowd.obstacles import Surroundings
 
 
 def walk(start, goal, surroundings, firm=0.0, seconds=9.0):
-    """Agents go from `start` to `goal`; where they are then, and how near anybody came to (0, 0)."""
+    """Runs agents from `start` to `goal`; returns their positions and the smallest distance to (0, 0)."""
     count, goal = len(start), np.array(goal, float)
     model = AgentModel(np.full(count, 0.25, np.float32), np.ones(count, np.float32), Steering(), 1)
     state, advance, wants = AgentState.at_rest(np.array(start, float)), CrowdStepper(model), AgentCommand(count)
@@ -29,7 +29,7 @@ def walk(start, goal, surroundings, firm=0.0, seconds=9.0):
 
 @pytest.mark.parametrize("firm", [0.0, 1.0])
 @pytest.mark.parametrize("angle", [0.0, 0.7, 2.0])
-def test_an_obstacle_square_in_the_way_is_gone_around(firm, angle):
+def test_agent_bypasses_obstacle_on_its_path(firm, angle):
     surroundings = Surroundings()
     surroundings.set_obstacle("box", 0.0, 0.0, 0.6)
     begin = 3.0 * np.array([np.sin(angle), np.cos(angle)])
@@ -38,7 +38,7 @@ def test_an_obstacle_square_in_the_way_is_gone_around(firm, angle):
     assert nearest > 0.85 - 0.01
 
 
-def test_who_wants_to_be_where_it_stands_rests_beside_it():
+def test_agent_with_goal_inside_obstacle_rests_beside_it():
     surroundings = Surroundings()
     surroundings.set_obstacle("singer", 0.0, 0.0, 0.6)
     start = [(0.0, 3.0), (3.0, 0.0), (-3.0, 0.1)]
@@ -48,7 +48,7 @@ def test_who_wants_to_be_where_it_stands_rests_beside_it():
     assert np.abs(after - before).max() < 0.05
 
 
-def test_nobody_goes_through_a_wall():
+def test_wall_stops_agents():
     surroundings = Surroundings()
     surroundings.set_wall("wall", -4.0, 0.0, 4.0, 0.0)
     end, _ = walk([(0.0, 2.0), (1.0, 2.0)], [(0.0, -2.0), (1.0, -2.0)], surroundings)

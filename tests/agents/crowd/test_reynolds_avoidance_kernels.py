@@ -1,27 +1,27 @@
-"""The thesis' rule of two distances (T108)."""
+"""The avoidance rule of the thesis with two distances (T108)."""
 
 import numpy as np
 import pytest
 
 from live.agents.crowd.reynolds_avoidance_kernels import dodge
-from tests.agents.crowd.made_crowd import MadeCrowd, nearest
+from tests.agents.crowd.made_crowd import CrowdHarness, smallest_distance
 
 
-def test_nobody_is_dodged_who_goes_away_or_passes_clear_or_comes_late():
+def test_receding_clear_or_distant_neighbors_cause_no_dodge():
     assert dodge(1.0, 0.0, 1.0, 0.0, 0.7) == (0.0, 0.0)
     assert dodge(2.0, 0.0, -1.0, 1.0, 0.7) == (0.0, 0.0)
     assert dodge(5.0, 0.0, -1.0, 0.0, 0.7) == (0.0, 0.0)
 
 
-def test_both_of_a_pair_leave_the_site_in_opposite_ways():
+def test_pair_dodges_in_opposite_directions():
     mine, hers = dodge(1.5, 0.2, -1.0, 0.0, 0.7), dodge(-1.5, -0.2, 1.0, 0.0, 0.7)
     assert mine == pytest.approx((0.0, 1.0 - 1.5 / 2.0))
     assert hers == pytest.approx((-mine[0], -mine[1]))
 
 
-def test_closer_than_d_s_her_own_wish_is_ignored_and_she_slows():
-    # somebody walks up behind one who stands; at d_s = 1 m she is limited to 40 % of her top speed
-    crowd = MadeCrowd([[0, 0], [3, 0]], avoidance="thesis", d_s=1.0, d_f=2.0)
+def test_agent_closer_than_d_s_slows_down():
+    # an agent walks up to a standing one; at d_s = 1 m it is limited to 40 % of its top speed
+    crowd = CrowdHarness([[0, 0], [3, 0]], avoidance="thesis", d_s=1.0, d_f=2.0)
     crowd.wants.velocity[0] = (1.8, 0.0)
     speeds = []
     crowd.run(
@@ -33,8 +33,8 @@ def test_closer_than_d_s_her_own_wish_is_ignored_and_she_slows():
     assert all(speed < 0.9 for speed in near)
 
 
-def test_two_head_on_pass_without_touching():
-    crowd = MadeCrowd([[-4, 0], [4, 0]], [[4, 0], [-4, 0]], avoidance="thesis")
+def test_head_on_agents_pass_without_contact():
+    crowd = CrowdHarness([[-4, 0], [4, 0]], [[4, 0], [-4, 0]], avoidance="thesis")
     track = crowd.run(12.0)
     assert np.abs(track[-1] - crowd.goal).max() < 0.3
-    assert nearest(track) > 0.495
+    assert smallest_distance(track) > 0.495

@@ -1,4 +1,4 @@
-"""Surroundings: walls and obstacles by name, bounded, never raising."""
+"""Surroundings: walls and obstacles by name, with bounded capacity, without exceptions."""
 
 import numpy as np
 from hypothesis import given, settings
@@ -10,7 +10,7 @@ from live.agents.crowd.obstacles import Surroundings
 
 @settings(max_examples=50, deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 8), st.booleans(), st.floats(-50, 50)), max_size=60))
-def test_rows_hold_what_a_dictionary_would(edits):
+def test_obstacle_rows_match_a_dictionary(edits):
     surroundings, expected = Surroundings(), {}
     for number, puts, x in edits:
         name = str(number)
@@ -23,7 +23,7 @@ def test_rows_hold_what_a_dictionary_would(edits):
     assert dict(zip(surroundings.obstacle_names, rows[:, 0], strict=True)) == expected
 
 
-def test_what_has_no_place_or_is_no_number_is_counted_and_refused():
+def test_excess_and_invalid_entries_are_counted_and_refused():
     surroundings = Surroundings()
     for number in range(CAPACITY):
         assert surroundings.set_wall(str(number), 0, 0, 1, 1)
@@ -37,7 +37,7 @@ def test_what_has_no_place_or_is_no_number_is_counted_and_refused():
     assert surroundings.walls[3].tolist() == [5, 5, 6, 6]
 
 
-def test_nothing_is_allocated_when_things_come_and_go():
+def test_obstacle_array_is_reused_after_changes():
     surroundings = Surroundings()
     rows = surroundings.obstacles
     surroundings.set_obstacle("a", 0, 0, 1)

@@ -1,4 +1,4 @@
-"""A stage for tests: agents, wants, a field of elements, and ticks of the crowd."""
+"""A stage for tests: agents, commands, a field of elements and ticks of the crowd."""
 
 import numpy as np
 
@@ -12,8 +12,8 @@ TICK = 1.0 / 64.0
 SPEED = 1.3
 
 
-class MadeStage:
-    """A agents at `position`; beats are half seconds; elements are added before or while it runs."""
+class StageHarness:
+    """A agents at `position`; a beat lasts half a second; elements are added before or during the run."""
 
     def __init__(self, position, *elements, size=(12.0, 8.0), seed=1, groups=None, combine="blended", separation=1.0):
         position = np.atleast_2d(np.asarray(position, np.float32))
@@ -35,7 +35,7 @@ class MadeStage:
         self.ticks = 0
 
     def wish(self, beat=8.0, *, planned=None, time=None):
-        """The wants after one call at `beat`, as shares of the top speed, shape (A, 2)."""
+        """Commanded velocities after one call at `beat`, as shares of the top speed, shape (A, 2)."""
         self.wants.clear()
         if planned is not None:
             self.wants.velocity[:] = planned
@@ -45,7 +45,7 @@ class MadeStage:
         return self.wants.velocity / SPEED
 
     def run(self, seconds):
-        """The crowd advances; positions of every eighth tick, shape (T, A, 2)."""
+        """Advances the crowd; returns the positions at every eighth tick, shape (T, A, 2)."""
         kept = []
         for _ in range(round(seconds / TICK)):
             time = self.ticks * TICK

@@ -1,4 +1,4 @@
-"""Crossing over (T110): everybody to the other side, once, and nobody stays on the line."""
+"""Crossing over (T110): every dancer changes sides once, and no dancer stays on the line."""
 
 import numpy as np
 import pytest
@@ -6,10 +6,10 @@ import pytest
 from live.agents.elements import crossing_kernels as kernels
 from live.agents.elements.element import Element, line_through
 from live.agents.elements.element_kinds import CROSSING
-from tests.agents.elements.made_stage import MadeStage
+from tests.agents.elements.made_stage import StageHarness
 
 
-def scattered(count, seed, size=(12.0, 8.0), apart=0.8):
+def scatter_points(count, seed, size=(12.0, 8.0), apart=0.8):
     chance = np.random.default_rng(seed)
     half = np.array(size) / 2 - 0.5
     found = [chance.uniform(-half, half)]
@@ -20,35 +20,35 @@ def scattered(count, seed, size=(12.0, 8.0), apart=0.8):
     return np.array(found)
 
 
-def away(position, points):
+def signed_distance(position, points):
     (ax, az), (bx, bz) = points
     along = np.array([bx - ax, bz - az]) / np.hypot(bx - ax, bz - az)
     return (position[:, 0] - ax) * along[1] - (position[:, 1] - az) * along[0]
 
 
 @pytest.mark.parametrize("line", [line_through(0.0, 0.0, 0.0), line_through(1.5, 0.5, 0.7), ((-3.0, 0.0), (3.0, 0.0))])
-def test_everybody_is_on_the_other_side_without_overlap(line):
-    start = scattered(24, 3)
-    stage = MadeStage(start, Element(CROSSING, line, start_beat=-9.0))
+def test_all_dancers_cross_without_overlap(line):
+    start = scatter_points(24, 3)
+    stage = StageHarness(start, Element(CROSSING, line, start_beat=-9.0))
     kept = stage.run(20.0)
-    assert (np.sign(away(kept[-1], line)) == -np.sign(away(start, line))).all()
-    assert np.abs(away(kept[-1], line)).min() > 0.4
+    assert (np.sign(signed_distance(kept[-1], line)) == -np.sign(signed_distance(start, line))).all()
+    assert np.abs(signed_distance(kept[-1], line)).min() > 0.4
     pairs = np.triu_indices(24, 1)
     gaps = np.hypot(*(kept[:, pairs[0]] - kept[:, pairs[1]]).transpose(2, 0, 1))
     assert gaps.min() > 0.495
-    assert np.abs(np.diff(kept[-16:], axis=0)).max() < 0.05  # there they stay
+    assert np.abs(np.diff(kept[-16:], axis=0)).max() < 0.05  # the dancers stay there
 
 
-def test_a_symmetric_stage_is_mirrored():
-    start = scattered(20, 1)
+def test_symmetric_crowd_ends_mirrored():
+    start = scatter_points(20, 1)
     start[:, 0] = np.sign(start[:, 0]) * np.maximum(np.abs(start[:, 0]), 0.9)
-    stage = MadeStage(start, Element(CROSSING, ((0.0, -1.0), (0.0, 1.0)), start_beat=-9.0))
+    stage = StageHarness(start, Element(CROSSING, ((0.0, -1.0), (0.0, 1.0)), start_beat=-9.0))
     assert stage.run(16.0)[-1] == pytest.approx(start * [-1.0, 1.0], abs=0.35)
 
 
-def test_who_has_crossed_stays_until_another_bar_comes():
+def test_dancer_that_crossed_stays_until_next_crossing():
     bar = Element(CROSSING, ((0.0, -1.0), (0.0, 1.0)), start_beat=-9.0)
-    stage = MadeStage([[-2.0, 0.0]], bar)
+    stage = StageHarness([[-2.0, 0.0]], bar)
     assert stage.wish(8.0)[0, 0] == pytest.approx(1.0)
     stage.state.position[0] = (2.0, 0.0)
     assert stage.wish(9.0)[0] == pytest.approx([0.0, 0.0], abs=1e-6)
@@ -56,22 +56,22 @@ def test_who_has_crossed_stays_until_another_bar_comes():
     assert stage.wish(10.0)[0, 0] == pytest.approx(-1.0)
 
 
-def test_the_flow_is_normal_to_the_line_in_both_senses():
+def test_flow_is_normal_to_line_in_both_directions():
     line = line_through(0.0, 0.0, 0.3)
-    stage = MadeStage([[-2.0, 0.3], [2.0, -0.2], [1.5, 1.0]], Element(CROSSING, line))
+    stage = StageHarness([[-2.0, 0.3], [2.0, -0.2], [1.5, 1.0]], Element(CROSSING, line))
     normal = np.array([np.cos(0.3), -np.sin(0.3)])
     wish = stage.wish()
     side = np.sign(stage.state.position @ normal)
     assert wish == pytest.approx(-side[:, np.newaxis] * normal, abs=0.02)
 
 
-def test_a_dancer_on_the_line_gets_a_side_and_places_are_apart_and_on_the_stage():
-    stage = MadeStage(np.zeros((6, 2)), Element(CROSSING, ((4.0, -1.0), (4.0, 1.0))))
+def test_crossing_goals_are_separated_and_on_stage():
+    stage = StageHarness(np.zeros((6, 2)), Element(CROSSING, ((4.0, -1.0), (4.0, 1.0))))
     stage.wish()
     goal = stage.field._memory[:, kernels.GOAL_X :]
     assert (goal[:, 0] >= 4.0 + 0.7).all()
     assert (np.abs(goal) <= [5.56, 3.56]).all()
     gaps = np.hypot(*(goal[:, None] - goal[None]).transpose(2, 0, 1))[np.triu_indices(6, 1)]
     assert gaps.min() > 0.7
-    on_it = MadeStage([[0.0, 1.0]], Element(CROSSING, ((0.0, -1.0), (0.0, 1.0))))
+    on_it = StageHarness([[0.0, 1.0]], Element(CROSSING, ((0.0, -1.0), (0.0, 1.0))))
     assert abs(on_it.wish()[0, 0]) > 0.5

@@ -1,4 +1,4 @@
-"""Elements as values: fading, ending, and what is refused."""
+"""Elements as values: fade-in, fade-out and refused parameters."""
 
 import math
 
@@ -10,23 +10,23 @@ from live.agents.elements.element_kinds import ATTRACTOR, CROSSING, EVADE, FLOW,
 from live.base.errors import PersonError
 
 
-def test_an_element_fades_over_a_beat_at_both_ends():
+def test_element_fades_in_and_out_over_one_beat():
     element = Element(ATTRACTOR, start_beat=8.0, end_beat=16.0)
     assert [element.level(b) for b in (7.9, 8.0, 9.0, 12.0, 15.5, 16.0)] == [0, 0, 1, 1, 0.5, 0]
     coming = np.array([element.level(8.0 + into) for into in np.linspace(0.0, 1.0, 101)])
     slope = np.diff(coming) / 0.01
     assert (slope > 0.0).all()
-    assert (np.diff(slope) < 0.0).all()  # most of it comes at once ...
-    assert 3.8 < slope[0] < 4.0  # ... but not all
+    assert (np.diff(slope) < 0.0).all()  # a fast start ...
+    assert 3.8 < slope[0] < 4.0  # ... of bounded slope
     assert slope[-1] < 0.01
 
 
-def test_an_element_that_is_ended_fades_from_the_level_it_has():
+def test_ended_element_fades_from_its_current_level():
     element = Element(ATTRACTOR, start_beat=8.0, end_beat=16.0).faded_out(8.25)
     begun = 1.0 - 0.75**4
     assert [element.level(b) for b in (8.25, 8.375, 8.25 + begun, 9.0)] == pytest.approx([begun, begun - 0.125, 0, 0])
     late = Element(ATTRACTOR, start_beat=8.0, end_beat=16.0)
-    assert late.faded_out(15.9) is late  # it is fading out already
+    assert late.faded_out(15.9) is late  # already fading out
     endless = Element(ATTRACTOR).faded_out(100.0)
     assert endless.level(100.5) == 0.5
 
@@ -58,12 +58,12 @@ def test_an_element_that_is_ended_fades_from_the_level_it_has():
         {"kind": ATTRACTOR, "points": tuple((0.0, float(k % 7)) for k in range(5000))},
     ],
 )
-def test_what_has_no_meaning_is_refused(asked):
+def test_invalid_element_is_refused(asked):
     with pytest.raises(PersonError):
         Element(**asked)
 
 
-def test_places_are_made_of_lines_angles_and_sizes():
+def test_shape_helpers_give_expected_points():
     (ax, az), (bx, bz) = line_through(1.0, 2.0, math.pi / 2)
     assert (bx - ax, bz - az) == pytest.approx((2.0, 0.0))
     assert line_length(rectangle(0.0, 0.0, 4.0, 2.0)) == pytest.approx(4 + 2 + 4)

@@ -1,4 +1,4 @@
-"""The rows of elements against a plain list: whoever comes, moves, ends or gives way, the rows stay in their order."""
+"""Rows of the element table against a plain list: adds, moves, removals and evictions keep the order."""
 
 import numpy as np
 
@@ -10,14 +10,14 @@ from live.agents.elements.element_table_kernels import CORNERS, END, SERIAL, X
 CAPACITY = 12
 
 
-def made(chance, number):
+def random_element(chance, number):
     x = float(chance.uniform(-5.0, 5.0))
     if chance.random() < 0.2:
         return Element(PATH, ((x, 0.0), (x + 1.0, 2.0), (0.0, 3.0)), end_beat=100.0 + number)
     return Element(ATTRACTOR, ((x, 1.0),), end_beat=100.0 + number, fair=bool(chance.random() < 0.4))
 
 
-def check(table, elements, serials):
+def check_table(table, elements, serials):
     assert table.elements == elements
     rows = table.rows[: len(elements)]
     np.testing.assert_array_equal(rows[:, SERIAL], serials)
@@ -29,13 +29,13 @@ def check(table, elements, serials):
         assert table.row_of(element) == row
 
 
-def test_rows_keep_their_order_whoever_gives_way():
+def test_rows_keep_order_after_any_eviction():
     chance = np.random.default_rng(8)
     table = ElementTable(CAPACITY, half_width=6.0, half_depth=4.0, separation=1.0)
     elements, serials, number, gone = [], [], 0, []
     for round_ in range(800):
         what = chance.random()
-        new = made(chance, round_)
+        new = random_element(chance, round_)
         if what < 0.7:
             place = None
             if len(elements) == CAPACITY:
@@ -59,6 +59,6 @@ def test_rows_keep_their_order_whoever_gives_way():
             table.remove(row)
             gone.append(elements.pop(row))
             del serials[row]
-        check(table, elements, serials)
+        check_table(table, elements, serials)
     assert number > 300
     assert all(table.row_of(element) is None for element in gone)

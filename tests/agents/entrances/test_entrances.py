@@ -1,4 +1,4 @@
-"""Dancers come and go at measure lines, through gates, to open places."""
+"""Dancers enter and leave at measure lines, through gates, to free positions."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ SIZE = (6.0, 4.0)
 
 
 def walk(entrances: Entrances, position: np.ndarray, seconds: float) -> AgentCommand:
-    """Everybody goes exactly where she wants."""
+    """Moves every dancer exactly at its commanded velocity."""
     wants = AgentCommand(len(position))
     for _ in range(round(seconds * 64)):
         wants.clear()
@@ -21,7 +21,7 @@ def walk(entrances: Entrances, position: np.ndarray, seconds: float) -> AgentCom
     return wants
 
 
-def test_who_is_called_comes_at_the_next_line_and_walks_in() -> None:
+def test_called_dancer_enters_at_next_measure_line() -> None:
     entrances = Entrances(6, 4, default_gates(*SIZE), SIZE)
     position = np.zeros((6, 2), np.float32)
     position[:4] = [(-2, 0), (2, 0), (0, 2), (0, -2)]
@@ -41,7 +41,7 @@ def test_who_is_called_comes_at_the_next_line_and_walks_in() -> None:
     assert apart.min() > 1.0
 
 
-def test_who_leaves_is_gone_at_the_first_line_after_she_is_out() -> None:
+def test_leaving_dancer_is_absent_from_first_line_after_exit() -> None:
     entrances = Entrances(3, 3, default_gates(*SIZE), SIZE)
     position = np.array([(-4, 0), (4, 0), (0, -3)], np.float32)
     assert entrances.send_off(np.array([True, False, True]), None, position) == 2
@@ -55,7 +55,7 @@ def test_who_leaves_is_gone_at_the_first_line_after_she_is_out() -> None:
     assert entrances.state[0] == WAITING
 
 
-def test_more_than_wait_cannot_come_and_each_has_her_own_place() -> None:
+def test_calls_are_limited_to_waiting_dancers_with_separate_goals() -> None:
     entrances = Entrances(8, 2, default_gates(*SIZE), SIZE)
     position = np.zeros((8, 2), np.float32)
     assert len(entrances.call_in(100, None)) == 6
@@ -67,7 +67,7 @@ def test_more_than_wait_cannot_come_and_each_has_her_own_place() -> None:
     assert apart.min() > 0.7
 
 
-def test_a_call_can_be_taken_back() -> None:
+def test_call_is_canceled_before_entrance() -> None:
     entrances = Entrances(2, 1, default_gates(*SIZE), SIZE)
     position = np.zeros((2, 2), np.float32)
     entrances.call_in(1, None)

@@ -1,4 +1,4 @@
-"""Gates lie on the stage's edge and let dancers wait outside."""
+"""Gates lie on the edge of the stage and have waiting places outside."""
 
 import math
 
@@ -13,7 +13,7 @@ metres = st.floats(-50, 50)
 
 
 @given(x=metres, z=metres, width=st.floats(0.1, 40), half=st.tuples(st.floats(1, 20), st.floats(1, 20)))
-def test_a_gate_lies_on_the_edge_and_its_places_outside(
+def test_gate_lies_on_edge_with_waiting_places_outside(
     x: float, z: float, width: float, half: tuple[float, float]
 ) -> None:
     gate = Gate.at_edge("g", (x, z), width, half_width=half[0], half_depth=half[1])
@@ -29,7 +29,7 @@ def test_a_gate_lies_on_the_edge_and_its_places_outside(
     assert abs(inside[1]) <= half[1]
 
 
-def test_those_who_wait_stand_apart_and_within_the_gates_width() -> None:
+def test_waiting_places_are_separated_within_gate_width() -> None:
     gate = default_gates(6.0, 4.0)[2]
     places = gate.waiting_places(20)
     apart = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1))[np.triu_indices(20, 1)]
@@ -38,7 +38,7 @@ def test_those_who_wait_stand_apart_and_within_the_gates_width() -> None:
     assert (places[:, 1] <= -4.0 - WAITING_DISTANCE + 1e-9).all()
 
 
-def test_the_wings_of_a_stage_that_names_none() -> None:
+def test_default_gates_are_left_right_and_back() -> None:
     assert [(gate.name, gate.x, gate.z) for gate in default_gates(6.0, 4.0)] == [
         ("left", -6.0, 0.0),
         ("right", 6.0, 0.0),
@@ -47,6 +47,6 @@ def test_the_wings_of_a_stage_that_names_none() -> None:
 
 
 @pytest.mark.parametrize(("at", "width"), [((math.nan, 0.0), 1.0), ((0.0, math.inf), 1.0), ((0.0, 0.0), 0.0)])
-def test_no_gate_without_a_place_and_a_width(at: tuple[float, float], width: float) -> None:
+def test_gate_without_position_or_width_is_refused(at: tuple[float, float], width: float) -> None:
     with pytest.raises(ValueError, match="gate 'g'"):
         Gate.at_edge("g", at, width, half_width=6.0, half_depth=4.0)

@@ -1,4 +1,4 @@
-"""Headings on the way (T102, T126-T128)."""
+"""Headings along the path (T102, T126-T128)."""
 
 import numpy as np
 import pytest
@@ -10,15 +10,15 @@ from live.agents.evolutions import facing
 ANGLES = st.floats(-30, 30)
 
 
-def test_the_thesis_golden_turn_of_figure_5_5():
-    """Five measures to the public, then 80°: turns of 20°, 40°, 20° at measures 5, 6, 7."""
+def test_smoothed_turn_matches_thesis_figure_5_5():
+    """Five measures facing the audience, then 80°: turns of 20°, 40°, 20° at measures 5, 6, 7."""
     headings = np.radians([0] * 5 + [80] * 5)
     turned = np.degrees(facing.rotations(facing.smoothed(headings)))  # entry k is the turn at measure k + 2
     assert turned == pytest.approx([0, 0, 0, 20, 40, 20, 0, 0, 0], abs=1e-9)
 
 
 @given(st.lists(ANGLES, min_size=1, max_size=12))
-def test_unwrapping_keeps_the_direction_and_never_jumps(headings):
+def test_unwrapped_headings_keep_direction_without_jumps(headings):
     flat = facing.unwrap(headings)
     assert np.cos(flat) == pytest.approx(np.cos(headings), abs=1e-6)
     assert np.sin(flat) == pytest.approx(np.sin(headings), abs=1e-6)
@@ -26,7 +26,7 @@ def test_unwrapping_keeps_the_direction_and_never_jumps(headings):
 
 
 @given(st.lists(ANGLES, min_size=2, max_size=12), ANGLES)
-def test_smoothing_turns_with_the_stage_and_stays_within_its_neighbours(headings, turn):
+def test_smoothed_headings_stay_within_neighbors_and_rotate_equivariantly(headings, turn):
     flat = facing.unwrap(headings)
     smooth = facing.smoothed(headings)
     padded = np.concatenate([flat[:1], flat, flat[-1:]])
@@ -37,7 +37,7 @@ def test_smoothing_turns_with_the_stage_and_stays_within_its_neighbours(headings
 
 
 @given(ANGLES, ANGLES)
-def test_the_shorter_way_round(before, after):
+def test_turn_takes_the_shorter_direction(before, after):
     turn = float(facing.shortest_turn(before, after))
     assert -np.pi - 1e-9 <= turn <= np.pi + 1e-9
     assert np.cos(before + turn) == pytest.approx(np.cos(after), abs=1e-6)
@@ -46,7 +46,7 @@ def test_the_shorter_way_round(before, after):
     assert knots[0, 1, 1] == pytest.approx(before + turn)
 
 
-def test_tangent_turns_first_then_faces_the_way_then_turns_again():
+def test_tangent_facing_turns_before_and_after_travel():
     ways = np.array([[[0, 0], [2, 0], [2, 2]]], np.float32)  # to the right, then towards the audience
     knots = facing.tangent_turns(ways, [0, 0.5, 1], np.array([[1.0, 9.0]]), 1.0, [0.0], [-0.5])
     beats, heading = knots[0].T
@@ -61,7 +61,7 @@ def test_tangent_turns_first_then_faces_the_way_then_turns_again():
     assert at(10.0) == pytest.approx(-0.5)
 
 
-def test_who_stays_turns_evenly_and_a_rest_on_the_way_keeps_the_direction():
+def test_stationary_dancer_turns_evenly_and_pause_keeps_heading():
     ways = np.array([[[1, 1]] * 4, [[0, 0], [0, 0], [1, 0], [1, 0]]], np.float32)
     knots = facing.tangent_turns(ways, np.linspace(0, 1, 4), np.array([[0.0, 8.0]] * 2), 1.0, [0.0, 0.0], [1.0, 0.0])
     beats, heading = knots[0].T
@@ -70,7 +70,7 @@ def test_who_stays_turns_evenly_and_a_rest_on_the_way_keeps_the_direction():
     assert travelling == pytest.approx(np.pi / 2)
 
 
-def test_headings_by_the_measure_follow_the_way_and_rest_to_the_public():
+def test_measure_headings_follow_travel_and_face_audience_at_rest():
     lines = np.array([[[0, 0]], [[1, 0]], [[1, 0.02]], [[1, -1]]], np.float32)
     assert facing.travel_headings(lines, [0.0]) == pytest.approx(np.array([[np.pi / 2, 0.0, np.pi]]))
     knots = facing.turns_by_measure(8.0, 4.0, [0.0], [[np.pi / 2, 0.0, np.pi]])

@@ -53,7 +53,7 @@ def plan(*segments, roster=None, **options):
 
 
 def dance(running, measures, position=START, push=None, bpm=120.0):
-    """Follow the plan without anybody in the way; the states at the measure lines."""
+    """Follows the plan without obstacles; returns the positions at the measure lines."""
     state, wants = AgentState.at_rest(position), AgentCommand(len(position))
     heading, lines = np.zeros(len(position)), []
     for measure in range(measures):
@@ -79,7 +79,7 @@ def same_places(one, other, within):
     "ripple", [Ripple(), Ripple(3, StartOrder.CENTRE), Ripple(3, StartOrder.RANDOM, Arrival.APART)]
 )
 @pytest.mark.parametrize("facing", list(Facing))
-def test_all_arrive_on_the_measure_line(ripple, facing):
+def test_all_dancers_arrive_on_the_measure_line(ripple, facing):
     evolve = Evolve("ring", orientation=Orientation(facing, headings=(0.5,)))
     running = plan(Segment(evolve, measures=2, ripple=ripple))
     lines = dance(running, 2)
@@ -89,28 +89,28 @@ def test_all_arrive_on_the_measure_line(ripple, facing):
     assert target.position == pytest.approx(RING.slots[slot], abs=1e-5)
     if facing is not Facing.DECLARED:
         assert shortest_turn(target.heading, RING.heading[slot]) == pytest.approx(np.zeros(A), abs=1e-5)
-    assert running.state_at(20.0).position == pytest.approx(RING.slots[slot], abs=1e-5)  # they stay
+    assert running.state_at(20.0).position == pytest.approx(RING.slots[slot], abs=1e-5)  # the dancers stay
 
 
-def test_who_is_pushed_aside_is_on_time_all_the_same():
+def test_pushed_dancers_still_arrive_on_time():
     push = np.random.default_rng(1).uniform(-0.4, 0.4, (A, 2)).astype(np.float32)
     assert same_places(dance(plan(Segment("to the ring", measures=2)), 2, push=push)[-1], RING.slots, 0.05)
 
 
-def test_an_edited_formation_reaches_what_has_not_begun():
+def test_edited_formation_applies_to_segments_not_yet_started():
     running = plan(Segment(Hold("rows")), Segment("to the ring", start=2))
     running.prepare(2, START, np.zeros(A))
     running.repertoire = running.repertoire.with_formation(replace(RING, slots=RING.slots + 1.0))
     assert same_places(dance(running, 3)[-1], RING.slots + 1.0, 0.01)
 
 
-def test_by_id_everybody_has_her_number():
+def test_matching_by_id_gives_each_dancer_its_slot():
     lines = dance(plan(Segment(Evolve("ring", Matching(AssignmentMethod.ID)), measures=2)), 2)
     assert lines[-1] == pytest.approx(RING.slots, abs=0.02)
 
 
-def test_the_setting_left_by_other_groups_is_the_boundary_condition():
-    """Two groups end at different places; the pause that follows keeps them, the way carries them on."""
+def test_end_state_of_groups_is_boundary_condition_of_next_segment():
+    """Two groups end at different places; the next pause keeps them there and the next path starts there."""
     running = plan(
         Segment(Trajectory("curve"), "1-6"), Segment(Evolve("rows"), "7-12"), Segment(Pause(), start=1),
         Segment(Trajectory("curve"), start=2),
@@ -121,7 +121,7 @@ def test_the_setting_left_by_other_groups_is_the_boundary_condition():
     assert lines[2] == pytest.approx(lines[1] + CURVE[-1] - CURVE[0], abs=0.03)
 
 
-def test_single_file_keeps_its_gaps_along_the_way():
+def test_single_file_keeps_gaps_along_path():
     line = [[-5.0, 3.0], [5.0, 3.0]]
     rep = REPERTOIRE.with_path("line", line)
     running = Plan(Roster.create(A), rep, [Segment(Trajectory("line", FollowMode.FILE, gap=0.7), measures=4)])
@@ -130,7 +130,7 @@ def test_single_file_keeps_its_gaps_along_the_way():
     assert x[-1] == pytest.approx(5.0, abs=0.02)
 
 
-def test_canon_and_mirror():
+def test_canon_is_delayed_and_mirror_is_reflected():
     first, second = in_canon(Segment(Trajectory("curve"), measures=1), ["1-6", "7-12"], 2.0)
     running = plan(first, second)
     running.begin_measure(0, START, np.zeros(A))
@@ -146,7 +146,7 @@ def test_canon_and_mirror():
     assert same_places(dance(ring, 1)[-1], mirror_places(ROWS.slots, Line(1.0)), 0.03)
 
 
-def test_what_begins_later_replaces_and_elements_take_over():
+def test_later_segments_replace_and_procedural_segments_release():
     running = plan(Segment(Hold("rows"), measures=4), Segment(Procedural(), "1-4", start=1), Segment(Pause(), "3", 2))
     dance(running, 1)
     running.begin_measure(1, START, np.zeros(A))
@@ -161,20 +161,20 @@ def test_what_begins_later_replaces_and_elements_take_over():
     assert running.state_at(13.0).controlled.tolist() == [0] * 8 + [1] * 4
 
 
-def test_now_ends_on_a_measure_line_and_the_next_measure_is_the_next_measure():
+def test_live_segment_ends_on_a_measure_line():
     running = plan()
     running.begin_measure(0, START, np.zeros(A))
     (early,) = running.start_now(Segment(Evolve("ring")), 1.0, START, np.zeros(A))
     assert (early.begin, early.departure.end) == (1.0, 4.0)
     (late,) = running.start_now(Segment(Evolve("rows")), 2.5, running.state_at(2.5).position, np.zeros(A))
     assert (late.begin, late.departure.end) == (2.5, 8.0)
-    assert running.motions == (late,)  # the first holds nobody any more
+    assert running.motions == (late,)  # the first controls no dancer any more
     running.add(Segment("to the ring", start=1))
     running.begin_measure(1, running.state_at(4.0).position, np.zeros(A))
     assert same_places(running.predicted_state(8.0).position, RING.slots, 1e-4)
 
 
-def test_a_large_group_is_worked_out_in_pieces_while_the_old_motion_goes_on():
+def test_large_group_is_planned_incrementally():
     count = MAX_IMMEDIATE_DANCERS + 60
     x, z = np.meshgrid(np.arange(16) * 0.7 - 5, np.arange(10) * 0.7 - 3)
     grid = np.stack([x.ravel(), z.ravel()], 1)[:count]
@@ -194,7 +194,7 @@ def test_a_large_group_is_worked_out_in_pieces_while_the_old_motion_goes_on():
     assert not running.idle
     running.drop_incomplete()
     assert running.idle
-    assert running.state_at(0.8).controlled.all()  # what had begun before and is worked out holds them still
+    assert running.state_at(0.8).controlled.all()  # the completed earlier motion still controls the dancers
     running.add(Segment(Evolve("grid"), start=1))
     running.prepare(1, grid, np.zeros(count))
     assert not running.idle
@@ -202,14 +202,14 @@ def test_a_large_group_is_worked_out_in_pieces_while_the_old_motion_goes_on():
     running.begin_measure(1, grid, np.zeros(count))
     assert running.predicted_state(8.0).position == pytest.approx(
         running.state_at(8.0).position
-    )  # everybody knows where she goes
+    )  # every dancer has a goal
     assert running.state_at(8.0).controlled.all()
-    for _ in range(MAX_LATE_CALLS + 1):  # and what is still mended then takes no longer than this
+    for _ in range(MAX_LATE_CALLS + 1):  # remaining repairs take at most this many calls
         running.work()
     assert running.idle
 
 
-def test_ways_that_are_mended_after_the_start_keep_their_start_and_end():
+def test_paths_repaired_after_start_keep_their_ends():
     ring = 3.0 * np.stack([np.sin(np.arange(12) * np.pi / 6), np.cos(np.arange(12) * np.pi / 6)], 1)
     rep = Repertoire().with_formation(Places("across", -ring, np.zeros(12)))
     running = Plan(Roster.create(12), rep)
@@ -229,7 +229,7 @@ def test_ways_that_are_mended_after_the_start_keep_their_start_and_end():
     assert running.motions[0].motion is mended
 
 
-def test_prepared_ahead_the_end_is_known_and_ways_begin_where_they_really_are():
+def test_prepared_segment_starts_at_actual_positions():
     running = plan(Segment("to the ring", start=1))
     running.begin_measure(0, START, np.zeros(A))
     running.prepare(1, START, np.zeros(A))
@@ -242,7 +242,7 @@ def test_prepared_ahead_the_end_is_known_and_ways_begin_where_they_really_are():
     assert running.predicted_state(8.0).position == pytest.approx(foreseen, abs=1e-5)
 
 
-def test_a_soloist_in_her_place_and_who_has_no_place_stands_clear():
+def test_soloist_takes_marked_slot_and_unplaced_dancers_stand_clear():
     marks = ("soloist", *[""] * 7)
     eight = Places("eight", RING.slots[:8], np.zeros(8), marks)
     roster = Roster.create(A, {12: ["soloist"]})
@@ -255,7 +255,7 @@ def test_a_soloist_in_her_place_and_who_has_no_place_stands_clear():
     assert gaps[slot < 0].min() > 0.95
 
 
-def test_places_to_stand_clear_are_enough_and_apart_even_when_the_stage_is_full():
+def test_edge_places_are_sufficient_and_separated_on_full_stage():
     for count in (0, 1, 30, 400):
         places = edge_places(count, START, RING.slots, half=(4.0, 3.0))
         assert len(places) == count
@@ -265,7 +265,7 @@ def test_places_to_stand_clear_are_enough_and_apart_even_when_the_stage_is_full(
         assert gaps.min(initial=9) > 0.99 if count else True
 
 
-def test_unknown_names_are_refused_when_they_are_planned():
+def test_unknown_names_are_refused_at_planning():
     for segment in (Segment("nothing"), Segment(Hold("nothing")), Segment(Trajectory("x")), Segment(Pause(), "who")):
         with pytest.raises(PersonError):
             plan().add(segment)
@@ -275,7 +275,7 @@ def test_unknown_names_are_refused_when_they_are_planned():
         Segment(Pause(), measures=0)
 
 
-def test_the_same_plan_gives_the_same_bits():
+def test_same_plan_gives_identical_positions():
     segments = (
         Segment(
             Evolve("ring", Matching(cost=Cost.EQUAL), PathMode.DIVIDED), measures=2, ripple=Ripple(2, StartOrder.RANDOM)
@@ -285,7 +285,7 @@ def test_the_same_plan_gives_the_same_bits():
     assert (dance(plan(*segments, seed=5), 3) == dance(plan(*segments, seed=5), 3)).all()
 
 
-def test_nothing_is_allocated_from_tick_to_tick():
+def test_commands_allocate_nothing_per_tick():
     import tracemalloc
 
     running = plan(Segment("to the ring", measures=2))
@@ -301,7 +301,7 @@ def test_nothing_is_allocated_from_tick_to_tick():
     assert grown < 20_000
 
 
-def test_a_rehearsal_says_what_is_too_far_and_who_would_meet():
+def test_simulated_plan_reports_long_paths_and_collisions():
     segments = [
         Segment(Evolve("ring", Matching(AssignmentMethod.ID), PathMode.STRAIGHT)), Segment(Evolve("rows"), "1-6", 2, 4),
         Segment(Procedural(), "7-12", 3),

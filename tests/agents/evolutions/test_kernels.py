@@ -1,4 +1,4 @@
-"""Kernels of evolutions against plain numpy and laws (T088, T101)."""
+"""Evolution kernels against plain numpy and invariants (T088, T101)."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from live.agents.evolutions import evolution_kernels
 from live.agents.evolutions.trajectory import GroupState, Locomotion
 
 
-def locomotion(ways, times, soft=0.25):
+def make_locomotion(ways, times, soft=0.25):
     ways = np.array(ways, np.float32)
     times = np.array(times, float)
     turns = np.zeros((len(ways), 3, 2))
@@ -17,7 +17,7 @@ def locomotion(ways, times, soft=0.25):
 
 
 @pytest.mark.parametrize("soft", [0.0, 0.1, 0.25, 0.5])
-def test_the_profile_goes_from_nothing_to_all_without_jumps_of_speed(soft):
+def test_speed_profile_runs_from_zero_to_one_continuously(soft):
     t = np.linspace(0, 1, 2001)
     share = np.array([evolution_kernels.profile(x, soft) for x in t])
     speed = np.gradient(share, t)
@@ -30,9 +30,9 @@ def test_the_profile_goes_from_nothing_to_all_without_jumps_of_speed(soft):
         assert np.abs(np.gradient(speed, t)).max() <= 1.5 / soft / (1 - soft) * 1.02
 
 
-def test_places_and_velocities_agree_and_hold_before_and_after():
+def test_velocities_match_positions_and_ends_are_held():
     curve = [[[0, 0], [1, 0.2], [2, 1], [2, 2], [1, 3]], [[5, 5], [5, 4], [5, 3], [5, 2], [5, 1]]]
-    moved = locomotion(curve, [[2.0, 6.0], [3.0, 9.0]])
+    moved = make_locomotion(curve, [[2.0, 6.0], [3.0, 9.0]])
     beats = np.linspace(1, 10, 1801)
     places, headings = moved.sample(beats)
     out = GroupState(2)
@@ -47,23 +47,23 @@ def test_places_and_velocities_agree_and_hold_before_and_after():
     assert headings[:, 1] == pytest.approx(np.interp(beats, [3, 6, 9], [0, 1, -1]), abs=1e-6)
 
 
-def test_rows_that_are_not_kept_are_left_alone():
-    moved = locomotion([[[0, 0], [1, 0]], [[2, 0], [3, 0]]], [[0.0, 1.0]] * 2)
+def test_unselected_rows_are_unchanged():
+    moved = make_locomotion([[[0, 0], [1, 0]], [[2, 0], [3, 0]]], [[0.0, 1.0]] * 2)
     out = GroupState(5)
     moved.write(1.0, np.array([4, 1], np.int32), np.array([1, 0], np.uint8), out)
     assert out.controlled.tolist() == [0, 0, 0, 0, 1]
     assert out.position[4].tolist() == [1.0, 0.0]
 
 
-def test_samples_are_the_places_of_straight_ways():
-    moved = locomotion([[[0, 0], [4, 1]], [[1, 1], [0, 0]]], [[0.0, 4.0], [2.0, 4.0]])
+def test_samples_match_positions_on_straight_paths():
+    moved = make_locomotion([[[0, 0], [4, 1]], [[1, 1], [0, 0]]], [[0.0, 4.0], [2.0, 4.0]])
     beats = np.linspace(-1, 5, 13)
     sample = np.zeros((13, 2, 2), np.float32)
     evolution_kernels.sample_paths(beats, moved.path_knots, moved.times, moved.ramp, 0, 2, sample)
     assert sample == pytest.approx(moved.sample(beats)[0], abs=1e-5)
 
 
-def test_the_nearest_approach_is_found_between_samples():
+def test_nearest_approach_is_found_between_samples():
     sample = np.random.default_rng(3).uniform(-3, 3, (4, 5, 2)).astype(np.float32)
     distance, when = np.zeros((5, 5), np.float32), np.zeros((5, 5), np.float32)
     evolution_kernels.nearest_approach(sample, 0, 5, distance, when)
@@ -77,7 +77,7 @@ def test_the_nearest_approach_is_found_between_samples():
                 assert np.interp(when[i, j], at, apart) == pytest.approx(apart.min(), abs=3e-3)
 
 
-def test_tracking_asks_for_the_way_and_for_what_is_missing():
+def test_tracking_adds_path_velocity_and_position_correction():
     rows = np.full((2, 8), 7, np.float32)
     now = np.array([[0, 0], [0, 0]], np.float32)
     evolution_kernels.track(now, now + np.float32(0.3), now + np.float32(1), np.array([1, 0], np.uint8), 2.0, 0.3, rows)
@@ -87,7 +87,7 @@ def test_tracking_asks_for_the_way_and_for_what_is_missing():
 
 
 @pytest.mark.parametrize("freedom", [0.0, 0.5, 1.0])
-def test_two_who_meet_are_parted_in_opposite_senses_and_the_ends_stay(freedom):
+def test_colliding_pair_is_separated_in_opposite_directions_with_fixed_ends(freedom):
     """T101: shifted along one direction, by the same length, as far as needed."""
     t = np.linspace(-1, 1, 33)
     sample = np.stack([np.stack([t * 3, t * 0], 1), np.stack([-t * 3, t * 0], 1)]).astype(np.float32)
@@ -98,13 +98,13 @@ def test_two_who_meet_are_parted_in_opposite_senses_and_the_ends_stay(freedom):
     apart = np.hypot(*np.moveaxis(sample[0] + offset[0] - sample[1] - offset[1], -1, 0))
     assert apart[1:-1].min() >= 0.5 - 1e-5
     if freedom == 0.0:
-        assert offset[:, 16, 0] == pytest.approx([0, 0], abs=1e-6)  # square to the way on which they meet
+        assert offset[:, 16, 0] == pytest.approx([0, 0], abs=1e-6)  # perpendicular to the path
     other = np.zeros_like(sample)
     evolution_kernels.separate_paths(sample, other, 0.5, 1.0, freedom, 8)
     assert not np.allclose(offset, other)
 
 
-def test_smoothing_is_a_quarter_a_half_a_quarter():
+def test_path_smoothing_weights_are_quarter_half_quarter():
     ways = np.random.default_rng(1).normal(size=(2, 6, 2)).astype(np.float32)
     expected = ways.copy()
     expected[:, 1:-1] = 0.25 * ways[:, :-2] + 0.5 * ways[:, 1:-1] + 0.25 * ways[:, 2:]
@@ -112,7 +112,7 @@ def test_smoothing_is_a_quarter_a_half_a_quarter():
     assert ways == pytest.approx(expected, abs=1e-6)
 
 
-def test_swaps_leave_dancers_without_a_slot_and_other_sections_alone():
+def test_swaps_skip_dancers_without_slot_and_other_sections():
     start = np.array([[0.0, 0], [1, 0], [2, 0], [9, 9]])
     slots = np.array([[0.0, 1], [1, 1], [2, 1]])
     slot = np.array([1, 0, 2, -1], np.int32)

@@ -1,4 +1,4 @@
-"""Pairs who meet are those whose nearest approach is too near, pair by pair, however their ways wind."""
+"""Colliding pairs are those whose nearest approach is too close, pair by pair, for any paths."""
 
 import numpy as np
 from hypothesis import given, settings
@@ -9,7 +9,7 @@ from live.agents.evolutions.evolution_kernels import count_collisions, longest_s
 COUNT, TIMES = 12, 33
 
 
-def ways_of(seed, speed):
+def random_paths(seed, speed):
     chance = np.random.default_rng(seed)
     start = chance.uniform(-2.0, 2.0, (COUNT, 1, 2))
     return np.ascontiguousarray(start + np.cumsum(chance.normal(0.0, speed, (COUNT, TIMES, 2)), axis=1), np.float32)
@@ -17,8 +17,8 @@ def ways_of(seed, speed):
 
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.sampled_from((0.0, 0.01, 0.1, 1.0)), st.floats(0.05, 1.5))
-def test_who_meets_is_who_comes_nearer_than_that(seed, speed, clear):
-    ways, step = ways_of(seed, speed), np.zeros(COUNT)
+def test_colliding_pairs_match_nearest_approach(seed, speed, clear):
+    ways, step = random_paths(seed, speed), np.zeros(COUNT)
     distance, when = np.zeros((2, COUNT, COUNT), np.float32)
     nearest_approach(np.ascontiguousarray(ways.transpose(1, 0, 2)), 0, COUNT, distance, when)
     longest_steps(ways, step)

@@ -1,4 +1,4 @@
-"""Flows, followers, hunters, paths and wanderers, as they are danced."""
+"""Flows, followers, pursuers, paths and wanderers, run in the crowd."""
 
 import numpy as np
 import pytest
@@ -19,38 +19,38 @@ from live.agents.elements.element_kinds import (
     WANDER,
 )
 from live.agents.elements.polyline_flow import flow_grid_along, simplified_vertices
-from tests.agents.elements.made_stage import MadeStage
+from tests.agents.elements.made_stage import StageHarness
 
 
-def test_flows_go_where_they_are_drawn():
+def test_flows_have_their_declared_directions():
     agents = [[2.0, 0.0], [-1.0, 1.0]]
-    uniform = MadeStage(agents, Element(FLOW, ((0.0, 0.0), (3.0, 4.0)))).wish()
+    uniform = StageHarness(agents, Element(FLOW, ((0.0, 0.0), (3.0, 4.0)))).wish()
     assert uniform == pytest.approx(np.tile([0.6, 0.8], (2, 1)), abs=1e-6)
-    out = MadeStage(agents, Element(FLOW, flow_kind=RADIAL)).wish()
+    out = StageHarness(agents, Element(FLOW, flow_kind=RADIAL)).wish()
     assert out[0] == pytest.approx([1.0 - np.exp(-2.0 / 1.2), 0.0], abs=1e-6)
-    inwards = MadeStage(agents, Element(FLOW, flow_kind=RADIAL, strength=-1.0)).wish()
+    inwards = StageHarness(agents, Element(FLOW, flow_kind=RADIAL, strength=-1.0)).wish()
     assert inwards == pytest.approx(-out, abs=1e-6)
-    turn = MadeStage(agents, Element(FLOW, flow_kind=VORTEX)).wish()
+    turn = StageHarness(agents, Element(FLOW, flow_kind=VORTEX)).wish()
     assert np.abs((turn * out).sum(1)).max() < 1e-6
     assert turn[0, 1] > 0.0
-    limited = MadeStage(agents, Element(FLOW, ((0.0, 0.0), (3.0, 4.0)), radius=1.3)).wish()
+    limited = StageHarness(agents, Element(FLOW, ((0.0, 0.0), (3.0, 4.0)), radius=1.3)).wish()
     assert limited[0] == pytest.approx([0.12, 0.16], abs=1e-5)  # 0.3 m outside of its 1.3 m: a fifth of it
 
 
-def test_a_vortex_carries_dancers_round():
-    stage = MadeStage([[2.5, 0.0], [0.0, -2.0]], Element(FLOW, flow_kind=VORTEX, start_beat=-9.0))
+def test_vortex_moves_dancers_around_its_center():
+    stage = StageHarness([[2.5, 0.0], [0.0, -2.0]], Element(FLOW, flow_kind=VORTEX, start_beat=-9.0))
     kept = stage.run(8.0)
     angle = np.unwrap(np.arctan2(kept[..., 1], kept[..., 0]), axis=0)
     assert (angle[-1] - angle[0] > 2.0).all()
     assert np.hypot(*kept[-1].T) == pytest.approx([2.5, 2.0], abs=1.0)
 
 
-def test_a_drawn_flow_runs_along_its_line_and_back_to_it():
+def test_drawn_flow_leads_dancers_along_its_line():
     t = np.linspace(0.0, np.pi, 500)
     arc = tuple(map(tuple, np.stack([-4 * np.cos(t), 3 - 4 * np.sin(t)], 1)))
     assert len(simplified_vertices(arc)) <= MAX_VERTICES
     start = [[-4.5, 2.5], [-2.0, 0.5], [-3.0, 2.8]]
-    stage = MadeStage(start, Element(FLOW, arc, flow_kind=DRAWN, start_beat=-9.0))
+    stage = StageHarness(start, Element(FLOW, arc, flow_kind=DRAWN, start_beat=-9.0))
     kept = stage.run(7.0)
     near = np.abs(np.hypot(kept[24:, :, 0], kept[24:, :, 1] - 3.0) - 4.0)
     assert near.mean() < 0.5
@@ -58,20 +58,20 @@ def test_a_drawn_flow_runs_along_its_line_and_back_to_it():
     assert np.abs(flow_grid_along(arc, 6.0, 4.0)).max() <= 1.0
 
 
-def test_a_grid_of_ones_own_is_followed():
+def test_custom_flow_grid_sets_velocity():
     grid = np.zeros((24, 32, 2), np.float32)
     grid[..., 1] = 0.5
-    stage = MadeStage([[1.0, 1.0]])
+    stage = StageHarness([[1.0, 1.0]])
     stage.field.add(Element(FLOW, flow_kind=GRID), grid)
     assert stage.wish()[0] == pytest.approx([0.0, 0.5], abs=1e-5)
 
 
 @pytest.mark.parametrize("wedge", [False, True])
-def test_followers_come_behind_their_leader(wedge):
+def test_followers_line_up_behind_their_leader(wedge):
     walk = Element(FLOW, ((0.0, 0.0), (1.0, 0.0)), strength=0.5, groups=1, start_beat=-9.0)
     follow = Element(FOLLOW, target=0, groups=2, wedge=wedge, start_beat=-9.0, separation=0.6)
     start = [[-3.0, 0.0], [-4.0, 2.0], [-2.0, 1.0], [-5.0, -1.0], [-3.0, -2.0]]
-    stage = MadeStage(start, walk, follow, groups=[1, 2, 2, 2, 2], size=(16.0, 8.0))
+    stage = StageHarness(start, walk, follow, groups=[1, 2, 2, 2, 2], size=(16.0, 8.0))
     end = stage.run(10.0)[-1]
     assert (end[1:, 0] < end[0, 0]).all()
     aside = np.abs(end[1:, 1] - end[0, 1])
@@ -83,50 +83,50 @@ def test_followers_come_behind_their_leader(wedge):
         assert (np.diff(end[:, 0]) < -0.4).all()  # in the order of their numbers
 
 
-def test_a_group_follows_the_first_dancer_of_another_group():
-    stage = MadeStage([[3.0, 0.0], [-3.0, 0.0]], Element(FOLLOW, target_group=4, groups=2), groups=[1 << 4, 2])
+def test_group_follows_first_dancer_of_target_group():
+    stage = StageHarness([[3.0, 0.0], [-3.0, 0.0]], Element(FOLLOW, target_group=4, groups=2), groups=[1 << 4, 2])
     assert stage.wish()[1, 0] > 0.9
     assert (stage.wish()[0] == 0.0).all()
 
 
-def test_hunters_come_nearer_and_the_hunted_get_away():
+def test_pursuer_approaches_and_evader_retreats():
     groups = [1, 2]
     hunt = Element(PURSUE, target_group=1, groups=1, start_beat=-9.0, separation=0.5)
-    stage = MadeStage([[-4.0, 0.0], [0.0, 0.5]], hunt, groups=groups)
+    stage = StageHarness([[-4.0, 0.0], [0.0, 0.5]], hunt, groups=groups)
     kept = stage.run(3.0)
     assert np.hypot(*(kept[-1, 0] - kept[-1, 1])) < 1.6
     evade = Element(EVADE, target_group=0, groups=2)
-    wish = MadeStage([[-1.0, 0.0], [0.0, 0.0], [5.0, 0.0]], evade, groups=[1, 2, 2]).wish()
+    wish = StageHarness([[-1.0, 0.0], [0.0, 0.0], [5.0, 0.0]], evade, groups=[1, 2, 2]).wish()
     assert wish[1, 0] == pytest.approx(np.exp(-1.0 / 2.5), abs=1e-5)
     assert wish[2, 0] == pytest.approx(np.exp(-6.0 / 2.5), abs=1e-5)
     assert (wish[0] == 0.0).all()
 
 
-def test_a_target_that_is_not_there_moves_nobody():
+def test_element_with_missing_target_moves_no_dancer():
     elements = [Element(kind, target=7) for kind in (FOLLOW, PURSUE, EVADE)]
     elements += [Element(kind, target_group=9) for kind in (FOLLOW, PURSUE, EVADE)]
-    stage = MadeStage([[0, 0], [1, 1]], *elements)
+    stage = StageHarness([[0, 0], [1, 1]], *elements)
     assert (stage.wish() == 0.0).all()
     assert (stage.field.influence == 0.0).all()
 
 
-def test_a_closed_path_is_danced_round_and_an_open_one_to_its_end():
+def test_closed_path_loops_and_open_path_stops_at_end():
     square = ((-3.0, -2.0), (3.0, -2.0), (3.0, 2.0), (-3.0, 2.0))
-    stage = MadeStage([[0.0, -2.5]], Element(PATH, square, closed=True, start_beat=-9.0))
+    stage = StageHarness([[0.0, -2.5]], Element(PATH, square, closed=True, start_beat=-9.0))
     kept = stage.run(18.0)[:, 0]
     angle = np.unwrap(np.arctan2(kept[:, 1] / 2, kept[:, 0] / 3))
     assert angle[-1] - angle[0] > 5.0
-    ended = MadeStage([[-3.0, -2.5]], Element(PATH, square, start_beat=-9.0)).run(18.0)[-1, 0]
+    ended = StageHarness([[-3.0, -2.5]], Element(PATH, square, start_beat=-9.0)).run(18.0)[-1, 0]
     assert np.hypot(*(ended - square[-1])) < 0.15
 
 
-def test_a_flock_hands_its_weights_to_the_neighbour_pass_and_wanderers_keep_moving():
-    stage = MadeStage([[0, 0]], Element(FLOCK, alignment=0.7, cohesion=0.3, start_beat=7.5))
+def test_flock_sets_weights_and_wanderers_keep_moving():
+    stage = StageHarness([[0, 0]], Element(FLOCK, alignment=0.7, cohesion=0.3, start_beat=7.5))
     stage.wish(8.0)
     faded = 1.0 - 0.5**4  # half a beat after its start
     assert stage.wants.alignment[0] == pytest.approx(0.7 * faded)
     assert stage.wants.cohesion[0] == pytest.approx(0.3 * faded)
-    wander = MadeStage([[0, 0], [3, 1]], Element(WANDER, start_beat=-9.0))
+    wander = StageHarness([[0, 0], [3, 1]], Element(WANDER, start_beat=-9.0))
     kept = wander.run(20.0)
     assert np.hypot(*np.diff(kept[16:], axis=0).T).mean() / 0.125 > 0.8
     assert np.abs(kept).max(axis=(0, 1)) == pytest.approx([5.0, 3.5], abs=1.01)

@@ -1,4 +1,4 @@
-"""Drawn ways (T103)."""
+"""Drawn paths (T103)."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ POINTS = st.lists(st.tuples(st.floats(-9, 9), st.floats(-9, 9)), min_size=1, max
 
 
 @given(POINTS)
-def test_even_points_keep_the_ends_and_lie_on_the_line_at_even_lengths(points):
+def test_resampled_polyline_keeps_ends_and_even_spacing(points):
     way = paths.resample_polyline(points, 33)
     assert way[0] == pytest.approx(np.array(points[0]), abs=1e-9)
     assert way[-1] == pytest.approx(np.array(points[-1]), abs=1e-6)
@@ -20,7 +20,7 @@ def test_even_points_keep_the_ends_and_lie_on_the_line_at_even_lengths(points):
     assert (np.hypot(*np.diff(way, axis=0).T) <= whole / 32 + 1e-6).all()
 
 
-def test_an_svg_path_in_metres():
+def test_svg_path_is_scaled_to_meters():
     way = paths.svg_path("M 0 0 L 400 0 A 100 100 0 0 1 400 200", metres_per_unit=0.01)
     assert way[0] == pytest.approx([0, 0])
     assert way[-1] == pytest.approx([4, 2], abs=1e-9)
@@ -29,19 +29,19 @@ def test_an_svg_path_in_metres():
 
 
 @pytest.mark.parametrize("data", ["", "M 1 1", "nonsense", "M 0 0 L 1e999 0"])
-def test_what_draws_nothing_is_refused(data):
+def test_svg_path_without_line_is_refused(data):
     with pytest.raises(PersonError):
         paths.svg_path(data)
 
 
 @pytest.mark.parametrize("points", [[], [[1, np.nan]], [[1, 2, 3]]])
-def test_what_is_no_line_is_refused(points):
+def test_invalid_polyline_is_refused(points):
     with pytest.raises(PersonError):
         paths.resample_polyline(points)
 
 
 @given(st.integers(1, 9), st.floats(0.3, 2.0), st.integers(0, 99))
-def test_in_single_file_all_start_at_home_and_stop_in_line(count, gap, seed):
+def test_single_file_starts_at_positions_and_ends_in_line(count, gap, seed):
     start = np.random.default_rng(seed).uniform(-4, 4, (count, 2))
     ways = paths.single_file([[-6, 5], [-6, -5], [60, -5]], start, gap=gap)
     assert ways[:, 0] == pytest.approx(start, abs=1e-5)
@@ -51,5 +51,5 @@ def test_in_single_file_all_start_at_home_and_stop_in_line(count, gap, seed):
     assert ways[first, -1] == pytest.approx([60, -5], abs=1e-4)
 
 
-def test_who_stands_at_the_beginning_of_the_way_just_goes():
+def test_dancer_at_path_start_follows_path_directly():
     assert paths.single_file([[0, 0], [4, 0]], [[0, 0]], knots=5)[0, :, 0].tolist() == [0, 1, 2, 3, 4]

@@ -1,4 +1,4 @@
-"""Who goes where: optimal, a permutation, sections kept, in pieces (T097-T100; CAPT)."""
+"""Slot assignment: optimal, a permutation, within sections, incremental (T097-T100; CAPT)."""
 
 import itertools
 
@@ -15,7 +15,7 @@ def places(count, seed, size=5.0):
     return np.random.default_rng(seed).uniform(-size, size, (count, 2))
 
 
-def every_way(dancers, slots):
+def all_assignments(dancers, slots):
     """All ways to give as many dancers as possible a slot."""
     if dancers <= slots:
         return itertools.permutations(range(slots), dancers)
@@ -26,7 +26,7 @@ def every_way(dancers, slots):
     )
 
 
-def value(cost, metres, slot, mean=0.0, weight=0.5):
+def assignment_cost(cost, metres, slot, mean=0.0, weight=0.5):
     way = np.array([metres[d, s] for d, s in enumerate(slot) if s >= 0])
     return {
         Cost.SQUARED: (way**2).sum(),
@@ -39,21 +39,21 @@ def value(cost, metres, slot, mean=0.0, weight=0.5):
 
 @pytest.mark.parametrize("cost", list(Cost))
 @pytest.mark.parametrize(("dancers", "slots"), [(5, 5), (3, 6), (6, 3), (1, 1)])
-def test_no_other_way_costs_less(cost, dancers, slots):
+def test_assignment_has_minimum_cost(cost, dancers, slots):
     """Against brute force; the mean of W_equal is that of the shortest matching (two passes, T099)."""
     for seed in range(4):
         start, goal = places(dancers, seed), places(slots, seed + 100)
         metres = distances(start, goal)
-        ways = list(every_way(dancers, slots))
-        shortest = min(ways, key=lambda slot: value(Cost.SHORTEST, metres, slot))
-        mean = value(Cost.SHORTEST, metres, shortest) / min(dancers, slots)
-        best = min(value(cost, metres, slot, mean) for slot in ways)
-        assert value(cost, metres, assign(start, goal, cost=cost), mean) == pytest.approx(best, abs=1e-9)
+        ways = list(all_assignments(dancers, slots))
+        shortest = min(ways, key=lambda slot: assignment_cost(Cost.SHORTEST, metres, slot))
+        mean = assignment_cost(Cost.SHORTEST, metres, shortest) / min(dancers, slots)
+        best = min(assignment_cost(cost, metres, slot, mean) for slot in ways)
+        assert assignment_cost(cost, metres, assign(start, goal, cost=cost), mean) == pytest.approx(best, abs=1e-9)
 
 
 @given(st.integers(0, 9), st.integers(0, 9), st.sampled_from(Cost), st.sampled_from(Fill), st.integers(0, 1000))
 @settings(deadline=None)
-def test_a_slot_each_and_as_many_as_can(dancers, slots, cost, fill, seed):
+def test_assignment_is_injective_and_maximal(dancers, slots, cost, fill, seed):
     slot = assign(places(dancers, seed), places(slots, seed + 1).reshape(-1, 2), cost=cost, fill=fill)
     taken = slot[slot >= 0]
     assert slot.shape == (dancers,)
@@ -64,7 +64,7 @@ def test_a_slot_each_and_as_many_as_can(dancers, slots, cost, fill, seed):
 
 @given(st.integers(1, 8), st.integers(1, 8), st.integers(0, 1000))
 @settings(deadline=None)
-def test_nobody_stands_where_she_may_not_and_no_more_could_have_a_place(dancers, slots, seed):
+def test_restricted_assignment_is_allowed_and_maximum(dancers, slots, seed):
     possible = np.random.default_rng(seed).random((dancers, slots)) < 0.4
     slot = assign(places(dancers, seed), places(slots, seed + 1), allowed=possible)
     assert all(possible[d, s] for d, s in enumerate(slot) if s >= 0)
@@ -77,18 +77,18 @@ def test_nobody_stands_where_she_may_not_and_no_more_could_have_a_place(dancers,
 
 @given(st.integers(2, 30), st.integers(0, 1000))
 @settings(deadline=None, max_examples=30)
-def test_the_order_of_the_dancers_does_not_matter(count, seed):
+def test_assignment_is_independent_of_dancer_order(count, seed):
     start, goal = places(count, seed), places(count, seed + 1)
     mixed = np.random.default_rng(seed).permutation(count)
     assert (assign(start[mixed], goal) == assign(start, goal)[mixed]).all()
 
 
-def test_by_id_is_as_declared():
+def test_assignment_by_id_follows_declared_order():
     assert by_id(3, 5).tolist() == [0, 1, 2]
     assert by_id(4, 2).tolist() == [0, 1, -1, -1]
 
 
-def test_sections_are_kept_together_and_overflow_onto_unmarked_slots():
+def test_sections_keep_their_slots_and_overflow_onto_unmarked_slots():
     words = [{"soloist"}, set(), {"red"}, {"red"}, {"red", "soloist"}, set()]
     dancer, slot = sections(words, ["", "soloist", "red", "", "red", ""])
     assert dancer.tolist() == [1, 0, 2, 2, 1, 0]
@@ -101,7 +101,7 @@ def test_sections_are_kept_together_and_overflow_onto_unmarked_slots():
 
 @given(st.integers(0, 60), st.integers(0, 60), st.integers(0, 500))
 @settings(deadline=None, max_examples=40)
-def test_the_divided_form_keeps_sections_too(dancers, slots, seed):
+def test_incremental_assignment_keeps_sections(dancers, slots, seed):
     chance = np.random.default_rng(seed)
     dancer, slot = chance.integers(0, 3, dancers).astype(np.int32), chance.integers(0, 3, slots).astype(np.int32)
     matching = IncrementalAssignment()
@@ -119,7 +119,7 @@ def test_the_divided_form_keeps_sections_too(dancers, slots, seed):
 
 
 @pytest.mark.parametrize("count", [129, 400, 1001])
-def test_in_pieces_hundreds_find_their_slots_and_no_two_would_gain_by_swapping(count):
+def test_incremental_assignment_of_hundreds_has_no_improving_swap(count):
     start, goal = places(count, 1, 20.0), places(count, 2, 20.0)
     matching = IncrementalAssignment()
     matching.begin(start, goal)
@@ -138,7 +138,7 @@ def test_in_pieces_hundreds_find_their_slots_and_no_two_would_gain_by_swapping(c
 
 @pytest.mark.parametrize(("dancers", "slots"), [(300, 200), (200, 300)])
 @pytest.mark.parametrize("fill", list(Fill))
-def test_in_pieces_unequal_numbers(dancers, slots, fill):
+def test_incremental_assignment_handles_unequal_counts(dancers, slots, fill):
     matching = IncrementalAssignment()
     matching.begin(places(dancers, 1, 9.0), places(slots, 2, 9.0), fill=fill)
     taken = [s for s in matching.finish() if s >= 0]

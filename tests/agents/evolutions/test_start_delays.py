@@ -1,4 +1,4 @@
-"""Clearance: CAPT, divide and conquer, ripples that are mended (T101, T147)."""
+"""Clearance: CAPT, divide and conquer, and repaired ripples (T101, T147)."""
 
 import math
 
@@ -15,7 +15,7 @@ from live.agents.evolutions.start_delays import Arrival, Ripple, StartOrder, del
 from live.agents.evolutions.trajectory import Locomotion
 
 
-def scattered(count, spacing, chance, half=(7.0, 5.0)):
+def scatter_points(count, spacing, chance, half=(7.0, 5.0)):
     found = []
     for _ in range(20_000):
         dart = chance.uniform(-1, 1, 2) * half
@@ -26,27 +26,27 @@ def scattered(count, spacing, chance, half=(7.0, 5.0)):
     return np.array(found)
 
 
-def journey(start, goal, waits=None, end=8.0, arrive=Arrival.TOGETHER):
+def straight_locomotion(start, goal, waits=None, end=8.0, arrive=Arrival.TOGETHER):
     own = start_and_arrival(0.0, end, np.zeros(len(start)) if waits is None else waits, arrive)
     return Locomotion(paths.straight_paths(start, goal), own, np.zeros((len(start), 1, 2)))
 
 
 @given(st.integers(2, 30), st.floats(0.6, 1.2), st.integers(0, 10_000), st.floats(0, 0.5))
 @settings(deadline=None, max_examples=40)
-def test_capt_together_on_straight_ways_nobody_comes_nearer_than_spacing_over_root_two(count, spacing, seed, soft):
+def test_capt_paths_keep_spacing_over_root_two(count, spacing, seed, soft):
     chance = np.random.default_rng(seed)
-    start, goal = scattered(count, spacing, chance), scattered(count, spacing, chance)
+    start, goal = scatter_points(count, spacing, chance), scatter_points(count, spacing, chance)
     count = min(len(start), len(goal))
     start, goal = start[:count], goal[:count]
-    moved = journey(start, goal[assign(start, goal)])
+    moved = straight_locomotion(start, goal[assign(start, goal)])
     moved = Locomotion(moved.path_knots, moved.times, moved.turns, soft)
     clearance = Clearance(moved, 0.25)
     clearance.compute_rows(0, count)
     assert clearance.distance.min() >= spacing / math.sqrt(2) - 1e-4
 
 
-def test_who_meets_whom_and_when():
-    moved = journey(np.array([[-2, 0], [2, 0], [0, 3]]), np.array([[2, 0], [-2, 0.1], [0, 3]]))
+def test_approaches_report_colliding_pair_and_beat():
+    moved = straight_locomotion(np.array([[-2, 0], [2, 0], [0, 3]]), np.array([[2, 0], [-2, 0.1], [0, 3]]))
     found = approaches(moved, 0.25)
     assert [(a.first, a.second) for a in found] == [(0, 1)]
     assert found[0].beat == pytest.approx(4.0, abs=0.1)
@@ -55,10 +55,10 @@ def test_who_meets_whom_and_when():
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_divide_and_conquer_parts_dancers_who_swap_places(seed):
+def test_divide_and_conquer_separates_dancers_that_swap_places(seed):
     angle = np.arange(10) * 2 * np.pi / 10
     ring = np.stack([np.sin(angle), np.cos(angle)], 1) * 3
-    moved = journey(ring, -ring)
+    moved = straight_locomotion(ring, -ring)
     bent = bend_paths(moved, 0.54, seed=seed)
     assert len(approaches(moved, 0.25)) == 45  # all meet all in the middle: the hardest there is
     assert approaches(bent, 0.25) == []
@@ -69,14 +69,14 @@ def test_divide_and_conquer_parts_dancers_who_swap_places(seed):
 
 
 @pytest.mark.parametrize("arrive", [Arrival.APART, Arrival.TOGETHER])
-def test_a_ripple_is_mended_and_stays_one(arrive):
+def test_ripple_is_repaired_with_few_retimed_dancers(arrive):
     chance = np.random.default_rng(5)
     met = changed = 0
     for seed in range(8):
-        start, goal = scattered(40, 0.75, chance), scattered(40, 0.75, chance)
+        start, goal = scatter_points(40, 0.75, chance), scatter_points(40, 0.75, chance)
         moved_to = goal[assign(start, goal)]
         waits = delays(Ripple(6.0, StartOrder.RANDOM), start, np.arange(40), seed=seed)
-        rippled = journey(start, moved_to, waits, arrive=arrive)
+        rippled = straight_locomotion(start, moved_to, waits, arrive=arrive)
         met += len(approaches(rippled, 0.25))
         result = repair_collisions(rippled, 0.25, waits, begin=0.0, end=8.0, arrive=arrive)
         assert result.remaining == ()
@@ -88,8 +88,8 @@ def test_a_ripple_is_mended_and_stays_one(arrive):
     assert 0 < changed < 80
 
 
-def test_what_cannot_be_mended_is_said():
-    moved = journey(np.array([[0, 0], [0.1, 0]]), np.array([[3, 0], [3.1, 0]]))
+def test_unresolved_collisions_are_reported():
+    moved = straight_locomotion(np.array([[0, 0], [0.1, 0]]), np.array([[3, 0], [3.1, 0]]))
     result = repair_collisions(moved, 0.25, np.zeros(2), begin=0.0, end=8.0)
     assert [(a.first, a.second) for a in result.remaining] == [(0, 1)]
 
@@ -98,7 +98,7 @@ def test_what_cannot_be_mended_is_said():
     st.integers(1, 20), st.floats(0, 8), st.sampled_from(StartOrder), st.sampled_from(Arrival), st.integers(0, 999),
     st.floats(0.5, 16),
 )  # fmt: skip
-def test_laws_of_delays(count, beats, order, arrive, seed, end):
+def test_delays_keep_range_and_arrival_time(count, beats, order, arrive, seed, end):
     start = np.random.default_rng(seed).uniform(-5, 5, (count, 2))
     waits = delays(Ripple(beats, order, arrive), start, np.arange(count), seed=seed)
     assert waits.min() == 0.0
@@ -116,7 +116,7 @@ def test_laws_of_delays(count, beats, order, arrive, seed, end):
         assert np.ptp(own[:, 1] - own[:, 0]) < 1e-9
 
 
-def test_orders():
+def test_start_orders_give_expected_delays():
     start = np.array([[-2, 1], [3, 0], [0, -1], [0, 3.0]])
     wait = lambda order: delays(Ripple(2.0, order), start, np.arange(4)).tolist()  # noqa: E731
     assert wait(StartOrder.LEFT) == [0, 2, 1, 1]  # the same x: together

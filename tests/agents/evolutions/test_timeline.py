@@ -15,8 +15,8 @@ SPANS = st.lists(
 )
 
 
-def wanted(spans, dancer, beat):
-    """Which span a dancer is in, said independently: the last to have begun, unless it has ended."""
+def expected_source(spans, dancer, beat):
+    """The span of a dancer by an independent rule: the latest to begin, unless it has ended."""
     own = [(s.begin, i) for i, s in enumerate(spans) if s.dancers[dancer] and s.begin <= beat]
     if not own:
         return AUXILIARY
@@ -25,17 +25,17 @@ def wanted(spans, dancer, beat):
 
 
 @given(SPANS)
-def test_every_dancer_at_every_beat_in_exactly_one(spans):
+def test_every_dancer_has_exactly_one_segment_per_beat(spans):
     links = link_timeline(spans, DANCERS, LENGTH)
     for dancer in range(DANCERS):
         for beat in np.arange(0.5, LENGTH):
             there = [link for link in links if link.dancers[dancer] and link.begin <= beat < link.end]
-            assert [link.source for link in there] == [wanted(spans, dancer, beat)]
+            assert [link.source for link in there] == [expected_source(spans, dancer, beat)]
 
 
 @given(SPANS)
-def test_it_is_one_linked_sequence(spans):
-    """Whoever is followed from link to link comes from beat 0 to the end; groups change at junctions only."""
+def test_links_form_one_continuous_sequence(spans):
+    """The links of each dancer run from beat 0 to the end; groups change only at junctions."""
     links = link_timeline(spans, DANCERS, LENGTH)
     for index, link in enumerate(links):
         assert all(index in links[other].after for other in link.before)
@@ -53,7 +53,7 @@ def test_it_is_one_linked_sequence(spans):
                 assert links[other].begin == links[other].end or (links[other].dancers == link.dancers).all()
 
 
-def test_division_and_reunion():
+def test_divided_groups_reunite_at_junctions():
     everybody = np.ones(4, bool)
     left = np.array([1, 1, 0, 0], bool)
     links = link_timeline([Span(0, 4, everybody), Span(4, 8, left), Span(6, 8, ~left), Span(8, 12, everybody)], 4, 12)

@@ -1,4 +1,4 @@
-"""Formations that the tests share."""
+"""Formation tables shared by the tests."""
 
 HEART = "M 0 3 C -5 -1 -2 -4 0 -1.5 C 2 -4 5 -1 0 3 Z"
 RING = "M -3 0 A 3 3 0 1 0 3 0 A 3 3 0 1 0 -3 0 Z M -2 0 A 2 2 0 1 0 2 0 A 2 2 0 1 0 -2 0 Z"

@@ -1,4 +1,4 @@
-"""Kernels of formations against plain numpy and shapely."""
+"""Formation kernels against plain numpy and shapely."""
 
 import math
 
@@ -11,14 +11,14 @@ from live.agents.formations.blue_noise_kernels import eliminate, lattice_points_
 NOBODY = np.zeros((0, 2))
 
 
-def weigh(points, others, scale, reach, least):
+def neighbor_weights(points, others, scale, reach, least):
     distance = np.maximum(np.hypot(*(points[:, None] - others[None]).transpose(2, 0, 1)) * scale, least)
     return np.where(distance < reach, (1 - np.minimum(distance / reach, 1)) ** 8, 0.0)
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
-def test_elimination_takes_the_most_crowded_each_time(mirrored):
-    """Yuksel 2015 written once more: all weights anew for every one that goes."""
+def test_elimination_removes_the_most_crowded_point_each_time(mirrored):
+    """Independent version of Yuksel 2015: all weights are recomputed after every removal."""
     chance = np.random.default_rng(5)
     points = chance.uniform(0, 4, (40, 2))
     image = points * (-1, 1) if mirrored else NOBODY
@@ -26,11 +26,11 @@ def test_elimination_takes_the_most_crowded_each_time(mirrored):
     scale = chance.uniform(0.8, 1.2, 40)
     reach, least = 1.3, 0.2
     pair = 0.5 * (scale[:, None] + scale[None])
-    weights = weigh(points, points, pair, reach, least)
+    weights = neighbor_weights(points, points, pair, reach, least)
     np.fill_diagonal(weights, 0.0)
     if mirrored:
-        weights += weigh(points, image, pair, reach, 0.0) * np.where(np.eye(40), 8, 1)
-    base = 8 * weigh(points, fixed, scale[:, None], reach, 0.0)[:, 0]
+        weights += neighbor_weights(points, image, pair, reach, 0.0) * np.where(np.eye(40), 8, 1)
+    base = 8 * neighbor_weights(points, fixed, scale[:, None], reach, 0.0)[:, 0]
     alive = np.ones(40, bool)
     while alive.sum() > 15:
         total = np.where(alive, base + np.where(alive[None], weights, 0.0).sum(axis=1), -1.0)
@@ -40,7 +40,7 @@ def test_elimination_takes_the_most_crowded_each_time(mirrored):
     assert (out >= 0).tolist() == alive.tolist()
 
 
-def test_lloyds_method_goes_to_the_middle_of_the_nearest_ground():
+def test_lloyd_relaxation_moves_sites_to_cell_centroids():
     chance = np.random.default_rng(6)
     ground, density = chance.uniform(0, 1, (300, 2)), chance.uniform(0.5, 2, 300)
     sites = chance.uniform(0, 1, (7, 2))
@@ -56,7 +56,7 @@ def test_lloyds_method_goes_to_the_middle_of_the_nearest_ground():
     assert (nearest == near).all()
 
 
-def test_lloyds_method_without_ground_or_sites():
+def test_lloyd_relaxation_without_ground_changes_nothing():
     for ground, sites in ((NOBODY, np.ones((2, 2))), (np.ones((3, 2)), NOBODY.copy())):
         if len(sites) == 0:
             continue
@@ -75,7 +75,7 @@ def test_lloyds_method_without_ground_or_sites():
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_rows_hold_the_points_that_shapely_holds(seed):
+def test_lattice_points_in_polygon_match_shapely(seed):
     chance = np.random.default_rng(seed)
     angle = np.sort(chance.uniform(0, 2 * math.pi, 17))
     outer = np.stack([np.sin(angle), np.cos(angle)], axis=1) * chance.uniform(1.5, 4, 17)[:, None]
@@ -99,7 +99,7 @@ def test_rows_hold_the_points_that_shapely_holds(seed):
     assert (short == out[:3]).all()
 
 
-def test_rows_on_the_border_count():
+def test_lattice_points_on_border_are_included():
     corners = np.array([[-2.0, -1.0], [2.0, -1.0], [2.0, 1.0], [-2.0, 1.0], [-2.0, -1.0]])
     edges = np.concatenate([corners[:-1], corners[1:]], axis=1)
     out = np.zeros((30, 2))

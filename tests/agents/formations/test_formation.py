@@ -15,11 +15,11 @@ from tests.agents.formations.tables import AREAS, EVERYTHING, LINES, PATTERNS
 few = settings(max_examples=25, deadline=None)
 
 
-def made(table, count, seed=1):
+def build_formation(table, count, seed=1):
     return formation_of(spec_from_table(table), count, seed)
 
 
-def apart(places):
+def smallest_distance(places):
     distances = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1))
     np.fill_diagonal(distances, np.inf)
     return distances.min() if len(places) > 1 else np.inf
@@ -27,29 +27,29 @@ def apart(places):
 
 @few
 @given(table=st.sampled_from(EVERYTHING), count=st.integers(0, 200), seed=st.integers(0, 2**31 - 1))
-def test_as_many_places_as_dancers_and_none_is_nowhere(table, count, seed):
-    formation = made(table, count, seed)
+def test_formation_has_one_finite_place_per_dancer(table, count, seed):
+    formation = build_formation(table, count, seed)
     assert formation.slots.shape == (count, 2)
     assert np.isfinite(formation.slots).all()
     assert np.isfinite(formation.heading).all()
     assert (formation.unplaced_dancers, formation.empty_places) == (0, 0)
     assert len(formation.marks) == count
-    assert formation.min_distance == pytest.approx(apart(formation.slots), rel=1e-9)
+    assert formation.min_distance == pytest.approx(smallest_distance(formation.slots), rel=1e-9)
     assert formation.min_distance > 0
 
 
 @few
 @given(table=st.sampled_from(LINES), count=st.integers(1, 120))
-def test_dancers_on_lines_are_on_them(table, count):
-    formation = made(table, count)
+def test_places_of_line_formations_lie_on_lines(table, count):
+    formation = build_formation(table, count)
     drawn = shapely.MultiLineString([shapely.LineString(line) for line in formation.lines])
     assert shapely.distance(drawn, shapely.points(formation.slots)).max() < 1e-6
 
 
 @few
 @given(area=st.sampled_from(AREAS), pattern=st.sampled_from(PATTERNS), count=st.integers(1, 150))
-def test_dancers_inside_are_inside(area, pattern, count):
-    formation = made({**area, **pattern}, count)
+def test_places_of_area_formations_lie_inside(area, pattern, count):
+    formation = build_formation({**area, **pattern}, count)
     region = shapely.Polygon(formation.lines[0], holes=formation.lines[1:])
     assert shapely.distance(region, shapely.points(formation.slots)).max() < 1e-6
 
@@ -64,9 +64,9 @@ MIRRORS = ["left-right", "front-back", [[-2, -3], [2, 3]]]
     count=st.integers(0, 90),
     heading=st.sampled_from(["along", "outwards", "public"]),
 )
-def test_the_reflection_of_a_symmetrical_formation_is_itself(table, mirror, count, heading):
-    """T092; places and headings, but that the public is seen straight ahead by everybody."""
-    formation = made({**table, "mirror": mirror, "heading": heading}, count)
+def test_mirrored_formation_equals_its_reflection(table, mirror, count, heading):
+    """T092; places and headings, except the heading to the audience, which is the same for all dancers."""
+    formation = build_formation({**table, "mirror": mirror, "heading": heading}, count)
     assert len(formation.slots) == count
     if count == 0:
         return
@@ -82,7 +82,7 @@ def test_the_reflection_of_a_symmetrical_formation_is_itself(table, mirror, coun
 
 
 @pytest.mark.parametrize("table", EVERYTHING, ids=str)
-def test_the_same_arguments_give_the_same_places_bit_for_bit(table):
+def test_equal_arguments_give_bit_identical_places(table):
     spec = spec_from_table(table)
     first = formation_of(spec, 33, 7)
     formation_of(spec, 34, 8)
@@ -91,18 +91,18 @@ def test_the_same_arguments_give_the_same_places_bit_for_bit(table):
     assert first.heading.tobytes() == again.heading.tobytes()
 
 
-def test_seeds_scatter_differently_and_grids_alike():
+def test_seed_changes_blue_noise_but_not_grid():
     scattered = {"shape": "circle", "pattern": "poisson"}
-    assert np.abs(made(scattered, 30, 1).slots - made(scattered, 30, 2).slots).max() > 0.1
+    assert np.abs(build_formation(scattered, 30, 1).slots - build_formation(scattered, 30, 2).slots).max() > 0.1
     lattice = {"shape": "circle", "pattern": "grid"}
-    assert (made(lattice, 30, 1).slots == made(lattice, 30, 2).slots).all()
+    assert (build_formation(lattice, 30, 1).slots == build_formation(lattice, 30, 2).slots).all()
 
 
 @pytest.mark.parametrize("count", [1, 2, 7, 24, 50])
 @pytest.mark.parametrize("shape", ["grid", "line", "circle"])
-def test_words_of_the_first_show_mean_the_same(shape, count):
+def test_grid_line_and_circle_keep_their_original_layout(shape, count):
     place = {"centre": (1.0, -0.5), "size": (8.0, 8.0)}
-    slots = made({"shape": shape, **place}, count).slots - (1.0, -0.5)
+    slots = build_formation({"shape": shape, **place}, count).slots - (1.0, -0.5)
     if shape == "line":
         across = np.zeros(1) if count == 1 else np.linspace(-4.0, 4.0, count)
         assert slots == pytest.approx(np.stack([across, np.zeros(count)], 1), abs=2e-3)
@@ -118,29 +118,29 @@ def test_words_of_the_first_show_mean_the_same(shape, count):
             assert len(gaps) == 0 or np.ptp(gaps) < 1e-9
 
 
-def test_count_density_and_spacing_say_how_many():
+def test_count_density_and_spacing_set_number_of_places():
     circle = {"shape": "circle", "size": [6, 6]}
-    few_places = made({**circle, "count": 20}, 24)
+    few_places = build_formation({**circle, "count": 20}, 24)
     assert (len(few_places.slots), few_places.unplaced_dancers, few_places.empty_places) == (20, 4, 0)
     assert "4 dancers have no place" in few_places.warnings[0]
-    many = made({**circle, "count": 20}, 17)
+    many = build_formation({**circle, "count": 20}, 17)
     assert (many.unplaced_dancers, many.empty_places) == (0, 3)
     assert "3 places stay empty" in many.warnings[0]
-    dense = made({**circle, "pattern": "grid", "density": 2.0}, 5)
+    dense = build_formation({**circle, "pattern": "grid", "density": 2.0}, 5)
     assert len(dense.slots) == round(2.0 * math.pi * 9)
-    spaced = made({**circle, "spacing": 0.75}, 5)
+    spaced = build_formation({**circle, "spacing": 0.75}, 5)
     assert len(spaced.slots) == round(math.pi * 6 / 0.75)
-    assert len(made({"shape": "line", "size": [6, 1], "spacing": 1.0}, 0).slots) == 7
+    assert len(build_formation({"shape": "line", "size": [6, 1], "spacing": 1.0}, 0).slots) == 7
 
 
 @pytest.mark.parametrize("pattern", [each for each in PATTERNS if each["pattern"] != "weighted"], ids=str)
-def test_a_spacing_inside_is_about_kept(pattern):
-    formation = made({"shape": "circle", "size": [9, 9], **pattern, "spacing": 1.0}, 0)
+def test_area_formation_keeps_spacing_approximately(pattern):
+    formation = build_formation({"shape": "circle", "size": [9, 9], **pattern, "spacing": 1.0}, 0)
     assert 0.75 < formation.min_distance < 1.2
 
 
-def test_a_soloist_stands_in_front_of_everybody():
-    formation = made({"shape": "arc", "soloists": 1, "soloist_gap": 2.0}, 13)
+def test_soloist_stands_in_front_of_all_dancers():
+    formation = build_formation({"shape": "arc", "soloists": 1, "soloist_gap": 2.0}, 13)
     assert formation.soloist.tolist() == [True] + [False] * 12
     assert formation.marks[0] == SOLOIST
     assert formation.slots[0] == pytest.approx([0.0, formation.slots[1:, 1].max() + 2.0])
@@ -148,18 +148,18 @@ def test_a_soloist_stands_in_front_of_everybody():
 
 @pytest.mark.parametrize("pattern", PATTERNS, ids=str)
 @pytest.mark.parametrize("soloists", [1, 3])
-def test_the_others_make_room_for_soloists_in_the_middle(pattern, soloists):
+def test_dancers_keep_gap_to_soloists_in_center(pattern, soloists):
     table = {"shape": "circle", **pattern, "soloists": soloists, "soloist_place": "centre", "soloist_gap": 1.0}
-    formation = made(table, 30)
+    formation = build_formation(table, 30)
     alone, others = formation.slots[:soloists], formation.slots[soloists:]
     assert len(others) == 30 - soloists
     assert alone.mean(axis=0) == pytest.approx([0.0, 0.0], abs=1e-9)
     assert np.hypot(*(others[:, None] - alone[None]).transpose(2, 0, 1)).min() > 0.99
-    assert soloists == 1 or apart(alone) == pytest.approx(1.0)
+    assert soloists == 1 or smallest_distance(alone) == pytest.approx(1.0)
 
 
-def test_sections_along_a_line_are_neighbours():
-    formation = made({"shape": "circle", "sections": [3, 5, 4], "section_names": ["a", "b", "c"]}, 12)
+def test_sections_on_a_line_are_contiguous():
+    formation = build_formation({"shape": "circle", "sections": [3, 5, 4], "section_names": ["a", "b", "c"]}, 12)
     assert formation.section.tolist() == [0] * 3 + [1] * 5 + [2] * 4
     assert formation.marks == ("a",) * 3 + ("b",) * 5 + ("c",) * 4
     gap = np.hypot(*np.diff(formation.slots, axis=0).T)
@@ -167,46 +167,46 @@ def test_sections_along_a_line_are_neighbours():
 
 
 @pytest.mark.parametrize("pattern", ["grid", "poisson", "concentric"])
-def test_sections_inside_are_blocks_of_their_size(pattern):
-    """A section's dancers are nearer to their own middle than to another section's, almost all of them."""
-    formation = made({"shape": "rectangle", "pattern": pattern, "sections": [10, 20, 10]}, 40)
+def test_sections_in_an_area_are_blocks_of_given_size(pattern):
+    """The convex hulls of the sections overlap by less than 2% of their area."""
+    formation = build_formation({"shape": "rectangle", "pattern": pattern, "sections": [10, 20, 10]}, 40)
     assert np.bincount(formation.section).tolist() == [10, 20, 10]
     hulls = [shapely.MultiPoint(formation.slots[formation.section == n]).convex_hull for n in range(3)]
     overlap = sum(hulls[a].intersection(hulls[b]).area for a, b in ((0, 1), (1, 2), (0, 2)))
     assert overlap < 0.02 * sum(hull.area for hull in hulls)
 
 
-def test_sections_are_shares_if_the_count_is_another():
-    assert np.bincount(made({"shape": "line", "sections": [1, 2, 1]}, 21).section).tolist() == [5, 11, 5]
+def test_sections_scale_to_other_dancer_counts():
+    assert np.bincount(build_formation({"shape": "line", "sections": [1, 2, 1]}, 21).section).tolist() == [5, 11, 5]
 
 
-def test_headings():
+def test_heading_modes_give_expected_angles():
     circle = {"shape": "circle", "size": [6, 6], "centre": [1, 1]}
-    places = made(circle, 8).slots - 1.0
+    places = build_formation(circle, 8).slots - 1.0
     outwards = np.arctan2(places[:, 0], places[:, 1])
-    assert made(circle, 8).heading == pytest.approx(np.zeros(8))
-    faced = {way: made({**circle, "heading": way}, 8).heading for way in ("outwards", "centre", "along")}
+    assert build_formation(circle, 8).heading == pytest.approx(np.zeros(8))
+    faced = {way: build_formation({**circle, "heading": way}, 8).heading for way in ("outwards", "centre", "along")}
     assert np.cos(faced["outwards"] - outwards) == pytest.approx(np.ones(8))
     assert np.cos(faced["centre"] - outwards) == pytest.approx(-np.ones(8))
     assert np.abs(np.cos(faced["along"] - outwards)).max() < 0.02
-    angle = made({**circle, "heading": "angle", "heading_deg": 270}, 8).heading
+    angle = build_formation({**circle, "heading": "angle", "heading_deg": 270}, 8).heading
     assert angle == pytest.approx(np.full(8, -math.pi / 2))
 
 
-def test_turning_a_formation_turns_its_places():
-    straight = made({"shape": "arc"}, 9).slots
-    turned = made({"shape": "arc", "rotation_deg": 90}, 9).slots
+def test_rotated_formation_has_rotated_places():
+    straight = build_formation({"shape": "arc"}, 9).slots
+    turned = build_formation({"shape": "arc", "rotation_deg": 90}, 9).slots
     assert turned == pytest.approx(np.stack([straight[:, 1], -straight[:, 0]], axis=1), abs=1e-9)  # (0, 1) → (1, 0)
 
 
-def test_warnings_say_how_to_mend_what_is_too_near():
-    crowded = made({"shape": "circle", "size": [2, 2]}, 20)
+def test_warning_names_scale_that_resolves_contact():
+    crowded = build_formation({"shape": "circle", "size": [2, 2]}, 20)
     assert "bodies touch" in crowded.warnings[0]
     factor = float(crowded.warnings[0].split("make it ")[1].split()[0])
-    assert made({"shape": "circle", "size": [2 * factor, 2 * factor]}, 20).warnings == ()
+    assert build_formation({"shape": "circle", "size": [2 * factor, 2 * factor]}, 20).warnings == ()
 
 
-def test_what_has_been_checked_never_raises_live():
+def test_checked_spec_never_raises_for_any_count():
     for table in EVERYTHING:
         spec = spec_from_table(table)
         check_formation(spec)

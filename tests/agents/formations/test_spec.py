@@ -1,4 +1,4 @@
-"""Specs: what cannot be is said with the name of the field; tables and words give the same spec back."""
+"""Formation specs: invalid fields are refused by name; tables and expressions round-trip to the same spec."""
 
 import json
 import math
@@ -85,7 +85,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("table", "words"), REFUSED, ids=str)
-def test_what_cannot_be_is_refused_by_name(table, words):
+def test_invalid_spec_is_refused_by_field_name(table, words):
     with pytest.raises(PersonError) as refused:
         check_formation(spec_from_table(table))
     assert words in str(refused.value)
@@ -93,7 +93,7 @@ def test_what_cannot_be_is_refused_by_name(table, words):
     assert len(refused.value.message) < 500
 
 
-def test_messages_name_the_formation():
+def test_error_message_names_the_formation():
     with pytest.raises(PersonError, match="formation 'gate': size"):
         FormationSpec(name="gate", size=(math.nan, 1.0))
     with pytest.raises(PersonError, match=r"show.toml: a table expected"):
@@ -101,14 +101,14 @@ def test_messages_name_the_formation():
 
 
 @pytest.mark.parametrize("table", EVERYTHING, ids=str)
-def test_tables_come_back(table):
+def test_spec_round_trips_through_table(table):
     spec = spec_from_table(table)
     written = spec_to_table(spec)
     assert spec_from_table(json.loads(json.dumps(written))) == spec
     assert hash(spec) == hash(spec_from_table(written))
 
 
-def test_toml_reads_as_written():
+def test_toml_table_parses_to_spec():
     text = 'shape = "polyline"\npoints = [[-3, 0], [0, -2], [3, 0]]\nsections = [2, 3]\nmirror = [[0, -4], [0, 4]]\n'
     spec = spec_from_table(tomllib.loads(text))
     assert spec.points == (((-3, 0), (0, -2), (3, 0)),)
@@ -128,13 +128,13 @@ def test_toml_reads_as_written():
         ("path:M 0 0 L 3 3", "path", False, "even"),
     ],
 )
-def test_words(words, shape, inside, pattern):
+def test_formation_expression_parses_to_spec(words, shape, inside, pattern):
     spec = parse_formation(words)
     assert (spec.shape, spec.inside, spec.distribution) == (shape, inside, pattern)
     assert len(formation_of(spec, 10).slots) == 10
 
 
-def test_words_carry_what_the_shape_needs():
+def test_formation_expression_sets_shape_parameters():
     assert parse_formation("star:7").corners == 7
     assert parse_formation("hexagon").corners == 6
     assert parse_formation("spiral:1.5").turns == 1.5
@@ -144,6 +144,6 @@ def test_words_carry_what_the_shape_needs():
 @pytest.mark.parametrize(
     "words", ["", "  ", "blob", "circle blue", "circle:5", "star:many", "star:2", "text:", "path:x"]
 )
-def test_words_that_say_no_formation(words):
+def test_invalid_formation_expression_is_refused(words):
     with pytest.raises(PersonError):
         check_formation(parse_formation(words))

@@ -1,4 +1,4 @@
-"""Whether a formation has room: the remedy really mends it."""
+"""Stage fit of a formation: the suggested remedy makes it fit."""
 
 from dataclasses import replace
 
@@ -9,12 +9,12 @@ from live.agents.formations.formation_spec import FormationSpec
 from live.agents.formations.stage_fit import fit_stage
 
 
-def test_what_fits_fits():
+def test_small_formation_fits_the_stage():
     assert fit_stage(formation_of(FormationSpec(shape="circle"), 20), 12, 8).fits
     assert fit_stage(formation_of(FormationSpec(shape="circle"), 0), 2, 2).fits
 
 
-def test_bodies_count_not_only_centres():
+def test_stage_fit_includes_body_radius():
     formation = formation_of(FormationSpec(shape="line", size=(8.0, 1.0)), 9)
     assert fit_stage(formation, 8.5, 4).fits
     assert fit_stage(formation, 8.4, 4).outside == (0, 8)
@@ -26,7 +26,7 @@ def test_bodies_count_not_only_centres():
     FormationSpec(shape="line", size=(30.0, 1.0), rotation_deg=50),
     FormationSpec(shape="rectangle", pattern="poisson", size=(13.0, 4.0), centre=(0.0, 5.0)),
 ])  # fmt: skip
-def test_the_remedy_mends(spec):
+def test_suggested_remedy_makes_formation_fit(spec):
     formation = formation_of(spec, 30)
     fit = fit_stage(formation, 12, 8)
     assert not fit.fits

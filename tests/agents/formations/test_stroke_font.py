@@ -1,4 +1,4 @@
-"""The stroke font: every letter is recognised, in ink and by dancers who stand on it."""
+"""The stroke font: every letter is legible, as strokes and as places of dancers."""
 
 from functools import cache
 
@@ -15,44 +15,46 @@ LETTERS = [letter for letter in STROKES if letter.isalnum()]
 
 
 @cache
-def printed(letter):
+def letter_ink(letter):
     """Ink of the letter in an ordinary font, (n, 2), in a box of height 1."""
     picture = Image.new("L", (300, 300))
     ImageDraw.Draw(picture).text((80, 40), letter, fill=255, font=ImageFont.load_default(180))
     z, x = np.nonzero(np.asarray(picture) > 128)
-    return boxed(np.stack([x, z], axis=1).astype(float)[::7])
+    return normalize_height(np.stack([x, z], axis=1).astype(float)[::7])
 
 
-def boxed(points):
-    """Middle at (0, 0), height 1; letters keep their widths."""
+def normalize_height(points):
+    """Points centered at (0, 0) with height 1; the aspect ratio of a letter is kept."""
     low, high = points.min(axis=0), points.max(axis=0)
     return (points - (low + high) / 2) / (high[1] - low[1])
 
 
-def likeness(points, letter):
-    """Mean distance of dancers to ink, and of ink to dancers: 0 is the same (chamfer distance)."""
-    ink = printed(letter)
+def chamfer_distance(points, letter):
+    """Chamfer distance: mean distance of dancers to ink plus ink to dancers; 0 means identical."""
+    ink = letter_ink(letter)
     return cKDTree(ink).query(points)[0].mean() + cKDTree(points).query(ink)[0].mean()
 
 
-def standing(letter, dancers):
-    return boxed(formation_of(spec_from_table({"shape": "text", "text": letter, "size": [9, 6]}), dancers).slots)
+def dancer_points(letter, dancers):
+    return normalize_height(
+        formation_of(spec_from_table({"shape": "text", "text": letter, "size": [9, 6]}), dancers).slots
+    )
 
 
-def test_letters_are_those_of_an_ordinary_font():
-    """Read by likeness to printed letters: nearly all at once, and the right one is never far from the first."""
+def test_letters_resemble_a_printed_font():
+    """By chamfer distance to printed letters: at least 30 rank first, all rank in the first four."""
     read = {}
     for letter in LETTERS:
-        points = standing(letter, 26)
-        read[letter] = sorted(LETTERS, key=lambda other: likeness(points, other))
+        points = dancer_points(letter, 26)
+        read[letter] = sorted(LETTERS, key=lambda other: chamfer_distance(points, other))
     first = [letter for letter in LETTERS if read[letter][0] == letter]
     assert len(first) >= 30, {letter: read[letter][:3] for letter in LETTERS if read[letter][0] != letter}
     assert all(letter in read[letter][:4] for letter in LETTERS)
 
 
 @pytest.mark.parametrize("letter", LETTERS)
-def test_dancers_cover_all_strokes(letter):
-    """Nowhere on the strokes is the next dancer farther than a gap and a half."""
+def test_dancers_cover_all_strokes_of_a_letter(letter):
+    """Every point on the strokes is within one mean gap of a dancer."""
     formation = formation_of(spec_from_table({"shape": "text", "text": letter, "size": [6, 6]}), 16)
     drawn = np.concatenate(
         [np.stack([np.interp(np.linspace(0, len(line) - 1, 400), np.arange(len(line)), line[:, k]) for k in (0, 1)], 1)
@@ -63,7 +65,7 @@ def test_dancers_cover_all_strokes(letter):
     assert formation.min_distance > 0.35 * length / 16
 
 
-def test_texts_are_read_from_left_to_right_by_the_public():
+def test_text_reads_left_to_right_for_the_audience():
     strokes = text_strokes("LIVE ON")
     starts = [points[:, 0].min() for points, _ in strokes]
     assert starts[0] == 0.0
@@ -75,6 +77,6 @@ def test_texts_are_read_from_left_to_right_by_the_public():
     )
 
 
-def test_an_unknown_letter_is_named():
+def test_error_names_the_unknown_letter():
     with pytest.raises(KeyError, match="!"):
         text_strokes("GO!")

@@ -1,4 +1,4 @@
-"""SVG paths and files: pieces sampled where they are, groups moved, and nothing harmful read."""
+"""SVG paths and files: sampled segments, group transforms and refusal of harmful files."""
 
 import math
 
@@ -13,14 +13,14 @@ from live.base.errors import PersonError
 SVG = '<svg xmlns="http://www.w3.org/2000/svg">{}</svg>'
 
 
-def test_an_arc_is_a_circle():
+def test_arc_segments_form_a_circle():
     (line,) = path_lines("M -2 0 A 2 2 0 0 1 2 0 A 2 2 0 0 1 -2 0 Z", "here")
     assert np.hypot(*line.T) == pytest.approx(np.full(len(line), 2.0))
     assert line[0] == pytest.approx(line[-1])
     assert np.hypot(*np.diff(line, axis=0).T).sum() == pytest.approx(4 * math.pi, rel=1e-3)
 
 
-def test_a_cubic_is_bernsteins():
+def test_cubic_segment_matches_bernstein_polynomial():
     (line,) = path_lines("M 0 0 C 0 3 4 3 4 0", "here")
     t = np.linspace(0, 1, 25)[:, None]
     control = np.array([[0, 0], [0, 3], [4, 3], [4, 0]])
@@ -28,17 +28,17 @@ def test_a_cubic_is_bernsteins():
     assert line == pytest.approx(expected)
 
 
-def test_subpaths_are_lines_of_their_own():
+def test_subpaths_become_separate_lines():
     lines = path_lines("M 0 0 L 1 0 M 5 5 L 6 5 L 6 6 Z", "here")
     assert [len(line) for line in lines] == [2, 4]
 
 
-def test_down_in_the_drawing_is_to_the_public():
+def test_down_in_the_drawing_points_to_the_audience():
     formation = formation_of(spec_from_table({"shape": "path", "path": "M 0 0 L 0 10"}), 3)
     assert formation.slots[0, 1] < formation.slots[2, 1]
 
 
-def test_files_give_shapes_and_moved_groups():
+def test_file_shapes_and_group_transforms_are_read():
     text = SVG.format(
         '<g transform="translate(10,0) scale(2)"><path d="M 0 0 L 1 0"/></g><circle cx="1" cy="1" r="1"/>'
     )
@@ -61,7 +61,7 @@ def test_files_give_shapes_and_moved_groups():
         ("x" * 2_000_001, "larger"),
     ],
 )
-def test_files_that_are_refused(text, words):
+def test_invalid_svg_file_is_refused(text, words):
     with pytest.raises(PersonError) as refused:
         svg_file_paths(text, "drawn.svg")
     assert words in str(refused.value)

@@ -1,4 +1,4 @@
-"""Goals and way points against plain formulas."""
+"""Goals and waypoints against plain formulas."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from live.agents.goals.goal_kernels import ARRIVE, ATTRACT, segments_cross
 from live.agents.goals.goals import Goals, WayPoints
 
 
-def wished(position, target, **options):
+def goal_velocity(position, target, **options):
     position = np.array(position, np.float32).reshape(-1, 2)
     wants = AgentCommand(len(position))
     reached = Goals(target, 1.3, **options)(wants, position)
@@ -19,10 +19,10 @@ def wished(position, target, **options):
 
 @given(st.integers(0, 2**31 - 1), st.integers(0, 33), st.floats(0.2, 4.0))
 @settings(max_examples=50, deadline=None)
-def test_arrive_slows_down_in_proportion_to_what_is_left(seed, count, rate):
+def test_arrive_speed_is_proportional_to_distance(seed, count, rate):
     chance = np.random.default_rng(seed)
     position, target = chance.uniform(-9, 9, (2, count, 2)).astype(np.float32)
-    velocity, reached = wished(position, target, law=ARRIVE, rate=rate)
+    velocity, reached = goal_velocity(position, target, law=ARRIVE, rate=rate)
     way = target.astype(float) - position
     distance = np.linalg.norm(way, axis=1)
     expected = way / distance[:, None] * np.minimum(1.3, rate * distance)[:, None]
@@ -32,32 +32,32 @@ def test_arrive_slows_down_in_proportion_to_what_is_left(seed, count, rate):
 
 @given(st.integers(0, 2**31 - 1), st.integers(0, 33), st.floats(0.2, 4.0))
 @settings(max_examples=50, deadline=None)
-def test_the_attractor_pulls_with_one_minus_f(seed, count, rate):
+def test_attract_speed_follows_one_minus_exponential(seed, count, rate):
     """T105: 1 - f(d), f(d) = exp(-d / decay), from millimetres to a hundred metres."""
     chance = np.random.default_rng(seed)
     angle, distance = chance.uniform(0, 7, count), 10 ** chance.uniform(-3, 2, count)
     target = np.stack([np.sin(angle), np.cos(angle)], 1) * distance[:, None]
-    velocity, _ = wished(np.zeros((count, 2)), target, law=ATTRACT, rate=rate)
+    velocity, _ = goal_velocity(np.zeros((count, 2)), target, law=ATTRACT, rate=rate)
     expected = target / distance[:, None] * 1.3 * (1 - np.exp(-rate * distance))[:, None]
     np.testing.assert_allclose(velocity, expected, atol=4e-6)
 
 
 @pytest.mark.parametrize("law", [ARRIVE, ATTRACT])
-def test_on_the_spot_she_stands(law):
-    velocity, reached = wished([[2, 1], [5, 5]], [[2, 1], [5, 5.2]], law=law)
+def test_agent_at_its_goal_stands_still(law):
+    velocity, reached = goal_velocity([[2, 1], [5, 5]], [[2, 1], [5, 5.2]], law=law)
     assert (velocity[0] == 0).all()
     assert velocity[1, 1] > 0
     assert reached == [0, 1]
 
 
-def test_nobody_is_no_trouble():
-    velocity, reached = wished(np.zeros((0, 2)), np.zeros((0, 2)))
+def test_goals_accept_zero_agents():
+    velocity, reached = goal_velocity(np.zeros((0, 2)), np.zeros((0, 2)))
     assert velocity.shape == (0, 2)
     assert reached == []
 
 
 def walk(way, start, gate=0.9):
-    """The numbers of the way points aimed at while walking straight from one to the next, 5 cm at a time."""
+    """Indices of the waypoints targeted while walking straight from one to the next in steps of 5 cm."""
     ways = WayPoints([way])
     goals = Goals(ways.current, 1.0)
     ways.begin(goals)
@@ -72,13 +72,13 @@ def walk(way, start, gate=0.9):
     return seen, place[0]
 
 
-def test_way_points_are_taken_in_order_and_the_last_one_is_kept():
+def test_waypoints_are_visited_in_order_and_the_last_is_kept():
     seen, place = walk([[0, 0], [2, 0], [2, 3], [0, 0]], [-3, 0])
     assert seen == [0, 1, 2, 3]
     np.testing.assert_allclose(place, [0, 0], atol=1e-3)
 
 
-def test_nobody_slows_down_but_for_her_last_point():
+def test_agent_slows_down_only_at_last_waypoint():
     way = WayPoints([[[1, 0], [1.5, 0]]], rate=1.0)
     goals, wants = Goals(way.current, 1.3), AgentCommand(1)
     way.begin(goals)
@@ -90,10 +90,10 @@ def test_nobody_slows_down_but_for_her_last_point():
     np.testing.assert_allclose(wants.velocity, [[0.6, 0]], rtol=1e-5)
 
 
-def test_who_has_been_pushed_past_a_way_point_goes_on():
+def test_agent_pushed_past_waypoint_continues_to_next():
     way = WayPoints([[[0, 0], [4, 0]]] * 4)
     goals = Goals(way.current, 1.0)
-    #  beside it and past; beside it, not yet past; past, but far beside; there
+    # beside and past; beside, not yet past; past, but too far aside; on the waypoint
     place = np.array([[0.1, 0.6], [-0.1, 0.6], [0.1, 1.5], [-0.05, 0.05]], np.float32)
     way(goals, place, 0.3, 0.9)
     assert list(way.heading_to_last) == [True, False, False, True]
@@ -101,8 +101,8 @@ def test_who_has_been_pushed_past_a_way_point_goes_on():
     np.testing.assert_array_equal(way.last, [[4, 0]] * 4)
 
 
-def test_nobody_skips_a_way_point_through_a_wall():
-    door = np.array([[0.05, -5.0, 0.05, 0.3]])  # the way point stands at the door's edge, she behind the wall
+def test_waypoint_behind_wall_is_not_skipped():
+    door = np.array([[0.05, -5.0, 0.05, 0.3]])  # the waypoint is at the door's edge, the agent behind the wall
     way = WayPoints([[[0, 0.5], [4, 0.5]]], np.concatenate([door, [[0.05, 0.7, 0.05, 5.0]]]))
     goals = Goals(way.current, 1.0)
     way(goals, np.array([[0.01, 0.0]], np.float32), 0.1, 0.9)
@@ -111,7 +111,7 @@ def test_nobody_skips_a_way_point_through_a_wall():
     assert way.heading_to_last[0]
 
 
-def test_segments_cross_as_shapely_says():
+def test_segment_crossing_matches_shapely():
     from shapely import LineString
 
     ends = np.random.default_rng(5).uniform(-1, 1, (300, 8))

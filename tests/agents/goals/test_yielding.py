@@ -1,4 +1,4 @@
-"""Who gives way, against a search by hand."""
+"""Yielding agents against a plain graph search."""
 
 import numpy as np
 from hypothesis import given, settings
@@ -8,7 +8,7 @@ from live.agents.goals.goals import yielding_agents
 
 
 def reachable(position, arrived, near):
-    """From everybody who has not arrived, step by step to whoever is near."""
+    """Arrived agents reachable from agents still moving, through steps of at most `near`."""
     found = set(map(int, np.flatnonzero(~arrived)))
     waiting = list(found)
     while waiting:
@@ -22,7 +22,7 @@ def reachable(position, arrived, near):
 
 @given(st.integers(0, 2**31 - 1), st.integers(0, 30), st.floats(0.0, 1.0))
 @settings(max_examples=100, deadline=None)
-def test_a_throng_is_all_that_can_be_reached(seed, count, share):
+def test_yielding_agents_are_those_reachable_from_moving_agents(seed, count, share):
     chance = np.random.default_rng(seed)
     position = chance.uniform(0, 4, (count, 2))
     arrived = chance.uniform(size=count) < share
@@ -30,7 +30,7 @@ def test_a_throng_is_all_that_can_be_reached(seed, count, share):
     np.testing.assert_array_equal(yielding_agents(position, arrived, 0.7), expected)
 
 
-def test_who_stands_apart_or_among_those_at_their_goals_stays():
+def test_isolated_or_settled_agents_do_not_yield():
     row = np.array([[0, 0], [0.6, 0], [1.2, 0], [5, 0]])
     arrived = np.array([False, True, True, True])
     assert list(yielding_agents(row, arrived, 0.7)) == [False, True, True, False]

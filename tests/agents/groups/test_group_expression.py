@@ -1,4 +1,4 @@
-"""Selections: the little language, places, division (T104)."""
+"""Group expressions: grammar, stage regions and partition (T104)."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ PLACES = np.array([[-5, 3], [-2, -1], [-1, 1], [0, 0], [1, -3], [2, 2], [3.2, -2
 
 
 def numbers(expression, positions=PLACES):
-    """The dancers' numbers, from 1."""
+    """The numbers of the selected dancers, from 1."""
     return [int(n) + 1 for n in np.flatnonzero(select_dancers(expression, ROSTER, positions))]
 
 
@@ -55,7 +55,7 @@ def numbers(expression, positions=PLACES):
         ("(tall + red) & right", [4]),
     ],
 )
-def test_who_is_meant(expression, expected):
+def test_expression_selects_expected_dancers(expression, expected):
     assert numbers(expression) == expected
 
 
@@ -76,24 +76,24 @@ def test_who_is_meant(expression, expected):
         ("left", "are not known"),
     ],
 )
-def test_what_cannot_be_meant_is_said(expression, says):
+def test_invalid_expression_is_refused_with_reason(expression, says):
     with pytest.raises(PersonError, match=says):
         select_dancers(expression, ROSTER, None)
 
 
-def test_a_group_that_contains_itself_is_refused():
+def test_recursive_group_is_refused():
     roster = Roster.create(2, a="b + 1", b="a")
     with pytest.raises(PersonError, match="a → b → a"):
         select_dancers("a", roster)
 
 
 @pytest.mark.parametrize("word", [*PLACE_WORDS, "all", "everyone"])
-def test_a_group_that_is_called_like_a_place_comes_first(word):
+def test_group_name_overrides_reserved_word(word):
     roster = Roster.create(3, **{word: "2-3"})
     assert select_dancers(word, roster, np.zeros((3, 2))).tolist() == [False, True, True]
 
 
-def test_whether_places_matter_is_seen_through_names():
+def test_position_dependence_is_found_through_group_names():
     assert depends_on_positions("1 + near", ROSTER)
     assert not depends_on_positions("chorus - 3", ROSTER)
     assert not depends_on_positions("", ROSTER)
@@ -106,10 +106,10 @@ def expressions():
     )
 
 
-def sets(node, positions):
-    """Independent evaluation: sets of numbers."""
+def evaluate_sets(node, positions):
+    """Independent evaluation with sets of numbers."""
     if isinstance(node, BinaryOperation):
-        left, right = sets(node.left, positions), sets(node.right, positions)
+        left, right = evaluate_sets(node.left, positions), evaluate_sets(node.right, positions)
         return {"+": left | right, "&": left & right, "-": left - right}[node.sign]
     if isinstance(node, NumberRange):
         return set(range(node.first, node.last + 1))
@@ -121,12 +121,12 @@ def sets(node, positions):
 
 
 @given(expressions())
-def test_expressions_mean_what_sets_mean(expression):
-    assert set(numbers(expression)) == sets(parse(expression), PLACES)
+def test_expressions_match_set_operations(expression):
+    assert set(numbers(expression)) == evaluate_sets(parse(expression), PLACES)
 
 
 @given(st.text(max_size=60))
-def test_no_text_does_anything_but_mean_somebody_or_be_refused(text):
+def test_any_text_is_selected_or_refused(text):
     try:
         mask = select_dancers(text, ROSTER, PLACES)
     except PersonError:
@@ -135,7 +135,7 @@ def test_no_text_does_anything_but_mean_somebody_or_be_refused(text):
 
 
 @given(st.lists(expressions(), max_size=4), st.integers(0, 255))
-def test_division_leaves_nobody_out_and_nobody_twice(parts, bits):
+def test_partition_includes_each_dancer_exactly_once(parts, bits):
     within = np.array([bits >> n & 1 for n in range(8)], bool)
     masks = partition(parts, ROSTER, PLACES, within=within)
     assert len(masks) == len(parts) + 1

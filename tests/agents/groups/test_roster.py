@@ -13,20 +13,20 @@ FINITE = st.floats(-20, 20)
 LINES = st.builds(Line, FINITE, FINITE, st.floats(-7, 7))
 
 
-def test_the_middle_line_swaps_left_and_right():
+def test_center_line_mirror_swaps_left_and_right():
     assert mirror_places([[2.0, 3.0]], Line()) == pytest.approx(np.array([[-2.0, 3.0]]))
     assert mirror_headings(0.4, Line()) == pytest.approx(-0.4)
     across = Line.through((-1, 2), (1, 2))
     assert mirror_places([[3.0, 5.0]], across) == pytest.approx(np.array([[3.0, -1.0]]))
 
 
-def test_a_line_needs_two_points():
+def test_line_through_equal_points_is_refused():
     with pytest.raises(ValueError, match="two different points"):
         Line.through((1, 1), (1, 1))
 
 
 @given(LINES, st.lists(st.tuples(FINITE, FINITE), min_size=2, max_size=6), st.floats(-7, 7))
-def test_a_mirror_is_its_own_inverse_keeps_distances_and_turns_headings_with_the_way(line, places, heading):
+def test_mirror_is_an_isometric_involution_for_places_and_headings(line, places, heading):
     places = np.array(places)
     image = mirror_places(places, line)
     assert mirror_places(image, line) == pytest.approx(places, abs=1e-9)
@@ -38,10 +38,10 @@ def test_a_mirror_is_its_own_inverse_keeps_distances_and_turns_headings_with_the
     )
 
 
-def test_a_canon_is_evenly_later():
+def test_canon_delays_are_evenly_spaced():
     assert canon_delays(3, 2.0) == (0.0, 2.0, 4.0)
 
 
-def test_partners_stand_where_the_mirror_shows_them():
+def test_mirror_partners_are_pairs_near_their_reflections():
     places = [[-2, 1], [0, 0], [2.1, 1], [3, 3], [-3, 3.2], [5, 5]]
     assert sorted(mirror_partners(places, Line())) == [(0, 2), (3, 4)]

@@ -1,4 +1,4 @@
-"""The scenarios are those that were agreed on."""
+"""Generated benchmark scenarios match their specification."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ COUNTS = {
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
-def test_each_has_its_agents_and_nobody_starts_on_another(name):
+def test_scenario_has_specified_agents_without_initial_overlap(name):
     scenario = SCENARIOS[name](0)
     assert scenario.agent_count == COUNTS[name]
     assert (scenario.radius, scenario.preferred_speed, scenario.max_speed, scenario.goal_radius) == (
@@ -41,7 +41,7 @@ def test_each_has_its_agents_and_nobody_starts_on_another(name):
 
 
 @pytest.mark.parametrize(("name", "ring"), [("circle-20", 4), ("circle-50", 8), ("circle-100", 16)])
-def test_circles_lead_to_exact_antipodes(name, ring):
+def test_circle_goals_are_exact_antipodes(name, ring):
     scenario = SCENARIOS[name](2)
     np.testing.assert_allclose(np.linalg.norm(scenario.last_goal, axis=1), ring)
     jitter = np.abs(scenario.start + scenario.last_goal)
@@ -49,7 +49,7 @@ def test_circles_lead_to_exact_antipodes(name, ring):
 
 
 @pytest.mark.parametrize(("name", "spacing"), [("cross-50", 0.9), ("cross-100", 0.72)])
-def test_crossing_leads_to_the_mirror_image(name, spacing):
+def test_crossing_goals_are_mirrored_starts(name, spacing):
     scenario = SCENARIOS[name](1)
     np.testing.assert_array_equal(scenario.last_goal, scenario.start * (-1, 1))
     left = scenario.start[scenario.start[:, 0] < 0]
@@ -59,7 +59,7 @@ def test_crossing_leads_to_the_mirror_image(name, spacing):
     assert (np.abs(scenario.start).max(axis=0) <= (7.5, 4.5)).all()
 
 
-def test_the_formation_is_a_grid_by_the_shortest_ways():
+def test_formation_goals_are_a_grid_by_shortest_assignment():
     scenario = SCENARIOS["formation-hung"](0)
     goal = scenario.last_goal
     assert {tuple(place) for place in goal} == {(x - 4.5, z - 2.0) for x in range(10) for z in range(5)}
@@ -72,7 +72,7 @@ def test_the_formation_is_a_grid_by_the_shortest_ways():
         assert np.linalg.norm(swapped - scenario.start, axis=1).sum() >= length - 1e-9
 
 
-def test_the_gap_is_aimed_at_from_inside_only():
+def test_bottleneck_rule_targets_gap_only_from_inside():
     scenario = SCENARIOS["bottleneck-60"](0)
     rule = scenario.rule()
     target = np.zeros((4, 2))
@@ -84,7 +84,7 @@ def test_the_gap_is_aimed_at_from_inside_only():
     assert len(scenario.walls) == 9
 
 
-def test_new_goals_depend_on_nobody_else():
+def test_new_goals_are_independent_of_other_agents():
     scenario = SCENARIOS["random-100"](0)
     alone, together = scenario.rule(), scenario.rule()
     goals = scenario.last_goal
@@ -100,6 +100,6 @@ def test_new_goals_depend_on_nobody_else():
     assert (np.abs(all_) <= np.sqrt(200) / 2).all()
 
 
-def test_too_many_places_are_refused():
+def test_dart_throwing_of_too_many_points_is_refused():
     with pytest.raises(ValueError, match="do not fit"):
         dart_throwing(np.random.default_rng(0), 10, 1.0, (0.0, 0.0), (1.0, 1.0))

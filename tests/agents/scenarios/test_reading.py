@@ -1,4 +1,4 @@
-"""Scenarios in JSON: what is read, and that everything else is refused by its field's name."""
+"""Scenarios in JSON: accepted fields, and refusal of invalid fields by name."""
 
 import json
 
@@ -22,8 +22,8 @@ GOOD = {
 }
 
 
-def edited(path, value):
-    """GOOD with the value at `path`, a list of keys, replaced; the marker ... takes it away."""
+def edit_scenario(path, value):
+    """GOOD with the value at `path`, a list of keys, replaced; the marker ... deletes it."""
     data = json.loads(json.dumps(GOOD))
     inner = data
     for key in path[:-1]:
@@ -35,7 +35,7 @@ def edited(path, value):
     return json.dumps(data)
 
 
-def test_all_of_it_is_read():
+def test_complete_scenario_is_read():
     scenario = read_scenario(json.dumps(GOOD))
     assert (scenario.duration, scenario.radius, scenario.preferred_speed) == (10.0, 0.25, 1.3)
     assert (scenario.max_speed, scenario.goal_radius) == (1.8, 0.3)
@@ -47,14 +47,14 @@ def test_all_of_it_is_read():
     np.testing.assert_allclose(scenario.straight_distance, [8, 2 * np.hypot(4, 1)])
 
 
-def test_stage_and_walls_may_be_left_out_and_nobody_may_come():
+def test_stage_and_walls_and_agents_are_optional():
     data = {key: value for key, value in GOOD.items() if key not in ("stage", "walls")}
     scenario = read_scenario(json.dumps({**data, "agents": [], "author": "Ana"}).encode())
     assert scenario.stage is None
     assert scenario.walls.shape == (0, 4)
     assert scenario.agent_count == 0
     assert scenario.last_goal.shape == (0, 2)
-    assert read_scenario(edited(["stage"], None)).stage is None
+    assert read_scenario(edit_scenario(["stage"], None)).stage is None
     assert unknown_fields(json.dumps({**GOOD, "author": "Ana"})) == ["author"]
 
 
@@ -100,16 +100,16 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("path", "value", "field"), WRONG, ids=lambda value: None)
-def test_what_is_wrong_is_named_with_a_remedy(path, value, field):
+def test_invalid_field_is_refused_with_remedy(path, value, field):
     with pytest.raises(PersonError) as caught:
-        read_scenario(edited(path, value), "a.json")
+        read_scenario(edit_scenario(path, value), "a.json")
     assert caught.value.message.startswith(f"a.json: {field}")
     assert caught.value.remedy
     assert len(caught.value.message) < 200
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "3", '{"duration": }', "[" * 100_000, b"\xff\xfe\x00", b"\x80{}"])
-def test_what_is_no_scenario_is_refused(text):
+def test_invalid_document_is_refused(text):
     with pytest.raises(PersonError, match="the scenario"):
         read_scenario(text)
 
@@ -124,9 +124,9 @@ PLACES = [["agents", 0, "goal"], ["agents", 1], ["walls", 0], ["stage"], ["radiu
 
 @given(st.sampled_from(PLACES), ANYTHING)
 @settings(max_examples=200, deadline=None)
-def test_anything_anywhere_is_read_or_refused(path, value):
+def test_any_value_is_read_or_refused(path, value):
     try:
-        scenario = read_scenario(edited(path, value))
+        scenario = read_scenario(edit_scenario(path, value))
     except PersonError as error:
         assert error.remedy  # noqa: PT017 - both outcomes are fine
         return

@@ -1,4 +1,4 @@
-"""Our crowd on scenarios: it arrives, keeps apart, stays on the stage, and is the same however it is asked for."""
+"""The crowd on scenarios: arrival, separation, stage bounds and independence of tick batches."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ def scenario(start, goals, *, duration=10.0, **options):
     return Scenario(duration, start=np.array(start, float).reshape(-1, 2), goals=ways, **values)
 
 
-def test_nobody_and_one():
+def test_scenarios_of_zero_and_one_agent_run():
     time, position, arrived = simulate(scenario([], [], duration=1.0))
     assert (len(time), position.shape, arrived.shape) == (65, (65, 0, 2), (0,))
     time, position, arrived = simulate(scenario([[0, 0]], [[3, 4]]))
@@ -32,23 +32,23 @@ def test_nobody_and_one():
     assert speed[-1] < 0.01
 
 
-def test_way_points_are_taken_in_order_round_a_wall():
+def test_waypoints_are_visited_in_order_around_a_wall():
     walls = np.array([[0.0, -1.0, 0.0, 3.0]])
     once = scenario([[-1, 0]], [[[-1, -2], [1, -2], [1, 0]]], walls=walls)
     _, position, arrived = simulate(once)
     assert np.isfinite(arrived).all()
     way = position[:, 0]
     crossing = np.flatnonzero(np.diff(np.sign(way[:, 0])))
-    assert (way[crossing, 1] < -1.2).all()  # round the end of the wall, a body away from it
+    assert (way[crossing, 1] < -1.2).all()  # around the end of the wall, one body away
 
 
-def test_who_starts_beside_her_last_goal_has_not_arrived_before_her_way():
+def test_agent_starting_at_last_goal_arrives_only_after_its_path():
     _, _, arrived = simulate(scenario([[0, 0]], [[[2, 0], [0, 0]]]))
     assert 2.5 < arrived[0] < 6.0
 
 
-def test_a_stage_that_is_not_centred_changes_nothing():
-    """Off centre by a number that is exact in binary, the run is the same but for rounding."""
+def test_off_center_stage_gives_the_same_run():
+    """Off center by a number that is exact in binary, the run is equal except for rounding."""
     plain = simulate(scenario([[-2, 0.1], [2, 0]], [[2, 0], [-2, 0]], stage=(-4.0, -3.0, 4.0, 3.0)))
     moved = simulate(scenario([[98, 50.1], [102, 50]], [[102, 50], [98, 50]], stage=(96.0, 47.0, 104.0, 53.0)))
     np.testing.assert_allclose(moved[1] - [100, 50], plain[1], atol=1e-3)
@@ -57,8 +57,8 @@ def test_a_stage_that_is_not_centred_changes_nothing():
 
 @pytest.mark.parametrize("avoidance", ["predictive", "thesis"])
 @pytest.mark.parametrize("name", ["circle-20", "bottleneck-60", "random-100"])
-def test_the_same_ticks_however_they_fall(name, avoidance):
-    """25, 60 and 144 pictures a second ask for the ticks in other portions: the ways are the same, bit by bit."""
+def test_ticks_are_identical_at_any_frame_rate(name, avoidance):
+    """At 25, 60 and 144 frames per second ticks run in different batches: the paths are bit-identical."""
     made = SCENARIOS[name](0).with_duration(3.0)
     _, whole, arrived = simulate(made, avoidance=avoidance)
     for frames_per_second in (25, 60, 144):
@@ -71,7 +71,7 @@ def test_the_same_ticks_however_they_fall(name, avoidance):
         np.testing.assert_array_equal(run.arrived, arrived)
 
 
-def test_two_runs_do_not_know_each_other():
+def test_two_simulations_are_independent():
     made = SCENARIOS["random-100"](1).with_duration(2.0)
     one, other = Simulation(made), Simulation(made)
     for _ in range(100):
@@ -81,8 +81,8 @@ def test_two_runs_do_not_know_each_other():
     np.testing.assert_array_equal(one.position, other.position)
 
 
-def test_the_order_of_the_agents_does_not_matter():
-    """While they steer round each other; later the rounding of sums, which has an order, grows as in every crowd."""
+def test_run_is_independent_of_agent_order():
+    """For the first 1.5 s; later the rounding of sums, which depends on order, grows as in every crowd."""
     made = SCENARIOS["circle-20"](0).with_duration(1.5)
     order = np.random.default_rng(3).permutation(20)
     shuffled = scenario(made.start[order], [made.goals[i] for i in order], duration=1.5)
@@ -90,11 +90,11 @@ def test_the_order_of_the_agents_does_not_matter():
     np.testing.assert_allclose(simulate(shuffled)[1], position[:, order], atol=1e-4)
     alone = [scenario(made.start[i], [made.goals[i]], duration=1.5) for i in range(20)]
     freely = np.concatenate([simulate(one)[1] for one in alone], axis=1)
-    assert np.abs(freely - position).max() > 0.01  # they do see each other
+    assert np.abs(freely - position).max() > 0.01  # agents do avoid each other
 
 
 @pytest.mark.parametrize("name", ["headon-2", "sym-4", "circle-20", "cross-50", "corridor-50", "formation-hung"])
-def test_everybody_arrives_without_overlaps(name):
+def test_all_agents_arrive_without_overlaps(name):
     made = SCENARIOS[name](0)
     time, position, arrived = simulate(made, stop_when_settled=True)
     figures = measure(made, time, position)
@@ -114,7 +114,7 @@ PLACE = st.tuples(*[st.one_of(st.floats(-6, 6), st.sampled_from([-6.0, 0.0, 1.0,
     st.sampled_from(["predictive", "thesis"]),
 )
 @settings(max_examples=60, deadline=None)
-def test_whatever_is_asked_nobody_is_nowhere_or_off_the_stage(agents, walls, stage, radius, avoidance):
+def test_random_scenarios_keep_agents_finite_and_on_stage(agents, walls, stage, radius, avoidance):
     """Coincident starts, goals on walls and off the stage, walls without length, stages smaller than a body."""
     start = np.array([start for start, _ in agents], float).reshape(-1, 2)
     if stage is not None:
@@ -129,7 +129,7 @@ def test_whatever_is_asked_nobody_is_nowhere_or_off_the_stage(agents, walls, sta
     measure(made, time, position)
 
 
-def test_a_crowd_that_cannot_fit_stays_on_the_stage():
+def test_overfull_crowd_stays_on_stage():
     chance = np.random.default_rng(4)
     start = chance.uniform(-1, 1, (60, 2))
     made = scenario(start, chance.uniform(-1, 1, (60, 2)), duration=4.0, stage=(-1.0, -1.0, 1.0, 1.0))
@@ -139,5 +139,5 @@ def test_a_crowd_that_cannot_fit_stays_on_the_stage():
         assert np.abs(position).max() <= 1.0 + 1e-5
 
 
-def test_ticks_reach_the_end():
+def test_tick_count_covers_the_duration():
     assert (ticks_in(1.0), ticks_in(1.001), ticks_in(TICK / 2)) == (64, 65, 1)

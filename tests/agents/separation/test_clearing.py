@@ -1,4 +1,4 @@
-"""Corrections lead nobody into walls and obstacles; brute force judges."""
+"""Corrections never lead dancers into walls or obstacles, checked by brute force."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from live.agents.separation.path_separation import MOMENTS, Paths, PathSeparatio
 RADIUS = 0.25
 
 
-def things(*, walls=(), obstacles=()):
+def make_surroundings(*, walls=(), obstacles=()):
     made = Surroundings()
     for number, wall in enumerate(walls):
         assert made.set_wall(f"wall {number}", *wall)
@@ -20,15 +20,15 @@ def things(*, walls=(), obstacles=()):
     return made
 
 
-def parting(count, surroundings):
+def build_separation(count, surroundings):
     radius, weights = np.full(count, RADIUS, np.float32), np.ones(count, np.float32)
     return PathSeparation(
         radius, weights, gap_at_end=0.7, half_width=6.0, half_depth=4.0, seed=1, surroundings=surroundings
     )
 
 
-def straight(*ways):
-    """Paths from the first to the second place of each way."""
+def straight_paths(*ways):
+    """Straight paths from the first to the second point of each pair."""
     paths, at = Paths(len(ways)), np.linspace(0.0, 1.0, MOMENTS)
     for dancer, (begin, end) in enumerate(np.array(ways)):
         paths.path[dancer] = begin + at[:, None] * (end - begin)
@@ -36,8 +36,8 @@ def straight(*ways):
     return paths
 
 
-def walked(paths, goal):
-    """Places on the way, (T, A, 2)."""
+def sample_paths(paths, goal):
+    """Positions along the paths, (T, A, 2)."""
     aimed, found = np.zeros((len(goal), 3)), []
     for place in np.linspace(0.0, 1.0, 200):
         out = np.zeros((len(goal), 2), np.float32)
@@ -46,46 +46,46 @@ def walked(paths, goal):
     return np.array(found)
 
 
-def parted(paths, surroundings, most, goal=None):
+def separate_paths(paths, surroundings, most, goal=None):
     goal = np.zeros((len(paths.path), 2)) if goal is None else goal
-    part = parting(len(goal), surroundings)
+    part = build_separation(len(goal), surroundings)
     for _ in range(25):
         part.separate(paths, goal, np.zeros((len(goal), 3)), np.full(len(goal), most))
     return goal
 
 
-def test_who_would_graze_an_obstacle_is_led_around_it():
-    paths = straight([(-1.5, 0.0), (1.5, 0.0)])
-    around = things(obstacles=[(0.5, -0.3, 0.2)])
-    assert np.hypot(*(walked(paths, np.zeros((1, 2)))[:, 0] - (0.5, -0.3)).T).min() < 0.31
-    goal = parted(paths, around, 0.35)
+def test_path_grazing_an_obstacle_is_led_around_it():
+    paths = straight_paths([(-1.5, 0.0), (1.5, 0.0)])
+    around = make_surroundings(obstacles=[(0.5, -0.3, 0.2)])
+    assert np.hypot(*(sample_paths(paths, np.zeros((1, 2)))[:, 0] - (0.5, -0.3)).T).min() < 0.31
+    goal = separate_paths(paths, around, 0.35)
     assert goal[0, 1] > 0.1
-    assert np.hypot(*(walked(paths, goal)[:, 0] - (0.5, -0.3)).T).min() > 0.2 + RADIUS - 0.02
+    assert np.hypot(*(sample_paths(paths, goal)[:, 0] - (0.5, -0.3)).T).min() > 0.2 + RADIUS - 0.02
 
 
-def test_who_would_end_in_a_wall_stops_before_it():
-    paths = straight([(0.0, 0.0), (1.9, 0.0)], [(3.0, 1.0), (2.2, 1.0)])
-    goal = parted(paths, things(walls=[(2.0, -3.0, 2.0, 3.0)]), 0.35)
-    ends = walked(paths, goal)[-1]
+def test_path_ending_in_a_wall_stops_before_it():
+    paths = straight_paths([(0.0, 0.0), (1.9, 0.0)], [(3.0, 1.0), (2.2, 1.0)])
+    goal = separate_paths(paths, make_surroundings(walls=[(2.0, -3.0, 2.0, 3.0)]), 0.35)
+    ends = sample_paths(paths, goal)[-1]
     assert ends[0, 0] == pytest.approx(2.0 - RADIUS, abs=0.02)
-    assert ends[1, 0] == pytest.approx(2.0 + RADIUS, abs=0.02)  # each stays on her side
+    assert ends[1, 0] == pytest.approx(2.0 + RADIUS, abs=0.02)  # each dancer stays on its side
 
 
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 8))
-def test_the_correction_makes_it_no_worse_than_the_step_alone(seed, count):
-    """Whatever was asked for, who is clear without a correction is clear with hers, as far as it may be changed."""
+def test_correction_never_causes_an_obstacle_collision(seed, count):
+    """A path that is clear without a correction stays clear with it, within the allowed offset."""
     chance = np.random.default_rng(seed)
     middle = chance.uniform((-5, -3), (5, 3))
-    around = things(obstacles=[(*middle, 0.4)])
+    around = make_surroundings(obstacles=[(*middle, 0.4)])
     begin = middle + 1.6 * _units(chance, count)
-    paths = straight(*zip(begin, begin + 0.8 * _units(chance, count), strict=True))
-    clear = _distance(walked(paths, np.zeros((count, 2))), middle) >= 0.4 + RADIUS + 0.02
+    paths = straight_paths(*zip(begin, begin + 0.8 * _units(chance, count), strict=True))
+    clear = _distance(sample_paths(paths, np.zeros((count, 2))), middle) >= 0.4 + RADIUS + 0.02
     asked = 0.3 * _units(chance, count)
     for dancer in np.flatnonzero(clear):
-        alone = straight((begin[dancer], paths.path[dancer, -1]))  # nobody else in her way
-        goal = parted(alone, around, 0.35, asked[dancer : dancer + 1].copy())
-        assert _distance(walked(alone, goal), middle)[0] > 0.4 + RADIUS - 0.03
+        alone = straight_paths((begin[dancer], paths.path[dancer, -1]))  # no other dancer
+        goal = separate_paths(alone, around, 0.35, asked[dancer : dancer + 1].copy())
+        assert _distance(sample_paths(alone, goal), middle)[0] > 0.4 + RADIUS - 0.03
         assert np.hypot(*goal[0]) <= 0.35 + 1e-9
 
 
@@ -98,10 +98,10 @@ def _distance(ways, middle):
     return np.hypot(*(ways - middle).transpose(2, 0, 1)).min(axis=0)
 
 
-def test_nobody_is_pushed_into_a_wall():
-    """Two overlap, one of them has a wall behind her: she stays before it, and they come apart all the same."""
-    around = things(walls=[(1.0, -3.0, 1.0, 3.0)])
-    part, place = parting(2, around), np.array([[0.7, 0.0], [0.4, 0.0]], np.float32)
+def test_push_never_moves_a_dancer_into_a_wall():
+    """Two dancers overlap, one with a wall behind: it stays before the wall, and the two still separate."""
+    around = make_surroundings(walls=[(1.0, -3.0, 1.0, 3.0)])
+    part, place = build_separation(2, around), np.array([[0.7, 0.0], [0.4, 0.0]], np.float32)
     for _ in range(200):
         moved = part.push_apart(place, place, margin=0.05, stiffness=24.0, dt=1 / 64)
         if moved is None:

@@ -1,4 +1,4 @@
-"""Paths that would touch are led apart; who touches is pushed; agents stay with their dancers."""
+"""Colliding paths are separated, dancers in contact are pushed apart, agents stay near their dancers."""
 
 import numpy as np
 import pytest
@@ -12,8 +12,8 @@ from live.agents.separation.separation_kernels import tether_agents
 RADIUS = 0.25
 
 
-def crossing(count, seed):
-    """Dancers who go straight from one random place to another, all apart at the beginning."""
+def random_straight_paths(count, seed):
+    """Dancers on straight paths between random places."""
     chance = np.random.default_rng(seed)
     start, end = chance.uniform((-5, -3), (5, 3), (2, count, 2))
     paths = Paths(count)
@@ -23,13 +23,13 @@ def crossing(count, seed):
     return paths
 
 
-def parting(count, **values):
+def build_separation(count, **values):
     weights = values.pop("responsibility", np.ones(count, np.float32))
     radius = np.full(count, RADIUS, np.float32)
     return PathSeparation(radius, weights, gap_at_end=0.7, half_width=6.0, half_depth=4.0, seed=1)
 
 
-def nearest(paths, goal, first=0.0):
+def pair_distances(paths, goal, first=0.0):
     """Distances of all pairs at many moments, (T, A, A), by brute force."""
     aimed, out = np.zeros((len(goal), 3)), np.zeros((len(goal), 2), np.float32)
     found = []
@@ -41,28 +41,28 @@ def nearest(paths, goal, first=0.0):
     return np.array(found)
 
 
-def test_two_who_would_meet_go_past_each_other():
+def test_head_on_paths_pass_each_other():
     paths, goal, aimed = Paths(2), np.zeros((2, 2)), np.zeros((2, 3))
     way = np.linspace(-1.0, 1.0, MOMENTS)
     paths.path[0, :, 0], paths.path[1, :, 0] = way, -way
     paths.path[1, :, 1] = 0.05
     paths.share[:] = np.clip(2.5 * np.linspace(0, 1, MOMENTS), 0.0, 1.0)
-    part = parting(2)
-    assert nearest(paths, goal).min() < 0.1
+    part = build_separation(2)
+    assert pair_distances(paths, goal).min() < 0.1
     for _ in range(12):
         part.separate(paths, goal, aimed, np.full(2, 0.35))
-    assert nearest(paths, goal).min() > 2 * RADIUS + 0.9 * MARGIN
-    assert goal[0] == pytest.approx(-goal[1], abs=0.02)  # they share the way
+    assert pair_distances(paths, goal).min() > 2 * RADIUS + 0.9 * MARGIN
+    assert goal[0] == pytest.approx(-goal[1], abs=0.02)  # the offset is shared
     part.separate(paths, goal, aimed, np.full(2, 0.35))
     assert part.shortfall.max() < 0.01
 
 
 @settings(max_examples=25, deadline=None)
 @given(st.integers(2, 20), st.integers(0, 2**32 - 1), st.floats(0.05, 0.35))
-def test_nobody_is_led_farther_than_allowed_or_without_need(count, seed, most):
-    paths, goal, aimed = crossing(count, seed), np.zeros((count, 2)), np.zeros((count, 3))
-    before = nearest(paths, goal)
-    part = parting(count)
+def test_paths_are_offset_within_limit_and_only_when_needed(count, seed, most):
+    paths, goal, aimed = random_straight_paths(count, seed), np.zeros((count, 2)), np.zeros((count, 3))
+    before = pair_distances(paths, goal)
+    part = build_separation(count)
     for _ in range(8):
         part.separate(paths, goal, aimed, np.full(count, most))
     assert (np.hypot(*goal.T) <= most + 1e-9).all()
@@ -70,25 +70,25 @@ def test_nobody_is_led_farther_than_allowed_or_without_need(count, seed, most):
     assert not goal[free].any()
 
 
-def test_crowds_that_cross_touch_less():
+def test_separation_halves_contacts_of_crossing_crowds():
     worse = touched = 0
     for seed in range(10):
-        paths, goal = crossing(12, seed), np.zeros((12, 2))
-        before = nearest(paths, goal, 0.5) < 2 * RADIUS
-        part = parting(12)
+        paths, goal = random_straight_paths(12, seed), np.zeros((12, 2))
+        before = pair_distances(paths, goal, 0.5) < 2 * RADIUS
+        part = build_separation(12)
         for _ in range(20):
             part.separate(paths, goal, np.zeros((12, 3)), np.full(12, 0.35))
-        after = nearest(paths, goal, 0.5) < 2 * RADIUS
+        after = pair_distances(paths, goal, 0.5) < 2 * RADIUS
         touched += before.any(axis=0).sum()
         worse += after.any(axis=0).sum()
     assert worse < 0.5 * touched  # a third of a metre is not enough for all
 
 
-def test_a_soloist_and_who_is_not_there_are_left_alone():
+def test_soloist_and_absent_dancer_are_not_offset():
     paths, goal, aimed = Paths(3), np.zeros((3, 2)), np.zeros((3, 3))
     paths.path[:] = np.array([[0.0, 0.0], [0.3, 0.0], [0.1, 0.1]], np.float32)[:, None]
     paths.share[:] = np.linspace(0, 1, MOMENTS)
-    part = parting(3, responsibility=np.array([0.0, 1.0, 1.0], np.float32))
+    part = build_separation(3, responsibility=np.array([0.0, 1.0, 1.0], np.float32))
     part.set_present(np.array([3, 3, 0], np.int8), 3)
     for _ in range(10):
         part.separate(paths, goal, aimed, np.full(3, 0.6), place=0.5)
@@ -98,8 +98,8 @@ def test_a_soloist_and_who_is_not_there_are_left_alone():
 
 @settings(max_examples=20, deadline=None)
 @given(st.floats(0.0, 0.55), st.floats(0, 6.3))
-def test_who_touches_is_pushed_apart_without_a_jerk(apart, angle):
-    part, now = parting(2), np.zeros((2, 2), np.float32)
+def test_dancers_in_contact_are_pushed_apart_smoothly(apart, angle):
+    part, now = build_separation(2), np.zeros((2, 2), np.float32)
     now[1] = apart * np.sin(angle), apart * np.cos(angle)
     way = []
     for _ in range(64):
@@ -114,7 +114,7 @@ def test_who_touches_is_pushed_apart_without_a_jerk(apart, angle):
 
 @settings(max_examples=50, deadline=None)
 @given(st.integers(0, 2**32 - 1))
-def test_agents_are_bound_and_taken_along(seed):
+def test_tethered_agents_stay_near_their_dancers(seed):
     chance = np.random.default_rng(seed)
     position, velocity, dancer, pace = chance.normal(0, 1, (4, 9, 2)).astype(np.float32)
     most = chance.uniform(0.2, 2.0, 9).astype(np.float32)
@@ -127,17 +127,18 @@ def test_agents_are_bound_and_taken_along(seed):
     assert (position[near] == before[near]).all()
     assert (velocity[near] == asked[near]).all()
     out = ((velocity - pace) * away).sum(axis=1)[~near]
-    assert (out <= 1e-5).all()  # none goes on away from her dancer
+    assert (out <= 1e-5).all()  # no agent moves away from its dancer
 
 
 WINDOW = 0.1875
 
 
-def walked(fractions, *, goes_on, count=6):
-    """Where random dancers get, by the kernel, (K, A, 2); where they are; and by brute force where this measure's paths
-    and the later one's have them at each of `fractions`, (K + 1, A, 2) each."""
+def extrapolate_random_paths(fractions, *, goes_on, count=6):
+    """Extrapolated positions of random dancers by the kernel (K, A, 2), their current positions, and by brute force the
+    positions on this and the next measure's paths at each of `fractions`, (K + 1, A, 2) each.
+    """
     chance = np.random.default_rng(3)
-    paths, aimed = (crossing(count, 1), crossing(count, 2)), np.zeros((count, 3))
+    paths, aimed = (random_straight_paths(count, 1), random_straight_paths(count, 2)), np.zeros((count, 3))
     goals, now = chance.normal(0.0, 0.2, (2, count, 2)), chance.normal(0.0, 1.0, (count, 2)).astype(np.float32)
     out = np.zeros((len(fractions) - 1, count, 2), np.float32)
     extrapolate_paths(
@@ -151,45 +152,47 @@ def walked(fractions, *, goes_on, count=6):
     return out, now, own, later
 
 
-def test_whoever_walks_on_is_moved_by_the_way_between_two_places():
-    out, now, own, later = walked([0.3, 0.5, 0.75, 1.1, 1.4], goes_on=True)
+def test_extrapolation_adds_path_displacement():
+    out, now, own, later = extrapolate_random_paths([0.3, 0.5, 0.75, 1.1, 1.4], goes_on=True)
     np.testing.assert_allclose(out[:2], now + own[1:3] - own[0], atol=1e-5)
     np.testing.assert_allclose(out[2:], now + later[3:] - own[0], atol=1e-5)
-    out, now, own, _ = walked([0.3, 0.95, 1.4], goes_on=False)  # nothing is known of what comes: she stays at the end
+    out, now, own, _ = extrapolate_random_paths(
+        [0.3, 0.95, 1.4], goes_on=False
+    )  # without a next path the dancer stays at the end
     np.testing.assert_allclose(out, now + own[1:] - own[0], atol=1e-5)
 
 
-def test_whoever_walks_on_goes_over_into_the_next_measure_without_a_jump():
+def test_extrapolation_is_continuous_across_the_measure_line():
     fractions = np.linspace(0.7, 1.1, 401)
-    out, *_ = walked([*fractions], goes_on=True)
+    out, *_ = extrapolate_random_paths([*fractions], goes_on=True)
     speed = np.hypot(*np.diff(out, axis=0).transpose(2, 0, 1)) / 0.001
-    assert speed.max() < 1.5 * 12.0 / WINDOW  # stages apart, and eased between them
+    assert speed.max() < 1.5 * 12.0 / WINDOW  # paths far apart, blended
     beyond = out[fractions[1:] >= 1.0 - 1e-9]
-    _, now, own, later = walked([0.7, 1.0], goes_on=True)
-    np.testing.assert_allclose(beyond[0], now + later[1] - own[0], atol=1e-3)  # at the line it is where that begins
+    _, now, own, later = extrapolate_random_paths([0.7, 1.0], goes_on=True)
+    np.testing.assert_allclose(beyond[0], now + later[1] - own[0], atol=1e-3)  # at the line the next path begins
 
 
-def test_who_would_touch_on_the_way_is_pushed_though_not_at_its_end():
+def test_contact_during_the_path_causes_a_push():
     now = np.array([[0.0, 0.0], [0.9, 0.0]], np.float32)
     back = np.stack([now, now])
-    assert parting(2).push_apart(now, back, margin=0.05, stiffness=24.0, dt=1.0 / 64.0) is None
+    assert build_separation(2).push_apart(now, back, margin=0.05, stiffness=24.0, dt=1.0 / 64.0) is None
     swing = back.copy()
-    swing[0, 0, 0] = 0.5  # there and back again
-    moved = parting(2).push_apart(now, swing, margin=0.05, stiffness=24.0, dt=1.0 / 64.0)
+    swing[0, 0, 0] = 0.5  # out and back
+    moved = build_separation(2).push_apart(now, swing, margin=0.05, stiffness=24.0, dt=1.0 / 64.0)
     assert moved is not None
     assert moved[0, 0] < 0.0 < moved[1, 0]
 
 
 @pytest.mark.parametrize("gap", [0.51, 0.53])
-def test_nobody_is_pushed_by_a_third_into_whom_she_would_touch(gap):
-    """The outer two come on for a moment, the left one faster: the middle one must not be pushed into the right one."""
+def test_push_from_one_side_causes_no_contact_on_the_other(gap):
+    """Two outer dancers approach, the left one faster: the middle one is not pushed into the right one."""
     now = np.array([[-0.6, 0.0], [0.0, 0.0], [gap, 0.0]], np.float32)
-    part, nearest = parting(3), np.inf
+    part, pair_distances = build_separation(3), np.inf
     for _ in range(48):
         soon = now.copy()
         soon[0, 0] = now[1, 0] - 0.2
         moved = part.push_apart(now, soon, margin=0.1, stiffness=24.0, dt=1.0 / 64.0)
         now = now if moved is None else now + moved.astype(np.float32)
-        nearest = min(nearest, now[2, 0] - now[1, 0])
-    assert nearest > 2 * RADIUS
-    assert now[1, 0] > 0.02  # she gives way all the same, together with her neighbour
+        pair_distances = min(pair_distances, now[2, 0] - now[1, 0])
+    assert pair_distances > 2 * RADIUS
+    assert now[1, 0] > 0.02  # the middle dancer gives way together with its neighbor

@@ -1,4 +1,4 @@
-"""Who is threatened, against the same rules in plain Python."""
+"""Predicted collisions, against the same rules in plain Python."""
 
 import numpy as np
 import pytest
@@ -11,8 +11,8 @@ RADIUS = 0.25
 SLACK = 0.03
 
 
-def threatened(ways, things=(), *, yields=None, here=None):
-    """Moments at which each dancer of `ways` (K, A, 2) would be met by others or by `things` (K, M, 2)."""
+def collision_moments(ways, things=(), *, yields=None, here=None):
+    """Moments of predicted collisions of each dancer of `ways` (K, A, 2) with others or with `things` (K, M, 2)."""
     ways = np.ascontiguousarray(ways, np.float64)
     count = ways.shape[1]
     things = np.ascontiguousarray(things, np.float64).reshape(len(ways), -1, 2)
@@ -34,21 +34,21 @@ def threatened(ways, things=(), *, yields=None, here=None):
     return out
 
 
-def straight(start, way):
-    """Ways of even speed over the moments 0, 1 and 2."""
+def straight_paths(start, way):
+    """Paths of constant speed over the moments 0, 1 and 2."""
     start, way = np.array(start, float), np.array(way, float)
     return np.stack([start, start + way, start + 2 * way])
 
 
-def test_of_two_who_meet_the_one_leaves_who_comes_farther():
-    ways = straight([(0, 0), (0.7, 0)], [(0.1, 0), (-0.4, 0)])
-    assert threatened(ways).tolist() == [0, 1]
-    assert threatened(ways[:, ::-1]).tolist() == [1, 0]
+def test_faster_dancer_of_a_colliding_pair_yields():
+    ways = straight_paths([(0, 0), (0.7, 0)], [(0.1, 0), (-0.4, 0)])
+    assert collision_moments(ways).tolist() == [0, 1]
+    assert collision_moments(ways[:, ::-1]).tolist() == [1, 0]
 
 
-def test_who_has_the_right_of_way_stays():
-    ways = straight([(0, 0), (0.7, 0)], [(0.1, 0), (-0.4, 0)])
-    assert threatened(ways, yields=[1, 0]).tolist() == [1, 0]
+def test_dancer_with_right_of_way_does_not_yield():
+    ways = straight_paths([(0, 0), (0.7, 0)], [(0.1, 0), (-0.4, 0)])
+    assert collision_moments(ways, yields=[1, 0]).tolist() == [1, 0]
 
 
 @pytest.mark.parametrize(
@@ -56,30 +56,30 @@ def test_who_has_the_right_of_way_stays():
     [
         ([(0, 0), (0.6, 0)], [(0.3, 0), (0.3, 0)]),  # side by side
         ([(0, 0), (0.4, 0)], [(-0.02, 0), (0.02, 0)]),  # too near, but going apart
-        ([(0, 0), (1.5, 0)], [(0.3, 0), (-0.3, 0)]),  # they would meet later
+        ([(0, 0), (1.5, 0)], [(0.3, 0), (-0.3, 0)]),  # collision later
     ],
 )
-def test_who_does_not_come_nearer_in_time_goes_on(start, way):
-    assert not threatened(straight(start, way)).any()
+def test_pair_without_timely_approach_has_no_collision(start, way):
+    assert not collision_moments(straight_paths(start, way)).any()
 
 
-def test_things_are_seen_farther_ahead_than_dancers():
-    walker = straight([(2.0, 0)], [(-0.9, 0)])
-    assert threatened(straight([(0, 0)], [(0, 0)]), walker).tolist() == [2]
-    both = np.concatenate([straight([(0, 0)], [(0, 0)]), walker], axis=1)
-    assert not threatened(both).any()
+def test_obstacles_have_longer_prediction_range_than_dancers():
+    walker = straight_paths([(2.0, 0)], [(-0.9, 0)])
+    assert collision_moments(straight_paths([(0, 0)], [(0, 0)]), walker).tolist() == [2]
+    both = np.concatenate([straight_paths([(0, 0)], [(0, 0)]), walker], axis=1)
+    assert not collision_moments(both).any()
 
 
-def test_who_is_not_there_meets_nobody():
-    ways = straight([(0, 0), (0.7, 0)], [(0.1, 0), (-0.4, 0)])
-    assert not threatened(ways, here=[True, False]).any()
+def test_absent_dancer_causes_no_collision():
+    ways = straight_paths([(0, 0), (0.7, 0)], [(0.1, 0), (-0.4, 0)])
+    assert not collision_moments(ways, here=[True, False]).any()
 
 
 @given(st.integers(0, 2**32 - 1))
-def test_a_crowd_is_judged_as_pair_by_pair(seed):
+def test_crowd_prediction_matches_pairwise_rules(seed):
     chance = np.random.default_rng(seed)
     count = 14
-    ways = straight(chance.uniform(-1.5, 1.5, (count, 2)), chance.uniform(-0.5, 0.5, (count, 2)))
+    ways = straight_paths(chance.uniform(-1.5, 1.5, (count, 2)), chance.uniform(-0.5, 0.5, (count, 2)))
     wanted = np.zeros(count)
     for i in range(count):
         for j in range(i + 1, count):
@@ -91,4 +91,4 @@ def test_a_crowd_is_judged_as_pair_by_pair(seed):
                 to = before / np.hypot(*before)
                 farther = (ways[1, i] - ways[0, i]) @ to > (ways[1, j] - ways[0, j]) @ -to
                 wanted[i if farther else j] = 1
-    assert threatened(ways).tolist() == wanted.tolist()
+    assert collision_moments(ways).tolist() == wanted.tolist()

@@ -1,11 +1,11 @@
-"""What ways out lack, against plain arrays."""
+"""Escape margins against plain arrays."""
 
 import numpy as np
 
 from live.agents.separation.collision_prediction_kernels import escape_margins
 
 
-def test_lacks_are_the_worst_and_the_mean_over_the_moments():
+def test_escape_margin_is_worst_plus_mean_shortfall():
     chance = np.random.default_rng(4)
     ways, others = chance.normal(size=(8, 30, 2)), chance.normal(size=(5, 8, 3))
     others[..., 2] = np.abs(others[..., 2])
@@ -17,7 +17,7 @@ def test_lacks_are_the_worst_and_the_mean_over_the_moments():
     assert len(np.unique(out)) > 20
 
 
-def test_nobody_near_is_no_trouble():
+def test_escape_margin_without_neighbors_is_zero():
     out = np.ones(3)
     escape_margins(out, np.zeros((8, 3, 2)), np.zeros((0, 8, 3)), 0.15)
     assert (out == 0.0).all()

@@ -1,4 +1,4 @@
-"""`live check --venue`: what a hall lacks, told with its remedy; the show's own packet; practice options."""
+"""`live check --venue`: missing parts of a venue with remedies, the show's own packet, practice options."""
 
 import json
 import socket
@@ -20,7 +20,7 @@ from tests.cli.command import run_live
 from tests.show.made_show import made_show
 
 
-def test_the_venue_that_is_not_there_and_the_show_that_is_good(tmp_path):
+def test_unknown_venue_is_refused_and_valid_show_is_checked(tmp_path):
     told = run_live("check", "score", "--venue", "nowhere-at-all")
     assert told.returncode == 2
     assert "there is no venue" in told.stderr
@@ -33,7 +33,7 @@ def test_the_venue_that_is_not_there_and_the_show_that_is_good(tmp_path):
     assert ready.returncode == (1 if missing else 0)
 
 
-def test_devices_of_the_venue_are_looked_for_by_a_part_of_their_names(monkeypatch):
+def test_venue_devices_are_found_by_part_of_name(monkeypatch):
     cards = Section("audio", ({"name": "Scarlett 2i2 USB"}, {"name": "HDMI"}))
     monkeypatch.setattr(venue_check, "audio_sections", lambda: (cards, cards))
     monkeypatch.setattr(venue_check, "midi_sections", lambda: (Section("in", (), "no MIDI here"), Section("out", ())))
@@ -46,7 +46,7 @@ def test_devices_of_the_venue_are_looked_for_by_a_part_of_their_names(monkeypatc
     assert list(venue_checks(None)) == []
 
 
-def test_a_port_that_is_taken_is_missing_and_a_free_one_answers():
+def test_busy_port_is_missing_and_free_port_is_ok():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("127.0.0.1", 0))
         taken = check_osc("127.0.0.1", other.getsockname()[1])
@@ -54,7 +54,7 @@ def test_a_port_that_is_taken_is_missing_and_a_free_one_answers():
     assert check_osc("127.0.0.1", 0).state == "ok"
 
 
-def test_a_full_disk_is_told(tmp_path, monkeypatch):
+def test_disk_space_sets_state_of_check(tmp_path, monkeypatch):
     assert check_disk(tmp_path / "nowhere").state == "limited"
     for free, state in ((1e8, "missing"), (1e9, "limited"), (1e10, "ok")):
         monkeypatch.setattr(venue_check.shutil, "disk_usage", lambda folder, free=free: SimpleNamespace(free=free))
@@ -62,12 +62,12 @@ def test_a_full_disk_is_told(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(("text", "measures"), [("17-24", (17, 24)), (" 3 – 5", (3, 5)), ("9", (9, 9)), (None, None)])
-def test_measures_are_read(text, measures):
+def test_measure_ranges_are_parsed(text, measures):
     assert parse_measures(text) == measures
 
 
 @pytest.mark.parametrize("text", ["", "0-4", "8-4", "a-b", "1-", "-3", "1-2-3", "1.5-2"])
-def test_measures_that_are_none_are_refused(text):
+def test_invalid_measure_ranges_are_refused(text):
     with pytest.raises(PersonError, match="--measures"):
         parse_measures(text)
 
@@ -75,7 +75,7 @@ def test_measures_that_are_none_are_refused(text):
 SCORE = '[[section]]\nname = "a"\nmeasures = 4\n[[section]]\nname = "b"\nmeasures = 4\n'
 
 
-def test_practice_loops_the_measures_and_refuses_what_the_score_has_not():
+def test_practice_loops_measures_and_refuses_measures_beyond_score():
     show = made_show(SCORE)
     for event in practice_events(LaunchOptions(measures=(3, 5)), show):
         show.apply(event)
@@ -89,27 +89,27 @@ def test_practice_loops_the_measures_and_refuses_what_the_score_has_not():
         practice_events(LaunchOptions(measures=(7, 9)), show)
 
 
-def loaded(music: float | None) -> Any:
+def fake_loaded_show(music: float | None) -> Any:
     clock = SimpleNamespace(bpm=120.0)
     return SimpleNamespace(patch=SimpleNamespace(clock=clock, music=SimpleNamespace(bpm=music)), music_path=None)
 
 
-def test_the_tempo_of_practice_is_a_share_of_what_it_would_be():
-    assert practice_tempo(LaunchOptions(tempo_share=0.8), loaded(None)) == pytest.approx(96.0)
-    assert practice_tempo(LaunchOptions(tempo_share=0.5), loaded(100.0)) == pytest.approx(50.0)
-    assert practice_tempo(LaunchOptions(tempo_share=0.5, bpm=90.0), loaded(100.0)) == pytest.approx(45.0)
-    assert practice_tempo(LaunchOptions(measures=(1, 2)), loaded(None)) == pytest.approx(120.0)
+def test_practice_tempo_is_share_of_show_tempo():
+    assert practice_tempo(LaunchOptions(tempo_share=0.8), fake_loaded_show(None)) == pytest.approx(96.0)
+    assert practice_tempo(LaunchOptions(tempo_share=0.5), fake_loaded_show(100.0)) == pytest.approx(50.0)
+    assert practice_tempo(LaunchOptions(tempo_share=0.5, bpm=90.0), fake_loaded_show(100.0)) == pytest.approx(45.0)
+    assert practice_tempo(LaunchOptions(measures=(1, 2)), fake_loaded_show(None)) == pytest.approx(120.0)
     with pytest.raises(PersonError, match="12 bpm"):
-        practice_tempo(LaunchOptions(tempo_share=0.1), loaded(None))
+        practice_tempo(LaunchOptions(tempo_share=0.1), fake_loaded_show(None))
 
 
-def test_no_music_plays_to_practice_and_none_can_be_slowed():
-    assert choose_audio(LaunchOptions(measures=(1, 2)), loaded(None)).music is None
+def test_practice_plays_no_music_and_slowed_music_is_refused():
+    assert choose_audio(LaunchOptions(measures=(1, 2)), fake_loaded_show(None)).music is None
     with pytest.raises(PersonError, match="--tempo-share"):
-        choose_audio(LaunchOptions(tempo_share=0.8, audio="song.wav"), loaded(None))
+        choose_audio(LaunchOptions(tempo_share=0.8, audio="song.wav"), fake_loaded_show(None))
 
 
-def test_projectors_of_the_venue_are_looked_for(tmp_path, monkeypatch):
+def test_venue_projectors_and_masks_are_checked(tmp_path, monkeypatch):
     from PIL import Image
 
     from live.app import output_config

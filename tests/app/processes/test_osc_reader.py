@@ -1,4 +1,4 @@
-"""The process that reads OSC for a supervised show: engines change, it dies, its supervisor dies; nothing is lost."""
+"""The OSC reader process of a supervised show: no message is lost when engine, reader or supervisor dies."""
 
 import os
 import signal
@@ -23,8 +23,8 @@ from tests.control.osc.osc_stage import message
 from tests.control.waiting import wait_for
 
 
-class Supervised:
-    """What a supervisor holds, and the engine's side of it."""
+class SupervisorSide:
+    """Sockets and processes of a supervisor, and the engine's side of them."""
 
     def __init__(self) -> None:
         self.udp = bound_socket("127.0.0.1", 0)
@@ -42,7 +42,7 @@ class Supervised:
         return Child("OSC", command, inherit=theirs)
 
     def engine(self) -> OscRemote:
-        """Another engine, which knows nothing of the last one's."""
+        """Start another engine, without any state of the last one."""
         self.inbox = EventQueue()
         self.remote = OscRemote(
             "", 0, self.inbox.add_queue(), self.clock, inherited=self.udp.fileno(), reader=self.pair[0].fileno()
@@ -54,8 +54,8 @@ class Supervised:
     def send(self, address: str, *values: Any) -> None:
         self.sender.sendto(message(address, *values).dgram, self.udp.getsockname())
 
-    def heard(self, kind: type[events.ControlEvent], count: int = 1) -> bool:
-        """Whether the engine comes to have so many such events."""
+    def receives(self, kind: type[events.ControlEvent], count: int = 1) -> bool:
+        """Whether the engine receives exactly this number of events of a kind."""
         found: list[events.ControlEvent] = []
 
         def look() -> bool:
@@ -66,8 +66,8 @@ class Supervised:
 
         return wait_for(look, 20.0) and len(found) == count
 
-    def answered(self) -> bool:
-        """Whether somebody knows the tempo of the engine."""
+    def answers_query(self) -> bool:
+        """Whether a query for the engine's tempo is answered."""
 
         def look() -> bool:
             assert self.remote is not None
@@ -90,60 +90,60 @@ class Supervised:
 
 
 @pytest.fixture
-def show() -> Iterator[Supervised]:
-    made = Supervised()
+def show() -> Iterator[SupervisorSide]:
+    made = SupervisorSide()
     yield made
     made.close()
 
 
-def test_engines_change_and_nothing_that_was_sent_meanwhile_is_lost(show: Supervised) -> None:
+def test_engine_change_loses_no_message_sent_meanwhile(show: SupervisorSide) -> None:
     show.send("/dance/clock/tap")  # before there is any engine, or a time of the show: it waits in the socket
     remote = show.engine()
-    assert show.heard(events.Tap)
-    assert show.answered()
+    assert show.receives(events.Tap)
+    assert show.answers_query()
     remote.stop()
     for _ in range(20):  # nobody dances: they wait with the process, or on the way
         show.send("/dance/clock/tap")
     show.engine()
-    assert show.heard(events.Tap, 20)
-    assert show.answered()
+    assert show.receives(events.Tap, 20)
+    assert show.answers_query()
     assert show.reader.process.poll() is None
 
 
-def test_the_process_dies_and_the_next_one_is_told_all_anew(show: Supervised) -> None:
+def test_restarted_reader_receives_all_values_again(show: SupervisorSide) -> None:
     show.engine()
-    assert show.answered()
+    assert show.answers_query()
     show.reader.kill()
     show.reader.end()
     show.send("/dance/clock/one")  # nobody is there: it waits in the socket
     show.reader = show.begin()
-    assert show.heard(events.One)
-    assert show.answered()
+    assert show.receives(events.One)
+    assert show.answers_query()
     assert wait_for(lambda: show.reader.phase.name == "RUNNING", 10.0)
 
 
-def test_an_engine_that_outlives_its_supervisor_has_a_process_of_its_own(show: Supervised) -> None:
+def test_engine_outliving_supervisor_starts_own_reader(show: SupervisorSide) -> None:
     remote = show.engine()
-    assert show.answered()
+    assert show.answers_query()
     show.pair[1].close()  # so it is when a supervisor dies: all that it held is closed,
     show.reader.channel.close()  # its end of the wire as well, and the process that it started ends
     assert wait_for(lambda: show.reader.process.poll() == 0, 10.0)
     show.send("/dance/clock/one")
-    assert show.heard(events.One)
-    assert show.answered()
+    assert show.receives(events.One)
+    assert show.answers_query()
     assert remote.pid is not None
     assert remote.status()["restarts"] == 1
     os.kill(remote.pid, signal.SIGKILL)
     assert remote._helper is not None
     remote._helper._started_at -= 10.0
-    assert show.answered()
+    assert show.answers_query()
 
 
 @pytest.mark.parametrize(
     ("options", "reads"), [((), True), (("--osc-process",), True), (("--no-osc-process",), False)],
     ids=lambda value: " ".join(value) or "nothing said" if isinstance(value, tuple) else "",
 )  # fmt: skip
-def test_a_supervised_show_has_osc_read_by_a_process_unless_it_is_told_otherwise(
+def test_supervised_show_reads_osc_in_process_by_default(
     monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...], reads: bool
 ) -> None:
     made: list[Any] = []
@@ -164,7 +164,7 @@ def test_a_supervised_show_has_osc_read_by_a_process_unless_it_is_told_otherwise
     assert LaunchOptions.decode(orders.show).osc_process is reads
 
 
-def test_a_show_of_one_process_reads_osc_in_a_thread_unless_it_is_told_otherwise(
+def test_single_process_show_reads_osc_in_thread_by_default(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     wishes: list[Any] = []

@@ -1,4 +1,4 @@
-"""A machine that stands by and lacks what the leader dances says so."""
+"""A standby machine whose steps or patch differ from the leader's reports it."""
 
 import json
 from pathlib import Path
@@ -16,7 +16,7 @@ from live.supervisor.state_follower import StateFollower
 from tests.show.made_show import GRAPH, PATCH
 
 
-def test_other_steps_than_the_leader_s_are_named_and_end_it_as_a_person_s_error():
+def test_different_steps_are_named_in_person_error():
     loaded = LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)
     header = {"journal": 2, "origin": 0.0, **loaded.header(loaded.start(seed=1), tempo=None)}
     following = StateFollower(loaded)
@@ -27,8 +27,8 @@ def test_other_steps_than_the_leader_s_are_named_and_end_it_as_a_person_s_error(
     assert "same steps" in str(raised.value.remedy)
 
 
-def told(patch: str, *later: str) -> StateFollower:
-    """A machine with the made show's patch, told of a show of another one that was edited later."""
+def make_follower(patch: str, *later: str) -> StateFollower:
+    """A machine with the test show's patch that has received a show of another machine, edited later."""
     loaded, other = (LoadedShow(Path("test.toml"), parse_patch(text, "test.toml"), GRAPH) for text in (PATCH, patch))
     following = StateFollower(loaded)
     following.add_line(json.dumps({"journal": 2, "origin": 0.0, **other.header(other.start(seed=1), tempo=None)}))
@@ -43,13 +43,13 @@ def told(patch: str, *later: str) -> StateFollower:
 OTHER = PATCH.replace('steps = ["glide", "sway", "spin"]', 'steps = ["spin"]')
 
 
-def test_another_patch_than_the_leader_s_is_named_and_never_taken_over():
+def test_different_patch_is_named_and_never_taken_over():
     assert OTHER != PATCH
     with pytest.raises(PersonError, match=r"plays another show.*different: group \(") as raised:
-        apply_log(told(OTHER))
+        apply_log(make_follower(OTHER))
     assert "same patch" in str(raised.value.remedy)
 
 
-def test_a_patch_that_the_leader_has_edited_since_may_be_here_as_it_was_or_as_it_is():
+def test_original_and_edited_patch_of_leader_are_both_accepted():
     for begun, later in ((PATCH, [OTHER]), (OTHER, [PATCH])):
-        assert told(begun, *later).show_mismatch() is None
+        assert make_follower(begun, *later).show_mismatch() is None

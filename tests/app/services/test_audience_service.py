@@ -1,4 +1,4 @@
-"""The audience beside a show: phones that play through a real gateway's process, and its sudden death."""
+"""The audience beside a show: phones that play through a real gateway process, and its sudden death."""
 
 import asyncio
 import os
@@ -23,7 +23,7 @@ REGIONS = '[audience]\nregions = ["stalls", "balcony"]\nvote_measures = 1\n'
 
 
 class Stage:
-    """A show that runs at 60 frames a second beside what a test does, with its audience."""
+    """A show with its audience that runs at 60 frames a second beside the steps of a test."""
 
     def __init__(self, **wished):
         self.show, self.clock, self.inbox = made_show(REGIONS), SystemClock(), EventQueue()
@@ -54,7 +54,7 @@ class Stage:
             self.part.stop()
 
 
-def test_phones_move_dancers_and_resume_when_the_gateway_was_killed_while_frames_went_on():
+def test_phones_move_dancers_and_resume_after_gateway_is_killed():
     stage = Stage()
 
     async def test(session):
@@ -92,7 +92,7 @@ def test_phones_move_dancers_and_resume_when_the_gateway_was_killed_while_frames
     assert stage.show.refusals.count == 0
 
 
-def test_what_a_gateway_is_told_of_a_show():
+def test_gateway_receives_rules_and_beat_of_show():
     show = made_show(REGIONS)
     for tick in range(1, 200):
         show.tick(tick / 64)
@@ -107,7 +107,7 @@ def test_what_a_gateway_is_told_of_a_show():
     assert (line - beat.line) % 4 == 0
 
 
-def test_where_phones_play_is_shown_and_what_cannot_be_is_told():
+def test_audience_addresses_are_parsed_and_shown_and_busy_port_is_refused():
     assert parse_audience_address("8021") == ("127.0.0.1", 8021)
     assert parse_audience_address("0.0.0.0:80") == ("0.0.0.0", 80)
     assert parse_audience_address("[::1]:80") == ("::1", 80)

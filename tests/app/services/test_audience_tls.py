@@ -1,4 +1,4 @@
-"""Phones over https: certificates that are good, wrong, expired or open to others, and a gateway that goes on."""
+"""Phones over https: valid, wrong, expired or readable certificates, and a gateway that is restarted."""
 
 import asyncio
 import contextlib
@@ -33,7 +33,9 @@ NOW = datetime.datetime.now(datetime.UTC)
 DAY = datetime.timedelta(days=1)
 
 
-def made(folder, name="hall", *, begins=NOW - DAY, ends=NOW + 30 * DAY, hosts=("play.example",), password=None):
+def write_certificate(
+    folder, name="hall", *, begins=NOW - DAY, ends=NOW + 30 * DAY, hosts=("play.example",), password=None
+):
     """A certificate and its key in files; returns both paths."""
     key = ec.generate_private_key(ec.SECP256R1())
     subject = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "hall")])
@@ -56,14 +58,14 @@ def made(folder, name="hall", *, begins=NOW - DAY, ends=NOW + 30 * DAY, hosts=("
 
 @pytest.fixture
 def notes(monkeypatch):
-    """What a person is told."""
+    """Notes printed for the operator."""
     told = []
     monkeypatch.setattr(AudienceService, "_print_note", staticmethod(lambda words, _style: told.append(words)))
     return told
 
 
-def test_phones_play_over_tls_and_come_back_when_the_gateway_was_killed_though_its_files_have_gone(tmp_path, notes):
-    files = made(tmp_path)
+def test_phones_play_over_tls_and_return_after_gateway_is_killed(tmp_path, notes):
+    files = write_certificate(tmp_path)
     stage = Stage(audience_tls=files)
 
     async def test(_session):
@@ -102,8 +104,8 @@ def test_phones_play_over_tls_and_come_back_when_the_gateway_was_killed_though_i
     assert notes == [f"note: audience: {stage.part.link}, on this machine only"]
 
 
-def test_a_certificate_that_expires_during_the_show_is_told_once_and_phones_play_on(tmp_path, notes):
-    files = made(tmp_path, ends=NOW + datetime.timedelta(hours=1))
+def test_certificate_expiring_during_show_is_reported_once_and_gateway_continues(tmp_path, notes):
+    files = write_certificate(tmp_path, ends=NOW + datetime.timedelta(hours=1))
     clock = ManualClock()
     options = LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, audience_tls=files)
     part = AudienceService(options, made_show(), EventQueue().add_queue(), clock)
@@ -122,8 +124,8 @@ def test_a_certificate_that_expires_during_the_show_is_told_once_and_phones_play
         part.stop()
 
 
-def test_expired_foreign_and_readable_ones_are_told_and_the_show_begins(tmp_path, notes):
-    certificate, key = made(tmp_path, ends=NOW - datetime.timedelta(hours=1), hosts=("*.play.example",))
+def test_expired_foreign_and_readable_certificates_are_reported_and_show_begins(tmp_path, notes):
+    certificate, key = write_certificate(tmp_path, ends=NOW - datetime.timedelta(hours=1), hosts=("*.play.example",))
     key.chmod(0o644)
     identity = read_identity(certificate, key)
     told = identity.warnings(NOW, "stage.local")
@@ -140,8 +142,8 @@ def test_expired_foreign_and_readable_ones_are_told_and_the_show_begins(tmp_path
     assert [words for words in notes if "expired on" in words]
 
 
-def test_an_engine_that_goes_on_does_so_without_its_audience_where_the_files_have_gone(tmp_path, notes):
-    files = made(tmp_path)
+def test_resumed_engine_runs_without_audience_when_files_are_gone(tmp_path, notes):
+    files = write_certificate(tmp_path)
     files[1].unlink()
     options = LaunchOptions(audience=("127.0.0.1", 0), audience_secret=b"s" * 32, audience_tls=files)
     with pytest.raises(PersonError, match=r"cannot read .*hall\.key"):
@@ -157,8 +159,8 @@ def test_an_engine_that_goes_on_does_so_without_its_audience_where_the_files_hav
     assert [words for words in notes if "the show runs without its audience" in words]
 
 
-def test_the_link_on_the_wall_has_the_certificates_name(tmp_path, notes):
-    certificate, key = made(tmp_path, hosts=("*.x.example", "play.example"))
+def test_link_contains_host_name_of_certificate(tmp_path, notes):
+    certificate, key = write_certificate(tmp_path, hosts=("*.x.example", "play.example"))
     part = AudienceService(
         LaunchOptions(audience=("127.0.0.2", 0), audience_secret=b"s" * 32, audience_tls=(certificate, key)),
         made_show(), EventQueue().add_queue(), ManualClock(),
@@ -170,10 +172,10 @@ def test_the_link_on_the_wall_has_the_certificates_name(tmp_path, notes):
         part.stop()
 
 
-def test_what_is_wrong_with_the_files_is_told_with_its_remedy(tmp_path):
-    certificate, key = made(tmp_path)
-    other, other_key = made(tmp_path, "other")
-    _, locked = made(tmp_path, "locked", password=b"x")
+def test_invalid_files_are_refused_with_remedy(tmp_path):
+    certificate, key = write_certificate(tmp_path)
+    other, other_key = write_certificate(tmp_path, "other")
+    _, locked = write_certificate(tmp_path, "locked", password=b"x")
     rubbish, large = tmp_path / "rubbish", tmp_path / "large"
     rubbish.write_bytes(os.urandom(3000))
     large.write_bytes(b"x" * 30_000)
@@ -203,7 +205,7 @@ def test_what_is_wrong_with_the_files_is_told_with_its_remedy(tmp_path):
             parse_tls(text)
 
 
-def test_the_venues_files_lie_beside_it_and_the_command_line_goes_first(tmp_path, monkeypatch):
+def test_venue_files_are_relative_to_venue_and_command_line_has_priority(tmp_path, monkeypatch):
     monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
     (tmp_path / "venues").mkdir()
     (tmp_path / "venues" / "hall.toml").write_text('[audience]\ncertificate = "a.pem"\nkey = "/etc/b.key"\n')
@@ -215,13 +217,13 @@ def test_the_venues_files_lie_beside_it_and_the_command_line_goes_first(tmp_path
     assert tls_files(LaunchOptions(venue="hall", audience_tls=own), options.read_venue().audience) == own
 
 
-def test_before_doors_the_venues_certificate_is_looked_at(tmp_path, monkeypatch):
+def test_venue_check_includes_certificate(tmp_path, monkeypatch):
     monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
     folder = tmp_path / "venues"
     folder.mkdir()
 
     def look(**how):
-        made(folder, **how)
+        write_certificate(folder, **how)
         text = '[audience]\ncertificate = "hall.pem"\nkey = "hall.key"\n'
         (folder / "hall.toml").write_text(text)
         return [(one.state, one.detail) for one in certificate_checks(LaunchOptions(venue="hall").read_venue(), "hall")]
@@ -236,7 +238,7 @@ def test_before_doors_the_venues_certificate_is_looked_at(tmp_path, monkeypatch)
     assert (found.state, "hall.key" in str(found)) == ("missing", True)
 
 
-def test_a_network_of_which_no_venue_says_anything():
+def test_network_without_venue_entry_has_default():
     assert network_of(AudienceSection(), public=True) == "own wifi"
     assert network_of(AudienceSection(), public=False) == "behind nat"  # to try it out with many tabs
     assert network_of(AudienceSection(phones=300, phones_per_address=300), public=True) == "behind nat"

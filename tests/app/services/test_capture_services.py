@@ -1,5 +1,4 @@
-"""Bodies and trackers from and to the network in a live show: where it listens, what is said where it cannot; a
-recording sent as if it were captured."""
+"""Motion capture over the network in a live show: addresses, errors, and a recording sent as live data."""
 
 import socket
 
@@ -23,7 +22,7 @@ from tests.show.made_show import PATCH, made_show
 VENUE = Venue.model_validate({"vmc": {"at": ["0"]}, "psn": {"at": "127.0.0.1:0"}})
 
 
-def test_it_listens_where_the_command_line_says_or_the_venue_and_knows_the_patchs_performers():
+def test_receivers_listen_on_addresses_of_command_line_or_venue():
     lane, clock = EventQueue().add_queue(), ManualClock()
     show = made_show('[[mocap]]\nname = "anna"\nport = 39541\n')
     assert make_vmc(LaunchOptions(), show, None, lane, clock) is None
@@ -40,7 +39,7 @@ def test_it_listens_where_the_command_line_says_or_the_venue_and_knows_the_patch
     assert part.status()["at"] == ["127.0.0.1:0"]
 
 
-def test_a_port_that_is_taken_is_told_in_one_line():
+def test_busy_port_is_reported_in_one_line():
     with socket.socket(type=socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.0.1", 0))
         port = taken.getsockname()[1]
@@ -52,7 +51,7 @@ def test_a_port_that_is_taken_is_told_in_one_line():
                 part.start()
 
 
-def test_a_recording_is_sent_in_its_time_and_comes_in_as_it_is():
+def test_recording_is_sent_in_time_and_received_unchanged():
     hips, rotation = poses(6)
     clip = Clip("walk", hips.astype(np.float32), rotation.astype(np.float32), 240.0, np.ones((6, 2), np.bool_))
     with socket.socket(type=socket.SOCK_DGRAM) as ear:
@@ -71,7 +70,7 @@ def test_a_recording_is_sent_in_its_time_and_comes_in_as_it_is():
     assert np.abs(np.sum(turned * rotation[2], axis=-1)).min() > 1.0 - 1e-6
 
 
-def test_what_cannot_be_sent_is_told(tmp_path):
+def test_invalid_send_options_are_refused(tmp_path):
     for words, said in (
         (["no.bvh"], "no such file"),
         (["no.bvh", "--to", "nowhere"], "--to"),

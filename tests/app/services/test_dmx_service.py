@@ -1,4 +1,4 @@
-"""Which lamps follow a show, as a person writes it."""
+"""Parsing of DMX universes."""
 
 import pytest
 
@@ -15,14 +15,14 @@ from live.control.dmx_output import Universe
         (" artnet:0@node.local:6455 ", Universe("artnet", 0, "node.local", 6455)),
     ],
 )
-def test_universes_are_read(text, universe):
+def test_universes_are_parsed(text, universe):
     assert parse_universe(text) == universe
 
 
 @pytest.mark.parametrize(
     "text", ["", "sacn", "sacn:0", "sacn:64000", "artnet:1", "artnet:32768@a", "dmx:1", "sacn:1@a:99999"]
 )
-def test_what_cannot_be_is_told_with_an_example(text):
+def test_invalid_universes_are_refused_with_example(text):
     with pytest.raises(PersonError) as error:
         parse_universe(text)
     assert "--dmx" in str(error.value)

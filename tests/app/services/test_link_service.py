@@ -1,4 +1,4 @@
-"""`live play --link`: words that are not understood, and a machine without Link."""
+"""`live play --link`: invalid values, and a machine without Link."""
 
 import sys
 
@@ -12,13 +12,13 @@ from tests.cli.command import run_live
 from tests.show.made_show import made_show
 
 
-def test_a_wrong_word_is_one_line() -> None:
+def test_invalid_link_value_is_refused_in_one_line() -> None:
     done = run_live("play", "--link", "yes")
     assert done.returncode == 2
     assert "--link yes: one of follow, lead, off expected" in done.stderr
 
 
-def test_without_link_the_show_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_show_continues_without_link_package(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "link", None)
     show, console = made_show(), Console(record=True, width=200)
     assert make_link("follow", show, EventQueue(), ManualClock(), console) is None

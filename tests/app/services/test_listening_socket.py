@@ -1,4 +1,4 @@
-"""A port that is held through the death of an engine."""
+"""A listening port that is kept through the death of an engine."""
 
 import os
 import signal
@@ -15,12 +15,12 @@ from live.clock.time_source import SystemClock
 from tests.control.waiting import wait_for
 
 
-def made_part(port: int) -> OscQueryService:
+def make_service(port: int) -> OscQueryService:
     return OscQueryService(("127.0.0.1", port), ("127.0.0.1", 9010), "Live test", SystemClock())
 
 
 def answers(port: int) -> bool:
-    """Whether somebody answers, in whatever words."""
+    """Whether the port answers an HTTP request with any status."""
     try:
         urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=5.0).close()
     except urllib.error.HTTPError:
@@ -30,11 +30,11 @@ def answers(port: int) -> bool:
     return True
 
 
-def test_an_engine_that_goes_on_listens_at_once_though_the_last_one_s_processes_still_hold_the_port():
-    """They get no processor, and do not hear that their engine has gone: here they are stopped."""
+def test_resumed_engine_listens_at_once_while_old_processes_hold_port():
+    """The old processes get no processor and do not notice the end of their engine: here they are stopped."""
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
-    before, after, other = made_part(port), made_part(port), made_part(port)
+    before, after, other = make_service(port), make_service(port), make_service(port)
     before.start()
     try:
         assert wait_for(lambda: answers(port), 20)
@@ -54,6 +54,6 @@ def test_an_engine_that_goes_on_listens_at_once_though_the_last_one_s_processes_
 
 
 @pytest.mark.parametrize("goes_on", [False, True])
-def test_a_port_of_another_program_is_no_port_of_the_show(goes_on):
+def test_port_of_another_program_is_refused(goes_on):
     with socket.create_server(("127.0.0.1", 0)) as other, pytest.raises(OSError, match="in use"):
         listening_socket(("127.0.0.1", other.getsockname()[1]), 8, resumes=goes_on)

@@ -1,4 +1,4 @@
-"""A show is taught its controllers, and the patch keeps them: comments stay, edits and reloads fight nothing."""
+"""MIDI learning: the patch keeps learned controls, comments stay, and edits and reloads do not conflict."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -32,8 +32,8 @@ control = "/dance/go"
 """
 
 
-class Tells:
-    """A controller that is told."""
+class FakeFeedbackOutput:
+    """A controller that records the feedback sent to it."""
 
     def __init__(self) -> None:
         self.told: list[bytes] = []
@@ -41,7 +41,7 @@ class Tells:
         self.send = self.told.append
 
 
-class Stage:
+class MidiShow:
     """A show on MIDI without a port, with its patch on disk."""
 
     def __init__(self, folder: Path) -> None:
@@ -53,7 +53,7 @@ class Stage:
         values = Values()
         midi_map = MidiMap((), values)
         self.listens = MidiInput("box", self.inbox, self.clock, midi_map=midi_map, notes=NoteEnergy())
-        self.tells = Tells()
+        self.tells = FakeFeedbackOutput()
         self.midi = MidiService(
             self.show, self.clock, self.path,
             midi_input=self.listens, midi_map=midi_map, feedback_output=cast(Any, self.tells), values=values,
@@ -73,127 +73,127 @@ class Stage:
         return [event for event in self.inbox.drain() if not isinstance(event, events.NotesHeard)]
 
     def reload(self) -> None:
-        """As when the watched patch is taken."""
+        """Update from the patch file, as after a hot reload."""
         self.midi.update_patch(read_patch(self.path))
 
 
 @pytest.fixture
-def stage(tmp_path: Path) -> Stage:
-    return Stage(tmp_path)
+def midi_show(tmp_path: Path) -> MidiShow:
+    return MidiShow(tmp_path)
 
 
-def test_what_is_moved_works_the_control_and_stands_beside_the_patch(stage: Stage) -> None:
-    before = file_stamp(stage.path)
-    assert [type(event) for event in stage.play((0x90, 50, 1))] == [events.Go]
-    stage.learn("/dance/motion/larger", "front")
-    assert "/dance/motion/larger" in stage.midi.prompt()
-    (moved,) = stage.play((0xB0, 7, 1), (0xB0, 7, 9), (0xB0, 7, 0))  # it goes on moving before the next frame
+def test_moved_controller_is_learned_and_saved_beside_patch(midi_show: MidiShow) -> None:
+    before = file_stamp(midi_show.path)
+    assert [type(event) for event in midi_show.play((0x90, 50, 1))] == [events.Go]
+    midi_show.learn("/dance/motion/larger", "front")
+    assert "/dance/motion/larger" in midi_show.midi.prompt()
+    (moved,) = midi_show.play((0xB0, 7, 1), (0xB0, 7, 9), (0xB0, 7, 0))  # it goes on moving before the next frame
     assert isinstance(moved, events.SetMotion)
-    assert stage.midi.prompt() == ""
-    (moved,) = stage.play((0xB0, 7, 127))
+    assert midi_show.midi.prompt() == ""
+    (moved,) = midi_show.play((0xB0, 7, 127))
     assert isinstance(moved, events.SetMotion)
     assert (moved.value, moved.group) == (0.5, "front")
-    patch = read_patch(stage.path)
+    patch = read_patch(midi_show.path)
     assert [line.control for line in patch.midi.learned] == ["/dance/motion/larger"]
     assert [one.control for one in patch.midi.bindings] == ["/dance/go", "/dance/motion/larger"]
-    assert patch.midi.bindings == stage.midi.learning.bindings
-    assert file_stamp(stage.path) != before  # so the watched patch is read anew
-    assert stage.path.read_text() == PATCH + WRITTEN
+    assert patch.midi.bindings == midi_show.midi.learning.bindings
+    assert file_stamp(midi_show.path) != before  # so the watched patch is read anew
+    assert midi_show.path.read_text() == PATCH + WRITTEN
 
 
-def test_a_patch_that_is_read_anew_takes_nothing_away_that_was_learned_meanwhile(stage: Stage) -> None:
-    stage.learn("/dance/blackout")
-    stage.play((0x90, 36, 1))
-    old = read_patch(stage.path)
-    stage.learn("/dance/spread")
-    stage.play((0x90, 37, 1))
-    stage.midi.update_patch(old)  # it was on its way
-    assert [type(event) for event in stage.play((0x90, 36, 1), (0x90, 37, 1))] == [events.Blackout, events.Spread]
-    stage.reload()
-    assert stage.midi.learning._added == []
-    assert [type(event) for event in stage.play((0x90, 36, 1), (0x90, 37, 1))] == [events.Blackout, events.Spread]
-    stage.forget("/dance/spread")
-    stage.midi.update_patch(old)
-    assert [type(event) for event in stage.play((0x90, 36, 1), (0x90, 37, 1))] == [events.Blackout]
-    stage.reload()
-    learned_path(stage.path).unlink()  # by the person's hand
-    stage.reload()
-    assert stage.play((0x90, 36, 1)) == []
+def test_reloaded_patch_keeps_controls_learned_meanwhile(midi_show: MidiShow) -> None:
+    midi_show.learn("/dance/blackout")
+    midi_show.play((0x90, 36, 1))
+    old = read_patch(midi_show.path)
+    midi_show.learn("/dance/spread")
+    midi_show.play((0x90, 37, 1))
+    midi_show.midi.update_patch(old)  # it was on its way
+    assert [type(event) for event in midi_show.play((0x90, 36, 1), (0x90, 37, 1))] == [events.Blackout, events.Spread]
+    midi_show.reload()
+    assert midi_show.midi.learning._added == []
+    assert [type(event) for event in midi_show.play((0x90, 36, 1), (0x90, 37, 1))] == [events.Blackout, events.Spread]
+    midi_show.forget("/dance/spread")
+    midi_show.midi.update_patch(old)
+    assert [type(event) for event in midi_show.play((0x90, 36, 1), (0x90, 37, 1))] == [events.Blackout]
+    midi_show.reload()
+    learned_path(midi_show.path).unlink()  # by the person's hand
+    midi_show.reload()
+    assert midi_show.play((0x90, 36, 1)) == []
 
 
-def test_comments_and_what_a_person_wrote_stay(stage: Stage) -> None:
+def test_comments_and_handwritten_entries_are_kept(midi_show: MidiShow) -> None:
     text = '# my pads\n[[midi.learned]]\nnote = 40  # top left\ncontrol = "/dance/go"\n\n'
     text += '[[midi.learned]]\nnote = 41\ncontrol = "/dance/clear"\n'
-    learned_path(stage.path).write_text(text)
-    stage.reload()
-    stage.learn("/dance/blackout")
-    stage.play((0x93, 44, 1))
-    now = learned_path(stage.path).read_text()
+    learned_path(midi_show.path).write_text(text)
+    midi_show.reload()
+    midi_show.learn("/dance/blackout")
+    midi_show.play((0x93, 44, 1))
+    now = learned_path(midi_show.path).read_text()
     assert now.startswith(text)
-    stage.learn("/dance/panic")
-    stage.play((0x93, 44, 1))  # the same pad: it does one thing
-    patch = read_patch(stage.path)
+    midi_show.learn("/dance/panic")
+    midi_show.play((0x93, 44, 1))  # the same pad: it does one thing
+    patch = read_patch(midi_show.path)
     assert [line.control for line in patch.midi.learned] == ["/dance/go", "/dance/clear", "/dance/panic"]
     for address in ("/dance/panic", "/dance/clear"):
-        stage.forget(address)
-        stage.midi.learning._writer.wait()
-    assert learned_path(stage.path).read_text().strip() == text.partition("\n\n")[0]
+        midi_show.forget(address)
+        midi_show.midi.learning._writer.wait()
+    assert learned_path(midi_show.path).read_text().strip() == text.partition("\n\n")[0]
 
 
-def test_what_cannot_be_learned_or_forgotten_is_said(stage: Stage) -> None:
-    stage.learn("/dance/nowhere")
-    assert "no control is called" in stage.midi.refusal()
-    stage.learn("/dance/clock/tempo")
-    assert stage.midi.refusal() == ""
-    stage.learn("")
-    assert stage.midi.prompt() == ""
-    assert len(stage.play((0xB0, 7, 1), (0xB0, 7, 60))) == 2  # the patch's own map again
-    stage.forget("/dance/clock/tempo")
-    assert "the patch's own map" in stage.midi.refusal()
-    stage.forget("/dance/panic")
-    assert "nothing was learned" in stage.midi.refusal()
-    deaf = MidiService(stage.show, stage.clock, stage.path)
+def test_invalid_learn_and_forget_requests_are_refused(midi_show: MidiShow) -> None:
+    midi_show.learn("/dance/nowhere")
+    assert "no control is called" in midi_show.midi.refusal()
+    midi_show.learn("/dance/clock/tempo")
+    assert midi_show.midi.refusal() == ""
+    midi_show.learn("")
+    assert midi_show.midi.prompt() == ""
+    assert len(midi_show.play((0xB0, 7, 1), (0xB0, 7, 60))) == 2  # the patch's own map again
+    midi_show.forget("/dance/clock/tempo")
+    assert "the patch's own map" in midi_show.midi.refusal()
+    midi_show.forget("/dance/panic")
+    assert "nothing was learned" in midi_show.midi.refusal()
+    deaf = MidiService(midi_show.show, midi_show.clock, midi_show.path)
     deaf.handle(LearnMidi(time=0.0, source="osc", address="/dance/go"))
     assert "--midi NAME" in deaf.refusal()
 
 
-def test_a_file_that_cannot_be_kept_is_said_and_the_show_goes_on(stage: Stage) -> None:
-    learned_path(stage.path).write_text("[[midi.learned]]\nnote = 400\n")
-    stage.learn("/dance/blackout")
-    stage.play((0x90, 36, 1))
-    assert "NOT SAVED" in stage.midi.last_change()
-    assert "line 2" in stage.midi.last_change()
-    assert [type(event) for event in stage.play((0x90, 36, 1))] == [events.Blackout]
+def test_unsaved_learning_is_reported_and_show_continues(midi_show: MidiShow) -> None:
+    learned_path(midi_show.path).write_text("[[midi.learned]]\nnote = 400\n")
+    midi_show.learn("/dance/blackout")
+    midi_show.play((0x90, 36, 1))
+    assert "NOT SAVED" in midi_show.midi.last_change()
+    assert "line 2" in midi_show.midi.last_change()
+    assert [type(event) for event in midi_show.play((0x90, 36, 1))] == [events.Blackout]
     with pytest.raises(PatchError, match=r"mine\.midi\.toml, line 2"):
-        read_patch(stage.path)
+        read_patch(midi_show.path)
 
 
-def test_what_a_pad_is_told_that_comes_back_over_a_cable_is_no_hand(stage: Stage) -> None:
-    stage.learn("/dance/blackout")
-    stage.play((0x90, 36, 1))
+def test_echoed_feedback_is_not_taken_as_input(midi_show: MidiShow) -> None:
+    midi_show.learn("/dance/blackout")
+    midi_show.play((0x90, 36, 1))
 
     def show_says(on: ArgumentValue) -> None:
-        stage.midi.publish({"/dance/blackout": (("", (on,)),)})
-        stage.clock.advance(0.1)
-        stage.midi.frame()
+        midi_show.midi.publish({"/dance/blackout": (("", (on,)),)})
+        midi_show.clock.advance(0.1)
+        midi_show.midi.frame()
 
     show_says(True)
-    assert stage.tells.told == [b"\x90\x24\x7f"]
-    assert stage.play((0x90, 36, 127)) == []  # the echo
-    (event,) = stage.play((0x90, 36, 127))
+    assert midi_show.tells.told == [b"\x90\x24\x7f"]
+    assert midi_show.play((0x90, 36, 127)) == []  # the echo
+    (event,) = midi_show.play((0x90, 36, 127))
     assert isinstance(event, events.Blackout)
     assert not event.on
 
 
-def test_esc_in_the_window_ends_learning_and_then_the_show(stage: Stage) -> None:
+def test_escape_in_window_ends_learning_before_show(midi_show: MidiShow) -> None:
     posted: list[ControlEvent] = []
-    session = SimpleNamespace(midi=stage.midi, inbox=SimpleNamespace(put=posted.append))
+    session = SimpleNamespace(midi=midi_show.midi, inbox=SimpleNamespace(put=posted.append))
     window = SimpleNamespace(_session=session, _window=SimpleNamespace(fullscreen=False), close_requested=False)
-    stage.learn("/dance/go")
+    midi_show.learn("/dance/go")
     OperatorInput._escape(cast(Any, window), 2.0)
     assert posted == [LearnMidi(time=2.0, source="key", address="")]
     assert not window.close_requested
-    stage.midi.handle(posted[0])
+    midi_show.midi.handle(posted[0])
     OperatorInput._escape(cast(Any, window), 3.0)
     assert window.close_requested
     assert len(posted) == 1

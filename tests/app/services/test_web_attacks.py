@@ -1,4 +1,4 @@
-"""The operator's page under attack: foreign pages, wrong keys, and connections that are opened and left."""
+"""The operator's page under attack: foreign pages, wrong keys, and abandoned connections."""
 
 import asyncio
 import base64
@@ -20,8 +20,8 @@ KEY = "a-key-of-the-tests-4711"
 BLACKOUT = json.dumps({"address": "/dance/blackout", "values": [1]})
 
 
-class Served:
-    """The page's own process, and a socket that stands for the show's OSC port."""
+class PageServer:
+    """The page's own process, and a socket in place of the show's OSC port."""
 
     def __init__(self, hosts=(), at="127.0.0.1"):
         self.show = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -44,12 +44,12 @@ class Served:
         self.show.close()
 
     def connected(self, path="/", host=None, **headers):
-        """A request that was sent, as bytes."""
-        return Raw(self.port, path, f"127.0.0.1:{self.port}" if host is None else host, headers)
+        """Send a request and return it."""
+        return RawRequest(self.port, path, f"127.0.0.1:{self.port}" if host is None else host, headers)
 
     @property
     def dark(self):
-        """Whether somebody has switched the show dark since the last look."""
+        """Whether a blackout message has arrived since the last check."""
         self.show.setblocking(False)
         with contextlib.suppress(BlockingIOError):
             while True:
@@ -58,8 +58,8 @@ class Served:
         return False
 
 
-class Raw:
-    """One HTTP request over a socket of its own, written by hand."""
+class RawRequest:
+    """One handwritten HTTP request over a socket of its own."""
 
     def __init__(self, port, path, host, headers, room=None):
         self.socket = socket.socket()
@@ -97,7 +97,7 @@ class Raw:
         self.socket.sendall(bytes([0x81, 0x80 | len(data)]) + mask + body)
 
     def closed_within(self, seconds):
-        """Seconds until the other side has closed; None if it has not."""
+        """Seconds until the other side closes; None if it stays open."""
         started = time.monotonic()
         self.socket.settimeout(seconds)
         try:
@@ -110,20 +110,20 @@ class Raw:
         return time.monotonic() - started
 
 
-def upgrade(**headers):
+def upgrade_headers(**headers):
     return {
         "Upgrade": "websocket", "Connection": "Upgrade", "Sec_WebSocket_Version": "13",
         "Sec_WebSocket_Key": base64.b64encode(os.urandom(16)).decode(), **headers,
     }  # fmt: skip
 
 
-def with_key(key=KEY):
+def key_headers(key=KEY):
     return {"Sec_WebSocket_Protocol": f"live.operator, live.key.{key}"}
 
 
-def tries_blackout(served, host, headers, path="/ws"):
-    """What a foreign page gets; whether the show became dark."""
-    with served.connected(path, host, **upgrade(**headers)) as raw:
+def attempt_blackout(served, host, headers, path="/ws"):
+    """The status that a foreign page receives, and whether the show became dark."""
+    with served.connected(path, host, **upgrade_headers(**headers)) as raw:
         status = raw.status()
         if status == 101:
             raw.send_text(BLACKOUT)
@@ -131,16 +131,16 @@ def tries_blackout(served, host, headers, path="/ws"):
     return status, served.dark
 
 
-def test_a_foreign_page_cannot_switch_the_show_dark():
-    with Served() as served:
+def test_foreign_page_cannot_black_out_show():
+    with PageServer() as served:
         here = f"127.0.0.1:{served.port}"
         # its own name leads here by now (DNS rebinding): to the browser it is one site, Host and Origin agree
         for name in ("evil.local", "evil.example", "localhost.evil.example", "127.0.0.1.evil.local", "localhost."):
             host = f"{name}:{served.port}"
             headers = {"Origin": f"http://{host}"}
-            assert tries_blackout(served, host, headers) == (403, False), name
-            assert tries_blackout(served, host, headers | with_key()) == (403, False), f"{name}, with the key"
-            assert tries_blackout(served, host, headers, f"/ws?key={KEY}") == (403, False), name
+            assert attempt_blackout(served, host, headers) == (403, False), name
+            assert attempt_blackout(served, host, headers | key_headers()) == (403, False), f"{name}, with the key"
+            assert attempt_blackout(served, host, headers, f"/ws?key={KEY}") == (403, False), name
             for path in ("/", "/surface.json"):
                 with served.connected(path, host) as raw:
                     assert raw.status() == 403
@@ -152,7 +152,7 @@ def test_a_foreign_page_cannot_switch_the_show_dark():
             "null",
             "file://",
         ):
-            assert tries_blackout(served, here, {"Origin": origin} | with_key()) == (403, False), origin
+            assert attempt_blackout(served, here, {"Origin": origin} | key_headers()) == (403, False), origin
         for host in (
             "127.0.0.1:1",
             "127.0.0.1",
@@ -162,33 +162,39 @@ def test_a_foreign_page_cannot_switch_the_show_dark():
             ":",
             "x" * 8000,
         ):
-            assert tries_blackout(served, host, with_key())[1] is False, host
-        with Raw(served.port, "/", "", {}) as raw:  # none at all
+            assert attempt_blackout(served, host, key_headers())[1] is False, host
+        with RawRequest(served.port, "/", "", {}) as raw:  # none at all
             assert raw.status() in (400, 403)
-        with Raw(served.port, "/", f"{here}\r\nHost: evil.example", {}) as raw:  # two
+        with RawRequest(served.port, "/", f"{here}\r\nHost: evil.example", {}) as raw:  # two
             assert raw.status() in (400, 403)
         # another program of this machine has no key
-        for headers in ({}, {"Origin": f"http://{here}"}, with_key("another-key-of-the-tests"), with_key("")):
-            assert tries_blackout(served, here, headers)[1] is False
+        for headers in ({}, {"Origin": f"http://{here}"}, key_headers("another-key-of-the-tests"), key_headers("")):
+            assert attempt_blackout(served, here, headers)[1] is False
         # the page itself
         for host in (here, f"localhost:{served.port}", f"LOCALHOST:{served.port}", f"[::1]:{served.port}"):
-            assert tries_blackout(served, host, {"Origin": f"http://{host}"} | with_key()) == (101, True), host
+            assert attempt_blackout(served, host, {"Origin": f"http://{host}"} | key_headers()) == (101, True), host
 
 
-def test_a_name_counts_only_if_somebody_has_named_it():
-    with Served(hosts=["show.example:443", "stage.example"]) as served:
+def test_host_name_is_accepted_only_if_configured():
+    with PageServer(hosts=["show.example:443", "stage.example"]) as served:
         for host, status in (
             ("show.example", 200), ("show.example:443", 200), (f"stage.example:{served.port}", 200),
             ("stage.example", 403), (f"show.example:{served.port}", 403), (f"x.stage.example:{served.port}", 403),
         ):  # fmt: skip
             with served.connected("/", host) as raw:
                 assert raw.status() == status, host
-        assert tries_blackout(served, "show.example", {"Origin": "https://show.example"} | with_key()) == (101, True)
-        assert tries_blackout(served, "show.example", {"Origin": "https://evil.example"} | with_key()) == (403, False)
+        assert attempt_blackout(served, "show.example", {"Origin": "https://show.example"} | key_headers()) == (
+            101,
+            True,
+        )
+        assert attempt_blackout(served, "show.example", {"Origin": "https://evil.example"} | key_headers()) == (
+            403,
+            False,
+        )
 
 
-def test_wrong_keys_are_answered_more_and_more_slowly_and_the_right_one_at_once():
-    with Served() as served:
+def test_wrong_keys_are_answered_slowly_and_right_key_at_once():
+    with PageServer() as served:
 
         def attempt(key):
             started = time.monotonic()
@@ -224,14 +230,14 @@ def test_wrong_keys_are_answered_more_and_more_slowly_and_the_right_one_at_once(
 
 
 def test_half_open_slow_and_dead_connections_are_closed_within_seconds():
-    with Served() as served:
+    with PageServer() as served:
         here = f"127.0.0.1:{served.port}"
         silent = [socket.create_connection(("127.0.0.1", served.port)) for _ in range(20)]
         head = socket.create_connection(("127.0.0.1", served.port))
         body = socket.create_connection(("127.0.0.1", served.port))
         body.sendall(f"POST / HTTP/1.1\r\nHost: {here}\r\nContent-Length: 1000\r\n\r\n".encode())
-        deaf = served.connected("/ws", **upgrade(**with_key()))  # answers no ping
-        unread = Raw(served.port, "/surface.json", here, {"Authorization": f"Bearer {KEY}"}, room=2048)
+        deaf = served.connected("/ws", **upgrade_headers(**key_headers()))  # answers no ping
+        unread = RawRequest(served.port, "/surface.json", here, {"Authorization": f"Bearer {KEY}"}, room=2048)
         idle = served.connected("/")
         until, left = time.monotonic() + 15.0, {*silent, head, body, deaf.socket, unread.socket, idle.socket}
         for each in left:
@@ -254,7 +260,7 @@ def test_half_open_slow_and_dead_connections_are_closed_within_seconds():
         assert not left, f"{len(left)} of {len(silent) + 5} stayed"
 
 
-def test_who_reads_nothing_delays_nobody():
+def test_client_that_reads_nothing_delays_no_other_client():
     def tell(text):
         served.part.publish({"/dance/status/source": (("", (text,)),)})
         served.part.frame()
@@ -270,15 +276,15 @@ def test_who_reads_nothing_delays_nobody():
                 while told.get("/dance/status/source") != [text]:
                     told = json.loads((await ws.receive(timeout=3.0)).data)["values"]
 
-    with Served() as served:
+    with PageServer() as served:
         here = f"127.0.0.1:{served.port}"
-        with Raw(served.port, "/ws", here, upgrade(**with_key()), room=2048) as deaf:
+        with RawRequest(served.port, "/ws", here, upgrade_headers(**key_headers()), room=2048) as deaf:
             assert deaf.status() == 101
             asyncio.run(operator())
 
 
-def test_the_operator_gets_in_while_hundreds_of_connections_are_opened_and_left():
-    with Served() as served:
+def test_operator_connects_while_hundreds_of_connections_are_abandoned():
+    with PageServer() as served:
         over, opened, left = threading.Event(), [], []
 
         def open_many():
@@ -325,7 +331,7 @@ def test_the_operator_gets_in_while_hundreds_of_connections_are_opened_and_left(
 
 @pytest.mark.browser
 @needs_browser
-def test_in_a_browser_a_foreign_page_can_do_nothing_and_the_link_lets_in():
+def test_foreign_page_in_browser_is_blocked_and_link_logs_in():
     attack = f"""<!doctype html><title>evil</title><script>
     const done = [];
     for (const host of [location.host, "127.0.0.1:" + location.port])
@@ -336,7 +342,7 @@ def test_in_a_browser_a_foreign_page_can_do_nothing_and_the_link_lets_in():
       }}));
     Promise.all(done).then(all => {{ document.title = all.join(" "); }});
     </script>"""
-    with Served() as served, browser("--host-resolver-rules=MAP evil.local 127.0.0.1") as (opened, _):
+    with PageServer() as served, browser("--host-resolver-rules=MAP evil.local 127.0.0.1") as (opened, _):
         evil = opened.new_page()
         at = f"http://evil.local:{served.port}/"
         # the first answer came from the attacker's machine; since then the name leads here

@@ -1,4 +1,4 @@
-"""The key of the operator's page: made once, kept for its owner alone, the same for every process of a show."""
+"""The key of the operator's page: created once, readable by its owner only, the same for every process of a show."""
 
 import os
 import stat
@@ -21,7 +21,7 @@ def web(text="8010", key=None, new_key=False, hosts=()):
 
 
 @pytest.mark.parametrize("where", ["8010", "127.0.0.1:0", "localhost:8010", "[::1]:8010", "0.0.0.0:8010", "[::]:8010"])
-def test_every_page_has_a_key_and_keeps_it(where):
+def test_every_page_has_persistent_key(where):
     first = web(where)
     assert len(first.key) >= 22, "128 bits"
     assert web(where).key == first.key == key_file().read_text().strip()
@@ -33,7 +33,7 @@ def test_every_page_has_a_key_and_keeps_it(where):
     assert os.listdir(key_file().parent) == ["web-key"], "nothing is left beside it"
 
 
-def test_without_a_page_there_is_no_key(settings):
+def test_key_is_not_created_without_page(settings):
     assert web(None).bind_address is None
     assert web(None, key="a-key-of-my-own-1234").key == ""
     assert not settings.exists()
@@ -41,7 +41,7 @@ def test_without_a_page_there_is_no_key(settings):
         web(None, new_key=True)
 
 
-def test_a_key_of_ones_own_counts_and_is_not_kept(settings):
+def test_given_key_is_used_and_not_stored(settings):
     assert web(key="a-key-of-my-own-1234").key == "a-key-of-my-own-1234"
     assert not settings.exists()
     with pytest.raises(PersonError, match="a key was given"):
@@ -55,14 +55,14 @@ WEAK = (
 
 
 @pytest.mark.parametrize("key", WEAK)
-def test_weak_and_strange_keys_are_refused_and_not_repeated(key):
+def test_weak_and_invalid_keys_are_refused_and_not_printed(key):
     with pytest.raises(PersonError, match="16 to 128 letters") as error:
         web(key=key)
     assert len(key) < 3 or key not in str(error.value)
 
 
 @pytest.mark.parametrize("mode", [0o644, 0o640, 0o602, 0o610])
-def test_a_file_that_others_may_read_is_refused(mode):
+def test_key_file_readable_by_others_is_refused(mode):
     stored_key()
     key_file().chmod(mode)
     with pytest.raises(PersonError, match="readable by you only") as error:
@@ -75,7 +75,7 @@ def test_a_file_that_others_may_read_is_refused(mode):
 @pytest.mark.parametrize(
     "text", [b"", b"\n", b"short\n", b"\xff" * 30, b"x" * 5000, b"two-lines-of-key-1\ntwo", b"\0" * 30]
 )
-def test_what_is_no_key_in_the_file_is_refused_by_name(text):
+def test_invalid_key_in_file_is_refused_by_name(text):
     stored_key()
     key_file().write_bytes(text)
     with pytest.raises(PersonError, match="web-key, line 1"):
@@ -104,7 +104,7 @@ def test_links_pipes_and_folders_are_not_read(tmp_path):
     assert elsewhere.read_text() == "a-key-of-somebody-else-1234\n"
 
 
-def test_where_nothing_can_be_kept_the_key_is_for_this_show(tmp_path, monkeypatch):
+def test_unwritable_key_is_valid_for_this_show_only(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path / "file" / "below"))
     notes = []
@@ -117,12 +117,12 @@ def test_where_nothing_can_be_kept_the_key_is_for_this_show(tmp_path, monkeypatc
 @pytest.mark.parametrize(
     "host", ["", "a b", "*", "*.local", "http://x", "x/y", "x:", "x:123456", "-x", "x.", "x" * 300, "x\n"]
 )
-def test_strange_hosts_are_refused(host):
+def test_invalid_hosts_are_refused(host):
     with pytest.raises(PersonError, match="NAME or NAME:PORT"):
         web(hosts=[host])
 
 
-def test_the_key_is_never_shown_with_the_rest():
+def test_key_is_hidden_in_repr_of_options():
     access = web(hosts=["show.example", "show.example:443"])
     assert access.hosts == ("show.example", "show.example:443")
     options = LaunchOptions(web=access.bind_address, web_key=access.key)

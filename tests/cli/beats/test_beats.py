@@ -1,4 +1,4 @@
-"""`live beats`: files and streams, seeds, the timeline, and what is said of mistakes."""
+"""`live beats`: files and streams, seeds, the timeline, and error messages."""
 
 import csv
 import json
@@ -29,7 +29,7 @@ def music(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_json_of_a_file(music: Path) -> None:
+def test_json_of_file_contains_tempo_and_beats(music: Path) -> None:
     told = json.loads(run_live("beats", str(music), "--json", "--tracker", "aubio").stdout)
     assert told["file"] == "clicks.wav"
     assert told["bpm"] == pytest.approx(120.0, rel=0.02)
@@ -37,7 +37,7 @@ def test_json_of_a_file(music: Path) -> None:
     assert {"time_s", "named_s", "beat", "beats_per_measure", "bpm", "confidence"} == set(told["beats"][0])
 
 
-def test_table_csv_click_and_timeline_of_a_file(music: Path, tmp_path: Path) -> None:
+def test_table_csv_click_and_timeline_are_written_for_file(music: Path, tmp_path: Path) -> None:
     clicked, timeline = tmp_path / "out.wav", tmp_path / "out.csv"
     result = run_live("beats", str(music), "--csv", "--click", str(clicked), "--timeline", str(timeline))
     assert result.returncode == 0, result.stderr
@@ -55,8 +55,8 @@ def test_table_csv_click_and_timeline_of_a_file(music: Path, tmp_path: Path) -> 
     assert float(heading.split(" bpm")[0].split()[-1]) == pytest.approx(120.0, abs=0.5)
 
 
-def test_a_stream_gives_lines_while_it_comes_in() -> None:
-    """In a process of its own, as the benchmark starts it; each beat is told before it comes."""
+def test_stream_prints_beats_while_audio_arrives() -> None:
+    """In a process of its own, as the benchmark starts it; each beat is printed before its time."""
     sound, times = clicks(120, RATE, 8.0)
     command = [sys.executable, "-m", "live", "beats", "--stdin", "--one-at", "4.3", "--tap-bpm", "120", "--at", "4.0"]
     result = subprocess.run(command, input=sound.astype("<f4").tobytes(), capture_output=True, timeout=120, check=False)
@@ -84,7 +84,7 @@ def test_a_stream_gives_lines_while_it_comes_in() -> None:
         (("a.wav", "--timeline", "/no/such/folder/t.csv"), "cannot be written"),
     ],
 )
-def test_mistakes_are_told_in_a_line(arguments: tuple[str, ...], words: str) -> None:
+def test_errors_are_printed_in_one_line(arguments: tuple[str, ...], words: str) -> None:
     result = run_live("beats", *arguments)
     assert result.returncode == 2
     assert words in result.stderr
@@ -93,7 +93,7 @@ def test_mistakes_are_told_in_a_line(arguments: tuple[str, ...], words: str) -> 
 
 @pytest.mark.long
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
-def test_a_full_disk_is_one_line(music: Path) -> None:
+def test_full_disk_is_reported_in_one_line(music: Path) -> None:
     result = run_live("beats", str(music), "--tracker", "aubio", "--timeline", "/dev/full")
     assert result.returncode == 2
     assert "--timeline /dev/full cannot be written (No space left on device)" in result.stderr

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from live.base.errors import PersonError
 from live.app.offline.clock_stream import read_beats, read_stream
+from live.base.errors import PersonError
 from live.cli.beats.clock_check import clock_check
 from live.clock.midi.clock_report import clock_errors, replay
 from tests.clock.midi_streams import make_stream, steady
@@ -35,7 +35,7 @@ def test_beats_and_errors_are_printed(tmp_path: Path, capsys: pytest.CaptureFixt
     assert "measure_right 1.000" in lines[-1]
 
 
-def test_json_has_it_all(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_contains_beats_errors_and_states(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     clock_check(stream_file(tmp_path), metre=4, json_out=True)
     found = json.loads(capsys.readouterr().out)
     assert found["name"] == "song"
@@ -56,12 +56,12 @@ def test_json_has_it_all(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> 
         ('{"t": 2, "m": [248]}\n{"t": 1, "m": [248]}', "line 2: t goes back"),
     ],
 )
-def test_bad_streams_name_the_line(tmp_path: Path, text: str, told: str) -> None:
+def test_error_for_invalid_stream_names_line(tmp_path: Path, text: str, told: str) -> None:
     with pytest.raises(PersonError, match=told):
         read_stream(write(tmp_path / "bad.jsonl", text))
 
 
-def test_bad_beats_and_absent_files_are_told(tmp_path: Path) -> None:
+def test_invalid_beats_and_missing_files_are_reported(tmp_path: Path) -> None:
     with pytest.raises(PersonError, match="line 2: seconds, beat and bpm"):
         read_beats(write(tmp_path / "a.beats", "1 1 120\n2 x 120\n"))
     with pytest.raises(PersonError, match="cannot read"):
@@ -69,7 +69,7 @@ def test_bad_beats_and_absent_files_are_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["mo09_steps", "mo12_spp", "mo13_dropouts", "mo15_double_start"])
-def test_hard_streams_keep_the_measure(shared: Path, name: str) -> None:
+def test_difficult_streams_keep_the_measure(shared: Path, name: str) -> None:
     file = shared / "beats" / "midiclock" / f"{name}.jsonl"
     if not file.is_file():
         pytest.skip("the streams are not there")

@@ -1,4 +1,4 @@
-"""Contact sheets: which moments are taken, and how they are laid out."""
+"""Contact sheets: selection of moments and layout."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ def loaded() -> LoadedShow:
     return load_show(find_patch("score"))
 
 
-def test_a_picture_of_each_measure_and_what_is_told_of_it(loaded: LoadedShow) -> None:
+def test_sheet_contains_one_described_picture_per_measure(loaded: LoadedShow) -> None:
     show = loaded.start(seed=1, tempo=240.0)
     found = [
         taken for _, taken in moments_of_patch(loaded, show, AudioChoice(None, None, None), 8.0, 2) if taken is not None
@@ -38,7 +38,7 @@ def test_a_picture_of_each_measure_and_what_is_told_of_it(loaded: LoadedShow) ->
     assert apart == pytest.approx(2 * 4 * 60 / found[-1].tempo, rel=0.1)
 
 
-def test_who_answers_a_leader_dances_what_she_answers(loaded: LoadedShow) -> None:
+def test_answering_group_shows_steps_of_its_leader(loaded: LoadedShow) -> None:
     show = load_show(find_patch("partner")).start(seed=1)
     answering = show.dancers.partner_response
     assert answering is not None
@@ -57,7 +57,7 @@ def test_who_answers_a_leader_dances_what_she_answers(loaded: LoadedShow) -> Non
     assert answers >= 3
 
 
-def test_traces_are_drawn_before_and_only_where_there_are_some(loaded: LoadedShow) -> None:
+def test_trail_frames_are_drawn_before_moment_only_with_trails(loaded: LoadedShow) -> None:
     for trails in (0.0, 0.7):
         show = loaded.start(seed=1, tempo=240.0)
         from live.base.picture_parameters import BY_ADDRESS
@@ -76,7 +76,7 @@ def test_traces_are_drawn_before_and_only_where_there_are_some(loaded: LoadedSho
         assert (len(before) >= 4) == (trails > 0.0)
 
 
-def taken(measure: int, **said: object) -> SheetMoment:
+def make_moment(measure: int, **said: object) -> SheetMoment:
     known: dict[str, object] = {
         "measure": measure, "beat": 3, "seconds": 65.0, "tempo": 118.0, "section": "verse", "cue": None,
         "steps": (((1.0, 0.2, 0.0), "ember", "side step"), ((0.0, 0.2, 1.0), "tide", "a step with a very long name")),
@@ -86,9 +86,10 @@ def taken(measure: int, **said: object) -> SheetMoment:
 
 @pytest.mark.parametrize("paper", [DARK, LIGHT])
 @pytest.mark.parametrize(("count", "columns"), [(1, 4), (5, 3), (6, 3)])
-def test_pictures_lie_in_rows_untouched(paper: Paper, count: int, columns: int) -> None:
+def test_pictures_lie_unchanged_in_rows(paper: Paper, count: int, columns: int) -> None:
     pictures = [
-        (np.random.default_rng(n).integers(0, 255, (SIZE[1], SIZE[0], 3), np.uint8), taken(n + 1)) for n in range(count)
+        (np.random.default_rng(n).integers(0, 255, (SIZE[1], SIZE[0], 3), np.uint8), make_moment(n + 1))
+        for n in range(count)
     ]
     sheet = Sheet(SIZE, columns, paper)
     image = np.asarray(sheet.draw(pictures, "A show with a long name, äöü", "1:05"))
@@ -106,12 +107,12 @@ def test_pictures_lie_in_rows_untouched(paper: Paper, count: int, columns: int) 
     assert len({x for _, x in places}) == min(columns, count)
 
 
-def test_words_never_run_into_one_another() -> None:
-    """Whatever is said, it stays under its own picture: the gaps between the columns are empty."""
+def test_texts_never_overlap_neighboring_columns() -> None:
+    """Every text stays under its own picture: the gaps between the columns are empty."""
     black = np.zeros((SIZE[1], SIZE[0], 3), np.uint8)
     long = "x" * 200
     many = tuple(((0.5, 0.5, 0.5), f"group {n} {long}", long) for n in range(5))
-    one = taken(123456, section=long, cue=long, steps=many)
+    one = make_moment(123456, section=long, cue=long, steps=many)
     sheet = Sheet(SIZE, 2, LIGHT)
     image = np.asarray(sheet.draw([(black, one), (black, one)], "title", "told"))
     (corner_y,), (corner_x,) = (
@@ -121,10 +122,10 @@ def test_words_never_run_into_one_another() -> None:
     assert (gap == LIGHT.ground).all()
 
 
-def test_colours_are_those_of_the_screen() -> None:
+def test_colors_match_screen_colors() -> None:
     assert to_srgb((0.0, 1.0, 0.2140)) == (0, 255, 127)
     assert to_srgb((-1.0, 7.0, 0.5)) == (0, 255, 188)
 
 
-def test_so_many_that_a_sheet_stays_a_sheet(tmp_path: Path) -> None:
+def test_long_shows_use_fewer_measures_per_sheet(tmp_path: Path) -> None:
     assert [_measures_between(count) for count in (1, 24, 25, 48, 49, 1000)] == [1, 1, 2, 2, 4, 64]

@@ -1,4 +1,4 @@
-"""`live formation`: pictures, ways, JSON, files; and what is refused."""
+"""`live formation`: pictures, paths, JSON, files, and refusals."""
 
 import json
 import re
@@ -19,18 +19,18 @@ def run(*arguments):
     return CliRunner().invoke(app, ["formation", *map(str, arguments)])
 
 
-def of_class(file, tag, name):
+def elements_of_class(file, tag, name):
     return [each for each in ElementTree.parse(file).getroot().iter(f"{SVG}{tag}") if each.get("class") == name]
 
 
-def test_the_picture_has_all_dancers_to_scale_and_the_public_below(tmp_path):
+def test_picture_shows_all_dancers_to_scale_with_public_below(tmp_path):
     file = tmp_path / "arc.svg"
     table = tmp_path / "arc.json"
     table.write_text(json.dumps({"shape": "arc", "soloists": 1, "size": [6, 3], "sections": [4, 6]}))
     done = run(table, "--svg", file, "--dancers", 11, "--json")
     assert done.exit_code == 0, done.output
     report = json.loads(done.stdout)
-    dancers, soloists = of_class(file, "circle", "dancer"), of_class(file, "circle", "soloist")
+    dancers, soloists = elements_of_class(file, "circle", "dancer"), elements_of_class(file, "circle", "soloist")
     assert (len(dancers), len(soloists)) == (10, 1)
     assert report["section"] == [None, *[1] * 4, *[2] * 6]
     drawn = np.array([(float(each.get("cx")), float(each.get("cy"))) for each in [*soloists, *dancers]])
@@ -40,7 +40,7 @@ def test_the_picture_has_all_dancers_to_scale_and_the_public_below(tmp_path):
     assert any("public below" in (text.text or "") for text in ElementTree.parse(file).getroot().iter(f"{SVG}text"))
 
 
-def test_ways_are_the_best_matching(tmp_path):
+def test_transition_paths_are_optimal_matching(tmp_path):
     file = tmp_path / "star.svg"
     done = run("star", "--from", "grid", "--dancers", 24, "--svg", file, "--json")
     assert done.exit_code == 0, done.output
@@ -52,10 +52,10 @@ def test_ways_are_the_best_matching(tmp_path):
     best = squared[linear_sum_assignment(squared)].sum()
     assert squared[np.arange(24), to].sum() == pytest.approx(best)
     assert report["from"]["total_m"] == pytest.approx(np.sqrt(squared[np.arange(24), to]).sum(), abs=1e-4)
-    assert len(of_class(file, "polyline", "way")) == 24
+    assert len(elements_of_class(file, "polyline", "way")) == 24
 
 
-def test_a_formation_over_the_edge_is_said_and_mended(tmp_path):
+def test_formation_beyond_stage_is_reported_with_working_remedy(tmp_path):
     done = run("circle", "--stage", "4x4", "--dancers", 12, "--json")
     report = json.loads(done.stdout)
     assert not report["fits"]
@@ -67,7 +67,7 @@ def test_a_formation_over_the_edge_is_said_and_mended(tmp_path):
     assert "places are not on the stage of 4 x 4 m" in run("circle", "--stage", "4x4", "--dancers", 12).stdout
 
 
-def test_several_formations_in_a_file_are_told_apart(tmp_path):
+def test_formations_in_one_file_are_selected_by_name(tmp_path):
     file = tmp_path / "show.toml"
     file.write_text(
         '[[formation]]\nname = "gate"\nshape = "arc"\ncount = 7\n[[formation]]\nname = "sky"\nshape = "star"\n'
@@ -80,7 +80,7 @@ def test_several_formations_in_a_file_are_told_apart(tmp_path):
         raise run(f"{file}:moon").exception
 
 
-def test_an_svg_file_is_danced_on(tmp_path):
+def test_svg_file_is_used_as_formation(tmp_path):
     file = tmp_path / "wave.svg"
     file.write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M 0 0 C 10 20 20 -20 30 0"/></svg>')
     report = json.loads(run(f"svg:{file}", "--dancers", 9, "--json").stdout)
@@ -89,7 +89,7 @@ def test_an_svg_file_is_danced_on(tmp_path):
     assert json.loads(run(file, "--dancers", 9, "--json").stdout)["slots"] == report["slots"]
 
 
-def test_the_count_of_the_file_is_taken_and_too_many_dancers_are_told(tmp_path):
+def test_dancer_count_comes_from_file_and_excess_dancers_are_reported(tmp_path):
     file = tmp_path / "f.toml"
     file.write_text('shape = "circle"\nspacing = 1.0\nsize = [4, 4]\n')
     assert len(json.loads(run(file, "--json").stdout)["slots"]) == 13
@@ -115,7 +115,7 @@ def test_the_count_of_the_file_is_taken_and_too_many_dancers_are_told(tmp_path):
         (["text:?"], "not in the font"),
     ],
 )
-def test_what_is_refused(arguments, words):
+def test_invalid_options_are_refused(arguments, words):
     done = run(*arguments)
     assert isinstance(done.exception, PersonError)
     assert words in str(done.exception)
@@ -133,7 +133,7 @@ def test_what_is_refused(arguments, words):
         ("a.svg", "<svg", "not an SVG"),
     ],
 )
-def test_files_that_are_refused(tmp_path, name, text, words):
+def test_invalid_files_are_refused(tmp_path, name, text, words):
     (tmp_path / name).write_text(text)
     done = run(tmp_path / name)
     assert isinstance(done.exception, PersonError)

@@ -1,4 +1,4 @@
-"""`live journal show | diff | export` and `live replay --from --to --render`, on a night of a small show."""
+"""`live journal show | diff | export` and `live replay --from --to --render`, on the journal of a small show."""
 
 import csv
 import json
@@ -19,7 +19,7 @@ from live.show.loader import load_show
 from live.show.patch.patch_search_path import find_patch
 from live.show.view.status import Status
 from tests.cli.command import run_live
-from tests.show.journal.disk import settled
+from tests.show.journal.disk import wait_until_written
 
 TEMPO = 120.0
 SCRIPT = {
@@ -31,7 +31,7 @@ SCRIPT = {
 
 
 @pytest.fixture(scope="module")
-def night(tmp_path_factory):
+def show_journal(tmp_path_factory):
     """The journal of ten seconds at 120 bpm: five measures."""
     path = tmp_path_factory.mktemp("night") / "a.jsonl"
     loaded = load_show(find_patch("contemporary"))
@@ -46,19 +46,19 @@ def night(tmp_path_factory):
             inbox.put(SCRIPT[frame])
         engine.frame(lambda view: None)
         if frame % 30 == 0:
-            settled(journal)
+            wait_until_written(journal)
     journal.close(engine.ticks.index)
     return path
 
 
-def beats_of(night):
+def beats_per_measure(show_journal):
     """Beats of a measure of this show."""
-    header = json.loads(night.read_text().splitlines()[0])
+    header = json.loads(show_journal.read_text().splitlines()[0])
     return header["patch"]["clock"]["beats_per_measure"]
 
 
-def test_show_counts_by_source_and_kind(night, tmp_path):
-    told = run_live("journal", "show", str(night), "--json", "--picture", str(tmp_path / "a.svg"))
+def test_show_counts_events_by_source_and_kind(show_journal, tmp_path):
+    told = run_live("journal", "show", str(show_journal), "--json", "--picture", str(tmp_path / "a.svg"))
     assert told.returncode == 0, told.stderr
     facts = json.loads(told.stdout)
     counts = {(row["source"], row["type"]): row["count"] for row in facts["events"]}
@@ -70,21 +70,21 @@ def test_show_counts_by_source_and_kind(night, tmp_path):
     picture = (tmp_path / "a.svg").read_text()
     assert picture.count("Blackout") == 1
     assert "BeatHeard · tap" in picture
-    listed = run_live("journal", "show", str(night), "--events").stdout
+    listed = run_live("journal", "show", str(show_journal), "--events").stdout
     assert "key        Blackout on=True" in listed
-    assert run_live("journal", "show", str(night), "--picture", str(tmp_path / "a.png")).returncode == 0
+    assert run_live("journal", "show", str(show_journal), "--picture", str(tmp_path / "a.png")).returncode == 0
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
-    assert run_live("journal", "show", str(night), "--picture", "a.gif").returncode == 2
+    assert run_live("journal", "show", str(show_journal), "--picture", "a.gif").returncode == 2
 
 
-def test_diff_names_the_first_other_event_and_state(night, tmp_path):
-    same = run_live("journal", "diff", str(night), str(night))
+def test_diff_names_first_differing_event_and_state(show_journal, tmp_path):
+    same = run_live("journal", "diff", str(show_journal), str(show_journal))
     assert (same.returncode, "the same show" in same.stdout) == (0, True)
-    text = night.read_text().replace('"on":true', '"on":false', 1)
+    text = show_journal.read_text().replace('"on":true', '"on":false', 1)
     hashes = [row for row in text.splitlines() if '"hash"' in row]
     text = text.replace(hashes[2], hashes[2].replace('"hash":"', '"hash":"f'))
     (tmp_path / "b.jsonl").write_text(text)
-    told = run_live("journal", "diff", str(night), str(tmp_path / "b.jsonl"), "--json")
+    told = run_live("journal", "diff", str(show_journal), str(tmp_path / "b.jsonl"), "--json")
     assert told.returncode == 1
     facts = json.loads(told.stdout)
     assert facts["event"]["first"]["event"]["type"] == "Blackout"
@@ -93,15 +93,15 @@ def test_diff_names_the_first_other_event_and_state(night, tmp_path):
     assert facts["header"] == []
 
 
-def test_a_midi_file_has_beats_markers_and_steps(night, tmp_path):
+def test_midi_export_contains_beats_markers_and_steps(show_journal, tmp_path):
     out = tmp_path / "a.mid"
-    assert run_live("journal", "export", str(night), str(out)).returncode == 0
+    assert run_live("journal", "export", str(show_journal), str(out)).returncode == 0
     file = mido.MidiFile(out)
     assert file.length == pytest.approx(10.0, abs=0.2)
     tempos = [round(mido.tempo2bpm(m.tempo)) for m in file.tracks[0] if m.type == "set_tempo"]
     assert set(tempos[1:-1]) == {round(TEMPO)}
     metres = [m.numerator for m in file.tracks[0] if m.type == "time_signature"]
-    assert set(metres[1:-1]) == {beats_of(night)}
+    assert set(metres[1:-1]) == {beats_per_measure(show_journal)}
     markers, now = {}, 0
     for message in file.tracks[1]:
         now += message.time
@@ -115,38 +115,40 @@ def test_a_midi_file_has_beats_markers_and_steps(night, tmp_path):
         assert kinds.count("note_on") == kinds.count("note_off") >= 4
 
 
-def test_a_table_has_a_row_for_each_event_and_measure(night, tmp_path):
-    assert run_live("journal", "export", str(night), str(tmp_path / "a.csv")).returncode == 0
+def test_csv_export_has_row_for_each_event_and_measure(show_journal, tmp_path):
+    assert run_live("journal", "export", str(show_journal), str(tmp_path / "a.csv")).returncode == 0
     with (tmp_path / "a.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["kind"] for row in rows if row["kind"] != "measure"] == [
         "Attract", "BeatHeard", "Blackout", "Blackout",
     ]  # fmt: skip
-    assert run_live("journal", "export", str(night), str(tmp_path / "a.xls")).returncode == 2
+    assert run_live("journal", "export", str(show_journal), str(tmp_path / "a.xls")).returncode == 2
 
 
-def test_replay_from_and_to_a_measure_and_its_film(night, tmp_path):
-    told = run_live("replay", str(night), "--verify", "--from", "3", "--to", "4", "--json")
+def test_replay_of_measure_range_verifies_and_renders_film(show_journal, tmp_path):
+    told = run_live("replay", str(show_journal), "--verify", "--from", "3", "--to", "4", "--json")
     assert told.returncode == 0, told.stderr
     facts = json.loads(told.stdout)
     assert facts["measures"] == 2
     assert facts["from_tick"] > 0
     film = tmp_path / "b.mp4"
     made = run_live(
-        "replay", str(night), "--from", "4", "--to", "4", "--render", str(film), "--size", "64x36", "--fps", "10"
+        "replay", str(show_journal), "--from", "4", "--to", "4", "--render", str(film), "--size", "64x36", "--fps", "10"
     )
     assert made.returncode == 0, made.stderr
     with av.open(str(film)) as container:
         video = container.streams.video[0]
         assert (video.width, video.height) == (64, 36)
-        assert float(video.duration * video.time_base) == pytest.approx(beats_of(night) * 60.0 / TEMPO, abs=0.25)
-    assert run_live("replay", str(night), "--from", "5", "--to", "2").returncode == 2
-    missing = run_live("replay", str(night), "--from", "99", "--render", str(film))
+        assert float(video.duration * video.time_base) == pytest.approx(
+            beats_per_measure(show_journal) * 60.0 / TEMPO, abs=0.25
+        )
+    assert run_live("replay", str(show_journal), "--from", "5", "--to", "2").returncode == 2
+    missing = run_live("replay", str(show_journal), "--from", "99", "--render", str(film))
     assert (missing.returncode, "has no measure 99" in missing.stderr) == (2, True)
 
 
-def test_a_damaged_journal_is_told_and_fails_to_verify(night, tmp_path):
-    for file in (night, night.with_name("a.jsonl.snap")):
+def test_damaged_journal_is_reported_and_fails_verification(show_journal, tmp_path):
+    for file in (show_journal, show_journal.with_name("a.jsonl.snap")):
         shutil.copy(file, tmp_path / file.name)
     path = tmp_path / "a.jsonl"
     path.write_text(path.read_text().replace('"Attract"', '"Attrakt"'))

@@ -1,4 +1,4 @@
-"""`live bvh` as people run it: every key of the contract, the joints' file, and errors of one line."""
+"""`live bvh`: every key of the JSON report, the joints file, and one-line errors."""
 
 import json
 from pathlib import Path
@@ -26,7 +26,7 @@ def walk(tmp_path: Path) -> Path:
     return path
 
 
-def test_all_keys_as_json(walk: Path, tmp_path: Path) -> None:
+def test_json_contains_all_keys(walk: Path, tmp_path: Path) -> None:
     out = tmp_path / "joints.npz"
     done = run_live("bvh", str(walk), "--json", "--joints", str(out))
     assert (done.returncode, done.stderr) == (0, "")
@@ -52,7 +52,7 @@ def test_all_keys_as_json(walk: Path, tmp_path: Path) -> None:
         np.testing.assert_allclose(written["positions"][:, 0, 2], np.linspace(0.0, 1.2, 31), atol=1e-9)
 
 
-def test_what_a_person_says_goes_first(walk: Path) -> None:
+def test_options_override_file_values(walk: Path) -> None:
     done = run_live("bvh", str(walk), "--json", "--fps", "60", "--unit", "0.0254", "--up", "y")
     facts = json.loads(done.stdout)
     assert (facts["fps"], facts["unit_m"], facts["up"]) == (60.0, 0.0254, "Y")
@@ -61,7 +61,7 @@ def test_what_a_person_says_goes_first(walk: Path) -> None:
     assert any("4.4 m tall" in one["what"] for one in facts["warnings"])
 
 
-def test_as_a_table(walk: Path) -> None:
+def test_table_contains_facts_and_warnings(walk: Path) -> None:
     done = run_live("bvh", str(walk))
     assert done.returncode == 0
     for words in (
@@ -85,7 +85,7 @@ def test_as_a_table(walk: Path) -> None:
         (["walk.bvh", "--joints", "."], "that is a folder"),
     ],
 )
-def test_what_fails_ends_with_2_and_one_line(walk: Path, arguments: list[str], words: str) -> None:
+def test_failure_has_exit_code_2_and_one_line(walk: Path, arguments: list[str], words: str) -> None:
     (walk.parent / "broken.bvh").write_text("HIERARCHY\nROOT a {\nOFFSET 0 x 0\n")
     done = run_live("bvh", *arguments, "--json", cwd=walk.parent)
     assert (done.returncode, done.stdout) == (2, "")
@@ -93,7 +93,7 @@ def test_what_fails_ends_with_2_and_one_line(walk: Path, arguments: list[str], w
     assert len(done.stderr.splitlines()) == 1
 
 
-def test_no_recording_is_written_over(walk: Path) -> None:
+def test_input_recording_is_never_overwritten(walk: Path) -> None:
     before = walk.read_bytes()
     done = run_live("bvh", "walk.bvh", "--joints", "walk.bvh", cwd=walk.parent)
     assert done.returncode == 2
@@ -109,7 +109,7 @@ def test_no_recording_is_written_over(walk: Path) -> None:
 
 @pytest.mark.shared
 @pytest.mark.parametrize("name", ["asfamc/49_14.amc", "group/perfume_aachan.glb"])
-def test_other_formats(name: str) -> None:
+def test_other_motion_formats_are_reported(name: str) -> None:
     done = run_live("bvh", str(mocap_file(name)), "--json")
     facts = json.loads(done.stdout)
     assert (list(facts), facts["up"]) == (KEYS.split(), "Y")

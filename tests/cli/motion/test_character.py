@@ -1,4 +1,4 @@
-"""`live character`: what a model brings along, in words and as JSON; what is none is told."""
+"""`live character`: facts of a model as text and JSON, and refusal of invalid models."""
 
 import json
 
@@ -7,12 +7,12 @@ import pytest
 from PIL import Image
 
 from tests.cli.command import run_live
-from tests.render.characters.figures import glb_of, painted
+from tests.render.characters.figures import glb_of, striped_image
 
 
-def test_bones_size_and_licence_are_told(tmp_path):
+def test_bones_size_and_license_are_reported(tmp_path):
     path = tmp_path / "anna.vrm"
-    path.write_bytes(glb_of(vrm="0.x", image=painted(), without=("neck",), unit=100.0))
+    path.write_bytes(glb_of(vrm="0.x", image=striped_image(), without=("neck",), unit=100.0))
     said = run_live("character", str(path))
     assert said.returncode == 0, said.stderr
     for words in ("VRM 0.x", "taken for centimetres", "21 of 22 joints", "without neck", "licence: CC0", "images: 1"):
@@ -33,7 +33,7 @@ def test_bones_size_and_licence_are_told(tmp_path):
         (["{anna}", "--out", "a.bmp"], "ends in .png"),
     ],
 )
-def test_what_cannot_be_is_one_line(arguments, words, tmp_path):
+def test_invalid_arguments_are_refused_in_one_line(arguments, words, tmp_path):
     path = tmp_path / "anna.glb"
     path.write_bytes(glb_of())
     said = run_live("character", *(each.format(anna=path) for each in arguments), cwd=tmp_path)
@@ -43,7 +43,7 @@ def test_what_cannot_be_is_one_line(arguments, words, tmp_path):
 
 
 @pytest.mark.gl
-def test_it_is_drawn_dancing(tmp_path):
+def test_character_is_drawn_in_dance_poses(tmp_path):
     path, out = tmp_path / "anna.glb", tmp_path / "anna.png"
     path.write_bytes(glb_of(colour=(0.9, 0.0, 0.0, 1.0)))
     said = run_live("character", str(path), "--out", str(out), "--size", "192x108")

@@ -1,4 +1,4 @@
-"""`live export`: recordings and steps come out as files that read back as the same motion; refusals say what to do."""
+"""`live export`: recordings and steps become files that read back as the same motion; refusals name a remedy."""
 
 from pathlib import Path
 from typing import Any
@@ -18,15 +18,15 @@ from live.motion.skeleton import SKELETON
 from live.show.patch.patch_search_path import PATCHES
 from tests.cli.command import run_live
 from tests.fixtures.mocap import mocap_file
-from tests.motion.formats.made_bvh import body_bvh, danced
+from tests.motion.formats.made_bvh import body_bvh, dance_values
 
 
-def positions(clip: Clip) -> np.ndarray:
+def joint_positions(clip: Clip) -> np.ndarray:
     return forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))[0]
 
 
-def written(path: Path) -> np.ndarray:
-    """Joints of a file that was written [m], (T, 22, 3)."""
+def read_joints(path: Path) -> np.ndarray:
+    """Joints of a written file [m], (T, 22, 3)."""
     motion = read_motion(path)
     assert motion.names == SKELETON.names
     found = world_pose(motion.parents, LocalPose(motion.translation, motion.rotation)).positions
@@ -36,35 +36,37 @@ def written(path: Path) -> np.ndarray:
 @pytest.fixture
 def dance(tmp_path: Path) -> Path:
     path = tmp_path / "dance.bvh"
-    path.write_text(body_bvh(danced(61), fps=30.0))
+    path.write_text(body_bvh(dance_values(61), fps=30.0))
     return path
 
 
 @pytest.mark.parametrize("name", ["out.bvh", "out.glb", "out.vrma", "OUT.BVH"])
-def test_a_recording_comes_out_as_the_clip_that_the_engine_dances(dance: Path, name: str) -> None:
+def test_exported_recording_equals_engine_clip(dance: Path, name: str) -> None:
     out = dance.with_name(name)
     result = run_live("export", str(dance), "--to", str(out))
     assert result.returncode == 0, result.stderr
     assert "121 frames, 60 per second, 2.00 s" in result.stdout
     clip = retarget(read_motion(dance), name="dance")
-    np.testing.assert_allclose(written(out), positions(clip), atol=1e-5)
-    np.testing.assert_allclose(positions(retarget(read_motion(out), name="again")), positions(clip), atol=1e-5)
+    np.testing.assert_allclose(read_joints(out), joint_positions(clip), atol=1e-5)
+    np.testing.assert_allclose(
+        joint_positions(retarget(read_motion(out), name="again")), joint_positions(clip), atol=1e-5
+    )
 
 
 @pytest.mark.parametrize(("rate", "frames"), [("source", 61), ("30", 61), ("24", 49), (" 120 ", 241)])
-def test_the_rate_is_chosen(dance: Path, rate: str, frames: int) -> None:
+def test_frame_rate_option_sets_frame_count(dance: Path, rate: str, frames: int) -> None:
     out = dance.with_name("out.bvh")
     export(str(dance), out, rate=rate)
     assert read_motion(out).frame_count == frames
 
 
-def test_what_is_said_of_the_file_counts(dance: Path) -> None:
+def test_file_options_override_file_values(dance: Path) -> None:
     out = dance.with_name("out.bvh")
     export(str(dance), out, fps=60.0, drop_frames=11)
     motion = read_motion(out)
     assert (motion.frame_count, round(motion.header_fps)) == (50, 60)
     clip = retarget(read_motion(dance), name="dance", fps=60.0, drop_frames=11)
-    np.testing.assert_allclose(written(out), positions(clip), atol=1e-5)
+    np.testing.assert_allclose(read_joints(out), joint_positions(clip), atol=1e-5)
 
 
 @pytest.mark.shared
@@ -76,28 +78,28 @@ def test_what_is_said_of_the_file_counts(dance: Path) -> None:
         ("solo/rokoko_jesse_dance.bvh", {"up": "y"}),
     ],
 )
-def test_real_files_of_other_formats_come_out(tmp_path: Path, name: str, options: dict[str, Any]) -> None:
+def test_real_files_of_other_formats_are_exported(tmp_path: Path, name: str, options: dict[str, Any]) -> None:
     path = mocap_file(name)
     if "skeleton" in options:
         options = {"skeleton": mocap_file(options["skeleton"])}
     out = tmp_path / "out.glb"
     export(str(path), out, **options)
     clip = retarget(read_motion(path, skeleton=options.get("skeleton")), name="dance")
-    np.testing.assert_allclose(written(out), positions(clip), atol=1e-5)
+    np.testing.assert_allclose(read_joints(out), joint_positions(clip), atol=1e-5)
 
 
-def test_a_step_comes_out_whole_from_its_first_beat_on(tmp_path: Path) -> None:
+def test_step_is_exported_whole_from_first_beat(tmp_path: Path) -> None:
     out = tmp_path / "walk.bvh"
     result = run_live("export", "Walk", "--to", str(out), "--variation", "2", "--rate", "source")
     assert result.returncode == 0, result.stderr
     step = [clip for clip in load_folder(PATCHES / "steps") if clip.step == "walk"][1]
     assert step.first == int(step.first)
     samples = int(step.measures * step.samples_per_measure + 1e-3) + 1
-    expected = positions(step.clip)[int(step.first) : int(step.first) + samples]
-    np.testing.assert_allclose(written(out), expected, atol=1e-5)
+    expected = joint_positions(step.clip)[int(step.first) : int(step.first) + samples]
+    np.testing.assert_allclose(read_joints(out), expected, atol=1e-5)
 
 
-def test_a_step_of_a_library_and_some_of_its_measures(dance: Path) -> None:
+def test_library_step_is_exported_with_chosen_measures(dance: Path) -> None:
     words = 'file = "dance.bvh"\nname = "sway"\nbpm = 240\nfirst_beat_s = 0.1\nmeasures = 1\nbeats_per_measure = 3\n'
     (dance.parent / "steps.toml").write_text(words.replace("measures = 1", "measures = 2"))
     out = dance.with_name("out.glb")
@@ -135,9 +137,7 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
 
 
 @pytest.mark.parametrize(("source", "options", "message"), REFUSED)
-def test_refusals_name_the_option_and_the_remedy(
-    dance: Path, source: str, options: dict[str, Any], message: str
-) -> None:
+def test_refusals_name_option_and_remedy(dance: Path, source: str, options: dict[str, Any], message: str) -> None:
     folder = dance.parent
     (folder / "there.glb").write_bytes(b"mine")
     (folder / "broken.bvh").write_text("ROOT Hips")
@@ -153,7 +153,7 @@ def test_refusals_name_the_option_and_the_remedy(
     assert {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()} == before
 
 
-def test_a_refusal_is_one_line_and_exit_code_two(dance: Path) -> None:
+def test_refusal_has_exit_code_two_and_error_with_remedy(dance: Path) -> None:
     result = run_live("export", str(dance), "--to", str(dance.with_name("out.txt")))
     assert result.returncode == 2
     assert result.stdout == ""

@@ -1,4 +1,4 @@
-"""`live sync` as people run it: a made BVH of a dancer who claps, and everything that may be wrong."""
+"""`live sync`: a synthetic BVH of a clapping dancer, and invalid input."""
 
 import json
 import tomllib
@@ -15,34 +15,36 @@ from live.motion.beats.clap_sync import AssignedClap, Clap
 from live.motion.beats.music_reference import MusicReference
 from tests.cli.command import run_live
 from tests.library.test_beat_alignment import click_track
-from tests.motion.beats.test_claps import hands, uneven
+from tests.motion.beats.test_claps import palm_distance, scattered_clap_times
 from tests.motion.formats.made_bvh import body_bvh
-from tests.motion.retarget.made_source import clapping
+from tests.motion.retarget.made_source import clapping_values
 
 
 @pytest.fixture
-def clapped(tmp_path: Path) -> Path:
+def clap_recording(tmp_path: Path) -> Path:
     path = tmp_path / "clapped.bvh"
-    path.write_text(body_bvh(clapping(hands(uneven()), 8.0, 60.0), fps=60.0))
+    path.write_text(body_bvh(clapping_values(palm_distance(scattered_clap_times()), 8.0, 60.0), fps=60.0))
     return path
 
 
-def test_claps_to_a_click(clapped: Path) -> None:
-    """Every clap comes out within 5 ms, through file, reader and command."""
-    done = run_live("sync", str(clapped), "--click", "120", "--count", "8", "--json")
+def test_claps_are_aligned_to_click(clap_recording: Path) -> None:
+    """Every clap is found within 5 ms, through file, reader and command."""
+    done = run_live("sync", str(clap_recording), "--click", "120", "--count", "8", "--json")
     assert (done.returncode, done.stderr) == (0, "")
     found = json.loads(done.stdout)
-    np.testing.assert_allclose([clap["time_s"] for clap in found["claps"]], uneven(), atol=0.005)
+    np.testing.assert_allclose([clap["time_s"] for clap in found["claps"]], scattered_clap_times(), atol=0.005)
     assert [clap["beat"] for clap in found["claps"]] == list(range(1, 9))
-    assert found["first_beat_s"] == pytest.approx(float(np.mean(uneven() - 0.5 * np.arange(8))), abs=0.005)
+    assert found["first_beat_s"] == pytest.approx(
+        float(np.mean(scattered_clap_times() - 0.5 * np.arange(8))), abs=0.005
+    )
     assert (found["bpm"], found["source"], found["drop_frames"]) == (120.0, "click", 0)
     assert found["confidence"] > 0.7
-    residuals = [1e3 * (time - found["first_beat_s"] - 0.5 * n) for n, time in enumerate(uneven())]
+    residuals = [1e3 * (time - found["first_beat_s"] - 0.5 * n) for n, time in enumerate(scattered_clap_times())]
     np.testing.assert_allclose([clap["residual_ms"] for clap in found["claps"]], residuals, atol=5.0)
 
 
-def test_lines_to_paste(clapped: Path) -> None:
-    done = run_live("sync", str(clapped))
+def test_output_contains_lines_to_paste(clap_recording: Path) -> None:
+    done = run_live("sync", str(clap_recording))
     assert done.returncode == 0
     assert "clap    1.5" in done.stdout
     assert done.stdout.count("# guess: confirm") == 2  # hands alone may do something else than clap
@@ -61,15 +63,15 @@ def test_lines_to_paste(clapped: Path) -> None:
         (["--anchor", "1.5", "--bpm", "120"], ("#", 0)),
     ],
 )
-def test_what_is_a_guess_says_so_in_the_lines_to_paste(
-    clapped: Path, options: list[str], marks: tuple[str, int]
+def test_guessed_values_are_marked_in_lines_to_paste(
+    clap_recording: Path, options: list[str], marks: tuple[str, int]
 ) -> None:
-    done = CliRunner().invoke(app, ["sync", str(clapped), *options])
+    done = CliRunner().invoke(app, ["sync", str(clap_recording), *options])
     assert done.exit_code == 0
     assert done.stdout.split("\n\n")[1].count(f"# {marks[0]}".replace("# #", "#")) == marks[1]
 
 
-def test_less_than_four_claps_are_a_guess() -> None:
+def test_fewer_than_four_claps_are_guess() -> None:
     clap = Clap(1.0, 0.05, 3.0)
     placed = tuple(AssignedClap(clap, beat, 0.0) for beat in (1, 2, 3, 4))
     reference = MusicReference(1.0, 120.0, 0.9, "click", "")
@@ -77,9 +79,9 @@ def test_less_than_four_claps_are_a_guess() -> None:
     assert SyncResult(reference, (*placed[:3], AssignedClap(clap, None, None)), 0, 60.0).guessed
 
 
-def test_claps_to_a_song(clapped: Path, tmp_path: Path) -> None:
+def test_claps_are_aligned_to_song(clap_recording: Path, tmp_path: Path) -> None:
     song = click_track(tmp_path / "song.wav", 0.7 + 0.5 * np.arange(70), 36.0)
-    done = run_live("sync", str(clapped), "--song", str(song), "--json")
+    done = run_live("sync", str(clap_recording), "--song", str(song), "--json")
     found = json.loads(done.stdout)
     assert found["source"] == "song"
     assert found["bpm"] == pytest.approx(120.0, rel=1e-3)
@@ -87,9 +89,9 @@ def test_claps_to_a_song(clapped: Path, tmp_path: Path) -> None:
     assert "the song begins at +0.8" in found["note"]
 
 
-def test_a_hand_set_anchor_wins(clapped: Path) -> None:
+def test_manual_anchor_has_priority(clap_recording: Path) -> None:
     done = CliRunner().invoke(
-        app, ["sync", str(clapped), "--click", "120", "--anchor", "3.21", "--bpm", "124", "--json"]
+        app, ["sync", str(clap_recording), "--click", "120", "--anchor", "3.21", "--bpm", "124", "--json"]
     )
     found = json.loads(done.stdout)
     assert (found["first_beat_s"], found["bpm"], found["source"], found["confidence"]) == (3.21, 124.0, "hand", 1.0)
@@ -108,15 +110,15 @@ def test_a_hand_set_anchor_wins(clapped: Path) -> None:
         (["--fps", "nan"], "--fps nan"),
     ],
 )
-def test_wrong_use(clapped: Path, options: list[str], words: str) -> None:
-    done = CliRunner().invoke(app, ["sync", str(clapped), *options])
+def test_invalid_options_are_refused(clap_recording: Path, options: list[str], words: str) -> None:
+    done = CliRunner().invoke(app, ["sync", str(clap_recording), *options])
     assert isinstance(done.exception, PersonError)
     assert words in done.exception.message
     assert "\n" not in done.exception.message
     assert done.stdout == ""
 
 
-def test_a_broken_file(tmp_path: Path) -> None:
+def test_broken_file_is_refused_with_its_line(tmp_path: Path) -> None:
     broken = tmp_path / "broken.bvh"
     broken.write_text("HIERARCHY\nROOT Hips\n{\n")
     done = run_live("sync", str(broken))
@@ -128,7 +130,7 @@ def test_a_broken_file(tmp_path: Path) -> None:
     assert "there is no such file" in missing.exception.message
 
 
-def test_a_body_that_stands_still_says_nothing(tmp_path: Path) -> None:
+def test_motionless_body_needs_manual_anchor(tmp_path: Path) -> None:
     still = tmp_path / "still.bvh"
     still.write_text(body_bvh(np.zeros((300, 66)) + np.eye(1, 66, 1) * 94.0, fps=60.0))
     nothing = CliRunner().invoke(app, ["sync", str(still)])

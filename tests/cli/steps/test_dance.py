@@ -1,4 +1,4 @@
-"""`live dance`: from names of steps to a motion file on the measures, its report, and what is missing."""
+"""`live dance`: from step names to a motion file on the measures, its report, and missing recordings."""
 
 import json
 from pathlib import Path
@@ -14,23 +14,23 @@ from live.cli.main import app
 from live.cli.steps.dance import dance
 from live.library.motion_file import read_motion
 from tests.cli.command import run_live
-from tests.motion.formats.made_bvh import body_bvh, danced
+from tests.motion.formats.made_bvh import body_bvh, dance_values
 
 WALK = "walk, grapevine, walk long left x2, *, bow"
 
 
-def written(out: Path) -> np.ndarray:
+def read_hips(out: Path) -> np.ndarray:
     """Hips (x, z) of a file [m], (T, 2)."""
     return np.asarray(read_motion(out).translation[:, 0, (0, 2)], np.float64) * 0.01
 
 
-def printed(*arguments: str) -> dict:
+def run_json(*arguments: str) -> dict:
     result = CliRunner().invoke(app, ["dance", *arguments, "--json"])
     assert result.exit_code == 0, result.output
     return json.loads(result.stdout)
 
 
-def test_a_sequence_becomes_a_file_at_the_tempo_asked_for(tmp_path: Path) -> None:
+def test_sequence_becomes_file_at_requested_tempo(tmp_path: Path) -> None:
     out, report = tmp_path / "out.bvh", tmp_path / "report.json"
     done = run_live(
         "dance", "sketches", "--sequence", WALK, "--bpm", "100", "--out", str(out), "--report", str(report), "--json"
@@ -56,30 +56,30 @@ def test_a_sequence_becomes_a_file_at_the_tempo_asked_for(tmp_path: Path) -> Non
     assert figures["foot_slide_mean"] < 0.03
 
 
-def test_along_a_path(tmp_path: Path) -> None:
+def test_dance_follows_path(tmp_path: Path) -> None:
     out = tmp_path / "out.bvh"
     arguments = ["sketches", "--sequence", "walk x8", "--path", "0,0, 2,0, 2,2", "--bpm", "100"]
-    value = printed(*arguments, "--out", str(out), "--report", str(tmp_path / "report.json"))
+    value = run_json(*arguments, "--out", str(out), "--report", str(tmp_path / "report.json"))
     assert value["cost"] == 0
     figures = json.loads((tmp_path / "report.json").read_text())
     assert len(figures["path_error_m"]["list"]) == len(figures["heading_error_deg"]["list"]) == 8
     assert figures["path_error_m"]["p95"] < 0.15
-    hips = written(out)
+    hips = read_hips(out)
     assert np.abs(hips[0] - (0.0, 0.0)).max() < 0.05
     assert np.abs(hips[4 * 144] - (2.0, 0.0)).max() < 0.15
     assert np.abs(hips[-1] - (2.0, 2.0)).max() < 0.15
     assert value["missing"] == []
-    left = printed("sketches", "--sequence", "walk left x2", "--path", "0,0,3,0")
+    left = run_json("sketches", "--sequence", "walk left x2", "--path", "0,0,3,0")
     assert all("left" in row["clip"] for row in left["steps"])
 
 
-def test_a_path_that_nobody_can_follow_says_so() -> None:
-    value = printed("sketches", "--sequence", "walk x3", "--path", "0,0,30,0")
+def test_unreachable_path_reports_missing_steps() -> None:
+    value = run_json("sketches", "--sequence", "walk x3", "--path", "0,0,30,0")
     assert value["missing"]
     assert all(set(row) == {"from", "to", "needs"} for row in value["missing"])
 
 
-def test_where_she_faces_and_where_she_comes_from() -> None:
+def test_heading_option_rotates_first_placement() -> None:
     plan = make_plan(DanceOptions("sketches", "walk", heading="90", start="bow"))
     assert plan.heading == pytest.approx(np.pi / 2)
     first = plan.graph.library.describe(int(plan.node[0]))
@@ -89,26 +89,26 @@ def test_where_she_faces_and_where_she_comes_from() -> None:
     assert turned - ahead == pytest.approx(np.pi / 2)
 
 
-def test_both_methods_dance_what_is_wanted() -> None:
+def test_depth_first_search_matches_sequence_at_no_lower_cost() -> None:
     plan = make_plan(DanceOptions("sketches", WALK, depth_first=True))
     assert not plan.deviations.any()
     assert plan.edge_cost.sum() >= make_plan(DanceOptions("sketches", WALK)).edge_cost.sum()
 
 
-def test_a_sequence_out_of_a_file(tmp_path: Path) -> None:
+def test_sequence_is_read_from_file(tmp_path: Path) -> None:
     file = tmp_path / "dance.txt"
     file.write_text("walk, # the entrance\nsamba x2\n\n*\n")
     assert read_text(f"@{file}") == "walk,samba x2,*"
-    assert [row["step"] for row in printed("sketches", "--sequence", f"@{file}")["steps"]][:3] == [
+    assert [row["step"] for row in run_json("sketches", "--sequence", f"@{file}")["steps"]][:3] == [
         "walk", "samba", "samba",
     ]  # fmt: skip
 
 
 @pytest.mark.long
-def test_ten_thousand_steps(tmp_path: Path) -> None:
+def test_sequence_of_ten_thousand_steps_is_planned(tmp_path: Path) -> None:
     file = tmp_path / "long.txt"
     file.write_text("\n".join(["samba", "mambo", "walk left", "bow"] * 2500))
-    value = printed("sketches", "--sequence", f"@{file}")
+    value = run_json("sketches", "--sequence", f"@{file}")
     assert (value["measures"], value["cost"]) == (12500, 0)
     with pytest.raises(PersonError, match=r"12500 measures of .* at most .* can be put together at once"):
         dance("sketches", f"@{file}", out=tmp_path / "long.bvh")
@@ -117,10 +117,10 @@ def test_ten_thousand_steps(tmp_path: Path) -> None:
 
 @pytest.fixture
 def library(tmp_path: Path) -> Path:
-    """Two recorded steps that contradict themselves or each other, as asked."""
+    """A folder with one recording, for steps that contradict themselves or each other."""
     folder = tmp_path / "library"
     folder.mkdir()
-    (folder / "take.bvh").write_text(body_bvh(danced(601)))
+    (folder / "take.bvh").write_text(body_bvh(dance_values(601)))
     return folder
 
 
@@ -131,7 +131,7 @@ def write_steps(folder: Path, *steps: str) -> None:
     (folder / "take.toml").write_text("\n".join(f"[[step]]\n{STEP}{step}" for step in steps))
 
 
-def test_the_nearest_dance_and_what_is_missing(library: Path) -> None:
+def test_nearest_dance_is_reported_with_missing_step(library: Path) -> None:
     write_steps(library, 'name = "a"\nbegin_pose = "x"\nend_pose = "x"', 'name = "b"\nbegin_pose = "x"\nend_pose = "y"')
     shown = run_live("dance", str(library), "--sequence", "a, b, a", "--threshold", "5")
     assert shown.returncode == 0
@@ -170,7 +170,9 @@ def test_the_nearest_dance_and_what_is_missing(library: Path) -> None:
         ),
     ],
 )
-def test_libraries_that_cannot_be_danced(library: Path, steps: list[str], arguments: dict, message: str) -> None:
+def test_libraries_without_possible_dance_are_refused(
+    library: Path, steps: list[str], arguments: dict, message: str
+) -> None:
     write_steps(library, *steps)
     with pytest.raises(PersonError, match=message):
         dance(str(library), **arguments)
@@ -201,7 +203,9 @@ def test_libraries_that_cannot_be_danced(library: Path, steps: list[str], argume
         ({"sequence": "walk", "library": "."}, "."),
     ],
 )
-def test_refusals(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: dict, message: str) -> None:
+def test_invalid_options_are_refused_without_output(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: dict, message: str
+) -> None:
     monkeypatch.chdir(tmp_path)
     arguments = {"library": "sketches"} | {
         key: Path(value) if key in ("out", "report") else value for key, value in arguments.items()
@@ -212,7 +216,7 @@ def test_refusals(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: di
     assert list(tmp_path.iterdir()) == []
 
 
-def test_files_that_are_there_stay(tmp_path: Path) -> None:
+def test_existing_files_are_kept_without_force(tmp_path: Path) -> None:
     out = tmp_path / "out.bvh"
     out.write_text("mine")
     refused = run_live("dance", "sketches", "--sequence", "walk", "--out", str(out))

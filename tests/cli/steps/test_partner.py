@@ -1,4 +1,4 @@
-"""`live partner` as people run it: its files, its report, and errors of one line."""
+"""`live partner`: its files, its report, and one-line errors."""
 
 import json
 from dataclasses import dataclass
@@ -16,11 +16,11 @@ from live.motion.clip import Clip, resample
 from live.motion.formats.bvh_reader import parse_bvh
 from live.motion.formats.bvh_writer import write_bvh
 from tests.cli.command import run_live
-from tests.motion.partner.test_answer import dancing
+from tests.motion.partner.test_answer import random_dance_clip
 
 
 @dataclass(frozen=True)
-class Night:
+class PairFiles:
     """Files of two pairs and of a leader."""
 
     folder: Path
@@ -29,30 +29,39 @@ class Night:
     truth: Path
 
 
-@pytest.fixture(name="night", scope="module")
-def _night(tmp_path_factory: pytest.TempPathFactory) -> Night:
-    folder = tmp_path_factory.mktemp("night")
+@pytest.fixture(name="pair_files", scope="module")
+def _pair_files(tmp_path_factory: pytest.TempPathFactory) -> PairFiles:
+    folder = tmp_path_factory.mktemp("pair_files")
     lines = []
     for name, seed in (("a", 61), ("b", 63)):
         for side, more in (("leader", 0), ("follower", 1)):
-            (folder / f"{name}_{side}.bvh").write_text(write_bvh(dancing(seed + more, 420), rate=30.0))
+            (folder / f"{name}_{side}.bvh").write_text(write_bvh(random_dance_clip(seed + more, 420), rate=30.0))
         lines.append(
             f'[[pair]]\nleader = {{ file = "{name}_leader.bvh", bpm = 164, first_beat_s = 0.3 }}\n'
             f'follower = {{ file = "{name}_follower.bvh" }}\nholds = [["left", "right", 1.0, 3.0]]\n'
         )
     (folder / "pairs.toml").write_text("\n".join(lines))
-    part = dancing(61, 300)
+    part = random_dance_clip(61, 300)
     (folder / "leader.bvh").write_text(write_bvh(part, rate=30.0))
-    (folder / "truth.bvh").write_text(write_bvh(dancing(62, 300), rate=30.0))
-    return Night(folder, folder / "pairs.toml", folder / "leader.bvh", folder / "truth.bvh")
+    (folder / "truth.bvh").write_text(write_bvh(random_dance_clip(62, 300), rate=30.0))
+    return PairFiles(folder, folder / "pairs.toml", folder / "leader.bvh", folder / "truth.bvh")
 
 
-def test_a_follower_is_written_frame_by_frame_beside_the_leader_with_a_report(night: Night, tmp_path: Path) -> None:
+def test_follower_is_written_frame_by_frame_with_report(pair_files: PairFiles, tmp_path: Path) -> None:
     out, report, score = tmp_path / "out.bvh", tmp_path / "report.json", tmp_path / "score.txt"
-    options = ["--examples", str(night.pairs), "--out", str(out), "--report", str(report), "--truth", str(night.truth)]
-    done = run_live("partner", str(night.leader), *options, "--transcript", str(score))
+    options = [
+        "--examples",
+        str(pair_files.pairs),
+        "--out",
+        str(out),
+        "--report",
+        str(report),
+        "--truth",
+        str(pair_files.truth),
+    ]
+    done = run_live("partner", str(pair_files.leader), *options, "--transcript", str(score))
     assert (done.returncode, done.stderr) == (0, "")
-    written, leader = parse_bvh(out.read_bytes(), "out"), parse_bvh(night.leader.read_bytes(), "leader")
+    written, leader = parse_bvh(out.read_bytes(), "out"), parse_bvh(pair_files.leader.read_bytes(), "leader")
     assert len(written.values) == len(leader.values)
     assert written.frame_time == pytest.approx(leader.frame_time, rel=1e-6)
     told = json.loads(report.read_text())
@@ -71,9 +80,17 @@ def test_a_follower_is_written_frame_by_frame_beside_the_leader_with_a_report(ni
     assert lines[1].endswith(told["units"][0]["unit"])
 
 
-def test_online_tells_when_it_decided_and_how_long_a_frame_took(night: Night, tmp_path: Path) -> None:
+def test_online_mode_reports_decision_time_and_frame_time(pair_files: PairFiles, tmp_path: Path) -> None:
     out, report = tmp_path / "out.bvh", tmp_path / "report.json"
-    partner(leader=night.leader, examples=night.pairs, out=out, online=True, bpm=164.0, first_beat=0.3, report=report)
+    partner(
+        leader=pair_files.leader,
+        examples=pair_files.pairs,
+        out=out,
+        online=True,
+        bpm=164.0,
+        first_beat=0.3,
+        report=report,
+    )
     told = json.loads(report.read_text())
     assert 0.0 < told["live"]["committed_at"]["median"] <= 0.5
     assert told["live"]["frame_ms"]["p50"] > 0.0
@@ -81,14 +98,14 @@ def test_online_tells_when_it_decided_and_how_long_a_frame_took(night: Night, tm
     assert out.stat().st_size > 1000
 
 
-def test_a_path_leads_a_walker(night: Night, tmp_path: Path) -> None:
+def test_path_leads_walking_follower(pair_files: PairFiles, tmp_path: Path) -> None:
     pairs, path, out = tmp_path / "walks.toml", tmp_path / "path.csv", tmp_path / "out.bvh"
     times = np.arange(0.0, 6.0, 0.05)
     np.savetxt(
         path, np.stack((times, 0.5 * times, 0.0 * times), axis=1), delimiter=",", header="time_s,x,z", comments=""
     )
     cuts = ", ".join(f"{at:.2f}" for at in np.arange(0.2, 6.5, 0.7))
-    pairs.write_text(f'[[pair]]\nfollower = {{ file = "{night.folder}/b_follower.bvh" }}\ncuts_s = [{cuts}]\n')
+    pairs.write_text(f'[[pair]]\nfollower = {{ file = "{pair_files.folder}/b_follower.bvh" }}\ncuts_s = [{cuts}]\n')
     partner(path=path, examples=pairs, out=out)
     hips = np.asarray(parse_bvh(out.read_bytes(), "out").values)[:, (0, 2)]
     apart = np.abs(hips[30:330, 0] / 100.0 - 0.5 * np.arange(30, 330) / 60.0)
@@ -111,29 +128,29 @@ BAD: list[tuple[str, str]] = [
 
 
 @pytest.mark.parametrize(("text", "words"), BAD)
-def test_bad_pairs_are_named_in_one_line(night: Night, text: str, words: str) -> None:
-    file = night.folder / "bad.toml"
+def test_invalid_pairs_are_named_in_one_line(pair_files: PairFiles, text: str, words: str) -> None:
+    file = pair_files.folder / "bad.toml"
     file.write_text(text)
     with pytest.raises(PersonError, match=words) as told:
         read_pairs(file)
     assert "\n" not in told.value.message
 
 
-def test_bad_leaders_are_named(night: Night, tmp_path: Path) -> None:
+def test_invalid_leaders_are_named_in_error(pair_files: PairFiles, tmp_path: Path) -> None:
     out = tmp_path / "out.bvh"
 
     def refused(words: str, **options: Any) -> None:
         with pytest.raises(PersonError, match=words):
-            partner(**({"leader": night.leader, "examples": night.pairs, "out": out} | options))
+            partner(**({"leader": pair_files.leader, "examples": pair_files.pairs, "out": out} | options))
 
     refused("one leader", leader=None)
     refused("--examples", examples=None)
     refused("both or neither", bpm=120.0)
     refused("no such file", leader=tmp_path / "nobody.bvh")
-    refused("that is an input file", out=night.leader)
-    refused("pairs, which a leader", leader=None, path=night.pairs)
+    refused("that is an input file", out=pair_files.leader)
+    refused("pairs, which a leader", leader=None, path=pair_files.pairs)
     short = tmp_path / "short.bvh"
-    clip = dancing(61, 300)
+    clip = random_dance_clip(61, 300)
     short.write_text(write_bvh(Clip("s", clip.root_position[:5].copy(), clip.rotation[:5].copy(), 60.0,
                                     clip.contact[:5].copy())))  # fmt: skip
     refused("5 frames; 8 at least", leader=short)
@@ -141,7 +158,7 @@ def test_bad_leaders_are_named(night: Night, tmp_path: Path) -> None:
     brief.write_text(write_bvh(resample(clip, 60.0, first=0.0, last=20.0)))
     refused("shorter than any unit", leader=brief)
     holed = tmp_path / "holed.bvh"
-    lines = night.leader.read_text().splitlines()
+    lines = pair_files.leader.read_text().splitlines()
     lines[-3] = lines[-3].replace(lines[-3].split()[7], "nan", 1)
     holed.write_text("\n".join(lines))
     refused("nan", leader=holed)
@@ -157,7 +174,7 @@ def test_bad_leaders_are_named(night: Night, tmp_path: Path) -> None:
         ("0,0,0\n1,2\n", "line 2.*three numbers"),
     ],
 )
-def test_bad_paths_are_named(tmp_path: Path, text: str, words: str) -> None:
+def test_invalid_paths_are_named_in_error(tmp_path: Path, text: str, words: str) -> None:
     file = tmp_path / "path.csv"
     file.write_text(text)
     with pytest.raises(PersonError, match=words):

@@ -1,4 +1,4 @@
-"""`live steps` as people use it: add, list, show, check, play; and the preview that play dances."""
+"""`live steps`: add, list, show, check and play, and the preview danced by play."""
 
 import json
 import tomllib
@@ -28,7 +28,7 @@ from live.show.view.status import Status
 from tests.cli.command import run_live
 from tests.fixtures.made_steps import made_clip
 from tests.fixtures.mocap import mocap_file
-from tests.motion.formats.made_bvh import body_bvh, column, danced, still
+from tests.motion.formats.made_bvh import body_bvh, column, dance_values, still
 
 NO_SCREEN = {"DISPLAY": "", "WAYLAND_DISPLAY": ""}
 ASKED = ("--bpm", "120", "--anchor", "2.5", "--measures", "2")
@@ -37,11 +37,11 @@ ASKED = ("--bpm", "120", "--anchor", "2.5", "--measures", "2")
 @pytest.fixture
 def take(tmp_path: Path) -> Path:
     path = tmp_path / "take.bvh"
-    path.write_text(body_bvh(danced(601)))
+    path.write_text(body_bvh(dance_values(601)))
     return path
 
 
-def clapping(first: float, bpm: float, count: int, seconds: float = 12.0) -> np.ndarray:
+def clapping_values(first: float, bpm: float, count: int, seconds: float = 12.0) -> np.ndarray:
     """Values of a body that claps `count` times at `bpm` from `first` [s] on, at 60 frames/s, then opens its arms."""
     time = np.arange(int(seconds * 60) + 1) / 60.0
     beat = (time - first) * bpm / 60.0
@@ -54,7 +54,7 @@ def clapping(first: float, bpm: float, count: int, seconds: float = 12.0) -> np.
     return values
 
 
-def test_from_a_recording_to_a_dancer(tmp_path: Path, take: Path) -> None:
+def test_recording_is_added_listed_checked_and_played(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     where = ("--library", str(library))
     added = run_live("steps", "add", str(take), "--name", "sway", *ASKED, "--tag", "slow", "--mirror", *where)
@@ -106,7 +106,7 @@ def test_from_a_recording_to_a_dancer(tmp_path: Path, take: Path) -> None:
         (("check", "--library", "nowhere"), "there is no folder nowhere"),
     ],
 )
-def test_what_cannot_be_is_said_in_a_line(
+def test_invalid_arguments_are_refused_in_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], words: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -117,7 +117,7 @@ def test_what_cannot_be_is_said_in_a_line(
     assert "\n" not in str(result.exception)
 
 
-def test_lists_and_figures_as_json(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_list_show_and_check_print_json(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     rows = {row["name"]: row for row in json.loads(CliRunner().invoke(app, ["steps", "list", "--json"]).stdout)}
     assert rows["samba"]["variations"] == 18
@@ -132,7 +132,7 @@ def test_lists_and_figures_as_json(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 
 @pytest.mark.long
-def test_the_users_library_stands_before_the_projects_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_user_library_has_priority_over_project_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
     there = len(named_steps(None))
@@ -145,7 +145,7 @@ def test_the_users_library_stands_before_the_projects_steps(tmp_path: Path, monk
     assert (find_step(steps, "samba").folder, len(find_step(steps, "samba").clips)) == (own, 1)
 
 
-def test_one_step_has_one_name_however_it_is_written(tmp_path: Path, take: Path) -> None:
+def test_spellings_of_step_name_form_one_step(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     for name, first in (("Long Sway", 2.5), ("long_sway", 3.0), ("long-sway ", 3.5)):
         add_to_library(take, {"name": name, "bpm": 120.0, "first_beat_s": first}, library, ClapReference())
@@ -154,12 +154,12 @@ def test_one_step_has_one_name_however_it_is_written(tmp_path: Path, take: Path)
     assert build_library(load_folder(library)).steps == ("Long Sway",)
 
 
-def test_claps_set_the_music_and_the_file_says_so(
+def test_claps_set_tempo_and_file_notes_source(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
     take = tmp_path / "claps.bvh"
-    take.write_text(body_bvh(clapping(2.2, 100.0, 8)))
+    take.write_text(body_bvh(clapping_values(2.2, 100.0, 8)))
     add_to_library(take, {"name": "x", "start_measure": 3}, tmp_path / "library", ClapReference(click=100.0, count=8))
     text = (tmp_path / "library" / "claps.toml").read_text()
     (step,) = tomllib.loads(text)["step"]
@@ -169,10 +169,10 @@ def test_claps_set_the_music_and_the_file_says_so(
     assert "music found: 100.00 bpm" in capsys.readouterr().out
 
 
-def test_a_hand_set_anchor_wins_and_its_frames_are_not_moved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_manual_anchor_has_priority_and_drops_no_frames(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
     take = tmp_path / "claps.bvh"
-    take.write_text(body_bvh(clapping(2.2, 100.0, 8)))
+    take.write_text(body_bvh(clapping_values(2.2, 100.0, 8)))
     fields = {"name": "x", "first_beat_s": 1.25, "start_measure": 2}
     add_to_library(take, fields, tmp_path / "library", ClapReference(click=100.0))
     (step,) = tomllib.loads((tmp_path / "library" / "claps.toml").read_text())["step"]
@@ -183,7 +183,7 @@ def test_a_hand_set_anchor_wins_and_its_frames_are_not_moved(tmp_path: Path, mon
 
 
 @pytest.mark.shared
-def test_a_guess_is_marked_as_one(tmp_path: Path) -> None:
+def test_guessed_values_are_marked_in_file(tmp_path: Path) -> None:
     take = mocap_file("salsa/60_04.bvh")
     result = CliRunner().invoke(
         app, ["steps", "add", str(take), "--name", "salsa", "--fps", "60", "--start", "3", "--library", str(tmp_path)]
@@ -206,7 +206,7 @@ def test_a_guess_is_marked_as_one(tmp_path: Path) -> None:
     assert checked.stdout.count("is a guess; ") == 4
 
 
-def test_on_the_spot_the_way_is_taken_out_and_nothing_else() -> None:
+def test_on_the_spot_removes_travel_only() -> None:
     step = made_clip("glide", way=(0.3, -0.8), measures=2)
     spot = on_the_spot(step)
     assert measured_distance(spot) < 1e-6
@@ -214,44 +214,44 @@ def test_on_the_spot_the_way_is_taken_out_and_nothing_else() -> None:
     np.testing.assert_array_equal(spot.clip.root_position[:, 1], step.clip.root_position[:, 1])
 
 
-def danced_for(loaded: LoadedShow, seconds: float) -> tuple[np.ndarray, list[set[str]]]:
+def dance_preview(loaded: LoadedShow, seconds: float) -> tuple[np.ndarray, list[set[str]]]:
     """Dance a preview: places of the hips (A, 2) [m] at its end, and the steps that each dancer danced."""
     show, clock = loaded.start(tempo=120.0), ManualClock()
     status = Status(show, rejected=Counter, memory=lambda: 0.0)
     engine = Engine(show, clock=clock, inbox=EventQueue(), status=status, stall=np.inf)
-    danced: list[set[str]] = [set() for _ in range(loaded.patch.dancer_count)]
+    dance_values: list[set[str]] = [set() for _ in range(loaded.patch.dancer_count)]
     library = loaded.graph.library
     for frame in range(int(seconds * 16)):
         clock.set(frame / 16)
         engine.frame(lambda view: None)
         for dancer, node in enumerate(show.dancers.node):
-            danced[dancer].add(library.steps[library.node_step[node]])
-    return engine.view.joint_position[:, 0][:, (0, 2)].astype(np.float64), danced
+            dance_values[dancer].add(library.steps[library.node_step[node]])
+    return engine.view.joint_position[:, 0][:, (0, 2)].astype(np.float64), dance_values
 
 
-def test_every_dancer_dances_her_own_variation_in_her_place() -> None:
+def test_each_dancer_dances_own_variation_in_place() -> None:
     clips = [made_clip("glide", way=(0.0, 0.8)), made_clip("glide", way=(0.8, 0.0)), made_clip("glide", measures=2)]
     loaded = preview_show("glide", clips, travelling=False)
-    places, danced = danced_for(loaded, 9.0)
-    assert danced == [{"glide 1"}, {"glide 2"}, {"glide 3"}]
+    places, dance_values = dance_preview(loaded, 9.0)
+    assert dance_values == [{"glide 1"}, {"glide 2"}, {"glide 3"}]
     assert places == pytest.approx(np.array([group.centre for group in loaded.patch.group]), abs=0.45)
 
 
-def test_with_travel_they_get_away() -> None:
+def test_travelling_preview_moves_dancers_by_step_travel() -> None:
     clips = [made_clip("glide", way=(0.0, 0.8)), made_clip("glide", way=(0.4, 0.0))]
     loaded = preview_show("glide", clips, travelling=True)
-    places, _ = danced_for(loaded, 8.0)  # four measures of 2 s
+    places, _ = dance_preview(loaded, 8.0)  # four measures of 2 s
     moved = places - np.array([group.centre for group in loaded.patch.group])
     assert moved == pytest.approx(np.array([travel(clip) for clip in clips]) * 4, abs=0.3)
 
 
-def test_poses_and_weight_do_not_keep_a_step_from_following_itself() -> None:
+def test_step_follows_itself_despite_pose_and_weight_labels() -> None:
     step = replace(made_clip("échappé"), begin_pose="plié", end_pose="sous-sus", weight_transfer=True)
     loaded = preview_show("échappé", [step, mirror_step(step)], travelling=False)
-    assert danced_for(loaded, 5.0)[1] == [{"échappé 1"}, {"échappé 2"}]
+    assert dance_preview(loaded, 5.0)[1] == [{"échappé 1"}, {"échappé 2"}]
 
 
-def test_a_film_of_many_variations_shows_the_first_of_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_film_of_many_variations_shows_first_ones(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     from live.render.headless import NoOpenGL, create_headless_context, release_headless_context
 
     try:

@@ -17,7 +17,7 @@ from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.show.patch.patch_search_path import PATCHES
 from tests.fixtures.made_steps import made_clip, made_steps
-from tests.motion.formats.made_bvh import body_bvh, danced
+from tests.motion.formats.made_bvh import body_bvh, dance_values
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -28,7 +28,7 @@ def report():
     return analyse_graph(build_graph(build_library(clips), threshold=0.08, prune=False))
 
 
-def test_json_holds_the_whole_graph(report):
+def test_json_contains_whole_graph(report):
     data = json.loads(json.dumps(json_of(report)))
     graph, library = report.graph, report.graph.library
     assert len(data["nodes"]) == library.node_count
@@ -51,7 +51,7 @@ def test_json_holds_the_whole_graph(report):
 
 
 def test_dot_is_well_formed(report):
-    """Every quote is closed, every edge is between nodes that were declared, every brace has its partner."""
+    """Every quote is closed, every edge connects declared nodes, every brace is matched."""
     text = dot_of(report)
     bare = re.sub(r'"(?:[^"\\\n]|\\.)*"', "S", text)
     assert '"' not in bare
@@ -63,7 +63,7 @@ def test_dot_is_well_formed(report):
     assert {name for edge in edges for name in edge} <= declared
 
 
-def test_svg_shows_every_step_and_arrow(report):
+def test_svg_contains_every_step_and_arrow(report):
     root = ElementTree.fromstring(svg_of(report))
     library = report.graph.library
     assert len(root.findall(f"{SVG}circle")) == len(library.steps)
@@ -78,7 +78,7 @@ def test_svg_shows_every_step_and_arrow(report):
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 40])
-def test_arrows_end_at_the_edge_of_their_circles(count):
+def test_arrows_end_at_circle_edges(count):
     states = [State(f"step {n}", "1 measure", 1 + n % 5) for n in range(count)]
     arrows = [Arrow(a, b, 1) for a in range(count) for b in range(count)]
     root = ElementTree.fromstring(state_machine(states, arrows, "many"))
@@ -92,11 +92,11 @@ def test_arrows_end_at_the_edge_of_their_circles(count):
         assert np.hypot(x - cx, y - cy) == pytest.approx(radius + 3.0, abs=0.2)
 
 
-def test_names_with_control_characters_are_still_xml():
+def test_names_with_control_characters_are_valid_xml():
     ElementTree.fromstring(state_machine([State("a\x01\x1bb<", "1 measure", 1)], [], "x\x00"))
 
 
-def test_the_command_tells_and_draws(tmp_path: Path):
+def test_command_prints_report_and_draws_graph(tmp_path: Path):
     run = CliRunner()
     picture = tmp_path / "graph.svg"
     library = str(PATCHES / "steps")
@@ -110,7 +110,7 @@ def test_the_command_tells_and_draws(tmp_path: Path):
     assert run.invoke(app, ["steps", "graph", library, "--dot"]).stdout.startswith("digraph steps {")
 
 
-def test_what_cannot_be_is_told_in_a_line(tmp_path: Path):
+def test_invalid_options_are_refused_and_files_kept(tmp_path: Path):
     run = CliRunner()
     recording = tmp_path / "take_3.bvh"
     recording.write_text("not to be written over")
@@ -130,10 +130,10 @@ def test_what_cannot_be_is_told_in_a_line(tmp_path: Path):
 
 
 @pytest.mark.long
-def test_bridges_are_found_in_the_recordings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Two measures of one recording that nothing joins: what lies between them in it leads from one to the other."""
+def test_bridges_are_found_in_recordings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Two unconnected measures of one recording: the motion between them in it leads from one to the other."""
     monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
-    (tmp_path / "dance.bvh").write_text(body_bvh(danced(601)))
+    (tmp_path / "dance.bvh").write_text(body_bvh(dance_values(601)))
     head = 'file = "dance.bvh"\nbpm = 120\nfirst_beat_s = 1.0\n'
     (tmp_path / "steps.toml").write_text(
         head + '[[step]]\nname = "one"\nstart_measure = 1\n[[step]]\nname = "three"\nstart_measure = 3\n'

@@ -1,4 +1,4 @@
-"""`live steps show --reach`: the picture of what one measure of a step can do."""
+"""`live steps show --reach`: the picture of the possible travel of one measure of a step."""
 
 import io
 import math
@@ -21,7 +21,7 @@ def run(*arguments):
     return CliRunner().invoke(app, ["steps", "show", *map(str, arguments)])
 
 
-def test_svg_has_a_dot_for_each_clip_and_its_way_to_scale(tmp_path):
+def test_svg_has_dot_for_each_clip_to_scale(tmp_path):
     file = tmp_path / "walk.svg"
     assert run("walk", "--reach", file).exit_code == 0
     root = ElementTree.parse(file).getroot()
@@ -38,8 +38,8 @@ def test_svg_has_a_dot_for_each_clip_and_its_way_to_scale(tmp_path):
     assert not set(texts) & set(DIRECTION_NAMES)
 
 
-def test_her_left_is_on_the_left_and_missing_directions_are_named():
-    """The grapevine goes to both sides; with its clips to the right taken away the left is drawn on the left."""
+def test_left_is_drawn_on_left_and_missing_directions_are_named():
+    """The grapevine travels to both sides, left and right only; all other directions are drawn as missing."""
     reach = reach_of_step("grapevine", None)
     assert set(reach.missing) == set(DIRECTION_NAMES) - {"to the left", "to the right"}
     canvas = SvgCanvas()
@@ -51,7 +51,7 @@ def test_her_left_is_on_the_left_and_missing_directions_are_named():
     assert len([line for line in root.iter(f"{SVG}line") if "stroke-dasharray" in line.attrib]) == 6
 
 
-def test_png_is_the_same_picture(tmp_path):
+def test_png_shows_same_picture_as_svg(tmp_path):
     file = tmp_path / "walk.png"
     assert run("walk", "--reach", file, "--json").exit_code == 0
     picture = Image.open(file)
@@ -63,7 +63,7 @@ def test_png_is_the_same_picture(tmp_path):
     assert Image.open(io.BytesIO(canvas.data())).size == picture.size
 
 
-def test_the_outline_is_the_farthest_in_each_sector():
+def test_outline_is_farthest_travel_in_each_sector():
     ways = np.array([(0.0, 1.0), (0.0, 0.5), (2.0, 0.0), (0.0, -0.3)])
     points = outline(ways)
     assert len(points) == 72
@@ -75,14 +75,14 @@ def test_the_outline_is_the_farthest_in_each_sector():
 @pytest.mark.parametrize(
     ("file", "told"), [("walk.pdf", ".svg or .png"), ("walk", ".svg or .png"), ("no/folder/walk.svg", "no folder")]
 )
-def test_pictures_that_cannot_be_written_are_refused(tmp_path, file, told):
+def test_unwritable_pictures_are_refused(tmp_path, file, told):
     result = run("walk", "--reach", tmp_path / file)
     assert result.exit_code != 0
     assert told in " ".join(str(result.exception or result.output).split())
     assert not (tmp_path / file).exists()
 
 
-def test_an_unknown_step_is_told(tmp_path):
+def test_unknown_step_is_refused_with_suggestion(tmp_path):
     result = run("wlak", "--reach", tmp_path / "a.svg")
     assert result.exit_code != 0
     assert "walk" in str(result.exception or result.output)

@@ -1,4 +1,4 @@
-"""`live texture` and `live steps enrich` as people use them: files, a report, versions beside sketches, refusals."""
+"""`live texture` and `live steps enrich`: files, a report, versions beside sketches, refusals."""
 
 import json
 import shutil
@@ -20,7 +20,7 @@ from tests.motion.texture.made_dance import dance
 
 @pytest.fixture(scope="module")
 def mocap(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Two recordings, one that is too short and one that is none."""
+    """Two recordings, a too short one and an invalid one."""
     folder = tmp_path_factory.mktemp("mocap")
     for seed in (1, 2):
         (folder / f"dance{seed}.bvh").write_text(write_bvh(dance(10.0, seed).clip))
@@ -29,7 +29,7 @@ def mocap(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_a_step_is_textured_and_the_report_says_from_where(mocap: Path, tmp_path: Path) -> None:
+def test_step_is_textured_and_report_names_source_recordings(mocap: Path, tmp_path: Path) -> None:
     out, report = tmp_path / "groove.bvh", tmp_path / "groove.json"
     asked = ("texture", "groove", "--with", str(mocap), "--out", str(out), "--paths", "2", "--report", str(report))
     result = run_live(*asked)
@@ -50,7 +50,7 @@ def test_a_step_is_textured_and_the_report_says_from_where(mocap: Path, tmp_path
     assert "the file exists already" in again.stderr
 
 
-def test_every_sketch_gets_versions_that_are_takes_of_it(mocap: Path, tmp_path: Path) -> None:
+def test_sketch_gets_textured_versions_as_variations(mocap: Path, tmp_path: Path) -> None:
     library = tmp_path / "steps"
     library.mkdir()
     for name in ("groove", "bow"):
@@ -79,7 +79,7 @@ def test_every_sketch_gets_versions_that_are_takes_of_it(mocap: Path, tmp_path: 
     assert not textured_path(library / "groove.toml").is_file()
 
 
-def test_a_damaged_file_of_versions_is_named(mocap: Path, tmp_path: Path) -> None:
+def test_damaged_file_of_versions_is_named_in_error(mocap: Path, tmp_path: Path) -> None:
     shutil.copy(PATCHES / "steps" / "walk.toml", tmp_path)
     for damage in (b"", b"[]\n", b'{"sketch": 3}\nAAAA\n', b"\xff\xfe", b'{"sketch": "x"}\n!!!\n'):
         textured_path(tmp_path / "walk.toml").write_bytes(damage)
@@ -107,7 +107,7 @@ def test_a_damaged_file_of_versions_is_named(mocap: Path, tmp_path: Path) -> Non
         (("walk", "--with", "MOCAP", "--cut", "head.x"), "--cut 'head.x'"),
     ],
 )
-def test_what_cannot_be_is_named(mocap: Path, tmp_path: Path, options: tuple[str, ...], words: str) -> None:
+def test_invalid_options_are_refused(mocap: Path, tmp_path: Path, options: tuple[str, ...], words: str) -> None:
     asked = [option.replace("MOCAP", str(mocap)) for option in options]
     result = run_live("texture", *asked, "--out", str(tmp_path / "out.bvh"), cwd=tmp_path)
     assert result.returncode == 2
@@ -115,7 +115,7 @@ def test_what_cannot_be_is_named(mocap: Path, tmp_path: Path, options: tuple[str
     assert not (tmp_path / "out.bvh").exists()
 
 
-def test_numbers_that_are_none_and_folders_without_motion(tmp_path: Path) -> None:
+def test_nan_values_and_folders_without_motion_are_refused(tmp_path: Path) -> None:
     text = write_bvh(dance(2.0, 1).clip).splitlines()
     (tmp_path / "nan.bvh").write_text("\n".join([*text[:-5], "nan " + text[-5].partition(" ")[2], *text[-4:]]) + "\n")
     out = str(tmp_path / "out.bvh")

@@ -1,4 +1,4 @@
-"""`live devices`: every section is a list or says why it is none, with whatever is plugged in here."""
+"""`live devices`: every section is a list or a reason for an empty one, with the hardware of this machine."""
 
 import json
 import os
@@ -16,7 +16,7 @@ from tests.fixtures import two_monitor_x
 SECTIONS = ["audio_inputs", "audio_outputs", "midi_inputs", "midi_outputs", "monitors"]
 
 
-def test_json_has_five_sections_each_a_list_or_a_reason() -> None:
+def test_json_has_five_sections_with_list_or_reason() -> None:
     done = run_live_process("devices", "--json")
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""  # the C libraries' own complaints are kept off the screen
@@ -33,20 +33,20 @@ def test_table_names_every_section() -> None:
     assert headings == ["Audio in", "Audio out", "MIDI in", "MIDI out", "Monitors"]
 
 
-def test_without_a_screen_the_reason_names_the_variables() -> None:
+def test_missing_screen_is_explained_by_display_variables() -> None:
     section = json.loads(run_live("devices", "--json", DISPLAY="", WAYLAND_DISPLAY="").stdout)["monitors"]
     assert section["items"] == []
     assert "DISPLAY" in section["why"]
 
 
-def test_a_screen_that_does_not_answer_is_a_reason_too() -> None:
+def test_unresponsive_screen_is_explained() -> None:
     section = json.loads(run_live("devices", "--json", DISPLAY=":4711", WAYLAND_DISPLAY="").stdout)["monitors"]
     assert section["items"] == []
     assert ":4711" in section["why"]
 
 
 class _Midi:
-    """In place of rtmidi: one system with these ports, or none that runs."""
+    """Replacement of rtmidi: a system with these ports, or one that fails to start."""
 
     def __init__(self, inputs: list[str] | None, outputs: list[str] | None = None) -> None:
         self._inputs = inputs
@@ -74,7 +74,7 @@ class _Client:
     def delete(self) -> None: ...
 
 
-def test_midi_without_a_sequencer_is_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_midi_without_sequencer_gives_reason(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "rtmidi", _Midi(None))
     first, second = device_list.midi_sections()
     assert first.items == second.items == ()
@@ -90,7 +90,7 @@ def test_midi_ports_are_listed_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     assert outputs.why == "MIDI is available, but no device is connected"
 
 
-def test_audio_devices_keep_their_numbers_and_are_sorted_by_direction(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_audio_devices_keep_numbers_and_are_sorted_by_direction(monkeypatch: pytest.MonkeyPatch) -> None:
     microphone = SoundDevice(1, "microphone", "ALSA", 1, 48000.0, default=True)
     speakers = SoundDevice(0, "speakers", "JACK", 2, 44100.0, default=False)
     monkeypatch.setattr(sound_devices, "list_input_devices", lambda: [microphone])
@@ -102,7 +102,7 @@ def test_audio_devices_keep_their_numbers_and_are_sorted_by_direction(monkeypatc
     assert inputs.why is outputs.why is None
 
 
-def test_audio_without_portaudio_is_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_audio_without_portaudio_gives_reason(monkeypatch: pytest.MonkeyPatch) -> None:
     def unavailable() -> list[SoundDevice]:
         raise sound_devices.SoundUnavailable("no sound devices: PortAudio library not found;\ninstall PortAudio")
 
@@ -114,7 +114,7 @@ def test_audio_without_portaudio_is_a_reason(monkeypatch: pytest.MonkeyPatch) ->
     assert "no output" in outputs.why
 
 
-def test_stderr_is_given_back_after_the_silence(capfd: pytest.CaptureFixture[str]) -> None:
+def test_stderr_is_restored_after_suppression(capfd: pytest.CaptureFixture[str]) -> None:
     with device_list.suppress_native_stderr():
         os.write(2, b"from a C library\n")
     os.write(2, b"ours\n")

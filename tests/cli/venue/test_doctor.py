@@ -1,4 +1,4 @@
-"""`live doctor`: honest about this machine, and about broken ones."""
+"""`live doctor`: checks of this machine and of simulated broken ones."""
 
 import errno
 import json
@@ -16,7 +16,7 @@ from live.base import jit
 from tests.cli.command import run_live
 
 
-def test_json_on_this_machine() -> None:
+def test_json_on_this_machine_contains_all_checks() -> None:
     done = run_live("doctor", "--json")
     report = json.loads(done.stdout)
     assert done.returncode == (0 if report["can_run"] else 1)
@@ -26,13 +26,13 @@ def test_json_on_this_machine() -> None:
     assert all(check["remedy"] for check in report["checks"] if check["state"] != "ok")
 
 
-def test_table_says_at_the_end_whether_a_show_can_run() -> None:
+def test_table_ends_with_verdict_for_show() -> None:
     done = run_live("doctor")
     verdict = done.stdout.splitlines()[-1]
     assert verdict.startswith("A show can run here" if done.returncode == 0 else "No show can run here")
 
 
-def test_exit_1_where_a_needed_part_is_missing() -> None:
+def test_missing_required_part_has_exit_code_1() -> None:
     done = run_live("doctor", "--json", __EGL_VENDOR_LIBRARY_FILENAMES="/nowhere.json", DISPLAY="")
     report = json.loads(done.stdout)
     found = next(check for check in report["checks"] if check["name"] == "OpenGL")
@@ -41,7 +41,7 @@ def test_exit_1_where_a_needed_part_is_missing() -> None:
     assert report["can_run"] is False
 
 
-def test_no_traceback_for_a_cache_that_cannot_be_written(tmp_path: Path) -> None:
+def test_unwritable_cache_is_limited_without_traceback(tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.write_text("not a folder")
     report = json.loads(run_live("doctor", "--json", LIVE_CACHE_DIR=str(file)).stdout)
@@ -50,7 +50,7 @@ def test_no_traceback_for_a_cache_that_cannot_be_written(tmp_path: Path) -> None
     assert "LIVE_CACHE_DIR" in found["remedy"]
 
 
-def test_a_cold_cache_is_told_with_the_command_that_warms_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_cold_cache_is_reported_with_warm_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "kernels").mkdir()
     monkeypatch.setattr(jit, "KERNEL_CACHE_DIR", tmp_path / "kernels")
     report = json.loads(run_live("doctor", "--json", LIVE_CACHE_DIR=str(tmp_path)).stdout)
@@ -58,7 +58,7 @@ def test_a_cold_cache_is_told_with_the_command_that_warms_it(tmp_path: Path, mon
     assert (found["state"], found["remedy"]) == ("limited", "live warm")
 
 
-def test_a_busy_osc_port(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_busy_osc_port_is_limited_with_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("127.0.0.1", 0))
         monkeypatch.setattr(machine_check, "OSC_ADDRESS", other.getsockname())
@@ -69,20 +69,20 @@ def test_a_busy_osc_port(monkeypatch: pytest.MonkeyPatch) -> None:
     assert machine_check.check_osc_port().state == "ok"
 
 
-def test_every_requirement_of_the_package_is_checked() -> None:
+def test_every_package_requirement_is_checked() -> None:
     from importlib.metadata import requires
 
     assert len(list(machine_check.check_packages())) == len(requires("choreographics-live") or [])
 
 
-def test_a_missing_package_stops_a_show(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_package_prevents_show(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.metadata.requires", lambda name: ["surely-not-there>=1", "numpy>=2"])
     absent, present = machine_check.check_packages()
     assert absent == Check("surely-not-there", "missing", "not installed", "make play", needed=True)
     assert (present.name, present.state) == ("numpy", "ok")
 
 
-def test_a_package_that_this_python_does_not_take_is_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_package_excluded_by_python_version_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
     requirement = 'surely-not-there>=1; python_version < "3.13"'
     monkeypatch.setattr("importlib.metadata.requires", lambda name: [requirement])
     (found,) = machine_check.check_packages()
@@ -90,7 +90,7 @@ def test_a_package_that_this_python_does_not_take_is_a_limit(monkeypatch: pytest
     assert 'python_version < "3.13"' in found.detail
 
 
-def test_without_ableton_link_shows_run(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_ableton_link_does_not_prevent_shows(monkeypatch: pytest.MonkeyPatch) -> None:
     def not_there(name: str) -> str:
         raise PackageNotFoundError
 
@@ -100,7 +100,7 @@ def test_without_ableton_link_shows_run(monkeypatch: pytest.MonkeyPatch) -> None
     assert (found.state, found.detail) == ("limited", "not installed: no Ableton Link")
 
 
-def test_portaudio_that_is_not_installed_names_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_portaudio_names_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
     def not_there() -> str:
         raise OSError("PortAudio library not found")
 
@@ -118,7 +118,7 @@ def test_portaudio_that_is_not_installed_names_its_package(monkeypatch: pytest.M
         ("MIDI is available, but no device is connected", "plug in a MIDI device"),
     ],
 )
-def test_midi_remedies_fit_the_reason(monkeypatch: pytest.MonkeyPatch, why: str, remedy: str) -> None:
+def test_midi_remedies_match_reason(monkeypatch: pytest.MonkeyPatch, why: str, remedy: str) -> None:
     monkeypatch.setattr(
         machine_check, "midi_sections", lambda: (Section("midi_inputs", (), why), Section("midi_outputs", (), why))
     )
@@ -138,7 +138,9 @@ def test_midi_remedies_fit_the_reason(monkeypatch: pytest.MonkeyPatch, why: str,
         ("none", "x11", "install x11 with this system's package manager"),
     ],
 )
-def test_install_lines(monkeypatch: pytest.MonkeyPatch, manager: str, library: str, line: str) -> None:
+def test_install_command_matches_package_manager(
+    monkeypatch: pytest.MonkeyPatch, manager: str, library: str, line: str
+) -> None:
     monkeypatch.setattr(machine_check.shutil, "which", lambda name: name if name == manager else None)
     assert machine_check.install_command(library) == line
 
@@ -154,14 +156,14 @@ def _answer(stdout: str, stderr: str = "", code: int = 0) -> "subprocess.Complet
         (_answer("", "", -11), "the driver crashed (exit -11)"),
     ],
 )
-def test_opengl_that_fails_or_crashes_is_told(
+def test_failing_or_crashing_opengl_is_reported(
     monkeypatch: pytest.MonkeyPatch, answer: "subprocess.CompletedProcess[str]", why: str
 ) -> None:
     monkeypatch.setattr(machine_check.subprocess, "run", lambda *_, **__: answer)
     assert machine_check.probe_opengl() == machine_check.OpenGL(None, why=why)
 
 
-def test_opengl_that_hangs_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_hanging_opengl_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def hang(*_: object, timeout: float, **__: object) -> None:
         raise subprocess.TimeoutExpired("probe", timeout)
 
@@ -169,14 +171,14 @@ def test_opengl_that_hangs_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     assert machine_check.probe_opengl(timeout=3).why == "the driver did not answer within 3 s"
 
 
-def test_an_old_opengl_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_old_opengl_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(machine_check, "probe_opengl", lambda: machine_check.OpenGL("old card", "3.3 driver", 330))
     found = machine_check.check_opengl()
     assert (found.state, found.needed) == ("missing", True)
     assert "4.1 is needed" in found.detail
 
 
-def test_a_full_disk_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_full_disk_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def full(**_: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 

@@ -1,4 +1,4 @@
-"""The kernels against a filter written with one dictionary of states, on a few tempi."""
+"""The kernels against a forward filter over a dictionary of states, with a few tempi."""
 
 from dataclasses import replace
 from itertools import product
@@ -16,7 +16,7 @@ State = tuple[int, int, int, int]  # interval, position, metre, beat
 FEW = BarPointerModel(fastest_bpm=260.0, slowest_bpm=235.0, octave_change=0.0)
 
 
-class SlowFilter:
+class ReferenceFilter:
     """The forward algorithm, state by state (Rabiner, A tutorial on hidden Markov models, 1989)."""
 
     def __init__(self, model: BarPointerModel) -> None:
@@ -67,11 +67,11 @@ class SlowFilter:
 
 
 @pytest.mark.parametrize("birth", [0.0, FEW.birth, 1e-3])
-def test_the_kernels_are_the_forward_algorithm(birth: float) -> None:
+def test_kernels_match_the_forward_algorithm(birth: float) -> None:
     model = replace(FEW, birth=birth)
     rng = np.random.default_rng(3)
     frames = [(0.8, 0.5) if t % 21 == 4 else (float(rng.random()) * 0.1, 0.01) for t in range(26)]
-    pointer, slow = BarPointer(model), SlowFilter(model)
+    pointer, slow = BarPointer(model), ReferenceFilter(model)
     for beat, downbeat in frames:
         pointer.step(beat, downbeat)
         said = likelihoods(model, beat, downbeat, FREE_RANGE, model.downbeat_sharpness)
@@ -89,7 +89,7 @@ def test_the_kernels_are_the_forward_algorithm(birth: float) -> None:
         assert found[state] / total == pytest.approx(mass, rel=2e-3, abs=1e-7)
 
 
-def test_shares_sum_to_one_after_each_survey_and_are_never_negative() -> None:
+def test_state_probabilities_are_nonnegative_and_sum_to_one() -> None:
     pointer = BarPointer(FEW)
     for frame in range(9):
         pointer.step(0.9 if frame == 4 else 0.02, 0.01)

@@ -1,4 +1,4 @@
-"""Whereabouts: whether music has left the grid, and how sure one may be of it."""
+"""Activation phase: detection of a lost grid, and confidence."""
 
 import numpy as np
 import pytest
@@ -8,10 +8,10 @@ from live.clock.bar_pointer.observation_model import ActivationPhase
 BEAT = 40
 
 
-def heard(
+def feed_activations(
     strength: tuple[float, float, float, float], beats: int = 20, after: ActivationPhase | None = None
 ) -> ActivationPhase:
-    """Activations this strong on the beat, a quarter after it, half, three quarters."""
+    """Feeds activations of this strength on the beat and a quarter, half and three quarters after it."""
     found = ActivationPhase() if after is None else after
     for frame in range(beats * BEAT):
         at = frame % BEAT
@@ -19,35 +19,35 @@ def heard(
     return found
 
 
-def test_strengths_are_those_of_the_last_beats() -> None:
-    assert heard((0.8, 0.1, 0.3, 0.2)).strength == pytest.approx([0.8, 0.1, 0.3, 0.2], abs=0.01)
+def test_strengths_match_recent_activations() -> None:
+    assert feed_activations((0.8, 0.1, 0.3, 0.2)).strength == pytest.approx([0.8, 0.1, 0.3, 0.2], abs=0.01)
 
 
-def test_music_in_between_has_left_the_grid_and_off_beats_have_not() -> None:
-    assert heard((0.3, 0.7, 0.1, 0.0)).grid_is_lost
-    assert not heard((0.3, 0.0, 0.7, 0.0)).grid_is_lost
+def test_quarter_offset_loses_the_grid_but_offbeats_do_not() -> None:
+    assert feed_activations((0.3, 0.7, 0.1, 0.0)).grid_is_lost
+    assert not feed_activations((0.3, 0.0, 0.7, 0.0)).grid_is_lost
 
 
-def test_beats_that_were_sure_and_are_found_half_a_beat_later_are_elsewhere() -> None:
+def test_shift_of_confident_beats_to_offbeat_loses_the_grid() -> None:
     late = (0.1, 0.0, 0.8, 0.0)
-    assert not heard(late, 40).grid_is_lost  # as ever
-    moved = heard((0.8, 0.0, 0.1, 0.0), 40)
+    assert not feed_activations(late, 40).grid_is_lost  # unchanged
+    moved = feed_activations((0.8, 0.0, 0.1, 0.0), 40)
     assert not moved.grid_is_lost
-    assert heard(late, 4, after=moved).grid_is_lost
-    assert not heard(late, 150, after=moved).grid_is_lost  # the song is like that
+    assert feed_activations(late, 4, after=moved).grid_is_lost
+    assert not feed_activations(late, 150, after=moved).grid_is_lost  # the offbeat accents persist
 
 
-def test_a_measure_of_silence_is_no_reason_to_leave_the_grid() -> None:
-    quiet = heard((0.0, 0.0, 0.0, 0.0), 4, after=heard((0.5, 0.0, 0.1, 0.0), 40))
+def test_measure_of_silence_keeps_the_grid() -> None:
+    quiet = feed_activations((0.0, 0.0, 0.0, 0.0), 4, after=feed_activations((0.5, 0.0, 0.1, 0.0), 40))
     assert not quiet.grid_is_lost
 
 
-def test_confidence_grows_with_the_share_and_the_beats_and_falls_with_what_lies_elsewhere() -> None:
-    clear = heard((0.75, 0.02, 0.05, 0.02))
+def test_confidence_grows_with_share_and_falls_with_offbeat_activity() -> None:
+    clear = feed_activations((0.75, 0.02, 0.05, 0.02))
     assert 0.9 < clear.confidence(0.99) < 0.98
     assert np.all(np.diff([clear.confidence(share) for share in np.linspace(0.0, 1.0, 9)]) >= 0.0)
     assert clear.confidence(0.3) < clear.confidence(0.9) - 0.05
     for elsewhere in ((0.35, 0.02, 0.05, 0.02), (0.75, 0.02, 0.7, 0.02), (0.75, 0.7, 0.05, 0.02)):
-        assert heard(elsewhere).confidence(0.99) < clear.confidence(0.99) - 0.02
+        assert feed_activations(elsewhere).confidence(0.99) < clear.confidence(0.99) - 0.02
     assert clear.confidence(0.9) < clear.confidence(0.9, level_is_set=True) < 1.0
-    assert heard((0.1, 0.1, 0.1, 0.1)).confidence(0.02) < 0.3
+    assert feed_activations((0.1, 0.1, 0.1, 0.1)).confidence(0.02) < 0.3

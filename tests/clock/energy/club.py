@@ -1,4 +1,4 @@
-"""Club music from a seed: grooves, breaks, build-ups and drops, whose places are known."""
+"""Seeded club music: grooves, breaks, build-ups and drops at known beats."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ BEAT = 60.0 / BPM
 
 
 def club(parts: Sequence[tuple[str, int]], rate: int = 44_100, gain: float = 0.3, seed: int = 0) -> Sound:
-    """Parts, each for so many beats of half a second, shape (n,).
+    """Parts, each a kind and a number of beats of half a second; returns shape (n,).
 
     `groove`: bass drum, bass, hi-hats. `half`: the same with a bass drum on every fourth beat only. `break`: chords
     and hi-hats without bass. `build`: a roll that doubles and a noise that rises and opens. `silence`.

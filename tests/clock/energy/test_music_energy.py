@@ -1,4 +1,4 @@
-"""Energy and structure of music whose places are known."""
+"""Energy and structure of music with known sections."""
 
 import tracemalloc
 
@@ -11,7 +11,7 @@ from live.clock.energy.music_energy import BeatEnergy, MusicEnergy
 from tests.clock.energy.club import BEAT, Sound, club
 
 
-def heard(sound: Sound, rate: int = 44_100, *, block: int = 512, beats: bool = True) -> list[BeatEnergy]:
+def measure_beats(sound: Sound, rate: int = 44_100, *, block: int = 512, beats: bool = True) -> list[BeatEnergy]:
     energy, found = MusicEnergy(rate), []
     if beats:
         energy.set_beat(0.0, BEAT)
@@ -22,7 +22,7 @@ def heard(sound: Sound, rate: int = 44_100, *, block: int = 512, beats: bool = T
 
 @pytest.mark.parametrize("rate", [22_050, 44_100, 48_000, 192_000])
 @pytest.mark.parametrize(("hertz", "lufs"), [(997.0, -3.01), (50.0, -7.6), (8_000.0, 0.3)])
-def test_loudness_is_that_of_loudness_meters(rate: int, hertz: float, lufs: float) -> None:
+def test_loudness_matches_bs1770(rate: int, hertz: float, lufs: float) -> None:
     """A full sine of 997 Hz in one channel has -3.01 LUFS (BS.1770-5, annex 1)."""
     frames, sound = EnergyFrames(rate), np.sin(2 * np.pi * hertz * np.arange(2 * rate) / rate).astype(np.float32)
     start = 0
@@ -33,7 +33,7 @@ def test_loudness_is_that_of_loudness_meters(rate: int, hertz: float, lufs: floa
     assert expected == pytest.approx(lufs, abs=0.05)
 
 
-def test_k_weighting_is_that_of_the_filters() -> None:
+def test_k_weighting_matches_the_filters() -> None:
     """Against the filters run sample by sample."""
     from live.clock.energy.k_weighting import HIGH_PASS, SHELF
 
@@ -49,8 +49,8 @@ def test_k_weighting_is_that_of_the_filters() -> None:
 
 @pytest.mark.parametrize("kind", ["groove", "half", "break"])
 @pytest.mark.parametrize("rate", [22_050, 48_000])
-def test_a_steady_groove_neither_builds_up_nor_drops(kind: str, rate: int) -> None:
-    beats = heard(club([(kind, 96)], rate), rate)
+def test_steady_groove_has_no_build_up_or_drop(kind: str, rate: int) -> None:
+    beats = measure_beats(club([(kind, 96)], rate), rate)
     assert len(beats) in (95, 96)
     assert not any(beat.drop for beat in beats)
     assert max(beat.build for beat in beats) < 0.4
@@ -58,9 +58,9 @@ def test_a_steady_groove_neither_builds_up_nor_drops(kind: str, rate: int) -> No
 
 @pytest.mark.parametrize("length", [8, 16])
 @pytest.mark.parametrize("gain", [0.03, 0.3])
-def test_a_build_up_and_its_drop_are_found(length: int, gain: float) -> None:
+def test_build_up_and_its_drop_are_detected(length: int, gain: float) -> None:
     begin = 48
-    beats = heard(club([("groove", 32), ("break", 16), ("build", length), ("groove", 32)], gain=gain))
+    beats = measure_beats(club([("groove", 32), ("break", 16), ("build", length), ("groove", 32)], gain=gain))
     building = [n for n, beat in enumerate(beats) if beat.build >= 0.5]
     assert building[0] >= begin + 2
     assert building[0] <= begin + 0.7 * length
@@ -68,14 +68,14 @@ def test_a_build_up_and_its_drop_are_found(length: int, gain: float) -> None:
     assert [n for n, beat in enumerate(beats) if beat.drop] == [begin + length]
 
 
-def test_the_bass_that_returns_after_a_break_is_a_drop_and_a_pause_is_none() -> None:
-    beats = heard(club([("groove", 24), ("break", 8), ("groove", 24), ("silence", 24), ("groove", 16)]))
+def test_bass_return_is_a_drop_after_break_only() -> None:
+    beats = measure_beats(club([("groove", 24), ("break", 8), ("groove", 24), ("silence", 24), ("groove", 16)]))
     assert [n for n, beat in enumerate(beats) if beat.drop] == [32]
 
 
-def test_loudness_follows_the_music_and_the_room_does_not_matter() -> None:
+def test_relative_loudness_is_independent_of_gain() -> None:
     parts = [("groove", 32), ("break", 16), ("groove", 16)]
-    loud, soft = heard(club(parts, gain=0.3)), heard(club(parts, gain=0.02))
+    loud, soft = measure_beats(club(parts, gain=0.3)), measure_beats(club(parts, gain=0.02))
     for one, other in zip(loud, soft, strict=True):
         assert one.loudness == pytest.approx(other.loudness, abs=0.1)
         assert one.loudness_db - other.loudness_db == pytest.approx(23.5, abs=0.5)
@@ -84,39 +84,39 @@ def test_loudness_follows_the_music_and_the_room_does_not_matter() -> None:
     assert np.mean([beat.low for beat in loud[34:48]]) < 0.1 < 0.8 < np.mean([beat.low for beat in loud[8:32]])
 
 
-def test_onsets_are_counted_for_each_beat() -> None:
-    beats = heard(club([("half", 64)]))
+def test_onset_density_is_counted_per_beat() -> None:
+    beats = measure_beats(club([("half", 64)]))
     density = np.mean([beat.density for beat in beats[8:]])
     assert 0.9 <= density <= 1.6  # a hi-hat on each beat, a bass drum on every fourth
 
 
-def test_silence_and_what_is_no_sound_are_silence() -> None:
+def test_silence_and_invalid_samples_give_zero_energy() -> None:
     for sound in (np.zeros(200_000), np.full(200_000, np.nan), np.full(200_000, 1e30)):
-        beats = heard(sound.astype(np.float32))
+        beats = measure_beats(sound.astype(np.float32))
         assert {(beat.loudness, beat.density, beat.low, beat.build, beat.drop) for beat in beats} == {
             (0, 0, 0, 0, False)
         }
 
 
-def test_blocks_of_any_size_give_the_same() -> None:
+def test_energy_is_independent_of_block_size() -> None:
     sound = club([("groove", 8), ("break", 4)])
-    assert heard(sound, block=64) == heard(sound, block=4096) == heard(sound, block=10_007)
+    assert measure_beats(sound, block=64) == measure_beats(sound, block=4096) == measure_beats(sound, block=10_007)
 
 
-def test_beats_are_cut_where_they_are_said_to_lie() -> None:
+def test_beat_boundaries_follow_reported_beats() -> None:
     energy, found = MusicEnergy(44_100.0), []
     sound = club([("groove", 24)])
-    told = {n: 0.31 + n * 0.4 for n in range(1, 26)}  # 150 bpm, told a tenth of a second ahead
+    reported = {n: 0.31 + n * 0.4 for n in range(1, 26)}  # 150 bpm, reported 0.1 s ahead
     for start in range(0, len(sound), 512):
-        for n in [n for n, time in told.items() if time < start / 44_100.0 + 0.1]:
-            energy.set_beat(told.pop(n), 0.4)
+        for n in [n for n, time in reported.items() if time < start / 44_100.0 + 0.1]:
+            energy.set_beat(reported.pop(n), 0.4)
         found += energy.feed(sound[start : start + 512])
     begins = [beat.begin for beat in found[3:]]
     assert begins == pytest.approx([begins[0] + 0.4 * n for n in range(len(begins))])
     assert (begins[0] - 0.31) / 0.4 == pytest.approx(round((begins[0] - 0.31) / 0.4), abs=1e-6)
 
 
-def test_wild_beats_stop_nothing() -> None:
+def test_invalid_beat_reports_do_not_stop_analysis() -> None:
     energy = MusicEnergy(44_100.0)
     rng = np.random.default_rng(9)
     ended = 0
@@ -128,14 +128,14 @@ def test_wild_beats_stop_nothing() -> None:
     assert 3 <= ended <= 200 * 4096 / 44_100.0 / 0.15
 
 
-def test_nothing_is_kept_of_a_block() -> None:
-    """For a moment numpy's FFT takes what it needs (34 kB), nothing else does."""
+def test_feeding_blocks_retains_no_memory() -> None:
+    """Only numpy's FFT allocates temporarily (34 kB)."""
     energy, block = MusicEnergy(44_100.0), np.random.default_rng(0).normal(0.0, 0.1, 512).astype(np.float32)
     for _ in range(200):
         energy.feed(block)
     tracemalloc.start()
     try:
-        for _ in range(1000):  # until what Python keeps for reuse has been made anew under the eyes of tracemalloc
+        for _ in range(1000):  # until Python's free lists are traced by tracemalloc
             energy.feed(block)
         before = tracemalloc.get_traced_memory()[0]
         tracemalloc.reset_peak()

@@ -1,4 +1,4 @@
-"""A hall: music whose beats are known, players who say something about it, and a follower that runs by ticks."""
+"""Test harness: music with known beats, players that report them, and a follower run tick by tick."""
 
 import random
 from bisect import bisect_right
@@ -32,8 +32,9 @@ class Music:
 
 @dataclass
 class Player:
-    """Says every beat of `music` as the source `name`: `lead` [s] before it, wrong by `jitter` [s]; `rate` of its
-    clock. `wild` gives for single beats (factor of the period, error [s])."""
+    """Reports every beat of `music` as the source `name`: `lead` [s] ahead, with `jitter` [s]; `rate` of its clock.
+    `wild` gives (factor of the period, error [s]) for single beats.
+    """
 
     music: Music
     name: str = "audio"
@@ -43,7 +44,7 @@ class Player:
     rate: float = 1.0
     knows: bool = True
     late: int = 0
-    """Beats after a change of tempo that are still said as before (a tracker that needs time)."""
+    """Beats after a tempo change that are still reported at the old tempo (a slow tracker)."""
     per_beat: int = 1
     jump_at: int = -1
     wild: Callable[[int], tuple[float, float]] = lambda beat: (1.0, 0.0)
@@ -78,7 +79,7 @@ class Player:
 
 
 class Hall:
-    """Runs a follower tick by tick and notes what it did."""
+    """Runs a follower tick by tick and records its output."""
 
     def __init__(self, follower: TimelineFollower | None = None, *players: Player) -> None:
         self.follower = follower or TimelineFollower()
@@ -92,7 +93,7 @@ class Hall:
         return self.ticks * TICK
 
     def until(self, end: float, *script: tuple[float, Callable[[TimelineFollower], None]]) -> "Hall":
-        """Run to `end` [s]; `script`: what is done at which time."""
+        """Run to `end` [s]; `script`: (time, action) pairs."""
         waiting = sorted(script, key=lambda row: row[0])
         while self.now < end:
             self.ticks += 1
@@ -108,7 +109,7 @@ class Hall:
         return self
 
     def off(self, music: Music, start: float, end: float, *, whole: float = 1.0) -> "np.ndarray":
-        """How far the Timeline was from the music between two times [s], within half a beat (`whole`: of a measure)."""
+        """Error of the Timeline between two times [s], wrapped to half a beat (`whole`: to half that many beats)."""
         rows = [(time, beat) for time, beat, *_ in self.rows if start <= time < end]
         phase = np.array([beat - self.follower.timeline.measure_origin - music.beat_at(t) for t, beat in rows])
         phase = (phase + 0.5 * whole) % whole - 0.5 * whole
@@ -118,7 +119,7 @@ class Hall:
         return {state for time, _, _, state, *_ in self.rows if start <= time < end}
 
     def beats(self) -> list[int]:
-        """The whole beats in the order they came."""
+        """The whole beats in order of occurrence."""
         found: list[int] = []
         for (_, before, *_), (_, after, *_) in zip(self.rows, self.rows[1:], strict=False):
             found += range(int(np.floor(before)) + 1, int(np.floor(after)) + 1)

@@ -1,4 +1,4 @@
-"""Sources that come, go and take over, with numbers."""
+"""Handover between clock sources that appear, disappear and take over, with measured limits."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ def p95(values: "np.ndarray") -> float:
 
 
 @pytest.mark.parametrize(("bpm", "jitter"), [(60.0, 0.010), (96.0, 0.010), (128.0, 0.010), (174.0, 0.015)])
-def test_steady_music_is_met_within_20_ms_of_its_beats_and_measures(bpm: float, jitter: float) -> None:
+def test_steady_music_is_followed_within_20_ms(bpm: float, jitter: float) -> None:
     music = Music([(bpm, 40.0 * bpm / 60.0)], start=0.3)
     hall = Hall(TimelineFollower(tempo=110.0), Player(music, jitter=jitter)).until(38.0)
     off = hall.off(music, 8.0, 38.0, whole=4.0)
@@ -21,11 +21,11 @@ def test_steady_music_is_met_within_20_ms_of_its_beats_and_measures(bpm: float, 
     assert abs(np.mean(off)) < 0.004
     assert hall.states(8.0, 38.0) == {"locked"}
     late = np.abs(hall.off(music, 0.3, 38.0)) > 0.030
-    assert np.flatnonzero(late)[-1] * TICK < 5.0, "and that within a few beats"
+    assert np.flatnonzero(late)[-1] * TICK < 5.0, "within a few beats"
 
 
 @pytest.mark.parametrize("factor", [1.2, 0.8])
-def test_midi_clock_a_tempo_step_is_followed_within_a_beat(factor: float) -> None:
+def test_midi_clock_tempo_step_is_followed_within_a_beat(factor: float) -> None:
     music = Music([(120.0, 24), (120.0 * factor, 40)], start=0.2)
     player = Player(music, name="midi", lead=0.25, jitter=0.001, per_beat=4)
     hall = Hall(TimelineFollower(), player).until(24.0)
@@ -36,7 +36,7 @@ def test_midi_clock_a_tempo_step_is_followed_within_a_beat(factor: float) -> Non
 
 
 @pytest.mark.parametrize("factor", [1.2, 0.8, 1.06])
-def test_audio_a_tempo_step_is_followed_within_four_seconds(factor: float) -> None:
+def test_audio_tempo_step_is_followed_within_four_seconds(factor: float) -> None:
     music = Music([(120.0, 24), (120.0 * factor, 40)], start=0.2)
     hall = Hall(TimelineFollower(), Player(music, jitter=0.008)).until(24.0)
     step = music.times[24]
@@ -44,8 +44,8 @@ def test_audio_a_tempo_step_is_followed_within_four_seconds(factor: float) -> No
     assert all(abs(row[2] / (120.0 * factor) - 1.0) < 0.03 for row in hall.rows if row[0] > step + 4.0)
 
 
-def test_fills_are_ignored() -> None:
-    """One or two beats in eight lie elsewhere or seem to last longer, as in a fill: nothing follows them."""
+def test_drum_fills_are_ignored() -> None:
+    """One or two beats in eight are displaced or have another period, as in a drum fill."""
     fill = {5: (0.75, -0.11), 6: (1.3, 0.12), 13: (0.5, 0.14), 22: (1.5, 0.09), 23: (0.67, -0.13), 31: (1.0, 0.16)}
     music = Music([(120.0, 90)], start=0.2)
     player = Player(music, jitter=0.006, wild=lambda beat: fill.get(beat % 32, (1.0, 0.0)) if beat > 8 else (1.0, 0.0))
@@ -54,8 +54,8 @@ def test_fills_are_ignored() -> None:
     assert all(abs(row[2] / 120.0 - 1.0) < 0.03 for row in hall.rows if row[0] > 6.0)
 
 
-def test_audio_to_midi_and_back_is_no_seam() -> None:
-    """MIDI clock that leads the band by 40 ms takes over at a measure line, and audio again when it is lost."""
+def test_handover_from_audio_to_midi_and_back_is_seamless() -> None:
+    """MIDI clock 40 ms ahead of the band takes over at a measure line, and audio again when it is lost."""
     band = Music([(120.0, 120)], start=0.3)
     sequencer = Music([(120.0, 120)], start=0.26)
     midi = Player(sequencer, name="midi", lead=0.2, jitter=0.001, per_beat=4, on=False)
@@ -72,7 +72,7 @@ def test_audio_to_midi_and_back_is_no_seam() -> None:
     midi.on = False
     hall.until(50.0)
     free = [row for row in hall.rows if row[3] == "freewheel"]
-    assert 30.2 < free[0][0] < 31.2, "noticed within a second though nobody told"
+    assert 30.2 < free[0][0] < 31.2, "detected within a second without a message"
     assert np.ptp([row[2] for row in free]) / 120.0 < 1e-4
     back = next(row for row in hall.rows if row[0] > 31.0 and row[4] == "audio")
     phase = (back[1] - hall.follower.timeline.measure_origin) % 4.0
@@ -85,8 +85,8 @@ def test_audio_to_midi_and_back_is_no_seam() -> None:
 
 
 @pytest.mark.parametrize("name", ["midi", "link", "audio"])
-def test_lost_for_ten_seconds_and_back_with_another_clock(name: str) -> None:
-    """The source's clock runs 50 ppm fast and is heard again 10 s later: it is met, and nothing jumps."""
+def test_source_lost_for_ten_seconds_is_rejoined_without_jump(name: str) -> None:
+    """The clock of the source runs 50 ppm fast and returns after 10 s."""
     music = Music([(126.0 * (1.0 + 50e-6), 130)], start=0.2)
     player = Player(music, name=name, lead=0.1, jitter=0.0005)
     hall = Hall(TimelineFollower(), player).until(20.0)
@@ -105,7 +105,7 @@ def test_lost_for_ten_seconds_and_back_with_another_clock(name: str) -> None:
     assert np.diff(hall.beats()).tolist() == [1] * (len(hall.beats()) - 1)
 
 
-def test_a_pause_of_what_is_heard_runs_alone_and_forgets_nothing() -> None:
+def test_pause_freewheels_and_relocks_at_once() -> None:
     music = Music([(126.0, 130)], start=0.2)
     player = Player(music, jitter=0.002)
     hall = Hall(TimelineFollower(), player).until(20.0)
@@ -115,21 +115,21 @@ def test_a_pause_of_what_is_heard_runs_alone_and_forgets_nothing() -> None:
     assert hall.states(20.4, 21.5) == {"freewheel"}
     player.on = True
     hall.until(26.0, (21.5, lambda follower: follower.found(21.5)))
-    assert hall.states(21.6, 26.0) == {"locked"}, "at once, without a statement"
+    assert hall.states(21.6, 26.0) == {"locked"}, "at once, without an observation"
     assert p95(hall.off(music, 20.3, 26.0, whole=4.0)) < 0.012
     assert hall.follower.jumps == before
     assert np.diff(hall.beats()).tolist() == [1] * (len(hall.beats()) - 1)
 
 
-def test_a_pause_that_nobody_ends_is_ended_by_beats() -> None:
-    """The analysis was begun anew meanwhile: it says beats, and never that there is something to hear again."""
+def test_pause_without_end_message_is_ended_by_beats() -> None:
+    """The analysis was restarted during the pause: it reports beats, but never the end of the pause."""
     player = Player(Music([(126.0, 130)], start=0.2), jitter=0.002)
     hall = Hall(TimelineFollower(), player).until(20.0)
     hall.until(26.0, (20.0, lambda follower: follower.paused(20.0)))
     assert hall.states(21.0, 26.0) == {"locked"}
 
 
-def test_a_start_by_midi_is_taken_at_once_and_announced() -> None:
+def test_midi_start_is_followed_at_once_and_announced() -> None:
     music = Music([(120.0, 60)], start=7.37)
     hall = Hall(TimelineFollower(tempo=100.0), Player(music, name="midi", lead=0.0, per_beat=4, jump_at=0))
     hall.until(7.42)
@@ -141,18 +141,18 @@ def test_a_start_by_midi_is_taken_at_once_and_announced() -> None:
     assert p95(hall.off(music, 7.5, 20.0, whole=4.0)) < 0.005
 
 
-def test_another_song_after_silence_is_taken_at_once() -> None:
+def test_new_song_after_silence_is_followed_at_once() -> None:
     first, second = Music([(120.0, 30)], start=0.2), Music([(97.0, 40)], start=22.31)
     hall = Hall(TimelineFollower(), Player(first, jitter=0.003), Player(second, jitter=0.003))
     hall.until(36.0, (15.5, lambda f: f.silent(15.5)), (22.2, lambda f: f.found(22.2)))
     assert hall.follower.last_jump is not None
     songs = [row[0] for row in hall.rows if row[0] > 16.0 and row[3] in ("following", "locked")]
     assert songs[0] - second.times[0] < 1.5
-    assert p95(hall.off(second, songs[0] + 0.1, 36.0)) < 0.025, "without a way to go"
+    assert p95(hall.off(second, songs[0] + 0.1, 36.0)) < 0.025, "without slewing"
     assert p95(hall.off(second, 26.0, 36.0, whole=4.0)) < 0.025
 
 
-def test_the_patchs_order_and_the_operators_choice() -> None:
+def test_source_priority_and_operator_selection_are_obeyed() -> None:
     music, other = Music([(120.0, 120)], start=0.3), Music([(120.0, 120)], start=0.37)
     players = Player(music), Player(other, name="link", lead=0.2)
     assert Hall(TimelineFollower(), *players).until(6.0).follower.source == "link"
@@ -162,7 +162,7 @@ def test_the_patchs_order_and_the_operators_choice() -> None:
     assert hall.until(11.0).follower.source == "link"
     hall.players[1].on = False
     hall.until(20.0)
-    assert (hall.follower.source, hall.follower.state) == ("link", "freewheel"), "chosen by hand: nobody else"
+    assert (hall.follower.source, hall.follower.state) == ("link", "freewheel"), "selected by hand: no other source"
     hall.follower.select_source("auto")
     assert hall.until(24.0).follower.source == "audio"
     hall.follower.select_source("nobody")
@@ -171,7 +171,7 @@ def test_the_patchs_order_and_the_operators_choice() -> None:
     assert hall.until(6.0).follower.source == "internal"
 
 
-def test_a_clock_that_was_never_started_gives_tempo_and_drift_not_the_place_of_the_beat() -> None:
+def test_unstarted_clock_sets_tempo_but_not_phase() -> None:
     follower = TimelineFollower(tempo=120.0)
     hall = Hall(follower)
     for k in range(60):
@@ -187,7 +187,7 @@ def test_a_clock_that_was_never_started_gives_tempo_and_drift_not_the_place_of_t
     assert min(phase, 4.0 - phase) < 0.13
 
 
-def test_a_waltz_is_danced_in_three_where_metres_are_followed() -> None:
+def test_waltz_sets_three_beats_when_metre_is_followed() -> None:
     music = Music([(150.0, 120)], start=0.3, metre=3)
     hall = Hall(TimelineFollower(), Player(music)).until(20.0)
     assert hall.follower.timeline.beats_per_measure == 4
@@ -196,7 +196,7 @@ def test_a_waltz_is_danced_in_three_where_metres_are_followed() -> None:
     assert p95(hall.off(music, 10.0, 20.0, whole=3.0)) < 0.01
 
 
-def test_music_outside_the_range_is_danced_at_another_level() -> None:
+def test_tempo_out_of_range_is_halved() -> None:
     music = Music([(220.0, 120)], start=0.3)
     hall = Hall(TimelineFollower(tempo_range=(60.0, 140.0)), Player(music)).until(15.0)
     assert hall.follower.tempo == pytest.approx(110.0, rel=0.005)
@@ -204,8 +204,8 @@ def test_music_outside_the_range_is_danced_at_another_level() -> None:
 
 
 @pytest.mark.parametrize("level", [0.5, 2.0])
-def test_a_tracker_that_only_changes_the_level_is_not_followed_at_once(level: float) -> None:
-    """For four seconds it names half or twice as many beats, then as before; the dance does not notice."""
+def test_change_of_tempo_level_is_followed_only_after_persistence(level: float) -> None:
+    """For four seconds the tracker reports half or twice the tempo, then the original: the tempo stays."""
     music, other = Music([(110.0, 90)], start=0.3), Music([(110.0 * level, 180)], start=0.3)
     steady, wrong = Player(music, jitter=0.005), Player(other, jitter=0.005, on=False)
     hall = Hall(TimelineFollower(), steady, wrong).until(16.0)
@@ -217,5 +217,5 @@ def test_a_tracker_that_only_changes_the_level_is_not_followed_at_once(level: fl
     assert p95(hall.off(music, 10.0, 30.0, whole=4.0)) < 0.02
     steady.on, wrong.on = False, True
     hall.until(46.0)
-    assert hall.follower.tempo == pytest.approx(110.0 * level, rel=0.01), "but if it insists, it is right"
+    assert hall.follower.tempo == pytest.approx(110.0 * level, rel=0.01), "a persistent tracker is followed"
     assert hall.follower.state == "locked"

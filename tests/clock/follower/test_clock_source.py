@@ -1,4 +1,4 @@
-"""The parts of the follower by themselves: levels, the filter over beats, measure lines, statements."""
+"""Parts of the follower: tempo levels, the beat filter, measure lines and observations."""
 
 import math
 import random
@@ -18,9 +18,7 @@ grids = st.builds(Grid, st.floats(-100.0, 1e4), st.floats(0.2, 2.0), st.integers
 
 
 @given(grids, st.lists(st.tuples(st.sampled_from([0.5, 2.0]), st.integers(-50, 500)), max_size=6), st.floats(0.0, 1e4))
-def test_a_level_maps_beats_and_goes_through_every_pivot(
-    grid: Grid, scales: list[tuple[float, int]], time: float
-) -> None:
+def test_beat_mapping_is_continuous_at_every_pivot(grid: Grid, scales: list[tuple[float, int]], time: float) -> None:
     level = BeatMapping()
     for factor, pivot in scales:
         before = level.map_grid(grid)
@@ -34,14 +32,14 @@ def test_a_level_maps_beats_and_goes_through_every_pivot(
 
 
 @given(st.floats(20.0, 400.0), st.floats(40.0, 90.0))
-def test_a_tempo_is_folded_into_a_range_of_more_than_an_octave(tempo: float, lowest: float) -> None:
+def test_tempo_is_folded_into_the_range(tempo: float, lowest: float) -> None:
     level = BeatMapping()
     level.fold(tempo, lowest, 2.1 * lowest)
     assert lowest <= tempo * level.factor <= 2.1 * lowest or level.factor in (0.25, 4.0)
 
 
-def test_the_filter_is_better_than_its_statements_and_as_good_as_a_line_through_them() -> None:
-    """Against an ordinary least squares line over the last eight beats, which steady music asks for."""
+def test_beat_filter_is_as_accurate_as_least_squares() -> None:
+    """Against an ordinary least squares line over the last eight beats, the optimum for steady music."""
     generator, errors = random.Random(5), []
     for _ in range(30):
         said = [0.5 * k + generator.gauss(0.0, 0.010) for k in range(30)]
@@ -54,7 +52,7 @@ def test_the_filter_is_better_than_its_statements_and_as_good_as_a_line_through_
     assert ours < 0.010
 
 
-def test_a_beat_said_again_replaces_what_was_said_before() -> None:
+def test_repeated_observation_replaces_the_previous_one() -> None:
     once, twice = BeatFilter(0.0, 0.5, 0.8), BeatFilter(0.0, 0.5, 0.8)
     for k in range(1, 12):
         twice.update(0.5 * k + 0.02, 0.52, 0.8)
@@ -64,7 +62,7 @@ def test_a_beat_said_again_replaces_what_was_said_before() -> None:
     assert once.updates == twice.updates == 12
 
 
-def test_what_does_not_fit_changes_nothing() -> None:
+def test_inconsistent_observation_changes_nothing() -> None:
     beats = BeatFilter(0.0, 0.5, 0.8)
     for k in range(1, 12):
         beats.update(0.5 * k, 0.5, 0.8)
@@ -81,7 +79,7 @@ def test_what_does_not_fit_changes_nothing() -> None:
         st.tuples(st.floats(-0.2, 3.0), st.floats(0.15, 4.0), st.floats(0.0, 1.0), st.integers(-1, 6)), max_size=60
     )
 )
-def test_an_ear_keeps_a_finite_grid_whose_numbers_go_on(rows: list[tuple[float, float, float, int]]) -> None:
+def test_input_keeps_a_finite_grid_with_increasing_numbers(rows: list[tuple[float, float, float, int]]) -> None:
     ear, time, number = BarPointerInput(), 0.0, 0
     for step, period, confidence, beat in rows:
         time += step
@@ -98,7 +96,7 @@ def test_an_ear_keeps_a_finite_grid_whose_numbers_go_on(rows: list[tuple[float, 
     st.floats(20.0, 400.0), st.integers(1, 12), st.integers(1, 12), st.integers(-20, 20), st.integers(-50, 50),
     st.floats(0.0, 500.0),
 )  # fmt: skip
-def test_a_moved_line_is_a_line_and_the_number_goes_on(
+def test_moved_measure_line_keeps_beat_and_measure_number(
     tempo: float, size: int, new: int, origin: int, line: int, time: float
 ) -> None:
     before = Timeline(tempo=tempo, beats_per_measure=size, measure_origin=float(origin))
@@ -113,9 +111,7 @@ def test_a_moved_line_is_a_line_and_the_number_goes_on(
 
 
 @given(st.floats(0.0, 100.0), st.floats(-3.0, 3.0), st.floats(0.2, 1.5))
-def test_a_leap_goes_forward_by_less_than_a_beat_to_the_goals_place_in_the_beat(
-    now: float, off: float, period: float
-) -> None:
+def test_leap_moves_forward_less_than_a_beat_to_goal_phase(now: float, off: float, period: float) -> None:
     timeline = Timeline(tempo=60.0 / period)
     run = SlewedTimeline(timeline, Grid(now - off * period, period, math.floor(timeline.beat_at(now))))
     before = run.beat(now)
@@ -138,12 +134,12 @@ def test_a_leap_goes_forward_by_less_than_a_beat_to_the_goals_place_in_the_beat(
         BeatObservation(10.0, 0.5, 0.5, 0, -1), BeatObservation(10.0, 0.5, 0.5, 0, 4, -2),
     ],
 )  # fmt: skip
-def test_what_nobody_can_mean_is_not_plausible(said: BeatObservation) -> None:
+def test_invalid_observation_is_not_plausible(said: BeatObservation) -> None:
     assert not said.plausible(10.0)
     assert BeatObservation(10.1, 0.5, 0.5, 3, 4, 17).plausible(10.0)
 
 
-def test_a_first_downbeat_is_counted_back_along_beats_slower_than_any_timeline() -> None:
+def test_first_downbeat_is_counted_back_along_slow_beats() -> None:
     run = SlewedTimeline(Timeline(tempo=20.0, beats_per_measure=4), Grid(10.0, 3.9, 5))
     run.count_from(2.2, 10.0)  # two beats back: beat 3
     assert (run.timeline.measure_origin - 3.0) % 4.0 == 0.0

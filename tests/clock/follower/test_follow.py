@@ -1,4 +1,4 @@
-"""TimelineFollower: what it does with estimates, taps, losses; times are given, nothing is waited for."""
+"""TimelineFollower: response to estimates, taps and losses, in simulated time."""
 
 from collections.abc import Callable
 
@@ -9,7 +9,7 @@ from live.clock.ticks import TICK
 
 
 class Stage:
-    """Runs a follower tick by tick against music whose beats are known."""
+    """Runs a follower tick by tick against music with known beats."""
 
     def __init__(self, follower: TimelineFollower) -> None:
         self.follower = follower
@@ -27,7 +27,7 @@ class Stage:
         first: float = 0.0,
         wild: Callable[[int], tuple[float, float]] = lambda beat: (1.0, 0.0),
     ) -> None:
-        """Hear `bpm` with a beat at `first`; `wild` gives each beat's (factor of the period, error of the time [s])."""
+        """Feeds `bpm` with a beat at `first`; `wild` gives each beat's (period factor, time error [s])."""
         end = self.now + seconds
         heard = 0 if bpm is None else int((self.now - first) * bpm / 60.0) + 1
         while self.now < end:
@@ -41,12 +41,12 @@ class Stage:
             self.states.append(self.follower.state)
 
     def phase_error(self, bpm: float, first: float = 0.0) -> float:
-        """How far the follower's beat is from the music's, in beats, ± 0.5."""
+        """Phase error of the follower relative to the music, in beats, ± 0.5."""
         off = self.follower.timeline.beat_at(self.now) - (self.now - first) * bpm / 60.0
         return (off + 0.5) % 1.0 - 0.5
 
 
-def test_before_anything_is_heard_it_runs_its_own_tempo() -> None:
+def test_follower_without_input_runs_at_its_own_tempo() -> None:
     stage = Stage(TimelineFollower(tempo=90.0, beats_per_measure=3, one_at=1.0))
     stage.run(7.0)
     assert stage.follower.timeline.beat_at(7.0) == pytest.approx(9.0)
@@ -55,7 +55,7 @@ def test_before_anything_is_heard_it_runs_its_own_tempo() -> None:
 
 
 @pytest.mark.parametrize("bpm", [60.0, 75.0, 96.0, 112.0, 128.0, 150.0, 180.0])
-def test_steady_music_is_locked_to(bpm: float) -> None:
+def test_follower_locks_to_steady_music(bpm: float) -> None:
     stage = Stage(TimelineFollower())
     stage.run(12.0, bpm, first=0.37)
     assert stage.follower.state == "locked"
@@ -65,8 +65,8 @@ def test_steady_music_is_locked_to(bpm: float) -> None:
 
 
 @pytest.mark.parametrize("late", [(k + 0.6) / 20 for k in range(20)])
-def test_music_beside_the_clocks_own_beat_is_locked_to_and_followed_when_it_moves(late: float) -> None:
-    """At the tempo that runs already: how far apart the beats are must not matter, at first and later."""
+def test_follower_locks_to_offset_music_and_follows_a_shift(late: float) -> None:
+    """At the current tempo, for any initial phase offset and for a later shift."""
     stage = Stage(TimelineFollower(tempo=120.0))
     stage.run(12.0, 120.0, first=late * 0.5)
     assert stage.follower.state == "locked"
@@ -76,7 +76,7 @@ def test_music_beside_the_clocks_own_beat_is_locked_to_and_followed_when_it_move
     assert abs(stage.phase_error(120.0, late * 0.5 + 0.08)) < 0.02
 
 
-def test_wild_estimates_are_outvoted() -> None:
+def test_outlier_estimates_are_rejected() -> None:
     stage = Stage(TimelineFollower())
     stage.run(10.0, 120.0)
     wild = {3: (0.5, 0.0), 7: (2.0, 0.25), 11: (1.5, 0.1), 12: (2.0 / 3.0, -0.2), 17: (1.0, 0.21), 23: (3.1, 0.3)}
@@ -87,7 +87,7 @@ def test_wild_estimates_are_outvoted() -> None:
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
-def test_an_octave_error_does_not_change_the_tempo_danced(factor: float) -> None:
+def test_short_octave_error_does_not_change_tempo(factor: float) -> None:
     stage = Stage(TimelineFollower())
     stage.run(10.0, 120.0)
     stage.run(3.0, 120.0, wild=lambda beat: (factor, 0.0))
@@ -96,7 +96,7 @@ def test_an_octave_error_does_not_change_the_tempo_danced(factor: float) -> None
 
 
 @pytest.mark.parametrize(("before", "after"), [(120.0, 132.0), (102.0, 133.0), (140.0, 112.0), (133.0, 92.0)])
-def test_a_new_tempo_is_followed_within_four_seconds(before: float, after: float) -> None:
+def test_new_tempo_is_followed_within_four_seconds(before: float, after: float) -> None:
     stage = Stage(TimelineFollower())
     stage.run(10.0, before)
     stage.run(4.0, after, first=10.2)
@@ -105,7 +105,7 @@ def test_a_new_tempo_is_followed_within_four_seconds(before: float, after: float
     assert abs(stage.phase_error(after, 10.2)) < 0.05
 
 
-def test_a_slow_drift_is_followed() -> None:
+def test_slow_tempo_drift_is_followed() -> None:
     follower = TimelineFollower()
     beat, time, tick = 0, 0.5, 0
     while time < 40.0:
@@ -135,7 +135,7 @@ def test_freewheel_keeps_tempo_and_phase() -> None:
     assert stage.follower.confidence < 0.01
 
 
-def test_music_that_ends_without_a_word_is_noticed() -> None:
+def test_unannounced_end_of_music_causes_freewheel() -> None:
     stage = Stage(TimelineFollower())
     stage.run(10.0, 126.0)
     stage.run(4.0)
@@ -143,7 +143,7 @@ def test_music_that_ends_without_a_word_is_noticed() -> None:
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.1, 0.24, -0.2])
-def test_after_a_silence_it_runs_to_the_music_and_does_not_jump(shift: float) -> None:
+def test_follower_slews_to_music_after_silence_without_jump(shift: float) -> None:
     stage = Stage(TimelineFollower())
     stage.run(10.0, 120.0)
     stage.follower.lost(stage.now)
@@ -159,7 +159,7 @@ def test_after_a_silence_it_runs_to_the_music_and_does_not_jump(shift: float) ->
     assert abs(stage.phase_error(120.0, shift)) < 0.03
 
 
-def test_estimates_from_before_the_silence_are_too_late() -> None:
+def test_estimates_from_before_silence_are_ignored() -> None:
     stage = Stage(TimelineFollower())
     stage.run(10.0, 120.0)
     stage.follower.silent(stage.now)
@@ -167,7 +167,7 @@ def test_estimates_from_before_the_silence_are_too_late() -> None:
     assert stage.follower.state == "freewheel"
 
 
-def test_three_taps_rule_tempo_and_phase() -> None:
+def test_taps_set_tempo_and_phase() -> None:
     stage = Stage(TimelineFollower(tempo=120.0))
     for _ in range(4):
         stage.run(0.625)
@@ -179,7 +179,7 @@ def test_three_taps_rule_tempo_and_phase() -> None:
     assert abs(stage.phase_error(stage.follower.tempo, first)) < 0.02
 
 
-def test_taps_win_over_what_is_heard_and_keep_their_half_beat() -> None:
+def test_taps_override_audio_and_keep_offbeat_phase() -> None:
     stage = Stage(TimelineFollower())
     stage.run(10.0, 120.0)
     for _ in range(4):
@@ -192,7 +192,7 @@ def test_taps_win_over_what_is_heard_and_keep_their_half_beat() -> None:
     assert abs(stage.phase_error(120.0, 0.25)) < 0.05
 
 
-def test_taps_settle_the_octave() -> None:
+def test_taps_set_the_tempo_octave() -> None:
     stage = Stage(TimelineFollower())
     stage.run(10.0, 150.0)
     for tap in range(4):
@@ -203,7 +203,7 @@ def test_taps_settle_the_octave() -> None:
     assert stage.follower.tempo == pytest.approx(75.0, rel=0.01)
 
 
-def test_a_tempo_by_hand_is_taken_without_a_step() -> None:
+def test_manual_tempo_change_is_continuous_in_beat() -> None:
     stage = Stage(TimelineFollower())
     stage.run(3.3)
     before = stage.follower.timeline.beat_at(stage.now)
@@ -214,7 +214,7 @@ def test_a_tempo_by_hand_is_taken_without_a_step() -> None:
     assert stage.follower.state == "internal"
 
 
-def test_the_one_moves_the_measures_not_the_beats() -> None:
+def test_manual_downbeat_moves_measures_but_not_beats() -> None:
     stage = Stage(TimelineFollower())
     stage.run(10.0, 120.0)
     before = stage.follower.timeline.beat_at(stage.now)
@@ -225,7 +225,7 @@ def test_the_one_moves_the_measures_not_the_beats() -> None:
     assert min(stage.follower.timeline.phase_at(17.0), 4.0 - stage.follower.timeline.phase_at(17.0)) < 0.05
 
 
-def test_a_one_said_too_early_is_counted_back() -> None:
+def test_downbeat_set_before_lock_is_counted_back() -> None:
     stage = Stage(TimelineFollower(tempo=120.0))
     stage.run(2.0, 97.0)
     assert stage.follower.state != "locked"
@@ -236,7 +236,7 @@ def test_a_one_said_too_early_is_counted_back() -> None:
 
 
 @pytest.mark.parametrize("bpm", [95.0, 112.0, 131.0])
-def test_measures_are_counted_from_a_known_one(bpm: float) -> None:
+def test_measures_are_counted_from_known_downbeat(bpm: float) -> None:
     stage = Stage(TimelineFollower(tempo=120.0, one_at=0.5))
     stage.run(12.0, bpm, first=0.5)
     measure = 4 * 60.0 / bpm
@@ -245,20 +245,20 @@ def test_measures_are_counted_from_a_known_one(bpm: float) -> None:
 
 
 @pytest.mark.parametrize("bpm", [61.0, 97.0, 131.0])
-def test_a_lock_before_the_known_one_counts_to_it(bpm: float) -> None:
+def test_lock_before_known_downbeat_counts_toward_it(bpm: float) -> None:
     stage = Stage(TimelineFollower(tempo=120.0, one_at=12.0))
     stage.run(9.0, bpm, first=12.0 % (60.0 / bpm))
     assert stage.follower.state == "locked"
     phase = stage.follower.timeline.phase_at(12.0)
-    assert min(phase, 4.0 - phase) < 0.05, "foreseen"
+    assert min(phase, 4.0 - phase) < 0.05, "predicted"
     stage.run(11.0, bpm, first=12.0 % (60.0 / bpm))
     phase = stage.follower.timeline.phase_at(12.0 + 8 * 60.0 / bpm)
     assert min(phase, 4.0 - phase) < 0.05
 
 
 @pytest.mark.parametrize(("silence", "counted"), [(24.0, True), (34.0, False)])
-def test_a_known_one_is_counted_to_within_half_a_minute(silence: float, counted: bool) -> None:
-    """Later nobody knows how many beats there were: the measures go on as they are."""
+def test_known_downbeat_is_used_within_half_a_minute(silence: float, counted: bool) -> None:
+    """Later the number of beats is uncertain: the measures continue unchanged."""
     stage = Stage(TimelineFollower(tempo=120.0, one_at=0.0))
     stage.run(silence)
     stage.run(4.0, 96.0, first=0.0)
@@ -268,7 +268,7 @@ def test_a_known_one_is_counted_to_within_half_a_minute(silence: float, counted:
 
 
 @pytest.mark.parametrize("name", ["tap", "internal", "nobody", ""])
-def test_who_is_no_source_of_beats_is_not_heard(name: str) -> None:
+def test_unknown_beat_source_is_rejected(name: str) -> None:
     stage = Stage(TimelineFollower())
     stage.run(10.0, 120.0)
     before = stage.follower.timeline
@@ -280,7 +280,7 @@ def test_who_is_no_source_of_beats_is_not_heard(name: str) -> None:
     assert stage.follower.state == "locked"
 
 
-def test_a_known_tempo_settles_the_octave() -> None:
+def test_known_tempo_sets_the_tempo_octave() -> None:
     stage = Stage(TimelineFollower(known_tempo=84.0))
     stage.run(12.0, 168.0)
     assert stage.follower.tempo == pytest.approx(84.0, rel=0.01)
@@ -288,7 +288,7 @@ def test_a_known_tempo_settles_the_octave() -> None:
 
 
 @pytest.mark.parametrize("nonsense", [float("nan"), float("inf"), -float("inf"), 1e30, -1e30])
-def test_nonsense_is_counted_and_changes_nothing(nonsense: float) -> None:
+def test_invalid_input_is_counted_and_changes_nothing(nonsense: float) -> None:
     stage = Stage(TimelineFollower())
     stage.run(10.0, 120.0)
     follower = stage.follower

@@ -1,4 +1,4 @@
-"""Laws of the follower, whoever says what, in whatever order: sources, losses, returns, hands, nonsense."""
+"""Invariants of the follower for random inputs: sources, losses, returns, manual controls, invalid values."""
 
 import math
 
@@ -12,30 +12,30 @@ from live.clock.timeline import TEMPO_MAX_BPM, TEMPO_MIN_BPM
 
 Action = tuple[str, str, float, float, int]
 
-HEARD = ("link", "midi", "mtc", "audio")
+SOURCES = ("link", "midi", "mtc", "audio")
 wild = st.floats(allow_nan=True, allow_infinity=True)
 whole = st.integers(-2, 13)
-names = st.sampled_from(HEARD)
-nobody = st.just("audio")
+names = st.sampled_from(SOURCES)
+no_source = st.just("audio")
 kinds = st.one_of(
     st.tuples(st.just("play"), names, st.floats(15.5, 399.0), st.floats(0.5, 6.0), whole),
     st.tuples(st.just("start"), names, st.floats(30.0, 300.0), st.floats(0.5, 4.0), st.integers(0, 8)),
     st.tuples(st.just("count"), st.just("midi"), st.floats(30.0, 300.0), st.floats(0.5, 4.0), st.just(-1)),
-    st.tuples(st.just("wait"), nobody, st.just(0.0), st.floats(0.0, 4.0), whole),
+    st.tuples(st.just("wait"), no_source, st.just(0.0), st.floats(0.0, 4.0), whole),
     st.tuples(st.sampled_from(["silent", "lost", "found", "paused"]), names, st.floats(-1.0, 0.3), st.just(0.0), whole),
-    st.tuples(st.just("taps"), nobody, st.floats(0.2, 1.5), st.floats(0.5, 4.0), whole),
+    st.tuples(st.just("taps"), no_source, st.floats(0.2, 1.5), st.floats(0.5, 4.0), whole),
     st.tuples(st.just("said"), names, st.floats(-0.5, 0.5), st.floats(0.15, 2.0), whole),
-    st.tuples(st.just("nonsense"), st.sampled_from([*HEARD, "", "tap"]), wild, wild, st.integers(-(2**40), 2**40)),
-    st.tuples(st.sampled_from(["one", "hold", "free", "half", "double"]), nobody, st.floats(-0.4, 0.4), wild, whole),
-    st.tuples(st.sampled_from(["tempo", "nudge", "shift", "metre", "count_in", "scale"]), nobody,
+    st.tuples(st.just("nonsense"), st.sampled_from([*SOURCES, "", "tap"]), wild, wild, st.integers(-(2**40), 2**40)),
+    st.tuples(st.sampled_from(["one", "hold", "free", "half", "double"]), no_source, st.floats(-0.4, 0.4), wild, whole),
+    st.tuples(st.sampled_from(["tempo", "nudge", "shift", "metre", "count_in", "scale"]), no_source,
               st.one_of(wild, st.floats(-8.0, 300.0)), st.floats(-0.4, 0.4), whole),
     st.tuples(st.just("choose"), st.sampled_from(["auto", *PRIORITY, "nobody"]), st.just(0.0), st.just(0.0), whole),
 )  # fmt: skip
-stories = st.lists(kinds, min_size=1, max_size=12)
+action_lists = st.lists(kinds, min_size=1, max_size=12)
 
 
-class Story:
-    """Acts a story out and checks the laws at every tick and after every input."""
+class ScenarioRunner:
+    """Runs the actions of a scenario and checks the invariants at every tick and after every input."""
 
     def __init__(self, metre: int = 4, *, follow_metre: bool = False) -> None:
         self.follower = TimelineFollower(beats_per_measure=metre, follow_metre=follow_metre)
@@ -57,7 +57,7 @@ class Story:
         if abs(leap) > 1e-9:
             assert follower.jumps > jumps, "a jump is announced"
             assert follower.last_jump is not None
-            assert 0.0 < leap < 1.0, "and goes forward, by less than a beat"
+            assert 0.0 < leap < 1.0, "forward by less than a beat"
         speed = (self.beat - leap - last) / TICK * 60.0
         assert TEMPO_MIN_BPM * 0.999 <= speed <= TEMPO_MAX_BPM * 1.001
         assert TEMPO_MIN_BPM <= timeline.tempo <= TEMPO_MAX_BPM
@@ -66,7 +66,7 @@ class Story:
         assert math.isclose(timeline.time_at(timeline.beat_at(self.now)), self.now, abs_tol=1e-6)
         counted_back = follower.last_jump is not None and follower.last_jump.cause == "first downbeat"
         if not (follower.jumps > jumps and counted_back):
-            assert 0 <= timeline.measure_at(self.now) - number <= 1, "measures go on, one by one"
+            assert 0 <= timeline.measure_at(self.now) - number <= 1, "measures advance one by one"
         assert 1 <= timeline.beats_per_measure <= 12
         assert 0.0 <= follower.confidence <= 1.0
         assert follower.state in ("internal", "following", "locked", "freewheel", "held")
@@ -80,7 +80,7 @@ class Story:
         )  # fmt: skip
 
     def _last(self, kind: str, name: str, value: float, seconds: float, into: int) -> None:
-        """Act for some seconds."""
+        """Runs an action for some seconds."""
         end, due, first = self.now + seconds, self.now, kind == "start"
         while self.now < end:
             self.tick()
@@ -123,53 +123,53 @@ class Story:
         }[kind]()  # fmt: skip
 
 
-@given(stories, st.integers(2, 7), st.booleans())
-def test_beats_and_measures_go_on_whatever_comes(actions: list[Action], metre: int, follow_metre: bool) -> None:
-    story = Story(metre, follow_metre=follow_metre)
+@given(action_lists, st.integers(2, 7), st.booleans())
+def test_beats_and_measures_advance_for_any_input(actions: list[Action], metre: int, follow_metre: bool) -> None:
+    runner = ScenarioRunner(metre, follow_metre=follow_metre)
     for action in actions:
-        story.act(action)
-        story.tick()
+        runner.act(action)
+        runner.tick()
 
 
-@given(stories)
+@given(action_lists)
 @settings(max_examples=6)
-def test_the_same_story_gives_the_same_timeline(actions: list[Action]) -> None:
+def test_same_scenario_gives_the_same_timeline(actions: list[Action]) -> None:
     ends = []
     for _ in range(2):
-        story = Story()
+        runner = ScenarioRunner()
         for action in actions:
-            story.act(action)
-        follower = story.follower
+            runner.act(action)
+        follower = runner.follower
         ends.append((follower.timeline, follower.state, follower.states, follower.confidence, follower.last_jump))
     assert ends[0] == ends[1]
 
 
-@given(stories, st.sampled_from(["midi", "link", "audio"]), st.floats(60.0, 180.0), st.floats(1.0, 8.0))
+@given(action_lists, st.sampled_from(["midi", "link", "audio"]), st.floats(60.0, 180.0), st.floats(1.0, 8.0))
 @settings(max_examples=12)
-def test_freewheel_is_a_straight_line(actions: list[Action], name: str, bpm: float, seconds: float) -> None:
-    story = Story()
+def test_freewheel_keeps_a_linear_timeline(actions: list[Action], name: str, bpm: float, seconds: float) -> None:
+    runner = ScenarioRunner()
     for action in (*actions, ("free", "", 0.0, 0.0, 0), ("choose", name, 0.0, 0.0, 0), ("found", name, 0.0, 0.0, 0),
                    ("wait", "", 0.0, 9.0, 0), ("play", name, bpm, 25.0, 0)):  # fmt: skip
-        story.act(action)
-    assert story.follower.source == name
-    story.follower.lost(story.now, name)
-    story.tick()
-    line, jumps = story.follower.timeline, story.follower.jumps
-    story.act(("wait", "", 0.0, seconds, 0))
-    assert story.follower.state == "freewheel"
-    assert abs(story.beat - line.beat_at(story.now)) < 1e-6
-    assert story.follower.jumps == jumps
+        runner.act(action)
+    assert runner.follower.source == name
+    runner.follower.lost(runner.now, name)
+    runner.tick()
+    line, jumps = runner.follower.timeline, runner.follower.jumps
+    runner.act(("wait", "", 0.0, seconds, 0))
+    assert runner.follower.state == "freewheel"
+    assert abs(runner.beat - line.beat_at(runner.now)) < 1e-6
+    assert runner.follower.jumps == jumps
 
 
-@given(stories, st.floats(60.0, 180.0), st.sampled_from([-1, 0]))
+@given(action_lists, st.floats(60.0, 180.0), st.sampled_from([-1, 0]))
 @settings(max_examples=12)
-def test_whatever_was_before_steady_music_is_reached(actions: list[Action], bpm: float, into: int) -> None:
-    """Heard with its measures (0) or without (-1): locked, at its tempo or another level of it."""
-    story = Story()
+def test_follower_locks_to_steady_music_after_any_scenario(actions: list[Action], bpm: float, into: int) -> None:
+    """Observed with (0) or without (-1) measures: locked, at the tempo or another level of it."""
+    runner = ScenarioRunner()
     then = [("free", "", 0.0, 0.0, 0), ("choose", "audio", 0.0, 0.0, 0), ("found", "audio", 0.0, 0.0, 0),
             ("wait", "", 0.0, 9.0, 0), ("play", "audio", bpm, 40.0, into)]  # fmt: skip
     for action in (*actions, *then):
-        story.act(action)
-    assert story.follower.state == "locked"
-    level = story.follower.tempo / bpm
+        runner.act(action)
+    assert runner.follower.state == "locked"
+    level = runner.follower.tempo / bpm
     assert min(abs(level - known) / known for known in (0.25, 1.0 / 3.0, 0.5, 1.0, 2.0, 3.0, 4.0)) < 0.02

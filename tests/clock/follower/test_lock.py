@@ -1,7 +1,7 @@
-"""The lock against a model of its own: when it holds, and how fast the Timeline runs to the source's beat.
+"""The lock against an independent model: hysteresis, and slew rate toward the beat of the source.
 
-The model knows nothing of the follower's code. It is the differential equation that docs/clock.md describes: an error
-is run in within 0.8 s (0.4 s after a clock of exact times), but the Timeline is never more than 12 % faster or slower
+The model is independent of the follower's code. It is the differential equation in docs/clock.md: an error is
+corrected within 0.8 s (0.4 s for a clock of exact times), but the Timeline is never more than 12 % faster or slower
 than the music while locked, 20 % while not; a lock is made within 0.1 beats and holds to 0.25.
 """
 
@@ -25,7 +25,7 @@ FINE = 16
 
 @dataclass
 class Model:
-    """How far the music is ahead [beats] after a nudge, and whether that is a lock."""
+    """Phase error of the Timeline behind the music [beats] after a nudge, and the lock state."""
 
     error: float
     bpm: float
@@ -56,13 +56,13 @@ def locked_hall(bpm: float, source: str) -> tuple[Hall, Music]:
 
 
 def error_of(hall: Hall) -> float:
-    """How far the goal is ahead of the Timeline [beats]."""
+    """Phase error of the Timeline behind the goal [beats]."""
     return hall.follower._slewed.error(hall.now)
 
 
 @pytest.mark.parametrize("source", ["audio", "midi"])
 @pytest.mark.parametrize(("beats", "limit", "state"), [(0.24, SLOW, "locked"), (0.40, FAST, "following")])
-def test_a_locked_timeline_is_bent_by_12_per_cent_one_that_is_not_by_20(
+def test_slew_is_limited_to_12_percent_locked_and_20_unlocked(
     source: str, beats: float, limit: float, state: str
 ) -> None:
     for sign in (-1.0, 1.0):
@@ -75,8 +75,8 @@ def test_a_locked_timeline_is_bent_by_12_per_cent_one_that_is_not_by_20(
 
 
 @pytest.mark.parametrize("swing", [0.11, 0.15, 0.24])
-def test_a_lock_does_not_flicker_while_the_error_stays_below_a_quarter_beat(swing: float) -> None:
-    """Nudges to and fro keep the error between what makes a lock and what breaks it."""
+def test_lock_is_stable_for_errors_below_a_quarter_beat(swing: float) -> None:
+    """Alternating nudges keep the error between the thresholds that make and break a lock."""
     hall, _ = locked_hall(120.0, "audio")
     states = set()
     for turn in range(12):
@@ -87,7 +87,7 @@ def test_a_lock_does_not_flicker_while_the_error_stays_below_a_quarter_beat(swin
     assert states == {"locked"}
 
 
-def test_a_lock_that_broke_is_made_again_only_near_the_beat() -> None:
+def test_broken_lock_is_regained_only_near_the_beat() -> None:
     hall, _ = locked_hall(120.0, "audio")
     hall.follower.nudge(-0.2, hall.now)  # 0.4 beats
     found = []
@@ -103,7 +103,7 @@ def test_a_lock_that_broke_is_made_again_only_near_the_beat() -> None:
 
 @given(st.floats(0.05, 20.0))
 @settings(max_examples=20, deadline=None)
-def test_confidence_fades_by_e_in_eight_seconds(seconds: float) -> None:
+def test_confidence_decays_with_time_constant_of_eight_seconds(seconds: float) -> None:
     hall, _ = locked_hall(120.0, "audio")
     sure = hall.follower.confidence
     hall.follower.lost(hall.now, "audio")
@@ -113,7 +113,7 @@ def test_confidence_fades_by_e_in_eight_seconds(seconds: float) -> None:
     assert hall.follower.confidence == pytest.approx(sure * math.exp(-(hall.now - begun) / 8.0), rel=0.01)
 
 
-def test_who_is_lost_leaves_the_beat_to_another_at_the_first_line_two_seconds_later() -> None:
+def test_lost_source_hands_over_at_first_measure_line_after_two_seconds() -> None:
     for at in np.arange(20.0, 22.0, 0.17):
         music = Music([(120.0, 120)], start=0.3)
         clock, band = Player(music, name="link", lead=0.2), Player(music)
@@ -122,26 +122,24 @@ def test_who_is_lost_leaves_the_beat_to_another_at_the_first_line_two_seconds_la
         clock.on = False
         hall.follower.lost(hall.now, "link")
         free = hall.now
-        line = next(t for t in np.arange(free, free + 6.0, TICK) if t >= free + 2.0 and crosses(hall, t))
+        line = next(t for t in np.arange(free, free + 6.0, TICK) if t >= free + 2.0 and crosses_measure_line(hall, t))
         while hall.follower.source == "link":
             hall.until(hall.now + 0.5 * TICK)
             assert hall.now < free + 8.0
-        assert hall.now == pytest.approx(line, abs=2.0 * TICK), "neither sooner nor a measure later"
+        assert hall.now == pytest.approx(line, abs=2.0 * TICK), "not earlier and not a measure later"
 
 
 @pytest.mark.parametrize(("bpm", "seconds"), [(126.0, 3.0), (70.0, 3.0), (45.0, 4.0)])
-def test_music_that_ends_without_a_word_is_missed_after_three_seconds_and_three_beats(
-    bpm: float, seconds: float
-) -> None:
+def test_missing_music_is_detected_after_three_seconds_and_three_beats(bpm: float, seconds: float) -> None:
     music = Music([(bpm, 24)], start=0.3)
     hall = Hall(TimelineFollower(tempo=bpm), Player(music))
     hall.until(music.times[-1] + 6.0)
-    last = music.times[-2] - 0.08  # when it said its last beat
+    last = music.times[-2] - 0.08  # time of the last report
     free = next(row[0] for row in hall.rows if row[0] > last and row[3] == "freewheel")
     assert free - last == pytest.approx(seconds, abs=0.05)
 
 
-def crosses(hall: Hall, time: float) -> bool:
+def crosses_measure_line(hall: Hall, time: float) -> bool:
     """Whether a measure line of the Timeline lies in the tick before `time` [s]."""
     timeline = hall.follower.timeline
     return timeline.measure_at(time) != timeline.measure_at(time - TICK)
@@ -151,8 +149,8 @@ def crosses(hall: Hall, time: float) -> bool:
     ("silence", "factor", "leaps"),
     [(1.5, 1.07, True), (3.0, 0.93, True), (0.4, 1.07, False), (3.0, 1.03, False), (3.0, 1.05, True)],
 )
-def test_another_song_is_one_of_another_tempo_after_two_seconds(silence: float, factor: float, leaps: bool) -> None:
-    """Silence counts from its beginning until the new beats are believed. Anything else is run to."""
+def test_new_song_is_another_tempo_after_two_seconds_of_silence(silence: float, factor: float, leaps: bool) -> None:
+    """Silence lasts from its start until the new beats are accepted. Any other change is slewed to."""
     first, period = Music([(120.0, 30)], start=0.2), 0.5 / factor
     end = first.times[-1]
     second = Music([(120.0 * factor, 40)], start=end + silence + 0.45 * period)
@@ -168,7 +166,7 @@ def test_another_song_is_one_of_another_tempo_after_two_seconds(silence: float, 
 
 
 @pytest.mark.parametrize(("beats", "left"), [(0.55, 0.55), (-0.55, -0.55), (0.65, -0.35), (-0.65, 0.35), (0.8, -0.2)])
-def test_a_beat_that_is_nearer_to_another_of_ours_is_counted_as_that(beats: float, left: float) -> None:
+def test_error_beyond_half_a_beat_wraps_only_above_threshold(beats: float, left: float) -> None:
     hall, _ = locked_hall(168.0, "audio")
     hall.follower.nudge(-beats * 60.0 / 168.0, hall.now)
     hall.until(hall.now + 0.5 * TICK)
@@ -177,8 +175,8 @@ def test_a_beat_that_is_nearer_to_another_of_ours_is_counted_as_that(beats: floa
 
 
 @pytest.mark.parametrize(("ticks", "leaps"), [(0, False), (4, False), (5, True), (20, True), (35, True)])
-def test_the_one_leaps_forward_unless_it_is_very_near(ticks: int, leaps: bool) -> None:
-    """A tick is 0.025 beats; less than 0.12 beats behind is run back to."""
+def test_manual_downbeat_leaps_forward_unless_error_is_small(ticks: int, leaps: bool) -> None:
+    """A tick is 0.025 beats; an error below 0.12 beats is slewed back."""
     hall = Hall(TimelineFollower(tempo=96.0)).until((320 + ticks - 0.5) * TICK)
     before, then = hall.follower.timeline.beat_at(hall.now), hall.now
     late = 0.025 * ticks
@@ -195,8 +193,8 @@ def test_the_one_leaps_forward_unless_it_is_very_near(ticks: int, leaps: bool) -
 
 @given(st.floats(-0.45, 0.45), st.floats(70.0, 170.0), st.sampled_from(["audio", "midi", "link"]))
 @settings(max_examples=25, deadline=None)
-def test_an_error_is_run_in_and_the_lock_judged_as_in_the_model(beats: float, bpm: float, source: str) -> None:
-    assume(min(abs(abs(beats) - edge) for edge in (NEAR, FAR)) > 0.004)  # on the edge either may be
+def test_error_and_lock_state_match_the_model(beats: float, bpm: float, source: str) -> None:
+    assume(min(abs(abs(beats) - edge) for edge in (NEAR, FAR)) > 0.004)  # both outcomes are valid at the threshold
     hall, _ = locked_hall(bpm, source)
     follower = hall.follower
     model = Model(error_of(hall) - beats, bpm, 0.8 if source == "audio" else 0.4)
@@ -204,7 +202,7 @@ def test_an_error_is_run_in_and_the_lock_judged_as_in_the_model(beats: float, bp
     assert error_of(hall) == pytest.approx(model.error, abs=1e-9)
     wrong = 0
     for _ in range(int(4.0 / TICK)):
-        # the tick judges the error before it, then runs
+        # the tick evaluates the lock first, then slews
         beats_of_music = bpm / 60.0
         before = hall.follower.timeline.beat_at(hall.now)
         hall.until(hall.now + 0.5 * TICK)
@@ -214,6 +212,6 @@ def test_an_error_is_run_in_and_the_lock_judged_as_in_the_model(beats: float, bp
         wrong += (follower.state == "locked") != model.locked
         assert error_of(hall) == pytest.approx(model.error, abs=0.012)
         model.tick()
-    assert wrong <= 3, "only at the moment of a change"
+    assert wrong <= 3, "only around a change of state"
     assert follower.state == "locked"
     assert abs(error_of(hall)) < 0.02

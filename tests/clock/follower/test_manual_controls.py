@@ -1,4 +1,4 @@
-"""What the musician's hand does, on music whose beats are known."""
+"""Manual controls of the follower, on music with known beats."""
 
 import math
 
@@ -19,28 +19,28 @@ def band(bpm: float = 120.0, name: str = "audio", **options: float) -> tuple[Mus
     return music, hall
 
 
-def line_off(hall: Hall, time: float) -> float:
-    """How far a measure line lies from `time` [s], in beats."""
+def measure_line_offset(hall: Hall, time: float) -> float:
+    """Distance of the nearest measure line from `time` [s], in beats."""
     timeline = hall.follower.timeline
     phase = timeline.phase_at(time)
     return min(phase, timeline.beats_per_measure - phase)
 
 
-def only_beats_by_one(hall: Hall) -> bool:
+def beats_are_consecutive(hall: Hall) -> bool:
     return bool(np.all(np.diff(hall.beats()) == 1))
 
 
 @pytest.mark.parametrize("name", ["audio", "midi"])
-def test_a_nudge_moves_the_beats_against_the_source_and_stays(name: str) -> None:
+def test_nudge_offsets_beats_from_source_permanently(name: str) -> None:
     music, hall = band(name=name)
     for _ in range(3):
         hall.follower.nudge(0.02, hall.now)
     hall.until(24.0)
     assert np.median(hall.off(music, 14.0, 24.0)) == pytest.approx(-0.060, abs=0.002)
-    assert only_beats_by_one(hall)
+    assert beats_are_consecutive(hall)
 
 
-def test_a_nudge_of_the_internal_clock() -> None:
+def test_nudge_shifts_the_internal_clock() -> None:
     hall = Hall().until(3.0)
     hall.follower.nudge(-0.1, hall.now)
     hall.until(8.0)
@@ -48,18 +48,18 @@ def test_a_nudge_of_the_internal_clock() -> None:
 
 
 @pytest.mark.parametrize("beats", [-1.0, 1.0, 2.0])
-def test_the_line_is_moved_by_beats_and_stays_though_the_source_says_otherwise(beats: float) -> None:
+def test_beat_shift_moves_measure_line_against_the_source(beats: float) -> None:
     music, hall = band()
     hall.follower.shift_beats(beats, hall.now)
     hall.until(30.0)
     downbeat = music.times[40 + round(beats)]
-    assert line_off(hall, downbeat) < 0.05
-    assert only_beats_by_one(hall)
+    assert measure_line_offset(hall, downbeat) < 0.05
+    assert beats_are_consecutive(hall)
     assert hall.follower.last_jump is not None
     assert hall.follower.last_jump.cause == "hand"
 
 
-def test_the_off_beat_becomes_the_beat() -> None:
+def test_half_beat_shift_moves_beat_to_offbeat() -> None:
     music, hall = band()
     jumps = hall.follower.jumps
     hall.follower.shift_beats(0.5, hall.now)
@@ -69,7 +69,7 @@ def test_the_off_beat_becomes_the_beat() -> None:
 
 
 @pytest.mark.parametrize(("factor", "name"), [(0.5, "audio"), (2.0, "audio"), (0.5, "midi"), (2.0, "link")])
-def test_half_and_double_begin_with_a_beat_of_both_and_go_on_without_a_leap(factor: float, name: str) -> None:
+def test_half_and_double_tempo_start_on_a_common_beat(factor: float, name: str) -> None:
     music, hall = band(100.0, name)
     hall.follower.scale_tempo(factor, hall.now)
     hall.until(8.05 + 2.0 * 0.6 + 0.1)
@@ -77,15 +77,15 @@ def test_half_and_double_begin_with_a_beat_of_both_and_go_on_without_a_leap(fact
     hall.until(30.0)
     assert hall.follower.state == "locked"
     danced = hall.follower.timeline
-    positions = [danced.beat_at(time) for time in music.times[40:46:2]]  # every second beat is one in both
+    positions = [danced.beat_at(time) for time in music.times[40:46:2]]  # every second beat is common to both
     assert all(abs(position - round(position)) < 0.05 for position in positions)
-    off = min(line_off(hall, music.times[40]), line_off(hall, music.times[44]))
-    assert off < 0.05, "every second line stays, or all of them"
-    assert only_beats_by_one(hall)
+    off = min(measure_line_offset(hall, music.times[40]), measure_line_offset(hall, music.times[44]))
+    assert off < 0.05, "every second measure line stays, or all of them"
+    assert beats_are_consecutive(hall)
     assert hall.follower.last_jump is None or hall.follower.last_jump.before == hall.follower.last_jump.after
 
 
-def test_half_and_double_that_a_tracker_obeys_are_not_applied_twice() -> None:
+def test_tempo_scaling_obeyed_by_tracker_is_not_applied_twice() -> None:
     _, hall = band(120.0)
     hall.follower.scale_tempo(0.5, hall.now)
     hall.until(12.1)
@@ -98,7 +98,7 @@ def test_half_and_double_that_a_tracker_obeys_are_not_applied_twice() -> None:
     assert hall.follower.tempo == pytest.approx(30.0, rel=0.01)
 
 
-def test_half_of_the_slowest_tempo_is_refused() -> None:
+def test_scaling_below_the_slowest_tempo_is_refused() -> None:
     hall = Hall(TimelineFollower(tempo=30.0)).until(1.0)
     hall.follower.scale_tempo(0.5, hall.now)
     hall.follower.scale_tempo(3.0, hall.now)
@@ -106,7 +106,7 @@ def test_half_of_the_slowest_tempo_is_refused() -> None:
     assert hall.until(5.0).follower.tempo == 30.0
 
 
-def test_hold_freezes_tempo_and_beat_and_letting_go_runs_back() -> None:
+def test_hold_freezes_tempo_and_release_returns_to_source() -> None:
     music = Music([(120.0, 20), (126.0, 80)], start=0.3)
     hall = Hall(TimelineFollower(), Player(music, jitter=0.004)).until(9.0)
     hall.follower.hold(True, hall.now)
@@ -118,42 +118,42 @@ def test_hold_freezes_tempo_and_beat_and_letting_go_runs_back() -> None:
     hall.follower.hold(False, hall.now)
     hall.until(24.0)
     assert np.abs(hall.off(music, 20.0, 24.0)).max() < 0.02
-    assert only_beats_by_one(hall)
+    assert beats_are_consecutive(hall)
 
 
-def test_the_one_where_nobody_knows_the_beat_is_the_beat_and_the_line() -> None:
+def test_downbeat_without_source_sets_beat_and_measure_line() -> None:
     hall = Hall(TimelineFollower(tempo=100.0)).until(6.23)
     press = hall.now
     hall.follower.set_downbeat(press)
     hall.until(press + 4.0)
-    assert line_off(hall, press) < 0.01
+    assert measure_line_offset(hall, press) < 0.01
     assert hall.follower.last_jump is not None
     assert hall.follower.last_jump.cause == "one"
 
 
-def test_the_one_while_a_band_is_heard_is_its_nearest_beat() -> None:
+def test_downbeat_with_band_is_its_nearest_beat() -> None:
     music, hall = band()
     press = music.times[18] + 0.08
     hall.until(press)
     hall.follower.set_downbeat(press)
     hall.until(30.0)
-    assert line_off(hall, music.times[42]) < 0.05
+    assert measure_line_offset(hall, music.times[42]) < 0.05
     assert np.abs(hall.off(music, 9.0, 30.0)).max() < 0.02
 
 
-def test_the_line_of_the_hand_gives_way_when_the_tracker_has_agreed_and_insists_for_long() -> None:
+def test_manual_measure_line_yields_to_persistent_tracker_after_agreement() -> None:
     music, hall = band()
-    hall.follower.set_downbeat(music.times[16])  # what it believes, too
+    hall.follower.set_downbeat(music.times[16])  # agrees with the tracker
     hall.until(12.0)
     other = Music([(120.0, 120)], start=0.3 + 2 * 0.5)
     hall.players = [Player(other)]
     hall.until(14.0)
-    assert line_off(hall, music.times[40]) < 0.05
+    assert measure_line_offset(hall, music.times[40]) < 0.05
     hall.until(26.0)
-    assert line_off(hall, other.times[40]) < 0.05
+    assert measure_line_offset(hall, other.times[40]) < 0.05
 
 
-def test_a_new_metre_begins_at_the_line() -> None:
+def test_new_metre_starts_at_a_measure_line() -> None:
     hall = Hall(TimelineFollower(tempo=120.0)).until(3.1)
     hall.follower.set_metre(3.0, hall.now)
     hall.until(3.9)
@@ -168,7 +168,7 @@ def test_a_new_metre_begins_at_the_line() -> None:
     assert hall.follower.rejected == 3
 
 
-def test_a_count_in_from_taps_ends_on_the_one() -> None:
+def test_count_in_from_taps_ends_on_the_downbeat() -> None:
     hall = Hall(TimelineFollower(tempo=120.0)).until(5.0)
     hall.follower.count_in(1.0, hall.now)
     taps = [5.2 + 0.6 * k for k in range(4)]
@@ -184,20 +184,20 @@ def test_a_count_in_from_taps_ends_on_the_one() -> None:
     assert hall.follower.last_jump is not None
     assert hall.follower.last_jump.cause == "one"
     assert hall.follower.last_jump.time == pytest.approx(taps[-1] + 3.0, abs=2.0 * TICK + 0.01)
-    assert line_off(hall, taps[-1] + 3.0) < 0.03
+    assert measure_line_offset(hall, taps[-1] + 3.0) < 0.03
     assert hall.follower.tempo == pytest.approx(100.0, rel=0.01)
 
 
-def test_a_count_in_while_a_band_plays_begins_with_its_next_beat() -> None:
+def test_count_in_with_band_starts_at_its_next_beat() -> None:
     music, hall = band()
     hall.follower.count_in(2.0, hall.now)
     first = next(time for time in music.times if time > hall.now)
     hall.until(first + 0.1)
     assert hall.follower.counting_in == 8
-    assert line_off(hall, first) < 0.05
+    assert measure_line_offset(hall, first) < 0.05
 
 
-def test_a_count_in_while_the_beat_is_held_begins_with_its_next_beat() -> None:
+def test_count_in_while_held_starts_at_next_beat() -> None:
     music, hall = band()
     hall.follower.hold(True, hall.now)
     hall.players.clear()
@@ -208,14 +208,14 @@ def test_a_count_in_while_the_beat_is_held_begins_with_its_next_beat() -> None:
     assert hall.follower.counting_in == 4
     hall.until(first + 4.0 * music.period(0) + 0.1)
     assert hall.follower.counting_in == 0
-    assert line_off(hall, first) < 0.02
+    assert measure_line_offset(hall, first) < 0.02
     assert hall.follower.state == "held"
 
 
-def test_taps_and_tempo_do_not_contradict_a_clock_but_are_told() -> None:
+def test_taps_and_tempo_do_not_override_midi_clock_but_are_reported() -> None:
     _, hall = band(120.0, "midi", per_beat=4)
-    told: list[TrackerHint] = []
-    hall.follower.on_hint = told.append
+    hints: list[TrackerHint] = []
+    hall.follower.on_hint = hints.append
     for k in range(4):
         hall.until(9.0 + 0.6 * k)
         hall.follower.tap(hall.now)
@@ -226,7 +226,7 @@ def test_taps_and_tempo_do_not_contradict_a_clock_but_are_told() -> None:
     assert "midi" in hall.follower.refusal
     assert hall.follower.refused == 3
     assert hall.follower.manual_tempo == (3, 90.0)
-    assert [seed.kind for seed in told] == ["tempo"] * 3
+    assert [seed.kind for seed in hints] == ["tempo"] * 3
     hall.follower.select_source("tap")
     hall.until(16.5)
     assert (hall.follower.source, hall.follower.state) == ("tap", "held")
@@ -234,7 +234,7 @@ def test_taps_and_tempo_do_not_contradict_a_clock_but_are_told() -> None:
     assert hall.until(18.0).follower.tempo == 90.0
 
 
-def test_taps_settle_level_and_side_of_the_beat_though_the_tracker_does_not_obey() -> None:
+def test_taps_set_level_and_phase_against_the_tracker() -> None:
     music, hall = band(140.0)
     for k in range(5):  # half as fast, on the off-beats
         hall.until(music.times[20 + 2 * k] + 0.5 * music.period(0))
@@ -246,7 +246,7 @@ def test_taps_settle_level_and_side_of_the_beat_though_the_tracker_does_not_obey
     assert abs(beat - round(beat)) < 0.06
 
 
-def test_what_cannot_be_is_counted_and_changes_nothing() -> None:
+def test_invalid_controls_are_counted_and_change_nothing() -> None:
     _, hall = band()
     follower = hall.follower
     before = follower.timeline

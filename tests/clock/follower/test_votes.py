@@ -1,4 +1,4 @@
-"""Measure lines: how often a tracker has to say a line until it is danced, counted statement by statement."""
+"""Measure line voting: observations required before a tracker's measure line is adopted."""
 
 import math
 from collections.abc import Callable
@@ -12,7 +12,7 @@ PERIOD, FIRST = 0.5, 0.3
 
 
 class Tracker:
-    """Says beat after beat of even music, each with its number in the measure."""
+    """Reports steady beats, each with its number in the measure."""
 
     def __init__(self, *, follow_metre: bool = False) -> None:
         self.follower = TimelineFollower(tempo=120.0, follow_metre=follow_metre)
@@ -20,7 +20,7 @@ class Tracker:
         self._beat = self._tick = 0
 
     def say(self, beats: int) -> list[tuple[float, int]]:
-        """So many beats; (the line's place in the tracker's beats, beats of a measure) as danced after each."""
+        """Reports beats; returns (measure line in the tracker's beats, beats per measure) after each."""
         found = []
         for _ in range(beats):
             time = FIRST + self._beat * PERIOD
@@ -47,12 +47,12 @@ class Tracker:
         self.follower.advance(self._tick * TICK)
 
     def one_now(self) -> None:
-        """The hand: the beat that was said last is the first."""
+        """Marks the latest reported beat as the downbeat."""
         self.follower.set_downbeat(FIRST + (self._beat - 1) * PERIOD)
 
 
-def until_taken(tracker: Tracker, change: Callable[[], None]) -> int:
-    """How many statements after `change` the line that is danced is another."""
+def observations_until_change(tracker: Tracker, change: Callable[[], None]) -> int:
+    """Number of observations after `change` until the measure line changes; 0 if it never does."""
     before = tracker.line()
     change()
     for count in range(1, 60):
@@ -61,7 +61,7 @@ def until_taken(tracker: Tracker, change: Callable[[], None]) -> int:
     return 0
 
 
-def shifted(tracker: Tracker, by: int) -> Callable[[], None]:
+def offset_change(tracker: Tracker, by: int) -> Callable[[], None]:
     def change() -> None:
         tracker.offset += by
 
@@ -69,10 +69,10 @@ def shifted(tracker: Tracker, by: int) -> Callable[[], None]:
 
 
 @pytest.mark.parametrize("by", [1, 2, 3])
-def test_another_line_is_danced_when_a_whole_measure_has_said_so(by: int) -> None:
+def test_new_measure_line_is_adopted_after_one_measure(by: int) -> None:
     tracker = Tracker()
     assert set(tracker.say(24)[12:]) == {(0.0, 4)}
-    assert until_taken(tracker, shifted(tracker, by)) == 4
+    assert observations_until_change(tracker, offset_change(tracker, by)) == 4
     assert tracker.line() == (float(by), 4)
 
 
@@ -87,31 +87,31 @@ def test_three_beats_of_another_line_change_nothing() -> None:
 
 
 @pytest.mark.parametrize("by", [1, 3])
-def test_the_hands_line_holds_until_the_tracker_has_agreed_and_insists_for_four_measures(by: int) -> None:
+def test_manual_line_holds_until_tracker_insists_for_four_measures(by: int) -> None:
     tracker = Tracker()
     tracker.say(26)
     tracker.one_now()
     hand = tracker.line()
     assert hand != (0.0, 4)
-    assert set(tracker.say(60)) == {hand}, "it has never agreed"
+    assert set(tracker.say(60)) == {hand}, "the tracker has never agreed"
     tracker.offset = int(hand[0])
     assert set(tracker.say(8)) == {hand}
-    assert until_taken(tracker, shifted(tracker, by)) == 16
+    assert observations_until_change(tracker, offset_change(tracker, by)) == 16
 
 
 @pytest.mark.parametrize(("metre", "taken"), [(3, True), (7, True), (11, True), (13, False)])
-def test_a_metre_is_taken_after_two_measures_where_music_may_change_it(metre: int, taken: bool) -> None:
+def test_followed_metre_is_adopted_after_two_measures(metre: int, taken: bool) -> None:
     tracker = Tracker(follow_metre=True)
     tracker.say(4 * metre)
 
     def change() -> None:
         tracker.metre = metre
 
-    assert until_taken(tracker, change) == (2 * metre if taken else 0)
+    assert observations_until_change(tracker, change) == (2 * metre if taken else 0)
     assert tracker.line()[1] == (metre if taken else 4)
 
 
-def test_where_music_may_not_change_it_the_metre_stays() -> None:
+def test_fixed_metre_is_not_changed_by_tracker() -> None:
     tracker = Tracker()
     tracker.say(24)
     tracker.metre = 3
@@ -120,11 +120,10 @@ def test_where_music_may_not_change_it_the_metre_stays() -> None:
 
 @pytest.mark.parametrize(("since", "patience"), [(5.0, 2.0), (14.0, 8.0), (40.0, 8.0)])
 @pytest.mark.parametrize("factor", [2.0, 0.5])
-def test_another_level_of_the_same_music_is_followed_sooner_in_the_first_ten_seconds(
-    since: float, patience: float, factor: float
-) -> None:
-    """A tracker that takes every second beat for the beat, or the half beats, is obeyed when it insists: with the first
-    statement that comes later than `patience` after those two that told of it."""
+def test_new_tempo_level_is_adopted_sooner_in_first_ten_seconds(since: float, patience: float, factor: float) -> None:
+    """A tracker that persistently reports half or double tempo is followed: with the first observation later than
+    `patience` after the first two at that level.
+    """
     follower, period = TimelineFollower(tempo=100.0), 0.6
     time, beat, now, switched, obeyed = FIRST, 0, 0.0, 0.0, 0.0
     while not obeyed and now < since + 20.0:
@@ -142,7 +141,7 @@ def test_another_level_of_the_same_music_is_followed_sooner_in_the_first_ten_sec
     assert obeyed == pytest.approx(due, abs=0.05)
 
 
-def test_nudges_add_up_to_half_a_second_at_most() -> None:
+def test_sum_of_nudges_is_limited_to_half_a_second() -> None:
     tracker = Tracker()
     tracker.say(24)
     follower = tracker.follower

@@ -1,4 +1,4 @@
-"""MIDI clock in: what a stage may rely on, over seeded streams as senders and cables make them."""
+"""MIDI clock input: accuracy and robustness, over seeded streams with sender and cable jitter."""
 
 import math
 
@@ -11,7 +11,7 @@ from tests.clock.midi_streams import Stream, make_stream, ramp, steady, steps, s
 PULSE = (0xF8,)
 
 
-def judged(stream: Stream) -> tuple[ClockReport, ClockErrors]:
+def evaluate_stream(stream: Stream) -> tuple[ClockReport, ClockErrors]:
     report = replay(stream.events)
     errors = clock_errors(report.beats, [TrueBeat(time, beat % 4, bpm) for time, beat, bpm in stream.beats])
     assert errors is not None
@@ -31,10 +31,10 @@ def judged(stream: Stream) -> tuple[ClockReport, ClockErrors]:
         (118.0, "stalls", 0.001, 0.0, 0.1),
     ],
 )
-def test_a_steady_clock_is_known_after_eight_beats(
+def test_steady_clock_is_accurate_after_eight_beats(
     bpm: float, kind: str, jitter: float, frame: float, tempo_bar: float
 ) -> None:
-    _, errors = judged(make_stream(steady(bpm), seconds=18.0, kind=kind, jitter=jitter, frame=frame, seed=3))
+    _, errors = evaluate_stream(make_stream(steady(bpm), seconds=18.0, kind=kind, jitter=jitter, frame=frame, seed=3))
     assert errors.found == 1.0
     assert errors.measure_right == 1.0
     assert errors.extra == 0
@@ -44,25 +44,27 @@ def test_a_steady_clock_is_known_after_eight_beats(
 
 
 @pytest.mark.parametrize("to", [76.8, 96.0, 150.0, 240.0, 60.0])
-def test_a_tempo_step_is_followed_within_a_beat_and_is_no_loss(to: float) -> None:
-    report, errors = judged(make_stream(steps((0.0, 120.0), (6.0, to)), seconds=12.0, jitter=0.001, seed=1))
+def test_tempo_step_is_followed_within_a_beat_without_loss(to: float) -> None:
+    report, errors = evaluate_stream(make_stream(steps((0.0, 120.0), (6.0, to)), seconds=12.0, jitter=0.001, seed=1))
     assert report.lost == 0
     assert errors.step_beats <= 1
     assert errors.measure_right == 1.0
 
 
-def test_ramps_and_swings_are_followed() -> None:
-    _, on_ramp = judged(make_stream(ramp(120.0, 174.0, 6.0, 16.0), seconds=20.0, jitter=0.001))
-    _, on_swing = judged(make_stream(swing(96.0, 0.08, 20.0), seconds=30.0, jitter=0.001))
+def test_tempo_ramp_and_swing_are_followed() -> None:
+    _, on_ramp = evaluate_stream(make_stream(ramp(120.0, 174.0, 6.0, 16.0), seconds=20.0, jitter=0.001))
+    _, on_swing = evaluate_stream(make_stream(swing(96.0, 0.08, 20.0), seconds=30.0, jitter=0.001))
     assert on_ramp.phase_p95_ms <= 3.0
     assert on_swing.phase_p95_ms <= 4.0
     assert on_ramp.measure_right == on_swing.measure_right == 1.0
 
 
 @pytest.mark.parametrize(("kind", "jitter"), [("uniform", 0.001), ("exponential", 0.003)])
-def test_lost_clocks_are_counted_by_time(kind: str, jitter: float) -> None:
+def test_lost_pulses_are_counted_by_time(kind: str, jitter: float) -> None:
     gaps = ((5.0, 5.05), (8.0, 8.3), (11.0, 13.0))
-    report, errors = judged(make_stream(steady(128.0), seconds=18.0, kind=kind, jitter=jitter, dropouts=gaps, seed=2))
+    report, errors = evaluate_stream(
+        make_stream(steady(128.0), seconds=18.0, kind=kind, jitter=jitter, dropouts=gaps, seed=2)
+    )
     sent = sum(128.0 / 60.0 * 24.0 * (end - begin) for begin, end in gaps)
     assert abs(report.lost - sent) <= 3.0
     assert errors.measure_right == errors.found == 1.0
@@ -84,7 +86,7 @@ def beats_in(news: list[ClockEvent]) -> list[ClockBeat]:
     return [item for item in news if isinstance(item, ClockBeat)]
 
 
-def test_start_takes_effect_at_the_next_clock_and_is_a_jump() -> None:
+def test_start_takes_effect_at_next_pulse_as_a_jump() -> None:
     clock = MidiClock()
     before = beats_in(feed(clock, pulses(0.0, 24)))
     assert before
@@ -98,7 +100,7 @@ def test_start_takes_effect_at_the_next_clock_and_is_a_jump() -> None:
     assert after[-1].beat_time == pytest.approx(1.5, abs=1e-3)
 
 
-def test_stop_holds_the_place_and_continue_goes_on_from_it() -> None:
+def test_continue_resumes_from_the_stop_position() -> None:
     clock = MidiClock()
     feed(clock, [(0.0, (0xFA,)), *pulses(0.01, 24 * 5 + 12)])  # five beats and a half are played
     news = feed(clock, [(2.8, (0xFC,)), *pulses(3.0, 30), (3.7, (0xFB,)), *pulses(3.8, 13)])
@@ -120,7 +122,7 @@ def test_song_position_counts_sixteenths(running: bool) -> None:
     assert jump.beat_time == pytest.approx(1.02, abs=0.011)
 
 
-def test_a_start_while_running_begins_again() -> None:
+def test_start_while_running_restarts_the_song() -> None:
     clock = MidiClock()
     feed(clock, [(0.0, (0xFA,)), *pulses(0.01, 100)])
     again = feed(clock, [(2.09, (0xFA,)), (2.091, (0xFA,)), *pulses(2.1, 7)])
@@ -129,7 +131,7 @@ def test_a_start_while_running_begins_again() -> None:
     assert not any(isinstance(item, ClockState) for item in again)
 
 
-def test_a_clock_that_ends_is_lost_within_a_second_but_not_while_stopped() -> None:
+def test_ended_clock_is_lost_within_a_second_unless_stopped() -> None:
     clock = MidiClock()
     feed(clock, [(0.0, (0xFA,)), *pulses(0.01, 48)])
     assert clock.advance(1.4) == []
@@ -140,7 +142,7 @@ def test_a_clock_that_ends_is_lost_within_a_second_but_not_while_stopped() -> No
     assert stopped.advance(10.0) == []
 
 
-def test_active_sensing_that_ends_is_a_loss_after_330_ms() -> None:
+def test_ended_active_sensing_is_a_loss_after_330_ms() -> None:
     clock = MidiClock()
     feed(clock, [*pulses(0.0, 10), (0.2, (0xFE,))])
     assert clock.advance(0.52) == []
@@ -150,7 +152,7 @@ def test_active_sensing_that_ends_is_a_loss_after_330_ms() -> None:
     assert clock.advance(0.9) == []
 
 
-def test_after_a_loss_nothing_jumps() -> None:
+def test_clock_resumes_after_loss_without_jump() -> None:
     clock = MidiClock()
     feed(clock, [(0.0, (0xFA,)), *pulses(0.01, 96)])
     clock.advance(2.6)
@@ -161,27 +163,27 @@ def test_after_a_loss_nothing_jumps() -> None:
 
 
 @pytest.mark.parametrize("message", [(), (0x40,), (0xF2, 1), (0xF2, 200, 1)])
-def test_bad_messages_are_counted(message: tuple[int, ...]) -> None:
+def test_invalid_messages_are_counted(message: tuple[int, ...]) -> None:
     clock = MidiClock()
     assert clock.receive(message, 1.0) == []
     assert clock.receive(PULSE, math.nan) == []
     assert clock.rejected == 2
 
 
-def test_times_that_go_back_and_floods_do_no_harm() -> None:
+def test_backward_times_and_floods_give_finite_beats() -> None:
     clock = MidiClock()
     feed(clock, [(0.0, (0xFA,)), *pulses(1.0, 50), *pulses(0.5, 50), *((2.0, PULSE) for _ in range(3000))])
-    told = beats_in(feed(clock, pulses(3.0, 200)))
-    assert all(math.isfinite(beat.beat_time) and 0.1 < beat.period < 4.0 for beat in told)
+    reported = beats_in(feed(clock, pulses(3.0, 200)))
+    assert all(math.isfinite(beat.beat_time) and 0.1 < beat.period < 4.0 for beat in reported)
 
 
-def test_the_same_stream_gives_the_same_beats() -> None:
+def test_same_stream_gives_identical_beats() -> None:
     stream = make_stream(steady(133.0), seconds=6.0, kind="exponential", jitter=0.003, seed=7)
     assert replay(stream.events).beats == replay(stream.events).beats
 
 
-def test_a_recording_that_pauses_for_weeks_is_replayed_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Stamps may count from the machine's start, and somebody may have left the recording on."""
+def test_recording_with_gap_of_weeks_is_replayed_quickly(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Timestamps may count from machine start, and a recording may have been left running."""
     looks: list[float] = []
     real = MidiClock.advance
 

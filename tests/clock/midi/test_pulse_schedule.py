@@ -1,4 +1,4 @@
-"""MIDI clock out: what a Timeline asks for, heard by the decoder that takes MIDI clock in."""
+"""MIDI clock output of a Timeline, checked with the MIDI clock decoder."""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -12,8 +12,10 @@ from live.clock.timeline import Timeline
 Sent = list[tuple[float, bytes]]
 
 
-def sent_while(timeline_at: Callable[[float], Timeline], seconds: float, schedule: PulseSchedule | None = None) -> Sent:
-    """What a sender that looks every 10 ms sends, with the times at which it means to."""
+def simulate_sender(
+    timeline_at: Callable[[float], Timeline], seconds: float, schedule: PulseSchedule | None = None
+) -> Sent:
+    """Messages of a sender that polls every 10 ms, with their due times."""
     schedule = schedule or PulseSchedule()
     now, sent = 0.0, []
     while now < seconds:
@@ -28,14 +30,14 @@ def sent_while(timeline_at: Callable[[float], Timeline], seconds: float, schedul
     return sent
 
 
-def pulses_of(sent: Sent) -> list[float]:
+def pulse_times(sent: Sent) -> list[float]:
     return [time for time, message in sent if message == b"\xf8"]
 
 
-def test_pulses_fall_evenly_and_the_song_begins_at_a_measure_line() -> None:
+def test_pulses_are_even_and_song_starts_at_a_measure_line() -> None:
     timeline = Timeline(tempo=120.0, beat_origin=0.5)  # the next line is 1.75 s away
-    sent = sent_while(lambda _now: timeline, 6.0)
-    times = pulses_of(sent)
+    sent = simulate_sender(lambda _now: timeline, 6.0)
+    times = pulse_times(sent)
     assert times == pytest.approx([i / 48.0 for i in range(len(times))], abs=1e-9)
     starts = [time for time, message in sent if message == b"\xfa"]
     assert starts == pytest.approx([1.75])
@@ -43,7 +45,7 @@ def test_pulses_fall_evenly_and_the_song_begins_at_a_measure_line() -> None:
     assert not any(message[0] in (0xFB, 0xFC, 0xF2) for _, message in sent)
 
 
-def test_tempo_changes_add_no_drift() -> None:
+def test_tempo_changes_cause_no_drift() -> None:
     timelines = [Timeline(tempo=100.0)]
 
     def at(now: float) -> Timeline:
@@ -51,16 +53,16 @@ def test_tempo_changes_add_no_drift() -> None:
             timelines.append(timelines[-1].with_tempo(100.0 + 7.0 * ((len(timelines) * 37) % 11 - 5), now))
         return timelines[-1]
 
-    times = pulses_of(sent_while(at, 20.0))
+    times = pulse_times(simulate_sender(at, 20.0))
     beat = timelines[-1].beat_at(20.0)
     assert abs(len(times) - beat * 24.0) <= 1.0
     assert all(later > earlier for earlier, later in pairwise(times))
 
 
-def test_a_jump_is_told_by_stop_position_and_continue() -> None:
+def test_jump_is_sent_as_stop_position_and_continue() -> None:
     first = Timeline(tempo=120.0)
     second = first.with_downbeat_at(4.9)  # a beat and a fifth of one before a line: the line moves
-    sent = sent_while(lambda now: first if now < 4.95 else second, 8.0)
+    sent = simulate_sender(lambda now: first if now < 4.95 else second, 8.0)
     words = [message for _, message in sent if message[0] != 0xF8]
     assert [message[0] for message in words] == [0xFA, 0xFC, 0xF2, 0xFB]
     decoder = MidiClock()
@@ -70,10 +72,10 @@ def test_a_jump_is_told_by_stop_position_and_continue() -> None:
     assert second.measure_at(last.beat_time + 1e-6) == last.measure
 
 
-def test_a_decoder_hears_the_beats_of_the_timeline() -> None:
+def test_decoder_recovers_the_beats_of_the_timeline() -> None:
     timeline = Timeline(tempo=97.0, beats_per_measure=3, time_origin=0.1)
     decoder = MidiClock(beats_per_measure=3)
-    sent = sent_while(lambda _now: timeline, 10.0)
+    sent = simulate_sender(lambda _now: timeline, 10.0)
     beats = [n for time, message in sent for n in decoder.receive(message, time) if isinstance(n, ClockBeat)]
     for beat in beats[4:]:
         number = timeline.beat_at(beat.beat_time)
@@ -82,10 +84,10 @@ def test_a_decoder_hears_the_beats_of_the_timeline() -> None:
         assert beat.period == pytest.approx(60.0 / 97.0, rel=1e-6)
 
 
-def test_somebody_new_is_told_where_the_song_is() -> None:
+def test_relocate_sends_position_and_continue() -> None:
     schedule = PulseSchedule()
     timeline = Timeline(tempo=120.0)
-    sent_while(lambda _now: timeline, 5.0, schedule)
+    simulate_sender(lambda _now: timeline, 5.0, schedule)
     schedule.relocate()
     messages = schedule.next_pulse(timeline, 5.01).messages
     for _ in range(6):
@@ -96,7 +98,7 @@ def test_somebody_new_is_told_where_the_song_is() -> None:
     assert [message[0] for message in messages] == [0xF2, 0xFB, 0xF8]
 
 
-def test_long_songs_wrap_at_a_measure_line() -> None:
+def test_song_position_wraps_at_a_measure_line() -> None:
     schedule = PulseSchedule()
     timeline = Timeline(tempo=300.0)
     schedule.next_pulse(timeline, 0.0)

@@ -1,4 +1,4 @@
-"""MIDI time code: against a generator that counts frames one by one."""
+"""MIDI time code, against a generator that counts frames one by one."""
 
 import math
 from collections.abc import Iterator
@@ -11,8 +11,8 @@ from live.clock.midi.time_code import FRAMES, SPEEDS, TimeCodeClock, frame_numbe
 Time = tuple[int, int, int, int]
 
 
-def counted(rate: int, start: Time) -> Iterator[Time]:
-    """The times of all frames from `start` on, counted like a clock; drop frame leaves its numbers out."""
+def count_frames(rate: int, start: Time) -> Iterator[Time]:
+    """The times of all frames from `start` on, counted like a clock; drop frame skips its numbers."""
     hours, minutes, seconds, frames = start
     while True:
         yield hours, minutes, seconds, frames
@@ -28,8 +28,8 @@ def counted(rate: int, start: Time) -> Iterator[Time]:
 
 
 def quarter_frames(rate: int, start: Time, count: int, at: float = 0.0) -> list[tuple[float, tuple[int, int]]]:
-    """(seconds, message) of `count` quarter frames that begin with the frame `start`."""
-    frames = counted(rate, start)
+    """(seconds, message) of `count` quarter frames, starting with the frame `start`."""
+    frames = count_frames(rate, start)
     now: Time = start
     messages = []
     for i in range(count):
@@ -49,15 +49,15 @@ def feed(clock: TimeCodeClock, messages: list[tuple[float, tuple[int, int]]]) ->
 
 
 @pytest.mark.parametrize("rate", [0, 1, 2, 3])
-def test_frames_are_numbered_as_they_are_counted(rate: int) -> None:
-    frames = counted(rate, (0, 8, 58, 0))
+def test_frame_numbers_match_counted_frames(rate: int) -> None:
+    frames = count_frames(rate, (0, 8, 58, 0))
     begin = frame_number(0, 8, 58, 0, rate)
     assert begin is not None
     for i in range(4 * 60 * 30):
         assert frame_number(*next(frames), rate) == begin + i
 
 
-def test_times_that_do_not_exist_are_refused() -> None:
+def test_nonexistent_times_are_refused() -> None:
     assert frame_number(0, 1, 0, 1, 2) is None  # dropped
     assert frame_number(0, 10, 0, 1, 2) is not None
     assert frame_number(24, 0, 0, 0, 1) is None
@@ -65,7 +65,7 @@ def test_times_that_do_not_exist_are_refused() -> None:
 
 
 @pytest.mark.parametrize("rate", [0, 1, 2, 3])
-def test_time_code_gives_beats_at_the_tempo_that_is_set(rate: int) -> None:
+def test_time_code_gives_beats_at_the_set_tempo(rate: int) -> None:
     clock = TimeCodeClock(tempo=120.0, offset=3600.0, beats_per_measure=4)
     news = feed(clock, quarter_frames(rate, (1, 0, 10, 0), 480, at=7.0))
     beats = [item for item in news if isinstance(item, ClockBeat)]
@@ -81,14 +81,14 @@ def test_time_code_gives_beats_at_the_tempo_that_is_set(rate: int) -> None:
         assert beat.period == pytest.approx(0.5, rel=1e-4)
 
 
-def test_a_slow_tape_is_followed() -> None:
+def test_slow_tape_is_followed() -> None:
     clock = TimeCodeClock(tempo=120.0)
     messages = [(time * 1.05, message) for time, message in quarter_frames(1, (0, 0, 0, 0), 800)]
     beats = [item for item in feed(clock, messages) if isinstance(item, ClockBeat)]
     assert beats[-1].period == pytest.approx(0.525, rel=1e-3)
 
 
-def test_locating_jumps_and_standing_still_is_a_loss() -> None:
+def test_locate_is_a_jump_and_standstill_is_a_loss() -> None:
     clock = TimeCodeClock(tempo=120.0)
     feed(clock, quarter_frames(1, (0, 0, 0, 0), 160))
     moved = feed(clock, quarter_frames(1, (0, 5, 0, 0), 160, at=1.6))
@@ -103,7 +103,7 @@ def test_locating_jumps_and_standing_still_is_a_loss() -> None:
     assert [item.state for item in again if isinstance(item, ClockState)] == ["found"]
 
 
-def test_a_full_frame_waits_for_what_runs_on_from_it_and_rubbish_is_harmless() -> None:
+def test_full_frame_alone_and_invalid_messages_give_no_events() -> None:
     clock = TimeCodeClock(tempo=120.0)
     assert clock.receive((0xF0, 0x7F, 0x7F, 1, 1, 0x21, 2, 3, 4, 0xF7), 0.0) == []
     assert math.isnan(clock.seconds)
@@ -119,7 +119,7 @@ def test_a_full_frame_waits_for_what_runs_on_from_it_and_rubbish_is_harmless() -
     assert clock.code.rejected == 1
 
 
-def test_backwards_tells_nothing() -> None:
+def test_reversed_time_code_gives_no_beats() -> None:
     clock = TimeCodeClock(tempo=120.0)
     there = quarter_frames(1, (0, 0, 10, 0), 160)
     back = [(2.0 + i * 0.01, message) for i, (_, message) in enumerate(reversed(there))]

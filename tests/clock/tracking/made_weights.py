@@ -1,4 +1,4 @@
-"""Weights from a seed, and the network's arithmetic once more in plain numpy, for the tests."""
+"""Seeded network weights, and a reference network in plain numpy, for the tests."""
 
 import numpy as np
 import numpy.typing as npt
@@ -10,8 +10,8 @@ Arrays = dict[str, npt.NDArray[np.float64]]
 SPAN, STRIDE, CHANNELS, DENSE, UNITS = 12, 5, (5, 4), 10, 7
 
 
-def made_weights(seed: int = 0) -> Arrays:
-    """Named arrays of a small network as the training writes them."""
+def random_weights(seed: int = 0) -> Arrays:
+    """Named arrays of a small network in the format of the training."""
     rng = np.random.default_rng(seed)
     places = [(bands - SPAN) // STRIDE + 1 for bands in BANDS_PER_WINDOW]
     flat = sum(count * channels for count, channels in zip(places, CHANNELS, strict=True))
@@ -26,7 +26,7 @@ def made_weights(seed: int = 0) -> Arrays:
 
 
 def reference(arrays: Arrays, looks: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
-    """Chances of nothing, beat, downbeat, shape (frames, 3), from looks (frames, 2 bands); frames even."""
+    """Probabilities of nothing, beat, downbeat (frames, 3), from looks (frames, 2 bands); frames must be even."""
     dense = []
     for look in looks.astype(np.float64):
         flat, first = [], 0

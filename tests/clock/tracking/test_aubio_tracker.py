@@ -1,4 +1,4 @@
-"""AubioTracker: clicks whose times are known, any rate, any block size, and what is no sound."""
+"""AubioTracker: clicks at known times, any sample rate, any block size, and invalid samples."""
 
 import numpy as np
 import pytest
@@ -15,12 +15,12 @@ def feed(tracker: AubioTracker, sound: Samples, block: int = 512) -> list[BeatEs
 
 
 def lateness(beats: list[BeatEstimate], times: np.ndarray) -> np.ndarray:
-    """How late each estimate is against the nearest true beat [s]."""
+    """Error of each estimate relative to the nearest true beat [s]."""
     return np.array([beat.position - times[np.argmin(np.abs(times - beat.position))] for beat in beats])
 
 
 @pytest.mark.parametrize("bpm", [60, 80, 96, 112, 126, 140, 160, 180])
-def test_clicks_are_found_without_bias(bpm: int) -> None:
+def test_clicks_are_detected_without_bias(bpm: int) -> None:
     sound, times = clicks(bpm, RATE, 20.0)
     beats = [beat for beat in feed(AubioTracker(RATE), sound) if 5.0 < beat.position < times[-1] + 0.1]
     late = lateness(beats, times)
@@ -31,7 +31,7 @@ def test_clicks_are_found_without_bias(bpm: int) -> None:
 
 
 @pytest.mark.parametrize("rate", [16_000, 22_050, 32_000, 48_000, 96_000, 192_000])
-def test_any_sample_rate_gives_the_same_beats(rate: int) -> None:
+def test_beats_are_found_at_any_sample_rate(rate: int) -> None:
     sound, times = clicks(120, rate, 15.0)
     tracker = AubioTracker(rate)
     assert 0.008 <= tracker.hop / rate <= 0.0165
@@ -41,12 +41,12 @@ def test_any_sample_rate_gives_the_same_beats(rate: int) -> None:
 
 
 @pytest.mark.parametrize("block", [1, 100, 441, 512, 4096, 1_000_000])
-def test_blocks_of_any_size_give_the_same_beats(block: int) -> None:
+def test_beats_are_independent_of_block_size(block: int) -> None:
     sound, _ = clicks(120, 8_000, 6.0)
     assert feed(AubioTracker(8_000), sound, block) == feed(AubioTracker(8_000), sound, 64)
 
 
-def test_nothing_from_the_future_is_used() -> None:
+def test_tracker_is_causal() -> None:
     sound, _ = clicks(126, RATE, 12.0)
     whole = feed(AubioTracker(RATE), sound)
     cut = feed(AubioTracker(RATE), sound[: 7 * RATE])
@@ -54,14 +54,14 @@ def test_nothing_from_the_future_is_used() -> None:
     assert all(beat.position < beat.fed + 0.05 for beat in whole)
 
 
-def test_loud_hats_between_the_beats_are_not_the_beat() -> None:
+def test_loud_hi_hats_on_offbeats_are_not_beats() -> None:
     beats = [beat for beat in feed(AubioTracker(RATE), groove(118, RATE, 20.0)) if beat.position > 8.0]
     off = np.array([(beat.position * 118 / 60.0 + 0.5) % 1.0 - 0.5 for beat in beats])
     assert len(beats) > 15
     assert np.mean(np.abs(off) < 0.15) > 0.9
 
 
-def test_what_is_no_sound_becomes_silence_and_is_counted() -> None:
+def test_invalid_samples_are_counted_and_silenced() -> None:
     sound, times = clicks(120, RATE, 20.0)
     hurt = sound.copy()
     hurt[1000:40_000:977] = np.nan
@@ -75,14 +75,14 @@ def test_what_is_no_sound_becomes_silence_and_is_counted() -> None:
     assert hurt[400_000] == np.float32(1e30), "the caller's samples are not touched"
 
 
-def test_nothing_but_nonsense_gives_no_beat_and_no_error() -> None:
+def test_sound_of_only_nan_gives_no_beats() -> None:
     tracker = AubioTracker(RATE)
     assert feed(tracker, np.full(5 * RATE, np.nan, np.float32)) == []
     assert tracker.bad_samples >= 5 * RATE - tracker.hop
     assert tracker.silent
 
 
-def test_silence_is_noticed_and_music_after_it_is_heard_afresh() -> None:
+def test_silence_is_detected_and_new_music_is_tracked() -> None:
     first, _ = clicks(120, RATE, 8.0)
     second, times = clicks(97, RATE, 12.0)
     tracker = AubioTracker(RATE)
@@ -99,7 +99,7 @@ def test_silence_is_noticed_and_music_after_it_is_heard_afresh() -> None:
     assert np.percentile(np.abs(late), 95) < 0.012
 
 
-def test_a_quiet_noise_floor_is_silence() -> None:
+def test_quiet_noise_floor_is_silence() -> None:
     tracker = AubioTracker(RATE)
     feed(tracker, np.random.default_rng(0).normal(0.0, 3e-4, 2 * RATE).astype(np.float32))
     assert tracker.silent
@@ -112,6 +112,6 @@ def test_absurd_sample_rates_are_refused(rate: float) -> None:
         AubioTracker(rate)
 
 
-def test_only_one_channel_is_taken() -> None:
+def test_multichannel_sound_is_refused() -> None:
     with pytest.raises(ValueError, match="one channel"):
         AubioTracker(RATE).feed(np.zeros((512, 2), np.float32))

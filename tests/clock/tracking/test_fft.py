@@ -1,4 +1,4 @@
-"""Transform against numpy's."""
+"""MagnitudeTransform against numpy's FFT."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from live.clock.tracking.fft import MagnitudeTransform, factors, fast_length
 
 
 @pytest.mark.parametrize("length", [8, 64, 1485, 1486, 2048, 2229, 4096, 4458])
-def test_it_is_the_fourier_transform(length: int) -> None:
+def test_transform_matches_numpy_fft(length: int) -> None:
     rng = np.random.default_rng(length)
     history, window = rng.normal(size=length + 3).astype(np.float32), rng.random(length).astype(np.float32)
     transform = MagnitudeTransform(window, fast_length(length) // 2)
@@ -16,7 +16,7 @@ def test_it_is_the_fourier_transform(length: int) -> None:
     np.testing.assert_allclose(transform.magnitude, expected, atol=2e-6 * np.sqrt(length) * expected.max())
 
 
-def test_lengths_are_products_of_small_primes() -> None:
+def test_fast_lengths_are_products_of_small_primes() -> None:
     for least in (2, 1485, 1486, 2048, 8916, 17833):
         length = fast_length(least)
         assert least <= length <= 1.02 * least + 2
@@ -25,6 +25,6 @@ def test_lengths_are_products_of_small_primes() -> None:
     assert factors(4 * 3 * 11) == [4, 3, 11]
 
 
-def test_more_bins_than_there_are_is_refused() -> None:
+def test_too_many_bins_are_refused() -> None:
     with pytest.raises(ValueError, match="bins"):
         MagnitudeTransform(np.ones(64, np.float32), 33)

@@ -1,4 +1,4 @@
-"""Hearing: moments of frames, equal answers at any block size and rate, plain onsets on clicks."""
+"""ActivationStream: frame times, independence of block size and rate, plain onsets on clicks."""
 
 import tracemalloc
 
@@ -9,12 +9,12 @@ from live.clock.tracking.beat_network import DELAY, Activation, ActivationStream
 from live.clock.tracking.features import HOP, Samples
 from live.clock.tracking.onset_strength import OnsetActivation
 from tests.clock.clicks import clicks, groove
-from tests.clock.tracking.made_weights import made_weights
+from tests.clock.tracking.made_weights import random_weights
 
 RATE = 44_100
 
 
-def hear(sound: Samples, activation: Activation, rate: int = RATE, block: int = 512) -> np.ndarray:
+def run_stream(sound: Samples, activation: Activation, rate: int = RATE, block: int = 512) -> np.ndarray:
     """(position, beat, downbeat) of all frames, shape (frames, 3)."""
     hearing, out = ActivationStream(rate, activation), []
     for first in range(0, sound.size, block):
@@ -23,41 +23,44 @@ def hear(sound: Samples, activation: Activation, rate: int = RATE, block: int = 
     return np.concatenate(out)
 
 
-def test_every_frame_has_its_moment() -> None:
-    heard = hear(groove(120, RATE, 2.0), BeatNetwork(NetworkWeights.from_arrays(made_weights())))
-    np.testing.assert_allclose(heard[:, 0], (np.arange(len(heard)) + 1) * HOP - DELAY, atol=1e-12)
-    assert len(heard) == 2 * RATE // 512 // 2 * 2
+def test_every_frame_has_its_time() -> None:
+    frames = run_stream(groove(120, RATE, 2.0), BeatNetwork(NetworkWeights.from_arrays(random_weights())))
+    np.testing.assert_allclose(frames[:, 0], (np.arange(len(frames)) + 1) * HOP - DELAY, atol=1e-12)
+    assert len(frames) == 2 * RATE // 512 // 2 * 2
 
 
 @pytest.mark.parametrize("block", [7, 441, 88_200])
-def test_blocks_of_any_size_are_heard_alike(block: int) -> None:
-    sound, network = groove(120, RATE, 2.0), BeatNetwork(NetworkWeights.from_arrays(made_weights()))
-    expected = hear(sound, network)
+def test_activations_are_independent_of_block_size(block: int) -> None:
+    sound, network = groove(120, RATE, 2.0), BeatNetwork(NetworkWeights.from_arrays(random_weights()))
+    expected = run_stream(sound, network)
     network.reset()
-    np.testing.assert_array_equal(hear(sound, network, block=block), expected)
+    np.testing.assert_array_equal(run_stream(sound, network, block=block), expected)
 
 
 @pytest.mark.parametrize("rate", [22_050, 48_000, 192_000])
-def test_plain_onsets_find_clicks_at_every_rate(rate: int) -> None:
+def test_plain_onsets_find_clicks_at_any_rate(rate: int) -> None:
     sound, times = clicks(120, rate, 6.0)
-    heard = hear(sound, OnsetActivation(), rate)
+    frames = run_stream(sound, OnsetActivation(), rate)
     for time in times[4:-1]:
-        near = np.abs(heard[:, 0] - time) < 0.1
-        assert abs(heard[near][np.argmax(heard[near, 1]), 0] - time) < 0.025
-        assert heard[near, 1].max() > 0.5
-    between = np.abs((heard[:, 0] - times[0] + 0.25) % 0.5 - 0.25) > 0.1
-    assert np.mean(heard[between & (heard[:, 0] > 1.0), 1]) < 0.2
+        near = np.abs(frames[:, 0] - time) < 0.1
+        assert abs(frames[near][np.argmax(frames[near, 1]), 0] - time) < 0.025
+        assert frames[near, 1].max() > 0.5
+    between = np.abs((frames[:, 0] - times[0] + 0.25) % 0.5 - 0.25) > 0.1
+    assert np.mean(frames[between & (frames[:, 0] > 1.0), 1]) < 0.2
 
 
-def test_a_quieter_song_sounds_the_same() -> None:
+def test_activations_are_independent_of_loudness() -> None:
     sound = groove(120, RATE, 8.0)
-    loud, quiet = hear(sound, OnsetActivation()), hear(sound * np.float32(10.0 ** (-35.0 / 20.0)), OnsetActivation())
+    loud, quiet = (
+        run_stream(sound, OnsetActivation()),
+        run_stream(sound * np.float32(10.0 ** (-35.0 / 20.0)), OnsetActivation()),
+    )
     late = loud[:, 0] > 4.0
     assert np.corrcoef(loud[late, 1], quiet[late, 1])[0, 1] > 0.99
 
 
-def test_reset_forgets_but_time_goes_on() -> None:
-    hearing = ActivationStream(RATE, BeatNetwork(NetworkWeights.from_arrays(made_weights())))
+def test_reset_clears_state_but_keeps_time() -> None:
+    hearing = ActivationStream(RATE, BeatNetwork(NetworkWeights.from_arrays(random_weights())))
     sound = groove(120, RATE, 1.0)[: 512 * 80]
     first = hearing.feed(sound)
     before = hearing.beat[:first].copy()
@@ -68,9 +71,9 @@ def test_reset_forgets_but_time_goes_on() -> None:
     assert hearing.position[0] == pytest.approx(101 * HOP - DELAY)
 
 
-def test_hearing_keeps_nothing_from_block_to_block() -> None:
+def test_feed_allocates_no_arrays() -> None:
     hearing, sound = (
-        ActivationStream(RATE, BeatNetwork(NetworkWeights.from_arrays(made_weights()))),
+        ActivationStream(RATE, BeatNetwork(NetworkWeights.from_arrays(random_weights()))),
         groove(120, RATE, 3.0),
     )
     for start in range(0, RATE, 512):
@@ -87,6 +90,6 @@ def test_hearing_keeps_nothing_from_block_to_block() -> None:
     assert max(peaks) < 4096  # once in a while Python makes room for more
 
 
-def test_only_one_channel_is_heard() -> None:
+def test_multichannel_sound_is_refused() -> None:
     with pytest.raises(ValueError, match="one channel"):
         ActivationStream(RATE, OnsetActivation()).feed(np.zeros((512, 2), np.float32))

@@ -1,4 +1,4 @@
-"""Spectrum and bands: known tones, any rate, any block size, and what is no sound."""
+"""Spectrum and bands: known tones, any rate, any block size, and invalid samples."""
 
 import tracemalloc
 
@@ -22,7 +22,7 @@ from tests.clock.clicks import groove
 RATE = 44_100
 
 
-def read(sound: Samples, rate: int = RATE, block: int = 512) -> np.ndarray:
+def compute_bands(sound: Samples, rate: int = RATE, block: int = 512) -> np.ndarray:
     """Bands of all frames, shape (frames, bands)."""
     spectrum, out = Spectrum(rate), []
     for first in range(0, sound.size, block):
@@ -42,20 +42,20 @@ def tone(hertz: float, rate: int = RATE) -> Samples:
 
 @pytest.mark.parametrize("hertz", [110.0, 1000.0, 5000.0])
 @pytest.mark.parametrize("rate", [22_050, 44_100, 48_000])
-def test_a_tone_is_strongest_in_its_own_band(hertz: float, rate: int) -> None:
-    last = read(tone(hertz, rate), rate)[-1]
+def test_tone_is_strongest_in_its_own_band(hertz: float, rate: int) -> None:
+    last = compute_bands(tone(hertz, rate), rate)[-1]
     short = band_centres(ANALYSIS_WINDOWS[0])[1:-1]
     assert abs(np.argmax(last[: BANDS_PER_WINDOW[0]]) - np.argmin(np.abs(short - hertz))) <= 1
     assert 0.2 < last[: BANDS_PER_WINDOW[0]].max() < 2.5
 
 
 @pytest.mark.parametrize("rate", [22_050, 32_000, 48_000, 192_000])
-def test_every_rate_hears_the_same(rate: int) -> None:
+def test_bands_are_independent_of_sample_rate(rate: int) -> None:
     time = np.arange(2 * rate) / rate
     sound = sum(np.sin(2 * np.pi * f * time) * (np.sin(2 * np.pi * 3 * time) > 0) for f in (110, 330, 1200, 4000))
     base = np.arange(2 * RATE) / RATE
     same = sum(np.sin(2 * np.pi * f * base) * (np.sin(2 * np.pi * 3 * base) > 0) for f in (110, 330, 1200, 4000))
-    got, expected = read(sound.astype(np.float32), rate), read(same.astype(np.float32))
+    got, expected = compute_bands(sound.astype(np.float32), rate), compute_bands(same.astype(np.float32))
     assert abs(len(got) - len(expected)) <= 1
     frames = min(len(got), len(expected))
     loud = expected[:frames].mean(axis=0) > 0.05
@@ -63,9 +63,9 @@ def test_every_rate_hears_the_same(rate: int) -> None:
     assert off.mean() < 0.03 * expected[:frames, loud].mean()
 
 
-def test_noise_of_equal_strength_per_hertz_rises_with_the_root_of_the_width() -> None:
+def test_white_noise_level_grows_with_root_of_bandwidth() -> None:
     noise = np.random.default_rng(1).normal(0.0, 0.1, 5 * RATE).astype(np.float32)
-    mean = read(noise)[20:].mean(axis=0)[: BANDS_PER_WINDOW[0]]
+    mean = compute_bands(noise)[20:].mean(axis=0)[: BANDS_PER_WINDOW[0]]
     edges = band_centres(ANALYSIS_WINDOWS[0])
     width = 0.5 * (edges[2:] - edges[:-2]) / (RATE / ANALYSIS_WINDOWS[0].window)
     ratio = mean / np.sqrt(np.maximum(width, 1.0))
@@ -73,13 +73,13 @@ def test_noise_of_equal_strength_per_hertz_rises_with_the_root_of_the_width() ->
 
 
 @pytest.mark.parametrize("block", [1, 500, 44_100])
-def test_blocks_of_any_size_give_the_same_frames(block: int) -> None:
+def test_frames_are_independent_of_block_size(block: int) -> None:
     sound = groove(120, RATE, 1.0)
-    np.testing.assert_array_equal(read(sound, block=block), read(sound))
+    np.testing.assert_array_equal(compute_bands(sound, block=block), compute_bands(sound))
 
 
 @pytest.mark.parametrize("rate", [22_050, 44_100, 48_000, 95_999, 192_000])
-def test_frames_come_at_the_same_times_at_every_rate(rate: int) -> None:
+def test_frame_times_are_equal_at_every_rate(rate: int) -> None:
     spectrum = Spectrum(rate)
     for frame in range(1, 1000, 7):
         spectrum.frames = frame - 1
@@ -87,7 +87,7 @@ def test_frames_come_at_the_same_times_at_every_rate(rate: int) -> None:
     assert all(abs(window_length(ear, rate) / rate / (ear.window / RATE) - 1.0) < 0.006 for ear in ANALYSIS_WINDOWS)
 
 
-def test_no_band_looks_beyond_half_the_rate_and_every_other_hears() -> None:
+def test_only_bands_above_nyquist_are_empty() -> None:
     for ear in ANALYSIS_WINDOWS:
         for rate in (22_050, 48_000):
             kept = filters(ear, rate, window_length(ear, rate))
@@ -95,7 +95,7 @@ def test_no_band_looks_beyond_half_the_rate_and_every_other_hears() -> None:
             np.testing.assert_array_equal(np.diff(kept.offset) == 0, beyond)
 
 
-def test_what_is_no_sound_is_counted_and_becomes_silence() -> None:
+def test_invalid_samples_are_counted_and_silenced() -> None:
     sound = groove(120, RATE, 1.0)
     sound[1000:1010] = np.nan
     sound[2000], sound[2001] = np.inf, 1e9
@@ -110,12 +110,12 @@ def test_what_is_no_sound_is_counted_and_becomes_silence() -> None:
 
 
 @pytest.mark.parametrize("rate", [8_000, 0, -1, float("nan"), 1e6])
-def test_impossible_rates_are_refused(rate: float) -> None:
+def test_invalid_sample_rates_are_refused(rate: float) -> None:
     with pytest.raises(ValueError, match="a sample rate of"):
         Spectrum(rate)
 
 
-def test_level_follows_a_fade_and_is_lifted_at_once() -> None:
+def test_level_follows_a_fade_and_rises_at_once() -> None:
     level = LEVEL_FLOOR
     for frame in range(2000):  # 23 s, -46 dB
         loud = np.full(BAND_COUNT, 0.1 * 10.0 ** (-46.0 / 20.0 * frame / 2000.0), np.float32)
@@ -128,7 +128,7 @@ def test_level_follows_a_fade_and_is_lifted_at_once() -> None:
     assert level == LEVEL_FLOOR
 
 
-def test_reading_allocates_nothing() -> None:
+def test_analysis_allocates_nothing() -> None:
     spectrum, sound = Spectrum(RATE), groove(120, RATE, 2.0)
 
     def work(first: int, last: int) -> None:

@@ -1,4 +1,4 @@
-"""Tracker: sound to beats ahead of time, at any rate and block size; silence, faults, seeds, no look ahead."""
+"""BeatTracker: sound to beats ahead of time, any rate and block size; silence, faults, hints, causality."""
 
 import numpy as np
 import pytest
@@ -12,8 +12,8 @@ from tests.clock.clicks import clicks
 RATE = 44_100
 
 
-def make(rate: float = RATE) -> BeatTracker:
-    """Plain onsets: what is tested here does not depend on what was learned."""
+def make_tracker(rate: float = RATE) -> BeatTracker:
+    """A tracker with plain onsets: the tests do not depend on trained weights."""
     return BeatTracker(rate, OnsetActivation())
 
 
@@ -26,29 +26,29 @@ def lateness(beats: list[BeatEstimate], times: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("rate", "block"), [(22_050, 300), (48_000, 4096), (192_000, 1_000_000)])
-def test_clicks_are_named_ahead_at_any_rate_and_block_size(rate: int, block: int) -> None:
+def test_clicks_are_predicted_at_any_rate_and_block_size(rate: int, block: int) -> None:
     sound, times = clicks(113, rate, 9.0)
-    beats = [beat for beat in feed(make(rate), sound, block) if 4.0 < beat.position < 8.5]
+    beats = [beat for beat in feed(make_tracker(rate), sound, block) if 4.0 < beat.position < 8.5]
     assert len(beats) >= 8
     assert np.ptp(lateness(beats, times)) < 0.03
     assert 60.0 / np.median([beat.period for beat in beats]) == pytest.approx(113, rel=0.01)
     assert all(0.0 < beat.position - beat.fed < 0.1 for beat in beats)
 
 
-def test_block_sizes_change_nothing() -> None:
+def test_beats_are_independent_of_block_size() -> None:
     sound, _ = clicks(120, 22_050, 5.0)
-    assert feed(make(22_050), sound, 64) == feed(make(22_050), sound, 5000) != []
+    assert feed(make_tracker(22_050), sound, 64) == feed(make_tracker(22_050), sound, 5000) != []
 
 
-def test_nothing_from_the_future_is_used() -> None:
+def test_tracker_is_causal() -> None:
     sound, _ = clicks(126, RATE, 8.0)
-    whole = feed(make(), sound)
-    cut = feed(make(), sound[: 5 * RATE])
+    whole = feed(make_tracker(), sound)
+    cut = feed(make_tracker(), sound[: 5 * RATE])
     assert cut == [beat for beat in whole if beat.fed <= 5.0] != []
 
 
-def test_what_is_no_sound_is_counted_and_nothing_but_nonsense_gives_no_beat() -> None:
-    tracker = make()
+def test_invalid_samples_are_counted_and_give_no_beats() -> None:
+    tracker = make_tracker()
     assert feed(tracker, np.full(2 * RATE, np.nan, np.float32)) == []
     assert tracker.bad_samples >= 2 * RATE - tracker.wanted
     assert tracker.silent
@@ -61,16 +61,16 @@ def test_what_is_no_sound_is_counted_and_nothing_but_nonsense_gives_no_beat() ->
     assert hurt[200_000] == np.float32(1e30), "the caller's samples are not touched"
 
 
-def test_before_any_sound_there_are_no_beats() -> None:
-    tracker = make()
+def test_silence_before_any_sound_gives_no_beats() -> None:
+    tracker = make_tracker()
     assert feed(tracker, np.zeros(3 * RATE, np.float32)) == []
     assert tracker.silent
     assert tracker.position == pytest.approx(3.0)
 
 
-def test_through_silence_the_grid_runs_on_and_another_one_is_found_after_it() -> None:
+def test_grid_continues_through_silence_and_new_music_is_found() -> None:
     first, times = clicks(118, RATE, 8.0)
-    tracker = make()
+    tracker = make_tracker()
     feed(tracker, first)
     assert not tracker.silent
     on = feed(tracker, np.zeros(8 * RATE, np.float32))
@@ -86,9 +86,9 @@ def test_through_silence_the_grid_runs_on_and_another_one_is_found_after_it() ->
     assert np.max(np.abs(lateness(back, 16.0 + times))) < 0.04
 
 
-def test_a_seed_is_obeyed_a_one_ahead_waits_for_its_time() -> None:
+def test_manual_downbeat_ahead_and_tapped_tempo_are_obeyed() -> None:
     sound, times = clicks(140, RATE, 14.0)
-    tracker = make()
+    tracker = make_tracker()
     tracker.set_metre(4)
     tracker.set_downbeat(float(times[9]))
     early = feed(tracker, sound[: 5 * RATE])
@@ -104,9 +104,9 @@ def test_a_seed_is_obeyed_a_one_ahead_waits_for_its_time() -> None:
 @pytest.mark.parametrize("rate", [0.0, -44_100.0, 1e9, float("nan")])
 def test_absurd_sample_rates_are_refused(rate: float) -> None:
     with pytest.raises(ValueError, match="sample rate"):
-        make(rate)
+        make_tracker(rate)
 
 
-def test_only_one_channel_is_taken() -> None:
+def test_multichannel_sound_is_refused() -> None:
     with pytest.raises(ValueError, match="one channel"):
-        make().feed(np.zeros((512, 2), np.float32))
+        make_tracker().feed(np.zeros((512, 2), np.float32))

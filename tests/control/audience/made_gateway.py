@@ -1,4 +1,4 @@
-"""A gateway in the process of a test, with a show's end of its socket, and phones of aiohttp."""
+"""A gateway in the test's process, the show's end of its socket, and phones built on aiohttp."""
 
 import asyncio
 import contextlib
@@ -19,8 +19,8 @@ SECRET = b"s" * 32
 CODE_S = 30.0
 
 
-class ToldHere:
-    """What `Told` is, without a process."""
+class LocalChannel:
+    """The interface of HelperChannel without a process."""
 
     def __init__(self, theirs, plan):
         self.socket, self.plan, self.closed = theirs, plan, False
@@ -42,8 +42,8 @@ class ToldHere:
         self.socket.send(encode_packet(facts))
 
 
-class Show:
-    """The show's end: what it tells, and what it is told."""
+class FakeShow:
+    """The show's end of the socket: sends packets and collects what the gateway sends."""
 
     def __init__(self, ours, origin):
         self._ours, self._origin = ours, origin
@@ -57,7 +57,7 @@ class Show:
             self._ours.send(encode_packet(packet))
 
     def look(self):
-        """Take up what has come; returns itself."""
+        """Reads all received packets; returns itself."""
         with contextlib.suppress(BlockingIOError):
             while True:
                 packet = decode_packet(self._ours.recv(MAX_PACKET_BYTES))
@@ -71,8 +71,8 @@ class Show:
 
 
 @contextlib.asynccontextmanager
-async def made_gateway(**plan):
-    """Yields (gateway, show, address); ends as when the show ends."""
+async def open_gateway(**plan):
+    """Yields (gateway, show, address); ends as it does when the show ends."""
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     listening = socket.create_server(("127.0.0.1", 0), backlog=64)
     for each in (ours, theirs, listening):
@@ -81,8 +81,8 @@ async def made_gateway(**plan):
     origin = time.perf_counter() - 1000.0
     usual = {"secret": SECRET, "first": 1, "link": address, "most": 64, "per_address": 4, "visible": 8}
     usual |= {"network": "behind nat"}
-    told = ToldHere(theirs, {**usual, "origin": origin, **plan})
-    gateway, show = Gateway(told, told.plan), Show(ours, origin)
+    told = LocalChannel(theirs, {**usual, "origin": origin, **plan})
+    gateway, show = Gateway(told, told.plan), FakeShow(ours, origin)
     show.tell(Rules(regions=("left", "right"), weights=(1.0, 1.0)), BeatClock(time=100.0, beat=0.0))
     running = asyncio.create_task(gateway.run(listening))
     try:
@@ -96,7 +96,7 @@ async def made_gateway(**plan):
 
 
 async def until(what, seconds=20.0):
-    """Wait until something is true, with a deadline."""
+    """Waits until a condition is true, with a deadline."""
     deadline = time.monotonic() + seconds
     while not (found := what()):
         assert time.monotonic() < deadline, "waited in vain"
@@ -105,7 +105,7 @@ async def until(what, seconds=20.0):
 
 
 class FakePhone:
-    """A phone as the page is one."""
+    """A phone that behaves as the page does."""
 
     def __init__(self, session, address):
         self._session, self._address = session, address
@@ -113,7 +113,7 @@ class FakePhone:
         self.voucher, self.wait = "", 0.0
 
     async def join(self, key=None, token=None, region=0, origin=None, voucher=None, headers=None):
-        """Say hello; returns itself once it was answered."""
+        """Sends hello; returns itself once it is answered."""
         headers = {"Origin": origin or self._address} | (headers or {})
         self.number, self.no = 0, ""
         self.ws = await self._session.ws_connect(self._address + "/ws", headers=headers)
@@ -126,7 +126,7 @@ class FakePhone:
         return self
 
     async def hear(self):
-        """Take up one message."""
+        """Receives one message."""
         message = await self.ws.receive(timeout=20.0)
         if message.type is aiohttp.WSMsgType.TEXT:
             said = json.loads(message.data)
@@ -141,6 +141,6 @@ class FakePhone:
         await self.ws.send_bytes(struct.pack("<BBHH", 1, mode, round(x * 65535), round(z * 65535)))
 
 
-def key_of(show):
-    """The key of the link of the moment."""
+def current_key(show):
+    """The key of the current join link."""
     return ticket_key(SECRET, int(show.now() // CODE_S))

@@ -1,4 +1,4 @@
-"""Network cards of addresses: the kernel's own table in a network of two machines, and rubbish in its place."""
+"""Network cards of addresses: the kernel's neighbor table in a network of two machines, and malformed dumps."""
 
 import asyncio
 import os
@@ -29,14 +29,14 @@ def entry(address, card=CARD, state=0x02):
 DONE = struct.pack("=IHHIIi", 20, 3, 2, 1, 0, 0)
 
 
-def test_a_dump_is_read_to_its_end_and_who_has_no_card_is_left_out():
+def test_neighbor_dump_is_read_to_end_without_cardless_entries():
     data = entry("192.0.2.1") + entry("fe80::7", b"\x02\0\0\0\0\x08") + entry("192.0.2.2", state=0x20)
     data += entry("127.0.0.1", b"\0" * 6) + DONE + entry("192.0.2.9")
     found = list(parse_neighbours(data))
     assert found == [(parse_address("192.0.2.1"), CARD), (parse_address("fe80::7"), b"\x02\0\0\0\0\x08"), None]
 
 
-def test_rubbish_in_its_place_is_read_to_no_harm():
+def test_mutated_neighbor_dumps_are_parsed_safely():
     chance, good = random.Random(8), entry("192.0.2.1") + entry("fe80::7") + DONE
     for _ in range(3000):
         data = bytearray(good)
@@ -46,7 +46,7 @@ def test_rubbish_in_its_place_is_read_to_no_harm():
         assert len(found) <= 3
 
 
-def test_this_machine_itself_has_no_card():
+def test_own_and_unknown_addresses_have_no_card():
     assert asyncio.run(ArpTable(b"s").card_of(parse_address("127.0.0.1"))) == ""
     assert asyncio.run(ArpTable(b"s").card_of(parse_address("203.0.113.99"))) == ""
 
@@ -76,7 +76,7 @@ HALL = """
     or subprocess.run(["unshare", "-Urn", "true"], capture_output=True, check=False).returncode != 0,
     reason="needs user and network namespaces",
 )
-def test_all_addresses_of_one_machine_in_the_hall_have_one_card_and_another_machine_has_another():
+def test_addresses_of_one_machine_share_a_card():
     script = textwrap.dedent(HALL).replace("{python}", sys.executable)
     done = subprocess.run(
         ["unshare", "-Urn", "bash", "-c", script], capture_output=True, text=True, timeout=60, check=False,
@@ -91,11 +91,11 @@ def test_all_addresses_of_one_machine_in_the_hall_have_one_card_and_another_mach
     assert cards["10.9.0.77"] == ""
 
 
-async def _look():
+async def _print_cards():
     neighbours = ArpTable(b"s")
     for text in ("10.9.0.2", "10.9.0.3", "10.9.0.9", "fd00:9::2", "10.9.0.77"):
         print(f"{text}={(await neighbours.card_of(parse_address(text))).replace(' ', '')}")
 
 
 if __name__ == "__main__":
-    asyncio.run(_look())
+    asyncio.run(_print_cards())

@@ -1,4 +1,4 @@
-"""Whose address a request has, behind proxies and without, and which addresses are one."""
+"""Client addresses of requests, with and without proxies, and the grouping of addresses."""
 
 import random
 
@@ -13,7 +13,7 @@ def group(text):
     return group_of(parse_address(text))
 
 
-def test_addresses_of_one_64_are_one_and_mapped_ones_are_those_that_they_map():
+def test_ipv6_addresses_group_by_64_and_mapped_addresses_by_ipv4():
     assert group("2001:db8:1:2::1") == group("2001:db8:1:2:ffff:eeee:dddd:cccc") == "2001:db8:1:2::/64"
     assert group("2001:db8:1:3::1") != group("2001:db8:1:2::1")
     assert group("::ffff:192.0.2.7") == group("192.0.2.7") == group("192.0.2.7:4711") == "192.0.2.7"
@@ -48,13 +48,13 @@ def test_addresses_of_one_64_are_one_and_mapped_ones_are_those_that_they_map():
         ("2001:db8:ffff::1", ["203.0.113.5"], [], "203.0.113.5"),
     ],
 )
-def test_forwarded_addresses_are_those_that_named_proxies_saw(peer, forwarded_for, forwarded, whose):
+def test_forwarded_address_is_accepted_only_from_named_proxies(peer, forwarded_for, forwarded, whose):
     assert str(PROXIES.sender(peer, forwarded_for, forwarded)) == whose
     if peer != "198.51.100.9":
         assert str(Proxies().sender(peer, forwarded_for, forwarded)) == str(parse_address(peer))
 
 
-def test_hostile_headers_are_read_quickly_and_nobody_names_herself_by_them():
+def test_hostile_headers_do_not_spoof_the_client_address():
     chance, parts = (
         random.Random(5),
         ["for=", '"', ",", ";", "\\", "1.2.3.4", " ", "[", "]", "::1", "x=", "é", "10.0.0.1"],

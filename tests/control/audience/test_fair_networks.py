@@ -12,21 +12,21 @@ from live.control.audience.join_tickets import JoinTickets
 from live.control.audience.phone_registry import Phone, Phones
 from live.control.audience.rate_limit import RefusalReason
 from live.control.audience.session_state import Rules
-from tests.control.audience.made_gateway import FakePhone, key_of, made_gateway, until
+from tests.control.audience.made_gateway import FakePhone, current_key, open_gateway, until
 
 SECRET = b"s" * 32
 
 
 def run(test, **plan):
     async def all_of_it():
-        async with made_gateway(**plan) as (gateway, show, address):
+        async with open_gateway(**plan) as (gateway, show, address):
             await test(gateway, show, address)
 
     asyncio.run(asyncio.wait_for(all_of_it(), 120.0))
 
 
-class Queue:
-    """Phones that come to an admission in the time of a test, and come again when they are told to."""
+class AdmissionSimulation:
+    """Phones that join through an Admission in simulated time and retry when their wait is over."""
 
     def __init__(self, network, most=4000, devices=4000):
         self.phones = Phones(most, 1)
@@ -36,7 +36,7 @@ class Queue:
         self.refused = []
 
     def play(self, arrivals, until=1e9):
-        """`arrivals`: (when, name, group), each of whom has read the code of its moment."""
+        """`arrivals`: (when, name, group); each phone has the code that is valid at its arrival."""
         waiting = sorted((when, name, group, self.tickets.key(when), "") for when, name, group in arrivals)
         while waiting:
             when, name, group, key, voucher = waiting.pop(0)
@@ -54,8 +54,8 @@ class Queue:
                     waiting.sort()
 
 
-def test_two_hundred_phones_behind_one_address_are_in_within_twenty_seconds_and_have_a_voice_each():
-    hall = Queue("behind nat")
+def test_two_hundred_phones_behind_one_address_join_with_full_voices():
+    hall = AdmissionSimulation("behind nat")
     hall.play([(1000.0 + 0.001 * k, k, 7) for k in range(200)])
     assert len(hall.joined) == 200
     assert max(hall.joined.values()) - 1000.0 < 12.0
@@ -63,23 +63,23 @@ def test_two_hundred_phones_behind_one_address_are_in_within_twenty_seconds_and_
     assert {hall.admission.voice_share(phone, 1020.0) for phone in hall.phones.by_number.values()} == {1.0}
 
 
-def test_who_comes_behind_nat_faster_than_people_do_waits_and_stops_nobody_for_long():
-    hall = Queue("behind nat")
+def test_join_flood_behind_nat_delays_phones_only_briefly():
+    hall = AdmissionSimulation("behind nat")
     laptop = [(1000.0 + 0.001 * k, ("laptop", k), 7) for k in range(640)]
     people = [(1002.0 + 0.1 * k, ("phone", k), 7) for k in range(40)]
     hall.play(laptop + people)
     within = [when - 1000.0 for (who, _), when in hall.joined.items() if who == "phone"]
     assert len(within) == 40
     assert max(within) < 640 / JOIN_RATE + 10.0  # turns are reserved: who asks more often does not come sooner
-    many = Queue("behind nat")
+    many = AdmissionSimulation("behind nat")
     many.play([(1000.0, k, 7) for k in range(4000)], until=1000.0)
     reserved = sum(answer.wait <= MAX_RESERVED_WAIT + 0.5 and bool(answer.voucher) for _, answer in many.refused)
     assert reserved == 4000 - JOIN_BURST
     assert max(answer.wait for _, answer in many.refused) <= MAX_RESERVED_WAIT + 0.5
 
 
-def test_a_code_lets_in_no_more_than_it_may_and_who_comes_later_must_scan_again():
-    hall = Queue("behind nat", devices=100)
+def test_spent_code_refuses_devices_until_next_code():
+    hall = AdmissionSimulation("behind nat", devices=100)
     hall.play([(1000.0, k, 7) for k in range(300)])
     assert len(hall.joined) == 100
     assert sum(answer.why is RefusalReason.SPENT for _, answer in hall.refused) == 200
@@ -87,15 +87,15 @@ def test_a_code_lets_in_no_more_than_it_may_and_who_comes_later_must_scan_again(
     assert len(hall.joined) == 105
 
 
-def test_a_photographed_code_mints_few_on_own_wifi_once_it_has_left_the_wall():
-    hall = Queue("own wifi")
+def test_expired_code_admits_few_devices_on_own_wifi():
+    hall = AdmissionSimulation("own wifi")
     key = hall.tickets.key(1000.0)  # gone from 1020 on
     minted = sum(hall.admission.admit_new(key, "", 100 + k, 1070.0).why is None for k in range(200))
     assert 0 < minted <= 8
 
 
-def test_full_halls_let_in_by_themselves_and_keep_the_places_of_those_who_lost_their_connection():
-    hall = Queue("own wifi", most=2)
+def test_full_hall_reserves_lost_phones_and_admits_by_voucher():
+    hall = AdmissionSimulation("own wifi", most=2)
     hall.play([(1000.0, "a", 1), (1000.1, "b", 2), (1000.2, "c", 3)], until=1003.0)
     assert set(hall.joined) == {"a", "b"}
     _, told = hall.refused[0]
@@ -112,8 +112,8 @@ def test_full_halls_let_in_by_themselves_and_keep_the_places_of_those_who_lost_t
     assert hall.admission.admit_new("", told.voucher, 4, 1021.0).why is RefusalReason.LINK  # the voucher is used
 
 
-def test_a_group_that_many_join_from_is_a_crowd_without_a_voice_until_it_rests():
-    hall = Queue("own wifi")
+def test_crowded_group_has_no_voice_until_crowd_expires():
+    hall = AdmissionSimulation("own wifi")
     hall.play([(1000.0 + k, k, 5) for k in range(4)] + [(1000.0, 99, 6)], until=1010.0)
     phones = hall.phones.in_group(5)
     assert len(phones) == 4
@@ -125,8 +125,8 @@ def test_a_group_that_many_join_from_is_a_crowd_without_a_voice_until_it_rests()
     assert sum(hall.admission.voice_share(phone, 1023.0 + CROWD_SECONDS) for phone in phones) == pytest.approx(1.0)
 
 
-def test_devices_that_one_group_has_minted_are_one_wherever_they_go():
-    hall = Queue("own wifi")
+def test_devices_from_one_origin_group_share_one_voice():
+    hall = AdmissionSimulation("own wifi")
     phones = [Phone(1 + k, 0, 100 + k, None, None, 9) for k in range(20)]  # joined by 9, now each elsewhere
     for phone in phones:
         hall.phones.add(phone)
@@ -138,8 +138,8 @@ def test_devices_that_one_group_has_minted_are_one_wherever_they_go():
     assert len(hall.admission._crowded) <= 16_384
 
 
-async def crowd(address, show, groups, sockets, where, joined):
-    """`sockets` phones at each of the addresses, which drag to a place; returns those that came in."""
+async def join_crowd(address, show, groups, sockets, where, joined):
+    """`sockets` phones at each of the addresses, which drag to a place; returns those that were admitted."""
 
     async def one(group):
         host = aiohttp.TCPConnector(local_addr=(group, 0), limit=0)
@@ -147,7 +147,7 @@ async def crowd(address, show, groups, sockets, where, joined):
         joined.append(session)
         found = []
         for _ in range(sockets):
-            phone = await FakePhone(session, address).join(key_of(show))
+            phone = await FakePhone(session, address).join(current_key(show))
             if phone.number:
                 await phone.touch(1, *where)
                 found.append(phone)
@@ -156,7 +156,7 @@ async def crowd(address, show, groups, sockets, where, joined):
     return [phone for some in await asyncio.gather(*map(one, groups)) for phone in some]
 
 
-def test_a_laptop_with_forty_addresses_and_sixteen_sockets_each_gets_no_place_and_no_force():
+def test_laptop_with_forty_addresses_has_no_place_or_force():
     chance = random.Random(21)
 
     async def test(gateway, show, address):
@@ -165,8 +165,8 @@ def test_a_laptop_with_forty_addresses_and_sixteen_sockets_each_gets_no_place_an
         laptop = [f"127.0.2.{chance.randrange(1, 6) + 6 * k}" for k in range(40)]
         try:
             people, own = await asyncio.gather(
-                crowd(address, show, honest, 1, (0.2, 0.5), sessions),
-                crowd(address, show, laptop, 16, (0.9, 0.5), sessions),
+                join_crowd(address, show, honest, 1, (0.2, 0.5), sessions),
+                join_crowd(address, show, laptop, 16, (0.9, 0.5), sessions),
             )
             assert len(people) == 40
             voices, hall = gateway.session.voices, gateway.session
@@ -191,7 +191,7 @@ def test_a_laptop_with_forty_addresses_and_sixteen_sockets_each_gets_no_place_an
     run(test, most=4000, network="own wifi")
 
 
-def test_one_network_card_is_one_group_however_many_addresses_it_has():
+def test_addresses_of_one_network_card_form_one_group():
     async def test(gateway, show, address):
         async def card_of(found):
             return "card of the laptop" if str(found).startswith("127.0.2.") else ""
@@ -199,16 +199,16 @@ def test_one_network_card_is_one_group_however_many_addresses_it_has():
         gateway._server._neighbours.card_of = card_of
         sessions = []
         try:
-            people = await crowd(address, show, [f"127.0.1.{k + 1}" for k in range(8)], 1, (0.2, 0.5), sessions)
-            three = await crowd(address, show, [f"127.0.2.{k + 1}" for k in range(3)], 1, (0.9, 0.5), sessions)
+            people = await join_crowd(address, show, [f"127.0.1.{k + 1}" for k in range(8)], 1, (0.2, 0.5), sessions)
+            three = await join_crowd(address, show, [f"127.0.2.{k + 1}" for k in range(3)], 1, (0.9, 0.5), sessions)
             assert len(people) == 8
             assert len(three) == 3
-            assert voices_of(gateway) == pytest.approx(8.0 + 1.0)
+            assert total_voice(gateway) == pytest.approx(8.0 + 1.0)
             own = []
             for k in range(37):
-                own += await crowd(address, show, [f"127.0.2.{k + 4}"], 1, (0.9, 0.5), sessions)
+                own += await join_crowd(address, show, [f"127.0.2.{k + 4}"], 1, (0.9, 0.5), sessions)
             assert len(own) == 1  # four of one group may play at a time
-            assert voices_of(gateway) == pytest.approx(8.0)
+            assert total_voice(gateway) == pytest.approx(8.0)
         finally:
             await asyncio.gather(*(session.close() for session in sessions))
 
@@ -221,38 +221,38 @@ def test_one_network_card_is_one_group_however_many_addresses_it_has():
     run(unread, network="behind nat")
 
 
-def voices_of(gateway):
-    """How many voices there are in all."""
+def total_voice(gateway):
+    """The sum of all voice shares."""
     return gateway.session.voices.share[gateway.session.voices.number > 0].sum()
 
 
 @pytest.mark.parametrize("proxied", [True, False])
-def test_forwarded_addresses_tell_phones_apart_behind_a_named_proxy_and_nowhere_else(proxied):
+def test_forwarded_addresses_separate_phones_only_behind_named_proxy(proxied):
     async def test(gateway, show, address):
         async with aiohttp.ClientSession() as session:
 
             async def join(**headers):
                 named = {name.replace("_", "-"): value for name, value in headers.items()}
-                return await FakePhone(session, address).join(key_of(show), headers=named)
+                return await FakePhone(session, address).join(current_key(show), headers=named)
 
             phones = [await join(X_Forwarded_For=f"9.9.9.{k}, 203.0.113.{k}") for k in range(2)]
             phones += [await join(Forwarded=f'for="203.0.113.{k}:80"') for k in range(2, 4)]
             assert all(phone.number for phone in phones)
-            assert voices_of(gateway) == pytest.approx(4.0 if proxied else 1.0)
+            assert total_voice(gateway) == pytest.approx(4.0 if proxied else 1.0)
             own = [await join(X_Forwarded_For=f"198.51.100.{k}, 203.0.113.200") for k in range(16)]
             assert sum(phone.number > 0 for phone in own) == (4 if proxied else 0)
             assert {phone.no for phone in own if not phone.number} == {"address"}
-            assert voices_of(gateway) == pytest.approx(4.0 if proxied else 0.0)  # whoever does that is a crowd
+            assert total_voice(gateway) == pytest.approx(4.0 if proxied else 0.0)  # whoever does that is a crowd
 
     run(test, network="proxy", proxies=["127.0.0.1" if proxied else "10.0.0.1"])
 
 
-def test_addresses_of_one_64_are_one_and_a_mapped_address_is_the_one_that_it_maps():
+def test_ipv6_64_and_mapped_ipv4_addresses_share_voices():
     async def test(gateway, show, address):
         async with aiohttp.ClientSession() as session:
             senders = ("2001:db8::1", "2001:db8::ffff:1", "2001:db8:0:1::1", "::ffff:192.0.2.1", "192.0.2.1")
             phones = [
-                await FakePhone(session, address).join(key_of(show), headers={"X-Forwarded-For": sender})
+                await FakePhone(session, address).join(current_key(show), headers={"X-Forwarded-For": sender})
                 for sender in senders
             ]
             rows = [gateway.session.phones.by_number[phone.number].row for phone in phones]
@@ -262,7 +262,7 @@ def test_addresses_of_one_64_are_one_and_a_mapped_address_is_the_one_that_it_map
 
 
 @pytest.mark.parametrize("network", ["own wifi", "behind nat", "proxy"])
-def test_a_ban_holds_whoever_joins_anew_and_the_operator_sees_and_lifts_it(network):
+def test_ban_covers_rejoined_phones_until_operator_lifts_ban(network):
     async def test(gateway, show, address):
         def header(who, browser="A"):
             sent = {"User-Agent": browser}
@@ -279,14 +279,14 @@ def test_a_ban_holds_whoever_joins_anew_and_the_operator_sees_and_lifts_it(netwo
                 await until(lambda: hall.voices.touching[hall.phones.by_number[phone.number].row])
                 return bool(hall.voices.allowed[hall.phones.by_number[phone.number].row])
 
-            rowdy = await FakePhone(session, address).join(key_of(show), headers=header("203.0.113.1"))
-            other = await FakePhone(elsewhere, address).join(key_of(show), headers=header("203.0.113.2"))
+            rowdy = await FakePhone(session, address).join(current_key(show), headers=header("203.0.113.1"))
+            other = await FakePhone(elsewhere, address).join(current_key(show), headers=header("203.0.113.2"))
             assert await heard(rowdy)
             show.tell(Rules(order=1, banned=(rowdy.number,)))
             await until(lambda: hall.rules.order == 1)
             assert not await heard(rowdy)
             await rowdy.ws.close()
-            again = await FakePhone(session, address).join(key_of(show), headers=header("203.0.113.1", "B"))
+            again = await FakePhone(session, address).join(current_key(show), headers=header("203.0.113.1", "B"))
             assert again.number not in (0, rowdy.number)  # she is let in, and told nothing
             assert not await heard(again)
             back = await FakePhone(elsewhere, address).join(token=again.token, headers=header("203.0.113.9", "C"))
@@ -307,7 +307,7 @@ def test_a_ban_holds_whoever_joins_anew_and_the_operator_sees_and_lifts_it(netwo
     run(test, network=network, proxies=["127.0.0.1", "127.0.7.7"] if network == "proxy" else [])
 
 
-def test_behind_nat_a_ban_holds_the_banned_browser_for_some_minutes_and_other_newcomers_are_heard():
+def test_ban_behind_nat_covers_only_same_browser_for_minutes():
     async def test(gateway, show, address):
         hall = gateway.session
         async with aiohttp.ClientSession() as session:
@@ -318,7 +318,7 @@ def test_behind_nat_a_ban_holds_the_banned_browser_for_some_minutes_and_other_ne
             def heard(phone):
                 return bool(hall.voices.allowed[hall.phones.by_number[phone.number].row])
 
-            rowdy, neighbour = await join("A", key=key_of(show)), await join("A", key=key_of(show))
+            rowdy, neighbour = await join("A", key=current_key(show)), await join("A", key=current_key(show))
             show.tell(Rules(order=1, banned=(rowdy.number,)))
             await until(lambda: hall.rules.order == 1)
             assert heard(neighbour)  # who was there before is somebody else
@@ -333,12 +333,12 @@ def test_behind_nat_a_ban_holds_the_banned_browser_for_some_minutes_and_other_ne
     run(test)
 
 
-def test_another_gateway_knows_whom_bans_hold():
+def test_restarted_gateway_keeps_bans():
     told = []
 
     async def before(gateway, show, address):
         async with aiohttp.ClientSession() as session:
-            rowdy = await FakePhone(session, address).join(key_of(show))
+            rowdy = await FakePhone(session, address).join(current_key(show))
             show.tell(Rules(order=1, banned=(rowdy.number,)))
             await until(lambda: show.look().facts.get("bans"))
             told.extend((rowdy.number, show.facts["bans"]))
@@ -347,7 +347,7 @@ def test_another_gateway_knows_whom_bans_hold():
         show.tell(Rules(order=1, banned=(told[0],)))
         await until(lambda: gateway.session.rules.order == 1)
         async with aiohttp.ClientSession() as session:
-            again = await FakePhone(session, address).join(key_of(show))
+            again = await FakePhone(session, address).join(current_key(show))
             assert again.number != told[0]
             assert not gateway.session.voices.allowed[gateway.session.phones.by_number[again.number].row]
 

@@ -1,4 +1,4 @@
-"""The gateway with phones of aiohttp: join, touch, vote, resume; limits, roles, what is told and what is not."""
+"""Tests of the gateway with aiohttp phones: join, touch, vote, resume, limits, rules and reported events."""
 
 import asyncio
 import json
@@ -10,27 +10,27 @@ import pytest
 from live.control.audience.phone_registry import ticket_key
 from live.control.audience.rate_limit import RefusalReason
 from live.control.audience.session_state import BeatClock, Rules
-from tests.control.audience.made_gateway import SECRET, FakePhone, key_of, made_gateway, until
+from tests.control.audience.made_gateway import SECRET, FakePhone, current_key, open_gateway, until
 
 RULES = Rules(regions=("left", "right"), weights=(1.0, 1.0))
 
 
 def run(test, **plan):
     async def all_of_it():
-        async with made_gateway(**plan) as (gateway, show, address), aiohttp.ClientSession() as session:
+        async with open_gateway(**plan) as (gateway, show, address), aiohttp.ClientSession() as session:
             await test(gateway, show, address, session)
 
     asyncio.run(asyncio.wait_for(all_of_it(), 60.0))
 
 
-def heard(show, what):
-    """The last event of the show of which `what` is true of its fields."""
+def last_event(show, what):
+    """The last event of the show for which `what` is true of its fields."""
     names = ("at", "phones", "order", "share", "places", "lights", "votes", "shaken")
     rows = [dict(zip(names, packet[1:], strict=True)) for packet in show.look().heard]
     return next((row for row in reversed(rows) if what(row)), None)
 
 
-def test_the_page_comes_in_the_browsers_language_small_and_with_nothing_from_elsewhere():
+def test_page_is_localized_small_and_self_contained():
     async def test(_gateway, _show, address, session):
         async with session.get(address, headers={"Accept-Language": "pt-PT,pt;q=0.9,en;q=0.8"}) as answer:
             body = await answer.read()
@@ -51,62 +51,62 @@ def test_the_page_comes_in_the_browsers_language_small_and_with_nothing_from_els
     run(test)
 
 
-def test_a_phone_joins_by_the_link_and_its_finger_becomes_a_place_and_a_light():
+def test_touch_of_joined_phone_becomes_place_and_light():
     async def test(gateway, show, address, session):
         link, code = show.code
-        assert link == f"{address}/#{key_of(show)}"
+        assert link == f"{address}/#{current_key(show)}"
         assert len(code) == len(code[0]) >= 25
-        phone = await FakePhone(session, address).join(key_of(show))
+        phone = await FakePhone(session, address).join(current_key(show))
         assert phone.number == 1
         await phone.touch(1, 0.75, 0.5)
-        row = await until(lambda: heard(show, lambda row: row["places"] not in ("", "-")))
+        row = await until(lambda: last_event(show, lambda row: row["places"] not in ("", "-")))
         assert row["places"].split() == ["300", "0", "1000", "1"]
         assert (row["phones"], row["share"]) == (1, 1000)
-        row = await until(lambda: heard(show, lambda row: row["lights"] not in ("", "-")))
+        row = await until(lambda: last_event(show, lambda row: row["lights"] not in ("", "-")))
         assert row["lights"].split() == ["1", "300", "0", "618", "1"]
         while not phone.said.get("l"):
             await phone.hear()
         await phone.touch(2, 0.25, 1.0)
-        await until(lambda: heard(show, lambda row: row["places"].split() == ["-300", "400", "1000", "2"]))
+        await until(lambda: last_event(show, lambda row: row["places"].split() == ["-300", "400", "1000", "2"]))
         await phone.ws.close()
         await until(lambda: gateway.session.phones.by_number == {})
-        await until(lambda: heard(show, lambda row: row["phones"] == 0))
+        await until(lambda: last_event(show, lambda row: row["phones"] == 0))
 
     run(test)
 
 
-def test_what_the_operator_says_counts_in_what_the_show_is_told_next():
+def test_operator_rules_apply_to_next_show_event():
     async def test(_gateway, show, address, session):
-        one, other = [await FakePhone(session, address).join(key_of(show), region=region) for region in (0, 1)]
+        one, other = [await FakePhone(session, address).join(current_key(show), region=region) for region in (0, 1)]
         await one.touch(1, 0.0, 0.5)
         await other.touch(1, 1.0, 0.5)
-        await until(lambda: heard(show, lambda row: row["places"].count(",") == 1))
+        await until(lambda: last_event(show, lambda row: row["places"].count(",") == 1))
         show.tell(Rules(order=3, regions=RULES.regions, weights=(0.0, 1.0)))
-        row = await until(lambda: heard(show, lambda row: row["order"] == 3))
+        row = await until(lambda: last_event(show, lambda row: row["order"] == 3))
         assert row["places"].split(",")[-1].split()[0] == "600"
         show.tell(Rules(order=4, regions=RULES.regions, weights=(1.0, 1.0), banned=(other.number,)))
-        row = await until(lambda: heard(show, lambda row: row["order"] == 4))
+        row = await until(lambda: last_event(show, lambda row: row["order"] == 4))
         assert [place.split()[0] for place in row["places"].split(",") if place.split()[2] != "0"] == ["-600"]
         await other.touch(1, 1.0, 0.5)  # she is told nothing, and heard no more
         show.tell(Rules(order=5, open=False))
-        assert (await until(lambda: heard(show, lambda row: row["order"] == 5)))["places"] == "-"
+        assert (await until(lambda: last_event(show, lambda row: row["order"] == 5)))["places"] == "-"
 
     run(test)
 
 
-def test_votes_are_counted_once_for_each_phone_by_what_its_region_weighs():
+def test_each_phone_votes_once_with_its_region_weight():
     async def test(_gateway, show, address, session):
-        phones = [await FakePhone(session, address).join(key_of(show), region=k % 2) for k in range(4)]
+        phones = [await FakePhone(session, address).join(current_key(show), region=k % 2) for k in range(4)]
         vote = (259, "step", ("sway", "spin"), 64.0)
         show.tell(Rules(order=1, regions=RULES.regions, weights=(1.0, 0.5), vote=vote))
-        await until(lambda: heard(show, lambda row: row["votes"] == "259 0 0"))
+        await until(lambda: last_event(show, lambda row: row["votes"] == "259 0 0"))
         for phone, choice in zip(phones, (0, 1, 1, 9), strict=True):
             await phone.ws.send_bytes(bytes((3, 259 % 256, choice)))
         await phones[0].ws.send_bytes(bytes((3, 7, 1)))  # a vote of long ago
-        await until(lambda: heard(show, lambda row: row["votes"] == "259 100 150"))
+        await until(lambda: last_event(show, lambda row: row["votes"] == "259 100 150"))
         for _ in range(3):
             await phones[0].ws.send_bytes(bytes((3, 259 % 256, 1)))  # she thinks again
-        await until(lambda: heard(show, lambda row: row["votes"] == "259 0 250"))
+        await until(lambda: last_event(show, lambda row: row["votes"] == "259 0 250"))
         while not phones[0].said.get("s", {}).get("vote"):
             await phones[0].hear()
         assert phones[0].said["s"]["vote"] == [259, "step", ["sway", "spin"], 64.0]
@@ -114,16 +114,16 @@ def test_votes_are_counted_once_for_each_phone_by_what_its_region_weighs():
     run(test)
 
 
-def test_phones_resume_with_their_token_and_the_newest_socket_counts():
+def test_phone_resumes_by_token_on_newest_socket():
     async def test(gateway, show, address, session):
-        first = await FakePhone(session, address).join(key_of(show), region=1)
+        first = await FakePhone(session, address).join(current_key(show), region=1)
         again = await FakePhone(session, address).join(token=first.token, region=1)
         assert again.number == first.number
         await until(lambda: len(gateway.session.phones) == 1 and gateway.session.voices.count == 1)
         while (await first.ws.receive(timeout=20.0)).type is aiohttp.WSMsgType.TEXT:
             pass  # the old socket is closed
         await again.touch(1, 0.5, 0.5)
-        await until(lambda: heard(show, lambda row: row["places"] not in ("", "-")))
+        await until(lambda: last_event(show, lambda row: row["places"] not in ("", "-")))
         stranger = await FakePhone(session, address).join(token="7.3.9.abcdefghijkl")
         assert stranger.no == "token"
         late = await FakePhone(session, address).join(ticket_key(SECRET, 0))
@@ -133,9 +133,9 @@ def test_phones_resume_with_their_token_and_the_newest_socket_counts():
     run(test)
 
 
-def test_pings_tell_the_shows_time_and_slips_of_the_beat_are_told_at_once():
+def test_ping_returns_show_time_and_beat_changes_are_sent():
     async def test(_gateway, show, address, session):
-        phone = await FakePhone(session, address).join(key_of(show))
+        phone = await FakePhone(session, address).join(current_key(show))
         before = show.now()
         await phone.ws.send_bytes(struct.pack("<Bd", 2, 123.25))
         while (message := await phone.hear()).type is not aiohttp.WSMsgType.BINARY:
@@ -151,11 +151,11 @@ def test_pings_tell_the_shows_time_and_slips_of_the_beat_are_told_at_once():
     run(test)
 
 
-def test_limits_of_a_phone_an_address_and_all_and_pages_of_other_sites():
+def test_rate_address_and_origin_limits_are_enforced():
     async def test(gateway, show, address, session):
         refused = gateway.session.refused
-        phones = [await FakePhone(session, address).join(key_of(show)) for _ in range(3)]
-        assert (await FakePhone(session, address).join(key_of(show))).no == "address"
+        phones = [await FakePhone(session, address).join(current_key(show)) for _ in range(3)]
+        assert (await FakePhone(session, address).join(current_key(show))).no == "address"
         await phones[0].ws.close()
         await until(lambda: len(gateway.session.phones) == 2)
         for number in range(250):
@@ -165,7 +165,7 @@ def test_limits_of_a_phone_an_address_and_all_and_pages_of_other_sites():
         assert not phones[1].ws.closed
         for origin in ("http://evil.example", "null"):
             with pytest.raises(aiohttp.WSServerHandshakeError, match="403"):
-                await FakePhone(session, address).join(key_of(show), origin=origin)
+                await FakePhone(session, address).join(current_key(show), origin=origin)
         for host in ("evil.example", "127.0.0.1.evil.example", "x" * 300, "localhost.evil"):
             async with session.get(address, headers={"Host": host}) as answer:
                 assert answer.status == 403

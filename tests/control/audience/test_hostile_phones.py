@@ -1,6 +1,6 @@
-"""Hostile WebSocket traffic: every class rejected or right, nothing kept, and good phones notice nothing.
+"""Hostile WebSocket traffic: each class is rejected or handled, leaves no state and does not affect good phones.
 
-The classes are those of the design's survey (section 4.4), the mutations are seeded.
+The classes are those of the design's survey (section 4.4); the mutations are seeded.
 """
 
 import asyncio
@@ -22,7 +22,7 @@ from live.control.audience.phone_registry import Phone
 from live.control.audience.rate_limit import RefusalReason
 from live.control.audience.websocket_reader import WebSocketReader
 from live.control.web.http_protection import is_local_host
-from tests.control.audience.made_gateway import FakePhone, key_of, made_gateway, until
+from tests.control.audience.made_gateway import FakePhone, current_key, open_gateway, until
 
 MASK = b"\x11\x22\x33\x44"
 ADDRESSES = (f"127.0.{k // 250 + 1}.{k % 250 + 1}" for k in itertools.count())
@@ -30,7 +30,7 @@ ADDRESSES = (f"127.0.{k // 250 + 1}.{k % 250 + 1}" for k in itertools.count())
 
 
 def frame(payload, opcode=2, *, fin=True, masked=True, length=None, reserved=0):
-    """A WebSocket frame (RFC 6455), right or wrong."""
+    """A WebSocket frame (RFC 6455), valid or invalid."""
     size = len(payload) if length is None else length
     head = bytes([(0x80 if fin else 0) | reserved | opcode])
     flag = 0x80 if masked else 0
@@ -46,7 +46,7 @@ def frame(payload, opcode=2, *, fin=True, masked=True, length=None, reserved=0):
 
 
 def hostile_frames(good):
-    """By class: bytes after a good handshake and hello. `good`: a touch."""
+    """Bytes sent after a valid handshake and hello, by class. `good`: a touch."""
     return {
         "a byte more than there may be": frame(b"x" * 257),
         "a length of 2^62": frame(b"", length=1 << 62),
@@ -76,7 +76,7 @@ HELLOS = (
 )  # fmt: skip
 
 
-def test_first_messages_are_right_or_refused_and_nothing_is_raised():
+def test_hello_messages_are_parsed_or_refused_without_exceptions():
     for text in HELLOS:
         hello = wire.parse_hello(text)
         assert hello is None or (len(hello.key) < 256 and 0 <= hello.region < 64 and hello.key.isascii())
@@ -92,7 +92,7 @@ def test_first_messages_are_right_or_refused_and_nothing_is_raised():
         assert hello is None or type(hello.region) is int
 
 
-def test_messages_are_well_formed_or_not_whatever_they_are():
+def test_well_formed_messages_have_the_declared_length():
     chance = random.Random(4)
     for _ in range(3000):
         data = chance.randbytes(chance.randrange(0, 12))
@@ -100,7 +100,7 @@ def test_messages_are_well_formed_or_not_whatever_they_are():
             assert len(data) == wire.LENGTHS[data[0]]
 
 
-def test_hosts_and_languages_of_all_kinds():
+def test_local_hosts_and_languages_are_recognized():
     good = (
         "localhost",
         "localhost:8020",
@@ -129,8 +129,8 @@ def test_hosts_and_languages_of_all_kinds():
         assert language_of(rubbish) == "en"
 
 
-async def raw(address, show, chunks, *, hello=True, wait=2.0):
-    """Send bytes after a good handshake; returns once the other side has closed, or has had its time."""
+async def send_raw(address, show, chunks, *, hello=True, wait=2.0):
+    """Sends bytes after a valid handshake; returns once the other side has closed, or after `wait` seconds."""
     host, port = address.removeprefix("http://").split(":")
     reader, writer = await asyncio.open_connection(host, int(port), local_addr=(next(ADDRESSES), 0))
     name = base64.b64encode(b"k" * 16).decode()
@@ -140,7 +140,7 @@ async def raw(address, show, chunks, *, hello=True, wait=2.0):
     )
     await asyncio.wait_for(reader.readuntil(b"\r\n\r\n"), 20.0)
     if hello:
-        writer.write(frame(json.dumps({"k": key_of(show)}).encode(), opcode=1))
+        writer.write(frame(json.dumps({"k": current_key(show)}).encode(), opcode=1))
         await asyncio.wait_for(reader.readuntil(b'{"w"'), 20.0)
     for chunk in chunks:
         writer.write(chunk)
@@ -149,27 +149,27 @@ async def raw(address, show, chunks, *, hello=True, wait=2.0):
     writer.close()
 
 
-def test_every_class_of_malformed_traffic_is_refused_and_nothing_of_it_is_kept(caplog):
+def test_malformed_traffic_is_refused_and_leaves_no_objects(caplog):
     failures = []
 
     async def test():
         asyncio.get_running_loop().set_exception_handler(lambda _loop, context: failures.append(context))
         async with (
-            made_gateway(most=2000, network="own wifi") as (gateway, show, address),
+            open_gateway(most=2000, network="own wifi") as (gateway, show, address),
             aiohttp.ClientSession() as session,
         ):
-            good = await FakePhone(session, address).join(key_of(show))
+            good = await FakePhone(session, address).join(current_key(show))
             touch = struct.pack("<BBHH", 1, 1, 9, 9)
             corpus = hostile_frames(touch)
-            await asyncio.gather(*(raw(address, show, [data], wait=0.5) for data in corpus.values()))
-            await asyncio.gather(*(raw(address, show, [frame(text.encode("utf-8", "surrogatepass"), 1)], hello=False)
-                                   for text in HELLOS))  # fmt: skip
+            await asyncio.gather(*(send_raw(address, show, [data], wait=0.5) for data in corpus.values()))
+            hellos = [frame(text.encode("utf-8", "surrogatepass"), 1) for text in HELLOS]
+            await asyncio.gather(*(send_raw(address, show, [data], hello=False) for data in hellos))
             chance = random.Random(11)
             seeds = [frame(touch) + frame(struct.pack("<Bd", 2, 1.0)), *corpus.values()]
             mutated = [_mutated(chance, chance.choice(seeds)[:600]) for _ in range(120)]
             for begin in range(0, len(mutated), 40):
-                await asyncio.gather(*(raw(address, show, [d], wait=0.15) for d in mutated[begin : begin + 40]))
-            await _half_open(address)
+                await asyncio.gather(*(send_raw(address, show, [d], wait=0.15) for d in mutated[begin : begin + 40]))
+            await _send_bad_requests(address)
             refused = gateway.session.refused
             await until(lambda: len(gateway.session.phones) == 1)
             assert refused[RefusalReason.MALFORMED] > 30
@@ -181,7 +181,7 @@ def test_every_class_of_malformed_traffic_is_refused_and_nothing_of_it_is_kept(c
             gateway.session._disconnected.clear()
             assert gateway.session.voices.count == 1
             await until(lambda: len(gateway._server._upgraded) == 1)
-            await until(lambda: gc.collect() >= 0 and kept(Phone, WebSocketReader) == (1, 1), 20.0)
+            await until(lambda: gc.collect() >= 0 and count_objects(Phone, WebSocketReader) == (1, 1), 20.0)
 
     asyncio.run(asyncio.wait_for(test(), 120.0))
     assert failures == []
@@ -189,8 +189,8 @@ def test_every_class_of_malformed_traffic_is_refused_and_nothing_of_it_is_kept(c
     assert all(issubclass(kind, HttpProcessingError) for kind in raised), raised  # requests that are none, refused
 
 
-def kept(*kinds):
-    """How many objects of each kind there are."""
+def count_objects(*kinds):
+    """The number of live objects of each kind."""
     there = Counter(type(each) for each in gc.get_objects())
     return tuple(there[kind] for kind in kinds)
 
@@ -211,9 +211,9 @@ def _mutated(chance, data):
     return bytes(data)
 
 
-def test_connections_that_say_nothing_are_closed_sooner_the_more_there_are():
+def test_silent_connections_are_closed_under_load():
     async def test():
-        async with made_gateway(network="own wifi") as (gateway, _show, address):
+        async with open_gateway(network="own wifi") as (gateway, _show, address):
             host, port = address.removeprefix("http://").split(":")
             idle = [await asyncio.open_connection(host, int(port)) for _ in range(40)]
             await until(lambda: gateway.session.refused[RefusalReason.ADDRESS] >= 20)
@@ -225,8 +225,8 @@ def test_connections_that_say_nothing_are_closed_sooner_the_more_there_are():
     asyncio.run(asyncio.wait_for(test(), 60.0))
 
 
-async def _half_open(address):
-    """Requests that are none, too long, or never end."""
+async def _send_bad_requests(address):
+    """Requests that are malformed, too long or never complete."""
     host, port = address.removeprefix("http://").split(":")
     for request in (
         b"GET / HTTP/1.1\r\nHost: x\r\nA: " + b"x" * 9000 + b"\r\n\r\n",

@@ -1,4 +1,4 @@
-"""Phones and connections that say nothing, or hardly anything: bounded time and memory, and nobody is forgotten."""
+"""Tests of silent and slow phones and connections: bounded time and memory, and devices that keep their identity."""
 
 import asyncio
 import contextlib
@@ -9,21 +9,21 @@ import pytest
 from live.control.audience.http_server import HELLO_TIMEOUT
 from live.control.audience.rate_limit import RefusalReason
 from live.control.audience.session_state import ROW_KEPT_SECONDS, SILENCE_TIMEOUT
-from tests.control.audience.made_gateway import FakePhone, key_of, made_gateway, until
+from tests.control.audience.made_gateway import FakePhone, current_key, open_gateway, until
 
 
 def run(test, **plan):
     async def all_of_it():
-        async with made_gateway(**plan) as (gateway, show, address), aiohttp.ClientSession() as session:
+        async with open_gateway(**plan) as (gateway, show, address), aiohttp.ClientSession() as session:
             await test(gateway, show, address, session)
 
     asyncio.run(asyncio.wait_for(all_of_it(), 60.0))
 
 
-def test_a_phone_that_answers_nothing_for_an_hour_is_cut_off_and_comes_back_as_itself():
+def test_silent_phone_is_disconnected_and_resumes_its_number():
     async def test(gateway, show, address, session):
         hall = gateway.session
-        silent = [await FakePhone(session, address).join(key_of(show), region=1) for _ in range(8)]
+        silent = [await FakePhone(session, address).join(current_key(show), region=1) for _ in range(8)]
         await silent[0].touch(1, 0.5, 0.5)
         await until(lambda: hall.voices.touching.any())
         hall._origin -= SILENCE_TIMEOUT - 5.0  # it has not waited long enough
@@ -43,7 +43,7 @@ def test_a_phone_that_answers_nothing_for_an_hour_is_cut_off_and_comes_back_as_i
     run(test, most=8)
 
 
-def test_thousands_that_join_and_fall_silent_leave_nothing_that_grows():
+def test_silent_phones_leave_no_growing_state():
     async def test(gateway, show, address, session):
         hall = gateway.session
         for turn in range(12):
@@ -64,8 +64,8 @@ def test_thousands_that_join_and_fall_silent_leave_nothing_that_grows():
     run(test, most=8)
 
 
-async def dripping(address, words):
-    """A connection that sends a byte now and then, and the text that it would like to send."""
+async def open_slow_connection(address, words):
+    """A connection that repeatedly sends `words` one byte at a time: (reader, writer, task)."""
     host, port = address.removeprefix("http://").split(":")
     reader, writer = await asyncio.open_connection(host, int(port))
 
@@ -81,10 +81,13 @@ async def dripping(address, words):
     return reader, writer, task
 
 
-def test_headers_that_come_byte_by_byte_and_hellos_that_never_come_are_cut_off_in_time():
+def test_slow_headers_are_closed_after_hello_timeout():
     async def test(gateway, show, address, session):
         hall, met = gateway.session, gateway._server
-        slow = [await dripping(address, b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n" + b"A: b\r\n" * 50) for _ in range(5)]
+        slow = [
+            await open_slow_connection(address, b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n" + b"A: b\r\n" * 50)
+            for _ in range(5)
+        ]
         await until(lambda: len(met._first_seen) == 5)
         hall._origin -= HELLO_TIMEOUT + 1.0  # so long have they been dripping
         for reader, writer, task in slow:
@@ -96,13 +99,13 @@ def test_headers_that_come_byte_by_byte_and_hellos_that_never_come_are_cut_off_i
         async with session.get(address) as answer:
             await answer.read()
             assert answer.headers["Connection"] == "close"  # no connection is kept for what may come
-        good = await FakePhone(session, address).join(key_of(show))
+        good = await FakePhone(session, address).join(current_key(show))
         assert good.number
 
     run(test)
 
 
-def test_sockets_of_one_address_that_do_not_say_who_they_are_keep_nobody_else_out():
+def test_unidentified_sockets_of_one_address_do_not_block_others():
     async def test(gateway, show, address, session):
         own = aiohttp.ClientSession(connector=aiohttp.TCPConnector(local_addr=("127.0.9.9", 0), limit=0))
         headers = {"Origin": address}
@@ -112,7 +115,7 @@ def test_sockets_of_one_address_that_do_not_say_who_they_are_keep_nobody_else_ou
                 await own.ws_connect(address + "/ws", headers=headers)
             assert told.value.headers["Retry-After"] == "5"
         assert len(silent) == 20
-        assert (await FakePhone(session, address).join(key_of(show))).number
+        assert (await FakePhone(session, address).join(current_key(show))).number
         await own.close()
 
     run(test, network="own wifi")

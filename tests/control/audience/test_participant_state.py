@@ -1,4 +1,4 @@
-"""What all voices want together: many are a force, one is none; laws that hold for any audience."""
+"""Tests of the combined force of all voices: one phone, crowds, bans, and properties for any audience."""
 
 import numpy as np
 import pytest
@@ -12,8 +12,8 @@ from live.control.audience.phone_protocol import ATTRACT, REPEL
 HALF = (6.0, 4.0)
 
 
-def spoken(points, *, mode=ATTRACT, joined=None, now=10.0):
-    """Voices of phones at points (x, z) [m], of so many that have joined."""
+def make_voices(points, *, mode=ATTRACT, joined=None, now=10.0):
+    """Voices of phones that touch the points (x, z) [m], out of `joined` phones."""
     voices = Voices(4096)
     voices.update_rules((), (), HALF)
     for number, (x, z) in enumerate(points, start=1):
@@ -24,13 +24,13 @@ def spoken(points, *, mode=ATTRACT, joined=None, now=10.0):
     return voices
 
 
-def crowd(count, x, z, spread=0.4, seed=5):
+def sample_points(count, x, z, spread=0.4, seed=5):
     return np.random.default_rng(seed).normal((x, z), spread, (count, 2)).tolist()
 
 
-def test_a_thousand_phones_are_one_place_in_the_middle_of_most_of_them():
-    points = crowd(1000, 2.0, -1.0)
-    force = spoken(points).force(10.0)
+def test_thousand_phones_form_one_place_at_their_median():
+    points = sample_points(1000, 2.0, -1.0)
+    force = make_voices(points).force(10.0)
     assert force.share == 1.0
     assert len(force.places) == 1
     place = force.places[0]
@@ -38,23 +38,23 @@ def test_a_thousand_phones_are_one_place_in_the_middle_of_most_of_them():
     assert np.hypot(place.x - middle[0], place.z - middle[1]) < 0.1
 
 
-def test_one_griefer_among_a_thousand_is_no_place_wherever_she_is():
-    points = crowd(1000, 2.0, -1.0)
-    calm = spoken(points).force(10.0).places[0]
+def test_single_outlier_among_thousand_phones_has_no_place():
+    points = sample_points(1000, 2.0, -1.0)
+    calm = make_voices(points).force(10.0).places[0]
     for x, z in ((-5.9, 3.9), (2.0, 1.5), (5.9, -3.9)):
-        disturbed = spoken([*points, (x, z)]).force(10.0)
+        disturbed = make_voices([*points, (x, z)]).force(10.0)
         assert len(disturbed.places) == 1
         assert np.hypot(disturbed.places[0].x - calm.x, disturbed.places[0].z - calm.z) < 0.01
 
 
-def test_one_who_plays_alone_among_a_thousand_has_next_to_no_force_and_all_of_it_when_nobody_else_is_there():
-    assert spoken([(3.0, 0.0)], joined=1000).force(10.0).share < 0.001
-    assert spoken([(3.0, 0.0)]).force(10.0).share == 1.0
-    assert spoken(crowd(50, 1.0, 1.0), joined=1000).force(10.0).share == 1.0
+def test_force_share_depends_on_joined_phones():
+    assert make_voices([(3.0, 0.0)], joined=1000).force(10.0).share < 0.001
+    assert make_voices([(3.0, 0.0)]).force(10.0).share == 1.0
+    assert make_voices(sample_points(50, 1.0, 1.0), joined=1000).force(10.0).share == 1.0
 
 
-def test_two_crowds_are_two_places_by_their_size_and_those_who_repel_are_places_of_their_own():
-    voices = spoken(crowd(200, -4.0, 0.0) + crowd(100, 4.0, 0.0), joined=300)
+def test_two_crowds_form_places_by_size_and_mode():
+    voices = make_voices(sample_points(200, -4.0, 0.0) + sample_points(100, 4.0, 0.0), joined=300)
     for row in range(200, 300):
         voices.mode[row] = REPEL
     places = voices.force(10.0).places
@@ -64,8 +64,8 @@ def test_two_crowds_are_two_places_by_their_size_and_those_who_repel_are_places_
     assert [round(place.x) for place in places] == [-4, 4]
 
 
-def test_voices_fade_once_the_finger_is_lifted_and_are_gone_at_last():
-    voices = spoken([(1.0, 0.0)])
+def test_voice_fades_to_zero_after_touch_ends():
+    voices = make_voices([(1.0, 0.0)])
     assert voices.weights(10.0 + FRESH_SECONDS)[0] == 1.0
     voices.touch(0, 0, 0.0, 0.0, 11.0)
     assert voices.weights(11.0 + FADE_HALF_LIFE)[0] == pytest.approx(0.5)
@@ -73,8 +73,8 @@ def test_voices_fade_once_the_finger_is_lifted_and_are_gone_at_last():
     assert voices.force(30.0).places == ()
 
 
-def test_regions_weigh_what_the_operator_says_and_who_is_banned_nothing():
-    voices = spoken(crowd(10, 3.0, 0.0) + crowd(5, -3.0, 0.0))
+def test_regions_have_operator_weights_and_banned_phones_none():
+    voices = make_voices(sample_points(10, 3.0, 0.0) + sample_points(5, -3.0, 0.0))
     voices.region[10:] = 1
     voices.update_rules((0.5, 2.0), (), HALF)
     places = voices.force(10.0).places
@@ -87,21 +87,21 @@ def test_regions_weigh_what_the_operator_says_and_who_is_banned_nothing():
 
 
 @given(st.lists(st.tuples(st.floats(-6, 6), st.floats(-4, 4)), min_size=1, max_size=60), st.integers(0, 100))
-def test_laws(points, more):
-    """Places lie among the voices of their kind; weights are parts of the largest; order does not matter."""
-    force = spoken(points, joined=len(points) + more).force(10.0)
+def test_places_weights_and_order_properties_hold(points, more):
+    """Places lie among the voices of their kind; weights are relative to the largest; order does not matter."""
+    force = make_voices(points, joined=len(points) + more).force(10.0)
     assert 0.0 < force.share <= 1.0
     assert force.places[0].weight == 1.0
     for place in force.places:
         assert 0.3 <= place.weight <= 1.0
         assert min(np.hypot(place.x - x, place.z - z) for x, z in points) < BANDWIDTH
-    turned = spoken(points[::-1], joined=len(points) + more).force(10.0)
+    turned = make_voices(points[::-1], joined=len(points) + more).force(10.0)
     np.testing.assert_allclose(
         sorted((p.x, p.z) for p in turned.places), sorted((p.x, p.z) for p in force.places), atol=1e-6
     )
 
 
-def test_rows_are_given_back():
+def test_removed_voice_frees_its_row():
     voices = Voices(3)
     rows = [voices.add(number, 0, allowed=True) for number in (1, 2, 3)]
     assert voices.add(4, 0, allowed=True) == -1
@@ -110,7 +110,7 @@ def test_rows_are_given_back():
     assert voices.add(5, 0, allowed=True) == rows[1]
 
 
-def test_everybody_sees_her_light_at_some_time_and_for_a_while():
+def test_each_phone_is_highlighted_in_turn():
     lights, seen = HighlightRotation(4), {}
     speaking = list(range(20))
     for step in range(int(8 * HIGHLIGHT_SECONDS / 0.05)):

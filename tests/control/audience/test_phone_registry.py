@@ -1,4 +1,4 @@
-"""Tickets let in for a while and a bounded number of devices, tokens while the show knows its secret; nothing else."""
+"""Tests of join tickets, vouchers, tokens, rate limits and waiting lines."""
 
 import itertools
 import random
@@ -26,7 +26,7 @@ def tickets(devices=100, shown=30.0, grace=120.0):
     return JoinTickets(SECRET, shown, grace, devices)
 
 
-def test_the_code_on_the_wall_changes_and_lets_in_for_a_while_after_it_has_gone():
+def test_code_changes_and_stays_valid_for_grace_period():
     book = tickets()
     key = book.key(1000.0)
     gone = 1020.0  # the 34th ends
@@ -40,7 +40,7 @@ def test_the_code_on_the_wall_changes_and_lets_in_for_a_while_after_it_has_gone(
     assert book.find("", 1000.0) == book.find("é" * 12, 1000.0) == -1
 
 
-def test_a_code_lets_in_so_many_devices_and_few_at_a_time_once_it_has_long_gone():
+def test_code_has_device_limit_and_late_rate_limit():
     book = tickets(devices=7)
     assert sum(book.use(33) for _ in range(50)) == 7
     assert book.use(34)  # the next code has its own
@@ -56,7 +56,7 @@ def test_a_code_lets_in_so_many_devices_and_few_at_a_time_once_it_has_long_gone(
     assert (book._spent, book._late) == ({}, {})
 
 
-def test_vouchers_are_good_once_for_a_while_and_cannot_be_made_or_multiplied():
+def test_voucher_is_valid_once_and_cannot_be_forged():
     book = tickets()
     text = book.issue_voucher(33, 1010.0, 1000.0)
     voucher = book.find_voucher(text, 1005.0)
@@ -79,7 +79,7 @@ def test_vouchers_are_good_once_for_a_while_and_cannot_be_made_or_multiplied():
     assert len(book._used) <= 65_536
 
 
-def test_tokens_are_known_by_whoever_has_the_secret_and_forged_ones_by_nobody():
+def test_token_is_verified_only_with_its_secret():
     chance = random.Random(7)
     for number in (1, 2, 999, 2**31 - 1):
         device = Device(number, 17, group_number(SECRET, "192.0.2.1"))
@@ -108,21 +108,21 @@ def test_tokens_are_known_by_whoever_has_the_secret_and_forged_ones_by_nobody():
     assert group_number(SECRET, "192.0.2.1") != group_number(OTHER, "192.0.2.1")
 
 
-def test_those_who_join_one_after_the_other_have_other_colours():
+def test_consecutive_phones_have_distinct_hues():
     hues = [hue_of(number) for number in range(1, 200)]
     for a, b in itertools.pairwise(hues):
         assert min((a - b) % 1000, (b - a) % 1000) > 200
     assert len(set(hues)) > 190
 
 
-def test_a_bucket_lets_through_its_burst_and_then_its_rate():
+def test_token_bucket_allows_burst_then_rate():
     bucket = TokenBucket(10.0, 20.0)
     assert sum(bucket.try_take(5.0) for _ in range(100)) == 20
     assert sum(bucket.try_take(5.0 + step / 1000) for step in range(1, 2001)) == 20
     assert not bucket.try_take(6.0)  # a clock that goes back gives nothing
 
 
-def test_a_line_lets_in_its_burst_and_says_everybody_else_her_turn():
+def test_waiting_line_admits_burst_then_assigns_waits():
     line, waits = WaitingLine(20.0, 40.0), []
     for _ in range(100):
         waits.append(line.wait(5.0))

@@ -1,4 +1,4 @@
-"""Frames of phones are the same however the network cuts them, and what is no such frame ends the connection."""
+"""Tests of the WebSocket reader: frames split at any position, and frames that end the connection."""
 
 import asyncio
 import random
@@ -11,8 +11,8 @@ from live.control.audience.websocket_reader import WebSocketReader
 from tests.control.audience.test_hostile_phones import frame
 
 
-class Wire:
-    """A transport and a handler that remember."""
+class FakeTransport:
+    """A transport that records writes and its end."""
 
     def __init__(self):
         self.written, self.ended = [], ""
@@ -27,8 +27,8 @@ class Wire:
         self.ended = "closed"
 
 
-class Heard(SessionState):
-    """A hall that keeps what it hears."""
+class RecordingSession(SessionState):
+    """A session that records its messages."""
 
     def __init__(self):
         super().__init__({"most": 4, "per_address": 4, "first": 1, "visible": 4, "origin": 0.0})
@@ -39,11 +39,11 @@ class Heard(SessionState):
         return b"pong" if data[:1] == b"\x02" else b""
 
 
-def read(*chunks):
-    """What is heard of these bytes, and the wire."""
+def read_chunks(*chunks):
+    """The session after reading these bytes, and the transport."""
 
     async def everything():
-        hall, wire = Heard(), Wire()
+        hall, wire = RecordingSession(), FakeTransport()
         reading = WebSocketReader(hall, Phone(1, 0, 0, None, wire), wire)
         for chunk in chunks:
             if wire.ended != "aborted":
@@ -53,7 +53,7 @@ def read(*chunks):
     return asyncio.run(everything())
 
 
-def test_messages_are_the_same_however_they_are_cut():
+def test_messages_are_independent_of_chunk_boundaries():
     chance = random.Random(9)
     for _ in range(40):
         sent = [chance.randbytes(chance.choice((0, 1, 3, 6, 9, 125))) for _ in range(chance.randrange(1, 12))]
@@ -61,7 +61,7 @@ def test_messages_are_the_same_however_they_are_cut():
         while data:
             cut = chance.randrange(1, 40)
             chunks, data = [*chunks, data[:cut]], data[cut:]
-        hall, wire = read(*chunks)
+        hall, wire = read_chunks(*chunks)
         assert hall.heard == sent
         assert wire.written == [b"\x82\x04pong"] * sum(each[:1] == b"\x02" for each in sent)
         assert wire.ended == ""
@@ -84,7 +84,7 @@ def test_messages_are_the_same_however_they_are_cut():
         (b"".join(frame(b"words", opcode=1) for _ in range(4)), "aborted", []),
     ],
 )
-def test_what_is_no_message_of_a_phone(data, ended, written):
-    hall, wire = read(data)
+def test_unexpected_frame_is_answered_ignored_or_ends_connection(data, ended, written):
+    hall, wire = read_chunks(data)
     assert (wire.ended, wire.written) == (ended, written)
     assert set(hall.heard) <= {b""}

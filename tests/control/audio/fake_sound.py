@@ -1,4 +1,4 @@
-"""A sound system that is not there: devices that can be plugged in, unplugged, and fed by hand."""
+"""A fake sound system: devices that are plugged in, unplugged and fed by hand."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -18,7 +18,7 @@ Fill = Callable[[int, int], npt.NDArray[np.float32]]
 
 @dataclass(eq=False)
 class FakeStream:
-    """What `open_stream` gave: its options, and whether it was closed."""
+    """The stream that `open_stream` returned: its options, and whether it was closed."""
 
     options: dict[str, Any]
     samplerate: float
@@ -28,7 +28,7 @@ class FakeStream:
 
 @dataclass(eq=False)
 class FakeSound:
-    """Devices by hand. `clock` moves as sound is fed."""
+    """Fake sound devices. `clock` advances as sound is fed."""
 
     clock: ManualClock = field(default_factory=ManualClock)
     devices: list[SoundDevice] = field(

@@ -1,4 +1,4 @@
-"""AudioAnalysis: from samples to events with the times of the show."""
+"""Tests of AudioAnalysis: events from samples, with show times."""
 
 from collections import deque
 
@@ -14,7 +14,7 @@ from tests.clock.clicks import clicks
 RATE = 44_100
 
 
-def test_events_carry_the_times_of_the_show() -> None:
+def test_events_have_show_times() -> None:
     sound, times = clicks(120, RATE, 12.0)
     events = AudioAnalysis(RATE, "microphone").feed(sound[:, None], lambda position: 100.0 + position)
     beats = [event for event in events if isinstance(event, BeatHeard)]
@@ -23,14 +23,14 @@ def test_events_carry_the_times_of_the_show() -> None:
     assert min(abs(beats[-1].beat_time - 100.0 - times)) < 0.02
 
 
-def test_live_events_are_stamped_with_now() -> None:
+def test_live_events_are_stamped_with_current_time() -> None:
     sound, _ = clicks(120, RATE, 12.0)
     events = AudioAnalysis(RATE).feed(sound[:, None], lambda position: position, now=77.0)
     assert {event.time for event in events} == {77.0}
 
 
 @pytest.mark.parametrize("channels", [1, 2, 6])
-def test_channels_are_mixed(channels: int) -> None:
+def test_identical_channels_give_the_mono_events(channels: int) -> None:
     sound, _ = clicks(120, RATE, 8.0)
     many = np.repeat(sound[:, None], channels, axis=1)
     one = AudioAnalysis(RATE).feed(sound[:, None], lambda position: position)
@@ -39,7 +39,7 @@ def test_channels_are_mixed(channels: int) -> None:
     assert [event.time for event in mixed] == pytest.approx([event.time for event in one])
 
 
-def test_silence_and_return_are_told_once() -> None:
+def test_silence_and_return_are_reported_once() -> None:
     sound, _ = clicks(120, RATE, 4.0)
     still = np.zeros(3 * RATE, np.float32)
     analysis = AudioAnalysis(RATE)
@@ -51,7 +51,7 @@ def test_silence_and_return_are_told_once() -> None:
     assert [time for _, time in told] == pytest.approx([0.8, 1.2, 3.3, 7.65, 8.05, 13.3], abs=0.15)
 
 
-def test_slow_single_clicks_are_no_silence() -> None:
+def test_slow_single_clicks_are_not_silence() -> None:
     sound, times = clicks(40, RATE, 20.0)
     events = AudioAnalysis(RATE).feed(sound[:, None], lambda position: position)
     late = [event for event in events if event.time > 8.0]
@@ -60,7 +60,7 @@ def test_slow_single_clicks_are_no_silence() -> None:
     assert all(min(abs(time - beat) for beat in beats) < 0.05 for time in times[(times > 8.5) & (times < 18.0)])
 
 
-def test_nan_in_one_channel_is_no_end() -> None:
+def test_nan_in_one_channel_does_not_stop_beats() -> None:
     sound, _ = clicks(120, RATE, 12.0)
     both = np.stack([sound, sound], axis=1)
     both[::5000, 1] = np.nan
@@ -70,18 +70,18 @@ def test_nan_in_one_channel_is_no_end() -> None:
     assert analysis.tracker.bad_samples == len(range(0, sound.size - analysis.tracker.wanted + 1, 5000))
 
 
-def told_by_hand(seeds: deque[TrackerHint]) -> AudioAnalysis:
-    """An analysis that has taken up the seeds."""
+def make_seeded_analysis(seeds: deque[TrackerHint]) -> AudioAnalysis:
+    """An analysis that has consumed the hints."""
     analysis = AudioAnalysis(RATE, seeds=seeds)
     analysis.feed(np.zeros((1, 1), np.float32), lambda position: position)
     return analysis
 
 
 @pytest.mark.parametrize("between", ["network", "aubio"])
-def test_what_was_told_by_hand_outlives_an_analysis_that_is_made_anew(between: TrackerName) -> None:
+def test_manual_hints_survive_a_new_analysis(between: TrackerName) -> None:
     seeds = deque([TrackerHint("metre", 0.0, 3.0), TrackerHint("tempo", 0.0, 63.0)])
     middle = AudioAnalysis(RATE, tracker=between)
-    middle.take_over(told_by_hand(seeds))
+    middle.take_over(make_seeded_analysis(seeds))
     last = AudioAnalysis(RATE)
     last.take_over(middle)
     sound, _ = clicks(126.0, RATE, 10.0, 0.0)
@@ -91,8 +91,8 @@ def test_what_was_told_by_hand_outlives_an_analysis_that_is_made_anew(between: T
     assert last.tracker.pointer.metre == 3
 
 
-def test_what_was_let_go_is_not_told_again() -> None:
-    former = told_by_hand(
+def test_forgotten_hints_are_not_restored() -> None:
+    former = make_seeded_analysis(
         deque([TrackerHint("metre", 0.0, 3.0), TrackerHint("tempo", 0.0, 38.0), TrackerHint("forget", 0.0)])
     )
     last = AudioAnalysis(RATE)

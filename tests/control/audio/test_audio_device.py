@@ -1,4 +1,4 @@
-"""Listening to a device: a real input over PulseAudio, with music, without, and gone."""
+"""Tests of a real audio input over PulseAudio: with music, without music, and with a killed server."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,7 +19,7 @@ from tests.control.waiting import wait_for
 
 
 class Listener:
-    """An AudioInput with a follower at its inbox."""
+    """An AudioInput with a follower at its queue."""
 
     def __init__(self, clock: SystemClock) -> None:
         self.clock = clock
@@ -42,7 +42,7 @@ class Listener:
         self.loudest = max(self.loudest, self.input.level)
 
     def dances(self, bpm: float) -> bool:
-        """After a turn: whether it is locked at this tempo, the last ten beats to 20 ms whole or half ones."""
+        """Whether, after a turn, it is locked at this tempo and the last ten beats are whole or half beats to 20 ms."""
         self.turn()
         steps = np.diff(self.beats[-11:]) * bpm / 30.0  # half beats
         even = np.percentile(np.abs(steps - np.round(steps)), 90) < 0.02 * bpm / 30.0 if steps.size == 10 else False
@@ -68,8 +68,8 @@ def listener(pulse_sink: PulseSink) -> Iterator[Listener]:
 
 
 @pytest.mark.pulse
-def test_music_in_the_room_is_locked_to(pulse_sink: PulseSink, listener: Listener, tmp_path: Path) -> None:
-    """On a machine so busy that sound is lost in between, a few seconds later."""
+def test_follower_locks_to_recorded_music(pulse_sink: PulseSink, listener: Listener, tmp_path: Path) -> None:
+    """On a busy machine that loses sound, the lock comes a few seconds later."""
     pulse_sink.play(write_wav(tmp_path / "groove.wav", groove(120.0, 48_000, 60.0), 48_000))
     assert wait_for(lambda: listener.dances(120.0), 50.0)
     assert listener.follower.source == "audio"
@@ -77,14 +77,14 @@ def test_music_in_the_room_is_locked_to(pulse_sink: PulseSink, listener: Listene
 
 
 @pytest.mark.pulse
-def test_silence_in_the_room_is_told(listener: Listener) -> None:
+def test_silence_is_reported(listener: Listener) -> None:
     assert listener.hears("silent", 10.0)
     assert listener.follower.state == "internal"
 
 
 @pytest.mark.long
 @pytest.mark.pulse
-def test_a_server_that_is_killed_is_lost_and_found_again_with_another_card(
+def test_killed_server_is_lost_then_found_with_other_format(
     pulse_sink: PulseSink, listener: Listener, tmp_path: Path
 ) -> None:
     pulse_sink.play(write_wav(tmp_path / "groove.wav", groove(120.0, 48_000, 30.0), 48_000))

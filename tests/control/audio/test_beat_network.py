@@ -1,4 +1,4 @@
-"""The weights that come with the engine: there, small, whole, and of use on a plain groove."""
+"""Tests of the bundled beat-network weights: size, damage, and beats of a plain groove."""
 
 from importlib.resources import files
 
@@ -19,9 +19,7 @@ def test_the_weights_are_small() -> None:
 
 
 @pytest.mark.parametrize("cut", [0, 3, 1000, -30, "middle"])
-def test_where_the_weights_are_damaged_aubio_listens_and_says_so(
-    monkeypatch: pytest.MonkeyPatch, cut: int | str
-) -> None:
+def test_damaged_weights_fall_back_to_aubio_with_note(monkeypatch: pytest.MonkeyPatch, cut: int | str) -> None:
     data = bytearray(files("live.clock.tracking").joinpath("weights.npz").read_bytes())
     if isinstance(cut, int):
         del data[cut:]
@@ -45,7 +43,7 @@ def test_where_the_weights_are_damaged_aubio_listens_and_says_so(
     assert "the beat network's weights cannot be read" in note
 
 
-def test_the_network_hears_the_beats_of_a_groove() -> None:
+def test_network_detects_beats_of_a_groove() -> None:
     bpm = 110.0
     sound = groove(bpm, RATE, 14.0)
     hearing = ActivationStream(RATE, BeatNetwork(beat_weights()))

@@ -1,4 +1,4 @@
-"""The round trip, on devices whose delays are known exactly."""
+"""Round-trip measurement on simulated devices with known delays."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ TRAIN = sweep_train(48_000.0, 8)
 BLOCK = 512
 
 
-def room(
+def simulate_recording(
     delay: float,
     *,
     rate: float = 48_000.0,
@@ -26,7 +26,7 @@ def room(
     out_block: int = 1024,
     seed: int = 0,
 ) -> Recording:
-    """Output and input of which a sample handed over at t is there at t + delay, whatever callbacks do."""
+    """A recording in which a sample written at t is recorded at t + delay, at any callback times."""
     rng = np.random.default_rng(seed)
     seconds = len(TRAIN.sound) / TRAIN.sample_rate
     begin, true_rate = 7.0, rate * (1.0 + ppm * 1e-6)
@@ -44,8 +44,8 @@ def room(
 
 @settings(max_examples=12, deadline=None)
 @given(delay=st.floats(-0.03, 1.3), rate=st.sampled_from([22_050.0, 44_100.0, 48_000.0, 96_000.0]))
-def test_a_known_delay_is_measured_exactly(delay: float, rate: float) -> None:
-    trip = measure(TRAIN, room(delay, rate=rate))
+def test_known_delay_is_measured_exactly(delay: float, rate: float) -> None:
+    trip = measure(TRAIN, simulate_recording(delay, rate=rate))
     assert trip.seconds == pytest.approx(delay, abs=5e-5)
     assert trip.spread < 5e-5
     assert trip.detected == trip.total == 8
@@ -63,33 +63,33 @@ def test_a_known_delay_is_measured_exactly(delay: float, rate: float) -> None:
     ],
     ids=str,
 )
-def test_noise_echoes_polarity_drift_and_late_callbacks_change_it_by_less_than_a_millisecond(
+def test_disturbances_change_measured_delay_under_one_millisecond(
     how: dict[str, float],
 ) -> None:
-    assert measure(TRAIN, room(0.0874, **how)).seconds == pytest.approx(0.0874, abs=1e-3)
+    assert measure(TRAIN, simulate_recording(0.0874, **how)).seconds == pytest.approx(0.0874, abs=1e-3)
 
 
 def test_silence_is_refused_with_a_remedy() -> None:
     with pytest.raises(PersonError, match="the recording is silent") as caught:
-        measure(TRAIN, room(0.05, gain=0.0))
+        measure(TRAIN, simulate_recording(0.05, gain=0.0))
     assert caught.value.remedy
 
 
 def test_noise_alone_is_refused_with_a_remedy() -> None:
     with pytest.raises(PersonError, match="sweeps were heard") as caught:
-        measure(TRAIN, room(0.05, gain=0.0, noise=0.1))
+        measure(TRAIN, simulate_recording(0.05, gain=0.0, noise=0.1))
     assert caught.value.remedy
 
 
-def test_nan_is_silence() -> None:
-    recording = room(0.05)
+def test_nan_samples_count_as_silence() -> None:
+    recording = simulate_recording(0.05)
     sound = recording.sound.copy()
     sound[::17] = np.nan
     assert measure(TRAIN, replace(recording, sound=sound)).seconds == pytest.approx(0.05, abs=1e-3)
 
 
-def test_a_delay_that_wanders_is_refused() -> None:
-    recording = room(0.05)
+def test_drifting_delay_is_refused() -> None:
+    recording = simulate_recording(0.05)
     wandering = [(f, t + 0.015 * (n // 130)) for n, (f, t) in enumerate(recording.input_stamps)]
     with pytest.raises(PersonError, match=r"apart|only"):
         measure(TRAIN, replace(recording, input_stamps=wandering))

@@ -1,4 +1,4 @@
-"""Calibration through devices: a loop of a known length, and a real PulseAudio."""
+"""Calibration through devices: a loopback of known length, and a real PulseAudio."""
 
 from dataclasses import replace
 from typing import Any
@@ -19,8 +19,8 @@ RATE = 48_000.0
 DEVICE = SoundDevice(0, "loop", "ALSA", 2, RATE, True)
 
 
-class Loop:
-    """An output that is wired to an input through `delay` frames; `wait` lets time pass."""
+class Loopback:
+    """An output that is connected to an input with `delay` frames; `wait` lets time pass."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, delay: int) -> None:
         self.clock = ManualClock(3.0)
@@ -30,7 +30,7 @@ class Loop:
         monkeypatch.setattr(latency_sweep, "open_stream", self.open)
         monkeypatch.setattr(latency_sweep, "close_stream", lambda stream: None)
 
-    def open(self, kind: str, **options: Any) -> "Loop":
+    def open(self, kind: str, **options: Any) -> "Loopback":
         self.callbacks[kind] = options["callback"]
         return self
 
@@ -46,8 +46,8 @@ class Loop:
 
 
 @pytest.mark.parametrize("delay", [600, 4_801, 24_000])
-def test_a_loop_of_a_known_length_is_measured_to_the_sample(monkeypatch: pytest.MonkeyPatch, delay: int) -> None:
-    loop, train = Loop(monkeypatch, delay), sweep_train(RATE, 8)
+def test_loopback_delay_is_measured_to_the_sample(monkeypatch: pytest.MonkeyPatch, delay: int) -> None:
+    loop, train = Loopback(monkeypatch, delay), sweep_train(RATE, 8)
     microphone = Microphone(DEVICE, Channels(), 30.0, loop.clock)
     loop.wait(0.5)
     recording, reported = play_and_record(train, DEVICE, microphone, loop.clock, loop.wait)
@@ -56,14 +56,14 @@ def test_a_loop_of_a_known_length_is_measured_to_the_sample(monkeypatch: pytest.
     assert reported == 0.02
 
 
-def test_an_output_that_plays_nothing_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    loop = Loop(monkeypatch, 600)
+def test_silent_output_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    loop = Loopback(monkeypatch, 600)
     microphone = Microphone(DEVICE, Channels(), 30.0, loop.clock)
     with pytest.raises(PersonError, match="loop plays nothing"):
         play_and_record(sweep_train(RATE, 3), DEVICE, microphone, loop.clock, loop.clock.advance)
 
 
-def test_a_device_that_refuses_is_a_person_error(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_device_refusal_is_a_person_error(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(kind: str, **options: Any) -> None:
         raise RuntimeError("Device unavailable")
 
@@ -74,8 +74,8 @@ def test_a_device_that_refuses_is_a_person_error(monkeypatch: pytest.MonkeyPatch
         Microphone(DEVICE, Channels.parse("7"), 1.0, ManualClock())
 
 
-def through_pulse(inserted: float) -> RoundTrip:
-    """The round trip over PulseAudio, with so much silence [s] inserted that the measurement knows nothing of."""
+def measure_pulse(inserted: float) -> RoundTrip:
+    """The round trip over PulseAudio, with inserted silence [s] that is unknown to the measurement."""
     clock, pulse = SystemClock(), find_device("pulse")
     train = sweep_train(pulse.sample_rate, 3)
     later = np.concatenate([np.zeros(int(inserted * pulse.sample_rate), np.float32), train.sound])
@@ -90,7 +90,7 @@ def through_pulse(inserted: float) -> RoundTrip:
 
 @pytest.mark.long
 @pytest.mark.pulse
-def test_over_pulseaudio_it_is_the_same_each_time_and_an_inserted_delay_is_found(pulse_sink: PulseSink) -> None:
-    first, second = through_pulse(0.0), through_pulse(0.060)
+def test_inserted_delay_is_measured_over_pulseaudio(pulse_sink: PulseSink) -> None:
+    first, second = measure_pulse(0.0), measure_pulse(0.060)
     assert 0.002 < first.seconds < 0.150
     assert second.seconds - first.seconds == pytest.approx(0.060, abs=0.006)

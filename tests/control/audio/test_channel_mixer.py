@@ -1,4 +1,4 @@
-"""One channel out of many: what is chosen, and that a mute or opposed one does no harm."""
+"""Tests of channel selection and mixing: many channels, mute channels and opposite polarity."""
 
 import contextlib
 
@@ -19,23 +19,23 @@ BLOCK = 512
     ("words", "numbers"),
     [("3", (2,)), ("5,6", (4, 5)), (" 5 + 6 ", (4, 5)), ("all", ()), ([5, 6], (4, 5)), ("1", (0,))],
 )
-def test_channels_are_named_from_one(words: str | list[int], numbers: tuple[int, ...]) -> None:
+def test_channel_numbers_start_at_one(words: str | list[int], numbers: tuple[int, ...]) -> None:
     assert Channels.parse(words).numbers == numbers
 
 
 @pytest.mark.parametrize("words", ["", "0", "left", "1,1", "-1", "999", "1,", [], [0], [True], "1.5"])
-def test_no_channels(words: str | list[int]) -> None:
+def test_invalid_channel_lists_are_refused(words: str | list[int]) -> None:
     with pytest.raises(PersonError, match="channels"):
         Channels.parse(words)
 
 
 @given(st.text(max_size=12))
-def test_any_words_give_channels_or_a_person_error(words: str) -> None:
+def test_any_text_gives_channels_or_a_person_error(words: str) -> None:
     with contextlib.suppress(PersonError):
         assert Channels.parse(str(Channels.parse(words))) == Channels.parse(words)
 
 
-def test_a_device_with_fewer_channels_gives_those_it_has() -> None:
+def test_missing_channels_fall_back_to_existing_channels() -> None:
     five_six = Channels.parse("5,6")
     assert five_six.select(32) == (4, 5)
     assert five_six.select(2) == (0, 1)
@@ -46,7 +46,7 @@ def test_a_device_with_fewer_channels_gives_those_it_has() -> None:
     assert Channels().select(1) == (0,)
 
 
-def mixed(sound: npt.NDArray[np.float32], chosen: tuple[int, ...]) -> npt.NDArray[np.float32]:
+def mix_blocks(sound: npt.NDArray[np.float32], chosen: tuple[int, ...]) -> npt.NDArray[np.float32]:
     mixer = ChannelMixer(chosen, RATE, BLOCK)
     return np.concatenate([mixer.mix(sound[at : at + BLOCK]).copy() for at in range(0, len(sound), BLOCK)])
 
@@ -61,40 +61,40 @@ def rms(sound: npt.NDArray[np.float32]) -> float:
     return float(np.sqrt(np.mean(np.square(sound[-48_000:], dtype=np.float64))))
 
 
-def test_one_channel_of_32_is_that_one() -> None:
+def test_one_chosen_channel_of_32_is_unchanged() -> None:
     sound = noise(32)
-    assert np.array_equal(mixed(sound, (16,)), sound[:, 16])
+    assert np.array_equal(mix_blocks(sound, (16,)), sound[:, 16])
 
 
-def test_two_channels_alike_are_their_mean() -> None:
+def test_two_identical_channels_mix_to_their_mean() -> None:
     sound = np.repeat(noise(1), 2, axis=1)
-    assert np.allclose(mixed(sound, (0, 1)), sound[:, 0], atol=1e-6)
+    assert np.allclose(mix_blocks(sound, (0, 1)), sound[:, 0], atol=1e-6)
 
 
 @pytest.mark.parametrize("hum", [0.0, 3e-4])
-def test_a_mute_channel_does_not_halve_the_level(hum: float) -> None:
+def test_mute_channel_does_not_halve_the_level(hum: float) -> None:
     sound = noise(2)
     sound[:, 1] *= hum / 0.1
-    assert rms(mixed(sound, (0, 1))) == pytest.approx(rms(sound[:, 0]), rel=0.01)
-    assert rms(mixed(np.pad(noise(1), ((0, 0), (7, 24))), tuple(range(32)))) == pytest.approx(0.1, rel=0.02)
+    assert rms(mix_blocks(sound, (0, 1))) == pytest.approx(rms(sound[:, 0]), rel=0.01)
+    assert rms(mix_blocks(np.pad(noise(1), ((0, 0), (7, 24))), tuple(range(32)))) == pytest.approx(0.1, rel=0.02)
 
 
-def test_a_channel_that_goes_mute_is_left_out_without_a_click() -> None:
+def test_muted_channel_is_faded_out_without_a_click() -> None:
     t = np.arange(int(8.0 * RATE) // BLOCK * BLOCK) / RATE
     tone = (0.5 * np.sin(2.0 * np.pi * 200.0 * t)).astype(np.float32)
     sound = np.stack([tone, tone * (t < 2.0)], axis=1)
-    heard = mixed(sound, (0, 1))
+    heard = mix_blocks(sound, (0, 1))
     assert rms(heard) == pytest.approx(rms(tone), rel=0.01)
     after = int(2.1 * RATE)
     assert np.abs(np.diff(heard[after:])).max() < 1.1 * np.abs(np.diff(tone)).max()
 
 
-def test_a_pair_wired_the_wrong_way_round_is_heard() -> None:
+def test_pair_with_opposite_polarity_is_not_cancelled() -> None:
     sound = noise(1) * np.array([1.0, -1.0], np.float32)
-    assert rms(mixed(sound, (0, 1))) == pytest.approx(0.1, rel=0.02)
+    assert rms(mix_blocks(sound, (0, 1))) == pytest.approx(0.1, rel=0.02)
 
 
-def test_a_channel_full_of_nan_is_silent_and_counted() -> None:
+def test_nan_channel_is_silent_and_counted() -> None:
     sound = noise(2)
     sound[:, 1] = np.nan
     sound[100:120, 0] = np.inf

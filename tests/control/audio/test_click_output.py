@@ -1,4 +1,4 @@
-"""The click on a real output: PulseAudio's null sink, whose monitor is recorded."""
+"""Tests of the click output: a simulated card, and PulseAudio's null sink whose monitor is recorded."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -21,8 +21,8 @@ from tests.control.waiting import wait_for
 TEMPO = 200.0
 
 
-def clicks_in(sound: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
-    """Seconds into a recording at which clicks begin, and their frequencies [Hz]."""
+def find_clicks(sound: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
+    """Seconds into a recording at which clicks start, and their frequencies [Hz]."""
     loud = np.flatnonzero(np.abs(sound) > 0.05)
     begins = loud[np.flatnonzero(np.diff(loud, prepend=-rate) > 0.1 * rate)]
     begins = begins[begins < len(sound) - 0.03 * rate]
@@ -34,8 +34,8 @@ def clicks_in(sound: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 @dataclass
-class Card:
-    """A sound card that is not there: it takes some samples at once, pauses, and then plays, at its own rate."""
+class FakeCard:
+    """A fake sound card: it takes some samples at once, pauses, and then plays at its own rate."""
 
     clock: ManualClock
     rate: float
@@ -44,7 +44,7 @@ class Card:
     latency: float = 0.0
     options: dict[str, Any] = field(default_factory=dict)
 
-    def open(self, _kind: str, **options: Any) -> "Card":
+    def open(self, _kind: str, **options: Any) -> "FakeCard":
         self.options = options
         return self
 
@@ -53,7 +53,7 @@ class Card:
         return self.pause + frame / self.rate
 
     def run(self, seconds: float, click: ClickOutput, chance: np.random.Generator) -> np.ndarray:
-        """All the samples asked for; callbacks come when there is room, or late, and in bunches when late."""
+        """All requested samples; callbacks run when the buffer has room, or late, and in bursts when late."""
         blocks, frame, due = [], 0, 0.0
         while due < seconds:
             due = max(due, self.played_at(frame - self.buffered) if frame >= self.buffered else 0.0)
@@ -67,11 +67,11 @@ class Card:
         return np.concatenate(blocks)
 
 
-def test_a_pause_lateness_and_another_rate_do_not_move_the_clicks(
+def test_card_pause_latency_and_rate_do_not_shift_clicks(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     clock = ManualClock()
-    card = Card(clock, 48_000.0 * 1.00008)
+    card = FakeCard(clock, 48_000.0 * 1.00008)
     monkeypatch.setattr(click_output, "find_device", lambda *_: SoundDevice(0, "drummer", "ALSA", 4, 48_000.0, True))
     monkeypatch.setattr(click_output, "open_stream", card.open)
     monkeypatch.setattr(click_output, "close_stream", lambda stream: None)
@@ -81,25 +81,25 @@ def test_a_pause_lateness_and_another_rate_do_not_move_the_clicks(
     click.open()
     sound = card.run(40.0, click, np.random.default_rng(2))
     assert not sound[:, :2].any()
-    begins, _ = clicks_in(sound[:, 2], 48_000.0)
+    begins, _ = find_clicks(sound[:, 2], 48_000.0)
     times = np.array([card.played_at(begin * 48_000.0) for begin in begins])
     assert times[0] < 5.0
     beats = np.array([timeline.beat_at(at) for at in times])
     assert np.array_equal(np.diff(np.round(beats)), np.ones(len(beats) - 1))
-    off = off_beat(times, timeline)
+    off = beat_offsets(times, timeline)
     assert np.abs(off).max() < 0.005
     assert np.abs(off[len(off) // 3 :]).max() < 0.003
     assert click.track.missed == 0
 
 
 @pytest.mark.pulse
-def test_clicks_are_heard_on_the_beats_and_accented_on_the_lines(pulse_sink: PulseSink) -> None:
+def test_recorded_clicks_match_beats_and_measure_accents(pulse_sink: PulseSink) -> None:
     for _ in range(2):  # a machine that stands still for a tenth of a second loses sound: then once more
         clock, timeline = SystemClock(), Timeline(tempo=TEMPO)
         click = ClickOutput("pulse", clock, click_voices)
         click.set_timeline(timeline)
-        times, hertz = heard(recorded(click, clock))
-        off = off_beat(times, timeline)
+        times, hertz = click_times(record_clicks(click, clock))
+        off = beat_offsets(times, timeline)
         first, rest = off[:6], off[6:]
         if np.quantile(np.abs(rest - np.median(first)), 0.8) <= 0.005:
             break
@@ -112,8 +112,8 @@ def test_clicks_are_heard_on_the_beats_and_accented_on_the_lines(pulse_sink: Pul
         assert frequency == pytest.approx(wanted, abs=40.0)
 
 
-def recorded(click: ClickOutput, clock: SystemClock) -> Microphone:
-    """Some 20 clicks; nothing else is done meanwhile, for callbacks wait for the interpreter."""
+def record_clicks(click: ClickOutput, clock: SystemClock) -> Microphone:
+    """Records about 20 clicks; nothing else runs meanwhile, because callbacks need the interpreter."""
     microphone = Microphone(find_device("pulse"), Channels(), 30.0, clock)
     click.start()
     try:
@@ -124,19 +124,19 @@ def recorded(click: ClickOutput, clock: SystemClock) -> Microphone:
     return microphone
 
 
-def heard(microphone: Microphone) -> tuple[np.ndarray, np.ndarray]:
-    """When clicks were there [s of the show], and their frequencies [Hz]."""
-    begins, hertz = clicks_in(microphone.sound(), microphone.sample_rate)
+def click_times(microphone: Microphone) -> tuple[np.ndarray, np.ndarray]:
+    """Show times [s] of recorded clicks, and their frequencies [Hz]."""
+    begins, hertz = find_clicks(microphone.sound(), microphone.sample_rate)
     return microphone.time_of(begins), hertz
 
 
-def off_beat(times: np.ndarray, timeline: Timeline) -> np.ndarray:
-    """How much later [s] than its beat each was."""
+def beat_offsets(times: np.ndarray, timeline: Timeline) -> np.ndarray:
+    """The lateness [s] of each time against its nearest beat."""
     beats = np.array([timeline.beat_at(at) for at in times])
     return (beats - np.round(beats)) * 60.0 / timeline.tempo
 
 
-def test_an_output_that_is_not_there_or_lacks_channels_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_output_or_channel_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def unknown(*_: object) -> None:
         raise UnknownDevice("no sound output 'drummer'; there are: …")
 
@@ -148,7 +148,7 @@ def test_an_output_that_is_not_there_or_lacks_channels_is_said(monkeypatch: pyte
         ClickOutput("drummer", SystemClock(), click_voices, channels=Channels.parse("3"))
 
 
-def test_an_output_that_goes_away_is_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_lost_output_is_reopened(monkeypatch: pytest.MonkeyPatch) -> None:
     opened: list[dict[str, object]] = []
 
     class Stream:

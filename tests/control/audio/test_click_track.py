@@ -1,4 +1,4 @@
-"""Clicks in blocks of sound: each beat once and to the sample, whatever the Timeline and the blocks are."""
+"""Tests of the click track: each beat once and sample-accurate, for any timeline and block size."""
 
 from collections.abc import Iterator
 
@@ -15,8 +15,8 @@ ACCENT = np.full(960, 1.0, np.float32)
 BEAT = np.full(960, 0.5, np.float32)
 
 
-def played(track: ClickTrack, timelines: Iterator[tuple[Timeline, float]], sizes: list[int]) -> np.ndarray:
-    """The sound of blocks of these sizes from 0 s on, each after the next Timeline was shown."""
+def render_blocks(track: ClickTrack, timelines: Iterator[tuple[Timeline, float]], sizes: list[int]) -> np.ndarray:
+    """The sound of blocks of these sizes from 0 s on, each after the next timeline was set."""
     sound = np.zeros(sum(sizes), np.float32)
     start = 0
     for size in sizes:
@@ -27,12 +27,12 @@ def played(track: ClickTrack, timelines: Iterator[tuple[Timeline, float]], sizes
 
 
 def onsets(sound: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Frames at which clicks begin, and whether they are accents."""
+    """Frames at which clicks start, and whether they are accents."""
     frames = np.flatnonzero(np.diff(sound, prepend=0.0) > 0.2)
     return frames, sound[frames] > 0.75
 
 
-def always(timeline: Timeline, one: float = -np.inf) -> Iterator[tuple[Timeline, float]]:
+def repeat_timeline(timeline: Timeline, one: float = -np.inf) -> Iterator[tuple[Timeline, float]]:
     while True:
         yield timeline, one
 
@@ -44,11 +44,11 @@ def always(timeline: Timeline, one: float = -np.inf) -> Iterator[tuple[Timeline,
     origin=st.floats(-3.0, 3.0),
     sizes=st.lists(st.integers(16, 4000), min_size=20, max_size=60),
 )
-def test_each_beat_lies_on_its_sample_and_the_first_of_a_measure_is_accented(
+def test_clicks_are_sample_accurate_with_accented_downbeats(
     tempo: float, metre: int, origin: float, sizes: list[int]
 ) -> None:
     timeline = Timeline(tempo=tempo, beats_per_measure=metre, beat_origin=origin, measure_origin=1.0)
-    frames, accents = onsets(played(ClickTrack(ACCENT, BEAT), always(timeline), sizes))
+    frames, accents = onsets(render_blocks(ClickTrack(ACCENT, BEAT), repeat_timeline(timeline), sizes))
     end = sum(sizes) / RATE
     beats = np.arange(np.ceil(timeline.beat_at(0.0)), timeline.beat_at(end) + 1)
     times = np.array([timeline.time_at(beat) for beat in beats])
@@ -61,7 +61,7 @@ def test_each_beat_lies_on_its_sample_and_the_first_of_a_measure_is_accented(
 
 @settings(max_examples=15, deadline=None)
 @given(seed=st.integers(0, 1000), spread=st.floats(0.0, 0.2))
-def test_no_beat_is_skipped_or_doubled_while_the_timeline_is_slewed(seed: int, spread: float) -> None:
+def test_slewed_timeline_skips_or_doubles_no_beat(seed: int, spread: float) -> None:
     chance = np.random.default_rng(seed)
     line = Timeline(tempo=120.0)
 
@@ -72,7 +72,7 @@ def test_no_beat_is_skipped_or_doubled_while_the_timeline_is_slewed(seed: int, s
             yield line, -np.inf
 
     track = ClickTrack(ACCENT, BEAT)
-    frames, accents = onsets(played(track, slewed(), [512] * 400))
+    frames, accents = onsets(render_blocks(track, slewed(), [512] * 400))
     passed = int(np.floor(line.beat_at(512 * 400 / RATE - 0.02))) + 1  # beat 0 is at the beginning
     assert abs(len(frames) - passed) <= 1
     assert track.missed == 0
@@ -81,7 +81,7 @@ def test_no_beat_is_skipped_or_doubled_while_the_timeline_is_slewed(seed: int, s
     assert np.diff(frames).min() > 0.3 * RATE
 
 
-def test_a_beat_that_a_jump_leaves_far_behind_is_not_clicked_late() -> None:
+def test_beat_far_behind_a_jump_is_missed() -> None:
     track, out = ClickTrack(ACCENT, BEAT), np.zeros(480, np.float32)
     track.set_timeline(Timeline(tempo=60.0, beat_origin=0.5))
     track.fill(out, 0.0, 0.01)
@@ -94,17 +94,17 @@ def test_a_beat_that_a_jump_leaves_far_behind_is_not_clicked_late() -> None:
     assert out[0] == pytest.approx(0.5)  # 10 ms late: at once
 
 
-def test_a_count_in_is_heard_though_the_click_is_off_and_ends_on_the_one() -> None:
+def test_count_in_clicks_until_downbeat_with_click_off() -> None:
     timeline = Timeline(tempo=120.0, measure_origin=-1.0)  # lines at 3, 7 … until the one comes
     track = ClickTrack(ACCENT, BEAT, on=False)
-    frames, accents = onsets(played(track, always(timeline, one=6.0), [480] * 500))
+    frames, accents = onsets(render_blocks(track, repeat_timeline(timeline, one=6.0), [480] * 500))
     assert [round(frame / RATE * 2.0) for frame in frames] == [0, 1, 2, 3, 4, 5, 6]
     assert [round(frame / RATE * 2.0) for frame in frames[accents]] == [2, 6]
     track = ClickTrack(ACCENT, BEAT, on=False)
-    assert not played(track, always(timeline), [480] * 100).any()
+    assert not render_blocks(track, repeat_timeline(timeline), [480] * 100).any()
 
 
-def test_before_a_timeline_is_shown_it_is_silent() -> None:
+def test_track_without_timeline_is_silent() -> None:
     out = np.ones(64, np.float32)
     ClickTrack(ACCENT, BEAT).fill(out, 0.0, 0.01)
     assert not out.any()

@@ -1,4 +1,4 @@
-"""The ring between the callback and the analysis."""
+"""Tests of the ring buffer between the audio callback and the analysis."""
 
 import tracemalloc
 
@@ -7,7 +7,7 @@ import numpy as np
 from live.control.audio.device_stream import STAMPS, RingBuffer
 
 
-def test_what_is_written_is_read_once_and_in_order() -> None:
+def test_written_samples_are_read_once_in_order() -> None:
     ring, sound, read = RingBuffer(1000, 2), np.arange(9000, dtype=np.float32), []
     sizes = np.random.default_rng(0).integers(1, 250, 60)
     start = 0
@@ -22,7 +22,7 @@ def test_what_is_written_is_read_once_and_in_order() -> None:
     assert ring.overrun == 0
 
 
-def test_a_reader_that_slept_loses_the_oldest_and_knows_it() -> None:
+def test_late_reader_loses_oldest_samples_and_counts_overrun() -> None:
     ring = RingBuffer(1000, 1)
     for start in range(0, 5000, 100):
         ring.write(np.arange(start, start + 100, dtype=np.float32)[:, None], start / 1000.0)
@@ -31,20 +31,20 @@ def test_a_reader_that_slept_loses_the_oldest_and_knows_it() -> None:
     assert ring.read().shape == (0, 1)
 
 
-def test_stamps_say_when_how_much_was_there() -> None:
+def test_stamps_hold_frame_counts_and_times() -> None:
     ring = RingBuffer(1000, 1)
     ring.write(np.zeros((64, 1), np.float32), 1.0)
     ring.write(np.zeros((64, 1), np.float32), 2.0)
     assert [ring.pop_stamp(), ring.pop_stamp(), ring.pop_stamp()] == [(64, 1.0), (128, 2.0), None]
 
 
-def test_a_block_longer_than_the_ring_leaves_its_end() -> None:
+def test_block_longer_than_ring_keeps_its_end() -> None:
     ring = RingBuffer(10, 1)
     ring.write(np.arange(25, dtype=np.float32)[:, None], 0.0)
     assert ring.read()[:, 0].tolist() == [20, 21, 22, 23, 24]
 
 
-def test_a_reader_that_slept_gets_the_newest_times() -> None:
+def test_late_reader_receives_newest_stamps() -> None:
     ring = RingBuffer(1000, 1)
     for n in range(2 * STAMPS):
         ring.write(np.zeros((8, 1), np.float32), float(n))
@@ -54,7 +54,7 @@ def test_a_reader_that_slept_gets_the_newest_times() -> None:
     assert times == [(8 * (n + 1), float(n)) for n in range(STAMPS + STAMPS // 2, 2 * STAMPS)]
 
 
-def test_nothing_is_kept_or_allocated_for_a_block() -> None:
+def test_ring_allocates_no_memory_per_block() -> None:
     ring, block = RingBuffer(48_000, 2), np.zeros((512, 2), np.float32)
     for _ in range(100):
         ring.write(block, 0.0)

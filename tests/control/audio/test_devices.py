@@ -1,4 +1,4 @@
-"""Sound devices: found by name, index or default; unknown ones are answered with a list."""
+"""Tests of sound device lookup: by name, index or default; unknown devices are answered with a list."""
 
 import builtins
 import sys
@@ -17,19 +17,19 @@ DEVICES = [
 
 
 @pytest.fixture
-def three(monkeypatch: pytest.MonkeyPatch) -> None:
+def three_devices(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(devices, "_list", lambda kind: DEVICES)
 
 
-@pytest.mark.usefixtures("three")
+@pytest.mark.usefixtures("three_devices")
 @pytest.mark.parametrize(
     ("text", "index"), [(None, 3), (7, 7), ("7", 7), ("pulse", 3), ("PULSE", 3), ("usb", 7), ("alc295", 0)]
 )
-def test_a_device_is_found(text: str | int | None, index: int) -> None:
+def test_device_is_found_by_name_index_or_default(text: str | int | None, index: int) -> None:
     assert find_device(text).index == index
 
 
-def test_a_device_that_was_away_is_never_mistaken_for_one_whose_name_contains_its_own(
+def test_reconnected_device_is_matched_by_exact_name(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     own = SoundDevice(3, "USB Pulse", "ALSA", 2, 48_000.0, True)
@@ -43,21 +43,21 @@ def test_a_device_that_was_away_is_never_mistaken_for_one_whose_name_contains_it
     assert find_again(own).index == 5  # in its own sound system
 
 
-@pytest.mark.usefixtures("three")
+@pytest.mark.usefixtures("three_devices")
 @pytest.mark.parametrize("text", ["theremin", "", "  ", 5, "5", "-1"])
-def test_an_unknown_device_is_answered_with_a_list(text: str | int) -> None:
+def test_unknown_device_error_lists_all_devices(text: str | int) -> None:
     with pytest.raises(UnknownDevice) as caught:
         find_device(text)
     assert all(device.name in str(caught.value) for device in DEVICES)
 
 
-def test_no_device_at_all(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_devices_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(devices, "_list", lambda kind: [])
     with pytest.raises(UnknownDevice, match="no sound output at all"):
         find_device(None, "output")
 
 
-def test_without_portaudio_the_remedy_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_portaudio_error_names_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     real = builtins.__import__
 
     def refuse(name: str, *arguments: Any, **keywords: Any) -> Any:

@@ -1,4 +1,4 @@
-"""The embedded music: it loops in whole measures, begins on a downbeat, and can be followed."""
+"""Tests of the embedded music: loops in whole measures, starts on a downbeat, and can be followed."""
 
 import numpy as np
 import pytest
@@ -18,36 +18,36 @@ def music() -> Music:
     return read_music(FILE)
 
 
-def test_it_is_small_and_a_whole_number_of_measures_long(music: Music) -> None:
+def test_file_is_small_and_has_whole_measures(music: Music) -> None:
     assert FILE.stat().st_size < 900_000
     measures = music.duration * piece.TEMPO / 60.0 / 4.0
     assert measures == pytest.approx(piece.MEASURES, abs=1e-5)
     assert music.samples.shape == (piece.LENGTH, 2)
 
 
-def test_the_first_kick_is_the_first_sample(music: Music) -> None:
-    """The decoded file lies on the score's first beat to a tenth of a millisecond (no encoder's delay is left)."""
+def test_first_kick_starts_at_first_sample(music: Music) -> None:
+    """The decoded file starts on the score's first beat to a tenth of a millisecond (no encoder delay remains)."""
     kick = piece.kick()
     heard = np.concatenate([music.samples[-2000:], music.samples[:12_000]]).mean(axis=1)
     match = np.correlate(heard, kick[:6000], "valid")
     assert abs(int(np.argmax(match)) - 2000) <= 5
 
 
-def test_the_seam_is_no_louder_a_step_than_any_measure_line(music: Music) -> None:
+def test_loop_seam_step_is_below_largest_measure_step(music: Music) -> None:
     seam = np.max(np.abs(music.samples[0] - music.samples[-1]))
     lines = [round(measure * piece.MEASURE) for measure in range(1, piece.MEASURES)]
     steps = [np.max(np.abs(np.diff(music.samples[line - 50 : line + 50], axis=0))) for line in lines]
     assert seam < np.max(steps)
 
 
-def test_it_is_as_loud_as_music_and_does_not_clip(music: Music) -> None:
+def test_loudness_is_in_range_without_clipping(music: Music) -> None:
     assert 0.7 < np.max(np.abs(music.samples)) <= 1.0
     assert -16.0 < 20.0 * np.log10(np.sqrt(np.mean(music.samples**2))) < -8.0
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("told", [True, False])
-def test_it_is_followed_through_the_break_and_over_the_seam(music: Music, told: bool) -> None:
+def test_follower_stays_locked_through_break_and_seam(music: Music, told: bool) -> None:
     follower = TimelineFollower(known_tempo=112.0, one_at=0.0) if told else TimelineFollower(one_at=0.0)
     offline = OfflineMusic(music)
     locked, errors = 0.0, []

@@ -1,4 +1,4 @@
-"""Music files: read, refused with a reason, and followed offline."""
+"""Tests of music files: decoding, refusals with reasons, looping, and offline analysis."""
 
 import math
 import wave
@@ -31,7 +31,7 @@ def write_wav(path: Path, sound: np.ndarray, rate: int = RATE) -> Path:
     return path
 
 
-def follow(music: OfflineMusic, follower: TimelineFollower, seconds: float) -> list[str]:
+def follow_states(music: OfflineMusic, follower: TimelineFollower, seconds: float) -> list[str]:
     states = []
     for tick in range(1, int(seconds / TICK) + 1):
         now = tick * TICK
@@ -47,7 +47,7 @@ def follow(music: OfflineMusic, follower: TimelineFollower, seconds: float) -> l
 
 
 @pytest.mark.parametrize(("channels", "kept"), [(1, 1), (2, 2), (6, 2)])
-def test_reads_what_was_written(tmp_path: Path, channels: int, kept: int) -> None:
+def test_file_samples_match_written_samples(tmp_path: Path, channels: int, kept: int) -> None:
     sound = np.random.default_rng(0).uniform(-0.5, 0.5, (RATE, channels)).astype(np.float32)
     music = read_music(write_wav(tmp_path / "noise.wav", sound))
     assert music.samples.shape == (RATE, kept)
@@ -56,58 +56,58 @@ def test_reads_what_was_written(tmp_path: Path, channels: int, kept: int) -> Non
         assert np.max(np.abs(music.samples - sound)) < 1e-4
 
 
-def test_the_rate_of_the_file_is_kept(tmp_path: Path) -> None:
+def test_sample_rate_of_file_is_kept(tmp_path: Path) -> None:
     music = read_music(write_wav(tmp_path / "slow.wav", np.zeros(22_050, np.float32), 22_050))
     assert (music.sample_rate, music.duration) == (22_050, 1.0)
 
 
-def refused(path: Path) -> str:
+def refusal(path: Path) -> str:
     with pytest.raises(MusicFileError) as caught:
         read_music(path)
     assert path.name in str(caught.value)
     return str(caught.value)
 
 
-def test_what_is_no_music_is_refused_with_a_reason(tmp_path: Path) -> None:
-    assert "no such file" in refused(tmp_path / "nothing.ogg")
-    assert "folder" in refused(tmp_path)
+def test_invalid_music_files_are_refused_with_reason(tmp_path: Path) -> None:
+    assert "no such file" in refusal(tmp_path / "nothing.ogg")
+    assert "folder" in refusal(tmp_path)
     text = tmp_path / "letter.mp3"
     text.write_text("Dear Sir or Madam, this is no music. " * 50)
-    assert "cannot be read as music" in refused(text)
+    assert "cannot be read as music" in refusal(text)
     empty = tmp_path / "empty.wav"
     empty.touch()
-    assert "cannot be read as music" in refused(empty)
+    assert "cannot be read as music" in refusal(empty)
     noise = tmp_path / "noise.flac"
     noise.write_bytes(np.random.default_rng(0).bytes(20_000))
-    refused(noise)
-    assert "0.00 s of sound" in refused(write_wav(tmp_path / "short.wav", np.zeros(10, np.float32)))
+    refusal(noise)
+    assert "0.00 s of sound" in refusal(write_wav(tmp_path / "short.wav", np.zeros(10, np.float32)))
 
 
-def test_a_rate_that_cannot_be_followed_is_refused(tmp_path: Path) -> None:
-    assert "sample rate" in refused(write_wav(tmp_path / "telephone.wav", np.zeros(4_000, np.float32), 4_000))
+def test_unsupported_sample_rate_is_refused(tmp_path: Path) -> None:
+    assert "sample rate" in refusal(write_wav(tmp_path / "telephone.wav", np.zeros(4_000, np.float32), 4_000))
 
 
-def test_a_picture_holds_no_sound(tmp_path: Path) -> None:
+def test_image_file_is_refused_without_sound(tmp_path: Path) -> None:
     from PIL import Image
 
     path = tmp_path / "picture.png"
     Image.new("RGB", (64, 64)).save(path)
-    assert "no sound" in refused(path)
+    assert "no sound" in refusal(path)
 
 
-def test_a_file_cut_off_in_the_middle_plays_as_far_as_it_goes(tmp_path: Path) -> None:
+def test_truncated_file_is_read_to_its_end(tmp_path: Path) -> None:
     whole = write_wav(tmp_path / "whole.wav", np.zeros(RATE, np.float32)).read_bytes()
     cut = tmp_path / "cut.wav"
     cut.write_bytes(whole[: len(whole) // 2])
     assert read_music(cut).duration == pytest.approx(0.5, abs=0.05)
 
 
-def test_music_without_end_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_long_music_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(music_file, "MAX_DURATION", 0.5)
-    assert "longer than" in refused(write_wav(tmp_path / "long.wav", np.zeros(RATE, np.float32)))
+    assert "longer than" in refusal(write_wav(tmp_path / "long.wav", np.zeros(RATE, np.float32)))
 
 
-def test_a_stream_that_hides_its_length_is_refused_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_long_stream_without_duration_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import av
 
     path = write_wav(tmp_path / "long.wav", np.zeros(4 * RATE, np.float32))
@@ -118,7 +118,7 @@ def test_a_stream_that_hides_its_length_is_refused_too(tmp_path: Path, monkeypat
             music_file._decode(silent_about_it, path)
 
 
-def test_a_loop_meets_its_beginning() -> None:
+def test_looped_blocks_wrap_to_the_beginning() -> None:
     music = Music(np.arange(10, dtype=np.float32)[:, None], RATE)
     assert music.block(8, 5, loop=True)[:, 0].tolist() == [8, 9, 0, 1, 2]
     assert music.block(28, 25, loop=True)[:, 0].tolist() == [8, 9, *range(10), *range(10), 0, 1, 2]
@@ -126,13 +126,13 @@ def test_a_loop_meets_its_beginning() -> None:
     assert music.block(30, 5, loop=False).shape == (0, 1)
 
 
-def music_of(bpm: float, seconds: float, first: float = 0.0) -> Music:
+def make_click_music(bpm: float, seconds: float, first: float = 0.0) -> Music:
     return Music(clicks(bpm, RATE, seconds, first)[0][:, None], RATE)
 
 
 @pytest.mark.long
-def test_offline_events_do_not_depend_on_how_they_are_asked_for() -> None:
-    music = music_of(126.0, 9.0)
+def test_offline_events_are_independent_of_query_step() -> None:
+    music = make_click_music(126.0, 9.0)
 
     def events(step: float) -> list[ControlEvent]:
         offline, found, time = OfflineMusic(music), [], 0.0
@@ -145,26 +145,26 @@ def test_offline_events_do_not_depend_on_how_they_are_asked_for() -> None:
     assert sum(isinstance(event, BeatHeard) for event in events(20.0)) > 30
 
 
-def test_over_the_seam_of_a_loop_the_beat_goes_on() -> None:
+def test_beat_continues_over_loop_seam() -> None:
     follower = TimelineFollower()
-    states = follow(OfflineMusic(music_of(120.0, 8.0)), follower, 40.0)
+    states = follow_states(OfflineMusic(make_click_music(120.0, 8.0)), follower, 40.0)
     assert set(states[10 * 64 :]) == {"locked"}
     assert follower.tempo == pytest.approx(120.0, rel=0.005)
     off = follower.timeline.beat_at(40.0) % 1.0
     assert min(off, 1.0 - off) < 0.05
 
 
-def test_music_that_does_not_loop_ends_in_freewheel() -> None:
-    follower, offline = TimelineFollower(), OfflineMusic(music_of(120.0, 10.0), loop=False)
-    states = follow(offline, follower, 20.0)
+def test_unlooped_music_ends_in_freewheel() -> None:
+    follower, offline = TimelineFollower(), OfflineMusic(make_click_music(120.0, 10.0), loop=False)
+    states = follow_states(offline, follower, 20.0)
     assert offline.ended
     assert states[-1] == "freewheel"
     assert follower.tempo == pytest.approx(120.0, rel=0.005)
 
 
-def test_a_known_downbeat_is_counted_from_wherever_the_music_begins() -> None:
+def test_known_downbeat_is_relative_to_music_start() -> None:
     follower = TimelineFollower(tempo=120.0)
-    offline = OfflineMusic(music_of(100.0, 30.0, 0.25), begin=2.3, one_at=0.25 + 0.6)
+    offline = OfflineMusic(make_click_music(100.0, 30.0, 0.25), begin=2.3, one_at=0.25 + 0.6)
     for tick in range(1, 20 * 64):
         for event in offline.events_until(tick * TICK):
             if isinstance(event, BeatHeard):
@@ -176,23 +176,23 @@ def test_a_known_downbeat_is_counted_from_wherever_the_music_begins() -> None:
     assert min(phase, 4.0 - phase) < 0.05
 
 
-def test_music_may_begin_later() -> None:
-    music = music_of(120.0, 6.0)
+def test_later_begin_shifts_all_events() -> None:
+    music = make_click_music(120.0, 6.0)
     now = OfflineMusic(music).events_until(8.0)
     later = OfflineMusic(music, begin=10.0).events_until(18.0)
     assert [event.time + 10.0 for event in now] == pytest.approx([event.time for event in later])
     assert OfflineMusic(music, begin=10.0).events_until(9.0) == []
 
 
-def test_a_known_one_is_known_to_the_tracker_in_the_time_of_the_sound() -> None:
-    """Clicks without accents: only who is told can number them; the show's time says nothing of the music's."""
-    music = music_of(100.0, 12.0, 0.25)
-    offline = OfflineMusic(music, begin=2.3, one_at=0.25 + 2 * 0.6, analysis=in_four)
+def test_known_downbeat_reaches_tracker_in_music_time() -> None:
+    """Clicks without accents can be numbered only from the known downbeat; show time differs from music time."""
+    music = make_click_music(100.0, 12.0, 0.25)
+    offline = OfflineMusic(music, begin=2.3, one_at=0.25 + 2 * 0.6, analysis=analysis_in_four)
     beats = [event for event in offline.events_until(14.0) if isinstance(event, BeatHeard)]
     after = [(round((event.beat_time - 2.3 - 0.25) / 0.6) - 2, event) for event in beats if event.beat_time > 4.5]
     assert len(after) > 10
     assert all((event.beat, event.beats_per_measure) == (number % 4, 4) for number, event in after)
 
 
-def in_four(rate: float) -> AudioAnalysis:
+def analysis_in_four(rate: float) -> AudioAnalysis:
     return AudioAnalysis(rate, seeds=deque([TrackerHint("metre", 0.0, 4.0), TrackerHint("tempo", math.nan, 100.0)]))

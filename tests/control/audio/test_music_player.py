@@ -1,4 +1,4 @@
-"""MusicPlayer: follows what it plays, heard or unheard."""
+"""Tests of MusicPlayer: following of its own music, audible or inaudible."""
 
 from typing import Any
 
@@ -23,7 +23,7 @@ STEP = 0.1
 
 
 class SteppingClock:
-    """Moves on by 100 ms whenever it is read: faster than the world, and never further, however the machine stalls."""
+    """Advances by 100 ms at each read: faster than real time, and independent of stalls of the machine."""
 
     def __init__(self) -> None:
         self._time = 0.0
@@ -33,14 +33,14 @@ class SteppingClock:
         return self._time
 
 
-def music_of(bpm: float, seconds: float) -> Music:
+def make_click_music(bpm: float, seconds: float) -> Music:
     return Music(clicks(bpm, RATE, seconds, 0.0)[0][:, None], RATE)
 
 
 @pytest.mark.long
-def test_unheard_music_is_followed_by_the_clock() -> None:
+def test_inaudible_music_is_followed_by_clock() -> None:
     inbox: EventQueue[ControlEvent] = EventQueue()
-    music = music_of(120.0, 6.0)
+    music = make_click_music(120.0, 6.0)
     player = MusicPlayer(music, inbox, SteppingClock(), output=False, one_at=0.5)
     events: list[ControlEvent] = []
     player.start()
@@ -57,9 +57,9 @@ def test_unheard_music_is_followed_by_the_clock() -> None:
     assert beats == pytest.approx(offline[: len(beats)], abs=1e-6)
 
 
-def test_the_end_of_the_music_is_told() -> None:
+def test_end_of_music_is_reported() -> None:
     inbox: EventQueue[ControlEvent] = EventQueue()
-    player = MusicPlayer(music_of(120.0, 3.0), inbox, SteppingClock(), loop=False, output=False)
+    player = MusicPlayer(make_click_music(120.0, 3.0), inbox, SteppingClock(), loop=False, output=False)
     player.start()
     try:
         assert wait_for(lambda: player.ended, 10.0)
@@ -70,7 +70,7 @@ def test_the_end_of_the_music_is_told() -> None:
     assert (last.state, last.detail) == ("silent", "the music is over")
 
 
-def test_an_analysis_that_fails_is_begun_anew_while_the_music_plays_on() -> None:
+def test_failed_analysis_is_restarted_during_playback() -> None:
     made: list[AudioAnalysis] = []
 
     class Breaks(AudioAnalysis):
@@ -84,7 +84,7 @@ def test_an_analysis_that_fails_is_begun_anew_while_the_music_plays_on() -> None
         return made[-1]
 
     inbox: EventQueue[ControlEvent] = EventQueue()
-    player = MusicPlayer(music_of(120.0, 20.0), inbox, SteppingClock(), output=False, analysis=make)
+    player = MusicPlayer(make_click_music(120.0, 20.0), inbox, SteppingClock(), output=False, analysis=make)
     player.start()
     beats: list[float] = []
     try:
@@ -102,26 +102,26 @@ def test_an_analysis_that_fails_is_begun_anew_while_the_music_plays_on() -> None
     assert np.median(np.abs(off - np.round(off))) < 0.05
 
 
-def test_without_portaudio_the_music_runs_unheard(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_music_without_portaudio_is_inaudible(monkeypatch: pytest.MonkeyPatch) -> None:
     def missing(*_: object) -> None:
         raise SoundUnavailable("no sound devices: install PortAudio")
 
     monkeypatch.setattr(music_player, "find_device", missing)
-    player = MusicPlayer(music_of(120.0, 3.0), EventQueue(), SteppingClock())
+    player = MusicPlayer(make_click_music(120.0, 3.0), EventQueue(), SteppingClock())
     assert "PortAudio" in player.output_problem
 
 
-def test_an_output_that_was_named_must_be_there(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_named_output_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     def unknown(*_: object) -> None:
         raise UnknownDevice("no sound output 'organ'; there are: …")
 
     monkeypatch.setattr(music_player, "find_device", unknown)
     with pytest.raises(UnknownDevice, match="organ"):
-        MusicPlayer(music_of(120.0, 3.0), EventQueue(), SteppingClock(), output="organ")
-    assert MusicPlayer(music_of(120.0, 3.0), EventQueue(), SteppingClock()).output_problem
+        MusicPlayer(make_click_music(120.0, 3.0), EventQueue(), SteppingClock(), output="organ")
+    assert MusicPlayer(make_click_music(120.0, 3.0), EventQueue(), SteppingClock()).output_problem
 
 
-def test_an_output_that_refuses_leaves_the_music_unheard(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_refusing_output_leaves_music_inaudible(monkeypatch: pytest.MonkeyPatch) -> None:
     from live.control.audio.devices import SoundDevice
 
     def refuse(*_: object, **__: object) -> None:
@@ -130,7 +130,7 @@ def test_an_output_that_refuses_leaves_the_music_unheard(monkeypatch: pytest.Mon
     monkeypatch.setattr(music_player, "find_device", lambda *_: SoundDevice(0, "organ", "ALSA", 2, 48_000.0, True))
     monkeypatch.setattr(music_player, "open_stream", refuse)
     inbox: EventQueue[ControlEvent] = EventQueue()
-    player = MusicPlayer(music_of(120.0, 6.0), inbox, SteppingClock())
+    player = MusicPlayer(make_click_music(120.0, 6.0), inbox, SteppingClock())
     player.start()
     try:
         assert wait_for(lambda: len(inbox) > 4, 10.0)
@@ -140,8 +140,8 @@ def test_an_output_that_refuses_leaves_the_music_unheard(monkeypatch: pytest.Mon
 
 
 @pytest.mark.pulse
-def test_what_is_played_is_what_is_heard_at_that_moment(pulse_sink: PulseSink) -> None:
-    """The player's idea of "now heard" against a microphone at the sink it plays to."""
+def test_played_beats_match_recorded_beats(pulse_sink: PulseSink) -> None:
+    """The player's play times against a microphone at the sink it plays to."""
     clock = SystemClock()
     played: EventQueue[ControlEvent] = EventQueue()
     recorded: EventQueue[ControlEvent] = EventQueue()

@@ -1,4 +1,4 @@
-"""Real music of others, with beats that are known: steady pieces must be danced to on the beat."""
+"""Tests on real third-party music with known beats: steady pieces are followed on the beat."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ BEATS = SHARED / "beats" / "open"
 @pytest.mark.long
 @pytest.mark.shared
 @pytest.mark.parametrize("name", ["o03_band_104", "o12_drums_punk_144", "o16_pop_keys_116", "o28_vinyl_146"])
-def test_beats_of_steady_music_are_met_after_ten_seconds(name: str) -> None:
+def test_beats_of_steady_music_are_matched_after_ten_seconds(name: str) -> None:
     if not BEATS.is_dir():
         pytest.skip(f"{BEATS} is not there")
     music = read_music(BEATS / f"{name}.ogg")

@@ -1,4 +1,4 @@
-"""PosiStageNet packets, built by what the protocol's paper says of them and nothing of ours."""
+"""PosiStageNet packets built from the protocol's specification, independent of the project's decoder."""
 
 import struct
 
@@ -11,7 +11,7 @@ def chunk(identity, data, *, nested=False):
 
 
 def header(time=1_000_000, frame=1, packets=1, version=2):
-    """The header chunk of a packet: time [µs], version, frame, packets of it."""
+    """The header chunk of a packet: time [µs], version, frame, number of packets in the frame."""
     return chunk(0, struct.pack("<QBBBB", time, version, 3, frame, packets))
 
 
@@ -24,11 +24,11 @@ def tracker(number, place, *, validity=None, more=b""):
 
 
 def data_packet(*trackers, **facts):
-    """Places of trackers."""
+    """A data packet with the positions of trackers."""
     return chunk(DATA, header(**facts) + chunk(1, b"".join(trackers), nested=True), nested=True)
 
 
 def info_packet(names, system="hall", **facts):
-    """Names of trackers by their numbers."""
+    """An info packet with the names of trackers by number."""
     named = b"".join(chunk(number, chunk(0, name.encode()), nested=True) for number, name in names.items())
     return chunk(INFO, header(**facts) + chunk(1, system.encode()) + chunk(2, named, nested=True), nested=True)

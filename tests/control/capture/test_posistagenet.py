@@ -1,4 +1,4 @@
-"""Trackers by PosiStageNet: packets of the tests' own encoder, whole frames, and packets as nobody should send them."""
+"""Tests of PosiStageNet trackers: packets of an independent encoder, whole frames and malformed packets."""
 
 import math
 import random
@@ -22,23 +22,25 @@ from tests.control.waiting import wait_for
 HERE = (1.5, 0.25, -2.0)
 
 
-def read(data):
+def decode_with_tally(data):
     tally = Tally()
     return decode_psn(data, tally), tally.as_dict()
 
 
-def test_places_and_names_are_read_and_unknown_chunks_passed_over():
+def test_places_and_names_are_decoded_and_unknown_chunks_skipped():
     strange = chunk(9, b"whatever") + chunk(77, chunk(1, b"abc"), nested=True)
-    packet, refused = read(data_packet(tracker(3, HERE, validity=1.0, more=strange), tracker(700, HERE), frame=200))
+    packet, refused = decode_with_tally(
+        data_packet(tracker(3, HERE, validity=1.0, more=strange), tracker(700, HERE), frame=200)
+    )
     assert refused == {}
     assert packet.places == {3: HERE, 700: HERE}
     assert (packet.frame, packet.packets, packet.time) == (200, 1, 1_000_000)
-    packet, refused = read(info_packet({3: "Anna", 4: "chariot Ω"}))
+    packet, refused = decode_with_tally(info_packet({3: "Anna", 4: "chariot Ω"}))
     assert (packet.names, packet.is_data, refused) == ({3: "Anna", 4: "chariot Ω"}, False, {})
 
 
-def test_a_tracker_that_is_not_valid_or_not_a_place_is_left_out_alone():
-    packet, refused = read(
+def test_only_invalid_trackers_are_left_out():
+    packet, refused = decode_with_tally(
         data_packet(
             tracker(1, HERE, validity=0.0), tracker(2, (math.nan, 0.0, 0.0)), tracker(3, (1e9, 0.0, 0.0)),
             tracker(4, HERE), chunk(5, b"", nested=True),
@@ -46,7 +48,7 @@ def test_a_tracker_that_is_not_valid_or_not_a_place_is_left_out_alone():
     )  # fmt: skip
     assert packet.places == {4: HERE}
     assert refused == {Reason.NOT_FINITE: 1, Reason.OUT_OF_RANGE: 1}
-    assert read(info_packet({1: "\x07bell", 2: "ok"}))[0].names == {2: "ok"}
+    assert decode_with_tally(info_packet({1: "\x07bell", 2: "ok"}))[0].names == {2: "ok"}
 
 
 GOOD = data_packet(tracker(1, HERE))
@@ -75,13 +77,13 @@ GOOD = data_packet(tracker(1, HERE))
     ],
     ids=lambda value: str(len(value)) if isinstance(value, bytes) else None,
 )
-def test_chunks_that_do_not_fit_are_refused_with_their_packet(data, reason):
-    packet, refused = read(data)
+def test_malformed_chunks_cause_packet_refusal(data, reason):
+    packet, refused = decode_with_tally(data)
     assert packet is None
     assert refused == {reason: 1}
 
 
-def test_mutations_end_in_places_or_refusals():
+def test_mutated_packets_give_finite_places_or_refusals():
     chance = random.Random(5)
     good = [data_packet(*(tracker(n, HERE, validity=1.0) for n in range(6))), info_packet({1: "Anna", 2: "Ben"})]
     tally, frames, read_well = Tally(), PsnFrames(Tally()), 0
@@ -107,7 +109,7 @@ def test_mutations_end_in_places_or_refusals():
     assert len(frames.names) <= 128
 
 
-def test_frames_are_put_together_whatever_is_lost():
+def test_frames_are_assembled_despite_lost_packets():
     tally = Tally()
     frames = PsnFrames(tally)
 
@@ -124,7 +126,7 @@ def test_frames_are_put_together_whatever_is_lost():
     assert frames.frames == 3
 
 
-def test_places_come_into_the_inbox_by_name_when_they_are_news():
+def test_changed_places_are_queued_by_tracker_name():
     lane, clock = PriorityQueue(), ManualClock()
     hearing = PsnInput("127.0.0.1", 0, "", lane, clock)
     hearing.start()
@@ -168,8 +170,8 @@ print(event.tracker, event.x, event.z)
 """
 
 
-def test_two_shows_hear_a_multicast_group():
-    """In a network of its own: nothing is sent to anybody else."""
+def test_two_shows_receive_one_multicast_group():
+    """Runs in a private network namespace, so nothing is sent outside."""
     if shutil.which("unshare") is None or shutil.which("ip") is None:
         pytest.skip("unshare and ip are not installed (apt install util-linux iproute2)")
     up = "ip link set lo up && ip link set lo multicast on && ip route replace 224.0.0.0/4 dev lo && exec"
@@ -180,7 +182,7 @@ def test_two_shows_hear_a_multicast_group():
     assert done.stdout.split() == ["4", "1.0", "2.0"], done.stderr
 
 
-def test_where_to_listen_as_people_write_it():
+def test_listening_addresses_are_parsed():
     assert parse_psn("236.10.10.10:56565") == ("236.10.10.10", 56565, "")
     assert parse_psn("236.10.10.10:56565@192.168.1.5") == ("236.10.10.10", 56565, "192.168.1.5")
     assert parse_psn("236.10.10.10@10.0.0.1") == ("236.10.10.10", 56565, "10.0.0.1")
@@ -190,7 +192,7 @@ def test_where_to_listen_as_people_write_it():
             parse_psn(text)
 
 
-def test_a_full_room_of_trackers_is_bounded():
+def test_number_of_trackers_is_bounded():
     lane, clock = PriorityQueue(), ManualClock(1.0)
     hearing = PsnInput("127.0.0.1", 0, "", lane, clock)
     for begin in range(0, 400, 50):

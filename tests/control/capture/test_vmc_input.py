@@ -1,4 +1,4 @@
-"""Bones become whole poses on the engine's skeleton, with the time at which they were taken; who is who."""
+"""Tests of VMC input: bones become full poses on the engine's skeleton with capture times; seats of performers."""
 
 import socket
 
@@ -20,7 +20,7 @@ from tests.control.waiting import wait_for
 
 
 def poses(count, seed=2):
-    """Hips (n, 3) and rotations (n, J, 4) of somebody who moves all her joints a little, feet near the floor."""
+    """Hips (n, 3) and rotations (n, J, 4) with small motion in all joints, feet near the floor."""
     chance = np.random.default_rng(seed)
     way = chance.normal(scale=0.2, size=(JOINT_COUNT, 3))
     phase = np.linspace(0.0, 3.0, count)[:, None, None]
@@ -36,7 +36,7 @@ def stream(seat=lambda time: Seat("anna")):
     return VmcStream(seat, tally, given.append), given, tally
 
 
-def test_what_we_send_comes_back_as_it_was():
+def test_sent_poses_are_received_unchanged():
     hips, rotation = poses(60)
     hearing, given, tally = stream(lambda time: Seat("anna", floor=False))
     for n in range(60):
@@ -52,7 +52,7 @@ def test_what_we_send_comes_back_as_it_was():
 
 
 def unity_bones(scale, hips, rotation, arm=(0.0, 0.0, 0.0)):
-    """A pose as a body `scale` times as long as ours sends it, its upper arms leaning by `arm` in its rest pose."""
+    """A pose sent by a body `scale` times as long as the engine's, with upper arms offset by `arm` in its rest pose."""
     told = []
     for joint, name in enumerate(SKELETON.names):
         x, y, z = scale * (SKELETON.offsets[joint] if joint else hips) + (arm if name.endswith("LowerArm") else 0.0)
@@ -61,7 +61,7 @@ def unity_bones(scale, hips, rotation, arm=(0.0, 0.0, 0.0)):
     return told
 
 
-def test_a_longer_body_makes_the_same_pose_with_her_feet_where_hers_are_scaled():
+def test_longer_body_gives_same_pose_with_scaled_feet():
     hips, rotation = poses(3)
     for n in range(3):
         hearing, given, _ = stream()
@@ -74,7 +74,7 @@ def test_a_longer_body_makes_the_same_pose_with_her_feet_where_hers_are_scaled()
         assert np.abs(np.sum(turned * rotation[n], axis=-1)).min() > 1.0 - 1e-6
 
 
-def test_bones_point_where_hers_do_whatever_her_rest_pose():
+def test_bone_directions_match_sender_in_any_rest_pose():
     hips, rotation = poses(1)
     hearing, given, _ = stream()
     lean = np.array([0.0, -0.1, 0.02])
@@ -89,7 +89,7 @@ def test_bones_point_where_hers_do_whatever_her_rest_pose():
         assert bone @ hers / np.linalg.norm(bone) / np.linalg.norm(hers) > 1.0 - 1e-6
 
 
-def test_feet_come_to_the_floor_wherever_the_capture_has_its_own_and_jumps_stay():
+def test_feet_are_moved_to_floor_and_jumps_kept():
     hearing, given, _ = stream()
     rotation = np.zeros((JOINT_COUNT, 4))
     rotation[:, 0] = 1.0
@@ -103,7 +103,7 @@ def test_feet_come_to_the_floor_wherever_the_capture_has_its_own_and_jumps_stay(
     np.testing.assert_allclose(heights[200:230].max() - rest, 0.3, atol=0.03)
 
 
-def test_poses_without_hips_or_tracking_do_not_come_and_a_lost_packet_loses_one():
+def test_incomplete_or_untracked_poses_are_dropped():
     hips, rotation = poses(4)
     hearing, given, tally = stream()
     packets = [list(vmc_packets(hips[n], rotation[n], n / 60.0)) for n in range(4)]
@@ -126,7 +126,7 @@ def test_poses_without_hips_or_tracking_do_not_come_and_a_lost_packet_loses_one(
     assert len(given) == 5
 
 
-def test_a_body_with_fewer_bones_is_whole_with_those_it_has():
+def test_body_with_fewer_bones_gives_full_poses():
     hips, rotation = poses(1)
     hearing, given, _ = stream()
     fewer = [
@@ -141,7 +141,7 @@ def test_a_body_with_fewer_bones_is_whole_with_those_it_has():
     np.testing.assert_allclose(chest, [1.0, 0.0, 0.0, 0.0], atol=1e-6)
 
 
-def test_the_senders_clock_makes_uneven_arrivals_even_and_may_leap():
+def test_sender_clock_evens_arrival_times_and_may_jump():
     hips, rotation = poses(1)
     hearing, given, _ = stream()
     chance = np.random.default_rng(4)
@@ -157,7 +157,7 @@ def test_the_senders_clock_makes_uneven_arrivals_even_and_may_leap():
     assert (times <= 3.0 + np.arange(120) / 30.0 + late + 1e-6).all()
 
 
-def test_seats_go_by_machine_and_port_then_by_turn_and_to_one_at_a_time():
+def test_seats_are_assigned_by_host_port_then_order():
     seats = Seats((Seat("any"), Seat("second"), Seat("lab", sender="10.0.0.7"), Seat("phone", port=39541)))
 
     def name(who, port, host, time):
@@ -174,7 +174,7 @@ def test_seats_go_by_machine_and_port_then_by_turn_and_to_one_at_a_time():
     assert Seats(()).find("x", 1, "h", 0.0).name == DEFAULT_PERFORMER
 
 
-def test_the_poses_of_each_sender_wait_in_the_inbox_and_rubbish_does_not():
+def test_poses_of_each_sender_are_queued_and_malformed_data_refused():
     inbox, clock = EventQueue(), ManualClock()
     hearing = VmcInput((("127.0.0.1", 0), ("127.0.0.1", 0)), (Seat("anna"), Seat("ben")), inbox.add_queue(), clock)
     hearing.start()
@@ -203,7 +203,7 @@ def test_the_poses_of_each_sender_wait_in_the_inbox_and_rubbish_does_not():
     hearing.stop()
 
 
-def test_a_flood_is_not_read():
+def test_flood_of_datagrams_is_refused_unread():
     lane, clock = PriorityQueue(), ManualClock()
     hearing = VmcInput((), (), lane, clock)
 

@@ -1,4 +1,4 @@
-"""Dancers go out by the VMC protocol as python-osc reads it, and come in again as they were."""
+"""Tests of VMC output: dancers as decoded by python-osc, and the round trip through the VMC input."""
 
 import socket
 
@@ -19,8 +19,8 @@ from tests.control.capture.test_vmc_input import poses, stream
 
 
 @pytest.fixture
-def ears():
-    """Two sockets at ports one after the other."""
+def receivers():
+    """Two sockets at consecutive ports."""
     for _ in range(100):
         one, two = (socket.socket(type=socket.SOCK_DGRAM) for _ in range(2))
         one.bind(("127.0.0.1", 0))
@@ -38,23 +38,23 @@ def ears():
         return
 
 
-def company():
+def make_dancers():
     """Two dancers in the world: positions (2, J, 3) and rotations (2, J, 4)."""
     hips, rotation = poses(2)
     return hips, rotation, *(each.astype(np.float32) for each in forward_kinematics(hips, rotation))
 
 
-def heard(ear, datagrams=2):
+def receive(ear, datagrams=2):
     return [ear.recv(4096) for _ in range(datagrams)]
 
 
-def test_another_reader_finds_every_bone_where_it_is_in_unitys_axes(ears):
-    hips, rotation, position, world = company()
-    out = VmcOutput(*ears[0].getsockname())
+def test_python_osc_reads_every_bone_in_unity_axes(receivers):
+    hips, rotation, position, world = make_dancers()
+    out = VmcOutput(*receivers[0].getsockname())
     out.send_dancers(2.5, pack_dancers(np.array([0, 1]), position, world))
     out.close()
-    for dancer, ear in enumerate(ears):
-        messages = [message for data in heard(ear) for message in OscBundle(data)]
+    for dancer, ear in enumerate(receivers):
+        messages = [message for data in receive(ear) for message in OscBundle(data)]
         assert messages[0].address == "/VMC/Ext/OK"
         assert messages[0].params[0] == 1
         assert (messages[-1].address, messages[-1].params) == ("/VMC/Ext/T", [2.5])
@@ -70,16 +70,16 @@ def test_another_reader_finds_every_bone_where_it_is_in_unitys_axes(ears):
     assert out.failed == 0
 
 
-def test_what_the_process_sends_comes_in_as_it_was(ears):
-    hips, rotation, position, world = company()
+def test_pose_sent_by_helper_process_is_received_unchanged(receivers):
+    hips, rotation, position, world = make_dancers()
     helper = HelperProcess(
-        "live.control.capture.vmc_output", SystemClock(), {"targets": [ears[0].getsockname()]}, lambda: None
+        "live.control.capture.vmc_output", SystemClock(), {"targets": [receivers[0].getsockname()]}, lambda: None
     )
     try:
         helper.start()
         assert helper.send((0, 1.0, pack_dancers(np.array([1]), position, world)))
         hearing, given, tally = stream(lambda time: Seat("anna", floor=False))
-        for data in heard(ears[0]):
+        for data in receive(receivers[0]):
             hearing.handle(data, 7.0)
     finally:
         helper.stop()
@@ -89,7 +89,7 @@ def test_what_the_process_sends_comes_in_as_it_was(ears):
     assert np.abs(np.sum(turned * rotation[1], axis=-1)).min() > 1.0 - 1e-6
 
 
-def test_targets_as_people_write_them():
+def test_avatar_targets_are_parsed():
     assert parse_avatars("39540") == AvatarTarget("127.0.0.1", 39540)
     assert parse_avatars("10.0.0.2:39539=ember & 1-3@30") == AvatarTarget("10.0.0.2", 39539, "ember & 1-3", 30.0)
     for text in ("", "=1", "host", "1.2.3.4:1@0", "1.2.3.4:1@500", "1.2.3.4:1="):

@@ -1,4 +1,4 @@
-"""VMC packets as other programs build them, and as nobody should."""
+"""Tests of the VMC decoder: packets built by python-osc, and malformed packets."""
 
 import math
 import random
@@ -17,8 +17,8 @@ from live.motion.skeleton import JOINT_COUNT, SKELETON
 HIPS = ("Hips", 0.1, 0.9, 0.2, 0.0, 0.0, 0.0, 1.0)
 
 
-class Heard:
-    """Writes down what it is told."""
+class RecordingListener:
+    """Records the decoded messages."""
 
     def __init__(self):
         self.bones, self.roots, self.states, self.times = {}, [], [], []
@@ -50,17 +50,17 @@ def bundle(*contents):
     return builder.build()
 
 
-def heard(data):
-    listener, tally = Heard(), Tally()
+def decode(data):
+    listener, tally = RecordingListener(), Tally()
     decode_vmc(data, listener, tally)
     return listener, tally.as_dict()
 
 
-def test_a_bundle_of_another_program_is_read_and_its_axes_are_turned_over():
+def test_foreign_bundle_is_decoded_with_axes_converted():
     half = math.sqrt(0.5)
     left = message("/VMC/Ext/Bone/Pos", "LeftUpperArm", -0.1, 0.2, 0.3, half, 0.0, 0.0, half)
     turned = message("/VMC/Ext/Root/Pos", "root", 1.0, 0.0, 2.0, 0.0, half, 0.0, half)
-    listener, refused = heard(
+    listener, refused = decode(
         bundle(
             message("/VMC/Ext/OK", 1, 3, 0, 1), turned, bundle(left), message("/VMC/Ext/Bone/Pos", *HIPS),
             message("/VMC/Ext/T", 12.5), message("/VMC/Ext/Blend/Val", "Joy", 1.0), message("/VMC/Ext/Blend/Apply"),
@@ -77,7 +77,7 @@ def test_a_bundle_of_another_program_is_read_and_its_axes_are_turned_over():
     assert forward == pytest.approx((-1.0, 0.0, 0.0), abs=1e-6)
 
 
-def test_every_bone_of_unity_is_known_and_what_is_too_much_is_ignored():
+def test_unity_bones_are_known_and_extra_data_is_ignored():
     assert sum(joint != UNUSED_BONE for joint in BONES.values()) == JOINT_COUNT
     for data in (
         message("/VMC/Ext/Bone/Pos", "LeftThumbProximal", *HIPS[1:]),
@@ -85,13 +85,13 @@ def test_every_bone_of_unity_is_known_and_what_is_too_much_is_ignored():
         message("/VMC/Ext/Hmd/Pos", "x"),
         message("/VMC/Ext/Blend/Apply"),
     ):
-        listener, refused = heard(data.dgram)
+        listener, refused = decode(data.dgram)
         assert (listener.bones, refused) == ({}, {})
-    listener, refused = heard(message("/VMC/Ext/Bone/Pos", *HIPS, 3, "more").dgram)
+    listener, refused = decode(message("/VMC/Ext/Bone/Pos", *HIPS, 3, "more").dgram)
     assert (set(listener.bones), refused) == ({0}, {})
-    assert heard(message("/VMC/Ext/OK", 1).dgram)[0].states == [True]
+    assert decode(message("/VMC/Ext/OK", 1).dgram)[0].states == [True]
     for state in ((0,), (1, 2, 0), (1, 3, 0, 0)):
-        assert heard(message("/VMC/Ext/OK", *state).dgram)[0].states == [False]
+        assert decode(message("/VMC/Ext/OK", *state).dgram)[0].states == [False]
 
 
 @pytest.mark.parametrize(
@@ -121,14 +121,14 @@ def test_every_bone_of_unity_is_known_and_what_is_too_much_is_ignored():
     ],
     ids=lambda value: str(len(value)) if isinstance(value, bytes) else None,
 )
-def test_what_is_wrong_is_refused_for_its_reason_and_nothing_is_told(data, reason):
-    listener, refused = heard(data)
+def test_malformed_packet_is_refused_with_its_reason(data, reason):
+    listener, refused = decode(data)
     assert (listener.bones, listener.roots, listener.states) == ({}, [], [])
     assert refused == {reason: 1}
 
 
-def test_a_broken_bone_takes_no_other_one_with_it():
-    listener, refused = heard(
+def test_invalid_bone_does_not_affect_other_bones():
+    listener, refused = decode(
         bundle(
             message("/VMC/Ext/Bone/Pos", "Head", math.nan, *HIPS[2:]),
             message("/VMC/Ext/Bone/Pos", *HIPS),
@@ -138,12 +138,12 @@ def test_a_broken_bone_takes_no_other_one_with_it():
     assert refused == {Reason.NOT_FINITE: 1}
 
 
-def test_mutations_of_good_packets_end_in_numbers_or_refusals():
+def test_mutated_packets_give_finite_numbers_or_refusals():
     chance = random.Random(11)
     rotation = np.zeros((JOINT_COUNT, 4))
     rotation[:, 0] = 1.0
     good = [*vmc_packets(np.array([0.1, 0.9, 0.2]), rotation, 3.0), bundle(message("/VMC/Ext/OK", 1, 3, 0, 1)).dgram]
-    listener, tally = Heard(), Tally()
+    listener, tally = RecordingListener(), Tally()
     for _ in range(2000):
         data = bytearray(chance.choice(good))
         for _ in range(chance.choice((1, 1, 2, 8))):

@@ -1,4 +1,4 @@
-"""AudioInput on devices made by hand: lost, changed, wrong in every way, and never the end of the show."""
+"""Tests of AudioInput on fake devices: lost, changed, misconfigured and failing devices."""
 
 import threading
 from collections.abc import Callable
@@ -22,8 +22,8 @@ Sound = npt.NDArray[np.float32]
 PERIOD = 0.5
 
 
-class Desk:
-    """An AudioInput at a fake sound system; `turn` is what its thread would do."""
+class InputDriver:
+    """An AudioInput on a fake sound system; `turn` does one turn of its thread."""
 
     def __init__(self, sound: FakeSound, **options: Any) -> None:
         self.sound = sound
@@ -48,8 +48,10 @@ class Desk:
         return [event.beat_time for event in self.events if isinstance(event, BeatHeard)]
 
 
-def music(rate: float, channel: int = 0, channels: int = 2, seconds: float = 30.0) -> Callable[[int, int], Sound]:
-    """Clicks at 120 bpm on one channel of some; the first beat is at 0."""
+def click_source(
+    rate: float, channel: int = 0, channels: int = 2, seconds: float = 30.0
+) -> Callable[[int, int], Sound]:
+    """Clicks at 120 bpm on one of several channels; the first beat is at 0."""
     track, _ = clicks(60.0 / PERIOD, int(rate), seconds, 0.0)
 
     def fill(start: int, count: int) -> Sound:
@@ -60,12 +62,12 @@ def music(rate: float, channel: int = 0, channels: int = 2, seconds: float = 30.
     return fill
 
 
-def silence(channels: int = 2) -> Callable[[int, int], Sound]:
+def silent_source(channels: int = 2) -> Callable[[int, int], Sound]:
     return lambda start, count: np.zeros((count, channels), np.float32)
 
 
-def off_the_grid(beats: list[float], begin: float) -> float:
-    """Median distance [s] of beats to the clicks that began at `begin`."""
+def click_offset(beats: list[float], begin: float) -> float:
+    """Median distance [s] of beats from the clicks that start at `begin`."""
     phase = (np.array(beats) - begin) / PERIOD
     return float(np.median(np.abs(phase - np.round(phase)))) * PERIOD
 
@@ -76,68 +78,68 @@ def sound(monkeypatch: pytest.MonkeyPatch) -> FakeSound:
 
 
 @pytest.mark.parametrize(("rate", "block"), [(22_050.0, 64), (44_100.0, 1000), (96_000.0, 512), (192_000.0, 4096)])
-def test_beats_lie_on_the_clicks_at_any_rate_and_block(sound: FakeSound, rate: float, block: int) -> None:
+def test_beats_match_clicks_at_any_rate_and_block(sound: FakeSound, rate: float, block: int) -> None:
     sound.plug(sound.devices[0], sample_rate=rate)
-    desk = Desk(sound, latency=0.030)
-    desk.feed(music(rate), 12.0, block=block)
+    desk = InputDriver(sound, latency=0.030)
+    desk.feed(click_source(rate), 12.0, block=block)
     assert len(desk.beats) >= 8
-    assert off_the_grid(desk.beats[3:], -0.030) < 0.012
+    assert click_offset(desk.beats[3:], -0.030) < 0.012
 
 
-def test_another_tracker_than_was_asked_for_is_told(sound: FakeSound) -> None:
+def test_fallback_tracker_is_reported(sound: FakeSound) -> None:
     sound.plug(sound.devices[0], sample_rate=11_025.0)  # the network needs more
-    assert "aubio is used instead" in Desk(sound).input.status()["problem"]
+    assert "aubio is used instead" in InputDriver(sound).input.status()["problem"]
 
 
-def test_one_channel_of_32_is_heard(sound: FakeSound) -> None:
-    desk = Desk(sound, channels=Channels.parse("17"))
+def test_only_chosen_channel_of_32_is_analyzed(sound: FakeSound) -> None:
+    desk = InputDriver(sound, channels=Channels.parse("17"))
     assert sound.streams[-1].options["channels"] == 17
-    desk.feed(music(48_000.0, 16, 17), 6.0)
+    desk.feed(click_source(48_000.0, 16, 17), 6.0)
     assert desk.beats
-    other = Desk(sound, channels=Channels.parse("3"))
-    other.feed(music(48_000.0, 1, 3), 6.0)
+    other = InputDriver(sound, channels=Channels.parse("3"))
+    other.feed(click_source(48_000.0, 1, 3), 6.0)
     assert not other.beats
 
 
-def test_a_channel_that_is_not_there_is_refused_at_the_start(sound: FakeSound) -> None:
+def test_missing_channel_is_refused_at_start(sound: FakeSound) -> None:
     sound.plug(sound.devices[0], channels=2)
     with pytest.raises(PersonError, match="no channel 5, 6 among 2"):
-        Desk(sound, channels=Channels.parse("5,6"))
+        InputDriver(sound, channels=Channels.parse("5,6"))
 
 
-def test_a_device_that_refuses_its_rate_is_opened_at_another(sound: FakeSound) -> None:
+def test_device_refusing_its_rate_opens_at_another(sound: FakeSound) -> None:
     sound.refuses = {48_000.0, 44_100.0}
-    desk = Desk(sound)
+    desk = InputDriver(sound)
     assert sound.streams[-1].samplerate == 96_000.0
-    desk.feed(music(96_000.0), 8.0)
-    assert off_the_grid(desk.beats[3:], 0.0) < 0.012
+    desk.feed(click_source(96_000.0), 8.0)
+    assert click_offset(desk.beats[3:], 0.0) < 0.012
 
 
-def test_a_device_that_refuses_everything_says_so(sound: FakeSound) -> None:
+def test_device_refusing_every_rate_raises_error(sound: FakeSound) -> None:
     sound.refuses = {48_000.0, 44_100.0, 96_000.0, 192_000.0, 32_000.0, 22_050.0}
     with pytest.raises(RuntimeError, match="Invalid sample rate"):
-        Desk(sound)
+        InputDriver(sound)
 
 
-def test_a_device_that_opens_at_another_rate_is_followed(sound: FakeSound) -> None:
+def test_device_opened_at_another_rate_is_followed(sound: FakeSound) -> None:
     sound.opens_at = 44_100.0
-    desk = Desk(sound)
+    desk = InputDriver(sound)
     assert desk.input.status()["sample_rate"] == 44_100.0
-    desk.feed(music(44_100.0), 10.0)
+    desk.feed(click_source(44_100.0), 10.0)
     assert np.median(np.diff(desk.beats)) == pytest.approx(PERIOD, abs=0.005)
 
 
-def test_a_device_that_lies_about_its_rate_is_found_out(sound: FakeSound) -> None:
-    desk = Desk(sound)
-    desk.feed(music(44_100.0), 20.0, rate=44_100.0)
+def test_wrong_device_rate_is_detected(sound: FakeSound) -> None:
+    desk = InputDriver(sound)
+    desk.feed(click_source(44_100.0), 20.0, rate=44_100.0)
     assert desk.input.status()["sample_rate"] == 44_100.0
-    assert off_the_grid(desk.beats[-8:], 0.0) < 0.012
+    assert click_offset(desk.beats[-8:], 0.0) < 0.012
     assert "lost" not in desk.changes
 
 
-def test_unplugged_and_back_with_another_rate_and_fewer_channels(sound: FakeSound) -> None:
-    desk = Desk(sound, channels=Channels.parse("5,6"))
-    desk.feed(music(48_000.0, 5, 6), 5.0)
+def test_replugged_device_with_other_format_is_reopened(sound: FakeSound) -> None:
+    desk = InputDriver(sound, channels=Channels.parse("5,6"))
+    desk.feed(click_source(48_000.0, 5, 6), 5.0)
     (device,) = sound.unplug()
     unplugged = sound.clock.now()
     sound.wait(6.0, desk.turn)
@@ -149,16 +151,16 @@ def test_unplugged_and_back_with_another_rate_and_fewer_channels(sound: FakeSoun
     sound.plug(device, index=9, sample_rate=44_100.0, channels=2)
     sound.wait(2.0, desk.turn)
     begin = sound.clock.now()
-    desk.feed(music(44_100.0), 10.0)
+    desk.feed(click_source(44_100.0), 10.0)
     assert [state for state in desk.changes if state != "silent"] == ["lost", "found"]
     assert desk.input.reopened == 1
     assert desk.input.problem == "no channel 5, 6 among 2"
-    assert off_the_grid(desk.beats[-6:], begin) < 0.012
+    assert click_offset(desk.beats[-6:], begin) < 0.012
 
 
-def test_plugged_in_again_as_another_card_it_is_the_same(sound: FakeSound) -> None:
+def test_replugged_device_with_new_card_number_is_found(sound: FakeSound) -> None:
     sound.devices = [SoundDevice(0, "USB box: Audio (hw:1,0)", "ALSA", 2, 48_000.0, True)]
-    desk = Desk(sound)
+    desk = InputDriver(sound)
     sound.unplug()
     sound.wait(5.0, desk.turn)
     sound.devices = [
@@ -169,31 +171,31 @@ def test_plugged_in_again_as_another_card_it_is_the_same(sound: FakeSound) -> No
     assert desk.input.device.index == 1
 
 
-def test_a_callback_that_stalls_is_a_loss_and_its_return_none(sound: FakeSound) -> None:
-    desk = Desk(sound)
-    desk.feed(music(48_000.0), 3.0)
+def test_only_long_callback_stall_is_a_loss(sound: FakeSound) -> None:
+    desk = InputDriver(sound)
+    desk.feed(click_source(48_000.0), 3.0)
     sound.wait(0.4, desk.turn)  # a hiccup
-    desk.feed(music(48_000.0), 1.0)
+    desk.feed(click_source(48_000.0), 1.0)
     assert "lost" not in desk.changes
     sound.wait(0.7, desk.turn)
     assert desk.changes[-1] == "lost"
 
 
-def test_silence_and_nan_are_silence(sound: FakeSound) -> None:
-    desk = Desk(sound)
-    desk.feed(silence(), 3.0)
+def test_zero_and_nan_samples_are_silent(sound: FakeSound) -> None:
+    desk = InputDriver(sound)
+    desk.feed(silent_source(), 3.0)
     assert desk.changes[-1] == "silent"
     desk.feed(lambda start, count: np.full((count, 2), np.nan, np.float32), 3.0)
     assert desk.changes[-1] == "silent"
     assert desk.input.bad_samples >= 2 * 48_000
     assert desk.input.level < 1e-4
     begin = sound.clock.now() - sound.streams[-1].frames / 48_000.0
-    desk.feed(music(48_000.0), 8.0)
+    desk.feed(click_source(48_000.0), 8.0)
     assert desk.changes[-1] == "found"
-    assert off_the_grid(desk.beats[3:], begin) < 0.012
+    assert click_offset(desk.beats[3:], begin) < 0.012
 
 
-class Breaks(AudioAnalysis):
+class FailingAnalysis(AudioAnalysis):
     """Fails once after a second, or always."""
 
     always = False
@@ -209,18 +211,18 @@ class Breaks(AudioAnalysis):
         return super().feed(*arguments)
 
 
-def test_an_analysis_that_fails_is_begun_anew_and_counted(sound: FakeSound, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Breaks, "made", 0)
-    desk = Desk(sound, analysis=Breaks)
-    desk.feed(music(48_000.0), 10.0)
+def test_failed_analysis_is_restarted_and_counted(sound: FakeSound, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(FailingAnalysis, "made", 0)
+    desk = InputDriver(sound, analysis=FailingAnalysis)
+    desk.feed(click_source(48_000.0), 10.0)
     assert desk.input.crashes == 1
     assert desk.input.status()["failure"] == "the analysis failed: ArithmeticError: a bug in the tracker"
     assert desk.input.problem == "", "it has gone well for long"
     assert "lost" not in desk.changes
-    assert off_the_grid(desk.beats[3:], 0.0) < 0.012
+    assert click_offset(desk.beats[3:], 0.0) < 0.012
 
 
-def test_an_analysis_that_cannot_even_be_begun_leaves_the_source_lost(sound: FakeSound) -> None:
+def test_source_is_lost_when_analysis_cannot_restart(sound: FakeSound) -> None:
     made: list[AudioAnalysis] = []
 
     class Once(AudioAnalysis):
@@ -233,50 +235,48 @@ def test_an_analysis_that_cannot_even_be_begun_leaves_the_source_lost(sound: Fak
         made.append(Once(rate))
         return made[0]
 
-    desk = Desk(sound, analysis=make)
-    desk.feed(music(48_000.0), 1.0)
+    desk = InputDriver(sound, analysis=make)
+    desk.feed(click_source(48_000.0), 1.0)
     assert desk.changes == ["lost"]
     assert desk.input.problem == "the analysis cannot be started: MemoryError: no room"
     sound.wait(5.0, desk.turn)
     assert desk.input.problem == "no room"  # asked again now and then
 
 
-def test_one_that_always_fails_leaves_the_source_lost_and_the_show_alone(
-    sound: FakeSound, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(Breaks, "always", True)
-    desk = Desk(sound, analysis=Breaks)
+def test_permanently_failing_analysis_is_retried_rarely(sound: FakeSound, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(FailingAnalysis, "always", True)
+    desk = InputDriver(sound, analysis=FailingAnalysis)
     for _ in range(4):
-        desk.feed(music(48_000.0), 3.0)
+        desk.feed(click_source(48_000.0), 3.0)
     assert desk.changes[0] == "lost"
     assert desk.input.crashes < 20  # tried again now and then, not at every block
 
 
-def test_restart_by_hand_opens_the_device_anew(sound: FakeSound) -> None:
-    desk = Desk(sound)
-    desk.feed(music(48_000.0), 4.0)
+def test_manual_restart_reopens_the_device(sound: FakeSound) -> None:
+    desk = InputDriver(sound)
+    desk.feed(click_source(48_000.0), 4.0)
     desk.input.handle(RestartAudio(time=0.0, source="osc"))
     desk.turn()
     assert [stream.closed for stream in sound.streams] == [True, False]
-    desk.feed(music(48_000.0), 2.0)
+    desk.feed(click_source(48_000.0), 2.0)
     assert desk.changes == ["lost", "found"]
     assert desk.input.reopened == 1
 
 
-def test_another_device_while_it_runs(sound: FakeSound) -> None:
-    desk = Desk(sound)
+def test_running_input_changes_device(sound: FakeSound) -> None:
+    desk = InputDriver(sound)
     sound.devices = [*sound.devices, SoundDevice(7, "Zoom H4n", "ALSA", 4, 44_100.0, False)]
     desk.input.handle(ChooseAudio(time=0.0, source="osc", device="zoom", channels="4"))
     desk.turn()
     assert desk.input.status()["device"] == "Zoom H4n"
     assert sound.streams[-1].options["device"] == 7
-    desk.feed(music(44_100.0, 3, 4), 8.0)
+    desk.feed(click_source(44_100.0, 3, 4), 8.0)
     assert desk.beats
     assert desk.input.problem == ""
 
 
-def test_device_and_channels_chosen_one_by_one_are_both_taken(sound: FakeSound) -> None:
-    desk = Desk(sound)
+def test_device_and_channels_from_separate_events_are_applied(sound: FakeSound) -> None:
+    desk = InputDriver(sound)
     sound.devices = [*sound.devices, SoundDevice(7, "Zoom H4n", "ALSA", 4, 44_100.0, False)]
     for words in ({"device": "zoom"}, {"channels": "4"}):  # two messages of one bundle
         desk.input.handle(ChooseAudio(time=0.0, source="osc", **words))
@@ -285,11 +285,9 @@ def test_device_and_channels_chosen_one_by_one_are_both_taken(sound: FakeSound) 
     assert len(sound.streams) == 2
 
 
-def test_a_thread_that_comes_back_after_another_took_its_place_opens_nothing(
-    sound: FakeSound, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    desk = Desk(sound)
-    desk.feed(silence(), 1.0)
+def test_replaced_thread_opens_no_stream(sound: FakeSound, monkeypatch: pytest.MonkeyPatch) -> None:
+    desk = InputDriver(sound)
+    desk.feed(silent_source(), 1.0)
     sound.wait(1.0, desk.turn)
 
     def hang() -> bool:  # meanwhile somebody restarts the listening
@@ -305,21 +303,19 @@ def test_a_thread_that_comes_back_after_another_took_its_place_opens_nothing(
     ("device", "channels", "why"),
     [("organ", "", "organ"), ("", "40", "no channel 40"), ("", "left", "channels 'left'")],
 )
-def test_a_choice_that_cannot_be_leaves_the_device_there_is(
-    sound: FakeSound, device: str, channels: str, why: str
-) -> None:
-    desk = Desk(sound)
-    desk.feed(music(48_000.0), 2.0)
+def test_invalid_choice_keeps_current_device(sound: FakeSound, device: str, channels: str, why: str) -> None:
+    desk = InputDriver(sound)
+    desk.feed(click_source(48_000.0), 2.0)
     desk.input.handle(ChooseAudio(time=0.0, source="osc", device=device, channels=channels))
     desk.turn()
     assert why in desk.input.problem
     assert (desk.input.device.name, str(desk.input.channels)) == ("stage box", "1,2")
-    desk.feed(music(48_000.0), 1.0)
+    desk.feed(click_source(48_000.0), 1.0)
     assert desk.changes[-1] == "found"
 
 
-def test_a_thread_that_hangs_in_the_sound_system_is_left_behind(sound: FakeSound) -> None:
-    desk = Desk(sound)
+def test_hung_thread_is_replaced(sound: FakeSound) -> None:
+    desk = InputDriver(sound)
     desk.input._watchdog.start()
     hung = desk.input._watchdog.thread
     sound.clock.advance(60.0)

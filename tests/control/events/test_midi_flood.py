@@ -1,4 +1,4 @@
-"""Rubbish and floods over MIDI: nothing escapes, nothing grows, and nobody else is crowded out."""
+"""Tests of mutated and flooding MIDI: no exceptions, bounded state, and no loss for other sources."""
 
 import random
 
@@ -28,7 +28,7 @@ BINDINGS = (
 )
 
 
-def test_mutated_bytes_go_through_every_decoder_and_leave_it_whole() -> None:
+def test_mutated_bytes_leave_every_decoder_working() -> None:
     rng = random.Random(12)
     inbox: EventQueue[ControlEvent] = EventQueue()
     midi_map = MidiMap(BINDINGS)
@@ -60,7 +60,7 @@ def test_mutated_bytes_go_through_every_decoder_and_leave_it_whole() -> None:
         assert len(kept) <= 16 * len(BINDINGS)
 
 
-def test_a_flood_on_a_fader_costs_one_value_and_no_beat_of_others() -> None:
+def test_fader_flood_does_not_drop_other_events() -> None:
     inbox: EventQueue[ControlEvent] = EventQueue()
     listens = MidiInput("box", inbox.add_queue(rank=ROLE_RANKS["musician"]), ManualClock(), midi_map=MidiMap(BINDINGS))
     inbox.put(Tap(time=0.0, source="key"))
@@ -75,7 +75,7 @@ def test_a_flood_on_a_fader_costs_one_value_and_no_beat_of_others() -> None:
     assert len(events) <= 4097
 
 
-def test_the_last_value_of_a_fader_counts_and_pads_keep_their_place() -> None:
+def test_last_fader_value_is_kept_and_pads_keep_order() -> None:
     inbox: EventQueue[ControlEvent] = EventQueue()
     listens = MidiInput("box", inbox.add_queue(rank=ROLE_RANKS["musician"]), ManualClock(), midi_map=MidiMap(BINDINGS))
     for place in range(100):
@@ -89,7 +89,7 @@ def test_the_last_value_of_a_fader_counts_and_pads_keep_their_place() -> None:
     assert first.x < last.x == 4.0
 
 
-def test_an_operator_comes_before_a_musician_on_the_same_value() -> None:
+def test_operator_outranks_musician_on_same_value() -> None:
     inbox: EventQueue[ControlEvent] = EventQueue()
     listens = MidiInput("box", inbox.add_queue(rank=ROLE_RANKS["musician"]), ManualClock(), midi_map=MidiMap(BINDINGS))
     operator = inbox.add_queue(rank=ROLE_RANKS["operator"])

@@ -1,5 +1,6 @@
-"""Mutation fuzzing of the whole way in: datagram, door, registry. Whatever comes, nothing is raised, everything is
-counted, what reaches the show is finite, and nothing is kept."""
+"""Mutation fuzzing from datagram through handler to registry: no exceptions, finite events, counted refusals, no
+memory growth.
+"""
 
 import tracemalloc
 
@@ -18,7 +19,7 @@ FROM = ("127.0.0.1", 9999)
 
 
 def good_packets(chance):
-    """One message for each control, with values that it takes."""
+    """One message for each control, with valid values."""
     for control in REGISTRY:
         values = []
         for argument in control.arguments:
@@ -31,8 +32,8 @@ def good_packets(chance):
         yield encode(control.address, tuple(values[: int(chance.integers(0, len(values) + 1))] if values else ()))
 
 
-def mutated(packet, chance):
-    """A packet with a few bytes changed, doubled, cut out or put into a bundle."""
+def mutate(packet, chance):
+    """A packet with some bytes changed, duplicated, removed or put into a bundle."""
     data = bytearray(packet)
     for _ in range(int(chance.integers(1, 5))):
         at = int(chance.integers(len(data) or 1))
@@ -55,13 +56,13 @@ def mutated(packet, chance):
 
 
 @pytest.fixture
-def way():
+def handler_setup():
     inbox = EventQueue()
     return inbox, OscHandler(inbox.add_queue(), wall_clock=lambda: 1_800_000_000.0)
 
 
-def drive(inbox, door, packets):
-    """Send them; what reached the show."""
+def send_packets(inbox, door, packets):
+    """Sends packets; returns the events that reach the show."""
     reached = []
     for number, packet in enumerate(packets):
         before = door.accepted + door.rejected.total + len(door.schedule)
@@ -74,32 +75,32 @@ def drive(inbox, door, packets):
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-def test_whatever_comes_is_taken_or_counted_and_what_is_taken_is_finite(way, seed):
-    inbox, door = way
+def test_packets_are_accepted_or_counted_and_events_are_finite(handler_setup, seed):
+    inbox, door = handler_setup
     chance = np.random.default_rng(seed)
     good = list(good_packets(chance))
-    bad = [mutated(packet, chance) for _ in range(ROUNDS) for packet in good]
-    events = drive(inbox, door, bad)
+    bad = [mutate(packet, chance) for _ in range(ROUNDS) for packet in good]
+    events = send_packets(inbox, door, bad)
     assert door.rejected.total > len(bad) // 4, "most mutations are refused"
     assert len(events) > 20, "and some are taken, so that values are looked at, too"
     for event in events:
         assert isinstance(event, ControlEvent)
         assert is_finite(event)
-    drive(inbox, door, good)
+    send_packets(inbox, door, good)
     assert door.accepted > len(good) // 2, "it still hears what is right"
 
 
-def test_no_memory_is_kept_of_what_was_refused(way):
-    inbox, door = way
+def test_refused_packets_leave_no_memory(handler_setup):
+    inbox, door = handler_setup
     chance = np.random.default_rng(3)
-    bad = [mutated(packet, chance) for packet in good_packets(chance)]
-    drive(inbox, door, bad * 2)
+    bad = [mutate(packet, chance) for packet in good_packets(chance)]
+    send_packets(inbox, door, bad * 2)
     tracemalloc.start()
     try:
-        drive(inbox, door, bad)
+        send_packets(inbox, door, bad)
         first = tracemalloc.get_traced_memory()[0]
         for _ in range(4):
-            drive(inbox, door, [mutated(packet, chance) for packet in bad])
+            send_packets(inbox, door, [mutate(packet, chance) for packet in bad])
         grown = tracemalloc.get_traced_memory()[0] - first
     finally:
         tracemalloc.stop()

@@ -1,4 +1,4 @@
-"""Layouts: whatever a widget sends, at both ends of its way and in between, is taken by the control it belongs to."""
+"""Tests of layouts: values that a widget sends at both ends of its range are accepted by its control."""
 
 import json
 
@@ -21,12 +21,12 @@ def surface(role="operator"):
     return make_surface(REGISTRY, role=role, names=NAMES, reach=(5.0, 3.0))
 
 
-def called(address, values):
+def call_control(address, values):
     return REGISTRY.call(address, values, 1.0, "osc")
 
 
 def tosc_messages(document):
-    """Every message of a TouchOSC layout: its address, and what it sends with the control at either end."""
+    """Every message of a TouchOSC layout: its address, the message, and its values at either end of the control."""
     for node in document.root.walk():
         for message in node.messages:
             ends = []
@@ -43,7 +43,7 @@ def tosc_messages(document):
             yield "".join(part.value for part in message.path), message, ends
 
 
-def test_every_control_of_the_role_has_a_widget_or_is_named_as_left_out():
+def test_every_control_has_a_widget_or_is_listed_omitted():
     for role in ("operator", "musician"):
         made = surface(role)
         mine = {control.address for control in REGISTRY if ROLE_RANKS[control.role] <= ROLE_RANKS[role]}
@@ -57,7 +57,7 @@ def test_every_control_of_the_role_has_a_widget_or_is_named_as_left_out():
     }
 
 
-def test_touchosc_sends_what_the_show_takes_and_hears_what_it_tells(tmp_path):
+def test_touchosc_messages_match_show_controls(tmp_path):
     file = tmp_path / "a.tosc"
     write_touchosc(surface(), file)
     document = py2tosc.load(file)
@@ -67,7 +67,7 @@ def test_touchosc_sends_what_the_show_takes_and_hears_what_it_tells(tmp_path):
         addresses.add(address)
         if message.send:
             for values in ends:
-                assert not isinstance(called(address, values), Rejection), (address, values)
+                assert not isinstance(call_control(address, values), Rejection), (address, values)
         if message.receive and not message.send:
             assert address in READABLE
     steps = [ends[0] for address, _, ends in tosc_messages(document) if address == "/dance/step"]
@@ -75,7 +75,7 @@ def test_touchosc_sends_what_the_show_takes_and_hears_what_it_tells(tmp_path):
     assert addresses - {"/dance/subscribe"} == {widget.address for page in surface().pages for widget in page.widgets}
 
 
-def test_open_stage_control_sends_what_the_show_takes():
+def test_open_stage_control_messages_are_accepted():
     session = json.loads(session_text(surface(), "10.0.0.7:9010"))
     assert session["type"] == "session"
     assert "/dance/subscribe" in session["content"]["onCreate"]
@@ -98,11 +98,11 @@ def test_open_stage_control_sends_what_the_show_takes():
                 case "button", "momentary":
                     values = []
             sent = [float(np.float32(value)) if isinstance(value, float) else value for value in values]
-            assert not isinstance(called(widget["address"], sent), Rejection), widget
+            assert not isinstance(call_control(widget["address"], sent), Rejection), widget
 
 
 @pytest.mark.parametrize(("pad", "world"), [((0.0, 0.0), (-5.0, 3.0)), ((1.0, 1.0), (5.0, -3.0))])
-def test_the_lower_edge_of_a_pad_is_where_the_audience_sits(tmp_path, pad, world):
+def test_lower_pad_edge_maps_to_audience_side(tmp_path, pad, world):
     write_touchosc(surface(), tmp_path / "a.tosc")
     for address, message, _ in tosc_messages(py2tosc.load(tmp_path / "a.tosc")):
         if address == "/dance/attract":
@@ -110,14 +110,14 @@ def test_the_lower_edge_of_a_pad_is_where_the_audience_sits(tmp_path, pad, world
                 float(part.scale_min) + along * (float(part.scale_max) - float(part.scale_min))
                 for part, along in zip(message.arguments, pad, strict=True)
             ]
-            event = called(address, places)
+            event = call_control(address, places)
             assert isinstance(event, ControlEvent)
             assert (event.x, event.z) == pytest.approx(world)
             return
     pytest.fail("there is no pad to attract")
 
 
-def test_the_end_of_a_range_is_taken_in_single_precision():
+def test_range_ends_are_accepted_in_single_precision():
     for control in REGISTRY:
         for index, argument in enumerate(control.arguments):
             if argument.type == "float":

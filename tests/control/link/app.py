@@ -1,6 +1,6 @@
-"""The show's side of a Link session: LinkSession, inbox, follower, 64 ticks a second; commands as `peer.py` takes them.
+"""The show's side of a Link session: LinkSession, queue, follower at 64 ticks a second; commands as in `peer.py`.
 
-A show without dancers: what follows the Timeline is left out, what makes it is real.
+A show without dancers: the consumers of the timeline are omitted, its producers are real.
 """
 
 import json
@@ -20,7 +20,7 @@ TICK = 1.0 / 64.0
 
 
 class App:
-    """One show that may be enabled and disabled; its time begins when it is made."""
+    """A show that can be enabled and disabled; its time starts when it is made."""
 
     def __init__(self, tempo: float, mode: str) -> None:
         self.clock = SystemClock()

@@ -1,4 +1,4 @@
-"""A private network of its own, and processes with Ableton Link in it that are spoken to through pipes."""
+"""A private network, and processes with Ableton Link that are controlled through pipes."""
 
 import importlib.util
 import json
@@ -19,7 +19,7 @@ NET = f"{UP}; echo ready; exec cat"
 
 
 class Process:
-    """A program with Link; `ask` sends one command and gives its answer."""
+    """A program with Link; `ask` sends one command and returns its answer."""
 
     def __init__(self, command: list[str]) -> None:
         self.process = subprocess.Popen(
@@ -38,7 +38,7 @@ class Process:
         return answer
 
     def until(self, what: Callable[[dict[str, Any]], bool], seconds: float) -> dict[str, Any]:
-        """Ask until the answer is right; fails with the last answer after `seconds`."""
+        """Repeats the request until the answer is right; fails with the last answer after `seconds`."""
         deadline = time.monotonic() + seconds
         while True:
             answer = self.ask()
@@ -48,7 +48,7 @@ class Process:
             time.sleep(0.02)
 
     def kill(self) -> None:
-        """Gone without a goodbye."""
+        """Kills the process without a clean shutdown."""
         self.process.kill()
         self._close()
 
@@ -77,14 +77,14 @@ class Process:
 
 
 class Network:
-    """A network namespace with nothing but a loopback that multicasts, and three programs in it.
+    """A network namespace with only a multicasting loopback, and three programs in it.
 
-    `hut` is some other program with Link, `app` and `second` are shows of ours. They are started once and begin anew
-    by `new`.
+    `hut` is another program with Link; `app` and `second` are shows of the project. They are started once and reset by
+    `new`.
     """
 
     def __init__(self, holder: "subprocess.Popen[bytes]") -> None:
-        """In the namespace of a process that holds it."""
+        """The network is the namespace of a process that holds it."""
         self._enter = ["nsenter", f"--net=/proc/{holder.pid}/ns/net"]
         started = [
             Process([*self._enter, sys.executable, "-m", f"tests.control.link.{name}"])
@@ -95,17 +95,17 @@ class Network:
         self.hut, self.app, self.second = started
 
     def new(self, *, hut: float = 120.0, app: float = 120.0, second: float = 120.0, mode: str = "follow") -> None:
-        """All begin anew, with these tempi [bpm] and nobody on the network; `mode` is the app's."""
+        """Resets all programs, with these tempos [bpm] and no peers on the network; `mode` is the app's."""
         self.hut.ask("new", bpm=hut)
         self.second.ask("new", bpm=second)
         self.app.ask("new", bpm=app, mode=mode)
 
     def cut(self) -> None:
-        """The only interface goes down."""
+        """Takes the only interface down."""
         subprocess.run([*self._enter, "ip", "link", "set", "lo", "down"], check=True)
 
     def join(self) -> None:
-        """It comes back."""
+        """Brings the interface up again."""
         subprocess.run([*self._enter, "sh", "-c", UP], check=True)
 
     def close(self) -> None:
@@ -115,7 +115,7 @@ class Network:
 
 @pytest.fixture(scope="session")
 def network() -> Iterator[Network]:
-    """Link multicasts on every network interface: it is never tested outside a private network."""
+    """Link multicasts on every network interface, so the tests run only in a private network."""
     if importlib.util.find_spec("link") is None:
         pytest.skip("Ableton Link is not installed (pip install LinkPython-extern)")
     missing = [name for name in ("unshare", "nsenter", "ip") if shutil.which(name) is None]

@@ -1,6 +1,6 @@
-"""Some other program with Ableton Link, as plain as can be: commands on stdin, answers on stdout, a JSON line each.
+"""Another program with Ableton Link, kept minimal: commands on stdin, answers on stdout, a JSON line each.
 
-Run in a private network only. It knows nothing of this project; its clock conversion is its own.
+Run in a private network only. It is independent of this project; its clock conversion is its own.
 """
 
 import json
@@ -11,7 +11,7 @@ import link
 
 
 def micros_of(clock: link.Clock, at: float) -> int:
-    """Link's microseconds at `at` [s of perf_counter], by the narrowest of some looks at both clocks now."""
+    """Link's microseconds at `at` [s of perf_counter], from the narrowest of several readings of both clocks."""
     looks = []
     for _ in range(20):
         before = time.perf_counter()

@@ -1,4 +1,4 @@
-"""Link's clock against the show's: drift, jitter, interruptions, a rate that NTP bends."""
+"""Tests of the conversion from Link's clock to the show's: drift, jitter, interruptions, rate changes by NTP."""
 
 import time
 
@@ -8,7 +8,9 @@ import pytest
 from live.control.link.link_session import LinkClock
 
 
-def run(line: LinkClock, rng: np.random.Generator, offsets: np.ndarray, step: float, wide: float) -> list[float]:
+def conversion_errors(
+    line: LinkClock, rng: np.random.Generator, offsets: np.ndarray, step: float, wide: float
+) -> list[float]:
     """Errors [s] of the conversion half a second ahead; the show's clock is Link's + offset at each reading."""
     errors = []
     for index, offset in enumerate(offsets):
@@ -23,17 +25,17 @@ def run(line: LinkClock, rng: np.random.Generator, offsets: np.ndarray, step: fl
 
 
 @pytest.mark.parametrize("ppm", [50.0, -50.0, 500.0, 0.0])
-def test_drift_and_jitter_leave_less_than_a_tenth_of_a_millisecond(ppm: float) -> None:
+def test_drift_and_jitter_errors_stay_below_tenth_millisecond(ppm: float) -> None:
     rng = np.random.default_rng(3)
     offsets = 0.249 + ppm * 1e-6 * np.arange(400) * 0.25
     line = LinkClock()
-    errors = np.abs(run(line, rng, offsets, 0.25, wide=150e-6))
+    errors = np.abs(conversion_errors(line, rng, offsets, 0.25, wide=150e-6))
     assert np.percentile(errors, 95) < 0.1e-3
     assert errors.max() < 0.4e-3  # the first ones, before a rate is known, at 500 ppm
     assert abs(line.rate * 1e6 - ppm) < 60.0
 
 
-def test_an_interruption_of_ten_milliseconds_is_not_believed() -> None:
+def test_interrupted_reading_is_ignored() -> None:
     line = LinkClock()
     for index in range(20):
         line.observe(index * 0.25, index * 250_000, index * 0.25 + 1e-6)
@@ -44,24 +46,24 @@ def test_an_interruption_of_ten_milliseconds_is_not_believed() -> None:
     assert line.error == pytest.approx(1e-3)
 
 
-def test_a_rate_that_ntp_bends_is_followed_at_once() -> None:
-    """From 0 to 500 ppm: what a line through all readings would get wrong by milliseconds."""
+def test_rate_change_by_ntp_is_followed_immediately() -> None:
+    """From 0 to 500 ppm: a line through all readings would be wrong by milliseconds."""
     step = 0.25
     bent = np.concatenate([np.zeros(60), 500e-6 * step * np.arange(60)])
-    errors = np.abs(run(LinkClock(), np.random.default_rng(5), bent, step, wide=20e-6))
+    errors = np.abs(conversion_errors(LinkClock(), np.random.default_rng(5), bent, step, wide=20e-6))
     assert errors.max() < 0.4e-3
 
 
-def test_counting_whole_microseconds_alone_makes_no_rate() -> None:
-    """Readings in quick succession, exactly bracketed, of clocks that run alike: up to a microsecond is cut off."""
+def test_microsecond_rounding_gives_zero_rate() -> None:
+    """Frequent, exactly bracketed readings of clocks with equal rates: up to a microsecond is truncated."""
     line, rng = LinkClock(), np.random.default_rng(9)
     for at in np.cumsum(rng.uniform(10e-6, 400e-6, 500)):
         line.observe(at, int(at * 1e6), at)
         assert line.rate == 0.0
 
 
-def test_raw_and_slewed_clocks_of_this_machine() -> None:
-    """CLOCK_MONOTONIC_RAW, as Link counts it, against perf_counter, for a second."""
+def test_raw_clock_converts_to_perf_counter() -> None:
+    """CLOCK_MONOTONIC_RAW, which Link counts, against perf_counter, for a second."""
     raw = getattr(time, "CLOCK_MONOTONIC_RAW", None)
     if raw is None:
         pytest.skip("this system has no CLOCK_MONOTONIC_RAW")

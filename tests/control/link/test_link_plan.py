@@ -1,6 +1,6 @@
-"""Ableton's test plan for Link-enabled apps (TEST-PLAN.md in Ableton/link), between our show and a bare participant.
+"""Ableton's test plan for Link-enabled apps (TEST-PLAN.md in Ableton/link), between the show and a bare participant.
 
-Each step is what the plan asks a person to do; LinkHut is `peer.py`, App is `app.py`.
+Each step is an instruction of the plan; LinkHut is `peer.py`, App is `app.py`.
 """
 
 import time
@@ -24,23 +24,23 @@ OLDER = 2.0
 participant's own thread, which a busy machine may let wait before it begins the session."""
 
 
-def out_of_sync(app: Process, hut: Process, *, key: str = "heard", fold: int = 1) -> float:
-    """By how many seconds the app's beat is apart from the other's, at the same instant."""
+def sync_error(app: Process, hut: Process, *, key: str = "heard", fold: int = 1) -> float:
+    """Difference [s] between the app's beat and the peer's beat at the same instant."""
     at = time.perf_counter() + 0.02
     mine, other = app.ask(at=at), hut.ask(at=at, quantum=4.0 * fold)
     return phase_difference(mine[key], other["phase"] / fold, 4.0) * 60.0 * fold / other["tempo"]
 
 
 def sync_within(app: Process, hut: Process, seconds: float, **how: Any) -> None:
-    """Both are in sync soon: within `seconds` on an idle machine."""
+    """Asserts that both are in sync within `seconds` on an idle machine."""
     deadline = time.monotonic() + BUSY * seconds
-    while abs(off := out_of_sync(app, hut, **how)) >= IN_SYNC:
+    while abs(off := sync_error(app, hut, **how)) >= IN_SYNC:
         assert time.monotonic() < deadline, f"{off * 1e3:.1f} ms apart after {seconds} s"
         time.sleep(0.05)
 
 
-def first_in(app: Process) -> None:
-    """It joins, and is on the network (which its own thread does) for long enough to be the older one."""
+def join_first(app: Process) -> None:
+    """Joins the network and waits until the app's session is the older one."""
     app.ask("enable", on=True)
     app.until(lambda answer: answer["summary"] == "alone", SOON)
     time.sleep(OLDER)
@@ -54,7 +54,7 @@ def at_tempo(bpm: float, key: str = "tempo") -> Any:
     return lambda answer: answer[key] is not None and abs(answer[key] - bpm) < 0.01
 
 
-def test_joining_changes_nobody_else_and_tempo_goes_both_ways(network: Network) -> None:
+def test_joining_keeps_session_tempo_and_tempo_is_shared(network: Network) -> None:
     network.new(hut=130.0, app=100.0)
     hut, app = network.hut, network.app
     # TEMPO-5 and BEATTIME-1: enabling and disabling with no session to join changes neither tempo nor beat.
@@ -129,11 +129,11 @@ def test_joining_changes_nobody_else_and_tempo_goes_both_ways(network: Network) 
     assert app.ask()["faults"] == 0
 
 
-def test_nothing_jumps_in_the_app_when_somebody_joins(network: Network) -> None:
-    """BEATTIME-2, and that whoever joins takes our tempo and beat."""
+def test_app_beat_does_not_jump_when_peer_joins(network: Network) -> None:
+    """BEATTIME-2; a joining peer takes the app's tempo and beat."""
     network.new(hut=130.0, app=103.0)
     hut, app = network.hut, network.app
-    first_in(app)
+    join_first(app)
     app.ask("forget")
     hut.ask("enable", on=True)
     hut.until(connected, SOON)
@@ -181,11 +181,11 @@ def test_starts_and_stops_are_shared(network: Network) -> None:
     hut.until(lambda answer: answer["playing"], SOON)
 
 
-def test_two_shows_agree(network: Network) -> None:
-    """Ours with ours: the second takes the first one's beat, whose own goes on as it was."""
+def test_two_shows_share_the_first_beat(network: Network) -> None:
+    """Two shows of the project: the second takes the first one's beat, and the first one's beat is unchanged."""
     network.new(app=126.0, second=90.0)
     first, second = network.app, network.second
-    first_in(first)
+    join_first(first)
     second.ask("enable", on=True)
     second.until(at_tempo(126.0), SOON)
     sync_within(second, first, SOON, key="phase")
@@ -193,7 +193,7 @@ def test_two_shows_agree(network: Network) -> None:
     assert first.ask()["step"] < 0.01
 
 
-def test_the_timeline_is_within_three_milliseconds_and_follows_a_tempo_within_a_beat(network: Network) -> None:
+def test_timeline_stays_in_sync_and_follows_tempo_changes(network: Network) -> None:
     network.new(hut=120.0, app=116.0)
     hut, app = network.hut, network.app
     hut.ask("enable", on=True)
@@ -201,7 +201,7 @@ def test_the_timeline_is_within_three_milliseconds_and_follows_a_tempo_within_a_
     app.ask("enable", on=True)
     app.until(at_tempo(120.0), SOON)
     sync_within(app, hut, SOON, key="phase")
-    assert errors(app, hut, 1.0) <= IN_SYNC
+    assert sync_error_percentile(app, hut, 1.0) <= IN_SYNC
     took = []
     for bpm in (140.0, 126.0, 133.0):  # the best of three: another program may have the processor for a while
         stepped = time.perf_counter()
@@ -210,19 +210,19 @@ def test_the_timeline_is_within_three_milliseconds_and_follows_a_tempo_within_a_
         took.append(time.perf_counter() - stepped)
     assert min(took) < 60.0 / 140.0
     sync_within(app, hut, 1.0, key="phase")  # what the beat had moved until the new tempo was heard of, run in
-    assert errors(app, hut, 1.0) <= IN_SYNC
+    assert sync_error_percentile(app, hut, 1.0) <= IN_SYNC
 
 
-def errors(app: Process, hut: Process, seconds: float) -> float:
-    """The 95th percentile of how far [s] the Timeline is apart from the session, looked at as often as it goes."""
+def sync_error_percentile(app: Process, hut: Process, seconds: float) -> float:
+    """The 95th percentile of the difference [s] between the timeline and the session, sampled every 10 ms."""
     deadline, found = time.monotonic() + seconds, []
     while time.monotonic() < deadline:
-        found.append(abs(out_of_sync(app, hut, key="phase")))
+        found.append(abs(sync_error(app, hut, key="phase")))
         time.sleep(0.01)
     return float(np.percentile(found, 95))
 
 
-def test_a_show_that_leads_takes_the_others_along(network: Network) -> None:
+def test_leading_show_aligns_its_peer(network: Network) -> None:
     network.new(hut=120.0, app=128.0, mode="lead")
     hut, app = network.hut, network.app
     hut.ask("enable", on=True)

@@ -1,4 +1,4 @@
-"""What the show hears of a Link session: laws over readings that a made-up session gives."""
+"""Tests of events from a Link session: properties over readings of a fake session."""
 
 from dataclasses import dataclass
 
@@ -11,8 +11,8 @@ from live.control.link.link_sync import LinkReading, LinkReporter, fold_factor, 
 
 
 @dataclass
-class Session:
-    """A made-up session: tempo [Link's bpm] and beat, moved by hand."""
+class FakeSession:
+    """A fake session: tempo [Link's bpm] and beat, changed by the test."""
 
     tempo: float = 120.0
     beat: float = 0.3
@@ -31,16 +31,16 @@ class Session:
         )
 
 
-def beats(events: list[ControlEvent]) -> list[BeatHeard]:
+def beat_events(events: list[ControlEvent]) -> list[BeatHeard]:
     return [event for event in events if isinstance(event, BeatHeard)]
 
 
-def states(events: list[ControlEvent]) -> list[str]:
+def source_states(events: list[ControlEvent]) -> list[str]:
     return [event.state for event in events if isinstance(event, SourceChanged)]
 
 
-def test_alone_nothing_is_heard_and_with_others_found_comes_first() -> None:
-    session, reports = Session(peers=0), LinkReporter()
+def test_events_start_with_found_when_peers_join() -> None:
+    session, reports = FakeSession(peers=0), LinkReporter()
     assert [reports.update(session.after(0.02)) for _ in range(50)] == [[]] * 50
     session.peers = 2
     found, beat = reports.update(session.after(0.02))
@@ -48,9 +48,9 @@ def test_alone_nothing_is_heard_and_with_others_found_comes_first() -> None:
     assert isinstance(beat, BeatHeard)
     assert not beat.jump
     session.peers = 1
-    assert states(reports.update(session.after(0.02))) == []
+    assert source_states(reports.update(session.after(0.02))) == []
     session.peers = 0
-    assert states(reports.update(session.after(0.02))) == ["lost"]
+    assert source_states(reports.update(session.after(0.02))) == ["lost"]
     assert reports.update(session.after(0.02)) == []
 
 
@@ -61,16 +61,16 @@ def test_alone_nothing_is_heard_and_with_others_found_comes_first() -> None:
     ),
     metre=st.integers(2, 7),
 )
-def test_every_beat_told_lies_on_the_session_and_at_most_one_ahead(
+def test_reported_beats_match_session_within_one_beat_ahead(
     steps: list[tuple[float, float | None]], metre: int
 ) -> None:
-    session, reports = Session(metre=metre), LinkReporter()
+    session, reports = FakeSession(metre=metre), LinkReporter()
     for wait, tempo in steps:
         fold = fold_factor(session.tempo)
         if tempo is not None and fold_factor(tempo) == fold:
             session.tempo = tempo  # from now on; the beat goes on
         reading = session.after(wait)
-        for event in beats(reports.update(reading)):
+        for event in beat_events(reports.update(reading)):
             assert not event.jump
             assert event.period == pytest.approx(60.0 * fold / session.tempo)
             assert 0.15 - 1e-9 <= event.period <= 3.0 + 1e-9
@@ -80,37 +80,37 @@ def test_every_beat_told_lies_on_the_session_and_at_most_one_ahead(
             assert 0 <= event.beat < metre == event.beats_per_measure
 
 
-def test_a_beat_is_told_twice_a_beat_and_at_every_new_tempo() -> None:
-    session, reports = Session(), LinkReporter()
-    told = [bool(beats(reports.update(session.after(0.02)))) for _ in range(1000)]
+def test_beats_are_reported_twice_per_beat_and_on_tempo_change() -> None:
+    session, reports = FakeSession(), LinkReporter()
+    told = [bool(beat_events(reports.update(session.after(0.02)))) for _ in range(1000)]
     assert 70 <= sum(told) <= 85  # 20 s at 120 bpm: 40 beats
     session.tempo = 133.0
-    (event,) = beats(reports.update(session.after(0.02)))
+    (event,) = beat_events(reports.update(session.after(0.02)))
     assert event.period == pytest.approx(60.0 / 133.0)
 
 
-def test_a_jump_is_told_and_a_mere_measure_is_none() -> None:
-    session, reports = Session(), LinkReporter()
+def test_jump_is_reported_except_for_whole_measures() -> None:
+    session, reports = FakeSession(), LinkReporter()
     reports.update(session.after(0.02))
     session.beat += 8.0  # the number of measures is our own affair
-    assert not any(event.jump for event in beats(reports.update(session.after(0.02))))
+    assert not any(event.jump for event in beat_events(reports.update(session.after(0.02))))
     session.beat += 0.25
-    assert [event.jump for event in beats(reports.update(session.after(0.02)))] == [True]
-    assert beats(reports.update(session.after(0.02))) == []
+    assert [event.jump for event in beat_events(reports.update(session.after(0.02)))] == [True]
+    assert beat_events(reports.update(session.after(0.02))) == []
     session.metre = 3
-    assert [event.jump for event in beats(reports.update(session.after(0.02)))] == [True]
+    assert [event.jump for event in beat_events(reports.update(session.after(0.02)))] == [True]
 
 
-def test_beyond_four_hundred_every_second_or_fourth_beat_is_the_beat() -> None:
+def test_tempo_above_400_is_folded_by_two_or_four() -> None:
     assert [fold_factor(tempo) for tempo in (20.0, 400.0, 400.1, 800.0, 999.0)] == [1, 1, 2, 2, 4]
 
 
-def test_starts_wait_for_the_measure_line_and_stops_do_not() -> None:
-    session, reports = Session(beat=0.5), LinkReporter(start_stop=True)
+def test_start_waits_for_downbeat_and_stop_is_immediate() -> None:
+    session, reports = FakeSession(beat=0.5), LinkReporter(start_stop=True)
     session.playing = True  # as we came
-    assert states(reports.update(session.after(0.02))) == ["found"]
+    assert source_states(reports.update(session.after(0.02))) == ["found"]
     session.playing, session.since = False, session.time + 0.01
-    assert states(reports.update(session.after(0.02))) == ["stopped"]
+    assert source_states(reports.update(session.after(0.02))) == ["stopped"]
     session.playing, session.since = True, session.time + 0.01
     while not (told := [e for e in reports.update(session.after(0.02)) if isinstance(e, SourceChanged)]):
         assert session.time < 3.0
@@ -120,15 +120,15 @@ def test_starts_wait_for_the_measure_line_and_stops_do_not() -> None:
     assert session.time - told[0].time < 0.02
 
 
-def test_without_start_stop_the_transport_is_nobodys_business() -> None:
-    session, reports = Session(), LinkReporter()
+def test_transport_is_ignored_without_start_stop_sync() -> None:
+    session, reports = FakeSession(), LinkReporter()
     reports.update(session.after(0.02))
     session.playing = True
-    assert all(states(reports.update(session.after(0.02))) == [] for _ in range(200))
+    assert all(source_states(reports.update(session.after(0.02))) == [] for _ in range(200))
 
 
-def test_leaving_says_lost_once() -> None:
-    session, reports = Session(), LinkReporter()
+def test_leaving_reports_lost_once() -> None:
+    session, reports = FakeSession(), LinkReporter()
     reports.update(session.after(0.02))
-    assert states(reports.end(1.0, "left")) == ["lost"]
+    assert source_states(reports.end(1.0, "left")) == ["lost"]
     assert reports.end(1.0, "left") == []

@@ -1,4 +1,4 @@
-"""A session over a made-up Link: what is committed and when, failures, and machines without Link."""
+"""Tests of a session over a fake Link: committed changes, failures, and machines without Link."""
 
 import sys
 import time
@@ -16,8 +16,8 @@ from live.control.link.link_session import LinkSession, LinkUnavailable, make_li
 from tests.control.waiting import wait_for
 
 
-class MadeUpLink:
-    """Link's interface over one straight timeline; commits are noted in `committed`."""
+class FakeLink:
+    """Link's interface over one straight timeline; commits are recorded in `committed`."""
 
     def __init__(self, now: Callable[[], float], tempo: float) -> None:
         self.now = now
@@ -31,24 +31,24 @@ class MadeUpLink:
     def micros(self) -> int:
         return round(self.now() * 1e6) + 249_000
 
-    def clock(self) -> "MadeUpLink":
+    def clock(self) -> "FakeLink":
         return self
 
     def numPeers(self) -> int:  # noqa: N802 (Link's names)
         return self.others
 
-    def captureSessionState(self) -> "MadeUpState":  # noqa: N802
+    def captureSessionState(self) -> "FakeState":  # noqa: N802
         if self.broken:
             raise RuntimeError("no network")
-        return MadeUpState(self)
+        return FakeState(self)
 
-    def commitSessionState(self, state: "MadeUpState") -> None:  # noqa: N802
+    def commitSessionState(self, state: "FakeState") -> None:  # noqa: N802
         self.bpm, self.beat, self.at = state.bpm, state.beat, state.at
         self.committed += state.done
 
 
-class MadeUpState:
-    def __init__(self, link: MadeUpLink) -> None:
+class FakeState:
+    def __init__(self, link: FakeLink) -> None:
         self.bpm, self.beat, self.at = link.bpm, link.beat, link.at
         self.done: list[str] = []
 
@@ -77,15 +77,15 @@ class MadeUpState:
         return 0
 
 
-def session_on(clock: ManualClock, **how: Any) -> tuple[LinkSession, MadeUpLink, EventQueue[ControlEvent]]:
+def make_session(clock: ManualClock, **how: Any) -> tuple[LinkSession, FakeLink, EventQueue[ControlEvent]]:
     inbox: EventQueue[ControlEvent] = EventQueue()
-    session = LinkSession(inbox, clock, tempo=100.0, make=lambda tempo: MadeUpLink(clock.now, tempo), **how)
+    session = LinkSession(inbox, clock, tempo=100.0, make=lambda tempo: FakeLink(clock.now, tempo), **how)
     return session, session._link, inbox
 
 
-def test_alone_it_runs_with_the_show_and_with_others_it_keeps_its_hands_off() -> None:
+def test_show_sets_session_tempo_only_without_peers() -> None:
     clock = ManualClock(5.0)
-    session, link, inbox = session_on(clock)
+    session, link, inbox = make_session(clock)
     show = Timeline(tempo=126.0, beats_per_measure=3, beat_origin=2.0, measure_origin=1.0)
     session.set_timeline(show, 126.0)
     for _ in range(100):
@@ -111,9 +111,9 @@ def test_alone_it_runs_with_the_show_and_with_others_it_keeps_its_hands_off() ->
     assert link.bpm == 97.0
 
 
-def test_only_a_person_who_leads_forces_a_beat() -> None:
+def test_beat_is_forced_only_by_manual_resync() -> None:
     clock = ManualClock(5.0)
-    session, link, inbox = session_on(clock, mode="lead")
+    session, link, inbox = make_session(clock, mode="lead")
     link.others = 2
     session.set_timeline(Timeline(tempo=126.0, beat_origin=0.5), 126.0)
     for _ in range(100):
@@ -130,15 +130,15 @@ def test_only_a_person_who_leads_forces_a_beat() -> None:
     assert session.summary == "off"  # it was never started
 
 
-def test_whoever_comes_between_two_questions_to_link_is_no_jump() -> None:
-    """Link takes over the others' beat and then counts them; a busy machine may do both in the middle of a look."""
+def test_peer_joining_between_two_calls_causes_no_jump() -> None:
+    """Link adopts the peers' beat and then counts the peers; on a busy machine both may happen during a poll."""
     clock = ManualClock(5.0)
-    session, link, inbox = session_on(clock)
+    session, link, inbox = make_session(clock)
     ask = {name: getattr(link, name) for name in ("captureSessionState", "numPeers", "micros")}
     looks = len(ask)
 
     def come_in_before(count: int) -> None:
-        """The session of somebody else is joined before the next question but `count`."""
+        """A peer's session is joined after `count` further calls to Link."""
         left = [count]
 
         def question(name: str) -> Any:
@@ -163,8 +163,8 @@ def test_whoever_comes_between_two_questions_to_link_is_no_jump() -> None:
         assert {event.period for event in heard} == {60.0 / 90.0}, count
 
 
-def test_a_library_that_fails_is_counted_and_asked_again() -> None:
-    session, link, inbox = session_on(SystemClock())  # type: ignore[arg-type]
+def test_library_failure_is_counted_and_retried() -> None:
+    session, link, inbox = make_session(SystemClock())  # type: ignore[arg-type]
     link.others, link.broken = 1, True
     session.start()
     try:
@@ -179,15 +179,15 @@ def test_a_library_that_fails_is_counted_and_asked_again() -> None:
     assert [getattr(event, "state", "") for event in inbox.drain()][-1] == "lost"
 
 
-def test_without_the_package_it_is_said_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_package_error_names_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "link", None)
     with pytest.raises(LinkUnavailable, match=r"not installed \(make play, or pip install LinkPython-extern\)"):
         make_link(120.0)
 
 
-def test_a_look_at_the_session_takes_no_time() -> None:
+def test_polling_the_session_is_fast() -> None:
     clock = SystemClock()
-    session, link, _ = session_on(clock)  # type: ignore[arg-type]
+    session, link, _ = make_session(clock)  # type: ignore[arg-type]
     link.others = 1
     session.poll()
     before = time.process_time()

@@ -1,4 +1,4 @@
-"""A private JACK server without a sound card, so that MIDI ports exist where the kernel has none."""
+"""A private JACK server without a sound card, which provides MIDI ports where the kernel has none."""
 
 import os
 import shutil
@@ -21,7 +21,7 @@ class JackServer:
         self.process: subprocess.Popen[bytes] | None = None
 
     def start(self) -> None:
-        """Start it and wait until it answers."""
+        """Starts the server and waits until it answers."""
         for priority in (("-R", "-P", "20"), ("--no-realtime",)):  # without it a busy machine loses messages
             command = ["jackd", "-n", self.name, *priority, "--no-mlock", "-d", "dummy", "-r", "48000", "-p", PERIOD]
             self.process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -35,14 +35,14 @@ class JackServer:
         return listing.returncode == 0
 
     def crash(self) -> None:
-        """End it without a goodbye; a server of the same name must be started and stopped after it, to tidy up."""
+        """Kills the server; a server of the same name must be started and stopped afterwards to clean up."""
         if self.process is not None:
             self.process.kill()
             self.process.wait()
             self.process = None
 
     def stop(self) -> None:
-        """End it; it clears its place among the eight servers that a machine can have."""
+        """Stops the server; this frees one of the eight server slots of a machine."""
         if self.process is not None:
             self.process.terminate()
             try:
@@ -54,7 +54,7 @@ class JackServer:
 
 @pytest.fixture(scope="module")
 def jack_server() -> Iterator[JackServer]:
-    """A JACK server of our own; skipped where jackd or python-rtmidi is missing."""
+    """A private JACK server; skipped where jackd or python-rtmidi is missing."""
     if shutil.which("jackd") is None or shutil.which("jack_lsp") is None:
         pytest.skip("jackd is not installed (apt install jackd2)")
     try:

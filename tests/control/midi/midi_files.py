@@ -1,12 +1,12 @@
-"""MIDI files that are made for tests."""
+"""MIDI files made for tests."""
 
 from pathlib import Path
 
 import mido
 
 
-def made_song(path: Path, *, bars: int = 8) -> Path:
-    """A waltz that becomes faster by half in its second half, then a chord; ticks of 96, two tracks, a late control."""
+def write_song(path: Path, *, bars: int = 8) -> Path:
+    """A waltz that speeds up by half in its second half, then a chord; ticks of 96, two tracks, a late control."""
     file = mido.MidiFile(ticks_per_beat=96)
     beats = bars * 4
     tempo = mido.MidiTrack([

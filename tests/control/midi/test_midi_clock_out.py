@@ -1,4 +1,4 @@
-"""The sender of MIDI clock on a port made by hand."""
+"""Tests of the MIDI clock sender on a fake port."""
 
 from typing import cast
 
@@ -13,7 +13,7 @@ from tests.control.waiting import wait_for
 
 
 class FakePort:
-    """Keeps what is sent."""
+    """Records sent messages."""
 
     name = "synth"
     there = True
@@ -27,7 +27,7 @@ class FakePort:
     def close(self) -> None: ...
 
 
-def test_a_pulse_that_cannot_be_placed_does_not_end_the_sending(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_scheduling_error_does_not_stop_clock_output(monkeypatch: pytest.MonkeyPatch) -> None:
     port = FakePort()
     sends = MidiClockOutput("synth", SystemClock(), open_by_name=lambda _: cast(OpenPort, port))
 

@@ -1,4 +1,4 @@
-"""The process that sends MIDI clock: it starts, tells, ends with the show and is started again."""
+"""Tests of the MIDI clock process: start, status, end with the show, and restart."""
 
 import subprocess
 
@@ -11,7 +11,7 @@ from live.control.midi.midi_clock_process import MidiClockProcess
 from tests.control.waiting import wait_for
 
 
-def test_a_sender_without_its_port_says_so_and_comes_back_when_it_is_killed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_port_is_reported_and_killed_process_restarts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(midi_clock_process, "RESTART_AFTER", 0.0)
     sends = MidiClockProcess("no such port", SystemClock())
     sends.start()
@@ -35,7 +35,7 @@ def test_a_sender_without_its_port_says_so_and_comes_back_when_it_is_killed(monk
     assert second.poll() is not None
 
 
-def test_a_system_that_has_no_room_for_a_process_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_process_start_is_retried_at_intervals(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = ManualClock()
     ended = subprocess.Popen(["true"], stdin=subprocess.PIPE)
     ended.wait()

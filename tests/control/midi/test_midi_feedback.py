@@ -1,4 +1,4 @@
-"""Lights of pads and motor faders: told what is, at a bounded rate, and not what their own hand does."""
+"""Tests of feedback to pads and motor faders: current values, bounded rate, and no echo during moves."""
 
 from live.control.midi.midi_binding import Binding
 from live.control.midi.midi_feedback import MAX_BINDINGS, MOVE_HOLD, UPDATE_INTERVAL, MidiFeedback
@@ -8,8 +8,8 @@ from live.control.registry.registry import Values
 RIM, DARK, TEMPO = "/dance/light/rim", "/dance/blackout", "/dance/clock/tempo"
 
 
-class Desk:
-    """A map, its feedback, and the show's values."""
+class FeedbackDriver:
+    """A MIDI map, its feedback, and the show's values."""
 
     def __init__(self, *bindings: Binding) -> None:
         self.values = Values()
@@ -28,8 +28,8 @@ class Desk:
         return self.feedback.due_messages(self.time)
 
 
-def test_faders_and_pads_are_told_what_others_change_and_nothing_twice() -> None:
-    desk = Desk(
+def test_changed_values_are_sent_once_to_faders_and_pads() -> None:
+    desk = FeedbackDriver(
         Binding("cc", 7, RIM, 3, scale=(0.0, 1.27)),
         Binding("cc", 1, TEMPO, fine=True, scale=(60.0, 180.0)),
         Binding("note", 36, DARK, 10, lit=(3, 60)),
@@ -55,8 +55,8 @@ def test_faders_and_pads_are_told_what_others_change_and_nothing_twice() -> None
     assert len(desk.after()) == 9
 
 
-def test_a_hand_on_a_fader_is_not_answered_until_it_has_left_it() -> None:
-    desk = Desk(Binding("cc", 7, RIM, scale=(0.0, 1.27), pickup=False))
+def test_moved_fader_gets_no_feedback_until_released() -> None:
+    desk = FeedbackDriver(Binding("cc", 7, RIM, scale=(0.0, 1.27), pickup=False))
     desk.set(RIM, 0.1)
     assert desk.after() == [b"\xb0\x07\x0a"]
     desk.map.events((0xB4, 7, 50), desk.time)
@@ -72,8 +72,8 @@ def test_a_hand_on_a_fader_is_not_answered_until_it_has_left_it() -> None:
     assert desk.after() == [b"\xb4\x07\x0a"]
 
 
-def test_a_fader_that_did_not_take_over_is_sent_back() -> None:
-    desk = Desk(Binding("cc", 7, RIM, scale=(0.0, 1.27)))
+def test_fader_without_pickup_is_sent_back() -> None:
+    desk = FeedbackDriver(Binding("cc", 7, RIM, scale=(0.0, 1.27)))
     desk.set(RIM, 1.0)
     assert desk.after() == [b"\xb0\x07\x64"]
     assert desk.map.events((0xB0, 7, 20), desk.time) == []
@@ -81,8 +81,8 @@ def test_a_fader_that_did_not_take_over_is_sent_back() -> None:
     assert desk.after(MOVE_HOLD) == [b"\xb0\x07\x64"]
 
 
-def test_a_pad_is_told_what_it_has_done_itself() -> None:
-    desk = Desk(Binding("note", 36, DARK))
+def test_pad_receives_feedback_of_its_own_press() -> None:
+    desk = FeedbackDriver(Binding("note", 36, DARK))
     desk.set(DARK, False)
     desk.after()
     assert desk.map.events((0x92, 36, 90), desk.time)
@@ -90,8 +90,8 @@ def test_a_pad_is_told_what_it_has_done_itself() -> None:
     assert desk.after() == [b"\x92\x24\x7f"]  # on the channel on which it was played
 
 
-def test_so_many_are_told_in_one_turn_and_all_in_the_end() -> None:
-    desk = Desk(*(Binding("cc", number, RIM, channel) for channel in (1, 2) for number in range(64, 120)))
+def test_updates_per_turn_are_bounded_and_complete() -> None:
+    desk = FeedbackDriver(*(Binding("cc", number, RIM, channel) for channel in (1, 2) for number in range(64, 120)))
     desk.set(RIM, 0.5)
     first = desk.after()
     assert len(first) == MAX_BINDINGS

@@ -1,4 +1,4 @@
-"""MIDI files: their tempo map as a clock, broken ones refused, the same events whatever the frame rate."""
+"""Tests of MIDI files: tempo map as clock, broken files refused, same events at any frame rate."""
 
 import math
 import random
@@ -16,7 +16,7 @@ from live.control.events.events import BeatHeard, ControlEvent, NotesHeard, SetM
 from live.control.midi.midi_file import read_song
 from live.show.engine import Engine
 from live.show.view.status import Status
-from tests.control.midi.midi_files import made_song
+from tests.control.midi.midi_files import write_song
 from tests.show.made_show import made_show
 
 MAP = """
@@ -31,8 +31,8 @@ high = 0.5
 """
 
 
-def test_pulses_and_notes_fall_where_the_tempo_map_has_them(tmp_path: Path) -> None:
-    song = read_song(made_song(tmp_path / "song.mid"))
+def test_pulses_and_notes_follow_the_tempo_map(tmp_path: Path) -> None:
+    song = read_song(write_song(tmp_path / "song.mid"))
     assert (song.tempo, song.length) == (100.0, pytest.approx(16 * 0.6 + 16 * 0.4))
     pulses = [time for time, message in song.messages if message == b"\xf8"]
     beats = np.where(np.arange(33) < 16, np.arange(33) * 0.6, 9.6 + (np.arange(33) - 16) * 0.4)
@@ -46,8 +46,8 @@ def test_pulses_and_notes_fall_where_the_tempo_map_has_them(tmp_path: Path) -> N
     assert file.length == pytest.approx(song.length)
 
 
-class Run:
-    """A show that a song leads, driven at some frame rate."""
+class SongRun:
+    """A show that a MIDI file leads, driven at given frame times."""
 
     def __init__(self, path: Path, times: list[float]) -> None:
         self.show = made_show(MAP, tempo=100.0)
@@ -66,15 +66,15 @@ class Run:
         self.final = self.show.state_hash()
 
 
-def test_a_song_leads_the_beat_and_moves_the_dance_alike_at_any_frame_rate(tmp_path: Path) -> None:
-    path = made_song(tmp_path / "song.mid")
+def test_song_gives_same_events_at_any_frame_rate(tmp_path: Path) -> None:
+    path = write_song(tmp_path / "song.mid")
     rng = random.Random(2)
     uneven, time = [], 0.0
     while time < 16.5:
         time += rng.uniform(0.001, 0.09)
         uneven.append(time)
     even = [n / 30 for n in range(495)]
-    one, other = Run(path, even), Run(path, uneven)
+    one, other = SongRun(path, even), SongRun(path, uneven)
     assert one.events == other.events
     assert one.final == other.final
     truth = np.interp(even, [0.0, 9.6, 16.0], [0.0, 16.0, 32.0])
@@ -92,8 +92,8 @@ def test_a_song_leads_the_beat_and_moves_the_dance_alike_at_any_frame_rate(tmp_p
     assert one.part.status() == {"file": "song.mid", "at_s": 16.0, "length_s": 16.0}
 
 
-def test_an_engine_that_goes_on_hears_only_what_comes(tmp_path: Path) -> None:
-    path = made_song(tmp_path / "song.mid")
+def test_resumed_engine_receives_only_later_events(tmp_path: Path) -> None:
+    path = write_song(tmp_path / "song.mid")
     show = made_show(MAP, tempo=100.0)
     status = Status(show, rejected=dict, memory=lambda: 0.0)
     engine = Engine(show, clock=ManualClock(), inbox=EventQueue(), status=status, stall=math.inf)
@@ -102,7 +102,7 @@ def test_an_engine_that_goes_on_hears_only_what_comes(tmp_path: Path) -> None:
     assert all(event.time > 8.0 for event in tell(8.5))
 
 
-def test_what_is_no_song_is_refused_in_one_line(tmp_path: Path) -> None:
+def test_invalid_midi_file_is_refused_in_one_line(tmp_path: Path) -> None:
     def refused(data: bytes) -> str:
         path = tmp_path / "bad.mid"
         path.write_bytes(data)
@@ -111,7 +111,7 @@ def test_what_is_no_song_is_refused_in_one_line(tmp_path: Path) -> None:
         assert "\n" not in str(caught.value)
         return str(caught.value)
 
-    good = made_song(tmp_path / "song.mid").read_bytes()
+    good = write_song(tmp_path / "song.mid").read_bytes()
     assert "bad.mid" in refused(b"")
     assert "bad.mid" in refused(b"RIFF" + good)
     assert "bad.mid" in refused(good[:100])
@@ -125,8 +125,8 @@ def test_what_is_no_song_is_refused_in_one_line(tmp_path: Path) -> None:
         read_song(tmp_path / "none.mid")
 
 
-def test_mutated_files_are_songs_or_refused(tmp_path: Path) -> None:
-    good, rng = made_song(tmp_path / "song.mid", bars=2).read_bytes(), random.Random(8)
+def test_mutated_midi_files_are_read_or_refused(tmp_path: Path) -> None:
+    good, rng = write_song(tmp_path / "song.mid", bars=2).read_bytes(), random.Random(8)
     path, songs = tmp_path / "m.mid", 0
     for _ in range(120):
         data = bytearray(good)

@@ -1,4 +1,4 @@
-"""Faders of 14 bits, bends, pressure, numbered parameters, velocities, switches, and soft take-over."""
+"""Tests of 14-bit faders, bends, pressure, numbered parameters, velocities, switches, and soft takeover."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def pair(value: int) -> tuple[tuple[int, ...], tuple[int, ...]]:
     return (0xB0, 7, value >> 7), (0xB0, 39, value & 127)
 
 
-def test_a_pair_of_controllers_has_14_bits_and_never_turns_back() -> None:
+def test_controller_pair_has_14_bits_and_is_monotonic() -> None:
     midi_map = MidiMap([Binding("cc", 7, TEMPO, fine=True, scale=(60.0, 180.0))])
     tempos(midi_map, *pair(0))
     for way in (range(0, MAX_14_BIT + 1, 37), range(MAX_14_BIT, -1, -41)):
@@ -35,12 +35,12 @@ def test_a_pair_of_controllers_has_14_bits_and_never_turns_back() -> None:
     assert tempos(midi_map, *pair(MAX_14_BIT))[-1] == 180.0
 
 
-def test_a_fader_that_sends_the_upper_bits_alone_reaches_both_ends() -> None:
+def test_fader_with_upper_bits_only_reaches_both_ends() -> None:
     midi_map = MidiMap([Binding("cc", 7, TEMPO, fine=True, scale=(60.0, 180.0))])
     assert tempos(midi_map, (0xB0, 7, 0), (0xB0, 7, 127)) == [60.0, 180.0]
 
 
-def test_bends_rest_in_the_middle_and_reach_both_ends() -> None:
+def test_pitch_bend_covers_scale_around_its_middle() -> None:
     midi_map = MidiMap([Binding("bend", 0, TEMPO, scale=(100.0, 140.0))])
     assert tempos(midi_map, (0xE3, 0, 0), (0xE3, 0, 64), (0xE3, 127, 127)) == [100.0, 120.0, 140.0]
 
@@ -57,33 +57,33 @@ def test_pressure_and_numbered_parameters_set_numbers() -> None:
     assert tempos(midi_map, (0xB0, 99, 1), (0xB0, 98, 3), (0xB0, 6, 3)) == []  # another number
 
 
-def test_velocity_sets_a_number_and_momentary_pads_let_go() -> None:
+def test_velocity_sets_number_and_momentary_release_resets() -> None:
     held = MidiMap([Binding("note", 36, TEMPO, scale=(60.0, 187.0), velocity=True, mode="momentary")])
     assert tempos(held, (0x90, 36, 127), (0x80, 36, 64), (0x90, 36, 1), (0x90, 36, 0)) == [187.0, 60.0, 61.0, 60.0]
     struck = MidiMap([Binding("note", 36, TEMPO, scale=(60.0, 187.0), velocity=True)])
     assert tempos(struck, (0x90, 36, 127), (0x80, 36, 64)) == [187.0]
 
 
-def switched(midi_map: MidiMap, *messages: tuple[int, ...]) -> list[bool]:
+def blackout_values(midi_map: MidiMap, *messages: tuple[int, ...]) -> list[bool]:
     found = [event for message in messages for event in midi_map.events(message, 0.0)]
     return [event.on for event in found if isinstance(event, events.Blackout)]
 
 
-def test_switches_are_momentary_or_toggled_from_where_they_are() -> None:
+def test_switches_are_momentary_or_toggle_current_value() -> None:
     press, release = (0x90, 36, 9), (0x80, 36, 0)
     dark = "/dance/blackout"
-    assert switched(MidiMap([Binding("note", 36, dark, mode="momentary")]), press, release) == [True, False]
+    assert blackout_values(MidiMap([Binding("note", 36, dark, mode="momentary")]), press, release) == [True, False]
     on, off = (0xB0, 80, 127), (0xB0, 80, 0)
-    assert switched(MidiMap([Binding("cc", 80, dark, mode="toggle")]), on, off, on, off) == [True, False]
+    assert blackout_values(MidiMap([Binding("cc", 80, dark, mode="toggle")]), on, off, on, off) == [True, False]
     values = Values()
     midi_map = MidiMap([Binding("note", 36, dark)], values)
     values.update({dark: (("", (True,)),)})  # somebody else has darkened it
-    assert switched(midi_map, press, release) == [False]
+    assert blackout_values(midi_map, press, release) == [False]
     values.update({dark: (("", (False,)),)})
-    assert switched(midi_map, press, release) == [True]
+    assert blackout_values(midi_map, press, release) == [True]
 
 
-def test_curves_bend_the_scale_and_can_be_read_backwards() -> None:
+def test_scale_curves_are_invertible() -> None:
     for curve in (0.5, 1.0, 2.0):
         binding = Binding("cc", 7, TEMPO, scale=(180.0, 60.0), curve=curve)
         assert (binding.value(0.0), binding.value(1.0)) == (180.0, 60.0)
@@ -93,8 +93,8 @@ def test_curves_bend_the_scale_and_can_be_read_backwards() -> None:
         assert (binding.position(400.0), binding.position(20.0)) == (0.0, 1.0)
 
 
-class Stage:
-    """A fader and the show's tempo, which follows it, or somebody else."""
+class FaderDriver:
+    """A fader and the show's tempo, which the fader or another source sets."""
 
     def __init__(self, **options: object) -> None:
         self.values = Values()
@@ -117,8 +117,8 @@ class Stage:
         return found
 
 
-def test_a_fader_does_nothing_until_it_crosses_the_value() -> None:
-    stage = Stage()
+def test_fader_is_ignored_until_crossing_current_value() -> None:
+    stage = FaderDriver()
     assert stage.move(0, 20, 40, 57) == []
     assert stage.move(59, 63, 70) == [119.0, 123.0, 130.0]  # two steps from 60 are near enough
     stage.set(100.0)  # somebody else, while the fader still has it
@@ -131,14 +131,14 @@ def test_a_fader_does_nothing_until_it_crosses_the_value() -> None:
     assert stage.move(20, wait=0.1) == [80.0]
 
 
-def test_a_fader_that_jumps_over_the_value_has_it() -> None:
-    stage = Stage()
+def test_fader_jump_across_value_takes_over() -> None:
+    stage = FaderDriver()
     assert stage.move(10, 110) == [170.0]
-    assert Stage(pickup=False).move(10) == [70.0]
+    assert FaderDriver(pickup=False).move(10) == [70.0]
     assert MidiMap([Binding("cc", 7, TEMPO)]).events((0xB0, 7, 0), 0.0)  # nobody says where the show is
 
 
-def test_a_value_that_fades_to_where_the_fader_is_stays_in_the_hand() -> None:
+def test_fader_keeps_control_of_fading_value() -> None:
     rim = "/dance/light/rim"
     for measures, keeps in ((4.0, True), (0.0, False)):
         values = Values()
@@ -150,7 +150,7 @@ def test_a_value_that_fades_to_where_the_fader_is_stays_in_the_hand() -> None:
         assert bool(found) == keeps
 
 
-def test_a_group_of_its_own_has_its_own_value() -> None:
+def test_group_binding_uses_group_value_for_pickup() -> None:
     values = Values()
     larger = "/dance/motion/larger"
     midi_map = MidiMap([Binding("cc", 7, larger, values={"group": "Tide"})], values)
@@ -171,12 +171,12 @@ def test_a_group_of_its_own_has_its_own_value() -> None:
         ({"kind": "bend", "number": 1}, "bend 0 to 0"),
     ],
 )
-def test_what_cannot_work_is_said(options: dict[str, object], told: str) -> None:
+def test_invalid_binding_options_are_refused(options: dict[str, object], told: str) -> None:
     with pytest.raises(BadBinding, match=told):
         Binding(control=TEMPO, **options)  # type: ignore[arg-type]
 
 
-def test_what_was_learned_takes_the_controller_from_what_was_written() -> None:
+def test_learned_binding_replaces_written_binding() -> None:
     written = [Binding("cc", 7, TEMPO), Binding("cc", 7, "/dance/blackout", 3), Binding("note", 7, "/dance/go", 3)]
     learned = [Binding("cc", 7, "/dance/light/rim", 3)]
     assert merge_bindings(written, learned) == (written[2], learned[0])
@@ -184,7 +184,7 @@ def test_what_was_learned_takes_the_controller_from_what_was_written() -> None:
     assert merge_bindings(written, []) == tuple(written)
 
 
-def test_rubbish_works_nothing_and_is_not_kept() -> None:
+def test_random_messages_leave_bounded_state() -> None:
     rng = np.random.default_rng(3)
     midi_map = MidiMap()
     for message in rng.integers(-3, 300, (3000, 3)).tolist():

@@ -1,4 +1,4 @@
-"""A MIDI port by name: what is heard becomes events, and a port that goes is found again."""
+"""Tests of a MIDI port by name: messages become events, and a lost port is reopened."""
 
 from collections.abc import Callable, Sequence
 from typing import cast
@@ -17,7 +17,7 @@ from tests.control.waiting import wait_for
 
 
 class FakePort:
-    """A port that is there, or not."""
+    """A port that exists or is unplugged."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -49,7 +49,7 @@ def test_messages_become_events() -> None:
     assert listens.status()["messages"] == 32
 
 
-def test_a_port_that_goes_is_lost_and_found_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_unplugged_port_is_lost_and_found_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.0)
     inbox: EventQueue[ControlEvent] = EventQueue()
     ports: list[FakePort] = []
@@ -83,8 +83,8 @@ def test_a_port_that_goes_is_lost_and_found_by_its_name(monkeypatch: pytest.Monk
     assert listens.opened == 2
 
 
-def test_a_port_that_was_plugged_in_again_at_once_is_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its old name is there when it is next tried: a quick look in between has seen that it was gone."""
+def test_quickly_replugged_port_is_reopened(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The old name exists at the next try: a check in between has noticed that the port was gone."""
     monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 1000.0)
     monkeypatch.setattr(midi_input, "CHECK_INTERVAL", 0.0)
     ports: list[FakePort] = []
@@ -105,14 +105,14 @@ def test_a_port_that_was_plugged_in_again_at_once_is_opened_again(monkeypatch: p
     assert [port.closed for port in ports] == [True] * 4
 
 
-def test_a_flood_is_bounded() -> None:
+def test_waiting_messages_are_bounded() -> None:
     listens = MidiInput("box", EventQueue(), ManualClock())
     for _ in range(midi_input.MAX_WAITING + 10):
         listens.receive([0xFE])
     assert listens.dropped == 10
 
 
-def test_what_no_decoder_foresaw_is_counted_and_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_decoder_exception_is_counted_and_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     listens = MidiInput("box", EventQueue(), ManualClock())
 
     def fail(_message: Sequence[int], _time: float) -> None:
@@ -123,7 +123,7 @@ def test_what_no_decoder_foresaw_is_counted_and_told(monkeypatch: pytest.MonkeyP
     assert (listens.status()["bad"], listens.status()["failure"]) == (1, "f8: ZeroDivisionError: no beats")
 
 
-def test_a_look_that_fails_does_not_end_the_listening(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failing_advance_does_not_stop_the_input(monkeypatch: pytest.MonkeyPatch) -> None:
     port = FakePort("box")
     listens = MidiInput("box", EventQueue(), ManualClock(), open_by_name=lambda _: cast(OpenPort, port))
 
@@ -141,7 +141,7 @@ def test_a_look_that_fails_does_not_end_the_listening(monkeypatch: pytest.Monkey
     assert listens.status()["failure"] == "nothing came: ZeroDivisionError: no beats"
 
 
-def test_ports_are_matched_by_lasting_names() -> None:
+def test_ports_are_matched_by_persistent_names() -> None:
     names = ["Through:Port 14:0", "Launchkey MIDI 1 24:0", "Launchkey MIDI 2 24:1"]
     assert match_port("launchkey midi 1", names) == "Launchkey MIDI 1 24:0"
     assert match_port("Launchkey MIDI 2 31:1", names) == "Launchkey MIDI 2 24:1"  # it was plugged in again

@@ -1,4 +1,4 @@
-"""MIDI over real ports: two programs on a private JACK server."""
+"""Tests of MIDI over real ports: two programs on a private JACK server."""
 
 from typing import Any
 
@@ -28,7 +28,7 @@ def sender(name: str, port: str = "out") -> Any:
     return client
 
 
-def test_a_port_is_found_by_a_part_of_its_name() -> None:
+def test_port_is_found_by_part_of_name() -> None:
     box = sender("drumbox")
     try:
         assert find_port("input", "DRUM") == "drumbox:out"
@@ -38,7 +38,7 @@ def test_a_port_is_found_by_a_part_of_its_name() -> None:
         box.delete()
 
 
-def test_messages_arrive_and_a_port_that_goes_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_messages_are_received_and_lost_port_is_reopened(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.2)
     inbox: EventQueue[ControlEvent] = EventQueue()
     box = sender("footswitch")
@@ -65,8 +65,8 @@ def test_messages_arrive_and_a_port_that_goes_comes_back(monkeypatch: pytest.Mon
     assert [event.state for event in events if isinstance(event, SourceChanged)][-1] == "lost"
 
 
-def test_a_controller_that_is_plugged_in_again_under_another_number_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As ALSA's bridge to JACK names it; and so fast that no look falls in between."""
+def test_replugged_controller_with_new_number_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Port names of ALSA's bridge to JACK; the port is replugged faster than the check interval."""
     monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.2)
     names = ["Pad [24] (capture)- Pad MIDI 1", "Pad [31] (capture)- Pad MIDI 1"]
     inbox: EventQueue[ControlEvent] = EventQueue()
@@ -86,7 +86,7 @@ def test_a_controller_that_is_plugged_in_again_under_another_number_is_found(mon
     assert [type(event) for event in inbox.drain()] == [Tap]
 
 
-def test_what_pads_are_told_arrives_at_a_port(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pad_feedback_is_received_at_port(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.2)
     module = rtmidi()
     found: list[list[int]] = []
@@ -114,8 +114,8 @@ def test_what_pads_are_told_arrives_at_a_port(monkeypatch: pytest.MonkeyPatch) -
         pads.delete()
 
 
-def test_what_is_sent_is_heard_at_the_same_beat(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Clock out to clock in: the tempo, the phase and the measure are the Timeline's, also after it changed."""
+def test_sent_clock_is_received_at_same_beat(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Clock out to clock in: tempo, phase and measure match the timeline, also after a tempo change."""
     monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.2)
     clock = SystemClock()
     inbox: EventQueue[ControlEvent] = EventQueue()
@@ -153,7 +153,7 @@ def test_what_is_sent_is_heard_at_the_same_beat(monkeypatch: pytest.MonkeyPatch)
     assert float(np.median(np.array(sends.late))) < 1e-3
 
 
-def test_a_sound_system_that_dies_ends_nothing(
+def test_input_survives_server_crash(
     jack_server: JackServer,  # noqa: F811
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

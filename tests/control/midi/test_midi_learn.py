@@ -1,4 +1,4 @@
-"""What is meant when somebody wiggles something."""
+"""Tests of MIDI learn: which controller a gesture selects."""
 
 import random
 
@@ -18,13 +18,13 @@ def learn(address: str, given: str, *messages: tuple[int, ...]) -> Binding | Non
     return found[-1]
 
 
-def test_a_fader_is_meant_once_it_has_moved() -> None:
+def test_fader_is_learned_after_enough_movement() -> None:
     moves = [(0xB2, 21, place) for place in (60, 61, 62, 64, 67)]
     assert learn(TEMPO, "", *moves) == Binding("cc", 21, TEMPO, 3)
     assert learn(TEMPO, "", *moves[:-1]) is None
 
 
-def test_noise_of_others_is_not_meant() -> None:
+def test_controller_noise_is_not_learned() -> None:
     rng = random.Random(1)
     noise = [(0xB0, 10 + rng.randrange(8), 64 + rng.randrange(2)) for _ in range(200)]
     assert learn(TEMPO, "", *noise, (0xE1, 0, 64), (0xF8,), (0xFE,), (0xE1, 0, 60), (0xE1, 0, 50)) == Binding(
@@ -32,7 +32,7 @@ def test_noise_of_others_is_not_meant() -> None:
     )
 
 
-def test_a_pair_is_known_by_its_second_controller() -> None:
+def test_fine_pair_is_recognized_by_second_controller() -> None:
     messages = []
     for value in range(8000, 9000, 150):
         messages += [(0xB0, 1, value >> 7), (0xB0, 33, value & 127)]
@@ -42,7 +42,7 @@ def test_a_pair_is_known_by_its_second_controller() -> None:
     assert learn(TEMPO, "", *[(0xB0, 40, place) for place in (1, 2, 9)]) == Binding("cc", 40, TEMPO, 1)
 
 
-def test_pads_and_buttons_are_meant_at_once() -> None:
+def test_pads_and_buttons_are_learned_immediately() -> None:
     assert learn(SCENE, "chorus", (0x99, 36, 3)) == Binding("note", 36, SCENE, 10, {"name": "chorus"})
     assert learn(DARK, "", (0xB0, 80, 127)) == Binding("cc", 80, DARK, 1)
     assert learn("/dance/go", "", (0xC5, 4)) == Binding("program", 4, "/dance/go", 6)
@@ -50,12 +50,12 @@ def test_pads_and_buttons_are_meant_at_once() -> None:
     assert learn(TEMPO, "", (0x90, 36, 5)) == Binding("note", 36, TEMPO, 1, velocity=True)
 
 
-def test_releases_program_changes_for_numbers_and_data_entry_are_not() -> None:
+def test_releases_and_data_entry_are_not_learned() -> None:
     entry = [(0xB0, 99, 0), (0xB0, 98, 3), (0xB0, 6, 0), (0xB0, 6, 50)]
     assert learn(TEMPO, "", (0x80, 36, 5), (0xC5, 4), *entry) == Binding("nrpn", 3, TEMPO, 1)
 
 
-def test_values_are_given_by_their_place_or_name() -> None:
+def test_values_are_parsed_by_position_or_name() -> None:
     assert parse_values(LARGER, "ember") == {"group": "ember"}
     assert parse_values(LARGER, "group=ember") == {"group": "ember"}
     assert parse_values("/dance/clock/nudge", "seconds=-0.02") == {"seconds": -0.02}
@@ -74,6 +74,6 @@ def test_values_are_given_by_their_place_or_name() -> None:
         (SCENE, "chorus\nmeasures=-3", "measures -1 to"),
     ],
 )
-def test_what_can_never_be_worked_so_is_said_at_once(address: str, given: str, told: str) -> None:
+def test_impossible_learn_request_is_refused(address: str, given: str, told: str) -> None:
     with pytest.raises(BadBinding, match=told):
         MidiLearn(address, parse_values(address, given))

@@ -1,4 +1,4 @@
-"""Notes, controllers and program changes to controls."""
+"""Tests of the mapping from notes, controllers and program changes to controls."""
 
 import pytest
 
@@ -10,36 +10,36 @@ from live.show.patch.patch_search_path import PatchError
 PATCH = 'name = "p"\n[[group]]\nname = "ember"\ndancers = 2\nsteps = ["walk"]\n'
 
 
-def only(midi_map: MidiMap, message: tuple[int, ...]) -> events.ControlEvent:
+def single_event(midi_map: MidiMap, message: tuple[int, ...]) -> events.ControlEvent:
     (event,) = midi_map.events(message, 2.5)
     assert isinstance(event, events.ControlEvent)
     assert (event.time, event.source) == (2.5, "midi")
     return event
 
 
-def test_a_foot_switch_taps_without_a_map() -> None:
+def test_foot_switch_taps_by_default() -> None:
     midi_map = MidiMap()
-    assert isinstance(only(midi_map, (0xB3, 64, 127)), events.Tap)
+    assert isinstance(single_event(midi_map, (0xB3, 64, 127)), events.Tap)
     assert midi_map.events((0xB3, 64, 90), 0.0) == []  # still down
     assert midi_map.events((0xB3, 64, 0), 0.0) == []
-    assert isinstance(only(midi_map, (0xB3, 64, 64)), events.Tap)
+    assert isinstance(single_event(midi_map, (0xB3, 64, 64)), events.Tap)
 
 
-def test_the_hand_of_the_clock_lies_on_channel_16() -> None:
+def test_manual_clock_controls_use_channel_16() -> None:
     midi_map = MidiMap()
-    assert isinstance(only(midi_map, (0x9F, 37, 1)), events.One)
+    assert isinstance(single_event(midi_map, (0x9F, 37, 1)), events.One)
     assert midi_map.events((0x99, 36, 100), 0.0) == []  # a drum machine's kick
     assert midi_map.events((0x9F, 36, 0), 0.0) == []  # a note-off
-    nudges = [only(midi_map, (0x9F, key, 1)) for key in (41, 42)]
+    nudges = [single_event(midi_map, (0x9F, key, 1)) for key in (41, 42)]
     assert [nudge.seconds for nudge in nudges if isinstance(nudge, events.Nudge)] == [-0.01, 0.01]
-    held = [only(midi_map, (0x9F, 40, 1)) for _ in range(2)]
+    held = [single_event(midi_map, (0x9F, 40, 1)) for _ in range(2)]
     assert [hold.on for hold in held if isinstance(hold, events.HoldTempo)] == [True, False]
-    scaled = [only(midi_map, (0x9F, key, 1)) for key in (38, 39)]
+    scaled = [single_event(midi_map, (0x9F, key, 1)) for key in (38, 39)]
     assert [scale.factor for scale in scaled if isinstance(scale, events.ScaleTempo)] == [0.5, 2.0]
     assert len(DEFAULTS) == 13
 
 
-def test_controllers_set_numbers_over_a_scale_and_switches() -> None:
+def test_controllers_set_scaled_numbers_and_switches() -> None:
     midi_map = MidiMap(
         [
             Binding("cc", 7, "/dance/clock/tempo", scale=(60.0, 187.0)),
@@ -48,19 +48,19 @@ def test_controllers_set_numbers_over_a_scale_and_switches() -> None:
             Binding("program", 3, "/dance/clock/source", 2, {"name": "audio"}),
         ]
     )
-    tempos = [only(midi_map, (0xB0, 7, value)) for value in (0, 64, 127)]
+    tempos = [single_event(midi_map, (0xB0, 7, value)) for value in (0, 64, 127)]
     assert [tempo.tempo for tempo in tempos if isinstance(tempo, events.SetTempo)] == [60.0, 124.0, 187.0]
-    assert isinstance(only(midi_map, (0xB0, 8, 127)), events.SetMetre)
-    dark = [only(midi_map, (0xB0, 9, value)) for value in (127, 0)]
+    assert isinstance(single_event(midi_map, (0xB0, 8, 127)), events.SetMetre)
+    dark = [single_event(midi_map, (0xB0, 9, value)) for value in (127, 0)]
     assert [event.on for event in dark if isinstance(event, events.Blackout)] == [True, False]
-    chosen = only(midi_map, (0xC1, 3))
+    chosen = single_event(midi_map, (0xC1, 3))
     assert isinstance(chosen, events.ChooseSource)
     assert chosen.name == "audio"
     assert midi_map.events((0xC0, 3), 0.0) == []  # another channel
 
 
 @pytest.mark.parametrize("message", [(), (0x90,), (0x90, 36), (0x90, 200, 3), (0xB0, 7), (0xF8,), (0x36, 1, 1)])
-def test_broken_messages_do_nothing(message: tuple[int, ...]) -> None:
+def test_broken_messages_give_no_events(message: tuple[int, ...]) -> None:
     assert MidiMap().events(message, 0.0) == []
 
 
@@ -85,13 +85,13 @@ def test_errors_name_file_line_and_remedy(line: str, told: str) -> None:
     assert told in caught.value.message
 
 
-def test_a_patch_has_its_own_map_or_none() -> None:
+def test_patch_map_replaces_the_defaults() -> None:
     own = parse_patch(f'{PATCH}[[midi.map]]\nnote = 60\ncontrol = "/dance/clock/tap"\n', "p")
     assert own.midi.bindings == (Binding("note", 60, "/dance/clock/tap"),)
     assert parse_patch(PATCH, "p").midi.bindings == DEFAULTS
     assert parse_patch(f"{PATCH}[midi]\ndefaults = false\n", "p").midi.bindings == ()
 
 
-def test_a_binding_says_what_is_wrong() -> None:
+def test_binding_to_unknown_control_is_refused() -> None:
     with pytest.raises(BadBinding):
         Binding("note", 1, "nowhere")

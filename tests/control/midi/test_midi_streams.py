@@ -1,4 +1,4 @@
-"""MIDI as a stream of bytes: mido's sockets, bare bytes over TCP, a named pipe."""
+"""Tests of MIDI as a byte stream: mido's sockets, raw bytes over TCP, a named pipe."""
 
 import os
 import socket
@@ -22,8 +22,8 @@ from tests.control.waiting import wait_for
 
 
 @pytest.fixture
-def heard():
-    """A port that listens, and what it has heard."""
+def input_port():
+    """An open input port and the list of messages it has received."""
     found: list[bytes] = []
 
     def receive(message: Sequence[int]) -> None:
@@ -36,14 +36,14 @@ def heard():
 
 
 @pytest.fixture
-def stack():
-    """Sockets that are closed whatever happens."""
+def socket_stack():
+    """A stack that closes its sockets after the test."""
     with ExitStack() as found:
         yield found
 
 
-def test_mido_sends_over_its_sockets(heard) -> None:
-    port, found = heard
+def test_messages_from_mido_socket_are_received(input_port) -> None:
+    port, found = input_port
     out = connect(*port.address)
     sent = [mido.Message("note_on", note=60, velocity=7), mido.Message("clock"), mido.Message("sysex", data=(1, 2))]
     for message in sent:
@@ -53,9 +53,9 @@ def test_mido_sends_over_its_sockets(heard) -> None:
     out.close()
 
 
-def test_senders_keep_their_own_running_status_and_come_and_go(heard, stack: ExitStack) -> None:
-    port, found = heard
-    first, second = (stack.enter_context(socket.create_connection(port.address)) for _ in range(2))
+def test_each_sender_has_its_own_running_status(input_port, socket_stack: ExitStack) -> None:
+    port, found = input_port
+    first, second = (socket_stack.enter_context(socket.create_connection(port.address)) for _ in range(2))
     first.sendall(b"\x90\x3c")
     second.sendall(b"\xb0\x07\x01")
     assert wait_for(lambda: found == [b"\xb0\x07\x01"], 5.0)
@@ -69,9 +69,9 @@ def test_senders_keep_their_own_running_status_and_come_and_go(heard, stack: Exi
     assert port.exists
 
 
-def test_too_many_senders_are_turned_away(heard, stack: ExitStack) -> None:
-    port, found = heard
-    senders = [stack.enter_context(socket.create_connection(port.address)) for _ in range(MAX_SENDERS)]
+def test_senders_above_the_limit_are_refused(input_port, socket_stack: ExitStack) -> None:
+    port, found = input_port
+    senders = [socket_stack.enter_context(socket.create_connection(port.address)) for _ in range(MAX_SENDERS)]
     for sender in senders:
         sender.sendall(b"\xf8")
     assert wait_for(lambda: len(found) == MAX_SENDERS, 5.0)
@@ -80,7 +80,7 @@ def test_too_many_senders_are_turned_away(heard, stack: ExitStack) -> None:
         assert more.recv(1) == b""
 
 
-def test_a_named_pipe_works_the_show_and_outlives_who_writes_it(tmp_path: Path) -> None:
+def test_named_pipe_stays_open_after_writer_closes(tmp_path: Path) -> None:
     pipe = tmp_path / "midi"
     os.mkfifo(pipe)
     inbox: EventQueue[ControlEvent] = EventQueue()
@@ -97,7 +97,7 @@ def test_a_named_pipe_works_the_show_and_outlives_who_writes_it(tmp_path: Path) 
     assert [type(event) for event in inbox.drain() if isinstance(event, Tap | One)] == [Tap, One, Tap, One]
 
 
-def test_what_is_told_arrives_and_a_listener_that_goes_is_found_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_output_reconnects_after_listener_closes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("live.control.midi.midi_ports.RETRY_INTERVAL", 0.05)
     server = PortServer("127.0.0.1", 0)
     where = server._socket.getsockname()
@@ -122,11 +122,11 @@ def test_what_is_told_arrives_and_a_listener_that_goes_is_found_again(monkeypatc
 
 
 @pytest.mark.parametrize("name", ["tcp:9080", "tcp:127.0.0.1:", "tcp:127.0.0.1:x", "tcp::1", "tcp:127.0.0.1:70000"])
-def test_addresses_that_are_none_are_told(name: str) -> None:
+def test_invalid_addresses_are_refused(name: str) -> None:
     with pytest.raises(ValueError, match="expected, as in"):
         parse_address(name)
 
 
-def test_what_is_not_there_is_an_error_of_the_system(tmp_path: Path) -> None:
+def test_missing_pipe_raises_os_error(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="nothing"):
         open_port("input", f"raw:{tmp_path}/nothing")

@@ -1,4 +1,4 @@
-"""Bytes cut into messages: against a second reading of the specification, at random, and against mido's parser."""
+"""Tests of the MIDI tokenizer: against a reference parser of the specification, at random, and against mido."""
 
 import random
 
@@ -14,11 +14,11 @@ def tokens(data: bytes, pieces: int = 1) -> list[bytes]:
     return [message for at in range(0, len(data), size) for message in cutter.feed(data[at : at + size])]
 
 
-def read_whole(data: bytes) -> list[bytes]:
-    """The same read from the whole text at once, in two passes: real-time bytes first, then what lies between statuses.
+def reference_messages(data: bytes) -> list[bytes]:
+    """A reference parser of the whole stream in two passes: real-time bytes first, then the bytes between statuses.
 
-    After the tables of the MIDI 1.0 Detailed Specification (4.2.1), pages T-1 to T-5. Places keep the order in which
-    messages are whole: that of their last byte.
+    After the tables of the MIDI 1.0 Detailed Specification (4.2.1), pages T-1 to T-5. Messages are ordered by the
+    position of their last byte.
     """
     found = [(at, bytes((byte,))) for at, byte in enumerate(data) if byte >= 0xF8 and byte not in (0xF9, 0xFD)]
     rest = [(at, byte) for at, byte in enumerate(data) if byte < 0xF8]
@@ -67,18 +67,18 @@ LOST_BY_MIDO = {
 
 
 @pytest.mark.parametrize("name", SAID)
-def test_what_the_specification_says(name: str) -> None:
+def test_specification_examples_are_tokenized(name: str) -> None:
     data, expected = bytes.fromhex(SAID[name][0]), [bytes.fromhex(one) for one in SAID[name][1]]
     assert tokens(data) == expected
     assert tokens(data, len(data)) == expected
-    assert read_whole(data) == expected
+    assert reference_messages(data) == expected
     parser = mido.Parser()
     parser.feed(data)
     assert ([bytes(one.bytes()) for one in parser] != expected) == (name in LOST_BY_MIDO)
 
 
-def song(rng: random.Random, count: int) -> bytes:
-    """A good stream: messages with running status, real-time bytes anywhere."""
+def make_stream(rng: random.Random, count: int) -> bytes:
+    """A valid stream: messages with running status, real-time bytes at any position."""
     data, running = bytearray(), 0
     for _ in range(count):
         kind = rng.random()
@@ -98,10 +98,10 @@ def song(rng: random.Random, count: int) -> bytes:
     return bytes(data)
 
 
-def test_streams_and_their_mutations_are_read_as_by_the_second_reading() -> None:
+def test_mutated_streams_match_the_reference_parser() -> None:
     rng = random.Random(5)
     for turn in range(300):
-        data = bytearray(song(rng, 30))
+        data = bytearray(make_stream(rng, 30))
         for _ in range(turn % 8):  # the first of eight stays good
             at = rng.randrange(len(data))
             match rng.randrange(4):
@@ -114,26 +114,26 @@ def test_streams_and_their_mutations_are_read_as_by_the_second_reading() -> None
                 case _:
                     data[at:at] = bytes(data[rng.randrange(len(data)) :][:9])
             data = data or bytearray(b"\xf8")
-        expected = read_whole(bytes(data))
+        expected = reference_messages(bytes(data))
         assert tokens(bytes(data)) == expected
         assert tokens(bytes(data), rng.randrange(1, 40)) == expected
         if turn % 8 == 0:
             assert len(expected) >= 30
 
 
-def test_rubbish_leaves_nothing_behind() -> None:
+def test_reset_clears_state_after_random_bytes() -> None:
     cutter = MidiTokenizer()
     rng = random.Random(6)
     data = rng.randbytes(100_000)
     found = list(cutter.feed(data))
-    assert found == read_whole(data)
+    assert found == reference_messages(data)
     assert cutter.rejected > 1000
     cutter.reset()
     assert list(cutter.feed(b"\x3c\x40")) == []
     assert list(cutter.feed(b"\x90\x3c\x40")) == [b"\x90\x3c\x40"]
 
 
-def test_an_exclusive_message_without_end_is_not_kept() -> None:
+def test_endless_exclusive_message_is_discarded() -> None:
     cutter = MidiTokenizer()
     assert list(cutter.feed(b"\xf0" + bytes(100_000))) == []
     assert len(cutter._message) < MAX_SYSEX

@@ -1,4 +1,4 @@
-"""MIDI over RTP: sessions as Apple's machines begin them, packets as RFC 6295 lays them out, and rubbish."""
+"""Tests of MIDI over RTP: sessions as Apple's systems start them, payloads of RFC 6295, and malformed packets."""
 
 import random
 import socket
@@ -31,24 +31,24 @@ def session() -> RtpMidi:
     return rtp
 
 
-def played(rtp: RtpMidi, datagram: bytes, now: float = 1.0) -> list[bytes]:
+def receive_messages(rtp: RtpMidi, datagram: bytes, now: float = 1.0) -> list[bytes]:
     return rtp.handle(datagram, MAC, now, control=False)[1]
 
 
-def time_of(units: int) -> bytes:
-    """A time of 7 bits a byte, the highest first."""
+def encode_time(units: int) -> bytes:
+    """A delta time in 7 bits per byte, the highest first."""
     found = [units & 127]
     while units := units >> 7:
         found.insert(0, 128 | units & 127)
     return bytes(found)
 
 
-def encoded(messages: list[bytes], rng: random.Random, *, running: bool) -> bytes:
-    """A payload by RFC 6295, 3.2 and figures 2 to 4: with or without times, running status, long or short."""
+def encode_payload(messages: list[bytes], rng: random.Random, *, running: bool) -> bytes:
+    """A payload by RFC 6295, 3.2 and figures 2 to 4: with or without times, running status, long or short header."""
     body, last, timed = b"", 0, rng.random() < 0.5
     for index, message in enumerate(messages):
         if index or timed:
-            body += time_of(rng.choice((0, 1, 127, 128, 20_000, 2_000_000, 200_000_000)))
+            body += encode_time(rng.choice((0, 1, 127, 128, 20_000, 2_000_000, 200_000_000)))
         skips = running and message[0] == last and rng.random() < 0.7
         body += message[1:] if skips else message
         last = message[0] if message[0] < 0xF0 else last if message[0] >= 0xF8 else 0
@@ -58,7 +58,7 @@ def encoded(messages: list[bytes], rng: random.Random, *, running: bool) -> byte
     return bytes((flags | len(body),)) + body
 
 
-def test_a_session_begins_keeps_time_and_ends() -> None:
+def test_session_starts_answers_clock_sync_and_ends() -> None:
     rtp = session()
     asked = b"\xff\xffCK" + struct.pack(">IB3xQQQ", SSRC, 0, 777, 0, 0)
     ((answer,), _) = rtp.handle(asked, MAC, 2.5, control=False)
@@ -73,17 +73,17 @@ def test_a_session_begins_keeps_time_and_ends() -> None:
     rtp.handle(exchange(b"BY"), ("192.168.1.8", 50_000), 3.0, control=True)
     assert (rtp.participants, rtp.rejected) == (("mbp",), 2)
     assert rtp.handle(exchange(b"BY", token=0), MAC, 3.0, control=True) == ([], [])  # as macOS says it
-    assert played(rtp, packet(1, b"\x03\x90\x3c\x40")) == []
+    assert receive_messages(rtp, packet(1, b"\x03\x90\x3c\x40")) == []
 
 
-def test_the_journal_behind_the_music_is_not_read() -> None:
+def test_recovery_journal_is_ignored() -> None:
     """One note, and a recovery journal of one channel with its chapter of notes."""
     rtp = session()
     payload = bytes.fromhex("43 90 3e 5b") + bytes.fromhex("20 00 01 00 00 08 81 f1 be 5b")
-    assert played(rtp, packet(7, payload)) == [b"\x90\x3e\x5b"]
+    assert receive_messages(rtp, packet(7, payload)) == [b"\x90\x3e\x5b"]
 
 
-def test_all_payloads_are_read_as_they_were_written() -> None:
+def test_payloads_decode_to_the_encoded_messages() -> None:
     rng = random.Random(3)
     pool = [
         b"\x90\x3c\x40", b"\x90\x3e\x41", b"\x80\x3c\x00", b"\xb3\x07\x11", b"\xb3\x08\x12", b"\xc0\x05", b"\xd1\x06",
@@ -92,33 +92,33 @@ def test_all_payloads_are_read_as_they_were_written() -> None:
     rtp = session()
     for number in range(600):
         messages = [rng.choice(pool) for _ in range(rng.randrange(12))]
-        assert played(rtp, packet(number, encoded(messages, rng, running=number % 2 == 0))) == messages
+        assert receive_messages(rtp, packet(number, encode_payload(messages, rng, running=number % 2 == 0))) == messages
     assert (rtp.rejected, rtp.lost) == (0, 0)
 
 
-def test_an_exclusive_message_in_pieces_is_put_together_or_taken_back() -> None:
+def test_segmented_exclusive_message_is_joined_or_cancelled() -> None:
     rtp = session()
-    assert played(rtp, packet(1, b"\x04\xf0\x01\x02\xf0")) == []
-    assert played(rtp, packet(2, b"\x05\xf8\x00\xf7\x03\xf0")) == [b"\xf8"]
-    assert played(rtp, packet(3, b"\x03\xf7\x04\xf7")) == [b"\xf0\x01\x02\x03\x04\xf7"]
-    assert played(rtp, packet(4, b"\x03\xf0\x01\xf0")) == []
-    assert played(rtp, packet(5, b"\x03\xf7\x02\xf4")) == []
-    assert played(rtp, packet(6, b"\x03\x90\x3c\x40")) == [b"\x90\x3c\x40"]
+    assert receive_messages(rtp, packet(1, b"\x04\xf0\x01\x02\xf0")) == []
+    assert receive_messages(rtp, packet(2, b"\x05\xf8\x00\xf7\x03\xf0")) == [b"\xf8"]
+    assert receive_messages(rtp, packet(3, b"\x03\xf7\x04\xf7")) == [b"\xf0\x01\x02\x03\x04\xf7"]
+    assert receive_messages(rtp, packet(4, b"\x03\xf0\x01\xf0")) == []
+    assert receive_messages(rtp, packet(5, b"\x03\xf7\x02\xf4")) == []
+    assert receive_messages(rtp, packet(6, b"\x03\x90\x3c\x40")) == [b"\x90\x3c\x40"]
 
 
-def test_lost_packets_end_all_notes_and_late_ones_are_left_out() -> None:
+def test_lost_packets_end_notes_and_late_packets_are_ignored() -> None:
     rtp = session()
     note = b"\x03\x90\x3c\x40"
-    assert len(played(rtp, packet(0xFFFF, note))) == 1
-    assert len(played(rtp, packet(0, note))) == 1
-    found = played(rtp, packet(3, note))
+    assert len(receive_messages(rtp, packet(0xFFFF, note))) == 1
+    assert len(receive_messages(rtp, packet(0, note))) == 1
+    found = receive_messages(rtp, packet(3, note))
     assert found == [*(bytes((0xB0 | channel, 123, 0)) for channel in range(16)), b"\x90\x3c\x40"]
     assert rtp.lost == 2
-    assert played(rtp, packet(3, note)) == played(rtp, packet(1, note)) == []
+    assert receive_messages(rtp, packet(3, note)) == receive_messages(rtp, packet(1, note)) == []
     assert rtp.rejected == 2
 
 
-def test_strangers_and_too_many_are_refused_and_the_silent_forgotten() -> None:
+def test_unknown_or_excess_senders_are_refused_and_silent_expire() -> None:
     rtp = session()
     assert rtp.handle(packet(1, b"\x01\xf8"), ("192.168.1.8", 50_000), 1.0, control=False) == ([], [])
     assert rtp.handle(packet(1, b"\x01\xf8"), (MAC[0], 50_001), 1.0, control=False) == ([], [])
@@ -135,12 +135,12 @@ def test_strangers_and_too_many_are_refused_and_the_silent_forgotten() -> None:
 
 
 @pytest.mark.parametrize("payload", ["", "80", "03903c", "02903c", "013c", "0490", "03f00102", "23ffffffff7f", "61ff"])
-def test_broken_payloads_are_said_to_be(payload: str) -> None:
+def test_broken_payloads_raise_bad_packet(payload: str) -> None:
     with pytest.raises(BadPacket):
         midi_bytes(bytes.fromhex(payload))
 
 
-def test_rubbish_and_mutations_are_counted_and_nothing_more() -> None:
+def test_mutated_datagrams_are_counted_as_rejected() -> None:
     rng, rtp = random.Random(4), session()
     good = [exchange(b"IN"), exchange(b"BY"), packet(1, b"\x83\x05\x90\x3c\x40\x00\x3d\x41"), packet(2, b"\x01\xf8")]
     good.append(b"\xff\xffCK" + struct.pack(">IB3xQQQ", SSRC, 0, 777, 0, 0))
@@ -157,7 +157,7 @@ def test_rubbish_and_mutations_are_counted_and_nothing_more() -> None:
     assert len(rtp._sessions) <= MAX_SESSIONS
 
 
-def test_a_session_over_sockets() -> None:
+def test_session_runs_over_sockets() -> None:
     for _ in range(20):  # two ports side by side that are free
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             probe.bind(("127.0.0.1", 0))

@@ -1,4 +1,4 @@
-"""A thread or a task of a device that meets an exception is begun again, counted and told; it never dies in silence."""
+"""Tests of exceptions in device threads and tasks: each restarts, is counted and reported."""
 
 import ast
 import asyncio
@@ -25,8 +25,8 @@ from tests.control.waiting import wait_for
 ROOT = Path(live.__file__).parent
 
 
-class Once:
-    """Fails at the first call, then does what was there before."""
+class FirstCallFailure:
+    """Fails at the first call, then calls the original function."""
 
     def __init__(self, then=lambda *values: None):
         self.calls, self._then = 0, then
@@ -39,8 +39,8 @@ class Once:
 
 
 @pytest.fixture
-def counted():
-    """How many faults were counted since."""
+def fault_count():
+    """Returns the number of faults since the start of the test."""
     before = FAULTS.total
     return lambda: FAULTS.total - before
 
@@ -50,18 +50,18 @@ def _send(address, data):
         out.sendto(data, address)
 
 
-def test_osc(monkeypatch, counted):
+def test_osc_thread_survives_exception(monkeypatch, fault_count):
     inbox = EventQueue()
     osc = OscInput("127.0.0.1", 0, inbox.add_queue(), SystemClock())
-    monkeypatch.setattr(osc, "_seconds_to_next", Once(osc._seconds_to_next))
+    monkeypatch.setattr(osc, "_seconds_to_next", FirstCallFailure(osc._seconds_to_next))
     with osc:
-        assert wait_for(lambda: counted() == 1, 5.0)
+        assert wait_for(lambda: fault_count() == 1, 5.0)
         _send(("127.0.0.1", osc.port), encode("/dance/blackout", (1,)))
         assert wait_for(lambda: osc.accepted == 1, 5.0)
     assert "OSC" in FAULTS.last_notice()
 
 
-def test_capture(monkeypatch, counted):
+def test_capture_thread_survives_exception(monkeypatch, fault_count):
     heard = []
 
     class Input(CaptureInput):
@@ -75,22 +75,22 @@ def test_capture(monkeypatch, counted):
             heard.append(data)
 
     capture = Input("capture", SystemClock(), 512)
-    monkeypatch.setattr(capture, "receive", Once(capture.receive))
+    monkeypatch.setattr(capture, "receive", FirstCallFailure(capture.receive))
     capture.start()
     where = ("127.0.0.1", capture.ports[0])
     _send(where, b"one")
-    assert wait_for(lambda: counted() == 1, 5.0)
+    assert wait_for(lambda: fault_count() == 1, 5.0)
     assert wait_for(lambda: heard == [b"one"], 5.0)
     capture.stop()
 
 
-def test_a_stream_of_midi(counted):
+def test_midi_stream_thread_survives_exception(fault_count):
     heard = []
     port = StreamPort("input", "tcp:127.0.0.1:0")
-    port.listen(Once(heard.append))
+    port.listen(FirstCallFailure(heard.append))
     with socket.create_connection(port.address) as out:
         out.sendall(b"\x90\x3c\x07")
-        assert wait_for(lambda: counted() == 1, 5.0)
+        assert wait_for(lambda: fault_count() == 1, 5.0)
         out.sendall(b"\x90\x3e\x07")
         assert wait_for(lambda: len(heard) == 1, 5.0)
     assert port.exists
@@ -98,37 +98,37 @@ def test_a_stream_of_midi(counted):
     assert not port.exists
 
 
-def test_midi_over_rtp(monkeypatch, counted):
+def test_rtp_midi_thread_survives_exception(monkeypatch, fault_count):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
         number = free.getsockname()[1] & ~1
     port = RtpPort("input", f"rtp:127.0.0.1:{number}")
-    monkeypatch.setattr(port.protocol, "handle", Once(port.protocol.handle))
+    monkeypatch.setattr(port.protocol, "handle", FirstCallFailure(port.protocol.handle))
     port.listen(lambda message: None)
     _send(("127.0.0.1", number), b"\xff\xff nonsense")
-    assert wait_for(lambda: counted() == 1, 5.0)
+    assert wait_for(lambda: fault_count() == 1, 5.0)
     _send(("127.0.0.1", number), b"\xff\xff nonsense")
     assert wait_for(lambda: port.protocol.handle.calls == 2, 5.0)
     assert port.exists
     port.close()
 
 
-def test_rounds(counted):
-    turn, ended = Once(), []
+def test_device_watchdog_survives_exception(fault_count):
+    turn, ended = FirstCallFailure(), []
     rounds = DeviceWatchdog("made rounds", SystemClock(), turn, lambda: ended.append(True))
     rounds.start()
     assert wait_for(lambda: turn.calls > 3, 5.0)
-    assert counted() == 1
+    assert fault_count() == 1
     assert not ended
     rounds.stop()
     assert ended == [True]
 
 
-def test_a_writer(counted):
+def test_writer_thread_survives_exception(fault_count):
     written = []
 
     class Writer(WriterThread):
-        _write = Once(written.append)
+        _write = FirstCallFailure(written.append)
 
         def _finish(self):
             written.append("end")
@@ -139,10 +139,10 @@ def test_a_writer(counted):
     writer.close()
     assert written == ["two", "end"]
     assert writer.dropped == 1
-    assert counted() == 1
+    assert fault_count() == 1
 
 
-def test_a_task_of_a_server_and_a_callback_of_its_loop(counted):
+def test_server_task_and_callback_survive_exceptions(fault_count):
     turns = []
 
     async def work():
@@ -152,7 +152,7 @@ def test_a_task_of_a_server_and_a_callback_of_its_loop(counted):
 
     async def run():
         await asyncio.wait_for(keep_task("made", work), 5.0)
-        guarded("made", Once())()
+        guarded("made", FirstCallFailure())()
         endless = keep_task("made", lambda: asyncio.sleep(60.0))
         await asyncio.sleep(0)
         endless.cancel()
@@ -161,11 +161,11 @@ def test_a_task_of_a_server_and_a_callback_of_its_loop(counted):
 
     asyncio.run(run())
     assert turns == [0, 1, 2]
-    assert counted() == 3
+    assert fault_count() == 3
 
 
 def _threads():
-    """Every place where a thread is made: the file, and the expression that it runs."""
+    """Every creation of a thread: the file, its tree, and the target expression."""
     for path in sorted(ROOT.rglob("*.py")):
         tree = ast.parse(path.read_text(encoding="utf-8"))
         for call in ast.walk(tree):
@@ -175,7 +175,7 @@ def _threads():
 
 
 def _is_guarded(tree, target):
-    """Whether what a thread runs catches every exception, itself or by what it is handed to."""
+    """Whether a thread's target catches every exception, directly or through a wrapper."""
     words = ast.unparse(target)
     if "run_once" in words or "keep_running" in words:
         return True
@@ -192,7 +192,7 @@ def _is_guarded(tree, target):
     return False
 
 
-def test_no_thread_of_the_program_can_die_in_silence():
+def test_all_threads_catch_exceptions():
     found = list(_threads())
     assert len(found) > 15
     bare = [

@@ -1,4 +1,4 @@
-"""An OSC input with a socket to send from, and messages as python-osc builds them."""
+"""An OSC input with a socket to send from, and messages built by python-osc."""
 
 import socket
 import threading
@@ -14,7 +14,7 @@ DEADLINE_S = 20.0
 
 
 def wait_until(condition):
-    """Wait for something that another thread does; fails after a deadline, never sleeps longer than needed."""
+    """Waits for a condition that another thread sets; fails after a deadline."""
     limit = time.monotonic() + DEADLINE_S
     pause = threading.Event()
     while not condition():
@@ -49,7 +49,7 @@ class Stage:
         self.sender.close()
 
     def send(self, *packets):
-        """Send the packets, and wait until each was dealt with (or given up by the system)."""
+        """Sends the packets, and waits until each was handled (or dropped by the system)."""
         for packet in packets:
             self.sender.sendto(packet, ("127.0.0.1", self.osc.port))
             self.sent += 1

@@ -1,4 +1,4 @@
-"""What is sent to every control by a program of its own, and the event that comes of it.
+"""Messages to every control as an external program sends them, and the resulting events.
 
 An address, the arguments of liblo's oscsend (type tags, then a value for each that has one), the event.
 """
@@ -9,7 +9,7 @@ from tests.control.osc.osc_stage import STAMP
 
 
 def every_control():
-    """All of them."""
+    """All rows of all tables."""
     return {
         "/dance/attract": (["ff", "1.5", "-2"], events.Attract(x=1.5, z=-2.0, **STAMP)),
         "/dance/repel": (
@@ -120,7 +120,7 @@ def every_control():
 
 
 def audience_controls():
-    """What the operator lets the audience's phones do."""
+    """Controls of the audience's phones."""
     return {
         "/dance/audience/open": (["T"], events.OpenAudience(on=True, **STAMP)),
         "/dance/audience/close": ([], events.OpenAudience(on=False, **STAMP)),
@@ -140,7 +140,7 @@ def audience_controls():
 
 
 def clock_and_sound_controls():
-    """What the musician's hand and the sound's operator may say."""
+    """Controls of the clock and the sound."""
     return {
         "/dance/clock/half": ([], events.ScaleTempo(factor=0.5, **STAMP)),
         "/dance/clock/double": ([], events.ScaleTempo(factor=2.0, **STAMP)),
@@ -193,7 +193,7 @@ def picture(parameter, *numbers, **others):
 
 
 def picture_controls():
-    """What a light desk says."""
+    """Controls of the picture, as a light desk sends them."""
     sent = {
         "/dance/light/level": (["f", "0.5"], picture("/dance/light/level", 0.5)),
         "/dance/light/key": (["ff", "2", "4"], picture("/dance/light/key", 2.0, measures=4.0)),
@@ -218,7 +218,7 @@ def picture_controls():
 
 
 def scene_controls():
-    """What the stage manager says."""
+    """Controls of scenes."""
     return {
         "/dance/pass/set": (
             ["ssff", "waves", "speed", "2.5", "1"],
@@ -255,7 +255,7 @@ def scene_controls():
 
 
 def score_controls():
-    """What moves the score, and signals."""
+    """Controls that move the score, and signals."""
     return {
         "/dance/section": (
             ["ssi", "solo", "section", "3"],
@@ -270,7 +270,7 @@ def score_controls():
 
 
 def group_controls():
-    """What is sent to each control of elements and group motion, and the event that comes of it."""
+    """Controls of elements and group motion, and their events."""
 
     def element(kind, points="", **others):
         return events.PlaceElement(kind=kind, points=points, **others, **STAMP)

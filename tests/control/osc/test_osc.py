@@ -1,4 +1,4 @@
-"""What comes in as OSC: events with their times, in order; answers to a ping; nothing lost unnoticed."""
+"""Tests of OSC input: timed events in order, answers to pings, and counted losses."""
 
 import socket
 import struct
@@ -16,7 +16,7 @@ from live.control.events import events
 from tests.control.osc.osc_stage import DEADLINE_S, PING, STAMP, TAP, Stage, message, wait_until
 
 
-def test_controls_arrive_stamped_in_order(stage):
+def test_controls_become_timed_events_in_order(stage):
     stage.send(message("/dance/attract", 1.5, -2.0).dgram, message("/dance/step", "samba", 8).dgram, TAP)
     assert stage.events() == [
         events.Attract(x=1.5, z=-2.0, **STAMP),
@@ -26,14 +26,14 @@ def test_controls_arrive_stamped_in_order(stage):
     assert (stage.osc.received, stage.osc.accepted, stage.osc.rejected.total) == (3, 3, 0)
 
 
-def test_the_clock_stamps_each_arrival(stage):
+def test_each_event_has_its_arrival_time(stage):
     stage.send(TAP)
     stage.clock.set(9.5)
     stage.send(TAP)
     assert [event.time for event in stage.events()] == [7.25, 9.5]
 
 
-def test_python_osc_as_client(stage):
+def test_messages_from_python_osc_become_events(stage):
     client = SimpleUDPClient("127.0.0.1", stage.osc.port)
     client.send_message("/dance/blackout", True)
     client.send_message("/dance/clock/tempo", 96)
@@ -42,14 +42,14 @@ def test_python_osc_as_client(stage):
     assert stage.events() == [events.Blackout(on=True, **STAMP), events.SetTempo(tempo=96.0, **STAMP)]
 
 
-def test_only_time_tags_ahead_of_now_count_as_future(stage):
+def test_past_time_tags_are_not_counted_as_future(stage):
     for tag in (1, int((time.time() - 5.0 + 2_208_988_800) * 2**32)):
         stage.send(b"#bundle\0" + struct.pack(">Qi", tag, len(TAP)) + TAP)
     assert stage.osc.future_timetags == 0
     assert len(stage.events()) == 2
 
 
-def test_a_time_tag_of_the_next_ntp_era_lies_ahead(stage):
+def test_time_tag_of_next_ntp_era_is_future(stage):
     after_2036 = 5 << 32  # the seconds begin again at 0 on 7 February 2036
     stage.send(b"#bundle\0" + struct.pack(">Qi", after_2036, len(TAP)) + TAP)
     assert stage.osc.future_timetags == 1
@@ -57,7 +57,7 @@ def test_a_time_tag_of_the_next_ntp_era_lies_ahead(stage):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux counts the datagrams that a socket dropped")
-def test_what_the_system_dropped_is_still_known_after_the_end():
+def test_dropped_datagram_count_remains_after_stop():
     class Slow(ManualClock):
         def now(self):
             gate.wait(DEADLINE_S)
@@ -75,7 +75,7 @@ def test_what_the_system_dropped_is_still_known_after_the_end():
     assert stage.osc.lost == lost == 200 - stage.osc.received > 0
 
 
-def test_events_beyond_the_inbox_push_out_the_oldest_and_are_counted():
+def test_full_queue_drops_and_counts_oldest_events():
     with Stage(capacity=10) as stage:
         stage.send(*[message("/dance/attract", float(x), 0.0).dgram for x in range(25)])
         assert [event.x for event in stage.events()] == list(range(15, 25))
@@ -83,7 +83,7 @@ def test_events_beyond_the_inbox_push_out_the_oldest_and_are_counted():
         assert stage.osc.accepted == 25
 
 
-def test_ping_is_answered_to_its_sender_with_no_more_bytes_than_it_sent(stage):
+def test_ping_answer_is_not_larger_than_ping(stage):
     stage.send(PING)
     answer, sender = stage.sender.recvfrom(2048)
     assert OscMessage(answer).address == "/dance/pong"
@@ -92,7 +92,7 @@ def test_ping_is_answered_to_its_sender_with_no_more_bytes_than_it_sent(stage):
     assert stage.events() == []
 
 
-def test_many_pings_in_one_datagram_get_one_answer(stage):
+def test_datagram_of_many_pings_gets_one_answer(stage):
     bundle = OscBundleBuilder(0)
     for _ in range(60):
         bundle.add_content(message("/dance/ping"))

@@ -74,7 +74,7 @@ addresses = st.lists(st.text("abcXYZ019_-.~", min_size=1, max_size=12), min_size
 
 
 @given(addresses, arguments)
-def test_every_type_reads_as_python_osc_reads_it(address, values):
+def test_every_type_decodes_as_in_python_osc(address, values):
     built = message(address, *values)
     (mine,) = decode(built.dgram)
     theirs = osc_message.OscMessage(built.dgram)
@@ -86,7 +86,7 @@ def test_every_type_reads_as_python_osc_reads_it(address, values):
     st.recursive(st.tuples(addresses, arguments.map(lambda a: a[:3])), lambda c: st.lists(c, max_size=3), max_leaves=8)
 )
 @settings(max_examples=60)
-def test_bundles_read_as_python_osc_reads_them(tree):
+def test_bundles_decode_as_in_python_osc(tree):
     def depth(node):
         return 0 if isinstance(node, tuple) else 1 + max(map(depth, node), default=0)
 
@@ -101,7 +101,7 @@ def test_bundles_read_as_python_osc_reads_them(tree):
     assert [(m.address, m.arguments) for m in decode(packet)] == theirs
 
 
-def test_time_tags_are_handed_over_and_impulse_is_no_value():
+def test_time_tags_are_returned_and_impulse_is_none():
     assert [m.timetag for m in decode(raw_bundle(element(TAP), timetag=77 << 32))] == [77 << 32]
     inner = raw_bundle(element(TAP), timetag=9)
     assert [m.timetag for m in decode(raw_bundle(element(inner), element(TAP), timetag=5))] == [9, 5]
@@ -109,7 +109,7 @@ def test_time_tags_are_handed_over_and_impulse_is_no_value():
     assert decode(raw_bundle()) == []
 
 
-def test_memoryviews_and_bytearrays_serve_as_well():
+def test_memoryview_and_bytearray_decode_like_bytes():
     assert decode(memoryview(bytearray(TAP))) == decode(bytearray(TAP)) == decode(TAP)
 
 
@@ -191,11 +191,11 @@ def test_bad_packets_are_refused_with_their_reason(packet, expected):
         (b"/a\0\0,s\0\0abcd", Reason.UNTERMINATED),
     ],
 )
-def test_a_value_never_reaches_into_the_next_element(cut_off, expected):
+def test_truncated_value_does_not_read_next_element(cut_off, expected):
     assert reason(raw_bundle(element(cut_off), element(TAP))) == expected
 
 
-def test_limits_themselves_are_accepted():
+def test_values_at_the_limits_are_accepted():
     assert len(decode(b"/a\0\0," + b"T" * MAX_ARGUMENTS + b"\0\0\0")[0].arguments) == MAX_ARGUMENTS
     assert len(decode(raw_bundle(*[element(TAP)] * MAX_MESSAGES))) == MAX_MESSAGES
     assert len(decode(message("/a", ("s", "x" * MAX_STRING_BYTES)).dgram)[0].arguments[0]) == MAX_STRING_BYTES
@@ -205,7 +205,7 @@ def test_limits_themselves_are_accepted():
     assert reason(raw_bundle(element(deepest))) == Reason.DEPTH
 
 
-def test_bundles_nested_to_the_limit_of_the_packet_are_refused_without_recursion():
+def test_deeply_nested_bundle_is_refused_without_recursion():
     packet = raw_bundle()
     while len(packet) + 20 <= MAX_PACKET_BYTES:
         packet = raw_bundle(element(packet))
@@ -239,7 +239,7 @@ def test_random_bytes_decode_or_are_refused(packet):
     st.binary(max_size=12),
 )
 @settings(max_examples=300)
-def test_mutated_packets_decode_or_are_refused_and_what_decodes_is_sane(packet, changes, cut, tail):
+def test_mutated_packets_decode_validly_or_are_refused(packet, changes, cut, tail):
     mutated = bytearray(packet)
     for place, byte in changes:
         mutated[place % len(mutated)] = byte
@@ -266,8 +266,8 @@ WORST = [
 
 
 @pytest.mark.parametrize("packet", WORST)
-def test_the_work_is_bounded_by_the_length_of_the_packet(packet):
-    """Counted in calls, not in seconds: at most two per byte, built-in functions included."""
+def test_decoding_calls_are_bounded_by_packet_length(packet):
+    """Counted in calls instead of seconds: at most two per byte, built-in functions included."""
     assert len(packet) <= MAX_PACKET_BYTES
     calls = 0
 
@@ -286,6 +286,6 @@ def test_the_work_is_bounded_by_the_length_of_the_packet(packet):
 
 
 @pytest.mark.parametrize("pattern", [b"/dance/*", b"/" + b"*" * 20 + b"x", b"/d[ab]", b"/d{a,b}", b"/a?"])
-def test_patterns_are_handed_over_as_they_are(pattern):
+def test_patterns_are_decoded_unchanged(pattern):
     packet = pattern + b"\0" * (4 - len(pattern) % 4) + b",\0\0\0"
     assert decode(packet) == [Message(pattern.decode(), ())]

@@ -1,4 +1,4 @@
-"""What is sent to others: beats when they are due, steps, feet and places as python-osc and liblo read them."""
+"""Tests of OSC output: beats, steps, feet and positions as decoded by python-osc and liblo."""
 
 import shutil
 import socket
@@ -19,8 +19,8 @@ from tests.control.waiting import wait_for
 TAGS = {PREFIX + name: tags for name, tags, _, _ in MESSAGES}
 
 
-class Heard:
-    """An OscOutput whose datagrams are read as python-osc reads them."""
+class OutputRecorder:
+    """An OscOutput whose datagrams are decoded by python-osc."""
 
     def __init__(self, tempo=120.0, *, size=4):
         self.clock, self.datagrams = ManualClock(0.0), []
@@ -44,8 +44,8 @@ class Heard:
         return found
 
 
-def test_beats_and_measures_are_told_when_they_are_due():
-    heard = Heard(size=3)
+def test_beats_and_measures_are_sent_when_due():
+    heard = OutputRecorder(size=3)
     assert heard.at(0.4) == [(PREFIX + "tempo", 120.0)]
     assert heard.out.seconds_to_next() == pytest.approx(0.1)
     assert heard.at(0.5) == [(PREFIX + "beat", 2, 1, 120.0)]
@@ -58,8 +58,8 @@ def test_beats_and_measures_are_told_when_they_are_due():
     assert list(heard.out.late) == pytest.approx([0.0, 0.001, 0.0, 0.0, 0.1])
 
 
-def test_another_tempo_is_told_and_moves_the_beats():
-    heard = Heard()
+def test_tempo_change_is_sent_and_moves_beats():
+    heard = OutputRecorder()
     heard.at(0.0)
     heard.follow(Timeline(60.0, 1.0, 0.5), number=0, end=4.0)
     assert heard.at(0.5) == [(PREFIX + "tempo", 60.0), (PREFIX + "beat", 2, 1, 60.0)]
@@ -73,8 +73,8 @@ def test_another_tempo_is_told_and_moves_the_beats():
     assert 8 <= len(told) <= 10
 
 
-def test_a_whole_company_fits_into_datagrams_and_has_the_types_that_are_documented():
-    heard = Heard()
+def test_hundred_dancers_fit_datagrams_with_documented_types():
+    heard = OutputRecorder()
     heard.at(0.0)
     rows = np.array([(d + 1, d / 10, -d / 10, 0.5) for d in range(100)], np.float32)
     heard.out.handle(("positions", rows.tobytes()))
@@ -91,14 +91,14 @@ def test_a_whole_company_fits_into_datagrams_and_has_the_types_that_are_document
     assert found[-2:] == [(PREFIX + "step", 1, "glide", "ember"), (PREFIX + "foot", 2, "left", 0.5, 1.5, 0.25, 2)]
 
 
-def test_bundles_hold_every_message_once_and_in_order():
+def test_bundles_contain_every_message_once_in_order():
     messages = [encode("/a", (number,)) for number in range(300)]
     read = [m.message.params[0] for d in bundles(messages) for m in OscPacket(d).messages]
     assert read == list(range(300))
     assert list(bundles(messages[:1])) == messages[:1]
 
 
-def test_a_target_that_is_not_there_takes_nothing_from_the_others():
+def test_unreachable_target_does_not_affect_other_targets():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as there:
         there.bind(("127.0.0.1", 0))
         there.settimeout(5.0)
@@ -113,7 +113,7 @@ def test_a_target_that_is_not_there_takes_nothing_from_the_others():
 
 @pytest.mark.liblo
 @pytest.mark.skipif(shutil.which("oscdump") is None, reason="liblo's oscdump is not installed (Debian: liblo-tools)")
-def test_the_process_sends_and_is_started_again_when_it_is_killed():
+def test_killed_output_process_is_restarted():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]

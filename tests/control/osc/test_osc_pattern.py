@@ -1,4 +1,4 @@
-"""Address patterns against an independent oracle (Python's `re`), and what they cost at worst."""
+"""Address patterns against an independent oracle (Python's `re`), and their worst-case cost."""
 
 import re
 
@@ -12,8 +12,8 @@ from live.control.registry.registry import REGISTRY
 ADDRESSES = [control.address for control in REGISTRY]
 
 
-def as_re(pattern):
-    """The same by the rules of OSC 1.0, for patterns that are well formed."""
+def pattern_regex(pattern):
+    """The regular expression of a well-formed pattern by the rules of OSC 1.0."""
     out, inside = "", False
     position = 0
     while position < len(pattern):
@@ -49,14 +49,14 @@ word = st.text("abc", min_size=1, max_size=5)
 
 
 @given(st.lists(part, min_size=1, max_size=3), st.lists(st.lists(word, min_size=1, max_size=3), max_size=8))
-def test_it_finds_what_another_matcher_finds(parts, words):
+def test_matches_equal_those_of_regex_oracle(parts, words):
     addresses = list(dict.fromkeys("/" + "/".join(each) for each in words))
     pattern = "/" + "/".join(parts)
-    oracle = as_re(pattern)
+    oracle = pattern_regex(pattern)
     assert set(Matcher(addresses).find(pattern)) == {each for each in addresses if oracle.fullmatch(each)}
 
 
-def test_it_finds_controls():
+def test_patterns_match_control_addresses():
     matcher = Matcher(ADDRESSES)
     assert set(matcher.find("/dance/light/{key,rim}/colour")) == {"/dance/light/key/colour", "/dance/light/rim/colour"}
     assert set(matcher.find("/dance/light/*")) == {a for a in ADDRESSES if re.fullmatch("/dance/light/[^/]+", a)}
@@ -67,12 +67,12 @@ def test_it_finds_controls():
 
 
 @pytest.mark.parametrize("pattern", ["/a[b", "/a]b", "/a{b", "/a}b", "/a[]b", "/{a,{b}}", "/" + "{a,b}" * 4, "/*" * 60])
-def test_what_is_malformed_or_too_much_is_refused(pattern):
+def test_malformed_or_oversized_pattern_is_refused(pattern):
     with pytest.raises(BadPattern):
         Matcher(ADDRESSES).find(pattern)
 
 
-def test_many_stars_take_no_more_steps_than_few():
+def test_many_stars_take_few_more_steps():
     """Twenty stars cost python-osc 1.45 s on as many addresses; here every character of an address is one step."""
     import sys
 

@@ -1,4 +1,4 @@
-"""Many datagrams at once: read with one call, plain values replaced by later ones, rubbish dear to its sender alone."""
+"""Tests of datagram batches: read with one call, plain values replaced by later ones, invalid senders limited."""
 
 import socket
 import struct
@@ -19,7 +19,7 @@ def light(value):
     return message("/dance/light/key", value).dgram
 
 
-class Sieved:
+class PrefilterRecorder:
     def __init__(self):
         self.on, self.tally = [], Tally()
         self.sieve = OscPrefilter(REGISTRY, self.take, self.tally)
@@ -34,8 +34,8 @@ class Sieved:
         return [data for data, _ in self.on]
 
 
-def test_of_values_that_come_together_the_last_goes_on_and_nothing_overtakes_what_happens():
-    sieved = Sieved()
+def test_last_value_of_batch_is_kept_in_order():
+    sieved = PrefilterRecorder()
     assert sieved.together(light(0.1), light(0.2), light(0.3)) == [light(0.3)]
     assert sieved.sieve.replaced == 2
     assert sieved.together(light(0.1), TAP, light(0.2), light(0.3), TAP) == [light(0.1), TAP, light(0.3), TAP]
@@ -46,16 +46,16 @@ def test_of_values_that_come_together_the_last_goes_on_and_nothing_overtakes_wha
         assert sieved.together(other, other) == [other, other]
 
 
-def test_what_is_plainly_no_osc_is_counted_without_being_taken_apart():
-    sieved = Sieved()
+def test_non_osc_datagrams_are_counted_without_decoding():
+    sieved = PrefilterRecorder()
     assert sieved.together(b"", b"x" * 9000, b"abc", b"\xff" * 40, TAP) == [TAP]
     assert sieved.tally.as_dict() == {str(Reason.PACKET_SIZE): 2, str(Reason.ALIGNMENT): 1, str(Reason.ADDRESS): 1}
     for odd in (b"/\0\0\0", b"/a,\0", b"/,,,", b"/abc", b"#bundle\0", b"/" + b"a" * 300 + b"\0\0\0,\0\0\0"):
         assert sieved.together(odd) == [odd]
 
 
-def test_who_sends_rubbish_alone_is_not_read_for_a_while_and_others_are():
-    sieved = Sieved()
+def test_sender_of_only_invalid_datagrams_is_paused():
+    sieved = PrefilterRecorder()
     for rubbish in (b"\xff" * 40, b"/bad\0\0\0\0,\0\0\0"):
         now = 10.0 if rubbish[0] == 0xFF else 20.0
         sieved.together(*[rubbish] * (2 * MAX_INVALID_SURPLUS), now=now)
@@ -68,7 +68,7 @@ def test_who_sends_rubbish_alone_is_not_read_for_a_while_and_others_are():
 
 
 @pytest.mark.parametrize(("family", "host"), [(socket.AF_INET, "127.0.0.1"), (socket.AF_INET6, "::1")])
-def test_datagrams_are_read_as_recvfrom_reads_them(family, host):
+def test_batch_read_matches_recvfrom(family, host):
     with socket.socket(family, socket.SOCK_DGRAM) as into, socket.socket(family, socket.SOCK_DGRAM) as out:
         try:
             into.bind((host, 0))
@@ -93,7 +93,7 @@ def test_datagrams_are_read_as_recvfrom_reads_them(family, host):
         assert datagrams.read() == [(b"x", out.getsockname())]
 
 
-def test_a_flood_of_values_through_a_port_ends_with_the_last(stage):
+def test_value_flood_ends_with_last_value(stage):
     stage.send(*[light(number / 1000) for number in range(1000)])
     found = []
     wait_until(lambda: found.extend(stage.events()) or found[-1].x > 0.998)

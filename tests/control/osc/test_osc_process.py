@@ -1,4 +1,4 @@
-"""OSC in a process of its own: what the show gets of it, as much as it takes up, and what happens when it is killed."""
+"""Tests of the OSC process: events forwarded to the show, flow control, and restart after a kill."""
 
 import socket
 import threading
@@ -20,7 +20,7 @@ from tests.control.osc.osc_stage import message
 from tests.control.waiting import wait_for
 
 
-class Sent:
+class ForwarderDriver:
     def __init__(self):
         self.time, self.packets, self.full, self.inbox = 0.0, [], False, EventQueue()
         self.lane = self.inbox.add_queue()
@@ -32,7 +32,7 @@ class Sent:
         self.packets.append([event for _, event in decode_packet(packet)])
 
     def flood(self, seconds, *, takes=True, every=20):
-        """Sixty values in so many milliseconds; what of them was sent."""
+        """Queues sixty values every `every` milliseconds; returns the events that were sent."""
         before = len(self.packets)
         for step in range(round(seconds * 1000)):
             self.time += 0.001
@@ -44,8 +44,8 @@ class Sent:
         return [event for packet in self.packets[before:] for event in packet]
 
 
-def test_so_many_events_a_second_at_most_and_they_are_fresh():
-    sent = Sent()
+def test_event_rate_is_limited_and_events_are_recent():
+    sent = ForwarderDriver()
     told = sent.flood(4.0)
     assert len(told) <= BURST + PER_SECOND * 4.0 + MAX_EVENTS
     assert len(told) >= PER_SECOND * 3.0
@@ -54,8 +54,8 @@ def test_so_many_events_a_second_at_most_and_they_are_fresh():
     assert sent.time - told[-1].time < 2 * 60 / PER_SECOND
 
 
-def test_of_more_values_than_anybody_who_means_well_sends_the_show_gets_fewer_and_every_key_in_turn():
-    sent = Sent()
+def test_flood_lowers_rate_and_serves_keys_in_turn():
+    sent = ForwarderDriver()
     sent.flood(1.0, every=1)
     told = sent.flood(4.0, every=1)
     assert FLOODED_PER_SECOND * 3.5 <= len(told) <= FLOODED_PER_SECOND * 4.5
@@ -65,8 +65,8 @@ def test_of_more_values_than_anybody_who_means_well_sends_the_show_gets_fewer_an
     assert len(sent.flood(2.0)) >= PER_SECOND * 1.5  # it is over
 
 
-def test_who_says_little_is_in_the_next_packet_however_many_lanes_are_flooded():
-    sent = Sent()
+def test_quiet_lane_is_in_next_packet_despite_floods():
+    sent = ForwarderDriver()
     lanes, quiet = [sent.inbox.add_queue() for _ in range(40)], sent.inbox.add_queue()
     late = {}
     for step in range(4000):
@@ -84,9 +84,9 @@ def test_who_says_little_is_in_the_next_packet_however_many_lanes_are_flooded():
     assert max(late.values()) <= PACKET_INTERVAL + 0.0015
 
 
-def test_who_is_heard_late_is_heard_soon_again_though_another_one_floods():
-    """The machine stood still for a second: what an operator said meanwhile is through before long."""
-    sent = Sent()
+def test_delayed_lane_catches_up_during_flood():
+    """After a stall of one second, the operator's waiting events are forwarded within half a second."""
+    sent = ForwarderDriver()
     sent.flood(1.0, every=1)
     operator = sent.inbox.add_queue()
     for number in range(50):
@@ -96,8 +96,8 @@ def test_who_is_heard_late_is_heard_soon_again_though_another_one_floods():
     assert sum(isinstance(event, events.Tap) for event in told) >= 5  # and the other one, too
 
 
-def test_a_show_that_takes_nothing_up_is_not_sent_more_and_later_what_is_then():
-    sent = Sent()
+def test_unconfirmed_packets_pause_sending_until_confirmed():
+    sent = ForwarderDriver()
     sent.flood(0.9 * CONFIRM_TIMEOUT, takes=False)
     assert len(sent.packets) == MAX_UNCONFIRMED
     sent.full = True
@@ -107,8 +107,8 @@ def test_a_show_that_takes_nothing_up_is_not_sent_more_and_later_what_is_then():
     assert sent.flood(0.5)[-1].time > sent.time - 1.0
 
 
-def test_one_message_goes_at_once_and_nothing_is_sent_without():
-    sent = Sent()
+def test_single_event_is_sent_immediately():
+    sent = ForwarderDriver()
     assert sent.forward.send_due() is None
     sent.time = 5.0
     sent.lane.put(events.Tap(time=5.0, source="osc"))
@@ -116,7 +116,7 @@ def test_one_message_goes_at_once_and_nothing_is_sent_without():
     assert [[event.time for event in packet] for packet in sent.packets] == [[5.0]]
 
 
-def test_the_show_hears_and_answers_and_goes_on_when_the_process_is_killed():
+def test_show_continues_after_osc_process_is_killed():
     inbox = EventQueue()
     remote = OscRemote("127.0.0.1", 0, inbox.add_queue(), SystemClock())
     remote.publish({"/dance/clock/tempo": (("", (96.0,)),)})

@@ -1,4 +1,4 @@
-"""The port of the OSC input: taken, not ours, opened and closed."""
+"""Tests of the OSC input port: taken, foreign, opened and closed."""
 
 import threading
 from pathlib import Path
@@ -11,7 +11,7 @@ from live.control.osc.osc_server import CannotListen, OscInput, PortBusy
 from tests.control.osc.osc_stage import TAP, Stage
 
 
-def test_a_busy_port_says_so_and_names_the_remedy(stage):
+def test_busy_port_error_names_the_remedy(stage):
     second = OscInput("127.0.0.1", stage.osc.port, PriorityQueue(), ManualClock())
     with pytest.raises(PortBusy) as caught:
         second.start()
@@ -21,7 +21,7 @@ def test_a_busy_port_says_so_and_names_the_remedy(stage):
 
 
 @pytest.mark.parametrize(("host", "port"), [("192.0.2.1", 0), ("127.0.0.1", 70_000), ("not a host", 9010)])
-def test_an_address_that_is_not_ours_is_a_clear_error(host, port):
+def test_foreign_address_is_a_clear_error(host, port):
     with pytest.raises(CannotListen, match="--osc HOST:PORT"):
         OscInput(host, port, PriorityQueue(), ManualClock()).start()
 

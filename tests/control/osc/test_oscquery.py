@@ -1,4 +1,4 @@
-"""OSCQuery: the tree says of every control what the registry says, and the process answers as the proposal asks."""
+"""Tests of OSCQuery: the tree matches the registry, and the process answers as the proposal requires."""
 
 import asyncio
 import json
@@ -24,17 +24,17 @@ LIGHT, LARGER, MIRRORED = "/dance/light/key", "/dance/motion/larger", "/dance/mo
 NONSENSE = ("{", "[]", '{"COMMAND": "LISTEN"}', '{"COMMAND": "LISTEN", "DATA": "/nothing"}', "[" * 900)
 
 
-def nodes(node):
+def walk_nodes(node):
     yield node
     for below in node.get("CONTENTS", {}).values():
-        yield from nodes(below)
+        yield from walk_nodes(below)
 
 
-def test_every_control_and_figure_is_in_the_tree_with_what_the_registry_says():
+def test_tree_contains_all_controls_and_readings():
     values = Values()
     values.update({LIGHT: (("", (1.5,)),), LARGER: (("a", (0.25,)), ("b", (0.5,))), "/dance/hold": (("", (True,)),)})
     tree = Namespace(values).node("/")
-    found = {node["FULL_PATH"]: node for node in nodes(tree)}
+    found = {node["FULL_PATH"]: node for node in walk_nodes(tree)}
     assert {path for path, node in found.items() if node["ACCESS"]} == {
         *(control.address for control in REGISTRY), *(reading.address for reading in READINGS)
     }  # fmt: skip
@@ -60,7 +60,7 @@ def test_every_control_and_figure_is_in_the_tree_with_what_the_registry_says():
     assert "VALUE" not in found["/dance/blackout"]
 
 
-def test_one_attribute_and_who_answers():
+def test_single_attribute_and_host_info_are_returned():
     values = Values()
     values.update({LIGHT: (("", (1.5,)),)})
     tree = Namespace(values)
@@ -76,7 +76,7 @@ def test_one_attribute_and_who_answers():
     }  # fmt: skip
 
 
-def test_programs_ask_and_listen_and_pages_of_other_sites_may_not():
+def test_programs_query_and_listen_but_foreign_sites_are_refused():
     aiohttp = pytest.importorskip("aiohttp")
     pytest.importorskip("zeroconf")
     from live.app.services.http_services import OscQueryService
@@ -283,7 +283,7 @@ print("found")
 
 
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0 or not shutil.which("unshare"), reason="needs a namespace")
-def test_programs_find_it_by_zeroconf_where_it_is_served_and_nowhere_else():
+def test_zeroconf_announces_only_on_the_served_network():
     pytest.importorskip("aiohttp")
     pytest.importorskip("zeroconf")
     command = ["unshare", "-n", "sh", "-c", NETWORK, sys.executable, BROWSE]

@@ -1,4 +1,4 @@
-"""OSC that means harm or is broken, and senders who are not wanted: counted, and the show goes on."""
+"""Tests of hostile and malformed OSC and of unlisted senders: counted, and the input continues."""
 
 import struct
 import time
@@ -11,15 +11,15 @@ from live.control.registry.rejections import Reason
 from tests.control.osc.osc_stage import PING, STAMP, TAP, Stage, message, wait_until
 
 
-def killer_packets():
+def crashing_packets():
     future = OscBundleBuilder(time.time() + 3600.0)
     future.add_content(message("/dance/clock/one"))
     negative = b"#bundle\0" + struct.pack(">Q", 1) + struct.pack(">i", -4) + bytes(16)
     return future.build().dgram, negative
 
 
-def test_the_two_packets_that_stop_other_receivers_do_not_stop_this_one(stage):
-    future, negative = killer_packets()
+def test_packets_that_crash_other_receivers_are_handled(stage):
+    future, negative = crashing_packets()
     stage.send(future, negative, *[TAP] * 20)
     assert stage.events() == [events.One(**STAMP)] + [events.Tap(**STAMP)] * 20
     assert stage.osc.rejected.as_dict() == {"bundle element size": 1}
@@ -47,7 +47,7 @@ HOSTILE = [
 ]
 
 
-def test_hostile_datagrams_are_counted_one_by_one_and_the_show_goes_on(stage):
+def test_hostile_datagrams_are_counted_by_reason(stage):
     stage.send(*HOSTILE)
     assert stage.events() == []
     assert stage.osc.received == len(HOSTILE) == stage.osc.rejected.total
@@ -68,7 +68,7 @@ def test_hostile_datagrams_are_counted_one_by_one_and_the_show_goes_on(stage):
     assert stage.events() == [events.Tap(**STAMP)]
 
 
-def test_a_bad_value_in_a_bundle_spoils_that_message_only(stage):
+def test_bad_value_in_bundle_rejects_only_its_message(stage):
     bundle = OscBundleBuilder(0)
     for content in (message("/dance/spread"), message("/dance/attract", 1e30, 0.0), message("/dance/clear")):
         bundle.add_content(content)
@@ -77,7 +77,7 @@ def test_a_bad_value_in_a_bundle_spoils_that_message_only(stage):
     assert (stage.osc.accepted, stage.osc.rejected.as_dict()) == (2, {"out of range": 1})
 
 
-def test_a_flood_is_counted_to_the_last_datagram(stage):
+def test_every_datagram_of_a_flood_is_counted(stage):
     good, bad = message("/dance/attract", 1.0, 2.0).dgram, b"\xff" * 40
     for index in range(20_000):
         stage.sender.sendto(bad if index % 4 == 3 else good, ("127.0.0.1", stage.osc.port))
@@ -93,7 +93,7 @@ def test_a_flood_is_counted_to_the_last_datagram(stage):
     assert stage.events() == [events.Tap(**STAMP)]
 
 
-def test_only_listed_senders_are_heard():
+def test_only_listed_senders_are_accepted():
     with Stage(allow=["192.0.2.0/24", "2001:db8::1"]) as closed, Stage(allow=["127.0.0.1/8"]) as open_stage:
         closed.send(TAP, PING)
         open_stage.send(TAP)
@@ -102,7 +102,7 @@ def test_only_listed_senders_are_heard():
         assert len(open_stage.events()) == 1
 
 
-def test_an_error_of_our_own_is_counted_and_the_next_datagram_heard():
+def test_internal_error_is_counted_and_next_datagram_accepted():
     class Broken(Registry):
         def resolve(self, address):
             if address == "/break":
@@ -115,8 +115,8 @@ def test_an_error_of_our_own_is_counted_and_the_next_datagram_heard():
         assert stage.osc.rejected.as_dict() == {"internal error": 1}
 
 
-def test_an_error_before_datagrams_are_taken_apart_costs_those_alone(stage, monkeypatch):
-    """The thread that receives would have ended with it, and nobody would have been heard any more."""
+def test_prefilter_error_loses_only_its_batch(stage, monkeypatch):
+    """Without the guard, the error would end the receiving thread and all further input."""
     taken, failed = stage.osc._prefilter.process, []
 
     def take(*found, **how):

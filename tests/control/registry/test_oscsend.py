@@ -1,4 +1,4 @@
-"""Every control, sent by liblo's oscsend: another implementation of OSC, in C."""
+"""Every control sent by liblo's oscsend: an independent implementation of OSC in C."""
 
 import shutil
 import subprocess
@@ -14,7 +14,7 @@ OSCSEND = shutil.which("oscsend")
 
 @pytest.mark.liblo
 @pytest.mark.skipif(OSCSEND is None, reason="liblo's oscsend is not installed (Debian: liblo-tools)")
-def test_liblos_oscsend_sends_every_control(stage):
+def test_oscsend_message_to_every_control_is_accepted(stage):
     sent = every_control()
     assert set(sent) == {control.address for control in REGISTRY}
     for count, (address, (arguments, event)) in enumerate(sent.items(), start=1):

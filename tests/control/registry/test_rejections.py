@@ -105,11 +105,11 @@ def test_every_control_makes_its_event(address, values, event):
         ("/dance/*", (), Reason.UNKNOWN_ADDRESS),
     ],
 )
-def test_what_is_not_declared_is_refused_with_its_reason(address, values, expected):
+def test_undeclared_values_are_refused_with_reason(address, values, expected):
     assert reason(address, *values) == expected
 
 
-def test_who_sends_too_much_reads_which_value_was_too_much():
+def test_extra_argument_refusal_names_the_value():
     words = "'/dance/background': extra argument: expected at most 2 values, the next one is 7"
     assert str(call("/dance/background", "sea", 1.0, 7)) == words
 
@@ -120,7 +120,7 @@ anything = st.one_of(
 
 
 @given(st.sampled_from([control.address for control in REGISTRY]), st.lists(anything, max_size=6))
-def test_whatever_is_sent_an_event_within_its_ranges_or_a_rejection_comes_out(address, values):
+def test_any_values_give_valid_event_or_rejection(address, values):
     result = call(address, *values)
     if isinstance(result, Rejection):
         assert str(result).isprintable()
@@ -137,13 +137,13 @@ def test_whatever_is_sent_an_event_within_its_ranges_or_a_rejection_comes_out(ad
         assert event_from_json(event_to_json(result)) == result
 
 
-def test_a_rejection_says_what_was_allowed_and_what_came():
+def test_rejection_names_range_and_value():
     text = str(call("/dance/attract", 1e30, 0.0))
     assert "-100 to 100 m" in text
     assert "1e+30" in text
 
 
-def test_two_controls_cannot_share_an_address_and_optional_arguments_come_last():
+def test_duplicate_address_or_misplaced_optional_argument_is_refused():
     with pytest.raises(ValueError, match="one address"):
         Registry([REGISTRY["/dance/clear"], REGISTRY["/dance/clear"]])
     first, second = Argument("a", "float", "", default=1.0), Argument("b", "float", "")
@@ -158,7 +158,7 @@ def test_defaults_are_within_their_ranges():
                 assert argument.check(argument.default) == argument.default
 
 
-def test_tallies_count_by_reason_and_add_up():
+def test_tallies_count_by_reason_and_merge():
     first, second = Tally(), Tally()
     for kind in (Reason.EXTRA, Reason.EXTRA, Reason.NAME):
         first.count(kind)

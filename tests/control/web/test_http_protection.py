@@ -1,4 +1,4 @@
-"""What every HTTP server of a show has in common: exact names, groups of addresses, and who goes when it is full."""
+"""Tests of the protection shared by all HTTP servers: host names, address groups, connection limits."""
 
 import asyncio
 import contextlib
@@ -10,7 +10,7 @@ from aiohttp import web
 from live.control.web.http_protection import BoundedServer, FailedKeys, accepted_hosts, address_group, mdns_name, serve
 
 
-def test_only_what_leads_here_is_accepted():
+def test_only_own_host_names_are_accepted():
     loopback = {"127.0.0.1:8010", "localhost:8010", "[::1]:8010"}
     assert accepted_hosts("127.0.0.1", 8010) == loopback == accepted_hosts("::1", 8010)
     assert accepted_hosts("::ffff:127.0.0.1", 8010) == loopback
@@ -32,11 +32,11 @@ def test_only_what_leads_here_is_accepted():
         ("", ""),
     ],
 )  # fmt: skip
-def test_a_device_is_one_whatever_addresses_it_takes(address, group):
+def test_addresses_of_one_device_form_one_group(address, group):
     assert address_group(address) == group
 
 
-def test_wrong_keys_are_counted_by_device_and_what_is_remembered_is_bounded():
+def test_wrong_keys_are_limited_per_device_with_bounded_memory():
     now = [0.0]
     failed = FailedKeys(lambda: now[0])
     assert [failed.may_answer("a") for _ in range(12)] == [True] * 10 + [False] * 2
@@ -51,7 +51,7 @@ def test_wrong_keys_are_counted_by_device_and_what_is_remembered_is_bounded():
     assert failed.count == 10_026
 
 
-def connected(port, source):
+def connect_from(port, source):
     made = socket.socket()
     made.bind((source, 0))
     made.connect(("127.0.0.1", port))
@@ -74,7 +74,7 @@ async def until(condition):
             await asyncio.sleep(0.01)
 
 
-async def served(what, **bounds):
+async def run_server(what, **bounds):
     gate = asyncio.Event()
 
     async def answer(request):
@@ -87,12 +87,12 @@ async def served(what, **bounds):
         runner = await serve(server, listening)
         try:
             port = listening.getsockname()[1]
-            await what(server, lambda source: opened.enter_context(connected(port, source)), gate)
+            await what(server, lambda source: opened.enter_context(connect_from(port, source)), gate)
         finally:
             await runner.cleanup()
 
 
-def test_who_has_the_most_loses_the_oldest_that_asks_for_nothing():
+def test_largest_client_loses_its_oldest_idle_connection():
     async def what(server, connect, gate):
         quiet = connect("127.0.0.2")
         await until(lambda: server.waiting == 1)
@@ -115,10 +115,10 @@ def test_who_has_the_most_loses_the_oldest_that_asks_for_nothing():
             with contextlib.suppress(BlockingIOError):
                 got += first.recv(1000)  # it was asked for before the others came
 
-    asyncio.run(served(what, most=12, most_of_one=100, within=30.0))
+    asyncio.run(run_server(what, most=12, most_of_one=100, within=30.0))
 
 
-def test_one_address_has_its_own_bound():
+def test_connections_of_one_address_are_bounded():
     async def what(server, connect, gate):
         many = []
         for count in range(30):
@@ -128,10 +128,10 @@ def test_one_address_has_its_own_bound():
         assert [is_open(each) for each in many] == [False] * 22 + [True] * 8
         assert is_open(connect("127.0.0.2"))
 
-    asyncio.run(served(what, most=100, most_of_one=8, within=30.0))
+    asyncio.run(run_server(what, most=100, most_of_one=8, within=30.0))
 
 
-def test_who_sends_slowly_is_left_and_who_asks_again_in_time_is_kept():
+def test_slow_connection_is_closed_and_active_connection_kept():
     async def what(server, connect, gate):
         silent, slow, good = (connect("127.0.0.1") for _ in range(3))
         answers = 0
@@ -139,7 +139,7 @@ def test_who_sends_slowly_is_left_and_who_asks_again_in_time_is_kept():
             with contextlib.suppress(OSError):
                 slow.send(b"GET /" if turn == 0 else b"a")
             good.send(b"GET / HTTP/1.1\r\nHost: x\r\n\r\n")
-            await until(lambda: readable(good))
+            await until(lambda: is_readable(good))
             answers += good.recv(4000).count(b"here")
             await asyncio.sleep(0.05)
         assert answers == 12
@@ -147,10 +147,10 @@ def test_who_sends_slowly_is_left_and_who_asks_again_in_time_is_kept():
         assert server.waiting == 1
         await until(lambda: server.waiting == 0)
 
-    asyncio.run(served(what, within=0.4))
+    asyncio.run(run_server(what, within=0.4))
 
 
-def readable(each):
+def is_readable(each):
     with contextlib.suppress(BlockingIOError):
         return bool(each.recv(1, socket.MSG_PEEK))
     return False

@@ -1,4 +1,4 @@
-"""The operator's page: who gets in, what goes to the show, what comes back; and a browser that uses it."""
+"""Tests of the operator's page: access, values sent to and from the show, and a browser that uses it."""
 
 import asyncio
 import contextlib
@@ -21,8 +21,8 @@ KEY = "a-key-of-the-tests-4711"
 BEARER = {"Authorization": f"Bearer {KEY}"}
 
 
-class Page:
-    """A server with a socket that stands for the show's OSC port."""
+class PageServer:
+    """A server with a socket in place of the show's OSC port."""
 
     def __init__(self):
         self.show = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -48,7 +48,7 @@ class Page:
         return (message.address, *message.params)
 
     def tell(self, **values):
-        """Values of the show, by the end of their address."""
+        """Publishes values of the show, keyed by the end of their address."""
         self.part.publish({f"/dance/{name.replace('_', '/')}": (("", (value,)),) for name, value in values.items()})
         self.part.frame()
 
@@ -62,8 +62,8 @@ def run(page, what):
         asyncio.run(asyncio.wait_for(all_of_it(), 60.0))
 
 
-def opened(client, page):
-    """The WebSocket, as the page opens it."""
+def open_socket(client, page):
+    """The WebSocket, opened as the page opens it."""
     return client.ws_connect(page.at + "/ws", protocols=("live.operator", f"live.key.{KEY}"))
 
 
@@ -72,7 +72,7 @@ async def status(client, page, path, **headers):
         return answer.status, await answer.text()
 
 
-def test_the_page_has_no_outside_parts_and_pages_of_other_sites_are_kept_out():
+def test_page_is_self_contained_and_foreign_origins_are_refused():
     async def what(client, page):
         code, text = await status(client, page, "/")
         assert (code, text) == (200, PAGE.read_text(encoding="utf-8"))
@@ -100,10 +100,10 @@ def test_the_page_has_no_outside_parts_and_pages_of_other_sites_are_kept_out():
         with pytest.raises(aiohttp.WSServerHandshakeError):
             await client.ws_connect(page.at + "/ws", headers={"Origin": "http://evil.example"})
 
-    run(Page(), what)
+    run(PageServer(), what)
 
 
-def test_only_with_the_key_of_the_link():
+def test_access_requires_the_key_of_the_link():
     async def what(client, page):
         wrong = [
             (),
@@ -118,7 +118,7 @@ def test_only_with_the_key_of_the_link():
             assert error.value.status == 401
         assert (await status(client, page, "/surface.json"))[0] == 401
         assert (await status(client, page, "/ws", **BEARER))[0] == 400
-        async with opened(client, page) as ws:
+        async with open_socket(client, page) as ws:
             assert ws.protocol == "live.operator", "the key is not said back"
             await ws.send_str(json.dumps({"address": "/dance/go", "values": []}))
             assert page.heard() == ("/dance/go",)
@@ -126,13 +126,13 @@ def test_only_with_the_key_of_the_link():
             await ws.send_str(json.dumps({"address": "/dance/back", "values": []}))
             assert page.heard() == ("/dance/back",)
 
-    run(Page(), what)
+    run(PageServer(), what)
 
 
-def test_values_go_both_ways_and_the_one_that_was_set_last_is_shown():
+def test_values_are_sent_both_ways_with_last_value_shown():
     async def what(client, page):
         page.tell(light_level=1.25, status_bpm=128.0)
-        async with opened(client, page) as ws:
+        async with open_socket(client, page) as ws:
             told = {}
             while len(told) < 2:
                 told |= json.loads((await ws.receive(timeout=20.0)).data)["values"]
@@ -142,20 +142,20 @@ def test_values_go_both_ways_and_the_one_that_was_set_last_is_shown():
             page.tell(light_level=0.5)
             assert json.loads((await ws.receive(timeout=20.0)).data) == {"values": {LEVEL: [0.5]}}
 
-    run(Page(), what)
+    run(PageServer(), what)
 
 
-def test_what_is_said_of_performers_is_told_for_each_of_them():
+def test_performer_values_are_sent_per_performer():
     async def what(client, page):
         page.part.publish({"/dance/mocap/mirrored": (("anna", (True,)), ("ben", (False,)), ("two words", (True,)))})
         page.part.frame()
         told: dict = {}
-        async with opened(client, page) as ws:
+        async with open_socket(client, page) as ws:
             while "/dance/mocap/ben/mirrored" not in told:
                 told |= json.loads((await ws.receive(timeout=20.0)).data)["values"]
         assert told == {"/dance/mocap/anna/mirrored": [True], "/dance/mocap/ben/mirrored": [False]}
 
-    run(Page(), what)
+    run(PageServer(), what)
 
 
 HOSTILE = (
@@ -170,7 +170,7 @@ HOSTILE = (
 """What is no message of the page."""
 
 
-def test_whatever_comes_is_refused_in_words_and_the_page_goes_on():
+def test_hostile_messages_are_refused_with_text():
     chance = np.random.default_rng(5)
     good = json.dumps({"address": LEVEL, "values": [0.75]})
     mutated = []
@@ -181,7 +181,7 @@ def test_whatever_comes_is_refused_in_words_and_the_page_goes_on():
         mutated.append("".join(letters))
 
     async def what(client, page):
-        async with opened(client, page) as ws:
+        async with open_socket(client, page) as ws:
             for text in HOSTILE:
                 await ws.send_str(text)
                 assert json.loads((await ws.receive(timeout=20.0)).data)["refused"]
@@ -193,24 +193,24 @@ def test_whatever_comes_is_refused_in_words_and_the_page_goes_on():
             for _ in range(len(mutated) + 1):  # those that are still right go to the show, and this one does
                 if page.heard() == (LEVEL, 0.75):
                     break
-        async with opened(client, page) as ws:
+        async with open_socket(client, page) as ws:
             await ws.send_str("x" * 5000)
             assert (await ws.receive(timeout=20.0)).type is aiohttp.WSMsgType.CLOSE
-        async with opened(client, page) as ws:
+        async with open_socket(client, page) as ws:
             for _ in range(400):
                 await ws.send_str(good)
             while "too many" not in (await ws.receive(timeout=20.0)).data:
                 pass
         assert wait_for(lambda: page.part.frame() or page.part.status().get("refused", 0) > len(HOSTILE) + 100, 10.0)
 
-    run(Page(), what)
+    run(PageServer(), what)
 
 
 @pytest.mark.browser
 @needs_browser
-def test_a_browser_shows_the_show_and_sets_it():
-    with Page() as page, browser() as (opened, _):
-        view = opened.new_page(viewport={"width": 900, "height": 700})
+def test_browser_shows_and_sets_show_values():
+    with PageServer() as page, browser() as (open_socket, _):
+        view = open_socket.new_page(viewport={"width": 900, "height": 700})
         problems = []
         view.on("pageerror", lambda error: problems.append(str(error)))
         page.tell(status_measure=7, status_beat=3, status_bpm=96.0, light_level=1.0)

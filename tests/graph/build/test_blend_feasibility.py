@@ -1,4 +1,4 @@
-"""Which joins can be blended: known rotations, and the slow way on random ones."""
+"""Tests of blend feasibility of joins: known rotations, and a direct loop on random ones."""
 
 import math
 from dataclasses import replace
@@ -19,31 +19,34 @@ Y = np.array((0.0, 1.0, 0.0))
 HAND = SKELETON.index("leftHand")
 
 
-def turned(clip, joint, axis, angle):
-    """The clip with one joint turned by `angle` [rad] at all samples."""
+def rotate_joint(clip, joint, axis, angle):
+    """The clip with one joint rotated by `angle` [rad] at all samples."""
     rotation = clip.clip.rotation.copy()
     turn = quaternion.from_axis_angle(np.array(axis), np.asarray(angle))
     rotation[:, joint] = quaternion.mul(turn, rotation[:, joint])
     return replace(clip, clip=replace(clip.clip, rotation=rotation.astype(np.float32)))
 
 
-def test_a_body_that_faces_away_is_too_far_unless_its_clip_is_turned():
-    library = build_library([made_clip("sway"), turned(made_clip("away"), 0, Y, math.radians(170))])
+def test_opposite_facing_is_infeasible_unless_clip_is_turned():
+    library = build_library([made_clip("sway"), rotate_joint(made_clip("away"), 0, Y, math.radians(170))])
     source, target = np.array([0, 0, 1], np.int32), np.array([0, 1, 1], np.int32)
     assert can_blend(library, 0.2, source, target, np.zeros(3)).tolist() == [True, False, True]
     assert can_blend(library, 0.2, source, target, np.radians([0, -170, 170])).tolist() == [True, True, False]
 
 
 @pytest.mark.parametrize(("degrees", "good"), [(100, True), (140, True), (150, False), (180, False), (230, True)])
-def test_bodies_up_to_145_degrees_apart(degrees, good):
+def test_bodies_up_to_145_degrees_apart_can_blend(degrees, good):
     library = build_library([made_clip("sway"), made_clip("other")])
     found = can_blend(library, 0.2, np.array([0], np.int32), np.array([1], np.int32), np.radians([degrees]))
     assert found.tolist() == [good]
 
 
-def test_a_hand_that_is_turned_over_both_ways_round_swings():
-    """160 degrees to the one side and 150 to the other: 310 apart the way of their signs, which would spin it."""
-    clips = [turned(made_clip("sway"), HAND, Y, math.radians(160)), turned(made_clip("b"), HAND, Y, math.radians(-150))]
+def test_hand_rotated_far_both_ways_cannot_blend():
+    """160 degrees to one side and 150 to the other: 310 apart by their signs, which would spin the hand."""
+    clips = [
+        rotate_joint(made_clip("sway"), HAND, Y, math.radians(160)),
+        rotate_joint(made_clip("b"), HAND, Y, math.radians(-150)),
+    ]
     clips.append(made_clip("plain"))
     library = build_library(clips)
     found = can_blend(library, 0.2, np.array([0, 0, 1], np.int32), np.array([1, 2, 2], np.int32), np.zeros(3))
@@ -56,7 +59,7 @@ def test_a_hand_that_is_turned_over_both_ways_round_swings():
 
 @settings(max_examples=25)
 @given(st.integers(0, 2**32 - 1), st.floats(0.05, 0.9))
-def test_against_the_slow_way(seed, window):
+def test_feasibility_equals_direct_loop(seed, window):
     chance = np.random.default_rng(seed)
     clips = []
     for name in ("a", "b", "c"):
@@ -82,7 +85,7 @@ def test_against_the_slow_way(seed, window):
         assert found[e] == good or not sure
 
 
-def test_no_joins_at_all():
+def test_empty_joins_have_empty_result():
     library = build_library([made_clip("sway")])
     none = np.zeros(0, np.int32)
     assert can_blend(library, 0.2, none, none, np.zeros(0)).shape == (0,)

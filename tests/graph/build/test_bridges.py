@@ -1,4 +1,4 @@
-"""Bridges: what is hidden in a recording is found, distances are those of whole windows, and a bridge can be danced."""
+"""Tests of bridges: hidden sections of a recording are found, distances cover whole windows, bridges connect steps."""
 
 import itertools
 import math
@@ -18,7 +18,7 @@ from tests.fixtures.made_steps import made_clip
 
 
 def _recording(seconds: float, arms: list[tuple[float, float]], rate: float = 60.0) -> Clip:
-    """Somebody who walks a circle and raises her arms to the angles [rad] given for some times [s]."""
+    """Clip of a walk in a circle with arms raised to the angles [rad] given for some times [s]."""
     time = np.arange(int(seconds * rate) + 1) / rate
     heading = 0.4 * time
     root = np.stack([2 * np.sin(heading), 0.93 + 0.02 * np.cos(2 * np.pi * 2 * time), 2 * np.cos(heading)], axis=1)
@@ -35,7 +35,7 @@ def _recording(seconds: float, arms: list[tuple[float, float]], rate: float = 60
 LOW, MIDDLE, HIGH = 1.2, 0.2, -0.8
 TIMES = (0.0, 8.0, 9.0, 10.0, 11.9, 13.0, 14.9, 16.0, 17.0, 20.0)
 ARMS = list(zip(TIMES, (MIDDLE, MIDDLE, LOW, LOW, HIGH, HIGH, LOW, LOW, MIDDLE, MIDDLE), strict=True))
-"""From low to high arms in two seconds only after 10 s, back only after 13 s."""
+"""Arms go from low to high in two seconds only after 10 s, and back only after 13 s."""
 
 
 @pytest.fixture(scope="module")
@@ -43,8 +43,8 @@ def graph():
     return build_graph(build_library([made_clip("low"), made_clip("high", arm=HIGH)]), threshold=0.1)
 
 
-def test_the_stretch_that_leads_from_one_to_the_other_is_found(graph):
-    assert len(graph.joins.source) == 2  # each leads to itself alone
+def test_connecting_section_of_recording_is_found(graph):
+    assert len(graph.joins.source) == 2  # each step only follows itself
     recorded = [
         PosedRecording.of(_recording(6.0, [(0.0, -1.0), (6.0, -1.0)])),
         PosedRecording.of(_recording(20.0, ARMS)),
@@ -57,12 +57,12 @@ def test_the_stretch_that_leads_from_one_to_the_other_is_found(graph):
     assert abs(best.stop - best.start - 2.0) <= 0.15 * 2.0 + 1e-9
     assert (best.source, best.target) == (0, 1)
     assert [one.cost for one in found] == sorted(one.cost for one in found)
-    assert best.cost < 0.1  # arms that move at the line: nothing in it stands still in either pose
+    assert best.cost < 0.1  # the arms move at the line
     for one, other in itertools.pairwise(found):
         assert one.recording != other.recording or abs(one.start - other.start) >= 0.8
 
 
-def test_a_bridge_joins_what_nothing_joined(graph):
+def test_bridge_connects_unconnected_steps(graph):
     recording = _recording(20.0, ARMS)
     low, high = (graph.library.steps.index(name) for name in ("low", "high"))
     clips = [
@@ -74,27 +74,27 @@ def test_a_bridge_joins_what_nothing_joined(graph):
     whole = insert_clips(graph, clips)
     assert whole.library.steps[2:] == ("low to high", "high to low")
     assert whole.alive.all()
-    assert whole.hops[high, low] == 2  # from low, over the bridge
+    assert whole.hops[high, low] == 2  # from low through the bridge
     start = clips[0].clip.root_position[round(clips[0].first)]
     assert start[[0, 2]] == pytest.approx((0.0, 0.0), abs=0.01)
 
 
-def test_distances_are_those_of_whole_windows(graph):
-    """The products in blocks against the metric on windows that are built one by one."""
+def test_bridge_distances_equal_whole_window_distances(graph):
+    """Block products against the metric on windows that are built one by one."""
     recorded, library = PosedRecording.of(_recording(4.0, [(0.0, 1.3), (4.0, 0.0)])), graph.library
     metric = _metric(graph.rule.metric, 9)
     nodes = np.arange(2)
     distance, which = _nearest(recorded, _windows(library, nodes, library.node_last, graph.window, metric), metric)
     position = np.stack([recorded.floor.real, recorded.height, recorded.floor.imag], axis=-1).astype(np.float64)
     built = np.stack([position[n : n + 9] for n in range(len(position) - 8)])
-    ends = position_of_windows(library, nodes, graph.window)
+    ends = window_positions(library, nodes, graph.window)
     table = all_pairs(ends, built, metric).distance
-    assert distance == pytest.approx(table.min(axis=0), abs=2e-3)  # single precision about a mean height of a metre
+    assert distance == pytest.approx(table.min(axis=0), abs=2e-3)  # single precision about a mean height of one meter
     chosen = table[which, np.arange(len(which))]
     assert chosen == pytest.approx(table.min(axis=0), abs=2e-3)
 
 
-def position_of_windows(library, nodes, window):
+def window_positions(library, nodes, window):
     from live.graph.build.transitions import clouds
     from live.graph.step_library import window_samples
 
@@ -102,7 +102,7 @@ def position_of_windows(library, nodes, window):
     return clouds(library, window_samples(library.node_last[nodes] - length, library.node_last[nodes], 9))
 
 
-def test_recordings_that_are_too_short_have_no_bridges(graph):
+def test_short_recordings_have_no_bridges(graph):
     assert (
         find_bridges(graph, [PosedRecording.of(_recording(1.0, [(0.0, 1.0), (1.0, 1.0)]))], 0, 1, measure_s=2.0) == []
     )
@@ -111,6 +111,6 @@ def test_recordings_that_are_too_short_have_no_bridges(graph):
 
 
 @pytest.mark.parametrize("wrong", [{"measure_s": 0.0}, {"measures": 0}, {"stretch": 0.6}])
-def test_lengths_that_cannot_be_are_refused(graph, wrong):
+def test_invalid_lengths_are_refused(graph, wrong):
     with pytest.raises(ValueError, match="see the limits"):
         find_bridges(graph, [], 0, 1, **({"measure_s": 2.0} | wrong))

@@ -1,4 +1,4 @@
-"""Transitions beside the measure line (T140): what lands late is joined where it has landed, and the metre is kept."""
+"""Tests of transitions near the measure line (T140): late landings move the line, and the meter is kept."""
 
 from dataclasses import replace
 
@@ -13,8 +13,8 @@ from live.motion.skeleton import SKELETON
 from tests.fixtures.made_steps import made_clip, made_steps
 
 
-def _late(name: str, samples: float):
-    """A sway whose arms come down to where sway begins `samples` after the measure line."""
+def _late_landing_step(name: str, samples: float):
+    """A sway whose arms come down to the starting pose of sway `samples` after the measure line."""
     step = made_clip(name)
     count = step.clip.sample_count + 8
     time = np.arange(count) - (step.first + step.samples_per_measure)
@@ -29,15 +29,15 @@ def _late(name: str, samples: float):
     return replace(step, clip=clip)
 
 
-def test_nothing_moves_by_default_or_where_nothing_is_gained():
+def test_lines_stay_by_default_and_without_gain():
     library = build_library(made_steps())
     assert retime_library(library, JoinSettings(), 0.0) is library
     still = build_library([made_clip("sway", turn=0.0)])
     assert np.array_equal(retime_library(still, JoinSettings(), 0.1).node_last, still.node_last)
 
 
-def test_a_step_that_lands_late_ends_where_it_lands():
-    library = build_library([made_clip("sway"), _late("late", 4.0)])
+def test_late_landing_step_ends_at_landing():
+    library = build_library([made_clip("sway"), _late_landing_step("late", 4.0)])
     plain, moved = (build_graph(library, threshold=0.15, interval=interval, prune=False) for interval in (0.0, 0.125))
     late = library.steps.index("late")
 
@@ -51,12 +51,12 @@ def test_a_step_that_lands_late_ends_where_it_lands():
     assert not distance(plain) or distance(moved)[0] < 0.5 * distance(plain)[0]
     assert distance(moved)[0] < 0.1
     assert moved.library.node_last[late] - library.node_last[late] == pytest.approx(4.0, abs=0.1)
-    # the measure is danced over its new length, from line to line, and its end is measured there
+    # the measure covers its new length from line to line, and its end is measured there
     assert moved.node_end[late] == pytest.approx(plain.node_end[late], abs=0.05)
 
 
-def test_lines_stay_within_the_interval_and_inside_steps():
-    library = build_library([*made_steps(), _late("late", 3.0)])
+def test_lines_stay_within_interval_and_fixed_inside_steps():
+    library = build_library([*made_steps(), _late_landing_step("late", 3.0)])
     moved = retime_library(library, JoinSettings(threshold=0.2), 0.1)
     size = library.node_last - library.node_first
     assert (np.abs(moved.node_first - library.node_first) <= 0.1 * size + 1e-9).all()
@@ -68,6 +68,6 @@ def test_lines_stay_within_the_interval_and_inside_steps():
 
 
 @pytest.mark.parametrize("interval", [-0.1, 0.3, float("nan")])
-def test_intervals_that_cannot_be_are_refused(interval):
+def test_invalid_intervals_are_refused(interval):
     with pytest.raises(ValueError, match="interval around the measure line"):
         build_graph(build_library(made_steps()), interval=interval)

@@ -1,4 +1,4 @@
-"""Near pairs of clouds against all pairs in full precision, and the weights of the metric."""
+"""Tests of near pairs of clouds against all pairs in full precision, and of the metric's weights."""
 
 import math
 from dataclasses import replace
@@ -40,8 +40,8 @@ def _codes(chance, count):
     dense=st.sampled_from([0.0, 2.0]),
     few=st.sampled_from([0, 1 << 16]),
 )
-def test_near_pairs_are_those_of_the_whole_table(seed, sizes, spread, block, dense, few):
-    """Any size of block, pair by pair or as a block: the same pairs as the dense table within the threshold."""
+def test_near_pairs_equal_pairs_of_dense_table(seed, sizes, spread, block, dense, few):
+    """Any block size, pair by pair or dense: the same pairs as the full table within the threshold."""
     chance = np.random.default_rng(seed)
     first, second = _clouds(seed, sizes[0], spread), _clouds(seed + 1, sizes[1], spread)
     codes = _codes(chance, sizes[0]), _codes(chance, sizes[1])
@@ -65,8 +65,8 @@ def test_near_pairs_are_those_of_the_whole_table(seed, sizes, spread, block, den
     assert np.cos(found.motion[:, 2] - table.yaw[rows]) == pytest.approx(1.0, abs=1e-12)
 
 
-def test_identical_clouds_are_found_at_a_threshold_of_a_millimetre():
-    """The sieve in single precision loses none of them, though its distances are off by more than that."""
+def test_identical_clouds_are_found_at_millimeter_threshold():
+    """The single precision filter loses no pair, though its distances have a larger error."""
     cloud = _clouds(1, 300, 0.1) + np.array((400.0, 0.0, -300.0))
     metric = Metric.of()
     flat = FlatClouds.of(cloud, metric)
@@ -77,8 +77,8 @@ def test_identical_clouds_are_found_at_a_threshold_of_a_millimetre():
 
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(0.01, 0.5), st.floats(0.0, 1.0))
-def test_coarse_clouds_are_never_farther_apart(seed, spread, emphasis):
-    """The law on which the sieve stands: a projection makes no distance longer."""
+def test_coarse_distances_are_lower_bounds(seed, spread, emphasis):
+    """The property the filter relies on: a projection makes no distance longer."""
     metric = Metric.of(emphasis=emphasis)
     cloud = _clouds(seed, 12, spread)
     flat = FlatClouds.of(cloud, metric)
@@ -87,7 +87,7 @@ def test_coarse_clouds_are_never_farther_apart(seed, spread, emphasis):
     assert (coarse <= all_pairs(cloud, cloud, metric).distance ** 2 + 1e-5).all()
 
 
-def test_too_many_pairs_are_refused_in_words(monkeypatch):
+def test_too_many_pairs_are_refused_with_message(monkeypatch):
     monkeypatch.setattr(near, "MAX_PAIRS", 10)
     monkeypatch.setattr(near, "_MAX_UNFILTERED", 0)
     flat = FlatClouds.of(_clouds(1, 4, 0.01), Metric.of())
@@ -96,7 +96,7 @@ def test_too_many_pairs_are_refused_in_words(monkeypatch):
         near_pairs(flat, flat, 10.0, (free, free))
 
 
-def test_no_clouds_have_no_pairs():
+def test_empty_clouds_have_no_pairs():
     flat = FlatClouds.of(_clouds(1, 3, 0.01), Metric.of())
     none = flat.select(np.zeros(0, np.int64))
     free = np.full((3, 2), -1, np.int32)
@@ -104,7 +104,7 @@ def test_no_clouds_have_no_pairs():
     assert len(near_pairs(flat, none, 1.0, (free, free[:0])).row) == 0
 
 
-def test_weights_move_the_distance():
+def test_weights_change_distance():
     """A difference in one hand alone counts √(its share), at the measure line more than before it."""
     one = _clouds(2, 1, 0.0)
     hand = SKELETON.index("leftHand")
@@ -117,7 +117,7 @@ def test_weights_move_the_distance():
     assert all_pairs(one, one, replace(Metric.of(), joint=joint_weights({"hips": 0.0}))).distance[0, 0] < 1e-6
 
 
-def test_weights_are_shares_and_checked():
+def test_weights_are_normalized_and_validated():
     assert joint_weights().sum() == pytest.approx(1.0)
     assert window_weights(20, 0.0) == pytest.approx(np.full(20, 0.05))
     assert window_weights(12)[-1] == pytest.approx(3 * window_weights(12)[0])

@@ -1,4 +1,4 @@
-"""The all-pairs metric (K003) against the closed form K001, a search over angles, and its own invariances."""
+"""Tests of the all-pairs metric (K003) against closed form K001, a search over angles, and its invariances."""
 
 import math
 
@@ -22,7 +22,7 @@ def _weights():
     return np.outer(window_weights(), joint_weights()).reshape(-1)
 
 
-def _moved(points, x, z, yaw):
+def _transform_points(points, x, z, yaw):
     """K001's transform of points (P, 3)."""
     c, s = math.cos(yaw), math.sin(yaw)
     px, py, pz = points.T
@@ -43,7 +43,7 @@ def _closed_form(first, second, w):
     return x0, z0, yaw
 
 
-def test_all_pairs_equal_the_closed_form():
+def test_all_pairs_equal_closed_form():
     first, second, w = _clouds(1, 3), _clouds(2, 4), _weights()
     found = all_pairs(first, second)
     for i in range(3):
@@ -52,17 +52,17 @@ def test_all_pairs_equal_the_closed_form():
             x0, z0, yaw = _closed_form(a, b, w)
             assert found.yaw[i, j] == pytest.approx(yaw, abs=1e-9)
             assert found.shift[i, j] == pytest.approx((x0, z0), abs=1e-9)
-            squared = (w * ((a - _moved(b, x0, z0, yaw)) ** 2).sum(1)).sum()
+            squared = (w * ((a - _transform_points(b, x0, z0, yaw)) ** 2).sum(1)).sum()
             assert found.distance[i, j] ** 2 == pytest.approx(squared, rel=1e-9)
 
 
-def test_no_other_rigid_motion_brings_the_clouds_nearer():
+def test_found_rigid_motion_minimizes_distance():
     first, second, w = _clouds(3, 1), _clouds(4, 1), _weights()
     found = all_pairs(first, second)
     a, b = first[0].reshape(-1, 3), second[0].reshape(-1, 3)
 
     def squared(motion):
-        return (w * ((a - _moved(b, *motion)) ** 2).sum(1)).sum()
+        return (w * ((a - _transform_points(b, *motion)) ** 2).sum(1)).sum()
 
     best = min(minimize(squared, (0, 0, angle)).fun for angle in np.linspace(-3, 3, 7))
     assert found.distance[0, 0] ** 2 == pytest.approx(best, rel=1e-6)
@@ -70,16 +70,16 @@ def test_no_other_rigid_motion_brings_the_clouds_nearer():
 
 @settings(max_examples=40, deadline=None)
 @given(st.floats(-50, 50), st.floats(-50, 50), st.floats(-3.1, 3.1))
-def test_a_moved_cloud_is_recognised_and_moved_back(x, z, yaw):
+def test_transform_of_moved_cloud_is_recovered(x, z, yaw):
     cloud = _clouds(5, 1)
-    moved = _moved(cloud.reshape(-1, 3), x, z, yaw).reshape(cloud.shape)
+    moved = _transform_points(cloud.reshape(-1, 3), x, z, yaw).reshape(cloud.shape)
     found = all_pairs(moved, cloud)
     assert found.distance[0, 0] < 1e-5
     assert math.cos(found.yaw[0, 0] - yaw) == pytest.approx(1.0, abs=1e-9)
     assert found.shift[0, 0] == pytest.approx((x, z), abs=1e-6)
 
 
-def test_a_step_that_repeats_follows_itself_without_a_seam():
+def test_periodic_step_follows_itself_at_zero_distance():
     library = build_library(made_steps())
     found = all_pairs(*transition_windows(library, 0.2))
     same = np.diag(found.distance)

@@ -1,4 +1,4 @@
-"""Following a path: squares and circles with the project's steps, wanted steps, and an exhaustive search to compare."""
+"""Tests of path following: squares and circles with the project's steps, wanted steps, and an exhaustive search."""
 
 import itertools
 import math
@@ -48,15 +48,15 @@ def made():
         ("samba", "circle", "public"),
     ],
 )
-def test_32_measures_of_nine_directions_stay_within_15_cm(graph, candidates, step, line, facing):
-    """At every measure line, and in the motion itself, not only as planned."""
+def test_followed_path_stays_within_15_cm_for_32_measures(graph, candidates, step, line, facing):
+    """At every measure line, in the plan and in the rendered motion."""
     targets = smoothed(follow_line(SQUARE if line == "square" else CIRCLE, 32, facing=facing))
     wanted = np.full(32, graph.library.steps.index(step))
     followed = follow_path(graph, targets, seconds=2.0, wanted=wanted, candidates=candidates, beam=24)
     assert not followed.wrong.any()
     assert (graph.library.node_step[followed.node] == wanted).all()
     assert followed.error.max() <= 0.15
-    assert followed.error[-8:].mean() <= 0.1  # no drift: in the end as near as anywhere
+    assert followed.error[-8:].mean() <= 0.1  # no drift at the end
     made = render_dance(
         graph, followed.node, bpm=120.0, turns=followed.turn, takes=(followed.take, followed.share),
         start=(*targets.place[0], targets.heading[0]), hold_feet=False,
@@ -67,7 +67,7 @@ def test_32_measures_of_nine_directions_stay_within_15_cm(graph, candidates, ste
     np.testing.assert_allclose(np.hypot(*(hips - targets.place[1:]).T), followed.error, atol=5e-3)
 
 
-def test_a_path_that_the_clips_can_dance_exactly_is_danced_exactly(made):
+def test_exactly_feasible_path_is_followed_exactly(made):
     """Glides of 0.8 m to the left, one after another."""
     followed = follow_path(made, follow_line([(1, 2), (5, 2)], 5), seconds=2.0)
     np.testing.assert_allclose(followed.error, 0.0, atol=1e-4)
@@ -76,8 +76,8 @@ def test_a_path_that_the_clips_can_dance_exactly_is_danced_exactly(made):
     np.testing.assert_allclose(followed.turn, 0.0, atol=1e-4)
 
 
-def every_path(graph, candidates, targets, measures):
-    """The cost of the best of all paths, one after another, in scalars; errors are where each next clip begins."""
+def exhaustive_path_cost(graph, candidates, targets, measures):
+    """Cost of the best of all paths, one by one in scalars; errors are taken at the start of each next clip."""
 
     def line_cost(n, x, z, heading):
         error = math.hypot(x - targets.place[n, 0], z - targets.place[n, 1])
@@ -110,8 +110,8 @@ def every_path(graph, candidates, targets, measures):
     return best
 
 
-def cost_of(graph, targets, followed):
-    """What the followed path costs by its own account."""
+def followed_path_cost(graph, targets, followed):
+    """Cost of the followed path from its own reported errors."""
     over = np.maximum(followed.error - 0.1, 0.0)
     edges = [edge_between(graph, u, v) for u, v in itertools.pairwise(followed.node.tolist())]
     lines = followed.error**2 + 20.0 * over**2 + 0.05 * followed.heading_error**2
@@ -120,8 +120,8 @@ def cost_of(graph, targets, followed):
 
 @settings(max_examples=12, deadline=None)
 @given(st.integers(0, 2**32 - 1))
-def test_against_trying_everything(seed):
-    """Three measures of three glides of different steps (no mixtures): the beam finds the best path there is."""
+def test_beam_search_equals_exhaustive_search(seed):
+    """Three measures of three glides of different steps (no mixtures): the beam finds the best path."""
     chance = np.random.default_rng(seed)
     clips = [made_clip(f"glide {n}", way=tuple(way)) for n, way in enumerate(chance.uniform(-0.8, 0.8, (3, 2)))]
     graph = build_graph(build_library(clips), threshold=1.0)
@@ -129,12 +129,12 @@ def test_against_trying_everything(seed):
     targets = Targets(places, chance.uniform(-0.3, 0.3, 4))
     candidates = find_candidates(graph)
     followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
-    best = every_path(graph, candidates, targets, 3)
-    assert cost_of(graph, targets, followed) == pytest.approx(best, rel=1e-6, abs=1e-9)
+    best = exhaustive_path_cost(graph, candidates, targets, 3)
+    assert followed_path_cost(graph, targets, followed) == pytest.approx(best, rel=1e-6, abs=1e-9)
 
 
-def test_errors_cancel_instead_of_adding(made):
-    """Only glides of 0.8 m, no mixtures, along a line of 0.5 m a measure: the error never exceeds what one step is."""
+def test_path_errors_do_not_accumulate(made):
+    """Only glides of 0.8 m, no mixtures, along a line of 0.5 m a measure: the error never exceeds that of one step."""
     library = build_library([made_clip("stay"), made_clip("go", way=(0.0, 0.8))])
     graph = build_graph(library, threshold=0.5)
     followed = follow_path(graph, follow_line([(0, 0), (0, 20)], 40), seconds=2.0)
@@ -142,18 +142,18 @@ def test_errors_cancel_instead_of_adding(made):
     assert followed.error[-1] <= 0.45
 
 
-def test_steps_are_danced_as_wanted_even_where_the_path_says_otherwise(graph, candidates):
+def test_wanted_steps_take_priority_over_path(graph, candidates):
     steps = graph.library.steps
     wanted = np.array([steps.index("walk"), ANY, steps.index("samba"), steps.index("samba"), ANY, ANY])
     followed = follow_path(
         graph, follow_line([(0, 0), (30, 0)], 6), seconds=2.0, wanted=wanted, candidates=candidates, beam=8
     )
-    asked = wanted != ANY
-    assert (graph.library.node_step[followed.node][asked] == wanted[asked]).all()
+    constrained = wanted != ANY
+    assert (graph.library.node_step[followed.node][constrained] == wanted[constrained]).all()
     assert (np.diff(followed.error) > 0).all()
 
 
-def test_a_phrase_of_two_measures_is_danced_whole(made):
+def test_two_measure_phrase_is_danced_whole(made):
     library = made.library
     phrase, sway = library.steps.index("phrase"), library.steps.index("sway")
     wanted, part = np.array([sway, phrase, phrase, phrase, phrase, sway]), [0, 0, 1, 0, 1, 0]
@@ -161,13 +161,13 @@ def test_a_phrase_of_two_measures_is_danced_whole(made):
     followed = follow_path(made, follow_line([(0, 0), (0, 0)], 6), seconds=2.0, fits=fits)
     assert not followed.wrong.any()
     assert library.node_measure[followed.node].tolist() == part
-    # it takes two: wanted for one measure only, one is wrong
+    # a phrase takes two measures: if wanted for only one, one is wrong
     followed = follow_path(made, follow_line([(0, 0), (0, 0)], 3), seconds=2.0, wanted=[sway, phrase, sway])
     assert followed.wrong.sum() == 1
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 6))
-def test_cost_to_go_against_trying_every_path(made_seed, measures):
+def test_cost_to_go_is_lower_bound_and_reached(made_seed, measures):
     graph = _MADE
     chance = np.random.default_rng(made_seed)
     wrong = chance.uniform(size=(measures, graph.library.node_count)) < 0.6
@@ -180,10 +180,10 @@ def test_cost_to_go_against_trying_every_path(made_seed, measures):
         return min((wrong[n + 1, v] + fewest(n + 1, v) for v in targets[:4]), default=math.inf)
 
     for u in range(graph.library.node_count):
-        assert left[0, u] <= fewest(0, u)  # of all edges the best is at least as good as of four
+        assert left[0, u] <= fewest(0, u)  # the minimum over all edges is at most that over four
     if measures == 1:
         assert (left == 0.0).all()
-    # and it is reached: greedily following it costs exactly that
+    # the bound is reached: following it greedily has exactly this cost
     u, spent = int(np.argmin(left[0] + np.where(np.diff(graph.edge_start) > 0, 0.0, np.inf))), 0.0
     begin = left[0, u]
     for n in range(1, measures):
@@ -196,20 +196,20 @@ def test_cost_to_go_against_trying_every_path(made_seed, measures):
 _MADE = build_graph(build_library(made_steps()), threshold=0.2)
 
 
-def test_corrections_close_what_the_clips_leave_open(graph, candidates):
+def test_corrections_reduce_path_error(graph, candidates):
     targets = smoothed(follow_line(SQUARE, 16))
     walk = np.full(16, graph.library.steps.index("walk"))
-    plain, mended = (
+    plain, corrected = (
         follow_path(graph, targets, seconds=2.0, wanted=walk, candidates=candidates, correction_m=most, beam=8)
         for most in (0.0, 0.08)
     )
-    assert mended.error.max() < plain.error.max()
-    assert np.hypot(*mended.correction.T).max() <= 0.08 + 1e-9
+    assert corrected.error.max() < plain.error.max()
+    assert np.hypot(*corrected.correction.T).max() <= 0.08 + 1e-9
     assert not plain.correction.any()
 
 
-def test_of_too_many_candidates_the_nearest_are_tried(graph, candidates, monkeypatch):
-    """Of some 900 rows for each of the hypotheses only 1500 in all: the path is still followed."""
+def test_excess_candidates_are_limited_to_nearest(graph, candidates, monkeypatch):
+    """At most 1500 rows in all, for some 900 of each hypothesis: the path is still followed."""
     monkeypatch.setattr("live.graph.search.path_following.MAX_CANDIDATES", 1500)
     targets = smoothed(follow_line(SQUARE, 32))
     walk = np.full(32, graph.library.steps.index("walk"))
@@ -218,21 +218,21 @@ def test_of_too_many_candidates_the_nearest_are_tried(graph, candidates, monkeyp
     assert followed.error.max() <= 0.2
 
 
-def test_no_turn_is_quicker_than_a_body(graph, candidates):
+def test_turns_stay_within_maximum_turn(graph, candidates):
     targets = follow_line([(0, 0), (0, 0)], 4, facing=(0.0, math.pi))
     followed = follow_path(graph, targets, seconds=0.4, candidates=candidates, beam=8)
     assert (np.abs(followed.turn) <= candidates.max_turn(0.4)[followed.node] + 1e-12).all()
     assert np.abs(followed.turn).max() < math.pi / 2
 
 
-def test_the_same_question_has_the_same_answer(graph, candidates):
+def test_path_search_is_deterministic(graph, candidates):
     targets = follow_line(CIRCLE, 6, facing="path")
     first, second = (follow_path(graph, targets, seconds=2.0, candidates=candidates, beam=8) for _ in range(2))
     for name in first.__slots__:
         np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
 
 
-def test_what_does_not_fit_is_refused(made):
+def test_inconsistent_arguments_are_refused(made):
     targets = follow_line([(0, 0), (0, 1)], 3)
     with pytest.raises(ValueError, match="wanted"):
         follow_path(made, targets, seconds=2.0, wanted=[0, 0])

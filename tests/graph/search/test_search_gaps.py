@@ -1,4 +1,4 @@
-"""Gaps: as few joins as can be, and with them the sequence can be danced."""
+"""Tests of gaps: the fewest joins are found, and they make the sequence feasible."""
 
 import numpy as np
 from hypothesis import given, settings
@@ -9,7 +9,7 @@ from live.graph.search.viterbi import CostToGo, Edges, cheapest_path
 from tests.graph.made_graphs import MadeGraph, made_edges, made_graph, made_specification
 
 
-def with_joins(edges: Edges, joins: set[tuple[int, int]]) -> Edges:
+def add_joins(edges: Edges, joins: set[tuple[int, int]]) -> Edges:
     rows = [
         sorted({*edges.target[edges.start[u] : edges.start[u + 1]].tolist(), *(v for s, v in joins if s == u)})
         for u in range(len(edges.start) - 1)
@@ -40,7 +40,7 @@ def fewest_joins(graph: MadeGraph, names: list[int | None], start: int | None) -
 
 @settings(max_examples=150, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), density=st.floats(0.0, 0.5), count=st.integers(1, 8), given_start=st.booleans())
-def test_as_few_joins_as_can_be_and_they_suffice(seed: int, density: float, count: int, given_start: bool) -> None:
+def test_gaps_are_fewest_joins_and_suffice(seed: int, density: float, count: int, given_start: bool) -> None:
     chance = np.random.default_rng(seed)
     graph = made_graph(chance, steps=3, density=density)
     names = [int(chance.integers(3)) if chance.random() < 0.8 or 1 not in graph.length else None for _ in range(count)]
@@ -56,12 +56,12 @@ def test_as_few_joins_as_can_be_and_they_suffice(seed: int, density: float, coun
     joins = {gap.pair for gap in gaps if gap.pair is not None}
     if all(gap.pair is not None for gap in gaps):
         assert len(gaps) == fewest_joins(graph, names, start)
-        assert cheapest_path(CostToGo(with_joins(graph.edges, joins), spec, wrong=False), start) is not None
-    else:  # measures of anything that no whole steps fill
+        assert cheapest_path(CostToGo(add_joins(graph.edges, joins), spec, wrong=False), start) is not None
+    else:  # free measures that no whole steps fill
         assert fewest_joins(graph, names, start) == np.inf
 
 
-def test_a_step_without_a_clip_is_told_once_and_the_rest_goes_on() -> None:
+def test_step_without_clip_is_reported_once() -> None:
     graph = MadeGraph(made_edges([[1], [2], []]), [0, 1, 0], [0, 0, 0], [1, 1, 1])
     spec = made_specification(graph, [0, 1, 0, 1])
     spec.fits[1] = False
@@ -73,7 +73,7 @@ def test_a_step_without_a_clip_is_told_once_and_the_rest_goes_on() -> None:
     assert [gap.measure for gap in gaps] == [0, 1, 3]
 
 
-def test_measures_of_anything_that_no_step_fills() -> None:
+def test_free_measures_without_fitting_step_are_gaps() -> None:
     graph = MadeGraph(made_edges([[1], [0]]), [0, 0], [0, 1], [2, 2])
     for names, measures in (([None], [0]), ([None, 0], [1]), ([0, None], [2])):
         gaps = find_gaps(graph.edges, made_specification(graph, names), lambda last, first: (1, 0))

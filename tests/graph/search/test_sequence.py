@@ -1,4 +1,4 @@
-"""Sequences in a motion graph: whole steps on the measures, the smoothest of the right ones, live changes."""
+"""Tests of sequences in a motion graph: whole steps on the measures, the smoothest valid path, live changes."""
 
 from itertools import pairwise
 
@@ -21,31 +21,31 @@ def graph():
     return build_graph(build_library(clips), threshold=0.12, prune=False)
 
 
-def danced(graph, nodes):
-    """Names and measures of nodes that really follow each other."""
+def describe_path(graph, nodes):
+    """Names and measures of nodes, after a check that they follow each other."""
     for u, v in pairwise(nodes.tolist()):
         assert v in graph.edge_target[graph.edge_start[u] : graph.edge_start[u + 1]]
     return [graph.library.describe(int(node)) for node in nodes]
 
 
-def found(graph, text, **options):
+def search_sequence(graph, text, **options):
     return find_sequence(graph, specify(graph.library, parse_sequence(text, graph.library)), **options)
 
 
 @pytest.mark.parametrize("method", ["layered", "depth first"])
-def test_steps_of_one_two_and_four_measures_in_one_dance(graph, method):
-    path = found(graph, "sway, phrase, long phrase, spin, phrase", method=method)
-    assert danced(graph, path.node) == [
+def test_steps_of_different_lengths_form_one_dance(graph, method):
+    path = search_sequence(graph, "sway, phrase, long phrase, spin, phrase", method=method)
+    assert describe_path(graph, path.node) == [
         "sway", "phrase 1/2", "phrase 2/2", "long phrase 1/4", "long phrase 2/4", "long phrase 3/4", "long phrase 4/4",
         "spin", "phrase 1/2", "phrase 2/2",
     ]  # fmt: skip
     assert path.cost == 0
-    assert path.edge_cost[[0, 2, 4, 5, 6, 9]].tolist() == [0.0] * 6  # it begins; within a step nothing is joined
+    assert path.edge_cost[[0, 2, 4, 5, 6, 9]].tolist() == [0.0] * 6  # the first node, and inside steps
     assert (path.edge_cost[[1, 3, 7, 8]] > 0.0).all()
 
 
-def test_the_smoothest_of_all_dances_that_are_right(graph):
-    path = found(graph, "sway,*,spin")
+def test_smoothest_valid_dance_is_found(graph):
+    path = search_sequence(graph, "sway,*,spin")
     library = graph.library
     ends = np.flatnonzero(library.node_step == library.steps.index("sway"))
     spins = np.flatnonzero(library.node_step == library.steps.index("spin"))
@@ -58,49 +58,49 @@ def test_the_smoothest_of_all_dances_that_are_right(graph):
                     cost[u, v, graph.edge_target[f]] = graph.edge_cost[e] + graph.edge_cost[f]
     assert path.roughness == pytest.approx(min(cost.values()))
     assert cost[tuple(path.node)] == pytest.approx(min(cost.values()))
-    thesis = found(graph, "sway,*,spin", method="depth first")
+    thesis = search_sequence(graph, "sway,*,spin", method="depth first")
     assert thesis.cost == 0
     assert thesis.roughness >= path.roughness
 
 
-def test_the_nearest_dance_where_there_is_none(graph):
-    """No arms come down to a bow: one measure is wrong, whichever method looked for it."""
+def test_infeasible_sequence_gives_nearest_dance(graph):
+    """No arms come down to a bow: one measure is wrong with either method."""
     for method in ("layered", "depth first"):
-        path = found(graph, "phrase, bow, sway", method=method)
+        path = search_sequence(graph, "phrase, bow, sway", method=method)
         assert path.cost == 1
         assert path.wrong.tolist() == [False, False, True, False]
-        assert "bow" not in danced(graph, path.node)
+        assert "bow" not in describe_path(graph, path.node)
 
 
-def test_after_a_node(graph):
+def test_search_starts_after_given_node(graph):
     library = graph.library
     long_phrase = int(np.flatnonzero(library.node_step == library.steps.index("long phrase"))[0])
-    assert found(graph, "sway", start=long_phrase + 3).cost == 0
-    with pytest.raises(NoPath):  # she is within her step, and it is not over in one measure
-        found(graph, "sway", start=long_phrase)
+    assert search_sequence(graph, "sway", start=long_phrase + 3).cost == 0
+    with pytest.raises(NoPath):  # the current step does not end within one measure
+        search_sequence(graph, "sway", start=long_phrase)
     nodes = np.flatnonzero(library.node_step == library.steps.index("glide"))
     best = best_start(graph, specify(library, parse_sequence("spin", library)), nodes)
-    costs = {int(node): found(graph, "spin", start=int(node)).roughness for node in nodes}
+    costs = {int(node): search_sequence(graph, "spin", start=int(node)).roughness for node in nodes}
     assert costs[best] == min(costs.values())
 
 
-def test_a_live_plan_finishes_the_step_and_fills_the_horizon(graph):
+def test_live_plan_finishes_step_and_fills_horizon(graph):
     library = graph.library
     node = int(np.flatnonzero(library.node_step == library.steps.index("long phrase"))[1])
     wanted = parse_sequence("spin, phrase, sway", library)
     plan = plan_from(graph, node, wanted)
-    names = danced(graph, np.concatenate([[node], plan]).astype(np.int32))
+    names = describe_path(graph, np.concatenate([[node], plan]).astype(np.int32))
     assert names[1:7] == ["long phrase 3/4", "long phrase 4/4", "spin", "phrase 1/2", "phrase 2/2", "sway"]
     assert len(plan) == 8
     assert len(plan_from(graph, node, wanted, horizon=1)) == 1
     cut = plan_from(graph, node, parse_sequence("long phrase x3", library), horizon=5)
-    assert danced(graph, cut)[2:] == ["long phrase 1/4", "long phrase 2/4", "long phrase 3/4"]
+    assert describe_path(graph, cut)[2:] == ["long phrase 1/4", "long phrase 2/4", "long phrase 3/4"]
 
 
 @settings(max_examples=60, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))
-def test_whoever_takes_the_least_ahead_dances_the_live_sequence(graph, seed):
-    """Measure by measure the best next node for several dancers: as good as a search of the whole for each of them."""
+def test_greedy_live_choices_are_as_good_as_full_search(graph, seed):
+    """The best next node per measure for several dancers is as good as a full search for each of them."""
     chance = np.random.default_rng(seed)
     library = graph.library
     leaves = np.flatnonzero((library.node_measure == library.node_measures - 1) & (np.diff(graph.edge_start) > 0))
@@ -125,20 +125,20 @@ def test_whoever_takes_the_least_ahead_dances_the_live_sequence(graph, seed):
     spec = specify(library, wanted)
     for dancer, start in enumerate(first):
         path = np.array([nodes[dancer] for nodes in paths], np.int32)
-        danced(graph, np.concatenate([[start], path]).astype(np.int32))
+        describe_path(graph, np.concatenate([[start], path]).astype(np.int32))
         wrong = np.count_nonzero(~spec.fits[spec.set_index, path])
         if library.node_measure[path[-1]] == library.node_measures[path[-1]] - 1:
             assert wrong <= find_sequence(graph, spec, start=int(start)).cost
 
 
-def test_changes_while_it_is_danced(graph):
+def test_live_sequence_changes_after_current_step(graph):
     library = graph.library
     phrase, sway, spin = (library.steps.index(name) for name in ("phrase", "sway", "spin"))
     live = LiveSequence(graph, [SequenceEntry(phrase, 2), SequenceEntry(spin)])
     assert live.next_step == phrase
     live.advance()
     live.replace([SequenceEntry(sway)])
-    assert live.remaining == (SequenceEntry(phrase, 2), SequenceEntry(sway))  # what has begun is danced to its end
+    assert live.remaining == (SequenceEntry(phrase, 2), SequenceEntry(sway))  # a step in progress is finished
     ahead = live.costs_ahead()
     first, second = np.flatnonzero(library.node_step == phrase)
     assert ahead[second] < 1.0 <= ahead[first]
@@ -150,7 +150,7 @@ def test_changes_while_it_is_danced(graph):
     assert live.costs_ahead()[np.flatnonzero(library.node_step == sway)].max() < 1.0
 
 
-def test_a_request_is_answered_before_it_is_made(graph):
+def test_feasible_delay_of_request_is_found(graph):
     library = graph.library
     live = LiveSequence(graph, [])
     at = {
@@ -158,7 +158,7 @@ def test_a_request_is_answered_before_it_is_made(graph):
     }
     spin_bow = parse_sequence("spin, bow", library)
     assert live.feasible_delay(parse_sequence("spin", library), at["sway"]) == 0
-    assert live.feasible_delay(parse_sequence("spin", library), at["phrase"][:1]) == 0  # once the phrase is over
+    assert live.feasible_delay(parse_sequence("spin", library), at["phrase"][:1]) == 0  # after the phrase
     assert live.feasible_delay(spin_bow, at["sway"]) is None
     far = build_graph(
         build_library([made_clip("high", arm=1.2), made_clip("middle", arm=1.1), made_clip("low", arm=1.0)]),
@@ -166,6 +166,6 @@ def test_a_request_is_answered_before_it_is_made(graph):
     )  # fmt: skip
     live = LiveSequence(far, [])
     high, low = np.array([0], np.int32), parse_sequence("low", far.library)
-    assert live.feasible_delay(low, high) == 1  # by way of the middle
+    assert live.feasible_delay(low, high) == 1  # through the middle step
     assert live.feasible_delay(low, high, max_delay=0) is None
     assert live.feasible_delay(low, np.array([0, 1], np.int32)) == 1

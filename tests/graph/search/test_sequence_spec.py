@@ -1,4 +1,4 @@
-"""What a choreographer writes becomes entries; what cannot be read is told with its entry and the nearest names."""
+"""Tests of sequence text: parsed into entries; invalid text is reported with its entry and the nearest names."""
 
 from dataclasses import replace
 
@@ -25,7 +25,7 @@ def library():
     )
 
 
-def test_a_sequence_as_it_is_written(library):
+def test_sequence_text_is_parsed(library):
     sway, glide, phrase, echappe = (library.steps.index(name) for name in ("sway", "glide", "phrase", "Échappé"))
     assert parse_sequence("sway, echappe x2,*, PHRASE,Glide long_left x 2", library) == [
         SequenceEntry(sway), SequenceEntry(echappe), SequenceEntry(echappe), SequenceEntry(None),
@@ -39,7 +39,7 @@ def test_a_sequence_as_it_is_written(library):
     ]  # fmt: skip
     assert (
         parse_sequence("glide short back", library)[0].direction == "short back"
-    )  # there is none: told when it is searched
+    )  # no such clip: reported by the search
 
 
 @pytest.mark.parametrize(
@@ -61,19 +61,19 @@ def test_a_sequence_as_it_is_written(library):
         ("* left", r"there is no step '\*'"),
     ],
 )
-def test_what_cannot_be_read(library, text, message):
+def test_invalid_sequence_text_is_reported(library, text, message):
     with pytest.raises(PersonError, match=message) as error:
         parse_sequence(text, library)
     assert len(str(error.value)) < 400
     assert "\n" not in error.value.message
 
 
-def test_accents_count_where_nothing_else_tells_steps_apart():
+def test_accents_distinguish_otherwise_equal_names():
     library = build_library([made_clip("péte"), made_clip("pete")])
     assert [entry.step for entry in parse_sequence("pete, péte", library)] == [1, 0]
 
 
-def test_measures_are_asked_for_by_name_and_number(library):
+def test_measures_are_specified_by_name_and_number(library):
     spec = specify(library, parse_sequence("phrase,*,glide left,both:2", library))
     assert spec.measures == 6
     names = [[library.describe(node) for node in np.flatnonzero(spec.at(n))] for n in range(6)]
@@ -85,13 +85,13 @@ def test_measures_are_asked_for_by_name_and_number(library):
     assert (last.at(0) == spec.leaves).all()  # a dance ends with the end of a step
 
 
-def test_longer_than_anybody_dances(library):
+def test_empty_or_overlong_sequence_is_refused(library):
     for wanted in ([], [SequenceEntry(0)] * (MAX_MEASURES + 1)):
         with pytest.raises(PersonError, match="1 to 100000 expected"):
             specify(library, wanted)
 
 
-def test_to_the_left_the_right_foot_leads():
+def test_right_foot_leads_travel_to_left():
     """T134: a travelling couru goes left only if the right foot leads, and the other way round."""
     rows = [("short left", "left"), ("long left", "right"), ("long right", "right"), ("short right", "left")]
     rows += [("long left", ""), ("in place", "left"), ("long forward", "right")]

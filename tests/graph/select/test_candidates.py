@@ -1,4 +1,4 @@
-"""Candidates: which clips are mixed, and where they lead, against the clips themselves put together."""
+"""Tests of candidates: mixed clips and their ends, against clips that are rendered."""
 
 import math
 
@@ -35,7 +35,7 @@ def candidates(graph):
     return find_candidates(graph)
 
 
-def test_the_first_candidate_of_a_node_is_its_clip(graph, candidates):
+def test_first_candidate_of_node_is_its_clip(graph, candidates):
     first = candidates.first[:-1]
     assert candidates.node[first].tolist() == list(range(graph.library.node_count))
     assert (candidates.take[first] == NO_TAKE).all()
@@ -43,7 +43,7 @@ def test_the_first_candidate_of_a_node_is_its_clip(graph, candidates):
     assert candidates.first[-1] == len(candidates.node)
 
 
-def test_opposite_ways_are_never_mixed_and_others_are(graph, candidates):
+def test_only_opposite_directions_are_never_mixed(graph, candidates):
     way = measure_displacements(graph)
     names = {}
     for node, take in zip(candidates.node, candidates.take, strict=True):
@@ -66,7 +66,7 @@ def test_opposite_ways_are_never_mixed_and_others_are(graph, candidates):
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi), st.floats(0.1, 3.0), st.floats(0.1, 3.0))
-def test_opposite_is_symmetric_and_a_matter_of_the_angle(a, b, length, other):
+def test_opposite_is_symmetric_and_depends_on_angle(a, b, length, other):
     ways = np.array([[length * math.sin(a), length * math.cos(a)], [other * math.sin(b), other * math.cos(b)]])
     apart = abs(math.remainder(a - b, 2 * math.pi))
     assert is_opposite(ways[0], ways[1:])[0] == is_opposite(ways[1], ways[:1])[0]
@@ -74,13 +74,13 @@ def test_opposite_is_symmetric_and_a_matter_of_the_angle(a, b, length, other):
         assert is_opposite(ways[0], ways[1:])[0] == (apart > OPPOSITE)
 
 
-def test_what_stands_is_opposite_to_nothing():
+def test_zero_displacement_has_no_opposite():
     assert not is_opposite(np.zeros(2), np.array([[0.0, -1.0], [0.0, 1.0]])).any()
     assert not is_opposite(np.array([0.0, 1.0]), np.zeros((1, 2))).any()
 
 
-def test_ends_are_where_the_motion_really_ends(graph, candidates):
-    """Every candidate with a turn of its own, put together as a clip and measured."""
+def test_candidate_ends_match_rendered_motion(graph, candidates):
+    """Every candidate with a turn of its own, rendered as a clip and measured."""
     chance = np.random.default_rng(1)
     rows = chance.choice(len(candidates.node), 40, replace=False).astype(np.int32)
     most = candidates.max_turn(2.0)[candidates.node[rows]]
@@ -97,7 +97,7 @@ def test_ends_are_where_the_motion_really_ends(graph, candidates):
         assert made.end[0, 2] == pytest.approx(heading[n])
 
 
-def test_ends_agree_with_the_offline_tools(graph, candidates):
+def test_candidate_ends_match_offline_tools(graph, candidates):
     """Interpolation (T045) and rotation insertion (T048-T050), which work sample by sample on whole clips."""
     library = graph.library
     for row in np.random.default_rng(2).choice(len(candidates.node), 25, replace=False):
@@ -117,7 +117,7 @@ def test_ends_agree_with_the_offline_tools(graph, candidates):
         np.testing.assert_allclose(end[0] - begin, travel(turned), atol=0.02)
 
 
-def test_many_takes_are_thinned_out():
+def test_number_of_mixed_takes_is_limited():
     clips = [made_clip("glide", way=(0.0, 0.3 + 0.01 * n)) for n in range(40)]
     candidates = find_candidates(build_graph(build_library(clips), threshold=0.3))
     assert np.diff(candidates.first).max() == 1 + 24 * 3

@@ -1,4 +1,4 @@
-"""Reach of a step, its missing directions, and what is told of a path that cannot be followed."""
+"""Tests of step reach: missing directions, and messages for paths that cannot be followed."""
 
 import math
 
@@ -14,21 +14,21 @@ from live.graph.step_library import build_library
 from tests.fixtures.made_steps import made_clip
 
 
-def made(ways, step="glide"):
+def make_graph(ways, step="glide"):
     graph = build_graph(build_library([made_clip(step, way=way) for way in ways]), threshold=0.6)
     return graph, find_candidates(graph)
 
 
 @pytest.mark.parametrize("n", range(8))
-def test_directions_as_the_dancer_sees_them(n):
-    """Facing +z she has her left at +x."""
+def test_directions_are_relative_to_dancer(n):
+    """Facing +z, the dancer has her left at +x."""
     angle = n * math.pi / 4
     assert direction_of(np.array([math.sin(angle), math.cos(angle)])) == DIRECTION_NAMES[n]
     assert DIRECTION_NAMES[2] == "to the left"
 
 
-def test_the_reach_of_made_glides():
-    graph, candidates = made([(0.0, 0.0), (0.0, 0.8), (0.6, 0.0)])
+def test_reach_covers_clips_and_mixtures():
+    graph, candidates = make_graph([(0.0, 0.0), (0.0, 0.8), (0.6, 0.0)])
     reach = reach_of(graph, candidates, 0, 2.0)
     assert len(reach.clips) == 3
     assert len(reach.mixed) == 3 * 2 * 3
@@ -40,17 +40,19 @@ def test_the_reach_of_made_glides():
     assert set(reach.missing) == set(DIRECTION_NAMES[3:])
     assert reach.turned.shape == (3 + 18, 33, 2)
     middle = reach.turned[:, 16]
-    np.testing.assert_allclose(middle, np.concatenate([reach.clips, reach.mixed])[_order(reach, middle)], atol=1e-6)
+    np.testing.assert_allclose(
+        middle, np.concatenate([reach.clips, reach.mixed])[_matching_order(reach, middle)], atol=1e-6
+    )
 
 
-def _order(reach, middle):
-    """Rows of clips and mixtures in the order of `middle`: without a turn they are the same ways."""
+def _matching_order(reach, middle):
+    """Rows of clips and mixtures in the order of `middle`: without a turn their displacements are equal."""
     everything = np.concatenate([reach.clips, reach.mixed])
     return [int(np.argmin(np.hypot(*(everything - way).T))) for way in middle]
 
 
-def test_reach_is_seen_by_the_dancer_whatever_way_the_clip_faces():
-    graph, candidates = made([(0.0, 0.0), (0.7, 0.0)])
+def test_reach_is_independent_of_clip_facing():
+    graph, candidates = make_graph([(0.0, 0.0), (0.7, 0.0)])
     turned, others = build_graph(
         build_library([made_clip("glide"), _facing_left(made_clip("glide", way=(0.7, 0.0)))]), threshold=2.0
     ), None  # fmt: skip
@@ -60,7 +62,7 @@ def test_reach_is_seen_by_the_dancer_whatever_way_the_clip_faces():
 
 
 def _facing_left(clip):
-    """The clip with its body turned by 90 degrees about the hips, its way as it was."""
+    """The clip with its body turned by 90 degrees about the hips and its travel unchanged."""
     from dataclasses import replace
 
     rotation = clip.clip.rotation.copy()
@@ -68,15 +70,15 @@ def _facing_left(clip):
     return replace(clip, clip=replace(clip.clip, rotation=rotation))
 
 
-def test_a_path_within_reach_lacks_nothing():
-    graph, candidates = made([(0.0, 0.0), (0.0, 0.8)])
+def test_path_within_reach_has_no_problems():
+    graph, candidates = make_graph([(0.0, 0.0), (0.0, 0.8)])
     targets = follow_line([(0, 0), (0, 4)], 10)
     followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
     assert path_problems(graph, candidates, targets, followed, seconds=2.0) == []
 
 
-def test_a_path_too_fast_is_told_with_how_fast_it_can_be():
-    graph, candidates = made([(0.0, 0.0), (0.0, 0.8)])
+def test_too_fast_path_is_reported_with_possible_speed():
+    graph, candidates = make_graph([(0.0, 0.0), (0.0, 0.8)])
     targets = follow_line([(0, 0), (0, 20)], 10)
     followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
     (lack,) = path_problems(graph, candidates, targets, followed, seconds=2.0)
@@ -84,23 +86,23 @@ def test_a_path_too_fast_is_told_with_how_fast_it_can_be():
         "the path goes 2.00 m a measure, but 'glide' travels 0.80 m at most: "
         "give this path 25 measures instead of 10, or choose a step that travels farther"
     )
-    # and with so many measures it can be danced
+    # the suggested number of measures is feasible
     targets = follow_line([(0, 0), (0, 20)], 25)
     followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
     assert path_problems(graph, candidates, targets, followed, seconds=2.0) == []
 
 
-def test_a_step_that_goes_nowhere():
-    graph, candidates = made([(0.0, 0.0)], step="bow")
+def test_step_without_travel_is_reported():
+    graph, candidates = make_graph([(0.0, 0.0)], step="bow")
     targets = follow_line([(0, 0), (0, 3)], 4)
     followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
     (lack,) = path_problems(graph, candidates, targets, followed, seconds=2.0)
     assert "record 'bow' with travel" in lack.text
 
 
-def test_a_direction_that_is_missing_is_named_with_its_measures():
-    """Forward and back there is everything, to the sides nothing; the path goes forward, then to the right."""
-    graph, candidates = made([(0.0, 0.0), (0.0, 0.8), (0.0, -0.8)])
+def test_missing_direction_is_reported_with_measures():
+    """Clips go forward and back, none to the sides; the path goes forward, then to the right."""
+    graph, candidates = make_graph([(0.0, 0.0), (0.0, 0.8), (0.0, -0.8)])
     targets = follow_line([(0, 0), (0, 2.4), (-2.4, 2.4)], 6)
     followed = follow_path(graph, targets, seconds=2.0, candidates=candidates)
     lacks = path_problems(graph, candidates, targets, followed, seconds=2.0)
@@ -111,7 +113,7 @@ def test_a_direction_that_is_missing_is_named_with_its_measures():
     assert "0.80" not in lacks[0].text
 
 
-def test_an_unknown_step_has_no_reach():
-    graph, candidates = made([(0.0, 0.0)])
+def test_unknown_step_is_refused():
+    graph, candidates = make_graph([(0.0, 0.0)])
     with pytest.raises(ValueError, match="no measure"):
         reach_of(graph, candidates, 7, 2.0)

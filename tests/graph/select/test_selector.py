@@ -1,4 +1,4 @@
-"""The choice of the next measure, against a slow loop over everything there is; where it leads, against the clips."""
+"""Tests of the choice of the next measure and its end against a slow loop over all candidates."""
 
 import math
 
@@ -17,9 +17,9 @@ from tests.fixtures.steps_of_the_project import project_steps
 
 SECONDS = 2.0
 TURN = math.radians(50.0)
-GIVE = 0.2
-TABLED = 0.003
-"""How far [m] the tabled way of a turn may be from the exact one."""
+REACH_MARGIN = 0.2
+TABLE_TOLERANCE = 0.003
+"""Largest error [m] of the tabulated displacement of a turn."""
 
 
 @pytest.fixture(scope="module")
@@ -28,14 +28,14 @@ def graph():
 
 
 @pytest.fixture(scope="module")
-def choosing(graph):
+def step_selector(graph):
     made = StepSelector.of(graph)
-    made.set_limits(seconds=SECONDS, turn=TURN, reach_margin=GIVE)
+    made.set_limits(seconds=SECONDS, turn=TURN, reach_margin=REACH_MARGIN)
     return made
 
 
-def asked(graph, seed, count=3):
-    """Dancers anywhere, with all kinds of wishes."""
+def random_questions(graph, seed, count=3):
+    """Questions of dancers at random placements with random wishes."""
     chance = np.random.default_rng(seed)
     steps = len(graph.library.steps)
     away = (graph.library.node_step != np.arange(steps)[:, None]).astype(np.float64)
@@ -52,20 +52,20 @@ def asked(graph, seed, count=3):
     }
 
 
-def chosen(choosing, question, *, slices=None):
+def run_selector(step_selector, question, *, slices=None):
     count = len(question["node"])
     out = (
         np.full((count, 2), -9, np.int32), np.full((count, 2), -9, np.int32), np.full((count, 2, 5), np.nan),
         np.full((count, 4), np.nan),
     )  # fmt: skip
     for rows in slices or [slice(0, count)]:
-        choosing.choose(rows, *question.values(), out)
+        step_selector.choose(rows, *question.values(), out)
     return out
 
 
-def every_candidate(graph, choosing, question, n):
-    """Cost in terms, and end, of all candidates on all edges of dancer n, by plain complex numbers: {(e, k): ...}."""
-    candidates, found = choosing.candidates, {}
+def evaluate_candidates(graph, step_selector, question, n):
+    """Cost terms and end of all candidates on all edges of dancer n, by complex numbers: {(e, k): ...}."""
+    candidates, found = step_selector.candidates, {}
     x, z, yaw = question["placement"][n, :3]
     wish_x, wish_z, heading = question["wish"][n, :3]
     support, average, share = question["manner"][n]
@@ -86,14 +86,16 @@ def every_candidate(graph, choosing, question, n):
             else:
                 end = origin + complex(candidates.end[k, 1], candidates.end[k, 0]) * np.exp(1j * turned)
             off = abs(end - complex(wish_z, wish_x))
-            within = min(off, share * GIVE)
+            within = min(off, share * REACH_MARGIN)
             side = question["side"][n] * (1 if graph.library.clips[graph.library.node_clip[v]].mirrored else -1) < 0
             terms = (
                 tuned.CORRECTION_COST * within**2 + tuned.PLACE_COST * (off**2 - within**2),
                 tuned.HEADING_COST * (want - turn) ** 2 + tuned.TURN_COST * turn**2,
                 tuned.POSE_COST * graph.edge_cost[e],
                 tuned.WRONG_COST * question["ahead"][question["row"][n], v],
-                tuned.SIDE_COST * side + tuned.MIXTURE_COST * (candidates.take[k] != NO_TAKE) + choosing.facts[v, 2],
+                tuned.SIDE_COST * side
+                + tuned.MIXTURE_COST * (candidates.take[k] != NO_TAKE)
+                + step_selector.facts[v, 2],
             )
             found[e, k] = terms, off, (end.imag, end.real, turn, want - turn)
     return found
@@ -102,11 +104,11 @@ def every_candidate(graph, choosing, question, n):
 @pytest.mark.long
 @settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))
-def test_the_cheapest_candidate_of_all_is_chosen_and_the_best_of_another_measure_named(graph, choosing, seed):
-    question = asked(graph, seed)
-    edge, candidate, terms, end = chosen(choosing, question)
+def test_cheapest_candidate_and_best_alternative_are_chosen(graph, step_selector, seed):
+    question = random_questions(graph, seed)
+    edge, candidate, terms, end = run_selector(step_selector, question)
     for n in range(len(edge)):
-        found = every_candidate(graph, choosing, question, n)
+        found = evaluate_candidates(graph, step_selector, question, n)
         cost = {key: sum(row[0]) for key, row in found.items()}
         for rank in range(2):
             others = {key: value for key, value in cost.items() if not rank or key[0] != edge[n, 0]}
@@ -114,24 +116,26 @@ def test_the_cheapest_candidate_of_all_is_chosen_and_the_best_of_another_measure
                 assert edge[n, rank] == candidate[n, rank] == -1
                 continue
             mine = edge[n, rank], candidate[n, rank]
-            allowed = 2.5 * TABLED * (max(found[mine][1], found[min(others, key=others.get)][1]) + TABLED)
+            allowed = (
+                2.5 * TABLE_TOLERANCE * (max(found[mine][1], found[min(others, key=others.get)][1]) + TABLE_TOLERANCE)
+            )
             assert others[mine] <= min(others.values()) + allowed
-            tolerance = [2.5 * TABLED * (found[mine][1] + TABLED), *[1e-9] * 4]
+            tolerance = [2.5 * TABLE_TOLERANCE * (found[mine][1] + TABLE_TOLERANCE), *[1e-9] * 4]
             assert (np.abs(terms[n, rank] - found[mine][0]) <= tolerance).all()
-        assert np.abs(end[n, :2] - found[edge[n, 0], candidate[n, 0]][2][:2]).max() < TABLED
+        assert np.abs(end[n, :2] - found[edge[n, 0], candidate[n, 0]][2][:2]).max() < TABLE_TOLERANCE
         assert end[n, 2:] == pytest.approx(found[edge[n, 0], candidate[n, 0]][2][2:], abs=1e-9)
 
 
-def test_in_slices_it_is_the_same_bit_for_bit(graph, choosing):
-    question = asked(graph, 5, count=11)
-    whole = chosen(choosing, question)
-    parts = chosen(choosing, question, slices=[slice(7, 11), slice(0, 3), slice(3, 7)])
+def test_sliced_choice_is_bit_identical(graph, step_selector):
+    question = random_questions(graph, 5, count=11)
+    whole = run_selector(step_selector, question)
+    parts = run_selector(step_selector, question, slices=[slice(7, 11), slice(0, 3), slice(3, 7)])
     for one, other in zip(whole, parts, strict=True):
         assert one.tobytes() == other.tobytes()
 
 
-def alone(graph, node, wish):
-    """One dancer in `node`, who wants to walk and to end at `wish` (3,)."""
+def single_question(graph, node, wish):
+    """Question of one dancer in `node`, with walk as wanted step and `wish` (3,) as wanted end."""
     library = graph.library
     ahead = (library.node_step != library.step_index("walk")).astype(np.float64)[None]
     return {
@@ -142,49 +146,51 @@ def alone(graph, node, wish):
 
 
 @pytest.mark.long
-def test_mixtures_fill_the_ways_between_the_clips(graph, choosing):
-    """On a grid of places within the longest steps: with them every place is near an end, without them it is not."""
-    candidates = choosing.candidates
+def test_mixtures_fill_gaps_between_clips(graph, step_selector):
+    """On a grid of places within the longest steps: with mixtures every place is near an end, without them not."""
+    candidates = step_selector.candidates
     begin = int(graph.entries(graph.library.step_index("walk"))[0])
     there = graph.node_end[begin]
     mixed, plain = [], []
     for x in np.linspace(-0.5, 0.5, 5):
         for z in np.linspace(-0.5, 0.9, 6):
-            question = alone(graph, begin, [there[0] + x, there[1] + z, graph.node_facing[begin]])
-            end = chosen(choosing, question)[3]
+            question = single_question(graph, begin, [there[0] + x, there[1] + z, graph.node_facing[begin]])
+            end = run_selector(step_selector, question)[3]
             mixed.append(math.hypot(*(end[0, :2] - question["wish"][0, :2])))
-            found = every_candidate(graph, choosing, question, 0)
+            found = evaluate_candidates(graph, step_selector, question, 0)
             walks = [row[1] for (_, k), row in found.items() if candidates.take[k] == NO_TAKE and row[0][3] == 0.0]
             plain.append(min(walks))
     assert np.mean(mixed) < 0.5 * np.mean(plain)
     assert np.mean(mixed) < 0.1
 
 
-def test_where_a_clip_ends_exactly_nothing_is_mixed_into_it(graph, choosing):
-    candidates = choosing.candidates
+def test_exact_clip_end_needs_no_mixture(graph, step_selector):
+    candidates = step_selector.candidates
     begin = int(graph.entries(graph.library.step_index("walk"))[0])
-    question = alone(graph, begin, [0.0, 0.0, graph.node_facing[begin]])
-    for (_, k), (terms, _, end) in every_candidate(graph, choosing, question, 0).items():
+    question = single_question(graph, begin, [0.0, 0.0, graph.node_facing[begin]])
+    for (_, k), (terms, _, end) in evaluate_candidates(graph, step_selector, question, 0).items():
         if candidates.take[k] == NO_TAKE and terms[3] == 0.0:
-            row = chosen(choosing, alone(graph, begin, [end[0], end[1], graph.node_facing[begin]]))[1][0, 0]
+            row = run_selector(
+                step_selector, single_question(graph, begin, [end[0], end[1], graph.node_facing[begin]])
+            )[1][0, 0]
             assert candidates.take[row] == NO_TAKE or candidates.node[row] != candidates.node[k]
 
 
-def test_nobody_is_turned_or_corrected_beyond_what_is_allowed(graph, choosing):
-    question = asked(graph, 9, count=40)
-    edge, _, _, end = chosen(choosing, question)
+def test_chosen_turns_stay_within_limits(graph, step_selector):
+    question = random_questions(graph, 9, count=40)
+    edge, _, _, end = run_selector(step_selector, question)
     node = graph.edge_target[edge[:, 0]]
-    assert (np.abs(end[:, 2]) <= choosing.max_turns[node, 0] + 1e-12).all()
-    assert (choosing.max_turns[:, 0] <= TURN).all()
+    assert (np.abs(end[:, 2]) <= step_selector.max_turns[node, 0] + 1e-12).all()
+    assert (step_selector.max_turns[:, 0] <= TURN).all()
 
 
-def test_how_far_mixtures_end_apart_is_never_underrated(graph, choosing):
-    """The bound by which mixtures are left out, against mixtures turned at random."""
-    candidates, chance = choosing.candidates, np.random.default_rng(2)
+def test_mixture_spread_bound_is_never_too_small(graph, step_selector):
+    """The bound used to skip mixtures, against mixtures turned at random."""
+    candidates, chance = step_selector.candidates, np.random.default_rng(2)
     for _ in range(40):
         v = int(chance.integers(graph.library.node_count))
         rows = np.arange(candidates.first[v], candidates.first[v + 1], dtype=np.int32)
         heading = chance.uniform(-TURN, TURN) * 0.8
         turn = np.clip(heading - candidates.facing[rows] + candidates.facing[rows[0]], -TURN, TURN)
         hips, _ = candidates.turned_end(rows, np.zeros((len(rows), 3)), turn)
-        assert np.hypot(*(hips - hips[0]).T).max() <= choosing.facts[v, 1] + 1e-9
+        assert np.hypot(*(hips - hips[0]).T).max() <= step_selector.facts[v, 1] + 1e-9

@@ -1,4 +1,4 @@
-"""Fitting an even beat: laws over made events with gaps and strays, and golden small cases."""
+"""Tests of beat grid fitting: properties over synthetic events with gaps and strays, and exact small cases."""
 
 import numpy as np
 import pytest
@@ -12,27 +12,27 @@ TEMPI = st.floats(50.0, 200.0)
 SEEDS = st.integers(0, 10_000)
 
 
-def distance(a: float, b: float, period: float) -> float:
-    """How far two offsets are apart, by whole beats."""
+def beat_offset_distance(a: float, b: float, period: float) -> float:
+    """Distance between two offsets, modulo whole beats."""
     late = a - b
     return abs(late - period * round(late / period))
 
 
 @given(OFFSETS, TEMPI, SEEDS)
-def test_a_known_tempo_gives_the_offset(offset: float, bpm: float, seed: int) -> None:
+def test_offset_is_found_for_known_tempo(offset: float, bpm: float, seed: int) -> None:
     """Twelve beats, 8 ms of scatter, three missing, one stray: the offset is right to 15 ms."""
     random = np.random.default_rng(seed)
     period = 60.0 / bpm
     beats = offset + period * np.sort(random.choice(12, 9, replace=False)) + random.normal(0.0, 0.008, 9)
     stray = offset + period * (random.integers(0, 11) + 0.5)
     fit = fit_known_period(np.sort(np.append(beats, stray)), period)
-    assert distance(fit.offset_s, offset, period) < 0.015
+    assert beat_offset_distance(fit.offset_s, offset, period) < 0.015
     assert int(fit.on_beat.sum()) == 9
     assert fit.rms_s < 0.02
 
 
 @given(OFFSETS, TEMPI, SEEDS)
-def test_a_free_fit_finds_tempo_and_offset(offset: float, bpm: float, seed: int) -> None:
+def test_free_fit_finds_tempo_and_offset(offset: float, bpm: float, seed: int) -> None:
     random = np.random.default_rng(seed)
     period = 60.0 / bpm
     beats = offset + period * np.arange(8) + random.normal(0.0, 0.006, 8)
@@ -40,7 +40,7 @@ def test_a_free_fit_finds_tempo_and_offset(offset: float, bpm: float, seed: int)
     fit = fit_free_period(np.sort(kept))
     assert fit is not None
     assert fit.period_s == pytest.approx(period, rel=0.015)
-    assert distance(fit.offset_s, offset, period) < 0.03
+    assert beat_offset_distance(fit.offset_s, offset, period) < 0.03
     assert fit.coverage == pytest.approx(7 / 8)
 
 
@@ -55,12 +55,12 @@ def test_exact_beats_fit_exactly() -> None:
     assert fit.coverage == 1.0
 
 
-def test_of_two_events_on_one_beat_the_nearer_belongs() -> None:
+def test_nearer_of_two_events_is_assigned_to_beat() -> None:
     fit = fit_known_period(np.array([1.0, 1.5, 1.53, 2.0]), 0.5)
     assert fit.on_beat.tolist() == [True, True, False, True]
 
 
-def test_the_beat_is_not_taken_for_twice_as_fast() -> None:
+def test_single_offbeat_event_does_not_halve_period() -> None:
     """A single event between two beats does not halve the period."""
     fit = fit_free_period(np.array([1.0, 1.6, 2.2, 2.5, 2.8, 3.4, 4.0]))
     assert fit is not None
@@ -68,6 +68,6 @@ def test_the_beat_is_not_taken_for_twice_as_fast() -> None:
     assert int(fit.on_beat.sum()) == 6
 
 
-def test_two_events_are_no_beat() -> None:
+def test_fewer_than_three_events_have_no_beat() -> None:
     assert fit_free_period(np.array([1.0, 1.5])) is None
     assert fit_free_period(np.zeros(0)) is None

@@ -1,4 +1,4 @@
-"""Clap sync: the count is found among missed claps and other touches, to a click, to a song, or alone (T018)."""
+"""Tests of clap sync (T018): claps matched to a click, a song or no music, despite missed claps and other touches."""
 
 import numpy as np
 import pytest
@@ -15,8 +15,8 @@ def claps(times: np.ndarray | list[float]) -> list[Clap]:
 
 @pytest.mark.long
 @given(st.floats(0.2, 5.0), st.floats(60.0, 190.0), st.integers(0, 10_000))
-def test_eight_claps_to_a_click(first: float, bpm: float, seed: int) -> None:
-    """With 12 ms of scatter the mean of eight is right to 15 ms, and sure."""
+def test_eight_claps_are_synced_to_click(first: float, bpm: float, seed: int) -> None:
+    """With 12 ms of scatter the mean of eight claps is right to 15 ms, with high confidence."""
     random = np.random.default_rng(seed)
     times = first + 60.0 / bpm * np.arange(8) + np.clip(random.normal(0.0, 0.012, 8), -0.03, 0.03)
     found = sync_to_click(claps(times), bpm, 8)
@@ -30,7 +30,7 @@ def test_eight_claps_to_a_click(first: float, bpm: float, seed: int) -> None:
     assert found.reference.first_beat_s == pytest.approx(mean, abs=1e-9)
 
 
-def test_a_missed_clap_and_a_scratch() -> None:
+def test_sync_tolerates_missed_clap_and_extra_touch() -> None:
     beats = 2.0 + 0.5 * np.arange(8)
     found = sync_to_click(claps([*np.delete(beats, 3), 2.74]), 120.0, 8)
     assert found is not None
@@ -41,7 +41,7 @@ def test_a_missed_clap_and_a_scratch() -> None:
     assert found.claps[2].residual_ms == pytest.approx(240.0)
 
 
-def test_the_dance_claps_later_again() -> None:
+def test_claps_later_in_dance_are_ignored() -> None:
     count, dance = 1.0 + 0.5 * np.arange(4), 20.13 + 0.5 * np.arange(4)
     found = sync_to_click(claps([*count, *dance]), 120.0, 4)
     assert found is not None
@@ -61,14 +61,14 @@ def test_confidence_falls_with_scatter_and_misses() -> None:
     assert confidences[-1] < 0.1
 
 
-def test_a_lying_frame_rate_is_told() -> None:
+def test_wrong_frame_rate_is_noted() -> None:
     found = sync_to_click(claps(1.0 + 0.25 * np.arange(8)), 163.0, 8)
     assert found is not None
     assert "240.0 bpm: is the frame rate right?" in found.reference.note
     assert found.reference.confidence < 0.2
 
 
-def test_claps_alone() -> None:
+def test_claps_without_music_give_tempo() -> None:
     found = sync_to_claps(claps([3.0, 3.484, 3.968, 4.452, 12.0]))
     assert found is not None
     assert found.reference.source == "claps"
@@ -78,7 +78,7 @@ def test_claps_alone() -> None:
     assert sync_to_claps([]) is None
 
 
-def test_a_song_that_breathes_says_where_the_claps_are() -> None:
+def test_uneven_song_fixes_clap_offset() -> None:
     """A song that slows down and speeds up: the pattern of intervals fixes the offset, whichever beats are clapped."""
     random = np.random.default_rng(7)
     beats = 0.4 + np.concatenate(
@@ -92,7 +92,7 @@ def test_a_song_that_breathes_says_where_the_claps_are() -> None:
     assert "even" not in found.reference.note
 
 
-def test_an_even_song_begins_with_the_first_clap() -> None:
+def test_even_song_starts_at_first_clap() -> None:
     beats = 0.2 + 0.5 * np.arange(100)
     found = sync_to_song(claps(3.1 + 0.5 * np.arange(4)), beats)
     assert found is not None
@@ -102,7 +102,7 @@ def test_an_even_song_begins_with_the_first_clap() -> None:
     assert found.reference.source == "song"
 
 
-def test_a_song_that_began_before_the_recording_is_met_on_a_measure() -> None:
+def test_song_started_before_recording_is_aligned_to_measure() -> None:
     beats = 0.5 * np.arange(100) + np.where(np.arange(100) % 7 == 3, 0.04, 0.0)
     found = sync_to_song(claps(beats[6:14] - 2.0), beats)
     assert found is not None
@@ -112,7 +112,7 @@ def test_a_song_that_began_before_the_recording_is_met_on_a_measure() -> None:
     )
 
 
-def test_a_person_wins() -> None:
+def test_manual_values_override_found_reference() -> None:
     found = MusicReference(1.2, 118.0, 0.7, "claps", "8 beats clapped")
     assert apply_manual(found) is found
     both = apply_manual(found, anchor_s=3.21, bpm=124.0)
@@ -129,7 +129,7 @@ def test_a_person_wins() -> None:
 
 
 @pytest.mark.long
-def test_hands_that_flutter_for_an_hour() -> None:
+def test_hour_of_random_touches_has_low_confidence() -> None:
     random = np.random.default_rng(5)
     many = claps(np.cumsum(random.uniform(0.13, 0.9, 7000)))
     beats = 0.5 * np.arange(7000)

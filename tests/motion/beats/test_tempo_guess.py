@@ -1,4 +1,4 @@
-"""Tempo from the feet: sketched steps danced at known tempi, and real dances against estimates made elsewhere."""
+"""Tests of tempo estimation from the feet: sketched steps at known tempos, and real dances against other estimates."""
 
 import json
 
@@ -17,15 +17,17 @@ from tests.places import ROOT
 
 STEPS = ROOT / "patches" / "steps"
 STEPPED = ("walk", "mambo", "side step", "grapevine", "kick", "turn", "jump")
-"""Steps that land on beats: by these the phase is known, too."""
+"""Steps with landings on the beats, which also determine the phase."""
 
 
-def step(name: str) -> StepClip:
+def load_step(name: str) -> StepClip:
     return next(clip for clip in load_steps(STEPS) if clip.step == name and not clip.mirrored)
 
 
-def danced(step: StepClip, bpm: float, *, measures: int = 8, scatter: float = 0.0, late: float = 0.0) -> Clip:
-    """The step over and over at a tempo, each beat `scatter` [s] off, the first one at `late` [s]; 60 Hz."""
+def loop_step_at_tempo(
+    step: StepClip, bpm: float, *, measures: int = 8, scatter: float = 0.0, late: float = 0.0
+) -> Clip:
+    """Clip of the step repeated at a tempo, each beat `scatter` [s] off, the first one at `late` [s]; 60 Hz."""
     random = np.random.default_rng(round(bpm))
     beats = measures * step.beats_per_measure
     lines = late + 60.0 / bpm * np.arange(beats + 1) + random.normal(0.0, scatter, beats + 1)
@@ -42,34 +44,34 @@ def danced(step: StepClip, bpm: float, *, measures: int = 8, scatter: float = 0.
     return Clip(step.step, root.astype(np.float32), rotation.astype(np.float32), 60.0, step.clip.contact[before])
 
 
-def octaves_off(bpm: float, truth: float) -> float:
-    """How far two tempi are apart when octaves do not count, as a share."""
+def tempo_error_modulo_octaves(bpm: float, truth: float) -> float:
+    """Relative difference of two tempos, ignoring octaves."""
     octave = np.log2(bpm / truth)
     return float(abs(2.0 ** (octave - round(octave)) - 1.0))
 
 
 @pytest.mark.parametrize("name", sorted({clip.step for clip in load_steps(STEPS)}))
 @pytest.mark.parametrize("bpm", [96.0, 124.0])
-def test_every_step_at_its_tempo(name: str, bpm: float) -> None:
-    found = estimate_tempo(danced(step(name), bpm, scatter=0.015))
+def test_tempo_of_every_step_is_estimated(name: str, bpm: float) -> None:
+    found = estimate_tempo(loop_step_at_tempo(load_step(name), bpm, scatter=0.015))
     assert found is not None
-    assert octaves_off(found.reference.bpm, bpm) < 0.01
+    assert tempo_error_modulo_octaves(found.reference.bpm, bpm) < 0.01
     assert 0.2 < found.reference.confidence <= MAX_CONFIDENCE
     assert found.reference.source == "feet"
 
 
 @pytest.mark.parametrize("name", STEPPED)
 @pytest.mark.parametrize("late", [0.0, 0.2])
-def test_feet_land_on_beats(name: str, late: float) -> None:
-    found = estimate_tempo(danced(step(name), 110.0, late=late))
+def test_first_beat_matches_foot_landings(name: str, late: float) -> None:
+    found = estimate_tempo(loop_step_at_tempo(load_step(name), 110.0, late=late))
     assert found is not None
     assert found.reference.bpm == pytest.approx(110.0, rel=0.005)
     beats = (found.reference.first_beat_s - late) * 110.0 / 60.0
     assert abs(beats - round(beats)) < 0.12
 
 
-def test_a_known_tempo_is_kept() -> None:
-    found = estimate_tempo(danced(step("mambo"), 110.0, late=0.2), bpm=110.0)
+def test_known_tempo_is_kept() -> None:
+    found = estimate_tempo(loop_step_at_tempo(load_step("mambo"), 110.0, late=0.2), bpm=110.0)
     assert found is not None
     assert found.reference.bpm == pytest.approx(110.0, abs=1e-9)
     assert (found.reference.first_beat_s - 0.2) * 110.0 / 60.0 == pytest.approx(
@@ -77,24 +79,24 @@ def test_a_known_tempo_is_kept() -> None:
     )
 
 
-def test_mambo_begins_after_its_rest() -> None:
-    """It holds its fourth beat, as salsa does."""
-    found = estimate_tempo(danced(step("mambo"), 100.0))
+def test_mambo_measure_begins_after_rest() -> None:
+    """Mambo holds its fourth beat, as salsa does."""
+    found = estimate_tempo(loop_step_at_tempo(load_step("mambo"), 100.0))
     assert found is not None
     measures = found.reference.first_beat_s / 2.4
     assert abs(measures - round(measures)) < 0.05
     assert found.contrast > 0.5
 
 
-def test_plants_and_motion_beats_of_a_walk() -> None:
-    rhythm = find_rhythm(danced(step("walk"), 120.0))
+def test_walk_contacts_and_motion_beats_are_half_second_apart() -> None:
+    rhythm = find_rhythm(loop_step_at_tempo(load_step("walk"), 120.0))
     gaps = np.diff(rhythm.contact_times)
     assert np.median(gaps) == pytest.approx(0.5, abs=0.02)
     assert np.median(np.diff(rhythm.motion_beats)) == pytest.approx(0.5, abs=0.05)
 
 
-def test_nothing_to_go_by() -> None:
-    walk = danced(step("walk"), 120.0)
+def test_still_or_short_clip_has_no_tempo() -> None:
+    walk = loop_step_at_tempo(load_step("walk"), 120.0)
     still = Clip(
         "still",
         np.repeat(walk.root_position[:1], 600, axis=0),
@@ -109,10 +111,10 @@ def test_nothing_to_go_by() -> None:
 
 @pytest.mark.long
 @pytest.mark.shared
-def test_real_dances_whose_beat_is_known_well() -> None:
+def test_real_dances_agree_with_reliable_estimates() -> None:
     """Of the 23 recordings marked good in beats_estimated.json at least 20 agree within 2 % up to octaves.
 
-    (22 do; the other is salsa 60_02, where the file's own estimate for that dancer alone is the same as ours.)
+    (22 do; the other is salsa 60_02, where the file's own estimate for that dancer alone equals this one.)
     """
     path = MOCAP / "beats_estimated.json"
     if not path.is_file():
@@ -127,7 +129,7 @@ def test_real_dances_whose_beat_is_known_well() -> None:
             clip = retarget(mocap_motion(name), name=name, fps=row["true_fps"], drop_frames=drop)
             found = estimate_tempo(clip)
             assert found is not None
-            agreeing[name] = octaves_off(found.reference.bpm, row["bpm"]) < 0.02
+            agreeing[name] = tempo_error_modulo_octaves(found.reference.bpm, row["bpm"]) < 0.02
             confidences.append(found.reference.confidence)
     assert len(agreeing) == 23
     assert sum(agreeing.values()) >= 20, [name for name, agrees in agreeing.items() if not agrees]

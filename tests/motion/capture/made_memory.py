@@ -1,4 +1,4 @@
-"""Remembered poses, made up, and rows that ask for them."""
+"""Synthetic pose memory and request rows for tests of capture."""
 
 import numpy as np
 
@@ -6,8 +6,8 @@ from live.motion.capture.capture_kernels import BLEND, GAP_BLEND, LAST_TURN, REQ
 from live.motion.skeleton import JOINT_COUNT
 
 
-def memory(size, count, turn=0.0):
-    """`count` poses, one a second, that go 1 m along x each; of `size` that there is room for."""
+def make_memory(size, count, turn=0.0):
+    """Memory of `size` with `count` poses, one per second, each 1 m further along x."""
     root, turned = np.zeros((size + 1, 3), np.float32), np.zeros((size + 1, JOINT_COUNT, 4), np.float32)
     turned[..., 0] = 1.0
     stamp = np.full((size, 2), -np.inf)
@@ -18,8 +18,8 @@ def memory(size, count, turn=0.0):
     return root, turned, stamp
 
 
-def asked(**columns):
-    """What one dancer asks for, caught wholly where nothing else is said."""
+def request_row(**columns):
+    """Request row of one dancer, fully captured by default."""
     row = np.zeros((1, REQUEST_COLUMNS))
     row[0, GAP_BLEND] = 1.0
     for name, value in columns.items():

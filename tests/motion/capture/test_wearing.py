@@ -1,4 +1,4 @@
-"""Captured poses worn: from pose to pose no limb swings round."""
+"""Tests of blending in captured poses: rotations take the counted direction without spinning."""
 
 import numpy as np
 import pytest
@@ -7,14 +7,14 @@ from live.motion import quaternion
 from live.motion.capture.capture_blend_kernels import blend_captured
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import JOINT_COUNT, MIRROR, SKELETON
-from tests.motion.capture.made_memory import asked, memory
+from tests.motion.capture.made_memory import make_memory, request_row
 
 OFFSETS, PARENTS = np.array(SKELETON.offsets), np.array(SKELETON.parents)
 OTHER = np.array(MIRROR, np.int32)
 
 
-def test_shares_go_from_the_own_pose_to_the_captured_one_the_way_that_was_counted():
-    root, turned, stamp = memory(4, 2)
+def test_blend_rotates_to_captured_pose_in_counted_direction():
+    root, turned, stamp = make_memory(4, 2)
     turned[1, 0] = np.cos(1.5), 0.0, np.sin(1.5), 0.0  # 3 rad
     own = np.zeros((1, JOINT_COUNT, 4))
     own[..., 0] = 1.0
@@ -22,7 +22,7 @@ def test_shares_go_from_the_own_pose_to_the_captured_one_the_way_that_was_counte
     for counted, way in ((3.0, 3.0), (3.0 - 2.0 * np.pi, 3.0 - 2.0 * np.pi)):
         for share in (0.25, 0.5, 1.0):
             position, rotation = (each.astype(np.float32) for each in forward_kinematics(place, own))
-            row = asked(wanted=1.0, share=share, turned=counted)
+            row = request_row(wanted=1.0, share=share, turned=counted)
             blend_captured(
                 position,
                 rotation,

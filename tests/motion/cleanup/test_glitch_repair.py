@@ -1,4 +1,4 @@
-"""Repair of tracking faults: what was lost comes back nearly as it was, and nothing else changes."""
+"""Tests of tracking glitch repair: lost frames are restored closely and other frames stay unchanged."""
 
 from dataclasses import replace
 
@@ -15,10 +15,10 @@ from live.motion.retarget.body_tracks import body_tracks
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
 from tests.fixtures.mocap import mocap_motion
-from tests.motion.retarget.made_source import NAMES, lively, source
+from tests.motion.retarget.made_source import NAMES, moving_values, source
 
 
-def repaired(motion: SourceMotion, fps: float | None = None) -> tuple[SourceMotion, list[Repair]]:
+def repair_motion(motion: SourceMotion, fps: float | None = None) -> tuple[SourceMotion, list[Repair]]:
     tracks = body_tracks(motion, fps=fps)
     start = find_recording_start(tracks).drop_frames
     result, report = repair(motion, find_glitches(tracks, motion.parents, start), fps=fps)
@@ -34,21 +34,21 @@ def largest_turn(a: SourceMotion, b: SourceMotion) -> float:
     return float(np.degrees(2.0 * np.arccos(np.clip(dot, 0.0, 1.0)).max()))
 
 
-def test_a_clean_dance_stays_as_it_is() -> None:
-    motion = source(lively(4.0, 60.0), 60.0)
-    result, report = repaired(motion)
+def test_clean_dance_is_unchanged() -> None:
+    motion = source(moving_values(4.0, 60.0), 60.0)
+    result, report = repair_motion(motion)
     assert report == []
     assert result is motion
 
 
 @pytest.mark.parametrize("length", [1, 3, 6])
-def test_lost_frames_come_back(length: int) -> None:
-    truth = source(lively(6.0, 60.0), 60.0)
+def test_lost_frames_are_restored(length: int) -> None:
+    truth = source(moving_values(6.0, 60.0), 60.0)
     lost = slice(150, 150 + length)
     rotation, translation = truth.rotation.copy(), truth.translation.copy()
     rotation[lost] = (1.0, 0.0, 0.0, 0.0)
     translation[lost, 0] = 0.0
-    result, (report,) = repaired(replace(truth, rotation=rotation, translation=translation))
+    result, (report,) = repair_motion(replace(truth, rotation=rotation, translation=translation))
     assert report.done
     assert (report.first_frame, report.last_frame) == (149, 150 + length)
     assert largest_turn(result, truth) < 2.5
@@ -58,15 +58,15 @@ def test_lost_frames_come_back(length: int) -> None:
     np.testing.assert_array_equal(result.translation[outside], truth.translation[outside])
 
 
-def test_only_the_limb_at_fault_changes() -> None:
-    truth = source(lively(6.0, 60.0), 60.0)
+def test_repair_changes_only_faulty_limb() -> None:
+    truth = source(moving_values(6.0, 60.0), 60.0)
     rotation = truth.rotation.copy()
     arm = NAMES.index("RightArm")
     turn = Rotation.from_euler("Y", 80.0, degrees=True)
     rotation[200:202, arm] = (Rotation.from_quat(rotation[200:202, arm][:, [1, 2, 3, 0]]) * turn).as_quat()[
         :, [3, 0, 1, 2]
     ]
-    result, (report,) = repaired(replace(truth, rotation=rotation))
+    result, (report,) = repair_motion(replace(truth, rotation=rotation))
     assert set(report.joints) == {"RightArm", "RightForeArm", "RightHand"}
     others = [j for j, name in enumerate(NAMES) if name not in report.joints]
     np.testing.assert_array_equal(result.rotation[:, others], truth.rotation[:, others])
@@ -74,9 +74,9 @@ def test_only_the_limb_at_fault_changes() -> None:
     np.testing.assert_allclose(np.linalg.norm(result.rotation, axis=-1), 1.0, atol=1e-12)
 
 
-def test_a_joint_above_the_hips_that_carries_them_is_bridged_too() -> None:
+def test_joint_above_hips_is_repaired() -> None:
     """Some files keep the hips still under a root that travels."""
-    truth = source(lively(6.0, 60.0), 60.0)
+    truth = source(moving_values(6.0, 60.0), 60.0)
     root = np.tile((1.0, 0.0, 0.0, 0.0), (truth.frame_count, 1, 1))
     carried = replace(
         truth,
@@ -89,40 +89,40 @@ def test_a_joint_above_the_hips_that_carries_them_is_bridged_too() -> None:
     )
     translation = carried.translation.copy()
     translation[150, 0] += (45.0, 0.0, 0.0)
-    result, (report,) = repaired(replace(carried, translation=translation))
+    result, (report,) = repair_motion(replace(carried, translation=translation))
     assert report.done
     assert np.abs(result.translation - carried.translation).max() < 0.6
 
 
-def test_a_long_gap_is_not_invented() -> None:
-    motion = source(lively(6.0, 60.0), 60.0)
+def test_long_gap_is_not_repaired() -> None:
+    motion = source(moving_values(6.0, 60.0), 60.0)
     rotation, translation = motion.rotation.copy(), motion.translation.copy()
     for joint in ("UpLeg", "Leg", "Foot", "ToeBase"):
         left, right = NAMES.index("Left" + joint), NAMES.index("Right" + joint)
         for array in (rotation, translation):
             array[100:200, [left, right]] = array[100:200, [right, left]]
     swapped = replace(motion, rotation=rotation, translation=translation)
-    result, (report,) = repaired(swapped)
+    result, (report,) = repair_motion(swapped)
     assert not report.done
     assert result is swapped
     assert "too long" in report.note
 
 
-def test_a_fault_at_the_end_stays() -> None:
-    motion = source(lively(3.0, 60.0), 60.0)
+def test_glitch_at_end_is_not_repaired() -> None:
+    motion = source(moving_values(3.0, 60.0), 60.0)
     translation = motion.translation.copy()
     translation[-2:, 0] += (50.0, 0.0, 0.0)
-    _, (report,) = repaired(replace(motion, translation=translation))
+    _, (report,) = repair_motion(replace(motion, translation=translation))
     assert not report.done
     assert "end" in report.note
 
 
 @pytest.mark.shared
 @pytest.mark.parametrize(("take", "count"), [("03", 1), ("04", 3), ("05", 2), ("06", 1)])
-def test_salsa(take: str, count: int) -> None:
-    """The feet's pops of up to 2,800 m/s² are the recording's; without them nothing is beyond the clean takes' 320."""
+def test_salsa_recordings_are_repaired(take: str, count: int) -> None:
+    """The feet's pops of up to 2,800 m/s² are in the recording; repaired, nothing is beyond the clean takes' 320."""
     motion = mocap_motion(f"salsa/60_{take}.bvh")
-    result, report = repaired(motion, 60.0)
+    result, report = repair_motion(motion, 60.0)
     assert [one.done for one in report] == [True] * count
     assert sum(one.last_frame - one.first_frame + 1 for one in report) <= 18
     assert all(len(one.joints) == motion.joint_count for one in report)

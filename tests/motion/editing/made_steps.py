@@ -1,4 +1,4 @@
-"""Steps for tests of the editing tools: the project's own sketches, and small random clips."""
+"""Steps for tests of the editing tools: the project's own sketches, and short random clips."""
 
 from functools import cache
 
@@ -16,8 +16,8 @@ STEPS = ROOT / "patches" / "steps"
 
 
 @cache
-def sketched(name: str, direction: str = "in place") -> StepClip:
-    """One of the project's sketches, e.g. "walk"; made once per test run."""
+def sketched_step(name: str, direction: str = "in place") -> StepClip:
+    """One of the project's sketches, e.g. "walk"; built once per test run."""
     path = STEPS / f"{name}.toml"
     return step_clip(parse_sketch(path.read_text(encoding="utf-8"), path.name), direction)
 

@@ -17,7 +17,7 @@ from live.motion.editing.variation import (
     scale_step,
 )
 from live.motion.quaternion import mean_rotation, scale_about_mean
-from tests.motion.editing.made_steps import random_clip, random_step, sketched
+from tests.motion.editing.made_steps import random_clip, random_step, sketched_step
 
 FACTORS = st.floats(0.5, 1.5)
 
@@ -32,14 +32,14 @@ def rotations(seed: int, count: int, spread: float) -> np.ndarray:
 
 
 @given(st.integers(0, 1000), st.integers(1, 40))
-def test_the_mean_is_scipys(seed: int, count: int) -> None:
+def test_mean_rotation_matches_scipy(seed: int, count: int) -> None:
     q = rotations(seed, count, 1.5)
     expected = Rotation.from_quat(q, scalar_first=True).mean().as_quat(scalar_first=True)
     assert abs(expected @ mean_rotation(q)) == pytest.approx(1.0, abs=1e-9)
 
 
 @given(st.integers(0, 1000), st.floats(0.0, 1.5))
-def test_scaling_multiplies_the_rotation_vector_from_the_mean(seed: int, factor: float) -> None:
+def test_scaling_multiplies_rotation_vector_from_mean(seed: int, factor: float) -> None:
     q = rotations(seed, 12, 1.3)
     mean = mean_rotation(q)
     scaled = scale_about_mean(mean, q, factor)
@@ -50,7 +50,7 @@ def test_scaling_multiplies_the_rotation_vector_from_the_mean(seed: int, factor:
 
 
 @given(st.integers(0, 1000))
-def test_a_rotation_that_passes_half_a_turn_from_the_mean_does_not_jump(seed: int) -> None:
+def test_scaled_rotation_is_continuous_past_half_turn(seed: int) -> None:
     axis = quaternion.unit(np.random.default_rng(seed).normal(size=3))
     q = quaternion.from_axis_angle(np.broadcast_to(axis, (400, 3)), np.linspace(0.0, 2.0 * np.pi, 400))
     scaled = scale_about_mean(np.array((1.0, 0.0, 0.0, 0.0)), q, 1.2)
@@ -60,7 +60,7 @@ def test_a_rotation_that_passes_half_a_turn_from_the_mean_does_not_jump(seed: in
 
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 1000), FACTORS)
-def test_only_the_upper_body_changes_and_one_is_the_identity(seed: int, factor: float) -> None:
+def test_only_upper_body_changes_and_factor_one_is_identity(seed: int, factor: float) -> None:
     clip = random_clip(seed)
     scaled = scale_clip(clip, factor)
     assert np.array_equal(scaled.rotation[:, LOWER], clip.rotation[:, LOWER])
@@ -73,7 +73,7 @@ def test_only_the_upper_body_changes_and_one_is_the_identity(seed: int, factor: 
 
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 1000), st.floats(0.8, 1.2))
-def test_the_spread_about_the_mean_grows_by_the_factor(seed: int, factor: float) -> None:
+def test_spread_about_mean_scales_by_factor(seed: int, factor: float) -> None:
     clip = random_clip(seed)
     scaled = scale_clip(clip, factor)
     for joint in UPPER[::5]:
@@ -86,7 +86,7 @@ def test_the_spread_about_the_mean_grows_by_the_factor(seed: int, factor: float)
         assert np.allclose(np.minimum(angles[1], 2 * np.pi - angles[1])[small], factor * angles[0][small], atol=2e-3)
 
 
-def test_factors_are_the_three_of_the_thesis_as_corrected() -> None:
+def test_factors_are_three_corrected_thesis_values() -> None:
     factors = draw_factors(np.random.default_rng(1), 3000)
     assert np.unique(factors) == pytest.approx((0.8, 1.0, 1.2))
     for value in (0.8, 1.0, 1.2):
@@ -97,9 +97,7 @@ def test_factors_are_the_three_of_the_thesis_as_corrected() -> None:
 
 
 @given(st.integers(0, 1000), st.floats(0.0, 40.0), st.floats(0.3, 4.0))
-def test_sequence_factors_come_two_by_two_and_the_curve_stays_between_them(
-    seed: int, measures: float, spacing: float
-) -> None:
+def test_sequence_factors_repeat_in_pairs_and_bound_curve(seed: int, measures: float, spacing: float) -> None:
     places, factors = draw_sequence_factors(np.random.default_rng(seed), measures, spacing=spacing)
     assert np.array_equal(factors[::2], factors[1::2])
     assert np.diff(places) == pytest.approx(spacing)
@@ -113,8 +111,8 @@ def test_sequence_factors_come_two_by_two_and_the_curve_stays_between_them(
     assert factor_at(places, factors, middle) == pytest.approx(factors[::2])  # equal neighbours are joined flat
 
 
-def test_each_measure_has_its_factor_and_they_ease_over_before_the_line() -> None:
-    step = sketched("grapevine")
+def test_measure_factors_ease_before_measure_line() -> None:
+    step = sketched_step("grapevine")
     one, other = scale_step(step, 0.8), scale_step(step, 1.2)
     both = scale_step(step, (0.8, 1.2))
     line = round(step.first + step.samples_per_measure)
@@ -127,14 +125,14 @@ def test_each_measure_has_its_factor_and_they_ease_over_before_the_line() -> Non
     assert jumps.max() < 1.5 * raw
 
 
-def test_a_sequence_of_ones_changes_nothing_and_others_do() -> None:
-    step = sketched("grapevine")
+def test_sequence_of_ones_is_identity() -> None:
+    step = sketched_step("grapevine")
     places = np.arange(4.0)
     assert np.array_equal(scale_sequence(step, places, np.ones(4)).clip.rotation, step.clip.rotation)
     changed = scale_sequence(step, places, np.array((1.2, 1.2, 0.8, 0.8)))
     assert np.array_equal(changed.clip.rotation[:5], scale_step(step, 1.2).clip.rotation[:5])
 
 
-def test_one_factor_for_each_measure() -> None:
+def test_wrong_number_of_factors_is_refused() -> None:
     with pytest.raises(ValueError, match="3 factors for the 1 measures"):
         scale_step(random_step(1), (1.0, 1.0, 0.8))

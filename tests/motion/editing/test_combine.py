@@ -6,10 +6,10 @@ import pytest
 from live.motion.editing.foot_correction import find_feet
 from live.motion.editing.variation import LOWER, UPPER, combine
 from live.motion.skeleton import SKELETON
-from tests.motion.editing.made_steps import random_step, sketched
+from tests.motion.editing.made_steps import random_step, sketched_step
 
 
-def test_upper_is_the_spine_and_all_above_and_lower_the_rest() -> None:
+def test_upper_body_starts_at_spine() -> None:
     below = {"spine"}
     for joint, parent in enumerate(SKELETON.parents):
         if parent >= 0 and SKELETON.names[parent] in below:
@@ -18,7 +18,7 @@ def test_upper_is_the_spine_and_all_above_and_lower_the_rest() -> None:
     assert sorted(UPPER + LOWER) == list(range(SKELETON.joint_count))
 
 
-def test_legs_of_one_and_arms_of_the_other() -> None:
+def test_legs_and_arms_come_from_different_steps() -> None:
     lower, upper = random_step(1), random_step(2)
     both = combine(lower, upper)
     assert np.array_equal(both.clip.rotation[:, LOWER], lower.clip.rotation[:, LOWER])
@@ -28,13 +28,13 @@ def test_legs_of_one_and_arms_of_the_other() -> None:
     assert np.array_equal(find_feet(both.clip).ball, find_feet(lower.clip).ball)
 
 
-def test_a_clip_combined_with_itself_is_itself() -> None:
-    step = sketched("samba")
+def test_step_combined_with_itself_stays_unchanged() -> None:
+    step = sketched_step("samba")
     assert np.array_equal(combine(step, step).clip.rotation, step.clip.rotation)
 
 
-def test_other_tempos_are_aligned_by_the_measure() -> None:
-    lower = sketched("walk")
+def test_different_tempos_are_aligned_by_measure() -> None:
+    lower = sketched_step("walk")
     clip = lower.clip
     part = slice(None, None, 2)
     slow = replace(
@@ -51,7 +51,7 @@ def test_other_tempos_are_aligned_by_the_measure() -> None:
     assert np.abs(np.sum(combine(lower, slow).clip.rotation * clip.rotation, axis=-1)).min() > 0.9999
 
 
-def test_a_shorter_tail_is_held() -> None:
+def test_shorter_tail_holds_last_pose() -> None:
     lower, upper = random_step(1), random_step(2)
     cut = {name: getattr(upper.clip, name)[:-4].copy() for name in ("rotation", "root_position", "contact")}
     both = combine(lower, replace(upper, clip=replace(upper.clip, **cut)))

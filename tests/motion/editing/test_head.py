@@ -10,12 +10,12 @@ from live.motion.clip import Clip
 from live.motion.editing.facing import HEAD_LIMIT, face_head, fill_gaps, head_turn, heading_of, turn_clip, wrap
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
-from tests.motion.editing.made_steps import random_clip, sketched
+from tests.motion.editing.made_steps import random_clip, sketched_step
 
 HEAD, NECK, CHEST = (SKELETON.index(name) for name in ("head", "neck", "upperChest"))
 
 
-def turning(headings: list[float] | np.ndarray) -> Clip:
+def turning_clip(headings: list[float] | np.ndarray) -> Clip:
     """A stiff body that faces `headings` [rad]."""
     yaw = np.asarray(headings, np.float64)
     rotation = np.zeros((len(yaw), SKELETON.joint_count, 4), np.float32)
@@ -31,8 +31,8 @@ def headings(clip: Clip, joint: int) -> np.ndarray:
 
 
 @given(st.floats(-1.0, 1.0), st.floats(0.0, 1.0))
-def test_a_head_within_the_limit_looks_at_the_public_and_the_body_stays(yaw: float, share: float) -> None:
-    clip = turning(np.full(40, yaw))
+def test_head_within_limit_faces_audience_and_body_stays(yaw: float, share: float) -> None:
+    clip = turning_clip(np.full(40, yaw))
     faced = face_head(clip, neck_share=share)
     assert headings(faced, HEAD) == pytest.approx(np.zeros(40), abs=1e-5)
     assert headings(faced, NECK) == pytest.approx(np.full(40, (1.0 - share) * yaw), abs=1e-5)
@@ -40,20 +40,22 @@ def test_a_head_within_the_limit_looks_at_the_public_and_the_body_stays(yaw: flo
     assert np.array_equal(faced.rotation[:, others], clip.rotation[:, others])
 
 
-def test_the_quadrant_is_not_lost() -> None:
-    # behind her and a bit to one side the arctangent of a ratio would find a small angle and look away
-    assert head_turn(turning(np.full(9, np.radians(170.0)))) == pytest.approx(np.zeros(9))
-    assert head_turn(turning(np.full(9, np.radians(50.0)))) == pytest.approx(np.full(9, -np.radians(50.0)), abs=1e-6)
+def test_head_turn_uses_correct_quadrant() -> None:
+    # behind and slightly to one side, the arctangent of a ratio would give a small angle in the wrong direction
+    assert head_turn(turning_clip(np.full(9, np.radians(170.0)))) == pytest.approx(np.zeros(9))
+    assert head_turn(turning_clip(np.full(9, np.radians(50.0)))) == pytest.approx(
+        np.full(9, -np.radians(50.0)), abs=1e-6
+    )
 
 
-def test_the_head_may_look_elsewhere() -> None:
-    faced = face_head(turning(np.full(40, 2.0)), target=2.5)
+def test_head_faces_given_target() -> None:
+    faced = face_head(turning_clip(np.full(40, 2.0)), target=2.5)
     assert headings(faced, HEAD) == pytest.approx(np.full(40, 2.5), abs=1e-5)
 
 
-def test_a_spin_is_crossed_on_a_straight_line() -> None:
+def test_head_turn_is_linear_across_spin() -> None:
     spin = np.concatenate((np.full(30, 0.3), np.linspace(0.3, 0.3 + 2.0 * np.pi, 120), np.full(30, 0.3)))
-    theta = head_turn(turning(spin), sigma=0.0)
+    theta = head_turn(turning_clip(spin), sigma=0.0)
     beyond = np.abs(wrap(spin)) > HEAD_LIMIT
     assert beyond.sum() > 50
     first, last = np.flatnonzero(beyond)[[0, -1]]
@@ -62,14 +64,14 @@ def test_a_spin_is_crossed_on_a_straight_line() -> None:
     )
     assert theta[first - 1] == pytest.approx(-HEAD_LIMIT, abs=0.06)
     assert theta[last + 1] == pytest.approx(HEAD_LIMIT, abs=0.06)
-    smooth = head_turn(turning(spin), sigma=0.1)
+    smooth = head_turn(turning_clip(spin), sigma=0.1)
     assert np.abs(np.diff(smooth, 2)).max() < 0.25 * np.abs(np.diff(theta, 2)).max()
 
 
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 500), st.floats(-3.0, 3.0), st.floats(0.2, 1.5))
-def test_no_head_is_ever_turned_beyond_the_limit_on_its_chest(seed: int, yaw: float, limit: float) -> None:
-    clip = turn_clip(sketched("turn").clip, yaw)
+def test_head_stays_within_limit_from_chest(seed: int, yaw: float, limit: float) -> None:
+    clip = turn_clip(sketched_step("turn").clip, yaw)
     chance = np.random.default_rng(seed)
     rotation = clip.rotation.copy()
     rotation[:, NECK] = quaternion.from_axis_angle(np.array((0.0, 1.0, 0.0)), chance.uniform(-0.4, 0.4, len(rotation)))
@@ -81,19 +83,19 @@ def test_no_head_is_ever_turned_beyond_the_limit_on_its_chest(seed: int, yaw: fl
 
 @settings(max_examples=10, deadline=None)
 @given(st.integers(0, 200))
-def test_any_motion_stays_made_of_unit_quaternions(seed: int) -> None:
+def test_rotations_stay_unit_quaternions(seed: int) -> None:
     faced = face_head(random_clip(seed))
     assert np.isfinite(faced.rotation).all()
     assert np.allclose(np.linalg.norm(faced.rotation, axis=-1), 1.0, atol=1e-5)
 
 
-def test_gaps_are_filled_and_nothing_kept_is_nothing_turned() -> None:
+def test_gaps_are_interpolated_and_empty_selection_gives_zero() -> None:
     kept = np.array((False, True, False, False, True, False))
     assert fill_gaps(np.array((9.0, 1.0, 9.0, 9.0, 4.0, 9.0)), kept) == pytest.approx([1, 1, 2, 3, 4, 4])
     assert fill_gaps(np.array((9.0, 9.0)), np.zeros(2, np.bool_)) == pytest.approx([0.0, 0.0])
 
 
 @pytest.mark.parametrize("options", [{"limit": 0.0}, {"limit": 4.0}, {"sigma": -1.0}, {"sigma": float("nan")}])
-def test_what_cannot_be_is_refused(options: dict[str, float]) -> None:
+def test_invalid_options_are_refused(options: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="limit"):
-        head_turn(turning([0.0]), **options)
+        head_turn(turning_clip([0.0]), **options)

@@ -11,13 +11,13 @@ from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_step
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip, corresponding_samples, foot_slide, travel
-from tests.motion.editing.made_steps import random_step, sketched
+from tests.motion.editing.made_steps import random_step, sketched_step
 
 WEIGHTS = st.floats(0.0, 1.0)
 
 
-def nearby(step: StepClip, seed: int) -> StepClip:
-    """The step with every joint turned by at most a radian or so, and the root 0.3 m beside."""
+def perturbed_step(step: StepClip, seed: int) -> StepClip:
+    """The step with every joint rotated by about a radian at most, and the root shifted by 0.3 m."""
     chance = np.random.default_rng(seed)
     turn = Rotation.from_rotvec(chance.uniform(-0.6, 0.6, (step.clip.rotation.shape[1], 3)))
     turned = [
@@ -30,8 +30,8 @@ def nearby(step: StepClip, seed: int) -> StepClip:
 
 
 @pytest.mark.parametrize("hold_feet", [True, False])
-def test_weight_0_and_1_are_the_clips_themselves(hold_feet: bool) -> None:
-    a, b = sketched("walk", "long forward"), sketched("walk", "long left")
+def test_weights_0_and_1_give_original_clips(hold_feet: bool) -> None:
+    a, b = sketched_step("walk", "long forward"), sketched_step("walk", "long left")
     for weight, clip in ((0.0, a), (1.0, b), (1e-9, a), (1.0 - 1e-9, b)):
         mixed = interpolate(a, b, weight, hold_feet=hold_feet).clip
         dots = np.abs(np.sum(mixed.rotation * clip.clip.rotation, axis=-1))
@@ -41,9 +41,9 @@ def test_weight_0_and_1_are_the_clips_themselves(hold_feet: bool) -> None:
 
 @settings(max_examples=10, deadline=None)
 @given(st.integers(0, 100), WEIGHTS)
-def test_rotations_are_those_of_scipys_slerp_and_the_root_is_linear(seed: int, weight: float) -> None:
+def test_rotations_match_scipy_slerp_and_root_is_linear(seed: int, weight: float) -> None:
     a = random_step(seed)
-    b = nearby(a, seed + 1)
+    b = perturbed_step(a, seed + 1)
     mixed = interpolate(a, b, weight, hold_feet=False)
     for joint in (0, 5, 21):
         for sample in (0, 33):
@@ -55,7 +55,7 @@ def test_rotations_are_those_of_scipys_slerp_and_the_root_is_linear(seed: int, w
 
 @settings(max_examples=10, deadline=None)
 @given(st.integers(0, 100), WEIGHTS, st.booleans())
-def test_quaternions_stay_unit_and_bones_keep_their_lengths(seed: int, weight: float, hold_feet: bool) -> None:
+def test_quaternions_stay_unit_and_bone_lengths_stay(seed: int, weight: float, hold_feet: bool) -> None:
     a = random_step(seed)
     mixed = interpolate(a, random_step(seed + 1000), weight, hold_feet=hold_feet).clip
     assert np.allclose(np.linalg.norm(mixed.rotation, axis=-1), 1.0, atol=1e-5)
@@ -67,8 +67,8 @@ def test_quaternions_stay_unit_and_bones_keep_their_lengths(seed: int, weight: f
 
 
 @pytest.mark.parametrize("other", ["long left", "short forward", "long back", "in place"])
-def test_between_two_directions_no_foot_slides_and_the_way_is_between(other: str) -> None:
-    a, b = sketched("walk", "long forward"), sketched("walk", other)
+def test_blended_directions_do_not_slide_and_travel_between(other: str) -> None:
+    a, b = sketched_step("walk", "long forward"), sketched_step("walk", other)
     mixed = interpolate(a, b, 0.4)
     slides = [foot_slide(step) for step in (a, b, mixed)]
     assert slides[0] is not None
@@ -77,8 +77,8 @@ def test_between_two_directions_no_foot_slides_and_the_way_is_between(other: str
     assert mixed.distance_m == pytest.approx(float(np.hypot(*travel(mixed))))
 
 
-def test_plain_slerp_and_held_feet_differ_in_the_legs_only() -> None:
-    a, b = sketched("walk", "long forward"), sketched("walk", "long left")
+def test_foot_holding_changes_legs_only() -> None:
+    a, b = sketched_step("walk", "long forward"), sketched_step("walk", "long left")
     plain, held = (interpolate(a, b, 0.5, hold_feet=hold).clip for hold in (False, True))
     upper = [j for j, name in enumerate(SKELETON.names) if not name.endswith(("Leg", "Foot"))]
     assert np.array_equal(plain.rotation[:, upper], held.rotation[:, upper])
@@ -86,16 +86,16 @@ def test_plain_slerp_and_held_feet_differ_in_the_legs_only() -> None:
     assert not np.allclose(plain.rotation, held.rotation, atol=1e-3)
 
 
-def test_a_foot_is_in_contact_where_it_is_in_both() -> None:
-    a, b = sketched("kick"), sketched("kick", "long forward")
+def test_contact_requires_contact_in_both_clips() -> None:
+    a, b = sketched_step("kick"), sketched_step("kick", "long forward")
     mixed = interpolate(a, replace(b, clip=replace(b.clip, contact=np.zeros_like(b.clip.contact))), 0.5)
     assert a.clip.contact.any()
     assert not mixed.clip.contact.any()
     assert np.array_equal(interpolate(a, b, 0.5).clip.contact, a.clip.contact & b.clip.contact)
 
 
-def test_clips_of_other_tempo_and_lead_in_are_read_at_the_same_fraction_of_the_measure() -> None:
-    a = sketched("walk")
+def test_clips_are_aligned_by_fraction_of_measure() -> None:
+    a = sketched_step("walk")
     half = StepClip(
         step=a.step,
         clip=replace(
@@ -116,7 +116,7 @@ def test_clips_of_other_tempo_and_lead_in_are_read_at_the_same_fraction_of_the_m
     assert np.abs(np.sum(mixed.rotation * a.clip.rotation, axis=-1)).min() > 0.9999
 
 
-def test_an_arc_is_followed_beyond_half_a_turn_and_never_jumps_to_the_other_side() -> None:
+def test_arc_is_followed_past_half_turn_without_jump() -> None:
     yaw = np.linspace(0.0, np.radians(250.0), 50)
     a = np.stack((np.cos(0.25 * yaw), 0 * yaw, np.sin(0.25 * yaw), 0 * yaw), axis=-1)
     b = a * (1.0, 1.0, -1.0, 1.0) * np.where(np.arange(50) % 3 == 0, -1.0, 1.0)[:, None]
@@ -133,13 +133,13 @@ def test_an_arc_is_followed_beyond_half_a_turn_and_never_jumps_to_the_other_side
         ({"beats_per_measure": 3}, "4 and 3 beats in a measure"),
     ],
 )
-def test_other_steps_and_other_structures_are_refused(change: dict[str, object], words: str) -> None:
+def test_different_steps_and_structures_are_refused(change: dict[str, object], words: str) -> None:
     a = random_step(1)
     with pytest.raises(ValueError, match=words):
         interpolate(a, replace(a, **change), 0.5)  # type: ignore[arg-type]
 
 
-def test_the_leading_foot_decides_where_it_is_known() -> None:
+def test_different_leading_feet_are_refused() -> None:
     a = replace(random_step(1), leading_foot="left")
     with pytest.raises(ValueError, match="leading foot is 'left' and 'right'"):
         interpolate(a, mirror_step(a), 0.5)
@@ -148,6 +148,6 @@ def test_the_leading_foot_decides_where_it_is_known() -> None:
 
 
 @pytest.mark.parametrize("weight", [-0.1, 1.1, float("nan")])
-def test_a_weight_outside_0_to_1_is_refused(weight: float) -> None:
+def test_weight_outside_0_to_1_is_refused(weight: float) -> None:
     with pytest.raises(ValueError, match="weight"):
         interpolate(random_step(1), random_step(2), weight)

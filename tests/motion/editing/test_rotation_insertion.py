@@ -15,13 +15,13 @@ from live.motion.editing.turn_insertion import (
     turn_about,
 )
 from live.motion.step_clip import StepClip
-from tests.motion.editing.made_steps import random_clip, sketched
+from tests.motion.editing.made_steps import random_clip, sketched_step
 
 WALKS = ("walk", "samba", "kick", "turn", "side_step")
 ANGLES = st.floats(-2.0 * np.pi, 2.0 * np.pi)
 
 
-def turned(points: npt.NDArray[np.floating], yaw: float) -> npt.NDArray[np.floating]:
+def turn_points(points: npt.NDArray[np.floating], yaw: float) -> npt.NDArray[np.floating]:
     return quaternion.rotate(quaternion.from_axis_angle(np.array((0.0, 1.0, 0.0)), np.asarray(yaw)), points)
 
 
@@ -40,8 +40,8 @@ def supports_of(step: StepClip, measure: int = 0) -> list[tuple[int, int, int]]:
 
 @settings(max_examples=20, deadline=None)
 @given(st.sampled_from(WALKS), ANGLES)
-def test_the_end_is_turned_by_exactly_the_angle_and_the_beginning_not_at_all(name: str, angle: float) -> None:
-    step = sketched(name, "in place")
+def test_end_turns_by_angle_and_beginning_stays(name: str, angle: float) -> None:
+    step = sketched_step(name, "in place")
     edited = insert_rotation(step, angle)
     first, end = round(step.first), round(step.first + step.samples_per_measure)
     for before, after in (
@@ -58,8 +58,8 @@ def test_the_end_is_turned_by_exactly_the_angle_and_the_beginning_not_at_all(nam
 
 @settings(max_examples=20, deadline=None)
 @given(st.sampled_from(WALKS), st.sampled_from((0.0, 0.3, 0.5)), ANGLES)
-def test_the_contact_foot_stays_where_it_was(name: str, softness: float, angle: float) -> None:
-    step = sketched(name)
+def test_support_foot_stays_in_place(name: str, softness: float, angle: float) -> None:
+    step = sketched_step(name)
     before = find_feet(step.clip).ball
     after = find_feet(insert_rotation(step, angle, softness=softness).clip).ball
     for start, stop, foot in supports_of(step):
@@ -67,17 +67,17 @@ def test_the_contact_foot_stays_where_it_was(name: str, softness: float, angle: 
         assert np.linalg.norm(np.diff(after[start - 1 : stop, foot], axis=0), axis=-1) == pytest.approx(way, abs=2e-6)
 
 
-def test_the_blend_window_and_what_follows_is_moved_as_one_piece() -> None:
-    step = sketched("walk", "long forward")
+def test_blend_window_and_tail_move_rigidly() -> None:
+    step = sketched_step("walk", "long forward")
     edited = insert_rotation(step, 1.3)
     begin = int(np.ceil(step.first + (1.0 - BLEND_WINDOW) * step.samples_per_measure)) - 1
-    before = turned(step.clip.root_position[begin:].astype(np.float64), 1.3)
+    before = turn_points(step.clip.root_position[begin:].astype(np.float64), 1.3)
     moved = edited.clip.root_position[begin:] - before
     assert np.ptp(moved, axis=0) == pytest.approx([0.0] * 3, abs=2e-6)
 
 
-def test_the_angle_is_shared_by_all_selected_samples_alike() -> None:
-    step = sketched("walk")
+def test_selected_samples_share_angle_evenly() -> None:
+    step = sketched_step("walk")
     edited = insert_rotation(step, 1.0)
     inverse = quaternion.inverse(step.clip.rotation[:, 0].astype(np.float64))
     added = quaternion.mul(edited.clip.rotation[:, 0].astype(np.float64), inverse)
@@ -90,7 +90,7 @@ def test_the_angle_is_shared_by_all_selected_samples_alike() -> None:
     assert rate[~selected] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_turn_about_is_the_loop_of_the_thesis_sample_by_sample() -> None:
+def test_turn_about_matches_thesis_loop() -> None:
     clip = random_clip(3)
     chance = np.random.default_rng(5)
     increment = np.where(chance.random(clip.sample_count) < 0.5, chance.uniform(-0.2, 0.2, clip.sample_count), 0.0)
@@ -99,8 +99,8 @@ def test_turn_about_is_the_loop_of_the_thesis_sample_by_sample() -> None:
     point = np.insert(pivot, 1, 0.0, axis=1)
     for n in range(clip.sample_count):
         foot = point[n].copy()
-        root[n:] = turned(root[n:], increment[n])
-        point[n:] = turned(point[n:], increment[n])
+        root[n:] = turn_points(root[n:], increment[n])
+        point[n:] = turn_points(point[n:], increment[n])
         back = foot - point[n]
         root[n:] += back
         point[n:] += back
@@ -110,13 +110,13 @@ def test_turn_about_is_the_loop_of_the_thesis_sample_by_sample() -> None:
 def hips_by_closed_form(
     step: StepClip, measure: int, angle: float, *, softness: float = 0.0
 ) -> tuple[Clip, npt.NDArray[np.floating]]:
-    """The edited clip and where the closed form puts the hips at the samples of the measure, (n, 2)."""
+    """The edited clip and the error of the closed-form hip positions at the samples of the measure, (n, 2)."""
     turns = support_turns(step, measure, softness=softness)
     begin = step.first + measure * step.samples_per_measure
     samples = np.arange(int(np.ceil(begin)), int(begin + step.samples_per_measure) + 1)
     fraction = (samples - begin) / step.samples_per_measure
     hips = step.clip.root_position[samples].astype(np.float64)
-    place = [turned(p, yaw)[[0, 2]] for p, yaw in zip(hips, angle * turns.share(fraction), strict=True)]
+    place = [turn_points(p, yaw)[[0, 2]] for p, yaw in zip(hips, angle * turns.share(fraction), strict=True)]
     edited = insert_rotation(step, angle, measure=measure, softness=softness)
     expected = edited.clip.root_position[samples][:, (0, 2)]
     return edited.clip, np.abs(place + turns.displacement(fraction, angle) - expected)
@@ -124,17 +124,15 @@ def hips_by_closed_form(
 
 @pytest.mark.parametrize(("name", "measure"), [("walk", 0), ("samba", 0), ("kick", 0), ("grapevine", 1), ("mambo", 0)])
 @pytest.mark.parametrize("softness", [0.0, 0.4])
-def test_the_closed_form_ends_where_the_loop_ends_and_is_within_half_a_sample_on_the_way(
-    name: str, measure: int, softness: float
-) -> None:
-    _, error = hips_by_closed_form(sketched(name), measure, 1.5, softness=softness)
+def test_closed_form_matches_loop_within_half_sample(name: str, measure: int, softness: float) -> None:
+    _, error = hips_by_closed_form(sketched_step(name), measure, 1.5, softness=softness)
     assert error[-1] == pytest.approx([0.0, 0.0], abs=1e-5)
     assert error.max() < 0.012
 
 
 @pytest.mark.parametrize("name", ["arm_wave", "jump", "groove"])
-def test_without_single_support_the_angle_is_spread_where_the_feet_move(name: str) -> None:
-    step = sketched(name)
+def test_angle_without_single_support_follows_foot_motion(name: str) -> None:
+    step = sketched_step(name)
     turns = support_turns(step, 0)
     assert turns.weight.sum() == pytest.approx(1.0)
     assert (turns.stop <= 1.0 - BLEND_WINDOW + 1e-12).all()
@@ -147,8 +145,8 @@ def test_without_single_support_the_angle_is_spread_where_the_feet_move(name: st
         assert not step.clip.contact[middle].any()
 
 
-def test_a_step_of_two_measures_is_turned_in_one_or_in_both() -> None:
-    step = sketched("grapevine")
+def test_two_measure_step_turns_in_one_or_both() -> None:
+    step = sketched_step("grapevine")
     line = round(step.first + step.samples_per_measure)
     second = insert_rotation(step, 1.0, measure=1)
     assert np.allclose(second.clip.root_position[:line], step.clip.root_position[:line], atol=1e-6)
@@ -160,6 +158,6 @@ def test_a_step_of_two_measures_is_turned_in_one_or_in_both() -> None:
 @pytest.mark.parametrize(
     "options", [{"measure": 1}, {"measure": -1}, {"window": -0.1}, {"window": 1.0}, {"softness": 0.6}]
 )
-def test_what_cannot_be_is_refused(options: dict[str, float]) -> None:
+def test_invalid_options_are_refused(options: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=r"measure|window|softness"):
-        insert_rotation(sketched("walk"), 1.0, **options)  # type: ignore[arg-type]
+        insert_rotation(sketched_step("walk"), 1.0, **options)  # type: ignore[arg-type]

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.motion.editing.turn_insertion import MAX_SEGMENTS, SupportTurns, ease_progress, stack_turns, support_turns
-from tests.motion.editing.made_steps import sketched
+from tests.motion.editing.made_steps import sketched_step
 
 
 def random_turns(seed: int, rows: int = 3) -> SupportTurns:
@@ -27,8 +27,8 @@ def random_turns(seed: int, rows: int = 3) -> SupportTurns:
     )
 
 
-def by_loop(turns: SupportTurns, row: int, angle: float, until: float, count: int) -> complex:
-    """Turn by little angles about the moving point, as the thesis does frame by frame; z + i x of the displacement."""
+def displacement_by_loop(turns: SupportTurns, row: int, angle: float, until: float, count: int) -> complex:
+    """Turn in small angles about the moving point, as the thesis does per frame; z + i x of the displacement."""
     matrix, moved = complex(1.0), complex(0.0)
     for n in range(MAX_SEGMENTS):
         start, stop = turns.start[row, n], turns.stop[row, n]
@@ -45,16 +45,16 @@ def by_loop(turns: SupportTurns, row: int, angle: float, until: float, count: in
 
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 1000), st.floats(-7.0, 7.0), st.floats(0.0, 1.0))
-def test_displacement_is_what_the_loop_tends_to(seed: int, angle: float, fraction: float) -> None:
+def test_displacement_is_limit_of_loop(seed: int, angle: float, fraction: float) -> None:
     turns = random_turns(seed)
     x, z = turns.displacement(fraction, angle)[1]
-    errors = [abs(by_loop(turns, 1, angle, fraction, count) - complex(z, x)) for count in (20, 80)]
+    errors = [abs(displacement_by_loop(turns, 1, angle, fraction, count) - complex(z, x)) for count in (20, 80)]
     assert errors[1] < 2e-3
     assert errors[1] <= errors[0] / 4.0 + 1e-9  # at least first order; it is second
 
 
 @given(st.integers(0, 1000), st.floats(-7.0, 7.0))
-def test_nothing_at_the_beginning_and_all_at_the_end(seed: int, angle: float) -> None:
+def test_share_goes_from_zero_to_one(seed: int, angle: float) -> None:
     turns = random_turns(seed)
     assert turns.share(0.0) == pytest.approx(0.0)
     assert turns.share(1.0) == pytest.approx(1.0)
@@ -63,12 +63,12 @@ def test_nothing_at_the_beginning_and_all_at_the_end(seed: int, angle: float) ->
 
 
 @given(st.integers(0, 1000))
-def test_the_share_never_falls(seed: int) -> None:
+def test_share_never_decreases(seed: int) -> None:
     turns = random_turns(seed, rows=1)
     assert (np.diff(turns.share(np.linspace(0.0, 1.0, 200))) >= -1e-12).all()
 
 
-def test_a_turn_about_one_point_is_that_turn() -> None:
+def test_turn_about_one_point_is_plain_rotation() -> None:
     turns = random_turns(1, rows=1)
     there = np.full_like(turns.point, 0.7)
     same = replace(turns, point=there, point_stop=there)
@@ -77,8 +77,8 @@ def test_a_turn_about_one_point_is_that_turn() -> None:
     assert same.displacement(0.6, 1.1)[0] == pytest.approx([0.7 - x, 0.7 - z])
 
 
-def test_many_dancers_with_own_fractions_and_angles_at_once() -> None:
-    turns = stack_turns([support_turns(sketched(name), 0) for name in ("walk", "samba", "kick")])
+def test_many_dancers_match_single_dancers() -> None:
+    turns = stack_turns([support_turns(sketched_step(name), 0) for name in ("walk", "samba", "kick")])
     nodes = np.array((2, 0, 1, 1))
     fraction, angle = np.array((0.1, 0.5, 0.7, 1.0)), np.array((0.3, -1.0, 2.0, 0.0))
     dancers = turns.select(nodes)
@@ -91,7 +91,7 @@ def test_many_dancers_with_own_fractions_and_angles_at_once() -> None:
 
 
 @given(st.floats(0.0, 0.5))
-def test_soft_progress_rises_from_0_to_1_and_is_the_same_backwards(softness: float) -> None:
+def test_eased_progress_is_monotonic_and_symmetric(softness: float) -> None:
     passed = np.linspace(0.0, 1.0, 101)
     progress = ease_progress(passed, softness)
     assert progress[[0, 50, 100]] == pytest.approx([0.0, 0.5, 1.0])
@@ -100,18 +100,18 @@ def test_soft_progress_rises_from_0_to_1_and_is_the_same_backwards(softness: flo
     assert np.diff(progress).max() * 100.0 <= 1.0 / (1.0 - softness) + 1e-9
 
 
-def test_soft_progress_starts_and_ends_at_rest() -> None:
+def test_eased_progress_starts_and_ends_at_rest() -> None:
     near = ease_progress(np.array((1e-3, 1.0 - 1e-3)), 0.5)
     assert near == pytest.approx([2e-6, 1.0 - 2e-6])
     assert ease_progress(np.array((0.0, 0.3, 1.0)), 0.0) == pytest.approx([0.0, 0.3, 1.0])
 
 
 @given(st.integers(0, 1000))
-def test_the_quickest_turn_is_the_steepest_place_of_the_share(seed: int) -> None:
+def test_maximum_speed_bounds_slope_of_share(seed: int) -> None:
     turns = random_turns(seed, rows=1)
     x = np.linspace(0.0, 1.0, 20_001)
     steepest = np.diff(turns.share(x)).max() / (x[1] - x[0])
     assert steepest <= turns.max_speed[0] * (1.0 + 1e-6)
-    assert support_turns(sketched("walk"), 0).max_speed == pytest.approx(
-        np.diff(support_turns(sketched("walk"), 0).share(x)).max() / (x[1] - x[0])
+    assert support_turns(sketched_step("walk"), 0).max_speed == pytest.approx(
+        np.diff(support_turns(sketched_step("walk"), 0).share(x)).max() / (x[1] - x[0])
     )

@@ -15,13 +15,13 @@ from live.motion.editing.time_warp import (
     warp_step,
 )
 from live.motion.editing.turn_insertion import BLEND_WINDOW
-from tests.motion.editing.made_steps import random_clip, random_step, sketched
+from tests.motion.editing.made_steps import random_clip, random_step, sketched_step
 
 PHASES = np.linspace(0.0, 1.0, 1001)
 SIGNS = st.sampled_from((-1.0, 1.0))
 
 
-def test_golden_slope_of_the_thesis() -> None:
+def test_slope_matches_thesis_value() -> None:
     assert steepness(7 / 100, 2.0) == pytest.approx(0.8796, abs=5e-5)
     fastest, slowest = (measure_warp_slope(0.25, 0.07, 2.0, 0.25, sign) for sign in (1.0, -1.0))
     assert fastest == pytest.approx(1.8796, abs=5e-5)
@@ -29,7 +29,7 @@ def test_golden_slope_of_the_thesis() -> None:
     assert steepness(A_MAX, F_MAX) < 1.0
 
 
-def test_values_worked_out_by_hand() -> None:
+def test_values_match_hand_calculation() -> None:
     # N = 100, A = 7, f = 2: half a wave of 25 frames from x0 = 30, its top 12.5 frames later
     frames = np.array((0.0, 30.0, 42.5, 36.25, 55.0, 80.0, 100.0))
     expected = np.array((0.0, 30.0, 49.5, 36.25 + 7 * np.sqrt(0.5), 55.0, 80.0, 100.0))
@@ -38,7 +38,7 @@ def test_values_worked_out_by_hand() -> None:
 
 
 @given(st.floats(0.0, 1.0), st.floats(0.1, 4.0), st.floats(-1.0, 2.0), SIGNS, st.floats(0.0, 0.6))
-def test_increasing_and_the_identity_at_both_ends_and_in_the_window(
+def test_warp_increases_and_is_identity_at_ends(
     share: float, frequency: float, start: float, sign: float, window: float
 ) -> None:
     f = max(frequency, 0.5 / (1.0 - window))
@@ -53,7 +53,7 @@ def test_increasing_and_the_identity_at_both_ends_and_in_the_window(
 
 
 @given(st.floats(0.0, 1.0), st.floats(0.7, 4.0), st.floats(0.0, 0.2), SIGNS)
-def test_the_slope_is_that_of_the_function(share: float, frequency: float, start: float, sign: float) -> None:
+def test_slope_matches_finite_difference(share: float, frequency: float, start: float, sign: float) -> None:
     amplitude = share / (2.0 * np.pi * frequency)
     middle = start + np.linspace(0.1, 0.9, 9) * 0.5 / frequency
     ends = measure_warp(np.stack((middle - 1e-6, middle + 1e-6)), amplitude, frequency, start, sign, 0.0)
@@ -62,7 +62,7 @@ def test_the_slope_is_that_of_the_function(share: float, frequency: float, start
 
 
 @given(st.integers(0, 1000), st.floats(0.0, 0.5))
-def test_drawn_warps_keep_to_their_ranges(seed: int, window: float) -> None:
+def test_random_warps_stay_within_ranges(seed: int, window: float) -> None:
     warps = draw_measure_warps(np.random.default_rng(seed), 200, window=window)
     half = 0.5 / warps.frequency
     assert warps.amplitude.min() >= 0.0
@@ -77,7 +77,7 @@ def test_drawn_warps_keep_to_their_ranges(seed: int, window: float) -> None:
     assert np.abs(warped[-1] - 1.0).max() <= 1e-6
 
 
-def test_the_same_seed_draws_the_same_warps_and_all_of_the_ranges_are_used() -> None:
+def test_seeded_warps_repeat_and_use_full_ranges() -> None:
     a, b = (draw_measure_warps(np.random.default_rng(7), 2000) for _ in range(2))
     for name in ("amplitude", "frequency", "start", "sign"):
         assert np.array_equal(getattr(a, name), getattr(b, name))
@@ -90,13 +90,13 @@ def test_the_same_seed_draws_the_same_warps_and_all_of_the_ranges_are_used() -> 
     "options",
     [{"a_max": 0.08}, {"a_max": -0.1}, {"a_max": float("nan")}, {"f_max": 0.4}, {"window": 0.9}, {"window": 1.0}],
 )
-def test_what_would_run_back_or_not_fit_is_refused(options: dict[str, float]) -> None:
+def test_decreasing_or_overlong_warp_is_refused(options: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=r"a_max|f_max"):
         draw_measure_warps(np.random.default_rng(1), 3, **options)
 
 
-def test_a_warped_step_is_the_step_at_the_warped_phase() -> None:
-    step = sketched("grapevine")
+def test_warped_step_samples_warped_phase() -> None:
+    step = sketched_step("grapevine")
     warps = draw_measure_warps(np.random.default_rng(3), 2)
     warped = warp_step(step, warps)
     for measure, x in ((0, 0.25), (0, 0.5), (1, 0.375), (1, 0.625)):
@@ -107,8 +107,8 @@ def test_a_warped_step_is_the_step_at_the_warped_phase() -> None:
         assert warped.clip.root_position[sample] == pytest.approx(expected, abs=1e-6)
 
 
-def test_lead_in_tail_measure_lines_and_windows_are_not_warped() -> None:
-    step = sketched("grapevine")
+def test_lead_in_tail_lines_and_windows_stay_unwarped() -> None:
+    step = sketched_step("grapevine")
     warped = warp_step(step, draw_measure_warps(np.random.default_rng(3), 2))
     place = (np.arange(step.clip.sample_count) - step.first) / step.samples_per_measure
     phase = np.mod(place, 1.0)
@@ -119,13 +119,13 @@ def test_lead_in_tail_measure_lines_and_windows_are_not_warped() -> None:
     assert np.array_equal(warped.clip.contact[same], step.clip.contact[same])
 
 
-def test_no_amplitude_changes_nothing() -> None:
+def test_zero_amplitude_is_identity() -> None:
     step = random_step(1)
     none = MeasureWarps(*(np.array((value,)) for value in (0.0, 1.0, 0.1, 1.0)))
     assert np.allclose(warp_step(step, none).clip.rotation, step.clip.rotation, atol=1e-6)
 
 
-def test_a_clip_read_backwards_and_beyond_its_ends() -> None:
+def test_clip_is_sampled_backward_and_beyond_ends() -> None:
     clip = random_clip(2)
     back = warp_clip(clip, np.arange(clip.sample_count, dtype=np.float64)[::-1])
     assert np.allclose(back.root_position, clip.root_position[::-1], atol=1e-6)
@@ -134,6 +134,6 @@ def test_a_clip_read_backwards_and_beyond_its_ends() -> None:
     assert np.allclose(held.root_position, clip.root_position[-1], atol=1e-6)
 
 
-def test_one_warp_for_each_measure() -> None:
+def test_wrong_number_of_warps_is_refused() -> None:
     with pytest.raises(ValueError, match="3 warps for the 1 measures"):
         warp_step(random_step(1), draw_measure_warps(np.random.default_rng(1), 3))

@@ -1,4 +1,4 @@
-"""BVH files made for tests: a body whose size, axes, rest pose and motion the test decides."""
+"""BVH files for tests: a body whose size, axes, rest pose and motion the test chooses."""
 
 import numpy as np
 
@@ -42,7 +42,7 @@ def body_bvh(
 ) -> str:
     """A BVH text of BODY; `values` (T, 3 + 3 * 21): hips position [cm], then Z, X, Y rotations [degrees] per joint.
 
-    `scale` is the file's units per centimetre. `z_up` writes the same motion with Z up and -Y ahead: position
+    `scale` is the file's units per centimeter. `z_up` writes the same motion with Z up and -Y ahead: position
     (x, y, z) → (x, -z, y), and each rotation about an axis becomes that about the axis it maps to.
     """
 
@@ -98,8 +98,8 @@ def column(joint: str, axis: str) -> int:
     return 3 + 3 * NAMES.index(joint) + "ZXY".index(axis)
 
 
-def danced(frames: int = 240, seed: int = 5) -> np.ndarray:
-    """Values of a body that moves smoothly with every joint and turns and travels, shape (frames, 66)."""
+def dance_values(frames: int = 240, seed: int = 5) -> np.ndarray:
+    """Values of a body that turns, travels and moves every joint smoothly, shape (frames, 66)."""
     rng = np.random.default_rng(seed)
     values = still(frames)
     beat = np.linspace(0.0, 4.0 * np.pi, frames)

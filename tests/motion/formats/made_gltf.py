@@ -1,4 +1,4 @@
-"""glTF files made for tests, by other means than the engine's writer: nodes, skins and animations as the test wants."""
+"""glTF files for tests, built without the engine's writer: nodes, skins and animations as the test needs."""
 
 import base64
 import json
@@ -12,7 +12,7 @@ COMPONENTS = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 
 
 
 class MadeGltf:
-    """A document under construction; `json` may be changed at will before it is packed."""
+    """A document under construction; `json` may be changed freely before it is packed."""
 
     def __init__(self) -> None:
         self.json: dict[str, Any] = {
@@ -92,7 +92,7 @@ def pack_glb(text: bytes, binary: bytes) -> bytes:
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
-def random_turns(count: int, rng: np.random.Generator) -> np.ndarray:
+def random_rotations(count: int, rng: np.random.Generator) -> np.ndarray:
     """Unit quaternions (count, 4)."""
     turns = rng.normal(size=(count, 4))
     return turns / np.linalg.norm(turns, axis=1, keepdims=True)
@@ -116,7 +116,7 @@ PLACES = {
 
 
 def made_avatar(seed: int = 3, frames: int = 8, names: str = "node-{}") -> tuple[MadeGltf, dict[str, int]]:
-    """A dancer whose nodes have names that say nothing, with a moving spine and limbs; node of each humanoid bone."""
+    """A dancer whose nodes have meaningless names, with a moving spine and limbs; node of each humanoid bone."""
     rng = np.random.default_rng(seed)
     made = MadeGltf()
     top = made.node("Root")

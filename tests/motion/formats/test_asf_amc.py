@@ -1,4 +1,4 @@
-"""Acclaim skeletons and motion: a small independent reader, the CMU's BVH convention, and errors that name the line."""
+"""Tests of Acclaim files: an independent reader, the CMU BVH convention, and errors that name the line."""
 
 import re
 
@@ -75,17 +75,17 @@ FILES = ("49_10", "49_11", "49_12", "49_14")
 SIDES = ("l", "r")
 
 
-def small() -> AcclaimSkeleton:
+def small_asf() -> AcclaimSkeleton:
     return parse_asf(ASF.encode(), "test.asf")
 
 
-def cmu(name: str) -> SourceMotion:
+def cmu_motion(name: str) -> SourceMotion:
     skeleton = parse_asf(mocap_file("asfamc/49.asf").read_bytes(), "49.asf")
     return parse_amc(mocap_file(f"asfamc/{name}.amc").read_bytes(), f"{name}.amc", skeleton)
 
 
-def test_what_a_skeleton_says() -> None:
-    skeleton = small()
+def test_skeleton_file_is_parsed() -> None:
+    skeleton = small_asf()
     assert skeleton.names == ("root", "thigh", "shin", "stiff")
     assert skeleton.parents.tolist() == [-1, 0, 1, 0]
     assert skeleton.offsets.tolist() == [[0, 0, 0], [0, 0, 0], [0, -7, 0], [0, 0, 0]]
@@ -96,8 +96,8 @@ def test_what_a_skeleton_says() -> None:
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
-def test_what_a_motion_says(end: str) -> None:
-    motion = parse_amc(AMC.replace("\n", end).encode(), "x.amc", small())
+def test_motion_file_is_parsed_with_any_line_end(end: str) -> None:
+    motion = parse_amc(AMC.replace("\n", end).encode(), "x.amc", small_asf())
     assert (motion.frame_count, motion.joint_count, motion.channel_count) == (2, 4, 10)
     assert motion.header_fps == 120.0
     assert "does not state its frame rate" in motion.warnings[0].what
@@ -109,24 +109,24 @@ def test_what_a_motion_says(end: str) -> None:
     np.testing.assert_allclose(motion.rotation[0, 2], [np.sqrt(0.5), *(np.sqrt(0.5) * hinge)], atol=1e-15)
 
 
-def test_angles_in_radians_and_a_rate() -> None:
+def test_radians_and_frame_rate_are_read() -> None:
     text = AMC.replace(":DEGREES", ":RADIANS\n:SAMPLES-PER-SECOND 60").replace("90", str(np.pi / 2))
     text = text.replace("thigh 10", f"thigh {np.pi / 18}")
-    motion = parse_amc(text.encode(), "x", small())
-    np.testing.assert_allclose(motion.rotation, parse_amc(AMC.encode(), "x", small()).rotation, atol=1e-15)
+    motion = parse_amc(text.encode(), "x", small_asf())
+    np.testing.assert_allclose(motion.rotation, parse_amc(AMC.encode(), "x", small_asf()).rotation, atol=1e-15)
     assert motion.header_fps == pytest.approx(60.0)
     assert motion.warnings == ()
 
 
-def test_bones_may_come_in_any_order_in_a_frame() -> None:
+def test_bone_order_within_frame_does_not_matter() -> None:
     text = AMC.replace("thigh 10 0 0\nshin 90\n", "shin 90\nthigh 10 0 0\n")
     np.testing.assert_array_equal(
-        parse_amc(text.encode(), "x", small()).rotation, parse_amc(AMC.encode(), "x", small()).rotation
+        parse_amc(text.encode(), "x", small_asf()).rotation, parse_amc(AMC.encode(), "x", small_asf()).rotation
     )
 
 
-def test_missing_frames_are_a_warning_with_the_line() -> None:
-    warning = parse_amc(AMC.replace("\n2\n", "\n7\n").encode(), "x", small()).warnings[0]
+def test_missing_frames_give_warning_with_line() -> None:
+    warning = parse_amc(AMC.replace("\n2\n", "\n7\n").encode(), "x", small_asf()).warnings[0]
     assert (warning.what, warning.line) == ("frame 7 comes after 1: the frames between are missing", 8)
 
 
@@ -139,8 +139,8 @@ def rows_matrix(x: float, y: float, z: float) -> np.ndarray:
     return about_x @ about_y @ about_z
 
 
-def read_plainly(asf: str, amc: str, frame: int) -> dict[str, np.ndarray]:
-    """Where each bone ends in one frame (from 0), by the CMU's page: L = C⁻¹ M C B in row vectors, from the root up."""
+def bone_ends_by_formula(asf: str, amc: str, frame: int) -> dict[str, np.ndarray]:
+    """Bone end positions in one frame (from 0) by the CMU formula: L = C⁻¹ M C B in row vectors, root first."""
     bones, children = {}, {}
     for block in asf.split("begin")[1:]:
         words = {line.split()[0]: line.split()[1:] for line in block.splitlines() if line.split()}
@@ -171,12 +171,12 @@ def read_plainly(asf: str, amc: str, frame: int) -> dict[str, np.ndarray]:
 
 @pytest.mark.shared
 @pytest.mark.parametrize("name", FILES)
-def test_every_bone_ends_where_the_formula_of_the_cmu_says(name: str) -> None:
-    motion = cmu(name)
+def test_bone_ends_match_cmu_formula(name: str) -> None:
+    motion = cmu_motion(name)
     world, _ = standing_pose(motion, find_body(motion), None)
     asf, amc = (mocap_file(f"asfamc/{n}").read_text() for n in ("49.asf", f"{name}.amc"))
     for frame in (0, 1, motion.frame_count // 2, motion.frame_count - 1):
-        ends = read_plainly(asf, amc, frame)
+        ends = bone_ends_by_formula(asf, amc, frame)
         for joint in range(1, motion.joint_count):
             parent = motion.parents[joint]
             if parent > 0:
@@ -185,8 +185,8 @@ def test_every_bone_ends_where_the_formula_of_the_cmu_says(name: str) -> None:
 
 @pytest.mark.shared
 @pytest.mark.parametrize("name", FILES)
-def test_the_body_of_subject_49(name: str) -> None:
-    motion = cmu(name)
+def test_body_of_subject_49_is_measured(name: str) -> None:
+    motion = cmu_motion(name)
     text = mocap_file(f"asfamc/{name}.amc").read_text()
     assert motion.frame_count == len(re.findall(r"(?m)^\d+\s*$", text))
     assert (motion.joint_count, motion.end_parents.size, motion.channel_count) == (31, 7, 62)
@@ -206,8 +206,8 @@ def test_the_body_of_subject_49(name: str) -> None:
 
 
 @pytest.mark.shared
-def test_joints_of_the_acclaim_skeleton() -> None:
-    found = map_joints(cmu("49_14"))
+def test_acclaim_joints_are_mapped() -> None:
+    found = map_joints(cmu_motion("49_14"))
     expected = "root lowerback upperback thorax lowerneck head"
     assert [found[name] for name in ("hips", "spine", "chest", "upperChest", "neck", "head")] == expected.split()
     limbs = ["Shoulder", "UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot", "Toes"]
@@ -217,7 +217,7 @@ def test_joints_of_the_acclaim_skeleton() -> None:
 
 
 def turn_axes(rotation: np.ndarray, least: float) -> np.ndarray:
-    """Unit axes of those rotations (T, 4) that turn by over `least` degrees, on the side of +x."""
+    """Unit axes, on the side of +x, of the rotations (T, 4) that exceed `least` degrees."""
     axes = rotation[:, 1:] * np.sign(rotation[:, :1])
     axes = axes[np.linalg.norm(axes, axis=-1) > np.sin(np.radians(least / 2))]
     return quaternion.unit(axes) * np.sign(axes[:, :1])
@@ -225,9 +225,9 @@ def turn_axes(rotation: np.ndarray, least: float) -> np.ndarray:
 
 @pytest.mark.shared
 @pytest.mark.parametrize("file", ["walk/cmu_12_01_walk.bvh", "solo/modern05/05_09.bvh"])
-def test_legs_are_as_in_the_cmus_bvh_files(file: str) -> None:
+def test_legs_match_cmu_bvh_files(file: str) -> None:
     """The same unit, rest directions and knee axes: a BVH joint's rotation is the C M C⁻¹ of the Acclaim bone."""
-    ours, theirs = cmu("49_10"), mocap_motion(file)
+    ours, theirs = cmu_motion("49_10"), mocap_motion(file)
     for side, name in (("l", "Left"), ("r", "Right")):
         for bones, joints in ((("femur", "tibia"), ("UpLeg", "Leg")), (("tibia", "foot"), ("Leg", "Foot"))):
             here = ours.offsets[ours.names.index(side + bones[1])]
@@ -273,7 +273,7 @@ def test_legs_are_as_in_the_cmus_bvh_files(file: str) -> None:
         ("  begin\n    root", "  start\n    root", 40, "'start' stands alone"),
     ],
 )
-def test_broken_skeletons_name_the_line(old: str, new: str, line: int, words: str) -> None:
+def test_broken_skeleton_error_names_line(old: str, new: str, line: int, words: str) -> None:
     assert old in ASF
     with pytest.raises(MotionFileError, match=re.escape(words)) as caught:
         parse_asf(ASF.replace(old, new, 1).encode(), "test.asf")
@@ -302,15 +302,15 @@ def test_broken_skeletons_name_the_line(old: str, new: str, line: int, words: st
         (AMC[AMC.index("1\n") :], "", 3, "no frames"),
     ],
 )
-def test_broken_motions_name_the_line(old: str, new: str, line: int, words: str) -> None:
+def test_broken_motion_error_names_line(old: str, new: str, line: int, words: str) -> None:
     assert old in AMC
     with pytest.raises(MotionFileError, match=re.escape(words)) as caught:
-        parse_amc(AMC.replace(old, new, 1).encode(), "test.amc", small())
+        parse_amc(AMC.replace(old, new, 1).encode(), "test.amc", small_asf())
     assert caught.value.line == line
 
 
-def test_what_does_not_move_is_refused() -> None:
+def test_skeleton_without_dof_and_overlong_line_are_refused() -> None:
     with pytest.raises(MotionFileError, match="no bone of the skeleton has 'dof'"):
         parse_amc(AMC.encode(), "x", parse_asf(re.sub(r"dof.*|order.*", "", ASF).encode(), "x"))
     with pytest.raises(MotionFileError, match="a line of 200001 letters"):
-        parse_amc(b"1" * 200_001, "x", small())
+        parse_amc(b"1" * 200_001, "x", small_asf())

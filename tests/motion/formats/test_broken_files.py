@@ -1,4 +1,4 @@
-"""Broken and hostile glTF files: an error of one line that names the place, or a motion; bounded memory and time."""
+"""Tests of broken and hostile glTF files: a motion or a one-line error with its place; bounded memory and time."""
 
 import copy
 import json
@@ -14,16 +14,16 @@ import pytest
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.gltf_reader import parse_gltf
 from live.motion.retarget.retarget import retarget
-from tests.motion.formats.made_gltf import MadeGltf, made_avatar, pack_glb, random_turns
+from tests.motion.formats.made_gltf import MadeGltf, made_avatar, pack_glb, random_rotations
 from tests.motion.formats.test_bvh_fuzz import attempt
 
 
-def made() -> MadeGltf:
+def small_gltf() -> MadeGltf:
     result = MadeGltf()
     result.node("arm")
     result.node("hand", 0, translation=[0.0, 1.0, 0.0])
     result.json["skins"] = [{"joints": [0, 1]}]
-    turns = random_turns(4, np.random.default_rng(0))
+    turns = random_rotations(4, np.random.default_rng(0))
     result.animate({(0, "rotation"): turns, (1, "rotation"): turns}, np.arange(4) / 30.0)
     return result
 
@@ -80,9 +80,9 @@ REFUSED: dict[str, tuple[Change, str]] = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_is_wrong_is_named_with_its_place(case: str) -> None:
+def test_broken_document_error_names_place(case: str) -> None:
     change, message = REFUSED[case]
-    broken = made()
+    broken = small_gltf()
     change(broken.json)
     with pytest.raises(MotionFileError, match=message) as raised:
         parse_gltf(broken.glb(), "broken.glb")
@@ -97,7 +97,7 @@ def test_what_is_wrong_is_named_with_its_place(case: str) -> None:
         (b"HIERARCHY\n", "a glTF file begins with"),
         (b"glTF\2\0", "ends after 6 bytes"),
         (b"glTF\1\0\0\0" + bytes(20), "GLB version 1"),
-        (made().glb()[:-9], "it is cut off"),
+        (small_gltf().glb()[:-9], "it is cut off"),
         (b"glTF" + bytes((2, 0, 0, 0, 28, 0, 0, 0, 8, 0, 0, 0)) + b"BIN\0" + bytes(8), "no JSON chunk"),
         (b"{", "line 1: column 2: no valid JSON"),
         (b'{"asset": NaN}', "NaN in the JSON"),
@@ -109,14 +109,14 @@ def test_what_is_wrong_is_named_with_its_place(case: str) -> None:
         (b"{}", "no asset.version"),
     ],
 )
-def test_what_is_no_gltf_is_refused(data: bytes, message: str) -> None:
+def test_invalid_gltf_is_refused(data: bytes, message: str) -> None:
     with pytest.raises(MotionFileError, match=message):
         parse_gltf(data, "broken.glb")
 
 
 @pytest.mark.parametrize(("value", "where"), [(np.nan, "element 2"), (np.inf, "element 2"), (1e30, "element 2")])
-def test_numbers_that_are_none_are_refused(value: float, where: str) -> None:
-    broken = made()
+def test_non_finite_and_huge_numbers_are_refused(value: float, where: str) -> None:
+    broken = small_gltf()
     turns = np.tile(np.float32((0, 0, 0, 1)), (4, 1))
     turns[2, 1] = value
     broken.json["animations"][0]["samplers"][1]["output"] = broken.accessor(turns)
@@ -124,24 +124,24 @@ def test_numbers_that_are_none_are_refused(value: float, where: str) -> None:
         parse_gltf(broken.glb(), "broken.glb")
 
 
-def test_times_that_run_backwards_or_too_long_are_refused() -> None:
+def test_descending_or_overlong_times_are_refused() -> None:
     for times, message in (((0, 2, 1, 3), "backwards at key 2"), ((0, 1, 2, 1e6), "lasts 1000000 s")):
-        broken = made()
+        broken = small_gltf()
         broken.json["animations"][0]["samplers"][0]["input"] = broken.accessor(np.array(times, "<f4"))
         with pytest.raises(MotionFileError, match=message):
             parse_gltf(broken.glb(), "broken.glb")
 
 
-def test_a_file_beside_that_cannot_be_read_is_named() -> None:
+def test_unreadable_external_file_is_named() -> None:
     def resolve(name: str) -> bytes:
         raise FileNotFoundError(2, "No such file", name)
 
     with pytest.raises(MotionFileError, match=r"'a\.bin' cannot be read: No such file; put it next to"):
-        parse_gltf(made().text("a.bin"), "broken.gltf", resolve)
+        parse_gltf(small_gltf().text("a.bin"), "broken.gltf", resolve)
 
 
 def many_channels(nodes: int, keys: int) -> bytes:
-    """A small file that claims much: many nodes moved by the same bytes, over and over again."""
+    """A small file that expands: many nodes animated by the same bytes."""
     result = MadeGltf()
     result.node("0")
     for n in range(1, nodes):
@@ -157,9 +157,9 @@ def many_channels(nodes: int, keys: int) -> bytes:
 
 
 def aliased_times() -> bytes:
-    """Every channel with an accessor of its own for the same times."""
-    document = json.loads(json.dumps(made().json))
-    result = made()
+    """A file in which every channel has its own accessor of the same times."""
+    document = json.loads(json.dumps(small_gltf().json))
+    result = small_gltf()
     keys = 200_000
     view = result.view((np.arange(keys, dtype="<f4") / 1000.0).tobytes())
     row = {"bufferView": view, "componentType": 5126, "count": keys, "type": "SCALAR"}
@@ -191,14 +191,14 @@ HOSTILE: dict[str, Callable[[], bytes]] = {
 
 
 def repeated_channels(count: int) -> bytes:
-    result = made()
+    result = small_gltf()
     channel = result.json["animations"][0]["channels"][0]
     result.json["animations"][0]["channels"] = [copy.deepcopy(channel) for _ in range(count)]
     return result.glb()
 
 
 def long_gap() -> bytes:
-    result = made()
+    result = small_gltf()
     times = np.array((0.0, 0.001, 0.0021, 35_000.0), "<f4")
     result.json["animations"][0]["samplers"][0]["input"] = result.accessor(times)
     return result.glb()
@@ -206,7 +206,7 @@ def long_gap() -> bytes:
 
 @pytest.mark.long
 @pytest.mark.parametrize("case", HOSTILE)
-def test_a_hostile_file_takes_neither_memory_nor_time(case: str) -> None:
+def test_hostile_file_takes_bounded_memory_and_time(case: str) -> None:
     data = HOSTILE[case]()
     tracemalloc.start()
     start = time.process_time()
@@ -225,8 +225,8 @@ VALUES: tuple[Any, ...] = (
 )  # fmt: skip
 
 
-def changed(value: Any, rng: random.Random) -> Any:
-    """The JSON with one thing in it replaced, taken away or doubled."""
+def mutate_json(value: Any, rng: random.Random) -> Any:
+    """The JSON with one value replaced, removed or duplicated."""
     value = copy.deepcopy(value)
     place = value
     while True:
@@ -250,7 +250,7 @@ def changed(value: Any, rng: random.Random) -> Any:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_mutated_file_is_a_motion_or_an_error(seed: int) -> None:
+def test_mutated_file_gives_motion_or_error(seed: int) -> None:
     rng = random.Random(seed)
     avatar, bones = made_avatar(frames=3)
     avatar.json["skins"] = [{"joints": list(bones.values())}]
@@ -262,7 +262,7 @@ def test_a_mutated_file_is_a_motion_or_an_error(seed: int) -> None:
     for _ in range(150):
         document, binary = whole, bytearray(avatar.binary)
         for _ in range(rng.randint(1, 2)):
-            document = changed(document, rng)
+            document = mutate_json(document, rng)
         for _ in range(rng.choice((0, 0, 0, 1, 4))):
             binary[rng.randrange(len(binary))] = rng.randrange(256)
         data = bytearray(pack_glb(json.dumps(document).encode(), bytes(binary)))

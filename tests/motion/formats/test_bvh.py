@@ -1,4 +1,4 @@
-"""Reading BVH: every layout the format allows, what programs really write, and errors that name the line."""
+"""Tests of reading BVH: all layouts of the format, variants that programs write, and errors that name the line."""
 
 import time
 
@@ -32,7 +32,7 @@ Frame Time: 0.04
 """
 
 
-def test_what_the_file_says_is_what_is_there() -> None:
+def test_small_file_is_parsed_exactly() -> None:
     motion = parse_bvh(SMALL, "small.bvh")
     assert motion.names == ("A", "B")
     assert motion.parents.tolist() == [-1, 0]
@@ -64,14 +64,14 @@ def test_what_the_file_says_is_what_is_there() -> None:
     ],
     ids=["crlf", "cr", "tabs", "bom", "no end", "blank", "swapped", "case", "braces", "wrapped", "joined", "numbers"],
 )
-def test_every_way_of_writing_it_reads_the_same(text: str) -> None:
+def test_all_notations_give_same_motion(text: str) -> None:
     motion = parse_bvh(text, "small.bvh")
     expected = parse_bvh(SMALL, "small.bvh")
     assert motion.values.tolist() == expected.values.tolist()
     assert (motion.names, motion.channels, motion.frame_time) == (expected.names, expected.channels, 0.04)
 
 
-def test_any_channel_layout() -> None:
+def test_any_channel_layout_is_read() -> None:
     text = """HIERARCHY
 ROOT A { OFFSET 0 0 0 CHANNELS 6 Yrotation Xrotation Zrotation Zposition Yposition Xposition
   JOINT left arm { OFFSET 1 0 0
@@ -90,7 +90,7 @@ Frame Time: 0.01
 
 
 @pytest.mark.parametrize(("declared", "held"), [(1, 2), (5, 2), (10**14, 2)])
-def test_a_wrong_frame_count_is_a_warning(declared: int, held: int) -> None:
+def test_wrong_frame_count_gives_warning(declared: int, held: int) -> None:
     motion = parse_bvh(SMALL.replace("Frames: 2", f"Frames: {declared}"), "x")
     assert motion.frame_count == held
     assert motion.warnings == (f"says {declared} frames, holds {held} data lines: all of them are used",)
@@ -139,7 +139,7 @@ def test_a_wrong_frame_count_is_a_warning(declared: int, held: int) -> None:
         ("30 80 20 0 0 0 1 2 3\n30 80 20 60 0 0 -30 0 4.5e-1\n", "", 19, "no frames; 2 lines of 9 numbers"),
     ],
 )
-def test_errors_name_file_line_problem_and_what_is_expected(old: str, new: str, line: int, words: str) -> None:
+def test_errors_name_file_line_and_expected_content(old: str, new: str, line: int, words: str) -> None:
     assert old in SMALL
     with pytest.raises(MotionFileError, match=words) as caught:
         parse_bvh(SMALL.replace(old, new, 1), "small.bvh")
@@ -150,36 +150,36 @@ def test_errors_name_file_line_problem_and_what_is_expected(old: str, new: str, 
 
 
 @pytest.mark.parametrize("text", ["", "\n\n", "hello", "\0" * 50, "{" * 1000, "MOTION", "\u2028" * 9, "HIERARCHY"])
-def test_what_is_no_bvh_is_said_to_be_none(text: str) -> None:
+def test_text_without_bvh_content_is_refused(text: str) -> None:
     with pytest.raises(MotionFileError) as caught:
         parse_bvh(text, "x")
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) < 300
 
 
-def nested(depth: int) -> str:
+def nested_joints(depth: int) -> str:
     inside = "".join(
         f"{'ROOT' if n == 0 else 'JOINT'} j{n} {{ OFFSET 0 1 0 CHANNELS 1 Xrotation\n" for n in range(depth)
     )
     return f"HIERARCHY\n{inside}{'}' * depth}\nMOTION\nFrames: 1\nFrame Time: 0.1\n{'1 ' * depth}\n"
 
 
-def test_depth_costs_nothing_and_has_a_limit() -> None:
-    assert parse_bvh(nested(JOINT_LIMIT), "deep").joint_count == JOINT_LIMIT
+def test_nesting_is_read_up_to_joint_limit() -> None:
+    assert parse_bvh(nested_joints(JOINT_LIMIT), "deep").joint_count == JOINT_LIMIT
     with pytest.raises(MotionFileError, match="more than 1000 joints"):
-        parse_bvh(nested(JOINT_LIMIT + 1), "deep")
+        parse_bvh(nested_joints(JOINT_LIMIT + 1), "deep")
     with pytest.raises(MotionFileError, match="more than 1000 joints"):
-        parse_bvh(nested(100_000), "deep")
+        parse_bvh(nested_joints(100_000), "deep")
 
 
-def test_too_many_numbers_are_refused_before_they_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_number_count_over_limit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("live.motion.formats.bvh_numbers.VALUE_LIMIT", 17)
     with pytest.raises(MotionFileError, match="more than 17 numbers"):
         parse_bvh(SMALL, "x")
 
 
-def test_two_thousand_frames_of_43_joints_are_read_in_one_go() -> None:
-    """The bar is 50 ms on a quiet machine; here the best of five, with room for a busy one."""
+def test_2000_frames_of_43_joints_are_read_fast() -> None:
+    """The limit is 50 ms on an idle machine; this takes the best of five, with a margin for a busy one."""
     rng = np.random.default_rng(1)
     head = "HIERARCHY\nROOT r { OFFSET 0 0 0 CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
     joints = "".join(f"JOINT j{n} {{ OFFSET 0 1 0 CHANNELS 3 Zrotation Xrotation Yrotation }}\n" for n in range(42))

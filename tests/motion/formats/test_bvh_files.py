@@ -1,4 +1,4 @@
-"""Real recordings: everything that is known about them is found."""
+"""Tests of BVH reading on real recordings: all facts of the index are found."""
 
 from typing import Any
 
@@ -18,17 +18,17 @@ ROWS = [row for row in ROWS if row["family"] != "DAZ-43" or row["file"].endswith
 BODIES = [row for row in ROWS if row["joints"] > 4]
 
 
-def name_of(row: dict[str, Any]) -> str:
+def row_file(row: dict[str, Any]) -> str:
     return str(row["file"])
 
 
 @pytest.mark.skipif(not ROWS, reason="needs ../shared/mocap")
-def test_there_are_recordings_of_all_kinds() -> None:
+def test_index_has_over_35_recordings() -> None:
     assert len(ROWS) > 35
 
 
-@pytest.mark.parametrize("row", ROWS, ids=name_of)
-def test_counts_and_rates(row: dict[str, Any]) -> None:
+@pytest.mark.parametrize("row", ROWS, ids=row_file)
+def test_counts_and_rates_match_index(row: dict[str, Any]) -> None:
     motion = mocap_bvh(row["file"])
     assert (motion.joint_count, motion.end_parents.size) == (row["joints"], row["end_sites"])
     assert motion.values.shape[1] == row["channels"]
@@ -43,8 +43,8 @@ def test_counts_and_rates(row: dict[str, Any]) -> None:
     assert orders == row["orders"]
 
 
-@pytest.mark.parametrize("row", BODIES, ids=name_of)
-def test_up_axis_unit_and_root_offset(row: dict[str, Any]) -> None:
+@pytest.mark.parametrize("row", BODIES, ids=row_file)
+def test_up_axis_unit_and_root_offset_match_index(row: dict[str, Any]) -> None:
     motion = mocap_motion(row["file"])
     body = find_body(motion)
     assert body.missing == ()
@@ -53,18 +53,18 @@ def test_up_axis_unit_and_root_offset(row: dict[str, Any]) -> None:
         assert up == row["up_axis"]
     if row["root_offset"] != "unclear":
         assert motion.root_offset == ("zero" if row["root_offset"] == "none" else row["root_offset"])
-    if row["unit_cm"] is not None and row["unit_cm"] != 128:  # 1.28 m is nobody's unit: nothing tells it from 1 m
+    if row["unit_cm"] is not None and row["unit_cm"] != 128:  # 1.28 m is not a common unit: it looks like 1 m
         assert find_unit(leg_length(body, world.positions)) == pytest.approx(row["unit_cm"] / 100.0, rel=1e-3)
 
 
-def test_a_file_without_motion_says_so() -> None:
+def test_file_without_motion_is_refused() -> None:
     text = mocap_text("edge/hierarchy_only_no_motion.bvh")
     with pytest.raises(MotionFileError, match="no MOTION section") as caught:
         parse_bvh(text, "hierarchy_only_no_motion.bvh")
     assert caught.value.line == text.count("\n") + 1
 
 
-def test_the_scaled_copy_is_the_same_motion() -> None:
+def test_scaled_copy_has_same_motion() -> None:
     """salsa_60_05_scaled.bvh is salsa/60_05.bvh in units of 1.28 m without its first frame."""
     one, other = mocap_bvh("salsa/60_05.bvh"), mocap_bvh("edge/salsa_60_05_scaled.bvh")
     here, there = (world_pose(motion.parents, local_pose(motion)).positions for motion in (one, other))
@@ -72,7 +72,7 @@ def test_the_scaled_copy_is_the_same_motion() -> None:
 
 
 @pytest.mark.parametrize("name", ["salsa/60_01.bvh", "solo/rokoko_jesse_dance.bvh", "edge/crlf_tabs_mocapbank.bvh"])
-def test_a_recording_cut_off_anywhere_is_shorter_or_an_error(name: str) -> None:
+def test_truncated_recording_is_shorter_or_error(name: str) -> None:
     text = mocap_text(name)
     whole = parse_bvh(text, name)
     for place in np.linspace(0, len(text) - 200, 23).astype(int):

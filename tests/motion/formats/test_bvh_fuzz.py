@@ -1,4 +1,4 @@
-"""Broken files: whatever is done to a file, it is a motion or a clear error of one line, quickly."""
+"""Fuzz tests of BVH files: a mutated file quickly gives a motion or a clear one-line error."""
 
 import random
 import time
@@ -11,7 +11,7 @@ import pytest
 from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.file_error import MotionFileError
 from live.motion.retarget.retarget import retarget
-from tests.motion.formats.made_bvh import body_bvh, danced
+from tests.motion.formats.made_bvh import body_bvh, dance_values
 
 Result = TypeVar("Result")
 WORDS = (
@@ -21,8 +21,8 @@ WORDS = (
 )  # fmt: skip
 
 
-def mutated(text: str, rng: random.Random) -> str:
-    """The text after one to four cruelties."""
+def mutate_text(text: str, rng: random.Random) -> str:
+    """The text after one to four random mutations."""
     for _ in range(rng.randint(1, 4)):
         kind, at = rng.randrange(8), rng.randrange(len(text) + 1)
         end = min(len(text), at + rng.randint(1, 60))
@@ -49,7 +49,7 @@ def mutated(text: str, rng: random.Random) -> str:
 
 
 def attempt(work: Callable[[], Result]) -> tuple[Result | None, ValueError | None]:
-    """What the work gives, or the ValueError (MotionFileError is one) that it raises."""
+    """The result of the work, or the ValueError (MotionFileError is one) that it raises."""
     try:
         return work(), None
     except ValueError as error:
@@ -57,13 +57,13 @@ def attempt(work: Callable[[], Result]) -> tuple[Result | None, ValueError | Non
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_mutated_file_is_a_motion_or_an_error(seed: int) -> None:
+def test_mutated_file_gives_motion_or_error(seed: int) -> None:
     rng = random.Random(seed)
-    whole = body_bvh(danced(3), fps=30.0)
+    whole = body_bvh(dance_values(3), fps=30.0)
     outcomes = {"motion": 0, "error": 0, "clip": 0}
     start = time.process_time()
     for _ in range(300):
-        text = mutated(whole, rng)
+        text = mutate_text(whole, rng)
         motion, problem = attempt(lambda text=text: parse_bvh(text, "fuzz.bvh"))
         if motion is None:
             outcomes["error"] += 1

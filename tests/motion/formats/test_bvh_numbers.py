@@ -1,4 +1,4 @@
-"""The kernel's numbers: bit for bit what Python's float reads, and never more than what stands in the text."""
+"""Tests of the number kernel: bit for bit as Python's float, and never more numbers than the text contains."""
 
 import struct
 
@@ -26,13 +26,13 @@ def bits(values: list[float]) -> list[bytes]:
 @example(["1.00000000000000011102230246251565404", "9999999.9999999991", "2.2250738585072011e-308"])
 @example([f"{m}e-{k}" for m in (2**53 + 1, 2**53 + 3, 10**19 - 1, 2**63) for k in range(13, 45)])
 @given(st.lists(decimals | doubles | tiny, min_size=1, max_size=40))
-def test_every_number_is_the_nearest_double(words: list[str]) -> None:
+def test_each_number_is_nearest_double(words: list[str]) -> None:
     words = [word for word in words if abs(float(word)) <= 1e7] or ["0"]
     values = read_numbers(" ".join(words).encode(), 0, len(words), 1, "x")
     assert bits(values[0].tolist()) == bits([float(word) for word in words])
 
 
-def test_more_hard_numbers_than_are_read_one_by_one() -> None:
+def test_numbers_beyond_inexact_limit_are_exact() -> None:
     rng = np.random.default_rng(4)
     words = [f"{value:.25f}" for value in rng.uniform(-400, 400, INEXACT_LIMIT + 7)]
     values = read_numbers("\n".join(words).encode(), 0, 1, 3, "x")
@@ -46,15 +46,15 @@ def test_more_hard_numbers_than_are_read_one_by_one() -> None:
     "word",
     ["", "+", "-.", ".", "1e", "1e+", "e5", "--1", "1.2.3", "1,5", "0x1", "1_0", "nan", "inf", "1d3", "9" * 1001],
 )
-def test_what_python_reads_and_we_do_not_and_what_nobody_reads(word: str) -> None:
+def test_non_decimal_words_are_refused_with_line(word: str) -> None:
     with pytest.raises(MotionFileError) as caught:
         read_numbers(f"1 2\n3 {word}\n4 5".encode(), 0, 2, 3, "x")
     assert caught.value.line == 2
 
 
 @given(st.lists(st.lists(st.sampled_from(["1", "-2.5", "3e1"]), max_size=5), min_size=1, max_size=8), st.integers(1, 4))
-def test_frames_end_where_lines_end(lines: list[list[str]], columns: int) -> None:
-    """Read as the same rules say in plain words: whole frames in every line, or every frame begun on a new line."""
+def test_frames_end_at_line_ends(lines: list[list[str]], columns: int) -> None:
+    """Against the same rules in Python: whole frames in every line, or each frame begins on a new line."""
     text = "\r\n".join(" ".join(line) for line in lines).encode()
     counts = [len(line) for line in lines if line]
     ends = set(np.cumsum(counts).tolist())
@@ -74,9 +74,9 @@ def test_frames_end_where_lines_end(lines: list[list[str]], columns: int) -> Non
         assert ("cut off" in caught.value.problem) == (not any(lines[place + 1 :]))
 
 
-def test_lines_end_with_lf_cr_or_both() -> None:
+def test_lines_end_at_lf_cr_or_crlf() -> None:
     assert [line_at(b"a\nb\r\nc\rd", place) for place in (0, 2, 5, 7)] == [1, 2, 3, 4]
 
 
-def test_numbers_between_other_blanks() -> None:
+def test_numbers_are_split_at_any_whitespace() -> None:
     assert read_numbers(b"HEAD 1\t2\x0b3\x0c\n\n 4  5 6 ", 5, 3, 9, "x").tolist() == [[1, 2, 3], [4, 5, 6]]

@@ -1,4 +1,4 @@
-"""Every BVH file that pybvh reads, too, has the same joints in the same places."""
+"""Tests of BVH joints against pybvh: the same names and positions in every file that it can read."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ REFUSED = {
     "edge/six_channels_everywhere_geno_bind.bvh",
     "edge/makehuman_benchmark_6and3.bvh",
     "walk/figure8_MS2_8Walk_M.bvh",
-    "edge/frame_count_off_by_one_boxing.bvh",  # more lines than it says
+    "edge/frame_count_off_by_one_boxing.bvh",  # more lines than declared
 }
 FILES = [
     row["file"]
@@ -26,8 +26,8 @@ FILES = [
 @pytest.mark.shared
 @pytest.mark.filterwarnings("ignore::UserWarning")
 @pytest.mark.parametrize("name", [*FILES, "salsa/60_03.bvh"])
-def test_joints_are_where_pybvh_sees_them(name: str) -> None:
-    """It takes the root's place from the channels alone, so ours is read without OFFSET here."""
+def test_joints_match_pybvh(name: str) -> None:
+    """pybvh takes the root position from the channels alone, so the root OFFSET is ignored here."""
     theirs = pybvh.read_bvh_file(str(mocap_file(name)))
     motion = mocap_bvh(name)
     assert tuple(theirs.joint_names) == motion.names

@@ -1,4 +1,4 @@
-"""Joints in the world: the example of T164, and an implementation by 4x4 matrices that shares nothing with ours."""
+"""Tests of BVH world poses: the T164 example, and an independent implementation by 4x4 matrices."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ Frame Time: 0.040000
 """
 
 
-def test_the_example_of_t164() -> None:
+def test_t164_example_is_reproduced() -> None:
     """B and C = End Site in the three frames, as printed (row T164 of Schulz 2011, appendix B)."""
     motion = parse_bvh(ARM, "arm.bvh")
     world = world_pose(motion.parents, local_pose(motion))
@@ -46,7 +46,7 @@ def test_the_example_of_t164() -> None:
 
 
 def axis_matrix(letter: str, value: float) -> np.ndarray:
-    """4x4 matrix of one channel: x y z move, X Y Z turn by degrees."""
+    """4x4 matrix of one channel: x y z translate, X Y Z rotate by degrees."""
     m = np.eye(4)
     if letter.islower():
         m["xyz".index(letter), 3] = value
@@ -59,8 +59,8 @@ def axis_matrix(letter: str, value: float) -> np.ndarray:
     return m
 
 
-def matrices(motion: BvhMotion, frame: int) -> np.ndarray:
-    """World matrices (J, 4, 4): OFFSET, then all moves, then all turns in the order of the channels."""
+def world_matrices(motion: BvhMotion, frame: int) -> np.ndarray:
+    """World matrices (J, 4, 4): OFFSET, then all translations, then all rotations in channel order."""
     world = np.empty((motion.joint_count, 4, 4))
     column = 0
     for joint, letters in enumerate(motion.channels):
@@ -90,12 +90,12 @@ def matrices(motion: BvhMotion, frame: int) -> np.ndarray:
         "edge/xyz_with_yxz_joints_dab.bvh",
     ],
 )
-def test_real_files_agree_with_matrices(name: str) -> None:
+def test_real_files_match_matrices(name: str) -> None:
     motion = mocap_bvh(name)
     world = world_pose(motion.parents, local_pose(motion))
     size = np.abs(world.positions).max()
     for frame in np.unique(np.linspace(0, motion.frame_count - 1, 7).astype(int)):
-        expected = matrices(motion, int(frame))
+        expected = world_matrices(motion, int(frame))
         np.testing.assert_allclose(world.positions[frame], expected[:, :3, 3], atol=1e-9 * size)
         pointer = np.array((0.2, 0.5, 0.8))
         turned = np.einsum("jab,b->ja", expected[:, :3, :3], pointer)
@@ -104,7 +104,7 @@ def test_real_files_agree_with_matrices(name: str) -> None:
 
 @pytest.mark.shared
 @pytest.mark.parametrize("name", ["walk/figure8_MS2_8Walk_M.bvh", "edge/blender_rigify_metres_freemocap.bvh"])
-def test_positions_on_every_joint_do_not_stretch_the_body(name: str) -> None:
+def test_position_channels_on_joints_keep_bone_lengths(name: str) -> None:
     motion = mocap_bvh(name)
     world = world_pose(motion.parents, local_pose(motion))
     for joint in range(1, motion.joint_count):
@@ -112,7 +112,7 @@ def test_positions_on_every_joint_do_not_stretch_the_body(name: str) -> None:
         np.testing.assert_allclose(length, np.linalg.norm(motion.offsets[joint]), atol=0.012)
 
 
-def test_random_layouts_agree_with_matrices() -> None:
+def test_random_layouts_match_matrices() -> None:
     rng = np.random.default_rng(3)
     names = {**{c.lower(): f"{c}position" for c in "XYZ"}, **{c: f"{c}rotation" for c in "XYZ"}}
     for _ in range(30):
@@ -129,10 +129,10 @@ def test_random_layouts_agree_with_matrices() -> None:
         motion = parse_bvh(f"{text}{'}' * count}\nMOTION\nFrames: 3\nFrame Time: 0.1\n{rows}\n", "random")
         world = world_pose(motion.parents, local_pose(motion))
         for frame in range(3):
-            np.testing.assert_allclose(world.positions[frame], matrices(motion, frame)[:, :3, 3], atol=1e-9)
+            np.testing.assert_allclose(world.positions[frame], world_matrices(motion, frame)[:, :3, 3], atol=1e-9)
 
 
-def test_a_root_whose_channels_hold_the_whole_place() -> None:
+def test_root_channels_add_to_or_replace_offset() -> None:
     motion = parse_bvh(ARM.replace("OFFSET 0.000000 0.000000 0.000000", "OFFSET 30 80 20", 1), "arm.bvh")
     added = world_pose(motion.parents, local_pose(motion))
     replaced = world_pose(motion.parents, local_pose(motion, "replace"))
@@ -144,7 +144,7 @@ def test_a_root_whose_channels_hold_the_whole_place() -> None:
 @pytest.mark.parametrize(
     ("moved", "expected"), [("10 0 0", 10.0), ("10.5 0 0", 10.5), ("0 0 0", 10.0), ("0.5 0 0", 10.5)]
 )
-def test_inner_positions_hold_the_offset_or_what_is_added_to_it(moved: str, expected: float) -> None:
+def test_inner_positions_replace_or_add_to_offset(moved: str, expected: float) -> None:
     text = f"""HIERARCHY
 ROOT A {{ OFFSET 0 0 0 CHANNELS 3 Zrotation Xrotation Yrotation
   JOINT B {{ OFFSET 10 0 0 CHANNELS 3 Xposition Yposition Zposition }} }}
@@ -158,7 +158,7 @@ Frame Time: 0.1
 
 
 @pytest.mark.shared
-def test_the_engines_own_forward_kinematics_agrees() -> None:
+def test_engine_forward_kinematics_matches_world_pose() -> None:
     motion = mocap_bvh("salsa/60_01.bvh")
     local = local_pose(motion)
     skeleton = Skeleton(motion.names, motion.parents, motion.offsets.astype(np.float32))
@@ -166,6 +166,6 @@ def test_the_engines_own_forward_kinematics_agrees() -> None:
     np.testing.assert_allclose(positions, world_pose(motion.parents, local).positions[:100], atol=1e-4)
 
 
-def test_rest_pose_is_the_sum_of_offsets() -> None:
+def test_rest_pose_is_sum_of_offsets() -> None:
     motion = parse_bvh(ARM, "arm.bvh")
     assert rest_pose(bvh_to_source_motion(motion)).positions[0].tolist() == [[0, 0, 0], [10, 0, 0]]

@@ -1,4 +1,4 @@
-"""BVH files that the engine writes: read by another program, by ourselves, and by the rules of Blender's importer."""
+"""Tests of the BVH writer: read back by pybvh and by the engine, and checked against Blender's importer rules."""
 
 import warnings
 from pathlib import Path
@@ -27,7 +27,7 @@ def positions(clip: Clip) -> np.ndarray:
     return forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))[0]
 
 
-def read_by_pybvh(text: str, folder: Path) -> tuple[pybvh.Bvh, np.ndarray]:
+def read_with_pybvh(text: str, folder: Path) -> tuple[pybvh.Bvh, np.ndarray]:
     path = folder / "written.bvh"
     path.write_text(text)
     with warnings.catch_warnings():
@@ -36,15 +36,15 @@ def read_by_pybvh(text: str, folder: Path) -> tuple[pybvh.Bvh, np.ndarray]:
     return motion, 0.01 * np.asarray(motion.joint_positions())
 
 
-def test_another_reader_finds_every_joint_within_a_hundredth_of_a_millimetre(tmp_path: Path) -> None:
+def test_pybvh_reads_joints_within_hundredth_of_millimeter(tmp_path: Path) -> None:
     clip = made_clip(40, 60.0)
-    motion, found = read_by_pybvh(write_bvh(clip), tmp_path)
+    motion, found = read_with_pybvh(write_bvh(clip), tmp_path)
     assert tuple(motion.joint_names) == SKELETON.names
     assert motion.frame_time == pytest.approx(1 / 60, abs=1e-9)
     np.testing.assert_allclose(found, positions(clip), atol=1e-5)
 
 
-def test_we_read_it_back_as_it_was() -> None:
+def test_engine_reads_clip_back_unchanged() -> None:
     clip = made_clip(40, 60.0)
     text = write_bvh(clip)
     parsed = parse_bvh(text.encode(), "written.bvh")
@@ -58,13 +58,13 @@ def test_we_read_it_back_as_it_was() -> None:
 
 
 @pytest.mark.shared
-def test_a_recording_goes_out_and_comes_in_again_as_the_same_clip() -> None:
+def test_recording_survives_round_trip() -> None:
     clip = retarget(mocap_motion("salsa/60_01.bvh"), name="salsa", fps=60.0)
     motion = bvh_to_source_motion(parse_bvh(write_bvh(clip).encode(), "written.bvh"), None)
     np.testing.assert_allclose(positions(retarget(motion, name="again")), positions(clip), atol=1e-5)
 
 
-def test_the_rate_is_sixty_or_the_clips_own() -> None:
+def test_rate_is_sixty_or_clip_rate() -> None:
     clip = made_clip(121, 120.0)
     sixty = write_bvh(clip).splitlines()
     assert "Frames: 61" in sixty
@@ -74,8 +74,8 @@ def test_the_rate_is_sixty_or_the_clips_own() -> None:
     assert sixty[-1].split()[:3] == own[-1].split()[:3]
 
 
-def test_blender_gets_bones_of_some_length_and_reads_the_root_either_way() -> None:
-    """Its importer drops bones shorter than 1e-3 units; a joint's bone ends at the mean of its children or End Site."""
+def test_bones_have_length_and_root_offset_is_zero() -> None:
+    """Blender's importer drops bones under 1e-3 units; a bone ends at the mean of the joint's children or End Site."""
     parsed = parse_bvh(write_bvh(made_clip(2, 60.0)).encode(), "written.bvh")
     assert not parsed.offsets[0].any()
     for joint in range(JOINT_COUNT):
@@ -87,7 +87,7 @@ def test_blender_gets_bones_of_some_length_and_reads_the_root_either_way() -> No
     assert all(" " not in name for name in parsed.names)
 
 
-def test_tips_end_where_the_body_ends() -> None:
+def test_bone_tips_end_at_body_surface() -> None:
     rest = SKELETON.rest_positions()
     ends = {SKELETON.names[joint]: rest[joint] + tip for joint, tip in BONE_TIPS.items()}
     assert ends["head"][1] == pytest.approx(BODY_HEIGHT, abs=1e-5)
@@ -97,7 +97,7 @@ def test_tips_end_where_the_body_ends() -> None:
 
 
 @given(ANGLES, ANGLES, ANGLES)
-def test_angles_are_those_of_the_matrix_product(z: float, x: float, y: float) -> None:
+def test_angles_match_matrix_product(z: float, x: float, y: float) -> None:
     turn = Rotation.from_euler("ZXY", (z, x, y))
     found = zxy_angles(turn.as_quat()[[3, 0, 1, 2]])
     assert abs(found[1]) <= np.pi / 2 + 1e-9
@@ -105,7 +105,7 @@ def test_angles_are_those_of_the_matrix_product(z: float, x: float, y: float) ->
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_angles_at_the_gimbal_lock_still_mean_the_rotation(sign: float) -> None:
+def test_angles_at_gimbal_lock_keep_rotation(sign: float) -> None:
     for z, y in ((0.3, 1.1), (-2.0, 0.4), (3.0, 3.0)):
         turn = Rotation.from_euler("ZXY", (z, sign * np.pi / 2, y))
         found = zxy_angles(turn.as_quat()[[3, 0, 1, 2]])
@@ -113,7 +113,7 @@ def test_angles_at_the_gimbal_lock_still_mean_the_rotation(sign: float) -> None:
 
 
 @given(st.lists(st.tuples(ANGLES, ANGLES, ANGLES), min_size=1, max_size=12))
-def test_smoothing_changes_no_rotation_and_steps_at_most_half_a_turn(triples: list[tuple[float, float, float]]) -> None:
+def test_smoothing_keeps_rotations_and_bounds_steps(triples: list[tuple[float, float, float]]) -> None:
     turns = Rotation.from_euler("ZXY", np.array(triples))
     plain = zxy_angles(turns.as_quat()[:, [3, 0, 1, 2]])
     smooth = smooth_angles(plain[:, None])[:, 0]
@@ -121,8 +121,8 @@ def test_smoothing_changes_no_rotation_and_steps_at_most_half_a_turn(triples: li
     assert (np.abs(np.diff(smooth, axis=0)) <= np.pi + 1e-9).all()
 
 
-def test_a_dancer_who_whirls_and_bends_over_leaves_no_jumps() -> None:
-    """Turning on through whole turns, and through straight down, the channels go on evenly."""
+def test_spins_and_full_bends_give_smooth_channels() -> None:
+    """Through whole turns, and through straight down, the channels change evenly."""
     way = np.linspace(0.0, 6.0 * np.pi, 200)
     still = np.full(200, 0.1)
     for angles in ((still, 0.3 * np.sin(way), way), (still, way, still), (way, still, 0.0 * still)):

@@ -1,4 +1,4 @@
-"""What `live bvh` tells: every recording against what is known about it, and made ones against what was made."""
+"""Tests of the `live bvh` report: recordings against the index, and generated bodies against their parameters."""
 
 import json
 from functools import cache
@@ -14,7 +14,7 @@ from live.motion.formats.file_report import MotionReport, SourceTracks, analyze_
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.joint_mapping import find_body
 from tests.fixtures.mocap import MOCAP, mocap_file, mocap_index
-from tests.motion.formats.made_bvh import body_bvh, column, danced, still
+from tests.motion.formats.made_bvh import body_bvh, column, dance_values, still
 
 ROWS = [row for row in mocap_index() if row.get("joints") is not None]
 UNCLEAR = "edge/makehuman_benchmark_6and3.bvh"
@@ -23,7 +23,7 @@ SCALED = "edge/salsa_60_05_scaled.bvh"
 """In units of 1.28 m: nothing tells them from metres."""
 
 
-def name_of(row: dict[str, Any]) -> str:
+def row_file(row: dict[str, Any]) -> str:
     return str(row["file"])
 
 
@@ -33,15 +33,15 @@ def read(name: str) -> SourceMotion:
 
 
 @cache
-def facts_of(name: str) -> tuple[MotionReport, SourceTracks]:
+def report_of(name: str) -> tuple[MotionReport, SourceTracks]:
     row = next((row for row in ROWS if row["file"] == name), {})
     return analyze_motion(read(name), fps=row.get("true_fps"))
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("row", ROWS, ids=name_of)
-def test_counts(row: dict[str, Any]) -> None:
-    facts, tracks = facts_of(row["file"])
+@pytest.mark.parametrize("row", ROWS, ids=row_file)
+def test_counts_match_index(row: dict[str, Any]) -> None:
+    facts, tracks = report_of(row["file"])
     assert (facts.joints, facts.end_sites, facts.channels) == (row["joints"], row["end_sites"], row["channels"])
     assert facts.frames_declared == row["frames_declared"]
     assert facts.frames == row["frames"] + ("off_by_one" in row["file"])
@@ -54,9 +54,9 @@ def test_counts(row: dict[str, Any]) -> None:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("row", ROWS, ids=name_of)
-def test_axes_unit_offset_and_the_added_pose(row: dict[str, Any]) -> None:
-    facts, _ = facts_of(row["file"])
+@pytest.mark.parametrize("row", ROWS, ids=row_file)
+def test_axes_unit_offset_and_t_pose_match_index(row: dict[str, Any]) -> None:
+    facts, _ = report_of(row["file"])
     if row["joints"] > 4:
         assert facts.up == row["up_axis"] or row["up_axis"] is None
     if row["root_offset"] == "unclear":
@@ -69,9 +69,9 @@ def test_axes_unit_offset_and_the_added_pose(row: dict[str, Any]) -> None:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("row", [row for row in ROWS if row["file"] != UNCLEAR], ids=name_of)
-def test_the_floor(row: dict[str, Any]) -> None:
-    facts, _ = facts_of(row["file"])
+@pytest.mark.parametrize("row", [row for row in ROWS if row["file"] != UNCLEAR], ids=row_file)
+def test_floor_height_matches_index(row: dict[str, Any]) -> None:
+    facts, _ = report_of(row["file"])
     if facts.unit_m is None:
         assert facts.floor_m is None
         return
@@ -80,10 +80,10 @@ def test_the_floor(row: dict[str, Any]) -> None:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("row", [row for row in ROWS if row.get("mean_speed_m_s")], ids=name_of)
-def test_the_way_of_the_hips(row: dict[str, Any]) -> None:
-    """The index has the mean speed to 0.01 m/s, smoothed: the hips of a dancer who stands tremble."""
-    facts, _ = facts_of(row["file"])
+@pytest.mark.parametrize("row", [row for row in ROWS if row.get("mean_speed_m_s")], ids=row_file)
+def test_hip_travel_matches_mean_speed(row: dict[str, Any]) -> None:
+    """The index has the smoothed mean speed to 0.01 m/s: the hips of a standing dancer tremble."""
+    facts, _ = report_of(row["file"])
     assert facts.travel_m is not None
     scale = 1.28 if row["file"] == SCALED else 1.0
     expected = row["mean_speed_m_s"] * row["seconds"]
@@ -91,9 +91,9 @@ def test_the_way_of_the_hips(row: dict[str, Any]) -> None:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("row", [row for row in ROWS if row["joints"] > 4], ids=name_of)
-def test_bodies_have_the_size_of_people(row: dict[str, Any]) -> None:
-    facts, tracks = facts_of(row["file"])
+@pytest.mark.parametrize("row", [row for row in ROWS if row["joints"] > 4], ids=row_file)
+def test_body_heights_are_human(row: dict[str, Any]) -> None:
+    facts, tracks = report_of(row["file"])
     if facts.unit_m is None:
         assert facts.height_m is None
         return
@@ -105,27 +105,27 @@ def test_bodies_have_the_size_of_people(row: dict[str, Any]) -> None:
 
 
 @pytest.mark.shared
-def test_the_run_in_of_salsa_is_named() -> None:
-    facts, _ = facts_of("salsa/60_01.bvh")
+def test_initial_transition_of_salsa_is_reported() -> None:
+    facts, _ = report_of("salsa/60_01.bvh")
     assert any("frames 1 to 5 a transition" in one.what and "drop_frames = 6" in one.what for one in facts.warnings)
     assert facts.travel_m == pytest.approx(14.4, abs=0.2)
 
 
 @pytest.mark.shared
-def test_equal_motions_in_different_units() -> None:
-    """salsa_60_05_scaled is 60_05 in units of 1.28 m without its first frame; 131_01 is there in 5.644 cm and in m."""
+def test_equal_motions_match_across_units() -> None:
+    """salsa_60_05_scaled is 60_05 in units of 1.28 m without its first frame; 131_01 exists in 5.644 cm and in m."""
     _, here = analyze_motion(read("salsa/60_05.bvh"), fps=60.0)
     _, there = analyze_motion(read(SCALED), fps=60.0, unit_m=1.28)
     assert here.names == there.names
     np.testing.assert_allclose(here.positions[1:], there.positions, atol=2e-4)
-    one, two = facts_of("walk/131_01_styled.bvh")[1], facts_of("walk/131_01_styled_metres.bvh")[1]
+    one, two = report_of("walk/131_01_styled.bvh")[1], report_of("walk/131_01_styled_metres.bvh")[1]
     np.testing.assert_allclose(one.positions, two.positions[: len(one.positions)], atol=2e-4)
 
 
 @pytest.mark.shared
-def test_the_gltf_of_a_dancer_is_its_bvh() -> None:
-    """Blender's export: metres, the same keys at 30 instead of 40 frames per second."""
-    bvh, gltf = facts_of("group/perfume_aachan.bvh"), analyze_motion(read("group/perfume_aachan.glb"))
+def test_gltf_export_matches_bvh_of_dancer() -> None:
+    """Blender's export: meters, the same keys at 30 instead of 40 frames per second."""
+    bvh, gltf = report_of("group/perfume_aachan.bvh"), analyze_motion(read("group/perfume_aachan.glb"))
     assert (bvh[0].frames, bvh[0].fps) == (gltf[0].frames, pytest.approx(40.0, rel=1e-3))
     assert gltf[0].fps == pytest.approx(30.0, rel=1e-3)
     assert bvh[0].mapped == gltf[0].mapped
@@ -137,7 +137,7 @@ def test_the_gltf_of_a_dancer_is_its_bvh() -> None:
 
 @pytest.mark.shared
 @pytest.mark.parametrize("name", ["49_10", "49_11", "49_12", "49_14"])
-def test_amc_files_find_their_skeleton(name: str) -> None:
+def test_amc_files_load_skeleton_beside_them(name: str) -> None:
     facts, _ = analyze_motion(read(f"asfamc/{name}.amc"))
     assert (facts.joints, facts.end_sites, facts.channels, facts.fps) == (31, 7, 62, 120.0)
     assert (facts.up, facts.root_offset, facts.tpose_first) == ("Y", "zero", False)
@@ -146,7 +146,7 @@ def test_amc_files_find_their_skeleton(name: str) -> None:
 
 
 @pytest.mark.shared
-def test_six_channels_and_three_are_one_motion() -> None:
+def test_six_and_three_channels_give_same_motion() -> None:
     """Position channels that repeat OFFSET (six on every joint) change nothing: the same file with three each."""
     text = mocap_file("edge/six_channels_everywhere_geno_bind.bvh").read_text()
     motion = parse_bvh(text, "six")
@@ -163,16 +163,16 @@ def test_six_channels_and_three_are_one_motion() -> None:
     np.testing.assert_allclose(one, two, atol=1e-5)
 
 
-def made(values: np.ndarray, **how: object) -> SourceMotion:
+def parse_values(values: np.ndarray, **how: object) -> SourceMotion:
     return bvh_to_source_motion(parse_bvh(body_bvh(values, **how), "made.bvh"))  # type: ignore[arg-type]
 
 
-def test_a_made_walk() -> None:
-    """1.5 m to the left in a straight line at 94 cm: way, floor and height are those that were made."""
+def test_straight_walk_has_known_path_floor_and_height() -> None:
+    """1.5 m to the left in a straight line at 94 cm: path, floor and height are the given ones."""
     values = still(91)
     values[:, 0] = np.linspace(0.0, 150.0, 91)
     for scale, unit in ((1.0, 0.01), (0.01, 1.0)):
-        facts, tracks = analyze_motion(made(values, scale=scale))
+        facts, tracks = analyze_motion(parse_values(values, scale=scale))
         assert (facts.joints, facts.end_sites, facts.channels, facts.frames) == (21, 5, 66, 91)
         assert facts.unit_m == pytest.approx(unit)
         assert facts.seconds == pytest.approx(91 / 60)
@@ -183,18 +183,18 @@ def test_a_made_walk() -> None:
         np.testing.assert_allclose(tracks.positions[-1, 0], (1.5, 0.94, 0.0), atol=1e-6)
 
 
-def test_lines_and_rates_and_axes() -> None:
-    text = body_bvh(danced(120))
+def test_line_ends_and_axes_keep_positions() -> None:
+    text = body_bvh(dance_values(120))
     lf, crlf = (bvh_to_source_motion(parse_bvh(each.encode(), "x")) for each in (text, text.replace("\n", "\r\n")))
     np.testing.assert_array_equal(analyze_motion(lf)[1].positions, analyze_motion(crlf)[1].positions)
     facts, tracks = analyze_motion(lf, fps=30.0)
     assert (facts.header_fps, facts.fps, facts.seconds) == (pytest.approx(60.0), 30.0, 4.0)
-    standing = analyze_motion(made(danced(120), z_up=True))
+    standing = analyze_motion(parse_values(dance_values(120), z_up=True))
     assert standing[0].up == "Z"
     np.testing.assert_allclose(standing[1].positions, tracks.positions, atol=1e-4)
 
 
-def test_what_cannot_be_told_is_null_and_said() -> None:
+def test_unknown_facts_are_null_and_reported() -> None:
     text = "HIERARCHY\nROOT base { OFFSET 0 5 0 CHANNELS 4 Xposition Yposition Zposition Xrotation }\n"
     motion = bvh_to_source_motion(parse_bvh(f"{text}MOTION\nFrames: 1\nFrame Time: 1\n1 2 3 4\n", "x"))
     facts, tracks = analyze_motion(motion)
@@ -212,13 +212,13 @@ def test_what_cannot_be_told_is_null_and_said() -> None:
     np.testing.assert_allclose(tracks.positions, [[[0.1, 0.7, 0.3]]])
 
 
-def test_a_unit_that_makes_a_giant_is_doubted() -> None:
-    facts, _ = analyze_motion(made(still(3)), unit_m=1.0)
+def test_unit_that_gives_giant_is_reported() -> None:
+    facts, _ = analyze_motion(parse_values(still(3)), unit_m=1.0)
     assert facts.unit_m == 1.0
     assert any("the dancer is 173 m tall" in one.what for one in facts.warnings)
 
 
-def test_a_root_that_stays_is_named() -> None:
+def test_motionless_root_is_reported() -> None:
     text = body_bvh(still(20)).replace("ROOT Hips", "ROOT World\n{\nOFFSET 0 0 0\nCHANNELS 0\nJOINT Hips")
     text = text.replace("\nMOTION", "\n}\nMOTION")
     head, numbers = text.split("Frame Time", 1)
@@ -230,25 +230,25 @@ def test_a_root_that_stays_is_named() -> None:
     assert facts.travel_m == pytest.approx(0.19)
 
 
-def test_a_body_that_floats_is_told() -> None:
-    """Half of the time 20 cm over the place where it stood at first, as recordings from video drift."""
+def test_floating_body_is_reported() -> None:
+    """Half of the time 20 cm above the initial height, as recordings from video drift."""
     drifting = still(200)
     drifting[60:, 1] += 20.0
-    facts, _ = analyze_motion(made(drifting))
+    facts, _ = analyze_motion(parse_values(drifting))
     assert any("0.20 m over the floor half of the time" in one.what for one in facts.warnings)
-    facts, _ = analyze_motion(made(still(200)))
+    facts, _ = analyze_motion(parse_values(still(200)))
     assert not any("over the floor" in one.what for one in facts.warnings)
 
 
-def test_glitches_are_warnings_with_their_frame() -> None:
-    values = danced(240)
+def test_glitches_give_warnings_with_frame() -> None:
+    values = dance_values(240)
     values[100, column("LeftArm", "Z")] += 90.0
-    facts, _ = analyze_motion(made(values))
+    facts, _ = analyze_motion(parse_values(values))
     assert any(one.frame in (99, 100) and "LeftForeArm" in one.what for one in facts.warnings)
 
 
 @pytest.mark.shared
-def test_a_skeleton_alone_and_what_is_absent() -> None:
+def test_files_without_motion_are_refused() -> None:
     for name in ("edge/hierarchy_only_no_motion.bvh", "asfamc/49.asf"):
         with pytest.raises(MotionFileError):
             read_motion(mocap_file(name))

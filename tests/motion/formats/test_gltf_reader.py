@@ -1,4 +1,4 @@
-"""glTF files as recordings: against BVH, against matrices, in every encoding, with the humanoid maps of VRM."""
+"""Tests of the glTF reader: against BVH and matrices, in all encodings, with VRM humanoid maps."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from live.motion.retarget.joint_mapping import map_joints
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
 from tests.fixtures.mocap import mocap_file
-from tests.motion.formats.made_gltf import MadeGltf, made_avatar, random_turns
+from tests.motion.formats.made_gltf import MadeGltf, made_avatar, random_rotations
 
 
 def world(motion: SourceMotion) -> np.ndarray:
@@ -29,7 +29,7 @@ def matrix(place: np.ndarray, turn: np.ndarray, scale: np.ndarray) -> np.ndarray
 
 
 @pytest.mark.shared
-def test_a_glb_and_the_bvh_it_was_made_from_hold_the_same_motion() -> None:
+def test_glb_and_its_source_bvh_have_same_motion() -> None:
     glb = parse_gltf(mocap_file("group/perfume_aachan.glb").read_bytes(), "aachan.glb")
     path = mocap_file("group/perfume_aachan.bvh")
     bvh = bvh_to_source_motion(parse_bvh(path.read_bytes(), path.name), None)
@@ -46,13 +46,13 @@ def test_a_glb_and_the_bvh_it_was_made_from_hold_the_same_motion() -> None:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_joints_are_where_the_matrices_of_the_nodes_put_them(seed: int) -> None:
-    """Ancestors, nodes between joints, scales and a matrix in place of three properties, all folded in."""
+def test_joint_positions_match_node_matrices(seed: int) -> None:
+    """Ancestors, nodes between joints, scales and a matrix in place of three properties are all included."""
     rng = np.random.default_rng(seed)
     made = MadeGltf()
     frames, count = 5, 12
     parents = [-1] + [int(rng.integers(0, n)) for n in range(1, count)]
-    rest = [(rng.normal(size=3), turn, np.full(3, rng.uniform(0.2, 3.0))) for turn in random_turns(count, rng)]
+    rest = [(rng.normal(size=3), turn, np.full(3, rng.uniform(0.2, 3.0))) for turn in random_rotations(count, rng)]
     for n, (place, turn, scale) in enumerate(rest):
         if n == 1:  # as a matrix; such a node must not be animated
             written = {"matrix": matrix(place, turn, scale).T.ravel().tolist()}
@@ -63,7 +63,7 @@ def test_joints_are_where_the_matrices_of_the_nodes_put_them(seed: int) -> None:
                 "scale": scale.tolist(),
             }
         made.node(f"n{n}", parents[n] if n else None, **written)
-    turned = {n: random_turns(frames, rng) for n in range(count) if n not in (1, 2)}
+    turned = {n: random_rotations(frames, rng) for n in range(count) if n not in (1, 2)}
     moved = {n: rng.normal(size=(frames, 3)) for n in range(0, count, 3)}
     tracks = {(n, "rotation"): values for n, values in turned.items()}
     tracks |= {(n, "translation"): values for n, values in moved.items()}
@@ -92,45 +92,45 @@ def two_joints(**hand: object) -> MadeGltf:
     return made
 
 
-def turns_of(data: bytes, **options: object) -> np.ndarray:
+def joint_rotations(data: bytes, **options: object) -> np.ndarray:
     """Rotations of the first joint, w >= 0."""
     turns = parse_gltf(data, "made.gltf", **options).rotation[:, 0]
     assert (np.sum(turns[1:] * turns[:-1], axis=1) >= 0.0).all()  # each is the nearer one of q and -q
-    return upward(turns)
+    return positive_w(turns)
 
 
-def upward(turns: np.ndarray) -> np.ndarray:
+def positive_w(turns: np.ndarray) -> np.ndarray:
     return turns * np.where(turns[:, :1] < 0.0, -1.0, 1.0)
 
 
 @pytest.mark.parametrize(("kind", "tolerance"), [("i1", 6e-3), ("i2", 3e-5), ("u1", 4e-3), ("u2", 2e-5)])
-def test_normalized_integers_mean_the_same_turns(kind: str, tolerance: float) -> None:
-    turns = np.abs(random_turns(9, np.random.default_rng(1)))
+def test_normalized_integers_give_same_rotations(kind: str, tolerance: float) -> None:
+    turns = np.abs(random_rotations(9, np.random.default_rng(1)))
     made = two_joints()
     made.animate({(0, "rotation"): turns}, np.arange(9) / 30.0)
     largest = np.iinfo(kind).max
     stored = np.round(turns[:, [1, 2, 3, 0]] * largest).astype("<" + kind)
     made.json["animations"][0]["samplers"][0]["output"] = made.accessor(stored, normalized=True)
-    np.testing.assert_allclose(turns_of(made.glb()), turns, atol=tolerance)
+    np.testing.assert_allclose(joint_rotations(made.glb()), turns, atol=tolerance)
 
 
-def test_the_least_integers_mean_minus_one() -> None:
+def test_lowest_integer_decodes_to_minus_one() -> None:
     made = two_joints()
     made.animate({(0, "rotation"): np.array([(1.0, 0, 0, 0)])}, np.zeros(1))
     stored = np.array([(-128, 0, 0, 0)], np.int8)
     made.json["animations"][0]["samplers"][0]["output"] = made.accessor(stored, normalized=True)
-    np.testing.assert_allclose(turns_of(made.glb())[0], (0, -1, 0, 0), atol=1e-12)
+    np.testing.assert_allclose(joint_rotations(made.glb())[0], (0, -1, 0, 0), atol=1e-12)
 
 
-def test_interleaved_sparse_embedded_and_outside_data_are_the_same() -> None:
-    turns = random_turns(10, np.random.default_rng(2))
+def test_interleaved_sparse_embedded_and_external_data_are_equal() -> None:
+    turns = random_rotations(10, np.random.default_rng(2))
     plain = two_joints()
     plain.animate({(0, "rotation"): turns}, np.arange(10) / 30.0)
-    expected = turns_of(plain.glb())
-    np.testing.assert_allclose(expected, upward(turns), atol=1e-6)
-    np.testing.assert_array_equal(turns_of(plain.text()), expected)
+    expected = joint_rotations(plain.glb())
+    np.testing.assert_allclose(expected, positive_w(turns), atol=1e-6)
+    np.testing.assert_array_equal(joint_rotations(plain.text()), expected)
     files = {"motion one.bin": bytes(plain.binary)}
-    np.testing.assert_array_equal(turns_of(plain.text("motion%20one.bin"), resolve=files.__getitem__), expected)
+    np.testing.assert_array_equal(joint_rotations(plain.text("motion%20one.bin"), resolve=files.__getitem__), expected)
 
     interleaved = two_joints()
     interleaved.animate({(0, "rotation"): turns}, np.arange(10) / 30.0)
@@ -138,7 +138,7 @@ def test_interleaved_sparse_embedded_and_outside_data_are_the_same() -> None:
     rows["turn"] = turns[:, [1, 2, 3, 0]]
     view = interleaved.view(rows.tobytes(), byteStride=rows.itemsize)
     interleaved.json["accessors"][1].update(bufferView=view, byteOffset=8)
-    np.testing.assert_array_equal(turns_of(interleaved.glb()), expected)
+    np.testing.assert_array_equal(joint_rotations(interleaved.glb()), expected)
 
     sparse = two_joints()
     others = turns.copy()
@@ -149,11 +149,11 @@ def test_interleaved_sparse_embedded_and_outside_data_are_the_same() -> None:
         "indices": {"bufferView": sparse.view(np.array([2, 7], "<u2").tobytes()), "componentType": 5123},
         "values": {"bufferView": sparse.view(turns[[2, 7]][:, [1, 2, 3, 0]].astype("<f4").tobytes())},
     }
-    np.testing.assert_array_equal(turns_of(sparse.glb()), expected)
+    np.testing.assert_array_equal(joint_rotations(sparse.glb()), expected)
 
 
-def test_linear_turns_are_slerped_and_steps_held() -> None:
-    turns = random_turns(4, np.random.default_rng(3))
+def test_linear_keys_are_slerped_and_step_keys_held() -> None:
+    turns = random_rotations(4, np.random.default_rng(3))
     times = np.array((0.0, 0.1, 0.3, 0.4))
     for way in ("LINEAR", "STEP"):
         made = two_joints()
@@ -171,7 +171,7 @@ def test_linear_turns_are_slerped_and_steps_held() -> None:
         assert (got * expected.inv()).magnitude().max() < 1e-5
 
 
-def test_cubic_splines_are_hermite_splines() -> None:
+def test_cubic_spline_keys_match_hermite_splines() -> None:
     rng = np.random.default_rng(4)
     times, keys = np.array((0.0, 0.2, 0.3, 0.7)), rng.normal(size=(4, 3, 3))
     made = two_joints()
@@ -201,7 +201,7 @@ def test_cubic_splines_are_hermite_splines() -> None:
         (900.0 + np.delete(np.arange(20_000), slice(50, 9000, 7)) / 59.94, 59.94),
     ],
 )
-def test_the_frame_rate_is_that_of_the_keys(times: np.ndarray, rate: float) -> None:
+def test_frame_rate_follows_keys(times: np.ndarray, rate: float) -> None:
     made = two_joints()
     made.animate({(0, "rotation"): np.tile((1.0, 0, 0, 0), (len(times), 1))}, times)
     motion = parse_gltf(made.glb(), "made.glb")
@@ -216,7 +216,7 @@ def humanoid(kind: str, bones: dict[str, int]) -> dict[str, object]:
 
 
 @pytest.mark.parametrize("kind", ["VRM", "VRMC_vrm", "VRMC_vrm_animation"])
-def test_vrm_says_which_joint_is_which_bone(kind: str) -> None:
+def test_vrm_humanoid_maps_joints_to_bones(kind: str) -> None:
     made, bones = made_avatar()
     hair = made.node("hair", bones["head"])
     made.json["skins"] = [{"joints": [*bones.values(), hair]}]
@@ -233,7 +233,7 @@ def test_vrm_says_which_joint_is_which_bone(kind: str) -> None:
     assert clip.sample_count == 15
 
 
-def test_names_alone_do_when_there_is_no_humanoid() -> None:
+def test_joint_names_are_kept_without_humanoid() -> None:
     made, _ = made_avatar()
     with pytest.raises(MotionFileError, match="no joints found for"):
         retarget(parse_gltf(made.glb(), "avatar.glb"), name="avatar")
@@ -243,8 +243,8 @@ def test_names_alone_do_when_there_is_no_humanoid() -> None:
 
 
 @pytest.mark.parametrize("turned", [(1.0, 0.0, 0.0, 0.0), (0.5, -0.5, 0.5, 0.5), (0.0, 0.0, 1.0, 0.0)])
-def test_the_rest_pose_is_the_skins_however_its_space_lies(turned: tuple[float, ...]) -> None:
-    """Nodes that rest in the first frame's pose: the bind pose says how they were, in axes of its own."""
+def test_rest_pose_comes_from_skin_in_any_space(turned: tuple[float, ...]) -> None:
+    """Nodes rest in the pose of the first frame; the bind pose, in axes of its own, has the true rest pose."""
     made, bones = made_avatar(frames=5)
     for bone, node in bones.items():
         made.json["nodes"][node]["name"] = bone
@@ -271,7 +271,7 @@ def test_the_rest_pose_is_the_skins_however_its_space_lies(turned: tuple[float, 
 
 
 def rest_places(made: MadeGltf, joints: list[int]) -> list[np.ndarray]:
-    """Where joints rest whose nodes have translations alone."""
+    """Rest positions of joints whose nodes have translations alone."""
     nodes = made.json["nodes"]
     parents = {child: n for n, node in enumerate(nodes) for child in node.get("children", [])}
 
@@ -282,24 +282,24 @@ def rest_places(made: MadeGltf, joints: list[int]) -> list[np.ndarray]:
     return [place(joint) for joint in joints]
 
 
-def test_leaf_bones_become_ends_and_like_names_are_told_apart() -> None:
+def test_leaf_bones_become_ends_and_names_become_unique() -> None:
     made = two_joints()
     made.node("hand_end", 1, translation=[0.0, 0.2, 0.0])
     made.node("hat", 1, mesh=0)
     made.node("hand", 1)
     made.json["meshes"] = [{"primitives": []}]
     made.json["skins"] = [{"joints": [0, 1, 4]}]
-    made.animate({(0, "rotation"): random_turns(3, np.random.default_rng(5))}, np.arange(3) / 30.0)
+    made.animate({(0, "rotation"): random_rotations(3, np.random.default_rng(5))}, np.arange(3) / 30.0)
     motion = parse_gltf(made.glb(), "made.glb")
     assert motion.names == ("arm", "hand", "hand.2")
     assert motion.end_parents.tolist() == [1]
     assert motion.end_offsets.tolist() == [[0.0, 0.2, 0.0]]
 
 
-def test_what_is_strange_but_usable_is_said() -> None:
+def test_unusual_but_usable_content_gives_warnings() -> None:
     made = two_joints()
     made.json["nodes"][0]["scale"] = [1.0, 2.0, 1.0]
-    turns = random_turns(3, np.random.default_rng(6))
+    turns = random_rotations(3, np.random.default_rng(6))
     made.animate({(0, "rotation"): turns, (1, "rotation"): turns}, np.arange(3) / 30.0, name="dance")
     made.animate({(0, "rotation"): turns}, np.arange(3) / 30.0, name="idle")
     said = [warning.what for warning in parse_gltf(made.glb(), "made.glb").warnings]
@@ -310,13 +310,13 @@ def test_what_is_strange_but_usable_is_said() -> None:
     assert "differs along its axes" in said[1]
 
 
-def test_of_two_dancers_the_one_with_most_moving_joints_is_read() -> None:
+def test_skeleton_with_most_moving_joints_is_read() -> None:
     made = MadeGltf()
     tracks, skins = {}, []
     for count in (2, 4):
         joints = [made.node(f"{count}-0")]
         joints += [made.node(f"{count}-{n}", joints[0], translation=[0, n, 0]) for n in range(1, count)]
-        tracks |= {(node, "rotation"): random_turns(3, np.random.default_rng(7)) for node in joints}
+        tracks |= {(node, "rotation"): random_rotations(3, np.random.default_rng(7)) for node in joints}
         skins.append({"joints": joints})
     made.json["skins"] = skins
     made.animate(tracks, np.arange(3) / 30.0)

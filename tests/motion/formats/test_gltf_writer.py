@@ -1,4 +1,4 @@
-"""GLB files that the engine writes: read by pygltflib and matrices, by ourselves, and by the rules of glTF."""
+"""Tests of the GLB writer: read back by pygltflib, by matrices and by the engine; the rules of glTF."""
 
 import json
 import struct
@@ -28,7 +28,7 @@ def positions(clip: Clip) -> np.ndarray:
 
 
 def document(data: bytes) -> tuple[dict[str, Any], bytes]:
-    """JSON and binary chunk, taken apart by hand."""
+    """JSON and binary chunk, parsed by hand."""
     magic, version, length = struct.unpack_from("<4sII", data)
     assert (magic, version, length) == (b"glTF", 2, len(data))
     size, kind = struct.unpack_from("<I4s", data, 12)
@@ -74,7 +74,7 @@ def matrices_at(content: dict[str, Any], binary: bytes, frame: int) -> list[np.n
     return [of(n) for n in range(len(content["nodes"]))]
 
 
-def test_matrices_put_every_joint_where_it_was() -> None:
+def test_node_matrices_give_joint_positions() -> None:
     clip = made_clip(12, 60.0)
     content, binary = document(write_glb(clip))
     expected = positions(clip)
@@ -85,7 +85,7 @@ def test_matrices_put_every_joint_where_it_was() -> None:
         np.testing.assert_allclose(found, expected[frame], atol=1e-5)
 
 
-def test_the_skin_of_the_rest_pose_is_the_mesh_as_it_is() -> None:
+def test_skin_leaves_mesh_unchanged_in_rest_pose() -> None:
     clip = Clip(
         "rest",
         SKELETON.offsets[:1].copy(),
@@ -104,8 +104,8 @@ def test_the_skin_of_the_rest_pose_is_the_mesh_as_it_is() -> None:
     assert corners[:, 1].min() > 0.0
 
 
-def test_the_rules_of_gltf_are_kept() -> None:
-    """What the Khronos validator looks at: bounds, alignment, targets, ascending times, one root, unit quaternions."""
+def test_document_follows_gltf_rules() -> None:
+    """As in the Khronos validator: bounds, alignment, targets, ascending times, one root, unit quaternions."""
     clip = made_clip(50, 60.0)
     content, binary = document(write_glb(clip))
     assert content["asset"] == {"version": "2.0", "generator": "ChoreoGraphics Live"}
@@ -157,7 +157,7 @@ def test_the_rules_of_gltf_are_kept() -> None:
     assert content["nodes"].index(figure) in content["scenes"][0]["nodes"]
 
 
-def test_pygltflib_reads_it() -> None:
+def test_pygltflib_reads_clip() -> None:
     read = pygltflib.GLTF2().load_from_bytes(write_glb(made_clip(5, 60.0)))
     assert read.asset.copyright is None
     assert [node.name for node in read.nodes][:JOINT_COUNT] == list(SKELETON.names)
@@ -165,7 +165,7 @@ def test_pygltflib_reads_it() -> None:
     assert read.skins[0].joints == list(range(JOINT_COUNT))
 
 
-def test_we_read_it_back_as_it_was() -> None:
+def test_engine_reads_clip_back_unchanged() -> None:
     clip = made_clip(30, 60.0)
     motion = parse_gltf(write_glb(clip), "written.glb")
     assert (motion.names, motion.frame_count, motion.header_fps) == (SKELETON.names, 30, 60.0)
@@ -175,20 +175,20 @@ def test_we_read_it_back_as_it_was() -> None:
 
 
 @pytest.mark.shared
-def test_a_recording_goes_out_and_comes_in_again_as_the_same_clip() -> None:
+def test_recording_survives_round_trip() -> None:
     clip = retarget(parse_gltf(mocap_file("group/perfume_aachan.glb").read_bytes(), "aachan.glb"), name="aachan")
     again = retarget(parse_gltf(write_glb(clip), "written.glb"), name="again")
     np.testing.assert_allclose(positions(again), positions(clip), atol=1e-5)
 
 
-def test_the_rate_is_sixty_or_the_clips_own() -> None:
+def test_rate_is_sixty_or_clip_rate() -> None:
     clip = made_clip(121, 120.0)
     assert parse_gltf(write_glb(clip), "written.glb").header_fps == 60.0
     motion = parse_gltf(write_glb(clip, rate=None), "written.glb")
     assert (motion.header_fps, motion.frame_count) == (120.0, 121)
 
 
-def test_the_figures_faces_look_outwards() -> None:
+def test_mesh_faces_point_outward() -> None:
     figure = bone_mesh()
     corners = figure.positions.reshape(-1, 8, 3, 3).astype(np.float64)
     middle = corners.mean(axis=(1, 2))[:, None]

@@ -1,4 +1,4 @@
-"""Broken and hostile files: an error or a motion, in little time and with at most 64 MB and 20 times the file."""
+"""Tests of reader limits: hostile files take little time and at most 64 MB plus 20 times their size."""
 
 import random
 import time
@@ -16,7 +16,7 @@ from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.retarget import retarget
 from tests.fixtures.mocap import mocap_file
 from tests.motion.formats.test_asf_amc import AMC, ASF
-from tests.motion.formats.test_bvh_fuzz import attempt, mutated
+from tests.motion.formats.test_bvh_fuzz import attempt, mutate_text
 
 SKELETON = parse_asf(ASF.encode(), "test.asf")
 FREE, PER_BYTE = 64_000_000, 20
@@ -34,8 +34,8 @@ def read_asf(data: bytes) -> SourceMotion:
     return parse_amc(AMC.encode(), "x", parse_asf(data, "x"))
 
 
-def limited(read: Callable[[bytes], SourceMotion], data: bytes, seconds: float = 20.0) -> SourceMotion | None:
-    """What is read, None for a MotionFileError of one line; fails on any other error, on memory and on time."""
+def read_limited(read: Callable[[bytes], SourceMotion], data: bytes, seconds: float = 20.0) -> SourceMotion | None:
+    """The motion, or None for a one-line MotionFileError; fails on any other error, on memory and on time."""
     tracemalloc.start()
     begin = time.process_time()
     motion, problem = attempt(lambda: read(data))
@@ -51,7 +51,7 @@ def limited(read: Callable[[bytes], SourceMotion], data: bytes, seconds: float =
 
 
 def head(joints: int, channels: str, others: str | None = None) -> str:
-    """A chain of joints with these channels (the root) and `others` (the rest), up to the frames."""
+    """A chain of joints with `channels` (the root) and `others` (the rest), up to the frames."""
     text = "HIERARCHY\n"
     for joint in range(joints):
         words = channels if joint == 0 or others is None else others
@@ -102,26 +102,26 @@ HOSTILE: dict[str, tuple[Callable[[bytes], SourceMotion], Callable[[], str]]] = 
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", HOSTILE)
-def test_hostile_files_take_little_memory_and_time(name: str) -> None:
+def test_hostile_file_takes_little_memory_and_time(name: str) -> None:
     read, make = HOSTILE[name]
-    limited(read, make().encode())
+    read_limited(read, make().encode())
 
 
-def test_large_files_that_are_in_order_are_read() -> None:
-    """What is refused above for its size is refused for the joints, not for the numbers."""
-    motion = limited(read_bvh, (head(43, THREE) + ("0 " * 129 + "\n") * 6000).encode())
+def test_large_valid_files_are_read() -> None:
+    """The limit concerns the number of joints, not the number of values."""
+    motion = read_limited(read_bvh, (head(43, THREE) + ("0 " * 129 + "\n") * 6000).encode())
     assert motion is not None
     assert motion.rotation.shape == (6000, 43, 4)
-    motion = limited(read_bvh, (head(60, THREE, THREE) + ("-17.25 " * 180 + "\n") * 3000).encode())
+    motion = read_limited(read_bvh, (head(60, THREE, THREE) + ("-17.25 " * 180 + "\n") * 3000).encode())
     assert motion is not None
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_mutated_acclaim_files_are_a_motion_or_an_error(seed: int) -> None:
+def test_mutated_acclaim_file_gives_motion_or_error(seed: int) -> None:
     rng = random.Random(seed)
     outcomes = {"motion": 0, "error": 0}
     for turn in range(400):
-        asf, amc = (mutated(ASF, rng), AMC) if turn % 2 else (ASF, mutated(AMC, rng))
+        asf, amc = (mutate_text(ASF, rng), AMC) if turn % 2 else (ASF, mutate_text(AMC, rng))
         found, problem = attempt(lambda asf=asf, amc=amc: parse_amc(amc.encode(), "x", parse_asf(asf.encode(), "x")))
         if found is None:
             assert isinstance(problem, MotionFileError)
@@ -140,14 +140,14 @@ def test_mutated_acclaim_files_are_a_motion_or_an_error(seed: int) -> None:
 
 @pytest.mark.shared
 @pytest.mark.parametrize("seed", range(3))
-def test_mutated_recordings_are_a_clip_or_an_error(seed: int) -> None:
+def test_mutated_recording_gives_clip_or_error(seed: int) -> None:
     rng = random.Random(seed)
     asf = mocap_file("asfamc/49.asf").read_text()
     amc = mocap_file("asfamc/49_14.amc").read_text()
     amc = amc[: amc.index("\n7\n") + 1]
     outcomes = {"clip": 0, "error": 0}
     for turn in range(40):
-        skeleton, motion = (mutated(asf, rng), amc) if turn % 2 else (asf, mutated(amc, rng))
+        skeleton, motion = (mutate_text(asf, rng), amc) if turn % 2 else (asf, mutate_text(amc, rng))
         clip, problem = attempt(
             lambda s=skeleton, m=motion: retarget(parse_amc(m.encode(), "x", parse_asf(s.encode(), "x")), name="x")
         )
@@ -160,4 +160,4 @@ def test_mutated_recordings_are_a_clip_or_an_error(seed: int) -> None:
 @pytest.mark.shared
 @pytest.mark.parametrize("name", ["walk/figure8_MS2_8Walk_M.bvh", "edge/six_channels_everywhere_geno_bind.bvh"])
 def test_real_files_stay_within_the_limits(name: str) -> None:
-    assert limited(read_bvh, mocap_file(name).read_bytes()) is not None
+    assert read_limited(read_bvh, mocap_file(name).read_bytes()) is not None

@@ -1,4 +1,4 @@
-"""Deciding what a file does not say, on made bodies."""
+"""Tests of properties missing from a file (unit, up axis, root offset), on generated bodies."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from live.motion.formats.source_axes import (
 )
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.joint_mapping import SourceBody, find_body
-from tests.motion.formats.made_bvh import STANDING_CM, body_bvh, column, danced, still
+from tests.motion.formats.made_bvh import STANDING_CM, body_bvh, column, dance_values, still
 
 
 def read(values: np.ndarray, **how: object) -> tuple[SourceMotion, SourceBody, np.ndarray]:
@@ -23,33 +23,33 @@ def read(values: np.ndarray, **how: object) -> tuple[SourceMotion, SourceBody, n
     return motion, body, standing_pose(motion, body, None)[0].positions
 
 
-def test_the_engines_leg_is_805_mm_and_its_body_170_cm() -> None:
+def test_engine_leg_is_805_mm_and_body_170_cm() -> None:
     assert pytest.approx(0.805) == ENGINE_LEG
     assert body_height(ENGINE_LEG) == pytest.approx(1.7)
 
 
-def test_length_of_legs_that_move() -> None:
-    _, body, positions = read(danced())
+def test_leg_length_is_found_in_motion() -> None:
+    _, body, positions = read(dance_values())
     assert leg_length(body, positions) == pytest.approx(82.0, abs=1e-6)
 
 
 @pytest.mark.parametrize("unit", [1.0, 0.1, 0.01, 0.001, 0.0254, 0.3048, 0.056444])
-def test_units_in_use_are_found(unit: float) -> None:
+def test_common_units_are_found(unit: float) -> None:
     assert find_unit(0.82 / unit) == pytest.approx(unit, rel=1e-4)
 
 
-def test_a_body_of_no_believable_size_has_no_unit() -> None:
+def test_implausible_body_size_gives_no_unit() -> None:
     for leg in (0.0, -1.0, float("nan"), 0.02, 300.0, 1e6):
         assert find_unit(leg) is None
 
 
 @pytest.mark.parametrize("z_up", [False, True])
-def test_up_is_where_the_shoulders_are(z_up: bool) -> None:
-    _, body, positions = read(danced(), z_up=z_up)
+def test_up_axis_points_toward_shoulders(z_up: bool) -> None:
+    _, body, positions = read(dance_values(), z_up=z_up)
     assert find_up(body, positions) == ("Z" if z_up else "Y")
 
 
-def test_a_body_that_lies_says_nothing() -> None:
+def test_lying_body_gives_no_up_axis() -> None:
     values = still(5)
     values[:, column("Hips", "Z")] = 90.0
     _, body, positions = read(values)
@@ -58,8 +58,8 @@ def test_a_body_that_lies_says_nothing() -> None:
 
 @pytest.mark.parametrize("z_up", [False, True])
 @pytest.mark.parametrize("use", ["add", "replace"])
-def test_root_offset_that_is_added_or_already_there(use: str, z_up: bool) -> None:
-    values = danced()
+def test_root_offset_use_is_add_or_replace(use: str, z_up: bool) -> None:
+    values = dance_values()
     if use == "add":
         values[:, 1] -= STANDING_CM
     motion, body, _ = read(values, offsets={"Hips": (3.0, STANDING_CM, 7.0)}, z_up=z_up)
@@ -70,7 +70,7 @@ def test_root_offset_that_is_added_or_already_there(use: str, z_up: bool) -> Non
     assert abs(np.median(lowest)) < 30.0
 
 
-def test_root_offset_that_is_zero_or_cannot_be_told() -> None:
-    assert read(danced())[0].root_offset == "zero"
+def test_root_offset_is_zero_or_unknown() -> None:
+    assert read(dance_values())[0].root_offset == "zero"
     assert read(still(1), offsets={"Hips": (0.0, STANDING_CM, 0.0)})[0].root_offset is None
-    assert read(danced(), offsets={"Hips": (50.0, 0.0, 0.0)})[0].root_offset is None
+    assert read(dance_values(), offsets={"Hips": (50.0, 0.0, 0.0)})[0].root_offset is None

@@ -1,4 +1,4 @@
-"""Made-up examples: two bodies' hands and feet that swing at random, smooth and different in every unit."""
+"""Synthetic partner examples: hands and feet of two bodies that swing at random and differ in every unit."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 
 def made_cloud(chance: np.random.Generator, samples: int, rate: float, points: int = 4) -> Cloud:
-    """Points [m] that wander smoothly: sums of slow sines."""
+    """Points [m] that move smoothly: sums of slow sines."""
     time = np.arange(samples) / rate
     waves = sum(
         chance.normal(0.0, 0.4 / n, (1, points, 3))

@@ -1,4 +1,4 @@
-"""The answer: what is copied, where it stands, and that nothing jumps where units meet."""
+"""Tests of the partner answer: the copied follower, its placement, and continuity where units meet."""
 
 import numpy as np
 import pytest
@@ -17,8 +17,8 @@ from tests.motion.partner.made_examples import standing
 RATE = 60.0
 
 
-def dancing(seed: int, samples: int, name: str = "dance") -> Clip:
-    """A body that walks about and swings its limbs at random, smoothly."""
+def random_dance_clip(seed: int, samples: int, name: str = "dance") -> Clip:
+    """Clip of a body that walks and swings its limbs smoothly at random."""
     chance = np.random.default_rng(seed)
     time = np.arange(samples)[:, None] / RATE
     vector = np.zeros((samples, JOINT_COUNT, 3))
@@ -34,14 +34,14 @@ def dancing(seed: int, samples: int, name: str = "dance") -> Clip:
 
 
 def pair_of(seed: int, samples: int = 600, holds: tuple[Hold, ...] = ()) -> tuple[Clip, Units]:
-    leader, follower = dancing(seed, samples, "leader"), dancing(seed + 1, samples, "follower")
+    leader, follower = random_dance_clip(seed, samples, "leader"), random_dance_clip(seed + 1, samples, "follower")
     cuts = np.arange(20.0, samples - 20.0, 43.0)
     beats = np.arange(20.0, samples - 20.0, 21.5)
     example = Example("pair", ends_cloud(leader), ends_cloud(follower), follower, cuts, beats, holds)
     return leader, cut_units([example])
 
 
-def moved(clip: Clip, yaw: float, x: float, z: float) -> Clip:
+def transform_clip(clip: Clip, yaw: float, x: float, z: float) -> Clip:
     root = clip.root_position.astype(np.float64)
     place = np.exp(1j * yaw) * (root[:, 2] + 1j * root[:, 0]) + z + 1j * x
     rotation = clip.rotation.astype(np.float64).copy()
@@ -50,12 +50,12 @@ def moved(clip: Clip, yaw: float, x: float, z: float) -> Clip:
     return Clip(clip.name, new.astype(np.float32), rotation.astype(np.float32), RATE, clip.contact)
 
 
-def test_a_leader_of_the_database_gets_her_own_follower_wherever_she_dances() -> None:
-    """Turned by 50 degrees and moved by 2 m, the whole answer is the recorded follower, turned and moved alike."""
+def test_database_leader_gets_recorded_follower_at_any_placement() -> None:
+    """With the leader turned by 50 degrees and moved by 2 m, the answer is the recorded follower, transformed alike."""
     leader, units = pair_of(41)
-    there = moved(leader, 0.9, 2.0, -1.0)
+    there = transform_clip(leader, 0.9, 2.0, -1.0)
     found = find_partner(there, ends_cloud(there), units, SearchSettings(hold_feet=False))
-    expected = joint_positions(moved(units.examples[0].follower, 0.9, 2.0, -1.0))
+    expected = joint_positions(transform_clip(units.examples[0].follower, 0.9, 2.0, -1.0))
     inner = slice(40, -40)
     frame = np.linalg.norm(np.diff(expected, axis=0), axis=-1).max()  # boundaries lie on whole frames
     assert frame < 0.06
@@ -63,19 +63,19 @@ def test_a_leader_of_the_database_gets_her_own_follower_wherever_she_dances() ->
     assert found.reading.count >= 10
 
 
-def _two(units: Units) -> Reading:
-    """Two units that do not follow each other, with motions that do not fit."""
+def _unrelated_units(units: Units) -> Reading:
+    """Reading of two units that do not follow each other, with motions that do not fit."""
     return Reading(
         np.array([2, 7]), np.array([0, 43]), np.array([43, 43]), np.array([1.0, np.exp(0.3j)]),
         np.array([0.0, 0.2 + 0.1j]), np.zeros(2), np.zeros(1), 0.0, RATE,
     )  # fmt: skip
 
 
-def test_linear_and_eased_joins_meet_and_without_them_poses_jump() -> None:
+def test_smoothed_joins_are_continuous_and_unsmoothed_joins_jump() -> None:
     _, units = pair_of(43)
     steps, kinks = {}, {}
     for smoothing in ("none", "linear", "eased"):
-        joints = joint_positions(answer(_two(units), units, 87, smoothing).clip)
+        joints = joint_positions(answer(_unrelated_units(units), units, 87, smoothing).clip)
         step = np.linalg.norm(np.diff(joints, axis=0), axis=-1).max(axis=1)
         kink = np.linalg.norm(np.diff(joints, 2, axis=0), axis=-1).max(axis=1)
         steps[smoothing], kinks[smoothing] = step[42], kink[41:43].max()
@@ -86,14 +86,14 @@ def test_linear_and_eased_joins_meet_and_without_them_poses_jump() -> None:
     assert kinks["eased"] < 0.6 * kinks["linear"]
 
 
-def test_joins_bend_nothing_at_the_ends_of_the_answer() -> None:
+def test_joins_do_not_change_ends_of_answer() -> None:
     _, units = pair_of(44)
-    plain = answer(_two(units), units, 87, "none").clip
-    eased = answer(_two(units), units, 87, "eased").clip
+    plain = answer(_unrelated_units(units), units, 87, "none").clip
+    eased = answer(_unrelated_units(units), units, 87, "eased").clip
     np.testing.assert_allclose(joint_positions(eased)[[0, -1]], joint_positions(plain)[[0, -1]], atol=1e-5)
 
 
-def test_holds_come_along_and_are_one_where_units_go_on() -> None:
+def test_holds_are_copied_and_merged_across_consecutive_units() -> None:
     hold = Hold(0, 1, 120.0, 170.0)
     _, units = pair_of(45, holds=(hold,))
     # units 2 and 3 are samples 106 to 192: danced one after another at half speed from sample 10 on
@@ -108,9 +108,9 @@ def test_holds_come_along_and_are_one_where_units_go_on() -> None:
     assert found[0].end == pytest.approx(10 + 2 * (170 - 106))
 
 
-def test_held_hands_meet_within_reach_and_bones_keep_their_lengths() -> None:
+def test_held_hands_meet_with_constant_bone_lengths() -> None:
     follower = standing(120, RATE)
-    leader = moved(standing(120, RATE), np.pi, 0.0, 0.75)
+    leader = transform_clip(standing(120, RATE), np.pi, 0.0, 0.75)
     rotation = leader.rotation.copy()
     right = SKELETON.index("rightUpperArm")
     rotation[:, right] = quaternion.from_axis_angle(np.array((0.0, 1.0, 0.0)), np.array(1.3))

@@ -1,4 +1,4 @@
-"""The search against every row of units there is, and against the recurrence written plainly."""
+"""Tests of the decoder against an exhaustive search of unit sequences and a direct form of the recurrence."""
 
 import itertools
 
@@ -23,16 +23,16 @@ def cells_of(units: Units, stretches: Stretches) -> list[tuple[int, int]]:
     return list(zip(stretches.unit.tolist(), stretches.duration.tolist(), strict=True))
 
 
-def laid(units: Units, x: Cloud, unit: int, start: int, duration: int) -> tuple[float, Cloud]:
-    """D of a unit there, and its target as M brings it."""
+def place_unit(units: Units, x: Cloud, unit: int, start: int, duration: int) -> tuple[float, Cloud]:
+    """Distance D of a unit at a start, and its target transformed by M."""
     of = units.examples[int(units.example[unit])]
     begin, length = float(units.start[unit]), float(units.length[unit])
     found = fit(window(x, start, duration), time_scaled(of.control, begin, length, duration))
     return found.distance, time_scaled(of.target, begin, length, duration).transformed(found.turn, found.shift)
 
 
-def plain(units: Units, stretches: Stretches, x: Cloud, k: float) -> float:
-    """(6) and (7), cell by cell, nothing shared with the kernel but the fit."""
+def recurrence_score(units: Units, stretches: Stretches, x: Cloud, k: float) -> float:
+    """Recurrence (6) and (7) cell by cell; shares only the fit with the kernel."""
     last = x.count - 1
     cells = cells_of(units, stretches)
     scores: dict[tuple[int, int, int], float] = {}
@@ -40,12 +40,12 @@ def plain(units: Units, stretches: Stretches, x: Cloud, k: float) -> float:
         for s, d in cells:
             if d > t:
                 continue
-            distance, target = laid(units, x, s, t - d, d)
+            distance, target = place_unit(units, x, s, t - d, d)
             if d == t:
                 scores[s, d, t] = distance
                 continue
             before = [
-                scores[r, c, t - d] + k * gap(laid(units, x, r, t - d - c, c)[1], target)
+                scores[r, c, t - d] + k * gap(place_unit(units, x, r, t - d - c, c)[1], target)
                 for r, c in cells
                 if (r, c, t - d) in scores
             ]
@@ -54,8 +54,8 @@ def plain(units: Units, stretches: Stretches, x: Cloud, k: float) -> float:
     return min(score for (_, _, t), score in scores.items() if t == last)
 
 
-def brute(units: Units, stretches: Stretches, x: Cloud, k: float) -> tuple[float, list[tuple[int, int]]]:
-    """The best of all rows of cells that are as long as the input, scored by (5)."""
+def exhaustive_search(units: Units, stretches: Stretches, x: Cloud, k: float) -> tuple[float, list[tuple[int, int]]]:
+    """The best of all cell sequences as long as the input, scored by (5)."""
     last = x.count - 1
     cells = cells_of(units, stretches)
     best, row = np.inf, []
@@ -65,7 +65,7 @@ def brute(units: Units, stretches: Stretches, x: Cloud, k: float) -> tuple[float
                 continue
             start, score, before = 0, 0.0, None
             for s, d in chosen:
-                distance, target = laid(units, x, s, start, d)
+                distance, target = place_unit(units, x, s, start, d)
                 score += distance + (0.0 if before is None else k * gap(before, target))
                 start, before = start + d, target
             if score < best:
@@ -74,11 +74,11 @@ def brute(units: Units, stretches: Stretches, x: Cloud, k: float) -> tuple[float
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_the_reading_is_the_best_of_all_rows(seed: int) -> None:
+def test_reading_is_best_of_all_sequences(seed: int) -> None:
     units = made_units(seed, 4, seconds=(0.4, 0.7))
     stretches = make_stretches(units, 5.0, 0.1)
     x = made_cloud(np.random.default_rng(100 + seed), 10, 5.0)
-    score, row = brute(units, stretches, x, K)
+    score, row = exhaustive_search(units, stretches, x, K)
     reading = decode(x, stretches, k=K)
     assert reading.score == pytest.approx(score, rel=1e-9)
     assert list(zip(reading.unit.tolist(), reading.duration.tolist(), strict=True)) == row
@@ -86,14 +86,14 @@ def test_the_reading_is_the_best_of_all_rows(seed: int) -> None:
 
 
 @pytest.mark.parametrize("k", [0.0, K, 20.0])
-def test_the_recurrence_written_plainly_gives_the_same_score(k: float) -> None:
+def test_score_equals_direct_recurrence(k: float) -> None:
     units = made_units(5, 6)
     stretches = make_stretches(units, 4.0, 0.15)
     x = made_cloud(np.random.default_rng(6), 15, 4.0)
-    assert decode(x, stretches, k=k).score == pytest.approx(plain(units, stretches, x, k), rel=1e-9)
+    assert decode(x, stretches, k=k).score == pytest.approx(recurrence_score(units, stretches, x, k), rel=1e-9)
 
 
-def test_a_wide_beam_changes_nothing_and_a_narrow_one_is_never_better() -> None:
+def test_wide_beam_is_exact_and_narrow_beam_never_scores_better() -> None:
     units = made_units(7, 40)
     stretches = make_stretches(units, 7.5, 0.15)
     x = made_cloud(np.random.default_rng(8), 300, 7.5)
@@ -102,11 +102,11 @@ def test_a_wide_beam_changes_nothing_and_a_narrow_one_is_never_better() -> None:
     np.testing.assert_array_equal(wide.unit, exact.unit)
     scores = [decode(x, stretches, k=K, beam=beam).score for beam in (0.01, 0.5, 5.0)]
     assert all(score >= exact.score - 1e-9 for score in scores)
-    assert scores[0] > exact.score + 1e-3  # so narrow that something was lost
+    assert scores[0] > exact.score + 1e-3  # too narrow for the optimum
     assert scores[-1] == pytest.approx(exact.score)
 
 
-def test_blocks_of_boundaries_make_no_difference(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_block_size_does_not_change_reading(monkeypatch: pytest.MonkeyPatch) -> None:
     units = made_units(9, 20)
     stretches = make_stretches(units, 7.5, 0.15)
     x = made_cloud(np.random.default_rng(10), 90, 7.5)
@@ -118,8 +118,8 @@ def test_blocks_of_boundaries_make_no_difference(monkeypatch: pytest.MonkeyPatch
     assert parts.score == pytest.approx(whole.score)
 
 
-def test_an_input_made_of_the_database_is_read_back() -> None:
-    """The leader dances units 4, 1, 3 of the database, stretched, turned and moved as one."""
+def test_input_from_database_units_is_decoded() -> None:
+    """The leader dances consecutive units of the database, stretched, turned and moved as one."""
     units = made_units(11, 8)
     stretches = make_stretches(units, 15.0, 0.15)
     of = units.examples[0]
@@ -132,7 +132,7 @@ def test_an_input_made_of_the_database_is_read_back() -> None:
     np.testing.assert_allclose(reading.shift, 2.0 - 1.0j, atol=0.05)
 
 
-def test_free_ends_may_be_skipped_at_no_cost() -> None:
+def test_free_ends_are_skipped_without_cost() -> None:
     units = made_units(12, 10)
     stretches = make_stretches(units, 10.0, 0.1)
     x = made_cloud(np.random.default_rng(13), 60, 10.0)
@@ -142,7 +142,7 @@ def test_free_ends_may_be_skipped_at_no_cost() -> None:
     assert 53 <= free.start[-1] + free.duration[-1] <= 59
 
 
-def test_an_input_shorter_than_any_unit_is_refused() -> None:
+def test_input_shorter_than_any_unit_is_refused() -> None:
     units = made_units(14, 3)
     stretches = make_stretches(units, 10.0, 0.1)
     with pytest.raises(PersonError, match="no sequence of units"):
@@ -153,5 +153,5 @@ def test_an_input_shorter_than_any_unit_is_refused() -> None:
     ("seconds", "rate", "stretch", "expected"),
     [(0.8, 7.5, 0.15, [5, 6, 7]), (0.8, 30.0, 0.15, [20, 21, 22, 23, 24, 25, 26, 27, 28]), (0.33, 4.0, 0.0, [1])],
 )
-def test_legal_durations(seconds: float, rate: float, stretch: float, expected: list[int]) -> None:
+def test_legal_durations_follow_stretch_limit(seconds: float, rate: float, stretch: float, expected: list[int]) -> None:
     assert list(legal_durations(seconds, rate, stretch)) == expected

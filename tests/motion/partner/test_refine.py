@@ -1,4 +1,4 @@
-"""Up-sampling: the same row of units, boundaries at the input's own rate, as the search itself would have them."""
+"""Tests of refinement: the same sequence of units, with optimal boundaries at the rate of the input."""
 
 import numpy as np
 import numpy.typing as npt
@@ -23,7 +23,7 @@ def _case() -> Case:
     return units, x, coarse
 
 
-def test_units_stay_and_boundaries_stay_near(case: Case) -> None:
+def test_units_are_kept_and_boundaries_stay_near(case: Case) -> None:
     units, x, coarse = case
     fine = refine(x, units, coarse, k=K, stretch=0.15)
     np.testing.assert_array_equal(fine.unit, coarse.unit)
@@ -34,8 +34,8 @@ def test_units_stay_and_boundaries_stay_near(case: Case) -> None:
     assert np.abs(fine.duration[1:-1] / 30.0 - units.seconds[fine.unit][1:-1]).max() <= 0.15 + 1e-9
 
 
-def test_the_score_is_that_of_its_parts(case: Case) -> None:
-    """D and C of the row it returns, worked out one by one in numpy."""
+def test_score_is_sum_of_parts(case: Case) -> None:
+    """D and C of the returned sequence, computed one by one in numpy."""
     units, x, coarse = case
     fine = refine(x, units, coarse, k=K, stretch=0.15)
     score, before = 0.0, None
@@ -50,8 +50,8 @@ def test_the_score_is_that_of_its_parts(case: Case) -> None:
     assert fine.score == pytest.approx(score, rel=1e-9)
 
 
-def test_no_boundary_moved_by_a_frame_would_be_better(case: Case) -> None:
-    """The optimum of a search over all boundaries: no single one can be bettered."""
+def test_moving_one_boundary_never_improves_score(case: Case) -> None:
+    """The optimum of a search over all boundaries cannot be improved by moving a single one."""
     units, x, coarse = case
     fine = refine(x, units, coarse, k=K, stretch=0.15)
     edges = np.concatenate((fine.start, [x.count - 1]))
@@ -79,7 +79,7 @@ def test_no_boundary_moved_by_a_frame_would_be_better(case: Case) -> None:
                 assert score_of(other) >= best - 1e-9
 
 
-def test_boundaries_keep_to_the_beat_where_one_is_known(case: Case) -> None:
+def test_boundaries_follow_known_beats(case: Case) -> None:
     units, x, coarse = case
     toll = np.where(np.arange(x.count) % 3 == 0, 0.0, np.inf)
     toll[-1] = 0.0

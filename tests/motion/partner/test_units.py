@@ -1,4 +1,4 @@
-"""Clusters: no two units of one are farther apart than the threshold, and one of each stays."""
+"""Tests of unit clusters: units of a cluster are within the threshold, and one unit of each is kept."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from live.motion.partner.units import COMPARISON_STEPS, Example, Units, cut_unit
 from tests.motion.partner.made_examples import made_cloud, made_units, standing
 
 
-def test_distances_are_those_of_the_fit() -> None:
+def test_unit_distances_equal_fit_distances() -> None:
     units = made_units(31, 5)
     found = unit_distances(units)
     of = units.examples[0]
@@ -26,7 +26,7 @@ def test_distances_are_those_of_the_fit() -> None:
             assert found[one, other] == pytest.approx(np.sqrt(square / (8 * (COMPARISON_STEPS + 1))), abs=1e-9)
 
 
-def _twice(seed: int) -> Units:
+def _duplicated_units(seed: int) -> Units:
     """Ten units, each of them twice: the second time turned and moved."""
     chance = np.random.default_rng(seed)
     control, target = made_cloud(chance, 500, 60.0), made_cloud(chance, 500, 60.0)
@@ -38,18 +38,18 @@ def _twice(seed: int) -> Units:
     return cut_units(examples)
 
 
-def test_what_says_the_same_is_kept_once_whichever_is_drawn() -> None:
-    units = _twice(32)
+def test_duplicate_units_are_kept_once_for_any_seed() -> None:
+    units = _duplicated_units(32)
     assert units.count == 20
     kept = [remove_duplicates(units, 0.01, seed=seed) for seed in range(4)]
     for one in kept:
         assert one.count == 10
         np.testing.assert_allclose(np.sort(one.start), np.arange(10) * 45.0)
-    assert len({tuple(one.example.tolist()) for one in kept}) > 1  # chance decides which
+    assert len({tuple(one.example.tolist()) for one in kept}) > 1  # the seed decides which
     assert kept[0].example.tolist() == remove_duplicates(units, 0.01, seed=0).example.tolist()
 
 
-def test_a_threshold_of_nothing_keeps_all_and_a_large_one_keeps_one() -> None:
-    units = _twice(33)
+def test_zero_threshold_keeps_all_units_and_large_keeps_one() -> None:
+    units = _duplicated_units(33)
     assert remove_duplicates(units, 0.0, seed=0).count == 20
     assert remove_duplicates(units, 100.0, seed=0).count == 1

@@ -1,4 +1,4 @@
-"""Feet between two ticks: the same as said in arrays at once."""
+"""Tests of foot extrapolation between two ticks against numpy."""
 
 import numpy as np
 
@@ -22,15 +22,15 @@ from live.motion.pose.foot_lock_kernels import (
 COUNT = 30
 
 
-def locked(seed=3):
+def random_foot_locks(seed=3):
     chance = np.random.default_rng(seed)
     lock = chance.normal(0.0, 1.0, (COUNT, 2, LOCK_COLUMNS)).astype(np.float32)
     lock[:, :, HELD] = chance.integers(0, 2, (COUNT, 2))
     return lock
 
 
-def test_free_feet_swing_on_and_held_ones_stay():
-    lock, feet = locked(), np.zeros((COUNT, 2, FOLLOWED_COLUMNS), np.float32)
+def test_free_feet_are_extrapolated_and_locked_feet_stay():
+    lock, feet = random_foot_locks(), np.zeros((COUNT, 2, FOLLOWED_COLUMNS), np.float32)
     extrapolate_feet(feet, lock, 0.01)
     expected = lock[:, :, :FOLLOWED_COLUMNS].copy()
     free = lock[:, :, HELD] == 0.0
@@ -40,13 +40,13 @@ def test_free_feet_swing_on_and_held_ones_stay():
     assert 0 < free.sum() < free.size
 
 
-def test_the_farthest_shift_is_that_of_any_foot():
-    lock = locked()
+def test_farthest_shift_is_maximum_over_feet():
+    lock = random_foot_locks()
     assert farthest_shift(lock) == np.abs(lock[:, :, (SHIFT_X, SHIFT_Z)]).max()
 
 
-def test_what_has_slid_is_told_once():
-    lock = np.abs(locked())
+def test_slide_is_reported_once():
+    lock = np.abs(random_foot_locks())
     before = lock.copy()
     slid, stood = np.zeros((2, COUNT))
     pop_slide(lock, slid, stood)

@@ -1,4 +1,4 @@
-"""The causal reading: it sees no future, agrees with the offline search where units are clear, and never pops."""
+"""Tests of the causal reading: no look-ahead, agreement with the offline search on clear units, no pops."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from tests.motion.partner.test_answer import pair_of
 RATE = 30.0
 
 
-def followed(
+def run_partner(
     seed: int, frames: int | None = None
 ) -> tuple[LivePartner, list[int], np.ndarray, list[tuple[int, int, float]]]:
     leader, units = pair_of(seed)
@@ -29,38 +29,38 @@ def followed(
     return partner, danced, np.array(roots), decided
 
 
-def test_a_leader_of_the_database_is_read_as_what_she_dances_by_the_middle_of_each_unit() -> None:
+def test_database_leader_is_recognized_by_middle_of_unit() -> None:
     _, units = pair_of(51)
-    _, danced, _, decided = followed(51)
-    right = asked = 0
+    _, danced, _, decided = run_partner(51)
+    correct = total = 0
     for unit in range(units.count):
         at = round((units.start[unit] + 0.6 * units.length[unit]) / 60.0 * RATE)
         if unit > 0 and at < len(danced):
-            asked += 1
-            right += danced[at] == unit
-    assert asked >= 10
-    assert right >= 0.85 * asked
+            total += 1
+            correct += danced[at] == unit
+    assert total >= 10
+    assert correct >= 0.85 * total
     assert np.median([seen for _, _, seen in decided]) <= 0.5
 
 
-def test_what_is_shown_knows_nothing_of_the_future_and_is_the_same_again() -> None:
-    _, whole, roots, _ = followed(52)
-    _, part, some, _ = followed(52, frames=120)
+def test_output_is_causal_and_reproducible() -> None:
+    _, whole, roots, _ = run_partner(52)
+    _, part, some, _ = run_partner(52, frames=120)
     assert part == whole[:120]
     np.testing.assert_array_equal(some, roots[: len(some)])
 
 
-def test_the_follower_never_pops_and_never_waits() -> None:
-    """Her hips move no faster than bodies do, and go on moving in every frame."""
+def test_follower_moves_continuously() -> None:
+    """The follower's hips move no faster than recorded ones, and move in every frame."""
     _, units = pair_of(53)
-    _, _, roots, _ = followed(53)
+    _, _, roots, _ = run_partner(53)
     step = np.linalg.norm(np.diff(roots, axis=0), axis=-1)[15:] * RATE
     recorded = np.linalg.norm(np.diff(joint_positions(units.examples[0].follower)[:, 0], axis=0), axis=-1) * 60.0
     assert step.max() < recorded.max() + 2.0
     assert step.min() > 0.0
 
 
-def test_beats_of_the_clock_bound_the_units() -> None:
+def test_units_begin_on_clock_beats() -> None:
     leader, units = pair_of(54)
     x = ends_cloud(leader).resampled(RATE)
     partner = LivePartner(OnlineDecoder(units, rate=RATE, stretch=0.15, k=4.0))
@@ -72,8 +72,8 @@ def test_beats_of_the_clock_bound_the_units() -> None:
     assert all(begin % 7 == 0 for begin in begun)
 
 
-def test_agreement_counts_what_is_danced_in_the_middle_of_each_unit() -> None:
-    """Of two units of 30 frames the first is danced; the second only in its beginning, or as one that is like it."""
+def test_agreement_compares_units_at_their_middle() -> None:
+    """Of two units of 30 frames the first is danced; the second only in its beginning, or as a similar one."""
     offline = Reading(
         np.array([0, 1]), np.array([0, 30]), np.array([30, 30]), np.ones(2, complex), np.zeros(2, complex),
         np.zeros(2), np.zeros(1), 0.0, RATE,

@@ -1,4 +1,4 @@
-"""Where she lies on the floor follows what is expected: without a jump, and slowly while a foot stands."""
+"""Tests of follower placement: it approaches the expected placement without jumps, and slowly while a foot stands."""
 
 import numpy as np
 import pytest
@@ -14,60 +14,60 @@ ROOT, FACING = 0.3 + 0.2j, np.exp(0.4j)
 WANTED = (1.0 - 0.5j, complex(np.exp(1.4j)))
 
 
-def laid() -> FloorTransform:
+def aligned_transform() -> FloorTransform:
     placing = FloorTransform()
     placing.align(ROOT, FACING, 0.2 + 0.1j, complex(1.0))
     return placing
 
 
-def hips(placing: FloorTransform, part: float) -> complex:
+def hip_position(placing: FloorTransform, part: float) -> complex:
     turn, shift = placing.interpolate(part)
     return turn * ROOT + shift
 
 
-def test_what_is_laid_lies_there_and_comes_to_where_it_is_wanted() -> None:
-    placing = laid()
-    assert hips(placing, 0.0) == pytest.approx(0.2 + 0.1j)
+def test_follower_starts_aligned_and_reaches_wanted_placement() -> None:
+    placing = aligned_transform()
+    assert hip_position(placing, 0.0) == pytest.approx(0.2 + 0.1j)
     assert placing.turn * FACING == pytest.approx(1.0)
     for _ in range(60):
         placing.follow(ROOT, FACING, WANTED, DT, standing=False, too_near=False)
-    assert hips(placing, 1.0) == pytest.approx(WANTED[0], abs=1e-6)
+    assert hip_position(placing, 1.0) == pytest.approx(WANTED[0], abs=1e-6)
     assert placing.turn * FACING == pytest.approx(WANTED[1], abs=1e-6)
 
 
-def test_one_frame_begins_where_the_last_one_ended_even_where_another_recording_is_laid() -> None:
-    placing = laid()
+def test_placement_is_continuous_across_frames_and_recordings() -> None:
+    placing = aligned_transform()
     for n in range(20):
-        end = hips(placing, 1.0)
+        end = hip_position(placing, 1.0)
         placing.follow(ROOT, FACING, WANTED, DT, standing=n % 3 == 0, too_near=False)
-        assert hips(placing, 0.0) == pytest.approx(end, abs=1e-12)
-    end = hips(placing, 1.0)
+        assert hip_position(placing, 0.0) == pytest.approx(end, abs=1e-12)
+    end = hip_position(placing, 1.0)
     placing.align(-1.0 + 0.0j, complex(1.0), end, placing.turn * FACING)
     turn, shift = placing.interpolate(0.0)
     assert turn * -1.0 + shift == pytest.approx(end, abs=1e-12)
 
 
-def test_she_is_moved_much_less_while_a_foot_stands() -> None:
+def test_follower_moves_less_while_foot_stands() -> None:
     moved = []
     for stands in (True, False):
-        placing = laid()
+        placing = aligned_transform()
         for _ in range(6):
             placing.follow(ROOT, FACING, WANTED, DT, standing=stands, too_near=False)
-        moved.append(abs(hips(placing, 1.0) - (0.2 + 0.1j)))
+        moved.append(abs(hip_position(placing, 1.0) - (0.2 + 0.1j)))
     assert moved[0] < 0.5 * moved[1]
 
 
-def test_she_is_never_moved_or_turned_fast_however_far_she_is_to_go() -> None:
+def test_follower_speed_and_turn_rate_are_limited() -> None:
     for near, share in ((False, 1.0), (True, 2.0)):
-        placing = laid()
+        placing = aligned_transform()
         for _ in range(10):
             before = placing.turn
             placing.follow(ROOT, FACING, (30.0 + 0.0j, complex(-1.0)), DT, standing=False, too_near=near)
-            assert abs(hips(placing, 1.0) - hips(placing, 0.0)) <= share * MAX_SPEED * DT * (1.0 + 1e-9)
+            assert abs(hip_position(placing, 1.0) - hip_position(placing, 0.0)) <= share * MAX_SPEED * DT * (1.0 + 1e-9)
             assert abs(np.angle(placing.turn / before)) <= share * MAX_TURN_RATE * DT * (1.0 + 1e-9)
 
 
-def test_she_is_pushed_off_a_leader_to_whom_no_recorded_follower_came_so_near() -> None:
+def test_follower_keeps_recorded_minimum_distance_from_leader() -> None:
     leader, units = pair_of(56)
     reader = OnlineDecoder(units, rate=30.0, stretch=0.15, k=4.0)
     x = ends_cloud(leader)
@@ -81,8 +81,8 @@ def test_she_is_pushed_off_a_leader_to_whom_no_recorded_follower_came_so_near() 
     assert reader.keep_distance(middle + 2.0 * reader.min_distance) == middle + 2.0 * reader.min_distance
 
 
-def test_she_is_expected_at_the_mean_of_where_all_units_that_run_would_have_her() -> None:
-    """Against single fits of what is seen of each unit, its weight by its score; the leader dances none of them."""
+def test_expected_root_is_weighted_mean_of_running_units() -> None:
+    """Against single fits of the input so far to each unit, weighted by score; the leader dances none of the units."""
     _, units = pair_of(55)
     leader, _ = pair_of(57)
     x = ends_cloud(leader).resampled(RATE)
@@ -111,5 +111,5 @@ def test_she_is_expected_at_the_mean_of_where_all_units_that_run_would_have_her(
     assert expected is not None
     assert weights.sum() > 2.0
     place, facing = (np.sum(weights * np.array([one[n] for one in found])) for n in (1, 2))
-    assert abs(expected[0] - place / weights.sum()) < 0.01  # recordings are read between their samples
+    assert abs(expected[0] - place / weights.sum()) < 0.01  # recordings are interpolated between samples
     assert abs(np.angle(expected[1] / facing)) < 0.01

@@ -1,4 +1,4 @@
-"""A leader of the stage is read in beats: the same at any tempo, held when she stops, and never to be misread."""
+"""Tests of reading a stage leader in beats: independent of tempo, held on request, stops and NaN handled."""
 
 from dataclasses import replace
 
@@ -13,31 +13,31 @@ from tests.motion.partner.made_examples import made_units
 TEMPO = 120.0
 
 
-def lore_of(units: Units) -> PartnerExamples:
+def examples_of(units: Units) -> PartnerExamples:
     per_beat = frames_per_beat(TEMPO)
     timed = retime_to_beats(units, unit_beats=2, samples=frames_per_beat(TEMPO, RECORDING_RATE), period=60.0 / TEMPO)
     return PartnerExamples(timed, unit_beats=2, per_beat=per_beat, tempo=TEMPO, stretch=0.15, k=4.0)
 
 
-LORE = lore_of(made_units(5, 12))
+EXAMPLES = examples_of(made_units(5, 12))
 
 
-def read_of(order: list[int], *, ticks_per_beat: float = 32.0) -> tuple[LeaderReader, list[str]]:
-    """A leader who dances these units one after the other, looked at so many times a beat; what was told of her."""
-    read, told = LeaderReader(LORE), []
-    (example,) = LORE.units.examples
+def read_units(order: list[int], *, ticks_per_beat: float = 32.0) -> tuple[LeaderReader, list[str]]:
+    """Reader after a leader danced these units in order, with so many ticks a beat, and the labels it decided."""
+    read, labels = LeaderReader(EXAMPLES), []
+    (example,) = EXAMPLES.units.examples
     for tick in range(int(ticks_per_beat * 2 * len(order))):
         danced = tick / ticks_per_beat
         if read.frames_due(danced):
             unit = order[int(danced / 2.0)]
-            at = LORE.units.start[unit] + danced % 2.0 / 2.0 * LORE.units.length[unit]
+            at = EXAMPLES.units.start[unit] + danced % 2.0 / 2.0 * EXAMPLES.units.length[unit]
             cloud = example.control.at(np.array([at]))
             read.process_frame(cloud.floor[0], cloud.height[0], danced, 0.04)
-            told += [read.decided_label] if read.decided_label else []
-    return read, told
+            labels += [read.decided_label] if read.decided_label else []
+    return read, labels
 
 
-def test_units_in_beats_are_equally_long_and_hold_what_they_held() -> None:
+def test_retimed_units_have_equal_length_and_same_content() -> None:
     units = made_units(7, 6)
     (example,) = units.examples
     whole = replace(example, holds=(Hold(0, 1, float(example.cuts[1]), float(example.cuts[3])),), beats=example.cuts)
@@ -53,16 +53,16 @@ def test_units_in_beats_are_equally_long_and_hold_what_they_held() -> None:
     assert (new.holds[0].begin, new.holds[0].end) == (new.cuts[1], new.cuts[3])
 
 
-def test_what_she_dances_is_read_whatever_the_tempo() -> None:
+def test_units_are_recognized_at_any_tempo() -> None:
     order = [3, 7, 1, 9, 0, 4, 11, 2]
     for ticks in (32.0, 64.0 * 60.0 / 90.0, 64.0 * 60.0 / 200.0, 9.0):
-        _, told = read_of(order, ticks_per_beat=ticks)
+        _, labels = read_units(order, ticks_per_beat=ticks)
         right = [f"made/{unit + 1}" for unit in order]
-        assert sum(label in told for label in right[1:]) >= len(right) - 2, ticks
+        assert sum(label in labels for label in right[1:]) >= len(right) - 2, ticks
 
 
-def test_who_stops_is_noticed_and_numbers_that_are_none_are_no_places() -> None:
-    read, _ = read_of([3, 7, 1])
+def test_still_leader_is_detected_and_nan_is_ignored() -> None:
+    read, _ = read_units([3, 7, 1])
     before, latest = read.root.copy(), read.partner.decoder.frame_index
     floor, height = read._points, read._heights
     for n in range(1, 6):
@@ -71,13 +71,13 @@ def test_who_stops_is_noticed_and_numbers_that_are_none_are_no_places() -> None:
     assert read.partner.decoder.frame_index == latest
     assert np.array_equal(read.root, before)
     read.process_frame(floor, height, 6.0 + 6 / read.examples.per_beat, 0.04)
-    assert read.still_frames >= 6.0  # she stands like a picture
+    assert read.still_frames >= 6.0  # the leader stands still
     read.process_frame(floor + 0.01, height, 6.0 + 7 / read.examples.per_beat, 0.04)
     assert read.still_frames == 0.0
 
 
-def test_what_is_held_stays_and_is_let_go() -> None:
-    read, _ = read_of([3, 7, 1])
+def test_held_answer_stays_until_release() -> None:
+    read, _ = read_units([3, 7, 1])
     read.hold(0.25)
     assert not read.answering
     assert np.array_equal(read.root[0], read.root[2])

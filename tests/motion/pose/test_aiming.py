@@ -1,4 +1,4 @@
-"""Aiming anew: nobody jumps, ways lead where they shall, and late aims are not hurried."""
+"""Tests of redirecting corrections to new goals: continuous shifts, reached goals, and bounded late changes."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def shift_at(correction, aimed, place):
 
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)), min_size=1, max_size=6))
-def test_the_way_is_continuous_and_ends_at_the_last_goal_taken(goals):
+def test_shift_is_continuous_and_ends_at_last_goal(goals):
     correction, aimed = np.array([[0.2, -0.1, 0.4]]), np.zeros((1, 3))
     for place, goal in zip(np.linspace(0.05, 0.9, len(goals)), goals, strict=True):
         before = shift_at(correction, aimed, place)
@@ -43,8 +43,8 @@ def test_the_way_is_continuous_and_ends_at_the_last_goal_taken(goals):
     assert correction[0, 2] == 0.4  # the turn is left alone
 
 
-def test_a_goal_that_moves_smoothly_leaves_no_kink():
-    """Aimed anew at every 1/137 of the measure, the speed changes by no more than the rise's own and the goal's."""
+def test_smoothly_moving_goal_gives_smooth_shift():
+    """Redirected every 1/137 of the measure, the speed changes by no more than the warp's own and the goal's."""
     places = np.linspace(0.0, 1.0, 138)
     ways = {}
     for moving in (False, True):
@@ -60,7 +60,7 @@ def test_a_goal_that_moves_smoothly_leaves_no_kink():
 
 @settings(max_examples=60, deadline=None)
 @given(st.floats(0, 1), st.floats(-2, 2), st.floats(-2, 2), st.floats(0.02, 0.4))
-def test_what_is_left_of_a_measure_is_gone_no_faster_than_a_whole_way(place, x, z, most):
+def test_late_goal_is_limited_to_remaining_share(place, x, z, most):
     correction, aimed, goal = np.array([[0.05, 0.0, 0.0]]), np.zeros((1, 3)), np.array([[x, z]])
     share = warp_share(RISE[0], place)
     now = shift_at(correction, aimed, place)
@@ -73,7 +73,7 @@ def test_what_is_left_of_a_measure_is_gone_no_faster_than_a_whole_way(place, x, 
 
 @settings(max_examples=100, deadline=None)
 @given(st.integers(0, 2**32 - 1))
-def test_ways_are_shortened_and_never_turned(seed):
+def test_corrections_are_shortened_and_never_rotated(seed):
     chance = np.random.default_rng(seed)
     way, yaw = chance.normal(0, 0.3, (8, 2)), chance.uniform(-3, 3, 8)
     asked, node = way.copy(), chance.integers(0, 3, 8).astype(np.int32)
@@ -89,8 +89,8 @@ def test_ways_are_shortened_and_never_turned(seed):
     assert (after <= np.maximum(np.linalg.norm(held, axis=2), 0.15) + 1e-9).all()
 
 
-def test_shares_come_near_the_value_of_the_game():
-    """Against the linear program: stretches in common stances, for which the equal share is not the best."""
+def test_minimax_weights_approach_optimum():
+    """Against the linear program: stretches in common stances, for which equal weights are not optimal."""
     costs = np.array([[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.3, 0.0, 0.0, 1.5]])
     from scipy.optimize import linprog
 

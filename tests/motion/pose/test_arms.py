@@ -1,4 +1,4 @@
-"""Hands that are held: palms meet within reach, arms stay arms, nothing jumps, and nobody else is touched."""
+"""Tests of hand holds: palms meet within reach, bone lengths are kept, motion is smooth, other joints stay."""
 
 import numpy as np
 import pytest
@@ -15,14 +15,14 @@ REACH = 0.265 + 0.245 + float(PALM) - float(LENGTH_BUFFER)
 
 
 def palms(position, rotation, hand):
-    """Middle of that palm of poses (A, J, ...)."""
+    """Palm center of the given hand of poses (A, J, ...)."""
     j = int(ARM_JOINTS[2 + 3 * hand])
     sign = 1.0 if hand == LEFT else -1.0
     return position[:, j] + rotate(rotation[:, j].astype(float), np.array([sign * float(PALM), 0.0, 0.0]))
 
 
 def facing(distance, t=0.0, seed=1):
-    """Two dancers who face each other at a distance [m], their joints turned a little, swaying with time t [s]."""
+    """Two dancers facing each other at a distance [m], with random joint rotations, swaying with time t [s]."""
     rng = np.random.default_rng(seed)
     axis, angle = rng.normal(size=(2, JOINT_COUNT, 3)), rng.uniform(0.0, 0.35, (2, JOINT_COUNT))
     rate = rng.uniform(1.0, 4.0, (2, JOINT_COUNT))
@@ -42,7 +42,7 @@ def facing(distance, t=0.0, seed=1):
 BOTH = np.array([[0, 1], [0, 1]], np.int32), np.array([[LEFT, RIGHT], [RIGHT, LEFT]], np.int32)
 
 
-def join(position, rotation, share=1.0):
+def joined_poses(position, rotation, share=1.0):
     """The same poses with both hands joined."""
     position, rotation = position.copy(), rotation.copy()
     join_hands(position, rotation, *BOTH, np.full(2, share, np.float32), ARM_JOINTS)
@@ -51,9 +51,9 @@ def join(position, rotation, share=1.0):
 
 @pytest.mark.parametrize("distance", [0.6, 0.75, 0.9])
 @pytest.mark.parametrize("seed", range(6))
-def test_hands_meet_within_reach_and_arms_stay_arms(distance, seed):
+def test_hands_meet_within_reach_and_bone_lengths_stay(distance, seed):
     before = facing(distance, seed=seed)
-    position, rotation = join(*before)
+    position, rotation = joined_poses(*before)
     shoulders = np.linalg.norm(before[0][0, ARM_JOINTS[[0, 3]]] - before[0][1, ARM_JOINTS[[3, 0]]], axis=-1)
     for hand in (LEFT, RIGHT):
         one, other = palms(position, rotation, hand)[0], palms(position, rotation, 1 - hand)[1]
@@ -72,10 +72,10 @@ def test_hands_meet_within_reach_and_arms_stay_arms(distance, seed):
     assert (rotation[:, others] == before[1][:, others]).all()
 
 
-def test_the_elbow_hinges_as_before():
+def test_elbow_keeps_hinge_axis():
     """Joining swings the arm and bends the elbow about its own axis: no twist between upper arm and forearm."""
     before = facing(0.75, seed=3)
-    rotation = join(*before)[1]
+    rotation = joined_poses(*before)[1]
     for hand in (LEFT, RIGHT):
         upper, lower = ARM_JOINTS[3 * hand], ARM_JOINTS[3 * hand + 1]
         was, now = (mul(inverse(r[:, upper].astype(float)), r[:, lower].astype(float)) for r in (before[1], rotation))
@@ -85,19 +85,19 @@ def test_the_elbow_hinges_as_before():
 
 
 @pytest.mark.parametrize("distance", [1.35, 3.0])
-def test_out_of_reach_nothing_moves(distance):
+def test_hands_out_of_reach_do_not_move(distance):
     before = facing(distance)
-    for was, now in zip(before, join(*before), strict=True):
+    for was, now in zip(before, joined_poses(*before), strict=True):
         assert (was == now).all()
 
 
-def test_an_open_hold_moves_nothing_and_one_that_opens_arrives_there():
+def test_open_hold_leaves_pose_unchanged():
     before = facing(0.75)
-    assert (join(*before, share=0.0)[0] == before[0]).all()
-    assert join(*before, share=1e-4)[0] == pytest.approx(before[0], abs=1e-3)
+    assert (joined_poses(*before, share=0.0)[0] == before[0]).all()
+    assert joined_poses(*before, share=1e-4)[0] == pytest.approx(before[0], abs=1e-3)
 
 
-def test_many_holds_are_held_as_one_is():
+def test_many_holds_match_single_holds():
     poses = [facing(0.7, seed=seed) for seed in range(40)]
     position, rotation = (np.concatenate([pose[k] for pose in poses]) for k in range(2))
     who = np.stack([2 * np.arange(40), 2 * np.arange(40) + 1], 1).astype(np.int32)
@@ -109,7 +109,7 @@ def test_many_holds_are_held_as_one_is():
         assert (position[2 * n : 2 * n + 2] == alone[0]).all()
 
 
-def _wanted(*, hold):
+def _requested_holds(*, hold):
     other = np.full((2, 2), NOBODY, np.int32)
     hand = np.zeros((2, 2, 2), np.int32)
     if hold:
@@ -118,11 +118,11 @@ def _wanted(*, hold):
     return other, hand
 
 
-def test_hands_are_taken_and_let_go_smoothly_and_within_a_beat():
-    """Two dancers sway; holds close and open: no joint is accelerated as by a jump, all is over within a beat."""
+def test_holds_close_and_open_smoothly_within_beat():
+    """Two dancers sway while holds close and open: no joint jumps, and each change ends within a beat."""
     hands, positions, closed = HandHolds(2), [], []
     for tick in range(256):
-        hands.tick(*_wanted(hold=40 <= tick < 160), TICK, BPM)
+        hands.tick(*_requested_holds(hold=40 <= tick < 160), TICK, BPM)
         position, rotation = facing(0.75, tick * TICK)
         free = position.copy()
         hands.apply(position, rotation, 0.0)
@@ -138,7 +138,7 @@ def test_hands_are_taken_and_let_go_smoothly_and_within_a_beat():
     assert kink.max() < 1.0
 
 
-def test_whoever_changes_her_partner_lets_go_first():
+def test_hand_releases_before_changing_partner():
     hands = HandHolds(3)
     first = np.full((3, 2), NOBODY, np.int32), np.zeros((3, 2, 2), np.int32)
     then = first[0].copy(), first[1]
@@ -152,12 +152,12 @@ def test_whoever_changes_her_partner_lets_go_first():
     assert hands.state[0, 1, 0] > 0.9
 
 
-def test_between_ticks_hands_go_on():
+def test_holds_advance_between_ticks():
     hands = HandHolds(2)
     for _ in range(8):
-        hands.tick(*_wanted(hold=True), TICK, BPM)
+        hands.tick(*_requested_holds(hold=True), TICK, BPM)
     late, next_ = facing(0.75), facing(0.75)
     hands.apply(*late, TICK)
-    hands.tick(*_wanted(hold=True), TICK, BPM)
+    hands.tick(*_requested_holds(hold=True), TICK, BPM)
     hands.apply(*next_, 0.0)
     assert late[0] == pytest.approx(next_[0], abs=0.01)

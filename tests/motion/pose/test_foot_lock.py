@@ -1,4 +1,4 @@
-"""Foot lock: feet that carry stay, legs stay legs, free feet come back without a jump."""
+"""Tests of foot lock: support feet stay, legs keep their lengths, released feet return without a jump."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ ANKLES, TOES = ([SKELETON.index(side + joint) for side in ("left", "right")] for
 
 @pytest.fixture(scope="module")
 def walk():
-    """A sketched walk, dragged to the right by 0.3 m/s: its feet slide."""
+    """A sketched walk with a sideways drift of 0.3 m/s: its feet slide."""
     clip = next(step.clip for step in load_steps(STEPS) if step.step == "walk" and step.direction == "long forward")
     root = clip.root_position.copy()
     root[:, 0] += 0.3 * np.arange(clip.sample_count, dtype=np.float32) / clip.sample_rate
@@ -29,7 +29,7 @@ def walk():
 
 
 def slide(clip, contact):
-    """Speeds [m/s] of the carrying feet: of ankle and toes the slower, while `contact` says that the foot carries."""
+    """Speeds [m/s] of the support feet: the slower of ankle and toes, while `contact` is set for the foot."""
     positions, _ = forward_kinematics(clip.root_position.astype(float), clip.rotation.astype(float))
     speeds = []
     for foot in range(2):
@@ -40,7 +40,7 @@ def slide(clip, contact):
     return np.concatenate(speeds)
 
 
-def test_a_dragged_walk_stands(walk):
+def test_dragged_walk_stops_sliding(walk):
     assert slide(walk, walk.contact).mean() > 0.2
     locked = lock_feet(walk)
     assert slide(locked, walk.contact).mean() < 0.02
@@ -50,7 +50,7 @@ def test_a_dragged_walk_stands(walk):
     assert locked.root_position[:, (0, 2)] == pytest.approx(walk.root_position[:, (0, 2)], abs=1e-6)
 
 
-def test_legs_stay_legs_and_the_upper_body_is_untouched(walk):
+def test_feet_and_upper_body_keep_rotations(walk):
     locked = lock_feet(walk)
     assert np.linalg.norm(locked.rotation, axis=-1) == pytest.approx(1.0, abs=1e-5)
     upper = [j for j in range(1, SKELETON.joint_count) if j not in LEG_JOINTS]
@@ -61,8 +61,8 @@ def test_legs_stay_legs_and_the_upper_body_is_untouched(walk):
     assert np.abs((before[:, feet] * after[:, feet]).sum(-1)) == pytest.approx(1.0, abs=1e-4)
 
 
-def test_nothing_pops(walk):
-    """The largest acceleration of any joint grows by little: a foot is let go with the speed it has."""
+def test_joint_accelerations_stay_bounded(walk):
+    """The largest acceleration of any joint grows by little: a foot is released with its current speed."""
     accelerations = []
     for clip in (walk, lock_feet(walk)):
         positions, _ = forward_kinematics(clip.root_position.astype(float), clip.rotation.astype(float))
@@ -71,13 +71,13 @@ def test_nothing_pops(walk):
     assert accelerations[1] < accelerations[0] + 60.0
 
 
-def test_a_clip_that_slides_nowhere_is_left_as_it_is():
+def test_clip_without_sliding_stays_unchanged():
     clip = next(step.clip for step in load_steps(STEPS) if step.step == "walk" and step.direction == "long forward")
     before, after = (forward_kinematics(c.root_position, c.rotation)[0] for c in (clip, lock_feet(clip)))
     assert np.abs(before - after).max() < 0.01
 
 
-def test_no_sole_below_the_floor(walk):
+def test_soles_stay_above_floor(walk):
     root = walk.root_position.copy()
     root[:, 1] -= 0.03
     locked = lock_feet(Clip("sunk", root, walk.rotation.copy(), walk.sample_rate, walk.contact.copy()))
@@ -86,15 +86,15 @@ def test_no_sole_below_the_floor(walk):
     assert min(heel.min(), ball.min()) > -1e-3
 
 
-def standing(count=1):
+def standing_pipeline(count=1):
     pipeline = PosePipeline(count)
     rotation = np.zeros((1, SKELETON.joint_count, 4), np.float32)
     rotation[..., 0] = 1.0
     return pipeline, ClipStore.of(SKELETON.offsets[:1], rotation)
 
 
-def test_a_straight_leg_bends_forward():
-    pipeline, store = standing()
+def test_straight_leg_bends_forward():
+    pipeline, store = standing_pipeline()
     pipeline.lock = True
     pipeline.feet[0, :, SHIFT_Z] = 0.0
     store.root[0, 1] -= 0.1  # both soles would be 10 cm in the floor
@@ -104,8 +104,8 @@ def test_a_straight_leg_bends_forward():
     assert position[0, SKELETON.index("leftFoot"), 1] == pytest.approx(SOLE_BELOW_ANKLE, abs=1e-4)
 
 
-def test_a_foot_is_never_carried_farther_than_the_limit():
-    pipeline, store = standing()
+def test_foot_shift_is_limited():
+    pipeline, store = standing_pipeline()
     pipeline.lock = True
     pipeline.feet[0, 0, SHIFT_X] = 5.0
     position, _ = pipeline.run(store)
@@ -113,7 +113,7 @@ def test_a_foot_is_never_carried_farther_than_the_limit():
     assert moved <= MAX_SHIFT + 1e-4
 
 
-def test_let_go_too_far_and_held_again_only_when_back():
+def test_lock_releases_beyond_limit_and_locks_again():
     lock, dt = FootLock(1), 1 / 64
     contact = np.ones((1, 2), np.bool_)
     place = np.ascontiguousarray(SKELETON.rest_positions()[None, LEG_JOINTS], np.float32)
@@ -130,7 +130,7 @@ def test_let_go_too_far_and_held_again_only_when_back():
     assert abs(lock.state[0, 0, SHIFT_X]) < 0.2
 
 
-def test_a_jump_of_the_clip_moves_the_foot_at_once():
+def test_clip_jump_moves_foot_at_once():
     lock = FootLock(1)
     place = np.ascontiguousarray(SKELETON.rest_positions()[None, LEG_JOINTS], np.float32)
     contact = np.ones((1, 2), np.bool_)
@@ -146,8 +146,8 @@ def test_a_jump_of_the_clip_moves_the_foot_at_once():
     ("name", "fps", "drop"),
     [("walk/cmu_12_01_walk.bvh", None, 1), ("salsa/60_01.bvh", 60.0, 6), ("salsa/61_01.bvh", 60.0, 6)],
 )
-def test_recorded_feet_slide_and_then_stand(name, fps, drop):
-    """The bar: at most 0.02 m/s on the average, the hips moved by 2 cm at most."""
+def test_recorded_feet_stop_sliding(name, fps, drop):
+    """The requirement: at most 0.02 m/s on average, hips moved by at most 2 cm."""
     clip = retarget(mocap_motion(name), name=name, fps=fps, drop_frames=drop)
     locked = lock_feet(clip)
     assert slide(clip, clip.contact).mean() > 0.1

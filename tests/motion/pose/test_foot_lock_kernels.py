@@ -1,4 +1,4 @@
-"""Legs that cannot reach: hips sink and knees straighten without a snap; a leg that reaches is left exact."""
+"""Tests of foot lock kernels: hips sink and knees straighten smoothly; a foot within reach is placed exactly."""
 
 import numpy as np
 import pytest
@@ -20,8 +20,8 @@ HIP, KNEE, ANKLE, TOES = (SKELETON.index(name) for name in ("leftUpperLeg", "lef
 LEG = float(np.linalg.norm(SKELETON.offsets[KNEE]) + np.linalg.norm(SKELETON.offsets[ANKLE]))
 
 
-def posed(shift, height=0.0, lift=None, clear=None):
-    """Joints (T, J, 3) of somebody standing with bent knees, her left foot asked to be `shift` (T,) [m] behind."""
+def shifted_poses(shift, height=0.0, lift=None, clear=None):
+    """Joints (T, J, 3) of a standing dancer with bent knees, the left foot requested `shift` (T,) [m] behind."""
     count = len(shift)
     rotation = np.zeros((1, SKELETON.joint_count, 4), np.float32)
     rotation[..., 0] = 1.0
@@ -43,9 +43,9 @@ def posed(shift, height=0.0, lift=None, clear=None):
     return pipeline.run(ClipStore.of(root, rotation))[0].astype(float), root
 
 
-def test_hips_sink_smoothly_and_never_far():
+def test_hips_sink_smoothly_within_limit():
     shift = np.linspace(0.0, 0.24, 481)
-    position, root = posed(shift)
+    position, root = shifted_poses(shift)
     drop = root[0, 1] - position[:, 0, 1]
     assert drop[0] == pytest.approx(0.0, abs=1e-6)
     assert (np.diff(drop) > -1e-6).all()
@@ -54,8 +54,8 @@ def test_hips_sink_smoothly_and_never_far():
     assert np.abs(np.diff(slope)).max() < 0.25 * slope.max()  # it neither begins nor stops at once
 
 
-def test_a_foot_is_where_it_shall_be_while_the_leg_reaches_easily():
-    position, _ = posed(np.linspace(0.0, 0.24, 241))
+def test_foot_within_reach_is_placed_exactly():
+    position, _ = shifted_poses(np.linspace(0.0, 0.24, 241))
     asked = position[0, ANKLE, 2] - np.linspace(0.0, 0.24, 241)
     length = np.linalg.norm(position[:, ANKLE] - position[:, HIP], axis=1)
     easy = length < LEG - LENGTH_BUFFER - 0.03 - 1e-4
@@ -65,19 +65,19 @@ def test_a_foot_is_where_it_shall_be_while_the_leg_reaches_easily():
     assert np.abs(position[:, ANKLE, 2] - asked).max() < 0.05
 
 
-def test_the_knee_straightens_without_a_snap():
-    """Pulled back evenly, the knee moves at most a few times as fast as the foot is asked to."""
+def test_knee_straightens_smoothly():
+    """With the foot pulled back evenly, the knee moves at most three times as fast as requested for the foot."""
     shift = np.linspace(0.0, 0.24, 241)
-    position, _ = posed(shift)
+    position, _ = shifted_poses(shift)
     knee = np.linalg.norm(np.diff(position[:, KNEE], axis=0), axis=1) / np.diff(shift)
     assert knee.max() < 3.0
     assert np.abs(np.diff(knee)).max() < 0.25
 
 
-def test_a_lifted_foot_stays_lifted_and_its_lift_fades():
-    """A clip's foot 2 cm under the floor stands on it; freed, it is back at the clip's height without a step."""
+def test_foot_lift_fades_after_release():
+    """A clip's foot 2 cm below the floor is put on it; after release it returns to the clip's height without a step."""
     lock, dt = FootLock(1), 1.0 / 60.0
-    position, _ = posed(np.zeros(1))
+    position, _ = shifted_poses(np.zeros(1))
     legs = np.ascontiguousarray(position[:, LEG_JOINTS], np.float32)
     heights = []
     for tick in range(60):
@@ -94,11 +94,11 @@ def test_a_lifted_foot_stays_lifted_and_its_lift_fades():
     assert lock.state.shape[2] > FEET_COLUMNS
 
 
-def test_a_foot_is_clear_of_the_floor_and_softly_so():
-    """As high as asked or a little higher, from standing as from below; one that is high enough is hardly moved."""
+def test_foot_clearance_is_kept_smoothly():
+    """As high as requested or slightly higher, from any height; a foot that is high enough hardly moves."""
     clear = np.linspace(0.0, 0.06, 121)
     for height in (0.0, -0.02, 0.05, 0.2):
-        position, _ = posed(np.zeros(121), height=height, clear=clear)
+        position, _ = shifted_poses(np.zeros(121), height=height, clear=clear)
         sole = position[:, ANKLE, 1] - SOLE_BELOW_ANKLE
         assert (sole > np.maximum(clear, height) - 1e-4).all()
         assert (sole < np.maximum(clear, height) + 0.15 * clear + 1e-4).all()

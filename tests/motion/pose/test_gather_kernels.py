@@ -1,4 +1,4 @@
-"""What is asked of the pose pipeline, against the same said plainly with whole arrays."""
+"""Tests of the kernels that gather pose inputs, against whole-array formulas."""
 
 import numpy as np
 import pytest
@@ -29,8 +29,8 @@ from tests.show.made_show import GRAPH
 COUNT = 40
 
 
-def danced(seed):
-    """Measures by chance, with corrections, turns and takes."""
+def random_measures(seed):
+    """Random measures with corrections, turns and takes."""
     chance, nodes = np.random.default_rng(seed), GRAPH.library.node_count
     result = MeasureState(GRAPH, COUNT)
     result.node[:] = chance.integers(0, nodes, COUNT)
@@ -44,8 +44,8 @@ def danced(seed):
     return result
 
 
-def ask(pipeline, own, then, phase, fraction, *, goes_on):
-    """The question about everybody who is at `phase` of `own`, with `then` after it."""
+def gather_inputs(pipeline, own, then, phase, fraction, *, goes_on):
+    """Gather the inputs of all dancers at `phase` of `own`, followed by `then`."""
     library, window = GRAPH.library, GRAPH.window
     gather_dancers(
         np.arange(COUNT), phase, fraction, window, goes_on,
@@ -60,16 +60,16 @@ def ask(pipeline, own, then, phase, fraction, *, goes_on):
 
 @pytest.mark.parametrize("fraction", [0.0, 0.4, 0.81, 0.93, 1.0])
 @pytest.mark.parametrize("goes_on", [True, False])
-def test_what_is_asked_is_what_the_measures_say(fraction, goes_on):
-    own, then, pipeline = danced(1), danced(2), PosePipeline(COUNT)
+def test_gathered_inputs_match_measures(fraction, goes_on):
+    own, then, pipeline = random_measures(1), random_measures(2), PosePipeline(COUNT)
     phase = np.clip(fraction + np.random.default_rng(3).uniform(-0.1, 0.1, COUNT), 0.0, 1.0)
     window = GRAPH.window
-    ask(pipeline, own, then, phase, fraction, goes_on=goes_on)
+    gather_inputs(pipeline, own, then, phase, fraction, goes_on=goes_on)
     into = transition_weight((phase - (1.0 - window)) / window) * goes_on
     np.testing.assert_allclose(pipeline.share[INTO_NEXT], into, atol=1e-6)
     placement = np.empty((COUNT, 4))
     own.placements_at(phase, placement)
-    _same(pipeline, own, phase, placement, PRESENT, PRESENT_TAKE, LOWER, np.ones(COUNT, np.bool_))
+    _assert_inputs(pipeline, own, phase, placement, PRESENT, PRESENT_TAKE, LOWER, np.ones(COUNT, np.bool_))
     np.testing.assert_array_equal(pipeline.mean[0], np.where(own.take_share[1] > 0.5, own.take, own.node))
     eased = fraction * fraction * (3.0 - 2.0 * fraction)
     loud = own.amplitude[0] + eased * (own.amplitude[1] - own.amplitude[0])
@@ -77,36 +77,37 @@ def test_what_is_asked_is_what_the_measures_say(fraction, goes_on):
     blends = into > 0.0
     np.testing.assert_array_equal(pipeline.sample[NEXT, ~blends], pipeline.sample[PRESENT, ~blends])
     lies = np.column_stack([then.placement, then.placement[:, 2]])
-    _same(pipeline, then, phase - 1.0, lies, NEXT, NEXT_TAKE, NEXT_LOWER, blends)
+    _assert_inputs(pipeline, then, phase - 1.0, lies, NEXT, NEXT_TAKE, NEXT_LOWER, blends)
 
 
-def test_poses_are_the_same_whatever_was_asked_for_before():
-    """Bit by bit: a picture that is drawn between two ticks may ask for what no tick does. Shares of a next measure
-    that were left behind made a whole block of dancers be mixed, and the others differ in the last bit."""
-    own, then = danced(1), danced(2)
+def test_poses_do_not_depend_on_earlier_inputs():
+    """Bit by bit: a frame drawn between two ticks may request what no tick does. Shares of a next measure that remained
+    made a whole block of dancers be mixed, and the others differed in the last bit.
+    """
+    own, then = random_measures(1), random_measures(2)
     fresh, used = PosePipeline(COUNT), PosePipeline(COUNT)
     blends = np.where(np.arange(COUNT) < 4, 0.95, 0.5)
-    ask(used, own, then, np.ones(COUNT), 1.0, goes_on=True)
+    gather_inputs(used, own, then, np.ones(COUNT), 1.0, goes_on=True)
     for pipeline in (fresh, used):
         then.take_share[:, blends > 0.9] = 0.0
-        ask(pipeline, own, then, blends, 0.5, goes_on=True)
+        gather_inputs(pipeline, own, then, blends, 0.5, goes_on=True)
     np.testing.assert_array_equal(used.share, fresh.share)
     for ours, theirs in zip(used.run(GRAPH.library.store), fresh.run(GRAPH.library.store), strict=True):
         np.testing.assert_array_equal(ours, theirs)
 
 
 @pytest.mark.parametrize("beyond", [-30.0, -0.2, 1.2, 27.0])
-def test_beyond_its_measure_no_clip_is_read(beyond):
-    """After a stall a picture may be asked for many measures late: what lies there is no clip, and may be no number."""
-    own, pipeline = danced(1), PosePipeline(COUNT)
+def test_samples_are_clamped_to_measure(beyond):
+    """After a stall a frame may be many measures late: samples outside the clip may not be numbers."""
+    own, pipeline = random_measures(1), PosePipeline(COUNT)
     library = GRAPH.library
-    ask(pipeline, own, own, np.full(COUNT, beyond), 1.0, goes_on=False)
+    gather_inputs(pipeline, own, own, np.full(COUNT, beyond), 1.0, goes_on=False)
     line = library.node_first if beyond < 0.0 else library.node_last
     np.testing.assert_array_equal(pipeline.sample[PRESENT], line[own.node])
     assert 0.0 <= pipeline.sample.min() <= pipeline.sample.max() < len(library.clip_root)
 
 
-def _same(pipeline, measures, phase, placement, row, take_row, share_row, rows):
+def _assert_inputs(pipeline, measures, phase, placement, row, take_row, share_row, rows):
     library = GRAPH.library
 
     def sample_of(node):
@@ -123,7 +124,7 @@ def _same(pipeline, measures, phase, placement, row, take_row, share_row, rows):
     np.testing.assert_allclose(pipeline.placement[take_row, mixed], lies[mixed], atol=1e-12)
 
 
-def test_phases_are_those_of_the_time_warp():
+def test_phases_match_time_warp():
     warps = draw_measure_warps(np.random.default_rng(4), 200, window=0.2)
     table = np.array([warps.amplitude, warps.frequency, warps.start, warps.sign])
     out = np.empty(200)
@@ -132,7 +133,7 @@ def test_phases_are_those_of_the_time_warp():
         np.testing.assert_allclose(out, measure_warp(fraction, *table, 0.2), atol=1e-12)
 
 
-def test_feet_stand_where_all_clips_have_them_stand():
+def test_feet_stand_if_all_clips_have_contact():
     contact = np.array([[1, 0], [1, 1], [0, 1]], np.bool_)
     sample = np.array([[0, 1, 1, 1], [0, 0, 0, 2], [0, 2, 2, 1], [0, 0, 0, 0]], np.float64)
     share = np.zeros((5, 4), np.float32)
@@ -143,7 +144,7 @@ def test_feet_stand_where_all_clips_have_them_stand():
     np.testing.assert_array_equal(out, [[1, 0], [0, 1], [0, 1], [0, 1]])
 
 
-def test_phases_are_drifting_and_late_on_purpose_but_by_a_measure_at_most():
+def test_phase_delay_is_limited_to_measure():
     chance = np.random.default_rng(6)
     warps = draw_measure_warps(chance, COUNT, window=0.2)
     table = np.array([warps.amplitude, warps.frequency, warps.start, warps.sign])
@@ -157,7 +158,7 @@ def test_phases_are_drifting_and_late_on_purpose_but_by_a_measure_at_most():
         assert (lowest, highest) == (out.min(), out.max())
 
 
-def test_hips_are_those_of_the_clips_for_whoever_is_asked():
+def test_clip_hips_match_for_any_rows():
     chance, pipeline, samples = np.random.default_rng(7), PosePipeline(COUNT), 50
     root = chance.normal(size=(samples, 3)).astype(np.float32)
     pipeline.sample[:] = chance.uniform(0.0, samples - 1.0, pipeline.sample.shape)
@@ -176,19 +177,19 @@ def test_hips_are_those_of_the_clips_for_whoever_is_asked():
         np.testing.assert_allclose(out, (1.0 - into) * place(PRESENT, rows) + into * place(NEXT, rows), atol=1e-6)
 
 
-def test_ends_are_worked_out_anew_when_measures_change():
-    one = danced(3)
+def test_changed_measure_updates_its_end():
+    one = random_measures(3)
     before = one.own_end()[0].copy()
     one.node[4] = (one.node[4] + 1) % GRAPH.library.node_count
-    fresh = danced(3)
+    fresh = random_measures(3)
     fresh.copy_from(one)
     fresh._ends = None
     np.testing.assert_array_equal(one.own_end()[0], fresh.own_end()[0])
     assert (one.own_end()[0] != before).any(axis=1).sum() == 1
 
 
-def cleared(shares, heights):
-    """CLEAR and ROUND (A,) of a foot that the clips of all dancers have at `heights` (4,) [m], with `shares` (5, A)."""
+def clearance_of(shares, heights):
+    """CLEARANCE and its softness (A,) of a foot at `heights` (4,) [m] in the clips, with `shares` (5, A)."""
     count = shares.shape[1]
     feet = np.full((count, 2, FEET_COLUMNS), 7.0, np.float32)
     sample = np.tile(np.arange(4.0)[:, None], (1, count))
@@ -198,23 +199,23 @@ def cleared(shares, heights):
     return feet[:, 0, CLEARANCE], feet[:, 0, CLEARANCE_SOFTNESS]
 
 
-def test_feet_of_clips_alone_are_left_as_they_are_and_standing_feet_stand():
+def test_unblended_and_standing_feet_have_no_clearance():
     share = np.zeros((5, 3))
     share[INTO_NEXT] = 0.0, 1.0, 0.5
     share[NEXT_LOWER, 0] = 0.5  # of a clip that is not danced yet
     for heights in ([0.1, 0.2, 0.03, 0.2], [0.0, 0.3, 0.0, 0.3]):
-        clear, soft = cleared(share[:, :2] if heights[0] else share, heights)
+        clear, soft = clearance_of(share[:, :2] if heights[0] else share, heights)
         np.testing.assert_array_equal(clear * soft, 0.0)
         np.testing.assert_array_equal(soft, 0.0)
-    clear, _ = cleared(share, [0.0, 0.3, 0.0, 0.3])
+    clear, _ = clearance_of(share, [0.0, 0.3, 0.0, 0.3])
     np.testing.assert_array_equal(clear, 0.0)
 
 
-def test_in_a_blend_a_foot_is_as_high_as_the_clip_that_has_it_highest():
+def test_blended_foot_reaches_height_of_highest_clip():
     share = np.zeros((5, 101))
     share[INTO_NEXT] = np.linspace(0.0, 1.0, 101)
     for heights in ([0.03, 0.0, 0.0, 0.0], [0.0, 0.0, 0.03, 0.0], [0.3, 0.0, 0.01, 0.0]):
-        clear, soft = cleared(share, heights)
+        clear, soft = clearance_of(share, heights)
         blended = (1.0 - share[INTO_NEXT]) * heights[0] + share[INTO_NEXT] * heights[2]
         highest = max(heights) / np.sqrt(1.0 + (max(heights) / MAX_CLEARANCE) ** 2)
         assert clear.max() <= 1.2 * highest
@@ -229,14 +230,14 @@ def test_in_a_blend_a_foot_is_as_high_as_the_clip_that_has_it_highest():
         assert np.abs(np.diff(lifted)).max() < 0.15 * max(heights)  # it is lifted, it does not jump
 
 
-def test_mixed_takes_count_by_their_share():
+def test_mixed_takes_are_weighted_by_share():
     share = np.zeros((5, 3))
     share[LOWER] = 0.0, 0.5, 1.0
-    clear, soft = cleared(share, [0.0, 0.04, 0.0, 0.0])
+    clear, soft = clearance_of(share, [0.0, 0.04, 0.0, 0.0])
     assert soft[0] == soft[2] == 0.0
     assert clear[1] == pytest.approx(0.04 / np.sqrt(1.25), rel=1e-5)
     coming = np.zeros((5, 2))
     coming[INTO_NEXT], coming[NEXT_LOWER] = 0.5, (0.0, 0.5)
-    clear, _ = cleared(coming, [0.0, 0.0, 0.0, 0.04])
+    clear, _ = clearance_of(coming, [0.0, 0.0, 0.0, 0.04])
     assert clear[0] == 0.0
     assert clear[1] == pytest.approx(0.04 / np.sqrt(1.25), rel=1e-5)

@@ -1,4 +1,4 @@
-"""Inertialization against Bollo's conditions: value and speed kept at the cut, nothing left later; no overshoot."""
+"""Tests of inertialization against Bollo's conditions: value and speed kept at the cut, full decay, no overshoot."""
 
 import math
 
@@ -22,7 +22,7 @@ COUNT = 40  # more than a block
 
 
 def smooth_clips(seed, spread=0.7):
-    """Two motions of a body within `spread` [rad] of one pose, one after the other in one store."""
+    """Two motions of a body within `spread` [rad] of one pose, stored one after the other."""
     chance = np.random.default_rng(seed)
     around = quaternion.unit(chance.normal(0, 1, (JOINT_COUNT, 4)))
     time = np.linspace(0, 2 * math.pi, SAMPLES)[:, None, None]
@@ -37,7 +37,7 @@ def smooth_clips(seed, spread=0.7):
 
 
 class Cut:
-    """COUNT dancers who leave the first clip at samples of their own for any sample of the second."""
+    """COUNT dancers who cut from individual samples of the first clip to random samples of the second."""
 
     def __init__(self, seed, spread=0.7):
         chance = np.random.default_rng(seed)
@@ -63,14 +63,14 @@ class Cut:
         return tuple(array.copy() for array in self.pipeline.run(self.store))
 
     def shown(self, seconds):
-        """The same `seconds` after the cut, with what is left of the old motion."""
+        """The same `seconds` after the cut, with the remaining old motion."""
         self.inertia.update_age(10.0 + seconds)
         self.pipeline.sample[PRESENT] = self.new + seconds * RATE
         return tuple(array.copy() for array in self.pipeline.run(self.store))
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.1, 1.3))
-def test_the_pose_is_the_old_one_at_the_cut(seed, spread):
+def test_pose_is_continuous_at_cut(seed, spread):
     cut = Cut(seed, spread)
     position, rotation = cut.shown(0.0)
     old_position, old_rotation = cut.clip(cut.old)
@@ -79,8 +79,8 @@ def test_the_pose_is_the_old_one_at_the_cut(seed, spread):
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.1, 1.0))
-def test_the_speed_is_the_old_one_at_the_cut(seed, spread):
-    """Between two pictures a hundredth of a tick apart, against the old clip's own between its samples."""
+def test_speed_is_continuous_at_cut(seed, spread):
+    """Between two frames a hundredth of a tick apart, against the old clip's speed between its samples."""
     cut = Cut(seed, spread)
     small = 0.01 * DT
     now, then = cut.shown(0.0)[0].astype(np.float64), cut.shown(small)[0]
@@ -95,7 +95,7 @@ def test_the_speed_is_the_old_one_at_the_cut(seed, spread):
 
 
 @given(st.integers(0, 2**32 - 1))
-def test_nothing_is_left_after_the_longest_time(seed):
+def test_difference_is_zero_after_maximum_fade_time(seed):
     cut = Cut(seed)
     for seconds in (MAX_FADE_TIME, MAX_FADE_TIME + 0.05):
         shown, clip = cut.shown(seconds), cut.clip(cut.new + seconds * RATE)
@@ -103,8 +103,8 @@ def test_nothing_is_left_after_the_longest_time(seed):
         assert (shown[1] == clip[1]).all()
 
 
-def test_nothing_is_changed_in_whom_nobody_cuts():
-    """One dancer of a block is cut: the others' bits stay, and so do those of whoever has settled."""
+def test_dancers_without_cut_stay_unchanged():
+    """One dancer of a block is cut: the other dancers are bit for bit the same."""
     cut = Cut(5)
     plain = cut.clip(cut.new)
     cut.inertia.clear(np.flatnonzero(np.arange(COUNT) != 3))
@@ -117,8 +117,8 @@ def test_nothing_is_changed_in_whom_nobody_cuts():
     assert np.abs(shown[0][3] - plain[0][3]).max() > 0.01
 
 
-def difference(offset, speed, seconds):
-    """The difference left after each of `seconds`, of one joint, as the kernels let it fade, (T, 3)."""
+def decayed_difference(offset, speed, seconds):
+    """Remaining difference of one joint after each of `seconds`, as the kernels let it fade, (T, 3)."""
     inertia = Inertialization(1, JOINT_COUNT)
     parents = PosePipeline(1).skeleton.parents
     rest = np.zeros((2, 1, JOINT_COUNT, 3), np.float32), np.tile(np.float32([1, 0, 0, 0]), (2, 1, JOINT_COUNT, 1))
@@ -136,7 +136,7 @@ def difference(offset, speed, seconds):
 
 
 def quintic(offset, speed, duration, seconds):
-    """The polynomial of Bollo's six conditions, by solving for its coefficients."""
+    """The polynomial of Bollo's six conditions, from solving for its coefficients."""
     t = duration
     powers = np.arange(6)
     rows = [
@@ -151,11 +151,11 @@ def quintic(offset, speed, duration, seconds):
 
 
 @given(st.integers(0, 2**32 - 1))
-def test_a_difference_fades_by_the_quintic_and_within_its_bound(seed):
+def test_difference_fades_by_quintic_within_bound(seed):
     chance = np.random.default_rng(seed)
     offset, speed = chance.normal(0, 0.3, 3), chance.normal(0, 2.0, 3)
     seconds = np.linspace(0.0, MAX_FADE_TIME, 41)
-    found, duration = difference(offset, speed, seconds)
+    found, duration = decayed_difference(offset, speed, seconds)
     assert MIN_FADE_TIME <= duration <= MAX_FADE_TIME + 1e-6
     assert found == pytest.approx(quintic(offset, speed, duration, seconds), abs=2e-4)
     bound = np.linalg.norm(offset) + 0.2 * duration * np.linalg.norm(speed)
@@ -163,19 +163,19 @@ def test_a_difference_fades_by_the_quintic_and_within_its_bound(seed):
 
 
 @given(st.floats(0.02, 1.0), st.floats(0.0, 1.0), st.integers(0, 2**32 - 1))
-def test_a_difference_that_closes_straight_never_passes_zero(size, share, seed):
-    """Bollo's bound: as long as the shortest fade lets it, the difference shrinks all the time and never turns over."""
+def test_closing_difference_never_overshoots(size, share, seed):
+    """Bollo's bound: while the shortest fade permits, the difference shrinks steadily and never changes sign."""
     way = np.random.default_rng(seed).normal(0, 1, 3)
     way /= np.linalg.norm(way)
     fastest = 2.5 * size / MIN_FADE_TIME
-    found, _ = difference(size * way, -share * fastest * way, np.linspace(0.0, MAX_FADE_TIME, 81))
+    found, _ = decayed_difference(size * way, -share * fastest * way, np.linspace(0.0, MAX_FADE_TIME, 81))
     along = found @ way
     assert along.min() > -2e-4 * (1.0 + size)
     assert np.diff(along).max() < 2e-4 * (1.0 + size)
 
 
-def test_the_differences_of_rotations_take_the_short_way_and_keep_it():
-    """Shoulders 170 degrees apart about changing axes: the difference is never larger than that, and never flips."""
+def test_rotation_difference_takes_shorter_arc():
+    """Shoulders 170 degrees apart about changing axes: the difference never exceeds that and never flips."""
     store_rotation = np.tile(np.float32([1, 0, 0, 0]), (4, JOINT_COUNT, 1))
     store_rotation[1, 5] = np.roll(Rotation.from_euler("z", 170, degrees=True).as_quat(), 1)
     store_rotation[0, 5] = np.roll(Rotation.from_euler("z", 189, degrees=True).as_quat(), 1)
@@ -194,8 +194,8 @@ def test_the_differences_of_rotations_take_the_short_way_and_keep_it():
     assert math.degrees(speed[2] * DT) == pytest.approx(-19.0, abs=0.1)  # 189 to 170, not -171 to 170
 
 
-def test_the_legs_alone_keep_the_same_differences():
-    """The foot lock watches nine joints: it must see them where the whole body has them."""
+def test_legs_only_skeleton_has_same_differences():
+    """The foot lock uses nine joints: their positions must equal those of the whole body."""
     cut = Cut(11)
     whole = cut.shown(0.1)[0]
     skeleton, joints = PoseSkeleton.legs_only()
@@ -206,7 +206,7 @@ def test_the_legs_alone_keep_the_same_differences():
     assert legs.run(store)[0] == pytest.approx(whole[:, joints], abs=1e-6)
 
 
-def test_cuts_grow_old_and_are_forgotten():
+def test_cut_age_grows_to_maximum():
     age, began = np.zeros(3, np.float32), np.array([1.0, -np.inf, 1.3])
     assert update_ages(age, began, 1.35)
     np.testing.assert_allclose(age, [0.35, MAX_FADE_TIME, 0.05], atol=1e-6)

@@ -1,4 +1,4 @@
-"""Reaching for a palm that is where it is: it is met within reach, arms stay arms, and only they move."""
+"""Tests of reaching for a fixed palm: it is met within reach, arms keep their lengths, only the arms move."""
 
 import numpy as np
 import pytest
@@ -22,20 +22,20 @@ def reach(position, rotation, share=1.0, who=BOTH[0], hand=BOTH[1]):
     return position, rotation
 
 
-def length(position, rotation, hand):
-    """Of her arm from the shoulder to the palm, the wrist as it is bent [m]."""
+def arm_length(position, rotation, hand):
+    """Length [m] of dancer 1's arm from shoulder to palm, with the wrist as bent."""
     elbow = position[1, ARM_JOINTS[1 + 3 * hand]]
     upper = np.linalg.norm(elbow - position[1, ARM_JOINTS[3 * hand]])
     return float(upper + np.linalg.norm(palms(position, rotation, hand)[1] - elbow))
 
 
-def far_off(position, rotation, hand):
-    """From the shoulder of dancer 1 to the palm of dancer 0 that her `hand` is to hold [m]."""
+def palm_distance(position, rotation, hand):
+    """Distance [m] from dancer 1's shoulder to the palm of dancer 0 that `hand` will hold."""
     shoulder = position[1, ARM_JOINTS[3 * hand]]
     return float(np.linalg.norm(palms(position, rotation, 1 - hand)[0] - shoulder))
 
 
-def arms_are_arms(position, rotation):
+def assert_rigid_bones(position, rotation):
     for joint, parent in enumerate(SKELETON.parents[1:], 1):
         at = position[:, parent] + rotate(rotation[:, parent].astype(float), SKELETON.offsets[joint].astype(float))
         assert position[:, joint] == pytest.approx(at, abs=2e-5)
@@ -44,20 +44,20 @@ def arms_are_arms(position, rotation):
 
 @pytest.mark.parametrize("distance", [0.35, 0.5, 0.6, 0.75])
 @pytest.mark.parametrize("seed", range(8))
-def test_palms_meet_within_reach_and_only_the_followers_arms_move(distance, seed):
+def test_palms_meet_and_only_follower_arms_move(distance, seed):
     before = facing(distance, seed=seed)
     position, rotation = reach(*before)
     for hand in (LEFT, RIGHT):
         gap = np.linalg.norm(palms(position, rotation, hand)[1] - palms(position, rotation, 1 - hand)[0])
-        far, whole = far_off(*before, hand), length(*before, hand)
-        assert length(position, rotation, hand) == pytest.approx(whole, abs=1e-5)
+        far, whole = palm_distance(*before, hand), arm_length(*before, hand)
+        assert arm_length(position, rotation, hand) == pytest.approx(whole, abs=1e-5)
         if far < whole - float(LENGTH_BUFFER) - float(STRAIGHTENING_RANGE):
             assert gap < 1e-4
         elif far < whole:
             assert gap < 0.03
         else:
             assert gap < far - whole + 0.03  # straight towards it
-    arms_are_arms(position, rotation)
+    assert_rigid_bones(position, rotation)
     assert (position[0] == before[0][0]).all()
     assert (rotation[0] == before[1][0]).all()
     assert (rotation[1, OTHERS] == before[1][1, OTHERS]).all()
@@ -68,29 +68,29 @@ def test_palms_meet_within_reach_and_only_the_followers_arms_move(distance, seed
         assert abs((was * now).sum()) == pytest.approx(1.0, abs=1e-5)
 
 
-def test_an_open_hold_moves_nothing_and_one_that_opens_arrives_there():
+def test_open_hold_leaves_pose_unchanged():
     before = facing(0.5)
     assert (reach(*before, share=0.0)[1] == before[1]).all()
     assert reach(*before, share=1e-4)[0] == pytest.approx(before[0], abs=1e-3)
 
 
-def opposite(angle):
-    """Dancer 1, whose right arm is turned by `angle` [rad], and dancer 0, whose left palm is in front of her."""
+def opposite_poses(angle):
+    """Dancer 1, whose right arm is rotated by `angle` [rad], and dancer 0, whose left palm is in front of dancer 1."""
     local = np.tile(np.array((1.0, 0.0, 0.0, 0.0)), (2, JOINT_COUNT, 1))
     upper = SKELETON.index("rightUpperArm")
     local[1, upper] = from_axis_angle(np.array([0.0, 0.0, 1.0]), np.array(angle))
     local[1, upper + 1] = from_axis_angle(np.array([0.0, 1.0, 0.0]), np.array(0.4))
     position, rotation = forward_kinematics(np.array([[0.0, 0.935, 0.0], [0.0, 0.935, 0.0]]), local)
-    across = np.array((0.36, 0.05, 0.12))  # to her left, so that the way leads past her shoulder
+    across = np.array((0.36, 0.05, 0.12))  # to the left, so that the path leads past the shoulder
     move = position[1, upper] + across - palms(position, rotation, LEFT)[0]
     position[0] += move
     return position.astype(np.float32), rotation.astype(np.float32)
 
 
 @pytest.mark.parametrize("angle", [-0.5, 0.0, 0.5, 1.0, 1.4])
-def test_from_one_side_to_the_other_no_joint_leaps(angle):
-    """The palm goes half round the shoulder while the hold closes: evenly, and so does the elbow."""
-    before = opposite(angle)
+def test_joints_move_evenly_across_shoulder(angle):
+    """The palm moves half around the shoulder while the hold closes: evenly, and so does the elbow."""
+    before = opposite_poses(angle)
     who, hand = np.array([[0, 1]], np.int32), np.array([[LEFT, RIGHT]], np.int32)
     shares = np.linspace(0.0, 1.0, 201)
     way = np.array([reach(*before, share, who, hand)[0][1] for share in shares])
@@ -100,8 +100,8 @@ def test_from_one_side_to_the_other_no_joint_leaps(angle):
     assert away.min() > 0.25  # never through the shoulder
 
 
-def test_an_arm_that_gets_straight_does_not_snap():
-    """The leader goes away evenly: the elbow is nowhere more than three times as fast."""
+def test_arm_straightens_smoothly():
+    """The leader moves away evenly: the elbow is never more than three times as fast."""
     ways = []
     for k in range(120):
         position, rotation = facing(0.5)
@@ -111,7 +111,7 @@ def test_an_arm_that_gets_straight_does_not_snap():
     assert speed.max() < 3.0
 
 
-def test_who_leads_others_comes_first_and_many_are_held_as_one_is():
+def test_chains_of_holds_match_sequential_holds():
     trios = []
     for seed in range(40):
         (p, r), (q, s) = facing(0.55, seed=seed), facing(0.55, seed=seed + 50)
@@ -129,7 +129,7 @@ def test_who_leads_others_comes_first_and_many_are_held_as_one_is():
         assert (rotation[3 * n : 3 * n + 3] == r).all()
 
 
-def test_what_is_seen_is_what_there_is_to_reach():
+def test_measured_reach_matches_geometry():
     position, rotation = facing(0.7, seed=4)
     out = np.zeros((2, 6), np.float32)
     measure_reach(position, rotation, *BOTH, ARM_JOINTS, out)
@@ -137,7 +137,7 @@ def test_what_is_seen_is_what_there_is_to_reach():
         target, own = palms(position, rotation, 1 - hand)[0], palms(position, rotation, hand)[1]
         way = target - position[1, ARM_JOINTS[3 * hand]]
         chest = rotate(rotation[1, ARM_JOINTS[6]].astype(float), np.array((0.0, 0.0, 1.0)))
-        over = far_off(position, rotation, hand) - length(position, rotation, hand)
+        over = palm_distance(position, rotation, hand) - arm_length(position, rotation, hand)
         assert out[n, 0] == pytest.approx(over + float(LENGTH_BUFFER), abs=1e-5)
         assert out[n, 1] == pytest.approx(float(way @ chest) / np.linalg.norm(way), abs=1e-5)
         assert out[n, 2] == pytest.approx(np.linalg.norm(target - own), abs=1e-5)
@@ -146,7 +146,7 @@ def test_what_is_seen_is_what_there_is_to_reach():
         )
 
 
-def test_a_palm_that_is_kept_counts_where_it_was_and_not_where_it_goes():
+def test_kept_palm_target_ignores_leader_motion():
     before = facing(0.5)
     kept, who, hand = np.array([[-0.05, -0.1, 0.4, 1.0]], np.float32), BOTH[0][:1], np.array([[LEFT, RIGHT]], np.int32)
     ways = []

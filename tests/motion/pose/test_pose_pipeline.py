@@ -1,4 +1,4 @@
-"""The pose pipeline against numpy and scipy: exact SLERP, the papers' formulas, forward kinematics by matrices."""
+"""Tests of the pose pipeline against numpy and scipy: exact SLERP, the papers' formulas, matrix kinematics."""
 
 import math
 
@@ -19,8 +19,8 @@ UPPER_JOINTS = slice(1, 14)
 UP = np.array([0.0, 1.0, 0.0])
 
 
-def clips(seed, spread=0.9):
-    """Motion as bodies make it: rotations near a pose, up to `spread` [rad] from it, changing smoothly."""
+def random_motion(seed, spread=0.9):
+    """Smooth body motion: rotations within `spread` [rad] of one pose."""
     chance = np.random.default_rng(seed)
     time = np.linspace(0, 2 * math.pi, SAMPLES)[:, None, None]
     phase = chance.uniform(0, 2 * math.pi, (1, JOINT_COUNT, 3))
@@ -32,14 +32,14 @@ def clips(seed, spread=0.9):
     return root.astype(np.float32), quaternion.align_signs(rotation).astype(np.float32)
 
 
-def at(root, rotation, sample):
+def pose_at(root, rotation, sample):
     low = min(int(sample), SAMPLES - 2)
     t = sample - low
     turned = quaternion.slerp(rotation[low].astype(float), rotation[low + 1].astype(float), np.full(JOINT_COUNT, t))
     return (1 - t) * root[low] + t * root[low + 1], turned
 
 
-def placed(pose, place):
+def place_pose(pose, place):
     root, rotation = pose
     x, z, path, body = place
     c, s = math.cos(path), math.sin(path)
@@ -48,11 +48,11 @@ def placed(pose, place):
     return np.array([x + root[0] * c + root[2] * s, root[1], z + root[2] * c - root[0] * s]), turned
 
 
-def blended(a, b, share):
+def blend_poses(a, b, share):
     return (1 - share) * a[0] + share * b[0], quaternion.slerp(a[1], b[1], np.full(JOINT_COUNT, share))
 
 
-def close(pipeline, row, pose, tolerance=1e-3):
+def assert_pose(pipeline, row, pose, tolerance=1e-3):
     positions, rotations = forward_kinematics(pose[0][None], pose[1][None])
     assert pipeline.position[row] == pytest.approx(positions[0], abs=tolerance)
     assert np.abs((pipeline.rotation[row] * rotations[0]).sum(-1)) == pytest.approx(1.0, abs=1e-4)
@@ -60,24 +60,25 @@ def close(pipeline, row, pose, tolerance=1e-3):
 
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(0, SAMPLES - 1), st.floats(0, SAMPLES - 1), st.floats(0, 1))
-def test_sample_place_blend_and_forward_kinematics(seed, first, second, weight):
-    root, rotation = clips(seed)
+def test_sampling_placement_blend_and_kinematics_match(seed, first, second, weight):
+    root, rotation = random_motion(seed)
     places = np.random.default_rng(seed).uniform(-3, 3, (2, 4))
     pipeline = PosePipeline(1)
     pipeline.sample[PRESENT], pipeline.sample[NEXT] = first, second
     pipeline.placement[PRESENT, 0], pipeline.placement[NEXT, 0] = places
     pipeline.share[INTO_NEXT] = weight
     pipeline.run(ClipStore.of(root, rotation))
-    a, b = (placed(at(root, rotation, s), p) for s, p in zip((first, second), places, strict=True))
+    a, b = (place_pose(pose_at(root, rotation, s), p) for s, p in zip((first, second), places, strict=True))
     # towards half a turn apart the chord takes the arc's place
     if weight in (0.0, 1.0) or np.abs((a[1] * b[1]).sum(-1)).min() > 0.2:
-        close(pipeline, 0, blended(a, b, weight), 2e-3)
+        assert_pose(pipeline, 0, blend_poses(a, b, weight), 2e-3)
     assert np.linalg.norm(pipeline.rotation[0], axis=-1) == pytest.approx(1.0, abs=1e-3)
 
 
-def test_a_blend_between_far_poses_never_jumps():
-    """An elbow bent by 100 degrees one way blends into 100 degrees the other way through the straight arm, not round
-    the back, and a moving clip never makes it change its mind: the shorter arc would."""
+def test_blend_between_distant_poses_is_continuous():
+    """An elbow bent by 100 degrees one way blends into 100 degrees the other way through the straight arm, not around
+    the back, and a moving clip never switches the side: the shorter arc would.
+    """
     joint = SKELETON.index("leftLowerArm")
     bends = np.concatenate([np.linspace(80, 110, SAMPLES), np.linspace(-80, -110, SAMPLES)])
     rotation = np.zeros((2 * SAMPLES, JOINT_COUNT, 4), np.float32)
@@ -96,40 +97,40 @@ def test_a_blend_between_far_poses_never_jumps():
 
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(0, 1), st.floats(0, 1))
-def test_another_take_in_the_lower_and_in_the_upper_body(seed, lower, upper):
-    """T045: both alike is SLERP of the clips; T044: the upper body's rotations alone are the other clip's."""
-    root, rotation = clips(seed, spread=0.4)
+def test_takes_are_mixed_per_body_half(seed, lower, upper):
+    """T045: equal shares give SLERP of the clips; T044: only the upper body's rotations come from the other clip."""
+    root, rotation = random_motion(seed, spread=0.4)
     pipeline = PosePipeline(1)
     pipeline.sample[PRESENT], pipeline.sample[PRESENT_TAKE] = 3.25, 17.5
     pipeline.share[LOWER], pipeline.share[UPPER] = lower, upper
     pipeline.run(ClipStore.of(root, rotation))
-    a, b = at(root, rotation, 3.25), at(root, rotation, 17.5)
-    wanted = blended(a, b, lower)
-    wanted[1][UPPER_JOINTS] = blended(a, b, upper)[1][UPPER_JOINTS]
-    close(pipeline, 0, wanted)
+    a, b = pose_at(root, rotation, 3.25), pose_at(root, rotation, 17.5)
+    wanted = blend_poses(a, b, lower)
+    wanted[1][UPPER_JOINTS] = blend_poses(a, b, upper)[1][UPPER_JOINTS]
+    assert_pose(pipeline, 0, wanted)
 
 
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(0.5, 1.5), st.floats(0, SAMPLES - 1))
-def test_amplitude_is_the_formula_of_t058(seed, amplitude, sample):
+def test_amplitude_matches_t058_formula(seed, amplitude, sample):
     """q' = q_mean (q_mean^-1 q)^r on the upper body, by scipy's rotation vectors; the lower body stays."""
-    root, rotation = clips(seed)
+    root, rotation = random_motion(seed)
     mean = mean_pose(rotation)
     pipeline = PosePipeline(1)
     pipeline.sample[PRESENT] = sample
     pipeline.amplitude[:] = amplitude
     pipeline.run(ClipStore.of(root, rotation, mean[None]))
-    place, pose = at(root, rotation, sample)
+    place, pose = pose_at(root, rotation, sample)
     middle, own = (Rotation.from_quat(np.roll(q[UPPER_JOINTS], -1, axis=-1)) for q in (mean, pose))
     larger = middle * Rotation.from_rotvec(amplitude * (middle.inv() * own).as_rotvec())
     wanted = np.array(pose)
     wanted[UPPER_JOINTS] = np.roll(larger.as_quat(), 1, axis=-1)
-    close(pipeline, 0, (place, wanted), 2e-3)
+    assert_pose(pipeline, 0, (place, wanted), 2e-3)
 
 
-def test_the_mean_pose_leaves_nothing_on_the_average():
-    """The mean of the rotation vectors from it is zero (T058's mean, in log space)."""
-    _, rotation = clips(5)
+def test_mean_pose_has_zero_mean_deviation():
+    """The mean of the rotation vectors from the mean pose is zero (T058's mean, in log space)."""
+    _, rotation = random_motion(5)
     middle = Rotation.from_quat(np.roll(mean_pose(rotation), -1, axis=-1))
     away = [(middle.inv() * Rotation.from_quat(np.roll(q, -1, axis=-1))).as_rotvec() for q in rotation]
     assert np.mean(away, axis=0) == pytest.approx(0.0, abs=0.02)
@@ -137,9 +138,9 @@ def test_the_mean_pose_leaves_nothing_on_the_average():
 
 
 @pytest.mark.parametrize("count", [1, 31, 32, 33, 100])
-def test_no_dancer_depends_on_the_others_or_on_threads(count):
+def test_dancers_are_independent_of_others_and_threads(count):
     chance = np.random.default_rng(count)
-    store = ClipStore.of(*clips(1), mean_pose(clips(1)[1])[None])
+    store = ClipStore.of(*random_motion(1), mean_pose(random_motion(1)[1])[None])
     whole = PosePipeline(count)
     fields = ("sample", "placement", "share", "amplitude", "head", "feet")
     for name in fields:
@@ -164,18 +165,18 @@ def test_no_dancer_depends_on_the_others_or_on_threads(count):
         assert np.array_equal(found[1][0], rotation[dancer])
 
 
-def test_samples_outside_the_clips_are_their_ends():
-    root, rotation = clips(3)
+def test_samples_outside_clips_are_clamped():
+    root, rotation = random_motion(3)
     pipeline = PosePipeline(2)
     pipeline.sample[PRESENT] = -5.0, 1e9
     pipeline.run(ClipStore.of(root, rotation))
-    close(pipeline, 0, (root[0], rotation[0]))
-    close(pipeline, 1, (root[-1], rotation[-1]))
+    assert_pose(pipeline, 0, (root[0], rotation[0]))
+    assert_pose(pipeline, 1, (root[-1], rotation[-1]))
 
 
-def test_bones_keep_their_lengths_with_every_edit():
+def test_bone_lengths_stay_with_all_edits():
     chance = np.random.default_rng(2)
-    root, rotation = clips(7)
+    root, rotation = random_motion(7)
     pipeline = PosePipeline(64)
     pipeline.sample[:] = chance.uniform(0, SAMPLES - 1, (4, 64))
     pipeline.share[:] = chance.uniform(0, 1, (5, 64))
@@ -195,7 +196,7 @@ def heading(rotation):
 
 
 def upright(turned):
-    """A standing body whose chest is turned by `turned` [rad] from the public."""
+    """A standing body whose chest is turned by `turned` [rad] from the audience."""
     rotation = np.zeros((1, JOINT_COUNT, 4), np.float32)
     rotation[..., 0] = 1.0
     rotation[0, 0] = quaternion.from_axis_angle(UP, np.array(turned))
@@ -203,8 +204,8 @@ def upright(turned):
 
 
 @given(st.floats(-math.pi, math.pi))
-def test_heads_face_the_public_as_far_as_necks_allow(turned):
-    """T123-T125: the final head faces 0 while the body is within 40 degrees, and is never beyond 60 from the chest."""
+def test_head_faces_audience_within_neck_limit(turned):
+    """T123-T125: the head faces 0 while the body is within 40 degrees, and never exceeds 60 from the chest."""
     pipeline = PosePipeline(1)
     pipeline.head[:] = 1.0
     pipeline.run(upright(turned))
@@ -215,8 +216,8 @@ def test_heads_face_the_public_as_far_as_necks_allow(turned):
         assert head == pytest.approx(0.0, abs=1e-4)
 
 
-def test_the_head_swings_round_without_a_jump():
-    """Over a whole spin the neck's angle is continuous and its speed at most that of the body."""
+def test_head_turn_is_continuous_over_spin():
+    """Over a whole spin the neck angle is continuous and at most as fast as the body."""
     turns = np.linspace(-math.pi, math.pi, 20001)
     neck = np.array([head_turn(turn) for turn in turns])
     slope = np.diff(neck) / np.diff(turns)
@@ -225,7 +226,7 @@ def test_the_head_swings_round_without_a_jump():
     assert np.abs(np.diff(slope)).max() < 0.01  # rounded corners
 
 
-def test_a_head_that_looks_straight_down_is_left_alone():
+def test_head_looking_straight_down_stays_unchanged():
     store = upright(0.4)
     store.rotation[0, SKELETON.index("head")] = quaternion.from_axis_angle(np.array([1.0, 0, 0]), np.array(math.pi / 2))
     with_head, without = PosePipeline(1), PosePipeline(1)
@@ -233,8 +234,8 @@ def test_a_head_that_looks_straight_down_is_left_alone():
     assert np.array_equal(with_head.run(store)[1], without.run(store)[1])
 
 
-def test_legs_only_gives_the_same_legs():
-    root, rotation = clips(11)
+def test_legs_only_skeleton_gives_same_legs():
+    root, rotation = random_motion(11)
     skeleton, joints = PoseSkeleton.legs_only()
     whole, legs = PosePipeline(5), PosePipeline(5, skeleton)
     whole.sample[PRESENT] = legs.sample[PRESENT] = np.linspace(0, SAMPLES - 1, 5)

@@ -1,4 +1,4 @@
-"""Rises: ways come in while a foot is in the air, evenly shared among stances; give: legs reach and feet stay."""
+"""Tests of root warp: shifts come in during swings, shared among stances; reach margins keep legs within reach."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ COUNT = 4 * (KNOTS - 1) + 1
 PLACES = np.linspace(0, 1, COUNT)
 
 
-def stepping(*swings):
+def contacts_of(*swings):
     """Contacts of a measure in which foot k is in the air from share a to b, for each (k, a, b)."""
     contact = np.ones((COUNT, 2), np.bool_)
     for foot, begin, end in swings:
@@ -31,13 +31,13 @@ def stepping(*swings):
     return contact
 
 
-WALK = stepping((0, 0.05, 0.2), (1, 0.3, 0.45), (0, 0.55, 0.7), (1, 0.8, 0.95))
+WALK = contacts_of((0, 0.05, 0.2), (1, 0.3, 0.45), (0, 0.55, 0.7), (1, 0.8, 0.95))
 
 
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 1), st.floats(0, 0.9), st.floats(0.05, 0.3)), max_size=6))
-def test_a_rise_goes_from_nothing_to_all_and_never_back(swings):
-    rise, _ = compute_warp_curve(stepping(*((foot, begin, begin + size) for foot, begin, size in swings)), last=LAST)
+def test_warp_curve_rises_monotonically_to_one(swings):
+    rise, _ = compute_warp_curve(contacts_of(*((foot, begin, begin + size) for foot, begin, size in swings)), last=LAST)
     share = np.array([warp_share(rise, place) for place in PLACES])
     assert share[0] == 0.0
     assert share[-1] == pytest.approx(1.0)
@@ -49,7 +49,7 @@ def test_a_rise_goes_from_nothing_to_all_and_never_back(swings):
         assert slope == pytest.approx(np.interp(place, np.linspace(0, 1, KNOTS), rise[:, WARP_RATE]), abs=1e-6)
 
 
-def test_it_rises_only_while_one_foot_carries():
+def test_warp_curve_rises_only_in_single_support():
     rise, follows = compute_warp_curve(WALK, last=LAST)
     assert follows
     both = WALK.all(axis=1)
@@ -60,8 +60,8 @@ def test_it_rises_only_while_one_foot_carries():
     assert np.diff(share)[~both[1:] & (PLACES[1:] < 0.6)].sum() > 0.5
 
 
-def test_no_stance_holds_out_much_more_than_its_part():
-    """Left and right swing in turn: three stretches in all, so no foot is held against more than half the way."""
+def test_stances_share_shift_evenly():
+    """Left and right swing in turn: three stretches in all, so no foot is held against more than half the shift."""
     rise, _ = compute_warp_curve(WALK, last=LAST)
     share = np.array([warp_share(rise, place) for place in PLACES])
     held = [share[end - 1] - share[begin] for _, begin, end in stances(WALK)]
@@ -70,11 +70,11 @@ def test_no_stance_holds_out_much_more_than_its_part():
     assert holds[0] == pytest.approx(0.0, abs=0.01)  # the left foot is lifted before anything comes in
 
 
-def test_where_no_foot_is_lifted_it_is_an_ease_that_gives_little():
-    rise, follows = compute_warp_curve(stepping(), last=LAST)
+def test_standing_gives_ease_curve_with_small_margin():
+    rise, follows = compute_warp_curve(contacts_of(), last=LAST)
     assert not follows
     assert warp_share(rise, 0.5 * LAST) == pytest.approx(0.5, abs=0.02)
-    assert compute_reach_margin(*standing_legs(), stepping(), rise, follows_feet=False).max() <= STANDING_MARGIN
+    assert compute_reach_margin(*standing_legs(), contacts_of(), rise, follows_feet=False).max() <= STANDING_MARGIN
 
 
 def standing_legs(ahead=0.0):
@@ -85,8 +85,8 @@ def standing_legs(ahead=0.0):
 
 @settings(max_examples=30, deadline=None)
 @given(st.floats(-0.2, 0.2))
-def test_what_is_given_every_leg_reaches(ahead):
-    """Brute force: with the given way in any direction no standing leg is longer than it may be."""
+def test_legs_reach_within_given_margin(ahead):
+    """Brute force: with the margin's shift in any direction no standing leg exceeds its length limit."""
     rise, _ = compute_warp_curve(WALK, last=LAST)
     hip, ankle = standing_legs(ahead)
     give = compute_reach_margin(hip, ankle, WALK, rise, follows_feet=True)
@@ -104,15 +104,15 @@ def test_what_is_given_every_leg_reaches(ahead):
             assert np.linalg.norm(leg, axis=1).max() <= max(LEG_LENGTH - LENGTH_BUFFER, np.hypot(0.76, ahead)) + 1e-6
 
 
-def test_a_foot_that_the_clip_drags_holds_nothing():
-    rise, _ = compute_warp_curve(stepping(), last=LAST)
+def test_dragged_foot_does_not_limit_margin():
+    rise, _ = compute_warp_curve(contacts_of(), last=LAST)
     hip, ankle = standing_legs()
     ankle[..., 0] = hip[..., 0] = PLACES[:, None]
-    assert compute_reach_margin(hip, ankle, stepping(), rise, follows_feet=False).min() > 4 * STANDING_MARGIN
-    assert not initial_hold_shares(ankle, stepping(), rise).any()
+    assert compute_reach_margin(hip, ankle, contacts_of(), rise, follows_feet=False).min() > 4 * STANDING_MARGIN
+    assert not initial_hold_shares(ankle, contacts_of(), rise).any()
 
 
-def test_a_leg_that_trails_lets_less_ahead_than_back():
+def test_trailing_leg_has_smaller_margin_ahead():
     rise, _ = compute_warp_curve(WALK, last=LAST)
     give = compute_reach_margin(*standing_legs(ahead=-0.22), WALK, rise, follows_feet=True)
     assert margin_towards(give, 0.0, 1.0) < margin_towards(give, 0.0, -1.0)

@@ -1,4 +1,4 @@
-"""What agents stray re-aims corrections: the same as said in arrays at once."""
+"""Tests of corrections that follow deviating agents, against whole-array formulas."""
 
 import numpy as np
 
@@ -23,13 +23,13 @@ from live.motion.pose.root_warp_kernels import (
 COUNT = 50
 
 
-def drawn(seed=5):
+def random_rows(seed=5):
     chance = np.random.default_rng(seed)
     return chance, chance.normal(0.0, 0.5, (ROWS, COUNT, 2))
 
 
-def test_who_strays_is_followed_as_far_as_she_obeys():
-    chance, rows = drawn()
+def test_correction_follows_deviation_by_obedience():
+    chance, rows = random_rows()
     position, shown = chance.normal(0.0, 1.0, (2, COUNT, 2)).astype(np.float32)
     obedience, late = chance.uniform(0.0, 1.0, COUNT), np.where(np.arange(COUNT) % 5 == 0, 0.4, 0.0)
     desire_corrections(rows, position, obedience, late, shown, 0.3, 0.08, 0.6)
@@ -46,8 +46,8 @@ def test_who_strays_is_followed_as_far_as_she_obeys():
     np.testing.assert_allclose(rows[DESIRED] - rows[PLAN], expected, atol=1e-6)
 
 
-def test_an_agent_who_comes_as_foreseen_re_aims_nobody_however_late():
-    _, rows = drawn()
+def test_predicted_agent_motion_causes_no_correction():
+    _, rows = random_rows()
     rows[AGENT_LEAD] *= 0.2
     rows[AGENT_AT_DECISION] = rows[END] + rows[PLAN] + rows[AGENT_LEAD]
     late = np.linspace(0.0, 0.9, COUNT)
@@ -59,8 +59,8 @@ def test_an_agent_who_comes_as_foreseen_re_aims_nobody_however_late():
         np.testing.assert_array_equal(rows[DESIRED], rows[PLAN])
 
 
-def test_ends_stay_on_the_stage_of_those_who_are_there():
-    chance, _ = drawn()
+def test_ends_of_present_dancers_stay_on_stage():
+    chance, _ = random_rows()
     end, way = chance.uniform(-8.0, 8.0, (COUNT, 2)), chance.normal(0.0, 1.0, (COUNT, 2))
     state, before = (np.arange(COUNT) % 2).astype(np.int8), way.copy()
     room = np.tile([6.0, 4.0], (COUNT, 1))
@@ -70,8 +70,8 @@ def test_ends_stay_on_the_stage_of_those_who_are_there():
     np.testing.assert_array_equal(way[~there], before[~there])
 
 
-def test_aims_come_to_their_goals_without_passing_them():
-    _, rows = drawn()
+def test_corrections_reach_goals_without_overshoot():
+    _, rows = random_rows()
     rows[AIM], rows[AIM_SPEED], rows[GOAL] = 0.0, 0.0, 0.3
     rise = np.zeros((1, KNOTS, 2))
     rise[0] = np.column_stack([np.linspace(0.0, 1.0, KNOTS), np.ones(KNOTS)])
@@ -86,8 +86,8 @@ def test_aims_come_to_their_goals_without_passing_them():
     np.testing.assert_allclose(way[-1], 0.3 * (1.0 - 15.0 * np.exp(-14.0)), atol=1e-9)  # critically damped, after 1 s
 
 
-def test_agents_are_bound_to_an_even_way_or_to_who_is_late():
-    chance, rows = drawn()
+def test_references_are_linear_or_follow_late_dancers():
+    chance, rows = random_rows()
     correction, shown = chance.normal(0.0, 0.2, (COUNT, 3)), chance.normal(0.0, 1.0, (COUNT, 2)).astype(np.float32)
     late = np.where(np.arange(COUNT) % 3 == 0, 0.2, 0.0)
     reference, pace = np.zeros((2, COUNT, 2), np.float32)

@@ -1,4 +1,4 @@
-"""Placing dancers: the kernel against the closed form of `editing/support_turns.py`, and laws."""
+"""Tests of the placement kernel against the closed form of `editing/support_turns.py`, and general properties."""
 
 import math
 
@@ -15,7 +15,7 @@ NODES, DANCERS = 12, 40
 CHANCE = np.random.default_rng(9)
 
 
-def made_turns(chance):
+def random_turns(chance):
     edges = np.sort(chance.uniform(0, 0.8, (NODES, 6)), axis=1)
     start, stop, weight = np.ones((NODES, 8)), np.ones((NODES, 8)), np.zeros((NODES, 8))
     start[:, :3], stop[:, :3], weight[:, :3] = edges[:, ::2], edges[:, 1::2], chance.dirichlet([1, 1, 1], NODES)
@@ -24,8 +24,8 @@ def made_turns(chance):
     return SupportTurns(start, stop, weight, point, point_stop, softness)
 
 
-def made_rise(chance):
-    """A rise for each node, straight between two of its knots."""
+def random_warp_curves(chance):
+    """A warp curve for each node, linear between two of its knots."""
     begin, end = chance.integers(0, 20, NODES), chance.integers(30, 60, NODES)
     rate = np.zeros((NODES, KNOTS))
     for n in range(NODES):
@@ -34,21 +34,21 @@ def made_rise(chance):
     return np.ascontiguousarray(np.stack((share, rate), axis=2) / share[:, -1:, None])
 
 
-def as_rows(turns):
+def turn_rows(turns):
     flat = [turns.start[..., None], turns.stop[..., None], turns.weight[..., None], turns.point, turns.point_stop]
     return np.ascontiguousarray(np.concatenate([*flat, turns.softness[..., None]], axis=-1))
 
 
-def test_the_same_as_the_closed_form():
+def test_placement_matches_closed_form():
     chance = np.random.default_rng(4)
-    turns = made_turns(chance)
+    turns = random_turns(chance)
     node, fraction = chance.integers(0, NODES, DANCERS).astype(np.int32), chance.uniform(0, 1, DANCERS)
     fraction = np.round(fraction * (KNOTS - 1)) / (KNOTS - 1)
     placement, correction, aimed = chance.normal(0, 1, (3, DANCERS, 3))
-    rise = made_rise(chance)
+    rise = random_warp_curves(chance)
     aimed[:, 2] = chance.uniform(0, 0.8, DANCERS)
     out = np.empty((DANCERS, 4))
-    place_dancers(out, placement, correction, aimed, fraction, node, as_rows(turns), rise, np.ones(DANCERS))
+    place_dancers(out, placement, correction, aimed, fraction, node, turn_rows(turns), rise, np.ones(DANCERS))
     own = turns.select(node)
     x, z = own.displacement(fraction, correction[:, 2]).T
     c, s = np.cos(placement[:, 2]), np.sin(placement[:, 2])
@@ -62,9 +62,9 @@ def test_the_same_as_the_closed_form():
     assert np.array_equal(out[:, 2], out[:, 3])  # path and body turn as one
 
 
-def test_spread_over_the_measure_the_body_alone_turns():
+def test_spread_turn_rotates_body_alone():
     placement, correction = np.array([[1.0, 2.0, 0.3]]), np.array([[0.4, -0.2, 1.0]])
-    out, turns = np.empty((1, 4)), as_rows(made_turns(np.random.default_rng(1)))
+    out, turns = np.empty((1, 4)), turn_rows(random_turns(np.random.default_rng(1)))
     half = np.linspace(0, 1, KNOTS)
     rise = np.ascontiguousarray(np.stack((half, np.ones(KNOTS)), axis=1)[None])
     node = np.zeros(1, np.int32)
@@ -73,18 +73,18 @@ def test_spread_over_the_measure_the_body_alone_turns():
 
 
 @given(st.floats(0, 1), st.floats(0, 0.5))
-def test_a_turn_speeds_up_and_slows_down_as_the_closed_form_says(passed, softness):
+def test_eased_share_matches_closed_form(passed, softness):
     assert eased_share(passed, softness) == pytest.approx(float(ease_progress(passed, softness)), abs=1e-9)
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(0, 1))
-def test_the_foot_that_carries_stays(angle, passed):
-    """A turn about a foot that does not creep leaves that foot where it was, at every moment of the turn."""
+def test_support_foot_stays_during_turn(angle, passed):
+    """A turn about a foot that does not creep keeps that foot in place at every moment of the turn."""
     row = np.zeros((1, 8, 8))
     row[0, :, :2] = 1.0
     row[0, 0] = 0.2, 0.7, 1.0, 0.3, -0.4, 0.3, -0.4, 0.3
     placement, fraction = np.array([[0.5, 1.0, 0.8]]), np.array([0.2 + 0.5 * passed])
-    out, node, aimed, rise = np.empty((1, 4)), np.zeros(1, np.int32), np.zeros((1, 3)), made_rise(CHANCE)
+    out, node, aimed, rise = np.empty((1, 4)), np.zeros(1, np.int32), np.zeros((1, 3)), random_warp_curves(CHANCE)
     place_dancers(out, placement, np.array([[0, 0, angle]]), aimed, fraction, node, row, rise, np.ones(1))
 
     def foot(x, z, yaw):

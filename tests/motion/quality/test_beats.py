@@ -1,4 +1,4 @@
-"""Motion beats and alignment: a pendulum whose turning points are known, and the two directions of the score."""
+"""Tests of motion beats and beat alignment: a pendulum with known turning points, both directions of the score."""
 
 import math
 
@@ -13,7 +13,7 @@ times = st.lists(st.floats(0.0, 30.0), min_size=0, max_size=20)
 
 
 @pytest.mark.parametrize("rate", [30.0, 60.0, 120.0])
-def test_a_pendulum_beats_where_it_turns_round(rate):
+def test_pendulum_beats_at_turning_points(rate):
     """One joint swings with a period of 2 s from the time 0.3 s on: it stands still every second."""
     time = np.arange(int(8 * rate)) / rate
     position = np.zeros((len(time), 1, 3))
@@ -23,13 +23,13 @@ def test_a_pendulum_beats_where_it_turns_round(rate):
     np.testing.assert_allclose(motion_beats(mean_speed(position, rate), rate, 5.0), found + 5.0)
 
 
-def test_what_stands_still_or_is_too_short_has_no_beats():
+def test_still_or_short_motion_has_no_beats():
     assert len(motion_beats(np.zeros(100), 60.0)) == 0
     assert len(motion_beats(np.ones(2), 60.0)) == 0
 
 
 @given(times, times)
-def test_offsets_by_a_loop(beats, others):
+def test_beat_offsets_equal_loop_result(beats, others):
     found = beat_offsets(np.array(beats), np.array(others))
     if not beats or not others:
         assert len(found) == 0
@@ -39,14 +39,14 @@ def test_offsets_by_a_loop(beats, others):
         assert min(abs(beat + offset - other) for other in others) < 1e-9
 
 
-def test_the_two_directions_differ():
-    """Every beat of the music has a move, but only every second move is on a beat."""
+def test_alignment_directions_differ():
+    """Every beat of the music has a motion beat, but only every second motion beat is on a music beat."""
     music, motion = np.arange(10.0), np.arange(0.0, 9.6, 0.5)
     assert beat_alignment(music, motion) == pytest.approx(1.0)
     assert beat_alignment(motion, music) == pytest.approx(0.5, abs=1e-6)
 
 
-def test_the_kernel_is_50_ms_wide():
+def test_alignment_kernel_is_50_ms_wide():
     assert beat_alignment(np.array([1.0]), np.array([1.05])) == pytest.approx(math.exp(-0.5))
     assert beat_alignment(np.array([1.0]), np.zeros(0)) == 0.0
     assert beat_alignment(np.zeros(0), np.array([1.0])) is None

@@ -1,4 +1,4 @@
-"""Slide and skating: feet that are pulled along at known speeds, and the published definition written out."""
+"""Tests of foot slide and skating: feet pulled at known speeds, and a direct form of the published definition."""
 
 import numpy as np
 import pytest
@@ -10,16 +10,16 @@ from live.motion.quality.metrics import contact_slide_speeds, skating_balls, ska
 from live.motion.skeleton import SKELETON
 
 
-def standing(count, *, speed=0.0, rate=60.0):
-    """The rest pose on a floor that moves at `speed` [m/s] along x, (T, J, 3)."""
+def sliding_rest_pose(count, *, speed=0.0, rate=60.0):
+    """The rest pose moving at `speed` [m/s] along x, (T, J, 3)."""
     position = np.repeat(SKELETON.rest_positions()[None].astype(np.float64), count, axis=0)
     position[..., 0] += speed * np.arange(count)[:, None] / rate
     return position
 
 
 @given(st.floats(0.0, 3.0), st.sampled_from([30.0, 60.0, 120.0]))
-def test_a_body_that_is_pulled_slides_at_that_speed(speed, rate):
-    position = standing(20, speed=speed, rate=rate)
+def test_pulled_body_slides_at_given_speed(speed, rate):
+    position = sliding_rest_pose(20, speed=speed, rate=rate)
     np.testing.assert_allclose(slide_speeds(position, rate), speed, atol=1e-9)
     both = np.ones((20, 2), np.bool_)
     assert contact_slide_speeds(position, both, rate).shape == (38,)
@@ -27,15 +27,15 @@ def test_a_body_that_is_pulled_slides_at_that_speed(speed, rate):
     assert contact_slide_speeds(position, both, rate).shape == (34,)
 
 
-def test_of_heel_and_ball_the_stiller_counts():
+def test_slower_of_heel_and_ball_counts():
     """A foot that turns about its ball stands."""
-    position = standing(10)
+    position = sliding_rest_pose(10)
     position[:, SKELETON.index("leftFoot"), 0] += 0.1 * np.arange(10)
     assert slide_speeds(position, 60.0)[:, 0] == pytest.approx(0.0)
 
 
-def test_many_dancers_are_each_of_them():
-    one, two = standing(30, speed=0.2), standing(30, speed=1.0)
+def test_batched_dancers_equal_single_dancers():
+    one, two = sliding_rest_pose(30, speed=0.2), sliding_rest_pose(30, speed=1.0)
     both = np.stack([one, two], axis=1)
     np.testing.assert_allclose(slide_speeds(both, 60.0)[:, 1], slide_speeds(two, 60.0))
     np.testing.assert_array_equal(
@@ -44,19 +44,19 @@ def test_many_dancers_are_each_of_them():
 
 
 @pytest.mark.parametrize(("speed", "skating"), [(0.4, 0.0), (0.6, 1.0)])
-def test_who_is_pulled_faster_than_half_a_metre_a_second_skates(speed, skating):
-    found = skating_frames(standing(200, speed=speed), 60.0)
+def test_skating_starts_above_half_meter_per_second(speed, skating):
+    found = skating_frames(sliding_rest_pose(200, speed=speed), 60.0)
     assert found[3:-3].mean() == skating
 
 
-def test_a_foot_in_the_air_does_not_skate():
-    position = standing(100, speed=2.0)
+def test_raised_feet_do_not_skate():
+    position = sliding_rest_pose(100, speed=2.0)
     position[..., 1] += 0.06
     assert not skating_frames(position, 60.0).any()
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(2, 30))
-def test_skating_as_it_is_written(seed, count):
+def test_skating_equals_loop_over_definition(seed, count):
     """Frame by frame, with loops."""
     chance = np.random.default_rng(seed)
     balls = np.cumsum(chance.normal(0.0, 0.03, (count, 2, 3)), axis=0)

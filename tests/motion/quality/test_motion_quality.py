@@ -1,4 +1,4 @@
-"""The bench of motion quality on the project's own sketches: every bar is held, and its measures see faults."""
+"""Tests of the motion quality bench on the project's sketches: every limit is met, and its measures detect faults."""
 
 import math
 from dataclasses import replace
@@ -10,11 +10,11 @@ import pytest
 from live.cli.bench import load_bench
 from live.motion.quality.metrics import StepMetrics
 from live.motion.step_clip import StepClip
-from tests.motion.editing.made_steps import sketched
+from tests.motion.editing.made_steps import sketched_step
 
 
 @pytest.mark.long
-def test_every_bar_is_held_on_the_projects_own_sketches(tmp_path: Path) -> None:
+def test_project_sketches_meet_every_limit(tmp_path: Path) -> None:
     rows = load_bench("motion-quality")(False, tmp_path)
     names = [row.name for row in rows]
     assert len(set(names)) == len(names)
@@ -24,23 +24,23 @@ def test_every_bar_is_held_on_the_projects_own_sketches(tmp_path: Path) -> None:
     assert sum(row.ok is True for row in rows) >= 12
 
 
-def test_a_foot_that_glides_and_a_body_that_is_pulled_along_slide() -> None:
-    step = sketched("walk")
+def test_pulled_body_has_foot_slide() -> None:
+    step = sketched_step("walk")
     assert StepMetrics(step).mean_slide == pytest.approx(0.0, abs=1e-4)
-    pulled = [pulled_along(step, speed) for speed in (0.3, 0.8)]
+    pulled = [pulled_metrics(step, speed) for speed in (0.3, 0.8)]
     assert [each.mean_slide for each in pulled] == pytest.approx([0.3, 0.8], abs=2e-3)
     assert pulled[0].skating < 0.7 < pulled[1].skating
 
 
-def pulled_along(step: StepClip, speed: float) -> StepMetrics:
-    """The step on a floor that moves at `speed` [m/s]."""
+def pulled_metrics(step: StepClip, speed: float) -> StepMetrics:
+    """Metrics of the step moved at `speed` [m/s] in addition."""
     root = step.clip.root_position.copy()
     root[:, 0] += np.arange(len(root), dtype=np.float32) * np.float32(speed / step.clip.sample_rate)
     return StepMetrics(replace(step, clip=replace(step.clip, root_position=root)))
 
 
-def test_a_jump_of_one_joint_is_seen() -> None:
-    step = sketched("samba")
+def test_jump_of_one_joint_is_measured() -> None:
+    step = sketched_step("samba")
     rotation = step.clip.rotation.copy()
     at = round(step.first) + 30
     rotation[at, 7] = (math.cos(0.5), 0.0, 0.0, math.sin(0.5))
@@ -49,8 +49,8 @@ def test_a_jump_of_one_joint_is_seen() -> None:
     assert jumped.accelerations.max() > 5.0 * StepMetrics(step).accelerations.max()
 
 
-def test_quaternions_that_are_not_unit_make_wrong_bones_and_a_sunk_body_is_below_the_floor() -> None:
-    step = sketched("samba")
+def test_bone_error_and_floor_depth_are_measured() -> None:
+    step = sketched_step("samba")
     assert StepMetrics(step).bone_error < 1e-6
     longer = replace(step, clip=replace(step.clip, rotation=step.clip.rotation * np.float32(1.01)))
     assert StepMetrics(longer).bone_error > 1e-3

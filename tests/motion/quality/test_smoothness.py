@@ -1,4 +1,4 @@
-"""Changes of velocity and accelerations: on motions whose derivatives are known, and random places of raw clips."""
+"""Tests of velocity changes and accelerations: motions with known derivatives, and random windows of raw clips."""
 
 import math
 
@@ -17,7 +17,7 @@ from live.motion.quality.metrics import (
 )
 
 
-def test_a_parabola_has_its_acceleration_and_a_kink_its_jump():
+def test_parabola_acceleration_and_kink_velocity_change_are_exact():
     time = np.arange(60) / 60.0
     position = np.zeros((60, 3, 3))
     position[:, 1, 0] = 2.0 * time**2  # 4 m/s²
@@ -37,7 +37,7 @@ def test_a_parabola_has_its_acceleration_and_a_kink_its_jump():
 
 
 @pytest.mark.parametrize("count", range(6))
-def test_short_motions_have_zeros(count):
+def test_short_motions_have_zero_derivatives(count):
     change, acceleration = largest_at_samples(np.zeros((count, 2, 22, 3)), 60.0)
     assert change.shape == acceleration.shape == (count, 2)
     assert not change.any()
@@ -45,7 +45,7 @@ def test_short_motions_have_zeros(count):
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 200), st.floats(0.05, 1.0))
-def test_the_largest_around_a_time_by_a_loop(seed, count, half):
+def test_largest_value_around_time_equals_loop_result(seed, count, half):
     chance = np.random.default_rng(seed)
     values, middle = chance.uniform(0.0, 1.0, count), chance.uniform(0.0, count / 60.0, 5)
     found = largest_around(values, middle, half, 60.0)
@@ -56,13 +56,13 @@ def test_the_largest_around_a_time_by_a_loop(seed, count, half):
         assert value in values
 
 
-def test_the_window_covers_the_blend():
+def test_window_covers_blend():
     assert half_width(0.2) == 0.2
     assert half_width(0.5) == pytest.approx(0.3)
 
 
-def test_p99_of_raw_is_that_of_every_place():
-    """A trace with a spike that 3 % of all windows see, and one that 0.2 % see."""
+def test_raw_p99_equals_p99_of_all_windows():
+    """A trace with a spike in 3 % of all windows, and one in 0.2 %."""
     trace = np.ones(20_000)
     trace[5000:5560] = 3.0
     trace[12_000:12_010] = 50.0
@@ -73,12 +73,12 @@ def test_p99_of_raw_is_that_of_every_place():
     assert raw_p99([np.array([1.0, 2.0]), np.array([3.0])], 0.2, 60.0) == 3.0
 
 
-def test_longer_clips_count_more():
+def test_longer_clips_have_more_weight():
     short, long = np.full(100, 9.0), np.full(100_000, 1.0)
     assert raw_p99([short, long], 0.1, 60.0) == 1.0
     assert raw_p99([short, long[:2000]], 0.1, 60.0) == 9.0
 
 
-def test_the_same_places_every_time():
+def test_raw_p99_is_deterministic():
     trace = np.random.default_rng(1).uniform(size=5000) ** math.pi
     assert raw_p99([trace], 0.2, 60.0) == raw_p99([trace], 0.2, 60.0)

@@ -1,4 +1,4 @@
-"""The trace that a film leaves, picture by picture, against the whole motion at once."""
+"""Tests of the motion recorder: results frame by frame against the whole motion at once."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from live.motion.quality.motion_recorder import MotionRecorder
 
 @settings(max_examples=30)
 @given(st.integers(0, 2**32 - 1), st.integers(5, 300), st.sampled_from([24.0, 30.0, 60.0]))
-def test_picture_by_picture_is_all_at_once(seed, count, rate):
+def test_recorded_frames_equal_whole_motion(seed, count, rate):
     chance = np.random.default_rng(seed)
     motion = np.cumsum(chance.normal(0.0, 0.02, (count, 3, 22, 3)), axis=0).astype(np.float32)
     trace = MotionRecorder(rate)
@@ -27,15 +27,15 @@ def test_picture_by_picture_is_all_at_once(seed, count, rate):
         assert trace.skating_ratio() == pytest.approx(float(frames.mean()), abs=1.5 / frames.size)
 
 
-def test_pictures_are_copied():
+def test_recorder_copies_frames():
     trace, picture = MotionRecorder(60.0), np.zeros((1, 22, 3), np.float32)
     for _ in range(10):
         trace.add(picture)
-        picture += 1.0  # as a show fills the same array again and again
+        picture += 1.0  # a show reuses the same array
     assert trace.speeds() == pytest.approx(np.sqrt(3.0) * 60.0)
 
 
-def test_one_picture_says_nothing():
+def test_single_frame_has_no_results():
     trace = MotionRecorder(60.0)
     trace.add(np.zeros((2, 22, 3), np.float32))
     assert trace.skating_ratio() is None

@@ -1,4 +1,4 @@
-"""Recordings made for tests, as SourceMotion: the body of `made_bvh` without a file between, and ways to dance it."""
+"""Recordings for tests, as SourceMotion: the body of `made_bvh` without a file, and motions for it."""
 
 from collections.abc import Callable
 
@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from live.motion.formats.source_motion import SourceMotion
-from tests.motion.formats.made_bvh import BODY, NAMES, STANDING_CM, column, danced, still
+from tests.motion.formats.made_bvh import BODY, NAMES, STANDING_CM, column, dance_values, still
 
 PARENTS = tuple(NAMES.index(parent) if parent else -1 for _, parent, _ in BODY)
 
@@ -36,24 +36,24 @@ def source(values: np.ndarray, fps: float = 60.0, name: str = "made") -> SourceM
     )
 
 
-def lively(seconds: float, fps: float, seed: int = 5) -> np.ndarray:
-    """A body that moves every joint smoothly, at any frame rate: `made_bvh.danced` at a dancer's pace."""
-    slow = danced(round(40 * seconds), seed)
+def moving_values(seconds: float, fps: float, seed: int = 5) -> np.ndarray:
+    """A body that moves every joint smoothly, at any frame rate: `made_bvh.dance_values` at a dancer's speed."""
+    slow = dance_values(round(40 * seconds), seed)
     place = np.arange(round(seconds * fps)) / (seconds * fps) * (len(slow) - 1)
     return np.stack([np.interp(place, np.arange(len(slow)), one) for one in smooth(slow).T], axis=1)
 
 
 def smooth(values: np.ndarray) -> np.ndarray:
-    """A little low-pass, so that reading between the frames has no corners."""
+    """A weak low-pass filter, so that interpolation between the frames has no corners."""
     kernel = np.hanning(9) / np.hanning(9).sum()
     padded = np.pad(values, ((4, 4), (0, 0)), mode="edge")
     return np.stack([np.convolve(one, kernel, mode="valid") for one in padded.T], axis=1)
 
 
-def clapping(apart_cm: Callable[[np.ndarray], np.ndarray], seconds: float, fps: float) -> np.ndarray:
-    """A standing body whose palms are `apart_cm(time)` apart; 0 to 143 cm can be.
+def clapping_values(apart_cm: Callable[[np.ndarray], np.ndarray], seconds: float, fps: float) -> np.ndarray:
+    """A standing body whose palms are `apart_cm(time)` apart; 0 to 143 cm is possible.
 
-    The straight arms swing symmetrically about the vertical axis: by the body's own measures the palms are
+    The straight arms swing symmetrically about the vertical axis: the palms are
     2 (shoulder + reach cos(angle)) apart, which is solved for the angle.
     """
     time = np.arange(round(seconds * fps)) / fps
@@ -68,4 +68,4 @@ def clapping(apart_cm: Callable[[np.ndarray], np.ndarray], seconds: float, fps: 
     return values
 
 
-__all__ = ["BODY", "NAMES", "STANDING_CM", "clapping", "column", "lively", "source", "still"]
+__all__ = ["BODY", "NAMES", "STANDING_CM", "clapping_values", "column", "moving_values", "source", "still"]

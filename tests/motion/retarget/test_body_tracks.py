@@ -1,4 +1,4 @@
-"""BodyTracks: the same body in metres, whatever the file's units and axes, and what is left out."""
+"""Tests of BodyTracks: the same body in meters in any unit and axes, overrides, and missing bodies."""
 
 from dataclasses import replace
 
@@ -9,10 +9,10 @@ from scipy.spatial.transform import Rotation
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.body_tracks import body_tracks
-from tests.motion.retarget.made_source import NAMES, lively, source, still
+from tests.motion.retarget.made_source import NAMES, moving_values, source, still
 
 
-def scaled(motion: SourceMotion, factor: float) -> SourceMotion:
+def scale_motion(motion: SourceMotion, factor: float) -> SourceMotion:
     return replace(
         motion,
         offsets=motion.offsets * factor,
@@ -22,7 +22,7 @@ def scaled(motion: SourceMotion, factor: float) -> SourceMotion:
 
 
 def z_up(motion: SourceMotion) -> SourceMotion:
-    """The whole figure tipped so that its height is along z."""
+    """The whole figure rotated so that its height is along z."""
     tip = Rotation.from_euler("X", 90.0, degrees=True)
     rotation, translation = motion.rotation.copy(), motion.translation.copy()
     root = tip * Rotation.from_quat(rotation[:, 0][:, [1, 2, 3, 0]])
@@ -31,7 +31,7 @@ def z_up(motion: SourceMotion) -> SourceMotion:
     return replace(motion, rotation=rotation, translation=translation)
 
 
-def test_places_of_the_rest_pose_in_metres() -> None:
+def test_rest_pose_positions_are_in_meters() -> None:
     tracks = body_tracks(source(still(3), 50.0))
     assert tracks.rate == 50.0
     assert tracks.unit_m == 0.01
@@ -45,30 +45,30 @@ def test_places_of_the_rest_pose_in_metres() -> None:
 
 
 @pytest.mark.parametrize("factor", [0.01, 1.0, 10.0, 1.0 / 2.54])
-def test_units_and_axes_make_no_difference(factor: float) -> None:
-    motion = source(lively(2.0, 60.0), 60.0)
+def test_units_and_axes_give_same_tracks(factor: float) -> None:
+    motion = source(moving_values(2.0, 60.0), 60.0)
     plain = body_tracks(motion)
-    for other in (scaled(motion, factor), z_up(scaled(motion, factor))):
+    for other in (scale_motion(motion, factor), z_up(scale_motion(motion, factor))):
         tracks = body_tracks(other)
         np.testing.assert_allclose(tracks.positions, plain.positions, atol=1e-9)
         np.testing.assert_allclose(tracks.palms, plain.palms, atol=1e-9)
 
 
-def test_what_a_person_says_goes_first() -> None:
+def test_given_rate_and_unit_take_precedence() -> None:
     tracks = body_tracks(source(still(3), 120.0), fps=60.0, unit_m=0.02)
     assert (tracks.rate, tracks.unit_m) == (60.0, 0.02)
 
 
-def test_a_format_that_lies_about_its_unit_is_not_believed() -> None:
+def test_wrong_format_unit_is_ignored() -> None:
     motion = source(still(3), 60.0)
     assert body_tracks(replace(motion, unit_m=1.0)).unit_m == 0.01
-    assert body_tracks(replace(scaled(motion, 0.01), unit_m=1.0)).unit_m == 1.0
+    assert body_tracks(replace(scale_motion(motion, 0.01), unit_m=1.0)).unit_m == 1.0
 
 
-def test_no_body() -> None:
+def test_motion_without_body_is_refused() -> None:
     motion = source(still(3), 60.0)
     nameless = replace(motion, names=tuple(f"joint{n}" for n in range(len(NAMES))))
     with pytest.raises(MotionFileError, match="no joints found"):
         body_tracks(nameless)
     with pytest.raises(MotionFileError, match="no length"):
-        body_tracks(scaled(motion, 0.0))
+        body_tracks(scale_motion(motion, 0.0))

@@ -1,12 +1,12 @@
-"""The floor of a recording, under one that jumps and one that drifts."""
+"""Tests of floor tracking in recordings with a jump and with a drift."""
 
 import numpy as np
 
 from live.motion.retarget.floor_contact import find_floor
 
 
-def test_a_jump_stays_a_jump_and_a_drift_does_not() -> None:
-    """Jumps leave the floor alone; a recording that floats for half of its time is brought down slowly."""
+def test_floor_ignores_jumps_and_follows_drift() -> None:
+    """Jumps do not move the floor; a recording that floats for half of its time is lowered slowly."""
     time = np.arange(600) / 60.0
     jump = np.where((time > 3.0) & (time < 3.6), 0.3 * np.sin((time - 3.0) / 0.6 * np.pi), 0.0)
     np.testing.assert_allclose(find_floor(jump, 60.0), 0.0, atol=1e-9)

@@ -1,4 +1,4 @@
-"""Which joint is which: names of many programs, and hierarchies in which one name means different joints."""
+"""Tests of joint mapping: names of many programs, and hierarchies in which one name means different joints."""
 
 import pytest
 
@@ -11,7 +11,7 @@ from tests.motion.formats.made_bvh import body_bvh, still
 
 
 def skeleton(*paths: str) -> SourceMotion:
-    """A skeleton of which each path "A/B/C" names a chain of joints from the root."""
+    """A skeleton in which each path "A/B/C" names a chain of joints from the root."""
     tree: dict[str, dict] = {}
     for path in paths:
         level = tree
@@ -53,7 +53,7 @@ def skeleton(*paths: str) -> SourceMotion:
         ("12", ("", "")),
     ],
 )
-def test_side_and_stem(name: str, expected: tuple[str, str]) -> None:
+def test_name_is_split_into_side_and_stem(name: str, expected: tuple[str, str]) -> None:
     assert split_name(name) == expected
 
 
@@ -86,7 +86,7 @@ CENTRE_AND_LEFT = [name for name in SKELETON.names if not name.startswith("right
 
 @pytest.mark.shared
 @pytest.mark.parametrize("file", COMMON)
-def test_real_skeletons(file: str) -> None:
+def test_real_skeletons_are_mapped(file: str) -> None:
     found = map_joints(mocap_motion(file))
     assert {name: found[name] or "-" for name in CENTRE_AND_LEFT} == dict(
         zip(CENTRE_AND_LEFT, COMMON[file].split(), strict=True)
@@ -95,7 +95,7 @@ def test_real_skeletons(file: str) -> None:
 
 @pytest.mark.shared
 @pytest.mark.parametrize("file", COMMON)
-def test_both_sides_are_mirror_images(file: str) -> None:
+def test_left_and_right_mappings_match(file: str) -> None:
     found = map_joints(mocap_motion(file))
     for name in SKELETON.names:
         if name.startswith("left"):
@@ -104,7 +104,7 @@ def test_both_sides_are_mirror_images(file: str) -> None:
             assert left is None or (split_name(left)[1] == split_name(right or "")[1] and left != right)
 
 
-def test_left_shoulder_is_the_clavicle_beside_an_arm_and_the_arm_beside_a_collar() -> None:
+def test_left_shoulder_is_clavicle_or_upper_arm() -> None:
     arm = skeleton("Hips/Spine/LeftShoulder/LeftArm/LeftForeArm/LeftHand")
     assert map_joints(arm)["leftShoulder"] == "LeftShoulder"
     assert map_joints(arm)["leftUpperArm"] == "LeftArm"
@@ -113,7 +113,7 @@ def test_left_shoulder_is_the_clavicle_beside_an_arm_and_the_arm_beside_a_collar
     assert map_joints(collar)["leftUpperArm"] == "LeftShoulder"
 
 
-def test_left_foot_is_the_toes_below_an_ankle() -> None:
+def test_left_foot_below_ankle_is_toes() -> None:
     found = map_joints(skeleton("Pelvis/L_Hip/L_Knee/L_Ankle/L_Foot"))
     assert [found[name] for name in ("leftUpperLeg", "leftLowerLeg", "leftFoot", "leftToes")] == [
         "L_Hip",
@@ -123,14 +123,14 @@ def test_left_foot_is_the_toes_below_an_ankle() -> None:
     ]
 
 
-def test_names_in_the_wrong_place_do_not_count() -> None:
+def test_misplaced_names_are_ignored() -> None:
     body = find_body(skeleton("Hips/LeftFoot/LeftLeg/LeftUpLeg", "Hips/RightUpLeg/RightLeg/RightFoot"))
     assert body.joints["leftUpperLeg"] is None
     assert body.joints["rightFoot"] is not None
     assert "leftUpperLeg" in body.missing
 
 
-def test_a_body_is_complete() -> None:
+def test_complete_body_is_found() -> None:
     body = find_body(bvh_to_source_motion(parse_bvh(body_bvh(still()), "made")))
     assert body.missing == ()
     assert body.joint("leftUpperLeg") == 13
@@ -138,7 +138,7 @@ def test_a_body_is_complete() -> None:
     assert all(joint is not None for name, joint in body.joints.items() if name != "upperChest")
 
 
-def test_hundreds_of_joints_of_one_name_take_no_time() -> None:
+def test_hundreds_of_equal_names_are_handled() -> None:
     chain = "Hips/" + "/".join(["LeftUpLeg"] * 1)
     text = "HIERARCHY\nROOT Hips { OFFSET 0 1 0 CHANNELS 1 Xrotation\n"
     names = ["LeftUpLeg"] * 330 + ["LeftLeg"] * 330 + ["LeftThing"] * 330
@@ -148,7 +148,7 @@ def test_hundreds_of_joints_of_one_name_take_no_time() -> None:
     assert find_body(skeleton(chain)).joints["leftUpperLeg"] is None
 
 
-def test_what_is_missing_raises_only_when_asked_for() -> None:
+def test_missing_joint_raises_only_on_access() -> None:
     body = find_body(skeleton("Hips/Tail"))
     assert len(body.missing) == 11
     assert body.missing[-1] == "hips"

@@ -1,4 +1,4 @@
-"""Recordings on the engine's skeleton: bones keep their directions, feet their places, whatever the file's form."""
+"""Tests of retargeting: bones keep their directions, feet their positions, in any form of source file."""
 
 import re
 
@@ -16,7 +16,7 @@ from live.motion.retarget.joint_mapping import find_body
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
 from tests.fixtures.mocap import mocap_motion
-from tests.motion.formats.made_bvh import STANDING_CM, body_bvh, column, danced, still
+from tests.motion.formats.made_bvh import STANDING_CM, body_bvh, column, dance_values, still
 
 LIMBS = [
     (side + joint, side + child)
@@ -43,7 +43,7 @@ REAL = {
 }
 
 
-def made(values: np.ndarray, **how: object) -> SourceMotion:
+def parse_values(values: np.ndarray, **how: object) -> SourceMotion:
     return bvh_to_source_motion(parse_bvh(body_bvh(values, **how), "made.bvh"))  # type: ignore[arg-type]
 
 
@@ -51,22 +51,22 @@ def positions_of(clip: Clip) -> np.ndarray:
     return forward_kinematics(clip.root_position.astype(float), clip.rotation.astype(float))[0]
 
 
-def bone(positions: np.ndarray, joint: int, child: int) -> np.ndarray:
+def bone_directions(positions: np.ndarray, joint: int, child: int) -> np.ndarray:
     return quaternion.unit(positions[:, child] - positions[:, joint])
 
 
-def test_standing_in_the_rest_pose_is_our_rest_pose() -> None:
-    clip = retarget(made(still(3)), name="still")
+def test_standing_body_gives_engine_rest_pose() -> None:
+    clip = retarget(parse_values(still(3)), name="still")
     np.testing.assert_allclose(np.abs(clip.rotation[..., 0]), 1.0, atol=1e-6)
     np.testing.assert_allclose(clip.root_position[:, [0, 2]], 0.0, atol=1e-6)
     np.testing.assert_allclose(positions_of(clip)[0], SKELETON.rest_positions(), atol=0.002)
     assert clip.contact.all()
 
 
-def test_a_turn_of_the_whole_body_turns_the_hips_alone() -> None:
+def test_whole_body_turn_rotates_hips_alone() -> None:
     values = still(2)
     values[:, column("Hips", "Y")] = 70.0
-    clip = retarget(made(values), name="turned")
+    clip = retarget(parse_values(values), name="turned")
     forward = quaternion.rotate(clip.rotation[0, 0], np.array((0.0, 0.0, 1.0)))
     np.testing.assert_allclose(forward, (np.sin(np.radians(70)), 0.0, np.cos(np.radians(70))), atol=1e-5)
     np.testing.assert_allclose(np.abs(clip.rotation[:, 1:, 0]), 1.0, atol=1e-6)
@@ -77,16 +77,16 @@ def test_a_turn_of_the_whole_body_turns_the_hips_alone() -> None:
     [{}, {"scale": 0.01}, {"scale": 1 / 2.54}, {"z_up": True}, {"z_up": True, "scale": 10.0}],
     ids=["cm", "m", "inch", "z up", "z up mm"],
 )
-def test_units_and_axes_of_the_file_do_not_matter(how: dict[str, object]) -> None:
-    """The same dance in another unit or with Z up is the same clip: only turned about y, for +z lies elsewhere."""
-    expected = positions_of(retarget(made(danced()), name="dance"))
-    clip = retarget(made(danced(), **how), name="dance")
+def test_file_units_and_axes_give_same_clip(how: dict[str, object]) -> None:
+    """The same dance in another unit or with Z up gives the same clip."""
+    expected = positions_of(retarget(parse_values(dance_values()), name="dance"))
+    clip = retarget(parse_values(dance_values(), **how), name="dance")
     np.testing.assert_allclose(positions_of(clip), expected, atol=1e-4)
 
 
 @pytest.mark.parametrize("arms", ["hanging", "half", "forward in rest"])
-def test_the_rest_pose_of_the_file_does_not_matter(arms: str) -> None:
-    """The same motion on a skeleton drawn with hanging arms: the bones point the same way."""
+def test_rest_pose_of_arms_does_not_matter(arms: str) -> None:
+    """The same motion on a skeleton with a different rest pose of the arms: the bones have the same directions."""
     angle = {"hanging": -90.0, "half": -45.0, "forward in rest": -10.0}[arms]
     offsets, values, other = {}, still(60), still(60)
     for side, sign in (("Left", 1.0), ("Right", -1.0)):
@@ -96,17 +96,17 @@ def test_the_rest_pose_of_the_file_does_not_matter(arms: str) -> None:
         swing = np.linspace(-60.0, 60.0, 60)
         values[:, column(side + "Arm", "Z")] = sign * swing  # arms from the T-pose up and down
         other[:, column(side + "Arm", "Z")] = sign * (swing - angle)
-    first = positions_of(retarget(made(values), name="t"))
-    second = positions_of(retarget(made(other, offsets=offsets), name="a"))
+    first = positions_of(retarget(parse_values(values), name="t"))
+    second = positions_of(retarget(parse_values(other, offsets=offsets), name="a"))
     np.testing.assert_allclose(second, first, atol=1e-4)
 
 
-def scrambled(text_values: np.ndarray) -> SourceMotion:
-    """A body whose rest pose means nothing (all bones along x, as some programs write), dancing the same dance.
+def scrambled_motion(text_values: np.ndarray) -> SourceMotion:
+    """The same dance of a body with a meaningless rest pose (all bones along x, as some programs write).
 
-    Every joint gets a random turn of its own in the rest pose, undone in the motion.
+    Every joint gets its own random rotation in the rest pose, undone in the motion.
     """
-    motion = made(text_values)
+    motion = parse_values(text_values)
     rng = np.random.default_rng(2)
     turns = quaternion.unit(rng.normal(size=(motion.joint_count, 4)))
     world, _ = standing_pose(motion, find_body(motion), None)
@@ -124,37 +124,37 @@ def scrambled(text_values: np.ndarray) -> SourceMotion:
         values[:, 4 + 3 * joint] = np.degrees(np.arcsin(np.clip(2 * (w * x + y * z), -1, 1)))
         values[:, 5 + 3 * joint] = np.degrees(np.arctan2(2 * (w * y - x * z), 1 - 2 * (x * x + y * y)))
     names = {name: tuple(offset) for name, offset in zip(motion.names, offsets, strict=True)}
-    return made(values, offsets=names)
+    return parse_values(values, offsets=names)
 
 
-def test_a_senseless_rest_pose_still_gives_the_same_limbs() -> None:
-    values = danced()
+def test_meaningless_rest_pose_gives_same_limbs() -> None:
+    values = dance_values()
     values[0] = still(1)[0]
     for side, sign in (("Left", 1.0), ("Right", -1.0)):
         values[0, column(side + "Arm", "Z")] = -sign * 70.0  # the moment of plain standing that it is found by
-    expected = positions_of(retarget(made(values), name="plain"))
-    clip = retarget(scrambled(values), name="scrambled")
+    expected = positions_of(retarget(parse_values(values), name="plain"))
+    clip = retarget(scrambled_motion(values), name="scrambled")
     found = positions_of(clip)
     for joint, child in LIMBS:
         j, c = SKELETON.index(joint), SKELETON.index(child)
-        np.testing.assert_allclose(bone(found, j, c), bone(expected, j, c), atol=1e-3)
+        np.testing.assert_allclose(bone_directions(found, j, c), bone_directions(expected, j, c), atol=1e-3)
     np.testing.assert_allclose(found[:, :6], expected[:, :6], atol=0.03)  # hips to head
 
 
-def test_knees_and_elbows_bend_about_our_hinges_where_the_rest_pose_says_nothing() -> None:
-    clip = retarget(scrambled(danced()), name="scrambled")
+def test_knees_bend_about_hinges_without_usable_rest_pose() -> None:
+    clip = retarget(scrambled_motion(dance_values()), name="scrambled")
     positions, rotations = forward_kinematics(clip.root_position.astype(float), clip.rotation.astype(float))
     for side, sign in (("left", 1.0), ("right", -1.0)):
         hip, knee, ankle = (SKELETON.index(side + name) for name in ("UpperLeg", "LowerLeg", "Foot"))
         hinge = quaternion.rotate(rotations[:, hip], np.array((1.0, 0.0, 0.0)))
-        bend = np.cross(bone(positions, hip, knee), bone(positions, knee, ankle))
+        bend = np.cross(bone_directions(positions, hip, knee), bone_directions(positions, knee, ankle))
         sine = np.linalg.norm(bend, axis=-1)
         along = np.sum(hinge * bend, axis=-1)[sine > 0.4] / sine[sine > 0.4]
         assert np.median(along) > 0.9, (side, sign)
 
 
-def test_times_come_from_the_true_rate() -> None:
-    motion = made(danced(121), fps=120.0)
+def test_clip_times_follow_given_frame_rate() -> None:
+    motion = parse_values(dance_values(121), fps=120.0)
     assert retarget(motion, name="x").seconds == pytest.approx(1.0)
     assert retarget(motion, name="x", fps=60.0).seconds == pytest.approx(2.0)
     assert retarget(motion, name="x", fps=60.0, drop_frames=60).seconds == pytest.approx(1.0)
@@ -163,40 +163,40 @@ def test_times_come_from_the_true_rate() -> None:
     np.testing.assert_allclose(np.abs(np.sum(early.rotation[60:] * late.rotation, axis=-1)), 1.0, atol=1e-5)
 
 
-def test_frames_are_joined_by_slerp_where_euler_angles_would_tumble() -> None:
+def test_frames_are_slerped_at_euler_singularity() -> None:
     """At the Euler singularity (X = 90 degrees) two equal poses may have angles 180 degrees apart (T045)."""
     values = still(2)
     values[:, column("Spine", "X")] = 90.0
     values[0, [column("Spine", "Z"), column("Spine", "Y")]] = 0.0
     values[1, [column("Spine", "Z"), column("Spine", "Y")]] = 170.0, -170.0  # the same rotation
-    clip = retarget(made(values, fps=10.0), name="singular")
+    clip = retarget(parse_values(values, fps=10.0), name="singular")
     assert clip.sample_count == 7
     for sample in clip.rotation:
         np.testing.assert_allclose(np.abs(np.sum(sample * clip.rotation[0], axis=-1)), 1.0, atol=1e-6)
 
 
-def test_turning_between_frames_is_even() -> None:
+def test_rotation_between_frames_is_even() -> None:
     values = still(2)
     values[1, column("Hips", "Y")] = 90.0
-    clip = retarget(made(values, fps=6.0), name="turn")
+    clip = retarget(parse_values(values, fps=6.0), name="turn")
     forward = quaternion.rotate(clip.rotation[:, 0], np.array((0.0, 0.0, 1.0)))
     headings = np.degrees(np.arctan2(forward[:, 0], forward[:, 2]))
     np.testing.assert_allclose(np.diff(headings), 9.0, atol=1e-3)
 
 
-def test_the_way_of_the_hips_is_scaled_by_the_legs() -> None:
+def test_hip_travel_is_scaled_by_leg_length() -> None:
     values = still(61)
     values[:, 0] = np.linspace(0.0, 82.0, 61)  # one leg's length to the left
-    clip = retarget(made(values), name="aside")
+    clip = retarget(parse_values(values), name="aside")
     assert clip.root_position[-1, 0] == pytest.approx(0.805, abs=1e-3)
     assert clip.root_position[0].tolist() == pytest.approx([0.0, clip.root_position[0, 1], 0.0])
 
 
-def test_the_floor_comes_to_zero_wherever_it_was() -> None:
-    values = danced()
-    here = retarget(made(values), name="x")
+def test_floor_is_moved_to_zero() -> None:
+    values = dance_values()
+    here = retarget(parse_values(values), name="x")
     values[:, 1] += 500.0
-    there = retarget(made(values), name="x")
+    there = retarget(parse_values(values), name="x")
     np.testing.assert_allclose(there.root_position, here.root_position, atol=1e-4)
     positions = positions_of(here)
     soles = positions[:, SKELETON.index("leftFoot"), 1] - 0.085, positions[:, SKELETON.index("rightFoot"), 1] - 0.085
@@ -214,16 +214,16 @@ def test_the_floor_comes_to_zero_wherever_it_was() -> None:
         ({"sample_rate": 0.0}, "sample rate 0.0 Hz"),
     ],
 )
-def test_arguments_out_of_range(arguments: dict[str, float], words: str) -> None:
+def test_arguments_out_of_range_are_refused(arguments: dict[str, float], words: str) -> None:
     with pytest.raises(ValueError, match=re.escape(words)):
-        retarget(made(still(5)), name="x", **arguments)  # type: ignore[arg-type]
+        retarget(parse_values(still(5)), name="x", **arguments)  # type: ignore[arg-type]
 
 
-def test_a_believable_unit_passes() -> None:
-    assert retarget(made(still(2)), name="x", unit_m=0.01).sample_count == 2
+def test_plausible_unit_is_accepted() -> None:
+    assert retarget(parse_values(still(2)), name="x", unit_m=0.01).sample_count == 2
 
 
-def test_what_is_no_body_is_refused() -> None:
+def test_motion_without_body_is_refused() -> None:
     text = "HIERARCHY\nROOT base { OFFSET 0 0 0 CHANNELS 1 Xrotation }\nMOTION\nFrames: 1\nFrame Time: 1\n0\n"
     with pytest.raises(MotionFileError, match=r"no joints found for leftUpperLeg, .* among base"):
         retarget(bvh_to_source_motion(parse_bvh(text, "x.bvh")), name="x")
@@ -232,19 +232,19 @@ def test_what_is_no_body_is_refused() -> None:
 def test_legs_without_length_are_refused() -> None:
     none = {side + joint: (0.0, 0.0, 0.0) for side in ("Left", "Right") for joint in ("Leg", "Foot")}
     with pytest.raises(MotionFileError, match="the legs have no length"):
-        retarget(made(still(2), offsets=none), name="x")
+        retarget(parse_values(still(2), offsets=none), name="x")
 
 
-def test_strange_skeletons_give_finite_clips_or_errors() -> None:
+def test_unusual_skeletons_give_finite_clips_or_errors() -> None:
     rng = np.random.default_rng(9)
     clips = 0
     for _ in range(30):
-        motion = made(danced(4, seed=int(rng.integers(99))))
+        motion = parse_values(dance_values(4, seed=int(rng.integers(99))))
         names = rng.choice(motion.names, size=rng.integers(1, 12), replace=False)
         offsets = {str(name): tuple(rng.choice((0.0, 1e-9, 1.0, -40.0, 1e6), 3)) for name in names}
-        values = danced(4) * rng.choice((0.0, 1.0, 1e4))
+        values = dance_values(4) * rng.choice((0.0, 1.0, 1e4))
         try:
-            clip = retarget(made(values, offsets=offsets), name="strange")
+            clip = retarget(parse_values(values, offsets=offsets), name="strange")
         except ValueError:
             continue
         clips += 1
@@ -253,15 +253,15 @@ def test_strange_skeletons_give_finite_clips_or_errors() -> None:
     assert clips > 10
 
 
-def test_neighbouring_samples_have_neighbouring_quaternions() -> None:
-    clip = retarget(made(danced(600)), name="dance")
+def test_adjacent_quaternions_have_equal_signs() -> None:
+    clip = retarget(parse_values(dance_values(600)), name="dance")
     assert (np.sum(clip.rotation[1:] * clip.rotation[:-1], axis=-1) > 0.0).all()
     assert not clip.rotation.flags.writeable
 
 
 @pytest.mark.shared
 @pytest.mark.parametrize("name", REAL)
-def test_real_limbs_point_where_the_sources_do(name: str) -> None:
+def test_limb_directions_match_recordings(name: str) -> None:
     motion, how = mocap_motion(name), REAL[name]
     rate = float(how.get("fps", motion.header_fps))
     clip = retarget(motion, name=name, sample_rate=rate, **how)  # type: ignore[arg-type]
@@ -273,14 +273,14 @@ def test_real_limbs_point_where_the_sources_do(name: str) -> None:
     ours = positions_of(clip)
     for joint, child in LIMBS:
         if body.joints[child] is not None:
-            expected = bone(source, body.joint(joint), body.joint(child))
-            found = bone(ours, SKELETON.index(joint), SKELETON.index(child))
+            expected = bone_directions(source, body.joint(joint), body.joint(child))
+            found = bone_directions(ours, SKELETON.index(joint), SKELETON.index(child))
             np.testing.assert_allclose(found, expected[: len(found)], atol=1e-3)
 
 
 @pytest.mark.shared
 @pytest.mark.parametrize("name", [name for name in REAL if "styled" not in name])
-def test_real_feet_stand_on_the_floor_and_slide_little_more_than_recorded(name: str) -> None:
+def test_feet_stand_on_floor_without_added_slide(name: str) -> None:
     motion, how = mocap_motion(name), REAL[name]
     rate = float(how.get("fps", motion.header_fps))
     clip = retarget(motion, name=name, sample_rate=rate, **how)  # type: ignore[arg-type]
@@ -306,8 +306,8 @@ def test_real_feet_stand_on_the_floor_and_slide_little_more_than_recorded(name: 
 
 
 @pytest.mark.shared
-def test_the_same_motion_from_two_files_is_the_same_clip() -> None:
-    """131_01 in the CMU's unit and in metres (one frame longer at the end)."""
+def test_same_motion_in_two_files_gives_same_clip() -> None:
+    """131_01 in the CMU unit and in meters (one frame longer at the end)."""
     one = retarget(mocap_motion("walk/131_01_styled.bvh"), name="a", fps=120.0)
     two = retarget(mocap_motion("walk/131_01_styled_metres.bvh"), name="b", fps=120.0)
     count = min(one.sample_count, two.sample_count)
@@ -315,14 +315,14 @@ def test_the_same_motion_from_two_files_is_the_same_clip() -> None:
 
 
 @pytest.mark.shared
-def test_drifting_takes_are_brought_to_the_floor() -> None:
+def test_drifting_recording_is_lowered_to_floor() -> None:
     clip = retarget(mocap_motion("solo/rokoko_jesse_dance.bvh"), name="jesse")
     positions = positions_of(clip)
     soles = positions[:, [SKELETON.index("leftFoot"), SKELETON.index("rightFoot")], 1].min(axis=1) - 0.085
     assert np.median(soles) < 0.16
 
 
-def test_hips_stand_where_the_legs_carry_them() -> None:
-    clip = retarget(made(still(2)), name="still")
+def test_standing_hip_height_matches_engine_legs() -> None:
+    clip = retarget(parse_values(still(2)), name="still")
     assert clip.root_position[0, 1] == pytest.approx(0.935, abs=0.002)
     assert pytest.approx(94.0) == STANDING_CM

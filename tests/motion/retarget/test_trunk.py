@@ -1,4 +1,4 @@
-"""Spreading trunks and necks of any length over ours."""
+"""Tests of distributing trunks and necks of any length over the engine's joints."""
 
 from itertools import pairwise
 
@@ -14,7 +14,7 @@ from live.motion.skeleton import SKELETON
 X = np.array((1.0, 0.0, 0.0))
 
 
-def bent(degrees: float) -> np.ndarray:
+def bend_rotation(degrees: float) -> np.ndarray:
     return quaternion.from_axis_angle(X, np.radians([degrees]))
 
 
@@ -23,7 +23,7 @@ def angle(rotation: np.ndarray) -> float:
 
 
 def trunk(*heights: float, neck: float = 1.0) -> SourcePoints:
-    """A rest pose whose trunk joints lie at these heights over the hips, and the neck at `neck`."""
+    """A rest pose with trunk joints at these heights over the hips, and the neck at `neck`."""
     count = len(heights)
     positions = np.zeros((1, count + 2, 3))
     positions[0, :, 1] = (0.0, *heights, neck)
@@ -35,14 +35,14 @@ def trunk(*heights: float, neck: float = 1.0) -> SourcePoints:
     return SourcePoints(body, positions, rotations, {})
 
 
-def test_our_own_places_are_where_the_skeleton_has_them() -> None:
+def test_spine_fractions_match_skeleton() -> None:
     heights = [SKELETON.rest_positions()[SKELETON.index(n), 1] for n in ("hips", *SPINE, "neck")]
     middles = [(a + b) / 2 for a, b in pairwise(heights[1:])]
     expected = [(m - heights[0]) / (heights[-1] - heights[0]) for m in middles]
     np.testing.assert_allclose(SPINE_FRACTIONS, expected, atol=0.005)
 
 
-def test_places_of_a_chain() -> None:
+def test_source_spine_fractions_are_computed() -> None:
     np.testing.assert_allclose(source_spine_fractions(trunk(0.2, 0.6)), (0.1, 0.4, 0.8))
     np.testing.assert_allclose(
         source_spine_fractions(trunk(0.0, 0.5, 1.0)), (0.0, 0.25, 0.75, 1.0)
@@ -51,33 +51,35 @@ def test_places_of_a_chain() -> None:
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 7])
-def test_an_even_bend_stays_even(count: int) -> None:
-    """A trunk bent like an arc: wherever ours take their share, it is that of their height."""
+def test_even_bend_stays_even(count: int) -> None:
+    """A trunk bent like an arc: each engine joint gets the share of its height."""
     heights = [(n + 0.5) / (count + 0.5) for n in range(count)]
     rest = trunk(*heights)
     places = source_spine_fractions(rest)
-    rotations = spine_rotations(rest, bent(90.0 * places[0]), [bent(90.0 * place) for place in places[1:]])
+    rotations = spine_rotations(
+        rest, bend_rotation(90.0 * places[0]), [bend_rotation(90.0 * place) for place in places[1:]]
+    )
     for name, place in zip(SPINE, SPINE_FRACTIONS, strict=True):
         assert angle(rotations[name]) == pytest.approx(90.0 * float(np.clip(place, places[0], places[-1])), abs=1e-6)
 
 
-def test_our_own_chain_comes_through_unchanged() -> None:
+def test_engine_spine_stays_unchanged() -> None:
     heights = np.cumsum([np.linalg.norm(SKELETON.offsets[SKELETON.index(name)]) for name in (*SPINE, "neck")])
     rest = trunk(*heights[:3], neck=float(heights[3]))
-    chain = [bent(10.0), bent(35.0), bent(20.0)]
-    rotations = spine_rotations(rest, bent(-5.0), chain)
+    chain = [bend_rotation(10.0), bend_rotation(35.0), bend_rotation(20.0)]
+    rotations = spine_rotations(rest, bend_rotation(-5.0), chain)
     for name, expected in zip(SPINE, chain, strict=True):
         assert angle(rotations[name]) == pytest.approx(angle(expected), abs=1e-4)
 
 
-def test_without_a_trunk_the_hips_carry_all() -> None:
-    rotations = spine_rotations(trunk(), bent(30.0), [])
+def test_missing_trunk_takes_hip_rotation() -> None:
+    rotations = spine_rotations(trunk(), bend_rotation(30.0), [])
     assert [angle(rotations[name]) for name in SPINE] == pytest.approx([30.0] * 3)
 
 
 @pytest.mark.parametrize(
     ("chain", "expected"), [([], 20.0), ([15.0], 15.0), ([10.0, 30.0], 20.0), ([10.0, 12.0, 30.0], 12.0)]
 )
-def test_neck(chain: list[float], expected: float) -> None:
-    rotation = neck_rotation([bent(a) for a in chain], bent(0.0), bent(40.0))
+def test_neck_rotation_follows_chain(chain: list[float], expected: float) -> None:
+    rotation = neck_rotation([bend_rotation(a) for a in chain], bend_rotation(0.0), bend_rotation(40.0))
     assert angle(rotation) == pytest.approx(expected, abs=1e-6)

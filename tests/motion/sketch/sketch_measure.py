@@ -1,4 +1,4 @@
-"""What the tests of sketches measure on a finished clip: places of joints, soles, speeds."""
+"""Measurements of finished clips for sketch tests: joint positions, soles, speeds."""
 
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +28,7 @@ def soles(step: StepClip, side: str) -> tuple[Float, Float, Float]:
 
 
 def slide(step: StepClip) -> float:
-    """Greatest speed [m/s] of a foot in contact: of its ball or its heel, whichever it stands on."""
+    """Greatest speed [m/s] of a foot in contact, at the slower of its ball and its heel."""
     worst = 0.0
     for index, side in enumerate(SIDES):
         heel, ball, _ = soles(step, side)

@@ -1,4 +1,4 @@
-"""The steps that come with the project: each is read, danced in every variation, and looks after its dancer's body."""
+"""Tests of the project's own steps: each is read, has all variations and respects the body's limits."""
 
 from pathlib import Path
 
@@ -17,13 +17,13 @@ FILES = sorted((ROOT / "patches" / "steps").glob("*.toml"))
 NEEDED = {"groove", "side step", "samba", "tap", "turn", "jump", "arm wave", "bow", "walk"}
 
 
-def steps_of(path: Path) -> list[StepClip]:
+def read_steps(path: Path) -> list[StepClip]:
     return step_clips(parse_sketch(path.read_text(encoding="utf-8"), str(path)))
 
 
 @pytest.fixture(scope="module")
-def own(steps: list[StepClip]) -> list[StepClip]:
-    """The variations as sketched; the others are their mirror images, bit by bit."""
+def original_steps(steps: list[StepClip]) -> list[StepClip]:
+    """The sketched variations; the others are their exact mirror images."""
     return [step for step in steps if not step.mirrored]
 
 
@@ -35,32 +35,32 @@ def path(request: pytest.FixtureRequest) -> Path:
 
 @pytest.fixture(scope="module")
 def steps(path: Path) -> list[StepClip]:
-    return steps_of(path)
+    return read_steps(path)
 
 
-def test_all_the_promised_steps_are_there() -> None:
+def test_all_required_steps_exist() -> None:
     names = [parse_sketch(path.read_text(encoding="utf-8"), path.name).name for path in FILES]
     assert set(names) >= NEEDED
     assert len(set(names)) == len(names) >= 10
     assert [path.stem.replace("_", " ") for path in FILES] == names
 
 
-def test_every_variation_is_there(steps: list[StepClip]) -> None:
+def test_each_step_has_all_directions(steps: list[StepClip]) -> None:
     directions = [step.direction for step in steps]
     assert directions in ([*DIRECTIONS, *DIRECTIONS], [DIRECTIONS[0]] * 2)
 
 
-def test_planted_feet_do_not_slide_and_soles_stay_above_the_floor(own: list[StepClip]) -> None:
-    for step in own:
+def test_planted_feet_do_not_slide_or_sink(original_steps: list[StepClip]) -> None:
+    for step in original_steps:
         assert slide(step) < 0.001, step.clip.name
         for side in SIDES:
             assert min(point[:, 1].min() for point in soles(step, side)) > -0.01, step.clip.name
 
 
-def test_no_foot_skims_the_floor_on_its_way(own: list[StepClip]) -> None:
-    """Whose ball is lower than 5 cm is where it stood or will stand, but for steps that brush the floor on purpose."""
+def test_swinging_feet_clear_floor(original_steps: list[StepClip]) -> None:
+    """A ball lower than 5 cm is near its last or next stance, except in steps that brush the floor on purpose."""
     low, near = 0.05, 0.03
-    for step in own:
+    for step in original_steps:
         if step.step in {"tap", "turn"}:
             continue
         for index, side in enumerate(SIDES):
@@ -75,8 +75,8 @@ def test_no_foot_skims_the_floor_on_its_way(own: list[StepClip]) -> None:
 
 
 @pytest.mark.parametrize("bpm", [70.0, 112.0, 130.0])
-def test_steps_do_not_skate(own: list[StepClip], bpm: float) -> None:
-    for step in own:
+def test_steps_do_not_skate(original_steps: list[StepClip], bpm: float) -> None:
+    for step in original_steps:
         if step.step in {"tap", "turn"}:
             continue
         rate = step.clip.sample_rate * bpm / step.bpm
@@ -84,18 +84,18 @@ def test_steps_do_not_skate(own: list[StepClip], bpm: float) -> None:
         assert skating_frames(joints(step)[0], rate).mean() <= (0.015 if step.step == "samba" else 0.0), step.clip.name
 
 
-def test_no_joint_turns_over_between_two_samples(own: list[StepClip]) -> None:
-    """A bone that turns about itself at once (25 rad/s and more) shows nothing at the samples, and a pop between."""
-    for step in own:
+def test_joints_do_not_flip_between_samples(original_steps: list[StepClip]) -> None:
+    """A bone that spins at 25 rad/s or more shows nothing at the samples, but pops between them."""
+    for step in original_steps:
         rotation = step.clip.rotation.astype(np.float64)
         cosine = np.clip(np.abs((rotation[1:] * rotation[:-1]).sum(axis=-1)), 0.0, 1.0)
         fastest = (2.0 * np.arccos(cosine) * step.clip.sample_rate).max(axis=0)
         assert fastest.max() < 25.0, (step.clip.name, SKELETON.names[int(fastest.argmax())])
 
 
-def test_the_end_of_a_step_is_its_beginning_farther_on(path: Path, own: list[StepClip]) -> None:
+def test_step_ends_in_its_beginning_pose(path: Path, original_steps: list[StepClip]) -> None:
     cyclic = "cyclic = false" not in path.read_text(encoding="utf-8")
-    for step in own:
+    for step in original_steps:
         first, last = first_and_last(step)
         position, _ = joints(step)
         velocity = np.diff(position, axis=0) * step.clip.sample_rate
@@ -104,8 +104,8 @@ def test_the_end_of_a_step_is_its_beginning_farther_on(path: Path, own: list[Ste
         assert np.allclose(velocity[last], velocity[first], atol=5e-3 if cyclic else 0.4), step.clip.name
 
 
-def test_the_body_moves_as_a_body_can(own: list[StepClip]) -> None:
-    for step in own:
+def test_body_speeds_and_joint_bends_are_plausible(original_steps: list[StepClip]) -> None:
+    for step in original_steps:
         position, _ = joints(step)
         velocity = np.diff(position, axis=0) * step.clip.sample_rate
         acceleration = np.diff(velocity, axis=0) * step.clip.sample_rate
@@ -119,8 +119,8 @@ def test_the_body_moves_as_a_body_can(own: list[StepClip]) -> None:
                 assert bend.max() < 0.9999, f"{step.clip.name}: {side}{middle} is straight as a rod"
 
 
-def test_legs_do_not_run_through_each_other(own: list[StepClip]) -> None:
-    for step in own:
+def test_legs_do_not_intersect(original_steps: list[StepClip]) -> None:
+    for step in original_steps:
         position, _ = joints(step)
         for name in ("LowerLeg", "Foot"):
             left, right = (position[:, SKELETON.index(side + name)] for side in SIDES)
@@ -128,16 +128,16 @@ def test_legs_do_not_run_through_each_other(own: list[StepClip]) -> None:
 
 
 @pytest.mark.long
-def test_dancers_meet_at_measure_lines_in_stances_that_can_be_blended() -> None:
+def test_hip_heights_at_measure_lines_are_similar() -> None:
     hips = []
     for path in FILES:
-        step = steps_of(path)[0]
+        step = read_steps(path)[0]
         position, _ = joints(step)
         hips.append(position[round(step.first), 0, 1])
     assert np.ptp(hips) < 0.12
 
 
-def test_the_example_of_the_description_is_a_step() -> None:
+def test_readme_example_is_valid_step() -> None:
     text = (FILES[0].parent / "README.md").read_text(encoding="utf-8")
     example = text.split("```toml\n")[1].split("```")[0]
     steps = step_clips(parse_sketch(example, "README.md"))

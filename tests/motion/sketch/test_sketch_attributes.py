@@ -1,4 +1,4 @@
-"""What sketches say of their steps beside the motion reaches every clip, mirrored where it must be."""
+"""Tests of step attributes in sketches: every clip has them, mirrored where necessary."""
 
 import pytest
 
@@ -6,7 +6,7 @@ from live.motion.mirror import mirror_step, swap_sides
 from live.motion.sketch.sketch_clips import step_clips
 from live.motion.sketch.sketch_file import SketchError, parse_sketch
 
-TOLD = """name = "couru"
+COURU = """name = "couru"
 leading_foot = "left"
 begin_pose = "plié, left foot in front"
 end_pose = "Sous-sus"
@@ -17,8 +17,8 @@ tags = ["ballet", "slow"]
 """
 
 
-def test_all_is_carried_and_the_mirror_image_says_the_other_side():
-    own, mirrored = step_clips(parse_sketch(TOLD, "couru.toml"))
+def test_clips_have_attributes_and_mirror_swaps_sides():
+    own, mirrored = step_clips(parse_sketch(COURU, "couru.toml"))
     assert (own.leading_foot, own.begin_pose, own.end_pose) == ("left", "plié, left foot in front", "Sous-sus")
     assert (mirrored.leading_foot, mirrored.begin_pose) == ("right", "plié, right foot in front")
     for step in (own, mirrored):
@@ -27,20 +27,20 @@ def test_all_is_carried_and_the_mirror_image_says_the_other_side():
         assert step.end_pose == "Sous-sus"
 
 
-def test_nothing_told_is_nothing_restricted():
+def test_missing_attributes_have_empty_defaults():
     (step, _) = step_clips(parse_sketch('name = "still"', "still.toml"))
     assert (step.leading_foot, step.begin_pose, step.end_pose, step.weight_transfer) == ("", "", "", False)
     assert (step.author, step.style, step.tags) == ("", "", ())
 
 
 @pytest.mark.parametrize("words", ["Left knee over the RIGHT", "upright, leftover", "long left", ""])
-def test_sides_are_exchanged_as_words(words):
+def test_sides_are_swapped_as_whole_words(words):
     assert swap_sides(swap_sides(words)) == words
     assert (swap_sides(words) != words) == any(side in words.casefold().split() for side in ("left", "right"))
 
 
-def test_twice_mirrored_says_the_same():
-    own, _ = step_clips(parse_sketch(TOLD, "couru.toml"))
+def test_mirroring_twice_restores_attributes():
+    own, _ = step_clips(parse_sketch(COURU, "couru.toml"))
     again = mirror_step(mirror_step(own))
     for name in ("leading_foot", "begin_pose", "end_pose", "direction", "mirrored", "weight_transfer", "tags"):
         assert getattr(again, name) == getattr(own, name)
@@ -61,7 +61,7 @@ def test_twice_mirrored_says_the_same():
         ('style_of = "soft"', "weight_transfer, begin_pose, end_pose, author, style, tags"),
     ],
 )
-def test_what_is_wrong_is_named_with_line_and_remedy(line, says):
+def test_attribute_error_names_line_and_remedy(line, says):
     with pytest.raises(SketchError) as caught:
         parse_sketch(f'name = "x"\n{line}\n', "x.toml")
     assert str(caught.value).startswith(f"x.toml:2: {line.split()[0]}: ")

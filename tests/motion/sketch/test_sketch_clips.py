@@ -1,4 +1,4 @@
-"""From a sketch to clips: laws that hold for any step, and what a dancer would see in particular ones."""
+"""Tests of building clips from sketches: properties of all steps, and exact motion in particular ones."""
 
 import numpy as np
 import pytest
@@ -29,18 +29,18 @@ def sketch_of(text: str) -> Sketch:
     return parse_sketch('name = "test"\n' + text, "test.toml")
 
 
-def test_nine_directions_and_their_mirror_images() -> None:
+def test_traveling_sketch_gives_nine_directions_and_mirrors() -> None:
     steps = step_clips(parse_sketch(STEP_TOUCH, "touch.toml"))
     assert [step.direction for step in steps] == [*DIRECTIONS, *DIRECTIONS]
     assert [step.mirrored for step in steps] == [False] * 9 + [True] * 9
 
 
-def test_a_step_in_place_is_one_and_its_mirror_image_unless_it_has_none() -> None:
+def test_step_in_place_has_optional_mirror() -> None:
     assert [step.mirrored for step in step_clips(sketch_of(""))] == [False, True]
     assert len(step_clips(sketch_of("mirror = false"))) == 1
 
 
-def test_the_form_of_a_clip() -> None:
+def test_clip_has_expected_timing_and_layout() -> None:
     step = step_clip(sketch_of("beats = 6\nbeats_per_measure = 3\nbpm = 90"))
     assert (step.measures, step.beats_per_measure, step.samples_per_measure, step.first) == (2, 3, 96.0, 96.0)
     assert step.clip.sample_count == 3 * 96 + 1 + TAIL_SAMPLES
@@ -53,7 +53,7 @@ def test_the_form_of_a_clip() -> None:
 
 
 @pytest.mark.parametrize("direction", DIRECTIONS)
-def test_the_way_is_that_of_the_direction_and_feet_stay_where_they_stand(direction: str) -> None:
+def test_travel_follows_direction_without_sliding(direction: str) -> None:
     step = step_clip(parse_sketch(STEP_TOUCH, "touch.toml"), direction)
     first, last = first_and_last(step)
     length = {"in": 0.0, "short": 0.2, "long": 0.5}[direction.split()[0]]
@@ -63,7 +63,7 @@ def test_the_way_is_that_of_the_direction_and_feet_stay_where_they_stand(directi
     assert slide(step) < 0.001
 
 
-def test_going_left_is_going_right_seen_in_a_mirror_when_the_sketch_is() -> None:
+def test_left_travel_mirrors_right_travel() -> None:
     text = 'travels = true\n[right_foot]\n"1 3" = "home, lift 5"\n[left_foot]\n"2 4" = "home, lift 5"'
     position, _ = joints(step_clip(sketch_of(text), "long left"))
     other, _ = joints(step_clip(sketch_of(text), "long right"))
@@ -72,14 +72,14 @@ def test_going_left_is_going_right_seen_in_a_mirror_when_the_sketch_is() -> None
     assert np.allclose(hips, (other[:-32, 0] - other[0, 0]) * (-1.0, 1.0, 1.0), atol=2e-3)
 
 
-def test_legs_do_not_run_through_each_other_on_the_way_sideways() -> None:
+def test_legs_do_not_cross_in_sideways_travel() -> None:
     for direction in ("long left", "long right", "short left"):
         step = step_clip(parse_sketch(STEP_TOUCH, "touch.toml"), direction)
         left, right = soles(step, "left")[1], soles(step, "right")[1]
         assert (left[:, 0] - right[:, 0]).min() > 0.1
 
 
-def test_a_foot_arrives_on_its_count_and_leaves_when_it_must() -> None:
+def test_foot_lands_on_count_after_swing() -> None:
     step = step_clip(sketch_of('swing = 0.5\n[right_foot]\n"2" = "forward 20"\n"4" = "home"'))
     standing = step.clip.contact[128:256, 1]
     steps = np.flatnonzero(np.diff(standing.astype(int)) != 0) / 32 + 1
@@ -91,7 +91,7 @@ def test_a_foot_arrives_on_its_count_and_leaves_when_it_must() -> None:
     assert step.clip.contact[:, 0].all()
 
 
-def test_a_heel_rises_about_the_ball_and_toes_about_the_heel() -> None:
+def test_heel_and_toe_lifts_pivot_correctly() -> None:
     step = step_clip(sketch_of('[right_foot]\n"1" = "home"\n"2" = "home, heel 6"\n[left_foot]\n"1" = "home, toe 5"'))
     heel, ball, tip = soles(step, "right")
     assert heel[128 + 32, 1] == pytest.approx(0.06, abs=0.003)
@@ -102,14 +102,14 @@ def test_a_heel_rises_about_the_ball_and_toes_about_the_heel() -> None:
     assert ball[:, 1] == pytest.approx(np.full(len(ball), 0.05), abs=0.005)
 
 
-def test_the_pelvis_does_what_is_written() -> None:
+def test_pelvis_follows_keys() -> None:
     text = '[pelvis]\n"1" = "down 6, left 5"\n"2" = "up 1, right 5"\n"3" = "down 6"\n"4" = "up 1"'
     hips = joints(step_clip(sketch_of(text)))[0][128:257, 0]
     assert hips[0, 1] - hips[32, 1] == pytest.approx(-0.07, abs=0.01)
     assert hips[0, 0] - hips[32, 0] == pytest.approx(0.10, abs=0.01)
 
 
-def test_the_weight_goes_over_the_standing_foot() -> None:
+def test_weight_shifts_over_standing_foot() -> None:
     step = step_clip(sketch_of('[right_foot]\n"2" = "up 25, forward 20"\n"4" = "home"'))
     hips = joints(step)[0][128:257, 0]
     left = soles(step, "left")[0][128:257]
@@ -117,7 +117,7 @@ def test_the_weight_goes_over_the_standing_foot() -> None:
     assert abs(hips[40, 0] - left[40, 0]) < 0.06
 
 
-def test_a_jump_flies_as_long_as_it_must() -> None:
+def test_jump_flight_is_ballistic() -> None:
     step = step_clip(sketch_of('bpm = 120\n[feet]\n"1 2" = "home"\n"2&" = "up 20"\n"3" = "home"'))
     up = ~step.clip.contact[128:256].any(axis=1)
     flight = up.sum() / step.clip.sample_rate
@@ -129,7 +129,7 @@ def test_a_jump_flies_as_long_as_it_must() -> None:
     assert height.min() < height[0] - 0.05, "it bends its knees before and after"
 
 
-def test_a_full_turn_ends_where_it_began_and_the_foot_pivots_on_its_ball() -> None:
+def test_full_turn_returns_to_start_without_sliding() -> None:
     text = """
     [body]
     "4" = "turn left 360"
@@ -147,14 +147,14 @@ def test_a_full_turn_ends_where_it_began_and_the_foot_pivots_on_its_ball() -> No
     assert slide(step) < 0.001
 
 
-def test_a_quarter_turn_goes_on_from_where_it_is() -> None:
+def test_quarter_turn_ends_at_right_angle() -> None:
     step = step_clip(sketch_of('[body]\n"3" = "turn left 90"\n[feet]\n"2" = "home, lift 4"'))
     position, _ = joints(step)
     ahead = position[:, SKELETON.index("leftToes")] - position[:, SKELETON.index("leftFoot")]
     assert np.allclose(ahead[256] @ ahead[128], ahead[128, 1] ** 2, atol=1e-3), "a right angle but for the height"
 
 
-def test_a_step_that_does_not_repeat_begins_and_ends_in_the_neutral_stance() -> None:
+def test_non_cyclic_step_starts_and_ends_neutral() -> None:
     text = 'cyclic = false\n[chest]\n"2" = "lean forward 60"\n[right_foot]\n"2" = "back 20"\n[hands]\n"2" = "out 40"'
     step = step_clip(sketch_of(text))
     position, _ = joints(step)
@@ -164,7 +164,7 @@ def test_a_step_that_does_not_repeat_begins_and_ends_in_the_neutral_stance() -> 
     assert position[160, SKELETON.index("head"), 2] > 0.2
 
 
-def test_steps_beyond_the_legs_reach_are_refused_by_name() -> None:
+def test_step_beyond_leg_reach_is_refused_with_field() -> None:
     with pytest.raises(SketchError) as caught:
         step_clips(sketch_of('[left_foot]\n"1" = "home"\n"3" = "out 160"'))
     error = caught.value
@@ -173,7 +173,7 @@ def test_steps_beyond_the_legs_reach_are_refused_by_name() -> None:
 
 
 @pytest.mark.parametrize("wide", [60, 90])
-def test_wide_steps_lower_the_pelvis_and_keep_the_feet(wide: int) -> None:
+def test_wide_step_lowers_pelvis_without_sliding(wide: int) -> None:
     step = step_clip(sketch_of(f'[left_foot]\n"1" = "home"\n"3" = "out {wide}"'))
     hips = step.clip.root_position[128:256, 1]
     assert hips.min() < 0.87 - wide / 1000
@@ -224,9 +224,7 @@ parts = st.fixed_dictionaries(
 
 @settings(max_examples=20, suppress_health_check=[HealthCheck.too_slow])
 @given(parts, st.booleans())
-def test_any_sketch_gives_a_clip_that_repeats_stands_and_keeps_above_the_floor(
-    written: dict[str, tuple[Key, ...]], cyclic: bool
-) -> None:
+def test_random_sketch_gives_valid_clip_or_refusal(written: dict[str, tuple[Key, ...]], cyclic: bool) -> None:
     sketch = Sketch("any", "any.toml", parts=written, cyclic=cyclic)
     step, refusal = None, ""
     try:

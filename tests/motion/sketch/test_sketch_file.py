@@ -1,4 +1,4 @@
-"""Reading sketches: what a file may say, and that every error names the file, the line, the field and a remedy."""
+"""Tests of reading sketch files: valid content, and errors that name the file, the line, the field and a remedy."""
 
 import pytest
 
@@ -19,24 +19,24 @@ def beats_of(keys: tuple[Key, ...]) -> list[float]:
     return [key.beat for key in keys]
 
 
-def test_what_is_not_said_has_its_default() -> None:
+def test_missing_fields_have_defaults() -> None:
     sketch = parse_sketch('name = "still"', "still.toml")
     assert sketch == Sketch("still", "still.toml", lines=sketch.lines)
     assert (sketch.beats, sketch.bpm, sketch.mirror, sketch.cyclic, sketch.travels) == (4, 112.0, True, True, False)
 
 
-def test_keys_come_in_order_and_one_for_each_count() -> None:
+def test_keys_are_sorted_with_one_per_count() -> None:
     keys = parse_sketch(PLAIN, "plain.toml").parts["pelvis"]
     assert beats_of(keys) == [0.0, 0.5, 1.0]
     assert keys[0].amounts == {"up": pytest.approx(-0.06), "left": pytest.approx(0.03)}
 
 
-def test_pairs_speak_of_both_sides() -> None:
+def test_paired_parts_set_both_sides() -> None:
     parts = parse_sketch(PLAIN, "plain.toml").parts
     assert beats_of(parts["left_foot"]) == beats_of(parts["right_foot"]) == [0.0]
 
 
-def test_the_second_half_is_the_first_on_the_other_side() -> None:
+def test_alternate_sketch_mirrors_first_half() -> None:
     text = """name = "two"
     alternate = true
     [pelvis]
@@ -92,7 +92,7 @@ def test_the_second_half_is_the_first_on_the_other_side() -> None:
         ),
     ],
 )
-def test_every_error_names_line_field_and_remedy(text: str, line: int, field: str, says: str) -> None:
+def test_each_error_names_line_field_and_remedy(text: str, line: int, field: str, says: str) -> None:
     with pytest.raises(SketchError) as caught:
         parse_sketch(text, "steps/bad.toml")
     error = caught.value
@@ -102,7 +102,7 @@ def test_every_error_names_line_field_and_remedy(text: str, line: int, field: st
     assert "\n" not in str(error)
 
 
-def test_too_many_keys_and_too_long_files_are_refused() -> None:
+def test_too_many_keys_and_overlong_files_are_refused() -> None:
     counts = " ".join(f"{1 + number / 10:.1f}" for number in range(MAX_KEYS + 1))
     with pytest.raises(SketchError, match="fewer counts"):
         parse_sketch(f'name = "a"\nbeats = 16\n[pelvis]\n"{counts}" = "up 1"', "long.toml")

@@ -1,4 +1,4 @@
-"""The words of a sketch: counts and phrases, as a dancer writes them."""
+"""Tests of the sketch notation: counts and phrases."""
 
 import math
 
@@ -22,24 +22,24 @@ from live.motion.sketch.sketch_notation import PARTS, NotationError, read_counts
         ("1, 2,3", [0.0, 1.0, 2.0]),
     ],
 )
-def test_counts(text: str, beats: list[float]) -> None:
+def test_counts_are_read_as_beats(text: str, beats: list[float]) -> None:
     assert read_counts(text, 4.0) == pytest.approx(beats)
 
 
 @pytest.mark.parametrize("text", ["", "0", "5", "1b", "&", "-1", "1..5", "nan", "1e5", "one", "4.99999999999", "1 x"])
-def test_what_is_no_count(text: str) -> None:
+def test_invalid_counts_are_refused(text: str) -> None:
     with pytest.raises(NotationError):
         read_counts(text, 4.0)
 
 
-def test_sides_are_the_dancers_own() -> None:
+def test_sides_are_relative_to_dancer() -> None:
     assert read_phrases("left 10", "left_foot", PARTS["left_foot"]) == {"out": pytest.approx(0.1)}
     assert read_phrases("left 10", "right_foot", PARTS["right_foot"]) == {"out": pytest.approx(-0.1)}
     assert read_phrases("out 10", "right_foot", PARTS["right_foot"]) == {"out": pytest.approx(0.1)}
     assert read_phrases("right 4", "pelvis", PARTS["pelvis"]) == {"left": pytest.approx(-0.04)}
 
 
-def test_centimetres_and_degrees_become_metres_and_radians() -> None:
+def test_phrases_are_converted_to_meters_and_radians() -> None:
     amounts = read_phrases("down 6,  turn left 90 ,lean back 4.5", "pelvis", PARTS["pelvis"])
     assert amounts == {
         "up": pytest.approx(-0.06),
@@ -76,7 +76,7 @@ def test_flags_take_no_number() -> None:
         ("heel 3, toe 2", "left_foot", "one of them"),
     ],
 )
-def test_every_mistake_names_a_remedy(text: str, part: str, says: str) -> None:
+def test_each_phrase_error_names_remedy(text: str, part: str, says: str) -> None:
     with pytest.raises(NotationError) as caught:
         read_phrases(text, part, PARTS[part])
     assert says in caught.value.remedy

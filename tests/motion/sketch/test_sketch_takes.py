@@ -1,4 +1,4 @@
-"""Takes of a sketched phrase, and the directions in which a step is danced."""
+"""Tests of takes of a sketched phrase, and of the directions in which a step is danced."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ begin_pose = "left high"
 TRAVELS = 'travels = true\nlong = 0.3\ndirections = ["long left", "in place"]\n'
 
 
-def test_a_take_is_the_phrase_from_its_own_measure_on():
+def test_take_is_part_of_phrase():
     sketch = parse_sketch(PHRASE, "rise.toml")
     whole, takes = step_clip(sketch), step_clips(sketch)
     assert [(t.begin_pose, t.end_pose, t.mirrored) for t in takes] == [
@@ -48,7 +48,7 @@ def test_a_take_is_the_phrase_from_its_own_measure_on():
     assert takes[0].clip.root_position[256, 1] - takes[0].clip.root_position[128, 1] > 0.1
 
 
-def test_a_step_goes_only_where_it_can_and_its_mirror_image_the_other_way():
+def test_step_travels_only_in_listed_directions():
     steps = step_clips(parse_sketch(TRAVELS + PHRASE, "rise.toml"))
     own = [step.direction for step in steps if not step.mirrored]
     assert own == ["in place", "long left"] * 2
@@ -58,7 +58,7 @@ def test_a_step_goes_only_where_it_can_and_its_mirror_image_the_other_way():
     assert np.allclose(way.reshape(2, 2, 2).sum(axis=1), [[0.0, 0.6], [0.0, -0.6]], atol=1e-4)
 
 
-def test_without_directions_all_nine_are_danced():
+def test_missing_directions_default_to_all_nine():
     assert parse_sketch('name = "a"', "a.toml").directions == DIRECTIONS
 
 
@@ -77,7 +77,7 @@ def test_without_directions_all_nine_are_danced():
         ('travels = true\ndirections = ["up"]\n' + PHRASE, 2, "long forward"),
     ],
 )
-def test_every_error_names_line_and_remedy(text, line, says):
+def test_each_take_error_names_line_and_remedy(text, line, says):
     with pytest.raises(SketchError, match=says) as caught:
         parse_sketch(text, "rise.toml")
     assert caught.value.line == line

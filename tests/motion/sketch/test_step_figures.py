@@ -1,4 +1,4 @@
-"""Figures of a step: way, direction, contacts on the beats, slide; on clips whose truth is known."""
+"""Tests of step measurements on clips with known values: travel, direction, contacts per beat, foot slide."""
 
 import math
 from dataclasses import replace
@@ -26,7 +26,7 @@ long = 0.8
 """
 
 
-def test_the_way_is_that_between_the_measure_lines():
+def test_travel_is_measured_between_measure_lines():
     step = made_clip("glide", way=(0.3, -0.4), measures=2)
     assert travel(step) == pytest.approx((0.6, -0.8), abs=1e-6)
     assert measured_distance(step) == pytest.approx(1.0, abs=1e-6)
@@ -46,13 +46,13 @@ def test_the_way_is_that_between_the_measure_lines():
         ((-0.8, -0.1), "long right"),
     ],
 )
-def test_the_direction_is_as_the_dancer_sees_it(way, direction):
+def test_direction_is_relative_to_dancer(way, direction):
     assert measured_direction(made_clip("glide", way=way)) == direction
     assert measured_direction(made_clip("glide", way=way, measures=3)) == direction
 
 
 @given(st.floats(-2, 2), st.floats(-2, 2))
-def test_the_mirror_image_goes_the_mirrored_way(x, z):
+def test_mirrored_step_has_mirrored_direction(x, z):
     step = made_clip("glide", way=(x, z))
     image = mirror_step(replace(step, direction=measured_direction(step)))
     if abs(abs(x) - abs(z)) > 1e-6:
@@ -60,7 +60,7 @@ def test_the_mirror_image_goes_the_mirrored_way(x, z):
     assert measured_distance(image) == pytest.approx(measured_distance(step), abs=1e-6)
 
 
-def test_sketches_are_measured_as_they_are_written():
+def test_sketched_directions_are_measured_back():
     for step in step_clips(parse_sketch(WALK, "walk.toml")):
         assert measured_direction(step) == step.direction
         wanted = {"in": 0.0, "short": 0.3, "long": 0.8}[step.direction.split()[0]]
@@ -68,7 +68,7 @@ def test_sketches_are_measured_as_they_are_written():
     assert {step.direction for step in step_clips(parse_sketch(WALK, "walk.toml"))} == set(DIRECTIONS)
 
 
-def test_contacts_are_shares_of_beats():
+def test_contacts_are_fractions_of_beats():
     step = made_clip("sway")
     contact = np.ones_like(step.clip.contact)
     first, per_beat = int(step.first), int(step.samples_per_measure) // 4
@@ -79,7 +79,7 @@ def test_contacts_are_shares_of_beats():
     assert beat_contacts(step) == pytest.approx(np.array(expected))
 
 
-def test_feet_that_glide_slide_as_fast_as_the_body():
+def test_foot_slide_of_gliding_step_matches_body_speed():
     step = made_clip("glide", way=(0.0, 0.8))
     seconds = step.samples_per_measure / step.clip.sample_rate
     assert foot_slide(step) == pytest.approx(0.8 / seconds, rel=1e-3)

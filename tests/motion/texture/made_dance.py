@@ -1,4 +1,4 @@
-"""Recordings for tests of texturing: bodies whose arms and trunk do what their legs tell, and sketches without arms."""
+"""Synthetic recordings for tests of texturing: dances with arms that follow the legs, sketches without arms."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Angles go on without jumps and give the rotations back, also for arms that circle and dancers who tumble."""
+"""Tests of charts: continuous angles that reproduce the rotations, also for circling arms and turning dancers."""
 
 import numpy as np
 import pytest
@@ -10,12 +10,12 @@ from live.motion.texture.frequency_bands import ORDERS, VECTOR, choose_charts, e
 CHANCE = np.random.default_rng(2)
 
 
-def _apart(a: np.ndarray, b: np.ndarray) -> float:
+def _rotation_error(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.abs(np.abs(np.sum(a * b, axis=-1)) - 1.0).max())
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_euler_angles_undo_the_rotation(order: str) -> None:
+def test_euler_angles_invert_rotation(order: str) -> None:
     angles = CHANCE.uniform((-3.1, -1.5, -3.1), (3.1, 1.5, 3.1), (500, 3))
     assert np.abs(euler_angles(euler_to_quaternion(angles, order), order) - angles).max() < 1e-6
 
@@ -29,7 +29,7 @@ def _motion(count: int = 300) -> np.ndarray:
     return np.stack((hips, arm, sway), axis=1)
 
 
-def test_charts_hold_what_they_were_chosen_for() -> None:
+def test_chosen_charts_are_continuous_and_invertible() -> None:
     rotation = _motion()
     charts = choose_charts(rotation)
     assert charts[0].kind[0] == "Y"
@@ -38,13 +38,13 @@ def test_charts_hold_what_they_were_chosen_for() -> None:
     for joint, chart in enumerate(charts):
         angles = chart.angles(rotation[:, joint])
         assert chart.margin > 0.3
-        assert np.abs(np.diff(angles, axis=0)).max() < 0.3  # no jump where turns are full
-        assert _apart(chart.rotations(angles), rotation[:, joint]) < 1e-12
+        assert np.abs(np.diff(angles, axis=0)).max() < 0.3  # no jump at full turns
+        assert _rotation_error(chart.rotations(angles), rotation[:, joint]) < 1e-12
     heading = charts[0].angles(rotation[:, 0])[:, 0]
     assert abs((heading[-1] - heading[0]) - 12.0 * np.pi) < 0.1  # the full turns are counted
 
 
-def test_signs_of_quaternions_do_not_matter() -> None:
+def test_charts_ignore_quaternion_signs() -> None:
     rotation = _motion()
     flipped = rotation * CHANCE.choice((-1.0, 1.0), rotation.shape[:2])[..., None]
     for one, other, joint in zip(choose_charts(rotation), choose_charts(flipped), range(3), strict=True):

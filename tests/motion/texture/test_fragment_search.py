@@ -1,4 +1,4 @@
-"""The worked example of the paper's figure 7 (P012), and all ways tried one by one on small ones."""
+"""Tests of the fragment search: the example of the paper's figure 7 (P012), and exhaustive search on small inputs."""
 
 import itertools
 
@@ -18,18 +18,20 @@ def _fragments(places: tuple[int, ...], candidates: tuple[tuple[int, ...], ...])
     return [row[place] for row, place in zip(candidates, places, strict=True)]
 
 
-def test_figure_7() -> None:
+def test_best_paths_match_figure_7() -> None:
     ranks = [[0.0, 1.0, 2.0]] * 4
     found = best_paths(FIGURE_7, ranks, _follows, 3)
     assert [_fragments(path.ranks, FIGURE_7) for path in found] == [[4, 5, 6, 2], [4, 5, 4, 5], [1, 2, 4, 5]]
     assert [path.consecutive_joins for path in found] == [2, 2, 2]
     more = best_paths(FIGURE_7, ranks, _follows, 4)
     assert more[:3] == found
-    assert more[3].consecutive_joins == 1  # there is no fourth with two
+    assert more[3].consecutive_joins == 1  # no fourth path has two
 
 
-def _tried(candidates: list[list[int]], distances: list[list[float]]) -> list[tuple[int, float, tuple[int, ...]]]:
-    """Every way whose candidates are the closest or stand beside a free join: (cost, distance, places), sorted."""
+def _enumerate_paths(
+    candidates: list[list[int]], distances: list[list[float]]
+) -> list[tuple[int, float, tuple[int, ...]]]:
+    """All paths whose candidates are closest or beside a free join: (cost, distance, places), sorted."""
     ways = []
     for places in itertools.product(*(range(len(row)) for row in candidates)):
         taken = [row[place] for row, place in zip(candidates, places, strict=True)]
@@ -42,19 +44,19 @@ def _tried(candidates: list[list[int]], distances: list[list[float]]) -> list[tu
 
 
 @pytest.mark.parametrize("seed", range(30))
-def test_as_when_every_way_is_tried(seed: int) -> None:
+def test_best_paths_equal_exhaustive_search(seed: int) -> None:
     chance = np.random.default_rng(seed)
     count, keep, most = int(chance.integers(1, 6)), int(chance.integers(1, 5)), int(chance.integers(1, 9))
     candidates = [chance.permutation(7)[:keep].tolist() for _ in range(count)]
     distances = [sorted(chance.integers(0, 50, keep).astype(float).tolist()) for _ in range(count)]
     found = best_paths(candidates, distances, _follows, most)
-    tried = _tried(candidates, distances)[:most]
+    tried = _enumerate_paths(candidates, distances)[:most]
     assert [(count - 1 - path.consecutive_joins, path.distance) for path in found] == [way[:2] for way in tried]
     assert len({path.ranks for path in found}) == len(found)
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_weighed_as_when_every_way_is_tried(seed: int) -> None:
+def test_weighted_paths_equal_exhaustive_search(seed: int) -> None:
     chance = np.random.default_rng(100 + seed)
     count, keep, most, join = int(chance.integers(1, 6)), int(chance.integers(1, 5)), int(chance.integers(1, 6)), 7.25
     candidates = [chance.permutation(7)[:keep].tolist() for _ in range(count)]

@@ -1,4 +1,4 @@
-"""Joined curves have no jump and no kink, and what fits already is left as it is (P014-P017)."""
+"""Tests of fragment joining (P014-P017): no jump, no kink, and fitting fragments are unchanged."""
 
 import numpy as np
 import pytest
@@ -14,24 +14,24 @@ from live.motion.texture.fragments import (
 CHANCE = np.random.default_rng(3)
 
 
-def test_fragments_meet_in_the_middle_and_keep_their_shape() -> None:
+def test_fragments_meet_at_midpoint_and_keep_shape() -> None:
     parts = [CHANCE.normal(size=(n, 3)) for n in (9, 14, 6)]
     met = skew_to_meet(parts)
     for before, after, old, new in zip(met[:-1], met[1:], parts[:-1], parts[1:], strict=True):
         assert np.allclose(before[-1], after[0], atol=1e-12)
         assert np.allclose(after[0], 0.5 * (old[-1] + new[0]), atol=1e-12)
     assert np.array_equal(met[0][0], parts[0][0])
-    for old, new in zip(parts, met, strict=True):  # what was added is a line
+    for old, new in zip(parts, met, strict=True):  # the change is linear
         assert np.abs(np.diff(new - old, n=2, axis=0)).max() < 1e-12
     assert concatenate_fragments(met).shape == (9 + 13 + 5, 3)
 
 
-def test_fragments_that_fit_stay_as_they_are() -> None:
+def test_fitting_fragments_are_unchanged() -> None:
     curve = CHANCE.normal(size=(30, 2))
     assert np.allclose(concatenate_fragments(skew_to_meet([curve[:11], curve[10:21], curve[20:]])), curve, atol=1e-12)
 
 
-def test_the_blend_is_whole_at_the_join_and_gone_without_slope_at_its_ends() -> None:
+def test_blend_weight_is_one_at_join_and_flat_at_ends() -> None:
     f = blend_weights(1000)
     assert f[1000] == 1.0
     assert f[0] < 1e-30
@@ -40,15 +40,15 @@ def test_the_blend_is_whole_at_the_join_and_gone_without_slope_at_its_ends() -> 
     assert abs(f[1001] - f[1000]) < 1e-5
 
 
-def test_a_parabola_is_its_own_fit() -> None:
+def test_parabola_is_fitted_exactly() -> None:
     t = np.arange(-20.0, 21.0)[:, None]
     curve = 0.3 * t * t - 2.0 * t + 7.0
     assert np.allclose(fit_quadratic(curve, 20, 9), curve[11:30], atol=1e-9)
     assert np.allclose(smooth_joins(curve, np.array([20])), curve, atol=1e-9)
 
 
-def _bend(rate: int) -> float:
-    """The largest change of slope from a sample to the next of a roof, joined within 10 units of time."""
+def _largest_slope_change(rate: int) -> float:
+    """Largest change of slope between samples of a roof function, joined within 10 units of time."""
     t = np.arange(-40 * rate, 40 * rate + 1) / rate
     curve = -np.abs(t)[:, None]
     joined = smooth_joins(curve, np.array([40 * rate]), 10 * rate)
@@ -57,22 +57,22 @@ def _bend(rate: int) -> float:
     return float(np.abs(np.diff(slope)).max())
 
 
-def test_there_is_no_kink() -> None:
-    """Of a kink the change of slope stays as samples get denser; of a curve that is C1 it goes with their distance."""
-    coarse, fine = _bend(4), _bend(32)
+def test_joined_curve_has_no_kink() -> None:
+    """Denser samples keep the slope change of a kink; for a C1 curve it falls with the sample distance."""
+    coarse, fine = _largest_slope_change(4), _largest_slope_change(32)
     assert fine < coarse / 6.0
-    assert fine < 0.05  # the roof's own kink is 2
+    assert fine < 0.05  # the kink of the roof is 2
 
 
 @pytest.mark.parametrize("reach", [2, 3, 4, 6, 10])
-def test_a_parabola_is_its_own_fit_however_short_the_fragments(reach: int) -> None:
+def test_parabola_is_kept_for_short_fragments(reach: int) -> None:
     t = np.arange(-2.0 * reach, 2.0 * reach + 1.0)[:, None]
     curve = 0.3 * t * t - 2.0 * t + 7.0
     assert np.allclose(smooth_joins(curve, np.array([2 * reach])), curve, atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_smoothing_adds_no_kink(seed: int) -> None:
+def test_smoothing_does_not_add_kinks(seed: int) -> None:
     chance = np.random.default_rng(seed)
     cuts = np.cumsum(chance.integers(3, 12, 12))
     wave = np.sin(np.arange(cuts[-1] + 1.0) / 6.0)[:, None]
@@ -83,6 +83,6 @@ def test_smoothing_adds_no_kink(seed: int) -> None:
     assert after <= before + 1e-9
 
 
-def test_joins_that_were_none_in_the_data_are_left_alone() -> None:
+def test_consecutive_joins_are_unchanged() -> None:
     curve = CHANCE.normal(size=(60, 1))
     assert np.array_equal(smooth_joins(curve, np.array([20, 40]), 5, np.array([True, True])), curve)

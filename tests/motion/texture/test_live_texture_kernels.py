@@ -1,4 +1,4 @@
-"""The kernels of live texturing against numpy, at the ends of clips, and with numbers beyond them."""
+"""Tests of the live texture kernels against numpy, at the ends of clips and with numbers beyond them."""
 
 import numpy as np
 
@@ -15,8 +15,10 @@ CHANCE = np.random.default_rng(5)
 OFFSETS, PARENTS = np.array(SKELETON.offsets), np.array(SKELETON.parents)
 
 
-def dressed(local: np.ndarray, root: np.ndarray, danced: float, level: float, came: float) -> tuple[np.ndarray, ...]:
-    """Poses (A, J, 4) local, dressed; source 0 begins at sample 0, source 1 at sample 40 of the first clip."""
+def apply_texture(
+    local: np.ndarray, root: np.ndarray, danced: float, level: float, came: float
+) -> tuple[np.ndarray, ...]:
+    """Textured local poses (A, J, 4); source 0 begins at sample 0, source 1 at sample 40 of the first clip."""
     position, rotation = (a.astype(np.float32) for a in forward_kinematics(root, local))
     count = len(local)
     limits = np.zeros((2, count, 2), np.int32)
@@ -31,49 +33,49 @@ def dressed(local: np.ndarray, root: np.ndarray, danced: float, level: float, ca
     return position, rotation
 
 
-def bodies(count: int = 3) -> tuple[np.ndarray, np.ndarray]:
+def random_poses(count: int = 3) -> tuple[np.ndarray, np.ndarray]:
     local = quaternion.from_rotation_vector(0.4 * CHANCE.normal(size=(count, JOINT_COUNT, 3)))
     return local, CHANCE.normal(size=(count, 3))
 
 
-def test_with_all_texture_upper_joints_are_those_of_the_sample() -> None:
-    local, root = bodies()
+def test_full_texture_shows_upper_joints_of_sample() -> None:
+    local, root = random_poses()
     wanted = local.copy()
     wanted[:, list(UPPER)] = BANK.upper[32]
-    position, rotation = dressed(local, root, 2.0, 1.0, 1.0)
+    position, rotation = apply_texture(local, root, 2.0, 1.0, 1.0)
     expected = forward_kinematics(root, wanted)
     assert np.abs(position - expected[0]).max() < 1e-5
     assert np.abs(np.abs(np.sum(rotation * expected[1], axis=-1)) - 1.0).max() < 1e-5
 
 
-def test_half_of_it_is_half_way() -> None:
-    local, root = bodies()
+def test_half_texture_is_midpoint_of_slerp() -> None:
+    local, root = random_poses()
     wanted = local.copy()
     there = np.broadcast_to(BANK.upper[48], local[:, list(UPPER)].shape)
     wanted[:, list(UPPER)] = quaternion.slerp(local[:, list(UPPER)], there, np.full(there.shape[:2], 0.5))
-    position, _ = dressed(local, root, 3.0, 0.5, 1.0)
+    position, _ = apply_texture(local, root, 3.0, 0.5, 1.0)
     assert np.abs(position - forward_kinematics(root, wanted)[0]).max() < 1e-5
 
 
-def test_a_change_begins_at_what_was_and_ends_at_what_is() -> None:
-    local, root = bodies()
+def test_source_change_blends_from_old_to_new() -> None:
+    local, root = random_poses()
     for came, sample in ((0.0, 40 + 16), (1.0, 16)):
         wanted = local.copy()
         wanted[:, list(UPPER)] = BANK.upper[sample]
-        position, _ = dressed(local, root, 1.0, 1.0, came)
+        position, _ = apply_texture(local, root, 1.0, 1.0, came)
         assert np.abs(position - forward_kinematics(root, wanted)[0]).max() < 1e-5
 
 
-def test_beyond_its_ends_a_clip_is_held() -> None:
-    local, root = bodies()
+def test_clip_is_held_beyond_its_ends() -> None:
+    local, root = random_poses()
     for danced, sample in ((-1e6, 0), (1e6, int(BANK.clip_last[0]))):
         wanted = local.copy()
         wanted[:, list(UPPER)] = BANK.upper[sample]
-        position, _ = dressed(local, root, danced, 1.0, 1.0)
+        position, _ = apply_texture(local, root, danced, 1.0, 1.0)
         assert np.abs(position - forward_kinematics(root, wanted)[0]).max() < 1e-5
 
 
-def test_the_nearest_fragment_is_the_nearest_unless_the_one_that_goes_on_is_near_enough() -> None:
+def test_continuing_fragment_is_preferred_within_margin() -> None:
     far = np.zeros(BANK.count, np.float32)
     own = np.ascontiguousarray(BANK.leg_features[:, 7]) + np.float32(1e-3)
     apart = ((BANK.leg_features - own[:, None]) ** 2).sum(axis=0)
@@ -85,29 +87,29 @@ def test_the_nearest_fragment_is_the_nearest_unless_the_one_that_goes_on_is_near
     assert kernels.nearest_fragment(far, BANK.leg_features, own, other, 1.1 * gap, 0.0, 1, 2) == other
 
 
-def test_chance_is_even_and_differs_by_seed_dancer_and_fragment() -> None:
+def test_hash_is_uniform_and_differs_by_seed() -> None:
     drawn = np.array([[kernels.hash_24bit(seed, 3, f) for f in range(400)] for seed in (1, 2**31 - 1)]) / 2.0**24
     assert np.all((drawn >= 0.0) & (drawn < 1.0))
     assert np.all(np.abs(drawn.mean(axis=1) - 0.5) < 0.06)
     assert abs(float(np.corrcoef(drawn)[0, 1])) < 0.15
 
 
-def test_moments_are_kept_where_they_were_passed() -> None:
+def test_moments_are_recorded_where_passed() -> None:
     kept = np.zeros((2, 16, 12), np.float32)
     before, now = np.zeros((2, 12), np.float32), np.ones((2, 12), np.float32)
     kernels.record_moments(kept, before, now, np.array([0.9, -0.3]), np.array([1.1, -0.1]), 8)
-    assert np.allclose(kept[0, 8], 0.5)  # the eighth eighth, half way
-    assert np.allclose(kept[1, 14], 0.25)  # two eighths before the first, a quarter of the way
+    assert np.allclose(kept[0, 8], 0.5)  # slot 8, halfway
+    assert np.allclose(kept[1, 14], 0.25)  # slot 14, a quarter of the way
     assert np.allclose(kept[1, 15], 0.875)
     assert np.count_nonzero(np.abs(kept).sum(axis=-1)) == 3
-    kernels.record_moments(kept, before, now, np.array([50.0, 0.0]), np.array([1.0, 90.0]), 8)  # a leap, and back
+    kernels.record_moments(kept, before, now, np.array([50.0, 0.0]), np.array([1.0, 90.0]), 8)  # jumps back and forward
 
 
-def test_legs_that_are_watched_are_in_the_axes_of_the_hips() -> None:
+def test_leg_positions_are_in_hip_axes() -> None:
     from live.motion.pose.pose_pipeline import PoseSkeleton
     from live.motion.texture.live_bank import leg_positions
 
-    local, root = bodies()
+    local, root = random_poses()
     joints = PoseSkeleton.legs_only()[1]
     position, rotation = forward_kinematics(root, local)
     out = np.zeros((3, 12), np.float32)

@@ -1,4 +1,4 @@
-"""The whole method on made dancers: what their legs tell is found, feet stand, what is wrong is named."""
+"""Tests of texture synthesis on synthetic dances: arms follow the legs, feet stand, and wrong settings are reported."""
 
 from dataclasses import replace
 
@@ -23,7 +23,7 @@ from live.motion.texture.texture_settings import (
     parse_joints,
 )
 from live.motion.texture.texture_synthesis import TexturedSketch, prepare_sketch, texture_sketch
-from tests.motion.editing.made_steps import sketched
+from tests.motion.editing.made_steps import sketched_step
 from tests.motion.texture.made_dance import dance, without_arms
 
 DATA = [dance(20.0, seed).clip for seed in (1, 2, 3)]
@@ -32,31 +32,31 @@ SKETCH = without_arms(REAL)
 MATERIAL = make_corpus(DATA, [sample_clip(SKETCH)])
 
 
-def upper(clip: Clip) -> np.ndarray:
+def upper_positions(clip: Clip) -> np.ndarray:
     position, _ = forward_kinematics(np.zeros((clip.sample_count, 3)), clip.rotation.astype(np.float64))
     return position[:, list(UPPER)]
 
 
-def test_arms_are_made_that_go_with_the_legs() -> None:
+def test_synthesized_arms_follow_legs() -> None:
     made = texture_sketch(SKETCH, MATERIAL, TextureSettings(texture=()))[0]
-    real, still = upper(REAL), upper(SKETCH)
-    mean = np.broadcast_to(np.concatenate([upper(clip) for clip in DATA]).mean(axis=0), real.shape)
-    errors = [float(np.linalg.norm(one - real, axis=-1).mean()) for one in (upper(made.clip), mean, still)]
+    real, still = upper_positions(REAL), upper_positions(SKETCH)
+    mean = np.broadcast_to(np.concatenate([upper_positions(clip) for clip in DATA]).mean(axis=0), real.shape)
+    errors = [float(np.linalg.norm(one - real, axis=-1).mean()) for one in (upper_positions(made.clip), mean, still)]
     assert errors[0] < 0.6 * errors[1] < errors[2]
     assert np.array_equal(made.clip.rotation[:, [0, *LEGS]], SKETCH.rotation[:, [0, *LEGS]])
     assert np.array_equal(made.clip.root_position, SKETCH.root_position)
 
 
-def test_a_recording_finds_itself_again() -> None:
-    """Where the sketch's legs are a recording's own, its own fragments come back in their order, and its arms."""
+def test_recording_is_matched_to_itself() -> None:
+    """If the sketch's legs are from a recording, that recording's fragments are found in order, with its arms."""
     own = make_corpus([*DATA, REAL], [sample_clip(SKETCH)])
     made = texture_sketch(SKETCH, own, TextureSettings(texture=(), bands=(1, 3)))[0]
     assert made.consecutive_joins == made.fragments.count - 1
     assert np.unique(own.starts.searchsorted(made.data_fragments.begin[made.sources], side="right")).tolist() == [4]
-    assert np.abs(upper(made.clip) - upper(REAL)).max() < 2e-3
+    assert np.abs(upper_positions(made.clip) - upper_positions(REAL)).max() < 2e-3
 
 
-def test_paths_that_share_nothing() -> None:
+def test_distinct_paths_share_no_fragments() -> None:
     found = texture_sketch(SKETCH, MATERIAL, TextureSettings(texture=(), paths=3, distinct_paths=True))
     assert len(found) == 3
     for one, other in ((0, 1), (0, 2), (1, 2)):
@@ -66,7 +66,7 @@ def test_paths_that_share_nothing() -> None:
     assert np.array_equal(best[0].sources, found[0].sources)
 
 
-def test_texture_changes_only_the_bands_that_were_asked_for() -> None:
+def test_texture_changes_only_selected_bands() -> None:
     arms = parse_joints("arms", "--texture")
     made = texture_sketch(REAL, MATERIAL, TextureSettings(synthesize=(), texture=arms, bands=(2, 3)))[0]
     columns = columns_of(arms)
@@ -74,13 +74,13 @@ def test_texture_changes_only_the_bands_that_were_asked_for() -> None:
         split_bands(tracks_of(sample_clip(clip), MATERIAL.charts)[:, columns], 6) for clip in (REAL, made.clip)
     )
     change = np.abs(after - before).max(axis=(1, 2))
-    assert change[1:3].max() > 0.02  # they are other ones now
-    assert change[4:].max() < 0.25 * change[1:3].max()  # a band passed through the filters again is in its neighbours
+    assert change[1:3].max() > 0.02  # the selected bands changed
+    assert change[4:].max() < 0.25 * change[1:3].max()  # filtering again leaks into adjacent bands
     assert np.abs(after.sum(axis=0) - before.sum(axis=0)).max() < 1.0
 
 
-def test_feet_that_stand_stay_and_hips_may_sway() -> None:
-    step = sketched("walk", "long forward").clip
+def test_standing_feet_stay_while_hips_change() -> None:
+    step = sketched_step("walk", "long forward").clip
     made = texture_sketch(step, make_corpus(DATA, [sample_clip(step)]), TextureSettings())[0].clip
     places = [
         forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))[0]
@@ -96,7 +96,7 @@ def test_feet_that_stand_stay_and_hips_may_sway() -> None:
     assert slide[1] < slide[0] + 0.005
 
 
-def test_legs_have_no_texture_while_their_foot_stands_and_all_soon_after() -> None:
+def test_standing_legs_have_zero_texture_weight() -> None:
     contact = np.zeros((100, 2), np.bool_)
     contact[40:60, 0] = True
     free = texture_weights(contact, np.full((100, 2), 0.2), 60.0)
@@ -107,7 +107,7 @@ def test_legs_have_no_texture_while_their_foot_stands_and_all_soon_after() -> No
     assert not texture_weights(contact, np.full((100, 2), 0.04), 60.0).any()  # a low foot would skate
 
 
-def test_figures_say_what_came_from_where() -> None:
+def test_report_lists_source_fragments() -> None:
     found: list[TexturedSketch] = texture_sketch(SKETCH, MATERIAL, TextureSettings(paths=2))
     values = make_report(SKETCH, MATERIAL, TextureSettings(paths=2), found)
     assert len(values["paths"]) == 2
@@ -117,7 +117,7 @@ def test_figures_say_what_came_from_where() -> None:
     assert values["paths"][0]["kink_rad_s"]["after"] <= values["paths"][0]["kink_rad_s"]["before"]
 
 
-def test_a_t_pose_that_is_held_at_an_end_is_left_out() -> None:
+def test_held_t_pose_at_end_is_trimmed() -> None:
     clip = DATA[0]
     posed = np.zeros_like(clip.rotation)
     posed[..., 0] = 1.0
@@ -128,7 +128,7 @@ def test_a_t_pose_that_is_held_at_an_end_is_left_out() -> None:
         contact=np.concatenate((clip.contact[:60], clip.contact)),
     )
     assert trim_calibration_poses(clip) is clip
-    assert abs(trim_calibration_poses(held).sample_count - (clip.sample_count - 30)) <= 2  # and the way out of it
+    assert abs(trim_calibration_poses(held).sample_count - (clip.sample_count - 30)) <= 2  # including the transition
 
 
 @pytest.mark.parametrize(
@@ -145,12 +145,12 @@ def test_a_t_pose_that_is_held_at_an_end_is_left_out() -> None:
         ({"keep": 0.0}, "K = 0"),
     ],
 )
-def test_wishes_that_cannot_be(change: dict[str, object], words: str) -> None:
+def test_invalid_settings_are_refused(change: dict[str, object], words: str) -> None:
     with pytest.raises(PersonError, match=words):
         TextureSettings(**change)  # type: ignore[arg-type]
 
 
-def test_words_of_the_command_line() -> None:
+def test_command_line_values_are_parsed() -> None:
     assert set(parse_joints("hips,knees", "--drive")) == set(TextureSettings().drive)
     assert parse_joints("none", "x") == ()
     assert parse_bands("2-6", "--bands") == (2, 6)
@@ -167,7 +167,7 @@ def test_words_of_the_command_line() -> None:
         parse_column("leftHand.x", "--cut", drive)
 
 
-def test_clips_that_are_too_short() -> None:
+def test_short_clips_are_refused() -> None:
     short = Clip("blink", SKETCH.root_position[:20], SKETCH.rotation[:20], 60.0, SKETCH.contact[:20])
     with pytest.raises(PersonError, match=r"blink: 0\.32 s are too short"):
         make_corpus([short])
@@ -177,7 +177,7 @@ def test_clips_that_are_too_short() -> None:
         make_corpus([])
 
 
-def test_what_drives_may_change_over_time() -> None:
+def test_driving_joints_change_over_time() -> None:
     first, changes = parse_drive("hips @4 knees", "--drive")
     hips, knees = parse_joints("hips", "x"), parse_joints("knees", "x")
     assert (first, changes) == (hips, ((4.0, knees),))
@@ -188,9 +188,9 @@ def test_what_drives_may_change_over_time() -> None:
     middle = 0.5 * (changing.fragments.begin + changing.fragments.end) / RATE
     assert 2 < np.count_nonzero(middle < 4.0) < len(middle) - 2
     for n, time in enumerate(middle):
-        whose = (of_hips if time < 4.0 else of_knees).matches
-        assert set(changing.matches.candidates[n]) == set(whose.candidates[n])  # some are equally near
-        assert np.allclose(changing.matches.distances[n], whose.distances[n])
+        source = (of_hips if time < 4.0 else of_knees).matches
+        assert set(changing.matches.candidates[n]) == set(source.candidates[n])  # some are equally near
+        assert np.allclose(changing.matches.distances[n], source.distances[n])
     alone = prepare_sketch(SKETCH, MATERIAL, TextureSettings(drive=hips, cut=3 * hips[0], texture=()))
     assert alone.matches.candidates[0][0] == of_hips.matches.candidates[0][0]
     made = texture_sketch(SKETCH, MATERIAL, wish)[0]

@@ -1,4 +1,4 @@
-"""Chaos: call sites are found and fail as they are told to; what a journal says of measures; the plan is seeded."""
+"""Chaos: call sites and injected exceptions, measures of a journal, processes, small disk, and the seeded plan."""
 
 import json
 import os
@@ -26,7 +26,7 @@ from tests.show.made_show import made_show
 
 @pytest.fixture(scope="module")
 def sites():
-    """The call sites of some seconds of a made show."""
+    """The call sites of a few seconds of a made show."""
     show, looker = made_show(), CallSiteTracer()
     with replaced_tick(looker.run):
         for tick in range(1, 400):
@@ -34,7 +34,7 @@ def sites():
     return sorted(looker.sites)
 
 
-def test_call_sites_are_found_in_the_tick_and_in_what_it_does_at_measure_lines(sites):
+def test_call_sites_include_tick_and_measure_line_code(sites):
     callers = {site.caller.split(", ")[1] for site in sites}
     assert {"Show._tick", "Show._move", "Show._cross_measure_line"} <= callers
     assert len(sites) > 50
@@ -43,12 +43,12 @@ def test_call_sites_are_found_in_the_tick_and_in_what_it_does_at_measure_lines(s
     assert sys.getprofile() is None
 
 
-def test_sites_in_the_circuit_breakers_are_known(sites):
-    """Their file was named by a string, which a move left behind."""
+def test_call_sites_in_circuit_breakers_are_marked(sites):
+    """The name of their file is a string, which went stale when the file moved."""
     assert 0 < sum(site.is_breaker for site in sites) < len(sites) / 2
 
 
-def test_an_exception_is_raised_at_a_site_as_often_as_it_is_told(sites):
+def test_exception_is_injected_given_number_of_times(sites):
     site = next(site for site in sites if site.caller.endswith("Show._move") and "GroupMotion.tick" in site.callee)
     injector, show, raised = ExceptionInjector(), made_show(), []
     injector.arm(site, 3, since=1.0)
@@ -63,7 +63,7 @@ def test_an_exception_is_raised_at_a_site_as_often_as_it_is_told(sites):
     assert injector.remaining == 0
 
 
-def test_a_site_that_is_nowhere_fails_nothing():
+def test_unknown_call_site_raises_no_exception():
     injector, show = ExceptionInjector(), made_show()
     injector.arm(CallSite("show/show.py, Show.nothing", 1, "none"), 3, since=0.0)
     with replaced_tick(injector.run):
@@ -73,7 +73,7 @@ def test_a_site_that_is_nowhere_fails_nothing():
 
 
 @pytest.mark.long
-def test_wherever_the_tick_fails_the_show_goes_on_and_its_journal_replays(tmp_path):
+def test_show_survives_tick_failures_and_journal_replays(tmp_path):
     plan = SoakOptions(find_patch("score"), seed=2, hours=0.2, fps=16.0, faults=0.0)
     facts = virtual_chaos(plan, tmp_path, sites=4)
     assert facts["problems"] == []
@@ -84,8 +84,8 @@ def test_wherever_the_tick_fails_the_show_goes_on_and_its_journal_replays(tmp_pa
     json.dumps(facts)
 
 
-def test_a_failure_that_nothing_helps_against_is_a_problem_with_its_site(tmp_path, monkeypatch):
-    """A recovery that gives up is told, with what failed at that time."""
+def test_failed_recovery_is_reported_with_its_call_site(tmp_path, monkeypatch):
+    """A recovery that gives up is reported with the failing call site of that time."""
 
     class Gives:
         def __init__(self, following, death):
@@ -103,7 +103,7 @@ def test_a_failure_that_nothing_helps_against_is_a_problem_with_its_site(tmp_pat
     assert facts["problems"][1].startswith("failing at that time: show/")
 
 
-def test_the_plan_is_seeded_and_every_kind_comes_once_before_any_comes_again():
+def test_plan_is_seeded_and_contains_every_kind_first():
     first, again, other = (list(chaos_schedule(seed, until=600.0)) for seed in (1, 1, 2))
     assert first == again != other
     assert {blow.kind for blow in first[: len(FAULT_SECONDS)]} == set(FAULT_SECONDS)
@@ -113,7 +113,7 @@ def test_the_plan_is_seeded_and_every_kind_comes_once_before_any_comes_again():
     assert len(list(chaos_schedule(1, until=300.0, rate=2.0))) > 1.8 * len(list(chaos_schedule(1, until=300.0)))
 
 
-def test_every_kind_of_fault_can_be_done():
+def test_every_fault_kind_has_an_action():
     assert set(ACTIONS) == set(FAULT_SECONDS)
     assert set(STALLS) < set(FAULT_SECONDS)
 
@@ -123,25 +123,27 @@ def _journal(path, *lines):
     return read_measures(path)
 
 
-def _begins(number, tick, **more):
+def _measure_line(number, tick, **more):
     return {"tick": tick, "measure": number, "hash": "0", **more}
 
 
-def test_measures_of_a_journal_are_judged_by_what_it_says_itself(tmp_path):
+def test_journal_measures_are_classified(tmp_path):
     path = tmp_path / "j"
     skipped = {"tick": 30, "event": {"type": "TicksSkipped", "time": 1.0, "source": "engine", "count": 500}}
-    good = _journal(path, _begins(2, 10), _begins(3, 20), skipped, _begins(6, 700), {"tick": 800, "end": True})
+    good = _journal(
+        path, _measure_line(2, 10), _measure_line(3, 20), skipped, _measure_line(6, 700), {"tick": 800, "end": True}
+    )
     assert (good.twice, good.missed, good.leapt, good.lacking, good.ended) == ([], [], [4, 5], [], True)
     assert good.skipped == 500
-    lost = _journal(path, _begins(2, 10), _begins(5, 20, gap=7))
+    lost = _journal(path, _measure_line(2, 10), _measure_line(5, 20, gap=7))
     assert (lost.missed, lost.lacking, lost.lost, lost.ended) == ([], [3, 4], 7, False)
-    missed = _journal(path, _begins(2, 10), _begins(4, 20))
+    missed = _journal(path, _measure_line(2, 10), _measure_line(4, 20))
     assert missed.missed == [3]
-    twice = _journal(path, _begins(2, 10), _begins(3, 20), _begins(3, 30))
+    twice = _journal(path, _measure_line(2, 10), _measure_line(3, 20), _measure_line(3, 30))
     assert twice.twice == [3]
 
 
-def test_an_exception_reaches_a_thread_that_is_somewhere_else(tmp_path):
+def test_exception_is_raised_in_another_thread(tmp_path):
     ended, found = threading.Event(), []
 
     def work():
@@ -161,7 +163,7 @@ def test_an_exception_reaches_a_thread_that_is_somewhere_else(tmp_path):
     thread.join()
 
 
-def test_the_page_is_one_for_all_processes(tmp_path):
+def test_fault_page_is_shared_between_processes(tmp_path):
     page = FaultPage(tmp_path / "page", make=True)
     page[PageWord.LEFT] = -3
     code = (
@@ -187,7 +189,7 @@ def sleeper():
     started.stdout.close()
 
 
-def test_processes_are_seen_stopped_and_let_go_on(sleeper, tmp_path):
+def test_processes_are_listed_stopped_and_resumed(sleeper, tmp_path):
     tree = ProcessTree(os.getpid(), tmp_path)
     assert any(one.pid == sleeper.pid for one in tree.descendants())
     assert tree.signal(sleeper.pid, signal.SIGSTOP)
@@ -199,7 +201,7 @@ def test_processes_are_seen_stopped_and_let_go_on(sleeper, tmp_path):
     assert 0.0 <= cpu_pressure() <= 1.0
 
 
-def test_what_a_killed_supervisor_leaves_is_seen_below_the_next_one(tmp_path):
+def test_orphans_of_killed_supervisor_belong_to_next_one(tmp_path):
     words = (
         "import subprocess, sys, time; subprocess.Popen([sys.executable, '-S', '-c', 'import time; time.sleep(60)'])"
     )
@@ -216,7 +218,7 @@ def test_what_a_killed_supervisor_leaves_is_seen_below_the_next_one(tmp_path):
     assert left.pid not in tree.zombies()
 
 
-def test_a_process_without_descriptors_gets_them_back(sleeper):
+def test_descriptor_limit_is_restored(sleeper):
     import resource
 
     before = resource.prlimit(sleeper.pid, resource.RLIMIT_NOFILE)
@@ -225,7 +227,7 @@ def test_a_process_without_descriptors_gets_them_back(sleeper):
     assert resource.prlimit(sleeper.pid, resource.RLIMIT_NOFILE) == before
 
 
-def test_a_small_disk_is_full_and_has_room_again(tmp_path):
+def test_small_disk_is_filled_and_freed(tmp_path):
     disk = SmallDisk(tmp_path / "disk")
     disk.open()
     try:
@@ -242,7 +244,7 @@ def test_a_small_disk_is_full_and_has_room_again(tmp_path):
     assert not os.path.ismount(disk.path)
 
 
-def test_sites_are_taken_in_turn_and_a_loop_is_seen():
+def test_site_sequence_advances_and_detects_restart_loop():
     class Made:
         def __init__(self):
             self.told, self.inbox, self.foreseen = [], [], False

@@ -1,4 +1,4 @@
-"""The body: closed, symmetric, on its own surface, softly bound to the skeleton."""
+"""Generated body mesh: closed, symmetric, on the implicit surface, with smooth skin weights."""
 
 import time
 
@@ -26,7 +26,7 @@ def _dense(mesh: BodyMesh) -> npt.NDArray[np.float64]:
 
 
 @pytest.mark.parametrize("level", LEVELS)
-def test_every_edge_has_exactly_two_triangles_of_opposite_sense(level: int) -> None:
+def test_every_edge_has_two_triangles_of_opposite_orientation(level: int) -> None:
     directed = _edges(build_body(level))
     assert len(np.unique(directed, axis=0)) == len(directed)
     forward = {tuple(edge) for edge in directed.tolist()}
@@ -34,12 +34,12 @@ def test_every_edge_has_exactly_two_triangles_of_opposite_sense(level: int) -> N
 
 
 @pytest.mark.parametrize(("level", "least", "most"), [(COARSE, 300, 700), (LIGHT, 1000, 2500), (FINE, 6000, 12000)])
-def test_triangle_counts_suit_their_use(level: int, least: int, most: int) -> None:
+def test_triangle_count_is_within_range_of_level(level: int, least: int, most: int) -> None:
     assert least <= len(build_body(level).triangle) <= most
 
 
 @pytest.mark.parametrize("level", LEVELS)
-def test_the_volume_is_that_of_a_slim_adult_and_triangles_face_outwards(level: int) -> None:
+def test_volume_matches_slim_adult_and_triangles_face_outward(level: int) -> None:
     mesh = build_body(level)
     a, b, c = (mesh.position[mesh.triangle[:, i]].astype(np.float64) for i in range(3))
     litres = 1000.0 * float((np.cross(a, b) * c).sum()) / 6.0
@@ -47,7 +47,7 @@ def test_the_volume_is_that_of_a_slim_adult_and_triangles_face_outwards(level: i
 
 
 @pytest.mark.parametrize("level", LEVELS)
-def test_weights_are_soft_and_sum_to_one(level: int) -> None:
+def test_skin_weights_are_nonnegative_and_sum_to_one(level: int) -> None:
     mesh = build_body(level)
     assert mesh.joint.shape == mesh.weight.shape == (len(mesh.position), 4)
     assert mesh.joint.min() >= 0
@@ -56,8 +56,8 @@ def test_weights_are_soft_and_sum_to_one(level: int) -> None:
     np.testing.assert_allclose(mesh.weight.sum(axis=1), 1.0, atol=1e-6)
 
 
-def test_neighbours_are_bound_alike() -> None:
-    """No vertex hangs on another limb than its neighbours: weights change little along an edge."""
+def test_skin_weights_change_little_along_edges() -> None:
+    """No vertex is bound to another limb than its neighbours: weights change by less than half along an edge."""
     mesh = build_body(FINE)
     edges = _edges(mesh)
     dense = _dense(mesh)
@@ -77,14 +77,14 @@ def test_left_and_right_are_mirror_images(level: int) -> None:
     np.testing.assert_allclose(mesh.normal[partner] * [-1, 1, 1], mesh.normal, atol=1e-2)
 
 
-def test_it_is_as_tall_as_the_skeleton_says_and_stands_on_the_floor() -> None:
+def test_body_matches_skeleton_height_and_stands_on_floor() -> None:
     mesh = build_body(FINE)
     assert mesh.position[:, 1].max() == pytest.approx(BODY_HEIGHT, abs=0.02)
     assert mesh.position[:, 1].min() == pytest.approx(0.0, abs=0.005)
     assert mesh.position[:, 0].max() == pytest.approx(0.85, abs=0.03)  # arm span about the height
 
 
-def test_every_joint_moves_some_skin_near_it() -> None:
+def test_every_joint_influences_nearby_vertices() -> None:
     mesh = build_body(LIGHT)
     dense = _dense(mesh)
     rest = SKELETON.rest_positions()
@@ -103,7 +103,7 @@ def test_vertices_lie_on_the_implicit_surface(level: int) -> None:
     assert distance.max() < 0.012
 
 
-def test_it_is_wider_at_shoulders_and_hips_than_at_the_waist() -> None:
+def test_body_is_wider_at_shoulders_and_hips_than_at_waist() -> None:
     shape = Shape(BODY)
 
     def half_width(height: float) -> float:
@@ -114,8 +114,8 @@ def test_it_is_wider_at_shoulders_and_hips_than_at_the_waist() -> None:
     assert half_width(1.06) < 0.9 * half_width(1.25)
 
 
-def test_building_is_quick() -> None:
-    """Well under a second, so that a show starts at once; best of three, because other work may be going on."""
+def test_body_is_built_within_one_second() -> None:
+    """Best of three runs of processor time, since other work may be running; a show must start at once."""
     seconds = []
     for _ in range(3):
         start = time.process_time()

@@ -1,4 +1,4 @@
-"""Body types: other widths on the same bones."""
+"""Tests of body types: different widths on the same skeleton."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def litres(name, level=COARSE):
     return 1000.0 * float((np.cross(a, b) * c).sum()) / 6.0
 
 
-def test_there_is_a_type_for_every_name_and_the_usual_one_is_the_body_itself():
+def test_every_body_name_has_type_and_default_is_base_body():
     assert tuple(TYPES) == BODIES
     assert parts_of(DEFAULT_BODY) is BODY
     with pytest.raises(ValueError, match="body 'tall'"):
@@ -29,7 +29,7 @@ def test_there_is_a_type_for_every_name_and_the_usual_one_is_the_body_itself():
 
 
 @pytest.mark.parametrize("name", BODIES)
-def test_every_body_is_closed_and_stands_on_the_same_floor_with_the_same_reach(name):
+def test_every_body_type_is_closed_with_equal_floor_and_reach(name):
     mesh = build_body(COARSE, name)
     edges = np.concatenate([mesh.triangle[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))])
     assert len(np.unique(edges, axis=0)) == len(edges)
@@ -39,7 +39,7 @@ def test_every_body_is_closed_and_stands_on_the_same_floor_with_the_same_reach(n
     assert mesh.position[:, 0].max() == pytest.approx(usual.position[:, 0].max(), abs=0.012)
 
 
-def test_they_are_as_heavy_as_they_are_called():
+def test_volumes_are_ordered_by_body_type():
     weight = {name: litres(name) for name in BODIES}
     assert weight["slim"] < 0.9 * weight[DEFAULT_BODY]
     assert weight["child"] < 0.92 * weight[DEFAULT_BODY]
@@ -47,7 +47,7 @@ def test_they_are_as_heavy_as_they_are_called():
     assert weight["round"] > 1.25 * weight[DEFAULT_BODY]
 
 
-def test_they_are_as_wide_as_they_are_called():
+def test_widths_are_ordered_by_body_type():
     shoulders, waist = ({name: half_width(name, y) for name in BODIES} for y in (1.33, 1.06))
     assert shoulders["strong"] == max(shoulders.values())
     assert waist["round"] == max(waist.values())
@@ -55,7 +55,7 @@ def test_they_are_as_wide_as_they_are_called():
     assert waist["child"] / shoulders["child"] > 1.1 * waist[DEFAULT_BODY] / shoulders[DEFAULT_BODY]  # no waist yet
 
 
-def test_points_lie_on_the_skin_and_their_first_ones_are_spread_as_all_are():
+def test_particle_points_lie_on_skin_and_any_prefix_is_evenly_spread():
     points = build_points(1500)
     distance = np.abs(Shape(BODY).distance(points.position.astype(np.float64)))
     assert np.median(distance) < 0.004

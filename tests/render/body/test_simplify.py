@@ -1,4 +1,4 @@
-"""Edge collapse: fewer triangles, the same body."""
+"""Tests of edge collapse: fewer triangles with the shape kept."""
 
 import numpy as np
 import numpy.typing as npt
@@ -9,7 +9,7 @@ Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
 
 
-def _ball(levels: int) -> tuple[Float64, Int64]:
+def _sphere(levels: int) -> tuple[Float64, Int64]:
     signs = [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]
     points = np.array(signs, np.float64)
     faces = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2]], np.int64)
@@ -24,8 +24,8 @@ def _volume(points: Float64, triangles: Int64) -> float:
     return float((np.cross(a, b) * c).sum()) / 6.0
 
 
-def test_a_ball_stays_a_closed_ball_with_as_few_triangles_as_wanted() -> None:
-    points, triangles = _ball(3)
+def test_simplified_sphere_stays_closed_at_target_triangle_count() -> None:
+    points, triangles = _sphere(3)
     used, fewer = simplify(points, triangles, np.zeros((len(points), 1)), 300)
     assert len(fewer) <= 300
     assert len(fewer) > 280
@@ -37,15 +37,15 @@ def test_a_ball_stays_a_closed_ball_with_as_few_triangles_as_wanted() -> None:
 
 
 def test_a_symmetric_mesh_stays_symmetric() -> None:
-    points, triangles = _ball(3)
+    points, triangles = _sphere(3)
     used, _ = simplify(points, triangles, np.zeros((len(points), 1)), 250)
     kept = points[used]
     partner = mirror_partners(kept)
     np.testing.assert_allclose(kept[partner] * [-1.0, 1.0, 1.0], kept, atol=1e-9)
 
 
-def test_where_vertices_carry_unlike_things_more_of_them_stay() -> None:
-    points, triangles = _ball(3)
+def test_more_vertices_stay_where_attributes_vary() -> None:
+    points, triangles = _sphere(3)
     points *= 0.2  # as large as a body's parts
     plain = np.zeros((len(points), 1))
     striped = np.where(points[:, 1:2] > 0.0, 4.0 * np.sin(45.0 * points[:, 1:2]), 0.0)
@@ -55,7 +55,7 @@ def test_where_vertices_carry_unlike_things_more_of_them_stay() -> None:
     assert above[1] > above[0] + 0.05
 
 
-def test_it_stops_where_nothing_may_go() -> None:
+def test_simplification_stops_at_tetrahedron() -> None:
     """A tetrahedron cannot lose a vertex and stay closed."""
     points = np.array([[0.0, 1.0, 0.0], [0.0, -0.5, 1.0], [1.0, -0.5, -0.5], [-1.0, -0.5, -0.5]])
     triangles = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], np.int64)

@@ -1,4 +1,4 @@
-"""Skinning keeps the body's volume where it bends, by the shader's formula here and by the shader itself."""
+"""Dual-quaternion skinning keeps the limb volume at bent joints, in the Python formula and in the shader."""
 
 import moderngl
 import numpy as np
@@ -17,7 +17,7 @@ from tests.render.poses import pose, stage_view
 from tests.render.test_renderer import scene
 
 MOST = 0.05
-"""How much of the limb from the middle of one bone to the middle of the next may be lost."""
+"""Share of the limb volume, from the middle of one bone to the middle of the next, that may be lost."""
 BENT = {"elbow": {"leftLowerArm": (0, -90, 0)}, "knee": {"leftLowerLeg": (120, 0, 0)}}
 BOXES = {
     "elbow": ((0.2975, 0.5525), (1.28, 1.48), (-0.11, 0.09)),
@@ -25,8 +25,8 @@ BOXES = {
 }
 
 
-def limb(name, joint, step=0.005):
-    """Litres of the limb around a joint, counted in the shape itself, which no mesh has touched."""
+def limb_volume(name, joint, step=0.005):
+    """Volume [l] of the limb around a joint, sampled from the implicit shape without the mesh."""
     axes = [np.arange(low + step / 2, high, step) for low, high in BOXES[joint]]
     places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     return 1000.0 * float((Shape(parts_of(name)).distance(places) < 0.0).sum()) * step**3
@@ -37,7 +37,7 @@ def litres(mesh, places):
     return 1000.0 * float((np.cross(a, b) * c).sum()) / 6.0
 
 
-def skinned(mesh, turns):
+def skin_mesh(mesh, turns):
     """Dual-quaternion skinning (Kavan et al. 2007) in double precision."""
     position, rotation = pose(turns)
     texels = np.zeros((1, 2 * JOINT_COUNT, 4), np.float32)
@@ -62,14 +62,14 @@ def skinned(mesh, turns):
 
 @pytest.mark.parametrize("joint", BENT)
 @pytest.mark.parametrize(("level", "name"), [(LIGHT, one) for one in BODIES] + [(FINE, DEFAULT_BODY), (FINE, "strong")])
-def test_no_body_loses_volume_where_it_bends(level, name, joint):
+def test_bent_joint_keeps_volume_for_every_body(level, name, joint):
     mesh = build_body(level, name)
-    loss = litres(mesh, skinned(mesh, {})) - litres(mesh, skinned(mesh, BENT[joint]))
-    assert abs(loss) < MOST * limb(name, joint)
+    loss = litres(mesh, skin_mesh(mesh, {})) - litres(mesh, skin_mesh(mesh, BENT[joint]))
+    assert abs(loss) < MOST * limb_volume(name, joint)
 
 
-def test_linear_skinning_would_lose_it():
-    """The law can fail: blended matrices (the usual way) lose more of a fine knee than is allowed."""
+def test_linear_blend_skinning_loses_more_volume_than_allowed():
+    """The limit can fail: linear blend skinning loses more of the fine knee than allowed."""
     mesh = build_body(FINE)
     position, rotation = pose(BENT["knee"])
     rest = SKELETON.rest_positions().astype(np.float64)
@@ -78,14 +78,14 @@ def test_linear_skinning_would_lose_it():
     turn = 2.0 * np.cross(u[mesh.joint], v)
     each = position[mesh.joint] + v + w[mesh.joint] * turn + np.cross(u[mesh.joint], turn)
     places = (each * mesh.weight[..., None]).sum(axis=1)
-    assert litres(mesh, skinned(mesh, {})) - litres(mesh, places) > MOST * limb(DEFAULT_BODY, "knee")
+    assert litres(mesh, skin_mesh(mesh, {})) - litres(mesh, places) > MOST * limb_volume(DEFAULT_BODY, "knee")
 
 
 @pytest.mark.gl
 @pytest.mark.parametrize("joint", BENT)
 @pytest.mark.parametrize("level", [LIGHT, DISTANT])
-def test_the_shader_does_the_same(gl_context, level, joint):
-    """By transform feedback from the shader that draws the dancers."""
+def test_shader_skinning_matches_formula(gl_context, level, joint):
+    """Transform feedback from the shader that draws the dancers, against the formula in Python."""
     mesh = build_body(level)
     text = source("skin.glsl") + "out vec3 seen;\nvoid main() { seen = skinned(in_position, in_normal).place; }\n"
     linked = gl_context.program(vertex_shader=text, varyings=["seen"])
@@ -101,10 +101,10 @@ def test_the_shader_does_the_same(gl_context, level, joint):
     bound.use()
     array.transform(out, moderngl.POINTS, vertices=len(mesh.position), instances=1)
     seen = np.frombuffer(out.read(), np.float32).reshape(-1, 3)
-    here = skinned(mesh, BENT[joint])
+    here = skin_mesh(mesh, BENT[joint])
     here += seen.mean(axis=0) - here.mean(axis=0)  # the view sets her hips in the middle
     np.testing.assert_allclose(seen, here, atol=2e-4)
     if level == LIGHT:
-        assert abs(litres(mesh, seen) - litres(mesh, skinned(mesh, {}))) < MOST * limb(DEFAULT_BODY, joint)
+        assert abs(litres(mesh, seen) - litres(mesh, skin_mesh(mesh, {}))) < MOST * limb_volume(DEFAULT_BODY, joint)
     for thing in (array, out, vertices, who, linked, crowd, bound):
         thing.release()

@@ -1,4 +1,4 @@
-"""Catmull-Clark against the numbers of the cube, and its laws."""
+"""Catmull-Clark subdivision against the known values of the cube, and its invariants."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ CUBE = np.array(
 FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2]], np.int64)
 
 
-def test_a_cube_gives_the_known_points() -> None:
+def test_subdivided_cube_has_known_points() -> None:
     """Corners move to 5/9, edge middles to 3/4, face middles stay (Catmull and Clark 1978)."""
     points, faces = subdivide(CUBE, FACES)
     assert points.shape == (26, 3)
@@ -21,14 +21,14 @@ def test_a_cube_gives_the_known_points() -> None:
     np.testing.assert_allclose(np.sort(np.abs(points[20:]), axis=1), np.tile([0.0, 0.0, 1.0], (6, 1)), atol=1e-12)
 
 
-def test_faces_keep_their_sense() -> None:
+def test_faces_keep_orientation() -> None:
     points, faces = subdivide(CUBE, FACES)
     a, b, c = (points[faces[:, i]] for i in range(3))
     outward = (np.cross(b - a, c - a) * points[faces].mean(axis=1)).sum(axis=1)
     assert (outward > 0.0).all()
 
 
-def test_sums_of_what_vertices_carry_are_kept() -> None:
+def test_vertex_weight_sums_are_kept() -> None:
     """Values that sum to 1 at every vertex still do: each new value is an average."""
     rng = np.random.default_rng(3)
     weights = rng.random((8, 5))
@@ -39,6 +39,6 @@ def test_sums_of_what_vertices_carry_are_kept() -> None:
     assert values.min() >= 0.0
 
 
-def test_open_meshes_are_refused() -> None:
+def test_open_mesh_is_refused() -> None:
     with pytest.raises(ValueError, match="not closed"):
         subdivide(CUBE, FACES[:-1])

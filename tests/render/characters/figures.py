@@ -1,4 +1,4 @@
-"""Characters made by code: the generated body as glTF, GLB or VRM, in other poses, proportions, units and names."""
+"""Generated character files: the body as glTF, GLB or VRM, with other poses, proportions, units and names."""
 
 import io
 import json
@@ -52,8 +52,8 @@ def rigify(name):
     return RIGIFY[joint] + (f".{side[0].upper()}" if side else "")
 
 
-def painted(side=64):
-    """An image that is another colour at every height: skin, a striped shirt, dark legs; and green to the left."""
+def striped_image(side=64):
+    """A PNG with a different colour at every height (skin, striped shirt, dark legs), and green on the left."""
     image = np.zeros((side, side, 3), np.uint8)
     for row in range(side):
         height = 1.0 - row / side
@@ -68,7 +68,7 @@ def painted(side=64):
 
 @dataclass
 class Figure:
-    """What a test wants of a character; the defaults are the generated body as it is."""
+    """Options of a generated character; the defaults are the generated body unchanged."""
 
     names: object = str
     arms_down: float = 0.0
@@ -89,7 +89,7 @@ class Figure:
 
 
 def body_of(figure):
-    """Positions, normals, joints' places of the figure in its file's rest pose; weights (V, J), triangles."""
+    """Mesh, positions, normals and joint positions of the figure in its rest pose; weights (V, J)."""
     mesh = build_body(figure.level)
     rest = SKELETON.rest_positions().astype(float)
     turn = np.tile((1.0, 0.0, 0.0, 0.0), (len(rest), 1))
@@ -121,7 +121,7 @@ def body_of(figure):
     return mesh, position, quaternion.unit(normal), place, weight
 
 
-def _bonds(weight):
+def _strongest_weights(weight):
     order = np.argsort(-weight, axis=1)[:, :4]
     values = np.take_along_axis(weight, order, axis=1)
     return order.astype(np.uint8), (values / values.sum(axis=1, keepdims=True)).astype(np.float32)
@@ -157,7 +157,7 @@ def document(figure):
             weight[:, parent] += weight[:, joint]
             weight[:, joint] = 0.0
     weight = weight[:, [SKELETON.index(name) for name in kept]]
-    joints, weights = _bonds(weight)
+    joints, weights = _strongest_weights(weight)
     places = {name: place[SKELETON.index(name)] for name in kept}
     binds = np.tile(np.eye(4), (len(kept), 1, 1))
     binds[:, :3, 3] = [-places[name] for name in kept]

@@ -1,4 +1,4 @@
-"""Files that cannot be characters: each is told by name, none takes memory or leads out of its folder."""
+"""Invalid character files: each is refused with its file name, memory limit and folder boundary."""
 
 import io
 import json
@@ -13,24 +13,24 @@ from live.base.body_catalogue import CharacterFile
 from live.base.errors import PersonError
 from live.render.characters.character import load_character
 from live.render.characters.model_reader import BYTE_LIMIT, parse_model
-from tests.render.characters.figures import Figure, document, glb, glb_of, painted
+from tests.render.characters.figures import Figure, document, glb, glb_of, striped_image
 
 
-def broken(change, **wanted):
+def damaged_glb(change, **wanted):
     root, chunk = document(Figure(**wanted))
     chunk = bytearray(chunk)
     change(root, chunk)
     return glb(root, bytes(chunk))
 
 
-def poke(view, place, value, form):
+def pack_value(view, place, value, form):
     def change(root, chunk):
         struct.pack_into(form, chunk, root["bufferViews"][view]["byteOffset"] + place, value)
 
     return change
 
 
-def put(*keys, value):
+def set_value(*keys, value):
     def change(root, _):
         for key in keys[:-1]:
             root = root[key]
@@ -39,29 +39,29 @@ def put(*keys, value):
     return change
 
 
-def without_skin(root, _):
+def remove_skin(root, _):
     del root["skins"]
     del root["nodes"][-1]["skin"]
 
 
-def in_one_place(root, _):
+def collapse_bones(root, _):
     for node in root["nodes"]:
         node["translation"] = [0.0, 0.0, 0.0]
 
 
 POSITION, JOINTS, INDICES = 0, 3, 5
 CASES = {
-    "no skin": (without_skin, "has no skin"),
-    "no place": (poke(POSITION, 0, float("nan"), "<f"), "not usable"),
-    "a vertex that is not there": (poke(INDICES, 0, 10**6, "<I"), "refer to vertex 1000000"),
-    "a joint that is not there": (poke(JOINTS, 0, 200, "<B"), "refers to joint 200 of 22"),
-    "a material that is not there": (put("meshes", 0, "primitives", 0, "material", value=3), "material is 3"),
-    "an accessor that is not there": (put("meshes", 0, "primitives", 0, "indices", value=99), "no number 99"),
-    "an accessor that is too long": (put("accessors", 0, "count", value=10**9), "numbers|beyond|exceed"),
-    "a view beyond the end": (put("bufferViews", 0, "byteLength", value=10**8), "ends at byte"),
-    "lines": (put("meshes", 0, "primitives", 0, "mode", value=1), "hold no triangles"),
-    "compressed": (put("extensionsRequired", value=["KHR_draco_mesh_compression"]), "needs KHR_draco"),
-    "bones in one place": (in_one_place, "in one place"),
+    "no skin": (remove_skin, "has no skin"),
+    "no place": (pack_value(POSITION, 0, float("nan"), "<f"), "not usable"),
+    "a vertex that is not there": (pack_value(INDICES, 0, 10**6, "<I"), "refer to vertex 1000000"),
+    "a joint that is not there": (pack_value(JOINTS, 0, 200, "<B"), "refers to joint 200 of 22"),
+    "a material that is not there": (set_value("meshes", 0, "primitives", 0, "material", value=3), "material is 3"),
+    "an accessor that is not there": (set_value("meshes", 0, "primitives", 0, "indices", value=99), "no number 99"),
+    "an accessor that is too long": (set_value("accessors", 0, "count", value=10**9), "numbers|beyond|exceed"),
+    "a view beyond the end": (set_value("bufferViews", 0, "byteLength", value=10**8), "ends at byte"),
+    "lines": (set_value("meshes", 0, "primitives", 0, "mode", value=1), "hold no triangles"),
+    "compressed": (set_value("extensionsRequired", value=["KHR_draco_mesh_compression"]), "needs KHR_draco"),
+    "bones in one place": (collapse_bones, "in one place"),
     "nothing that moves it": (
         lambda root, _: root["meshes"][0]["primitives"][0]["attributes"].pop("JOINTS_0"),
         "cannot be animated",
@@ -70,10 +70,10 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_what_is_broken_is_told(case, tmp_path):
+def test_damaged_file_is_refused_with_reason(case, tmp_path):
     change, words = CASES[case]
     path = tmp_path / "anna.glb"
-    path.write_bytes(broken(change))
+    path.write_bytes(damaged_glb(change))
     with pytest.raises(PersonError, match=words) as refused:
         load_character(CharacterFile("anna", str(path)))
     assert "anna.glb" in refused.value.message
@@ -81,7 +81,7 @@ def test_what_is_broken_is_told(case, tmp_path):
     assert refused.value.remedy
 
 
-def test_a_file_that_is_too_large_is_not_read(tmp_path):
+def test_oversized_file_is_refused(tmp_path):
     path = tmp_path / "anna.glb"
     with path.open("wb") as file:
         file.truncate(2 * BYTE_LIMIT)
@@ -90,8 +90,8 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path):
     assert "fewer triangles" in (refused.value.remedy or "")
 
 
-def bomb(width, height):
-    """A PNG of a few bytes that claims to be large."""
+def png_with_claimed_size(width, height):
+    """A PNG of a few bytes whose header claims a large size."""
 
     def part(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
@@ -103,22 +103,22 @@ def bomb(width, height):
 @pytest.mark.parametrize(
     ("image", "words"),
     [
-        (bomb(60000, 60000), "image 0"),
-        (bomb(9000, 10), "9000 x 10"),
+        (png_with_claimed_size(60000, 60000), "image 0"),
+        (png_with_claimed_size(9000, 10), "9000 x 10"),
         (b"GIF89a" + bytes(40), "no PNG, JPEG or WebP"),
-        (painted()[:90], "image 0 is"),
-        (bomb(64, 64), "broken"),
+        (striped_image()[:90], "image 0 is"),
+        (png_with_claimed_size(64, 64), "broken"),
     ],
 )
-def test_images_that_cannot_be_are_told(image, words, tmp_path):
+def test_invalid_image_is_refused_with_reason(image, words, tmp_path):
     path = tmp_path / "anna.glb"
     path.write_bytes(glb_of(image=image))
     with pytest.raises(PersonError, match=words):
         load_character(CharacterFile("anna", str(path)))
 
 
-def written(tmp_path, uri):
-    """A .gltf with its chunk beside it, and an image at `uri`."""
+def write_gltf(tmp_path, uri):
+    """A .gltf with its binary chunk next to it, and an image at `uri`."""
     root, chunk = document(Figure())
     root["buffers"][0]["uri"] = "anna.bin"
     root["images"], root["textures"] = [{"uri": uri}], [{"source": 0}]
@@ -129,23 +129,23 @@ def written(tmp_path, uri):
     return CharacterFile("anna", str(path))
 
 
-def test_images_beside_the_file_are_found_below_its_folder_and_nowhere_else(tmp_path):
+def test_external_images_are_read_only_below_model_folder(tmp_path):
     folder = tmp_path / "model"
     (folder / "images").mkdir(parents=True)
-    (folder / "images" / "red cloth.png").write_bytes(painted())
-    (tmp_path / "secret.png").write_bytes(painted())
+    (folder / "images" / "red cloth.png").write_bytes(striped_image())
+    (tmp_path / "secret.png").write_bytes(striped_image())
     (folder / "link.png").symlink_to(tmp_path / "secret.png")
-    assert len(load_character(written(folder, "images/red%20cloth.png")).layers) == 2
+    assert len(load_character(write_gltf(folder, "images/red%20cloth.png")).layers) == 2
     for uri, words in (
         ("images/blue.png", "missing"), ("../secret.png", "same folder"), ("/etc/passwd", "same folder"),
         ("link.png", "out of its folder"), ("data:image/png;base64,!", "base64"),
         ("images/%2e%2e/%2e%2e/a.png", "folder"),
     ):  # fmt: skip
         with pytest.raises(PersonError, match=words):
-            load_character(written(folder, uri))
+            load_character(write_gltf(folder, uri))
 
 
-def test_colours_are_kept_as_square_roots_of_linear_light(tmp_path):
+def test_colours_are_stored_as_square_roots_of_linear_light(tmp_path):
     out = io.BytesIO()
     Image.fromarray(np.full((4, 4, 4), (188, 0, 255, 128), np.uint8)).save(out, "PNG")
     path = tmp_path / "anna.glb"
@@ -157,7 +157,7 @@ def test_colours_are_kept_as_square_roots_of_linear_light(tmp_path):
     assert (layers[0] == 255).all()
 
 
-def test_what_only_the_wearer_sees_is_left_out_and_the_licence_is_told():
+def test_first_person_mesh_is_omitted_and_license_is_read():
     def own_eyes(root, _):
         root["nodes"].append({"name": "eyes", "mesh": 0, "skin": 0})
         root["meshes"].append(root["meshes"][0])
@@ -166,7 +166,7 @@ def test_what_only_the_wearer_sees_is_left_out_and_the_licence_is_told():
             "meshAnnotations": [{"mesh": 1, "firstPersonFlag": "FirstPersonOnly"}]
         }
 
-    model = parse_model(broken(own_eyes, vrm="0.x"), "anna.vrm")
+    model = parse_model(damaged_glb(own_eyes, vrm="0.x"), "anna.vrm")
     assert len(model.parts) == 1
     assert "first-person view" in model.notes[0]
     assert model.kind == "VRM 0.x"

@@ -1,4 +1,4 @@
-"""Levels of detail: nobody who stands near is ever drawn with another body, and from afar it is not seen."""
+"""Levels of detail: near dancers keep the same body, and distant level changes are not visible."""
 
 from dataclasses import replace
 
@@ -18,14 +18,14 @@ from tests.render.test_renderer import scene
 pytestmark = pytest.mark.gl
 SIZE = (1280, 720)
 NEAR = 3.0
-"""At this distance [m] a change of the level must not be seen."""
+"""Distance [m] at which a level change must not be visible."""
 ALLOWED = 1.5
-"""Pixels by which outlines may differ where the level changes, for all but one in a hundred of their points."""
+"""Maximum distance of the outlines at a level change [pixels], for 99 % of their points."""
 
 
 @pytest.fixture
 def outline(gl_context):
-    """Where dancers are seen (H, W), drawn with so much quality from a distance [m]."""
+    """Mask (H, W) of the dancers, drawn at a quality from a distance [m]."""
 
     def seen(quality, away, turns=LUNGE):
         camera = Camera(eye=(0.0, 1.0, away), target=(0.0, 0.95, 0.0), field_of_view_deg=40.0)
@@ -46,14 +46,14 @@ def outline(gl_context):
     return seen
 
 
-def apart(a, b):
-    """How far the outlines of two figures lie apart [pixels], for 99 of 100 of their points."""
+def outline_distance(a, b):
+    """Distance between the outlines of two figures [pixels], 99th percentile over their points."""
     edges = [mask & ~ndimage.binary_erosion(mask) for mask in (a, b)]
     far = [ndimage.distance_transform_edt(~edges[1 - k])[edges[k]] for k in (0, 1)]
     return float(np.percentile(np.concatenate(far), 99))
 
 
-def test_who_stands_near_keeps_her_body_whatever_the_quality(outline):
+def test_near_dancer_has_same_body_at_every_quality(outline):
     for best in (SOFTWARE, HARDWARE):
         whole = None
         for step in quality_steps(best):
@@ -65,16 +65,16 @@ def test_who_stands_near_keeps_her_body_whatever_the_quality(outline):
 
 
 @pytest.mark.parametrize("turns", [LUNGE, REACH], ids=["lunge", "reach"])
-def test_where_the_level_changes_the_outline_stays(outline, turns):
+def test_outline_is_kept_at_level_change_distance(outline, turns):
     away = SOFTWARE.far_from
     near = outline(SOFTWARE, away, turns)
     far = outline(replace(SOFTWARE, near_level=DISTANT), away, turns)
     assert near.sum() > 500
     assert not np.array_equal(near, far)
-    assert apart(near, far) <= ALLOWED
+    assert outline_distance(near, far) <= ALLOWED
 
 
-def test_a_crowd_changes_between_these_levels_alone(gl_context):
+def test_crowd_uses_only_tested_levels(gl_context):
     for count in (50, 1000):
         quality = choose_quality(gl_context, count, None)
         assert quality.far_from >= 12.0

@@ -1,4 +1,4 @@
-"""Characters on the engine's skeleton: whatever names, pose, unit and proportions they come with."""
+"""Fit of characters to the engine's skeleton, for any bone names, rest pose, unit and proportions."""
 
 import numpy as np
 import pytest
@@ -10,13 +10,13 @@ from live.render.body.body_mesh import COARSE, LIGHT, build_body
 from live.render.characters.character import TRIANGLES, load_character
 from live.render.characters.model_reader import parse_model
 from live.render.characters.skeleton_fit import find_joints, fit
-from tests.render.characters.figures import glb_of, mixamo, painted, rigify, unreal
+from tests.render.characters.figures import glb_of, mixamo, rigify, striped_image, unreal
 
 BODY = build_body(LIGHT)
 OTHER = {"LowerLeg": 0.8, "Foot": 0.85, "UpperArm": 1.2, "LowerArm": 1.2, "Hand": 1.1, "head": 1.3}
 
 
-def fitted(**wanted):
+def fit_figure(**wanted):
     model = parse_model(glb_of(**wanted), "anna.glb")
     return model, fit(model, find_joints(model, {}))
 
@@ -26,8 +26,8 @@ def fitted(**wanted):
     [{}, {"names": mixamo}, {"names": unreal}, {"names": rigify}, {"vrm": "1.0"}, {"vrm": "0.x", "turn": 180.0},
      {"names": mixamo, "unit": 100.0}, {"turn": -90.0}, {"names": unreal, "unit": 39.37, "turn": 30.0}],
 )  # fmt: skip
-def test_the_generated_body_out_of_a_file_is_the_generated_body(wanted):
-    model, own = fitted(**wanted)
+def test_body_read_from_file_equals_generated_body(wanted):
+    model, own = fit_figure(**wanted)
     assert find_joints(model, {}) == {name: at for at, name in enumerate(SKELETON.names)}
     soles = BODY.position[:, 1].min()  # they end a little over the floor, and are put upon it
     assert 0.0 <= soles < 0.0015
@@ -35,15 +35,15 @@ def test_the_generated_body_out_of_a_file_is_the_generated_body(wanted):
     assert np.abs(own.normal - BODY.normal).max() < 1e-3
 
 
-def test_arms_that_hang_in_the_rest_pose_are_raised():
-    _, own = fitted(names=mixamo, arms_down=45.0)
+def test_lowered_arms_of_rest_pose_are_raised():
+    _, own = fit_figure(names=mixamo, arms_down=45.0)
     off = np.linalg.norm(own.position - BODY.position, axis=1)
     assert off.max() < 0.006
     assert off.mean() < 0.0005
 
 
-def test_hands_and_feet_are_where_the_dancers_are_whatever_the_proportions():
-    _, own = fitted(names=mixamo, lengths=OTHER, arms_down=50.0)
+def test_hands_and_feet_match_skeleton_at_any_proportions():
+    _, own = fit_figure(names=mixamo, lengths=OTHER, arms_down=50.0)
     assert own.max_joint_offset > 0.15  # its joints do lie elsewhere
     for name in ("leftHand", "rightHand", "leftFoot", "rightFoot", "leftLowerArm", "rightLowerLeg", "hips"):
         mine = own.weight[:, SKELETON.index(name)] > 0.8
@@ -53,9 +53,9 @@ def test_hands_and_feet_are_where_the_dancers_are_whatever_the_proportions():
     assert abs(own.position[feet, 1].min()) < 0.004  # the sole lies on the floor
 
 
-def test_joints_that_a_character_lacks_are_made_up():
+def test_missing_joints_are_synthesized():
     lacks = ("upperChest", "neck", "leftToes", "rightToes", "leftShoulder", "rightShoulder")
-    model, own = fitted(vrm="1.0", without=lacks)
+    model, own = fit_figure(vrm="1.0", without=lacks)
     assert {name for name, node in find_joints(model, {}).items() if node is None} == set(lacks)
     assert np.abs(own.position - BODY.position).max() < 0.01
     assert np.allclose(own.weight.sum(axis=1), 1.0)
@@ -63,7 +63,7 @@ def test_joints_that_a_character_lacks_are_made_up():
         assert own.weight[:, SKELETON.index(name)].max() > 0.9
 
 
-def test_bones_that_nobody_could_know_are_said():
+def test_unknown_bone_names_are_reported_and_can_be_mapped():
     data = glb_of(names=lambda name: f"Bone{SKELETON.index(name):03d}")
     model = parse_model(data, "anna.glb")
     with pytest.raises(ValueError, match=r"no hips, no head.*joints = \{ hips"):
@@ -78,7 +78,7 @@ def test_bones_that_nobody_could_know_are_said():
 
 def test_levels_have_fewer_triangles_and_keep_the_shape(tmp_path):
     path = tmp_path / "anna.glb"
-    path.write_bytes(glb_of(level=2, image=painted()))
+    path.write_bytes(glb_of(level=2, image=striped_image()))
     loaded = load_character(CharacterFile("anna", str(path)))
     fine, light, coarse = (loaded.levels[level].body for level in (2, 1, 0))
     assert len(fine.triangle) == len(build_body(2).triangle)
@@ -97,9 +97,9 @@ def _volume(mesh):
     return np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0
 
 
-def test_materials_are_changed_and_hidden_by_name(tmp_path):
+def test_material_overrides_apply_by_name(tmp_path):
     path = tmp_path / "anna.glb"
-    path.write_bytes(glb_of(image=painted()))
+    path.write_bytes(glb_of(image=striped_image()))
     red = CharacterFile("anna", str(path), materials=(("cloth", MaterialOverride(colour=(0.25, 0.0, 0.0), sheen=0.5)),))
     assert np.allclose(load_character(red).levels[2].tint, (0.5, 0.0, 0.0, 0.5))
     for name, worn, words in (

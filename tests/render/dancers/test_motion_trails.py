@@ -1,4 +1,4 @@
-"""What ribbons and ghosts remember: exactly the beats they say, at any frame rate."""
+"""Motion history of ribbons and trails: samples on exact beats at any frame rate."""
 
 import numpy as np
 import pytest
@@ -15,31 +15,31 @@ pytestmark = pytest.mark.gl
 HAND = SKELETON.index("leftHand")
 
 
-def at(beat):
-    """Two dancers who walk one metre a beat to the right; the second is away in the third beat."""
+def view_at_beat(beat):
+    """Two dancers who walk one metre per beat to the right; the second is absent in the third beat."""
     view = stage_view([(ARMS_DOWN, (beat, 0.0), 0.0, 0), (ARMS_DOWN, (beat, 1.0), 0.0, 1)])
     view.beat = beat
     view.present[1] = not 2.0 < beat < 3.0
     return view
 
 
-def samples(history):
-    """The ring as the newest sample first, shape (known, 2, 4, 4)."""
+def read_samples(history):
+    """The ring buffer with the newest sample first, shape (known, 2, 4, 4)."""
     rows = np.frombuffer(history.texture.read(), np.float32).reshape(SAMPLES + 1, 2, 4, 4)
     newest = int(history.ring[0])
     return rows[(newest - np.arange(history.valid_count)) % SAMPLES]
 
 
 @pytest.mark.parametrize("rate", [23.0, 60.0, 7.0])
-def test_samples_lie_on_their_beats_at_any_frame_rate(gl_context, rate):
+def test_samples_lie_on_exact_beats_at_any_frame_rate(gl_context, rate):
     history = LimbHistory(gl_context, 2)
     for frame in range(int(4.0 * rate)):
-        history.update(at(0.5 + frame / rate), 2)
-    known, last = samples(history), 0.5 + (int(4.0 * rate) - 1) / rate
+        history.update(view_at_beat(0.5 + frame / rate), 2)
+    known, last = read_samples(history), 0.5 + (int(4.0 * rate) - 1) / rate
     newest = np.floor(last * SAMPLES_PER_BEAT) / SAMPLES_PER_BEAT
     beats = newest - np.arange(len(known)) / SAMPLES_PER_BEAT
     assert beats[-1] == pytest.approx(0.5 + 1 / SAMPLES_PER_BEAT, abs=1.01 / SAMPLES_PER_BEAT)
-    hand = at(0.0).joint_position[0, HAND, 0]
+    hand = view_at_beat(0.0).joint_position[0, HAND, 0]
     walked = known[:, 0, 0, 0] - beats
     assert np.ptp(walked) < 1e-4  # each sample is where she was at that very beat
     assert walked[0] > hand  # the tip of the hand lies beyond its joint
@@ -50,18 +50,18 @@ def test_samples_lie_on_their_beats_at_any_frame_rate(gl_context, rate):
     history.release()
 
 
-def test_a_jump_forgets(gl_context):
+def test_jump_in_time_clears_history(gl_context):
     history = LimbHistory(gl_context, 2)
     for frame in range(60):
-        history.update(at(frame / 30.0), 2)
+        history.update(view_at_beat(frame / 30.0), 2)
     assert history.valid_count > 20
     for beat in (0.5, 40.0):
-        history.update(at(beat), 2)
+        history.update(view_at_beat(beat), 2)
         assert history.valid_count == 0
     history.release()
 
 
-def test_each_group_leaves_ghosts_at_its_own_beats(gl_context):
+def test_each_group_has_trail_poses_at_own_spacing(gl_context):
     crowd = DancerBatch(gl_context, scene(2), SOFTWARE, (64, 64))
     row = picture_row(scene(2))
     for group, spacing in ((0, 1.0), (1, 0.5)):
@@ -70,7 +70,7 @@ def test_each_group_leaves_ghosts_at_its_own_beats(gl_context):
     crowd.set_styles(row)
     history = PoseHistory(gl_context, 2)
     for frame in range(100):  # until beat 3.3
-        view = at(frame / 30.0)
+        view = view_at_beat(frame / 30.0)
         crowd.update(view, np.array([0, 1, 0], np.float32))
         history.update(view, crowd)
     ages = np.array([history.ages(slot) for slot in range(8)])

@@ -1,4 +1,4 @@
-"""Films as folders of pictures."""
+"""Tests of films as folders of images."""
 
 import os
 import wave
@@ -16,12 +16,12 @@ SIZE = (37, 23)
 
 
 def noise(number: int, channels: int = 4) -> np.ndarray:
-    """A picture of no order, upside down in memory as it comes back from the card."""
+    """A picture of random pixels, bottom row first in memory as read from the GPU."""
     return np.random.default_rng(number).integers(0, 255, (SIZE[1], SIZE[0], channels), np.uint8)[::-1]
 
 
 @pytest.mark.parametrize("channels", [3, 4])
-def test_every_picture_is_there_exactly(tmp_path: Path, channels: int) -> None:
+def test_every_picture_is_written_losslessly(tmp_path: Path, channels: int) -> None:
     with ImageSequenceWriter(tmp_path / "take" / "a-%04d.png", size=SIZE, fps=25, alpha=channels == 4) as film:
         for number in range(9):
             picture = noise(number, channels)
@@ -36,7 +36,7 @@ def test_every_picture_is_there_exactly(tmp_path: Path, channels: int) -> None:
             assert image.info["srgb"] == 0
 
 
-def test_a_picture_for_several_frames(tmp_path: Path) -> None:
+def test_repeated_picture_is_written_for_every_frame(tmp_path: Path) -> None:
     with ImageSequenceWriter(tmp_path / "%d.png", size=SIZE, fps=25, alpha=True) as film:
         film.write(noise(1), 3)
         film.write(noise(2))
@@ -44,7 +44,7 @@ def test_a_picture_for_several_frames(tmp_path: Path) -> None:
     assert same[0] == same[1] == same[2] != same[3]
 
 
-def test_the_sound_lies_beside_them_and_is_as_long(tmp_path: Path) -> None:
+def test_sound_file_has_same_length_as_pictures(tmp_path: Path) -> None:
     music = np.linspace(-0.9, 0.9, 2000, dtype=np.float32)
     with ImageSequenceWriter(
         tmp_path / "%05d.png", size=SIZE, fps=30000 / 1001, sound=FilmSound.from_samples(music, 8000), alpha=True
@@ -59,7 +59,7 @@ def test_the_sound_lies_beside_them_and_is_as_long(tmp_path: Path) -> None:
     assert not heard[2000:].any()
 
 
-def test_places_where_no_picture_can_be(tmp_path: Path) -> None:
+def test_invalid_path_and_picture_shape_are_refused(tmp_path: Path) -> None:
     with pytest.raises(FilmError, match="No such file"):
         ImageSequenceWriter(tmp_path / "none" / "deeper" / "%05d.png", size=SIZE, fps=25)
     film = ImageSequenceWriter(tmp_path / "%05d.png", size=SIZE, fps=25, alpha=True)
@@ -70,7 +70,7 @@ def test_places_where_no_picture_can_be(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="/dev/full, a disk that is always full, is of Linux")
-def test_a_full_disk_surfaces_once(tmp_path: Path) -> None:
+def test_full_disk_is_reported_once(tmp_path: Path) -> None:
     for number in range(1, 40):
         os.symlink("/dev/full", tmp_path / f"{number}.png")
     film = ImageSequenceWriter(tmp_path / "%d.png", size=SIZE, fps=25, alpha=True)

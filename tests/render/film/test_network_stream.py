@@ -1,4 +1,4 @@
-"""Streams of the picture: sent over loopback, received and decoded again; nobody ever waits for them."""
+"""Network streams of the picture, sent over loopback and decoded again; no write ever blocks."""
 
 import socket
 import threading
@@ -23,8 +23,8 @@ def free_port() -> int:
         return port
 
 
-def patches(level: int) -> np.ndarray:
-    """Four colours, of which one changes."""
+def colour_quadrants(level: int) -> np.ndarray:
+    """Four quadrants of colour, of which one changes."""
     picture = np.zeros((SIZE[1], SIZE[0], 3), np.uint8)
     picture[:32, :48], picture[:32, 48:] = (200, 40, 40), (40, 190, 60)
     picture[32:, :48], picture[32:, 48:] = (50, 60, 220), (level, level, level)
@@ -32,7 +32,7 @@ def patches(level: int) -> np.ndarray:
 
 
 class Receiver:
-    """Decodes what arrives at a url, in a thread of its own."""
+    """Decodes the stream at a URL in a separate thread."""
 
     def __init__(self, url: str) -> None:
         self.pictures: list[np.ndarray] = []
@@ -61,13 +61,13 @@ class Receiver:
         self._thread.join(10.0)
 
 
-def sent_until(stream: NetworkStream, receiver: Receiver, count: int) -> int:
-    """Send pictures, brighter and brighter, until so many have arrived; the number of frames."""
+def send_until(stream: NetworkStream, receiver: Receiver, count: int) -> int:
+    """Send pictures of rising brightness until `count` have arrived; returns the number of frames sent."""
     deadline, waiting = monotonic() + 60.0, threading.Event()
     frame = 0
     while len(receiver.pictures) < count:
         assert monotonic() < deadline, (stream.error, stream.sent, len(receiver.pictures))
-        stream.write(patches(frame % 50 * 4 + 20), frame)
+        stream.write(colour_quadrants(frame % 50 * 4 + 20), frame)
         frame += 1
         waiting.wait(0.02)
     return frame
@@ -75,12 +75,12 @@ def sent_until(stream: NetworkStream, receiver: Receiver, count: int) -> int:
 
 @pytest.mark.long
 @pytest.mark.parametrize("sound", [False, True])
-def test_what_was_drawn_is_what_arrives(sound: bool) -> None:
+def test_received_pictures_match_sent_pictures(sound: bool) -> None:
     url = f"udp://127.0.0.1:{free_port()}"
     receiver = Receiver(url)
     heard = FilmSound.from_samples(tone(48000, 5.0), 48000, loop=True) if sound else None
     stream = NetworkStream(url, size=SIZE, fps=50, sound=heard)
-    sent_until(stream, receiver, 12)
+    send_until(stream, receiver, 12)
     stream.close()
     receiver.close()
     assert receiver.streams == ({"h264", "aac"} if sound else {"h264"})
@@ -99,13 +99,13 @@ def test_what_was_drawn_is_what_arrives(sound: bool) -> None:
     assert steps[rising] == pytest.approx(4.0 * np.round(apart[rising] * 50), abs=4)
 
 
-def test_nobody_waits_for_a_connection_that_is_not_there() -> None:
+def test_missing_receiver_does_not_block_writes() -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         stream = NetworkStream(f"tcp://127.0.0.1:{taken.getsockname()[1]}", size=SIZE, fps=50)
         begin = monotonic()
         for frame in range(200):
-            stream.write(patches(0), frame)
+            stream.write(colour_quadrants(0), frame)
         assert monotonic() - begin < 2.0
         assert stream.dropped >= 200 - SLOTS - 3, "and each time that it is tried one is lost"
         deadline, waiting = monotonic() + 30.0, threading.Event()
@@ -117,7 +117,7 @@ def test_nobody_waits_for_a_connection_that_is_not_there() -> None:
         assert stream.sent == 0
 
 
-def test_a_receiver_that_comes_back_gets_the_picture_again() -> None:
+def test_reconnected_receiver_gets_stream_again() -> None:
     def send(stream: NetworkStream, frame: int) -> None:
         stream.write(np.random.default_rng(frame).integers(0, 255, (64, 96, 3), np.uint8), frame)
 
@@ -144,7 +144,7 @@ def test_a_receiver_that_comes_back_gets_the_picture_again() -> None:
         stream.close()
 
 
-def test_addresses_that_are_none() -> None:
+def test_invalid_addresses_are_refused() -> None:
     for url in ("http://127.0.0.1:1", "127.0.0.1:5000", "file.ts"):
         with pytest.raises(ValueError, match="udp://"):
             NetworkStream(url, size=SIZE, fps=50)

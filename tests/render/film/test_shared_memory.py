@@ -1,4 +1,4 @@
-"""The ring of pictures: what is written is read by another program, with nothing but the documented header."""
+"""Shared-memory ring of pictures: another program reads it with only the documented header."""
 
 import importlib.util
 import os
@@ -38,7 +38,7 @@ def ring(name: str) -> Iterator[FrameRing]:
 
 @pytest.fixture(scope="module")
 def reader() -> ModuleType:
-    """The example of the docs."""
+    """The reader example of the documentation."""
     specification = importlib.util.spec_from_file_location("read_ring", READER)
     assert specification is not None
     assert specification.loader is not None
@@ -47,7 +47,7 @@ def reader() -> ModuleType:
     return module
 
 
-def test_every_picture_arrives_whole(ring: FrameRing, name: str, reader: ModuleType) -> None:
+def test_every_picture_is_read_complete(ring: FrameRing, name: str, reader: ModuleType) -> None:
     seen = reader.Ring(name)
     assert (seen.width, seen.height) == SIZE
     assert seen.open
@@ -59,13 +59,13 @@ def test_every_picture_arrives_whole(ring: FrameRing, name: str, reader: ModuleT
         assert np.array_equal(picture, noise(number)[::-1])
 
 
-def test_a_slow_reader_never_gets_half_a_picture(ring: FrameRing, name: str, reader: ModuleType) -> None:
-    """While it copies the newest, the place is written over: it notices, and reads the newest again."""
+def test_slow_reader_never_gets_torn_picture(ring: FrameRing, name: str, reader: ModuleType) -> None:
+    """The slot is overwritten while the reader copies it: the reader detects this and reads the newest again."""
     seen = reader.Ring(name)
     ring.write(noise(1), 0.0)
 
     class Overtaken(np.ndarray):
-        """Pixels that are written over while they are copied, once."""
+        """Pixels that are overwritten once while they are copied."""
 
         def copy(self, *_: object) -> np.ndarray:
             if ring.frames == 1:
@@ -80,7 +80,7 @@ def test_a_slow_reader_never_gets_half_a_picture(ring: FrameRing, name: str, rea
     assert np.array_equal(picture, noise(number))
 
 
-def test_the_header_is_as_it_is_told(ring: FrameRing) -> None:
+def test_header_matches_documentation(ring: FrameRing) -> None:
     ring.write(noise(1), 1.5)
     data = ring.path.read_bytes()
     assert data[:8] == b"CGLPIC01"
@@ -92,7 +92,7 @@ def test_the_header_is_as_it_is_told(ring: FrameRing) -> None:
     assert data[HEADER_SIZE : HEADER_SIZE + SIZE[0] * SIZE[1] * 3] == noise(1).tobytes()
 
 
-def test_another_show_of_the_same_name(ring: FrameRing, name: str, reader: ModuleType) -> None:
+def test_second_ring_of_same_name_replaces_first(ring: FrameRing, name: str, reader: ModuleType) -> None:
     old = reader.Ring(name)
     ring.write(noise(1), 0.0)
     with_other_size = FrameRing(name, (20, 10))
@@ -105,14 +105,14 @@ def test_another_show_of_the_same_name(ring: FrameRing, name: str, reader: Modul
     assert not with_other_size.path.exists()
 
 
-def test_in_another_process(ring: FrameRing, name: str, tmp_path: Path) -> None:
+def test_ring_is_readable_from_another_process(ring: FrameRing, name: str, tmp_path: Path) -> None:
     ring.write(noise(7), 0.0)
     subprocess.run([sys.executable, str(READER), name, str(tmp_path / "out.ppm")], check=True, timeout=60)
     data = (tmp_path / "out.ppm").read_bytes()
     assert data == b"P6 40 24 255\n" + noise(7).tobytes()
 
 
-def test_names_and_files_that_are_none(name: str) -> None:
+def test_invalid_names_and_foreign_files_are_refused(name: str) -> None:
     for wrong in ("", "../passwd", "a/b", "-x", "x" * 65, "sp ace"):
         with pytest.raises(ValueError, match="expected"):
             ring_path(wrong)

@@ -1,4 +1,4 @@
-"""A video's pictures by their time: in a film every one, in a show whatever is there, after leaps and damage too."""
+"""Video pictures by time: every picture in a film, the newest available in a show, after seeks and damage too."""
 
 import itertools
 
@@ -15,36 +15,36 @@ def film(tmp_path_factory):
     return write_video(tmp_path_factory.mktemp("film") / "greys.mp4")
 
 
-def seen(picture):
+def picture_number(picture):
     """The number of a picture."""
     return round((float(picture.mean()) - grey_of(0)) / 10.0)
 
 
 @pytest.mark.long
-def test_a_patient_video_gives_every_picture_at_its_time_and_none_twice(film):
+def test_blocking_video_returns_every_picture_once(film):
     video = Video(film, blocking=True)
     assert video.seconds == pytest.approx(FRAMES / RATE, abs=0.02)
     for number in range(FRAMES):
-        assert seen(video.picture_at(number / RATE + 0.03)) == number
+        assert picture_number(video.picture_at(number / RATE + 0.03)) == number
         assert video.picture_at(number / RATE + 0.06) is None  # the same still
     video.close()
 
 
-def test_a_patient_video_leaps_anywhere_and_begins_again(film):
+def test_blocking_video_seeks_to_any_time(film):
     video = Video(film, blocking=True)
     for place in (15, 3, 19, 0, 8, 7, 18, 1):
         picture = video.picture_at(place / RATE + 0.05)
-        assert seen(picture) == place
+        assert picture_number(picture) == place
     video.close()
 
 
-def test_a_show_never_waits_and_gets_pictures_as_they_come(film):
+def test_nonblocking_video_returns_pictures_when_decoded(film):
     video = Video(film)
-    assert wait_for(lambda: (picture := video.picture_at(0.55)) is not None and seen(picture) == 5, 5.0)
+    assert wait_for(lambda: (picture := video.picture_at(0.55)) is not None and picture_number(picture) == 5, 5.0)
     video.close()
 
 
-class Damaged:
+class DamagedContainer:
     """A container whose fourth picture cannot be decoded."""
 
     def __init__(self, container):
@@ -58,11 +58,11 @@ class Damaged:
         raise OSError("damaged")
 
 
-def test_a_video_that_is_damaged_keeps_its_last_picture_and_says_why(film, monkeypatch):
-    monkeypatch.setattr("live.render.media_background.open_video", lambda path: Damaged(open_video(path)))
+def test_damaged_video_keeps_last_picture_and_reports_problem(film, monkeypatch):
+    monkeypatch.setattr("live.render.media_background.open_video", lambda path: DamagedContainer(open_video(path)))
     video, got = Video(film), []
     assert wait_for(lambda: (got.append(video.picture_at(0.45)), video.problem == "damaged")[1], 5.0)
-    last = [seen(picture) for picture in [*got, video.picture_at(0.45)] if picture is not None][-1]
+    last = [picture_number(picture) for picture in [*got, video.picture_at(0.45)] if picture is not None][-1]
     assert last == 2
     assert video.picture_at(0.9) is None
     video.close()
@@ -76,13 +76,13 @@ def test_a_video_that_is_damaged_keeps_its_last_picture_and_says_why(film, monke
         ("notes.txt", b"words", "neither an image nor a video"),
     ],
 )
-def test_files_that_cannot_be_shown_are_named(tmp_path, name, content, words):
+def test_unreadable_background_is_refused_with_reason(tmp_path, name, content, words):
     (tmp_path / name).write_bytes(content)
     with pytest.raises(PersonError, match=words):
         check_background(tmp_path / name)
 
 
-def test_an_image_of_a_giant_is_refused_before_it_is_unpacked(tmp_path, monkeypatch):
+def test_oversized_image_is_refused_before_decoding(tmp_path, monkeypatch):
     monkeypatch.setattr("live.render.media_background.MAX_PIXELS", 1000)
     with pytest.raises(PersonError, match="64 x 36 pixels"):
         check_background(write_image(tmp_path / "big.png"))

@@ -1,1 +1,1 @@
-"""Tests of the outputs."""
+"""Tests of the projector outputs."""

@@ -1,4 +1,4 @@
-"""A picture, and outputs drawn of it without a screen."""
+"""Fixtures: a picture, and outputs drawn from it without a screen."""
 
 from collections.abc import Callable, Iterator
 
@@ -17,7 +17,7 @@ Throw = Callable[..., np.ndarray]
 
 @pytest.fixture
 def throw(gl_context: moderngl.Context) -> Iterator[Throw]:
-    """Draws a picture (H, W, 3) through an output into a window of a size; what is seen, (h, w, 3) uint8."""
+    """Draws a picture (H, W, 3) through an output into a window of a size; returns what is shown, (h, w, 3) uint8."""
     held: list[OffscreenTarget | moderngl.Texture | OutputPass] = []
 
     def draw(picture: np.ndarray, output: Output, size: tuple[int, int] = SIZE, **options) -> np.ndarray:
@@ -39,5 +39,5 @@ def throw(gl_context: moderngl.Context) -> Iterator[Throw]:
 
 @pytest.fixture(scope="session")
 def noise() -> np.ndarray:
-    """A picture in which every pixel is another one's stranger, (180, 320, 3)."""
+    """A picture of independent random pixels, (180, 320, 3)."""
     return np.random.default_rng(5).integers(0, 256, (SIZE[1], SIZE[0], 3), dtype=np.uint8)

@@ -1,4 +1,4 @@
-"""The corner pin as mathematics: corners exactly, straight lines stay straight, and what cannot hold a picture."""
+"""Mathematics of the corner pin: exact corners, the projective map, and invalid corners."""
 
 import numpy as np
 import pytest
@@ -9,19 +9,19 @@ from live.render.outputs.warp import check_corners, homography, map_points
 
 
 def quads(count: int, seed: int = 3):
-    """Convex quadrangles at random: each corner anywhere in its own quarter of the window."""
+    """Random convex quadrangles: each corner anywhere in its own quarter of the window."""
     draw = np.random.default_rng(seed)
     for _ in range(count):
         yield [tuple(corner + draw.uniform(-0.2, 0.2, 2)) for corner in np.array(FULL_WINDOW) * 0.6 + 0.2]
 
 
-def test_corners_land_where_they_are_said_to():
+def test_picture_corners_map_to_given_corners():
     for quad in quads(200):
         np.testing.assert_allclose(map_points(homography(quad), FULL_WINDOW), quad, atol=1e-12)
 
 
-def test_it_is_the_projective_map_and_no_other():
-    """Against the linear system of the eight unknowns, solved without its closed form."""
+def test_homography_matches_linear_solution():
+    """Against the linear system of the eight unknowns, solved numerically instead of in closed form."""
     for quad in quads(50, seed=8):
         rows, right = [], []
         for (u, v), (x, y) in zip(FULL_WINDOW, quad, strict=True):
@@ -31,7 +31,7 @@ def test_it_is_the_projective_map_and_no_other():
         np.testing.assert_allclose(homography(quad), expected, atol=1e-9)
 
 
-def test_unbent_corners_are_the_identity():
+def test_default_corners_give_identity():
     np.testing.assert_array_equal(homography(FULL_WINDOW), np.eye(3))
 
 
@@ -48,7 +48,7 @@ def test_unbent_corners_are_the_identity():
         ([(0, 0), (9, 0), (1, 1), (0, 1)], "windows away"),
     ],
 )
-def test_corners_that_cannot_hold_a_picture_are_named(corners, words):
+def test_invalid_corners_are_refused_with_reason(corners, words):
     with pytest.raises(PersonError, match=words):
         check_corners(corners)
 

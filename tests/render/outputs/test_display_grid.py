@@ -1,4 +1,4 @@
-"""What is shown on displays made for the test: even steps, whatever rate they have and however the machine wakes."""
+"""Frame times on simulated displays: even steps at any refresh rate and with late wake-ups."""
 
 import numpy as np
 import pytest
@@ -8,10 +8,10 @@ from live.render.frame_stats import DisplayGrid, Pacer
 RATES = pytest.mark.parametrize("rate", [50.0, 59.94, 60.0, 120.0])
 
 
-class Display:
-    """A display of `rate` pictures a second with vertical synchronisation, and a machine that wakes late.
+class SimulatedDisplay:
+    """A display with vertical synchronization at `rate` Hz, and a machine that wakes late.
 
-    What is shown at each of its pictures is the frame that was swapped before it; a swap returns then.
+    Each refresh shows the frame swapped before it; the swap returns at that time.
     """
 
     def __init__(self, rate, *, seed=1):
@@ -26,15 +26,15 @@ class Display:
         self.time += max(seconds, 20e-6)
 
     def swap(self):
-        """Wait for the next picture; when it was."""
+        """Wait for the next refresh; returns its time."""
         shown = (np.floor(self.time * self.rate) + 1.0) / self.rate
         # the machine goes on a little later, sometimes much
         self.time = shown + self.random.exponential(self.stray)
         return shown
 
 
-def play(display, said, seconds, work=lambda number: 0.002):
-    """Frames as the live loop runs them: when the last swap came back, its time on the grid, when each is shown."""
+def run_frame_loop(display, said, seconds, work=lambda number: 0.002):
+    """Frames as in the live loop: return time of the last swap, its aligned time, and time of display."""
     pacer = Pacer(said * 1.05, display.now, display.sleep)
     grid = DisplayGrid(said)
     rows = []
@@ -50,8 +50,8 @@ def play(display, said, seconds, work=lambda number: 0.002):
 
 
 @RATES
-def test_what_is_shown_goes_on_evenly_where_frames_start_unevenly(rate):
-    rows, grid = play(Display(rate), round(rate), 30.0)
+def test_aligned_times_are_even_when_frames_start_unevenly(rate):
+    rows, grid = run_frame_loop(SimulatedDisplay(rate), round(rate), 30.0)
     started, at, shown = rows[int(rate) :].T  # after a second
     raw, even = (times - shown for times in (started, at))
     assert raw.std() > 0.05 / rate
@@ -61,9 +61,9 @@ def test_what_is_shown_goes_on_evenly_where_frames_start_unevenly(rate):
 
 
 @RATES
-def test_steps_are_the_display_s_and_no_slow_beat_is_left(rate):
-    """No drift between what is shown and the display, nor a beat of 60 against 59.94 (one in 17 s)."""
-    rows, _ = play(Display(rate), round(rate), 40.0)
+def test_aligned_steps_match_display_without_drift(rate):
+    """No drift between frame times and the display, and no interference of 60 with 59.94 Hz (one in 17 s)."""
+    rows, _ = run_frame_loop(SimulatedDisplay(rate), round(rate), 40.0)
     _, at, shown = rows[int(2 * rate) :].T
     off = at - shown
     per_second = off[: len(off) // int(rate) * int(rate)].reshape(-1, int(rate)).mean(axis=1)
@@ -75,8 +75,10 @@ def test_steps_are_the_display_s_and_no_slow_beat_is_left(rate):
 
 
 @RATES
-def test_a_late_frame_is_one_longer_step_and_all_is_even_again(rate):
-    rows, _ = play(Display(rate), round(rate), 10.0, lambda number: 2.4 / rate if number % 200 == 199 else 0.003)
+def test_late_frame_is_one_longer_step(rate):
+    rows, _ = run_frame_loop(
+        SimulatedDisplay(rate), round(rate), 10.0, lambda number: 2.4 / rate if number % 200 == 199 else 0.003
+    )
     _, at, shown = rows[int(rate) :].T
     steps, due = np.diff(at) * rate, np.round(np.diff(shown) * rate)
     assert due.max() >= 3
@@ -85,16 +87,16 @@ def test_a_late_frame_is_one_longer_step_and_all_is_even_again(rate):
     assert off.std() < 0.03 / rate
 
 
-def test_a_stall_begins_anew_and_time_never_goes_back():
-    display = Display(60.0)
-    rows, _ = play(display, 60.0, 20.0, lambda number: 2.0 if number == 300 else 0.004)
+def test_grid_restarts_after_stall_and_time_never_goes_back():
+    display = SimulatedDisplay(60.0)
+    rows, _ = run_frame_loop(display, 60.0, 20.0, lambda number: 2.0 if number == 300 else 0.004)
     _, at, _ = rows.T
     assert (np.diff(at) >= 0.0).all()
     assert np.abs(at - rows[:, 0]).max() < 0.010
 
 
-def test_a_loop_that_no_display_holds_keeps_its_own_grid():
-    display = Display(1e6)  # swaps at once
+def test_loop_without_vertical_sync_keeps_nominal_period():
+    display = SimulatedDisplay(1e6)  # swaps at once
     pacer, grid = Pacer(30.0, display.now, display.sleep), DisplayGrid(30.0)
     at = []
     for _ in range(300):

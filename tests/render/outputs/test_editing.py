@@ -1,4 +1,4 @@
-"""Outputs bent by hand: points, holds, refusals, and every step undone."""
+"""Tests of the output editor: points, dragging, refused moves and undo."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from live.render.outputs.warp_editor import MAX_UNDO_STEPS, WarpEditor
 PINNED = Output(corners=((0.1, 0.1), (0.9, 0.0), (1.0, 1.0), (0.0, 0.9)))
 
 
-def test_a_corner_is_dragged():
+def test_dragged_corner_moves_and_drag_is_one_undo_step():
     editing = WarpEditor(Output())
     assert editing.grab((0.98, 0.03), 16 / 9)
     assert editing.chosen == 1
@@ -24,14 +24,14 @@ def test_a_corner_is_dragged():
     assert editing.output.corners == FULL_WINDOW  # one drag is one step
 
 
-def test_nothing_is_taken_hold_of_in_the_middle():
+def test_grab_away_from_points_selects_nothing():
     editing = WarpEditor(Output())
     assert not editing.grab((0.5, 0.5), 1.0)
     editing.drag((0.2, 0.2))
     assert editing.output == Output()
 
 
-def test_keys_choose_and_nudge():
+def test_point_is_selected_and_nudged_by_keys():
     editing = WarpEditor(Output())
     editing.next()
     editing.next()
@@ -43,7 +43,7 @@ def test_keys_choose_and_nudge():
     assert editing.chosen == 1
 
 
-def test_moves_that_would_cross_corners_are_left_out_and_told():
+def test_move_that_crosses_corners_is_refused_with_reason():
     editing = WarpEditor(Output())
     editing.grab((0.0, 0.0), 1.0)
     editing.drag((0.4, 0.4))
@@ -85,7 +85,7 @@ def test_every_step_is_undone():
     assert editing.output == PINNED
 
 
-def test_a_mesh_begins_regular_and_its_points_lie_where_the_corners_say():
+def test_new_mesh_is_regular_within_corners():
     editing = WarpEditor(PINNED)
     editing.toggle_mesh()
     assert editing.output.mesh == regular_mesh(3, 3)
@@ -99,7 +99,7 @@ def test_a_mesh_begins_regular_and_its_points_lie_where_the_corners_say():
     assert len(editing.points) == 4
 
 
-def test_a_finer_mesh_is_bent_as_before():
+def test_refined_mesh_keeps_shape():
     editing = WarpEditor(Output())
     editing.toggle_mesh()
     editing.chosen = 4
@@ -114,7 +114,7 @@ def test_a_finer_mesh_is_bent_as_before():
     assert len(editing.output.mesh) == MAX_MESH_POINTS
 
 
-def test_what_is_kept_for_undo_has_an_end():
+def test_undo_stack_is_bounded():
     editing = WarpEditor(Output())
     for _ in range(3 * MAX_UNDO_STEPS):
         editing.nudge(1e-4, 0.0)

@@ -1,4 +1,4 @@
-"""The code that an audience joins by, as a reader for phones finds it in a photograph of the projector's picture."""
+"""The QR code for the audience, read by a barcode reader from a simulated photograph of the projected picture."""
 
 import numpy as np
 import pytest
@@ -18,19 +18,18 @@ LENS = 1500.0
     [(1200, 0), (1200, 70), (600, 60), (400, 45), (300, 30), (220, 0)],
     ids=lambda value: str(value),
 )
-def test_a_phone_reads_it_from_far_away_and_from_the_side(throw, width, degrees):
-    """`width`: how wide the picture would be in the photograph from straight before it [pixels]: a screen of 5 m is
-    220 wide from 34 m."""
+def test_code_is_readable_from_distance_and_from_side(throw, width, degrees):
+    """`width`: width of the picture in a frontal photograph [pixels]: a screen of 5 m is 220 wide from 34 m."""
     segno, zxing = pytest.importorskip("segno"), pytest.importorskip("zxingcpp")
     rows = ["".join("1" if dark else "0" for dark in row) for row in segno.make(LINK, error="m", micro=False).matrix]
     dance = np.full((PICTURE[1], PICTURE[0], 3), 90, np.uint8)
     seen = throw(dance, Output(), card="qr", sheet=join_card(rows, "http://192.168.1.50:8020"), size=PICTURE)
-    found = zxing.read_barcodes(photographed(seen, width, np.radians(degrees)))
+    found = zxing.read_barcodes(photograph(seen, width, np.radians(degrees)))
     assert [one.text for one in found] == [LINK]
 
 
-def photographed(seen, width, angle):
-    """A photograph of the picture on its wall, turned by `angle` [rad]: far, soft, pale, with noise, (H, W) uint8."""
+def photograph(seen, width, angle):
+    """A photograph of the projected picture, turned by `angle` [rad]: blurred, pale, with noise, (H, W) uint8."""
     grey = Image.fromarray(seen).convert("L").filter(ImageFilter.GaussianBlur(0.5 * PICTURE[0] / width))
     high, far = PICTURE[1] / PICTURE[0], LENS / width
     corners = []
@@ -46,7 +45,7 @@ def photographed(seen, width, angle):
 
 
 def projection(here, there):
-    """The eight numbers that take points of the photograph to points of the picture, as PIL wants them."""
+    """The eight coefficients that map points of the photograph to points of the picture, in the order of PIL."""
     rows, right = [], []
     for (x, y), (u, v) in zip(here, there, strict=True):
         rows += [[x, y, 1, 0, 0, 0, -u * x, -u * y], [0, 0, 0, x, y, 1, -v * x, -v * y]]

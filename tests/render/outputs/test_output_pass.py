@@ -1,4 +1,4 @@
-"""What a projector throws: corners within a pixel, nothing bent or tinted that should not be, edges that add up."""
+"""Tests of the output pass: corners within a pixel, exact pixels without a warp, and edge blending."""
 
 import numpy as np
 import pytest
@@ -18,25 +18,25 @@ def white(size=SIZE, value=255):
     return np.full((size[1], size[0], 3), value, np.uint8)
 
 
-def test_a_plain_output_shows_the_picture_as_it_is(throw, noise):
+def test_plain_output_shows_unchanged_picture(throw, noise):
     np.testing.assert_array_equal(throw(noise, Output()), noise)
 
 
 @pytest.mark.parametrize(("columns", "rows"), [(2, 2), (4, 3), (5, 5), (9, 6)])
-def test_a_regular_mesh_changes_no_pixel(throw, noise, columns, rows):
+def test_regular_mesh_changes_no_pixel(throw, noise, columns, rows):
     np.testing.assert_array_equal(throw(noise, Output(mesh=regular_mesh(columns, rows))), noise)
 
 
-def test_corners_of_the_picture_land_on_the_given_points_within_a_pixel(throw):
-    """Lines through what is lit: each border of the quadrangle is found from the light on either side of it."""
+def test_picture_corners_land_within_one_pixel(throw):
+    """Each border of the quadrangle is found by a line fit to the light on either side of it."""
     for quad in quads(24, seed=11):
         seen = throw(white(), Output(corners=tuple(quad)))[..., 0] / 255.0
         wanted = np.array(quad) * SIZE
-        found = _corners_of(seen, wanted)
+        found = _find_corners(seen, wanted)
         assert np.abs(found - wanted).max() < 1.0
 
 
-def _corners_of(seen, near):
+def _find_corners(seen, near):
     """The corners (4, 2) [pixels] of the one bright quadrangle, from straight lines fitted to its four borders."""
     lines = []
     for a, b in zip(near, np.roll(near, -1, axis=0), strict=True):
@@ -57,7 +57,7 @@ def _corners_of(seen, near):
 
 
 def _light_at(seen, at):
-    """Light at places (n, 2) [pixels], between pixels' middles."""
+    """Bilinear light at positions (n, 2) [pixels]."""
     x, y = np.clip(at[:, 0] - 0.5, 0, WIDTH - 1.001), np.clip(at[:, 1] - 0.5, 0, HEIGHT - 1.001)
     i, j = x.astype(int), y.astype(int)
     u, v = x - i, y - j
@@ -69,8 +69,8 @@ def _light_at(seen, at):
     )
 
 
-def test_what_is_inside_moves_as_the_projective_map_says(throw):
-    """A ramp tells in every pixel where it came from."""
+def test_interior_pixels_follow_projective_map(throw):
+    """The colour ramp encodes the source position in every pixel."""
     ramp = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
     ramp[..., 0] = np.linspace(0, 255, WIDTH).round()
     ramp[..., 1] = np.linspace(0, 255, HEIGHT).round()[:, None]
@@ -86,21 +86,21 @@ def test_what_is_inside_moves_as_the_projective_map_says(throw):
 
 @pytest.mark.parametrize("mirror", [False, True])
 @pytest.mark.parametrize("turns", [0, 1, 2, 3])
-def test_rotation_and_mirror(throw, turns, mirror):
+def test_rotation_and_mirror_match_numpy(throw, turns, mirror):
     square = np.random.default_rng(1).integers(0, 256, (64, 64, 3), dtype=np.uint8)
     expected = np.rot90(square[:, ::-1] if mirror else square, -turns)  # clockwise
     seen = throw(square, Output(rotation=90 * turns, mirror=mirror), (64, 64)).astype(int)
     assert np.abs(seen - expected)[1:-1, 1:-1].max() <= 1  # the border is smoothed
 
 
-def test_a_crop_is_cut_out_to_the_pixel(throw, noise):
+def test_crop_is_exact_to_pixel(throw, noise):
     part = throw(noise, Output(crop=(0.25, 0.5, 0.5, 0.5)), (160, 90))
     np.testing.assert_array_equal(part, noise[90:, 80:240])
 
 
 @pytest.mark.parametrize(("gamma", "black"), [(2.2, 0.0), (1.8, 0.0), (2.4, 0.0)])
-def test_two_overlapping_projectors_give_one_even_light(throw, gamma, black):
-    """Light = signal ** gamma of each; together it is what one projector alone would give, within 2 %."""
+def test_two_blended_projectors_give_even_light(throw, gamma, black):
+    """Light = signal ** gamma of each; the sum is that of one projector alone within 2 %."""
     shared, overlap = 0.55, 0.1
     breadth = overlap / shared
     for value in (255, 190, 128):
@@ -115,8 +115,8 @@ def test_two_overlapping_projectors_give_one_even_light(throw, gamma, black):
         assert np.abs(wall / expected - 1.0).max() < 0.02
 
 
-def test_black_is_lifted_where_nothing_overlaps(throw):
-    """Two projectors leak light where they overlap; one alone is lifted to it."""
+def test_black_level_is_raised_outside_overlap(throw):
+    """Two projectors leak light where they overlap; the part of one alone is raised to that level."""
     leak, gamma = 0.02, 2.2
     edge = SoftEdge(right=0.25, gamma=gamma, black=leak)
     seen = throw(white(value=0), Output(edge=edge))[90, :, 0] / 255.0
@@ -126,8 +126,8 @@ def test_black_is_lifted_where_nothing_overlaps(throw):
     assert np.all(seen[int(0.76 * WIDTH) :] == 0.0)
 
 
-def test_a_mask_hides_and_shows_exactly(throw, noise, tmp_path):
-    """In the window's own pixels, whatever the corners are."""
+def test_mask_hides_exact_window_pixels(throw, noise, tmp_path):
+    """In window pixels, independent of the corners."""
     hidden = np.random.default_rng(9).integers(0, 2, (HEIGHT, WIDTH), dtype=np.uint8) * 255
     Image.fromarray(hidden).save(tmp_path / "mask.png")
     seen = throw(noise, Output(mask=tmp_path / "mask.png"))
@@ -137,7 +137,7 @@ def test_a_mask_hides_and_shows_exactly(throw, noise, tmp_path):
     assert np.all(throw(white(), bent)[hidden == 0] == 0)
 
 
-def test_brightness_is_of_light_and_gamma_of_signals(throw):
+def test_brightness_scales_light_and_gamma_scales_signal(throw):
     half = throw(white(), Output(brightness=0.5))[90, 160, 0] / 255.0
     assert half**2.2 == pytest.approx(0.5, abs=0.01)
     dark = throw(white(value=128), Output(gamma=1.5))[90, 160, 0]
@@ -146,7 +146,7 @@ def test_brightness_is_of_light_and_gamma_of_signals(throw):
     assert limited**2.2 == pytest.approx(0.25, abs=0.01)
 
 
-def test_borders_of_a_bent_picture_are_smooth_and_the_rest_is_dark(throw):
+def test_warped_border_is_antialiased_and_outside_is_dark(throw):
     seen = throw(white(), Output(corners=((0.2, 0.2), (0.8, 0.25), (0.8, 0.8), (0.2, 0.75))))[..., 0]
     assert np.all(seen[:30] == 0)
     assert np.all(seen[70:110, 90:230] == 255)
@@ -155,7 +155,7 @@ def test_borders_of_a_bent_picture_are_smooth_and_the_rest_is_dark(throw):
 
 
 @pytest.mark.parametrize("content", [b"no picture", b"\x89PNG\r\n\x1a\n" + b"\0" * 40, b""])
-def test_a_mask_that_cannot_be_read_is_named(throw, tmp_path, content):
+def test_unreadable_mask_is_refused_by_name(throw, tmp_path, content):
     with pytest.raises(PersonError, match=r"mask .*nothing\.png: there is no such file"):
         throw(white(), Output(mask=tmp_path / "nothing.png"))
     (tmp_path / "broken.png").write_bytes(content)
@@ -163,12 +163,12 @@ def test_a_mask_that_cannot_be_read_is_named(throw, tmp_path, content):
         throw(white(), Output(mask=tmp_path / "broken.png"))
 
 
-def test_unbent_corners_need_no_smoothing():
+def test_default_corners_are_plain():
     assert Output(corners=FULL_WINDOW).is_plain
 
 
-def test_the_code_on_the_projector_is_the_code_and_the_dance_goes_on_around_it(throw):
-    """What a phone's camera sees: each module's middle, dark or light as it was made."""
+def test_projected_code_matches_matrix_over_dimmed_picture(throw):
+    """The centre of each module is dark or light as in the code matrix."""
     segno = pytest.importorskip("segno")
     matrix = [
         [bool(dark) for dark in row] for row in segno.make("http://192.168.1.50:8020/#NOUm8cCZf5qC", error="m").matrix

@@ -1,4 +1,4 @@
-"""The flash limit against strobes of all kinds, counted by another way than its own."""
+"""The flash limit against strobes of many kinds, checked with an independent flash counter."""
 
 import itertools
 
@@ -10,10 +10,10 @@ from live.render.outputs.photosensitivity import CELLS, RED_CHANGE, FlashLimit, 
 COUNT = CELLS[0] * CELLS[1]
 
 
-def flashes(times, shown):
-    """Most flashes within any second: pairs of opposing changes of one brightness curve.
+def count_flashes(times, shown):
+    """Maximum number of flashes within any second: pairs of opposing changes of one brightness curve.
 
-    Written from the definition: extremes that differ by a tenth or more, the darker one below 0.8.
+    From the definition: extremes that differ by a tenth or more, the darker one below 0.8.
     """
     turns, extreme, side = [], shown[0], 0
     for time, value in zip(times[1:], shown[1:], strict=True):
@@ -26,8 +26,8 @@ def flashes(times, shown):
     return max((sum(t <= other < t + 1.0 - 1e-9 for other in turns) for t in turns), default=0) // 2
 
 
-def judged(pictures, rate=60.0, **options):
-    """What is shown of pictures (n, cells), each judged in turn."""
+def limit_pictures(pictures, rate=60.0, **options):
+    """Limited pictures (n, cells), each processed in turn."""
     limit = FlashLimit(pictures.shape[1])
     left = np.array([limit.limit(n / rate, row, **options) for n, row in enumerate(pictures)])
     return pictures * left[:, None], left, limit
@@ -42,18 +42,18 @@ def strobe(hertz, seconds=6.0, rate=60.0, low=0.0, high=1.0, share=0.5):
 @pytest.mark.parametrize("rate", [30.0, 60.0, 120.0])
 @pytest.mark.parametrize("hertz", [4, 5, 7.3, 10, 15, 20, 29])
 @pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (0.3, 0.6), (0.05, 0.2)])
-def test_no_strobe_gets_through(hertz, rate, low, high):
+def test_strobe_is_limited_to_three_flashes_per_second(hertz, rate, low, high):
     pictures = strobe(min(hertz, rate / 2 - 1), rate=rate, low=low, high=high)
-    shown, left, _ = judged(pictures, rate)
+    shown, left, _ = limit_pictures(pictures, rate)
     times = np.arange(len(shown)) / rate
-    assert flashes(times, pictures[:, 0]) > 3  # the strobe is one
-    assert flashes(times, shown[:, 0]) <= 3
+    assert count_flashes(times, pictures[:, 0]) > 3  # the strobe is one
+    assert count_flashes(times, shown[:, 0]) <= 3
     assert left.min() < 1.0
 
 
-def test_three_flashes_a_second_are_left_alone():
+def test_three_flashes_per_second_are_unchanged():
     for hertz in (0.5, 1.0, 2.0, 2.9, 3.0):
-        _, left, limit = judged(strobe(hertz))
+        _, left, limit = limit_pictures(strobe(hertz))
         assert np.all(left == 1.0)
         assert limit.dimmed_count == 0
 
@@ -61,58 +61,58 @@ def test_three_flashes_a_second_are_left_alone():
 @pytest.mark.parametrize("dark", [1, 3, 6])
 @pytest.mark.parametrize("bright", [1, 3, 6])
 def test_short_flashes_are_counted_once_each(dark, bright):
-    """Pictures of light and dark so short that a rise and a fall lie within one moment: three of them pass, not one."""
+    """Light and dark so short that a rise and a fall lie within one frame: three of them pass, not one."""
     curve = np.ones(120)
     for begin in (10, 26, 42, 58):
         curve[begin : begin + dark] = 0.0
         curve[begin + dark + bright :] = 0.0 if bright < 6 and begin == 58 else 1.0
-    shown, left, _ = judged(curve[:, None] * np.ones(COUNT))
+    shown, left, _ = limit_pictures(curve[:, None] * np.ones(COUNT))
     assert np.all(left[: 58 + dark] == 1.0)
     assert left[58 + dark] < 0.1  # the fourth within a second
-    assert flashes(np.arange(len(curve)) / 60.0, shown[:, 0]) <= 3
+    assert count_flashes(np.arange(len(curve)) / 60.0, shown[:, 0]) <= 3
 
 
-def test_small_changes_and_bright_ones_are_no_flashes():
-    assert np.all(judged(strobe(10.0, low=0.5, high=0.59))[1] == 1.0)
-    assert np.all(judged(strobe(10.0, low=0.82, high=1.0))[1] == 1.0)
+def test_small_or_bright_changes_are_not_flashes():
+    assert np.all(limit_pictures(strobe(10.0, low=0.5, high=0.59))[1] == 1.0)
+    assert np.all(limit_pictures(strobe(10.0, low=0.82, high=1.0))[1] == 1.0)
 
 
-def test_a_strobe_on_a_fifth_of_the_picture_is_left_alone_and_on_a_third_is_not():
+def test_strobe_is_limited_on_third_but_not_fifth_of_picture():
     for part, held in ((0.2, False), (0.33, True)):
         pictures = strobe(8.0)
         pictures[:, int(part * COUNT) :] = 0.3
-        assert bool(judged(pictures)[1].min() < 1.0) is held
+        assert bool(limit_pictures(pictures)[1].min() < 1.0) is held
 
 
-def test_random_light_never_flashes_too_often():
+def test_random_light_never_exceeds_three_flashes():
     draw = np.random.default_rng(4)
     for _ in range(30):
         steps = draw.integers(1, 14, 200)
         curve = np.concatenate([np.full(n, draw.uniform()) for n in steps])[:900]
-        shown, _, _ = judged(curve[:, None] * np.ones(24))
-        assert flashes(np.arange(len(curve)) / 60.0, shown[:, 0]) <= 3
+        shown, _, _ = limit_pictures(curve[:, None] * np.ones(24))
+        assert count_flashes(np.arange(len(curve)) / 60.0, shown[:, 0]) <= 3
 
 
-def test_the_light_comes_back_when_it_is_calm():
+def test_full_light_returns_after_strobe_ends():
     pictures = np.concatenate([strobe(12.0, 2.0), np.full((180, COUNT), 0.6)])
-    shown, left, _ = judged(pictures)
+    shown, left, _ = limit_pictures(pictures)
     assert left[:120].min() < 0.3
     assert np.all(left[-110:] == 1.0)
     assert np.all(shown[-110:] == 0.6)
 
 
-def test_whoever_lifts_it_sees_everything():
-    _, left, limit = judged(strobe(12.0), bypass=True)
+def test_bypassed_limit_shows_full_light():
+    _, left, limit = limit_pictures(strobe(12.0), bypass=True)
     assert np.all(left == 1.0)
     assert limit.is_watching
 
 
-def test_it_watches_only_when_there_is_something_to_watch():
-    _, _, calm = judged(np.full((120, COUNT), 0.4))
+def test_limit_is_idle_without_changes():
+    _, _, calm = limit_pictures(np.full((120, COUNT), 0.4))
     assert not calm.is_watching
 
 
-def test_the_meter_measures_light_by_cells(gl_context):
+def test_meter_measures_light_and_red_per_cell(gl_context):
     values = np.random.default_rng(2).integers(0, 256, (CELLS[1], CELLS[0], 3), dtype=np.uint8)
     whole = np.repeat(np.repeat(values, 20, axis=0), 20, axis=1)
     opaque = np.dstack([whole, np.full(whole.shape[:2], 255, np.uint8)])
@@ -132,29 +132,29 @@ def test_the_meter_measures_light_by_cells(gl_context):
         thing.release()
 
 
-def test_alike_pictures_are_judged_alike():
+def test_limit_is_deterministic():
     pictures = np.random.default_rng(6).uniform(size=(300, COUNT)).repeat(2, axis=0)
-    for one, other in itertools.pairwise([judged(pictures)[1] for _ in range(3)]):
+    for one, other in itertools.pairwise([limit_pictures(pictures)[1] for _ in range(3)]):
         np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize("hertz", [5.0, 10.0, 15.0, 30.0])
-def test_what_the_guard_lets_through_flashes_no_more_than_three_times(gl_context, hertz):
-    """Real pictures, most of them judged only after they were shown."""
+def test_limiter_output_has_at_most_three_flashes_per_second(gl_context, hertz):
+    """Real pictures, most of them measured only after they were shown."""
     black, white = (gl_context.texture((64, 36), 4, bytes([value]) * (64 * 36 * 4)) for value in (0, 255))
     guard = FlashLimiter(gl_context)
     times = np.arange(180) / 60.0
     lit = np.round(times * hertz * 2.0).astype(int) % 2 == 1
     shown = [guard.allowed_light(white if on else black, time) * on for on, time in zip(lit, times, strict=True)]
-    assert flashes(times, lit.astype(float)) > 3
-    assert flashes(times, shown) <= 3
+    assert count_flashes(times, lit.astype(float)) > 3
+    assert count_flashes(times, shown) <= 3
     assert guard.dimmed_count > 20
     for thing in (guard, black, white):
         thing.release()
 
 
-def test_red_that_is_too_dark_to_flash_otherwise_is_limited_too(gl_context):
-    """A deep red: its luminance changes by less than a tenth, R - G - B by more than a sixteenth."""
+def test_dark_saturated_red_flashes_are_limited(gl_context):
+    """A deep red: luminance changes by less than a tenth, R - G - B by more than a sixteenth."""
     black, red = (gl_context.texture((64, 36), 4, bytes([value, 0, 0, 255]) * (64 * 36)) for value in (0, 160))
     guard = FlashLimiter(gl_context)
     times = np.arange(180) / 60.0
@@ -163,7 +163,7 @@ def test_red_that_is_too_dark_to_flash_otherwise_is_limited_too(gl_context):
     assert 0.2126 * light < 0.1 < light
     shown = [light * guard.allowed_light(red if on else black, time) * on for on, time in zip(lit, times, strict=True)]
     scaled = np.array(shown) * (0.1 / RED_CHANGE)  # so that a sixteenth counts as a tenth
-    assert flashes(times, lit * light * (0.1 / RED_CHANGE)) > 3
-    assert flashes(times, scaled) <= 3
+    assert count_flashes(times, lit * light * (0.1 / RED_CHANGE)) > 3
+    assert count_flashes(times, scaled) <= 3
     for thing in (guard, black, red):
         thing.release()

@@ -1,4 +1,4 @@
-"""Pictures of characters: a body out of a file is the body; images, shadows, styles and far levels are seen."""
+"""Pictures of characters from files: outlines, images, materials, styles, normals and emission."""
 
 import io
 from dataclasses import replace
@@ -18,7 +18,7 @@ from live.render.characters.materials import LEFT_OUT_NOTE, layers_of
 from live.render.characters.model import Material
 from live.render.characters.model_reader import parse_model
 from live.render.renderer import Renderer
-from tests.render.characters.figures import Figure, document, glb, glb_of, mixamo, painted
+from tests.render.characters.figures import Figure, document, glb, glb_of, mixamo, striped_image
 from tests.render.poses import ARMS_DOWN, LUNGE, REACH, stage_view
 from tests.render.test_renderer import read, scene
 
@@ -28,13 +28,13 @@ CAMERA = Camera(eye=(0.0, 1.6, 5.5), target=(0.0, 0.9, 0.0), field_of_view_deg=4
 OTHER = {"LowerLeg": 0.8, "Foot": 0.85, "UpperArm": 1.2, "LowerArm": 1.2, "Hand": 1.1, "head": 1.3}
 
 
-def three():
+def three_dancers():
     return stage_view([(LUNGE, (-1.5, 0.0), 20.0, 0), (ARMS_DOWN, (0.0, 0.3), 0.0, 1), (REACH, (1.5, 0.0), 0.0, 2)])
 
 
 @pytest.fixture(scope="module")
-def made(headless_context, tmp_path_factory):
-    """Renderers by what they draw, kept for all tests of this file; a fresh scene to each."""
+def renderers(headless_context, tmp_path_factory):
+    """Cached renderers by character file, quality and bodies, for all tests of this file."""
     kept, folder = {}, tmp_path_factory.mktemp("characters")
 
     def renderer(data, quality, bodies):
@@ -55,14 +55,14 @@ def made(headless_context, tmp_path_factory):
 
 
 @pytest.fixture
-def drawn(gl_context, made):
-    """The picture of three dancers who all have the character of a file (None: the generated body)."""
+def draw_characters(gl_context, renderers):
+    """The picture of three dancers with the character of a file (None: the generated body)."""
 
     def once(data, quality=SOFTWARE, view=None, bodies=("anna",) * 3, **styles):
-        renderer, begin = made(data, quality, bodies)
+        renderer, begin = renderers(data, quality, bodies)
         target = gl_context.simple_framebuffer(SIZE)
         assert gl_context.error
-        view = view or three()
+        view = view or three_dancers()
         view.picture = picture_row(begin)
         for name, value in styles.items():
             for group in range(3):
@@ -76,80 +76,84 @@ def drawn(gl_context, made):
     return once
 
 
-def nobody():
-    view = three()
+def empty_view():
+    view = three_dancers()
     view.present[:] = False
     return view
 
 
-def seen(picture, empty):
-    """Pixels that show a dancer: others than without them, and not on the floor's shadows."""
+def dancer_mask(picture, empty):
+    """Pixels that show a dancer: different from the empty stage by more than a floor shadow."""
     return np.abs(picture.astype(int) - empty).max(axis=2) > 24
 
 
 @pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
-def test_the_generated_body_out_of_a_file_has_its_outline(drawn, quality):
+def test_body_read_from_file_has_outline_of_generated_body(draw_characters, quality):
     level = quality.near_level
     white, red = {"silhouette": 1.0, "solid": 0.0}, "silhouette/colour"
-    body = drawn(None, quality, **white, **{red: (1.0, 1.0, 1.0)})
-    own = drawn(glb_of(level=level, names=mixamo), quality, **white, **{red: (1.0, 1.0, 1.0)})
+    body = draw_characters(None, quality, **white, **{red: (1.0, 1.0, 1.0)})
+    own = draw_characters(glb_of(level=level, names=mixamo), quality, **white, **{red: (1.0, 1.0, 1.0)})
     inside = body.min(axis=2) > 200
     assert inside.mean() > 0.015
     assert (inside != (own.min(axis=2) > 200)).sum() <= 0.01 * inside.sum()
 
 
 @pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
-def test_other_proportions_and_poses_are_drawn_where_the_dancer_is(drawn, quality):
-    empty = drawn(None, quality, view=nobody())
-    body = seen(drawn(None, quality), empty)
-    own = seen(drawn(glb_of(names=mixamo, image=painted(), lengths=OTHER, arms_down=50.0), quality), empty)
+def test_character_of_other_proportions_covers_dancer(draw_characters, quality):
+    empty = draw_characters(None, quality, view=empty_view())
+    body = dancer_mask(draw_characters(None, quality), empty)
+    own = dancer_mask(
+        draw_characters(glb_of(names=mixamo, image=striped_image(), lengths=OTHER, arms_down=50.0), quality), empty
+    )
     assert (body & own).sum() > 0.88 * max(body.sum(), own.sum())
 
 
-def test_images_colour_it_and_holes_in_them_are_holes(drawn):
-    red = drawn(glb_of(colour=(0.8, 0.0, 0.0, 1.0))).astype(int)
+def test_material_colour_applies_and_transparent_pixels_are_cut_out(draw_characters):
+    red = draw_characters(glb_of(colour=(0.8, 0.0, 0.0, 1.0))).astype(int)
     assert ((red[..., 0] > red[..., 2] + 40) & (red[..., 0] > red[..., 1] + 40)).mean() > 0.02
-    blue = drawn(glb_of(colour=(0.0, 0.0, 0.8, 1.0))).astype(int)
+    blue = draw_characters(glb_of(colour=(0.0, 0.0, 0.8, 1.0))).astype(int)
     assert (blue[..., 2] > blue[..., 0] + 60).mean() > 0.02
     out = io.BytesIO()
     Image.fromarray(np.full((4, 4, 4), (255, 255, 255, 0), np.uint8)).save(out, "PNG")
     root, chunk = document(Figure(image=out.getvalue()))
     root["materials"][0]["alphaMode"] = "MASK"
-    empty, above = drawn(None, view=nobody()), slice(0, SIZE[1] // 2)  # where no shadow falls
-    clear = seen(drawn(glb(root, chunk)), empty)[above]
-    assert clear.mean() < 0.001 < 0.02 < seen(drawn(glb_of()), empty)[above].mean()
+    empty, above = draw_characters(None, view=empty_view()), slice(0, SIZE[1] // 2)  # where no shadow falls
+    clear = dancer_mask(draw_characters(glb(root, chunk)), empty)[above]
+    assert clear.mean() < 0.001 < 0.02 < dancer_mask(draw_characters(glb_of()), empty)[above].mean()
 
 
-def test_it_looks_as_it_did(drawn, golden):
-    data = glb_of(image=painted(128), names=mixamo, lengths=OTHER, arms_down=50.0, level=2, double=True)
+def test_golden_character(draw_characters, golden):
+    data = glb_of(image=striped_image(128), names=mixamo, lengths=OTHER, arms_down=50.0, level=2, double=True)
 
     def law(picture):  # striped shirts: red and white between the heads and the legs
         chest = picture[45:90].astype(int)
         red = (chest[..., 0] > chest[..., 1] + 60) & (chest[..., 0] > chest[..., 2] + 60)
         return bool(red.mean() > 0.008 and (chest.min(axis=2) > 150).mean() > 0.004)
 
-    golden(drawn(data), "character", law=law)
-    golden(drawn(data, HARDWARE), "character_card", law=law)
+    golden(draw_characters(data), "character", law=law)
+    golden(draw_characters(data, HARDWARE), "character_card", law=law)
 
 
 @pytest.mark.parametrize("style", ["ink", "particles", "xray", "trails", "ribbons"])
-def test_all_styles_are_drawn_of_it(drawn, style):
-    data = glb_of(image=painted())
-    plain, styled = drawn(data), drawn(data, **{"solid": 0.0, style: 1.0})
+def test_every_style_changes_character_picture(draw_characters, style):
+    data = glb_of(image=striped_image())
+    plain, styled = draw_characters(data), draw_characters(data, **{"solid": 0.0, style: 1.0})
     assert np.abs(plain.astype(int) - styled).mean() > 0.5
 
 
-def test_one_character_beside_generated_bodies(drawn):
-    view = three()
+def test_character_is_drawn_next_to_generated_bodies(draw_characters):
+    view = three_dancers()
     view.group[:] = 1  # in blue
-    picture = drawn(glb_of(colour=(0.9, 0.0, 0.0, 1.0)), view=view, bodies=("dancer", "anna", "dancer")).astype(int)
+    picture = draw_characters(
+        glb_of(colour=(0.9, 0.0, 0.0, 1.0)), view=view, bodies=("dancer", "anna", "dancer")
+    ).astype(int)
     red = (picture[..., 0] > 2 * picture[..., 1] + 30) & (picture[..., 0] > 2 * picture[..., 2] + 30)
     middle = slice(SIZE[0] // 2 - 30, SIZE[0] // 2 + 30)
     assert red[:, middle].sum() > 200
     assert red.sum() == red[:, middle].sum()
 
 
-def one_colour(*rgb):
+def solid_colour_png(*rgb):
     """A PNG of one colour."""
     out = io.BytesIO()
     Image.fromarray(np.full((8, 8, 3), rgb, np.uint8)).save(out, "PNG")
@@ -157,15 +161,15 @@ def one_colour(*rgb):
 
 
 def with_material(image=None, **material):
-    """A grey figure whose material says more; `image` is its only one."""
+    """A grey figure with further material fields; `image` is its only image."""
     root, chunk = document(Figure(colour=(0.4, 0.4, 0.4, 1.0), image=image))
     root["materials"][0] |= material
     root["materials"][0]["pbrMetallicRoughness"].pop("baseColorTexture", None)
     return glb(root, chunk)
 
 
-def test_normals_of_an_image_turn_to_the_light_and_what_glows_is_seen_in_the_dark(gl_context, tmp_path):
-    """Side by side: plain, normals turned up, normals turned to +x, and one that gives green light."""
+def test_normal_map_affects_lighting_and_emission_shows_in_dark(gl_context, tmp_path):
+    """In a row: plain, normals turned up, normals turned to +x, and a green emitter."""
     bumps = {"normalTexture": {"index": 0}}
     glow = {
         "emissiveFactor": [0.0, 0.5, 0.0],
@@ -174,9 +178,9 @@ def test_normals_of_an_image_turn_to_the_light_and_what_glows_is_seen_in_the_dar
     }
     files = (
         with_material(),
-        with_material(one_colour(128, 220, 216), **bumps),
-        with_material(one_colour(220, 128, 216), **bumps),
-        with_material(one_colour(0, 255, 255), **glow),
+        with_material(solid_colour_png(128, 220, 216), **bumps),
+        with_material(solid_colour_png(220, 128, 216), **bumps),
+        with_material(solid_colour_png(0, 255, 255), **glow),
     )
     for number, data in enumerate(files):
         (tmp_path / f"{number}.glb").write_bytes(data)
@@ -189,7 +193,7 @@ def test_normals_of_an_image_turn_to_the_light_and_what_glows_is_seen_in_the_dar
     assert gl_context.error
 
     def chests(**light):
-        """How bright the chest of each is, (4, 3)."""
+        """Brightness of the chest of each dancer, (4, 3)."""
         view.picture = picture_row(of)
         said = {"key": 0.0, "rim": 0.0, "ambient": 0.0, "stage": 0.0} | light
         for name, value in said.items():
@@ -213,9 +217,9 @@ def test_normals_of_an_image_turn_to_the_light_and_what_glows_is_seen_in_the_dar
         thing.release()
 
 
-def test_what_lies_elsewhere_on_the_image_or_is_unlit_is_left_out():
+def test_second_uv_set_and_unlit_materials_are_ignored():
     def read(**material):
-        root, chunk = document(Figure(image=painted()))
+        root, chunk = document(Figure(image=striped_image()))
         root["materials"][0] |= material
         return parse_model(glb(root, chunk), "a.glb").materials[0]
 
@@ -237,8 +241,8 @@ def test_what_lies_elsewhere_on_the_image_or_is_unlit_is_left_out():
     assert read(emissiveFactor=[5.0, -1.0, 0.25]).emission == (1.0, 0.0, 0.25)
 
 
-def test_broken_normals_and_too_many_of_them_cost_no_colours(tmp_path):
-    root, chunk = document(Figure(image=painted()))
+def test_invalid_or_excess_normal_maps_keep_colour_images(tmp_path):
+    root, chunk = document(Figure(image=striped_image()))
     chunk = chunk + b"no image"
     root["buffers"][0]["byteLength"] = len(chunk)
     root["bufferViews"].append({"buffer": 0, "byteOffset": len(chunk) - 8, "byteLength": 8})
@@ -252,7 +256,7 @@ def test_broken_normals_and_too_many_of_them_cost_no_colours(tmp_path):
     assert len(found.layers) == 2
     assert not found.extras[:, 3].any()  # without its image it would glow all over
     many = [Material(str(n), (1, 1, 1, 1), n, 0.0, False, 0.5, False, normal_image=40 + n) for n in range(15)]
-    images = tuple(one_colour(n, n, n) for n in range(60))
+    images = tuple(solid_colour_png(n, n, n) for n in range(60))
     layers, known, notes = layers_of(SimpleNamespace(images=images, file="a.glb"), many)
     assert (len(layers), len(known), notes) == (16, 15, (LEFT_OUT_NOTE,))
     layers, known, notes = layers_of(SimpleNamespace(images=images, file="a.glb"), many[:10])

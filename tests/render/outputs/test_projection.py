@@ -1,4 +1,4 @@
-"""A show's picture in several windows on a real X server with two monitors."""
+"""The picture of a show in several windows on a real X server with two monitors."""
 
 from collections.abc import Callable, Iterator
 from time import monotonic
@@ -22,7 +22,7 @@ Open = Callable[..., Projection]
 
 
 @pytest.fixture
-def opened(stage_x: TwoMonitorX) -> Iterator[Open]:
+def open_projection(stage_x: TwoMonitorX) -> Iterator[Open]:
     """Opens projections; they are closed after the test."""
     there: list[Projection] = []
 
@@ -35,15 +35,15 @@ def opened(stage_x: TwoMonitorX) -> Iterator[Open]:
         projection.close()
 
 
-def moment(overlay: tuple[str, ...] = ()) -> StageView:
+def empty_view(overlay: tuple[str, ...] = ()) -> StageView:
     view = StageView.allocate(1, 22)
     view.present[:] = False
     view.overlay = overlay
     return view
 
 
-def thrown(projection: Projection, view: StageView, until: Callable[[], bool]) -> list[Any]:
-    """Run a frame loop until a condition holds; what people did meanwhile."""
+def run_until(projection: Projection, view: StageView, until: Callable[[], bool]) -> list[Any]:
+    """Run the frame loop until a condition holds; returns the inputs received meanwhile."""
     deadline, done = monotonic() + 60.0, []
     while True:
         done += list(projection.poll())
@@ -54,9 +54,9 @@ def thrown(projection: Projection, view: StageView, until: Callable[[], bool]) -
         assert monotonic() < deadline, f"not within a minute; there was {done}"
 
 
-def frames(projection: Projection, view: StageView, count: int = 4) -> list[Any]:
+def run_frames(projection: Projection, view: StageView, count: int = 4) -> list[Any]:
     left = iter(range(count))
-    return thrown(projection, view, lambda: next(left, None) is None)
+    return run_until(projection, view, lambda: next(left, None) is None)
 
 
 def picture_of(projection: Projection) -> np.ndarray:
@@ -66,28 +66,28 @@ def picture_of(projection: Projection) -> np.ndarray:
     return np.frombuffer(data, np.uint8).reshape(height, width, 3)[::-1]
 
 
-def monitors_of(x_server: TwoMonitorX) -> tuple[np.ndarray, np.ndarray]:
-    """What the first and the second monitor show."""
+def capture_monitors(x_server: TwoMonitorX) -> tuple[np.ndarray, np.ndarray]:
+    """Screenshots of the first and the second monitor."""
     seen = x_server.screenshot()
     return seen[: FIRST[1], : FIRST[0]], seen[: SECOND[1], FIRST[0] : FIRST[0] + SECOND[0]]
 
 
 @pytest.mark.x11
-def test_a_plain_output_is_the_picture_to_the_pixel(opened: Open, stage_x: TwoMonitorX) -> None:
-    projection = opened(monitor=find_monitor("2"), fullscreen=True)
-    frames(projection, moment())
+def test_plain_output_matches_picture_exactly(open_projection: Open, stage_x: TwoMonitorX) -> None:
+    projection = open_projection(monitor=find_monitor("2"), fullscreen=True)
+    run_frames(projection, empty_view())
     assert projection.size == SECOND
-    _, second = monitors_of(stage_x)
+    _, second = capture_monitors(stage_x)
     np.testing.assert_array_equal(second, picture_of(projection))
     assert second.max() > 60
 
 
 @pytest.mark.x11
-def test_two_projectors_show_the_two_halves_of_one_picture(opened: Open, stage_x: TwoMonitorX) -> None:
-    projection = opened(LEFT, RIGHT, fullscreen=True)
-    frames(projection, moment())
+def test_two_projectors_show_halves_of_one_picture(open_projection: Open, stage_x: TwoMonitorX) -> None:
+    projection = open_projection(LEFT, RIGHT, fullscreen=True)
+    run_frames(projection, empty_view())
     assert projection.size == (1600, 600)  # no projector has more pixels than its part of the picture
-    first, second = monitors_of(stage_x)
+    first, second = capture_monitors(stage_x)
     picture = picture_of(projection).astype(int)
     np.testing.assert_array_equal(second, picture[:, 800:])
     across = picture[:, :800].reshape(600, 800, 3)
@@ -97,33 +97,31 @@ def test_two_projectors_show_the_two_halves_of_one_picture(opened: Open, stage_x
 
 @pytest.mark.long
 @pytest.mark.x11
-def test_a_projector_is_unplugged_and_plugged_in_again_while_the_other_goes_on(
-    opened: Open, stage_x: TwoMonitorX
-) -> None:
-    projection = opened(LEFT, RIGHT, fullscreen=True)
-    frames(projection, moment())
+def test_unplugged_projector_recovers_while_other_continues(open_projection: Open, stage_x: TwoMonitorX) -> None:
+    projection = open_projection(LEFT, RIGHT, fullscreen=True)
+    run_frames(projection, empty_view())
     stage_x.unplug_second()
-    thrown(projection, moment(), lambda: projection.screens[1].window.size == (320, 200))
-    frames(projection, moment())
-    first, _ = monitors_of(stage_x)
+    run_until(projection, empty_view(), lambda: projection.screens[1].window.size == (320, 200))
+    run_frames(projection, empty_view())
+    first, _ = capture_monitors(stage_x)
     assert first[5, 5].max() > 20  # the first projector shows its part all the while
     stage_x.plug_both()
-    thrown(projection, moment(), lambda: projection.screens[1].window.size == SECOND)
-    frames(projection, moment())
-    _, second = monitors_of(stage_x)
+    run_until(projection, empty_view(), lambda: projection.screens[1].window.size == SECOND)
+    run_frames(projection, empty_view())
+    _, second = capture_monitors(stage_x)
     np.testing.assert_array_equal(second, picture_of(projection)[:, 800:])
 
 
 @pytest.mark.x11
-def test_the_overlay_is_the_operators_alone(opened: Open, stage_x: TwoMonitorX) -> None:
-    words = moment(("measure 12", "beat 3 of 4"))
-    without = opened(Output(monitor="2"), fullscreen=True)
-    frames(without, moment())
-    _, expected = monitors_of(stage_x)
+def test_overlay_is_shown_only_to_operator(open_projection: Open, stage_x: TwoMonitorX) -> None:
+    words = empty_view(("measure 12", "beat 3 of 4"))
+    without = open_projection(Output(monitor="2"), fullscreen=True)
+    run_frames(without, empty_view())
+    _, expected = capture_monitors(stage_x)
     without.close()
-    projection = opened(Output(monitor="2"), fullscreen=True, operator=find_monitor("1"), size=(320, 180))
-    frames(projection, words)
-    first, second = monitors_of(stage_x)
+    projection = open_projection(Output(monitor="2"), fullscreen=True, operator=find_monitor("1"), size=(320, 180))
+    run_frames(projection, words)
+    first, second = capture_monitors(stage_x)
     np.testing.assert_array_equal(second, expected)
     own = first[90:270, 160:480].astype(int)
     assert own.max() >= 235 > expected.max()  # letters
@@ -134,13 +132,13 @@ def test_the_overlay_is_the_operators_alone(opened: Open, stage_x: TwoMonitorX) 
 
 
 @pytest.mark.x11
-def test_inputs_come_from_the_window_they_were_made_at(opened: Open, stage_x: TwoMonitorX) -> None:
-    projection = opened(LEFT, RIGHT, fullscreen=True)
-    frames(projection, moment())
+def test_inputs_are_attributed_to_window_of_origin(open_projection: Open, stage_x: TwoMonitorX) -> None:
+    projection = open_projection(LEFT, RIGHT, fullscreen=True)
+    run_frames(projection, empty_view())
     stage_x.run("xdotool", "mousemove", "740", "150", "mousedown", "1", "mouseup", "1")
     done: list[Any] = []
     while not any(isinstance(value, PointerPressed) for _, value in done):
-        done += frames(projection, moment(), 1)
+        done += run_frames(projection, empty_view(), 1)
     ((screen, pressed),) = [each for each in done if isinstance(each[1], PointerPressed)]
     assert screen is projection.screens[1]
     assert projection.to_picture(screen, pressed) == PointerPressed(900.0, 150.0)
@@ -148,10 +146,10 @@ def test_inputs_come_from_the_window_they_were_made_at(opened: Open, stage_x: Tw
 
 
 @pytest.mark.x11
-def test_a_picture_that_fails_leaves_the_last_one(opened: Open, stage_x: TwoMonitorX, monkeypatch) -> None:
-    projection = opened(Output(monitor="2"), fullscreen=True)
-    frames(projection, moment())
-    before = monitors_of(stage_x)[1]
+def test_last_picture_stays_after_failed_draw(open_projection: Open, stage_x: TwoMonitorX, monkeypatch) -> None:
+    projection = open_projection(Output(monitor="2"), fullscreen=True)
+    run_frames(projection, empty_view())
+    before = capture_monitors(stage_x)[1]
 
     def half(view: StageView, target: Any) -> None:
         target.clear(1.0, 0.0, 0.0)
@@ -160,35 +158,35 @@ def test_a_picture_that_fails_leaves_the_last_one(opened: Open, stage_x: TwoMoni
     monkeypatch.setattr(projection.renderer, "draw", half)
     for _ in range(3):
         with pytest.raises(RuntimeError):
-            projection.draw(moment())
+            projection.draw(empty_view())
         projection.show(monotonic())
-    np.testing.assert_array_equal(monitors_of(stage_x)[1], before)
+    np.testing.assert_array_equal(capture_monitors(stage_x)[1], before)
 
 
 @pytest.mark.x11
-def test_full_screen_and_back_for_all_outputs(opened: Open) -> None:
-    projection = opened(LEFT, RIGHT)
-    frames(projection, moment())
+def test_all_outputs_toggle_fullscreen(open_projection: Open) -> None:
+    projection = open_projection(LEFT, RIGHT)
+    run_frames(projection, empty_view())
     projection.toggle_fullscreen()
-    thrown(projection, moment(), lambda: [s.window.size for s in projection.screens] == [FIRST, SECOND])
+    run_until(projection, empty_view(), lambda: [s.window.size for s in projection.screens] == [FIRST, SECOND])
     projection.toggle_fullscreen()
-    thrown(projection, moment(), lambda: [s.window.size for s in projection.screens] == [(320, 200)] * 2)
+    run_until(projection, empty_view(), lambda: [s.window.size for s in projection.screens] == [(320, 200)] * 2)
     assert projection.size == (640, 200)
 
 
 @pytest.mark.x11
-def test_what_cannot_be_opened_leaves_no_window(opened: Open, stage_x: TwoMonitorX, tmp_path) -> None:
+def test_failed_opening_leaves_no_window(open_projection: Open, stage_x: TwoMonitorX, tmp_path) -> None:
     with pytest.raises(UnknownMonitor, match="right of DUMMY1"):
-        opened(LEFT, Output("b", monitor="right of DUMMY1"))
+        open_projection(LEFT, Output("b", monitor="right of DUMMY1"))
     with pytest.raises(PersonError, match="no such file"):
-        opened(Output(mask=tmp_path / "none.png"))
+        open_projection(Output(mask=tmp_path / "none.png"))
     assert b"ChoreoGraphics" not in stage_x.run("xwininfo", "-root", "-tree")
-    frames(opened(Output(edge=SoftEdge(left=0.1))), moment(), 1)
+    run_frames(open_projection(Output(edge=SoftEdge(left=0.1))), empty_view(), 1)
 
 
 @pytest.mark.x11
-def test_a_corner_is_dragged_on_the_projector_itself(opened: Open, stage_x: TwoMonitorX) -> None:
-    projection = opened(Output(monitor="2"), fullscreen=True)
+def test_corner_is_dragged_on_projector(open_projection: Open, stage_x: TwoMonitorX) -> None:
+    projection = open_projection(Output(monitor="2"), fullscreen=True)
     (screen,) = projection.screens
     screen.edit(True)
     screen.lines = ("drag a point",)
@@ -196,14 +194,14 @@ def test_a_corner_is_dragged_on_the_projector_itself(opened: Open, stage_x: TwoM
     assert screen.editing.grab((0.0, 0.0), SECOND[0] / SECOND[1])
     screen.editing.drag((0.2, 0.25))
     screen.set(screen.editing.output)
-    frames(projection, moment())
-    _, second = monitors_of(stage_x)
+    run_frames(projection, empty_view())
+    _, second = capture_monitors(stage_x)
     assert not second[:80, :80].any()  # nothing beside the picture
     around = second[130:170, 140:180].astype(int)
     assert ((around[..., 0] > 200) & (around[..., 2] < 120)).any()  # the chosen point glows at (160, 150)
     screen.edit(False)
-    frames(projection, moment())
-    _, after = monitors_of(stage_x)
+    run_frames(projection, empty_view())
+    _, after = capture_monitors(stage_x)
     around = after[130:170, 140:180].astype(int)
     assert not ((around[..., 0] > 200) & (around[..., 2] < 120)).any()
     assert projection.to_picture(screen, PointerPressed(160.0, 150.0)) == PointerPressed(
@@ -212,11 +210,9 @@ def test_a_corner_is_dragged_on_the_projector_itself(opened: Open, stage_x: TwoM
 
 
 @pytest.mark.x11
-def test_a_strobe_is_damped_on_the_projector_until_the_operator_lifts_the_limit(
-    opened: Open, stage_x: TwoMonitorX
-) -> None:
-    projection = opened(Output(monitor="2"), size=(160, 90))
-    view, held, taken = moment(), projection.flash_limiter, []
+def test_strobe_is_limited_on_projector_until_limit_is_lifted(open_projection: Open, stage_x: TwoMonitorX) -> None:
+    projection = open_projection(Output(monitor="2"), size=(160, 90))
+    view, held, taken = empty_view(), projection.flash_limiter, []
     projection.prepare_output_frame()
 
     def strobe(pictures: int) -> None:
@@ -242,14 +238,14 @@ def test_a_strobe_is_damped_on_the_projector_until_the_operator_lifts_the_limit(
 
 
 @pytest.mark.x11
-def test_hidden_windows_are_revealed_with_everything_ready(opened: Open, stage_x: TwoMonitorX) -> None:
-    projection = opened(LEFT, RIGHT, fullscreen=True, hidden=True, operator=None)
-    projection.draw(moment())
+def test_hidden_windows_are_revealed_fully_prepared(open_projection: Open, stage_x: TwoMonitorX) -> None:
+    projection = open_projection(LEFT, RIGHT, fullscreen=True, hidden=True, operator=None)
+    projection.draw(empty_view())
     assert projection.size == (1600, 600)  # as it will be once it is seen
-    assert not any(monitor.any() for monitor in monitors_of(stage_x))
+    assert not any(monitor.any() for monitor in capture_monitors(stage_x))
     projection.reveal(fullscreen=True)
-    frames(projection, moment())
+    run_frames(projection, empty_view())
     assert [screen.window.size for screen in projection.screens] == [FIRST, SECOND]
     assert projection.fullscreen
-    _, second = monitors_of(stage_x)
+    _, second = capture_monitors(stage_x)
     np.testing.assert_array_equal(second, picture_of(projection)[:, 800:])

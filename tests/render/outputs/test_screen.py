@@ -1,4 +1,4 @@
-"""What films and other programs are given: the whole picture, with no more light than the projectors show."""
+"""The frame passed to films and other programs: the whole picture, with the flash limit applied."""
 
 import moderngl
 import numpy as np
@@ -8,7 +8,7 @@ from live.render.outputs.screen import FrameBuffers
 from tests.render.test_renderer import read
 
 
-def test_light_that_is_held_back_is_held_back_for_all(gl_context: moderngl.Context) -> None:
+def test_limited_light_applies_to_output_frame(gl_context: moderngl.Context) -> None:
     pictures, shown = FrameBuffers(gl_context, (32, 18)), OutputFrame(gl_context, (32, 18))
     for size in ((32, 18), (20, 30)):
         pictures.resize(size)

@@ -1,4 +1,4 @@
-"""A floor map of floats to draw single passes into, in metres."""
+"""Fixture: a float floor map into which single passes are drawn, in metres."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ SIZE = round((STAGE[0] + 2 * FLOOR_MARGIN) / TEXEL), round((STAGE[1] + 2 * FLOOR
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FloorLight:
-    """What a pass has drawn: `light` (H, W, 4), and where each texel is, `x` and `z` (H, W) [m]."""
+    """Result of a pass: `light` (H, W, 4), and the position of each texel, `x` and `z` (H, W) [m]."""
 
     light: Floats
     x: Floats
@@ -29,12 +29,12 @@ class FloorLight:
 
     @property
     def brightness(self) -> Floats:
-        """Red, green and blue together, (H, W)."""
+        """Sum of red, green and blue, (H, W)."""
         total: Floats = self.light[..., :3].sum(-1)
         return total
 
     def at(self, x: float, z: float) -> Floats:
-        """What is drawn at a place [m]."""
+        """Light at a position [m]."""
         row, column = np.abs(self.z[:, 0] - z).argmin(), np.abs(self.x[0] - x).argmin()
         texel: Floats = self.light[row, column]
         return texel
@@ -45,7 +45,7 @@ Draw = Callable[..., FloorLight]
 
 @pytest.fixture
 def floor(gl_context: moderngl.Context) -> Iterator[Draw]:
-    """Let a pass draw a view onto an empty floor map (or onto `under`, a colour)."""
+    """Draws a pass with a view onto an empty floor map (or onto the colour `under`)."""
     frame = FrameUniforms(gl_context, Scene(STAGE, Camera(), Look(), 0, JOINT_COUNT), (64, 64))
     texture = gl_context.texture(SIZE, 4, dtype="f4")
     target = gl_context.framebuffer([texture])

@@ -1,4 +1,4 @@
-"""Images and videos behind the dancers: in their colours, upright, hidden by dancers, and gone with their amount."""
+"""Background images and videos: colour, orientation, occlusion by dancers, amount and timing."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.gl
 
 @pytest.fixture
 def show(gl_context):
-    """Draws a crowd before backgrounds."""
+    """Draws the crowd in front of backgrounds."""
     kept = []
 
     def make(*backgrounds, quality=SOFTWARE):
@@ -47,7 +47,7 @@ def show(gl_context):
 
 
 @pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
-def test_an_image_on_the_wall_is_upright_in_its_colour_and_behind_dancers(show, tmp_path, quality):
+def test_wall_image_is_upright_and_behind_dancers(show, tmp_path, quality):
     draw = show(Background(str(write_image(tmp_path / "a.png")), width=12.0), quality=quality)
     off, on = draw(), draw({"background/1": 1.0})
     back = -scene(12).stage_size[1] / 2 - 3.0
@@ -61,7 +61,7 @@ def test_an_image_on_the_wall_is_upright_in_its_colour_and_behind_dancers(show, 
     assert np.abs(on - off)[SIZE[1] // 3].max() > 100
 
 
-def test_over_the_whole_picture_colours_are_the_file_s_and_black_stays_black(show, tmp_path):
+def test_full_picture_background_keeps_file_colours(show, tmp_path):
     colour = (120, 60, 30)
     draw = show(Background(str(write_image(tmp_path / "a.png", colour)), fit="picture", brightness=1.0))
     seen = draw({"background/1": 1.0, "light/stage": 0.0, "pass/vignette": 0.0})
@@ -75,7 +75,7 @@ def test_over_the_whole_picture_colours_are_the_file_s_and_black_stays_black(sho
 
 
 @pytest.mark.long
-def test_a_video_runs_with_the_beat_and_comes_again(show, tmp_path):
+def test_video_follows_beat_and_loops(show, tmp_path):
     draw = show(Background(str(write_video(tmp_path / "v.mp4")), fit="picture", beats=10.0, brightness=1.0))
     said = {"background/1": 1.0, "light/stage": 0.0, "pass/vignette": 0.0}
     levels = [draw(said, beat)[2, 2, 0] for beat in (0.3, 2.8, 5.3, 9.8, 12.8)]
@@ -83,7 +83,7 @@ def test_a_video_runs_with_the_beat_and_comes_again(show, tmp_path):
     assert levels[4] == levels[1]
 
 
-def test_one_that_was_lost_is_not_seen_and_a_broken_video_is_told_of(gl_context, tmp_path):
+def test_missing_background_is_inactive_and_video_problem_is_reported(gl_context, tmp_path):
     file = write_video(tmp_path / "v.mp4")
     of = replace(scene(1), backgrounds=(Background(""), Background(str(file), fit="picture", brightness=1.0)))
     making = PassSetup(gl_context, of, SOFTWARE, SIZE)
@@ -100,7 +100,7 @@ def test_one_that_was_lost_is_not_seen_and_a_broken_video_is_told_of(gl_context,
     one.release()
 
 
-def test_where_a_video_is():
+def test_video_position_follows_beat_or_time():
     view = crowd()
     view.beat, view.time = 18.0, 7.5
     assert video_position(view, 16.0, 4.0) == pytest.approx(0.5)

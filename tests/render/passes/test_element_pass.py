@@ -1,4 +1,4 @@
-"""Elements on the floor: where their light lies, by distances of shapely's, and which way it moves."""
+"""Light of elements on the floor: position against shapely's distances, and direction of motion."""
 
 import colorsys
 from collections.abc import Iterator
@@ -44,7 +44,7 @@ def elements(gl_context: moderngl.Context) -> Iterator[ElementPass]:
     made.release()
 
 
-def add(
+def add_element(
     view: StageView,
     kind: int,
     points: Points,
@@ -69,7 +69,7 @@ def add(
 def view_of(kind: int, *points: tuple[float, float], beat: float = 0.3, **form: object) -> StageView:
     view = StageView.allocate(0, JOINT_COUNT)
     view.beat = view.phase = beat
-    return add(view, kind, points, **form)  # type: ignore[arg-type]
+    return add_element(view, kind, points, **form)  # type: ignore[arg-type]
 
 
 def distance(floor: FloorLight, shape: shapely.Geometry) -> Floats:
@@ -79,7 +79,7 @@ def distance(floor: FloorLight, shape: shapely.Geometry) -> Floats:
 
 @pytest.mark.parametrize("kind", [ATTRACTOR, REPULSOR])
 @pytest.mark.parametrize(("points", "closed"), [(BENT, False), (ARROW, True)])
-def test_the_light_of_lines_and_regions_follows_the_distance_alone(
+def test_light_of_lines_and_regions_depends_on_distance_only(
     floor: Draw, elements: ElementPass, kind: int, points: Points, closed: bool
 ) -> None:
     drawn = floor(elements, view_of(kind, *points, closed=closed))
@@ -101,7 +101,7 @@ def test_the_light_of_lines_and_regions_follows_the_distance_alone(
         assert light[np.abs(d + 0.7) < 0.04].min() > light[np.abs(d - 1.1) < 0.04].max()
 
 
-def test_a_disc_and_a_broad_line_have_their_border_at_the_radius(floor: Draw, elements: ElementPass) -> None:
+def test_disc_and_wide_line_have_border_at_radius(floor: Draw, elements: ElementPass) -> None:
     for points, shape in (((1.0, 0.5),), shapely.Point(1.0, 0.5)), (BENT, shapely.LineString(BENT)):
         drawn = floor(elements, view_of(ATTRACTOR, *points, radius=0.8))
         d = distance(drawn, shape)
@@ -110,7 +110,7 @@ def test_a_disc_and_a_broad_line_have_their_border_at_the_radius(floor: Draw, el
         assert drawn.brightness[d < 0.5].min() > 0.02
 
 
-def test_a_crossing_is_a_whole_line_with_sparks_to_both_sides(floor: Draw, elements: ElementPass) -> None:
+def test_crossing_is_full_line_with_sparks_to_both_sides(floor: Draw, elements: ElementPass) -> None:
     frames = [floor(elements, view_of(CROSSING, (-0.1, 0.5), (0.1, 0.5), beat=b)) for b in np.arange(0.0, 2.0, 0.125)]
     for drawn in frames:
         for x in (-4.5, 0.0, 4.5):
@@ -121,12 +121,12 @@ def test_a_crossing_is_a_whole_line_with_sparks_to_both_sides(floor: Draw, eleme
     ways = []
     for lane in range(-5, 5):
         inside = (np.abs(across - (lane + 0.5) * 0.7) < 0.1) & (np.abs(np.abs(deep - 0.5) - 0.8) < 0.5)
-        ways.append(np.sign(moving(light[:, inside.any(1)][:, :, inside.any(0)], axis=1)))
+        ways.append(np.sign(motion_along(light[:, inside.any(1)][:, :, inside.any(0)], axis=1)))
     assert ways == [1.0, -1.0] * 5 or ways == [-1.0, 1.0] * 5
 
 
-def moving(frames: Floats, axis: int) -> float:
-    """Above 0 if what is seen in `frames` (time first) moves along `axis`, below if the other way."""
+def motion_along(frames: Floats, axis: int) -> float:
+    """Positive if the picture in `frames` (time first) moves along `axis`, negative if it moves against it."""
     # of a moving picture dI/dt = -v dI/dx
     change, slope = np.diff(frames, axis=0), np.gradient(frames, axis=axis)[:-1]
     return -float((change * slope).sum())
@@ -144,7 +144,7 @@ def moving(frames: Floats, axis: int) -> float:
     ],
     ids=["uniform", "uniform within", "drawn", "radial", "vortex"],
 )
-def test_flows_are_seen_to_flow(
+def test_flow_light_moves_along_field(
     floor: Draw, elements: ElementPass, points: Points, flow: int, radius: float, field: object, way: float
 ) -> None:
     frames = [
@@ -161,35 +161,35 @@ def test_flows_are_seen_to_flow(
     assert abs(aside) < 0.3 * abs(carried)
 
 
-def test_a_flow_the_other_way_is_the_mirror_image(floor: Draw, elements: ElementPass) -> None:
+def test_reversed_flow_is_mirror_image(floor: Draw, elements: ElementPass) -> None:
     there = floor(elements, view_of(FLOW, (-1.0, 0.0), (1.0, 0.0))).brightness
     back = floor(elements, view_of(FLOW, (-1.0, 0.0), (1.0, 0.0), strength=-1.0)).brightness
     np.testing.assert_allclose(back, there[:, ::-1], atol=2e-3)
 
 
-def test_a_path_is_dashed_and_its_dashes_march(floor: Draw, elements: ElementPass) -> None:
+def test_path_is_dashed_and_dashes_move_forward(floor: Draw, elements: ElementPass) -> None:
     points = ((-4.0, 1.0), (0.0, 1.0), (4.0, 1.0))
     frames = np.array([floor(elements, view_of(PATH, *points, beat=b)).brightness for b in np.arange(0.0, 1.0, 0.05)])
     row = floor(elements, view_of(PATH, *points))
     along = row.brightness[np.abs(row.z[:, 0] - 1.0).argmin()]
     dashes = int((np.diff((along > 0.5 * along.max()).astype(int)) == 1).sum())
     assert dashes == pytest.approx(8.0 / 0.55, abs=1.5)
-    assert moving(frames, axis=2) > 0.0
+    assert motion_along(frames, axis=2) > 0.0
 
 
-def test_voices_are_embers_that_never_burn_out(floor: Draw, elements: ElementPass) -> None:
+def test_participant_lights_add_up_within_limit(floor: Draw, elements: ElementPass) -> None:
     one = floor(elements, view_of(PARTICIPANT, (1.0, 1.0)))
     assert one.brightness.max() > 0.2
     assert one.brightness[np.hypot(one.x - 1.0, one.z - 1.0) > 0.9].max() == 0.0
     crowd = view_of(PARTICIPANT, (1.0, 1.0))
     for _ in range(255):
-        add(crowd, PARTICIPANT, ((1.0, 1.0),))
+        add_element(crowd, PARTICIPANT, ((1.0, 1.0),))
     many = floor(elements, crowd)
     assert many.brightness.max() > 1.5 * one.brightness.max()
     assert many.light.max() <= 1.0
 
 
-def test_lights_of_phones_have_their_colours_and_those_that_repel_are_rings(floor: Draw, elements: ElementPass) -> None:
+def test_phone_lights_have_own_hue_and_repelling_lights_are_rings(floor: Draw, elements: ElementPass) -> None:
     hues = np.arange(6) / 6.0
     view = view_of(ATTRACTOR, (-5.0, -3.0))
     view.light_count = 6
@@ -209,7 +209,7 @@ def test_lights_of_phones_have_their_colours_and_those_that_repel_are_rings(floo
 
 
 @pytest.mark.parametrize("kind", [FOLLOW, PURSUE, EVADE, FLOCK, WANDER])
-def test_what_has_no_place_gives_no_light(floor: Draw, elements: ElementPass, kind: int) -> None:
+def test_element_without_position_gives_no_light(floor: Draw, elements: ElementPass, kind: int) -> None:
     assert not floor(elements, view_of(kind, (0.0, 0.0))).light.any()
     assert not floor(elements, view_of(kind, *BENT, radius=1.0)).light.any()
 
@@ -228,7 +228,7 @@ EVERY = (
 
 
 @pytest.mark.parametrize(("kind", "points", "flow"), EVERY)
-def test_light_fades_with_the_level_and_comes_back_after_64_beats(
+def test_light_scales_with_level_and_repeats_after_64_beats(
     floor: Draw, elements: ElementPass, kind: int, points: Points, flow: int
 ) -> None:
     full, half, none = (floor(elements, view_of(kind, *points, flow=flow, level=level)) for level in (1.0, 0.5, 0.0))
@@ -240,8 +240,8 @@ def test_light_fades_with_the_level_and_comes_back_after_64_beats(
     np.testing.assert_allclose(later.light, full.light, atol=2e-3)
 
 
-def test_lines_do_not_disturb_each_other(floor: Draw, elements: ElementPass) -> None:
-    """Corners lie in one array: each element uses its own."""
+def test_light_of_several_elements_is_sum_of_each(floor: Draw, elements: ElementPass) -> None:
+    """The corners of all elements lie in one array: each element uses only its own."""
     forms: tuple[tuple[int, Points, bool], ...] = (
         (ATTRACTOR, ((-4.0, -3.0), (-4.0, -1.0)), False),
         (REPULSOR, ((3.0, 2.0), (4.5, 2.0), (4.0, 3.5)), True),
@@ -252,6 +252,6 @@ def test_lines_do_not_disturb_each_other(floor: Draw, elements: ElementPass) -> 
     apart = np.zeros(())
     together.beat = together.phase = 0.3
     for kind, points, closed in forms:
-        add(together, kind, points, closed=closed, flow=DRAWN)
+        add_element(together, kind, points, closed=closed, flow=DRAWN)
         apart = apart + floor(elements, view_of(kind, *points, closed=closed, flow=DRAWN)).light
     np.testing.assert_allclose(floor(elements, together).light, apart, atol=2e-3)

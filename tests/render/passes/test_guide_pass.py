@@ -1,4 +1,4 @@
-"""The operator's guides: strokes land where their places are on the picture, and nothing is drawn where none are."""
+"""The operator's guides: strokes appear at their projected positions, and without strokes nothing is drawn."""
 
 import moderngl
 import numpy as np
@@ -15,8 +15,8 @@ SIZE = (320, 180)
 GREEN = (0.0, 1.0, 0.0, 1.0)
 
 
-def drawn(ctx, *strokes, camera=None, count=None):
-    """The red, green and blue of a picture with these strokes, (H, W, 3), row 0 on top."""
+def draw_guides(ctx, *strokes, camera=None, count=None):
+    """RGB picture with these strokes, (H, W, 3), row 0 on top."""
     camera = camera or Camera()
     frame = FrameUniforms(ctx, Scene((10.0, 8.0), camera, Look(), 0, JOINT_COUNT), SIZE)
     target, guide, view = ctx.simple_framebuffer(SIZE), GuidePass(ctx), StageView.allocate(0, JOINT_COUNT)
@@ -32,9 +32,9 @@ def drawn(ctx, *strokes, camera=None, count=None):
     return np.flipud(pixels).astype(int)
 
 
-def test_a_stroke_goes_from_place_to_place(gl_context: moderngl.Context):
+def test_stroke_connects_projected_endpoints(gl_context: moderngl.Context):
     begin, end = (-2.0, 0.0, 1.0), (1.5, 1.2, -1.0)
-    picture = drawn(gl_context, (*begin, *end, *GREEN))
+    picture = draw_guides(gl_context, (*begin, *end, *GREEN))
     lit = np.argwhere(picture[..., 1] > 100)
     first, last = project_points(Camera(), SIZE, [begin, end])
     x = lit[:, 1] + 0.5
@@ -45,18 +45,18 @@ def test_a_stroke_goes_from_place_to_place(gl_context: moderngl.Context):
     assert picture[..., (0, 2)].max() == 0
 
 
-def test_no_guides_draw_nothing(gl_context: moderngl.Context):
+def test_zero_guides_draw_nothing(gl_context: moderngl.Context):
     stroke = (-2.0, 0.0, 1.0, 1.5, 1.2, -1.0, *GREEN)
-    assert drawn(gl_context, stroke, count=0).max() == 0
+    assert draw_guides(gl_context, stroke, count=0).max() == 0
 
 
-def test_what_lies_behind_the_eye_is_not_drawn(gl_context: moderngl.Context):
+def test_stroke_behind_camera_is_not_drawn(gl_context: moderngl.Context):
     camera = Camera(eye=(0.0, 1.0, 5.0), target=(0.0, 1.0, 0.0))
     behind = (-1.0, 1.0, 9.0, 1.0, 1.0, 9.0, *GREEN)
     across = (0.0, 1.0, 9.0, 0.0, 1.0, -2.0, *GREEN)
-    assert drawn(gl_context, behind, across, camera=camera).max() == 0
+    assert draw_guides(gl_context, behind, across, camera=camera).max() == 0
 
 
-def test_more_than_there_is_room_for_is_cut(gl_context: moderngl.Context):
+def test_guides_beyond_capacity_are_ignored(gl_context: moderngl.Context):
     stroke = (-2.0, 0.0, 1.0, 1.5, 1.2, -1.0, *GREEN)
-    assert drawn(gl_context, stroke, count=GUIDE_CAPACITY + 5)[..., 1].max() > 100
+    assert draw_guides(gl_context, stroke, count=GUIDE_CAPACITY + 5)[..., 1].max() > 100

@@ -1,4 +1,4 @@
-"""Items on the stage: lit, before and behind dancers, with a shadow; a scene without any is drawn as before."""
+"""Set items on the stage: lighting, occlusion with dancers, and shadow."""
 
 from dataclasses import replace
 
@@ -15,8 +15,8 @@ pytestmark = pytest.mark.gl
 
 
 @pytest.fixture
-def drawn(gl_context):
-    """Draws one dancer in the middle among items."""
+def draw_items(gl_context):
+    """Draws one dancer in the middle with items."""
 
     def draw(*items, quality=SOFTWARE):
         renderer = Renderer(gl_context, replace(scene(1), items=items), size=SIZE, quality=quality)
@@ -35,12 +35,12 @@ def pixel(*at):
 
 
 @pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
-def test_an_item_hides_whom_it_stands_before_and_is_hidden_behind_her(drawn, quality):
-    bare = drawn(quality=quality)
+def test_item_and_dancer_occlude_each_other_by_depth(draw_items, quality):
+    bare = draw_items(quality=quality)
     red = {"size": (1.5, 2.2, 0.4), "colour": (0.6, 0.02, 0.02)}
     before, behind = (
-        drawn(SetItem("box", (0.0, 1.5), **red), quality=quality),
-        drawn(SetItem("box", (0.0, -1.5), **red), quality=quality),
+        draw_items(SetItem("box", (0.0, 1.5), **red), quality=quality),
+        draw_items(SetItem("box", (0.0, -1.5), **red), quality=quality),
     )
     x, y = pixel(0.0, 1.2, 0.1)
     assert before[y, x, 0] > 60 > 2 * before[y, x, 1]
@@ -49,8 +49,8 @@ def test_an_item_hides_whom_it_stands_before_and_is_hidden_behind_her(drawn, qua
     assert behind[y, x, 0] > 60 > 2 * behind[y, x, 1]
 
 
-def test_an_item_casts_a_shadow_away_from_the_key_light(drawn):
-    bare, seen = drawn(), drawn(SetItem("box", (2.0, 0.0), (0.8, 1.0, 0.8)))
+def test_item_casts_shadow_away_from_key_light(draw_items):
+    bare, seen = draw_items(), draw_items(SetItem("box", (2.0, 0.0), (0.8, 1.0, 0.8)))
     x, z = np.array(scene(1).look.key_direction)[[0, 2]] / abs(scene(1).look.key_direction[1])
     at = pixel(2.0 + 0.85 * x - 0.15, 0.0, 0.85 * z)
     other = pixel(2.0 - 0.9 * x + 0.3, 0.0, 0.3 - 0.9 * z)
@@ -58,8 +58,8 @@ def test_an_item_casts_a_shadow_away_from_the_key_light(drawn):
     assert seen[other[1], other[0]].sum() > 0.95 * bare[other[1], other[0]].sum()
 
 
-def test_items_far_from_all_dancers_are_lit_too(drawn, golden):
-    seen = drawn(
+def test_items_far_from_dancers_are_lit(draw_items, golden):
+    seen = draw_items(
         SetItem("cylinder", (-4.0, -2.0), (0.6, 3.0, 0.6), colour=(0.3, 0.3, 0.3)),
         SetItem("steps", (3.0, -2.0), (2.0, 1.0, 1.5)),
     )

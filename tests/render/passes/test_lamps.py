@@ -1,4 +1,4 @@
-"""Side and back light, beams, follow spots, gradient and gauze: each does what it says."""
+"""Tests of side and back light, beams, follow spots, gradient, and light driven by energy and beat."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ DIM = {"light/key": 0.15, "light/rim": 0.4, "light/ambient": 0.05}
 
 @pytest.fixture
 def draw(gl_context):
-    """Draws a crowd with some parameters of the picture set, by the rest of their addresses."""
+    """Draws the crowd with picture parameters given by the end of their addresses."""
     target, made = gl_context.simple_framebuffer(SIZE), {}
 
     def draw(said=None, view=None, quality=SOFTWARE, energy=0.5):
@@ -35,7 +35,7 @@ def draw(gl_context):
 
 
 @pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
-def test_light_from_the_left_is_on_the_left_of_bodies_and_in_its_colour(draw, quality):
+def test_side_light_lights_its_side_in_its_colour(draw, quality):
     view = standing()  # alone and straight: nobody hides a side of her, no limb has sides of its own
     dark, lit = draw(DIM, view, quality), []
     for side, other in (("left", "right"), ("right", "left")):
@@ -48,7 +48,7 @@ def test_light_from_the_left_is_on_the_left_of_bodies_and_in_its_colour(draw, qu
     assert lit[0] + 0.3 < lit[1]
 
 
-def test_back_light_reaches_edges_but_no_chest(draw):
+def test_back_light_reaches_edges_but_not_chest(draw):
     view = crowd()
     more = draw(DIM | {"light/back": 2.0}, view) - draw(DIM, view)
     lit = more.max(axis=2) > 25
@@ -57,7 +57,7 @@ def test_back_light_reaches_edges_but_no_chest(draw):
     assert not lit[chest[1], chest[0]]
 
 
-def test_beams_are_in_the_air_and_swing_with_the_beat(draw):
+def test_beams_are_visible_in_air_and_sway_with_beat(draw):
     view = crowd()
     plain = draw(DIM, view)
     view.beat = 0.0
@@ -73,7 +73,7 @@ def test_beams_are_in_the_air_and_swing_with_the_beat(draw):
     assert np.abs(draw(still, view)[upper] - plain[upper]).max() > 30
 
 
-def test_a_follow_spot_lights_whom_it_follows_and_nobody_else(draw):
+def test_follow_spot_lights_only_followed_dancer(draw):
     view = crowd()
     view.spot[1] = view.joint_position[4, 0, [0, 2]]
     more = (draw(DIM | {"spot/2": 1.0, "spot/2/radius": 0.5}, view) - draw(DIM, view)).sum(axis=2)
@@ -84,13 +84,13 @@ def test_a_follow_spot_lights_whom_it_follows_and_nobody_else(draw):
     assert gained[away > 2.0].max() < 0.4 * gained[4]
 
 
-def test_without_floor_and_wall_all_but_dancers_is_true_black(draw):
+def test_picture_without_stage_light_is_black_except_dancers(draw):
     black = draw({"light/stage": 0.0})
     assert (black.max(axis=2) == 0).mean() > 0.6
     assert black.max() > 100
 
 
-def test_the_gradient_is_on_the_wall_with_its_colours(draw):
+def test_gradient_colours_wall_only(draw):
     colours = {"background/gradient": 1.0, "background/top": (0, 0, 0.5), "background/bottom": (0.5, 0, 0)}
     more = draw(colours) - draw()
     middle = slice(SIZE[0] // 2 - 10, SIZE[0] // 2 + 10)
@@ -99,7 +99,7 @@ def test_the_gradient_is_on_the_wall_with_its_colours(draw):
     assert np.abs(more[-3:, middle, 0]).max() < 25  # hardly any of it on the floor in front
 
 
-def test_light_follows_energy_and_beat_as_far_as_it_is_told(draw):
+def test_light_follows_energy_and_beat_by_amount(draw):
     means = [draw({"light/energy": 1.0}, energy=energy).mean() for energy in (0.0, 0.5, 1.0)]
     assert means[0] < 0.8 * means[1] < 0.75 * means[2]
     assert means[1] == draw().mean()

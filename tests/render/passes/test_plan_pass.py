@@ -1,4 +1,4 @@
-"""The plan from above: a circle where each dancer is, a triangle that points where she faces, a way behind her."""
+"""The plan view: a circle at each dancer, a triangle in the facing direction, a path behind each dancer."""
 
 import numpy as np
 import pytest
@@ -17,18 +17,18 @@ ABOVE = Camera((0.0, 27.0, 0.0), (0.0, 0.0, 0.0), 20.0)
 RED = 0
 
 
-def from_above(count):
+def scene_from_above(count):
     of = scene(count)
     return Scene(of.stage_size, ABOVE, of.look, count, of.joint_count)
 
 
 @pytest.fixture
 def plan(gl_context):
-    """Draws views with a plan of a strength."""
+    """Draws views with the plan at an amount."""
     kept = []
 
     def make(count):
-        of = from_above(count)
+        of = scene_from_above(count)
         renderer, target = Renderer(gl_context, of, size=SIZE, quality=SOFTWARE), gl_context.simple_framebuffer(SIZE)
         kept.extend((renderer, target))
 
@@ -45,7 +45,7 @@ def plan(gl_context):
         thing.release()
 
 
-def test_circles_stand_where_dancers_do_and_triangles_point_where_they_face(plan, golden):
+def test_circles_mark_dancers_and_triangles_point_in_facing_direction(plan, golden):
     places = [(-3.0, -1.5), (0.0, 1.0), (3.0, 0.0)]
     view = stage_view(
         [(ARMS_DOWN, at, turn, n) for n, (at, turn) in enumerate(zip(places, (0.0, 90.0, 200.0), strict=True))]
@@ -70,7 +70,7 @@ def test_circles_stand_where_dancers_do_and_triangles_point_where_they_face(plan
     golden(seen.astype(np.uint8), "plan", law=lambda picture: (picture.max(axis=2) > 60).mean() > 0.01)
 
 
-def test_ways_fade_behind_dancers_and_end_with_a_cut(plan):
+def test_paths_fade_behind_dancers_and_clear_after_jump(plan):
     draw = plan(1)
 
     def at(x, beat):
@@ -92,7 +92,7 @@ def test_ways_fade_behind_dancers_and_end_with_a_cut(plan):
     assert more[side[1], side[0]] < 6
 
 
-def test_a_faint_plan_lies_between_the_picture_and_the_plan(plan):
+def test_half_plan_lies_between_picture_and_plan(plan):
     draw, view = plan(3), stage_view([(ARMS_DOWN, (x, 0.0), 0.0, 0) for x in (-2.0, 0.0, 2.0)])
     off, half, on = (draw(view, amount).mean() for amount in (0.0, 0.5, 1.0))
     assert min(off, on) < half < max(off, on)

@@ -1,4 +1,4 @@
-"""Obstacles, walls and real dancers on the floor."""
+"""Tests of obstacles, walls and real dancers drawn on the floor."""
 
 from collections.abc import Iterator
 
@@ -23,12 +23,12 @@ def scenery(gl_context: moderngl.Context) -> Iterator[SetPass]:
     made.release()
 
 
-def bare() -> StageView:
+def empty_view() -> StageView:
     return StageView.allocate(0, JOINT_COUNT)
 
 
-def test_an_item_of_the_set_is_dark_with_a_rim_that_is_brightest_at_the_back(floor: Draw, scenery: SetPass) -> None:
-    view = bare()
+def test_obstacle_is_dark_with_rim_brightest_at_back(floor: Draw, scenery: SetPass) -> None:
+    view = empty_view()
     view.obstacle[0], view.obstacle_count = (1.0, 0.5, 0.8, 1.0), 1
     drawn = floor(scenery, view)
     d = np.hypot(drawn.x - 1.0, drawn.z - 0.5) - 0.8
@@ -40,16 +40,16 @@ def test_an_item_of_the_set_is_dark_with_a_rim_that_is_brightest_at_the_back(flo
     assert drawn.at(1.0, -0.3)[:3].sum() > 1.5 * drawn.at(1.0, 1.3)[:3].sum()
 
 
-def test_it_hides_the_light_that_elements_throw_there(floor: Draw, scenery: SetPass) -> None:
-    view = bare()
+def test_obstacle_hides_element_light(floor: Draw, scenery: SetPass) -> None:
+    view = empty_view()
     view.obstacle[0], view.obstacle_count = (1.0, 0.5, 0.8, 1.0), 1
     drawn = floor(scenery, view, LIT)
     assert drawn.at(1.0, 0.5)[0] < 0.4 * LIT[0]
     np.testing.assert_allclose(drawn.at(-3.0, 0.5), LIT, atol=1e-6)
 
 
-def test_a_wall_is_drawn_along_its_whole_length_and_only_there(floor: Draw, scenery: SetPass) -> None:
-    view = bare()
+def test_wall_is_drawn_along_its_length_only(floor: Draw, scenery: SetPass) -> None:
+    view = empty_view()
     view.wall[0], view.wall_count = (-2.0, -1.0, 1.0, 2.0), 1
     drawn = floor(scenery, view)
     wall = shapely.LineString([(-2.0, -1.0), (1.0, 2.0)])
@@ -58,16 +58,16 @@ def test_a_wall_is_drawn_along_its_whole_length_and_only_there(floor: Draw, scen
     assert not drawn.light[d > 0.7].any()
 
 
-def test_a_real_dancer_stands_in_light(floor: Draw, scenery: SetPass) -> None:
-    view = bare()
+def test_real_dancer_is_marked_by_light(floor: Draw, scenery: SetPass) -> None:
+    view = empty_view()
     view.obstacle[0], view.obstacle_count = (1.0, 0.5, 0.25, 0.0), 1
     drawn = floor(scenery, view, LIT)
     assert drawn.light[..., 0].min() >= LIT[0] - 1e-6
     assert drawn.at(1.25, 0.5)[0] > LIT[0] + 0.03
 
 
-def test_more_than_can_be_drawn_does_no_harm(floor: Draw, scenery: SetPass) -> None:
-    view = bare()
+def test_excess_obstacles_and_walls_are_ignored(floor: Draw, scenery: SetPass) -> None:
+    view = empty_view()
     view.obstacle[:, 2:] = 0.5, 1.0
     view.obstacle_count = view.wall_count = 5000
     assert np.isfinite(floor(scenery, view).light).all()

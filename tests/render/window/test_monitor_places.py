@@ -1,4 +1,4 @@
-"""Monitors by their place beside others."""
+"""Tests of monitors given by their position relative to others."""
 
 import pytest
 
@@ -19,16 +19,16 @@ ALL = [DESK, LEFT, RIGHT, FAR, ABOVE]
         ("above 1", ABOVE), ("below DP-2", DESK), ("left of right of primary", DESK), ("4", FAR), ("hdmi-1", LEFT),
     ],
 )  # fmt: skip
-def test_places(text, expected):
+def test_monitor_is_found_by_relative_position(text, expected):
     assert resolve_monitor(text, ALL) == expected
 
 
 @pytest.mark.parametrize("text", ["right of DP-1", "below primary", "right of nothing", "beside 1", "right of"])
-def test_where_no_monitor_is_those_there_are_told(text):
+def test_unknown_position_error_lists_monitors(text):
     with pytest.raises(UnknownMonitor, match=r"HDMI-1 \(1280x720 at -1280,1080"):
         resolve_monitor(text, ALL)
 
 
-def test_without_monitors():
+def test_primary_is_refused_without_monitors():
     with pytest.raises(UnknownMonitor):
         resolve_monitor("primary", [])

@@ -1,4 +1,4 @@
-"""Monitors by number and by name."""
+"""Tests of monitors given by number or name."""
 
 import os
 import subprocess
@@ -27,29 +27,29 @@ THREE = [DESK, LEFT, RIGHT]
     ("text", "monitor"),
     [("1", DESK), ("3", RIGHT), ("HDMI-1", LEFT), ("hdmi-2", RIGHT), ("edp", DESK), (" 2 ", LEFT)],
 )
-def test_found_by_number_name_or_beginning(text: str, monitor: Monitor) -> None:
+def test_monitor_is_found_by_number_name_or_prefix(text: str, monitor: Monitor) -> None:
     assert find_monitor(text, THREE) is monitor
 
 
 @pytest.mark.parametrize("text", ["0", "4", "-1", "VGA", "", "1.5", "²", "hdmi-1x"])
-def test_unknown_tells_what_there_is(text: str) -> None:
+def test_unknown_monitor_error_lists_monitors(text: str) -> None:
     with pytest.raises(UnknownMonitor, match="is not a monitor") as caught:
         find_monitor(text, THREE)
     for word in ("1 eDP-1", "2 HDMI-1", "3 HDMI-2", "1920x1080 at 1920,0 50 Hz", "1024x768 at 3840,0)"):
         assert word in str(caught.value)
 
 
-def test_a_beginning_of_two_names_is_refused() -> None:
+def test_ambiguous_prefix_is_refused() -> None:
     with pytest.raises(UnknownMonitor, match="means several monitors"):
         find_monitor("hdmi", THREE)
 
 
-def test_a_full_name_wins_over_a_longer_one_that_begins_with_it() -> None:
+def test_exact_name_precedes_longer_name() -> None:
     longer = Monitor(2, "HDMI-10", (0, 0), (640, 480), 60.0)
     assert find_monitor("HDMI-1", [longer, LEFT]) is LEFT
 
 
-def test_equal_names_are_told_apart_by_number_only() -> None:
+def test_equal_names_are_distinguished_by_number_only() -> None:
     twins = [Monitor(1, "EPSON", (0, 0), (800, 600), 60.0), Monitor(2, "EPSON", (800, 0), (800, 600), 60.0)]
     assert find_monitor("2", twins) is twins[1]
     with pytest.raises(UnknownMonitor, match="means several monitors"):
@@ -59,7 +59,7 @@ def test_equal_names_are_told_apart_by_number_only() -> None:
 
 
 @pytest.mark.x11
-def test_two_real_monitors(stage_x: TwoMonitorX) -> None:
+def test_two_real_monitors_are_listed(stage_x: TwoMonitorX) -> None:
     monitors = list_monitors()
     assert [(each.index, each.name, each.position, each.size) for each in monitors] == [
         (1, "DUMMY0", (0, 0), FIRST),
@@ -74,7 +74,7 @@ def test_two_real_monitors(stage_x: TwoMonitorX) -> None:
 
 @pytest.mark.x11
 @pytest.mark.skipif(sys.platform != "linux", reason="Wayland is of Linux")
-def test_in_a_wayland_session_the_x_server_is_used_all_the_same(stage_x: TwoMonitorX) -> None:
+def test_x_server_is_used_in_wayland_session(stage_x: TwoMonitorX) -> None:
     code = "from live.render.window.monitors import list_monitors; print([each.name for each in list_monitors()])"
     environment = {**os.environ, "XDG_SESSION_TYPE": "wayland", "WAYLAND_DISPLAY": "wayland-77"}
     environment.pop("PYGLFW_LIBRARY_VARIANT", None)
@@ -84,7 +84,7 @@ def test_in_a_wayland_session_the_x_server_is_used_all_the_same(stage_x: TwoMoni
 
 
 @pytest.mark.usefixtures("no_screen")
-def test_no_screen_no_monitors_but_a_reason() -> None:
+def test_missing_screen_gives_no_monitors_and_a_reason() -> None:
     assert list_monitors() == []
     assert "DISPLAY" in screen_problem()
     with pytest.raises(UnknownMonitor, match=r"there is none \(no screen"):
@@ -92,7 +92,9 @@ def test_no_screen_no_monitors_but_a_reason() -> None:
 
 
 @pytest.mark.usefixtures("no_screen")
-def test_a_display_that_does_not_answer(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+def test_unreachable_display_gives_no_monitors_and_a_reason(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.setenv("DISPLAY", ":12345")
     assert list_monitors() == []
     assert ":12345" in screen_problem()

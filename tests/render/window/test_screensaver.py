@@ -1,4 +1,4 @@
-"""Displays stay awake while a show is on, and not a moment longer."""
+"""The screensaver is inhibited during a show and restored afterwards."""
 
 import ctypes
 import subprocess
@@ -22,8 +22,8 @@ class _Info(ctypes.Structure):
     )  # fmt: skip
 
 
-class Watcher:
-    """Another client of the X server, which knows how long nobody touched anything."""
+class IdleMonitor:
+    """Another client of the X server that reads the idle time."""
 
     def __init__(self, display: str) -> None:
         self._x11, self._saver = ctypes.CDLL("libX11.so.6"), ctypes.CDLL("libXss.so.1")
@@ -33,7 +33,7 @@ class Watcher:
         self._root = ctypes.c_ulong(self._x11.XDefaultRootWindow(self._display))
 
     def idle(self) -> float:
-        """Seconds since anybody did anything, as the server tells."""
+        """Idle time [s] reported by the server."""
         info = _Info()
         assert self._saver.XScreenSaverQueryInfo(self._display, self._root, ctypes.byref(info))
         return info.idle / 1000.0
@@ -43,9 +43,9 @@ class Watcher:
 
 
 @pytest.mark.x11
-def test_the_idle_time_begins_anew(stage_x: TwoMonitorX) -> None:
+def test_refresh_resets_idle_time(stage_x: TwoMonitorX) -> None:
     try:
-        watcher = Watcher(stage_x.display)
+        watcher = IdleMonitor(stage_x.display)
     except OSError:
         pytest.skip("libXss is not installed (Debian: libxss1)")
     window = Window("stage", size=(64, 64))
@@ -75,7 +75,7 @@ def test_the_idle_time_begins_anew(stage_x: TwoMonitorX) -> None:
 
 
 @pytest.mark.x11
-def test_the_savers_timeout_is_as_it_was_afterwards(stage_x: TwoMonitorX) -> None:
+def test_screensaver_timeout_is_restored_afterwards(stage_x: TwoMonitorX) -> None:
     stage_x.run("xset", "s", "77", "33")
     window = Window("stage", size=(64, 64))
     keeper = ScreensaverInhibitor(x11_display()).start()
@@ -86,8 +86,8 @@ def test_the_savers_timeout_is_as_it_was_afterwards(stage_x: TwoMonitorX) -> Non
     stage_x.run("xset", "s", "default")
 
 
-def test_the_systems_lock_ends_with_the_show(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
-    """A child holds it until its standard input ends."""
+def test_system_inhibit_process_ends_with_show(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
+    """A child process holds the lock until its standard input ends."""
     log = tmp_path / "log"
     program = f"import sys; open({str(log)!r}, 'w').write('held'); sys.stdin.read()"
     monkeypatch.setattr(awake, "_INHIBIT_COMMANDS", {sys.platform: (sys.executable, "-c", program)})
@@ -102,7 +102,7 @@ def test_the_systems_lock_ends_with_the_show(monkeypatch: pytest.MonkeyPatch, tm
     assert child.poll() is not None
 
 
-def test_without_any_means_a_show_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_show_continues_without_inhibit_method(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(awake, "_INHIBIT_COMMANDS", {sys.platform: ("no-such-program-anywhere",)})
     keeper = ScreensaverInhibitor().start()
     keeper.refresh(0.0)

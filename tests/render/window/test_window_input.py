@@ -1,4 +1,4 @@
-"""How GLFW's callbacks become inputs, with a GLFW whose keyboard and display are made for the test."""
+"""GLFW callbacks converted to inputs, with a fake GLFW for keyboard and display."""
 
 from collections.abc import Callable
 from typing import Any
@@ -21,7 +21,7 @@ SHIFT, CONTROL = glfw.MOD_SHIFT, glfw.MOD_CONTROL
 
 
 class OneWindowGlfw:
-    """GLFW's numbers; one dense window (twice as many pixels as screen coordinates); a keyboard layout."""
+    """GLFW constants, one high-density window (twice as many pixels as screen coordinates), and a keyboard layout."""
 
     def __init__(self, layout: dict[int, str | None]) -> None:
         self.layout = layout
@@ -54,7 +54,7 @@ class OneWindowGlfw:
         self.callbacks["key"](None, key, 0, action, modifiers)
 
 
-def made(layout: dict[int, str | None] | None = None) -> tuple[OneWindowGlfw, InputQueue]:
+def make_queue(layout: dict[int, str | None] | None = None) -> tuple[OneWindowGlfw, InputQueue]:
     fake = OneWindowGlfw(layout or {})
     return fake, InputQueue(fake, None)
 
@@ -73,36 +73,36 @@ def made(layout: dict[int, str | None] | None = None) -> tuple[OneWindowGlfw, In
         ({}, glfw.KEY_F12, "f12"),
     ],
 )
-def test_names_of_keys(layout: dict[int, str | None], key: int, name: str) -> None:
-    fake, queue = made(layout)
+def test_key_names_follow_layout(layout: dict[int, str | None], key: int, name: str) -> None:
+    fake, queue = make_queue(layout)
     fake.press(key)
     assert queue.pop_all() == [KeyPressed(name)]
 
 
-def test_keys_without_a_name_are_left_out() -> None:
-    fake, queue = made({glfw.KEY_WORLD_1: None, glfw.KEY_UNKNOWN: None, glfw.KEY_LEFT_ALT: None})
+def test_unnamed_keys_are_ignored() -> None:
+    fake, queue = make_queue({glfw.KEY_WORLD_1: None, glfw.KEY_UNKNOWN: None, glfw.KEY_LEFT_ALT: None})
     for key in (glfw.KEY_WORLD_1, glfw.KEY_UNKNOWN, glfw.KEY_LEFT_ALT):
         fake.press(key)
     assert queue.pop_all() == []
 
 
 def test_a_held_key_counts_once() -> None:
-    fake, queue = made()
+    fake, queue = make_queue()
     for action in (glfw.PRESS, glfw.REPEAT, glfw.REPEAT, glfw.RELEASE):
         fake.press(glfw.KEY_SPACE, action=action)
     assert queue.pop_all() == [KeyPressed("space")]
     assert queue.pop_all() == []
 
 
-def test_modifiers() -> None:
-    fake, queue = made()
+def test_modifiers_are_reported() -> None:
+    fake, queue = make_queue()
     fake.press(glfw.KEY_F, CONTROL)
     fake.press(glfw.KEY_F, SHIFT | CONTROL)
     assert queue.pop_all() == [KeyPressed("f", control=True), KeyPressed("f", shift=True, control=True)]
 
 
-def test_places_are_pixels_of_the_framebuffer() -> None:
-    fake, queue = made()
+def test_pointer_positions_are_framebuffer_pixels() -> None:
+    fake, queue = make_queue()
     fake.callbacks["mouse_button"](None, glfw.MOUSE_BUTTON_LEFT, glfw.PRESS, 0)
     fake.callbacks["cursor_pos"](None, 400.0, 150.5)
     fake.callbacks["mouse_button"](None, glfw.MOUSE_BUTTON_LEFT, glfw.RELEASE, 0)
@@ -110,8 +110,8 @@ def test_places_are_pixels_of_the_framebuffer() -> None:
     assert queue.pop_all() == [PointerPressed(20.0, 40.0), PointerMoved(800.0, 301.0), PointerReleased(800.0, 301.0)]
 
 
-def test_of_moves_in_a_row_only_the_last_counts_but_none_is_taken_past_a_click() -> None:
-    fake, queue = made()
+def test_consecutive_moves_are_merged_but_not_across_clicks() -> None:
+    fake, queue = make_queue()
     for x in (1.0, 2.0, 3.0):
         fake.callbacks["cursor_pos"](None, x, 0.0)
     fake.callbacks["mouse_button"](None, glfw.MOUSE_BUTTON_LEFT, glfw.PRESS, SHIFT)
@@ -120,8 +120,8 @@ def test_of_moves_in_a_row_only_the_last_counts_but_none_is_taken_past_a_click()
     assert queue.pop_all() == [PointerMoved(6.0, 0.0), PointerPressed(6.0, 0.0, True), PointerMoved(10.0, 0.0, True)]
 
 
-def test_shift_pressed_or_released_during_a_drag() -> None:
-    fake, queue = made()
+def test_shift_is_tracked_during_drag() -> None:
+    fake, queue = make_queue()
     fake.press(glfw.KEY_LEFT_SHIFT, SHIFT)
     fake.callbacks["cursor_pos"](None, 1.0, 1.0)
     fake.press(glfw.KEY_B, SHIFT)
@@ -130,8 +130,8 @@ def test_shift_pressed_or_released_during_a_drag() -> None:
     assert queue.pop_all() == [PointerMoved(2.0, 2.0, True), KeyPressed("b", shift=True), PointerMoved(4.0, 4.0)]
 
 
-def test_a_flood_is_bounded() -> None:
-    fake, queue = made()
+def test_queue_is_bounded() -> None:
+    fake, queue = make_queue()
     for _ in range(3 * QUEUE_LIMIT):
         fake.press(glfw.KEY_SPACE)
     assert len(queue.pop_all()) == QUEUE_LIMIT
@@ -140,7 +140,7 @@ def test_a_flood_is_bounded() -> None:
 
 
 def test_a_minimised_window_keeps_its_size() -> None:
-    fake, queue = made()
+    fake, queue = make_queue()
     fake.callbacks["framebuffer_size"](None, 0, 0)
     assert queue.framebuffer_size == (1600, 1200)
     fake.callbacks["framebuffer_size"](None, 1600, 1200)
@@ -148,8 +148,8 @@ def test_a_minimised_window_keeps_its_size() -> None:
     assert queue.pop_all() == [Resized((640, 480))]
 
 
-def test_closing_is_only_a_request() -> None:
-    fake, queue = made()
+def test_close_is_only_requested() -> None:
+    fake, queue = make_queue()
     fake.callbacks["window_close"](None)
     assert queue.pop_all() == [CloseRequested()]
     assert fake.should_close is False

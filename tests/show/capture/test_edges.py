@@ -1,4 +1,4 @@
-"""Those who repeat a captured performer stay on the stage, whatever she dances, and their ways are bent there alone."""
+"""Tests of canon bounds: dancers who repeat a captured performer stay on the stage; paths bend only at the edge."""
 
 import math
 
@@ -18,8 +18,8 @@ ALL = np.ones(1, np.bool_)
 FLOOR = (0.0,)
 
 
-def follow(path, half=(5.0, 3.0)):
-    """Where somebody goes whom this path (T, 2) [m], a tick each, would take elsewhere, (T, 2)."""
+def bounded_path(path, half=(5.0, 3.0)):
+    """Bounded positions (T, 2) of a dancer whose unbounded path is (T, 2) [m], one row per tick."""
     edges, moved, found = CanonBounds(np.array(half)), np.zeros((1, 2)), []
     edges.add(path[:1])
     for tick, there in enumerate(path):
@@ -28,8 +28,8 @@ def follow(path, half=(5.0, 3.0)):
     return np.array(found)
 
 
-def wander(chance, time, reach, fastest):
-    """A smooth path at random, (T, 2) [m], no farther than `reach` (2,) from the middle, no faster than that [m/s]."""
+def random_path(chance, time, reach, fastest):
+    """A smooth random path (T, 2) [m], within `reach` (2,) of the center and no faster than `fastest` [m/s]."""
     rate, phase = chance.uniform(0.02, 0.12, (4, 2)), chance.uniform(0.0, 2.0 * math.pi, (4, 2))
     way = np.sin(2.0 * math.pi * rate * time[:, None, None] + phase).sum(axis=1)
     way *= np.array(reach) / np.abs(way).max(axis=0)
@@ -37,27 +37,27 @@ def wander(chance, time, reach, fastest):
     return way * min(1.0, fastest / speed)
 
 
-def test_a_way_over_the_border_lands_softly_and_goes_on_beside():
+def test_path_over_border_slows_before_edge_and_continues_along_edge():
     time = TICK * np.arange(round(8.0 / TICK))
     path = np.stack([4.0 + 2.0 * np.sin(time * math.pi / 4.0), 0.5 * np.cos(time)], axis=1)
-    found = follow(path)
+    found = bounded_path(path)
     np.testing.assert_allclose(found[:, 1], path[:, 1], atol=1e-9)  # along the edge nothing is changed
     speed, wanted = np.diff(found[:, 0]) / TICK, np.diff(path[:, 0]) / TICK
     bound = (5.0 - found[:-1, 0]) / EDGE_TIME
     np.testing.assert_allclose(speed, np.minimum(wanted, bound), atol=1e-9)
     assert found[:, 0].max() < 5.0
-    back = speed < 0.0  # on the way back she does as she would
+    back = speed < 0.0  # on the way back the path is unchanged
     np.testing.assert_allclose(speed[back], wanted[back], atol=1e-9)
 
 
-def test_who_does_not_come_to_the_border_goes_her_own_way_exactly():
+def test_path_away_from_border_is_unchanged():
     chance, time = np.random.default_rng(2), TICK * np.arange(2000)
-    path = wander(chance, time, (4.0, 2.0), 1.5)
-    np.testing.assert_array_equal(follow(path), path)
+    path = random_path(chance, time, (4.0, 2.0), 1.5)
+    np.testing.assert_array_equal(bounded_path(path), path)
 
 
-def test_who_is_outside_comes_in_at_a_walk():
-    found = follow(np.full((200, 2), (6.5, -0.5)))
+def test_dancer_outside_returns_at_walking_speed():
+    found = bounded_path(np.full((200, 2), (6.5, -0.5)))
     fast = -np.diff(found[:, 0]) / TICK
     assert fast[1:].max() <= MAX_RETURN_SPEED + 1e-9 or found[1, 0] <= 5.0
     edges, half = CanonBounds(np.array([5.0, 3.0])), np.array([5.0, 3.0])
@@ -77,14 +77,14 @@ def test_who_is_outside_comes_in_at_a_walk():
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_all_who_repeat_a_performance_within_the_stage_stay_within_it(seed):
+def test_canon_dancers_stay_on_stage_when_performer_does(seed):
     chance = np.random.default_rng(seed)
     extra = f'dancer = "back & 6"\ncanon = "front"\ncanon_beats = {chance.choice([0.5, 1.0, 2.0])}'
     extra += f"\nmirrored = {('false', 'true')[seed % 2]}"
     show = made_show(performer(extra))
     half = show.motion.stage_area.half
     count = 12 * MEASURE
-    path = wander(chance, TICK * np.arange(count + 1), half - 0.05, 3.0)
+    path = random_path(chance, TICK * np.arange(count + 1), half - 0.05, 3.0)
     rotation = np.zeros((JOINT_COUNT, 4))
     rotation[:, 0] = 1.0
     view, seen, agents = show.view(), [], []
@@ -104,11 +104,11 @@ def test_all_who_repeat_a_performance_within_the_stage_stay_within_it(seed):
         agents.append(show.state.position[:5].copy())
     captured = show.mocap.performers["anna"]
     assert captured.fade.tolist() == [1.0] * 6
-    assert np.abs(captured.offset[captured.delay > 0.0] - begun).max() > 0.5  # they had to be kept
+    assert np.abs(captured.offset[captured.delay > 0.0] - begun).max() > 0.5  # the bounds were active
     whole = np.array(seen)[3 * 7 * MEASURE :]
     assert (np.abs(whole) <= half + 1e-5).all()
     assert (np.abs(np.array(agents)[7 * MEASURE :]) <= half + 1e-5).all()
-    # their ways are hers: where they are bent they are slower, never faster, and nowhere is a jump
+    # bounded paths are slower than the original path, never faster, and have no jumps
     spans = np.tile([0.5, 0.49, 0.01], len(whole))[: len(whole) - 1] * TICK
     speed = np.hypot(*np.moveaxis(np.diff(whole, axis=0), 2, 0)).max(axis=1) / spans
     assert speed[spans > 0.4 * TICK].max() < 3.0 * 1.1
@@ -116,7 +116,7 @@ def test_all_who_repeat_a_performance_within_the_stage_stay_within_it(seed):
     assert step < 3.0 * 1.1 * TICK
 
 
-def test_her_floor_laid_elsewhere_acts_at_once_and_leaves_nobody_outside():
+def test_moved_capture_floor_acts_at_once_and_keeps_dancers_on_stage():
     show = made_show(performer('dancer = "back & 6"\ncanon = "front & 1-2"\ncanon_beats = 0.5'))
     rotation = np.zeros((JOINT_COUNT, 4))
     rotation[:, 0] = 1.0
@@ -133,11 +133,11 @@ def test_her_floor_laid_elsewhere_acts_at_once_and_leaves_nobody_outside():
     assert (np.abs(show.state.position[:2]) <= show.motion.stage_area.half + 1e-5).all()
 
 
-def test_ways_that_are_turned_over_go_on_from_where_they_were():
+def test_mirrored_canon_paths_continue_without_jump():
     show = made_show(performer('dancer = "back & 6"\ncanon = "front & 1-2"\ncanon_beats = 1.0'))
     seen = [run(show, 1, 4 * MEASURE, name="anna")]
     show.apply(events.MirrorMocap(time=show.time, source="osc", performer="anna", mirrored=True))
     seen.append(run(show, 4 * MEASURE + 1, 5 * MEASURE, name="anna"))
     hips = np.concatenate(seen)[3 * MEASURE :, :2, 0, ::2]
     step = np.hypot(*np.moveaxis(np.diff(hips, axis=0), 2, 0))
-    assert step.max() < 0.52 * TICK  # she goes round at 0.5 m/s
+    assert step.max() < 0.52 * TICK  # the performer moves in a circle at 0.5 m/s

@@ -1,5 +1,4 @@
-"""Captured performers on the stage: worn exactly, held, left and taken up again without a pop, repeated in canon, and
-the same bit by bit after a snapshot and from a journal."""
+"""Tests of captured performers: pose, dropout, canon, mirroring, trackers, snapshots and replay."""
 
 import json
 import math
@@ -34,7 +33,7 @@ MEASURE = round(2.0 / TICK)
 
 
 def pose(time):
-    """Somebody who goes round and waves, packed."""
+    """A packed pose of a performer who walks in a circle and waves."""
     rotation = np.zeros((JOINT_COUNT, 4))
     rotation[:, 0] = 1.0
     arm, angle = SKELETON.index("leftUpperArm"), 0.8 * math.sin(3.0 * time)
@@ -48,7 +47,7 @@ def frame(time, name="live"):
 
 
 def run(show, first, last, silent=lambda tick: False, name="live"):
-    """Ticks with a pose before each but where it is `silent`; the joints of everybody after each, (T, A, J, 3)."""
+    """Joints of all dancers after each tick, (T, A, J, 3); a pose arrives before each tick that is not `silent`."""
     view, seen = show.view(), []
     for tick in range(first, last + 1):
         if not silent(tick):
@@ -60,7 +59,7 @@ def run(show, first, last, silent=lambda tick: False, name="live"):
 
 
 def joints_at(time):
-    """Where the joints of the packed pose at `time` are, (J, 3)."""
+    """Joint positions of the packed pose at `time`, (J, 3)."""
     root, rotation = unpack_pose(pose(time))
     return forward_kinematics(root[None], rotation[None])[0][0]
 
@@ -69,7 +68,7 @@ def performer(extra="", name="anna"):
     return f'[[mocap]]\nname = "{name}"\n{extra}\n'
 
 
-def test_her_dancer_wears_her_pose_where_she_is_and_her_agent_stands_there():
+def test_dancer_and_agent_match_captured_pose_and_position():
     show = made_show()
     seen = run(show, 1, MEASURE + 20)
     delay = show.mocap.performers["live"].display_delay
@@ -82,7 +81,7 @@ def test_her_dancer_wears_her_pose_where_she_is_and_her_agent_stands_there():
     assert show.refusals.count == 0
 
 
-def test_silence_is_held_then_left_within_a_measure_and_back_without_a_pop():
+def test_dropout_holds_pose_then_blends_out_and_back_without_pop():
     show = made_show()
     begin = MEASURE + 40
     gap = range(begin, begin + 2 * MEASURE)
@@ -93,7 +92,7 @@ def test_silence_is_held_then_left_within_a_measure_and_back_without_a_pop():
     share = show.mocap.performers["live"]
     assert share.fade[0] == 1.0
     own = seen[begin + held + MEASURE + 10 : gap[-1], 0]
-    assert np.ptp(own[:, 0, 0]) < 0.5  # she dances on where she was left
+    assert np.ptp(own[:, 0, 0]) < 0.5  # the dancer continues at the last position
     np.testing.assert_allclose(own[0, 0, ::2], last[0, ::2], atol=0.3)
     speed = np.linalg.norm(np.diff(seen[MEASURE:, 0], axis=0), axis=-1).max(axis=1) / TICK
     usual = np.linalg.norm(np.diff(seen[:, 1:], axis=0), axis=-1).max() / TICK
@@ -101,7 +100,7 @@ def test_silence_is_held_then_left_within_a_measure_and_back_without_a_pop():
     assert np.abs(np.diff(seen[MEASURE:, 0, 0], axis=0)).max() < 0.03
 
 
-def test_a_short_gap_is_caught_up_with_softly():
+def test_short_gap_is_caught_up_smoothly():
     show = made_show()
     gap = range(MEASURE + 40, MEASURE + 52)
     seen = run(show, 1, gap[-1] + 60, silent=lambda tick: tick in gap)
@@ -112,7 +111,7 @@ def test_a_short_gap_is_caught_up_with_softly():
     )
 
 
-def test_drawing_changes_nothing_whatever_is_drawn_when():
+def test_rendering_does_not_change_state():
     show, other = made_show(), made_show()
     view = show.view()
     for tick in range(1, MEASURE + 80):
@@ -125,7 +124,7 @@ def test_drawing_changes_nothing_whatever_is_drawn_when():
     assert show.state_hash() == other.state_hash()
 
 
-def test_a_mirrored_performer_is_the_mirror_image():
+def test_mirrored_performer_matches_mirrored_clip():
     show = made_show(performer("mirrored = true\nat = [0.5, -1.0]\nturn_deg = 90"))
     seen = run(show, 1, MEASURE + 10, name="anna")
     when = show.time - show.mocap.performers["anna"].display_delay
@@ -136,7 +135,7 @@ def test_a_mirrored_performer_is_the_mirror_image():
     np.testing.assert_allclose(seen[-1, 0], turned + np.array([0.5, 0.0, -1.0]), atol=3e-3)
 
 
-def test_she_becomes_her_mirror_image_without_a_pop():
+def test_performer_switches_to_mirror_image_without_pop():
     show = made_show(performer())
     seen = [run(show, 1, MEASURE + 20, name="anna")]
     for number, mirrored in enumerate((True, False)):
@@ -151,7 +150,7 @@ def test_she_becomes_her_mirror_image_without_a_pop():
     )
 
 
-def test_a_group_repeats_her_one_after_another():
+def test_canon_group_repeats_performer_in_sequence():
     show = made_show(performer('dancer = "back & 6"\ncanon = "front & 1-2"\ncanon_beats = 2.0'))
     seen = run(show, 1, 4 * MEASURE, name="anna")
     own, beat = seen[:, 5], MEASURE // 4
@@ -170,7 +169,7 @@ def test_a_group_repeats_her_one_after_another():
     assert show.mocap.facts(show.time)["anna"]["dancers"] == [6]
 
 
-def test_she_may_be_another_dancer_or_none_and_unseen():
+def test_performer_can_be_recast_or_hidden():
     show = made_show(performer() + performer(name="ben"))
     for tick in range(1, MEASURE):
         for name in ("anna", "ben"):
@@ -186,7 +185,7 @@ def test_she_may_be_another_dancer_or_none_and_unseen():
     assert show.motion.model.responsibility[[0, 1, 5]].tolist() == [1.0, 1.0, 0.0]
 
 
-def test_nobody_on_the_stage_may_still_be_in_the_way_and_draw_others():
+def test_performer_without_dancer_can_be_obstacle_and_attractor():
     show = made_show(performer('dancer = "none"\nobstacle = true\nattract = 1.0\nattracts = "front"'))
     run(show, 1, 40, name="anna")
     assert show.motion.surroundings.obstacle_names == ("performer anna",)
@@ -200,7 +199,7 @@ def test_nobody_on_the_stage_may_still_be_in_the_way_and_draw_others():
     assert show.motion.surroundings.obstacle_names == ()
 
 
-def test_her_feet_are_heard_when_they_come_down_and_not_her_dancers():
+def test_footfalls_follow_captured_feet_instead_of_dancer_clip():
     show = made_show()
     falls, view, ears = [], show.view(), FootfallDetector(show)
     legs = [SKELETON.index(name) for name in ("leftUpperLeg", "leftLowerLeg", "leftFoot")]
@@ -223,11 +222,11 @@ def test_her_feet_are_heard_when_they_come_down_and_not_her_dancers():
     assert landed == pytest.approx([round(time + 0.5) - 0.5 for time in landed], abs=0.1)
 
 
-def moved(time, name, x, z):
+def tracker_event(time, name, x, z):
     return events.TrackerMoved(time=time, source="psn", tracker=name, x=x, y=1.0, z=z)
 
 
-def test_a_tracker_is_a_performer_of_the_patch_or_something_to_go_around():
+def test_tracker_moves_patch_performer_or_becomes_obstacle():
     extra = performer('dancer = "front & 2"\nattract = 1.0\nattracts = "back"\nat = [0.5, 0.0]', name="Anna")
     show = made_show(extra + performer(name="Ben") + '[psn]\naxes = "-x z"\n')
     begin = show.state.position[1].copy()
@@ -235,10 +234,10 @@ def test_a_tracker_is_a_performer_of_the_patch_or_something_to_go_around():
         if tick % 2:
             way = min(tick / MEASURE, 1.0)
             for name, x, z in (("Anna", -begin[0] + 0.5 - way, begin[1]), ("Ben", 1.0, 1.0), ("chariot", 2.0, 0.0)):
-                show.apply(moved(tick * TICK - 0.004, name, x, z))
+                show.apply(tracker_event(tick * TICK - 0.004, name, x, z))
         show.tick(tick * TICK)
     np.testing.assert_allclose(show.state.position[1], begin + np.array([1.0, 0.0]), atol=1e-3)
-    # the dancer follows by her own steps, or nearly: these go 0.3 m in a measure
+    # the dancer follows by clip steps, which travel 0.3 m per measure
     assert np.hypot(*(show.dancers.drawn_hips[1] - begin)) > 0.2
     assert show.motion.model.responsibility[:3].tolist() == [1.0, 0.0, 1.0]
     assert list(show.motion.surroundings.obstacle_names) == ["performer chariot"]
@@ -254,7 +253,7 @@ def test_a_tracker_is_a_performer_of_the_patch_or_something_to_go_around():
     assert show.mocap.facts(show.time)["Anna"]["dancers"] == []
 
 
-def test_what_is_wrong_is_refused_and_counted():
+def test_invalid_frames_and_casts_are_refused_and_counted():
     show = made_show(performer())
     damaged = events.MocapFrame(time=0.1, source="vmc", performer="anna", pose="!" * 192)
     assert not show.apply(damaged)
@@ -268,7 +267,7 @@ def test_what_is_wrong_is_refused_and_counted():
         made_show(performer('canon = "unheard of"'))
 
 
-def test_an_edited_patch_goes_on_with_her():
+def test_edited_patch_keeps_captured_performer():
     patches = [parse_patch(PATCH + performer(f"mirrored = {each}"), "test.toml") for each in ("false", "true")]
     show = made_show(performer("mirrored = false"))
     run(show, 1, MEASURE + 10, name="anna")
@@ -284,7 +283,7 @@ CANON = performer('dancer = "front & 2"\ncanon = "back"\nattract = 0.5\nattracts
 LOADED = LoadedShow(Path("test.toml"), parse_patch(PATCH + CANON, "test.toml"), GRAPH)
 
 
-def test_a_restored_show_goes_on_with_her_bit_by_bit():
+def test_restored_show_continues_capture_bit_identically():
     show = LOADED.start()
     tick, source = MEASURE + 20, Snapshotter(show)
     run(show, 1, tick, name="anna")
@@ -297,7 +296,7 @@ def test_a_restored_show_goes_on_with_her_bit_by_bit():
     assert restored.state_hash() == show.state_hash()
 
 
-def test_a_replay_from_the_journal_is_the_same_bit_by_bit(tmp_path):
+def test_journal_replay_of_capture_is_bit_identical(tmp_path):
     show, clock, inbox = LOADED.start(), ManualClock(), EventQueue()
     writer = JournalWriter(tmp_path / "a.jsonl", {"seed": 3, "tempo": None})
     engine = Engine(

@@ -1,4 +1,4 @@
-"""Performers: real dancers are obstacles that move as they do, never faster than anybody dances, and then are gone."""
+"""Tests of performers: tracked obstacles with velocity, a speed limit and a timeout."""
 
 import numpy as np
 import pytest
@@ -10,33 +10,33 @@ from live.show.capture.stage_presence import LOST_S, MAX_SPEED, OBSTACLE_PREFIX,
 RADIUS = 0.3
 
 
-def seen(performers, time, x, z=0.0, name="anna"):
+def track_at(performers, time, x, z=0.0, name="anna"):
     return performers.track(Performer(time=time, source="test", name=name, x=x, z=z))
 
 
-def test_where_she_is_and_how_fast_she_goes():
+def test_obstacle_has_position_and_velocity_of_performer():
     around = Surroundings()
     performers = Performers(around, RADIUS)
-    assert seen(performers, 1.0, 0.5)
+    assert track_at(performers, 1.0, 0.5)
     assert around.obstacle_names == (OBSTACLE_PREFIX + "anna",)
-    assert seen(performers, 1.5, 1.0, 0.25)
+    assert track_at(performers, 1.5, 1.0, 0.25)
     assert around.obstacles[0][:5] == pytest.approx([1.0, 0.25, RADIUS, 1.0, 0.5])
 
 
-def test_a_leap_of_the_tracking_is_no_speed():
+def test_tracking_jump_is_limited_to_maximum_speed():
     around = Surroundings()
     performers = Performers(around, RADIUS)
-    seen(performers, 1.0, -3.0)
-    seen(performers, 1.01, 3.0, 4.0)
+    track_at(performers, 1.0, -3.0)
+    track_at(performers, 1.01, 3.0, 4.0)
     assert np.hypot(*around.obstacles[0][3:5]) == pytest.approx(MAX_SPEED)
 
 
-def test_whoever_is_not_heard_of_is_gone_and_the_set_stays():
+def test_lost_performers_are_removed_and_stage_set_stays():
     around = Surroundings()
     performers = Performers(around, RADIUS)
     around.set_obstacle("anna", 2.0, 2.0, 0.5)
-    seen(performers, 1.0, 0.5)
-    seen(performers, 2.0, 0.5, name="ben")
+    track_at(performers, 1.0, 0.5)
+    track_at(performers, 2.0, 0.5, name="ben")
     performers.tick(1.0 + LOST_S)
     assert len(around.obstacle_names) == 3
     performers.tick(1.01 + LOST_S)

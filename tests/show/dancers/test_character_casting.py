@@ -1,4 +1,4 @@
-"""`[[character]]`: who wears which, and what is refused with its line before a show."""
+"""Tests of `[[character]]`: assignment of characters to dancers, and errors with their line before a show."""
 
 import pytest
 
@@ -30,7 +30,7 @@ def patch(text):
     return parse_patch(BEGIN + GROUPS + text, "a.toml")
 
 
-def test_dancers_of_a_group_wear_its_characters_by_seeded_chance_and_some_by_number():
+def test_characters_are_assigned_by_seed_within_groups_or_by_number():
     assert bodies_of(patch("")) == ()
     said = ANNA + 'groups = ["Ember"]\ndancers = [43]\n'
     both = patch(said + ANNA.replace("anna", "ben") + 'groups = ["ember"]\n')
@@ -38,7 +38,7 @@ def test_dancers_of_a_group_wear_its_characters_by_seeded_chance_and_some_by_num
     assert set(bodies[:40]) == {"anna", "ben"}
     assert 8 < bodies[:40].count("ben") < 32
     assert bodies[40:45] == (DEFAULT_BODY, DEFAULT_BODY, "anna", DEFAULT_BODY, DEFAULT_BODY)
-    assert len(bodies) == 45 + both.reserve  # whoever waits in the wings is one of them, too
+    assert len(bodies) == 45 + both.reserve  # including the reserve
     assert bodies == bodies_of(both) != bodies_of(both.model_copy(update={"seed": 5}))
     assert set(bodies_of(patch(ANNA))) == {"anna"}
 
@@ -54,13 +54,13 @@ def test_dancers_of_a_group_wear_its_characters_by_seeded_chance_and_some_by_num
         (ANNA + "[character.materials.Hat]\nhiden = true", "hiden"),
     ],
 )
-def test_what_cannot_be_is_refused_with_its_place(text, words):
+def test_invalid_characters_are_refused_with_line(text, words):
     with pytest.raises(PatchError, match=words) as refused:
         patch(text)
     assert "a.toml, line" in str(refused.value)
 
 
-def test_files_are_looked_at_before_the_show_and_last_good_ones_stay(tmp_path):
+def test_files_are_checked_before_show_and_changes_are_deferred(tmp_path):
     path, said = tmp_path / "show.toml", patch(ANNA)
     with pytest.raises(PersonError, match=r"no file 'characters/anna\.glb'"):
         character_files(said, path)
@@ -85,5 +85,5 @@ def test_files_are_looked_at_before_the_show_and_last_good_ones_stay(tmp_path):
 
 
 def with_characters(said):
-    """The running patch: what waits for the next start stays as it was."""
+    """The running patch with the characters of another: deferred sections stay as before."""
     return patch("").model_copy(update={"character": said.character})

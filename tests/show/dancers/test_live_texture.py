@@ -1,4 +1,4 @@
-"""Live texturing: chosen by the beat without knowing what comes, without a pop, the same again, whatever is drawn."""
+"""Tests of live texturing: choice on the beat, continuity, determinism, snapshots and load over ticks."""
 
 from pathlib import Path
 
@@ -22,13 +22,13 @@ BANK = TextureBank.of([dance(20.0, seed) for seed in (1, 2, 3)])
 MOTION = "[motion]\ntexture = 1.0\nhead = 0.0\n"
 
 
-def show_of(texture: float = 1.0, seed: int = 3) -> Show:
+def make_textured_show(texture: float = 1.0, seed: int = 3) -> Show:
     patch = parse_patch(PATCH + MOTION.replace("1.0", str(texture)), "test.toml")
     return Show(patch, GRAPH, seed=seed, bank=BANK)
 
 
 def run(show: Show, first: int, last: int, *, drawn: bool = False) -> np.ndarray:
-    """Rotations of all joints at each tick from `first` to `last`, (ticks, A, J, 4); `drawn`: with more pictures."""
+    """Rotations of all joints at each tick from `first` to `last`, (ticks, A, J, 4); `drawn`: with extra renders."""
     view, out = show.view(), []
     for tick in range(first, last + 1):
         show.tick(tick * TICK)
@@ -40,13 +40,13 @@ def run(show: Show, first: int, last: int, *, drawn: bool = False) -> np.ndarray
     return np.array(out)
 
 
-def fastest(rotation: np.ndarray) -> float:
-    """The fastest turn of any joint from a tick to the next [rad/s]."""
+def max_angular_speed(rotation: np.ndarray) -> float:
+    """The largest angular speed of any joint between two ticks [rad/s]."""
     dot = np.abs(np.sum(rotation[1:] * rotation[:-1], axis=-1))
     return float(2.0 * np.arccos(np.minimum(dot, 1.0)).max() / TICK)
 
 
-def test_what_is_kept_of_legs_is_compared_as_the_bank_has_it() -> None:
+def test_leg_history_features_match_bank_features() -> None:
     step = dance(8.0, 4)
     at = np.arange(0.0, 8.0 * RATE, BEAT / PER_BEAT)
     rotation = step.clip.rotation[np.minimum(np.round(at).astype(int), step.clip.sample_count - 1)]
@@ -62,8 +62,8 @@ def test_what_is_kept_of_legs_is_compared_as_the_bank_has_it() -> None:
     assert stack_features(np.zeros((SLOTS, 3, FEATURES))).shape == (DIMENSIONS, 3)
 
 
-def test_everybody_is_textured_within_two_beats_and_chooses_once_a_beat() -> None:
-    show = show_of()
+def test_dancers_are_textured_within_two_beats_and_choose_once_per_beat() -> None:
+    show = make_textured_show()
     texturing = show.dancers.texture
     chosen, lines = [], []
     for tick in range(1, 64 * 4):
@@ -78,7 +78,7 @@ def test_everybody_is_textured_within_two_beats_and_chooses_once_a_beat() -> Non
     assert np.all(danced >= after + PREFIX - 1e-6)  # and never before what it rests on was seen
     assert texturing.level.min() > 0.99
     position, rotation = show.dancers.pose(0.3, show.time)
-    plain = show_of(0.0)
+    plain = make_textured_show(0.0)
     for tick in range(1, 64 * 4):
         plain.tick(tick * TICK)
     bare_position, bare_rotation = plain.dancers.pose(0.3, plain.time)
@@ -89,9 +89,9 @@ def test_everybody_is_textured_within_two_beats_and_chooses_once_a_beat() -> Non
     assert np.allclose(bones, np.linalg.norm(bare_position[:, 9] - bare_position[:, 8], axis=-1), atol=1e-5)
 
 
-def test_nothing_pops_wherever_the_fader_is_and_however_it_is_thrown() -> None:
-    show = show_of(0.0)
-    quiet = fastest(run(show, 1, 64 * 2))
+def test_fader_jumps_cause_no_pop() -> None:
+    show = make_textured_show(0.0)
+    quiet = max_angular_speed(run(show, 1, 64 * 2))
     moved = []
     for part, value in enumerate((1.0, 0.5, 0.0, 0.7, 1.0), start=2):
         show.apply(events.SetMotion(time=show.time, source="osc", parameter="texture", value=value, group="*"))
@@ -101,21 +101,21 @@ def test_nothing_pops_wherever_the_fader_is_and_however_it_is_thrown() -> None:
     inside[np.unique(BANK.clip_last)[:-1]] = False  # from one recording to the next
     of_data = float(data[inside].max()) * PER_BEAT * 2.0  # 120 bpm
     swing = 1.875 * np.pi / (BLEND * 0.5)  # half a turn within a blend, at its fastest
-    assert fastest(np.concatenate(moved)) < quiet + of_data + swing < np.pi / TICK / 4.0
+    assert max_angular_speed(np.concatenate(moved)) < quiet + of_data + swing < np.pi / TICK / 4.0
 
 
-def test_dancers_who_do_the_same_take_several_paths_and_each_the_same_again() -> None:
-    one, other = show_of(), show_of()
+def test_dancers_with_same_step_use_several_fragments_deterministically() -> None:
+    one, other = make_textured_show(), make_textured_show()
     assert np.array_equal(run(one, 1, 200), run(other, 1, 200, drawn=True))
     assert one.state_hash() == other.state_hash()
     assert len(set(one.dancers.texture.fragment.tolist())) > 1
-    another = show_of(seed=4)
+    another = make_textured_show(seed=4)
     run(another, 1, 200)
     assert not np.array_equal(another.dancers.texture.fragment, one.dancers.texture.fragment)
 
 
-def test_a_snapshot_goes_on_bit_by_bit_and_holds_no_recordings() -> None:
-    show = show_of()
+def test_snapshot_continues_bit_identically_without_recordings() -> None:
+    show = make_textured_show()
     run(show, 1, 120)
     source, tick = Snapshotter(show), 120
     while (taken := source.capture(tick)) is None:
@@ -128,14 +128,14 @@ def test_a_snapshot_goes_on_bit_by_bit_and_holds_no_recordings() -> None:
     assert again.state_hash() == show.state_hash()
 
 
-def test_who_is_not_textured_is_danced_as_before() -> None:
+def test_untextured_dancers_are_unchanged() -> None:
     patch = parse_patch(PATCH + MOTION.replace("1.0", "0.0"), "test.toml")
     with_bank, without = Show(patch, GRAPH, bank=BANK), Show(patch, GRAPH)
     assert np.array_equal(run(with_bank, 1, 40), run(without, 1, 40))
     assert not with_bank.dancers.texture.active
 
 
-def test_a_show_without_recordings_says_so() -> None:
+def test_show_without_recordings_refuses_texture() -> None:
     show = Show(parse_patch(PATCH, "test.toml"), GRAPH)
     asked = events.SetMotion(time=0.0, source="osc", parameter="texture", value=0.5, group="*")
     assert not show.apply(asked)
@@ -144,8 +144,8 @@ def test_a_show_without_recordings_says_so() -> None:
     assert show.apply(events.SetMotion(time=0.0, source="osc", parameter="texture", value=0.0, group="*"))
 
 
-def test_choices_are_shared_out_over_ticks() -> None:
-    show, most = show_of(), 0
+def test_choices_are_spread_over_ticks() -> None:
+    show, most = make_textured_show(), 0
     before = show.dancers.texture.chosen_beat.copy()
     for tick in range(1, 160):
         show.tick(tick * TICK)
@@ -154,7 +154,7 @@ def test_choices_are_shared_out_over_ticks() -> None:
     assert 0 < most <= -(-len(before) // CHOICE_TICKS)
 
 
-def test_a_patch_that_asks_for_what_is_not_there(tmp_path: Path) -> None:
+def test_patch_with_missing_recordings_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "show.toml"
     asked = parse_patch(PATCH + MOTION, "test.toml")
     with pytest.raises(PersonError, match=r"motion\.texture is 1"):

@@ -1,4 +1,4 @@
-"""Partners: pairs at arm's length travel and turn as one, hold hands, and let go of each other."""
+"""Tests of partners: pairs travel and turn together at arm's length, hold hands and release holds."""
 
 import numpy as np
 import pytest
@@ -47,12 +47,12 @@ size = [8.0, 1.0]
 
 @pytest.fixture(scope="module")
 def graph():
-    """All walks there are, and their mirror images."""
+    """A graph of all walks and their mirror images."""
     return build_graph(build_library([clip for clip in load_steps(STEPS) if clip.step == "walk"]), threshold=0.16)
 
 
 def script():
-    """A scene that travels and turns: attractors here and there, and other headings."""
+    """A scene that travels and turns: attractors at several places and changed headings."""
     places = [(-3.0, 1.0), (3.0, -1.5), (0.0, 2.0), (2.5, 2.0)]
     for n, (x, z) in enumerate(places):
         yield n * 8.0, events.Attract(time=n * 8.0, source="test", x=x, z=z, strength=0.7, measures=3.0)
@@ -60,8 +60,8 @@ def script():
         yield 4.0 + n * 9.0, events.SetFacing(time=0.0, source="test", facing=str(degrees), group="couples")
 
 
-class Watch:
-    """A show danced to its end, and what was seen of it."""
+class ShowRecorder:
+    """Runs a show to its end and records hips, headings and hand gaps."""
 
     def __init__(self, show, seconds, acts=()):
         self.show, waiting = show, sorted(acts, key=lambda act: act[0])
@@ -79,13 +79,13 @@ class Watch:
         self.hips, self.headings = np.array(self.hips), np.array(self.headings)
 
     def distances(self):
-        """Between the two of each pair at each tick [m], (ticks, P)."""
+        """Distance between the partners of each pair at each tick [m], (ticks, P)."""
         partners = self.show.motion.partners
         return np.hypot(*np.moveaxis(self.hips[:, partners.follower] - self.hips[:, partners.leader], -1, 0))
 
 
 def palm_gaps(show, view):
-    """Between the palms of each hold that is closed [m]; and how far apart the shoulders of its arms are [m]."""
+    """For each closed hold, the distance between its palms and between the shoulders of its arms [m]."""
     hands, gaps = show.dancers.hands, []
     for row, slot in zip(*np.nonzero(hands.state[0] > 0.97), strict=True):
         palms, shoulders = [], []
@@ -100,43 +100,43 @@ def palm_gaps(show, view):
 
 
 @pytest.fixture(scope="module", params=["facing", "beside", "shadow"])
-def watched(request, graph):
-    """The scene, with pairs of each manner."""
+def pair_run(request, graph):
+    """The scene with pairs of each kind."""
     patch = parse_patch(PATCH.replace('"facing"', f'"{request.param}"'), "test.toml")
-    return Watch(Show(patch, graph), 32.0, script())
+    return ShowRecorder(Show(patch, graph), 32.0, script())
 
 
 @pytest.mark.long
-def test_pairs_stay_at_arms_length_while_they_travel_and_turn(watched):
-    distance = watched.distances()
+def test_pairs_stay_at_arms_length_while_they_travel_and_turn(pair_run):
+    distance = pair_run.distances()
     assert distance.shape[1] == 4
-    assert np.ptp(watched.hips[:, :8], axis=0).max() > 2.0  # they did travel
-    turned = np.abs(np.diff(np.unwrap(watched.headings[:, 0])))
+    assert np.ptp(pair_run.hips[:, :8], axis=0).max() > 2.0  # they did travel
+    turned = np.abs(np.diff(np.unwrap(pair_run.headings[:, 0])))
     assert turned.sum() > 2.0
     assert np.abs(distance - ARM).max() < 0.15
 
 
-def test_nobody_comes_between_partners(watched):
-    partners = watched.show.motion.partners
+def test_no_dancer_passes_between_partners(pair_run):
+    partners = pair_run.show.motion.partners
     for lead, follow in zip(partners.leader, partners.follower, strict=True):
-        one, other = watched.hips[:, lead], watched.hips[:, follow]
+        one, other = pair_run.hips[:, lead], pair_run.hips[:, follow]
         way = other - one
         for row in set(range(13)) - {lead, follow}:
-            to = watched.hips[:, row] - one
+            to = pair_run.hips[:, row] - one
             along = np.clip((to * way).sum(-1) / (way**2).sum(-1), 0.0, 1.0)
             assert np.hypot(*(to - along[:, None] * way).T).min() > 0.2
 
 
-def test_hands_meet_within_reach(watched):
-    gaps = np.array([gap for row in watched.gaps for gap in row])
+def test_hands_meet_within_reach(pair_run):
+    gaps = np.array([gap for row in pair_run.gaps for gap in row])
     assert len(gaps) > 500
     near = gaps[:, 1] < 0.85  # both arms reach: 0.6 m each, less what fades
     assert near.mean() > 0.5
     assert np.quantile(gaps[near, 0], 0.95) < 0.01
 
 
-def test_the_odd_one_dances_alone_and_pairs_face_as_they_should(watched):
-    show, partners = watched.show, watched.show.motion.partners
+def test_odd_dancer_has_no_partner_and_pairs_keep_facing(pair_run):
+    show, partners = pair_run.show, pair_run.show.motion.partners
     assert partners.leader.tolist() == [0, 2, 4, 6]
     assert partners.partner[8:].tolist() == [NOBODY] * 5
     ends = show.dancers.present.end_heading()
@@ -144,18 +144,18 @@ def test_the_odd_one_dances_alone_and_pairs_face_as_they_should(watched):
     assert np.abs(np.arctan2(np.sin(off), np.cos(off))).max() < np.radians(25.0)
 
 
-def test_the_same_show_is_the_same(graph):
+def test_same_show_has_same_hash(graph):
     hashes = []
     for _ in range(2):
         show = Show(parse_patch(PATCH, "test.toml"), graph)
-        Watch(show, 6.0, script())
+        ShowRecorder(show, 6.0, script())
         hashes.append(show.state_hash())
     assert hashes[0] == hashes[1]
 
 
-def test_who_leaves_her_partner_lets_go_within_a_beat_and_those_left_find_each_other(graph):
+def test_leaving_partner_releases_hands_and_remaining_dancers_form_pair(graph):
     show = Show(parse_patch(PATCH, "test.toml"), graph)
-    Watch(show, 4.5)
+    ShowRecorder(show, 4.5)
     hands, partners = show.dancers.hands, show.motion.partners
     assert (hands.state[0, :8:2] > 0.97).all()
     now, beat = round(4.5 / TICK), round(60.0 / 112.0 / TICK)
@@ -181,7 +181,7 @@ def casting(text=PATCH):
     return Partners(patch, cast), cast
 
 
-def test_pairs_are_kept_when_somebody_before_them_leaves():
+def test_other_pairs_are_kept_when_dancer_leaves():
     partners, _ = casting()
     there = np.ones(13, np.bool_)
     partners.form_pairs(there)
@@ -191,7 +191,7 @@ def test_pairs_are_kept_when_somebody_before_them_leaves():
     assert partners.timing_source().tolist() == [0, 1, 2, 2, 4, 4, 6, 6, 1, 9, 10, 11, 12]
 
 
-def test_levelled_ends_are_at_arms_length_and_their_middle_stays():
+def test_aligned_ends_are_at_arms_length_with_same_midpoint():
     partners, _ = casting()
     partners.form_pairs(np.ones(13, np.bool_))
     rng = np.random.default_rng(2)
@@ -210,7 +210,7 @@ def test_levelled_ends_are_at_arms_length_and_their_middle_stays():
     assert (ends[alone] == before[alone]).all()
 
 
-def test_a_patch_that_asks_for_what_cannot_be_is_refused():
+def test_patch_with_invalid_partner_settings_is_refused():
     for wrong in ('partners = "above"', "arm_length = 2.0", 'hands = "three"'):
         with pytest.raises(PatchError):
             parse_patch(PATCH.replace('partners = "facing"', wrong), "test.toml")

@@ -1,4 +1,4 @@
-"""Neighbours are traced together."""
+"""Tests of consecutive slices, by which neighboring rows are corrected together."""
 
 from itertools import pairwise
 
@@ -10,7 +10,7 @@ from live.show.dancers.root_correction import consecutive_slices
 
 
 @given(st.sets(st.integers(0, 60)))
-def test_runs_hold_everybody_once_and_nobody_else(who):
+def test_slices_contain_each_row_exactly_once(who):
     rows = np.array(sorted(who), np.int64)
     found = consecutive_slices(rows)
     assert [n for run in found for n in range(run.start, run.stop)] == sorted(who)

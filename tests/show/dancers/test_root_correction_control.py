@@ -1,4 +1,4 @@
-"""Carrying: corrections within what legs give, agents bound to dancers, nobody touches; and what that costs is told."""
+"""Tests of root correction: limits by leg reach, agents bound to dancers, separation and statistics."""
 
 from functools import cache
 
@@ -37,16 +37,16 @@ SIZE = 128
 
 
 @cache
-def loaded():
+def load_patch():
     return load_from_patch(parse_patch(PATCH.format(obedience=0.5), "carrying"), PATCHES / "carrying.toml")
 
 
-def made(obedience=0.5, extra=""):
-    return Show(parse_patch(PATCH.format(obedience=obedience) + extra, "carrying"), loaded().graph)
+def make_show(obedience=0.5, extra=""):
+    return Show(parse_patch(PATCH.format(obedience=obedience) + extra, "carrying"), load_patch().graph)
 
 
 def run(show, measures, act=None, each=None):
-    """Tick on for so many measures; `act` maps ticks to events, `each` sees the show after every tick."""
+    """Run `measures` measures; `act` maps ticks to events, `each` is called with the show after every tick."""
     start = round(show.time / TICK)
     for tick in range(start + 1, start + measures * SIZE + 1):
         event = (act or {}).get(tick)
@@ -61,8 +61,8 @@ def attract(tick, x, z):
     return {tick: events.Attract(time=tick * TICK, source="test", x=x, z=z, measures=8.0)}
 
 
-def test_those_who_gather_and_cross_do_not_touch():
-    show, nearest = made(), []
+def test_gathering_and_crossing_dancers_do_not_touch():
+    show, nearest = make_show(), []
 
     def look(show):
         hips = show.dancers.drawn_hips.astype(float)
@@ -79,9 +79,9 @@ def test_those_who_gather_and_cross_do_not_touch():
     assert stood["obedience"] == 0.5
 
 
-def test_where_dancers_begin_is_no_slide_and_no_lag():
-    """Before: 589 m/s in the first ticks, and 9.2 m behind at the first line; nobody had been anywhere else."""
-    show, worst = made(), []
+def test_start_positions_cause_no_slide_and_no_lag():
+    """Regression: 589 m/s in the first ticks and a lag of 9.2 m at the first measure line."""
+    show, worst = make_show(), []
 
     def look(show):
         told = show.scheduler.root_correction.statistics()["groups"]["all"]
@@ -93,16 +93,14 @@ def test_where_dancers_begin_is_no_slide_and_no_lag():
     assert lag < 0.5
 
 
-def test_corrections_stay_within_what_legs_give():
-    show, found = made(obedience=0.0), []
+def test_corrections_stay_within_leg_reach():
+    show, found = make_show(obedience=0.0), []
 
     def look(show):
         if show.span.fraction(show.timeline.beat_at(show.time)) < 1.5 / SIZE:
             present, graph = show.dancers.present, show.graph
             size = np.hypot(*present.correction[:, :2].T)
-            free = (
-                show.scheduler.root_correction.path_separation.shortfall < -0.2
-            )  # whom no other dancer made go farther
+            free = show.scheduler.root_correction.path_separation.shortfall < -0.2  # not pushed by another dancer
             found.extend((size / graph.node_reach_margins[present.node].max(axis=1))[free])
 
     run(show, 8, attract(32, 2.0, -1.0), look)
@@ -112,9 +110,10 @@ def test_corrections_stay_within_what_legs_give():
 
 
 def changed_within(obedience, extra=""):
-    """How much corrections change between the line and the next decision, with an attractor thrown meanwhile, and how
-    late everybody is."""
-    show = made(obedience, extra)
+    """The change of corrections between the measure line and the next decision, with an attractor placed meanwhile,
+    and the delay of each dancer.
+    """
+    show = make_show(obedience, extra)
     run(show, 4)
     before = show.dancers.present.correction[:, :2].copy()
     run(show, 0)
@@ -127,14 +126,14 @@ def changed_within(obedience, extra=""):
     return np.hypot(*(show.dancers.present.correction[:, :2] - before).T), show.variation.delays
 
 
-def test_only_the_obedient_are_carried_elsewhere_within_the_measure():
+def test_only_obedient_dancers_are_corrected_within_measure():
     (obedient, late), (faithful, _) = changed_within(1.0), changed_within(0.0)
     assert not late.any()
     assert np.median(obedient) > 2.0 * np.median(faithful) + 0.005
-    assert (faithful < 0.02).sum() >= 5  # the others may have to avoid somebody
+    assert (faithful < 0.02).sum() >= 5  # the others may avoid another dancer
 
 
-def test_so_are_those_who_are_late_even_before_they_begin_it():
+def test_delayed_obedient_dancers_are_corrected_before_their_measure():
     ripple = 'ripple = "left"\nripple_beats = 3.0\n'
     (obedient, late), (faithful, _) = changed_within(1.0, ripple), changed_within(0.0, ripple)
     assert np.count_nonzero(late > 0.5 + 8.0 / SIZE) >= 2  # who has not begun the measure when it is looked at
@@ -142,8 +141,8 @@ def test_so_are_those_who_are_late_even_before_they_begin_it():
         assert np.median(obedient[those]) > 2.0 * np.median(faithful[those]) + 0.005
 
 
-def test_agents_go_no_farther_than_their_leash():
-    show, far = made(), []
+def test_agents_stay_within_leash():
+    show, far = make_show(), []
 
     def look(show):
         away = show.state.position - show.scheduler.root_correction.reference
@@ -154,17 +153,17 @@ def test_agents_go_no_farther_than_their_leash():
     assert max(far) > 0.5 * LEASH
 
 
-def test_the_same_show_twice_is_carried_alike():
+def test_repeated_show_has_same_corrections():
     hashes = []
     for _ in range(2):
-        show = made(1.0)
+        show = make_show(1.0)
         run(show, 5, attract(100, 2.0, 2.0))
         hashes.append(show.state_hash())
     assert hashes[0] == hashes[1]
 
 
 @pytest.mark.parametrize("value", [0.0, 1.0])
-def test_obedience_is_set_live(value):
-    show = made()
+def test_obedience_can_be_set_live(value):
+    show = make_show()
     show.apply(events.SetMotion(time=0.0, source="test", parameter="obedience", value=value, group="all"))
     assert (show.variation.obedience == value).all()

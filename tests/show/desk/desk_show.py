@@ -1,4 +1,4 @@
-"""A show with sections, views, looks, scenes and cues, and hands for it."""
+"""A show with sections, views, looks, scenes and cues, and a session that sends control calls to it."""
 
 from live.clock.ticks import TICK
 from live.control.registry.registry import REGISTRY
@@ -55,8 +55,8 @@ measures = 0
 """
 
 
-class Hands:
-    """A show that is told things and runs on in beats (at 120 bpm 32 ticks each)."""
+class DeskSession:
+    """A show that receives control calls and is run in beats (32 ticks each at 120 bpm)."""
 
     def __init__(self, extra=DESK, **options):
         self.show = made_show(extra, **options)
@@ -67,7 +67,7 @@ class Hands:
         return self.show.desk
 
     def say(self, address, *values, source="key"):
-        """Whether the show took it."""
+        """Send a control call; returns whether the show accepted it."""
         return self.show.apply(REGISTRY.call(address, values, self.ticks * TICK, source))
 
     def run(self, beats=0.0, ticks=0):

@@ -1,4 +1,4 @@
-"""Cameras that move: around the stage in measures, along with whom they follow, and the views that every show has."""
+"""Tests of moving cameras: orbits in measures, following dancers, default views and the projector view."""
 
 import math
 
@@ -13,7 +13,7 @@ from live.render.camera import project_points
 from live.show.desk.scenes import view_settings
 from live.show.patch.patch import Patch
 from live.show.view.render_scene import make_scene
-from tests.show.desk.desk_show import DESK, Hands
+from tests.show.desk.desk_show import DESK, DeskSession
 
 SIZE = (1280, 720)
 MOVING = """
@@ -31,86 +31,86 @@ along = 1.0
 """
 
 
-def camera(hands, after=0.0):
-    """The camera of the picture so long after the last tick."""
-    view = hands.show.view()
-    hands.show.fill(view, hands.ticks * TICK + after)
+def camera(session, after=0.0):
+    """The camera of the picture `after` seconds after the last tick."""
+    view = session.show.view()
+    session.show.fill(view, session.ticks * TICK + after)
     return picture_parameters.camera_from_row(view.picture)
 
 
-def bearing(of):
+def orbit_angle(of):
     return math.degrees(math.atan2(of.eye[0] - of.target[0], of.eye[2] - of.target[2]))
 
 
-def test_an_orbit_comes_back_after_its_measures_and_keeps_distance_and_height():
-    hands = Hands(DESK + MOVING).run(beats=1)
-    hands.say("/dance/camera", "carousel")
-    start = camera(hands)
+def test_orbit_returns_after_its_measures_at_constant_distance_and_height():
+    session = DeskSession(DESK + MOVING).run(beats=1)
+    session.say("/dance/camera", "carousel")
+    start = camera(session)
     far = math.dist(start.eye, start.target)
     for quarter in range(1, 5):
-        now = camera(hands.run(beats=2))
-        turn = math.remainder(bearing(now) - bearing(start) - 90.0 * quarter, 360.0)
+        now = camera(session.run(beats=2))
+        turn = math.remainder(orbit_angle(now) - orbit_angle(start) - 90.0 * quarter, 360.0)
         assert abs(turn) < 1e-3
         assert math.dist(now.eye, now.target) == pytest.approx(far, abs=1e-6)
         assert now.eye[1] == start.eye[1]
-    assert camera(hands).eye == pytest.approx(start.eye, abs=1e-4)
+    assert camera(session).eye == pytest.approx(start.eye, abs=1e-4)
 
 
-def test_between_two_ticks_an_orbit_goes_on_evenly():
-    hands = Hands(DESK + MOVING).run(beats=1)
-    hands.say("/dance/camera", "carousel")
-    hands.run(ticks=3)
-    here, between, there = camera(hands), camera(hands, TICK / 2), camera(hands.run(ticks=1))
-    assert bearing(between) == pytest.approx(0.5 * (bearing(here) + bearing(there)), abs=1e-6)
-    assert bearing(there) > bearing(here)
+def test_orbit_is_interpolated_between_ticks():
+    session = DeskSession(DESK + MOVING).run(beats=1)
+    session.say("/dance/camera", "carousel")
+    session.run(ticks=3)
+    here, between, there = camera(session), camera(session, TICK / 2), camera(session.run(ticks=1))
+    assert orbit_angle(between) == pytest.approx(0.5 * (orbit_angle(here) + orbit_angle(there)), abs=1e-6)
+    assert orbit_angle(there) > orbit_angle(here)
 
 
-def test_a_move_into_an_orbit_has_no_jerk():
-    hands = Hands(DESK + MOVING).run(beats=1)
-    hands.say("/dance/camera", "carousel", 1.0)
-    eyes = np.array([camera(hands.run(ticks=1)).eye for _ in range(256)])
+def test_move_into_orbit_is_smooth():
+    session = DeskSession(DESK + MOVING).run(beats=1)
+    session.say("/dance/camera", "carousel", 1.0)
+    eyes = np.array([camera(session.run(ticks=1)).eye for _ in range(256)])
     jumps = np.linalg.norm(np.diff(eyes, n=2, axis=0), axis=1)
     assert np.linalg.norm(np.diff(eyes, axis=0), axis=1).max() > 0.02  # it goes
     assert jumps.max() < 0.01  # and its speed changes little from tick to tick
 
 
-def test_a_followed_group_stays_in_the_middle_of_the_picture():
-    hands = Hands(DESK + MOVING).run(beats=1)
-    hands.say("/dance/camera", "with front")
-    front = hands.show.casting.select("front", hands.show.state.position)
+def test_followed_group_stays_in_center_of_picture():
+    session = DeskSession(DESK + MOVING).run(beats=1)
+    session.say("/dance/camera", "with front")
+    front = session.show.casting.select("front", session.show.state.position)
     offs = []
     for _ in range(40):
-        now = camera(hands.run(ticks=8))
-        middle = hands.show.state.position[front & hands.show.motion.present].mean(axis=0)
+        now = camera(session.run(ticks=8))
+        middle = session.show.state.position[front & session.show.motion.present].mean(axis=0)
         offs.append(math.dist((now.target[0], now.target[2]), middle))
         assert np.subtract(now.eye, now.target) == pytest.approx((0.0, 1.0, 8.0), abs=1e-9)  # it goes along
         assert abs(project_points(now, SIZE, [(middle[0], 1.0, middle[1])])[0, 0] - 640) < 80
     assert max(offs) < 0.8
 
 
-def test_following_is_damped_and_goes_over_to_somebody_else_without_a_jump():
-    hands = Hands(DESK).run(beats=1)
-    hands.say("/dance/camera/follow", "front & 1", 0.0)
-    here = camera(hands.run(beats=1))
-    hands.say("/dance/camera/follow", "front & 2", -1.0, 1.0)
-    ways = [camera(hands.run(ticks=1)).target for _ in range(96)]
+def test_following_is_damped_and_changes_target_without_jump():
+    session = DeskSession(DESK).run(beats=1)
+    session.say("/dance/camera/follow", "front & 1", 0.0)
+    here = camera(session.run(beats=1))
+    session.say("/dance/camera/follow", "front & 2", -1.0, 1.0)
+    ways = [camera(session.run(ticks=1)).target for _ in range(96)]
     steps = np.linalg.norm(np.diff(np.array([here.target, *ways]), axis=0), axis=1)
     assert steps.sum() > 0.3
     assert steps.max() < 0.06
-    hands.say("/dance/camera/follow", "off", -1.0, 1.0)
-    hands.run(beats=8)
-    assert camera(hands).target == pytest.approx(make_scene(hands.show.patch).camera.target)
+    session.say("/dance/camera/follow", "off", -1.0, 1.0)
+    session.run(beats=8)
+    assert camera(session).target == pytest.approx(make_scene(session.show.patch).camera.target)
 
 
-def test_nobody_to_follow_is_refused_and_named():
-    hands = Hands(DESK)
-    assert not hands.say("/dance/camera/follow", "nonesuch")
-    assert "nonesuch" in str(hands.words)
+def test_unknown_follow_target_is_refused_and_named():
+    session = DeskSession(DESK)
+    assert not session.say("/dance/camera/follow", "nonesuch")
+    assert "nonesuch" in str(session.words)
     with pytest.raises(PersonError, match="nonesuch"):
-        Hands(DESK + '[[view]]\nname = "x"\nfollow = "nonesuch"\n')
+        DeskSession(DESK + '[[view]]\nname = "x"\nfollow = "nonesuch"\n')
 
 
-def test_every_show_has_views_that_show_the_whole_stage():
+def test_default_views_show_whole_stage():
     for width, depth in ((12.0, 8.0), (30.0, 6.0), (5.0, 14.0)):
         patch = Patch.model_validate(
             {"name": "x", "stage": {"width": width, "depth": depth},
@@ -130,26 +130,26 @@ def test_every_show_has_views_that_show_the_whole_stage():
             assert (at < SIZE).all()
 
 
-def test_a_show_with_a_projector_begins_with_its_perspective():
+def test_show_with_projector_starts_with_projector_perspective():
     corners = [[0.2, 0.35], [0.8, 0.35], [0.95, 0.9], [0.05, 0.9]]
     table = f"[projector]\nat = [0.0, 5.0, 14.0]\ncorners = {corners}\n"
-    hands = Hands(table + DESK)
-    stage = hands.show.patch.stage
+    session = DeskSession(table + DESK)
+    stage = session.show.patch.stage
     floor = floor_corners(stage.width, stage.depth)
-    at = project_points(camera(hands), (1920, 1080), np.stack([floor[:, 0], np.zeros(4), floor[:, 1]], axis=1))
+    at = project_points(camera(session), (1920, 1080), np.stack([floor[:, 0], np.zeros(4), floor[:, 1]], axis=1))
     assert np.abs(at - np.array(corners) * (1920, 1080)).max() < 0.01
-    hands.say("/dance/camera", "front")
-    assert camera(hands).shift == (0.0, 0.0)
-    hands.say("/dance/camera", "projector")
-    assert camera(hands).eye == (0.0, 5.0, 14.0)
+    session.say("/dance/camera", "front")
+    assert camera(session).shift == (0.0, 0.0)
+    session.say("/dance/camera", "projector")
+    assert camera(session).eye == (0.0, 5.0, 14.0)
 
 
-def test_the_same_events_give_the_same_cameras_bit_by_bit():
+def test_same_events_give_bit_identical_cameras():
     def danced():
-        hands = Hands(DESK + MOVING).run(beats=1)
-        hands.say("/dance/camera", "with front", 1)
-        hands.run(beats=3)
-        hands.say("/dance/camera", "carousel", 0.5)
-        return [camera(hands.run(ticks=1)) for _ in range(64)], hands.show.state_hash()
+        session = DeskSession(DESK + MOVING).run(beats=1)
+        session.say("/dance/camera", "with front", 1)
+        session.run(beats=3)
+        session.say("/dance/camera", "carousel", 0.5)
+        return [camera(session.run(ticks=1)) for _ in range(64)], session.show.state_hash()
 
     assert danced() == danced()

@@ -1,9 +1,9 @@
-"""Refusals are counted and the last is kept in words."""
+"""Tests of refusals: a count and the last reason."""
 
 from live.show.desk.refusals import Refusals
 
 
-def test_they_are_counted_and_the_last_is_kept() -> None:
+def test_refusals_are_counted_and_last_reason_is_kept() -> None:
     refusals = Refusals()
     assert (refusals.count, refusals.last_reason) == (0, "")
     refusals.add("no such step")

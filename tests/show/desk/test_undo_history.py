@@ -1,20 +1,20 @@
-"""Undo and redo: every kind of edit comes back as it was; what has been played is left alone."""
+"""Tests of undo and redo: each kind of edit is reversible; playback commands are not edits."""
 
 import pytest
 
 from live.control.registry.registry import REGISTRY
 from live.show.desk.undo_history import EDITED_PARTS, MAX_EDITS
-from tests.show.desk.desk_show import DESK, Hands
+from tests.show.desk.desk_show import DESK, DeskSession
 
 
 @pytest.fixture
-def hands():
-    return Hands(DESK + '[[mocap]]\nname = "anna"\nattracts = "front"\n').run(5)
+def session():
+    return DeskSession(DESK + '[[mocap]]\nname = "anna"\nattracts = "front"\n').run(5)
 
 
-def kept(hands):
-    """All that can be edited, by part."""
-    taken = {name: part.snapshot() for name, part in hands.desk.undo_history._parts.items()}
+def editable_state(session):
+    """All editable state, by part."""
+    taken = {name: part.snapshot() for name, part in session.desk.undo_history._parts.items()}
     return {name: now if isinstance(now, dict) else now.tolist() for name, now in taken.items()}
 
 
@@ -31,120 +31,120 @@ CALLS = (
 
 
 @pytest.mark.parametrize("call", CALLS, ids=lambda call: call[0])
-def test_each_edit_is_taken_back_and_made_again(hands, call):
-    before = kept(hands)
-    assert hands.say(*call), hands.words
-    hands.run(1)
-    edited = kept(hands)
+def test_each_edit_can_be_undone_and_redone(session, call):
+    before = editable_state(session)
+    assert session.say(*call), session.words
+    session.run(1)
+    edited = editable_state(session)
     assert edited != before
-    assert hands.say("/dance/undo")
-    hands.run(1)
-    assert kept(hands) == before
-    assert hands.say("/dance/redo")
-    hands.run(1)
-    assert kept(hands) == edited
-    assert not hands.say("/dance/redo")
+    assert session.say("/dance/undo")
+    session.run(1)
+    assert editable_state(session) == before
+    assert session.say("/dance/redo")
+    session.run(1)
+    assert editable_state(session) == edited
+    assert not session.say("/dance/redo")
 
 
-def test_removing_from_the_set_is_taken_back(hands):
-    hands.say("/dance/obstacle", "rock", 3.0, 3.0, 0.5)
-    hands.say("/dance/wall", "fence", -3.0, 3.5, 3.0, 3.5)
-    before = kept(hands)
-    hands.say("/dance/obstacle/remove", "rock")
-    assert hands.show.motion.surroundings.obstacle_count == 0
-    hands.say("/dance/undo")
-    assert kept(hands) == before
+def test_removed_obstacle_is_restored_by_undo(session):
+    session.say("/dance/obstacle", "rock", 3.0, 3.0, 0.5)
+    session.say("/dance/wall", "fence", -3.0, 3.5, 3.0, 3.5)
+    before = editable_state(session)
+    session.say("/dance/obstacle/remove", "rock")
+    assert session.show.motion.surroundings.obstacle_count == 0
+    session.say("/dance/undo")
+    assert editable_state(session) == before
 
 
-def test_edits_come_back_in_their_order_and_a_new_one_ends_what_could_be_made_again(hands):
-    states = [kept(hands)]
+def test_edits_are_undone_in_reverse_order_and_new_edit_clears_redo(session):
+    states = [editable_state(session)]
     for call in CALLS:
-        hands.say(*call)
-        hands.run(1)
-        states.append(kept(hands))
+        session.say(*call)
+        session.run(1)
+        states.append(editable_state(session))
     for state in reversed(states[:-1]):
-        assert hands.say("/dance/undo")
-        hands.run(1)
-        assert kept(hands) == state
-    assert not hands.say("/dance/undo")
-    hands.say("/dance/redo")
-    hands.say("/dance/light/level", 1.7)
-    assert not hands.say("/dance/redo")
+        assert session.say("/dance/undo")
+        session.run(1)
+        assert editable_state(session) == state
+    assert not session.say("/dance/undo")
+    session.say("/dance/redo")
+    session.say("/dance/light/level", 1.7)
+    assert not session.say("/dance/redo")
 
 
-def test_a_moving_fader_is_one_edit_and_two_are_two(hands):
+def test_fader_movement_is_one_edit_and_two_faders_are_two(session):
     for value in (0.9, 0.8, 0.7):
-        hands.say("/dance/light/level", value)
-        hands.run(ticks=3)
-    hands.say("/dance/light/haze", 0.5)
-    assert hands.desk.facts(hands.show.danced_beats)["edits"] == 2
-    hands.say("/dance/undo")
-    hands.say("/dance/undo")
-    hands.run(1)
-    assert hands.value("/dance/light/level") == 1.0
+        session.say("/dance/light/level", value)
+        session.run(ticks=3)
+    session.say("/dance/light/haze", 0.5)
+    assert session.desk.facts(session.show.danced_beats)["edits"] == 2
+    session.say("/dance/undo")
+    session.say("/dance/undo")
+    session.run(1)
+    assert session.value("/dance/light/level") == 1.0
 
 
-def test_what_has_been_played_is_no_edit(hands):
+def test_playback_commands_are_not_edits(session):
     for call in (("/dance/go",), ("/dance/attract", 1.0, 1.0), ("/dance/step", "spin"), ("/dance/blackout", 1),
                  ("/dance/cue", "up"), ("/dance/formation", "circle")):  # fmt: skip
-        hands.say(*call)
-    hands.run(8)
-    assert hands.cues["fired"] == 2
-    assert not hands.say("/dance/undo")
-    assert "nothing to take back" in hands.words
+        session.say(*call)
+    session.run(8)
+    assert session.cues["fired"] == 2
+    assert not session.say("/dance/undo")
+    assert "nothing to take back" in session.words
 
 
-def test_undo_leaves_alone_what_a_cue_has_changed_since(hands):
-    hands.say("/dance/light/haze", 0.5)
-    hands.say("/dance/cue", "dim")
-    hands.run(16)
-    assert hands.value("/dance/light/level") == 0.25
-    hands.say("/dance/undo")
-    hands.run(1)
-    assert hands.value("/dance/light/haze") == 0.035
-    assert hands.value("/dance/light/level") == 0.25
+def test_undo_keeps_later_changes_by_cue(session):
+    session.say("/dance/light/haze", 0.5)
+    session.say("/dance/cue", "dim")
+    session.run(16)
+    assert session.value("/dance/light/level") == 0.25
+    session.say("/dance/undo")
+    session.run(1)
+    assert session.value("/dance/light/haze") == 0.035
+    assert session.value("/dance/light/level") == 0.25
 
 
-def test_what_is_refused_is_no_edit_and_only_so_many_are_kept(hands):
-    hands.say("/dance/scene", "nowhere")
-    hands.say("/dance/sequence", "no such step")
-    assert hands.desk.facts(hands.show.danced_beats)["edits"] == 0
+def test_refused_calls_are_not_edits_and_history_is_limited(session):
+    session.say("/dance/scene", "nowhere")
+    session.say("/dance/sequence", "no such step")
+    assert session.desk.facts(session.show.danced_beats)["edits"] == 0
     for number in range(MAX_EDITS + 10):
-        hands.say("/dance/scene/store", f"scene {number}")
-    assert hands.desk.facts(hands.show.danced_beats)["edits"] == MAX_EDITS
+        session.say("/dance/scene/store", f"scene {number}")
+    assert session.desk.facts(session.show.danced_beats)["edits"] == MAX_EDITS
 
 
-def test_every_kind_of_edit_names_a_part(hands):
-    assert set(EDITED_PARTS.values()) == set(kept(hands))
+def test_each_kind_of_edit_names_known_part(session):
+    assert set(EDITED_PARTS.values()) == set(editable_state(session))
 
 
-def test_what_is_said_of_two_performers_at_once_are_two_edits():
-    hands = Hands(DESK + '[[mocap]]\nname = "anna"\n[[mocap]]\nname = "ben"\n').run(5)
+def test_simultaneous_changes_of_two_performers_are_two_edits():
+    session = DeskSession(DESK + '[[mocap]]\nname = "anna"\n[[mocap]]\nname = "ben"\n').run(5)
     for name in ("anna", "ben"):
-        hands.say(f"/dance/mocap/{name}/mirrored", 1)
-    mirrored = lambda: [each.mirrored for each in hands.show.mocap.performers.values()]  # noqa: E731
-    assert hands.desk.undo_history.facts()["undo"] == "MirrorMocap ben"
-    hands.say("/dance/undo")
+        session.say(f"/dance/mocap/{name}/mirrored", 1)
+    mirrored = lambda: [each.mirrored for each in session.show.mocap.performers.values()]  # noqa: E731
+    assert session.desk.undo_history.facts()["undo"] == "MirrorMocap ben"
+    session.say("/dance/undo")
     assert mirrored() == [True, False]
-    hands.say("/dance/undo")
+    session.say("/dance/undo")
     assert mirrored() == [False, False]
 
 
-def test_what_was_said_of_a_performer_of_whom_nothing_was_known_is_taken_back():
-    hands = Hands().run(5)
-    assert hands.say("/dance/mocap/live/place", 1.0, 2.0)
-    assert hands.say("/dance/undo")
-    live = hands.show.mocap.performers["live"]
+def test_edit_of_new_performer_can_be_undone():
+    session = DeskSession().run(5)
+    assert session.say("/dance/mocap/live/place", 1.0, 2.0)
+    assert session.say("/dance/undo")
+    live = session.show.mocap.performers["live"]
     assert (live.origin, live.scale) == ((0.0, 0.0, 0.0), 1.0)
-    assert hands.say("/dance/redo")
+    assert session.say("/dance/redo")
     assert live.origin == (1.0, 2.0, 0.0)
 
 
-def test_who_attracts_more_attracts_the_same(hands):
-    captured = hands.show.mocap.performers["anna"]
-    hands.say("/dance/mocap/anna/attract", 2.0)
+def test_attraction_strength_change_keeps_attracted_group(session):
+    captured = session.show.mocap.performers["anna"]
+    session.say("/dance/mocap/anna/attract", 2.0)
     assert (captured.attract, captured.attracts) == (2.0, "front")
-    hands.say("/dance/mocap/anna/attract", 1.0, "*")
+    session.say("/dance/mocap/anna/attract", 1.0, "*")
     assert captured.attracts == "*"
 
 
@@ -152,12 +152,12 @@ def test_who_attracts_more_attracts_the_same(hands):
     "call", [("/dance/light/level", 0.3), ("/dance/light/key", 0.1), ("/dance/camera/eye", 1.0, 2.0, 9.0)],
     ids=lambda call: call[0],
 )  # fmt: skip
-def test_a_value_of_the_picture_is_compared_by_its_own_numbers_with_what_all_would_show(hands, call):
-    part = hands.desk.undo_history._parts["parameters"]
+def test_affected_values_match_full_snapshot_difference(session, call):
+    part = session.desk.undo_history._parts["parameters"]
     event = REGISTRY.call(call[0], call[1:], 0.0, "key")
     few, whole = part.affected(event), part.snapshot()
     assert 0 < len(few) <= 3
-    assert hands.say(*call), hands.words
+    assert session.say(*call), session.words
     now = part.snapshot()
     changed = {place: (was, new) for place, (was, new) in enumerate(zip(whole, now, strict=True)) if was != new}
     assert changed

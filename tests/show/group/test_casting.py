@@ -1,4 +1,4 @@
-"""Who is meant by a few words, and what changes when dancers change their groups."""
+"""Tests of casting: selection expressions, regrouping and group masks."""
 
 import contextlib
 
@@ -51,17 +51,17 @@ def casting():
         ("2-5 - 3", (2, 4, 5)),
     ],
 )
-def test_words_mean_dancers(casting, words, dancers):
+def test_selection_expression_selects_dancers(casting, words, dancers):
     assert (np.flatnonzero(casting.select(words, PLACES)) + 1).tolist() == list(dancers)
 
 
 @pytest.mark.parametrize("words", ["nobody", "ember &", "99", "pair pair", "((1)"])
-def test_words_that_mean_nobody_are_told(casting, words):
+def test_invalid_selection_is_refused(casting, words):
     with pytest.raises(PersonError):
         casting.select(words, PLACES)
 
 
-def test_regrouping_changes_groups_and_what_words_mean(casting):
+def test_regrouping_changes_groups_and_selections(casting):
     who = np.zeros(9, np.bool_)
     who[[1, 4]] = True
     casting.regroup(who, 1)
@@ -69,7 +69,7 @@ def test_regrouping_changes_groups_and_what_words_mean(casting):
     assert (np.flatnonzero(casting.select("pair", PLACES)) + 1).tolist() == [1]
 
 
-def test_each_wording_has_one_bit_and_follows_regrouping(casting):
+def test_each_selection_has_one_bit_and_follows_regrouping(casting):
     addressees = GroupMasks(casting)
     assert addressees.mask("*", PLACES, 0) == EVERYBODY
     ember, again = addressees.mask("ember", PLACES, 0), addressees.mask(" Ember ", PLACES, 0)
@@ -86,7 +86,7 @@ def test_each_wording_has_one_bit_and_follows_regrouping(casting):
     assert (np.flatnonzero(bits & np.uint64(left)) + 1).tolist() == [1, 5]  # places were asked about once
 
 
-def test_bits_of_elements_that_have_ended_serve_again_and_no_more_than_all_are_given(casting):
+def test_mask_bits_are_reused_and_limited(casting):
     addressees = GroupMasks(casting)
     used = 0
     for number in range(BITS):
@@ -98,7 +98,7 @@ def test_bits_of_elements_that_have_ended_serve_again_and_no_more_than_all_are_g
 
 
 @given(st.text(max_size=60))
-def test_no_words_at_all_break_it(words):
+def test_arbitrary_text_is_selected_or_refused(words):
     casting = Casting(parse_patch(PATCH, "test.toml"))
     with contextlib.suppress(PersonError):
         assert casting.select(words, PLACES).shape == (9,)

@@ -1,4 +1,4 @@
-"""Elements as patches and controls say them."""
+"""Tests of elements from patch sections and control events."""
 
 import contextlib
 
@@ -19,7 +19,7 @@ def element(placing):
     return placing.element(groups=EVERYBODY, target_group=-1, source="s", start=8.0, beats_per_measure=4)
 
 
-def test_points_are_read_and_nothing_else_is():
+def test_points_are_parsed_and_invalid_text_is_refused():
     assert parse_points("-3 0, 0 -2.5; 3 0") == ((-3.0, 0.0), (0.0, -2.5), (3.0, 0.0))
     for text in ("", "1", "1 2 3", "1 2,", "a b", "nan 0", "1e999 0"):
         with pytest.raises(PersonError, match="points"):
@@ -27,23 +27,23 @@ def test_points_are_read_and_nothing_else_is():
 
 
 @given(st.text(max_size=40))
-def test_no_text_breaks_the_reader_of_points(text):
+def test_arbitrary_text_is_parsed_or_refused(text):
     with contextlib.suppress(PersonError):
         assert len(parse_points(text)) >= 1
 
 
-def test_measures_become_beats():
+def test_measures_are_converted_to_beats():
     made = element(request_of_event(events.Attract(x=1.0, z=2.0, strength=3.0, measures=2.5, **STAMP)))
     assert (made.kind, made.points, made.strength) == (KIND_NAMES["attract"], ((1.0, 2.0),), 3.0)
     assert (made.start_beat, made.end_beat) == (8.0, 18.0)
 
 
-def test_a_voice_is_one_of_many():
+def test_voice_creates_participant_element():
     assert element(request_of_event(events.Voice(x=1.0, z=2.0, **STAMP))).table_kind == PARTICIPANT
 
 
 @pytest.mark.parametrize("kind", KIND_NAMES)
-def test_every_kind_of_element_can_be_written_in_a_patch_and_sent(kind):
+def test_each_element_kind_works_in_patch_and_event(kind):
     whom = "3" if kind in ("follow", "pursue", "evade") else ""
     section = ElementSection(kind=kind, measure=1, at=(0.0, -1.0), to=(0.0, 1.0), points=((0, 0), (1, 1)), whom=whom)
     sent = events.PlaceElement(kind=kind, points="0 0, 1 1", whom=whom, **STAMP)
@@ -54,7 +54,7 @@ def test_every_kind_of_element_can_be_written_in_a_patch_and_sent(kind):
 
 
 @pytest.mark.parametrize("flow", ["uniform", "radial", "vortex", "drawn"])
-def test_flows(flow):
+def test_flow_event_sets_flow_kind(flow):
     sent = events.PlaceElement(kind="flow", flow=flow, points="0 0, 1 1", **STAMP)
     assert element(request_of_event(sent)).flow_kind == FLOW_NAMES[flow]
 
@@ -71,6 +71,6 @@ def test_flows(flow):
         {"kind": "storm"},
     ],
 )
-def test_sections_that_lack_something_are_refused(values):
+def test_incomplete_or_invalid_sections_are_refused(values):
     with pytest.raises(ValueError, match=r"needs|below 0|Input"):
         ElementSection(measure=1, **values)

@@ -1,4 +1,4 @@
-"""The thesis' four experiments as patches: they load, go on and on, stay on the stage, and are danced well."""
+"""Tests of the thesis' four experiments as patches: loading, endurance, stage limits and motion quality."""
 
 import numpy as np
 import pytest
@@ -21,9 +21,10 @@ LONG = [pytest.param((name, 64), marks=pytest.mark.soak, id=f"{name}-64") for na
 
 
 @pytest.fixture(scope="module", params=[*(pytest.param((n, m), id=n) for n, m in MEASURES.items()), *LONG])
-def danced(request):
-    """The show after its measures, hips of the frames (F, A, 2), the largest acceleration, the figures; and of each
-    measure line where hips are (A, 2), where segments want them, headings (A,), agents (A, 2), and the state's hash."""
+def experiment_run(request):
+    """The show after its measures, hips per frame (F, A, 2), the largest acceleration, the report; and for each measure
+    line hips (A, 2), segment targets, headings (A,), agents (A, 2) and the state hash.
+    """
     name, measures = request.param
     show = load_show(find_patch(name)).start()
     view, report, tick = show.view(), MotionReport(show), 0
@@ -32,7 +33,7 @@ def danced(request):
         tick += 1
         if show.tick(tick / 64):
             lines[show.span.number] = _at_line(show)
-        if tick % (TICKS_PER_FRAME if show.span.number < 12 else 16):  # later only where everybody is
+        if tick % (TICKS_PER_FRAME if show.span.number < 12 else 16):  # later only positions
             continue
         show.fill(view, tick / 64)
         seen = view.joint_position[view.present]
@@ -60,35 +61,35 @@ def _degrees(angle):
 
 
 @pytest.mark.long
-def test_nobody_is_stuck_or_must_dance_another_step(danced):
-    _, show, _, _, _, _ = danced
+def test_scheduler_has_no_dead_ends_or_detours(experiment_run):
+    _, show, _, _, _, _ = experiment_run
     assert show.scheduler.dead_ends == 0
     assert show.scheduler.detours == 0
     assert show.graph.missing == ()
 
 
-def test_everybody_stays_on_the_stage(danced):
-    _, show, hips, _, _, _ = danced
+def test_dancers_stay_on_stage(experiment_run):
+    _, show, hips, _, _, _ = experiment_run
     assert np.abs(hips[..., 0]).max() < show.patch.stage.width / 2
     assert np.abs(hips[..., 1]).max() < show.patch.stage.depth / 2
 
 
-def test_no_joint_pops_and_standing_feet_stand(danced):
-    """At 32 frames/s the quickest knee of a jump shows 160 m/s²; a joint that pops shows thousands."""
-    _, _, _, strongest, figures, _ = danced
+def test_joints_do_not_pop_and_support_feet_do_not_slide(experiment_run):
+    """At 32 frames/s the fastest knee of a jump shows 160 m/s²; a joint that pops shows thousands."""
+    _, _, _, strongest, figures, _ = experiment_run
     assert strongest < 190.0
     assert figures["foot_slide_mean"] < 0.03
     assert figures["beat_offset_ms"]["annotated"]["p95"] < 15.0
 
 
-def test_dancers_keep_apart(danced):
-    _, show, _, _, figures, _ = danced
+def test_dancers_keep_apart(experiment_run):
+    _, show, _, _, figures, _ = experiment_run
     assert show.motion.present.sum() == 1 or figures["min_distance_m"] > 0.35
 
 
-def test_tap_reaches_its_three_formations_and_faces_the_public_there(danced):
-    """T126: each formation stands on its measure line; along the way while travelling, turned back smoothly (T127)."""
-    name, _, _, _, _, lines = danced
+def test_tap_reaches_three_formations_and_faces_audience(experiment_run):
+    """T126: formations are reached at their measure lines; headings follow the path and turn back smoothly (T127)."""
+    name, _, _, _, _, lines = experiment_run
     if name != "tap":
         pytest.skip("the experiment with formations")
     standing = {}
@@ -106,9 +107,9 @@ def test_tap_reaches_its_three_formations_and_faces_the_public_there(danced):
     assert _degrees(lines[29][2] - np.arctan2(way[:, 0], way[:, 1]))[going].max() < 30.0
 
 
-def test_contemporary_crosses_the_bar(danced):
-    """T110, T132: after the bar in the middle, in measures 12 to 20, everybody is on the other side."""
-    name, _, _, _, _, lines = danced
+def test_contemporary_crosses_the_bar(experiment_run):
+    """T110, T132: after the bar in the middle, in measures 12 to 20, each dancer is on the other side."""
+    name, _, _, _, _, lines = experiment_run
     if name != "contemporary":
         pytest.skip("the experiment with elements")
     before, after = lines[11][3][:, 0], lines[20][0][:, 0]
@@ -116,9 +117,9 @@ def test_contemporary_crosses_the_bar(danced):
     assert np.abs(after).min() > 0.5
 
 
-def test_the_same_show_twice_is_the_same_bit_by_bit(danced):
-    """And looking at it, as the first one was, changes nothing."""
-    name, _, _, _, _, lines = danced
+def test_repeated_show_is_bit_identical(experiment_run):
+    """Rendering, as in the first run, does not change the state."""
+    name, _, _, _, _, lines = experiment_run
     show, tick = load_show(find_patch(name)).start(), 0
     while show.span.number < 8:
         tick += 1
@@ -126,27 +127,27 @@ def test_the_same_show_twice_is_the_same_bit_by_bit(danced):
     assert show.state_hash() == lines[8][4]
 
 
-def test_samba_walks_at_random_from_foot_to_foot_and_faces_the_public():
+def test_samba_alternates_feet_in_random_walks_and_faces_audience():
     show = load_show(find_patch("samba")).start()
-    view, library, danced, across = show.view(), show.graph.library, [], []
+    view, library, chosen, across = show.view(), show.graph.library, [], []
     for tick in range(1, 64 * 30):
         if show.tick(tick / 64):
-            danced.append(show.dancers.node.copy())
+            chosen.append(show.dancers.node.copy())
         if tick % 8 == 0:
             show.fill(view, tick / 64)
             across.append(view.joint_position[:, LEFT_ARM] - view.joint_position[:, RIGHT_ARM])
-    nodes = np.array(danced)
+    nodes = np.array(chosen)
     steps = library.node_step[nodes]
     assert (steps == steps[:, :1]).all()  # a chorus line: one walk for all (T121)
     assert len(np.unique(steps)) == 5
     sides = library.node_side[nodes[:, 0]]
     assert (sides[1:] == -sides[:-1]).all()
-    left = np.mean(across, axis=0)  # who faces the public on the average has her left side at +x (T122)
+    left = np.mean(across, axis=0)  # a dancer that faces the audience has the left side at +x (T122)
     assert np.abs(np.degrees(np.arctan2(left[:, 2], left[:, 0]))).max() < 5.0
 
 
 def test_tap_has_one_step_in_nine_directions_with_either_foot():
-    """T126, T131; and it reaches them all (Fig. 5.7)."""
+    """T126, T131: the step reaches all directions (Fig. 5.7)."""
     library = load_show(find_patch("tap")).graph.library
     assert library.steps == ("time step",)
     assert {(clip.leading_foot, clip.direction) for clip in library.clips} == {
@@ -155,7 +156,7 @@ def test_tap_has_one_step_in_nine_directions_with_either_foot():
 
 
 def _pairs(library):
-    """All pairs of variations that a human can dance one after the other (T134-T136), as nodes."""
+    """All pairs of variations that a human can dance in sequence (T134-T136), as nodes."""
     begins = {int(clip): node for node, clip in enumerate(library.node_clip) if library.node_measure[node] == 0}
     for first, clip in enumerate(library.clips):
         for second, after in enumerate(library.clips):
@@ -164,8 +165,8 @@ def _pairs(library):
                 yield begins[first] + clip.measures - 1, begins[second]
 
 
-def test_ballet_connects_whatever_a_human_can_dance():
-    """T137: every pair of variations whose poses agree is an edge; and every step can follow every other."""
+def test_ballet_graph_connects_all_danceable_pairs():
+    """T137: each pair of variations with matching poses is an edge; each step can follow each other step."""
     graph = load_show(find_patch("ballet")).graph
     library = graph.library
     pairs = list(_pairs(library))
@@ -185,8 +186,8 @@ def test_ballet_connects_whatever_a_human_can_dance():
 @pytest.mark.parametrize(
     ("seed", "measures"), [(1, 40), *(pytest.param(seed, 100, marks=pytest.mark.soak) for seed in (1, 2, 3))]
 )
-def test_whatever_ballet_is_drawn_by_chance_is_danced(seed, measures):
-    """Steps at random: never another step than the one that was drawn."""
+def test_random_ballet_steps_are_danced_without_detours(seed, measures):
+    """Random steps: the step that was drawn is always danced."""
     path = find_patch("ballet")
     patch = read_patch(path)
     steps = ("couru", "echappe", "spring point", "sissonne")
@@ -199,7 +200,7 @@ def test_whatever_ballet_is_drawn_by_chance_is_danced(seed, measures):
     assert show.scheduler.detours == show.scheduler.dead_ends == 0
 
 
-def test_ballet_has_the_structure_of_the_thesis():
+def test_ballet_has_structure_of_thesis():
     clips = load_show(find_patch("ballet")).graph.library.clips
     ways = {(clip.leading_foot, clip.direction.split()[-1]) for clip in clips if clip.step == "couru"}
     assert ("right", "left") in ways
@@ -213,7 +214,7 @@ def test_ballet_has_the_structure_of_the_thesis():
     assert {clip.step for clip in clips if clip.direction != "in place"} == {"couru", "spring point"}  # T133
 
 
-def test_a_couru_moves_the_way_it_is_called():
+def test_couru_moves_in_its_named_direction():
     for clip in load_show(find_patch("ballet")).graph.library.clips:
         if clip.step == "couru" and clip.direction.startswith("long"):
             begin, end = round(clip.first), round(clip.first + clip.samples_per_measure)

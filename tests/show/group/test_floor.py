@@ -1,4 +1,4 @@
-"""The stage's size while a show runs: what may be asked, and how the border moves."""
+"""Tests of stage resizing during a show: limits and border movement."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from live.show.group.stage_area import StageArea
 from live.show.patch.section_stage import StageSection
 
 
-def floor(width=9.0, depth=6.0):
+def make_stage_area(width=9.0, depth=6.0):
     return StageArea(StageSection(width=width, depth=depth))
 
 
@@ -18,8 +18,8 @@ def resize(of, width, depth, *, dancers=4, beat=0.0):
     return of.resize(width, depth, dancers=dancers, beat=beat, beats_per_measure=4.0)
 
 
-def test_what_steers_has_a_new_size_at_once_and_the_border_moves_there_gently():
-    stage = floor()
+def test_steering_size_changes_at_once_and_border_moves_smoothly():
+    stage = make_stage_area()
     half = stage.half
     assert resize(stage, 5.0, 4.0, beat=10.0)
     assert stage.half is half
@@ -37,8 +37,8 @@ def test_what_steers_has_a_new_size_at_once_and_the_border_moves_there_gently():
     np.testing.assert_array_equal(borders[-1], half)
 
 
-def test_measures_that_are_decided_end_before_the_border_has_come_in():
-    stage = floor()
+def test_border_arrives_after_decided_measures_end():
+    stage = make_stage_area()
     resize(stage, 8.9, 6.0)
     stage.tick(7.9)
     assert (stage.border > stage.half).any()
@@ -46,8 +46,8 @@ def test_measures_that_are_decided_end_before_the_border_has_come_in():
     np.testing.assert_array_equal(stage.border, stage.half)
 
 
-def test_a_border_that_is_sent_elsewhere_on_its_way_does_not_jump():
-    stage = floor()
+def test_border_does_not_jump_when_resized_during_movement():
+    stage = make_stage_area()
     resize(stage, 4.0, 4.0)
     stage.tick(9.0)
     before = stage.border.copy()
@@ -58,8 +58,8 @@ def test_a_border_that_is_sent_elsewhere_on_its_way_does_not_jump():
 
 
 @pytest.mark.parametrize("size", [(9.0, 6.0), (3.0, 2.5), (60.0, 40.0)])
-def test_no_stage_is_larger_than_the_floor_or_than_twice_the_patchs(size):
-    stage = floor(*size)
+def test_stage_size_is_limited_by_floor_and_twice_patch_size(size):
+    stage = make_stage_area(*size)
     most = 2.0 * stage.largest
     assert (most <= 2.0 * np.array(size) + 1e-9).all()
     assert (most < np.array(size) + 2.0 * FLOOR_MARGIN).all()
@@ -69,15 +69,15 @@ def test_no_stage_is_larger_than_the_floor_or_than_twice_the_patchs(size):
             resize(stage, width, depth)
 
 
-def test_a_stage_has_room_for_everybody_unless_it_is_the_patchs_own():
-    stage = floor()
+def test_stage_needs_room_for_all_dancers_unless_patch_size():
+    stage = make_stage_area()
     with pytest.raises(PersonError, match="20 dancers"):
         resize(stage, 4.0, 3.9, dancers=20)
     assert resize(stage, 4.0, 4.0, dancers=20)
     assert resize(stage, 9.0, 6.0, dancers=500)
 
 
-def test_formations_are_made_smaller_only_where_they_do_not_fit():
+def test_formations_shrink_only_when_too_large():
     chance = np.random.default_rng(3)
     half = np.array([3.0, 2.0])
     for _ in range(50):
@@ -90,8 +90,8 @@ def test_formations_are_made_smaller_only_where_they_do_not_fit():
     np.testing.assert_allclose(fit_slots(slots * 0.01, half), slots * 0.01)
 
 
-def test_beats_before_the_first_one_count_as_well():
-    stage = floor()
+def test_border_is_correct_at_negative_beats():
+    stage = make_stage_area()
     stage.tick(-4.0)
     np.testing.assert_array_equal(stage.border, [4.5, 3.0])
     resize(stage, 5.0, 4.0, beat=-4.0)

@@ -1,4 +1,4 @@
-"""Formations of a show by name, said in words, defined live."""
+"""Tests of formations of a show: lookup by name, notation and live definition."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ def group(**values):
     )
 
 
-def test_names_come_before_words_and_any_spelling_of_case_serves():
+def test_names_precede_notation_and_ignore_case():
     formations = Formations([WEDGE], seed=1)
     assert formations.find("wedge") is formations.find(" WEDGE ")
     assert formations.find("star") is formations.find("star")
@@ -25,14 +25,14 @@ def test_names_come_before_words_and_any_spelling_of_case_serves():
         formations.find("blob")
 
 
-def test_as_many_places_as_dancers_and_kept():
+def test_places_match_dancer_count_and_are_cached():
     wedge = Formations([WEDGE], seed=1).find("wedge")
     for count in (0, 1, 5, 24):
         assert wedge.places_for(count).slots.shape == (count, 2)
     assert wedge.places_for(5) is wedge.places_for(5)
 
 
-def test_a_formation_defined_live_replaces_the_old_one():
+def test_live_definition_replaces_formation():
     formations = Formations([WEDGE], seed=1)
     before = formations.find("wedge").places_for(6).slots
     formations.define("WEDGE", "circle")
@@ -42,7 +42,7 @@ def test_a_formation_defined_live_replaces_the_old_one():
     assert formations.find("path:M 0 0 L 4 0").places_for(3).slots.shape == (3, 2)
 
 
-def test_a_group_begins_in_words_of_its_size_or_in_a_named_formation_where_that_is():
+def test_starting_places_scale_notation_and_keep_named_formation():
     formations = Formations([WEDGE], seed=1)
     line = formations.starting_places(group(formation="line"))
     assert np.allclose(line[:, 1], -1.0)
@@ -51,7 +51,7 @@ def test_a_group_begins_in_words_of_its_size_or_in_a_named_formation_where_that_
     assert wedge[:, 1].max() == pytest.approx(2.0, abs=1e-6)
 
 
-def test_whoever_finds_no_place_stands_in_rows():
+def test_dancers_without_place_stand_in_rows():
     small = spec_from_table({"name": "three", "shape": "circle", "count": 3})
     places = Formations([small], seed=1).starting_places(group(formation="three"))
     assert places.shape == (7, 2)

@@ -1,4 +1,4 @@
-"""Formations, groups, wings and obstacles in a running show: what the controls and the score do."""
+"""Tests of formations, groups, wings and obstacles in a running show, by controls and score."""
 
 import numpy as np
 import pytest
@@ -13,12 +13,12 @@ from tests.show.made_show import made_show
 MEASURE_S = 2.0
 
 
-def at(event, show, **values):
+def make_event(event, show, **values):
     return event(time=show.time, source="test", **values)
 
 
 def run(show, seconds, each=None):
-    """Tick through `seconds`; `each` looks at the show after every tick."""
+    """Run `seconds` of ticks; `each` is called with the show after every tick."""
     begin = round(show.time / TICK)
     for tick in range(begin + 1, begin + round(seconds / TICK) + 1):
         show.tick(tick * TICK)
@@ -27,15 +27,15 @@ def run(show, seconds, each=None):
 
 
 def farthest_from(places, position):
-    """How far the place that fits worst is from its nearest dancer [m]."""
+    """The largest distance of a place to its nearest dancer [m]."""
     away = np.hypot(*(places[:, None] - position[None]).transpose(2, 0, 1))
     return float(away.min(axis=1).max())
 
 
-def test_a_formation_called_now_is_reached_exactly_on_a_measure():
+def test_immediate_formation_is_reached_at_measure_line():
     show = made_show()
     run(show, 1.0)
-    assert show.apply(at(events.Evolve, show, formation="star", measures=3.0))
+    assert show.apply(make_event(events.Evolve, show, formation="star", measures=3.0))
     slots = formation_of(parse_formation("star"), 9, show.seed).slots
     run(show, 3 * MEASURE_S)  # half of the measure is left: it counts, so the third line is at 6 s
     assert show.span.number == 3
@@ -47,11 +47,11 @@ def test_a_formation_called_now_is_reached_exactly_on_a_measure():
     assert np.abs(show.state.position - before).max() < 0.02  # and there they stay
 
 
-def test_a_formation_on_the_next_measure_waits_for_the_line():
+def test_next_measure_formation_waits_for_measure_line():
     show = made_show()
     run(show, 0.5)
     places = show.state.position.copy()
-    show.apply(at(events.Evolve, show, formation="line", measures=2.0, group="back", next=True))
+    show.apply(make_event(events.Evolve, show, formation="line", measures=2.0, group="back", next=True))
     run(show, 1.4)
     assert np.abs(show.state.position - places)[5:].max() < 0.05
     run(show, 6.0 - show.time)
@@ -93,7 +93,7 @@ group = "front"
 """
 
 
-def test_the_scores_segments_and_groups_come_in_their_measures():
+def test_score_segments_and_regroups_start_in_their_measures():
     show = made_show(SCORE)
     start = show.state.position.copy()
     run(show, 1.9)
@@ -106,33 +106,33 @@ def test_the_scores_segments_and_groups_come_in_their_measures():
     assert np.abs(show.state.position[:5] - wedge - (0.0, 1.0)).max() < 0.06
 
 
-def test_a_formation_that_is_changed_moves_those_who_are_in_it():
+def test_redefined_formation_moves_its_dancers():
     show = made_show()
-    show.apply(at(events.DefineFormation, show, name="flower", formation="circle"))
-    show.apply(at(events.Evolve, show, formation="Flower", measures=3.0))
+    show.apply(make_event(events.DefineFormation, show, name="flower", formation="circle"))
+    show.apply(make_event(events.Evolve, show, formation="Flower", measures=3.0))
     run(show, 6.0)
-    show.apply(at(events.DefineFormation, show, name="flower", formation="line"))
+    show.apply(make_event(events.DefineFormation, show, name="flower", formation="line"))
     run(show, 10.0)
     assert np.ptp(show.state.position[:, 1]) < 0.05
 
 
-def test_an_attractor_frees_its_group_from_a_formation_and_the_others_stay():
+def test_attractor_releases_its_group_from_formation():
     show = made_show()
-    show.apply(at(events.Evolve, show, formation="circle", measures=1.0))
+    show.apply(make_event(events.Evolve, show, formation="circle", measures=1.0))
     run(show, 4.0)
     circle = show.state.position.copy()
-    show.apply(at(events.Attract, show, x=4.0, z=-3.0, measures=4.0, group="back"))
+    show.apply(make_event(events.Attract, show, x=4.0, z=-3.0, measures=4.0, group="back"))
     run(show, 8.0)
     assert np.hypot(*(show.state.position[:5] - circle[:5]).T).max() < 0.3
     near, before = (np.hypot(*(places[5:] - (4.0, -3.0)).T) for places in (show.state.position, circle))
     assert (near < before - 1.0).all()
 
 
-def test_crossing_over_brings_everybody_to_the_other_side():
+def test_crossing_moves_all_dancers_to_other_side():
     show = made_show()
     run(show, 1.0)
     side = np.sign(show.state.position[:, 1])
-    show.apply(at(events.PlaceElement, show, kind="cross", points="-1 0, 1 0", measures=12.0))
+    show.apply(make_event(events.PlaceElement, show, kind="cross", points="-1 0, 1 0", measures=12.0))
     run(show, 24.0)
     assert (np.sign(show.state.position[:, 1]) == -side).all()
 
@@ -140,7 +140,7 @@ def test_crossing_over_brings_everybody_to_the_other_side():
 def test_dancers_enter_and_leave_through_gates_at_measure_lines():
     show = made_show(reserve=3)
     view = show.view()
-    assert show.apply(at(events.Enter, show, count=2.0, group="back", gate="right"))
+    assert show.apply(make_event(events.Enter, show, count=2.0, group="back", gate="right"))
     run(show, 1.0)
     show.fill(view, show.time)
     assert view.present.sum() == 9
@@ -153,46 +153,49 @@ def test_dancers_enter_and_leave_through_gates_at_measure_lines():
     assert (np.abs(show.state.position[:11]) <= (6.0, 4.0)).all()
     show.fill(view, show.time)
     assert (np.abs(view.joint_position[9:11, 0, 0]) < 6.0).all()
-    assert show.apply(at(events.Leave, show, dancers="1-2", gate="left"))
+    assert show.apply(make_event(events.Leave, show, dancers="1-2", gate="left"))
     run(show, 20.0)
     show.fill(view, show.time)
     assert view.present.tolist() == [False, False, *[True] * 9, False]
-    assert not show.apply(at(events.Enter, show, count=9.0))
+    assert not show.apply(make_event(events.Enter, show, count=9.0))
     assert "only 3 waited" in show.refusals.last_reason
 
 
-def test_nobody_goes_through_what_stands_on_the_stage_and_real_dancers_are_forgotten():
+def test_agents_avoid_obstacles_and_lost_performers_are_removed():
     show = made_show()
-    show.apply(at(events.PlaceObstacle, show, name="box", x=0.0, z=0.0, radius=1.0))
-    show.apply(at(events.Attract, show, x=0.0, z=0.0, measures=12.0))
+    show.apply(make_event(events.PlaceObstacle, show, name="box", x=0.0, z=0.0, radius=1.0))
+    show.apply(make_event(events.Attract, show, x=0.0, z=0.0, measures=12.0))
     nearest = []
     run(show, 12.0, lambda s: nearest.append(np.hypot(*s.state.position.T).min()))
     assert min(nearest[64:]) >= 1.25 - 0.01
-    assert show.apply(at(events.Performer, show, name="Ana", x=4.0, z=3.0))
+    assert show.apply(make_event(events.Performer, show, name="Ana", x=4.0, z=3.0))
     assert show.motion.surroundings.obstacle_count == 2
     run(show, 2.5)
     assert show.motion.surroundings.obstacle_names == ("box",)
-    assert show.apply(at(events.RemoveObstacle, show, name="box"))
-    assert not show.apply(at(events.RemoveObstacle, show, name="box"))
+    assert show.apply(make_event(events.RemoveObstacle, show, name="box"))
+    assert not show.apply(make_event(events.RemoveObstacle, show, name="box"))
 
 
 @pytest.mark.parametrize(
     ("event", "words"),
     [
-        (lambda s: at(events.Attract, s, x=0.0, z=0.0, group="nobody"), "no group and no dancer is called 'nobody'"),
-        (lambda s: at(events.Attract, s, x=0.0, z=0.0, group="front &"), "group 'front &'"),
-        (lambda s: at(events.PlaceElement, s, kind="cross", points="0 0"), "cross: its line has no length"),
-        (lambda s: at(events.PlaceElement, s, kind="path", points="a b"), "points 'a b' are none"),
-        (lambda s: at(events.PlaceElement, s, kind="storm"), "no element is called 'storm'"),
-        (lambda s: at(events.PlaceElement, s, kind="follow", whom="99"), "no dancer has the number 99"),
-        (lambda s: at(events.Evolve, s, formation="blob"), "unknown formation"),
-        (lambda s: at(events.Evolve, s, formation="path:M 0 0 L 1 1"), "while a show runs"),
-        (lambda s: at(events.Evolve, s, formation="line", match="best"), "match 'best' is unknown"),
-        (lambda s: at(events.Regroup, s, dancers="1", group="middle"), "no group is called 'middle'"),
-        (lambda s: at(events.Leave, s, dancers="1", gate="trapdoor"), "no gate is called 'trapdoor'"),
+        (
+            lambda s: make_event(events.Attract, s, x=0.0, z=0.0, group="nobody"),
+            "no group and no dancer is called 'nobody'",
+        ),
+        (lambda s: make_event(events.Attract, s, x=0.0, z=0.0, group="front &"), "group 'front &'"),
+        (lambda s: make_event(events.PlaceElement, s, kind="cross", points="0 0"), "cross: its line has no length"),
+        (lambda s: make_event(events.PlaceElement, s, kind="path", points="a b"), "points 'a b' are none"),
+        (lambda s: make_event(events.PlaceElement, s, kind="storm"), "no element is called 'storm'"),
+        (lambda s: make_event(events.PlaceElement, s, kind="follow", whom="99"), "no dancer has the number 99"),
+        (lambda s: make_event(events.Evolve, s, formation="blob"), "unknown formation"),
+        (lambda s: make_event(events.Evolve, s, formation="path:M 0 0 L 1 1"), "while a show runs"),
+        (lambda s: make_event(events.Evolve, s, formation="line", match="best"), "match 'best' is unknown"),
+        (lambda s: make_event(events.Regroup, s, dancers="1", group="middle"), "no group is called 'middle'"),
+        (lambda s: make_event(events.Leave, s, dancers="1", gate="trapdoor"), "no gate is called 'trapdoor'"),
     ],
 )
-def test_what_is_not_there_is_refused_in_words(event, words):
+def test_invalid_events_are_refused_with_reason(event, words):
     show = made_show()
     assert not show.apply(event(show))
     assert words in show.refusals.last_reason
@@ -200,7 +203,7 @@ def test_what_is_not_there_is_refused_in_words(event, words):
     run(show, 0.5)
 
 
-def test_a_patch_is_told_at_the_start_what_it_names_in_vain():
+def test_unknown_names_in_patch_are_refused_at_start():
     for extra, words in (
         ('[[segment]]\nmeasure = 9\nformation = "blob"\n', "segment in measure 9"),
         ('[[segment]]\nmeasure = 9\ngroup = "nobody"\n', "segment in measure 9"),
@@ -211,49 +214,49 @@ def test_a_patch_is_told_at_the_start_what_it_names_in_vain():
             made_show(extra)
 
 
-def test_a_group_that_has_become_empty_is_nobody_and_stops_nothing():
+def test_empty_group_does_not_stop_show():
     show = made_show('[[segment]]\nmeasure = 4\ngroup = "back"\nformation = "line"\n')
     run(show, 0.5)
-    assert show.apply(at(events.Evolve, show, formation="star", measures=1.0, group="back & 6-9", next=True))
-    assert show.apply(at(events.Regroup, show, dancers="back", group="front"))
+    assert show.apply(make_event(events.Evolve, show, formation="star", measures=1.0, group="back & 6-9", next=True))
+    assert show.apply(make_event(events.Regroup, show, dancers="back", group="front"))
     run(show, 10.0)
     assert show.group.tolist() == [0] * 9
-    assert not show.apply(at(events.Evolve, show, formation="line", group="back"))
+    assert not show.apply(make_event(events.Evolve, show, formation="line", group="back"))
     assert "nobody is 'back' now" in show.refusals.last_reason
 
 
-def test_whoever_comes_back_dances_with_her_own_group():
+def test_returning_dancer_rejoins_own_group():
     show = made_show()
-    show.apply(at(events.Leave, show, dancers="9"))
+    show.apply(make_event(events.Leave, show, dancers="9"))
     run(show, 12.0)
     assert not show.motion.present[8]
-    show.apply(at(events.Enter, show))
+    show.apply(make_event(events.Enter, show))
     run(show, 4.0)
     assert show.motion.present[8]
     assert show.group[8] == 1
 
 
-def test_a_later_wish_for_the_same_line_replaces_the_earlier_one():
+def test_later_formation_for_same_measure_line_replaces_earlier():
     show = made_show()
     for formation in ("star", "circle", "line"):
-        show.apply(at(events.Evolve, show, formation=formation, measures=3.0, next=True))
+        show.apply(make_event(events.Evolve, show, formation=formation, measures=3.0, next=True))
     run(show, 9.0)
     assert np.ptp(show.state.position[:, 1]) < 0.05
 
 
-def scripted(show):
-    """Everything at once, as it may come on an evening; hashes at measure lines."""
+def run_script(show):
+    """Run a script with events of all kinds; hashes at measure lines."""
     script = {
-        100: at(events.Evolve, show, formation="star", measures=2.0, ripple=2.0),
-        260: at(events.Enter, show, count=2.0),
-        300: at(events.PlaceElement, show, kind="cross", points="0 -1, 0 1", group="front"),
-        420: at(events.PlaceObstacle, show, name="box", x=1.0, z=0.0),
-        500: at(events.Voice, show, x=2.0, z=1.0),
-        640: at(events.Regroup, show, dancers="left", group="back"),
-        700: at(events.Travel, show, points="0 0, 1 1, 2 0", measures=2.0, single_file=True),
-        800: at(events.PlaceElement, show, kind="follow", whom="2", group="back"),
-        900: at(events.Leave, show, dancers="3-4"),
-        1000: at(events.Clear, show),
+        100: make_event(events.Evolve, show, formation="star", measures=2.0, ripple=2.0),
+        260: make_event(events.Enter, show, count=2.0),
+        300: make_event(events.PlaceElement, show, kind="cross", points="0 -1, 0 1", group="front"),
+        420: make_event(events.PlaceObstacle, show, name="box", x=1.0, z=0.0),
+        500: make_event(events.Voice, show, x=2.0, z=1.0),
+        640: make_event(events.Regroup, show, dancers="left", group="back"),
+        700: make_event(events.Travel, show, points="0 0, 1 1, 2 0", measures=2.0, single_file=True),
+        800: make_event(events.PlaceElement, show, kind="follow", whom="2", group="back"),
+        900: make_event(events.Leave, show, dancers="3-4"),
+        1000: make_event(events.Clear, show),
     }
     hashes = []
     for tick in range(1, 64 * 24):
@@ -265,7 +268,7 @@ def scripted(show):
     return hashes
 
 
-def test_all_of_it_is_deterministic():
-    first, second = (scripted(made_show(reserve=2)) for _ in range(2))
+def test_combined_script_is_deterministic():
+    first, second = (run_script(made_show(reserve=2)) for _ in range(2))
     assert len(first) == len(set(first)) == 11
     assert first == second

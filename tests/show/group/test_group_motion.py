@@ -1,4 +1,4 @@
-"""What the show tells the picture of its elements and of what stands on the stage."""
+"""Tests of elements, obstacles and walls in the stage view, and of the steering response."""
 
 import numpy as np
 
@@ -32,7 +32,7 @@ to = [0, 1]
 """
 
 
-def test_elements_obstacles_and_walls_come_into_the_snapshot():
+def test_stage_view_contains_elements_obstacles_and_walls():
     show = made_show(SET)
     show.apply(events.Performer(time=0.0, source="camera", name="Ana", x=4.0, z=3.0))
     show.apply(events.Voice(time=0.0, source="phone", x=1.5, z=-0.5))
@@ -54,7 +54,7 @@ def test_elements_obstacles_and_walls_come_into_the_snapshot():
     assert view.obstacle[: view.obstacle_count, 3].tolist() == [0.0]
 
 
-def test_agents_change_their_course_within_two_ticks_of_an_attractor_and_without_a_jolt():
+def test_agents_respond_smoothly_to_attractor_within_two_ticks():
     shows = made_show(), made_show()
     velocities = []
     for tick in range(1, 400):

@@ -1,11 +1,11 @@
-"""Work in pieces: all of it, in order, in the ticks that there are, and in no tick much more than its share."""
+"""Tests of the task queue: all tasks run in order within the available ticks, each tick near its share."""
 
 import numpy as np
 
 from live.show.background_work import MAX_SHARE, TaskQueue
 
 
-def test_all_is_done_in_order_and_evenly():
+def test_tasks_run_in_order_and_evenly():
     chance = np.random.default_rng(4)
     weights, done = chance.uniform(1.0, 40.0, 60), []
     pieces = TaskQueue()
@@ -22,7 +22,7 @@ def test_all_is_done_in_order_and_evenly():
     assert not pieces
 
 
-def test_what_is_left_is_finished_at_once():
+def test_remaining_tasks_run_at_once():
     done = []
     pieces = TaskQueue()
     pieces.extend((1.0, lambda n=n: done.append(n)) for n in range(5))
@@ -33,7 +33,7 @@ def test_what_is_left_is_finished_at_once():
     assert done == list(range(5))
 
 
-def test_what_is_forgotten_is_never_done():
+def test_cleared_tasks_never_run():
     done = []
     pieces = TaskQueue()
     pieces.extend((2.0, lambda n=n: done.append(n)) for n in range(5))
@@ -41,7 +41,7 @@ def test_what_is_forgotten_is_never_done():
     pieces.clear()
     assert not pieces
     assert pieces.remaining == 0.0
-    pieces.extend([(3.0, lambda: done.append("anew"))])
+    pieces.extend([(3.0, lambda: done.append("new"))])
     assert pieces.remaining == 3.0
     pieces.run_all()
-    assert done == [0, "anew"]
+    assert done == [0, "new"]

@@ -1,4 +1,4 @@
-"""Stage set: an edited one changes what was edited, and nothing else."""
+"""Tests of the stage set: an edit changes only the items that it edits."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ TABLE = ObstacleSection(name="table", at=(-1.0, 0.0), radius=0.8)
 WALL = ObstacleSection(name="wall", at=(-2.0, 1.0), wall_to=(2.0, 1.0))
 
 
-def furnished(*items):
+def make_surroundings(*items):
     around = Surroundings()
     for item in items:
         place_item(around, item)
@@ -24,15 +24,15 @@ def places(around):
     return dict(zip(around.obstacle_names, rows.tolist(), strict=True))
 
 
-def test_round_things_and_walls():
-    around = furnished(CHAIR, WALL)
+def test_items_become_round_obstacles_and_walls():
+    around = make_surroundings(CHAIR, WALL)
     assert places(around)["chair"] == pytest.approx([1.0, 2.0, 0.4])
     assert around.wall_count == 1
     assert np.asarray(around.walls[0][:4]) == pytest.approx([-2.0, 1.0, 2.0, 1.0])
 
 
-def test_what_was_moved_live_stays_where_the_edit_says_nothing_of_it():
-    around = furnished(CHAIR, TABLE)
+def test_live_move_is_kept_when_edit_does_not_change_item():
+    around = make_surroundings(CHAIR, TABLE)
     around.set_obstacle("chair", 3.0, 3.0, 0.4)
     moved = TABLE.model_copy(update={"at": (0.0, 0.0)})
     update_set(around, (CHAIR, TABLE), (CHAIR, moved))
@@ -40,8 +40,8 @@ def test_what_was_moved_live_stays_where_the_edit_says_nothing_of_it():
     assert places(around)["table"][:2] == [0.0, 0.0]
 
 
-def test_what_is_no_more_goes_and_a_thing_may_become_a_wall():
-    around = furnished(CHAIR, TABLE)
+def test_removed_items_disappear_and_obstacle_can_become_wall():
+    around = make_surroundings(CHAIR, TABLE)
     update_set(around, (CHAIR, TABLE), (WALL.model_copy(update={"name": "table"}),))
     assert around.obstacle_names == ()
     assert around.wall_count == 1

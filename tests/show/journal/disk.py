@@ -1,12 +1,12 @@
-"""A disk that keeps up: a show that runs faster than life waits for it now and then, as no show on a stage has to."""
+"""Waiting for journal writes, for tests that run a show faster than real time."""
 
 from live.show.journal.journal import JournalWriter
 from live.show.journal.journal_writer import JournalFile
 from tests.control.waiting import wait_for
 
 
-def settled(writer: JournalWriter) -> None:
-    """Everything handed over is written; without files nothing is waited for."""
+def wait_until_written(writer: JournalWriter) -> None:
+    """Wait until all queued lines are written; returns at once without files."""
     sink = writer.sink
     if not isinstance(sink, JournalFile):
         return

@@ -1,4 +1,4 @@
-"""The first show as it is danced: nobody pops, nobody leaves the stage, feet hold, and every group dances its steps."""
+"""Tests of the first show as rendered: no pops, stage limits, planted feet, and steps of each group."""
 
 from pathlib import Path
 
@@ -14,8 +14,8 @@ SECONDS = 45
 
 
 @pytest.fixture(scope="module")
-def danced():
-    """Joint positions (F, A, J, 3) of those who can be seen, in every frame, and the figures of the report."""
+def first_show_run():
+    """Joint positions (F, A, J, 3) of present dancers in every frame, and the figures of the report."""
     loaded = load_show(Path(DEFAULT_PATCH))
     show = loaded.start()
     view, report, frames, tick = show.view(), MotionReport(show), [], 0
@@ -29,16 +29,16 @@ def danced():
     return show, np.array(frames), report.result()
 
 
-def test_no_joint_pops(danced):
-    """Jumps reach 112 m/s² by themselves, danced up to a third faster 190; a joint that pops shows thousands."""
-    _, frames, _ = danced
+def test_joint_accelerations_have_no_pops(first_show_run):
+    """Jumps reach 112 m/s², and 190 when danced up to a third faster; a joint that pops shows thousands."""
+    _, frames, _ = first_show_run
     acceleration = np.linalg.norm(np.diff(frames, n=2, axis=0), axis=3) * FPS * FPS
     assert acceleration.max() < 190.0
     assert np.percentile(acceleration.max(axis=(1, 2)), 50) < 30.0
 
 
-def test_everybody_stays_on_the_stage_and_above_the_floor(danced):
-    show, frames, _ = danced
+def test_dancers_stay_on_stage_and_above_floor(first_show_run):
+    show, frames, _ = first_show_run
     hips = frames[:, :, 0]
     assert np.isfinite(frames).all()
     assert np.abs(hips[..., 0]).max() < show.patch.stage.width / 2 + 0.5
@@ -46,9 +46,9 @@ def test_everybody_stays_on_the_stage_and_above_the_floor(danced):
     assert frames[..., 1].min() > -0.02
 
 
-def test_the_group_gathers_and_spreads_with_the_score(danced):
+def test_dancers_gather_and_spread_with_score(first_show_run):
     """Measures 4 to 6 gather at (-2.4, 0.4), measures 7 to 10 spread."""
-    _, frames, _ = danced
+    _, frames, _ = first_show_run
     measure = 4 * 60 / 112
 
     def distance(seconds):
@@ -58,8 +58,8 @@ def test_the_group_gathers_and_spreads_with_the_score(danced):
     assert distance(10.5 * measure) > 1.1 * distance(6.5 * measure)
 
 
-def test_feet_hold_and_clips_land_on_the_beat(danced):
-    _, _, figures = danced
+def test_feet_stay_planted_and_clips_match_beat(first_show_run):
+    _, _, figures = first_show_run
     assert figures["foot_slide_mean"] < 0.12
     assert figures["beat_offset_ms"]["annotated"]["p95"] < 8.0
     assert figures["min_distance_m"] > 0.15
@@ -67,8 +67,8 @@ def test_feet_hold_and_clips_land_on_the_beat(danced):
     assert {"groove", "side step", "samba", "turn", "mambo", "arm wave", "jump"} <= steps
 
 
-def test_joins_are_as_smooth_as_the_steps_and_beats_are_measured_both_ways(danced):
-    _, _, figures = danced
+def test_joins_are_smooth_and_beat_metrics_are_in_range(first_show_run):
+    _, _, figures = first_show_run
     assert 0.2 < figures["join_velocity_ratio"] <= 1.0
     assert 0.2 < figures["join_acceleration_ratio"] <= 1.2
     assert 0.0 < figures["skating_ratio"] < 0.01
@@ -81,9 +81,9 @@ def test_joins_are_as_smooth_as_the_steps_and_beats_are_measured_both_ways(dance
     assert sum(row["cost"] is not None for row in rows) > 0.9 * len(rows)
 
 
-def test_dancers_of_one_group_dance_together(danced):
-    """In measure 2, before anybody has to travel, each group dances one step."""
-    show, _, figures = danced
+def test_dancers_of_one_group_dance_same_step(first_show_run):
+    """In measure 2, before travel starts, each group dances one step."""
+    show, _, figures = first_show_run
     for group in range(3):
         members = {int(d) + 1 for d in np.flatnonzero(show.group == group)}
         rows = [row for row in figures["steps"] if row["measure"] == 2 and row["dancer"] in members]

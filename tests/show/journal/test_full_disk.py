@@ -1,4 +1,4 @@
-"""A real disk that is full for a while: the show goes on, the journal names what is missing, and is whole around it."""
+"""Tests of a temporarily full disk: the show continues and the journal records the gap."""
 
 import contextlib
 import json
@@ -14,7 +14,7 @@ from live.show.journal.journal import JournalWriter, read_journal
 from live.show.journal.replay import first_start, run_from
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
-from tests.show.journal.disk import settled
+from tests.show.journal.disk import wait_until_written
 from tests.show.made_show import GRAPH, PATCH
 
 MADE = LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)
@@ -24,7 +24,7 @@ STONE = "stone"
 
 @pytest.fixture
 def small_disk(tmp_path):
-    """A file system of 1 MB; skips where nobody may mount one."""
+    """A file system of 1 MB; skips if it cannot be mounted."""
     place = tmp_path / "disk"
     place.mkdir()
     mount, unmount = shutil.which("mount"), shutil.which("umount")
@@ -35,15 +35,15 @@ def small_disk(tmp_path):
     subprocess.run([unmount, "--lazy", str(place)], check=True)  # a failed test may have left files open
 
 
-class Dance:
-    """A show that is journalled tick by tick, as an engine does it, without waiting for the disk."""
+class JournaledShow:
+    """A show with a journal, run tick by tick as by an engine, without waiting for the disk."""
 
     def __init__(self, path, *, events_every=40):
         self.show, self.tick, self.every = MADE.start(), 0, events_every
         self.writer = JournalWriter(path, {"seed": 3, "tempo": None})
 
     def run(self, measures):
-        """Dance so many measures, and wait until the disk has had its chance."""
+        """Run `measures` measures, then wait for the journal writer."""
         until = self.show.span.number + measures
         while self.show.span.number < until:
             if self.tick % self.every == 0:
@@ -55,17 +55,17 @@ class Dance:
             if begins:
                 self.writer.record_measure(self.tick, self.show.span.number + 1, self.show.state_hash())
             self.writer.take_snapshot(self.show, self.tick, begins=begins)
-        self.settled()
+        self.wait_until_written()
 
-    def settled(self):
-        settled(self.writer)
+    def wait_until_written(self):
+        wait_until_written(self.writer)
 
     def end(self):
         self.writer.close(self.tick)
 
 
-def fill(place):
-    """Leave no byte of the disk."""
+def fill_disk(place):
+    """Fill the disk to the last byte."""
     with (place / STONE).open("wb", buffering=0) as file:
         for piece in (bytes(1 << 12), b"x"):
             with contextlib.suppress(OSError):
@@ -75,12 +75,12 @@ def fill(place):
         file.write(b"x")
 
 
-def test_a_disk_that_is_full_for_some_measures_leaves_a_gap_that_a_replay_names_and_passes(small_disk):
-    dance = Dance(small_disk / "j", events_every=4)
+def test_full_disk_leaves_gap_that_replay_reports_and_skips(small_disk):
+    dance = JournaledShow(small_disk / "j", events_every=4)
     dance.run(3)
     assert dance.writer.problem == ""
     for _ in range(5):  # snapshots give some of their room back
-        fill(small_disk)
+        fill_disk(small_disk)
         dance.run(1)
     facts = dance.writer.facts()
     assert facts["dropped"] >= facts["missing"] > 6
@@ -106,9 +106,9 @@ def test_a_disk_that_is_full_for_some_measures_leaves_a_gap_that_a_replay_names_
     assert found.measures + last - first + 1 == 3 + 5 + 10
 
 
-def test_a_disk_that_is_full_from_the_beginning_has_the_first_line_first(small_disk):
-    fill(small_disk)
-    dance = Dance(small_disk / "j")
+def test_journal_on_initially_full_disk_starts_with_header(small_disk):
+    fill_disk(small_disk)
+    dance = JournaledShow(small_disk / "j")
     dance.run(3)
     (small_disk / STONE).unlink()
     dance.run(10)
@@ -120,10 +120,10 @@ def test_a_disk_that_is_full_from_the_beginning_has_the_first_line_first(small_d
     assert any("lines are missing" in problem for problem in found.problems)
 
 
-def test_a_journal_whose_folder_is_removed_is_begun_again_behind_a_gap(tmp_path):
+def test_journal_restarts_with_gap_after_folder_is_removed(tmp_path):
     place = tmp_path / "night"
     place.mkdir()
-    dance = Dance(place / "j")
+    dance = JournaledShow(place / "j")
     dance.run(3)
     shutil.rmtree(place)
     dance.run(10)

@@ -1,4 +1,4 @@
-"""Journals that somebody, or a disk, has changed: what is wrong is told with its line; no traceback."""
+"""Tests of damaged or altered journals: errors name their line, without traceback."""
 
 import json
 import os
@@ -17,7 +17,7 @@ HEAD = {"journal": 2, "patch": {"name": "test"}, "patch_path": "x.toml", "record
         "seed": 1, "tempo": None}  # fmt: skip
 
 
-def written(path, *rows, **head):
+def write_journal(path, *rows, **head):
     path.write_text("\n".join(json.dumps(row) for row in (HEAD | head, *rows)) + "\n")
     return read_journal(path)
 
@@ -32,8 +32,8 @@ def written(path, *rows, **head):
         {"tick": 1, "measure": -1, "hash": ""},
     ],
 )
-def test_numbers_without_end_are_damage(tmp_path, row):
-    found = survey(written(tmp_path / "a.jsonl", row, {"tick": 2, "measure": 2, "hash": ""}))
+def test_out_of_range_numbers_are_reported_as_damage(tmp_path, row):
+    found = survey(write_journal(tmp_path / "a.jsonl", row, {"tick": 2, "measure": 2, "hash": ""}))
     assert found.damaged == 1
     assert "a.jsonl, line 2: " in found.problems[0]
     assert len(found.problems[0]) < 1000
@@ -41,25 +41,25 @@ def test_numbers_without_end_are_damage(tmp_path, row):
 
 
 @pytest.mark.parametrize("patch", [[], "x", None, {"clock": []}, {"clock": {"beats_per_measure": "x"}}])
-def test_a_damaged_header_is_surveyed_all_the_same(tmp_path, patch):
+def test_journal_with_damaged_header_can_be_surveyed(tmp_path, patch):
     rows = [{"tick": 64 * n, "measure": n, "hash": ""} for n in (1, 2)]
-    assert survey(written(tmp_path / "a.jsonl", *rows, patch=patch)).tempo() == [(64, 240.0)]
+    assert survey(write_journal(tmp_path / "a.jsonl", *rows, patch=patch)).tempo() == [(64, 240.0)]
 
 
 @pytest.mark.parametrize("tick", ["x", None, [], 10**400])
-def test_a_damaged_line_about_steps_stops_no_replay(tmp_path, tick):
+def test_damaged_steps_line_causes_only_replay_error(tmp_path, tick):
     row = {"tick": tick, "event": {"type": "StepsAdded", "time": 0.0, "source": "steps", "clips": "a"}}
     with pytest.raises(ReplayError):  # of the patch, which is no whole one
-        load_journal(written(tmp_path / "a.jsonl", row))
+        load_journal(write_journal(tmp_path / "a.jsonl", row))
 
 
 @pytest.mark.parametrize("wrong", [{"seed": "x"}, {"seed": None}, {"tempo": []}])
-def test_a_header_with_no_number_for_seed_or_tempo_is_refused(wrong):
+def test_header_with_invalid_seed_or_tempo_is_refused(wrong):
     with pytest.raises(ReplayError, match="does not hold a complete show"):
         load_from_header(HEAD | {"patch": parse_patch(PATCH, "a.toml").to_json_values()} | wrong, [])
 
 
-def test_a_first_line_that_is_no_table_is_no_journal(tmp_path):
+def test_journal_without_header_object_is_refused(tmp_path):
     (tmp_path / "a.jsonl").write_text("[1]\n")
     with pytest.raises(JournalError, match="line 1"):
         read_journal(tmp_path / "a.jsonl")
@@ -75,11 +75,11 @@ ROWS = [
     {"tick": 200, "end": True},
 ]
 MANY = int(os.environ.get("HOSTILE_JOURNALS", "400"))
-"""How many are tried; HOSTILE_JOURNALS=100000 takes some minutes."""
+"""Number of mutated journals; HOSTILE_JOURNALS=100000 takes some minutes."""
 
 
 def test_mutated_journals_are_read_or_refused(tmp_path):
-    """Bytes that are others, cut, doubled: what can be read is read, and what cannot is told."""
+    """Changed, cut and repeated bytes: readable lines are read, and damage is reported."""
     chance, path = np.random.default_rng(8), tmp_path / "a.jsonl"
     whole = ("\n".join(json.dumps(row) for row in (HEAD, *ROWS)) + "\n").encode()
     before, read = psutil.Process().memory_info().rss, 0
@@ -102,7 +102,7 @@ def test_mutated_journals_are_read_or_refused(tmp_path):
 
 
 @pytest.mark.parametrize("row", ["[" + "[]," * MAX_VALUES + "0]", '{"tick":1,"a":[' + "{}," * MAX_VALUES + "0]}"])
-def test_a_line_of_more_values_than_any_has_is_not_read_into_memory(tmp_path, row):
+def test_line_with_too_many_values_is_reported_as_damage(tmp_path, row):
     path = tmp_path / "a.jsonl"
     path.write_text(json.dumps(HEAD) + "\n" + row + "\n")
     found = survey(read_journal(path))
@@ -111,6 +111,6 @@ def test_a_line_of_more_values_than_any_has_is_not_read_into_memory(tmp_path, ro
 
 
 @pytest.mark.parametrize("text", ["x" * (MAX_BYTES + 1), "[" + "[]," * 600_000 + "0]"])
-def test_a_packed_text_that_would_take_much_memory_is_refused(text):
+def test_packed_text_that_needs_much_memory_is_refused(text):
     with pytest.raises(ValueError, match=r"too long|too much"):
         decompress_text(compress_text(text))

@@ -1,4 +1,4 @@
-"""Journal and replay: everything that enters is written, and running it again gives the same states."""
+"""Tests of journal and replay: all input is recorded, and a replay gives the same states."""
 
 import json
 
@@ -15,8 +15,8 @@ from live.show.view.status import Status
 from tests.show.made_show import made_show
 
 
-def recorded(path, seconds=17.0, fps=50):
-    """A show with events of all kinds and a stall, journalled."""
+def record_show(path, seconds=17.0, fps=50):
+    """A show with a journal, events of all kinds and a stall."""
     show, clock, inbox = made_show(), ManualClock(), EventQueue()
     writer = JournalWriter(path, {"seed": 3})
     status = Status(show, rejected=dict, memory=lambda: 0.0)
@@ -46,8 +46,8 @@ def recorded(path, seconds=17.0, fps=50):
     return show, status
 
 
-def test_a_replay_is_bit_identical(tmp_path):
-    show, status = recorded(tmp_path / "a.jsonl")
+def test_replay_is_bit_identical(tmp_path):
+    show, status = record_show(tmp_path / "a.jsonl")
     assert status.skipped_ticks > 20
     journal = read_journal(tmp_path / "a.jsonl")
     assert journal.complete
@@ -58,16 +58,16 @@ def test_a_replay_is_bit_identical(tmp_path):
     assert fresh.state_hash() == show.state_hash()
 
 
-def test_every_event_that_there_is_can_be_read_again():
+def test_each_event_class_is_registered_for_reading():
     # by name: a dataclass with slots is made twice
     kinds = {kind.__name__ for kind in events.ControlEvent.__subclasses__() if kind.__module__.startswith("live.")}
     assert len(kinds) > 40
     assert kinds == set(events.EVENT_TYPES)
 
 
-def test_a_changed_event_is_found(tmp_path):
+def test_replay_detects_changed_event(tmp_path):
     path = tmp_path / "a.jsonl"
-    recorded(path, seconds=6.0)
+    record_show(path, seconds=6.0)
     rows = path.read_text().splitlines()
     for number, row in enumerate(rows):
         if '"Attract"' in row:
@@ -80,9 +80,9 @@ def test_a_changed_event_is_found(tmp_path):
     assert min(measure for measure, *_ in result.differences) >= 2
 
 
-def test_a_journal_cut_off_in_its_last_line_counts_up_to_there(tmp_path):
+def test_truncated_journal_is_replayed_up_to_last_whole_line(tmp_path):
     path = tmp_path / "a.jsonl"
-    recorded(path, seconds=8.0)
+    record_show(path, seconds=8.0)
     text = path.read_text()
     path.write_text(text[: (text.index("\n") + len(text)) // 2])  # the first line is the longest
     journal = read_journal(path)
@@ -112,7 +112,7 @@ def test_a_journal_cut_off_in_its_last_line_counts_up_to_there(tmp_path):
         ('{"journal": 1}\n{"tick": 1, "event": {"type": "Attract", "time": 1.0, "source": "x"}}\n', "missing"),
     ],
 )
-def test_a_broken_journal_names_file_line_and_fault(tmp_path, text, what):
+def test_broken_journal_error_names_file_line_and_fault(tmp_path, text, what):
     path = tmp_path / "b.jsonl"
     path.write_text(text)
     with pytest.raises(JournalError) as error:
@@ -121,7 +121,7 @@ def test_a_broken_journal_names_file_line_and_fault(tmp_path, text, what):
     assert what in str(error.value)
 
 
-def test_a_journal_that_is_not_text_or_not_there(tmp_path):
+def test_binary_or_missing_journal_is_refused(tmp_path):
     (tmp_path / "c").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(JournalError, match="not text"):
         read_journal(tmp_path / "c")
@@ -131,7 +131,7 @@ def test_a_journal_that_is_not_text_or_not_there(tmp_path):
         JournalWriter(tmp_path / "no folder" / "j", {})
 
 
-def test_every_event_survives_the_journal_bit_by_bit():
+def test_each_event_survives_json_round_trip_exactly():
     for name, cls in events.EVENT_TYPES.items():
         values = {
             "x": 0.1 + 0.2, "z": -1e-17, "name": "pas de bourrée", "tempo": 100 / 3, "on": True, "beat_time": 1 / 7,
@@ -149,7 +149,7 @@ def test_every_event_survives_the_journal_bit_by_bit():
         assert event_from_json(data) == event
 
 
-def test_a_journal_of_the_same_name_is_kept(tmp_path):
+def test_existing_journals_of_same_name_are_kept(tmp_path):
     path = tmp_path / "night.jsonl"
     for night in range(3):
         writer = JournalWriter(path, {"night": night})
@@ -159,9 +159,9 @@ def test_a_journal_of_the_same_name_is_kept(tmp_path):
     assert writer.older_journal == path.with_name("night.jsonl.2")
 
 
-def test_a_tick_out_of_all_proportion_is_told_and_not_waited_for(tmp_path):
+def test_implausible_tick_is_reported_and_skipped(tmp_path):
     path = tmp_path / "a.jsonl"
-    recorded(path, seconds=4.0)
+    record_show(path, seconds=4.0)
     path.write_text(path.read_text() + '{"tick":100000000000,"end":true}\n')
     result = replay(made_show(), read_journal(path))
     assert "damaged" in result.problems[0]
@@ -169,7 +169,7 @@ def test_a_tick_out_of_all_proportion_is_told_and_not_waited_for(tmp_path):
     assert not result.different
 
 
-def test_events_that_come_by_the_thousand_are_rows_that_survive_bit_by_bit(tmp_path):
+def test_frequent_events_are_stored_as_rows_exactly(tmp_path):
     said = events.BeatHeard(
         time=1 / 3, source="audio", beat_time=2 / 7, period=0.51, confidence=0.1 + 0.2, beat=2, anchored=False
     )
@@ -184,7 +184,7 @@ def test_events_that_come_by_the_thousand_are_rows_that_survive_bit_by_bit(tmp_p
     assert [line.event for line in read_journal(path).lines][:2] == [said, plain]
 
 
-def test_a_row_is_read_by_the_columns_that_its_journal_names(tmp_path):
+def test_rows_are_read_by_columns_in_journal_header(tmp_path):
     path = tmp_path / "a.jsonl"
     columns = {"Performer": ["source", "time", "name", "z", "x"]}
     path.write_text(
@@ -197,9 +197,9 @@ def test_a_row_is_read_by_the_columns_that_its_journal_names(tmp_path):
         list(read_journal(path).lines)
 
 
-def test_a_journal_of_format_1_is_read(tmp_path):
+def test_journal_of_format_1_is_read(tmp_path):
     path = tmp_path / "a.jsonl"
-    recorded(path, seconds=6.0)
+    record_show(path, seconds=6.0)
     rows = [json.loads(row) for row in path.read_text().splitlines()]
     rows[0] = {"journal": 1, "seed": 3}
     for row in rows[1:]:

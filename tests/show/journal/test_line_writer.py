@@ -1,4 +1,4 @@
-"""LineWriter: every line in order; a disk that refuses or hangs stops nothing."""
+"""Tests of LineWriter: line order, full or hanging disks, and exclusive access."""
 
 import json
 import threading
@@ -11,7 +11,7 @@ from live.show.journal.line_writer import LineWriter, UnfinishedFile, with_gap
 from tests.control.waiting import wait_for
 
 
-def test_lines_arrive_in_order(tmp_path):
+def test_lines_are_written_in_order(tmp_path):
     writer = LineWriter(tmp_path / "a", name="test")
     for number in range(1000):
         writer.line(str(number))
@@ -20,12 +20,12 @@ def test_lines_arrive_in_order(tmp_path):
     assert writer.dropped == 0
 
 
-def test_a_folder_that_is_not_there_is_told_at_once(tmp_path):
+def test_missing_folder_raises_error_at_once(tmp_path):
     with pytest.raises(OSError, match="No such file"):
         LineWriter(tmp_path / "no" / "a", name="test")
 
 
-def test_a_full_disk_is_counted():
+def test_lines_dropped_on_full_disk_are_counted():
     writer = LineWriter(Path("/dev/full"), name="test")
     for _ in range(50):
         writer.line("x")
@@ -33,7 +33,7 @@ def test_a_full_disk_is_counted():
     assert (writer.dropped, writer.bytes) == (50, 0)
 
 
-def test_a_disk_that_hangs_makes_nobody_wait(tmp_path, monkeypatch):
+def test_hanging_disk_does_not_block_caller(tmp_path, monkeypatch):
     monkeypatch.setattr(line_writer, "MAX_WAITING_LINES", 8)
     writer = LineWriter(tmp_path / "a", name="test")
     release, stuck, add = threading.Event(), threading.Event(), writer._file.append
@@ -54,8 +54,8 @@ def test_a_disk_that_hangs_makes_nobody_wait(tmp_path, monkeypatch):
     assert (tmp_path / "a").read_text().split() == ["first", *map(str, range(8))]
 
 
-def test_two_never_write_a_journal_at_once_and_what_waits_is_written_when_the_other_has_ended(tmp_path):
-    """A process that takes its supervisor for dead goes on with the journal, and the supervisor lives."""
+def test_second_writer_waits_until_first_writer_closes(tmp_path):
+    """As when a process takes over a journal although its supervisor is still alive."""
     path = tmp_path / "j"
     first = LineWriter(path, name="first", mark=with_gap)
     for number in range(1, 4):
@@ -74,7 +74,7 @@ def test_two_never_write_a_journal_at_once_and_what_waits_is_written_when_the_ot
     assert ticks == [1, 2, 3, 6, 4, 5]
 
 
-def test_who_cannot_be_the_only_writer_writes_nothing_and_says_what_is_missing(tmp_path, monkeypatch):
+def test_writer_without_lock_writes_nothing_and_marks_gap(tmp_path, monkeypatch):
     monkeypatch.setattr("live.show.journal.line_writer.LOCK_TIMEOUT", 0.05)
     path = tmp_path / "j"
     first = LineWriter(path, name="first", mark=with_gap)

@@ -1,4 +1,4 @@
-"""Replay from any measure, at any frame rate, over damage; the files of a journal and what becomes of a slow disk."""
+"""Tests of replay: start measure, frame rate, damage, journal files, snapshots and slow disks."""
 
 import json
 import math
@@ -22,7 +22,7 @@ from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_update import patch_version
 from live.show.state.snapshot import Snapshotter, snapshot_header
 from live.show.view.status import Status
-from tests.show.journal.disk import settled
+from tests.show.journal.disk import wait_until_written
 from tests.show.made_show import GRAPH, PATCH
 
 MADE = LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)
@@ -38,7 +38,7 @@ SCRIPT = {
 
 
 def record(path, seconds=18.0, fps=50, sink=None):
-    """A show with events and a stall, journalled at `fps`; the engine."""
+    """Run and record a show with events and a stall at `fps`; returns the engine."""
     show, clock, inbox = MADE.start(), ManualClock(), EventQueue()
     writer = JournalWriter(path, {"seed": 3, "tempo": None}, sink=sink)
     status = Status(show, rejected=dict, memory=lambda: 0.0)
@@ -51,13 +51,13 @@ def record(path, seconds=18.0, fps=50, sink=None):
             inbox.put(SCRIPT[frame])
         engine.frame(lambda view: None)
         if frame % fps == 0:
-            settled(writer)
+            wait_until_written(writer)
     writer.close(engine.ticks.index)
     return engine
 
 
 @pytest.fixture(scope="module")
-def night(tmp_path_factory):
+def recorded_journal(tmp_path_factory):
     """A journal with its snapshots, and the hash at its end."""
     path = tmp_path_factory.mktemp("night") / "a.jsonl"
     engine = record(path)
@@ -65,16 +65,16 @@ def night(tmp_path_factory):
 
 
 @pytest.fixture
-def copy(night, tmp_path):
-    """The same journal, to be damaged."""
-    for file in (night[0], night[0].with_name("a.jsonl.snap")):
+def journal_copy(recorded_journal, tmp_path):
+    """A copy of the journal that tests may damage."""
+    for file in (recorded_journal[0], recorded_journal[0].with_name("a.jsonl.snap")):
         shutil.copy(file, tmp_path / file.name)
     return tmp_path / "a.jsonl"
 
 
 @pytest.mark.parametrize("fps", [25, 60, 144])
-def test_one_journal_has_the_same_hashes_at_any_frame_rate(night, fps):
-    path, last = night
+def test_replay_has_same_hashes_at_any_frame_rate(recorded_journal, fps):
+    path, last = recorded_journal
     journal = read_journal(path)
     start = first_start(journal, MADE)
     running, view, frame = Replayer(start.show, journal.lines_with_damage()), start.show.view(), 0
@@ -89,8 +89,8 @@ def test_one_journal_has_the_same_hashes_at_any_frame_rate(night, fps):
 
 
 @pytest.mark.parametrize("first", [2, 4, 6, 8])
-def test_a_replay_from_a_measure_begins_with_the_snapshot_before_it(night, first):
-    path, last = night
+def test_replay_from_measure_starts_at_previous_snapshot(recorded_journal, first):
+    path, last = recorded_journal
     journal, problems = read_journal(path), []
     start = start_before(journal, MADE, first, problems)
     assert not problems
@@ -102,8 +102,8 @@ def test_a_replay_from_a_measure_begins_with_the_snapshot_before_it(night, first
     assert start.show.state_hash() == last
 
 
-def test_a_replay_to_a_measure_ends_with_it(night):
-    journal = read_journal(night[0])
+def test_replay_to_measure_ends_with_that_measure(recorded_journal):
+    journal = read_journal(recorded_journal[0])
     found = run_from(start_before(journal, MADE, 3, []), journal, to=4)
     assert found.measures == 2
     assert found.different == 0
@@ -118,9 +118,9 @@ def _damage(path, which):
     return number + 1
 
 
-def test_a_damaged_line_is_named_and_the_replay_goes_on_from_the_next_snapshot(copy, night):
-    number = _damage(copy, '"StepNow"')
-    journal = read_journal(copy)
+def test_damaged_line_is_reported_and_replay_resumes_at_next_snapshot(journal_copy, recorded_journal):
+    number = _damage(journal_copy, '"StepNow"')
+    journal = read_journal(journal_copy)
     start = first_start(journal, MADE)
     found = run_from(start, journal, loaded=MADE)
     assert f"line {number}" in found.problems[0]
@@ -128,18 +128,18 @@ def test_a_damaged_line_is_named_and_the_replay_goes_on_from_the_next_snapshot(c
     assert found.different == 0
     assert found.ticks == journal.last_tick
     assert found.measures >= 5
-    whole = [line.measure for line in read_journal(night[0]).lines_with_damage() if line.measure]
+    whole = [line.measure for line in read_journal(recorded_journal[0]).lines_with_damage() if line.measure]
     [(first, last)] = found.not_compared
     assert found.measures + last - first + 1 == len(whole)
-    copy.with_name("a.jsonl.snap").unlink()
+    journal_copy.with_name("a.jsonl.snap").unlink()
     found = run_from(first_start(journal, MADE), journal, loaded=MADE)
     assert found.ticks < 0.5 * journal.last_tick
     assert len(found.problems) == 1
     assert found.not_compared == [(first, whole[-1])]
 
 
-def test_a_flipped_bit_in_a_snapshot_is_named_and_an_older_one_serves(copy, night):
-    file = copy.with_name("a.jsonl.snap")
+def test_damaged_snapshot_is_reported_and_older_snapshot_is_used(journal_copy, recorded_journal):
+    file = journal_copy.with_name("a.jsonl.snap")
     whole = list(read_snapshots(file, []))
     assert [snapshot_header(data)["measure"] for data in whole] == list(range(2, len(whole) + 2))
     data = bytearray(file.read_bytes())
@@ -147,31 +147,31 @@ def test_a_flipped_bit_in_a_snapshot_is_named_and_an_older_one_serves(copy, nigh
     data[place] ^= 1
     file.write_bytes(data)
     problems = []
-    start = start_before(read_journal(copy), MADE, 6, problems)
+    start = start_before(read_journal(journal_copy), MADE, 6, problems)
     assert len(problems) == 1
     assert "snapshot 4: the snapshot is damaged" in problems[0]
     assert start.show.span.number + 1 == 4
-    assert run_from(start, read_journal(copy)).different == 0
+    assert run_from(start, read_journal(journal_copy)).different == 0
 
 
-def test_a_cut_off_file_of_snapshots_still_serves(copy):
-    file = copy.with_name("a.jsonl.snap")
+def test_truncated_snapshot_file_is_usable(journal_copy):
+    file = journal_copy.with_name("a.jsonl.snap")
     file.write_bytes(file.read_bytes()[:-1000])
     problems = []
-    assert start_before(read_journal(copy), MADE, 99, problems).tick > 0
+    assert start_before(read_journal(journal_copy), MADE, 99, problems).tick > 0
     assert len(problems) == 1
 
 
-def test_snapshots_of_another_patch_are_not_used(copy):
+def test_snapshots_of_other_patch_are_not_used(journal_copy):
     other = LoadedShow(MADE.path, parse_patch(PATCH.replace("bpm = 120", "bpm = 121"), "test.toml"), GRAPH)
     problems = []
-    start = start_before(read_journal(copy), other, 5, problems)
+    start = start_before(read_journal(journal_copy), other, 5, problems)
     assert start.tick == 0
     assert "other patch" in problems[0]
 
 
 class Sink:
-    """Keeps what it is given, and what the show had refused by then."""
+    """Stores its input, and the refusal count of the show at each line."""
 
     def __init__(self):
         self.show, self.lines, self.states, self.refused = None, [], [], []
@@ -191,7 +191,7 @@ class Sink:
         self.lines.append("closed")
 
 
-def test_a_line_is_in_the_sink_before_its_event_acts():
+def test_event_is_recorded_before_being_applied():
     sink, show, clock, inbox = Sink(), MADE.start(), ManualClock(), EventQueue()
     writer = JournalWriter(Path("no file"), {}, sink=sink)
     engine = Engine(
@@ -211,7 +211,7 @@ def test_a_line_is_in_the_sink_before_its_event_acts():
     assert not Path("no file").exists()
 
 
-def _some(measures):
+def _make_snapshots(measures):
     show = MADE.start()
     source = Snapshotter(show)
     taken = source.capture(0)
@@ -219,9 +219,9 @@ def _some(measures):
     return [type(taken)(taken.written, n * 100, n, taken.seed, taken.origin) for n in range(1, measures + 1)]
 
 
-def test_of_older_snapshots_some_stay(tmp_path):
+def test_older_snapshots_are_thinned(tmp_path):
     file = SnapshotFile(tmp_path / "s")
-    for taken in _some(2 * KEEP_EVERY + 4):
+    for taken in _make_snapshots(2 * KEEP_EVERY + 4):
         file._add(taken.seal())
         assert [snapshot_header(data)["measure"] for data in read_snapshots(tmp_path / "s", [])][-1] == taken.measure
     file.close()
@@ -229,7 +229,7 @@ def test_of_older_snapshots_some_stay(tmp_path):
     assert kept == [1, 1 + KEEP_EVERY, 1 + 2 * KEEP_EVERY, *(2 * KEEP_EVERY + n for n in (2, 3, 4))]
 
 
-def test_a_slow_disk_is_counted_and_never_waited_for(tmp_path, monkeypatch):
+def test_slow_disk_drops_snapshots_without_blocking(tmp_path, monkeypatch):
     go, begun = threading.Event(), threading.Event()
 
     def slow(_self, _data):
@@ -238,7 +238,7 @@ def test_a_slow_disk_is_counted_and_never_waited_for(tmp_path, monkeypatch):
 
     monkeypatch.setattr(SnapshotFile, "_add", slow)
     file = SnapshotFile(tmp_path / "s")
-    some = _some(6)
+    some = _make_snapshots(6)
     file.put(some[0])
     assert begun.wait(20.0)
     for taken in some[1:]:
@@ -248,7 +248,7 @@ def test_a_slow_disk_is_counted_and_never_waited_for(tmp_path, monkeypatch):
     file.close()
 
 
-def test_lines_that_older_journals_lost_are_told_where_they_are_missing(tmp_path):
+def test_lost_lines_of_older_journals_are_reported_in_place(tmp_path):
     path = tmp_path / "a.jsonl"
     lines = ['{"journal":2}', '{"tick":10,"measure":1,"hash":"ab"}', '{"tick":20,"measure":2,"hash":"cd","lost":4}']
     path.write_text("\n".join([*lines, '{"tick":30,"measure":3,"hash":"ef","lost":4}']) + "\n")
@@ -258,7 +258,7 @@ def test_lines_that_older_journals_lost_are_told_where_they_are_missing(tmp_path
 
 
 @pytest.mark.long
-def test_a_long_night_is_never_in_memory(tmp_path):
+def test_long_journal_is_not_loaded_into_memory(tmp_path):
     path = tmp_path / "long.jsonl"
     with path.open("w") as file:
         file.write('{"journal":2}\n')
@@ -278,7 +278,7 @@ def test_a_long_night_is_never_in_memory(tmp_path):
     assert peak < 1_000_000
 
 
-def test_a_snapshot_after_an_edit_of_the_patch_is_found_again(tmp_path):
+def test_replay_starts_from_snapshot_after_patch_edit(tmp_path):
     show, clock, inbox = MADE.start(), ManualClock(), EventQueue()
     path = tmp_path / "a.jsonl"
     writer = JournalWriter(path, {"seed": 3, "tempo": None})
@@ -292,7 +292,7 @@ def test_a_snapshot_after_an_edit_of_the_patch_is_found_again(tmp_path):
             inbox.put(events.PatchChanged(time=3.3, source="patch", patch=text, version=patch_version(text)))
         engine.frame(lambda view: None)
         if frame % 30 == 0:
-            settled(writer)
+            wait_until_written(writer)
     writer.close(engine.ticks.index)
     assert show.patch.group[1].steps == ("spin",)
     journal, problems = read_journal(path), []
@@ -304,7 +304,7 @@ def test_a_snapshot_after_an_edit_of_the_patch_is_found_again(tmp_path):
     assert found.measures >= 2
 
 
-def test_a_full_disk_is_told_to_the_operator_in_words_that_do_not_flicker():
+def test_full_disk_message_changes_rarely():
     sink = Sink()
     writer = JournalWriter(Path("no file"), {}, sink=sink)
     assert writer.problem == ""

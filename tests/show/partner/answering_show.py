@@ -1,4 +1,4 @@
-"""A small show in which somebody answers a leader, of made steps."""
+"""A small show of generated steps in which a follower answers a leader."""
 
 from functools import cache
 from pathlib import Path
@@ -26,23 +26,23 @@ LEADER, FOLLOWER = 0, 5
 
 @cache
 def patch_of(extra: str) -> Patch:
-    """PATCH with more at its end."""
+    """PATCH with `extra` appended."""
     return parse_patch(PATCH + extra, "test.toml")
 
 
 @cache
 def bank_of(extra: str) -> ExampleBank | None:
-    """What its partners answer from."""
+    """The example bank of the partners in `extra`."""
     return load_example_bank(patch_of(extra), FILE, GRAPH.library)
 
 
 def answering_show(extra: str = DUET, seed: int = 3) -> Show:
-    """A fresh show in which the partners of `extra` dance."""
+    """A new show with the partners of `extra`."""
     return Show(patch_of(extra), GRAPH, seed=seed, answers=bank_of(extra))
 
 
 def run(show: Show, seconds: float, *, drawn: bool = False) -> np.ndarray:
-    """Positions of all joints at each tick of the next `seconds`, (ticks, A, J, 3); `drawn`: with more pictures."""
+    """Positions of all joints at each tick of the next `seconds`, (ticks, A, J, 3); `drawn`: with extra renders."""
     view, out = show.view(), []
     first = round(show.time / TICK) + 1
     for tick in range(first, first + round(seconds / TICK)):
@@ -55,11 +55,11 @@ def run(show: Show, seconds: float, *, drawn: bool = False) -> np.ndarray:
     return np.array(out)
 
 
-def apart(position: np.ndarray, one: int = LEADER, other: int = FOLLOWER) -> np.ndarray:
-    """How far the hips of two dancers are apart on the floor [m], (ticks,)."""
+def hip_distance(position: np.ndarray, one: int = LEADER, other: int = FOLLOWER) -> np.ndarray:
+    """Horizontal distance between the hips of two dancers [m], (ticks,)."""
     return np.hypot(*np.moveaxis(position[:, one, 0, ::2] - position[:, other, 0, ::2], -1, 0))
 
 
-def fastest(position: np.ndarray, row: int) -> float:
-    """The fastest joint of a dancer from tick to tick [m/s]."""
+def max_joint_speed(position: np.ndarray, row: int) -> float:
+    """The largest speed of any joint of a dancer between two ticks [m/s]."""
     return float(np.linalg.norm(np.diff(position[:, row], axis=0), axis=-1).max() / TICK)

@@ -1,4 +1,4 @@
-"""A small show in which a leader's and a follower's hands are near enough to be held: both hold them to the front."""
+"""A small show in which leader and follower hold their arms in front, within reach of each other's hands."""
 
 from dataclasses import replace
 from functools import cache
@@ -33,8 +33,8 @@ hold_distance = 0.4
 """
 
 
-def arms_in_front(step: StepClip) -> StepClip:
-    """The same step with arms to the front, elbows bent, each of the two waving in its own time."""
+def with_arms_in_front(step: StepClip) -> StepClip:
+    """The same step with arms in front and elbows bent; each arm waves in its own time."""
     clip = step.clip
     rotation, beats = clip.rotation.astype(np.float64), np.arange(clip.sample_count) / 8.0
     for side, sign in (("left", -1.0), ("right", 1.0)):
@@ -48,32 +48,32 @@ def arms_in_front(step: StepClip) -> StepClip:
 
 
 @cache
-def graph_of() -> MotionGraph:
-    """The made steps, arms in front."""
-    return build_graph(build_library([arms_in_front(step) for step in made_steps()]), threshold=0.2)
+def holding_graph() -> MotionGraph:
+    """A graph of the generated steps with arms in front."""
+    return build_graph(build_library([with_arms_in_front(step) for step in made_steps()]), threshold=0.2)
 
 
 @cache
-def held_patch(extra: str = HELD) -> Patch:
-    """PATCH with more at its end."""
+def holding_patch(extra: str = HELD) -> Patch:
+    """PATCH with `extra` appended."""
     return parse_patch(PATCH + extra, "test.toml")
 
 
 @cache
-def held_bank(extra: str = HELD, apart: float = 0.75) -> ExampleBank | None:
-    """What its partners answer from, followers `apart` [m] from their leaders."""
+def holding_bank(extra: str = HELD, apart: float = 0.75) -> ExampleBank | None:
+    """The example bank of its partners, followers `apart` [m] from their leaders."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(sketched_examples, "PARTNER_DISTANCE", apart)
-        return load_example_bank(held_patch(extra), Path("test.toml"), graph_of().library)
+        return load_example_bank(holding_patch(extra), Path("test.toml"), holding_graph().library)
 
 
 def holding_show(extra: str = HELD, *, apart: float = 0.75) -> Show:
-    """A fresh show in which hands are held."""
-    return Show(held_patch(extra), graph_of(), seed=3, answers=held_bank(extra, apart))
+    """A new show in which partners hold hands."""
+    return Show(holding_patch(extra), holding_graph(), seed=3, answers=holding_bank(extra, apart))
 
 
-def palms(position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-    """Middles of the left and the right palm [m] of poses (..., J, 3) and (..., J, 4), (..., 2, 3)."""
+def palm_positions(position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+    """Centers of the left and the right palm [m] of poses (..., J, 3) and (..., J, 4), (..., 2, 3)."""
     hands = ARM_JOINTS[[2, 5]]
     tip = np.array(((float(PALM), 0.0, 0.0), (-float(PALM), 0.0, 0.0)))
     return np.asarray(position[..., hands, :] + quaternion.rotate(rotation[..., hands, :].astype(np.float64), tip))

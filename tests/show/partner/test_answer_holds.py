@@ -1,4 +1,4 @@
-"""Hands of those who answer on a stage: in their leaders', within reach, without a pop, the same again."""
+"""Tests of hand holds of answering partners: reach, continuity, determinism and snapshots."""
 
 import numpy as np
 import pytest
@@ -15,15 +15,22 @@ from live.show.show import Show
 from live.show.state.snapshot import Snapshotter, restore
 from tests.show.made_show import PATCH
 from tests.show.partner.answering_show import FILE, FOLLOWER, LEADER
-from tests.show.partner.holding_show import HELD, graph_of, held_bank, held_patch, holding_show, palms
+from tests.show.partner.holding_show import (
+    HELD,
+    holding_bank,
+    holding_graph,
+    holding_patch,
+    holding_show,
+    palm_positions,
+)
 
 STAMP = {"time": 0.0, "source": "osc"}
 BODY = [j for j in range(JOINT_COUNT) if j not in ARM_JOINTS[[1, 2, 4, 5]]]
 LIVE = HELD + '[[mocap]]\nname = "live"\ndancer = "1"\ndelay_ms = 0.0\n'
 
 
-class Filmed:
-    """What is seen of a show at each tick, and what its hands do."""
+class ShowRecorder:
+    """Records the rendered poses of a show at each tick, and its hand holds."""
 
     def __init__(self, show: Show, seconds: float, *, captured: bool = False, drawn: bool = False) -> None:
         (self.show, self.holding), view = (show, show.dancers.partner_response.hand_holds), show.view()  # type: ignore[union-attr]
@@ -31,7 +38,7 @@ class Filmed:
         first = round(show.time / TICK) + 1
         for tick in range(first, first + round(seconds / TICK)):
             if captured and tick % 2 == 0:
-                _captured(show, tick * TICK)
+                _send_leader_pose(show, tick * TICK)
             show.tick(tick * TICK)
             if drawn:
                 show.fill(show.view(), (tick + 0.6) * TICK)
@@ -45,8 +52,8 @@ class Filmed:
         self.closed, self.hand = np.array(closed), np.array(hand)
 
     def gaps(self, side: int) -> np.ndarray:
-        """From the follower's palm to the one that she holds with it, while the hold is closed, (n,) [m]."""
-        lead, own = (palms(self.position[:, row], self.rotation[:, row]) for row in (LEADER, FOLLOWER))
+        """Distance of the follower's palm to the held palm, while the hold is closed, (n,) [m]."""
+        lead, own = (palm_positions(self.position[:, row], self.rotation[:, row]) for row in (LEADER, FOLLOWER))
         gap = np.linalg.norm(lead[np.arange(len(lead)), self.hand[:, side]] - own[:, side], axis=-1)
         return np.asarray(gap[self.closed[:, side] > 0.98])
 
@@ -60,24 +67,24 @@ class Filmed:
         return np.asarray(np.linalg.norm(np.diff(self.position[:, FOLLOWER], 2, axis=0), axis=-1).max(axis=1) / TICK)
 
 
-def _captured(show: Show, time: float) -> None:
-    """A leader of live motion who dances one of the examples' steps, arms in front."""
-    clip = graph_of().library.clips[2].clip
+def _send_leader_pose(show: Show, time: float) -> None:
+    """Send a live-motion pose of a leader who dances one of the example steps, arms in front."""
+    clip = holding_graph().library.clips[2].clip
     at = round(time * 16.0) % 64
     pose = pack_pose(np.array((-1.0, 0.93, 0.6), np.float32), np.array(clip.rotation[at], np.float32))
     assert show.apply(events.MocapFrame(time=time, source="vmc", performer="live", pose=pose))
 
 
-def faded(show: Show, value: float) -> Show:
+def set_hands_fader(show: Show, value: float) -> Show:
     assert show.apply(events.SetPartner(parameter="hands", value=value, **STAMP))
     return show
 
 
 @pytest.mark.parametrize("captured", [False, True])
-def test_hands_are_held_within_reach_and_nothing_else_of_her_moves(captured: bool) -> None:
+def test_hands_are_held_within_reach_and_only_arms_move(captured: bool) -> None:
     extra = LIVE if captured else HELD
-    held = Filmed(holding_show(extra), 14.0, captured=captured)
-    free = Filmed(faded(holding_show(extra), 0.0), 14.0, captured=captured)
+    held = ShowRecorder(holding_show(extra), 14.0, captured=captured)
+    free = ShowRecorder(set_hands_fader(holding_show(extra), 0.0), 14.0, captured=captured)
     for side in range(2):
         assert len(held.gaps(side)) > 64 * 2
         assert held.gaps(side).max() < 0.03
@@ -90,11 +97,11 @@ def test_hands_are_held_within_reach_and_nothing_else_of_her_moves(captured: boo
     assert speed < 1.5 * usual + 1.0 * TICK
 
 
-def test_out_of_reach_arms_are_as_they_were_and_it_is_counted() -> None:
+def test_arms_out_of_reach_are_unchanged_and_misses_are_counted() -> None:
     far = HELD.replace("hold_distance = 0.4", "hold_distance = 1.0")
-    held = Filmed(holding_show(far, apart=1.7), 9.0)
-    free = Filmed(faded(holding_show(far, apart=1.7), 0.0), 9.0)
-    assert any(example.holds for example in held_bank(far, 1.7).example_sets[0].units.examples)  # type: ignore[union-attr]
+    held = ShowRecorder(holding_show(far, apart=1.7), 9.0)
+    free = ShowRecorder(set_hands_fader(holding_show(far, apart=1.7), 0.0), 9.0)
+    assert any(example.holds for example in holding_bank(far, 1.7).example_sets[0].units.examples)  # type: ignore[union-attr]
     late = round(6.0 / TICK)
     assert held.show.dancers.partner_response.path.level[FOLLOWER] == 1.0  # type: ignore[union-attr]
     assert held.holding.missed_count > 0
@@ -102,43 +109,43 @@ def test_out_of_reach_arms_are_as_they_were_and_it_is_counted() -> None:
     assert held.bones() == pytest.approx(free.bones(), abs=1e-4)
 
 
-def test_the_fader_brings_hands_half_of_the_way_and_drawing_changes_nothing() -> None:
+def test_hands_fader_releases_hold_smoothly_and_rendering_changes_nothing() -> None:
     one, other = holding_show(), holding_show()
-    drawn = Filmed(other, 12.0, drawn=True)
-    assert np.array_equal(Filmed(one, 12.0).position, drawn.position)
+    drawn = ShowRecorder(other, 12.0, drawn=True)
+    assert np.array_equal(ShowRecorder(one, 12.0).position, drawn.position)
     assert one.state_hash() == other.state_hash()
-    faded(one, 0.0)
-    gone = Filmed(one, 2.0)
+    set_hands_fader(one, 0.0)
+    gone = ShowRecorder(one, 2.0)
     assert np.linalg.norm(np.diff(gone.position[:, FOLLOWER], axis=0), axis=-1).max() / TICK < 6.0
     gaps = gone.gaps(1)
     assert gaps[0] < 0.03
     assert gaps[-1] > 0.05
 
 
-def test_a_snapshot_goes_on_bit_by_bit_while_hands_are_held() -> None:
+def test_snapshot_with_held_hands_continues_bit_identically() -> None:
     show = holding_show()
-    Filmed(show, 12.0)
+    ShowRecorder(show, 12.0)
     tick = round(show.time / TICK)
     source = Snapshotter(show)
     while (taken := source.capture(tick)) is None:
         tick += 1
         show.tick(tick * TICK)
-    again = restore(LoadedShow(FILE, held_patch(), graph_of(), answers=held_bank()), taken.seal())
+    again = restore(LoadedShow(FILE, holding_patch(), holding_graph(), answers=holding_bank()), taken.seal())
     assert again.dancers.partner_response.hand_holds.held_count  # type: ignore[union-attr]
-    one, other = Filmed(again, 2.0), Filmed(show, 2.0)
+    one, other = ShowRecorder(again, 2.0), ShowRecorder(show, 2.0)
     assert np.array_equal(one.position, other.position)
     assert again.state_hash() == show.state_hash()
 
 
-def test_where_nothing_is_written_or_looked_for_nobody_holds_hands() -> None:
+def test_partners_without_hold_distance_do_not_hold_hands() -> None:
     plain = HELD.replace("hold_distance = 0.4\n", "")
-    bank = held_bank(plain)
+    bank = holding_bank(plain)
     assert bank is not None
     assert not any(example.holds for example in bank.example_sets[0].units.examples)
     show = holding_show(plain)
-    Filmed(show, 5.0)
+    ShowRecorder(show, 5.0)
     assert show.dancers.partner_response.hand_holds.held_count == 0  # type: ignore[union-attr]
-    assert bank.digest() != held_bank().digest()  # type: ignore[union-attr]
+    assert bank.digest() != holding_bank().digest()  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize(
@@ -150,21 +157,21 @@ def test_where_nothing_is_written_or_looked_for_nobody_holds_hands() -> None:
         ("hands = 1.5", "less than or equal to 1"),
     ],
 )
-def test_what_cannot_be_is_told_with_its_line(lines: str, words: str) -> None:
+def test_invalid_hold_settings_are_refused_with_line(lines: str, words: str) -> None:
     with pytest.raises(PatchError, match=words) as told:
         parse_patch(f"{PATCH}{HELD.replace('hold_distance = 0.4', lines)}", "test.toml")
     assert "line 29" in str(told.value)
 
 
-def test_who_dances_at_her_own_place_holds_nobody() -> None:
+def test_follower_at_own_place_does_not_hold_hands() -> None:
     show = holding_show(HELD.replace('"back & 6"', '"back"'))
-    Filmed(show, 5.0)
+    ShowRecorder(show, 5.0)
     assert show.dancers.partner_response is not None
     assert show.dancers.partner_response.path.level[FOLLOWER] == 1.0
     assert show.dancers.partner_response.hand_holds.statistics() == {"held": 0, "out_of_reach": 0}
 
 
-def test_over_the_network_nonsense_of_hands_is_refused() -> None:
+def test_hands_parameter_of_unknown_partner_is_refused() -> None:
     show = holding_show()
     assert not show.apply(events.SetPartner(parameter="hands", value=0.5, partner="nobody", **STAMP))
     assert show.apply(events.SetPartner(parameter="hands", value=0.5, **STAMP))

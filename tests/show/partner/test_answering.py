@@ -1,4 +1,4 @@
-"""A partner on the stage: she answers, on the beat, without a pop, the same again, whatever is drawn."""
+"""Tests of answering partners in a show: timing, continuity, determinism, validation and live input."""
 
 import numpy as np
 import pytest
@@ -22,9 +22,9 @@ from tests.show.partner.answering_show import (
     FOLLOWER,
     LEADER,
     answering_show,
-    apart,
     bank_of,
-    fastest,
+    hip_distance,
+    max_joint_speed,
     patch_of,
     run,
 )
@@ -33,17 +33,17 @@ STAMP = {"time": 0.0, "source": "osc"}
 ON_PLACE = DUET + 'place = "own"\n'
 
 
-def turned_on(show: Show, on: bool) -> None:
+def set_answering(show: Show, on: bool) -> None:
     assert show.apply(events.SetPartner(parameter="on", value=float(on), **STAMP))
 
 
-def bones(position: np.ndarray) -> np.ndarray:
+def bone_lengths(position: np.ndarray) -> np.ndarray:
     """Lengths of all bones, (..., J - 1)."""
     parents = np.asarray(SKELETON.parents)[1:]
     return np.linalg.norm(position[..., 1:, :] - position[..., parents, :], axis=-1)
 
 
-def test_she_goes_to_her_leader_and_dances_what_goes_along_with_her_on_the_beat() -> None:
+def test_follower_moves_to_leader_and_answers_on_beat() -> None:
     show = answering_show()
     answering = show.dancers.partner_response
     assert answering is not None
@@ -58,28 +58,28 @@ def test_she_goes_to_her_leader_and_dances_what_goes_along_with_her_on_the_beat(
     assert len(lines) > 5
     assert np.abs(lines / 2.0 - np.round(lines / 2.0)).max() * 2.0 * 0.5 <= 0.04 + 1e-9  # two beats, of 0.5 s
     assert answering.path.level[FOLLOWER] == 1.0
-    assert apart(start)[0] > 2.5
+    assert hip_distance(start)[0] > 2.5
     before = answering.leaders.unit_count
     position = run(show, 6.0)
-    assert np.abs(apart(position)[192:] - 1.0).max() < 0.2  # as in the examples, however far the two go
+    assert np.abs(hip_distance(position)[192:] - 1.0).max() < 0.2  # as in the examples, however far the two go
     assert np.ptp(position[:, FOLLOWER, 0, ::2], axis=0).max() > 0.2
-    amiss = np.abs(bones(position[:, FOLLOWER]) - np.linalg.norm(SKELETON.offsets[1:], axis=-1)).max(axis=0)
+    error = np.abs(bone_lengths(position[:, FOLLOWER]) - np.linalg.norm(SKELETON.offsets[1:], axis=-1)).max(axis=0)
     legs = np.array([name.endswith(("Leg", "Foot", "Toes")) for name in SKELETON.names[1:]])
-    assert amiss[~legs].max() < 1e-4
-    assert amiss[legs].max() < 0.005  # legs whose feet are held give a little, as everybody's
-    assert answering.leaders.unit_count - before in (5, 6, 7)  # each unit is told once: 12 beats hold six of two
-    # others see her where she is
+    assert error[~legs].max() < 1e-4
+    assert error[legs].max() < 0.005  # legs with locked feet stretch slightly
+    assert answering.leaders.unit_count - before in (5, 6, 7)  # each unit is reported once: 12 beats hold six of two
+    # the agent is at the dancer
     assert np.hypot(*(show.state.position[FOLLOWER] - position[-1, FOLLOWER, 0, ::2])) < 0.05
 
 
-def test_nothing_pops_however_it_is_switched() -> None:
+def test_switching_and_repairing_cause_no_pop() -> None:
     show, quiet = answering_show(ON_PLACE), answering_show(ON_PLACE)
-    turned_on(quiet, on=False)
+    set_answering(quiet, on=False)
     own = run(quiet, 3.0)
-    usual = max(fastest(own, row) for row in (LEADER, FOLLOWER))
+    usual = max(max_joint_speed(own, row) for row in (LEADER, FOLLOWER))
     parts = [run(show, 3.2)]
     for on in (False, True, False, True):
-        turned_on(show, on)
+        set_answering(show, on)
         parts.append(run(show, 1.0))
     parts.append(run(show, 2.5))
     assert show.apply(events.SetPartner(parameter="amount", value=0.3, **STAMP))
@@ -90,11 +90,11 @@ def test_nothing_pops_however_it_is_switched() -> None:
     assert show.dancers.partner_response is not None
     assert show.dancers.partner_response.path.level[FOLLOWER] == 1.0
     turn = np.pi / 2.0 * 1.5 * 0.8  # half a turn within a measure of 2 s, smoothly, at arm's length
-    assert fastest(position, FOLLOWER) < 2.0 * usual + MAX_PULL_SPEED + turn
+    assert max_joint_speed(position, FOLLOWER) < 2.0 * usual + MAX_PULL_SPEED + turn
     assert np.isfinite(position).all()
 
 
-def test_drawing_changes_nothing_and_a_snapshot_goes_on_bit_by_bit() -> None:
+def test_rendering_changes_nothing_and_snapshot_continues_bit_identically() -> None:
     one, other = answering_show(ON_PLACE), answering_show(ON_PLACE)
     assert np.array_equal(run(one, 3.0), run(other, 3.0, drawn=True))
     assert one.state_hash() == other.state_hash()
@@ -116,7 +116,7 @@ def test_drawing_changes_nothing_and_a_snapshot_goes_on_bit_by_bit() -> None:
     assert len(data) < 150_000
 
 
-def test_a_leader_who_leaves_is_followed_no_more_and_her_partner_dances_on() -> None:
+def test_follower_stops_answering_when_leader_leaves() -> None:
     show = answering_show(ON_PLACE)
     run(show, 3.5)
     answering = show.dancers.partner_response
@@ -132,7 +132,7 @@ def test_a_leader_who_leaves_is_followed_no_more_and_her_partner_dances_on() -> 
     show.dancers.partner_response = bare
 
 
-def test_several_answer_one_leader_each_at_her_own_place_and_chains_hold() -> None:
+def test_several_followers_answer_one_leader_and_chains_work() -> None:
     extra = (
         '[[partner]]\nname = "class"\nleader = "front & 1"\nfollower = "back"\n'
         '[[partner]]\nname = "chain"\nleader = "back & 6"\nfollower = "front & 2"\nplace = "own"\n'
@@ -149,7 +149,7 @@ def test_several_answer_one_leader_each_at_her_own_place_and_chains_hold() -> No
     assert gaps[~np.eye(4, dtype=bool)].min() > 0.5
 
 
-def test_what_is_danced_is_told_and_calls_what_reacts_to_it() -> None:
+def test_danced_units_are_reported_and_trigger_reactions() -> None:
     extra = (
         ON_PLACE + '[[react]]\non = "unit:glide"\nwhen = "now"\ncall = "/dance/facing"\nvalues = ["centre", "back"]\n'
     )
@@ -182,7 +182,7 @@ def test_what_is_danced_is_told_and_calls_what_reacts_to_it() -> None:
         ('leader = "front & 1"\nfollower = "*"', "leader", "answer themselves"),
     ],
 )
-def test_partners_that_cannot_be_are_told_with_their_key(table: str, place: str, words: str) -> None:
+def test_invalid_partners_are_refused_with_key(table: str, place: str, words: str) -> None:
     patch = parse_patch(f'{PATCH}[[partner]]\nname = "duet"\n{table}\n', "test.toml")
     with pytest.raises(PersonError, match=words) as told:
         Show(patch, GRAPH, answers=bank_of(DUET))
@@ -190,7 +190,7 @@ def test_partners_that_cannot_be_are_told_with_their_key(table: str, place: str,
     assert told.value.remedy
 
 
-def test_circles_and_dancers_who_would_answer_two_are_refused() -> None:
+def test_partner_cycles_and_double_followers_are_refused() -> None:
     one = '[[partner]]\nname = "one"\nleader = "front & 1"\nfollower = "front & 2"\n'
     two = '[[partner]]\nname = "two"\nleader = "front & 2"\nfollower = "front & 3"\n'
     back = '[[partner]]\nname = "three"\nleader = "front & 3"\nfollower = "front & 1"\n'
@@ -204,7 +204,7 @@ def test_circles_and_dancers_who_would_answer_two_are_refused() -> None:
         parse_patch(PATCH + one + one, "t.toml")
 
 
-def test_over_the_network_nonsense_is_counted_and_changes_nothing() -> None:
+def test_invalid_partner_events_are_counted_and_change_nothing() -> None:
     show = answering_show()
     answering = show.dancers.partner_response
     assert answering is not None
@@ -240,7 +240,7 @@ steps = ["glide"]
 """
 
 
-def test_walkers_go_along_a_way_that_is_drawn_and_stop_where_it_ends() -> None:
+def test_walkers_follow_drawn_path_and_stop_at_end() -> None:
     show = answering_show(WALKERS)
     answering = show.dancers.partner_response
     assert answering is not None
@@ -255,7 +255,7 @@ def test_walkers_go_along_a_way_that_is_drawn_and_stop_where_it_ends() -> None:
     hips, ends = position[:, rows, 0, ::2], drawn[-1] + begin - begin.mean(axis=0)
     assert np.hypot(*(hips[-1] - ends).T).max() < 0.25  # each beside the other, as when it began
     past = (hips - ends) @ (drawn[-1] - drawn[-2]) / np.hypot(*(drawn[-1] - drawn[-2]))
-    assert past.max() < 0.2  # nobody oversteps its end
+    assert past.max() < 0.2  # no walker passes the end
     way = np.vstack([begin.mean(axis=0), drawn])
     own = hips[:, 0] - (begin[0] - begin.mean(axis=0))
     assert np.hypot(*np.moveaxis(own[:, None] - way[None], -1, 0)).min(axis=1).max() < 0.5
@@ -263,7 +263,7 @@ def test_walkers_go_along_a_way_that_is_drawn_and_stop_where_it_ends() -> None:
     assert not answering_show().apply(events.WalkOn(x=0.0, z=0.0, **STAMP))
 
 
-def test_an_edited_patch_is_taken_but_for_what_is_answered_from() -> None:
+def test_edited_patch_applies_except_example_bank_changes() -> None:
     show = answering_show(ON_PLACE)
     run(show, 3.0)
     edited = parse_patch(PATCH + ON_PLACE.replace("front & 1", "front & 2") + "amount = 0.5\n", "test.toml")
@@ -284,7 +284,7 @@ def test_an_edited_patch_is_taken_but_for_what_is_answered_from() -> None:
     assert split_deferred(other, patch_of(ON_PLACE))[1] == ("partner",)
 
 
-def test_a_dancer_of_live_motion_leads_and_when_she_stops_or_leaves_it_goes_on() -> None:
+def test_live_motion_leader_can_stop_and_resume() -> None:
     show = answering_show(DUET + 'place = "own"\n[[mocap]]\nname = "live"\ndancer = "1"\ndelay_ms = 0.0\n')
     answering = show.dancers.partner_response
     assert answering is not None
@@ -304,14 +304,14 @@ def test_a_dancer_of_live_motion_leads_and_when_she_stops_or_leaves_it_goes_on()
         levels.append(answering.path.level[FOLLOWER])
         hands.append(view.joint_position[FOLLOWER].copy())
     assert held[round(4.0 / TICK)]
-    assert not held[round(6.8 / TICK)]  # nothing has come for two seconds: she dances on by herself
+    assert not held[round(6.8 / TICK)]  # no frame for two seconds: the leader returns to clips
     assert held[-1]
     assert levels[round(4.4 / TICK)] == levels[-1] == 1.0
     speed = np.linalg.norm(np.diff(np.array(hands), axis=0), axis=-1).max() / TICK
     assert speed < 12.0
 
 
-def test_a_leader_who_cannot_be_seen_is_held_then_left_and_answered_again() -> None:
+def test_lost_leader_pose_is_held_then_released_and_resumed() -> None:
     show = answering_show(ON_PLACE)
     run(show, 3.2)
     answering = show.dancers.partner_response

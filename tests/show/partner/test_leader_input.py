@@ -1,4 +1,4 @@
-"""Where an answer is between the frames of its leader, and how long it goes on without one."""
+"""Tests of the answer position between frames of the leader, and of its extrapolation limit."""
 
 from types import SimpleNamespace
 
@@ -8,8 +8,8 @@ import pytest
 from live.show.partner.leader_input import MAX_EXTRAPOLATION, answer_position, frames_since
 
 
-def read(since):
-    """A leader `since` frames after her latest one, whose answer goes 1 m along x in half a frame, then 2 m."""
+def make_leader(since):
+    """A leader `since` frames after the latest one; the answer moves 1 m along x in half a frame, then 2 m."""
     root = np.array([[0.0, 0.9, 4.0], [1.0, 0.9, 4.0], [3.0, 0.9, 4.0]], np.float32)
     return SimpleNamespace(root=root, frames_since=lambda danced: since)
 
@@ -17,10 +17,12 @@ def read(since):
 @pytest.mark.parametrize(
     ("since", "x"), [(-1.0, 0.0), (0.0, 0.0), (0.25, 0.5), (0.5, 1.0), (0.75, 2.0), (1.0, 3.0), (1.5, 5.0)]
 )
-def test_an_answer_is_on_the_lines_between_what_was_made_for_its_frame(since, x):
-    np.testing.assert_allclose(answer_position(read(since), 0.0), [x, 4.0], atol=1e-6)
+def test_answer_position_is_interpolated_linearly_between_samples(since, x):
+    np.testing.assert_allclose(answer_position(make_leader(since), 0.0), [x, 4.0], atol=1e-6)
 
 
-def test_an_answer_stops_some_time_after_its_latest_frame():
-    assert frames_since(read(9.0), 0.0) == MAX_EXTRAPOLATION
-    np.testing.assert_array_equal(answer_position(read(9.0), 0.0), answer_position(read(MAX_EXTRAPOLATION), 0.0))
+def test_answer_stops_at_maximum_extrapolation():
+    assert frames_since(make_leader(9.0), 0.0) == MAX_EXTRAPOLATION
+    np.testing.assert_array_equal(
+        answer_position(make_leader(9.0), 0.0), answer_position(make_leader(MAX_EXTRAPOLATION), 0.0)
+    )

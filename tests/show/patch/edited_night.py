@@ -1,4 +1,4 @@
-"""A journalled show of a folder of its own, whose files are edited while it runs, driven by hand."""
+"""A journaled show in a folder of its own: its files are edited while it runs on a manual clock."""
 
 import shutil
 from pathlib import Path
@@ -12,13 +12,13 @@ from live.show.loader import load_show
 from live.show.patch.patch_search_path import PATCHES
 from live.show.selection.graph_update import LibraryWatch
 from live.show.view.status import Status
-from tests.show.journal.disk import settled
+from tests.show.journal.disk import wait_until_written
 
 STEPS = PATCHES / "steps"
 
 
-def folder_with(folder: Path, text: str) -> Path:
-    """The patch `text` in a folder with two steps of its own, in `moves`; others come from the project."""
+def write_patch_folder(folder: Path, text: str) -> Path:
+    """Writes the patch `text` to a folder with two steps of its own, in `moves`; other steps come from the project."""
     (folder / "moves").mkdir()
     for name in ("groove", "side_step"):
         shutil.copy(STEPS / f"{name}.toml", folder / "moves")
@@ -26,8 +26,8 @@ def folder_with(folder: Path, text: str) -> Path:
     return folder / "show.toml"
 
 
-class Night:
-    """The show with its journal, and a watch on its steps."""
+class JournaledShow:
+    """A show with its journal and a watch on its step files."""
 
     def __init__(self, patch: Path) -> None:
         self.path, self.loaded = patch, load_show(patch)
@@ -48,18 +48,18 @@ class Night:
         self._frame = 0
 
     def run(self, seconds: float) -> dict[int, set[str]]:
-        """So many seconds of the show; the steps danced in each measure that it comes to, by its number from 1."""
+        """Runs the show for `seconds`; returns the steps danced in each measure, by its number from 1."""
         danced: dict[int, set[str]] = {}
         for _ in range(round(seconds * 50)):
             self._frame += 1
             self.clock.set(self._frame / 50)
             self.engine.frame(lambda view: None)
             if self._frame % 50 == 0:
-                settled(self.writer)
+                wait_until_written(self.writer)
             danced.setdefault(self.show.span.number + 1, set()).update(self.names())
         return danced
 
     def names(self) -> set[str]:
-        """The steps that are danced now."""
+        """The current steps of all dancers."""
         library = self.show.graph.library
         return {library.steps[s] for s in library.node_step[self.show.dancers.node]}

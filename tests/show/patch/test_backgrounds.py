@@ -1,4 +1,4 @@
-"""Backgrounds of a patch: told where they are wrong before the show, brought and taken away by name."""
+"""Backgrounds of a patch: errors before the show, and switching by name."""
 
 import pytest
 
@@ -7,13 +7,13 @@ from live.base.picture_parameters import BY_ADDRESS
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from tests.render.media import write_image
-from tests.show.desk.desk_show import DESK, Hands
+from tests.show.desk.desk_show import DESK, DeskSession
 
 TWO = DESK + '[[background]]\nname = "sea"\nfile = "sea.png"\n[[background]]\nname = "town"\nfile = "t.png"\nseen = 1\n'
 
 
-def test_a_background_comes_and_the_others_go():
-    hands = Hands(TWO).run(beats=1)
+def test_selected_background_fades_in_and_others_fade_out():
+    hands = DeskSession(TWO).run(beats=1)
     assert (hands.value("/dance/background/1"), hands.value("/dance/background/2")) == (0.0, 1.0)
     hands.say("/dance/background", "Sea", 1)
     hands.run(beats=2)
@@ -27,7 +27,7 @@ def test_a_background_comes_and_the_others_go():
     assert "sea, town, none" in str(hands.words)
 
 
-def test_missing_and_broken_files_are_told_with_file_and_line_before_the_show(tmp_path):
+def test_missing_and_broken_files_are_reported_with_file_and_line(tmp_path):
     patch = tmp_path / "my.toml"
     text = DEFAULT_PATCH.read_text(encoding="utf-8")
     line = len(text.splitlines()) + 3

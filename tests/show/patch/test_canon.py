@@ -1,4 +1,4 @@
-"""Groups that dance what another one danced: beats later (canon), or mirrored (T147)."""
+"""Groups that follow another group: beats later (canon), or mirrored (T147)."""
 
 from dataclasses import replace
 
@@ -18,8 +18,8 @@ from tests.show.made_show import PATCH, made_show
 PLAIN = "[motion]\nwarp_beats = 0\namplitude = 0\nfoot_lock = false\n"
 
 
-def echo(beats=0, *, mirrored=False):
-    """Another group that is like the front one, in a show whose dancers do not differ."""
+def follower_group(beats=0, *, mirrored=False):
+    """A third group that follows the front group, in a show whose dancers do not vary."""
     return f"""
 [[group]]
 name = "echo"
@@ -32,8 +32,8 @@ size = [6.0, 1.0]
 """
 
 
-def heights(show, seconds, script=()):
-    """Heights of all joints of the first dancer of "front" and of "echo" at every tick, and their steps by measure."""
+def joint_heights(show, seconds, script=()):
+    """Joint heights of the first dancer of `front` and of `echo` at every tick, and their steps by measure."""
     view, rows, steps = show.view(), [], []
     library = show.graph.library
     for tick in range(1, round(seconds / TICK)):
@@ -48,9 +48,9 @@ def heights(show, seconds, script=()):
 
 
 @pytest.mark.parametrize("beats", [1, 2, 5])
-def test_a_canon_shows_each_pose_so_many_beats_later(beats):
-    show = made_show(PLAIN + echo(beats))
-    rows, _ = heights(show, 24.0)
+def test_canon_repeats_each_pose_after_given_beats(beats):
+    show = made_show(PLAIN + follower_group(beats))
+    rows, _ = joint_heights(show, 24.0)
     later = round(beats * 0.5 / TICK)  # at 120 bpm
     begin = 64 * 6
     lead, follow = rows[begin : len(rows) - later, 0], rows[begin + later :, 1]
@@ -58,33 +58,33 @@ def test_a_canon_shows_each_pose_so_many_beats_later(beats):
     assert np.abs(rows[begin:, 0] - rows[begin:, 1]).max() > 0.03  # and not at once
 
 
-def test_a_step_called_comes_through_in_its_time():
-    show = made_show(echo(8))
+def test_called_step_reaches_follower_after_its_delay():
+    show = made_show(follower_group(8))
     call = events.CallStep(time=0.0, source="test", name="spin", measures=1.0, group="front")
-    _, steps = heights(show, 20.0, [(300, lambda s: s.apply(call))])
+    _, steps = joint_heights(show, 20.0, [(300, lambda s: s.apply(call))])
     front, follow = zip(*steps, strict=True)
     assert follow[2:] == front[:-2]
     assert "spin" in front
 
 
-def test_a_group_that_gets_its_own_sequence_is_free_until_clear():
-    show = made_show(echo(4))
+def test_own_sequence_detaches_follower_until_clear():
+    show = made_show(follower_group(4))
     show.apply(events.SetSequence(time=0.0, source="test", steps="glide", group="echo"))
-    _, steps = heights(show, 12.0, [(500, lambda s: s.apply(events.Clear(time=s.time, source="test")))])
+    _, steps = joint_heights(show, 12.0, [(500, lambda s: s.apply(events.Clear(time=s.time, source="test")))])
     front, follow = zip(*steps, strict=True)
     assert set(follow[1:3]) == {"glide"}
     assert follow[-1] == front[-2]
 
 
-def test_a_mirroring_group_dances_mirror_images_and_its_leader_none():
+def test_mirrored_group_dances_mirror_clips_and_leader_originals():
     steps = made_steps()
     images = [replace(clip, mirrored=True) for clip in steps]
     graph = build_graph(build_library([*steps, *images]), threshold=0.2)
-    show = Show(parse_patch(PATCH + echo(mirrored=True), "test.toml"), graph)
+    show = Show(parse_patch(PATCH + follower_group(mirrored=True), "test.toml"), graph)
     assert show.variation.mirror[0] == -1.0
     assert show.variation.mirror[9] == 1.0
     side = show.graph.library.node_side
-    rows, steps = heights(show, 12.0)
+    rows, steps = joint_heights(show, 12.0)
     assert all(one == other for one, other in steps)
     assert np.isfinite(rows).all()
     assert side[show.dancers.node[0]] == -1
@@ -102,6 +102,6 @@ def test_a_mirroring_group_dances_mirror_images_and_its_leader_none():
         ('like = "front"\nsoloists = 4', "4 soloists and only 3 dancers"),
     ],
 )
-def test_what_cannot_be_an_echo_is_told(group, words):
+def test_invalid_follower_group_is_refused_with_reason(group, words):
     with pytest.raises(PatchError, match=words):
         parse_patch(PATCH + f'\n[[group]]\nname = "echo"\ndancers = 3\n{group}\n', "test.toml")

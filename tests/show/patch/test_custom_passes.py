@@ -1,4 +1,4 @@
-"""Own passes of a patch: from the file beside it into patch, row and journal; set while the show runs."""
+"""Custom passes of a patch: from the GLSL file into patch, parameter row and journal; set while the show runs."""
 
 import pytest
 
@@ -9,7 +9,7 @@ from live.show.patch.hot_reload import file_stamp
 from live.show.patch.patch_reader import custom_pass_files, read_patch
 from live.show.patch.patch_search_path import PatchError
 from live.show.view.render_scene import make_scene
-from tests.show.desk.desk_show import Hands
+from tests.show.desk.desk_show import DeskSession
 from tests.show.made_show import PATCH
 
 WAVES = "uniform float speed; // 0 4 1\nvec4 pass(vec2 at) { return vec4(light(at + speed), 1.0); }\n"
@@ -17,15 +17,15 @@ PICTURE = '[picture]\npasses = ["shadow", "waves", "vignette"]\n'
 
 
 @pytest.fixture
-def folder(tmp_path):
+def pass_folder(tmp_path):
     (tmp_path / "passes").mkdir()
     (tmp_path / "passes" / "waves.glsl").write_text(WAVES)
     (tmp_path / "a.toml").write_text(PATCH + PICTURE + 'set = { "/dance/pass/waves/speed" = 2.5 }\n')
     return tmp_path
 
 
-def test_the_file_beside_a_patch_is_part_of_it(folder):
-    patch = read_patch(folder / "a.toml")
+def test_glsl_file_is_read_into_the_patch(pass_folder):
+    patch = read_patch(pass_folder / "a.toml")
     (own,) = patch.picture.own_passes
     assert (own.name, own.source) == ("waves", WAVES)
     row = picture_row(make_scene(patch))
@@ -34,11 +34,11 @@ def test_the_file_beside_a_patch_is_part_of_it(folder):
     assert again.picture.own_passes == patch.picture.own_passes
 
 
-def test_an_edited_file_is_seen_as_an_edited_patch(folder):
-    path = folder / "a.toml"
+def test_edited_glsl_file_changes_the_patch_stamp(pass_folder):
+    path = pass_folder / "a.toml"
     before = file_stamp(path)
-    (folder / "passes" / "waves.glsl").write_text(WAVES + "// longer\n")
-    assert custom_pass_files(path) == [folder / "passes" / "waves.glsl"]
+    (pass_folder / "passes" / "waves.glsl").write_text(WAVES + "// longer\n")
+    assert custom_pass_files(path) == [pass_folder / "passes" / "waves.glsl"]
     assert file_stamp(path) != before
 
 
@@ -52,8 +52,8 @@ def test_an_edited_file_is_seen_as_an_edited_patch(folder):
         (WAVES, 'set = { "/dance/pass/waves/sped" = 1.0 }\n', "no parameter of the picture"),
     ],
 )
-def test_what_is_wrong_with_it_is_said_before_the_show(folder, glsl, extra, words):
-    path, file = folder / "a.toml", folder / "passes" / "waves.glsl"
+def test_pass_errors_are_reported_with_line_before_show(pass_folder, glsl, extra, words):
+    path, file = pass_folder / "a.toml", pass_folder / "passes" / "waves.glsl"
     path.write_text(PATCH + PICTURE + extra)
     file.unlink()
     if glsl is not None:
@@ -64,9 +64,9 @@ def test_what_is_wrong_with_it_is_said_before_the_show(folder, glsl, extra, word
     assert f"a.toml, line {line}" in str(refused.value)
 
 
-def test_its_amount_and_parameters_are_set_faded_and_undone():
+def test_pass_amount_and_parameters_are_set_faded_and_undone():
     text = WAVES.replace("\n", "\\n")
-    hands = Hands(PICTURE + f'[[picture.own]]\nname = "waves"\nsource = "{text}"\n').run(4)
+    hands = DeskSession(PICTURE + f'[[picture.own]]\nname = "waves"\nsource = "{text}"\n').run(4)
 
     def values():
         return hands.desk.parameters.picture[CUSTOM_PASS_SLICE][:2].tolist()
@@ -89,7 +89,7 @@ def test_its_amount_and_parameters_are_set_faded_and_undone():
 
 
 @pytest.mark.parametrize("address", ["/dance/pass/", "/dance/pass//", "/dance/pass/a/b/c", "/dance/pass/a//b"])
-def test_addresses_that_can_be_none_are_refused(address):
+def test_malformed_pass_addresses_are_refused(address):
     for values in ((), (1.0,), (1.0, 2.0, 3.0, 4.0)):
         result = REGISTRY.call(address, values, 0.0, "osc")
         assert isinstance(result, Rejection) or result.name

@@ -1,4 +1,4 @@
-"""How dancers are drawn and what bodies they have, as a patch says it."""
+"""Tests of the patch's `draw` and `bodies` keys: initial styles, looks, errors and seeded bodies."""
 
 import pytest
 from pydantic import ValidationError
@@ -9,14 +9,14 @@ from live.show.patch.section_picture import DRAW_KEYS
 from live.show.view.render_scene import make_scene
 
 
-def patch(**group):
+def patch_values(**group):
     first = {"name": "ember", "dancers": 30, "steps": ["groove"]}
     return {"name": "p", "group": [first | group, {"name": "tide", "dancers": 3, "steps": ["groove"]}]}
 
 
-def test_a_group_begins_as_its_patch_says():
+def test_group_starts_with_draw_styles_of_its_patch():
     made = Patch.model_validate(
-        patch(draw={"solid": 0.0, "ink": 1, "ink_width": 3.5, "silhouette_colour": [0.1, 0.2, 0.3]})
+        patch_values(draw={"solid": 0.0, "ink": 1, "ink_width": 3.5, "silhouette_colour": [0.1, 0.2, 0.3]})
     )
     row = picture_parameters.picture_row(make_scene(made))
     said = {"solid": (0.0,), "ink": (1.0,), "ink/width": (3.5,), "silhouette/colour": (0.1, 0.2, 0.3)}
@@ -25,7 +25,7 @@ def test_a_group_begins_as_its_patch_says():
             tuple(row[picture_parameters.group_parameter(picture_parameters.STYLE_ADDRESS_PREFIX + name, 0).row_slice])
             == numbers
         )
-    plain = picture_parameters.picture_row(make_scene(Patch.model_validate(patch())))
+    plain = picture_parameters.picture_row(make_scene(Patch.model_validate(patch_values())))
     assert (
         row[picture_parameters.STYLES_START + picture_parameters.STYLE_SIZE :]
         == plain[picture_parameters.STYLES_START + picture_parameters.STYLE_SIZE :]
@@ -41,31 +41,33 @@ def test_a_group_begins_as_its_patch_says():
         ({"ink tide": 1.0}, "leave out the group's name"),
     ],
 )
-def test_what_cannot_be_drawn_is_named(draw, words):
+def test_invalid_draw_key_is_refused_with_reason(draw, words):
     with pytest.raises(ValidationError, match=words):
-        Patch.model_validate(patch(draw=draw))
+        Patch.model_validate(patch_values(draw=draw))
 
 
-def test_a_look_draws_all_groups_or_one():
+def test_look_sets_styles_of_all_groups_or_one():
     look = {"name": "lines", "draw": {"solid": 0, "ink": 1, "xray tide": 1}}
-    made = Patch.model_validate(patch() | {"looks": [look]})
+    made = Patch.model_validate(patch_values() | {"looks": [look]})
     assert made.looks[0].settings() == {"/dance/draw/solid": 0.0, "/dance/draw/ink": 1.0, "/dance/draw/xray tide": 1.0}
     with pytest.raises(ValidationError, match="look 'lines': nothing is drawn by 'lnk'"):
-        Patch.model_validate(patch() | {"looks": [look | {"draw": {"lnk": 1}}]})
+        Patch.model_validate(patch_values() | {"looks": [look | {"draw": {"lnk": 1}}]})
 
 
-def test_every_style_has_its_key():
+def test_every_style_parameter_has_a_draw_key():
     assert len(DRAW_KEYS) == len(picture_parameters.GROUP_PARAMETERS) - 1
     assert {"solid", "silhouette_colour", "trails_spacing"} <= set(DRAW_KEYS)
 
 
-def test_bodies_are_drawn_by_the_seed_of_the_show_for_those_who_begin_in_the_group():
+def test_bodies_are_drawn_by_seed_for_initial_group_members():
     bodies = {"bodies": ["slim", "strong", "strong"]}
-    one, same, other = (make_scene(Patch.model_validate(patch(**bodies) | {"seed": seed})).bodies for seed in (5, 5, 6))
+    one, same, other = (
+        make_scene(Patch.model_validate(patch_values(**bodies) | {"seed": seed})).bodies for seed in (5, 5, 6)
+    )
     assert one == same != other
     assert set(one[:30]) == {"slim", "strong"}
     assert one[:30].count("strong") > one[:30].count("slim")
     assert one[30:] == ("dancer",) * 3
-    assert make_scene(Patch.model_validate(patch())).bodies == ()
+    assert make_scene(Patch.model_validate(patch_values())).bodies == ()
     with pytest.raises(ValidationError, match="'dancer', 'slim', 'strong', 'round' or 'child'"):
-        Patch.model_validate(patch(bodies=["tall"]))
+        Patch.model_validate(patch_values(bodies=["tall"]))

@@ -1,4 +1,4 @@
-"""The piece of formations: each one stands on its measure line, and a mirrored canon is one."""
+"""The `formations` patch: each formation is reached at its measure line, and a mirrored canon is one."""
 
 import numpy as np
 import pytest
@@ -11,9 +11,9 @@ MEASURES = 38
 
 
 @pytest.fixture(scope="module")
-def lines():
-    """Of each measure line: where hips are (A, 2), where segments want them (A, 2), the nearest two agents [m]."""
-    show, tick, lines = load_show(find_patch("formations")).start(), 0, {}
+def measure_lines():
+    """For each measure line: hip positions (A, 2), positions wanted by segments (A, 2), smallest agent distance [m]."""
+    show, tick, measure_lines = load_show(find_patch("formations")).start(), 0, {}
     while show.span.number < MEASURES:
         tick += 1
         if show.tick(tick / 64):
@@ -22,27 +22,27 @@ def lines():
             assert under[on].all()
             apart = np.hypot(*(show.state.position[on][:, None] - show.state.position[on][None]).transpose(2, 0, 1))
             np.fill_diagonal(apart, np.inf)
-            lines[show.span.number] = show.dancers.hips(0.0)[on], wanted[on], apart.min()
-    return lines
+            measure_lines[show.span.number] = show.dancers.hips(0.0)[on], wanted[on], apart.min()
+    return measure_lines
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("line", STANDING)
-def test_each_formation_stands_on_its_measure_line(lines, line):
-    hips, wanted, _ = lines[line]
+def test_each_formation_is_reached_on_its_measure_line(measure_lines, line):
+    hips, wanted, _ = measure_lines[line]
     off = np.hypot(*(hips - wanted).T)
     assert off.mean() < 0.1
     assert off.max() < 0.35
 
 
-def test_nobody_stands_in_another(lines):
-    assert min(nearest for _, _, nearest in lines.values()) > 0.5
+def test_dancers_stay_half_a_meter_apart(measure_lines):
+    assert min(nearest for _, _, nearest in measure_lines.values()) > 0.5
 
 
-def test_the_halves_mirror_each_other_two_measures_later(lines):
-    """Segments in measures 33 and 34: the left half's way, reflected, is the right half's in 35 and 36 (T147)."""
-    left = lines[31][1][:, 0] < 0.0
-    way = {line: lines[line][1] - lines[31][1] for line in (34, 36)}
+def test_right_half_mirrors_left_half_two_measures_later(measure_lines):
+    """Segments in measures 33 and 34: the left half's path, reflected, is the right half's in 35 and 36 (T147)."""
+    left = measure_lines[31][1][:, 0] < 0.0
+    way = {line: measure_lines[line][1] - measure_lines[31][1] for line in (34, 36)}
     assert np.abs(way[34][~left]).max() < 1e-3
     assert np.allclose(way[34][left], way[34][left][0], atol=1e-3)
     assert np.hypot(*way[34][left][0]) > 0.5

@@ -1,4 +1,4 @@
-"""PatchWatch: an edit of the patch's files reaches the running show at the next measure, a bad one never."""
+"""PatchWatch: a valid edit of the patch's files takes effect at the next measure, an invalid one never."""
 
 import json
 
@@ -12,7 +12,7 @@ from live.show.journal.journal import read_journal
 from live.show.journal.replay import fresh_show, load_journal, replay, run_from, start_before
 from live.show.patch.hot_reload import PatchWatch
 from tests.show.patch import edited_night
-from tests.show.patch.edited_night import STEPS, folder_with
+from tests.show.patch.edited_night import STEPS, write_patch_folder
 
 PATCH = """name = "edited"
 steps = "moves"
@@ -29,18 +29,18 @@ steps = ["groove"]
 @pytest.fixture
 def patch(tmp_path):
     """A show of four dancers with two steps of its own."""
-    return folder_with(tmp_path, PATCH)
+    return write_patch_folder(tmp_path, PATCH)
 
 
-class Night(edited_night.Night):
-    """A night whose patch is watched as well."""
+class WatchedShow(edited_night.JournaledShow):
+    """A journaled show whose patch is watched as well."""
 
     def __init__(self, patch):
         super().__init__(patch)
         self.watch = PatchWatch(self.loaded, self.show, post=self.inbox.put, now=self.clock.now, library=self.library)
 
     def edit(self, old="", new="", more="", file=None):
-        """Change the patch's text, or write another `file` of it; whether the watch took it."""
+        """Edits the patch's text, or another `file` of it; returns whether the watch accepted the edit."""
         path = self.path if file is None else self.path.parent / file
         path.parent.mkdir(exist_ok=True)
         text = path.read_text() if path.exists() else ""
@@ -50,14 +50,14 @@ class Night(edited_night.Night):
         return self.watch.poll()
 
     def replayed(self):
-        """What a replay finds, of the journal alone."""
+        """The result of a replay from the journal alone."""
         self.writer.close(self.engine.ticks.index)
         journal = read_journal(self.journal)
         return replay(fresh_show(journal), journal)
 
 
-def test_new_steps_are_danced_in_the_very_next_measure(patch):
-    night = Night(patch)
+def test_edited_steps_are_danced_in_the_next_measure(patch):
+    night = WatchedShow(patch)
     night.run(2.5)  # the second measure has begun
     assert night.edit('["groove"]', '["side step"]')
     danced = night.run(5.0)
@@ -67,8 +67,8 @@ def test_new_steps_are_danced_in_the_very_next_measure(patch):
     assert night.watch.message == "patch: new from the next measure on: group"
 
 
-def test_an_edit_after_the_next_measure_is_chosen_acts_from_the_one_after(patch):
-    night = Night(patch)
+def test_edit_after_measure_decision_acts_one_measure_later(patch):
+    night = WatchedShow(patch)
     night.run(3.8)  # a tenth of a beat before the third measure
     assert night.edit('["groove"]', '["side step"]')
     danced = night.run(5.0)
@@ -76,8 +76,8 @@ def test_an_edit_after_the_next_measure_is_chosen_acts_from_the_one_after(patch)
     assert danced[4] == {"side step"}
 
 
-def test_every_table_acts_from_its_measure_on_and_a_replay_needs_no_files(patch):
-    night = Night(patch)
+def test_every_edited_table_takes_effect_and_replay_needs_no_files(patch):
+    night = WatchedShow(patch)
     night.run(2.5)
     assert night.edit(
         more="""[motion]
@@ -113,8 +113,8 @@ sets = "amplitude"
     assert result.differences == ()
 
 
-def test_who_is_in_a_formation_goes_to_its_new_places(patch):
-    night = Night(patch)
+def test_dancers_in_formation_move_to_its_edited_positions(patch):
+    night = WatchedShow(patch)
     ring = '[[formation]]\nname = "ring"\nshape = "circle"\nsize = [2, 2]\n'
     assert night.edit(file="formations/a.toml", more=ring)
     assert night.edit(
@@ -143,8 +143,8 @@ def test_who_is_in_a_formation_goes_to_its_new_places(patch):
         ),
     ],
 )
-def test_a_bad_edit_is_told_and_the_last_good_patch_goes_on(patch, old, new, where):
-    night = Night(patch)
+def test_invalid_edit_is_reported_and_last_valid_patch_continues(patch, old, new, where):
+    night = WatchedShow(patch)
     night.run(1.0)
     before = night.show.patch
     good = night.watch.version
@@ -160,8 +160,8 @@ def test_a_bad_edit_is_told_and_the_last_good_patch_goes_on(patch, old, new, whe
     assert night.watch.message == "patch: mended; it is the same as the patch in force"
 
 
-def test_a_file_that_the_next_start_would_refuse_is_told_when_it_is_named(patch):
-    night = Night(patch)
+def test_missing_or_broken_asset_of_edit_is_reported(patch):
+    night = WatchedShow(patch)
     (night.path.parent / "broken.png").write_text("no image")
     (night.path.parent / "nobody.glb").write_text("no model")
     before = night.path.read_text()
@@ -178,8 +178,8 @@ def test_a_file_that_the_next_start_would_refuse_is_told_when_it_is_named(patch)
         assert night.watch.problem == ""
 
 
-def test_what_needs_a_new_start_is_named_and_the_rest_acts(patch):
-    night = Night(patch)
+def test_edits_that_need_restart_are_deferred_and_others_act(patch):
+    night = WatchedShow(patch)
     night.run(1.0)
     assert night.edit("dancers = 4", 'dancers = 6\nfacing = "90"', more="[stage]\nwidth = 20\n")
     assert night.watch.deferred_keys == ("stage.width", "group.1.dancers")
@@ -194,8 +194,8 @@ def test_what_needs_a_new_start_is_named_and_the_rest_acts(patch):
     assert night.watch.problem == ""
 
 
-def test_what_was_set_live_stays_unless_the_edit_says_otherwise(patch):
-    night = Night(patch)
+def test_live_values_stay_unless_the_edit_changes_them(patch):
+    night = WatchedShow(patch)
     for parameter, value in (("head", 0.3), ("larger", 0.2)):
         night.inbox.put(events.SetMotion(time=0.0, source="test", parameter=parameter, value=value))
     night.run(1.0)
@@ -205,8 +205,8 @@ def test_what_was_set_live_stays_unless_the_edit_says_otherwise(patch):
     assert night.show.variation.larger[0] == 0.4
 
 
-def test_the_joins_of_steps_are_made_anew(patch):
-    night = Night(patch)
+def test_edited_transition_settings_rebuild_the_motion_graph(patch):
+    night = WatchedShow(patch)
     night.run(1.0)
     before = night.show.graph
     assert night.edit(more="[locomotion]\nthreshold_m = 0.5\ntransition_beats = 0.5\n")
@@ -216,23 +216,25 @@ def test_the_joins_of_steps_are_made_anew(patch):
     assert night.replayed().differences == ()
 
 
-def test_a_long_patch_is_short_in_the_journal(patch):
-    night = Night(patch)
+def test_long_patch_is_compressed_in_the_journal(patch):
+    night = WatchedShow(patch)
     entry = '[[element]]\nkind = "wander"\nmeasure = {}\nmeasures = 1\n'
     assert night.edit(file="score/a.toml", more="".join(entry.format(n) for n in range(1, 500)))
     night.run(3.0)
-    event = next(event for line in _lines(night) if (event := line.get("event")) and event["type"] == "PatchChanged")
+    event = next(
+        event for line in _journal_lines(night) if (event := line.get("event")) and event["type"] == "PatchChanged"
+    )
     assert len(event["patch"]) < 8000
     assert len(night.show.patch.element) == 499
 
 
-def _lines(night):
+def _journal_lines(night):
     night.writer.close(night.engine.ticks.index)
     return [json.loads(line) for line in night.journal.read_text().splitlines()]
 
 
-def test_a_damaged_event_is_refused_and_changes_nothing(patch):
-    night = Night(patch)
+def test_damaged_patch_event_is_refused_without_effect(patch):
+    night = WatchedShow(patch)
     before = night.show.patch
     for text in ("{", "zlib:AAAA", "{}", PATCH):
         assert not night.show.apply(PatchChanged(time=0.0, source="patch", patch=text, version="x"))
@@ -240,8 +242,8 @@ def test_a_damaged_event_is_refused_and_changes_nothing(patch):
     assert night.show.patch is before
 
 
-def test_a_step_that_comes_later_mends_the_patch_that_names_it(patch):
-    night = Night(patch)
+def test_step_added_later_makes_waiting_patch_valid(patch):
+    night = WatchedShow(patch)
     assert not night.edit('["groove"]', '["new bow"]')
     assert "new bow" in night.watch.problem
     text = (STEPS / "samba.toml").read_text().replace('name = "samba"', 'name = "new bow"')
@@ -252,16 +254,16 @@ def test_a_step_that_comes_later_mends_the_patch_that_names_it(patch):
     assert "new bow" in set().union(*night.run(6.0).values())
 
 
-def test_the_thread_starts_and_stops(patch):
-    night = Night(patch)
+def test_watch_thread_starts_and_stops_twice(patch):
+    night = WatchedShow(patch)
     night.watch.start()
     night.watch.stop()
     night.watch.stop()
 
 
 @pytest.mark.long
-def test_a_replay_can_begin_after_an_edit_of_patch_and_steps(patch):
-    night = Night(patch)
+def test_replay_starts_after_edits_of_patch_and_steps(patch):
+    night = WatchedShow(patch)
     night.run(2.5)
     assert night.edit('["groove"]', '["side step"]', more="[locomotion]\ntransition_beats = 0.5\n")
     night.run(4.0)
@@ -285,9 +287,9 @@ def test_a_replay_can_begin_after_an_edit_of_patch_and_steps(patch):
         assert result.measures >= (measure < 10)
 
 
-def test_what_a_group_leaves_out_is_left_out_in_the_journal_too(patch):
+def test_unset_group_keys_stay_unset_in_the_journal(patch):
     patch.write_text(PATCH + "[group.motion]\nlarger = 0.1\n[motion]\nhead = 0.4\n")
-    night = Night(patch)
+    night = WatchedShow(patch)
     night.run(2.5)
     assert night.edit("head = 0.4", "head = 0.6")
     night.run(3.0)
@@ -295,8 +297,8 @@ def test_what_a_group_leaves_out_is_left_out_in_the_journal_too(patch):
     assert night.replayed().differences == ()
 
 
-def test_sections_scenes_cues_and_signals_act_as_soon_as_they_are_written(patch):
-    night = Night(patch)
+def test_added_sections_scenes_cues_and_signals_take_effect(patch):
+    night = WatchedShow(patch)
     night.run(2.5)
     assert night.edit(
         more="""[look]
@@ -351,8 +353,8 @@ values = [0.7, "*"]
     assert night.replayed().differences == ()
 
 
-def test_a_fault_of_the_program_while_it_reads_an_edit_is_told_and_the_next_edit_is_taken(patch, monkeypatch):
-    night = Night(patch)
+def test_exception_while_reading_edit_is_reported_and_next_edit_works(patch, monkeypatch):
+    night = WatchedShow(patch)
     night.run(2.5)
     counted = FAULTS.total
 

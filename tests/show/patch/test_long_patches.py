@@ -1,4 +1,4 @@
-"""Long patches are read, written and freed in pieces, and are what they would be otherwise."""
+"""Long patches are validated, written and freed in batches, with the same results as in one piece."""
 
 import json
 import tomllib
@@ -16,7 +16,7 @@ ENTRY = '[[element]]\nkind = "wander"\nmeasure = {}\nmeasures = 1\n'
 LONG = PATCH + "".join(ENTRY.format(n) for n in range(1, 3 * BATCH_SIZE)) + "[motion]\nhead = 0.5\n"
 
 
-def test_the_patch_is_the_same_and_so_is_what_it_writes():
+def test_batched_validation_returns_the_same_patch_and_json():
     data = tomllib.loads(LONG)
     patch = validate_model(Patch, data)
     assert patch == Patch.model_validate(data)
@@ -28,7 +28,7 @@ def test_the_patch_is_the_same_and_so_is_what_it_writes():
     assert again.motion.model_fields_set == {"head"}
 
 
-def test_what_is_wrong_is_told_as_otherwise():
+def test_batched_validation_reports_the_same_errors():
     data = tomllib.loads(LONG + ENTRY.format(0) + "[stage]\nwidth = 0\n")
     found = []
     for read in (lambda: validate_model(Patch, data), lambda: Patch.model_validate(data)):
@@ -39,7 +39,7 @@ def test_what_is_wrong_is_told_as_otherwise():
     assert {problem["loc"] for problem in found[0]} == {("element", 299, "measure"), ("stage", "width")}
 
 
-def test_a_patch_is_freed():
+def test_patch_is_freed_in_batches():
     patch = validate_model(Patch, TomlSources([parse_text(LONG, "x", "patch")]).data)
     first, last = weakref.ref(patch), patch.element[-1].measure
     spent = [patch]

@@ -1,4 +1,4 @@
-"""Files that are lost while a show runs: who goes on with it needs none of them."""
+"""Files that are lost while a show runs: a restart with `whole=False` needs none of them."""
 
 import pytest
 
@@ -23,7 +23,7 @@ steps = ["sway"]
 """
 
 
-def test_a_show_is_refused_without_them_but_goes_on(tmp_path, monkeypatch):
+def test_show_without_files_is_refused_but_can_continue(tmp_path, monkeypatch):
     path = tmp_path / "show.toml"
     path.write_text(PATCH)
     monkeypatch.setattr(

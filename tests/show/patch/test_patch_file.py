@@ -1,4 +1,4 @@
-"""Patches: good ones load, bad ones are explained with file, line, field and remedy."""
+"""Patch files: valid ones load, errors are reported with file, line, field and remedy."""
 
 import pytest
 
@@ -59,7 +59,7 @@ from tests.show.made_show import PATCH
         ("[look]\nfloor = [2.0, 0, 0]", "line 3: look.floor.1", "less than or equal to 1"),
     ],
 )
-def test_a_wrong_field_is_named_with_its_line(line, where, words):
+def test_invalid_field_is_reported_with_its_line(line, where, words):
     group = "" if "[[group]]" in line else '\n[[group]]\nname = "a"\ndancers = 1\nsteps = ["sway"]\n'
     with pytest.raises(PatchError) as error:
         parse_patch(f'name = "x"\n{line}\n{group}', "my.toml")
@@ -69,19 +69,19 @@ def test_a_wrong_field_is_named_with_its_line(line, where, words):
     assert "\n" not in message
 
 
-def test_every_problem_is_told_at_once():
+def test_all_problems_are_reported_at_once():
     with pytest.raises(PatchError) as error:
         parse_patch('seed = "x"\n[stage]\nwidth = 0\ndepth = 0\n', "p")
     for field in ("name", "seed", "stage.width", "stage.depth", "group"):
         assert f": {field}: " in str(error.value)
 
 
-def test_two_groups_of_one_name_are_refused():
+def test_groups_with_the_same_name_are_refused():
     with pytest.raises(PatchError, match="two groups are called 'front'"):
         parse_patch(PATCH.replace('"back"', '"front"'), "p")
 
 
-def test_a_good_patch_has_the_values_written_and_defaults_for_the_rest():
+def test_patch_has_written_values_and_defaults():
     patch = parse_patch(PATCH, "p")
     assert patch.dancer_count == 9
     assert patch.clock.bpm == 120
@@ -89,7 +89,7 @@ def test_a_good_patch_has_the_values_written_and_defaults_for_the_rest():
     assert patch.group[1].choose == "random"
 
 
-def test_the_first_show_is_a_good_patch():
+def test_default_patch_is_valid_and_its_music_exists():
     patch = read_patch(DEFAULT_PATCH)
     assert find_resource(patch.music.file or "", DEFAULT_PATCH) is not None
 
@@ -105,7 +105,7 @@ def test_patches_are_found_by_path_folder_and_name(tmp_path):
         find_patch("nothing")
 
 
-def test_brackets_without_end_and_names_that_no_file_can_have():
+def test_deep_brackets_and_impossible_file_names_are_refused():
     with pytest.raises(PatchError, match="nested too deep"):
         parse_patch("a = " + "[" * 20_000, "p")
     for name in ("x" * 3000, "a\0b"):
@@ -113,7 +113,7 @@ def test_brackets_without_end_and_names_that_no_file_can_have():
             find_patch(name)
 
 
-def test_files_that_are_no_text_or_too_large(tmp_path):
+def test_binary_large_and_missing_files_are_refused(tmp_path):
     (tmp_path / "a.toml").write_bytes(b"name = \xff")
     with pytest.raises(PatchError, match="UTF-8"):
         read_patch(tmp_path / "a.toml")
@@ -124,7 +124,7 @@ def test_files_that_are_no_text_or_too_large(tmp_path):
         read_patch(tmp_path / "c.toml")
 
 
-def test_of_many_problems_only_those_told_are_put_in_words(monkeypatch):
+def test_remedies_are_searched_only_for_reported_problems(monkeypatch):
     asked = []
     monkeypatch.setattr(patch_reader.difflib, "get_close_matches", lambda *words, n: asked.append(words) or [])
     with pytest.raises(PatchError, match="and 4994 more"):  # 5,000, name and group; of eight the words are here

@@ -1,4 +1,4 @@
-"""A patch in a folder: its files are merged in the order of their names, and errors name the right one."""
+"""Patch folders: files are merged in the order of their names, and errors refer to the right file."""
 
 import pytest
 
@@ -21,8 +21,8 @@ measure = 1
 RING = '[[formation]]\nname = "ring"\nshape = "circle"\n'
 
 
-def folder(tmp_path, **files):
-    """A show of MAIN and `files`: text by name, folder and name of a file joined by two underscores."""
+def write_folder(tmp_path, **files):
+    """Writes a show of MAIN and `files`: text by name, folder and file name joined by two underscores."""
     (tmp_path / "show.toml").write_text(files.pop("main", MAIN))
     for name, text in files.items():
         path = tmp_path / f"{name.replace('__', '/')}.toml"
@@ -31,8 +31,8 @@ def folder(tmp_path, **files):
     return tmp_path / "show.toml"
 
 
-def test_tables_of_all_files_come_together_in_the_order_of_their_names(tmp_path):
-    path = folder(
+def test_tables_of_all_files_are_merged_in_name_order(tmp_path):
+    path = write_folder(
         tmp_path,
         formations__b=RING.replace("ring", "late"),
         formations__a=RING,
@@ -49,8 +49,8 @@ def test_tables_of_all_files_come_together_in_the_order_of_their_names(tmp_path)
     assert patch.segment[0].formation == "ring"
 
 
-def test_a_file_with_another_name_stands_alone(tmp_path):
-    folder(tmp_path, score__one="[[element]]\nkind = 3\n")
+def test_patch_file_with_another_name_is_not_merged(tmp_path):
+    write_folder(tmp_path, score__one="[[element]]\nkind = 3\n")
     (tmp_path / "alone.toml").write_text(MAIN)
     assert len(read_patch(tmp_path / "alone.toml").element) == 1
 
@@ -73,14 +73,14 @@ def test_a_file_with_another_name_stands_alone(tmp_path):
         ({"score__a": '[[regroup]]\nmeasure = 2\ndancers = "1"\ngroup = "x"\n'}, "score/a.toml, line 4", "no group is"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_own_file_and_line(tmp_path, files, where, words):
+def test_errors_are_reported_with_their_file_and_line(tmp_path, files, where, words):
     with pytest.raises(PatchError) as error:
-        read_patch(folder(tmp_path, **files))
+        read_patch(write_folder(tmp_path, **files))
     assert f"{tmp_path}/{where}" in str(error.value)
     assert words in str(error.value)
 
 
-def test_what_only_the_show_can_judge_has_its_line_too(tmp_path):
+def test_errors_at_show_start_have_file_and_line(tmp_path):
     cases = {
         '[[segment]]\nmeasure = 2\nformation = "rnig"\n': "score/a.toml, line 1: segment.1",
         '\n[[element]]\nkind = "follow"\nmeasure = 2\nwhom = "99"\n': "score/a.toml, line 2: element.2",
@@ -89,14 +89,14 @@ def test_what_only_the_show_can_judge_has_its_line_too(tmp_path):
     }
     for text, where in cases.items():
         with pytest.raises(PersonError) as error:
-            load_show(folder(tmp_path, score__a=text)).start()
+            load_show(write_folder(tmp_path, score__a=text)).start()
         assert f"{tmp_path}/{where}" in str(error.value)
     with pytest.raises(PersonError, match=r"show.toml, line 7: group.1.steps: group 'all': no step is called 'grove'"):
-        load_show(folder(tmp_path, main=MAIN.replace("groove", "grove"), score__a="")).start()
+        load_show(write_folder(tmp_path, main=MAIN.replace("groove", "grove"), score__a="")).start()
 
 
 def test_too_many_and_too_large_files_are_refused_unread(tmp_path):
-    path = folder(tmp_path)
+    path = write_folder(tmp_path)
     (tmp_path / "score").mkdir()
     for number in range(MAX_FILES):
         (tmp_path / "score" / f"{number}.toml").write_text("")
@@ -116,7 +116,7 @@ def test_too_many_and_too_large_files_are_refused_unread(tmp_path):
         read_patch(path)
 
 
-def test_where_a_key_stands_is_known_for_tables_in_tables():
+def test_key_locations_include_nested_tables():
     first = parse_text('[midi]\ndefaults = true\n[[midi.map]]\nnote = 1\ncontrol = "a"\n', "a", "patch")
     second = parse_text('\n[[group]]\nname = "x"\n[group.motion]\nhead = 1\n', "b", "patch")
     sources = TomlSources([first, second])

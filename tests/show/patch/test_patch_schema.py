@@ -1,5 +1,4 @@
-"""The editor's schema accepts the project's patches and refuses what their reader refuses, judged by a small reader
-of its own of JSON Schema, draft 7."""
+"""The editor's JSON Schema accepts and refuses as the patch reader does, by a small draft 7 validator written here."""
 
 import json
 import re
@@ -25,13 +24,13 @@ KNOWN = {
 }
 
 
-def faults(value, schema=SCHEMA, where="patch"):
-    """What draft 7 finds wrong with a value, where."""
+def schema_errors(value, schema=SCHEMA, where="patch"):
+    """The errors of a value by draft 7, each with its place."""
     assert set(schema) <= KNOWN, schema
     if "$ref" in schema:
-        return faults(value, SCHEMA["definitions"][schema["$ref"].removeprefix("#/definitions/")], where)
-    found = [fault for part in schema.get("allOf", ()) for fault in faults(value, part, where)]
-    if "anyOf" in schema and all(faults(value, part, where) for part in schema["anyOf"]):
+        return schema_errors(value, SCHEMA["definitions"][schema["$ref"].removeprefix("#/definitions/")], where)
+    found = [fault for part in schema.get("allOf", ()) for fault in schema_errors(value, part, where)]
+    if "anyOf" in schema and all(schema_errors(value, part, where) for part in schema["anyOf"]):
         found.append(f"{where}: none of what is possible")
     kind = schema.get("type")
     if kind and not (isinstance(value, KINDS[kind]) and not (isinstance(value, bool) and kind != "boolean")):
@@ -49,16 +48,16 @@ def faults(value, schema=SCHEMA, where="patch"):
         least, most = LENGTHS[type(value)]
         if not schema.get(least, 0) <= len(value) <= schema.get(most, len(value)):
             found.append(f"{where}: too short or too long")
-    return found + contents(value, schema, where)
+    return found + content_errors(value, schema, where)
 
 
-def contents(value, schema, where):
-    """What it finds wrong with what is in a list or table."""
+def content_errors(value, schema, where):
+    """The errors in the items of a list or table."""
     found = []
     if isinstance(value, list):
         items = schema.get("items", {})
         for n, item in enumerate(value):
-            found += faults(item, items[n] if isinstance(items, list) else items, f"{where}.{n + 1}")
+            found += schema_errors(item, items[n] if isinstance(items, list) else items, f"{where}.{n + 1}")
     if isinstance(value, dict):
         found += [f"{where}: {key} is missing" for key in schema.get("required", ()) if key not in value]
         for key, item in value.items():
@@ -66,14 +65,14 @@ def contents(value, schema, where):
             if key not in own and other is False:
                 found.append(f"{where}: {key} is unknown")
             elif key in own or isinstance(other, dict):
-                found += faults(item, own.get(key, other), f"{where}.{key}")
+                found += schema_errors(item, own.get(key, other), f"{where}.{key}")
     return found
 
 
 @pytest.mark.parametrize("path", sorted(PATCHES.glob("*/show.toml")) + sorted(PATCHES.glob("*.toml")), ids=str)
-def test_the_projects_patches_are_good(path):
+def test_project_patches_match_the_schema(path):
     patch, sources = read_sources(path)  # with what the folder beside it adds
-    assert faults(sources.data) == []
+    assert schema_errors(sources.data) == []
     assert patch.group
 
 
@@ -92,11 +91,11 @@ def test_the_projects_patches_are_good(path):
         ('[[group]]\nname = "a"\ndancers = 0\n[group.motion]\nhed = 1', "patch.group.1.motion: hed is unknown"),
     ],
 )
-def test_what_the_reader_refuses_is_underlined(text, fault):
-    assert fault in faults(tomllib.loads(text))
+def test_schema_refuses_values_that_the_reader_refuses(text, fault):
+    assert fault in schema_errors(tomllib.loads(text))
 
 
-def test_every_key_says_what_it_is_for():
+def test_every_schema_key_has_a_description():
     for name, table in (("", SCHEMA), *SCHEMA["definitions"].items()):
         assert table.get("description"), name
         for key, field in table["properties"].items():
@@ -105,7 +104,7 @@ def test_every_key_says_what_it_is_for():
     assert SCHEMA["properties"]["formation"]["items"]["properties"]["shape"]["description"]
 
 
-def test_the_command_prints_it_or_writes_it(tmp_path):
+def test_schema_command_prints_or_writes_the_schema(tmp_path):
     runner = CliRunner()
     printed = runner.invoke(app, ["schema"])
     assert json.loads(printed.stdout) == json.loads(json.dumps(SCHEMA))

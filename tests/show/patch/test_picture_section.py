@@ -1,4 +1,4 @@
-"""`[picture]`: order and start of the passes; `/dance/pass`; what cannot be is refused with its place."""
+"""`[picture]`: order and initial values of the passes, `/dance/pass`, and errors with their line."""
 
 import pytest
 
@@ -7,13 +7,13 @@ from live.base.stage_snapshot import PASSES
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
 from live.show.view.render_scene import make_scene
-from tests.show.desk.desk_show import Hands
+from tests.show.desk.desk_show import DeskSession
 from tests.show.made_show import PATCH
 
 INK = "/dance/pass/ink"
 
 
-def test_what_a_patch_says_of_the_picture_reaches_the_renderer():
+def test_picture_section_sets_passes_and_parameter_row():
     text = (
         PATCH
         + '[picture]\npasses = ["bloom", "shadow"]\n'
@@ -37,14 +37,14 @@ def test_what_a_patch_says_of_the_picture_reaches_the_renderer():
         ('set = {"/dance/pass/ink/colour" = 1}', "3 numbers"),
     ],
 )
-def test_what_cannot_be_is_refused_with_its_line(line, words):
+def test_invalid_picture_key_is_refused_with_its_line(line, words):
     with pytest.raises(PatchError, match=words) as refused:
         parse_patch(PATCH + f"[picture]\n{line}\n", "a.toml")
     assert str(len(PATCH.splitlines()) + 2) in str(refused.value)
 
 
-def test_a_pass_is_switched_faded_undone_and_part_of_a_scene():
-    hands = Hands().run(4)
+def test_pass_is_faded_undone_and_stored_in_scenes():
+    hands = DeskSession().run(4)
     hands.say("/dance/pass", "Ink", 1.0, 1)
     hands.run(2)
     assert hands.value(INK) == pytest.approx(0.5)

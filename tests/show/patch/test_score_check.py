@@ -1,4 +1,4 @@
-"""Scores that cannot be are named before they play: file, line, field, what was read and what would do."""
+"""Invalid scores are refused before they play: file, line, field, found value and remedy."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ ON = '[[cue]]\nname = "on"\nwhen = "beat"\n'
 REACT = '[[react]]\non = "drop"\n'
 IMPROVISE = "[[improvise]]\n"
 FIRST = len(PATCH.split("\n"))
-"""The line on which what is put after PATCH begins."""
+"""The line of the first text after PATCH."""
 
 
 def start(tmp_path: Path, extra: str) -> None:
@@ -248,7 +248,7 @@ BAD = [
 @pytest.mark.parametrize(
     ("extra", "line", "field", "words"), BAD, ids=[f"{field}-{n}" for n, (_, _, field, _) in enumerate(BAD)]
 )
-def test_what_cannot_be_is_named_with_file_line_and_field(tmp_path, extra, line, field, words):
+def test_invalid_score_is_refused_with_line_and_field(tmp_path, extra, line, field, words):
     if words is None:
         start(tmp_path, extra)
         return
@@ -259,14 +259,14 @@ def test_what_cannot_be_is_named_with_file_line_and_field(tmp_path, extra, line,
     assert words in told
 
 
-def test_loop_measures_and_sections_do_not_go_together(tmp_path):
+def test_loop_measures_with_sections_is_refused(tmp_path):
     path = tmp_path / "show.toml"
     path.write_text("loop_measures = 4\n" + PATCH + SECTIONS)
     with pytest.raises(PersonError, match="loop_measures"):
         read_sources(path)
 
 
-def test_the_same_words_elsewhere_are_no_overlap(tmp_path):
+def test_entries_in_different_places_do_not_overlap(tmp_path):
     start(
         tmp_path,
         SECTIONS

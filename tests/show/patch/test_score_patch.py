@@ -1,4 +1,4 @@
-"""The project's patch of sections: from the score to improvisation and back, as its comments say."""
+"""The `score` patch of the project: from the score to improvisation and back, as its comments state."""
 
 from itertools import groupby
 
@@ -9,7 +9,7 @@ from live.show.loader import load_show
 from live.show.patch.patch_search_path import find_patch
 
 
-def test_the_show_passes_from_its_score_to_improvisation_and_back():
+def test_show_switches_from_score_to_improvisation_and_back():
     show = load_show(find_patch("score")).start()
     library, tick = show.graph.library, 0
     sections, asked, danced = [], [], []

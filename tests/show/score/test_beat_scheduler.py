@@ -1,4 +1,4 @@
-"""Everything happens in the order of its beats, with the tick that holds its beat, and lateness is counted."""
+"""BeatScheduler: events fire in beat order at the tick that contains their beat, and lateness is counted."""
 
 import random
 
@@ -10,7 +10,7 @@ def signal(name, source="score"):
     return Signal(time=0.0, source=source, name=name)
 
 
-def test_events_come_in_order_with_the_tick_that_holds_their_beat():
+def test_events_fire_in_order_at_the_tick_of_their_beat():
     chance = random.Random(4)
     beats = [chance.uniform(0.0, 20.0) for _ in range(300)]
     agenda = BeatScheduler()
@@ -27,7 +27,7 @@ def test_events_come_in_order_with_the_tick_that_holds_their_beat():
     assert (agenda.fired, agenda.late_ticks_max, agenda.late, len(agenda)) == (300, 0, 0, 0)
 
 
-def test_those_of_one_beat_keep_their_order():
+def test_events_of_one_beat_keep_their_order():
     agenda = BeatScheduler()
     for name in "abcde":
         agenda.schedule(2.0, signal(name))
@@ -51,7 +51,7 @@ def test_lateness_is_counted_in_ticks():
     assert (agenda.late_ticks_max, agenda.late) == (2, 1)
 
 
-def test_what_is_asked_for_too_late_comes_at_once_and_is_not_late():
+def test_event_scheduled_in_the_past_fires_at_once_without_lateness():
     agenda = BeatScheduler()
     agenda.fire(4.0)
     agenda.schedule(1.0, signal("over"))
@@ -59,7 +59,7 @@ def test_what_is_asked_for_too_late_comes_at_once_and_is_not_late():
     assert agenda.late_ticks_max == 0
 
 
-def test_what_one_source_has_put_is_taken_back():
+def test_events_of_one_source_are_removed_from_a_beat_on():
     agenda = BeatScheduler()
     for beat in range(6):
         agenda.schedule(float(beat), signal(str(beat)))
@@ -70,7 +70,7 @@ def test_what_one_source_has_put_is_taken_back():
     ]  # fmt: skip
 
 
-def test_there_is_a_bound():
+def test_events_beyond_capacity_are_dropped_and_counted():
     agenda = BeatScheduler()
     for _ in range(MAX_WAITING + 3):
         agenda.schedule(1.0, signal("x"))

@@ -1,4 +1,4 @@
-"""Improvisation: chance that is seeded, weights, limits, rules, call and response, and the way back to the score."""
+"""Improvisation: seeded choice, weights, limits, rules, call and response, and the return to the score."""
 
 from itertools import groupby
 
@@ -20,8 +20,8 @@ STEPS = {name: LIBRARY.steps.index(name) for name in ("sway", "glide", "spin", "
 OWN = [STEPS["sway"], STEPS["glide"], STEPS["spin"]]
 
 
-class Stage:
-    """Improvisers of the two groups of PATCH without a show: what each is told, measure after measure."""
+class ImproviserPair:
+    """Improvisers of the two groups of PATCH without a show: what each chooses, measure by measure."""
 
     def __init__(self, extra, seed=3):
         from live.show.patch.patch_reader import parse_patch
@@ -42,7 +42,7 @@ class Stage:
         self.measure = -1
 
     def dance(self, measures):
-        """(step, how far within it) of both groups in the next measures; steps by name."""
+        """(step name, measure within the step) of both groups in the next measures."""
         danced = [[], []]
         for _ in range(measures):
             self.measure += 1
@@ -55,57 +55,59 @@ class Stage:
         return danced
 
 
-def runs(danced):
-    """How often in a row each step is begun."""
+def run_lengths(danced):
+    """The lengths of runs in which the same step begins again."""
     begun = [step for step, into in danced if into == 0]
     return [len(list(same)) for _, same in groupby(begun)]
 
 
-def test_the_same_seed_gives_the_same_dance_and_another_one_another():
+def test_same_seed_repeats_the_steps_and_another_differs():
     table = '[[improvise]]\ngroup = "front"\n'
-    one, other = Stage(table).dance(64)[0], Stage(table).dance(64)[0]
+    one, other = ImproviserPair(table).dance(64)[0], ImproviserPair(table).dance(64)[0]
     assert one == other
-    assert Stage(table, seed=4).dance(64)[0] != one
+    assert ImproviserPair(table, seed=4).dance(64)[0] != one
 
 
 @pytest.mark.parametrize(("at_least", "most"), [(1, 1), (1, 2), (2, 2), (2, 3)])
-def test_no_step_comes_more_often_in_a_row_than_the_limits_allow(at_least, most):
+def test_step_repetitions_stay_within_the_limits(at_least, most):
     steps = "steps = {sway = 8, glide = 1, phrase = 1}"
-    stage = Stage(f'[[improvise]]\ngroup = "front"\n{steps}\nat_least = {at_least}\nmost = {most}\n')
-    found = runs(stage.dance(600)[0])
+    stage = ImproviserPair(f'[[improvise]]\ngroup = "front"\n{steps}\nat_least = {at_least}\nmost = {most}\n')
+    found = run_lengths(stage.dance(600)[0])
     assert max(found) == most
     assert min(found[:-1]) == at_least
 
 
-def test_steps_of_several_measures_are_danced_whole():
-    danced = Stage('[[improvise]]\ngroup = "front"\nsteps = {phrase = 1, sway = 1}\n').dance(200)[0]
+def test_steps_of_several_measures_are_completed():
+    danced = ImproviserPair('[[improvise]]\ngroup = "front"\nsteps = {phrase = 1, sway = 1}\n').dance(200)[0]
     intos = [into for step, into in danced if step == "phrase"]
     assert intos[: len(intos) // 2 * 2] == [0, 1] * (len(intos) // 2)
 
 
-def test_steps_come_as_often_as_their_weights_say():
-    """With most = 1000 draws are independent: shares within four standard deviations."""
-    danced = Stage('[[improvise]]\ngroup = "front"\nsteps = {sway = 3, glide = 1}\nmost = 1000\n').dance(2000)[0]
+def test_step_frequencies_match_their_weights():
+    """With most = 1000 draws are independent: frequencies within four standard deviations."""
+    danced = ImproviserPair('[[improvise]]\ngroup = "front"\nsteps = {sway = 3, glide = 1}\nmost = 1000\n').dance(2000)[
+        0
+    ]
     share = sum(step == "sway" for step, _ in danced) / 2000
     assert abs(share - 0.75) < 4.0 * (0.75 * 0.25 / 2000) ** 0.5
 
 
-def test_the_music_favours_and_forbids():
-    stage = Stage(
+def test_music_rules_favor_and_forbid_steps():
+    stage = ImproviserPair(
         '[[improvise]]\ngroup = "front"\nsteps = {sway = 1, glide = 1, spin = 1}\nmost = 2\n'
         '[[improvise.rule]]\nof = "energy"\nabove = 0.7\nfavours = {sway = 0}\n'
         '[[improvise.rule]]\nof = "energy"\nbelow = 0.3\nfavours = {spin = 0, glide = 0}\n'
     )
     assert {step for step, _ in stage.dance(60)[0]} == {"sway", "glide", "spin"}
-    hear(stage.mood, 1.0)
+    set_loudness(stage.mood, 1.0)
     assert {step for step, _ in stage.dance(60)[0][3:]} == {"glide", "spin"}
-    hear(stage.mood, 0.0)
+    set_loudness(stage.mood, 0.0)
     quiet = [step for step, _ in stage.dance(60)[0]]
     assert quiet.count("sway") >= 39  # the limit counts more than the rule: two of three
-    assert max(runs([(step, 0) for step in quiet])) == 2
+    assert max(run_lengths([(step, 0) for step in quiet])) == 2
 
 
-def hear(mood, loud):
+def set_loudness(mood, loud):
     for _ in range(60):
         mood.update(
             MusicHeard(
@@ -115,8 +117,8 @@ def hear(mood, loud):
         )  # fmt: skip
 
 
-def test_a_group_answers_what_the_other_has_danced():
-    front, back = Stage(
+def test_group_answers_with_the_steps_of_its_caller():
+    front, back = ImproviserPair(
         '[[improvise]]\ngroup = "front"\n[[improvise]]\ngroup = "back"\n'
         'answers = "front"\nphrase = 4\nlistening = "sway"\n'
     ).dance(64)
@@ -126,8 +128,8 @@ def test_a_group_answers_what_the_other_has_danced():
         assert back[answers] == front[calls]
 
 
-def test_a_group_answers_with_what_the_other_has_not_danced():
-    front, back = Stage(
+def test_group_answers_with_steps_its_caller_left_out():
+    front, back = ImproviserPair(
         '[[improvise]]\ngroup = "front"\nmost = 2\n'
         '[[improvise]]\ngroup = "back"\nanswers = "front"\nanswer = "other"\nphrase = 2\nmost = 1000\n'
     ).dance(80)
@@ -136,15 +138,15 @@ def test_a_group_answers_with_what_the_other_has_not_danced():
         assert not called & {step for step, _ in back[2 * phrase + 2 : 2 * phrase + 4]}
 
 
-def test_every_turn_of_a_section_is_improvised_anew_and_for_each_group():
-    stage = Stage('[[section]]\nname = "solo"\nmeasures = 16\nwait = true\n[[improvise]]\nsection = "solo"\n')
+def test_every_pass_of_a_section_differs_for_each_group():
+    stage = ImproviserPair('[[section]]\nname = "solo"\nmeasures = 16\nwait = true\n[[improvise]]\nsection = "solo"\n')
     front, back = stage.dance(64)
     turns = [tuple(front[turn : turn + 16]) for turn in range(0, 64, 16)]
     assert len(set(turns)) == 4
     assert front != back
 
 
-def test_limits_that_cannot_be_kept_and_unknown_names_are_named():
+def test_impossible_limits_and_unknown_names_are_refused():
     for table, words in (
         ("steps = {sway = 1}", "more than 2 times in a row"),
         ("steps = {moonwalk = 1}", "no step is called 'moonwalk'"),
@@ -155,7 +157,7 @@ def test_limits_that_cannot_be_kept_and_unknown_names_are_named():
         assert words in str(caught.value)
 
 
-def test_a_show_passes_from_its_score_to_improvisation_and_back_at_any_measure():
+def test_show_switches_from_score_to_improvisation_and_back_by_event():
     score = (
         '[[sequence]]\nmeasures = 64\nsteps = ["sway"]\n[[improvise]]\nmeasure = 65\nsteps = {glide = 1, spin = 1}\n'
     )
@@ -170,7 +172,7 @@ def test_a_show_passes_from_its_score_to_improvisation_and_back_at_any_measure()
     assert len(danced) > 9
 
 
-def test_two_shows_improvise_alike_and_their_motion_too():
+def test_two_shows_improvise_identical_steps_and_motion():
     extra = (
         '[[improvise]]\nphrase = 2\nmotion = [{weight = 1, call = "/dance/formation", values = ["circle", 1]},'
         ' {call = "/dance/attract", values = [2, 1, 1, 1]}, {weight = 1}]\n'

@@ -1,4 +1,4 @@
-"""/dance/sequence: what a group dances is changed while it dances, or refused with the reason."""
+"""/dance/sequence: a group's steps are changed live, or the event is refused with its reason."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ STAMP = {"time": 0.0, "source": "test"}
 
 
 def dance(show, measures, first_tick=1):
-    """Names danced by each group, measure by measure, and the tick reached."""
+    """The steps of each group, measure by measure, and the tick reached."""
     library, danced, tick = show.graph.library, [], first_tick
     while len(danced) < measures:
         if show.tick(tick * TICK):
@@ -25,7 +25,7 @@ def dance(show, measures, first_tick=1):
     return danced, tick
 
 
-def test_one_group_changes_and_the_other_goes_on():
+def test_live_sequence_changes_one_group_only():
     show, other = made_show(), made_show()
     before, tick = dance(show, 3)
     assert show.apply(events.SetSequence(steps="spin, glide x2", group="FRONT", **STAMP))
@@ -37,7 +37,7 @@ def test_one_group_changes_and_the_other_goes_on():
     assert [back for _, back in before + after] == [back for _, back in expected]
 
 
-def test_clear_brings_the_patchs_steps_back():
+def test_clear_restores_the_steps_of_the_patch():
     show = made_show()
     _, tick = dance(show, 2)
     show.apply(events.SetSequence(steps="sway", group="front", **STAMP))
@@ -48,7 +48,7 @@ def test_clear_brings_the_patchs_steps_back():
     assert {"glide", "spin"} <= {name for front, _ in later for name in front}
 
 
-def test_a_star_lets_way_and_heading_choose():
+def test_star_entry_allows_any_step():
     show = made_show()
     assert show.apply(events.SetSequence(steps="spin, *", group="front", **STAMP))
     danced, _ = dance(show, 10)
@@ -56,7 +56,7 @@ def test_a_star_lets_way_and_heading_choose():
     assert len(places) >= 4
 
 
-def test_a_step_that_is_not_there_is_refused_with_its_nearest_name():
+def test_unknown_step_is_refused_with_nearest_name():
     show = made_show()
     assert not show.apply(events.SetSequence(steps="sway, glyde", **STAMP))
     assert "glide" in show.refusals.last_reason
@@ -65,8 +65,8 @@ def test_a_step_that_is_not_there_is_refused_with_its_nearest_name():
     assert show.refusals.count == 2
 
 
-def test_what_cannot_be_joined_is_refused_and_the_dance_goes_on():
-    """A spin that ends in a pose from which no sway begins: sway after spin is not danced, nor half danced."""
+def test_sequence_without_transition_is_refused_and_dance_continues():
+    """A spin ends in a pose from which no sway begins: a sequence of spin and sway is refused as a whole."""
     steps = [
         replace(made_clip("sway"), begin_pose="low", end_pose="low"),
         replace(made_clip("sway"), begin_pose="low", end_pose="high"),

@@ -1,4 +1,4 @@
-"""What the music that is heard changes: followed values, calls at the measure line, and what a patch may say."""
+"""Reactions to detected music: followed values, calls at the measure line, and validation of the patch."""
 
 from itertools import pairwise
 
@@ -45,7 +45,7 @@ def notes(time: float, *, beats: float = 0.125, **figures: float) -> NotesHeard:
     return NotesHeard(time=time, source="midi", beats=beats, **said)  # type: ignore[arg-type]
 
 
-def test_notes_move_what_follows_them_and_music_does_not() -> None:
+def test_notes_and_music_drive_their_own_parameters_only() -> None:
     heard = reactions(
         '[[react]]\nto = "chord"\nsets = "larger"\nlow = 0.0\nhigh = 0.4\nbeats = 4\n'
         '[[react]]\nto = "note_energy"\nsets = "/dance/light/rim"\nbeats = 0\n'
@@ -63,7 +63,7 @@ def test_notes_move_what_follows_them_and_music_does_not() -> None:
     assert (head.parameter, head.value) == ("head", 0.25)
 
 
-def test_notes_are_the_mood_of_who_improvises_and_of_the_light() -> None:
+def test_notes_set_the_mood_of_improvisation_and_light() -> None:
     show = made_show()
     mood = show.score_runner.mood
     assert (mood.value("energy"), mood.value("note_energy"), mood.value("chord")) == (0.5, 0.0, 0.0)
@@ -78,13 +78,13 @@ def test_notes_are_the_mood_of_who_improvises_and_of_the_light() -> None:
     assert show.desk.energy > before
 
 
-def test_elements_that_begin_take_a_strength() -> None:
+def test_strength_of_new_elements_follows_density() -> None:
     heard = reactions('[[react]]\nto = "density"\nsets = "strength"\nlow = 0.0\nhigh = 2.0\nbeats = 0\n')
     assert heard.handle_music(beat(0.0)) == []
     assert heard.strength == pytest.approx(1.0)
 
 
-def test_a_drop_calls_a_step_at_the_next_measure_line_and_once() -> None:
+def test_drop_calls_a_step_once_at_next_measure_line() -> None:
     heard = reactions('[[react]]\non = "drop"\ncall = "/dance/step"\nvalues = ["sway", 2]\n')
     assert heard.cross_measure_line(0.0) == []
     assert heard.handle_music(beat(1.0, drop=True)) == []
@@ -96,7 +96,7 @@ def test_a_drop_calls_a_step_at_the_next_measure_line_and_once() -> None:
     assert heard.facts()["drops"] == 1
 
 
-def test_a_build_up_is_told_once_when_it_begins() -> None:
+def test_build_up_triggers_one_call_when_it_begins() -> None:
     heard = reactions('[[react]]\non = "build"\ncall = "/dance/spread"\n')
     called = 0
     for n, build in enumerate([0.0, 0.6, 0.9, 0.45, 0.7, 0.1, 0.0, 0.8]):
@@ -117,7 +117,7 @@ def test_a_build_up_is_told_once_when_it_begins() -> None:
         ('to = "volume"\nsets = "larger"\n', "react.1.to"),
     ],
 )
-def test_what_a_patch_may_not_say(table: str, why: str) -> None:
+def test_invalid_reaction_is_refused_with_line(table: str, why: str) -> None:
     with pytest.raises(PersonError) as caught:
         reactions("[[react]]\n" + table)
     assert "show.toml, line " in str(caught.value)
@@ -146,6 +146,6 @@ def test_light_follows_the_music_smoothly_from_beat_to_beat() -> None:
         ('sets = "/dance/light/rim"\ngroup = "front"', "belong to no group"),
     ],
 )
-def test_light_that_cannot_follow_is_named(line: str, words: str) -> None:
+def test_invalid_light_reaction_is_refused_with_reason(line: str, words: str) -> None:
     with pytest.raises(PersonError, match=words):
         made_show(f'[[react]]\nto = "loudness"\n{line}\n')

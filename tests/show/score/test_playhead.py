@@ -1,4 +1,4 @@
-"""Where a score is in every measure: sections that repeat, wait, jump, are held and practised."""
+"""Playhead: position in every measure, with sections that repeat, wait, jump, are held or practiced."""
 
 import itertools
 import random
@@ -15,8 +15,8 @@ SONG = (
 )
 
 
-def danced(playhead, count):
-    """(section, measure) of the next measures, which begin one after the other."""
+def play_measures(playhead, count):
+    """(section, measure) of the next `count` measures, begun one after another."""
     found = []
     for _ in range(count):
         playhead.begin_measure(playhead.measure + 1)
@@ -25,29 +25,29 @@ def danced(playhead, count):
     return found
 
 
-def test_one_stretch_without_sections_is_the_measure_modulo_its_length():
+def test_position_without_sections_is_measure_modulo_length():
     playhead = Playhead([SectionTiming("", 5, 1, 0)])
-    assert danced(playhead, 17) == [(0, measure % 5) for measure in range(17)]
+    assert play_measures(playhead, 17) == [(0, measure % 5) for measure in range(17)]
     assert playhead.place(16).turn == 3
     endless = Playhead([SectionTiming("", None, 1, 0)])
-    assert danced(endless, 9) == [(0, measure) for measure in range(9)]
+    assert play_measures(endless, 9) == [(0, measure) for measure in range(9)]
 
 
-def test_sections_repeat_wait_for_somebody_and_end():
+def test_sections_repeat_wait_for_advance_and_end():
     playhead = Playhead(SONG)
     verse = [(1, 0), (1, 1), (1, 2)]
-    assert danced(playhead, 8) == [(0, 0), (0, 1), *verse, *verse]
-    assert danced(playhead, 7) == [(2, 0), (2, 1), (2, 0), (2, 1), (2, 0), (2, 1), (2, 0)]
+    assert play_measures(playhead, 8) == [(0, 0), (0, 1), *verse, *verse]
+    assert play_measures(playhead, 7) == [(2, 0), (2, 1), (2, 0), (2, 1), (2, 0), (2, 1), (2, 0)]
     assert playhead.waiting
     playhead.advance()
     assert not playhead.waiting
-    assert danced(playhead, 4) == [(2, 1), (3, 0), (END, 0), (END, 1)]
+    assert play_measures(playhead, 4) == [(2, 1), (3, 0), (END, 0), (END, 1)]
     assert not playhead.entered(playhead.measure)
     playhead.advance()
-    assert danced(playhead, 2) == [(0, 0), (0, 1)]
+    assert play_measures(playhead, 2) == [(0, 0), (0, 1)]
 
 
-def test_before_the_first_downbeat_there_is_no_section():
+def test_no_section_plays_before_first_downbeat():
     playhead = Playhead(SONG)
     playhead.begin_measure(-2)
     assert playhead.place(-2) == Place(END, -2)
@@ -59,28 +59,28 @@ def test_before_the_first_downbeat_there_is_no_section():
     assert playhead.place(0) == Place(2, 0, 0)
 
 
-def test_a_jump_acts_at_the_next_line_or_at_the_end_of_the_pass_and_once():
+def test_jump_acts_once_at_measure_or_section_end():
     playhead = Playhead(SONG)
-    danced(playhead, 4)
+    play_measures(playhead, 4)
     playhead.jump(0, 1)
     assert playhead.place(4) == Place(0, 1, 1)
     assert playhead.jumped(4)
-    assert danced(playhead, 3) == [(0, 1), (1, 0), (1, 1)]
+    assert play_measures(playhead, 3) == [(0, 1), (1, 0), (1, 1)]
     assert playhead.place(playhead.measure).turn == 1
     playhead.jump(3, when="section")
-    assert danced(playhead, 3) == [(1, 2), (3, 0), (END, 0)]
+    assert play_measures(playhead, 3) == [(1, 2), (3, 0), (END, 0)]
 
 
-def test_the_section_that_is_left_at_once_gives_way_to_what_follows_it():
+def test_advance_by_measure_enters_following_section():
     playhead = Playhead(SONG)
-    danced(playhead, 3)
+    play_measures(playhead, 3)
     playhead.advance("measure")
-    assert danced(playhead, 2) == [(2, 0), (2, 1)]
+    assert play_measures(playhead, 2) == [(2, 0), (2, 1)]
 
 
-def test_what_is_held_begins_nothing_again():
+def test_held_measure_repeats_without_new_entries():
     playhead = Playhead(SONG)
-    danced(playhead, 2)
+    play_measures(playhead, 2)
     playhead.hold(True)
     for _ in range(3):
         playhead.begin_measure(playhead.measure + 1)
@@ -88,40 +88,40 @@ def test_what_is_held_begins_nothing_again():
         assert not playhead.entered(playhead.measure)
     playhead.hold(False)
     assert playhead.entered(playhead.measure + 1)
-    assert danced(playhead, 1) == [(1, 0)]
+    assert play_measures(playhead, 1) == [(1, 0)]
 
 
-def test_practice_is_over_written_measures_and_takes_no_repeats():
+def test_practice_loops_written_measures_without_repeats():
     playhead = Playhead(SONG)
-    danced(playhead, 1)
+    play_measures(playhead, 1)
     playhead.loop((3, 6))
-    assert danced(playhead, 9) == [*[(1, 1), (1, 2), (2, 0), (2, 1)] * 2, (1, 1)]
+    assert play_measures(playhead, 9) == [*[(1, 1), (1, 2), (2, 0), (2, 1)] * 2, (1, 1)]
     playhead.loop(None)
-    assert danced(playhead, 4) == [(1, 2), (2, 0), (2, 1), (2, 0)] or playhead.passes > 1
+    assert play_measures(playhead, 4) == [(1, 2), (2, 0), (2, 1), (2, 0)] or playhead.passes > 1
     with pytest.raises(ValueError, match="has no measure 9"):
         playhead.loop((2, 8))
     with pytest.raises(ValueError, match="comes last"):
         playhead.loop((3, 2))
 
 
-def test_a_place_that_is_not_there_is_refused_and_changes_nothing():
+def test_jump_to_unknown_position_is_refused_without_effect():
     playhead = Playhead(SONG)
-    danced(playhead, 2)
+    play_measures(playhead, 2)
     for section, measure in ((4, 0), (-1, 0), (0, 2), (1, -1)):
         with pytest.raises(ValueError, match="no "):
             playhead.jump(section, measure)
-    assert danced(playhead, 1) == [(1, 0)]
+    assert play_measures(playhead, 1) == [(1, 0)]
 
 
-def test_written_measures_and_places_are_one_to_one():
+def test_written_measures_map_one_to_one_to_positions():
     playhead = Playhead(SONG)
     assert playhead.length == 8
     assert [playhead.written_measure(playhead.place_of_written(measure)) for measure in range(8)] == list(range(8))
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_what_is_foreseen_is_what_comes_unless_somebody_asks(seed):
-    """The prediction against the playing itself, and every section's turns counted by hand."""
+def test_predicted_positions_match_played_positions(seed):
+    """Predictions against actual playback, and every section's passes counted independently."""
     chance = random.Random(seed)
     playhead = Playhead(SONG)
     begun = dict.fromkeys(range(len(SONG)), 0)
@@ -146,7 +146,7 @@ def test_what_is_foreseen_is_what_comes_unless_somebody_asks(seed):
                 begun[now.section] += 1
 
 
-def test_the_last_measures_are_remembered():
+def test_recent_measures_are_remembered():
     playhead = Playhead(SONG)
     seen = {}
     for measure in itertools.chain(range(6)):
@@ -155,7 +155,7 @@ def test_the_last_measures_are_remembered():
     assert [playhead.place(measure) for measure in (3, 4, 5)] == [seen[3], seen[4], seen[5]]
 
 
-def test_an_edited_score_goes_on_where_it_is_by_the_sections_names():
+def test_edited_score_continues_by_section_name():
     playhead = Playhead([SectionTiming("a", 4, 1, 1), SectionTiming("b", 4, 1, 0)])
     for measure in range(7):
         playhead.begin_measure(measure)
@@ -170,7 +170,7 @@ def test_an_edited_score_goes_on_where_it_is_by_the_sections_names():
     assert [playhead.place(n) for n in (6, 7, 8)] == [Place(0, 0), Place(0, 1), Place(0, 0, 1)]
 
 
-def test_a_section_that_is_gone_leaves_the_score_in_the_same_written_measure():
+def test_removed_section_keeps_the_written_measure():
     playhead = Playhead([SectionTiming("", None)])
     for measure in range(6):
         playhead.begin_measure(measure)

@@ -1,4 +1,4 @@
-"""Signals, calls at beats and jumps in a running show: what happens, and with which tick."""
+"""Signals, calls at beats and jumps in a running show: their effects and ticks."""
 
 import pytest
 
@@ -12,7 +12,7 @@ from tests.show.made_show import PATCH, made_show
 
 
 def run(show, seconds, *, at=None, seen=None):
-    """Tick on; `at`: events by tick; `seen(tick)` after every tick."""
+    """Runs ticks; `at`: events by tick; `seen(tick)` is called after every tick."""
     first = round(show.time / TICK) + 1
     for tick in range(first, first + round(64 * seconds)):
         if at and tick in at:
@@ -23,35 +23,35 @@ def run(show, seconds, *, at=None, seen=None):
     return show
 
 
-def heard(show, monkeypatch):
-    """The ticks with which events act, as (tick, event), from the score and whatever reacts."""
+def record_events(show, monkeypatch):
+    """Records the applied events as (tick, event), including those of the score and of reactions."""
     acted = []
     act = show._handle
     monkeypatch.setattr(show, "_handle", lambda event: (acted.append((round(show.time / TICK), event)), act(event))[1])
     return acted
 
 
-def test_calls_happen_with_the_tick_that_holds_their_beat(monkeypatch):
+def test_calls_act_at_the_tick_of_their_beat(monkeypatch):
     """At 120 bpm a beat is 32 ticks, and the measure 128."""
     calls = "".join(
         f'[[at]]\nmeasure = {measure}\nbeat = {beat}\ncall = "/dance/motion/larger"\nvalues = [0.1]\n'
         for measure, beat in ((2, 1.0), (2, 2.5), (2, 4.99), (3, 1.0))
     )
     show = made_show(calls)
-    acted = heard(show, monkeypatch)
+    acted = record_events(show, monkeypatch)
     run(show, 6)
     assert [tick for tick, event in acted if isinstance(event, events.SetMotion)] == [128, 176, 256, 256]
     figures = show.score_runner.beat_scheduler.counters()
     assert (figures["fired"], figures["late_ticks_max"], figures["waiting"]) == (4, 0, 0)
 
 
-def test_a_signal_of_the_score_calls_what_reacts_to_it_at_once_at_the_beat_or_at_the_line(monkeypatch):
+def test_score_signal_triggers_reactions_now_at_beat_or_measure(monkeypatch):
     reacts = "".join(
         f'[[react]]\non = "Hit"\nwhen = "{when}"\ncall = "/dance/attract"\nvalues = [{n}, 0]\n'
         for n, when in enumerate(("now", "beat", "measure"))
     )
     show = made_show('[[signal]]\nname = "hit"\nmeasure = 1\nbeat = 2.5\n' + reacts)
-    acted = heard(show, monkeypatch)
+    acted = record_events(show, monkeypatch)
     run(show, 3)
     assert [(tick, event.x) for tick, event in acted if isinstance(event, events.Attract)] == [
         (48, 0.0), (64, 1.0), (128, 2.0),
@@ -59,7 +59,7 @@ def test_a_signal_of_the_score_calls_what_reacts_to_it_at_once_at_the_beat_or_at
     assert show.score_runner.signals == {"hit": 1}
 
 
-def test_signals_come_by_hand_from_the_score_and_from_what_is_heard():
+def test_signals_come_from_operator_score_and_music():
     show = made_show(
         '[[signal]]\nname = "big"\non = "loud"\nlevel = 0.8\n[[at]]\nmeasure = 1\nbeat = 3.0\nsignal = "big"\n'
         '[[react]]\non = "big"\nwhen = "now"\ncall = "/dance/spread"\n'
@@ -79,7 +79,7 @@ def test_signals_come_by_hand_from_the_score_and_from_what_is_heard():
     assert show.score_runner.beat_scheduler.fired == 1 + 4
 
 
-def test_a_signal_that_nobody_knows_is_refused_and_counted():
+def test_unknown_signal_is_refused_and_counted():
     show = made_show()
     assert not show.apply(events.Signal(time=0.0, source="osc", name="hit"))
     assert show.refusals.count == 1
@@ -87,7 +87,7 @@ def test_a_signal_that_nobody_knows_is_refused_and_counted():
     assert show.apply(events.Signal(time=0.0, source="osc", name="drop"))
 
 
-def test_a_signal_may_move_the_score():
+def test_signal_reaction_jumps_to_another_section():
     show = made_show(
         '[[section]]\nname = "a"\nmeasures = 4\n[[section]]\nname = "b"\nmeasures = 2\nthen = "end"\n'
         '[[at]]\nsection = "a"\nmeasure = 2\nbeat = 2.0\nsignal = "now"\n'
@@ -98,7 +98,7 @@ def test_a_signal_may_move_the_score():
     assert list(places.values()) == ["a", "a", "b", "b", None, None]
 
 
-def test_what_the_score_has_elsewhere_ends_with_a_jump_and_what_hands_placed_stays():
+def test_jump_ends_score_elements_and_keeps_live_elements():
     show = made_show(
         '[[section]]\nname = "a"\nmeasures = 8\n[[section]]\nname = "b"\nmeasures = 8\n'
         '[[element]]\nkind = "spread"\nsection = "a"\nmeasure = 2\nmeasures = 6\n'
@@ -114,8 +114,8 @@ def test_what_the_score_has_elsewhere_ends_with_a_jump_and_what_hands_placed_sta
 
 
 @pytest.mark.parametrize("beat", [4.2, 6.1, 6.6, 7.6])
-def test_a_jump_takes_back_what_was_put_there_for_the_coming_measure(beat):
-    """Elements and segments of measure 3 of `a` are there from beat 6.25 on; the jump to `b` takes them back."""
+def test_jump_removes_entries_placed_for_next_measure(beat):
+    """Elements and segments of measure 3 of `a` exist from beat 6.25 on; the jump to `b` removes them."""
     show = made_show(
         '[[section]]\nname = "a"\nmeasures = 8\n[[section]]\nname = "b"\nmeasures = 8\n'
         '[[element]]\nkind = "spread"\nsection = "a"\nmeasure = 3\nmeasures = 6\n'
@@ -128,7 +128,7 @@ def test_a_jump_takes_back_what_was_put_there_for_the_coming_measure(beat):
     assert [motion.intention.formation for motion in show.motion.evolutions._plan.motions] == ["circle"]
 
 
-def test_jumps_to_nowhere_are_refused_and_the_show_is_left_as_it_was():
+def test_invalid_jumps_are_refused_without_effect():
     show, plain = made_show(), made_show()
     for event in (
         events.JumpTo(time=0.0, source="osc", section="coda"),
@@ -145,7 +145,7 @@ def test_jumps_to_nowhere_are_refused_and_the_show_is_left_as_it_was():
     assert show.state_hash() == plain.state_hash()
 
 
-def test_practice_comes_again_and_again_and_ends():
+def test_practice_loops_until_it_is_ended():
     show = made_show("loop_measures = 8\n", top=True)
     at = {
         10: lambda time: events.Practice(time=time, source="osc", first=3, last=4),
@@ -161,8 +161,8 @@ def test_practice_comes_again_and_again_and_ends():
     assert list(places.values()) == [1, 3, 4, 3, 4, 3, 4, 5]
 
 
-def test_signals_that_call_each_other_for_ever_stop_no_show():
-    """Named at load where the patch says so; here a hand makes it so: the agenda takes only so many in a tick."""
+def test_endless_signals_are_limited_per_tick():
+    """A patch loop is reported at load; here events create one: the scheduler fires a bounded number per tick."""
     from live.show.patch.patch_reader import parse_patch
 
     patch = parse_patch(PATCH, "x")
@@ -174,7 +174,7 @@ def test_signals_that_call_each_other_for_ever_stop_no_show():
         prompter.section_index("x")
 
 
-def test_the_overlay_says_where_the_score_is_and_what_it_waits_for():
+def test_overlay_shows_score_position_and_waiting():
     assert made_show().score_runner.status_lines() == ()
     show = made_show(
         '[[section]]\nname = "a"\nmeasures = 2\nrepeat = 2\n[[section]]\nname = "b"\nmeasures = 2\nwait = true\n'

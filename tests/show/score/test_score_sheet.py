@@ -1,4 +1,4 @@
-"""The drawn score: every measure of every section once, with what it has; as words, picture and JSON."""
+"""Score sheet: every measure of every section once, with its entries, as text, picture and JSON."""
 
 import json
 import xml.etree.ElementTree as ElementTree
@@ -21,7 +21,7 @@ SCORE = (
 )
 
 
-def test_everything_stands_where_it_is_written():
+def test_entries_appear_in_their_written_measures():
     sheet = build_sheet(made_show(SCORE))
     tracks = {track.name: [(box.first, box.last, box.label, box.kind) for box in track.boxes] for track in sheet.tracks}
     assert sheet.measures == 6
@@ -35,7 +35,7 @@ def test_everything_stands_where_it_is_written():
         assert [measure for first, last, _, _ in boxes for measure in range(first, last + 1)] == list(range(6))
 
 
-def test_the_picture_has_every_box_in_its_measure():
+def test_picture_contains_every_box_in_its_measure():
     sheet = build_sheet(made_show(SCORE))
     picture = ElementTree.fromstring(score_picture(sheet, ["#ff8800", "#0088ff"], per_row=4))
     name = "{http://www.w3.org/2000/svg}"
@@ -46,13 +46,13 @@ def test_the_picture_has_every_box_in_its_measure():
             assert told.count(f"{box.label}: {box.first + 1} to {box.last + 1}") >= rows
 
 
-def test_a_score_without_measures_is_the_groups_own_steps():
+def test_score_without_measures_lists_group_steps():
     lines = describe_sheet(build_sheet(made_show()))
     assert lines[0] == "test: measures 1 to 16"
     assert any("(sway)" in line for line in lines)
 
 
-def test_the_command_prints_draws_and_tells_what_is_wrong(tmp_path):
+def test_score_command_writes_json_and_svg_and_refuses_png(tmp_path):
     out = tmp_path / "score.svg"
     result = CliRunner().invoke(app, ["score", "score", "--svg", str(out), "--json"])
     assert result.exit_code == 0, result.output

@@ -1,4 +1,4 @@
-"""What the score has for a group's steps: in its measures, back to the group's own, at jumps, and what is refused."""
+"""Step sequences of the score: their measures, the return to the group's steps, jumps, and refusals."""
 
 import pytest
 
@@ -9,7 +9,7 @@ from tests.show.made_show import made_show
 
 
 def steps_of(show, seconds, group=0, *, does=None):
-    """The step that (nearly) all dancers of a group dance in each measure; `does` by tick."""
+    """The step that most dancers of a group dance in each measure; `does`: events by tick."""
     library, danced = show.graph.library, []
     for tick in range(1, round(64 * seconds)):
         if does and tick in does:
@@ -20,13 +20,13 @@ def steps_of(show, seconds, group=0, *, does=None):
     return danced
 
 
-def test_a_sequence_holds_in_its_measures_and_the_groups_own_steps_go_on_where_they_were():
+def test_sequence_holds_in_its_measures_and_group_steps_resume():
     show = made_show('[[sequence]]\ngroup = "front"\nmeasure = 3\nsteps = ["spin x2", "phrase"]\n')
     own = ["sway", "glide", "glide", "spin", "phrase", "phrase"]
     assert steps_of(show, 24) == [*own[:2], "spin", "spin", "phrase", "phrase", *own[2:], *own[:2]]
 
 
-def test_a_sequence_of_a_section_comes_with_each_of_its_passes():
+def test_section_sequence_repeats_in_every_pass():
     show = made_show(
         '[[section]]\nname = "a"\nmeasures = 2\nrepeat = 2\n[[section]]\nname = "b"\nmeasures = 1\n'
         '[[sequence]]\nsection = "a"\nmeasure = 2\nsteps = ["spin"]\n'
@@ -37,13 +37,13 @@ def test_a_sequence_of_a_section_comes_with_each_of_its_passes():
     assert [danced[measure] for measure in (4, 9)] == ["sway"] * 2
 
 
-def test_a_longer_span_dances_its_steps_again_and_again():
+def test_longer_span_repeats_its_steps():
     table = '[[sequence]]\nmeasures = 6\nsteps = ["glide", "spin"]\n'
     for group in (0, 1):
         assert steps_of(made_show(table), 12, group)[:6] == ["glide", "spin"] * 3
 
 
-def test_a_call_comes_before_the_score():
+def test_called_step_overrides_the_score():
     show = made_show('[[sequence]]\nmeasures = 8\nsteps = ["sway"]\n')
     call = {64: lambda time: events.CallStep(time=time, source="osc", name="spin", measures=2.0)}
     assert steps_of(show, 15, does=call)[:5] == ["sway", "spin", "spin", "sway", "sway"]
@@ -58,14 +58,14 @@ SECTIONS = (
 
 @pytest.mark.parametrize("beat", [4.5, 5.9, 6.3, 6.7])
 def test_a_jump_before_the_decision_changes_the_coming_measure(beat):
-    """Measure 2 is decided at beat 7; from beat 6.25 on it is being planned, and then planned anew."""
+    """Measure 2 is decided at beat 7; its planning starts at beat 6.25 and is then restarted."""
     jump = {round(32 * beat): lambda time: events.JumpTo(time=time, source="osc", section="b")}
     show = made_show(SECTIONS)
     assert steps_of(show, 13, does=jump)[:6] == ["sway", "sway", "spin", "glide", "spin", "glide"]
     assert show.score_runner.facts()["score"]["late_jumps"] == 0
 
 
-def test_a_jump_after_the_decision_dances_what_was_decided_and_says_so():
+def test_jump_after_decision_keeps_decided_step_and_reports_it():
     jump = {round(32 * 7.4): lambda time: events.JumpTo(time=time, source="osc", section="b")}
     show = made_show(SECTIONS)
     assert steps_of(show, 13, does=jump)[:6] == ["sway", "sway", "sway", "glide", "spin", "glide"]
@@ -75,8 +75,8 @@ def test_a_jump_after_the_decision_dances_what_was_decided_and_says_so():
     assert facts["score"]["said_measure"] == 2
 
 
-def test_what_was_said_of_a_jump_stays_with_its_measure_and_leaves_the_overlay():
-    """Whoever looks a minute later still finds what the count means; the overlay tells news only."""
+def test_late_jump_report_stays_in_facts_and_leaves_overlay():
+    """The facts still explain the count later; the overlay shows only recent messages."""
     late = {round(32 * 7.4): lambda time: events.JumpTo(time=time, source="osc", section="b")}
     held = {32 * 13: lambda time: events.HoldScore(time=time, source="osc", on=False)}
     show = made_show(SECTIONS)
@@ -90,8 +90,8 @@ def test_what_was_said_of_a_jump_stays_with_its_measure_and_leaves_the_overlay()
     assert not any("decided already" in line for line in show.score_runner.status_lines())
 
 
-def test_planning_anew_for_nothing_changes_nothing():
-    """A jump to where the score goes anyway, in the midst of the planning: the same dance, bit by bit."""
+def test_replanning_for_same_target_changes_nothing():
+    """A jump to the next position anyway, during planning, leaves bit-identical states."""
     show, plain = made_show(SECTIONS), made_show(SECTIONS)
     again = round(32 * 6.5)
     for tick in range(1, 64 * 9):
@@ -112,7 +112,7 @@ def test_planning_anew_for_nothing_changes_nothing():
         ('measures = 5\nsteps = ["sway", "phrase", "spin", "phrase"]\nmeasure = 7', "measure 7"),
     ],
 )
-def test_steps_that_do_not_end_with_their_sequence_are_named(table, words):
+def test_step_longer_than_rest_of_sequence_is_refused(table, words):
     if words is None:
         made_show(f"[[sequence]]\n{table}\n")
         return
@@ -122,13 +122,13 @@ def test_steps_that_do_not_end_with_their_sequence_are_named(table, words):
 
 
 @pytest.mark.parametrize("call", ['"/dance/step"\nvalues = ["spin", 1]', '"/dance/sequence"\nvalues = ["spin"]'])
-def test_steps_that_the_score_calls_at_a_line_are_danced_from_that_line_on(call):
+def test_step_called_by_score_is_danced_from_its_measure(call):
     danced = steps_of(made_show(f"[[at]]\nmeasure = 4\ncall = {call}\n"), 10)
     assert danced[:3] == ["sway", "glide", "glide"]
     assert danced[3] == "spin"
 
 
-def test_what_was_given_ahead_is_taken_back_with_a_jump():
+def test_jump_cancels_step_calls_given_ahead():
     show = made_show(
         '[[section]]\nname = "a"\nmeasures = 4\n[[section]]\nname = "b"\nmeasures = 4\n'
         '[[at]]\nsection = "a"\nmeasure = 3\ncall = "/dance/step"\nvalues = ["spin", 4]\n'

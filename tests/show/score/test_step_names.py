@@ -1,4 +1,4 @@
-"""Programme: sequences, seeded draws, called steps."""
+"""StepProgram: sequences, seeded draws and called steps."""
 
 import itertools
 
@@ -11,16 +11,16 @@ from live.show.score.step_names import UnknownStep, find_step
 from live.show.score.step_program import StepProgram
 from tests.show.made_show import GRAPH
 
-NOBODY = np.zeros(1, np.int32)
+NO_DANCERS = np.zeros(1, np.int32)
 
 
-def made(steps, seed=1, **options):
+def make_program(steps, seed=1, **options):
     section = GroupSection(name="a", dancers=1, steps=tuple(steps), **options)
     return StepProgram(GRAPH, section, seed=seed, index=0)
 
 
-def names(programme, count):
-    return [GRAPH.library.steps[programme.step_for(m, NOBODY)] for m in range(count)]
+def danced_names(programme, count):
+    return [GRAPH.library.steps[programme.step_for(m, NO_DANCERS)] for m in range(count)]
 
 
 @pytest.mark.parametrize(
@@ -32,20 +32,20 @@ def names(programme, count):
         (" x2", ("x2", 1)),
     ],
 )
-def test_entries(entry, parsed):
+def test_step_entries_are_parsed(entry, parsed):
     assert parse_entry(entry) == parsed
 
 
-def test_a_sequence_counts_measures_and_begins_again():
-    programme = made(["sway x2", "phrase", "spin"])
-    assert names(programme, 10) == ["sway", "sway", "phrase", "phrase", "spin"] * 2
+def test_sequence_counts_measures_and_repeats():
+    programme = make_program(["sway x2", "phrase", "spin"])
+    assert danced_names(programme, 10) == ["sway", "sway", "phrase", "phrase", "spin"] * 2
 
 
-def test_draws_are_seeded_held_and_never_the_same_twice_in_a_row():
+def test_draws_are_seeded_held_and_never_repeated():
     steps = ["sway", "glide", "spin", "phrase"]
-    drawn = names(made(steps, choose="random"), 400)
-    assert drawn == names(made(steps, choose="random"), 400)
-    assert drawn != names(made(steps, seed=2, choose="random"), 400)
+    drawn = danced_names(make_program(steps, choose="random"), 400)
+    assert drawn == danced_names(make_program(steps, choose="random"), 400)
+    assert drawn != danced_names(make_program(steps, seed=2, choose="random"), 400)
     pairs = [drawn[m] for m in range(0, 400, 2)]
     assert pairs == [drawn[m] for m in range(1, 400, 2)]
     assert all(a != b for a, b in itertools.pairwise(pairs))
@@ -53,12 +53,12 @@ def test_draws_are_seeded_held_and_never_the_same_twice_in_a_row():
     assert min(counts) > 30
 
 
-def test_a_call_holds_for_its_measures_and_the_sequence_goes_on_where_it_was():
-    programme = made(["sway", "glide x2"])
+def test_called_step_holds_for_its_measures_then_sequence_resumes():
+    programme = make_program(["sway", "glide x2"])
     spin = find_step(GRAPH, "spin")
-    assert names(programme, 2) == ["sway", "glide"]
+    assert danced_names(programme, 2) == ["sway", "glide"]
     programme.call(spin, measures=1.5)
-    assert [GRAPH.library.steps[programme.step_for(m, NOBODY)] for m in range(2, 6)] == [
+    assert [GRAPH.library.steps[programme.step_for(m, NO_DANCERS)] for m in range(2, 6)] == [
         "spin",
         "spin",
         "glide",
@@ -66,32 +66,32 @@ def test_a_call_holds_for_its_measures_and_the_sequence_goes_on_where_it_was():
     ]
     programme.call(spin, measures=100)
     programme.release()
-    assert programme.step_for(6, NOBODY) != spin
+    assert programme.step_for(6, NO_DANCERS) != spin
 
 
-def test_asking_again_changes_nothing():
-    programme = made(["sway", "glide", "spin"])
-    twice = [programme.step_for(m, NOBODY) for m in range(6) for _ in range(2)]
+def test_repeated_query_returns_the_same_step():
+    programme = make_program(["sway", "glide", "spin"])
+    twice = [programme.step_for(m, NO_DANCERS) for m in range(6) for _ in range(2)]
     assert twice[::2] == twice[1::2]
     assert [GRAPH.library.steps[s] for s in twice[::2]] == ["sway", "glide", "spin"] * 2
 
 
-def test_a_call_waits_for_dancers_within_a_longer_step():
-    """In the first measure of the phrase nobody can follow a call: it is not used up, and the phrase begins anew."""
-    programme = made(["phrase", "sway"])
+def test_called_step_waits_until_longer_step_ends():
+    """In the first measure of the phrase no dancer can follow a call: it is kept, and the phrase starts again later."""
+    programme = make_program(["phrase", "sway"])
     phrase = GRAPH.library.steps.index("phrase")
     first, second = np.flatnonzero(GRAPH.library.node_step == phrase).astype(np.int32)
     spin = find_step(GRAPH, "spin")
-    assert programme.step_for(0, NOBODY) == phrase
+    assert programme.step_for(0, NO_DANCERS) == phrase
     programme.call(spin, measures=1)
     assert programme.step_for(1, np.array([first])) == phrase
     assert programme.step_for(2, np.array([second])) == spin
-    assert GRAPH.library.steps[programme.step_for(3, NOBODY)] == "sway"
+    assert GRAPH.library.steps[programme.step_for(3, NO_DANCERS)] == "sway"
 
 
-def test_before_the_first_downbeat_it_is_the_first_step():
-    programme = made(["glide", "sway"])
-    assert [GRAPH.library.steps[programme.step_for(m, NOBODY)] for m in (-2, -1, 0, 1)] == [
+def test_first_step_is_danced_before_first_downbeat():
+    programme = make_program(["glide", "sway"])
+    assert [GRAPH.library.steps[programme.step_for(m, NO_DANCERS)] for m in (-2, -1, 0, 1)] == [
         "glide",
         "glide",
         "glide",
@@ -99,12 +99,12 @@ def test_before_the_first_downbeat_it_is_the_first_step():
     ]
 
 
-def test_an_unknown_step_names_its_neighbours():
+def test_unknown_step_error_names_nearest_steps():
     with pytest.raises(UnknownStep, match=r"did you mean 'glide'.*sway, glide, spin, phrase"):
-        made(["glied"])
+        make_program(["glied"])
 
 
-def live(*steps):
+def live_entries(*steps):
     return [SequenceEntry(find_step(GRAPH, step), 1) for step in steps]
 
 
@@ -112,25 +112,25 @@ def live(*steps):
     ("change", "danced"),
     [
         (lambda programme: programme.release(), ["sway", "sway"]),
-        (lambda programme: programme.set_sequence(live("spin")), ["spin", "spin"]),
+        (lambda programme: programme.set_sequence(live_entries("spin")), ["spin", "spin"]),
         (lambda programme: programme.call(find_step(GRAPH, "spin"), measures=1), ["spin", "glide"]),
-        (lambda programme: programme.apply_patch(made(["spin"])), ["glide", "glide"]),
+        (lambda programme: programme.apply_patch(make_program(["spin"])), ["glide", "glide"]),
     ],
     ids=["release", "dance", "call", "patch"],
 )
-def test_what_is_asked_for_while_a_measure_is_planned_outlives_that_plan(change, danced):
-    """`/dance/clear` and `/dance/practice` in one bundle, a beat before the line, ended the show by an IndexError."""
-    programme = made(["sway"])
-    programme.set_sequence(live("glide", "glide", "glide", "glide", "glide"))
-    names(programme, 4)
+def test_request_during_planning_survives_undo_of_the_plan(change, danced):
+    """`/dance/clear` and `/dance/practice` in one bundle, a beat before the line, once raised an IndexError."""
+    programme = make_program(["sway"])
+    programme.set_sequence(live_entries("glide", "glide", "glide", "glide", "glide"))
+    danced_names(programme, 4)
     change(programme)
     programme.undo(3)
-    assert [GRAPH.library.steps[programme.step_for(m, NOBODY)] for m in range(3, 5)] == danced
+    assert [GRAPH.library.steps[programme.step_for(m, NO_DANCERS)] for m in range(3, 5)] == danced
 
 
-def test_a_shorter_sequence_of_the_patch_is_taken_while_a_measure_is_planned():
-    programme = made(["sway", "sway", "sway", "glide"])
-    names(programme, 4)  # the next one is the first again, and the last one may be taken back
-    programme.apply_patch(made(["sway", "spin"]))
+def test_shorter_patch_sequence_is_applied_during_planning():
+    programme = make_program(["sway", "sway", "sway", "glide"])
+    danced_names(programme, 4)  # the next one is the first again, and the last one may be taken back
+    programme.apply_patch(make_program(["sway", "spin"]))
     programme.undo(3)
-    assert [GRAPH.library.steps[programme.step_for(m, NOBODY)] for m in range(3, 6)] == ["sway", "spin", "sway"]
+    assert [GRAPH.library.steps[programme.step_for(m, NO_DANCERS)] for m in range(3, 6)] == ["sway", "spin", "sway"]

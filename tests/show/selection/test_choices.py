@@ -1,4 +1,4 @@
-"""Why a dancer dances what she dances, and who is behind; standing groups; planning in pieces."""
+"""Explanations of step choices, dancers that lag, standing groups, and planning in pieces."""
 
 import json
 
@@ -19,7 +19,7 @@ def run(show, seconds, watch=lambda: None):
         watch()
 
 
-def test_what_is_said_is_what_was_chosen():
+def test_explanation_matches_the_chosen_candidate():
     show = made_show()
     show.apply(events.AskWhy(dancer=3, **STAMP))
     for _ in range(4):
@@ -43,7 +43,7 @@ def test_what_is_said_is_what_was_chosen():
         assert 1 <= len(explanation_lines(told)) <= 3
 
 
-def test_asking_changes_nothing_that_is_danced():
+def test_explanation_request_does_not_change_the_dance():
     asked, plain = made_show(), made_show()
     asked.apply(events.AskWhy(dancer=2, **STAMP))
     assert not asked.apply(events.CallStep(name="moonwalk", **STAMP))
@@ -55,8 +55,8 @@ def test_asking_changes_nothing_that_is_danced():
     assert asked.explain_choice() is None
 
 
-def test_planning_is_spread_over_the_ticks_before_the_decision():
-    """In no tick is more done than its share; nothing is left for the decision but to lay it down."""
+def test_planning_is_spread_over_ticks_before_decision():
+    """No tick does more than its share; only the assembly of the result is left for the decision."""
     show = made_show()
     scheduler = show.scheduler
     left, heaviest = [], [0]
@@ -76,8 +76,8 @@ def test_planning_is_spread_over_the_ticks_before_the_decision():
     assert max(heaviest) < 0.2 * most
 
 
-def test_a_stall_plans_the_same_at_once():
-    """Whoever skips all ticks of the planning still decides, with all of it."""
+def test_stalled_show_plans_everything_at_decision():
+    """A show that skips all ticks of the planning still decides, with the complete plan."""
     show = made_show()
     run(show, 1.0)
     show.tick(1.9)
@@ -85,7 +85,7 @@ def test_a_stall_plans_the_same_at_once():
     assert (show.dancers.coming.node >= 0).all()
 
 
-def test_nobody_is_asked_for_more_than_her_step_reaches_and_who_falls_behind_is_told_what_to_record():
+def test_targets_stay_within_reach_and_report_suggests_recording():
     show = made_show()
     show.apply(events.SetSequence(steps="sway", group="*", **STAMP))
     run(show, 4.0)
@@ -116,8 +116,8 @@ def test_nobody_is_asked_for_more_than_her_step_reaches_and_who_falls_behind_is_
     assert show.scheduler.detours == 0  # they keep their step
 
 
-def planned_errors(seconds=16.0):
-    """How far from where they are sent the dancers' measures end without correction, decision by decision [m]."""
+def planned_end_errors(seconds=16.0):
+    """Distance of uncorrected measure ends from the dancers' targets, decision by decision [m]."""
     show, found, seen = made_show(), [], set()
     show.apply(events.Attract(x=2.7, z=1.3, measures=30.0, **STAMP))
 
@@ -132,17 +132,17 @@ def planned_errors(seconds=16.0):
     return np.array(found)
 
 
-def test_shares_are_refined_so_that_mixtures_end_nearer(monkeypatch):
-    refined = planned_errors()
+def test_refined_shares_end_mixtures_nearer_to_targets(monkeypatch):
+    refined = planned_end_errors()
     monkeypatch.setattr("live.show.selection.measure_draft.SHARE_REFINEMENT", 0.0)
-    stepped = planned_errors()
+    stepped = planned_end_errors()
     assert len(refined) == len(stepped) == 8
     assert (refined[0] <= stepped[0] + 2e-3).all()  # until then nothing else differs
     assert refined[:4].mean() < stepped[:4].mean()
 
 
-def test_a_group_that_stands_draws_no_step_that_travels(monkeypatch):
-    """Of sway, glide and spin, glide alone has no measure that stays... unless made so: it is drawn only on the way."""
+def test_standing_group_draws_no_traveling_step(monkeypatch):
+    """Only glide is patched to have no measure in place: it is drawn only while the group travels."""
     show = made_show()
     programme = show.scheduler.programmes[1]
     library = show.graph.library

@@ -1,4 +1,4 @@
-"""Interrupts: cues act on the half beat without a jump, the dance goes on along the graph, collisions win."""
+"""Interrupts: cues act on the half beat without a jump, the dance continues on the graph, collisions take priority."""
 
 import re
 
@@ -18,7 +18,7 @@ BEAT = 0.5  # s at 120 bpm
 MEASURE = 2.0
 
 
-def tick(time):
+def tick_before(time):
     """The last tick not after `time`."""
     return int(time / TICK + 1e-9)
 
@@ -29,8 +29,8 @@ def run(show, first, last, each=lambda number: None):
         each(number)
 
 
-def bodies(show):
-    """All joints now, before feet are held: made figures slide on straight legs, which the foot lock does not hide."""
+def unlocked_joints(show):
+    """All joints now, without foot lock: the made figures slide on straight legs, which the foot lock does not hide."""
     everybody = np.arange(len(show.group), dtype=np.int32)
     return show.dancers.raw_poses(everybody, show.span.fraction(show.timeline.beat_at(show.time)), show.time)[0].copy()
 
@@ -41,25 +41,25 @@ def largest_jump(poses):
     return np.linalg.norm(np.diff(speed, axis=0), axis=-1).max()
 
 
-def cue(time, name="spin", **more):
+def step_cue(time, name="spin", **more):
     return StepNow(time=time, source="test", name=name, **more)
 
 
 def steps_of(show):
-    """The step that each dancer dances now, in words."""
+    """The name of each dancer's current step."""
     library = show.graph.library
     return [library.steps[step] for step in library.node_step[show.dancers.node]]
 
 
-def test_a_cue_acts_at_the_next_half_beat_and_only_on_who_is_meant():
+def test_cue_acts_at_next_half_beat_on_its_group_only():
     show = made_show()
-    run(show, 1, tick(3.1))
+    run(show, 1, tick_before(3.1))
     before = steps_of(show)
-    assert show.apply(cue(3.1, group="front"))
+    assert show.apply(step_cue(3.1, group="front"))
     changed = []
-    run(show, tick(3.1) + 1, tick(3.4), lambda number: changed.append(steps_of(show) != before))
-    at = tick(3.1) + 1 + changed.index(True)
-    assert at == tick(3.25 + TICK / 2)
+    run(show, tick_before(3.1) + 1, tick_before(3.4), lambda number: changed.append(steps_of(show) != before))
+    at = tick_before(3.1) + 1 + changed.index(True)
+    assert at == tick_before(3.25 + TICK / 2)
     now = steps_of(show)
     assert now[:5] == ["spin"] * 5
     assert now[5:] == before[5:]
@@ -67,23 +67,24 @@ def test_a_cue_acts_at_the_next_half_beat_and_only_on_who_is_meant():
 
 
 @pytest.mark.parametrize("time", [4.02, 4.6, 5.2, 5.55, 5.8, 5.98])
-def test_nobody_jumps_and_the_dance_goes_on_along_the_graph(time):
-    """Wherever in the measure a cue comes, with the next one planned or not: joints move on as fast as before, and
-    every measure is one that may follow."""
+def test_joints_stay_continuous_and_dance_follows_graph_after_cue(time):
+    """For cues anywhere in the measure, with the next one planned or not: joint speeds stay continuous, and
+    every measure is a valid successor.
+    """
     show = made_show()
-    run(show, 1, tick(time))
-    poses = [bodies(show)]
+    run(show, 1, tick_before(time))
+    poses = [unlocked_joints(show)]
     nodes = [show.dancers.node.copy()]
     cut = set()
-    show.apply(cue(time, measures=2.0))
+    show.apply(step_cue(time, measures=2.0))
 
     def each(number):
-        poses.append(bodies(show))
+        poses.append(unlocked_joints(show))
         if (show.dancers.node != nodes[-1]).any():
             nodes.append(show.dancers.node.copy())
             cut.add(len(nodes) - 1) if show.interrupts.clip_cutter.cuts and not cut else None
 
-    run(show, tick(time) + 1, tick(time + 3 * MEASURE), each)
+    run(show, tick_before(time) + 1, tick_before(time + 3 * MEASURE), each)
     assert largest_jump(poses) < 0.8
     graph = show.graph
     for index in range(1, len(nodes)):
@@ -95,33 +96,35 @@ def test_nobody_jumps_and_the_dance_goes_on_along_the_graph(time):
     assert "spin" in steps_of(show) or show.span.number > int(time / MEASURE) + 2
 
 
-def test_a_called_group_stays_in_the_step_for_the_measures_that_were_asked():
+def test_cued_group_keeps_step_for_given_measures():
     swaying = re.sub(r"\nsteps = .*", '\nsteps = ["sway"]', re.sub(r"travel_step = .*\n", "", PATCH))
     show = Show(parse_patch(swaying, "test.toml"), GRAPH)
-    run(show, 1, tick(4.6))
-    show.apply(cue(4.6, measures=2.0))
+    run(show, 1, tick_before(4.6))
+    show.apply(step_cue(4.6, measures=2.0))
     found = {}
-    run(show, tick(4.6) + 1, tick(12.5), lambda number: found.setdefault(show.span.number, steps_of(show)))
+    run(
+        show, tick_before(4.6) + 1, tick_before(12.5), lambda number: found.setdefault(show.span.number, steps_of(show))
+    )
     assert set(found[3]) == set(found[4]) == {"spin"}
     assert set(found[2]) == {"sway"}
     assert "spin" not in found[5]
 
 
-def test_the_last_beat_keeps_its_promise_too():
-    """The next measure is decided already when the cue acts."""
+def test_cue_after_measure_decision_sets_next_measure():
+    """The next measure is already decided when the cue acts."""
     show = made_show()
-    run(show, 1, tick(5.6))
+    run(show, 1, tick_before(5.6))
     assert show.dancers.decided
-    show.apply(cue(5.6, measures=1.0))
-    run(show, tick(5.6) + 1, tick(6.1))
+    show.apply(step_cue(5.6, measures=1.0))
+    run(show, tick_before(5.6) + 1, tick_before(6.1))
     assert set(steps_of(show)) == {"spin"}
 
 
 @pytest.mark.parametrize(
     ("event", "words"),
-    [(cue(1.0, "pirouette"), "no step is called 'pirouette'"), (cue(1.0, group="nobody"), "nobody")],
+    [(step_cue(1.0, "pirouette"), "no step is called 'pirouette'"), (step_cue(1.0, group="nobody"), "nobody")],
 )
-def test_what_is_not_there_is_refused_with_words(event, words):
+def test_unknown_step_or_group_is_refused_with_reason(event, words):
     show = made_show()
     run(show, 1, 64)
     assert not show.apply(event)
@@ -130,8 +133,12 @@ def test_what_is_not_there_is_refused_with_words(event, words):
     assert show.interrupts.clip_cutter.cuts == 0
 
 
-def test_cues_are_journalled_and_danced_again_bit_by_bit():
-    events = [(100, cue(1.6)), (160, cue(2.5, "glide", group="back", measures=0.0)), (177, cue(2.8, "phrase"))]
+def test_replayed_cues_are_bit_identical():
+    events = [
+        (100, step_cue(1.6)),
+        (160, step_cue(2.5, "glide", group="back", measures=0.0)),
+        (177, step_cue(2.8, "phrase")),
+    ]
 
     def danced():
         show = made_show()
@@ -148,23 +155,23 @@ def test_cues_are_journalled_and_danced_again_bit_by_bit():
     assert danced() == danced()
 
 
-def test_a_group_that_dances_behind_the_others_is_cut_in_its_own_measure():
-    """A canon by two beats: in the first half of a measure its dancers are still in the last one."""
+def test_canon_group_is_cut_in_its_own_measure():
+    """A canon by two beats: in the first half of a measure its dancers are still in the previous one."""
     show = made_show('[[group]]\nname = "late"\ndancers = 3\nlike = "front"\nbeats_later = 2.0\n')
-    run(show, 1, tick(6.1))
+    run(show, 1, tick_before(6.1))
     poses = []
-    show.apply(cue(6.1, group="late"))
+    show.apply(step_cue(6.1, group="late"))
 
     def each(number):
-        poses.append(bodies(show))
+        poses.append(unlocked_joints(show))
 
-    run(show, tick(6.1) + 1, tick(9.0), each)
+    run(show, tick_before(6.1) + 1, tick_before(9.0), each)
     assert show.interrupts.clip_cutter.cuts - show.interrupts.avoidance_count == 3
     assert largest_jump(poses) < 0.8
 
 
-def walked_through(*, careful):
-    """The least distance [m] of a real performer, who walks along the front row, to any dancer."""
+def walk_performer_through(*, careful):
+    """The smallest distance [m] from a performer, who walks along the front row, to any dancer."""
     show = made_show()
     if not careful:
         show.interrupts._collision_avoidance.tick = lambda *arguments: None
@@ -177,25 +184,25 @@ def walked_through(*, careful):
             show.apply(Performer(time=time, source="camera", name="ann", x=float(place[0]), z=float(place[1])))
             nearest.append(np.hypot(*(show.dancers.drawn_hips - place).T).min())
 
-    run(show, 1, tick(12.0), each)
+    run(show, 1, tick_before(12.0), each)
     return min(nearest), show.interrupts.avoidance_count
 
 
-def test_dancers_go_out_of_the_way_of_somebody_real():
-    with_care, avoided = walked_through(careful=True)
-    without, none = walked_through(careful=False)
+def test_dancers_avoid_a_tracked_performer():
+    with_care, avoided = walk_performer_through(careful=True)
+    without, none = walk_performer_through(careful=False)
     assert avoided > 0 == none
     assert with_care > without + 0.05
 
 
-def test_nobody_is_cut_while_nothing_happens():
+def test_no_clip_is_cut_without_events():
     show = made_show()
-    run(show, 1, tick(8.0))
+    run(show, 1, tick_before(8.0))
     assert show.interrupts.clip_cutter.cuts == show.interrupts.avoidance_count == 0
 
 
-def test_pictures_that_are_drawn_between_ticks_change_nothing():
-    """Whoever was cut settles for some 26 ticks; a picture drawn late in the last of them must not end that early."""
+def test_frames_between_ticks_do_not_change_state():
+    """A cut dancer settles for about 26 ticks; a frame drawn late in the last of them must not end that early."""
     loaded = load_show(find_patch("score"))
     steps = loaded.graph.library.steps
     unseen, seen = loaded.start(seed=5), loaded.start(seed=5)
@@ -208,7 +215,7 @@ def test_pictures_that_are_drawn_between_ticks_change_nothing():
             x, z = 2.2 * float(np.sin(angle)), 1.5 * float(np.cos(1.7 * angle))
             happens.append(Performer(time=time, source="test", name=f"p{person}", x=x, z=z))
         if number % 41 == 0:
-            happens.append(cue(time, steps[number // 41 % len(steps)], group="all", measures=0.0))
+            happens.append(step_cue(time, steps[number // 41 % len(steps)], group="all", measures=0.0))
         for event in happens:
             unseen.apply(event)
             seen.apply(event)

@@ -1,4 +1,4 @@
-"""Library hash: the same for the same steps, another one for any bit of them, and for a clip that is left."""
+"""Library hash: equal for equal steps, different for any changed bit and for clips that are leaving."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ from live.show.selection.graph_update import library_hash, steps_hash
 from tests.show.made_show import GRAPH
 
 
-def test_every_bit_of_the_motion_counts():
+def test_every_motion_bit_changes_the_library_hash():
     library = GRAPH.library
     assert library_hash(library) == library_hash(replace(library))
     for name in ("clip_root", "clip_rotation", "clip_contact"):
@@ -17,7 +17,7 @@ def test_every_bit_of_the_motion_counts():
         assert library_hash(replace(library, **{name: changed})) != library_hash(library)
 
 
-def test_what_is_left_counts_beside_the_library():
+def test_leaving_nodes_change_the_steps_hash():
     assert steps_hash(GRAPH) == library_hash(GRAPH.library)
     leaving = np.zeros_like(GRAPH.leaving)
     leaving[0] = True

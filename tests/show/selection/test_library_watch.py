@@ -1,4 +1,4 @@
-"""LibraryWatch: takes that are recorded while the show runs join the dance, and a replay knows them."""
+"""LibraryWatch: takes that are recorded while the show runs join the dance, and replays include them."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from live.show.journal.journal import read_journal
 from live.show.journal.replay import ReplayError, fresh_show, replay
 from live.show.loader import load_show
 from live.show.selection.graph_update import LibraryWatch, same_clip
-from tests.show.patch.edited_night import STEPS, Night, folder_with
+from tests.show.patch.edited_night import STEPS, JournaledShow, write_patch_folder
 
 PATCH = """
 name = "growing"
@@ -30,7 +30,7 @@ steps = ["groove"]
 @pytest.fixture
 def patch(tmp_path):
     """A show with a folder of two steps of its own; others come from the project, under other names."""
-    return folder_with(tmp_path, PATCH)
+    return write_patch_folder(tmp_path, PATCH)
 
 
 def add_step(patch, name="new bow"):
@@ -40,8 +40,8 @@ def add_step(patch, name="new bow"):
 
 
 @pytest.mark.long
-def test_a_new_take_is_danced_from_the_next_measure_line_on(patch):
-    night = Night(patch)
+def test_new_take_is_danced_from_next_measure_line(patch):
+    night = JournaledShow(patch)
     night.run(3)
     before = night.show.graph
     add_step(patch)
@@ -57,8 +57,8 @@ def test_a_new_take_is_danced_from_the_next_measure_line_on(patch):
 
 
 @pytest.mark.long
-def test_a_replay_of_such_a_night_is_bit_identical(patch):
-    night = Night(patch)
+def test_replay_with_new_take_is_bit_identical(patch):
+    night = JournaledShow(patch)
     night.run(3)
     add_step(patch)
     night.library.poll()
@@ -77,8 +77,8 @@ def test_a_replay_of_such_a_night_is_bit_identical(patch):
     assert replay(fresh_show(journal), journal).differences  # the take is gone: the replay says so
 
 
-def test_what_cannot_be_read_is_told_and_the_show_goes_on(patch):
-    night = Night(patch)
+def test_unreadable_step_is_reported_and_show_continues(patch):
+    night = JournaledShow(patch)
     night.run(1)
     (patch.parent / "moves" / "broken.toml").write_text('name = "x"\nbeats = ')
     night.library.poll()
@@ -93,8 +93,8 @@ def test_what_cannot_be_read_is_told_and_the_show_goes_on(patch):
     assert night.library.last_change == "new steps: new bow can be danced"
 
 
-def test_steps_of_another_metre_are_named(patch):
-    night = Night(patch)
+def test_step_of_another_meter_is_reported(patch):
+    night = JournaledShow(patch)
     text = (STEPS / "samba.toml").read_text().replace('name = "samba"', 'name = "march"')
     (patch.parent / "moves" / "march.toml").write_text(text.replace("beats = ", "beats_per_measure = 2\nbeats = ", 1))
     night.library.poll()
@@ -103,40 +103,40 @@ def test_steps_of_another_metre_are_named(patch):
     assert "4 beats" in night.library.problem
 
 
-def test_an_event_without_its_graph_is_refused(patch):
-    night = Night(patch)
+def test_steps_event_without_clips_is_refused(patch):
+    night = JournaledShow(patch)
     event = events.StepsAdded(time=0.0, source="osc", clips="nothing | here | as made", library="00")
     assert not night.show.apply(event)
     assert "do not exist" in night.show.refusals.last_reason
 
 
-def test_the_thread_starts_and_stops(patch):
-    night = Night(patch)
+def test_watch_thread_starts_and_stops_twice(patch):
+    night = JournaledShow(patch)
     night.library.start()
     night.library.stop()
     night.library.stop()
 
 
-def test_the_projects_own_steps_are_not_watched():
+def test_project_steps_are_not_watched():
     from live.show.patch.patch_search_path import DEFAULT_PATCH
 
     assert load_show(DEFAULT_PATCH).steps_folder is None
 
 
 @pytest.mark.long
-def test_a_journal_whose_steps_are_others_is_refused(patch):
-    night = Night(patch)
+def test_journal_with_changed_steps_is_refused(patch):
+    night = JournaledShow(patch)
     night.run(1)
     night.writer.close(night.engine.ticks.index)
     add_step(patch)  # what has come since is left out
     assert fresh_show(read_journal(night.journal)).graph.library.steps == night.show.graph.library.steps
-    louder(patch)
+    change_step(patch)
     with pytest.raises(ReplayError, match="changed"):
         fresh_show(read_journal(night.journal))
 
 
-class Changing(Night):
-    """A night whose watch knows the whole library."""
+class FullLibraryShow(JournaledShow):
+    """A journaled show whose watch reads the whole library."""
 
     def __init__(self, patch):
         super().__init__(patch)
@@ -154,12 +154,12 @@ class Changing(Night):
         return self.library.poll()
 
     def clips(self):
-        """The clips danced now, by their index in the library."""
+        """The library indices of the current clips."""
         return set(self.show.graph.library.node_clip[self.show.dancers.node].tolist())
 
 
-def louder(patch, name="groove"):
-    """Change a step's file: it takes another beat's worth of way up and down."""
+def change_step(patch, name="groove"):
+    """Changes a step's file: its clip is that of another step."""
     path = patch.parent / "moves" / f"{name}.toml"
     text = path.read_text()
     keys = [line for line in text.splitlines() if line.startswith("root = ") or "hips" in line]
@@ -168,11 +168,11 @@ def louder(patch, name="groove"):
     path.write_text(changed)
 
 
-def test_a_changed_step_is_danced_as_it_is_now_and_a_replay_as_it_was_then(patch):
-    night = Changing(patch)
+def test_changed_step_is_danced_and_replayed_without_its_file(patch):
+    night = FullLibraryShow(patch)
     night.run(3)
     before = night.show.graph.library
-    louder(patch)
+    change_step(patch)
     assert night.look()
     assert night.library.last_change == "new steps: groove danced as they are now"
     night.run(8)
@@ -192,12 +192,12 @@ def test_a_changed_step_is_danced_as_it_is_now_and_a_replay_as_it_was_then(patch
 
 
 @pytest.mark.long
-def test_a_step_that_is_gone_is_finished_and_not_begun_any_more(patch):
+def test_deleted_step_is_finished_and_never_started_again(patch):
     (patch.parent / "show.toml").write_text(PATCH.replace('["groove", "side step"]', '["groove", "side step", "walk"]'))
     add_step(patch)
     text = (patch.parent / "show.toml").read_text()
     (patch.parent / "show.toml").write_text(text.replace('"walk"', '"walk", "new bow"', 1))
-    night = Changing(patch)
+    night = FullLibraryShow(patch)
     night.run(3)
     (patch.parent / "moves" / "another.toml").unlink()
     assert night.look()
@@ -214,10 +214,10 @@ def test_a_step_that_is_gone_is_finished_and_not_begun_any_more(patch):
     assert replay(fresh_show(journal), journal).differences == ()
 
 
-def test_a_step_that_a_group_needs_cannot_be_taken_away(patch):
+def test_deletion_of_needed_step_is_refused(patch):
     add_step(patch)
     (patch.parent / "show.toml").write_text(PATCH.replace('["groove"]', '["new bow"]'))
-    night = Changing(patch)
+    night = FullLibraryShow(patch)
     night.library.check = lambda graph: night.show.make_show(night.show.patch, graph)
     night.run(1)
     before = night.library.graph
@@ -229,14 +229,14 @@ def test_a_step_that_a_group_needs_cannot_be_taken_away(patch):
     assert not night.library.poll()  # as before: it is looked at once more
 
 
-def test_an_event_that_takes_away_what_is_not_there_is_refused(patch):
-    night = Changing(patch)
+def test_invalid_steps_changed_event_is_refused(patch):
+    night = FullLibraryShow(patch)
     for gone, now in (("nothing | here | as made", ""), ("", "AAAA"), ("x", "no base64!")):
         event = events.StepsChanged(time=0.0, source="library", gone=gone, was="", now=now, library="0")
         assert not night.show.apply(event)
 
 
-def test_clips_are_compared_bit_by_bit(patch):
+def test_clip_comparison_is_bitwise(patch):
     first, again = load_show(patch).clips(), load_show(patch).clips()
     assert all(same_clip(one, other) for one, other in zip(first, again, strict=True))
     assert not same_clip(first[0], first[1])

@@ -1,4 +1,4 @@
-"""Foresight: the next measure is chosen for what comes after it, too."""
+"""Lookahead: the cost of the next measure includes the measures after it."""
 
 from dataclasses import replace
 
@@ -38,8 +38,8 @@ def graph():
     return build_graph(build_library(steps), threshold=0.2)
 
 
-def test_a_node_costs_what_goes_wrong_after_it(graph):
-    """sway, spin: the sway that ends low leads to no spin, so one measure is wrong; the spin at once is wrong, too."""
+def test_node_cost_includes_wrong_steps_after_it(graph):
+    """For sway, spin: a sway that ends low leads to no spin (one wrong measure); an immediate spin is wrong, too."""
     ahead = StepCosts(graph).sequence_cost((SequenceEntry(0), SequenceEntry(1)), 0)
     low, high, spin = ahead[:3]
     assert high < 0.5
@@ -50,7 +50,7 @@ def test_a_node_costs_what_goes_wrong_after_it(graph):
     )  # in the middle of a bow only its second measure fits
 
 
-def test_what_is_asked_again_is_not_searched_again(graph):
+def test_sequence_costs_are_cached_and_bounded(graph):
     foresight = StepCosts(graph)
     wanted = (SequenceEntry(0), SequenceEntry(1))
     assert foresight.sequence_cost(wanted, 0) is foresight.sequence_cost(wanted, 0)
@@ -59,15 +59,15 @@ def test_what_is_asked_again_is_not_searched_again(graph):
     assert len(foresight._kept) <= 64
 
 
-def test_a_single_step_is_counted_in_measures_until_it(graph):
+def test_step_distance_counts_measures_to_the_step(graph):
     away = StepCosts(graph).step_distance(1)
     assert away[2] == 0.0
     assert away.min() >= 0.0
     assert away.max() <= 1.0 + IMPOSSIBLE
 
 
-def test_dancers_choose_the_sway_from_which_they_can_spin(graph):
-    """Both sways fit where they stand; only one lets the sequence go on. Nobody ever dances a wrong step."""
+def test_dancers_choose_sway_that_leads_to_spin(graph):
+    """Both sways fit in place; only one lets the sequence continue. No dancer ever dances a wrong step."""
     show = Show(parse_patch(PATCH, "test.toml"), graph)
     danced = []
     for tick in range(1, 64 * 40):

@@ -1,4 +1,4 @@
-"""Drafting: nobody is turned farther than her measure allows, and what variety mixes ends near where clips do."""
+"""Measure draft: turns stay within each measure's limit, and mixtures end near their clips."""
 
 import numpy as np
 
@@ -8,17 +8,17 @@ from live.show.selection.measure_draft import MAX_END_SHIFT
 from tests.show.made_show import made_show
 
 
-def drafted(seconds=6.0):
-    """The show, and its draft after each measure line."""
+def run_drafts(seconds=6.0):
+    """The show and its draft after each measure line."""
     show = made_show()
     for tick in range(1, int(seconds / TICK)):
         if show.tick(tick * TICK):
             yield show, show.scheduler._planning.draft
 
 
-def test_turns_and_mixtures_keep_their_limits():
+def test_turns_and_mixtures_stay_within_limits():
     measures = 0
-    for show, draft in drafted():
+    for show, draft in run_drafts():
         graph = show.dancers.graph
         assert (np.abs(draft.correction[:, 2]) <= show.scheduler.choosing.max_turns[draft.node, 0] + 1e-12).all()
         assert not draft.correction[:, :2].any()

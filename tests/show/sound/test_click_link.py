@@ -1,4 +1,4 @@
-"""The players' click on a running show, and what the command line says of it."""
+"""The click track of a running show, and its configuration by venue and command line."""
 
 import numpy as np
 import pytest
@@ -17,12 +17,12 @@ from tests.show.made_show import made_show
 
 
 @pytest.fixture
-def drummer(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One output, of four channels."""
+def click_device(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One output device with four channels."""
     monkeypatch.setattr(click_output, "find_device", lambda *_: SoundDevice(0, "drummer", "ALSA", 4, 48_000.0, True))
 
 
-def test_a_count_in_is_clicked_though_the_click_is_off(drummer: None) -> None:
+def test_count_in_is_clicked_while_click_is_off(click_device: None) -> None:
     show = made_show()
     click = ClickConnection(show, click_output.ClickOutput("drummer", ManualClock(), click_voices))
     click.handle(SetClick(time=0.0, source="test", on=False))
@@ -44,7 +44,7 @@ def test_a_count_in_is_clicked_though_the_click_is_off(drummer: None) -> None:
     assert show.timeline.phase_at(show.timeline.time_at(beats[-1])) == pytest.approx(0.0, abs=1e-6)
 
 
-def test_the_venue_and_the_command_line_choose_it(drummer: None) -> None:
+def test_venue_and_command_line_configure_the_click(click_device: None) -> None:
     show, clock = made_show(), ManualClock()
     assert make_click(None, None, None, show, clock) is None
     venue = Venue.model_validate(

@@ -1,4 +1,4 @@
-"""The clock of a show: what its events do to dance, status and journal."""
+"""Clock events of a show: their effects on dance, status and journal."""
 
 from collections import Counter, deque
 
@@ -24,14 +24,14 @@ from tests.control.waiting import wait_for
 from tests.show.made_show import PATCH, made_show
 
 
-def heard(show, beat_time, *, source="midi", period=0.5, **more):
+def send_beat(show, beat_time, *, source="midi", period=0.5, **more):
     show.apply(events.BeatHeard(
         time=show.time, source=source, beat_time=beat_time, period=period, confidence=0.9, **more
     ))  # fmt: skip
 
 
 def run(show, ticks, *, script=None):
-    """Tick on; `script`: events by tick. The fastest that any joint went in a tick [m]."""
+    """Runs ticks; `script`: events by tick. Returns the largest joint motion within a tick [m]."""
     view, before, fastest = show.view(), None, 0.0
     for tick in range(round(show.time / TICK) + 1, round(show.time / TICK) + ticks + 1):
         for event in (script or {}).get(tick, ()):
@@ -45,11 +45,11 @@ def run(show, ticks, *, script=None):
 
 
 @pytest.mark.parametrize("start", [2.03, 2.4, 2.71, 3.97])
-def test_a_start_by_midi_moves_the_beat_and_no_joint(start):
+def test_midi_start_moves_beat_without_joint_jump(start):
     show = made_show()
     fastest = run(show, round(start / TICK))
     for k in range(24):
-        heard(show, start + 0.5 * k, beat=k % 4, beats_per_measure=4, measure=k // 4, jump=k == 0)
+        send_beat(show, start + 0.5 * k, beat=k % 4, beats_per_measure=4, measure=k // 4, jump=k == 0)
         fastest = max(fastest, run(show, 32))
     assert show.follower.source == "midi"
     assert (show.follower.jumps > 0) == (start in (2.4, 2.71))  # the others lie on a measure line of the show's
@@ -60,7 +60,7 @@ def test_a_start_by_midi_moves_the_beat_and_no_joint(start):
     assert (show.span.end - show.timeline.measure_origin) % 4.0 == pytest.approx(0.0, abs=1e-6)
 
 
-def test_a_metre_that_the_steps_do_not_have_stretches_them_and_moves_no_joint_fast():
+def test_other_meter_stretches_steps_without_fast_joints():
     show = made_show('[[segment]]\nmeasure = 2\nmeasures = 6\nformation = "circle"\ngroup = "front"\n')
     script = {
         tick: [events.SetMetre(time=tick * TICK, source="test", beats=beats)]
@@ -71,7 +71,7 @@ def test_a_metre_that_the_steps_do_not_have_stretches_them_and_moves_no_joint_fa
     assert show.span.number > 8
 
 
-def test_hands_are_journalled_and_replayed_bit_by_bit(tmp_path):
+def test_manual_clock_events_are_journaled_and_replayed_exactly(tmp_path):
     def hand(kind, tick, **values):
         return tick, kind(time=tick * TICK, source="key", **values)
 
@@ -98,7 +98,7 @@ def test_hands_are_journalled_and_replayed_bit_by_bit(tmp_path):
     assert again.measures >= 5
 
 
-def slow_song(bpm, one, seconds, rate=44100):
+def synthesize_song(bpm, one, seconds, rate=44100):
     """Drums with hi-hats between the beats and a louder first of four, counted from `one` [s] both ways."""
     chance = np.random.default_rng(3)
     sound = chance.normal(0.0, 1e-4, int(seconds * rate))
@@ -113,8 +113,8 @@ def slow_song(bpm, one, seconds, rate=44100):
     return Music(np.stack([sound, sound], axis=1).astype(np.float32), rate)
 
 
-def analysis_of(show):
-    """Makes the analysis that a show of this music has: its tracker is told what the patch says."""
+def analysis_factory(show):
+    """A factory of the analysis of a show's music: its tracker is seeded from the patch."""
     seeds = deque()
     show.seed_tracker(seeds.append)
     return lambda rate: AudioAnalysis(rate, seeds=seeds)
@@ -124,9 +124,9 @@ SLOW = "music = {one_at_s = 2.763, bpm = 64}\n"
 
 
 @pytest.mark.parametrize("begin", [0.0, 0.21, 0.7])
-def test_the_score_of_a_slow_song_begins_with_its_known_downbeat(tmp_path, begin):
+def test_score_of_slow_song_starts_at_known_downbeat(tmp_path, begin):
     show, clock, inbox = made_show(SLOW, top=True), ManualClock(), EventQueue()
-    music = OfflineMusic(slow_song(64.0, 2.763, 16.0), begin=begin, one_at=2.763, analysis=analysis_of(show))
+    music = OfflineMusic(synthesize_song(64.0, 2.763, 16.0), begin=begin, one_at=2.763, analysis=analysis_factory(show))
     writer = JournalWriter(tmp_path / "night.jsonl", {})
     status = Status(show, rejected=dict, memory=lambda: 0.0)
     engine = Engine(show, clock=clock, inbox=inbox, status=status, journal=writer)
@@ -146,8 +146,8 @@ def test_the_score_of_a_slow_song_begins_with_its_known_downbeat(tmp_path, begin
     assert again.measures >= 2
 
 
-class QuickClock:
-    """A clock that goes on by 20 ms with every look at it."""
+class AutoAdvanceClock:
+    """A clock that advances by 20 ms at every reading."""
 
     def __init__(self):
         self.time = 0.0
@@ -157,14 +157,14 @@ class QuickClock:
         return self.time
 
 
-def test_a_player_says_when_the_downbeat_will_be_heard_before_it_is():
+def test_music_player_announces_downbeat_once_before_beats():
     inbox = EventQueue()
-    player = MusicPlayer(slow_song(64.0, 2.763, 8.0), inbox, QuickClock(), output=False, one_at=2.763)
+    player = MusicPlayer(synthesize_song(64.0, 2.763, 8.0), inbox, AutoAdvanceClock(), output=False, one_at=2.763)
     found = []
     player.start()
     try:
-        heard = lambda: any(isinstance(event, events.BeatHeard) and event.time > 6.0 for event in found)  # noqa: E731
-        assert wait_for(lambda: found.extend(inbox.drain()) or heard(), 30.0)
+        is_beat_found = lambda: any(isinstance(event, events.BeatHeard) and event.time > 6.0 for event in found)  # noqa: E731
+        assert wait_for(lambda: found.extend(inbox.drain()) or is_beat_found(), 30.0)
     finally:
         player.stop()
     ones = [place for place, event in enumerate(found) if isinstance(event, events.One)]
@@ -173,8 +173,8 @@ def test_a_player_says_when_the_downbeat_will_be_heard_before_it_is():
     assert not any(isinstance(event, events.BeatHeard) for event in found[: ones[0]])
 
 
-def test_a_downbeat_late_in_the_music_is_told_at_the_same_place_however_it_is_asked_for():
-    music = slow_song(64.0, 32.0, 33.0, rate=16000)
+def test_late_downbeat_is_announced_at_same_position_for_any_step():
+    music = synthesize_song(64.0, 32.0, 33.0, rate=16000)
     told = []
     for step in (0.1, 33.0):
         offline, found = OfflineMusic(music, one_at=32.0, loop=False), []
@@ -187,25 +187,25 @@ def test_a_downbeat_late_in_the_music_is_told_at_the_same_place_however_it_is_as
     assert told[0] == told[1] > 0
 
 
-def test_what_the_clock_refuses_is_told():
+def test_refused_clock_events_report_their_reason():
     show = made_show()
     assert not show.apply(events.ChooseSource(time=0.0, source="osc", name="the drummer"))
     assert "the drummer" in show.refusals.last_reason
     assert not show.apply(events.SetMetre(time=0.0, source="osc", beats=1.0))
     for k in range(12):
         run(show, 32)
-        heard(show, 0.5 * (k + 1), beat=k % 4, beats_per_measure=4, measure=k // 4)
+        send_beat(show, 0.5 * (k + 1), beat=k % 4, beats_per_measure=4, measure=k // 4)
     assert not show.apply(events.SetTempo(time=show.time, source="key", tempo=90.0))
     assert "midi" in show.refusals.last_reason
 
 
-def test_the_status_says_who_is_followed_and_what_waits():
+def test_status_shows_clock_source_and_pending_changes():
     show = made_show()
     status = Status(show, rejected=Counter, memory=lambda: 1.0)
     for k in range(16):
         run(show, 32)
-        heard(show, 0.5 * (k + 1), beat=k % 4, beats_per_measure=4, measure=k // 4 + 40)
-        heard(show, 0.5 * (k + 1) + 0.1, source="audio", beat=k % 4, beats_per_measure=4)
+        send_beat(show, 0.5 * (k + 1), beat=k % 4, beats_per_measure=4, measure=k // 4 + 40)
+        send_beat(show, 0.5 * (k + 1) + 0.1, source="audio", beat=k % 4, beats_per_measure=4)
     show.apply(events.ChooseSource(time=show.time, source="osc", name="link"))
     show.apply(events.CountIn(time=show.time, source="osc", measures=2.0))
     run(show, 33)
@@ -222,7 +222,7 @@ def test_the_status_says_who_is_followed_and_what_waits():
     assert "counting in" in line
 
 
-def test_a_tracker_is_told_the_metre_and_what_the_hand_says():
+def test_tracker_receives_meter_tempo_and_downbeat():
     show, told = made_show(), []
     show.seed_tracker(told.append)
     show.apply(events.SetTempo(time=0.0, source="key", tempo=96.0))
@@ -230,7 +230,7 @@ def test_a_tracker_is_told_the_metre_and_what_the_hand_says():
     assert [(seed.kind, seed.value) for seed in told] == [("metre", 4.0), ("tempo", 96.0), ("one", 0.0)]
 
 
-def test_the_patch_says_who_is_followed():
+def test_patch_sets_clock_priority_and_tempo_range():
     patch = PATCH.replace("bpm = 120", 'bpm = 120\npriority = ["audio", "midi"]\ntempo_range = [50, 110]')
     assert parse_patch(patch, "x").clock.priority == ("audio", "midi")
     for wrong in ('priority = ["audio", "audio"]', 'priority = ["drummer"]', "tempo_range = [80, 120]"):
@@ -238,6 +238,6 @@ def test_the_patch_says_who_is_followed():
             parse_patch(PATCH.replace("bpm = 120", "bpm = 120\n" + wrong), "x")
 
 
-def test_events_of_the_clock_are_the_clocks():
+def test_clock_events_are_registered_event_types():
     assert MusicHeard not in CLOCK_EVENTS
     assert all(cls.__name__ in events.EVENT_TYPES for cls in CLOCK_EVENTS)

@@ -1,4 +1,4 @@
-"""Recorded MIDI clocks through the decoder, the events and the follower: the Timeline against the true beats."""
+"""Recorded MIDI clocks through decoder, events and follower: the Timeline against the true beats."""
 
 import json
 
@@ -36,8 +36,8 @@ def timeline_of(lines, seconds):
         ("mo08_ramp_120_174", 4.0), ("mo18_accel_rit", 12.0),
     ],
 )  # fmt: skip
-def test_the_timeline_meets_the_beats_of_a_midi_clock(shared, name, bound_ms):
-    """Within so much of the stream's constant delay (p95), every measure line right, from 1.5 s after a start."""
+def test_timeline_matches_the_beats_of_midi_clock(shared, name, bound_ms):
+    """Within a bound around the stream's constant delay (p95), every measure line right, from 1.5 s after a start."""
     folder = shared / "beats" / "midiclock"
     lines = [json.loads(line) for line in (folder / f"{name}.jsonl").read_text().splitlines()]
     running = json.loads((folder / f"{name}.truth.json").read_text())["running"]

@@ -1,4 +1,4 @@
-"""Click track and taps of a film: on the beats, on the feet's contacts, from the right side, bounded, repeatable."""
+"""Soundtrack of a film: click on the beats, taps at foot contacts, panning, level limits, reproducibility."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ SOLO = {"warp_beats": 0.0, "amplitude": 0.0}
 
 
 def tap_show(*, dancers=1, at=(0.0, 0.0), **motion):
-    """A show of the tap patch: one group, on the beat, nobody drawn anywhere."""
+    """A show of the tap patch: one group, on the beat, without movement on the floor."""
     patch = read_patch(TAP)
     place = {"formation": "grid", "centre": at, "facing": "public"}
     group = patch.group[2].model_copy(update={"dancers": dancers, **place})
@@ -37,7 +37,7 @@ def tap_show(*, dancers=1, at=(0.0, 0.0), **motion):
 
 
 def run(show, seconds, *, fps=40, **sound):
-    """All that was mixed in that time, and the footfalls."""
+    """The mixed sound of that time, the footfalls and the soundtrack."""
     mixed, falls, view, tick = Soundtrack(show, sound.pop("music", None), **sound), [], show.view(), 0
     feet = FootfallDetector(show)
     pieces, made = [], 0
@@ -59,7 +59,7 @@ def energy(samples, begin, end):
     return float((part.astype(np.float64) ** 2).mean())
 
 
-def test_the_click_is_on_the_beats_and_nowhere_else_and_the_first_is_another():
+def test_click_sounds_only_on_beats_with_accented_downbeat():
     samples, _, _ = run(tap_show(), 5.0, click=True, taps=False)
     expected = np.zeros_like(samples)
     accent, other = click_voices(RATE)
@@ -73,8 +73,8 @@ def test_the_click_is_on_the_beats_and_nowhere_else_and_the_first_is_another():
         assert np.argmax(spectrum) * RATE / (1 << 15) == pytest.approx(hertz, rel=0.02)
 
 
-def test_every_touch_of_a_foot_is_heard_on_its_count():
-    """The time step touches the floor on every third of a beat; between them, and before them, it is quiet."""
+def test_every_footfall_sounds_on_its_count():
+    """The time step touches the floor on every third of a beat; between and before the taps it is quiet."""
     samples, falls, _ = run(tap_show(), 5.0, click=False, taps=True)
     thirds = np.arange(9, 26) * BEAT / 3  # from the second measure on
     times = np.array([fall.time for fall in falls])
@@ -87,14 +87,14 @@ def test_every_touch_of_a_foot_is_heard_on_its_count():
     assert {BALL, HEEL} <= {fall.part for fall in falls}
 
 
-def test_footfalls_do_not_depend_on_the_frame_rate():
+def test_footfalls_are_independent_of_frame_rate():
     many, few = (run(tap_show(), 4.0, fps=fps, click=False, taps=True)[1] for fps in (120, 30))
     landings = [{(round(f.time / BEAT * 3), f.foot) for f in falls if 0.5 < f.time < 3.8} for falls in (many, few)]
     assert landings[0] == landings[1]
     assert len(landings[0]) > 15
 
 
-def test_a_dancer_is_heard_from_where_she_dances_and_softer_from_afar():
+def test_taps_are_panned_and_attenuated_by_dancer_position():
     def sides(at):
         return (run(tap_show(at=at), 2.0, click=False, taps=True)[0].astype(np.float64) ** 2).mean(axis=0)
 
@@ -105,7 +105,7 @@ def test_a_dancer_is_heard_from_where_she_dances_and_softer_from_afar():
     assert sides((0.0, 3.0)).sum() > 1.2 * sides((0.0, -3.0)).sum()
 
 
-def test_many_dancers_are_louder_than_one_but_never_too_loud():
+def test_many_dancers_are_louder_but_limited():
     one, _, _ = run(tap_show(), 2.0, click=False, taps=True)
     many, _, mixed = run(tap_show(dancers=60, warp_beats=0.03), 2.0, click=True, taps=True)
     assert np.abs(many).max() <= 1.0 + CLICK_LEVEL
@@ -114,7 +114,7 @@ def test_many_dancers_are_louder_than_one_but_never_too_loud():
     assert mixed.dropped_taps > 0  # 60 pairs of feet are more than can sound at once
 
 
-def test_the_same_show_sounds_the_same_and_another_seed_has_other_shoes():
+def test_soundtrack_is_reproducible_and_taps_differ_by_seed():
     first, again = (run(tap_show(dancers=3, warp_beats=0.05), 2.0, click=True, taps=True)[0] for _ in range(2))
     assert np.array_equal(first, again)
     same, other = tap_voices(1, RATE), tap_voices(2, RATE)
@@ -124,7 +124,7 @@ def test_the_same_show_sounds_the_same_and_another_seed_has_other_shoes():
 
 
 @pytest.mark.parametrize(("rate", "channels"), [(44100, 1), (22050, 2)])
-def test_music_stays_under_the_click_in_its_own_rate(rate, channels):
+def test_music_keeps_its_rate_and_level_under_click(rate, channels):
     tone = (0.5 * np.sin(np.arange(3 * rate) * 0.05)).astype(np.float32)
     music = FilmSound.from_samples(np.repeat(tone[:, None], channels, axis=1), rate)
     show = tap_show()

@@ -1,4 +1,4 @@
-"""Whatever somebody makes of a snapshot: it is refused in words, or it is a show; nothing runs, and nothing dies."""
+"""Hostile snapshots are refused with a reason or restore a show; no code runs, and no process dies."""
 
 import os
 import pickle
@@ -12,34 +12,34 @@ from live.clock.ticks import TICK
 from live.show.journal.journal_writer import read_snapshots
 from live.show.state.byte_format import HEAD, MAX_TREE_BYTES
 from live.show.state.snapshot import SnapshotError, restore, snapshot_header
-from tests.show.state.hostile import Mutations, halves, joined, opened, sealed, tried
-from tests.show.state.test_snapshot import MADE, run, taken_at
+from tests.show.state.hostile import Mutations, join_payload, pack_snapshot, split_payload, try_restore, unpack_snapshot
+from tests.show.state.test_snapshot import MADE, capture_from, run
 
 MANY = int(os.environ.get("HOSTILE_SNAPSHOTS", "300"))
-"""How many are tried; HOSTILE_SNAPSHOTS=100000 takes an hour."""
+"""The number of mutations; HOSTILE_SNAPSHOTS=100000 takes an hour."""
 MORE_MB = 200.0
 
 ran = []
-"""What bytes have called."""
+"""Calls made by snapshot bytes."""
 
 
-class Calls:
-    """Bytes that would call something: REDUCE of a pickle."""
+class PickledCall:
+    """An object whose pickle would call a function (REDUCE)."""
 
     def __reduce__(self):
         return ran.append, ("called",)
 
 
 @pytest.fixture(scope="module")
-def taken():
+def tick_and_snapshot():
     show = MADE.start()
     run(show, 1, 410)
-    return taken_at(show, 410)
+    return capture_from(show, 410)
 
 
 @pytest.fixture(scope="module")
-def fresh(taken):
-    return MADE.start(seed=snapshot_header(taken[1])["seed"])
+def fresh(tick_and_snapshot):
+    return MADE.start(seed=snapshot_header(tick_and_snapshot[1])["seed"])
 
 
 def rows_of(tree, kind):
@@ -47,17 +47,17 @@ def rows_of(tree, kind):
     return [row for row in tree[1].values() if row[0] >= 0 and tree[0][row[0]][0] == kind]
 
 
-def refused(data, fresh):
+def refusal_text(data, fresh):
     with pytest.raises(SnapshotError) as error:
         restore(MADE, data, fresh=fresh)
     return str(error.value)
 
 
-def test_a_pickle_calls_nothing(taken, fresh):
-    _, facts = opened(taken[1])
-    for payload in (pickle.dumps(Calls()), HEAD.pack(9) + pickle.dumps(Calls())):
-        assert "cannot be read" in refused(sealed(payload, facts), fresh)
-        assert "format 1" in refused(sealed(payload, facts, snapshot=1), fresh)
+def test_pickle_in_snapshot_calls_no_code(tick_and_snapshot, fresh):
+    _, facts = unpack_snapshot(tick_and_snapshot[1])
+    for payload in (pickle.dumps(PickledCall()), HEAD.pack(9) + pickle.dumps(PickledCall())):
+        assert "cannot be read" in refusal_text(pack_snapshot(payload, facts), fresh)
+        assert "format 1" in refusal_text(pack_snapshot(payload, facts, snapshot=1), fresh)
     assert ran == []
 
 
@@ -73,12 +73,12 @@ def test_a_pickle_calls_nothing(taken, fresh):
         "live.show.loader.load_show",
     ],
 )
-def test_a_constant_is_a_row_of_the_readers_own_table_and_no_path(taken, fresh, path):
-    """What ran foreign code: a path of attributes that the bytes name, and the call of what lies there."""
-    tree, content = halves(opened(taken[1])[0])
+def test_attribute_path_as_constant_is_refused(tick_and_snapshot, fresh, path):
+    """An earlier reader ran foreign code: the bytes named an attribute path, and the object found there was called."""
+    tree, content = split_payload(unpack_snapshot(tick_and_snapshot[1])[0])
     row = next(row for row in rows_of(tree, "show"))
     row[2 + tree[0][row[0]][2].index("graph")] = [path]
-    words = refused(sealed(joined(tree, content), opened(taken[1])[1]), fresh)
+    words = refusal_text(pack_snapshot(join_payload(tree, content), unpack_snapshot(tick_and_snapshot[1])[1]), fresh)
     assert "names no known object" in words
 
 
@@ -95,15 +95,17 @@ def test_a_constant_is_a_row_of_the_readers_own_table_and_no_path(taken, fresh, 
         ("show", "table of kinds is invalid"),
     ],
 )
-def test_a_kind_is_one_of_the_list_with_its_fields(taken, fresh, said, words):
-    tree, content = halves(opened(taken[1])[0])
+def test_unlisted_kind_or_field_is_refused(tick_and_snapshot, fresh, said, words):
+    tree, content = split_payload(unpack_snapshot(tick_and_snapshot[1])[0])
     tree[0][max(tree[0]) + 1] = said
-    assert words in refused(sealed(joined(tree, content), opened(taken[1])[1]), fresh)
+    assert words in refusal_text(
+        pack_snapshot(join_payload(tree, content), unpack_snapshot(tick_and_snapshot[1])[1]), fresh
+    )
 
 
 @pytest.mark.parametrize("name", ["__init__", "tick", "apply", "__class__", "_cut", "__getattribute__"])
-def test_a_method_is_one_of_the_list(taken, fresh, name):
-    tree, content = halves(opened(taken[1])[0])
+def test_unlisted_method_is_refused(tick_and_snapshot, fresh, name):
+    tree, content = split_payload(unpack_snapshot(tick_and_snapshot[1])[0])
     show = next(n for n, row in tree[1].items() if row[0] >= 0 and tree[0][row[0]][0] == "show")
     row, place = next(
         (row, place)
@@ -112,101 +114,103 @@ def test_a_method_is_one_of_the_list(taken, fresh, name):
         if row[0] >= 0 and place > 1 and isinstance(each, list) and each[:1] == [False]
     )
     row[place] = [False, [show], name]
-    assert "has no method" in refused(sealed(joined(tree, content), opened(taken[1])[1]), fresh)
+    assert "has no method" in refusal_text(
+        pack_snapshot(join_payload(tree, content), unpack_snapshot(tick_and_snapshot[1])[1]), fresh
+    )
 
 
-def test_a_field_of_another_type_an_index_too_large_and_another_shape_are_named(taken, fresh):
-    payload, facts = opened(taken[1])
+def test_wrong_type_index_or_shape_is_refused_with_field_name(tick_and_snapshot, fresh):
+    payload, facts = unpack_snapshot(tick_and_snapshot[1])
 
     def with_field(kind, field, value):
-        tree, content = halves(payload)
+        tree, content = split_payload(payload)
         row = next(row for row in rows_of(tree, kind))
         _, plain, others = tree[0][row[0]]
         if field in plain:
             row[1][plain.index(field)] = value
         else:
             row[2 + others.index(field)] = value
-        return sealed(joined(tree, content), facts)
+        return pack_snapshot(join_payload(tree, content), facts)
 
-    assert "timeline.tempo is str" in refused(with_field("timeline", "tempo", "120"), fresh)
-    assert "show.seed is float" in refused(with_field("show", "seed", 0.5), fresh)
-    tree, content = halves(payload)
+    assert "timeline.tempo is str" in refusal_text(with_field("timeline", "tempo", "120"), fresh)
+    assert "show.seed is float" in refusal_text(with_field("show", "seed", 0.5), fresh)
+    tree, content = split_payload(payload)
     number = next(n for n, row in tree[1].items() if row[0] == -7 and row[1] == "<i4" and row[2] == [len(fresh.group)])
-    tree, content = halves(payload)
+    tree, content = split_payload(payload)
     tree[1][number][2] = [1, len(fresh.group)]
-    assert "has the shape" in refused(sealed(joined(tree, content), facts), fresh)
+    assert "has the shape" in refusal_text(pack_snapshot(join_payload(tree, content), facts), fresh)
     row = next(row for row in rows_of(tree, "danced"))
     name = row[2 + tree[0][row[0]][2].index("node")][0]
-    tree, content = halves(payload)
+    tree, content = split_payload(payload)
     arrays = [number for number, row in tree[1].items() if row[0] in (-7, -8)]
     place = sum(tree[2][: arrays.index(name)])
     content = content[:place] + b"\xff\xff\xff\x7f" + content[place + 4 :]
-    words = refused(sealed(joined(tree, content), facts), fresh)
+    words = refusal_text(pack_snapshot(join_payload(tree, content), facts), fresh)
     assert "danced.node holds node indices" in words
 
 
-def test_what_says_that_it_is_large_asks_for_no_memory(taken, fresh):
-    payload, facts = opened(taken[1])
+def test_declared_large_sizes_allocate_no_memory(tick_and_snapshot, fresh):
+    payload, facts = unpack_snapshot(tick_and_snapshot[1])
     before = psutil.Process().memory_info().rss
-    tree, content = halves(payload)
+    tree, content = split_payload(payload)
     number = next(n for n, row in tree[1].items() if row[0] == -7)
     tree[1][number][2] = [1 << 39]
     large = [{}, {n: [-7, "<f8", [1 << 21]] for n in range(100)}, [0] * 100, [0]]
     bombs = [
-        sealed(joined(large, b""), facts),
-        sealed(joined(tree, content), facts),
-        sealed(payload, facts, size=1 << 62),
-        sealed(payload, facts, size=-1),
-        sealed(HEAD.pack(MAX_TREE_BYTES) + b"\xdd\xff\xff\xff\xff" + bytes(64), facts),
-        sealed(HEAD.pack(MAX_TREE_BYTES + 8) + b"\x90" * (MAX_TREE_BYTES + 8), facts),
-        sealed(HEAD.pack(400) + b"\x91" * 400, facts),
-        sealed(HEAD.pack(1 << 20) + b"\xdc\xff\xff" + b"\x90" * (1 << 20), facts),
-        sealed(joined([{}, {n: [-1] for n in range(300_000)}, [], [0]], b""), facts),
-        sealed(zlib.compress(bytes(1 << 25)), facts, size=1 << 25),
+        pack_snapshot(join_payload(large, b""), facts),
+        pack_snapshot(join_payload(tree, content), facts),
+        pack_snapshot(payload, facts, size=1 << 62),
+        pack_snapshot(payload, facts, size=-1),
+        pack_snapshot(HEAD.pack(MAX_TREE_BYTES) + b"\xdd\xff\xff\xff\xff" + bytes(64), facts),
+        pack_snapshot(HEAD.pack(MAX_TREE_BYTES + 8) + b"\x90" * (MAX_TREE_BYTES + 8), facts),
+        pack_snapshot(HEAD.pack(400) + b"\x91" * 400, facts),
+        pack_snapshot(HEAD.pack(1 << 20) + b"\xdc\xff\xff" + b"\x90" * (1 << 20), facts),
+        pack_snapshot(join_payload([{}, {n: [-1] for n in range(300_000)}, [], [0]], b""), facts),
+        pack_snapshot(zlib.compress(bytes(1 << 25)), facts, size=1 << 25),
     ]
     for bomb in bombs:
-        assert refused(bomb, fresh)
+        assert refusal_text(bomb, fresh)
     assert (psutil.Process().memory_info().rss - before) / 1e6 < MORE_MB
 
 
-def test_a_circle_of_keys_and_a_deep_value_are_refused(taken, fresh):
-    payload, facts = opened(taken[1])
-    tree, content = halves(payload)
+def test_cyclic_keys_and_deep_values_are_refused(tick_and_snapshot, fresh):
+    payload, facts = unpack_snapshot(tick_and_snapshot[1])
+    tree, content = split_payload(payload)
     spec = next(n for n, row in tree[1].items() if row[0] >= 0 and tree[0][row[0]][0] == "aims")
     for place in range(2, len(tree[1][spec])):
         tree[1][spec][place] = [None, [spec]]
     tree[1][-9999] = [-2, [None, [spec], [-9999]], 1]
-    assert refused(sealed(joined(tree, content), facts), fresh)
+    assert refusal_text(pack_snapshot(join_payload(tree, content), facts), fresh)
     deep = [0]
     for _ in range(400):
         deep = [None, deep]
-    tree, content = halves(payload)
+    tree, content = split_payload(payload)
     tree[1][-9999] = [-1, deep]
-    assert refused(sealed(joined(tree, content), facts), fresh)
+    assert refusal_text(pack_snapshot(join_payload(tree, content), facts), fresh)
 
 
-def test_mutations_are_refused_or_are_shows(taken, fresh):
-    """The seed counts on with their number, so that a longer run begins with these."""
-    at, data = taken
+def test_mutated_snapshots_are_refused_or_restored(tick_and_snapshot, fresh):
+    """The seed advances with the number of mutations, so a longer run begins with these."""
+    at, data = tick_and_snapshot
     mutations, restored = Mutations(data, 21), 0
     before = psutil.Process().memory_info().rss
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of arithmetic with numbers that no show holds
         for _ in range(MANY):
-            show, words = tried(MADE, mutations.next(), fresh)
+            show, words = try_restore(MADE, mutations.next(), fresh)
             if show is None:
                 assert words
                 continue
             restored += 1
             fresh = MADE.start(seed=mutations.facts["seed"])
-            _danced_on(show, at)
+            _run_ticks(show, at)
     assert restored
     assert (psutil.Process().memory_info().rss - before) / 1e6 < MORE_MB
     assert ran == []
 
 
-def _danced_on(show, at):
-    """What was read is a show: it may fail as one whose state makes no sense, in Python; no kernel reads beyond."""
+def _run_ticks(show, at):
+    """Runs a restored show: a senseless state may raise a Python exception, but no kernel reads out of bounds."""
     try:
         view = show.view()
         for tick in range(at + 1, at + 5):
@@ -216,11 +220,16 @@ def _danced_on(show, at):
         pass
 
 
-def test_a_file_of_snapshots_with_hostile_ones_is_read_on(tmp_path, taken):
-    """Those that are whole are there all the same."""
+def test_snapshot_file_is_read_past_hostile_entries(tmp_path, tick_and_snapshot):
+    """The intact snapshots are all read."""
     path = tmp_path / "night.jsonl.snap"
-    _, facts = opened(taken[1])
-    path.write_bytes(taken[1] + sealed(pickle.dumps(Calls()), facts, snapshot=1) + taken[1][:-7] + taken[1])
+    _, facts = unpack_snapshot(tick_and_snapshot[1])
+    path.write_bytes(
+        tick_and_snapshot[1]
+        + pack_snapshot(pickle.dumps(PickledCall()), facts, snapshot=1)
+        + tick_and_snapshot[1][:-7]
+        + tick_and_snapshot[1]
+    )
     problems = []
     assert len(list(read_snapshots(path, problems))) == 2
     assert len(problems) == 2

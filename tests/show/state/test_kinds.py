@@ -1,4 +1,4 @@
-"""Every class that a show's state holds is listed with its fields and their types, in the shows of all patches."""
+"""Every class in a show's state is listed with its fields and their types, in the shows of all patches."""
 
 import tempfile
 from enum import Enum
@@ -18,8 +18,8 @@ from live.show.state.snapshot import SnapshotError, Snapshotter, at_rest, index_
 from live.show.state.type_check import check_state
 from tests.show.desk.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH
-from tests.show.state.hostile import opened
-from tests.show.state.test_snapshot import MADE, SCRIPT, run, taken_at
+from tests.show.state.hostile import unpack_snapshot
+from tests.show.state.test_snapshot import MADE, SCRIPT, capture_from, run
 
 WORDS = {
     "int", "float", "bool", "str", "none", "bytes", "complex", "any", "array", "method", "event", "list", "row",
@@ -27,28 +27,28 @@ WORDS = {
 }  # fmt: skip
 
 
-def words_of(found):
+def type_words(found):
     yield found.word
     for each in found.items:
-        yield from words_of(each)
+        yield from type_words(each)
 
 
-def finds_of(found):
+def index_names(found):
     yield found.index_of
     for each in found.items:
-        yield from finds_of(each)
+        yield from index_names(each)
 
 
-def test_every_word_of_a_type_is_known():
+def test_every_type_word_is_known():
     many = index_limits(MADE.start())
     for kind in BY_NAME.values():
         for name, found in kind.types().items():
-            unknown = set(words_of(found)) - WORDS - set(BY_NAME) - set(CONSTANT_KINDS)
+            unknown = set(type_words(found)) - WORDS - set(BY_NAME) - set(CONSTANT_KINDS)
             assert not unknown, f"{kind.name}.{name}: {unknown}"
-            assert set(finds_of(found)) <= {"", *many}, f"{kind.name}.{name}"
+            assert set(index_names(found)) <= {"", *many}, f"{kind.name}.{name}"
 
 
-def test_every_kind_has_a_class_and_a_name_of_its_own_that_is_no_path():
+def test_every_kind_has_its_own_class_and_plain_name():
     assert len(BY_CLASS) == len(BY_NAME)
     for name, kind in BY_NAME.items():
         assert not name.startswith("live.")
@@ -69,7 +69,7 @@ def _slots(cls):
     return (slots,) if isinstance(slots, str) else slots
 
 
-def test_types_are_read_and_said_as_they_are_written():
+def test_types_are_parsed_and_formatted_unchanged():
     for text in ("int", "list[int|none]", "dict[str,tuple[float,float]]", "i4(node)", "row[str]|none", "tuple[]"):
         assert str(parse_type(text)) == text
     assert parse_type("f8*~").any_shape
@@ -79,13 +79,13 @@ def test_types_are_read_and_said_as_they_are_written():
             parse_type(text)
 
 
-class Strange:
-    """What nobody has listed."""
+class Unlisted:
+    """A class that is not listed."""
 
 
-def test_a_class_and_a_field_that_are_not_listed_are_named():
+def test_unlisted_class_or_field_is_refused_by_name():
     show = MADE.start()
-    show.desk.master.cards["x"] = Strange()
+    show.desk.master.cards["x"] = Unlisted()
     with pytest.raises(SnapshotError, match="Strange is of no kind"):
         Snapshotter(show).capture(0)
     show = MADE.start()
@@ -94,22 +94,22 @@ def test_a_class_and_a_field_that_are_not_listed_are_named():
         Snapshotter(show).capture(0).seal()
 
 
-def test_a_kind_that_has_another_field_now_is_named(monkeypatch):
+def test_kind_with_changed_fields_is_refused_by_name(monkeypatch):
     show = MADE.start()
     run(show, 1, 20)
-    _, data = taken_at(show, 20)
+    _, data = capture_from(show, 20)
     kind = BY_NAME["master"]
     monkeypatch.setitem(BY_NAME, "master", type(kind)(kind.name, kind.cls, f"{kind.schema} fresh:int"))
     with pytest.raises(SnapshotError, match="'master' is of another version there, with other fields: fresh"):
         restore(MADE, data)
 
 
-def test_a_snapshot_stays_readable_when_its_classes_move(monkeypatch):
-    """Neither modules nor classes are named in it."""
+def test_snapshot_stays_readable_when_classes_move(monkeypatch):
+    """A snapshot contains no names of modules or classes."""
     show = MADE.start()
     run(show, 1, 60)
-    at, data = taken_at(show, 60)
-    payload, _ = opened(data)
+    at, data = capture_from(show, 60)
+    payload, _ = unpack_snapshot(data)
     assert b"live." not in payload
     assert b"GroupMotion" not in payload
     for kind in BY_NAME.values():
@@ -118,8 +118,8 @@ def test_a_snapshot_stays_readable_when_its_classes_move(monkeypatch):
     assert run(restore(MADE, data), at + 1, at + 40) == run(show, at + 1, at + 40)
 
 
-def test_what_is_written_does_not_change_with_the_show():
-    """What is taken within a frame is sealed later, by another thread."""
+def test_captured_snapshot_does_not_change_with_the_show():
+    """A snapshot captured within a frame is sealed later, by another thread."""
     show, watched = MADE.start(), MADE.start()
     for each in (show, watched):
         run(each, 1, 300)
@@ -131,10 +131,10 @@ def test_what_is_written_does_not_change_with_the_show():
     assert restore(MADE, taken.seal()).state_hash() == restore(MADE, then).state_hash() == show.state_hash()
 
 
-def test_arrays_that_are_one_stay_one_and_parts_stay_parts():
+def test_shared_arrays_and_views_are_restored():
     show = MADE.start()
     run(show, 1, 100)
-    restored = restore(MADE, taken_at(show, 100)[1])
+    restored = restore(MADE, capture_from(show, 100)[1])
     state = restored.motion.state
     assert state.position.base is state.velocity.base is state.flat
     assert restored.motion.casting is restored.casting
@@ -143,7 +143,7 @@ def test_arrays_that_are_one_stay_one_and_parts_stay_parts():
 
 
 @pytest.mark.parametrize("tick", [1, 60, 150, 300, 460, 640])
-def test_what_a_show_holds_is_of_its_types(tick):
+def test_show_state_matches_its_listed_types(tick):
     for loaded in (MADE, LoadedShow(Path("desk.toml"), parse_patch(PATCH + DESK, "desk.toml"), GRAPH)):
         show = loaded.start()
         run(show, 1, tick, SCRIPT)
@@ -156,18 +156,18 @@ def test_what_a_show_holds_is_of_its_types(tick):
     "name",
     ["first_show", "samba", "tap", "contemporary", "ballet", "formations", "pairs", "cues", "score", "partner"],
 )
-def test_the_shows_of_all_patches_hold_what_is_listed(name):
-    """A minute with twelve players who do everything, whose patch is edited meanwhile: looked at once a second."""
+def test_shows_of_all_patches_match_listed_types(name):
+    """A minute with twelve players that use everything while the patch is edited: checked once a second."""
     path = find_patch(None if name == "first_show" else name)
     with tempfile.TemporaryDirectory() as folder:
         soak = SoakTest(SoakOptions(path, seed=13, hours=60.0 / 3600.0, players=12, calls=20, faults=3), Path(folder))
-        looked = _looked_at(soak)
+        looked = _record_checks(soak)
         soak.run()
     assert soak.report.problems == []
     assert len(looked) > 20
 
 
-def _looked_at(soak):
+def _record_checks(soak):
     source, looked, frame = Snapshotter(soak.show), [], soak._frame
 
     def watched():
@@ -189,7 +189,7 @@ def _looked_at(soak):
     return looked
 
 
-def test_events_are_kinds_by_the_names_that_journals_have():
+def test_events_are_kinds_by_their_journal_names():
     for name, cls in events.EVENT_TYPES.items():
         assert BY_NAME[f"event-{name}"].cls is cls
         assert set(BY_NAME[f"event-{name}"].names) == set(attributes(cls(**_values(cls)))) - {"__weakref__"}

@@ -1,4 +1,4 @@
-"""A show with sections, sequences, improvisation and calls goes on from a snapshot bit by bit, wherever it is taken."""
+"""A show with sections, sequences, improvisation and calls continues identically from a snapshot at any tick."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
 from live.show.state.snapshot import restore
 from tests.show.made_show import GRAPH, PATCH
-from tests.show.state.test_snapshot import run, taken_at
+from tests.show.state.test_snapshot import capture_from, run
 
 SCORE = (
     '[[section]]\nname = "a"\nmeasures = 2\nrepeat = 2\n[[section]]\nname = "b"\nmeasures = 3\nwait = true\n'
@@ -30,10 +30,10 @@ SCRIPT = {
 
 
 @pytest.mark.parametrize("tick", [40, 220, 320, 560, 640, 905])
-def test_a_restored_score_goes_on_bit_by_bit(tick):
+def test_restored_score_continues_bit_identically(tick):
     show = LOADED.start()
     run(show, 1, tick, SCRIPT)
-    at, data = taken_at(show, tick, SCRIPT)
+    at, data = capture_from(show, tick, SCRIPT)
     restored = restore(LOADED, data)
     assert restored.score_runner.facts() == show.score_runner.facts()
     assert run(restored, at + 1, at + 300, SCRIPT) == run(show, at + 1, at + 300, SCRIPT)
@@ -41,8 +41,8 @@ def test_a_restored_score_goes_on_bit_by_bit(tick):
     assert restored.score_runner.beat_scheduler.counters() == show.score_runner.beat_scheduler.counters()
 
 
-def test_what_is_written_is_not_in_the_snapshot():
-    """A long score makes no larger snapshots: what is written is found again in the patch."""
+def test_snapshot_leaves_out_the_written_score():
+    """A long score makes no larger snapshots: its entries are read from the patch."""
     calls = "".join(
         f'[[at]]\nmeasure = {measure}\nbeat = {beat}\nsignal = "s{measure}"\n'
         f'[[sequence]]\nmeasure = {measure * 4 + beat}\nsteps = ["{step}"]\n'
@@ -55,5 +55,5 @@ def test_what_is_written_is_not_in_the_snapshot():
     for loaded in (long, short):
         show = loaded.start()
         show.tick(TICK)
-        sizes.append(len(taken_at(show, 1)[1]))
+        sizes.append(len(capture_from(show, 1)[1]))
     assert sizes[0] < 1.1 * sizes[1]

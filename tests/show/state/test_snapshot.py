@@ -1,4 +1,4 @@
-"""Snapshots: a show that is restored goes on bit by bit as the one it was taken of; damage is named."""
+"""Snapshots: a restored show continues bit-identically, and damage is reported."""
 
 import json
 from pathlib import Path
@@ -39,7 +39,7 @@ SCRIPT = {
 
 
 def run(show, first, last, script=SCRIPT):
-    """Ticks `first` to `last`, events before them; the state hash after each of the last quarter second's ticks too."""
+    """Runs ticks `first` to `last`, events first; returns hashes at measure lines and in the last quarter second."""
     hashes = []
     for tick in range(first, last + 1):
         if tick in script:
@@ -49,8 +49,8 @@ def run(show, first, last, script=SCRIPT):
     return hashes
 
 
-def taken_at(show, tick, script=SCRIPT):
-    """Go on from `tick` until a snapshot can be taken: the tick at which it was, and the snapshot."""
+def capture_from(show, tick, script=SCRIPT):
+    """Runs on from `tick` until a snapshot can be captured: its tick and the snapshot."""
     source = Snapshotter(show)
     while (taken := source.capture(tick)) is None:
         tick += 1
@@ -59,11 +59,11 @@ def taken_at(show, tick, script=SCRIPT):
 
 
 @pytest.mark.parametrize("tick", [10, 137, 216, 262, 290, 304, 350, 410, 480, 530, 600, 703, 770])
-def test_a_restored_show_goes_on_bit_by_bit(tick):
-    """In the middle of fades, cuts, taps, evolutions, entrances, a count-in, drawn flows."""
+def test_restored_show_continues_bit_identically(tick):
+    """During fades, cuts, taps, evolutions, entrances, a count-in and drawn flows."""
     show = MADE.start()
     run(show, 1, tick)
-    at, data = taken_at(show, tick)
+    at, data = capture_from(show, tick)
     restored = restore(MADE, data)
     assert restored.state_hash() == show.state_hash()
     assert run(restored, at + 1, at + 200) == run(show, at + 1, at + 200)
@@ -74,11 +74,11 @@ def test_a_restored_show_goes_on_bit_by_bit(tick):
 @pytest.mark.parametrize(
     "name", ["first_show", "samba", "tap", "contemporary", "ballet", "formations", "pairs", "cues", "score"]
 )
-def test_every_patch_of_the_project_can_be_restored(name):
+def test_every_project_patch_is_restored_from_snapshot(name):
     loaded = load_show(find_patch(None if name == "first_show" else name))
     show = loaded.start(seed=5)
     run(show, 1, 330, {})
-    at, data = taken_at(show, 330, {})
+    at, data = capture_from(show, 330, {})
     assert len(data) < 80_000
     restored = restore(loaded, data)
     again = restore(loaded, snapshot(restored, at))  # and what was restored can be taken again
@@ -88,7 +88,7 @@ def test_every_patch_of_the_project_can_be_restored(name):
     assert run(again, at + 1, at + 256, {}) == then
 
 
-def test_taking_changes_nothing():
+def test_capture_does_not_change_the_show():
     show, watched = MADE.start(), MADE.start()
     source = Snapshotter(watched)
     for tick in range(1, 300):
@@ -98,19 +98,19 @@ def test_taking_changes_nothing():
     assert watched.state_hash() == show.state_hash()
 
 
-def test_whoever_listens_to_the_clock_stays_with_the_process():
+def test_clock_listener_is_not_restored():
     show, told = MADE.start(), []
     show.seed_tracker(told.append)
     run(show, 1, 10)
-    restored = restore(MADE, taken_at(show, 10)[1])
+    restored = restore(MADE, capture_from(show, 10)[1])
     assert show.follower.on_hint is not None
     assert restored.follower.on_hint is None
 
 
-def test_a_flipped_bit_is_found_wherever_it_is():
+def test_flipped_bit_or_truncation_is_refused():
     show = MADE.start()
     run(show, 1, 20)
-    _, data = taken_at(show, 20)
+    _, data = capture_from(show, 20)
     assert snapshot_header(data)["tick"] >= 20
     for place in (0, 15, 100, data.index(b"\n") + 1, len(data) // 2, len(data) - 1):
         broken = bytearray(data)
@@ -122,10 +122,10 @@ def test_a_flipped_bit_is_found_wherever_it_is():
             restore(MADE, data[:length])
 
 
-def test_another_patch_other_steps_and_another_version_are_named():
+def test_other_patch_steps_or_version_is_refused_by_name():
     show = MADE.start()
     run(show, 1, 20)
-    _, data = taken_at(show, 20)
+    _, data = capture_from(show, 20)
     other = LoadedShow(MADE.path, parse_patch(PATCH, "test.toml"), GRAPH)
     with pytest.raises(SnapshotError, match="other patch"):
         restore(other, data)
@@ -141,7 +141,7 @@ def test_another_patch_other_steps_and_another_version_are_named():
 
 
 @pytest.mark.parametrize("tick", [70, 100, 131, 190, 230])
-def test_fades_count_ins_jumps_and_what_can_be_undone_go_on(tick):
+def test_fades_count_ins_jumps_and_undo_continue_after_restore(tick):
     desk = LoadedShow(Path("desk.toml"), parse_patch(PATCH + DESK, "desk.toml"), GRAPH)
     script = {
         40: events.RecallScene(time=0.6, source="key", name="low", measures=2.0),
@@ -159,7 +159,7 @@ def test_fades_count_ins_jumps_and_what_can_be_undone_go_on(tick):
     }
     show = desk.start()
     run(show, 1, tick, script)
-    at, data = taken_at(show, tick, script)
+    at, data = capture_from(show, tick, script)
     restored = restore(desk, data)
     assert run(restored, at + 1, 480, script) == run(show, at + 1, 480, script)
     for each in (show, restored):
@@ -172,8 +172,8 @@ def test_fades_count_ins_jumps_and_what_can_be_undone_go_on(tick):
 
 
 @pytest.mark.parametrize("stage", ["selection", "tick"])
-def test_a_stage_that_is_out_of_service_keeps_no_snapshot_from_being_taken(stage):
-    """What it had begun would never end."""
+def test_tripped_stage_does_not_prevent_snapshots(stage):
+    """Otherwise the work that it had begun would never end."""
     show = MADE.start()
     run(show, 1, 75)
     assert not at_rest(show)
@@ -185,11 +185,11 @@ def test_a_stage_that_is_out_of_service_keeps_no_snapshot_from_being_taken(stage
         waited = 0 if at_rest(show) else waited + 1
         longest = max(longest, waited)
     assert longest * TICK < 2.2  # a measure
-    at, data = taken_at(show, 400)
+    at, data = capture_from(show, 400)
     assert run(restore(MADE, data), at + 1, at + 60) == run(show, at + 1, at + 60)
 
 
-def test_an_edit_that_comes_while_nobody_takes_it_up_keeps_no_snapshot_from_being_taken():
+def test_edit_with_tripped_edit_stage_does_not_prevent_snapshots():
     show = MADE.start()
     run(show, 1, 40)
     show.apply(events.BreakerTripped(time=40 * TICK, source="heir", name="edits", why="made by a test"))

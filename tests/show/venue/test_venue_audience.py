@@ -1,4 +1,4 @@
-"""`[audience]` of a venue: what may stand there, and what a person is told of what may not."""
+"""`[audience]` of a venue: valid keys, and errors with line and remedy."""
 
 import pytest
 
@@ -7,19 +7,19 @@ from live.show.patch.patch_reader import parse_model
 from live.show.venue.venue import Venue
 
 
-def hall(text):
+def audience_of(text):
     return parse_model(f'name = "hall"\n[audience]\n{text}', "hall.toml", Venue, "venue").audience
 
 
-def test_what_may_stand_there():
-    assert hall("").network is None
-    read = hall(
+def test_valid_audience_section_is_read():
+    assert audience_of("").network is None
+    read = audience_of(
         'network = "proxy"\nproxies = ["192.168.1.2", "10.0.0.7/24", "2001:db8::/48"]\ncode_s = 20\ngrace_s = 60\n'
         'joins_per_code = 300\nby_card = false\ncertificate = "hall.pem"\nkey = "/etc/hall.key"\n'
     )
     assert (read.network, read.code_s, read.joins_per_code) == ("proxy", 20.0, 300)
-    assert hall('network = "behind nat"').network == "behind nat"
-    assert hall('network = "own wifi"').by_card
+    assert audience_of('network = "behind nat"').network == "behind nat"
+    assert audience_of('network = "own wifi"').by_card
 
 
 @pytest.mark.parametrize(
@@ -38,7 +38,7 @@ def test_what_may_stand_there():
         ("netwrok = 1", 3, "did you mean 'network'"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_line_and_its_remedy(text, line, words):
+def test_invalid_audience_key_is_refused_with_line_and_remedy(text, line, words):
     with pytest.raises(PersonError, match=words) as told:
-        hall(text)
+        audience_of(text)
     assert f"hall.toml:{line}:" in str(told.value) or f"hall.toml, line {line}" in str(told.value)

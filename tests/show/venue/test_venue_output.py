@@ -1,4 +1,4 @@
-"""`[[output]]` of a venue: what it may say, and how it is told what is wrong."""
+"""`[[output]]` of a venue: all keys, defaults, and errors with their line."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ def venue(text: str) -> Venue:
     return parse_model(f'name = "hall"\n{text}', "hall.toml", Venue, "venue")
 
 
-def test_everything_that_may_be_said():
+def test_output_with_all_keys_is_read():
     (one,) = venue("""
 [[output]]
 name = "left"
@@ -36,7 +36,7 @@ gamma = 1.1
     )  # fmt: skip
 
 
-def test_an_output_that_says_nothing_is_plain():
+def test_output_without_keys_is_plain():
     assert venue("[[output]]").output[0].output(Path()).is_plain
     assert venue("").output == ()
 
@@ -62,17 +62,17 @@ def test_an_output_that_says_nothing_is_plain():
         ('name = "A"\n[[output]]\nname = "a"', "line 5: output.2.name: another output has the name 'a'"),
     ],
 )
-def test_what_is_wrong_is_named_with_its_line(text, words):
+def test_invalid_output_key_is_refused_with_its_line(text, words):
     with pytest.raises(PersonError, match=words):
         venue(f"[[output]]\n{text}")
 
 
-def test_there_are_not_too_many():
+def test_more_than_eight_outputs_are_refused():
     with pytest.raises(PersonError, match="output: at most 8"):
         venue("".join(f'[[output]]\nname = "{n}"\n' for n in range(9)))
 
 
-def test_the_projects_own_venues_can_be_read():
+def test_project_venue_has_matching_soft_edges():
     left, right = (one.output(Path()) for one in read_venue("two_projectors").output)
     assert left.crop[2] - right.crop[0] == pytest.approx(0.1)  # what both show
     assert left.edge.right * left.crop[2] == pytest.approx(0.1, abs=1e-3)

@@ -1,4 +1,4 @@
-"""How an output is bent goes into the venue's file, and nothing else of it changes."""
+"""Output warps are written to the venue's file, and the rest of the file stays unchanged."""
 
 import tomllib
 from dataclasses import replace
@@ -33,7 +33,7 @@ monitor = "2"
 BENT = Output("right", corners=((0.1, 0.123456789), (1.0, 0.0), (1.0, 1.0), (0.0, 0.9)))
 
 
-def test_corners_of_one_output_are_written_and_all_else_is_kept():
+def test_corners_of_one_output_are_written_and_rest_is_kept():
     text = update_output_toml(WRITTEN, "hall", BENT)
     left, right = tomllib.loads(text)["output"]
     assert right == {"name": "right", "monitor": "2", "corners": [[0.1, 0.12346], [1.0, 0.0], [1.0, 1.0], [0.0, 0.9]]}
@@ -44,7 +44,7 @@ def test_corners_of_one_output_are_written_and_all_else_is_kept():
     assert update_output_toml(text, "hall", Output("right")) == WRITTEN  # unbent again
 
 
-def test_a_mesh_is_written_row_by_row_and_read_again():
+def test_mesh_is_written_by_rows_and_read_back():
     rows = [list(row) for row in regular_mesh(3, 2)]
     rows[0][1] = (0.5, -0.04)
     output = replace(BENT, mesh=tuple(map(tuple, rows)))
@@ -55,7 +55,7 @@ def test_a_mesh_is_written_row_by_row_and_read_again():
     assert "mesh" not in update_output_toml(text, "hall", replace(output, mesh=regular_mesh(3, 2)))
 
 
-def test_a_file_and_an_output_are_made_where_there_are_none():
+def test_missing_file_and_output_are_created():
     text = update_output_toml("", "hall", replace(BENT, name="picture"))
     venue = parse_model(text, "hall.toml", Venue, "venue")
     assert venue.name == "hall"
@@ -64,14 +64,14 @@ def test_a_file_and_an_output_are_made_where_there_are_none():
     assert [one["name"] for one in tomllib.loads(more)["output"]] == ["picture", "other"]
 
 
-def test_an_output_without_a_name_is_the_one_called_picture():
+def test_unnamed_output_has_the_name_picture():
     text = update_output_toml("[[output]]\nrotation = 180\n", "hall", replace(BENT, name="picture"))
     (one,) = tomllib.loads(text)["output"]
     assert one["rotation"] == 180
     assert one["corners"][0] == [0.1, 0.12346]
 
 
-def test_a_wrong_file_is_left_alone(tmp_path):
+def test_invalid_venue_file_is_not_changed(tmp_path):
     path = tmp_path / "hall.toml"
     path.write_text("[[output]]\nrotation = 3\n")
     with pytest.raises(PersonError, match=r"hall.toml, line 2: output.1.rotation"):

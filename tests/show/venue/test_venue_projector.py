@@ -1,4 +1,4 @@
-"""`[projector]` of a venue: every show that is played in the hall is seen from where its projector stands."""
+"""`[projector]` of a venue: every show in the hall is drawn from the projector's position."""
 
 import numpy as np
 import pytest
@@ -38,15 +38,15 @@ def patch(more: str = "") -> Patch:
     return parse_patch(PATCH + STAGE + more, "test.toml")
 
 
-def floor_of(camera):
+def projected_floor(camera):
     corners = [(x, 0.0, z) for x, z in floor_corners(10.0, 8.0)]
     return project_points(camera, (1600, 900), corners) / (1600, 900)
 
 
 @pytest.mark.parametrize("more", ["", CAMERA, OTHER])
-def test_shows_begin_with_the_hall_s_projector_whatever_they_say(more):
+def test_venue_projector_overrides_the_camera_of_the_show(more):
     played = with_venue_projector(patch(more), hall().projector)
-    np.testing.assert_allclose(floor_of(initial_camera(played)), CORNERS, atol=1e-9)
+    np.testing.assert_allclose(projected_floor(initial_camera(played)), CORNERS, atol=1e-9)
     assert start_row(played) is not None
     assert not played.camera.follow
     assert "projector" in view_settings(played)
@@ -54,14 +54,14 @@ def test_shows_begin_with_the_hall_s_projector_whatever_they_say(more):
     assert initial_camera(Patch.model_validate(played.to_json_values())) == initial_camera(played)
 
 
-def test_it_may_be_a_view_beside_the_show_s_own_camera():
+def test_projector_can_be_a_view_beside_show_camera():
     played = with_venue_projector(patch(CAMERA), hall(HALL + "begins = false\n").projector)
     assert initial_camera(played).eye == (0.0, 3.0, 12.0)
     assert played.camera.follow == "*"
     assert "projector" in view_settings(played)
 
 
-def test_a_hall_without_one_changes_nothing():
+def test_venue_without_projector_keeps_the_patch():
     plain = patch(CAMERA)
     assert with_venue_projector(plain, hall('name = "hall"').projector) is plain
 
@@ -75,12 +75,12 @@ def test_a_hall_without_one_changes_nothing():
         (("corners", "corner"), "corner"),
     ],
 )
-def test_what_is_wrong_is_told_before_the_show(change, words):
+def test_invalid_projector_is_refused_before_the_show(change, words):
     with pytest.raises(PersonError, match=words):
         with_venue_projector(patch(), hall(HALL.replace(*change)).projector)
 
 
-def test_an_edited_patch_is_played_there_too(tmp_path):
+def test_edited_patch_keeps_the_venue_projector(tmp_path):
     file = tmp_path / "show.toml"
     file.write_text(PATCH + STAGE + CAMERA)
     loaded = LoadedShow(file, read_patch(file), GRAPH).with_projector(hall().projector)
@@ -91,15 +91,15 @@ def test_an_edited_patch_is_played_there_too(tmp_path):
     assert (watch.problem, len(posted)) == ("", 1)
     changed = Patch.model_validate_json(decompress_text(posted[0].patch))
     assert changed.name == "other"
-    np.testing.assert_allclose(floor_of(initial_camera(changed)), CORNERS, atol=1e-9)
+    np.testing.assert_allclose(projected_floor(initial_camera(changed)), CORNERS, atol=1e-9)
 
 
-def test_the_command_line_reads_it_with_the_venue(tmp_path, monkeypatch):
+def test_venue_option_applies_the_projector(tmp_path, monkeypatch):
     monkeypatch.setenv("LIVE_CONFIG_DIR", str(tmp_path))
     (tmp_path / "venues").mkdir()
     (tmp_path / "venues" / "hall.toml").write_text(HALL)
     loaded = LoadedShow(tmp_path / "show.toml", patch(CAMERA), GRAPH)
     monkeypatch.setattr("live.show.loader.load_show", lambda path, **options: loaded)
     played = LaunchOptions(venue="hall").load()
-    np.testing.assert_allclose(floor_of(played.scene().camera), CORNERS, atol=1e-9)
+    np.testing.assert_allclose(projected_floor(played.scene().camera), CORNERS, atol=1e-9)
     assert LaunchOptions().load() is loaded

@@ -1,4 +1,4 @@
-"""What a show says of itself: what can be read is what was set, and nothing changes by looking."""
+"""CurrentValues: values read from a show match those that were set, and reading changes no state."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from live.control.registry.registry import READABLE, REGISTRY, Values
 from live.control.registry.rejections import Rejection
 from live.show.view.status import Status
 from live.show.view.telemetry import CurrentValues
-from tests.show.desk.desk_show import DESK, Hands
+from tests.show.desk.desk_show import DESK, DeskSession
 
 ELSEWHERE = {"/dance/click", "/dance/latency/input", "/dance/latency/output", "/dance/latency/display",
              "/dance/latency/projector"}  # fmt: skip
@@ -16,8 +16,8 @@ REFUSED = {"/dance/motion/texture"}  # in a show without recordings
 REFUSED |= {f"/dance/partner/{key}" for key in ("on", "amount", "stretch", "hands")}  # in one without partners
 
 
-def another(control: Control, now: tuple) -> tuple:
-    """A value that a control does not have now."""
+def different_value(control: Control, now: tuple) -> tuple:
+    """A value that differs from the current one of a control."""
     values = []
     for argument, value in zip(control.value_arguments, now, strict=False):
         if argument.type == "bool":
@@ -32,20 +32,20 @@ def another(control: Control, now: tuple) -> tuple:
 
 @pytest.fixture(scope="module")
 def show():
-    return Hands(DESK + '[[mocap]]\nname = "anna"\n').show
+    return DeskSession(DESK + '[[mocap]]\nname = "anna"\n').show
 
 
-def readable_of(show):
+def current_values(show):
     return CurrentValues(show, Status(show, rejected=dict, memory=lambda: 1.0))
 
 
-def test_everything_readable_has_a_value_and_only_that(show):
-    found = readable_of(show).changes()
+def test_every_readable_control_has_a_value(show):
+    found = current_values(show).changes()
     assert set(found) == set(READABLE) - ELSEWHERE
 
 
-def test_what_is_set_is_read_back_once(show):
-    readable = readable_of(show)
+def test_set_value_is_read_back_once(show):
+    readable = current_values(show)
     values = Values()
     values.update(readable.changes())
     before = show.state_hash()
@@ -55,7 +55,7 @@ def test_what_is_set_is_read_back_once(show):
         if not control.value or control.address in ELSEWHERE | SLOW | REFUSED:
             continue
         address, now = next(values.messages(control.address))
-        wanted = another(control, now[: control.value])
+        wanted = different_value(control, now[: control.value])
         event = REGISTRY.call(address, wanted, 0.0, "test")
         assert not isinstance(event, Rejection), event
         assert show.apply(event), control.address
@@ -70,8 +70,8 @@ def test_what_is_set_is_read_back_once(show):
         assert [type(value) for value in got] == [type(value) for value in wanted]
 
 
-def test_groups_that_differ_are_told_by_name(show):
-    readable = readable_of(show)
+def test_differing_groups_are_reported_by_name(show):
+    readable = current_values(show)
     readable.changes()
     first, *others = show.desk.parameters.table.group_names
     assert others
@@ -85,9 +85,11 @@ def test_groups_that_differ_are_told_by_name(show):
     assert readable.changes()["/dance/motion/larger"] == (("", (0.25,)),)
 
 
-def test_of_performers_who_differ_each_is_told_at_her_own_address():
-    show = Hands(DESK + '[[mocap]]\nname = "anna"\n[[mocap]]\nname = "ben b"\nmirrored = true\ncanon = "back"\n').show
-    readable, values = readable_of(show), Values()
+def test_differing_performers_are_reported_at_own_addresses():
+    show = DeskSession(
+        DESK + '[[mocap]]\nname = "anna"\n[[mocap]]\nname = "ben b"\nmirrored = true\ncanon = "back"\n'
+    ).show
+    readable, values = current_values(show), Values()
     values.update(readable.changes())
     mirrored = list(values.messages("/dance/mocap/mirrored"))
     assert mirrored == [("/dance/mocap/anna/mirrored", (False,)), ("/dance/mocap/mirrored", ("ben b", True))]

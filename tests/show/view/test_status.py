@@ -1,4 +1,4 @@
-"""Status: figures in the form of the contracts, once a second."""
+"""Status: figures in the documented form, once a second."""
 
 import json
 from collections import Counter
@@ -13,7 +13,7 @@ def made_status(rejected=None):
     return Status(made_show(), rejected=lambda: Counter(rejected or {}), memory=lambda: 123.45)
 
 
-def test_percentiles_are_those_of_the_last_frames():
+def test_percentiles_cover_the_last_frames():
     times = FrameTimes()
     assert times.percentiles(50, 99) == [0.0, 0.0]
     for _ in range(5000):
@@ -24,7 +24,7 @@ def test_percentiles_are_those_of_the_last_frames():
     assert times.percentiles(50, 100) == [16.0, 100.0]
 
 
-def test_a_snapshot_has_every_key_and_counts_from_one():
+def test_status_snapshot_has_every_key_and_counts_from_one():
     status = made_status({"unknown address": 2})
     status.dropped_events = 3
     s = status.snapshot(0.75)
@@ -36,7 +36,7 @@ def test_a_snapshot_has_every_key_and_counts_from_one():
     assert set(s["cpu_ms"]) == {"p50", "p99"}
 
 
-def test_one_line_a_second_and_a_last_one(tmp_path):
+def test_status_file_has_one_line_per_second_and_final_line(tmp_path):
     file = StatusFile(tmp_path / "s", made_status())
     for frame in range(200):
         file.frame(frame / 60)
@@ -45,7 +45,7 @@ def test_one_line_a_second_and_a_last_one(tmp_path):
     assert [line["time"] for line in lines] == [1.0, 2.0, 3.0, 3.4]
 
 
-def test_the_overlay_is_made_anew_four_times_a_second():
+def test_overlay_is_refreshed_four_times_per_second():
     status = made_status()
     first = status.overlay(0.0)
     assert any("120.0 bpm" in line for line in first)

@@ -1,4 +1,4 @@
-"""What others are told of a show as it happens: against the show's own arrays."""
+"""Telemetry of a running show against the show's own arrays."""
 
 import numpy as np
 import pytest
@@ -11,8 +11,8 @@ from tests.show.made_show import made_show
 
 
 @pytest.fixture(scope="module")
-def told():
-    """Four measures of a show: (time, what, value) of all that was told, with the show's own steps and places."""
+def telemetry_rows():
+    """Four measures of a show: all sent (time, what, value), with the show's own steps and positions."""
     show = made_show(reserve=2)
     view, outgoing, rows, seen = show.view(), Telemetry(show, positions=8.0), [], []
     footfalls = FootfallDetector(show)
@@ -29,8 +29,8 @@ def told():
     return show, rows, seen
 
 
-def test_measures_and_timeline_are_told_when_they_change(told):
-    show, rows, _ = told
+def test_measures_and_timeline_are_sent_when_they_change(telemetry_rows):
+    show, rows, _ = telemetry_rows
     measures = [value for _, what, value in rows if what == "measure"]
     assert [number for number, _ in measures] == list(range(5))
     assert [end for _, end in measures] == [4.0, 8.0, 12.0, 16.0, 20.0]
@@ -39,8 +39,8 @@ def test_measures_and_timeline_are_told_when_they_change(told):
     assert len(timelines) < 5
 
 
-def test_every_step_is_told_once_when_it_begins(told):
-    show, rows, seen = told
+def test_every_step_is_sent_once_when_it_begins(telemetry_rows):
+    show, rows, seen = telemetry_rows
     now = {}
     for time, what, value in rows:
         if what == "news":
@@ -56,8 +56,8 @@ def test_every_step_is_told_once_when_it_begins(told):
     assert all(now[dancer] == seen[-1][1][dancer - 1] for dancer in now)
 
 
-def test_feet_that_come_down_are_told(told):
-    _, rows, seen = told
+def test_footfalls_are_sent(telemetry_rows):
+    _, rows, seen = telemetry_rows
     fell = [value for _, what, news in rows if what == "news" for name, value in news if name == "foot"]
     assert {side for _, side, *_ in fell} == {"left", "right"}
     known = [(fall.dancer + 1, fall.foot, fall.part) for _, _, falls, _ in seen for fall in falls]
@@ -66,8 +66,8 @@ def test_feet_that_come_down_are_told(told):
     assert all(0.0 < strength <= 1.0 and part in (0, 1, 2) for *_, strength, part in fell)
 
 
-def test_places_are_told_so_many_times_a_second(told):
-    show, rows, seen = told
+def test_positions_are_sent_at_the_given_rate(telemetry_rows):
+    show, rows, seen = telemetry_rows
     told_places = [(time, value) for time, what, value in rows if what == "positions"]
     places = [(time, np.frombuffer(value, np.float32).reshape(-1, 4)) for time, value in told_places]
     assert len(places) == pytest.approx(8.0 * 16 / 2, abs=2)

@@ -1,4 +1,4 @@
-"""Supervisors that are killed: the engine goes on, its journal too, and the next supervisor takes it over."""
+"""Adoption after a supervisor is killed: engine and journal continue, and the next supervisor adopts them."""
 
 import contextlib
 import itertools
@@ -31,16 +31,16 @@ from tests.supervisor.made_show import LABEL
 
 
 @dataclass
-class Made:
-    """A journal, and the supervisors that were started for it one after another."""
+class SupervisedShow:
+    """A journal and the supervisors started for it one after another."""
 
     journal: Path
     plan: dict[str, Any]
     supervisors: list[subprocess.Popen[bytes]] = field(default_factory=list)
 
     def start(self) -> None:
-        """Start one more."""
-        with self._told(len(self.supervisors)).open("w") as out:
+        """Start another supervisor."""
+        with self._output_path(len(self.supervisors)).open("w") as out:
             self.supervisors.append(
                 subprocess.Popen(
                     [sys.executable, "-m", "tests.supervisor.made_show", str(self.journal), json.dumps(self.plan)],
@@ -48,40 +48,40 @@ class Made:
                 )
             )
 
-    def told(self) -> list[str]:
-        """What the last one has said."""
-        return self._told(len(self.supervisors) - 1).read_text().splitlines()
+    def output(self) -> list[str]:
+        """Output lines of the last supervisor."""
+        return self._output_path(len(self.supervisors) - 1).read_text().splitlines()
 
-    def _told(self, number: int) -> Path:
-        return self.journal.with_name(f"told{number}")
+    def _output_path(self, number: int) -> Path:
+        return self.journal.with_name(f"output{number}")
 
     def kill(self) -> None:
-        """Kill the last one."""
+        """Kill the last supervisor."""
         self.supervisors[-1].kill()
         self.supervisors[-1].wait()
 
     def lines(self) -> list[dict[str, Any]]:
-        """The whole lines of the journal."""
+        """Complete lines of the journal."""
         text = self.journal.read_text() if self.journal.exists() else ""
         return [json.loads(line) for line in text.splitlines(keepends=True) if line.endswith("\n")]
 
     def numbers(self) -> list[int]:
-        """Those of its events."""
+        """Numbers of the events in the journal."""
         return [line["event"]["number"] for line in self.lines() if "event" in line]
 
     def until(self, number: int) -> None:
-        """Wait until the journal has come so far."""
+        """Wait until the journal contains this event number."""
         assert wait_for(lambda: (self.numbers() or [0])[-1] >= number, 20), self.numbers()[-3:]
 
 
 @pytest.fixture
-def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Made]]:
-    """Begins a show; whoever is left is ended after the test."""
+def start_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., SupervisedShow]]:
+    """Starts a show; remaining processes are ended after the test."""
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    shows: list[Made] = []
+    shows: list[SupervisedShow] = []
 
-    def begin(**plan: Any) -> Made:
-        show = Made(tmp_path / "j", {"alone": 60.0, "journal": str(tmp_path / "j"), "pace": 0.01, **plan})
+    def begin(**plan: Any) -> SupervisedShow:
+        show = SupervisedShow(tmp_path / "j", {"alone": 60.0, "journal": str(tmp_path / "j"), "pace": 0.01, **plan})
         shows.append(show)
         show.start()
         return show
@@ -92,11 +92,11 @@ def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[.
             process.kill()
             process.wait()
     end_engines(LABEL)
-    assert wait_for(lambda: not engines_of(tmp_path), 20)
+    assert wait_for(lambda: not running_engines(tmp_path), 20)
 
 
-def engines_of(folder: Path) -> list[int]:
-    """Engines whose plan lies in that folder: those that this test began."""
+def running_engines(folder: Path) -> list[int]:
+    """Engines whose plan is in that folder: those started by this test."""
     found = []
     for path in Path("/proc").glob("[0-9]*"):
         try:
@@ -108,13 +108,13 @@ def engines_of(folder: Path) -> list[int]:
     return found
 
 
-def dancing(show: Made) -> int:
-    """The process number of the engine that began the show."""
+def engine_pid(show: SupervisedShow) -> int:
+    """Process number of the engine that began the show."""
     return int(show.lines()[0]["pid"])
 
 
-def test_a_killed_supervisor_ends_nothing_and_no_line_of_the_journal_is_lost(made):
-    show = made(ticks=400)
+def test_killed_supervisor_ends_no_engine_and_loses_no_journal_line(start_show):
+    show = start_show(ticks=400)
     show.until(100)
     show.kill()
     show.until(400)
@@ -122,18 +122,18 @@ def test_a_killed_supervisor_ends_nothing_and_no_line_of_the_journal_is_lost(mad
     assert show.numbers() == list(range(1, 401))
 
 
-def test_the_next_supervisor_takes_the_engine_over_and_its_death_is_survived_as_before(made, tmp_path):
-    """Three supervisors, two killed; then the engine is. It is one show all the time, and one journal."""
-    show = made()
+def test_next_supervisor_adopts_engine_and_survives_its_death(start_show, tmp_path):
+    """Three supervisors, two of them killed, then the engine killed: one show and one journal throughout."""
+    show = start_show()
     for _ in range(2):
         show.until((show.numbers() or [0])[-1] + 80)
         show.kill()
         show.until(show.numbers()[-1] + 50)
         show.start()
-        assert wait_for(lambda: bool(show.told()), 20)
-        assert show.told()[0] == "adopted"
-    engine = dancing(show)
-    assert wait_for(lambda: len(engines_of(tmp_path)) == 3, 20)  # with a nursery and a spare
+        assert wait_for(lambda: bool(show.output()), 20)
+        assert show.output()[0] == "adopted"
+    engine = engine_pid(show)
+    assert wait_for(lambda: len(running_engines(tmp_path)) == 3, 20)  # with a nursery and a spare
     show.until(show.numbers()[-1] + 80)
     os.kill(engine, signal.SIGKILL)
     assert wait_for(lambda: any("went" in line for line in show.lines()), 20)
@@ -142,12 +142,12 @@ def test_the_next_supervisor_takes_the_engine_over_and_its_death_is_survived_as_
     show.supervisors[-1].send_signal(signal.SIGTERM)
     assert show.supervisors[-1].wait(20) in (0, 128 + signal.SIGTERM)
     assert (heard := show.numbers()) == list(range(1, heard[-1] + 1))  # read once: it is being written
-    assert not engines_of(tmp_path)
+    assert not running_engines(tmp_path)
     assert not list(tmp_path.glob("*/*.sock"))
 
 
-def test_a_show_that_ends_after_it_was_taken_over_ends_the_supervisor_well(made):
-    show = made(ticks=500)
+def test_adopted_show_that_ends_gives_supervisor_exit_code_zero(start_show):
+    show = start_show(ticks=500)
     show.until(100)
     show.kill()
     show.until(150)
@@ -157,8 +157,8 @@ def test_a_show_that_ends_after_it_was_taken_over_ends_the_supervisor_well(made)
     assert show.lines()[-1] == {"tick": 500, "end": True}
 
 
-def test_the_end_of_a_line_that_was_torn_is_cut_and_a_removed_journal_is_begun_anew(made):
-    show = made()
+def test_torn_line_is_cut_and_removed_journal_is_restarted(start_show):
+    show = start_show()
     show.until(50)
     os.kill(show.supervisors[-1].pid, signal.SIGSTOP)  # it writes no more, and all that comes is kept
     with show.journal.open("a") as file:
@@ -172,50 +172,50 @@ def test_the_end_of_a_line_that_was_torn_is_cut_and_a_removed_journal_is_begun_a
     assert show.lines()[1]["gap"] > 0
 
 
-def test_who_comes_while_a_supervisor_lives_is_sent_away_and_begins_a_show_of_its_own(made, tmp_path):
-    show = made()
+def test_engine_with_live_supervisor_is_not_adopted(start_show, tmp_path):
+    show = start_show()
     show.until(20)
     assert find_engine(LABEL) is None
     show.until(40)
 
 
-def test_an_engine_that_is_alone_can_be_told_to_end(made, tmp_path):
-    show = made()
+def test_orphaned_engine_ends_on_request(start_show, tmp_path):
+    show = start_show()
     show.until(20)
     assert end_engines(LABEL) == []  # it has a supervisor
     show.kill()
-    assert wait_for(lambda: end_engines(LABEL) == [dancing(show)], 10)
-    assert wait_for(lambda: not engines_of(tmp_path), 20)
+    assert wait_for(lambda: end_engines(LABEL) == [engine_pid(show)], 10)
+    assert wait_for(lambda: not running_engines(tmp_path), 20)
     assert find_engine(LABEL) is None
     assert not list(tmp_path.glob("*/*.sock"))  # whoever found that nobody listens has removed it
 
 
-def test_a_show_of_which_no_process_is_left_goes_on_from_its_journal(made, tmp_path):
-    show = made(origin=time.perf_counter())
+def test_show_without_processes_resumes_from_journal(start_show, tmp_path):
+    show = start_show(origin=time.perf_counter())
     show.until(100)
     show.kill()
-    for pid in engines_of(tmp_path):
+    for pid in running_engines(tmp_path):
         os.kill(pid, signal.SIGKILL)
-    assert wait_for(lambda: not engines_of(tmp_path), 20)
+    assert wait_for(lambda: not running_engines(tmp_path), 20)
     last = show.numbers()[-1]
     with show.journal.open("a") as file:
         file.write('{"tick":51,"ev')
     show.start()
     show.until(last + 50)
-    assert show.told()[0] == "resumed"
+    assert show.output()[0] == "resumed"
     assert [line["went"] for line in show.lines() if "went" in line] == ["heir"]
     assert (heard := show.numbers()) == list(range(1, heard[-1] + 1))  # read once: it is being written
     assert not list(tmp_path.glob("j.*"))
 
 
 @pytest.mark.parametrize("waiting", [0, 8], ids=["alone", "with a full queue of those who asked"])
-def test_an_engine_that_hangs_without_a_supervisor_is_ended_by_the_next_one(made, tmp_path, monkeypatch, waiting):
+def test_hung_orphaned_engine_is_ended_by_next_supervisor(start_show, tmp_path, monkeypatch, waiting):
     monkeypatch.setattr(adoption, "ANSWERS_WITHIN", 1.0)
-    show = made(origin=time.perf_counter())
+    show = start_show(origin=time.perf_counter())
     show.until(100)
     show.kill()
     show.until(show.numbers()[-1] + 20)
-    engine = dancing(show)
+    engine = engine_pid(show)
     os.kill(engine, signal.SIGSTOP)
     with contextlib.ExitStack() as asked:
         for _ in range(waiting):
@@ -225,63 +225,65 @@ def test_an_engine_that_hangs_without_a_supervisor_is_ended_by_the_next_one(made
                 sock.connect(str(next(tmp_path.glob("*/*.sock"))))
         with pytest.raises(EngineHung, match=str(engine)):
             find_engine(LABEL)
-    assert engine not in engines_of(tmp_path)
+    assert engine not in running_engines(tmp_path)
     assert read_interrupted(show.journal) is not None
 
 
-def test_an_engine_that_only_gets_no_processor_is_not_ended(made, tmp_path, monkeypatch):
-    """It waits for one all the time: none of the seconds is its own."""
-    show = made(origin=time.perf_counter())
+def test_engine_starved_of_processor_is_not_ended(start_show, tmp_path, monkeypatch):
+    """The process only waits for a processor: none of the elapsed seconds is its own processor time."""
+    show = start_show(origin=time.perf_counter())
     show.until(50)
     show.kill()
     show.until(show.numbers()[-1] + 20)
-    engine, delays = dancing(show), itertools.count()
+    engine, delays = engine_pid(show), itertools.count()
     monkeypatch.setattr(orphan, "usage_of", lambda pid: Usage("R", 0.0, 0.1 * next(delays)))
     monkeypatch.setattr(orphan, "MAX_SILENCE", 4.0)
     [name] = [path.name for path in tmp_path.glob("*/*.sock")]
     assert orphan.socket_holders(name) == [engine]
     assert orphan.kill_if_hung(name, lambda: False) == []
-    assert engine in engines_of(tmp_path)
+    assert engine in running_engines(tmp_path)
 
 
-def journal_of(path: Path, *lines: dict[str, Any], **header: Any) -> Path:
+def write_journal(path: Path, *lines: dict[str, Any], **header: Any) -> Path:
     first = {"journal": 2, "origin": time.perf_counter() - 20.0, **header}
     path.write_text("".join(json.dumps(line, separators=(",", ":")) + "\n" for line in (first, *lines)))
     return path
 
 
-def test_only_what_was_cut_off_lately_on_this_machine_is_gone_on_with(tmp_path, monkeypatch):
+def test_only_recently_interrupted_journal_of_same_boot_is_resumed(tmp_path, monkeypatch):
     tap = {"tick": 64, "event": {"type": "Tap"}}
-    path = journal_of(tmp_path / "j", tap)
+    path = write_journal(tmp_path / "j", tap)
     left = read_interrupted(path)
     assert left is not None
     assert left.interrupted_s == pytest.approx(19.0, abs=5.0 * BUSY)
     assert [json.loads(line) for line in left.lines[1:]] == [tap, {"tick": 64}]
     assert read_interrupted(tmp_path / "none") is None
-    assert read_interrupted(journal_of(tmp_path / "j", tap, {"tick": 99, "end": True})) is None
-    assert read_interrupted(journal_of(tmp_path / "j", tap, origin=None)) is None
-    assert read_interrupted(journal_of(tmp_path / "j")) is None
-    assert read_interrupted(journal_of(tmp_path / "j", tap, origin=time.perf_counter() - 400.0)) is None
-    assert read_interrupted(journal_of(tmp_path / "j", {"tick": 64 * 60, "event": {}})) is None  # it lies in the future
-    path = journal_of(tmp_path / "j", tap)
+    assert read_interrupted(write_journal(tmp_path / "j", tap, {"tick": 99, "end": True})) is None
+    assert read_interrupted(write_journal(tmp_path / "j", tap, origin=None)) is None
+    assert read_interrupted(write_journal(tmp_path / "j")) is None
+    assert read_interrupted(write_journal(tmp_path / "j", tap, origin=time.perf_counter() - 400.0)) is None
+    assert (
+        read_interrupted(write_journal(tmp_path / "j", {"tick": 64 * 60, "event": {}})) is None
+    )  # it lies in the future
+    path = write_journal(tmp_path / "j", tap)
     os.utime(path, (0.0, time.time() - time.clock_gettime(time.CLOCK_BOOTTIME) - 10.0))  # of the start before
     assert read_interrupted(path) is None
     path.write_bytes(b"\xff" * 500 + b"\n[1]\n" + b"[" * 9000 + b"\n")
     assert read_interrupted(path) is None
 
 
-def test_a_show_whose_steps_have_changed_is_gone_on_with_from_the_snapshot_before(tmp_path, monkeypatch):
-    """Whoever begins with the first line has read the steps of then."""
+def test_show_with_changed_steps_resumes_from_snapshot_before_change(tmp_path, monkeypatch):
+    """A follower that begins with the first line has read the steps of that time."""
     shots = [json.dumps({"snapshot": 3, "tick": tick}).encode() + b"\n" + bytes(64) for tick in (10, 30, 50)]
     monkeypatch.setattr("live.supervisor.adoption.journal_resume.read_snapshots", lambda path, problems: iter(shots))
     lines = [{"tick": tick, "event": {"type": "Tap"}} for tick in range(5, 65, 5)]
-    left = read_interrupted(journal_of(tmp_path / "j", *lines))
+    left = read_interrupted(write_journal(tmp_path / "j", *lines))
     assert left is not None
     told = [json.loads(line) for line in left.lines]
     assert [line["tick"] for line in told[1:]] == [50, 50, 55, 60, 60]
     assert left.snapshots_kept == sum(map(len, shots))
     lines[6]["event"]["type"] = "StepsChanged"  # tick 35
-    left = read_interrupted(journal_of(tmp_path / "j", *lines))
+    left = read_interrupted(write_journal(tmp_path / "j", *lines))
     assert left is not None
     told = [json.loads(line) for line in left.lines]
     assert "snapshot" in told[1]
@@ -292,8 +294,8 @@ def test_a_show_whose_steps_have_changed_is_gone_on_with_from_the_snapshot_befor
 
 
 @pytest.fixture
-def alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[SupervisorLink]:
-    """An engine whose supervisor has gone."""
+def orphaned_link(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[SupervisorLink]:
+    """An engine without its supervisor."""
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     meeting = RendezvousListener(LABEL)
     mine, theirs = socket.socketpair()
@@ -312,7 +314,7 @@ def alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Superviso
     lifeline.heartbeat.close()
 
 
-def reached(tmp_path: Path) -> socket.socket:
+def connect_guest(tmp_path: Path) -> socket.socket:
     sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     folder = os.open(tmp_path / rendezvous.FOLDER, os.O_RDONLY)
     sock.connect(f"/proc/self/fd/{folder}/{LABEL}.{os.getpid()}.sock")
@@ -320,8 +322,8 @@ def reached(tmp_path: Path) -> socket.socket:
     return sock
 
 
-def answer(guest: socket.socket) -> bytes:
-    """What it says until it hangs up, within seconds."""
+def read_answer(guest: socket.socket) -> bytes:
+    """Bytes received until the engine hangs up, within seconds."""
     guest.settimeout(5.0)
     said = b""
     with contextlib.suppress(ConnectionResetError):  # it had not read everything
@@ -337,46 +339,46 @@ def answer(guest: socket.socket) -> bytes:
         b"\xff\xfe\n", b"x" * 8192, b"[" * 5000 + b"\n", b"",
     ],
 )  # fmt: skip
-def test_who_says_something_else_is_sent_away_and_the_show_waits_for_nobody(alone, tmp_path, words):
-    with reached(tmp_path) as guest:
+def test_invalid_adoption_request_is_refused_without_delaying_show(orphaned_link, tmp_path, words):
+    with connect_guest(tmp_path) as guest:
         guest.sendall(words)
         guest.shutdown(socket.SHUT_WR)
         longest = 0.0
         for tick in range(3):
             before = time.perf_counter()
-            alone.end_frame(tick)
+            orphaned_link.end_frame(tick)
             longest = max(longest, time.perf_counter() - before)
-        assert alone.orphaned
+        assert orphaned_link.orphaned
         assert longest < 0.1 * BUSY
-        assert b"descriptors" not in answer(guest)
+        assert b"descriptors" not in read_answer(guest)
 
 
-def test_who_says_nothing_is_sent_away_after_a_while_and_no_more_than_a_few_are_looked_at(alone, tmp_path, monkeypatch):
+def test_silent_guests_time_out_and_their_number_is_limited(orphaned_link, tmp_path, monkeypatch):
     guests = []
     for tick in range(6):
-        guests.append(reached(tmp_path))
-        alone.end_frame(tick)
+        guests.append(connect_guest(tmp_path))
+        orphaned_link.end_frame(tick)
     for guest in guests[4:]:
-        assert answer(guest) == b""
+        assert read_answer(guest) == b""
     guests[0].setblocking(False)
     with pytest.raises(BlockingIOError):
         guests[0].recv(1)
     monkeypatch.setattr(rendezvous, "PATIENCE", 0.0)
-    alone.end_frame(9)
+    orphaned_link.end_frame(9)
     for guest in guests:
-        assert answer(guest) == b""
+        assert read_answer(guest) == b""
         guest.close()
 
 
-def test_another_user_is_not_let_in(alone, tmp_path, monkeypatch):
+def test_other_user_is_refused(orphaned_link, tmp_path, monkeypatch):
     monkeypatch.setattr(rendezvous.os, "getuid", lambda: os.geteuid() + 1)
-    with reached(tmp_path) as guest:
+    with connect_guest(tmp_path) as guest:
         guest.sendall(b'{"alive":"adopt"}\n')
-        alone.end_frame(1)
-        assert answer(guest) == b""
+        orphaned_link.end_frame(1)
+        assert read_answer(guest) == b""
 
 
-def test_a_folder_that_others_can_reach_into_is_not_used(tmp_path, monkeypatch):
+def test_folder_accessible_to_others_is_not_used(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     os.close(private_folder())
     assert (tmp_path / rendezvous.FOLDER).stat().st_mode & 0o777 == 0o700
@@ -390,7 +392,7 @@ def test_a_folder_that_others_can_reach_into_is_not_used(tmp_path, monkeypatch):
         private_folder()
 
 
-def test_an_engine_of_another_version_is_named_and_left_alone(alone, tmp_path, monkeypatch):
+def test_engine_of_another_version_is_named_and_left_running(orphaned_link, tmp_path, monkeypatch):
     monkeypatch.setattr("live.supervisor.adoption.adoption.__version__", "0.0.0")
     asked: list[str] = []
 
@@ -403,24 +405,24 @@ def test_an_engine_of_another_version_is_named_and_left_alone(alone, tmp_path, m
     thread = threading.Thread(target=ask)
     thread.start()
     for tick in range(1, 500):
-        alone.end_frame(tick)
+        orphaned_link.end_frame(tick)
         if asked:
             break
         thread.join(0.02)
     assert "version" in asked[0]
     assert f"kill {os.getpid()}" in asked[0]
-    assert alone.orphaned
+    assert orphaned_link.orphaned
 
 
-def test_the_hand_over_gives_what_was_noted_so_far(alone, tmp_path):
-    alone.log.add_own_line('{"journal":2}')
-    alone.log.add_own_line('{"tick":5,"event":{"type":"Tap"}}')
+def test_handover_contains_recorded_lines(orphaned_link, tmp_path):
+    orphaned_link.log.add_own_line('{"journal":2}')
+    orphaned_link.log.add_own_line('{"tick":5,"event":{"type":"Tap"}}')
     found: list[Any] = []
     thread = threading.Thread(target=lambda: found.append(find_engine(LABEL)))
     thread.start()
     for tick in range(6, 500):
-        alone.end_frame(tick)
-        alone.beat(tick, Phase.RUNNING)
+        orphaned_link.end_frame(tick)
+        orphaned_link.beat(tick, Phase.RUNNING)
         if found:
             break
         thread.join(0.02)
@@ -428,6 +430,6 @@ def test_the_hand_over_gives_what_was_noted_so_far(alone, tmp_path):
     assert found[0].process.pid == os.getpid()
     assert found[0].process.poll() is None
     assert found[0].heartbeat.phase is Phase.RUNNING
-    assert not alone.orphaned
+    assert not orphaned_link.orphaned
     found[0].channel.close()
     found[0].heartbeat.close()

@@ -1,4 +1,4 @@
-"""Keys and pairings on disk: nobody else's to read, whole or not at all, and refused where they are not."""
+"""Keys and pairings on disk: file modes, atomic writes, and refusal of invalid or readable files."""
 
 import datetime
 import os
@@ -12,7 +12,7 @@ from live.supervisor.network.identity import load_identity, safe_name
 from tests.supervisor.made_machines import machine, network
 
 
-def test_a_key_is_made_once_and_is_its_owner_s_alone(tmp_path: Path):
+def test_key_is_created_once_with_private_file_mode(tmp_path: Path):
     folder = network(tmp_path / "config")
     first, again = load_identity(folder), load_identity(folder)
     assert first.fingerprint == again.fingerprint
@@ -23,7 +23,7 @@ def test_a_key_is_made_once_and_is_its_owner_s_alone(tmp_path: Path):
 
 
 @pytest.mark.parametrize(("what", "mode", "remedy"), [("identity.pem", 0o640, "chmod 600"), (".", 0o755, "chmod 700")])
-def test_a_key_that_others_can_read_is_refused(tmp_path: Path, what, mode, remedy):
+def test_key_readable_by_others_is_refused(tmp_path: Path, what, mode, remedy):
     folder = network(tmp_path / "config")
     load_identity(folder)
     (folder / what).chmod(mode)
@@ -35,7 +35,7 @@ def test_a_key_that_others_can_read_is_refused(tmp_path: Path, what, mode, remed
 @pytest.mark.parametrize(
     "words", [b"", b"\x80\x04K\x01.", b"-----BEGIN CERTIFICATE-----\nAAAA\n-----END CERTIFICATE-----\n"]
 )
-def test_a_key_file_that_holds_none_is_named(tmp_path: Path, words):
+def test_key_file_without_key_is_named_in_error(tmp_path: Path, words):
     folder = network(tmp_path / "config")
     path = load_identity(folder).path
     path.write_bytes(words)
@@ -60,7 +60,7 @@ def test_machines_are_paired_listed_and_forgotten(tmp_path: Path):
     assert [peer.name for peer in pairings.read()] == ["stage-left-..-x-2"]
 
 
-def test_what_is_no_certificate_is_no_pairing(tmp_path: Path):
+def test_invalid_certificate_is_refused_as_pairing(tmp_path: Path):
     _, pairings = machine(tmp_path / "mine")
     with pytest.raises(ValueError, match=r"."):
         pairings.add("x", b"no certificate")
@@ -75,14 +75,14 @@ def test_what_is_no_certificate_is_no_pairing(tmp_path: Path):
         pairings.read()
 
 
-def test_a_certificate_says_when_it_expires(tmp_path: Path, monkeypatch):
+def test_certificate_contains_expiry_date(tmp_path: Path, monkeypatch):
     monkeypatch.setattr(module, "VALID", datetime.timedelta(seconds=-5))
     peer = load_identity(network(tmp_path / "config")).as_peer()
     assert peer.expires < datetime.datetime.now(datetime.UTC)
 
 
 @pytest.mark.parametrize("name", ["", "...", "\x1b[2J", "a" * 300, "übung 1"])
-def test_any_name_becomes_one_that_a_file_may_have(name):
+def test_any_name_becomes_valid_file_name(name):
     plain = safe_name(name)
     assert plain
     assert len(plain) <= 40

@@ -1,7 +1,8 @@
-"""The law of leadership under loss, delay, partitions, crashes and stalls: a model that drives the product's own class.
+"""Leadership under loss, delay, partitions, crashes and stalls: a model that drives the product's own class.
 
-The law: machines that have heard each other for MEET seconds have one leader; and while one machine has been healthy
-for 3 s (it runs, and leads, or is the deputy and ready, or has led before) nobody dances for 3 s at most.
+Invariant: machines that have exchanged messages for MERGE_TIMEOUT seconds have one leader; and while one machine has
+been healthy for 3 s (it runs, and leads, or is a ready deputy, or has led before) no gap without a dancing machine
+exceeds 3 s.
 """
 
 from collections.abc import Iterator
@@ -46,7 +47,7 @@ WAITS = st.sampled_from([0.0, 0.05, 0.2, 0.6, 1.5, 3.0, 6.0])
 
 @dataclass
 class Machine:
-    """What is around a Leadership in the product: an engine, links, a processor that may stall."""
+    """The environment of a Leadership in the product: an engine, links, a processor that may stall."""
 
     name: str
     dials: str | None
@@ -86,7 +87,7 @@ class Machine:
 
 @dataclass
 class Wire:
-    """A connection: what is under way on it, in order. A partition holds it up; it does not end it."""
+    """A connection with its messages in flight, in order. A partition delays them and does not close it."""
 
     ends: tuple[str, str]
     number: int
@@ -98,7 +99,7 @@ class Wire:
 
 
 class World:
-    """Machines, what joins them, and time."""
+    """Machines, the connections between them, and time."""
 
     def __init__(self, dials: dict[str, str | None]) -> None:
         self.now = 0.0
@@ -220,7 +221,7 @@ class World:
 
 
 class TwoMachines(RuleBasedStateMachine):
-    """Whatever happens in whatever order, the law holds."""
+    """The invariants hold under any sequence of faults."""
 
     DIALS: ClassVar[dict[str, str | None]] = {"A": None, "B": "A"}
 
@@ -296,7 +297,7 @@ class TwoMachines(RuleBasedStateMachine):
                 assert machine.leadership.term.epoch < 200
 
     def teardown(self) -> None:
-        """Once nothing goes wrong any more, exactly one machine leads, and every other one follows it."""
+        """Once all faults are over, exactly one machine leads and every other one follows it."""
         if not hasattr(self, "world"):
             return
         self.heal(0.0)
@@ -316,7 +317,7 @@ TestTwoMachines.settings = settings(max_examples=30, stateful_step_count=20, dea
 
 
 class ThreeMachines(TwoMachines):
-    """A second machine that stands by: it never takes over beside the deputy."""
+    """A second standby machine never takes over beside the deputy."""
 
     DIALS: ClassVar[dict[str, str | None]] = {"A": None, "B": "A", "C": "A"}
 
@@ -333,7 +334,7 @@ def two_machines() -> World:
     return world
 
 
-def test_a_leader_that_stands_still_is_replaced_and_follows_when_it_runs_again():
+def test_stalled_leader_is_replaced_and_follows_after_resuming():
     world = two_machines()
     world.machines["A"].stalled_until = world.now + 5.0
     world.advance(LEADER_TIMEOUT + 0.3)
@@ -344,7 +345,7 @@ def test_a_leader_that_stands_still_is_replaced_and_follows_when_it_runs_again()
     assert world.machines["A"].leadership.leader is not None
 
 
-def test_machines_that_were_cut_off_from_one_another_have_one_leader_soon_after():
+def test_partitioned_machines_have_one_leader_soon_after_healing():
     world = two_machines()
     world.cut.add(frozenset("AB"))
     world.advance(20.0)
@@ -354,7 +355,7 @@ def test_machines_that_were_cut_off_from_one_another_have_one_leader_soon_after(
     assert world.leading() == ["B"]
 
 
-def test_a_leader_whose_engine_stays_away_hands_over_and_one_that_is_replaced_soon_does_not():
+def test_leader_hands_over_only_when_engine_stays_away_too_long():
     for seconds, leads in ((2.3, "A"), (9.0, "B")):
         world = two_machines()
         world.hang("A", seconds)
@@ -362,7 +363,7 @@ def test_a_leader_whose_engine_stays_away_hands_over_and_one_that_is_replaced_so
         assert world.leading() == [leads]
 
 
-def test_a_leader_that_was_fenced_leads_again_if_the_other_one_dies_before_it_is_ready():
+def test_fenced_leader_leads_again_if_new_leader_dies_first():
     world = two_machines()
     world.machines["A"].stalled_until = world.now + 2.0
     world.advance(2.5)
@@ -374,7 +375,7 @@ def test_a_leader_that_was_fenced_leads_again_if_the_other_one_dies_before_it_is
     assert world.machines["A"].leadership.term.epoch == 3
 
 
-def test_a_machine_that_was_cut_off_from_a_leader_that_dies_takes_over_in_time():
+def test_partitioned_follower_takes_over_in_time_when_leader_dies():
     world = two_machines()
     world.cut.add(frozenset("AB"))
     world.advance(0.2)
@@ -398,7 +399,7 @@ def test_claims_to_old_or_absurd_epochs_are_refused_and_counted():
     assert one.refused == 5
 
 
-def test_of_two_leaders_of_one_epoch_exactly_one_goes_on():
+def test_exactly_one_of_two_leaders_of_same_epoch_remains():
     one, other = Leadership("A", Role.LEADS), Leadership("B", Role.LEADS)
     for machine in (one, other):
         machine.link_opened("x", 0.0)
@@ -409,7 +410,7 @@ def test_of_two_leaders_of_one_epoch_exactly_one_goes_on():
     assert (one.leads, other.leads) == (False, True)
 
 
-def test_silence_counts_only_while_this_machine_listens_and_only_for_who_is_ready():
+def test_silence_counts_only_while_machine_runs_and_follower_is_ready():
     for turn, ready, leads in ((0.05, True, True), (0.0, True, False), (0.05, False, False)):
         one = Leadership("B", Role.FOLLOWS)
         one.link_opened("a", 0.0, upstream=True)

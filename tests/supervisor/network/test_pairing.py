@@ -1,4 +1,4 @@
-"""Pairing over real sockets: the right phrase pairs, a wrong one and a machine in between get nothing."""
+"""Pairing over real sockets: the right phrase pairs, a wrong phrase or an intercepting machine fails."""
 
 import asyncio
 import hashlib
@@ -18,10 +18,10 @@ from tests.supervisor.made_machines import machine
 PHRASE = "lusab-babad-gutih"
 
 
-async def shown(
+async def run_pairing_server(
     folder: Path, then: Callable[[int], Awaitable[None]], phrase: str = PHRASE, within: float = 120.0
 ) -> tuple[Peer | PersonError, PairingServer]:
-    """What becomes of a machine that shows a phrase, while `then` is done with its port."""
+    """The result of a machine showing a phrase while `then` uses its port."""
     opened: asyncio.Future[int] = asyncio.get_running_loop().create_future()
     identity, pairings = machine(folder)
     one = PairingServer(identity, pairings, phrase, name="left", on_listening=opened.set_result)
@@ -36,14 +36,14 @@ async def shown(
         return error, one
 
 
-def test_a_phrase_pairs_two_machines_and_each_knows_the_other_s_certificate(tmp_path: Path):
+def test_phrase_pairs_two_machines_and_exchanges_certificates(tmp_path: Path):
     mine, my_pairings = machine(tmp_path / "right")
 
     async def typed(port: int) -> None:
         peer = await pair_with(mine, my_pairings, "127.0.0.1", port, "LUSAB babad  gutih", name="right")
         assert peer.name == "left"
 
-    found, one = asyncio.run(shown(tmp_path / "left", typed))
+    found, one = asyncio.run(run_pairing_server(tmp_path / "left", typed))
     theirs, their_pairings = machine(tmp_path / "left")
     assert isinstance(found, Peer)
     assert (found.name, found.certificate) == ("right", mine.certificate)
@@ -52,7 +52,7 @@ def test_a_phrase_pairs_two_machines_and_each_knows_the_other_s_certificate(tmp_
     assert one.wrong_phrases == 0
 
 
-def test_three_wrong_phrases_end_it_and_nothing_is_paired(tmp_path: Path):
+def test_three_wrong_phrases_end_pairing_without_result(tmp_path: Path):
     mine, my_pairings = machine(tmp_path / "right")
 
     async def guesses(port: int) -> None:
@@ -60,15 +60,15 @@ def test_three_wrong_phrases_end_it_and_nothing_is_paired(tmp_path: Path):
             with pytest.raises(PersonError, match="the phrase is wrong, or the connection is intercepted"):
                 await pair_with(mine, my_pairings, "127.0.0.1", port, "babad-babad-babad", name="right")
 
-    found, one = asyncio.run(shown(tmp_path / "left", guesses))
+    found, one = asyncio.run(run_pairing_server(tmp_path / "left", guesses))
     assert isinstance(found, PersonError)
     assert "3 wrong phrases" in found.message
     assert one.wrong_phrases == 3
     assert my_pairings.read() == machine(tmp_path / "left")[1].read() == []
 
 
-def test_a_machine_in_between_that_passes_everything_on_pairs_nobody(tmp_path: Path):
-    """It has no key of either: its own certificate is in the channel, and the proofs are of another one."""
+def test_relaying_machine_in_the_middle_pairs_no_machine(tmp_path: Path):
+    """It has neither machine's key: its own certificate is in the channel, and the proofs are for another one."""
     mine, my_pairings = machine(tmp_path / "right")
     between, _ = machine(tmp_path / "between")
 
@@ -93,13 +93,13 @@ def test_a_machine_in_between_that_passes_everything_on_pairs_nobody(tmp_path: P
                 )
         raise PersonError("enough")
 
-    _, one = asyncio.run(shown(tmp_path / "left", typed))
+    _, one = asyncio.run(run_pairing_server(tmp_path / "left", typed))
     assert my_pairings.read() == machine(tmp_path / "left")[1].read() == []
     assert (one.wrong_phrases, one.invalid_attempts) == (0, 1)  # the signature is of another channel
 
 
-def test_who_shows_no_proof_of_its_own_phrase_is_not_paired_with(tmp_path: Path):
-    """A machine that pretends to show a phrase, and says that the one typed was right."""
+def test_machine_without_proof_of_its_phrase_is_not_paired(tmp_path: Path):
+    """A machine that pretends to show a phrase and reports the typed one as right."""
     mine, my_pairings = machine(tmp_path / "right")
     other, _ = machine(tmp_path / "other")
 
@@ -122,7 +122,7 @@ def test_who_shows_no_proof_of_its_own_phrase_is_not_paired_with(tmp_path: Path)
     assert my_pairings.read() == []
 
 
-def test_what_makes_no_sense_is_counted_and_costs_no_try(tmp_path: Path):
+def test_invalid_messages_are_counted_and_use_no_attempt(tmp_path: Path):
     mine, my_pairings = machine(tmp_path / "right")
     lines = (
         b"\n", b"[]\n", b"{}\n", b"\xff\xfe\n", b"[" * 8000 + b"\n", b"x" * 20000 + b"\n", b"",
@@ -146,27 +146,27 @@ def test_what_makes_no_sense_is_counted_and_costs_no_try(tmp_path: Path):
         plain.close()
         await pair_with(mine, my_pairings, "127.0.0.1", port, PHRASE, name="right")
 
-    found, one = asyncio.run(shown(tmp_path / "left", typed))
+    found, one = asyncio.run(run_pairing_server(tmp_path / "left", typed))
     assert isinstance(found, Peer)
     assert (one.wrong_phrases, one.invalid_attempts) == (0, len(lines))
 
 
-def test_a_phrase_that_nobody_types_is_of_no_use_after_a_while(tmp_path: Path):
+def test_untyped_phrase_expires(tmp_path: Path):
     async def nobody(port: int) -> None:
         pass
 
-    found, _ = asyncio.run(shown(tmp_path / "left", nobody, within=0.01))
+    found, _ = asyncio.run(run_pairing_server(tmp_path / "left", nobody, within=0.01))
     assert isinstance(found, PersonError)
     assert "the phrase was not typed in time" in found.message
 
 
-def test_nobody_at_the_other_end_is_said(tmp_path: Path):
+def test_missing_peer_is_reported(tmp_path: Path):
     mine, my_pairings = machine(tmp_path / "right")
     with pytest.raises(PersonError, match="no machine waits for pairing"):
         asyncio.run(pair_with(mine, my_pairings, "127.0.0.1", 1, PHRASE))
 
 
-def test_phrases_can_be_said_and_have_48_bits():
+def test_phrases_are_pronounceable_and_have_48_bits():
     phrases = {new_phrase() for _ in range(200)}
     assert len(phrases) == 200
     for phrase in phrases:
@@ -174,8 +174,8 @@ def test_phrases_can_be_said_and_have_48_bits():
         assert normalized_phrase(phrase.upper().replace("-", "  ")) == phrase.replace("-", "")
 
 
-def test_a_proof_is_of_all_that_was_said(tmp_path: Path):
-    """Whatever is another thing at one end makes another proof."""
+def test_proof_covers_all_exchanged_fields(tmp_path: Path):
+    """Any field that differs at one end produces another proof."""
     parts = (b"server", b"client", "left", "right", b"nonce one", b"nonce two")
     digests = {Transcript(*parts).digest()}
     for place, part in enumerate(parts):

@@ -1,4 +1,4 @@
-"""Links to other machines over real TLS on loopback: who is let in, who is not, and what strangers can do."""
+"""Links to other machines over real TLS on loopback: accepted peers, refused peers, and attacks by strangers."""
 
 import contextlib
 import datetime
@@ -24,7 +24,7 @@ from tests.supervisor.made_machines import machine, network, pair_folders
 
 
 class Side:
-    """One machine's links, and what it heard on them."""
+    """One machine's links and the lines received on them."""
 
     def __init__(self, config: Path, *, leads: bool, upstream: int | None = None) -> None:
         self.identity, self.pairings = machine(config)
@@ -66,7 +66,7 @@ def sides() -> Iterator[Callable[..., Side]]:
         side.close()
 
 
-def until(what: Callable[[], bool], *turning: Side, seconds: float = 10.0) -> bool:
+def wait_until(what: Callable[[], bool], *turning: Side, seconds: float = 10.0) -> bool:
     def done() -> bool:
         for side in turning:
             side.turn()
@@ -75,34 +75,34 @@ def until(what: Callable[[], bool], *turning: Side, seconds: float = 10.0) -> bo
     return wait_for(done, seconds)
 
 
-def link_of(side: Side) -> Link:
+def only_link(side: Side) -> Link:
     (link,) = side.peers.links.values()
     return link
 
 
-def test_paired_machines_are_joined_and_know_each_other_by_name(tmp_path, sides):
+def test_paired_machines_connect_and_know_each_other_by_name(tmp_path, sides):
     pair_folders(tmp_path / "left", tmp_path / "right")
     left = sides(tmp_path / "left", leads=True)
     right = sides(tmp_path / "right", leads=False, upstream=left.port)
-    assert until(lambda: bool(left.heard and right.heard), left, right)
-    assert (link_of(left).peer.name, link_of(right).peer.name) == ("right", "left")
-    assert link_of(left).channel.socket.version() == "TLSv1.3"
+    assert wait_until(lambda: bool(left.heard and right.heard), left, right)
+    assert (only_link(left).peer.name, only_link(right).peer.name) == ("right", "left")
+    assert only_link(left).channel.socket.version() == "TLSv1.3"
     words = "x" * 300_000
-    link_of(right).channel.send_line(words)
-    assert until(lambda: words in left.heard, left, right)
-    left.peers.drop(link_of(left))
-    assert until(lambda: len(right.heard) > 1, left, right)  # it comes again
+    only_link(right).channel.send_line(words)
+    assert wait_until(lambda: words in left.heard, left, right)
+    left.peers.drop(only_link(left))
+    assert wait_until(lambda: len(right.heard) > 1, left, right)  # it comes again
 
 
 def test_two_processes_of_one_user_need_no_pairing(tmp_path, sides):
     left = sides(tmp_path / "left", leads=True)
     right = sides(tmp_path / "left", leads=False, upstream=left.port)
-    assert until(lambda: bool(left.heard and right.heard), left, right)
-    assert link_of(left).peer.name == "this machine"
+    assert wait_until(lambda: bool(left.heard and right.heard), left, right)
+    assert only_link(left).peer.name == "this machine"
 
 
 @pytest.mark.parametrize("who_knows", ["left", "right", "nobody"])
-def test_who_is_not_paired_on_both_sides_hears_nothing(tmp_path, sides, who_knows):
+def test_machine_not_paired_on_both_sides_receives_nothing(tmp_path, sides, who_knows):
     (one, ones), (two, twos) = machine(tmp_path / "left"), machine(tmp_path / "right")
     if who_knows == "left":
         ones.add("right", two.certificate)
@@ -110,53 +110,53 @@ def test_who_is_not_paired_on_both_sides_hears_nothing(tmp_path, sides, who_know
         twos.add("left", one.certificate)
     left = sides(tmp_path / "left", leads=True)
     right = sides(tmp_path / "right", leads=False, upstream=left.port)
-    assert until(lambda: left.peers.strangers > 1 and bool(right.said), left, right)
+    assert wait_until(lambda: left.peers.strangers > 1 and bool(right.said), left, right)
     assert left.heard == right.heard == []
     assert not left.peers.links
     assert any("pair" in words for words in right.said)
     assert left.said == []  # strangers are no reason to talk
 
 
-def test_a_machine_in_between_gets_no_word_of_the_show(tmp_path, sides):
-    """It takes the leader's place for the follower, and has a certificate and a key of its own."""
+def test_machine_in_the_middle_receives_nothing_of_show(tmp_path, sides):
+    """It takes the leader's place for the follower, with a certificate and a key of its own."""
     pair_folders(tmp_path / "left", tmp_path / "right")
     pair_folders(tmp_path / "between", tmp_path / "another")
     own, pairings = machine(tmp_path / "between")
     pairings.add("right", machine(tmp_path / "right")[0].certificate)
     between = sides(tmp_path / "between", leads=True)
     right = sides(tmp_path / "right", leads=False, upstream=between.port)
-    assert until(lambda: bool(right.said) and between.peers.strangers > 0, between, right)
+    assert wait_until(lambda: bool(right.said) and between.peers.strangers > 0, between, right)
     assert between.heard == right.heard == []
     assert "its certificate is not paired" in right.said[0]
     assert own.fingerprint not in right.said[0]
 
 
-def test_what_was_said_once_is_worth_nothing_when_it_is_sent_again(tmp_path, sides):
-    """Somebody records every byte of a follower's connection, claims and all, and sends it to the leader once more."""
+def test_replayed_connection_is_refused(tmp_path, sides):
+    """A recording of every byte of a follower's connection, claims included, is sent to the leader again."""
     pair_folders(tmp_path / "left", tmp_path / "right")
     left = sides(tmp_path / "left", leads=True)
     record = bytearray()
     with socket.create_server(("127.0.0.1", 0)) as tap:
         right = sides(tmp_path / "right", leads=False, upstream=tap.getsockname()[1])
-        thread = threading.Thread(target=pass_on, args=(tap, left.port, record), daemon=True)
+        thread = threading.Thread(target=relay_and_record, args=(tap, left.port, record), daemon=True)
         thread.start()
-        assert until(lambda: bool(left.heard and right.heard), left, right)
-        link_of(right).channel.send_line('{"alive":"claim","epoch":2}')
-        assert until(lambda: len(left.heard) > 1, left, right)
+        assert wait_until(lambda: bool(left.heard and right.heard), left, right)
+        only_link(right).channel.send_line('{"alive":"claim","epoch":2}')
+        assert wait_until(lambda: len(left.heard) > 1, left, right)
         right.close()
         right.peers.links.clear()
-        assert until(lambda: not left.peers.links, left)
+        assert wait_until(lambda: not left.peers.links, left)
         thread.join(20)
     heard, strangers = [*left.heard], left.peers.strangers
     with socket.create_connection(("127.0.0.1", left.port)) as again:
         again.sendall(bytes(record))
-        assert until(lambda: left.peers.strangers > strangers, left)
+        assert wait_until(lambda: left.peers.strangers > strangers, left)
     assert left.heard == heard
     assert not left.peers.links
 
 
-def pass_on(tap: socket.socket, port: int, record: bytearray) -> None:
-    """Between one client and a port, recording what the client says."""
+def relay_and_record(tap: socket.socket, port: int, record: bytearray) -> None:
+    """Relay between one client and a port, recording the client's bytes."""
     client, _ = tap.accept()
     server = socket.create_connection(("127.0.0.1", port))
     client.settimeout(0.02)
@@ -177,7 +177,7 @@ def pass_on(tap: socket.socket, port: int, record: bytearray) -> None:
                 target.sendall(data)
 
 
-def test_sockets_that_say_nothing_are_bounded_and_let_others_in(tmp_path, sides, monkeypatch):
+def test_silent_sockets_are_limited_and_do_not_block_others(tmp_path, sides, monkeypatch):
     monkeypatch.setattr(module, "HANDSHAKE_WITHIN", 0.3)
     pair_folders(tmp_path / "left", tmp_path / "right")
     left = sides(tmp_path / "left", leads=True)
@@ -191,38 +191,38 @@ def test_sockets_that_say_nothing_are_bounded_and_let_others_in(tmp_path, sides,
             most = max(most, len(left.peers._handshakes))
             return left.peers.strangers >= 3 * MAX_HANDSHAKES
 
-        assert until(knock, left)
+        assert wait_until(knock, left)
         assert most <= MAX_HANDSHAKES
         right = sides(tmp_path / "right", leads=False, upstream=left.port)
-        assert until(lambda: bool(left.heard and right.heard), left, right)
+        assert wait_until(lambda: bool(left.heard and right.heard), left, right)
 
 
-def test_a_port_where_nobody_is_says_so_and_a_machine_that_does_not_answer_does_not(tmp_path, sides):
+def test_closed_port_is_reported_and_silent_machine_is_not(tmp_path, sides):
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
     right = sides(tmp_path / "right", leads=False, upstream=port)
-    assert until(lambda: right.nobody > 0, right)
+    assert wait_until(lambda: right.nobody > 0, right)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         other = sides(tmp_path / "right", leads=False, upstream=silent.getsockname()[1])
         begun = time.monotonic()
-        assert until(lambda: time.monotonic() - begun > 0.5, other)
+        assert wait_until(lambda: time.monotonic() - begun > 0.5, other)
         assert other.nobody == 0
 
 
-def test_pairing_and_forgetting_count_while_a_show_runs(tmp_path, sides, monkeypatch):
+def test_pairing_and_forgetting_apply_during_show(tmp_path, sides, monkeypatch):
     monkeypatch.setattr(module, "LOOK_EVERY", 0.0)
     left = sides(tmp_path / "left", leads=True)
     right = sides(tmp_path / "right", leads=False, upstream=left.port)
-    assert until(lambda: left.peers.strangers > 0, left, right)
+    assert wait_until(lambda: left.peers.strangers > 0, left, right)
     pair_folders(tmp_path / "left", tmp_path / "right")
-    assert until(lambda: bool(left.heard and right.heard), left, right)
+    assert wait_until(lambda: bool(left.heard and right.heard), left, right)
     assert left.pairings.forget("right")
-    assert until(lambda: not left.peers.links, left, right)
+    assert wait_until(lambda: not left.peers.links, left, right)
     assert "right is not paired any more" in left.said
 
 
-def test_a_certificate_that_expires_during_the_show_is_told_and_goes_on(tmp_path, sides, monkeypatch):
-    """Also for a connection that begins after it has expired."""
+def test_certificate_expiring_during_show_is_reported_and_show_continues(tmp_path, sides, monkeypatch):
+    """Also for a connection that begins after the expiry."""
     monkeypatch.setattr(identity_module, "VALID", datetime.timedelta(seconds=-2))
     monkeypatch.setattr(module, "LOOK_EVERY", 0.0)
     load_identity(network(tmp_path / "right"))
@@ -231,15 +231,15 @@ def test_a_certificate_that_expires_during_the_show_is_told_and_goes_on(tmp_path
     pair_folders(tmp_path / "left", tmp_path / "right")
     left = sides(tmp_path / "left", leads=True)
     right = sides(tmp_path / "right", leads=False, upstream=left.port)
-    assert until(lambda: bool(left.heard and right.heard), left, right)
-    assert until(lambda: bool(left.said and right.said), left, right)
+    assert wait_until(lambda: bool(left.heard and right.heard), left, right)
+    assert wait_until(lambda: bool(left.said and right.said), left, right)
     assert left.said[0].startswith("the certificate of right expired on ")
     assert "the show goes on" in left.said[0]
     assert (left.peers.expired, right.peers.expired) == ("right", "this machine")
     assert left.peers.links
 
 
-def test_a_claim_counts_once_and_for_one_hearer_and_connection(tmp_path):
+def test_claim_is_valid_once_for_one_receiver_and_connection(tmp_path):
     (left, lefts), (right, _) = machine(tmp_path / "left"), machine(tmp_path / "right")
     term, challenge = Term(2, "right-1"), bytes(32)
     line = signed_claim(right, left.as_peer(), challenge, 1, Claim(term))
@@ -256,8 +256,8 @@ def test_a_claim_counts_once_and_for_one_hearer_and_connection(tmp_path):
     assert not lefts.read()
 
 
-def test_before_it_is_known_who_it_is_nobody_makes_a_handshake_cost_more_than_its_time(tmp_path, sides):
-    """Some hundred broken first messages of TLS: each is dropped, and the next machine gets in."""
+def test_broken_handshakes_are_dropped_before_authentication(tmp_path, sides):
+    """150 broken first messages of TLS: each is dropped, and the next machine connects."""
     import random
 
     pair_folders(tmp_path / "left", tmp_path / "right")
@@ -272,10 +272,10 @@ def test_before_it_is_known_who_it_is_nobody_makes_a_handshake_cost_more_than_it
             with contextlib.suppress(OSError):
                 stranger.sendall(bytes(data[: chance.randrange(1, len(data) + 1)]))
             left.turn()
-    assert until(lambda: left.peers.strangers >= 150, left, seconds=30)
+    assert wait_until(lambda: left.peers.strangers >= 150, left, seconds=30)
     assert left.heard == []
     right = sides(tmp_path / "right", leads=False, upstream=left.port)
-    assert until(lambda: bool(left.heard and right.heard), left, right)
+    assert wait_until(lambda: bool(left.heard and right.heard), left, right)
 
 
 def client_hello(identity: object, pairings: object) -> bytes:

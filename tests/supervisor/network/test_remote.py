@@ -1,4 +1,4 @@
-"""Two machines on loopback, real processes on both, over TLS: who takes over when, who is fenced, and who is let in."""
+"""Two machines on loopback, real processes over TLS: takeover, fencing and access."""
 
 import contextlib
 import json
@@ -21,7 +21,7 @@ from tests.supervisor.made_machines import Machine, Start, machine, pair_folders
 
 @pytest.fixture
 def machines(tmp_path: Path) -> Iterator[Start]:
-    """A machine that leads and one that stands by, which has heard of the show and may take over."""
+    """A leading machine and a standby machine that has received the show and may take over."""
     started: list[Machine] = []
 
     def start(plan: dict[str, Any], mine: dict[str, Any] | None = None) -> tuple[Machine, Machine]:
@@ -37,29 +37,29 @@ def machines(tmp_path: Path) -> Iterator[Start]:
     stop_all(started)
 
 
-def test_a_leader_that_is_gone_is_gone_on_from_without_a_line_lost_or_twice(machines):
+def test_standby_continues_after_dead_leader_without_lost_or_repeated_lines(machines):
     leader, other = machines({})
-    leader.everything(signal.SIGKILL)
+    leader.signal_all(signal.SIGKILL)
     told = leader.numbers()[-1]
     assert wait_for(lambda: len(other.numbers()) > told + 50, 10), other.said.read_text()
     assert (heard := other.numbers()) == list(range(1, len(heard) + 1))
     assert "takes over because its leader has gone (epoch 2)" in other.said.read_text()
 
 
-def test_a_leader_that_falls_silent_is_replaced_and_follows_when_it_comes_back(machines):
-    """It goes dark at once, and stands by from then on: when the other one dies it takes over in its turn."""
+def test_silent_leader_is_replaced_and_follows_after_return(machines):
+    """It stops at once and stands by from then on: when the other machine dies it takes over in turn."""
     leader, other = machines({})
-    leader.everything(signal.SIGSTOP)
-    assert other.says("of silence (epoch 2)", 5), other.said.read_text()
-    leader.everything(signal.SIGCONT)
-    assert leader.says("this one goes dark", 5), leader.said.read_text()
+    leader.signal_all(signal.SIGSTOP)
+    assert other.prints("of silence (epoch 2)", 5), other.said.read_text()
+    leader.signal_all(signal.SIGCONT)
+    assert leader.prints("this one goes dark", 5), leader.said.read_text()
     assert wait_for(lambda: len(leader.numbers()) > 50 and leader.journal.with_name("leader.1").exists(), 10)
     last = other.numbers()[-1]
     assert wait_for(lambda: len(other.numbers()) > last + 20, 10)  # what the old leader still said changed nothing
     assert (heard := other.numbers()) == list(range(1, len(heard) + 1))
     assert wait_for(lambda: leader.numbers()[-1] > other.numbers()[-1] - 50, 10)
     os.kill(other.process.pid, signal.SIGKILL)
-    assert leader.says("of silence (epoch 3)", 10), leader.said.read_text()
+    assert leader.prints("of silence (epoch 3)", 10), leader.said.read_text()
     last = leader.numbers()[-1]
     assert wait_for(lambda: leader.numbers()[-1] > last + 20, 10)
     heard = leader.numbers()
@@ -69,21 +69,21 @@ def test_a_leader_that_falls_silent_is_replaced_and_follows_when_it_comes_back(m
     assert not report["fenced"]
 
 
-def test_a_machine_that_is_not_ready_never_takes_silence_for_death(machines):
+def test_unready_machine_never_takes_over_on_silence(machines):
     """It has not compared a state yet: a command makes it lead, silence does not."""
     leader, other = machines({}, {"never_ready": True})
-    leader.everything(signal.SIGSTOP)
+    leader.signal_all(signal.SIGSTOP)
     began = time.monotonic()
     assert wait_for(lambda: time.monotonic() - began > 2 * LEADER_TIMEOUT, 2 * LEADER_TIMEOUT)
     assert "takes over" not in other.said.read_text()
     other.process.send_signal(signal.SIGUSR1)
-    assert other.says("on command (epoch 2)", 5), other.said.read_text()
-    leader.everything(signal.SIGCONT)
-    assert leader.says("this one goes dark", 5)
+    assert other.prints("on command (epoch 2)", 5), other.said.read_text()
+    leader.signal_all(signal.SIGCONT)
+    assert leader.prints("this one goes dark", 5)
 
 
-def test_who_was_stopped_itself_takes_no_silence_for_death(machines):
-    """It did not listen: the leader, which did nothing wrong, goes on to lead."""
+def test_machine_that_was_stopped_does_not_take_over_on_silence(machines):
+    """It was not receiving: the leader, which did not fail, continues to lead."""
     leader, other = machines({})
     os.kill(other.process.pid, signal.SIGSTOP)
     began, told = time.monotonic(), leader.numbers()[-1]
@@ -95,18 +95,18 @@ def test_who_was_stopped_itself_takes_no_silence_for_death(machines):
 
 
 @pytest.mark.long
-def test_a_leader_whose_engine_hangs_is_not_taken_for_dead(machines):
-    """Its own supervisor replaces the engine, or hands the show over where that takes too long on a busy machine."""
+def test_leader_with_hung_engine_is_not_replaced_for_silence(machines):
+    """Its own supervisor replaces the engine, or hands the show over if that takes too long on a busy machine."""
     leader, other = machines({"hangs": 300})
     assert wait_for(lambda: other.numbers()[-1] > 320, 20), leader.said.read_text()
     assert "of silence" not in other.said.read_text()
     assert (heard := other.numbers()) == list(range(1, len(heard) + 1))
-    assert ("no sign of life" in leader.said.read_text()) or leader.says("no engine ran here for too long")
+    assert ("no sign of life" in leader.said.read_text()) or leader.prints("no engine ran here for too long")
     if "takes over" in other.said.read_text():
-        assert leader.says("no engine ran here for too long")
+        assert leader.prints("no engine ran here for too long")
 
 
-def test_a_show_that_the_leader_ends_is_over_for_who_stands_by_as_well(machines):
+def test_show_ended_by_leader_ends_on_standby(machines):
     leader, other = machines({"ticks": 400})
     assert leader.process.wait(60) == 0
     assert other.process.wait(30) == 0
@@ -114,8 +114,8 @@ def test_a_show_that_the_leader_ends_is_over_for_who_stands_by_as_well(machines)
     assert other.report()["epoch"] == 1
 
 
-def test_strangers_at_the_port_get_no_word_and_change_nothing(tmp_path):
-    """Neither who speaks no TLS nor who has a certificate that is not paired; one line could darken a leader once."""
+def test_strangers_at_port_receive_nothing_and_change_nothing(tmp_path):
+    """Clients without TLS and clients with an unpaired certificate; one line could once stop a leader."""
     with socket.create_server(("127.0.0.1", 0)) as there:
         leader = Machine(tmp_path, "leader", {"ticks": 1000}, lead=there)
         port = there.getsockname()[1]
@@ -150,8 +150,8 @@ def test_strangers_at_the_port_get_no_word_and_change_nothing(tmp_path):
 
 
 @pytest.mark.long
-def test_a_machine_that_cannot_stand_by_ends_and_the_one_that_leads_says_why(tmp_path: Path):
-    """Nothing that comes from there does anything to a terminal."""
+def test_machine_unable_to_stand_by_ends_and_leader_reports_reason(tmp_path: Path):
+    """Its text cannot control a terminal."""
     pair_folders(tmp_path / "config-leader", tmp_path / "config-other")
     with socket.create_server(("127.0.0.1", 0)) as there:
         leader = Machine(tmp_path, "leader", {}, lead=there)
@@ -159,7 +159,7 @@ def test_a_machine_that_cannot_stand_by_ends_and_the_one_that_leads_says_why(tmp
             other = Machine(tmp_path, "other", {"cannot": "another\x1b[2J\nshow"}, follow=there.getsockname()[1])
             assert other.process.wait(20 * BUSY) == 2
             words = "another machine cannot stand by: another [2J show"
-            assert leader.says(words), leader.said.read_text()
+            assert leader.prints(words), leader.said.read_text()
             heard = len(leader.numbers())
             assert wait_for(lambda: len(leader.numbers()) > heard, 20)  # and dances on
         finally:
@@ -168,12 +168,12 @@ def test_a_machine_that_cannot_stand_by_ends_and_the_one_that_leads_says_why(tmp
         assert leader.report()["followers"] == 0
 
 
-def test_a_machine_that_is_not_paired_is_told_what_to_do(tmp_path: Path):
+def test_unpaired_machine_reports_pairing_command(tmp_path: Path):
     with socket.create_server(("127.0.0.1", 0)) as there:
         started = [Machine(tmp_path, "leader", {}, lead=there)]
         started.append(Machine(tmp_path, "other", {}, follow=there.getsockname()[1]))
     try:
-        assert started[1].says("live pair 127.0.0.1"), started[1].said.read_text()
+        assert started[1].prints("live pair 127.0.0.1"), started[1].said.read_text()
         assert json.dumps(started[1].numbers()) == "[]"
     finally:
         stop_all(started)

@@ -1,4 +1,4 @@
-"""Crafted and mutated lines of a machine that may take part, but is broken or taken over: no process dies of them."""
+"""Crafted and mutated lines of a paired machine that is broken or compromised: no process dies of them."""
 
 import json
 import random
@@ -56,8 +56,8 @@ VALUES: list[object] = [
 ]  # fmt: skip
 
 
-def mutated(chance: random.Random) -> str:
-    """A line that is nearly one: with other values, keys, bytes, or cut off."""
+def mutate_line(chance: random.Random) -> str:
+    """An almost valid line: with other values, keys or bytes, or cut off."""
     line = chance.choice(SHOW if chance.random() < 0.6 else WORDS)
     kind = chance.randrange(6)
     if kind < 3:
@@ -75,14 +75,14 @@ def mutated(chance: random.Random) -> str:
     return chance.choice(["", "[" * 20_000, '{"tick":' * 5000, "9" * 5000, "null", '{"tick":1}', line])
 
 
-class Plain(LineChannel):
-    """A wire without TLS, for many lines."""
+class PlainChannel(LineChannel):
+    """A channel without TLS, for many lines."""
 
     rejected = False
 
 
 @pytest.fixture
-def remote(tmp_path: Path) -> Iterator[RemoteStandby]:
+def standby(tmp_path: Path) -> Iterator[RemoteStandby]:
     pair_folders(tmp_path / "mine", tmp_path / "theirs")
     identity, pairings = machine(tmp_path / "mine")
     orders = SupervisorConfig(
@@ -96,73 +96,73 @@ def remote(tmp_path: Path) -> Iterator[RemoteStandby]:
     starter.close()
 
 
-def joined(remote: RemoteStandby, count: int) -> tuple[Link, socket.socket]:
+def open_leader_link(standby: RemoteStandby, count: int) -> tuple[Link, socket.socket]:
     """A link whose machine leads, and the other end of its socket."""
-    peers = remote._peers
+    peers = standby._peers
     assert peers is not None
     mine, theirs = socket.socketpair()
-    wire = Plain(mine, backlog=1 << 20)
+    wire = PlainChannel(mine, backlog=1 << 20)
     wire.peer = next(iter(peers._trust.peers.values()))  # type: ignore[attr-defined]
     link = Link(f"theirs #{count}", wire, True)  # type: ignore[arg-type]
     peers.links[link.name] = link
     for line in (HELLO, format_message(Pulse(LEADER, True)), format_message(StreamStart("abc", 0, True)), SHOW[0]):
-        remote._receive(link, line)
+        standby._receive(link, line)
     return link, theirs
 
 
 @pytest.mark.parametrize("packets", [6000, pytest.param(100_000, marks=pytest.mark.long)])
-def test_no_line_of_a_machine_that_may_take_part_ends_the_supervisor(remote, packets):
+def test_no_line_of_paired_machine_ends_supervisor(standby, packets):
     chance, before, count, passed = random.Random(1), resident_megabytes()(), 1, []
-    remote._engines.on_line = lambda line, kept: passed.append(kept)
-    link, theirs = joined(remote, count)
+    standby._engines.on_line = lambda line, kept: passed.append(kept)
+    link, theirs = open_leader_link(standby, count)
     for number in range(packets):
-        remote._receive(link, mutated(chance))
+        standby._receive(link, mutate_line(chance))
         if number % 50 == 0:
-            remote.update(float(number) / 50.0)
-        if link.name not in remote._peers.links or remote._leadership.leader != link.name:
-            remote._peers.drop(link)
+            standby.update(float(number) / 50.0)
+        if link.name not in standby._peers.links or standby._leadership.leader != link.name:
+            standby._peers.drop(link)
             theirs.close()
-            remote._engines.code, remote._leadership.role, remote._leadership.leader = (
+            standby._engines.code, standby._leadership.role, standby._leadership.leader = (
                 None,
-                type(remote._leadership.role).FOLLOWS,
+                type(standby._leadership.role).FOLLOWS,
                 None,
             )
-            remote._leadership.term = Term(0, "")
+            standby._leadership.term = Term(0, "")
             count += 1
-            link, theirs = joined(remote, count)
+            link, theirs = open_leader_link(standby, count)
     theirs.close()
     assert count > packets / 300  # what makes no sense ends a link
-    assert remote._report.lines_refused > packets / 30
+    assert standby._report.lines_refused > packets / 30
     assert len(passed) > packets / 30  # and what does make sense is still heard
     assert resident_megabytes()() - before <= 200.0
 
 
-def test_a_machine_that_never_stops_talking_is_not_followed_for_ever(remote):
+def test_endless_stream_of_lines_closes_link(standby):
     before = resident_megabytes()()
-    link, theirs = joined(remote, 1)
+    link, theirs = open_leader_link(standby, 1)
     event = {"type": "x", "words": "y" * 100_000}
     for tick in range(MAX_SHOW_BYTES // 100_000 + 2):
-        remote._receive(link, json.dumps({"tick": tick, "event": event}))
-    assert link.name not in remote._peers.links
+        standby._receive(link, json.dumps({"tick": tick, "event": event}))
+    assert link.name not in standby._peers.links
     theirs.close()
     assert resident_megabytes()() - before <= 200.0
 
 
-def test_no_line_that_the_supervisor_lets_through_ends_the_engine_that_follows(remote):
-    """What it cannot understand is refused and counted; what is no show here is said as a person's error."""
+def test_no_line_accepted_by_supervisor_ends_following_engine(standby):
+    """Unknown content is refused and counted; an invalid show is reported as a person's error."""
     loaded = LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)
     header = json.dumps({"journal": 2, "origin": 1.5, **loaded.header(loaded.start(seed=5), tempo=None)})
     chance, ended, refused = random.Random(2), 0, 0
     following = StateFollower(loaded)
     following.add_line(header)
-    remote._engines.log.add_line(header)
+    standby._engines.log.add_line(header)
     for _ in range(1500):
-        line = mutated(chance)
+        line = mutate_line(chance)
         try:
             told = json.loads(line)
         except (ValueError, RecursionError):
             continue
-        if not isinstance(told, dict) or "alive" in told or not remote._is_show_line(told):
+        if not isinstance(told, dict) or "alive" in told or not standby._is_show_line(told):
             continue
         if isinstance(told.get("tick"), int):
             told["tick"] = following.tick + told["tick"] % 3
