@@ -1,7 +1,6 @@
 """Documents refer only to existing files."""
 
 import re
-import tokenize
 from pathlib import Path
 
 import pytest
@@ -34,6 +33,7 @@ def test_files_named_by_documents_exist(document: Path) -> None:
     assert not missing
 
 
+_COMMENT = re.compile(r"(?m)(?:^|(?<=\s))#.*$")
 _CODE_WORD = re.compile(r"`([A-Za-z_][\w.]*)(?:\(\))?`")
 _FOREIGN_WORDS = frozenset(
     (
@@ -54,26 +54,20 @@ _FOREIGN_WORDS = frozenset(
 """Names of other programs, file formats and patches in docstrings."""
 
 
-def _tokens(path: Path) -> list[tokenize.TokenInfo]:
-    with path.open("rb") as file:
-        return list(tokenize.tokenize(file.readline))
-
-
 def test_docstrings_name_code_that_exists() -> None:
-    """A name in backticks with an underscore, a dot or a capital is a name in the code or a word in its strings."""
-    files = [path for folder in ("live", "bench", "tools") for path in (ROOT / folder).rglob("*.py")]
+    """A name in backticks with an underscore, a dot or a capital is a name of the code, or a word of its texts."""
     names, quoted = set(_FOREIGN_WORDS), []
-    for path in files:
+    for path in (path for folder in ("live", "bench", "tools") for path in (ROOT / folder).rglob("*.py")):
         names |= {path.stem, *path.parts}
-        for token in _tokens(path):
-            is_text = token.type in (tokenize.STRING, getattr(tokenize, "FSTRING_MIDDLE", tokenize.STRING))
-            if token.type == tokenize.NAME:
-                names.add(token.string)
-            elif token.type == tokenize.COMMENT or (is_text and '"""' in token.string):
-                where = f"{path.relative_to(ROOT)}:{token.start[0]}"
-                quoted += [(where, word) for word in _CODE_WORD.findall(token.string)]
-            elif is_text:
-                names |= set(re.findall(r"\w+", token.string))
+        code, texts = [], []
+        for index, part in enumerate(path.read_text(encoding="utf-8").split('"""')):
+            if index % 2:
+                texts.append(part)
+            else:
+                code.append(_COMMENT.sub("", part))
+                texts += _COMMENT.findall(part)
+        names.update(re.findall(r"\w+", " ".join(code)))
+        quoted += [(path.relative_to(ROOT).as_posix(), word) for text in texts for word in _CODE_WORD.findall(text)]
     stale = [
         f"{where}: {word}"
         for where, word in quoted

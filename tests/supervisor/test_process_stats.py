@@ -119,7 +119,7 @@ def zombie_children(process: int) -> list[int]:
     return found
 
 
-@pytest.mark.parametrize("seed", [21, 22])
+@pytest.mark.parametrize("seed", [21, pytest.param(22, marks=pytest.mark.long)])
 def test_random_kills_leave_no_zombies(seed):
     """Engines, spares, the nursery, starting processes, and the helpers of each: helpers have no waiting parent once
     their engine is gone, and the supervisor has adopted them.

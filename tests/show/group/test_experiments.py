@@ -17,10 +17,14 @@ LEFT_ARM, RIGHT_ARM = (SKELETON.index(f"{side}UpperArm") for side in ("left", "r
 TICKS_PER_FRAME = 2
 
 
-LONG = [pytest.param((name, 64), marks=pytest.mark.soak, id=f"{name}-64") for name in EXPERIMENTS]
+RUNS = [
+    *(pytest.param((name, MEASURES[name]), id=name) for name in ("tap", "contemporary")),
+    *(pytest.param((name, MEASURES[name]), marks=pytest.mark.long, id=name) for name in ("samba", "ballet")),
+    *(pytest.param((name, 64), marks=pytest.mark.soak, id=f"{name}-64") for name in EXPERIMENTS),
+]
 
 
-@pytest.fixture(scope="module", params=[*(pytest.param((n, m), id=n) for n, m in MEASURES.items()), *LONG])
+@pytest.fixture(scope="module", params=RUNS)
 def experiment_run(request):
     """The show after its measures, hips per frame (F, A, 2), the largest acceleration, the report; and for each measure
     line hips (A, 2), segment targets, headings (A,), agents (A, 2) and the state hash.

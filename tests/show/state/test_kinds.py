@@ -86,7 +86,7 @@ class Unlisted:
 def test_unlisted_class_or_field_is_refused_by_name():
     show = MADE.start()
     show.desk.master.cards["x"] = Unlisted()
-    with pytest.raises(SnapshotError, match="Strange is of no kind"):
+    with pytest.raises(SnapshotError, match="Unlisted is of no kind"):
         Snapshotter(show).capture(0)
     show = MADE.start()
     show.desk.master.fresh = 1
