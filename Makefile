@@ -37,7 +37,7 @@ check-fast: ## within a minute: format, lint, types, layers, the tests of what i
 	@$(BIN)/ruff format --check -q
 	@$(BIN)/ruff check -q
 	@$(BIN)/mypy
-	@$(BIN)/python -m pytest -q $$($(BIN)/python tools/changed_tests.py $(ARGS))
+	@$(BIN)/python -m pytest -q -n 2 --budget 30 $$($(BIN)/python tools/changed_tests.py $(ARGS))
 
 format: ## put every file into the project's form
 	@tools/setup.sh test

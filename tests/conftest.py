@@ -3,6 +3,7 @@
 import os
 import random
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,9 @@ settings.load_profile("steady")
 # Children start sooner if they need not compile the package anew.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
+BEGAN = pytest.StashKey[float]()
+"""Time of the first test [s], for `--budget`."""
+
 ONE_AT_A_TIME = ("pulse", "x11", "network")
 """Markers or fixtures of tests with real devices: tests with the same one never run at the same time."""
 
@@ -32,7 +36,18 @@ are mixed with tests that compute."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--budget", type=float, default=0.0, help="seconds after which the remaining tests are skipped")
     parser.addoption("--regenerate-goldens", action="store_true", help="rewrite the golden images")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Skip what is left when the time that was allowed is over."""
+    budget = item.config.getoption("--budget")
+    if budget:
+        began = item.config.stash.setdefault(BEGAN, time.monotonic())
+        if time.monotonic() - began > budget:
+            pytest.skip(f"{budget:g} s are over: `make check` runs this test, too")
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -75,7 +90,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         name = group.args[0] if group else item.path.relative_to(TESTS).parts[0]
         return LONG_FIRST.index(name) if name in LONG_FIRST else len(LONG_FIRST)
 
-    items.sort(key=rank)
+    if not config.getoption("--budget"):  # else they come in the order asked for, the nearest first
+        items.sort(key=rank)
 
 
 @pytest.fixture(autouse=True)

@@ -1,8 +1,9 @@
 """The tests of what has changed since a commit, a file each line: `python tools/changed_tests.py [COMMIT]`.
 
-They are the test files that changed themselves, and those that import a module that changed, directly or through one
-other module of the same room. Where files change that are no modules (patches, shaders, pages), the tests of the folder
-that mirrors theirs. Always the rules of the tree. COMMIT is HEAD by default: what is not committed.
+The nearest come first: the rules of the tree, changed test files, the tests in the folders that mirror the changed
+ones. They are the test files that changed themselves, and those that import a module that changed, directly or through
+one other module of the same room. Where files change that are no modules (patches, shaders, pages), the tests of the
+folder that mirrors theirs. COMMIT is HEAD by default: what is not committed.
 """
 
 import ast
@@ -51,5 +52,15 @@ def tests_of(names: list[str]) -> set[str]:
     return found | {name for name in tests for room in rooms if len(room.parts) > 1 and Path(name).is_relative_to(room)}
 
 
+def nearest_first(names: list[str]) -> list[str]:
+    """Return the tests of changed files, the nearest first."""
+    mirrors = {Path("tests", *Path(name).parent.parts[1:]) for name in names if name.startswith("live/")}
+
+    def distance(test: str) -> int:
+        return 0 if test in ALWAYS else 1 if test in names else 2 if Path(test).parent in mirrors else 3
+
+    return sorted({*ALWAYS, *tests_of(names)}, key=lambda test: (distance(test), test))
+
+
 if __name__ == "__main__":
-    print("\n".join(sorted({*ALWAYS, *tests_of(changed(sys.argv[1] if len(sys.argv) > 1 else "HEAD"))})))
+    print("\n".join(nearest_first(changed(sys.argv[1] if len(sys.argv) > 1 else "HEAD"))))
