@@ -5,6 +5,7 @@ import json
 import socket
 import time
 from collections import deque
+from collections.abc import Callable
 from typing import Any, Final
 
 BUFFER: Final = 4 * 1024 * 1024
@@ -35,6 +36,8 @@ class LineChannel:
         """Lines dropped because the peer is gone or has stopped reading."""
         self.ended = False
         """Whether the peer is gone."""
+        self.before_close: Callable[[], None] = lambda: None
+        """Called before this end is closed: a selector must not keep a descriptor that is used again."""
         self.sent, self.received = 0, 0
         """Lines accepted for sending, and lines received and handed on: both ends use these counts to identify a line.
         """
@@ -118,6 +121,7 @@ class LineChannel:
 
     def close(self) -> None:
         """Close this end."""
+        self.before_close()
         self.ended = True
         self.socket.close()
 

@@ -300,6 +300,7 @@ class ProcessManager:
                 on_line(line)
 
         self.selector.register(channel.socket, selectors.EVENT_READ, read)
+        channel.before_close = lambda: self.unregister(channel)
 
     def unregister(self, channel: LineChannel) -> None:
         """Stop reading a channel; harmless if it is not read."""

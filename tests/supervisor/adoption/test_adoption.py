@@ -217,12 +217,15 @@ def test_hung_orphaned_engine_is_ended_by_next_supervisor(start_show, tmp_path, 
     show.until(show.numbers()[-1] + 20)
     engine = engine_pid(show)
     os.kill(engine, signal.SIGSTOP)
+    path = next(tmp_path.glob("*/*.sock"))
     with contextlib.ExitStack() as asked:
+        folder = os.open(path.parent, os.O_DIRECTORY)  # the path of a socket has at most 107 bytes
+        asked.callback(os.close, folder)
         for _ in range(waiting):
             sock = asked.enter_context(socket.socket(socket.AF_UNIX))
             sock.setblocking(False)
             with contextlib.suppress(BlockingIOError):
-                sock.connect(str(next(tmp_path.glob("*/*.sock"))))
+                sock.connect(f"/proc/self/fd/{folder}/{path.name}")
         with pytest.raises(EngineHung, match=str(engine)):
             find_engine(LABEL)
     assert engine not in running_engines(tmp_path)
