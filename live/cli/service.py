@@ -31,8 +31,15 @@ def install(
     import platformdirs
     from rich.console import Console
 
-    from live.app.machine.systemd_control import linger_enabled, systemctl, systemd_version
-    from live.app.machine.systemd_unit import OWN_JOURNAL, SystemdService, default_service_name, units_folder
+    from live.app.machine.systemd_unit import (
+        OWN_JOURNAL,
+        SystemdService,
+        default_service_name,
+        linger_enabled,
+        systemctl,
+        systemd_version,
+        units_folder,
+    )
     from live.app.option_values import expand_audience_option
     from live.app.whole_file import write_atomically
 
@@ -75,14 +82,13 @@ def uninstall(name: Name) -> None:
     """End the show and remove its unit; the journal is kept."""
     from rich.console import Console
 
-    from live.app.machine.systemd_control import stop_service, systemctl
-    from live.app.machine.systemd_unit import unit_name, units_folder
+    from live.app.machine.systemd_unit import systemctl, unit_name, units_folder
     from live.base.errors import PersonError
 
     path = units_folder() / unit_name(name)
     if not path.is_file():
         raise PersonError(f"there is no service {name}: no {path}", "live service status")
-    stop_service(name)
+    _stop_service(name)
     systemctl("disable", unit_name(name))
     path.unlink()
     systemctl("daemon-reload")
@@ -94,10 +100,9 @@ def stop(name: Name) -> None:
     """End the show: its service, and any engine that runs without a supervisor."""
     from rich.console import Console
 
-    from live.app.machine.systemd_control import stop_service
     from live.app.machine.systemd_unit import check_name
 
-    ended, problem = stop_service(check_name(name))
+    ended, problem = _stop_service(check_name(name))
     console = Console(highlight=False)
     for pid in ended:
         console.print(f"ended an engine without a supervisor (process {pid})")
@@ -110,8 +115,7 @@ def status() -> None:
     """List the services, with their state, number of restarts, and whether they outlive a logout."""
     from rich.console import Console
 
-    from live.app.machine.systemd_control import linger_enabled, unit_state
-    from live.app.machine.systemd_unit import units_folder
+    from live.app.machine.systemd_unit import linger_enabled, unit_state, units_folder
 
     console = Console(highlight=False)
     found = sorted(units_folder().glob("live-*.service"))
@@ -142,3 +146,13 @@ def _parse_play_arguments(arguments: list[str]) -> dict[str, Any]:
         raise PersonError("--help: nothing to install", "live play --help") from None
     except click.ClickException as error:
         raise PersonError(f"live play rejects these arguments: {error.format_message()}", "live play --help") from None
+
+
+def _stop_service(name: str) -> tuple[list[int], str | None]:
+    """Stop the service, then any remaining engines; return their process ids, and systemd's error or None."""
+    from live.app.machine.systemd_unit import systemctl, unit_name
+    from live.app.processes.engine_main import service_label
+    from live.supervisor.adoption.adoption import end_engines
+
+    problem = systemctl("stop", unit_name(name))
+    return end_engines(service_label(name)), problem

@@ -47,7 +47,7 @@ def measure_round_trip(
         "round_trip_ms": round(1000.0 * trip.seconds, 1),
         "round_trip_spread_ms": round(1000.0 * trip.spread, 2),
     }
-    told = {
+    report = {
         "output": speaker.name,
         "input": device.name,
         **values,
@@ -55,7 +55,7 @@ def measure_round_trip(
         "heard": trip.detected,
         "of": trip.total,
     }
-    return told, values
+    return report, values
 
 
 def measure_claps(
@@ -71,8 +71,8 @@ def measure_claps(
         "projector_ms": round(1000.0 * seconds - display, 1),
         "claps_spread_ms": round(1000.0 * offset.spread, 1),
     }
-    told = {"input": device.name, "input_ms": venue.latency.input_ms, **values, "claps": offset.claps}
-    return told, values
+    report = {"input": device.name, "input_ms": venue.latency.input_ms, **values, "claps": offset.claps}
+    return report, values
 
 
 def write_latencies(name: str, values: dict[str, dict[str, Any]]) -> str:

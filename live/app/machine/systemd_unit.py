@@ -1,7 +1,9 @@
-"""Writer for the systemd user unit that plays a show, with quoting as in systemd.syntax(7)."""
+"""The systemd user unit that plays a show, with quoting as in systemd.syntax(7), and control of the user's systemd."""
 
+import getpass
 import os
 import re
+import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -141,3 +143,49 @@ def units_folder() -> Path:
     """Return the folder of the user's systemd units."""
     base = os.environ.get("XDG_CONFIG_HOME", "")
     return (Path(base) if os.path.isabs(base) else Path.home() / ".config") / "systemd" / "user"
+
+
+def systemctl(*words: str) -> str | None:
+    """Run a command of the user's systemd; return None, or the error."""
+    try:
+        done = subprocess.run(
+            ["systemctl", "--user", "--no-ask-password", *words], capture_output=True, text=True, timeout=90
+        )
+    except FileNotFoundError:
+        return "there is no systemctl on this machine"
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return str(error)
+    return None if done.returncode == 0 else " ".join(done.stderr.split())[:300] or f"exit code {done.returncode}"
+
+
+def unit_state(unit: str) -> str:
+    """Return the state of a unit in words."""
+    words = ["show", "--property=ActiveState,SubState,NRestarts,MainPID", unit]
+    try:
+        done = subprocess.run(["systemctl", "--user", *words], capture_output=True, text=True, timeout=20)
+    except (OSError, subprocess.TimeoutExpired):
+        return "installed; systemd does not answer here"
+    properties = dict(line.split("=", 1) for line in done.stdout.splitlines() if "=" in line)
+    if done.returncode or "ActiveState" not in properties:
+        return "installed; systemd does not answer here"
+    process = f", process {properties['MainPID']}" if properties.get("MainPID", "0") != "0" else ""
+    state = f"{properties['ActiveState']} ({properties.get('SubState')}){process}"
+    return f"{state}, restarted {properties.get('NRestarts', '0')} times"
+
+
+def systemd_version() -> int:
+    """Return the version of systemd; 0 if there is none."""
+    try:
+        done = subprocess.run(["systemctl", "--version"], capture_output=True, text=True, timeout=20)
+    except (OSError, subprocess.TimeoutExpired):
+        return 0
+    found = re.match(r"systemd (\d{1,6})", done.stdout)
+    return 0 if found is None else int(found[1])
+
+
+def linger_enabled() -> bool:
+    """Whether the services of this user outlive a logout."""
+    try:
+        return Path("/var/lib/systemd/linger", getpass.getuser()).exists()
+    except (OSError, KeyError):
+        return False
