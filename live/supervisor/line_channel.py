@@ -48,6 +48,7 @@ class LineChannel:
 
     def reconnect(self, sock: socket.socket) -> None:
         """Continue with another peer over another socket; everything not sent or read yet is dropped."""
+        self.before_close()
         self.socket.close()
         _prepare_socket(sock)
         self.socket = sock

@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.evolutions.paths import straight_paths
-from live.agents.evolutions.slot_assignment import assign
 from live.agents.formations.formation import Formation, formation_of
 from live.agents.formations.formation_notation import parse_formation
 from live.agents.formations.formation_spec import FormationSpec, spec_from_table
@@ -86,11 +85,6 @@ def default_count(spec: FormationSpec) -> int:
     return len(formation_of(spec, 0, 0).slots)
 
 
-def assign_slots(before: Formation, after: Formation) -> npt.NDArray[np.int32]:
-    """Return the slot in `after` of the dancer in each slot of `before`, -1 for none."""
-    return assign(before.slots, after.slots)
-
-
 def write_svg(
     to: Path,
     made: Formation,
@@ -138,7 +132,6 @@ def report_json(
     slot: npt.NDArray[np.int32] | None,
 ) -> dict[str, Any]:
     """Return the report: points [x, z] in metres, headings in radians, sections from 1 (null: none), slots from 1."""
-
     report: dict[str, Any] = {
         "name": made.name,
         "slots": [[round(float(x), 6), round(float(z), 6)] for x, z in made.slots],

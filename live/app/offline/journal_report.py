@@ -16,7 +16,7 @@ from live.show.state.snapshot import snapshot_header
 COLUMNS: Final = ("line", "tick", "seconds", "measure", "kind", "source", "values")
 
 
-def read_person_journal(path: Path) -> Journal:
+def read_journal_file(path: Path) -> Journal:
     """Read a journal; raise PersonError if that fails."""
     try:
         return read_journal(path)

@@ -30,7 +30,6 @@ def load_file(
     drop_frames: int | None,
 ) -> Clip:
     """Return the file's motion on the engine's skeleton; print warnings on stderr."""
-
     axis: UpAxis | None = None if up is None else "Y" if up.upper() == "Y" else "Z"
     try:
         motion = read_motion(path, skeleton=skeleton, up=axis)
@@ -55,7 +54,6 @@ def load_step(
     name: str, hertz: float | None, library: Path | None, variation: int | None, measures: int | None
 ) -> Clip:
     """Return the measures of one variation of a step, without the lead-in."""
-
     found = _variations(name, library)
     if variation is not None and not 1 <= variation <= len(found):
         raise PersonError(f"--variation {variation}: the step {name!r} has {len(found)}: {_describe_variations(found)}")

@@ -37,10 +37,10 @@ def formation(
     """
     from rich.console import Console
 
+    from live.agents.evolutions.slot_assignment import assign
     from live.agents.formations.formation import formation_of
     from live.agents.formations.stage_fit import fit_stage
     from live.app.offline.formation_report import (
-        assign_slots,
         default_count,
         describe,
         read_spec,
@@ -58,7 +58,7 @@ def formation(
     count = dancers if dancers is not None else default_count(wished)
     made = formation_of(wished, count, seed)
     before = None if from_ is None else formation_of(read_spec(from_), count, seed)
-    slot = None if before is None else assign_slots(before, made)
+    slot = None if before is None else assign(before.slots, made.slots)
     fit = fit_stage(made, *floor)
     if svg is not None:
         write_svg(svg, made, floor, fit, before, slot, spec)

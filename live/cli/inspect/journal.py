@@ -25,7 +25,7 @@ def show(
 
     from rich.console import Console
 
-    from live.app.offline.journal_report import journal_facts, read_person_journal
+    from live.app.offline.journal_report import journal_facts, read_journal_file
     from live.app.pictures.journal_picture import draw_journal, size_of
     from live.app.pictures.reach_picture import PngCanvas, SvgCanvas
     from live.app.whole_file import write_atomically
@@ -34,7 +34,7 @@ def show(
 
     if picture is not None and picture.suffix.lower() not in (".svg", ".png"):
         raise PersonError(f"--picture {picture}: a name that ends in .svg or .png expected")
-    recorded = read_person_journal(journal)
+    recorded = read_journal_file(journal)
     found = survey(recorded)
     if picture is not None:
         size = size_of(found)
@@ -108,10 +108,10 @@ def diff(
 
     from rich.console import Console
 
-    from live.app.offline.journal_report import read_person_journal
+    from live.app.offline.journal_report import read_journal_file
     from live.show.journal.journal_diff import differences
 
-    found = differences(read_person_journal(first), read_person_journal(second))
+    found = differences(read_journal_file(first), read_journal_file(second))
     if as_json:
         facts = {
             "header": list(found.header),
@@ -147,7 +147,7 @@ def export(
     """Export as a MIDI file (which replays the show), or as a table with a row for each event and measure."""
     from rich.console import Console
 
-    from live.app.offline.journal_report import read_person_journal, write_table
+    from live.app.offline.journal_report import read_journal_file, write_table
     from live.app.option_values import check_writable
     from live.app.whole_file import write_atomically
     from live.base.errors import PersonError
@@ -156,7 +156,7 @@ def export(
     if kind not in (".mid", ".midi", ".csv"):
         raise PersonError(f"{out}: a name that ends in .mid or .csv expected", f"{out.stem}.mid")
     check_writable(out, "OUT")
-    recorded = read_person_journal(journal)
+    recorded = read_journal_file(journal)
     if kind == ".csv":
         write_table(recorded, out)
         return
