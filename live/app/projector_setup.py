@@ -9,7 +9,7 @@ from live.app.output_config import FloorCorners, VenueWriter, outputs_of
 from live.app.session import Session
 from live.base.errors import PersonError
 from live.control.events.event import ControlEvent
-from live.control.events.events import ShowCard
+from live.control.events.events import ShowCard, ShowJoinCard
 from live.render.outputs.output import Output, Point
 from live.render.outputs.projection import Projection
 from live.render.outputs.screen import Screen
@@ -79,7 +79,7 @@ class OutputSetup:
 
     def handle(self, event: ControlEvent) -> None:
         """Handle the event that shows a test card."""
-        if not isinstance(event, ShowCard):
+        if not isinstance(event, ShowCard | ShowJoinCard):
             return
         name, card = event.output.strip().casefold(), event.card.strip().casefold()
         screens = self._named(name)

@@ -138,7 +138,6 @@ class EventDispatcher(HotSwap):
 
     def _handle_direction(self, event: ControlEvent) -> None:
         """Handle an event that directs steps or motion of groups."""
-        self.desk.observe(event)
         self.directions.handle(event)
 
     def _handle_audience(self, event: ControlEvent) -> None:

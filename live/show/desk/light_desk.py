@@ -18,7 +18,7 @@ from live.show.capture.capture_manager import CaptureManager
 from live.show.dancers.variation import Variation
 from live.show.desk.camera_rig import CameraRig, Spots, check_follow
 from live.show.desk.cue_list import CueList
-from live.show.desk.parameter_table import FIELDS, ParameterTable
+from live.show.desk.parameter_table import ParameterTable
 from live.show.desk.parameters import Parameters
 from live.show.desk.scenes import SCENE_EVENTS, Scenes, start_row
 from live.show.desk.undo_history import UndoHistory, editable_parts
@@ -27,7 +27,13 @@ from live.show.patch.patch import Patch
 from live.show.score.score_runner import ScoreRunner
 from live.show.selection.scheduler import Scheduler
 
-MASTER_EVENTS: Final = (events.FadePicture, events.FreezePicture, events.AllowFlashes, events.ShowCard)
+MASTER_EVENTS: Final = (
+    events.FadePicture,
+    events.FreezePicture,
+    events.AllowFlashes,
+    events.ShowCard,
+    events.ShowJoinCard,
+)
 """Events that `Master.act` handles."""
 MIN_FADE_BEATS: Final = 0.125
 """Minimum length of a fade [beats]: quick, but no flash."""
@@ -66,7 +72,7 @@ class Master:
                 self.frozen = event.on
             case events.AllowFlashes():
                 self.flashes = event.on
-            case events.ShowCard():
+            case events.ShowCard() | events.ShowJoinCard():
                 self._show_card(event.output.strip().casefold(), event.card.strip().casefold())
 
     def _show_card(self, output: str, card: str) -> None:
@@ -169,7 +175,7 @@ class LightDesk:
                 self.undo_history.undo()
             case events.Redo():
                 self.undo_history.redo()
-            case events.FadePicture() | events.FreezePicture() | events.AllowFlashes() | events.ShowCard():
+            case _:
                 self.master.handle(event)
         return []
 
@@ -195,14 +201,6 @@ class LightDesk:
         self._score_runner.suppress(False)
         self.cues.resume(danced_beats)
         return [events.HoldScore(time=event.time, source=event.source, on=False)]
-
-    def observe(self, event: ControlEvent) -> None:
-        """Observe an event handled elsewhere: a value set directly ends its fade."""
-        if isinstance(event, events.SetMotion) and event.parameter in FIELDS:
-            everybody = event.group in ("", "*")
-            known = self.parameters.table
-            groups = known.groups if everybody or not known.has_group(event.group) else [known.group_index(event.group)]
-            self.parameters.cancel_fades(event.parameter, groups)
 
     # -- time --------------------------------------------------------------------------------------------------
 

@@ -179,15 +179,10 @@ class Scenes:
             self._rig.follower.follow(scene.follow, cut=lasts <= 0.0)
         self._parameters.fade(scene.goals, beats=lasts * size)
 
-    def _set_picture(self, event: events.SetPicture, size: float) -> None:
-        known = picture_parameters.BY_ADDRESS.get(event.parameter) or picture_parameters.GROUP_PARAMETERS.get(
-            event.parameter
-        )
-        if known is None:
-            raise PersonError(f"the picture has no {event.parameter!r}")
-        numbers = parse_value(known.address, (event.x, event.y, event.z)[: known.size])
-        for parameter in self._parameters.table.find(known.address, event.group):
-            self._parameters.set(parameter, numbers, beats=event.measures * size)
+    def _set_parameter(self, event: events.SetParameter, size: float) -> None:
+        numbers = parse_value(event.address, event.value)
+        for slot in self._parameters.table.find(event.address, event.group):
+            self._parameters.set(slot, numbers, beats=event.measures * size)
 
     def _set_pass(self, event: events.SetPass, size: float) -> None:
         address = "/".join(filter(None, (PASS_ADDRESS, _folded(event.name), event.parameter.strip())))
@@ -207,8 +202,8 @@ class Scenes:
                 f"there are: {', '.join((*PASSES, *names))}",
             )
         amount = min(max(event.amount, known.low), known.high)
-        for parameter in self._parameters.table.find(known.address):
-            self._parameters.set(parameter, (amount,), beats=event.measures * size)
+        for slot in self._parameters.table.find(known.address):
+            self._parameters.set(slot, (amount,), beats=event.measures * size)
 
     def _view(self, event: events.RecallView, size: float) -> None:
         self._fade_to(_find_scene(self._views, event.name, "view"), max(event.measures, 0.0), size)
@@ -268,7 +263,7 @@ def _find_scene(kept: Mapping[str, Scene], name: str, what: str) -> Scene:
 
 _HANDLERS: Final[dict[type, Callable[..., None]]] = {
     events.SetPass: Scenes._set_pass,
-    events.SetPicture: Scenes._set_picture,
+    events.SetParameter: Scenes._set_parameter,
     events.RecallView: Scenes._view,
     events.Accompany: Scenes._follow,
     events.ShowBackground: Scenes._background,

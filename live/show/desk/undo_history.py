@@ -19,7 +19,7 @@ from live.base import picture_parameters
 from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.event import ControlEvent
-from live.control.events.events import SetPicture
+from live.control.events.parameters import SetParameter
 from live.show.capture.capture_manager import CaptureManager
 from live.show.capture.stage_presence import OBSTACLE_PREFIX
 from live.show.dancers.variation import Variation
@@ -37,8 +37,7 @@ MERGE_S: Final = 1.0
 
 EDITED_PARTS: Final[dict[type[ControlEvent], str]] = {
     events.SetPass: "parameters",
-    events.SetPicture: "parameters",
-    events.SetMotion: "parameters",
+    events.SetParameter: "parameters",
     events.RecallView: "parameters",
     events.Accompany: "parameters",
     events.ShowBackground: "parameters",
@@ -66,9 +65,9 @@ EDITED_PARTS: Final[dict[type[ControlEvent], str]] = {
 IGNORED_SOURCES: Final = ("music",)
 """Sources whose events are no edits: the music changes its values again by itself."""
 
-_KEY_FIELDS: Final = ("parameter", "name", "performer")
+_KEY_FIELDS: Final = ("address", "parameter", "name", "performer")
 """Event fields that identify the edited thing; the first present one counts."""
-_LABEL_FIELDS: Final = ("parameter", "name", "facing", "steps", "performer")
+_LABEL_FIELDS: Final = ("address", "parameter", "name", "facing", "steps", "performer")
 """Event fields that describe an edit in words; the first non-empty one counts."""
 
 Values = dict[Any, Any]
@@ -201,9 +200,9 @@ class EditedParameters(EditablePart):
         return self._parameters.goals()
 
     def affected(self, event: ControlEvent) -> PartValues:
-        """See `Part`. Picture events are frequent: only their own numbers are compared."""
-        if type(event) is SetPicture:
-            places = self._parameters.table.places(event.parameter, event.group)
+        """See `Part`. Values of the picture are frequent: only their own numbers are compared."""
+        if type(event) is SetParameter:
+            places = self._parameters.table.places(event.address, event.group)
             if places and max(places) < picture_parameters.ROW_SIZE:
                 return self._parameters.goals_at(places)
         return self._parameters.goals()

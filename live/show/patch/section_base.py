@@ -1,8 +1,11 @@
 """Base class of all tables of a patch, and value types that several of them share."""
 
-from typing import Annotated
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, create_model
+
+from live.base.motion_parameters import MOTION_PARAMETERS
+from live.base.parameter import Parameter
 
 WorldCoordinate = Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)]
 Place = tuple[
@@ -31,3 +34,34 @@ class Section(BaseModel):
     """A table of a patch: frozen, unknown keys refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+
+
+def parameter_section(table: str) -> Any:
+    """Return a base class with the keys of the parameters that belong to this table, made from their rows."""
+    rows = {row.patch.partition(".")[2]: row for row in MOTION_PARAMETERS if row.patch.startswith(f"{table}.")}
+    keys: dict[str, Any] = {key: (_key_type(row), _key_field(row)) for key, row in rows.items()}
+    return create_model(f"{table.capitalize()}Parameters", __base__=Section, **keys)
+
+
+def _key_type(row: Parameter) -> Any:
+    if row.choices:
+        return Literal[tuple(row.choices)]
+    if row.kind == "switch":
+        return bool
+    return Annotated[float, Field(ge=row.low, le=row.high, allow_inf_nan=False)]
+
+
+def _key_field(row: Parameter) -> Any:
+    return Field(default=parameter_key_value(row, row.start[0]), description=row.patch_text or row.description)
+
+
+def parameter_key_value(row: Parameter, number: float) -> float | bool | str:
+    """Return a parameter's number as its key in the patch has it: a word, a switch or a number."""
+    if row.choices:
+        return next(word for word, value in row.choices.items() if value == number)
+    return bool(number) if row.kind == "switch" else number
+
+
+def parameter_number(row: Parameter, value: float | bool | str) -> float:
+    """Return the number of a parameter for the value of its key in the patch."""
+    return row.choices[str(value)] if row.choices else float(value)

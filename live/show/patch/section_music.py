@@ -4,6 +4,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import Field, model_validator
 
+from live.base.motion_parameters import MOTION_KEYS
 from live.base.picture_parameters import BY_ADDRESS
 from live.control.events.events import ControlEvent
 from live.control.registry.registry import REGISTRY
@@ -75,6 +76,7 @@ class ClockSection(Section):
 Value = Annotated[float, Field(ge=-10, le=10, allow_inf_nan=False)]
 
 
+ReactTarget = Literal[(*MOTION_KEYS, "strength")]  # type: ignore[valid-type]
 PictureAddress = Annotated[str, Field(min_length=1, max_length=64, pattern="^/dance/")]
 
 
@@ -88,11 +90,7 @@ class ReactSection(Section):
     ) = None
     """The feature, 0 to 1 in the range heard so far: loudness, onset density, brightness, bass, progress of a build-up;
     of MIDI notes their velocity, density, number sounding, and pitch."""
-    sets: (
-        Literal["larger", "amplitude", "mix", "arms", "texture", "head", "warp_beats", "strength"]
-        | PictureAddress
-        | None
-    ) = None
+    sets: ReactTarget | PictureAddress | None = None
     """What it sets: a parameter of `[motion]`, the strength of elements that begin from then on, or a number of the
     picture by its address, as in `/dance/light/rim`."""
     low: Value = 0.0

@@ -8,7 +8,8 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from live.control.events.events import ControlEvent, MusicHeard, NotesHeard, SetMotion, SetPicture
+from live.base.motion_parameters import MOTION_KEYS
+from live.control.events.events import ControlEvent, MusicHeard, NotesHeard, SetParameter
 from live.show.patch.patch import Patch
 from live.show.patch.score_checks import UNIT_PREFIX
 from live.show.patch.section_music import ReactSection
@@ -150,13 +151,14 @@ class Reactions:
             value = self._smoothed(index, section, heard, beats)
             if section.sets == STRENGTH:
                 self.strength = max(value, 0.0)
-            elif section.sets is not None and section.sets.startswith("/"):
-                changes.append(
-                    SetPicture(time=time, source="music", parameter=section.sets, x=value, measures=FADE_MEASURES)
-                )
             elif section.sets is not None:
-                group = "" if section.group == "*" else section.group
-                changes.append(SetMotion(time=time, source="music", parameter=section.sets, value=value, group=group))
+                row = MOTION_KEYS.get(section.sets)
+                number = value if row is None else min(max(value, row.low), row.high)
+                changes.append(SetParameter(
+                    time=time, source="music", value=(number,), group=section.group,
+                    address=section.sets if row is None else row.address,
+                    measures=FADE_MEASURES if row is None else 0.0,
+                ))  # fmt: skip
         return changes
 
     def handle_signal(self, name: str) -> None:

@@ -155,8 +155,8 @@ KINDS: Final = [
     """, factories={"_offered": dict, "_reserve": dict, "_next": no_value}),
     Kind("occasions", MusicSignals, "_signals:list[constant-signal-section] _active:list[bool]"),
     Kind("parameters", Parameters, """
-        table:constant-parameter-table _variation:variation value:f8 _cached_varieties:list[variety]|none
-        _cached_numbers:f8 start:f8 _from:f8 _goal:f8 _start_beat:f8 _length:f8 _fading:b1 _running:int _ticks:int
+        table:constant-parameter-table _variation:variation value:f8 start:f8 _from:f8 _goal:f8
+        _start_beat:f8 _length:f8 _fading:b1 _running:int _ticks:int
         beat:float held:bool touched:bool
     """),
     Kind("part", ScorePart, "_score:score _sequences:constant-sequences _improviser:improviser"),

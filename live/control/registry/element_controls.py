@@ -1,12 +1,31 @@
 """Controls of procedural elements: attractors, repulsors, spreaders, crossings, flows and so on (T105-T110, T132)."""
 
 from collections.abc import Callable
-from typing import Final
+from dataclasses import replace
+from typing import Any, Final, get_args
 
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.control.registry.control import DANCERS, MEASURES, NEXT, POINTS, STRENGTH, X2, Z2, Argument, Control, X, Z
+from live.control.registry import command
+from live.control.registry.control import Argument, Control
 
+
+def _argument(annotation: Any, name: str, default: float | str | bool | None = None) -> Argument:
+    """Return the argument of a shared annotation, with its name."""
+    found: Argument = get_args(annotation)[1]
+    return replace(found, name=name, default=default)
+
+
+X, Z, X2, Z2 = (
+    _argument(each, name)
+    for each, name in zip((command.X, command.Z, command.X2, command.Z2), ("x", "z", "x2", "z2"), strict=True)
+)
+STRENGTH, MEASURES = _argument(command.Strength, "strength", 1.0), _argument(command.Measures, "measures", 4.0)
+DANCERS, NEXT, POINTS = (
+    _argument(command.Dancers, "group", "*"),
+    _argument(command.Next, "next", False),
+    _argument(command.Points, "points"),
+)
 _USUAL: Final = (STRENGTH, MEASURES, DANCERS, NEXT)
 _RADIUS: Final = Argument("radius", "float", "radius of the region", "m", 0.1, 50)
 _TURN: Final = Argument("strength", "float", "how strongly it acts; below 0: in reverse", "", -10, 10, 1.0)
