@@ -12,9 +12,9 @@ from typing import Final
 import numpy as np
 
 from live.base import picture_parameters
-from live.base.custom_pass import PASS_ADDRESS, custom_pass_numbers
+from live.base.custom_pass import PASS_ADDRESS, PASSES, custom_pass_numbers
 from live.base.errors import PersonError
-from live.base.stage_snapshot import PASSES, Camera
+from live.base.stage_snapshot import Camera
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.show.desk.camera_rig import NO_FOLLOW_WORDS, CameraRig

@@ -12,10 +12,10 @@ from tomlkit.exceptions import TOMLKitError
 
 from live.base.errors import PersonError
 from live.control.midi.midi_binding import Binding
-from live.show.patch.patch_reader import parse_model, read_text
 from live.show.patch.patch_search_path import is_file, learned_path
 from live.show.patch.section_base import Section
 from live.show.patch.section_io import MidiMapSection
+from live.show.patch.toml_model import parse_model, read_text
 
 HEAD: Final = "# MIDI mappings learned while the show ran (/dance/midi/learn); a part of {patch}.\n"
 

@@ -7,10 +7,16 @@ from typing import Annotated, Final
 from pydantic import Field, field_validator, model_validator
 
 from live.base.body_catalogue import BODIES, MAX_CHARACTERS
-from live.base.custom_pass import MAX_PASSES, MAX_SOURCE_LENGTH, CustomShader, custom_pass_numbers, parse_custom_pass
+from live.base.custom_pass import (
+    MAX_PASSES,
+    MAX_SOURCE_LENGTH,
+    PASSES,
+    CustomShader,
+    custom_pass_numbers,
+    parse_custom_pass,
+)
 from live.base.errors import PersonError
 from live.base.picture_parameters import BY_ADDRESS, GROUP_PARAMETERS, STYLE_ADDRESS_PREFIX
-from live.base.stage_snapshot import PASSES
 from live.motion.skeleton import SKELETON
 from live.show.desk.parameter_table import check_setting, parse_value, split_key
 from live.show.patch.section_base import Colour, InvalidEntry, Name, Section, Share

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from live.base.errors import PersonError
-from live.base.projector_perspective import check_corners
+from live.base.floor_corners import check_corners
 from live.show.patch.section_base import Colour, InvalidEntry, Name, Place, Section, Share, WorldCoordinate
 
 Extent = Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)]
