@@ -9,10 +9,10 @@ from typing import Any, Final
 
 from live.base.custom_pass import NAME, PASSES
 from live.base.errors import PersonError
-from live.show.background_work import validate_model
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import MAIN_FILE, PatchError, is_file, learned_path
 from live.show.patch.toml_model import TomlSources, parse_model, parse_text, read_text, validate_sources
+from live.show.patch_checks.patch_check import PATCH_CHECKS
 
 FOLDERS: Final = ("formations", "looks", "score")
 """Folders next to show.toml with further TOML files of the patch, in reading order."""
@@ -32,7 +32,7 @@ def read_sources(path: Path) -> tuple[Patch, TomlSources]:
     try:
         sources = TomlSources([parse_text(read_text(file, "patch"), str(file), "patch") for file in patch_files(path)])
         _add_custom_passes(sources.data, path)
-        return validate_sources(sources, Patch, "patch", validate_model), sources
+        return validate_sources(sources, Patch, "patch", PATCH_CHECKS), sources
     except PersonError as error:
         raise PatchError(error.message, error.remedy, error.key_path) from None
 
@@ -88,6 +88,6 @@ def patch_files(path: Path) -> list[Path]:
 def parse_patch(text: str, file: str) -> Patch:
     """Parse the patch in `text`; `file` is its name in errors."""
     try:
-        return parse_model(text, file, Patch, "patch")
+        return parse_model(text, file, Patch, "patch", PATCH_CHECKS)
     except PersonError as error:
         raise PatchError(error.message, error.remedy, error.key_path) from None

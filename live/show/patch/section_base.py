@@ -1,8 +1,9 @@
-"""Base class of all tables of a patch, and value types that several of them share."""
+"""Base class of all tables of a patch, value types that several of them share, and the door for a reader's checks."""
 
-from typing import Annotated
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo
 
 WorldCoordinate = Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)]
 Place = tuple[
@@ -16,6 +17,10 @@ Size = tuple[
     Annotated[float, Field(ge=1, le=100, allow_inf_nan=False)],
     Annotated[float, Field(ge=1, le=100, allow_inf_nan=False)],
 ]
+Measures = Annotated[float, Field(ge=0, le=1024, allow_inf_nan=False)]
+Setting = float | bool | str | tuple[float, float, float]
+Draw = Annotated[dict[str, Setting], Field(max_length=400)]
+"""Values by the control's address without `/dance/draw/`, with `_` or `/` between words: `ink_width`."""
 
 
 class InvalidEntry(ValueError):
@@ -31,3 +36,18 @@ class Section(BaseModel):
     """A table of a patch: frozen, unknown keys refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+
+
+Checks = Mapping[str, Callable[[Any], object]]
+"""Checks of tables by name, as "cue"; each raises ValueError. They are the context of a validation."""
+
+
+def run_check(info: ValidationInfo, table: str, entry: object) -> None:
+    """Run the reader's check of `entry`, a table called `table`.
+
+    Tables know no controls and no other tables: who reads a patch brings `live.show.patch_checks`. A patch that the
+    program makes itself needs no check.
+    """
+    checks: Checks = info.context or {}
+    if table in checks:
+        checks[table](entry)

@@ -2,7 +2,7 @@
 
 import difflib
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -13,7 +13,8 @@ from pydantic import BaseModel, ValidationError
 from live.base.errors import PersonError
 from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_numbers, toml_remedy
 from live.library.disk_cache import read_regular_file
-from live.show.patch.section_base import InvalidEntry
+from live.show.patch.section_base import Checks, InvalidEntry
+from live.show.patch.table_batches import validate_model
 
 
 @dataclass(eq=False)
@@ -128,23 +129,15 @@ def read_text(path: Path, what: str) -> str:
         raise PersonError(f"{path}: not a text in UTF-8 (byte {error.start})") from None
 
 
-def parse_model(text: str, file: str, model: type[Model], what: str) -> Model:
+def parse_model(text: str, file: str, model: type[Model], what: str, checks: Checks | None = None) -> Model:
     """Return the model of `text`; PersonError with file, line and problem. `file` is its name in errors."""
-    return validate_sources(TomlSources([parse_text(text, file, what)]), model, what)
+    return validate_sources(TomlSources([parse_text(text, file, what)]), model, what, checks)
 
 
-def validate_sources(
-    sources: TomlSources,
-    model: type[Model],
-    what: str,
-    check: Callable[[type[Model], dict[str, Any]], Model] | None = None,
-) -> Model:
-    """Return the model of all `sources` together; PersonError with file, line and problem.
-
-    `check` builds the model from the values, in place of `model_validate`.
-    """
+def validate_sources(sources: TomlSources, model: type[Model], what: str, checks: Checks | None = None) -> Model:
+    """Return the model of all `sources` together, checked by `checks`; PersonError with file, line and problem."""
     try:
-        return model.model_validate(sources.data) if check is None else check(model, sources.data)
+        return validate_model(model, sources.data, checks)
     except ValidationError as error:
         raise PersonError(_validation_message(error, sources, model, what)) from None
 
