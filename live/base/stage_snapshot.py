@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.body_catalogue import CharacterFile
-from live.base.custom_pass import CustomShader
+from live.base.custom_pass import PASSES, CustomShader
 from live.base.parameter import SPOT_COUNT
 from live.base.set_geometry import SetItem
 
@@ -113,10 +113,6 @@ class Background:
     bottom: float = 0.0
     """Height of its lower edge above the floor [m]."""
     brightness: float = 1.0
-
-
-PASSES: Final = ("shadow", "mirror", "trails", "bloom", "ink", "grade", "vignette")
-"""The built-in passes in drawing order."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,10 +23,11 @@ from live.show.dancers.character_casting import character_files, check_character
 from live.show.dancers.live_texture import load_texture_bank
 from live.show.partner.partner_sources import ExampleBank, load_example_bank
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import TomlSources, find_resource, key_text, read_sources
-from live.show.patch.patch_search_path import PATCHES
-from live.show.patch.score_conflicts import check_step_call, step_calls
+from live.show.patch.patch_reader import read_sources
+from live.show.patch.patch_search_path import PATCHES, find_resource
 from live.show.patch.section_motion import parse_entry
+from live.show.patch.toml_model import TomlSources, key_text
+from live.show.patch_checks.score_conflicts import check_step_call, step_calls
 from live.show.score.step_names import UnknownStep
 from live.show.selection.graph_update import clip_key, clips_by_key, library_hash
 from live.show.show import Show

@@ -24,6 +24,7 @@ from live.control.midi.midi_streams import Direction
 from live.control.registry.control import ROLE_RANKS
 from live.control.registry.registry import Changes, Values
 from live.show.engine import Engine
+from live.show.patch.midi_bindings import bindings_of
 from live.show.patch.patch import Patch
 from live.show.show import Show
 from live.show.venue.venue import Venue, VenueMidi
@@ -183,7 +184,7 @@ def make_midi(
     target = _resolve_port("output", "--midi-clock-out", options.midi_clock_out, of_venue.clock_out, section.clock_out)
     metre, tempo = show.timeline.beats_per_measure, show.follower.tempo
     values = Values()
-    midi_map = MidiMap(section.bindings, values)
+    midi_map = MidiMap(bindings_of(section), values)
     listens = None
     if source is not None:
         listens = MidiInput(
@@ -271,4 +272,4 @@ def attach_midi_file(path: Path | None, show: Show, engine: Engine) -> None:
 
 def _bindings(patch: Patch) -> tuple[Binding, ...]:
     """Return written and learned bindings; none otherwise, as the default map is for live controllers."""
-    return patch.midi.bindings if patch.midi.map or patch.midi.learned else ()
+    return bindings_of(patch.midi) if patch.midi.map or patch.midi.learned else ()

@@ -30,7 +30,7 @@ from live.motion.texture.live_texture_kernels import (
 )
 from live.show.dancers.variation import Variation
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import find_resource
+from live.show.patch.patch_search_path import find_resource
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

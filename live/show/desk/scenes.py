@@ -12,19 +12,18 @@ from typing import Final
 import numpy as np
 
 from live.base import picture_parameters
-from live.base.custom_pass import PASS_ADDRESS, custom_pass_numbers
+from live.base.custom_pass import PASS_ADDRESS, PASSES, custom_pass_numbers
 from live.base.errors import PersonError
-from live.base.stage_snapshot import PASSES, Camera
+from live.base.stage_snapshot import Camera
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.show.desk.camera_rig import NO_FOLLOW_WORDS, CameraRig
+from live.show.desk.look_settings import LOOK_ADDRESSES, look_settings
 from live.show.desk.parameter_table import LOOK, VIEW, ParameterTable, parse_value, split_key
 from live.show.desk.parameters import Parameters
-from live.show.patch.name_checks import PROJECTOR
 from live.show.patch.patch import Patch
-from live.show.patch.section_cues import LOOK_ADDRESSES, ViewSection
-from live.show.patch.section_picture import Setting
-from live.show.patch.section_stage import CameraSection
+from live.show.patch.section_base import Setting
+from live.show.patch.section_stage import PROJECTOR, CameraSection, ViewSection
 from live.show.view.render_scene import camera_of_section, make_scene, projector_camera
 
 _ANGLE: Final = 34.0
@@ -131,7 +130,7 @@ class Scenes:
         for name, (settings, whom) in view_settings(patch).items():
             self._views[_folded(name)] = Scene(name, self._goals(table, settings), 0.0, whom)
         for look in patch.looks:
-            self._looks[_folded(look.name)] = Scene(look.name, self._goals(table, look.settings()), look.measures)
+            self._looks[_folded(look.name)] = Scene(look.name, self._goals(table, look_settings(look)), look.measures)
         self._scenes = {START: Scene(START, dict(enumerate(start.tolist())), 2.0)}
         for scene in patch.scene:
             whom = self._follow_of(scene.set)

@@ -1,8 +1,9 @@
-"""Base class of all tables of a patch, and value types that several of them share."""
+"""Base class of all tables of a patch, value types that several of them share, and the door for a reader's checks."""
 
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, create_model
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, create_model
 
 from live.base.motion_parameters import MOTION_PARAMETERS
 from live.base.parameter import Parameter
@@ -19,6 +20,10 @@ Size = tuple[
     Annotated[float, Field(ge=1, le=100, allow_inf_nan=False)],
     Annotated[float, Field(ge=1, le=100, allow_inf_nan=False)],
 ]
+Measures = Annotated[float, Field(ge=0, le=1024, allow_inf_nan=False)]
+Setting = float | bool | str | tuple[float, float, float]
+Draw = Annotated[dict[str, Setting], Field(max_length=400)]
+"""Values by the control's address without `/dance/draw/`, with `_` or `/` between words: `ink_width`."""
 
 
 class InvalidEntry(ValueError):
@@ -65,3 +70,18 @@ def parameter_key_value(row: Parameter, number: float) -> float | bool | str:
 def parameter_number(row: Parameter, value: float | bool | str) -> float:
     """Return the number of a parameter for the value of its key in the patch."""
     return row.choices[str(value)] if row.choices else float(value)
+
+
+Checks = Mapping[str, Callable[[Any], object]]
+"""Checks of tables by name, as "cue"; each raises ValueError. They are the context of a validation."""
+
+
+def run_check(info: ValidationInfo, table: str, entry: object) -> None:
+    """Run the reader's check of `entry`, a table called `table`.
+
+    Tables know no controls and no other tables: who reads a patch brings `live.show.patch_checks`. A patch that the
+    program makes itself needs no check.
+    """
+    checks: Checks = info.context or {}
+    if table in checks:
+        checks[table](entry)

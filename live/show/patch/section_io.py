@@ -2,11 +2,10 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
 from live.control.dmx_mapping import SENDS, Channel, channel_count
-from live.control.midi.midi_binding import DEFAULTS, BadBinding, Binding, Kind, Mode, merge_bindings
-from live.show.patch.section_base import Name, Place, Section
+from live.show.patch.section_base import Name, Place, Section, run_check
 
 Target = Annotated[str, Field(pattern=r"^(\[[0-9A-Fa-f:.]+\]|[^:\s]+):\d{1,5}$", max_length=200)]
 Endpoint = Annotated[str, Field(pattern=r"^((\[[0-9A-Fa-f:.]+\]|[^:\s]+):)?\d{1,5}$", max_length=200)]
@@ -59,39 +58,16 @@ class MidiMapSection(Section):
     """Whether the controller, below 32, forms a 14-bit pair with the one 32 higher."""
     velocity: bool = False
     """Whether the note's velocity sets the value."""
-    mode: Mode | None = None
+    mode: Literal["toggle", "momentary"] | None = None
     """Behaviour of a switch; left out: toggle for notes and program changes, momentary for controllers."""
     pickup: bool | None = None
     """Whether nothing changes until the controller crosses the present value; left out: only for controllers."""
     lit: tuple[Number, Number] = (0, 127)
     """Velocities sent to a pad (`[midi] output`) when its switch is off and on; often colours."""
 
-    @property
-    def binding(self) -> Binding:
-        """The mapping as a `Binding`; BadBinding, a ValueError, if it cannot work."""
-        kinds: tuple[Kind, ...] = ("note", "cc", "program", "bend", "pressure", "nrpn")
-        given = [(kind, number) for kind in kinds if (number := getattr(self, kind)) is not None]
-        if len(given) != 1:
-            raise BadBinding("one of note, cc and program, bend, pressure, nrpn expected: what is played")
-        kind, number = given[0]
-        return Binding(
-            kind,
-            0 if number is True else number,
-            self.control,
-            self.channel or 0,
-            self.values,
-            self.scale,
-            self.curve,
-            self.fine,
-            self.velocity,
-            self.mode,
-            self.pickup,
-            self.lit,
-        )
-
     @model_validator(mode="after")
-    def _binding_is_valid(self) -> "MidiMapSection":
-        _ = self.binding
+    def _binding_is_valid(self, info: ValidationInfo) -> "MidiMapSection":
+        run_check(info, "midi.map", self)
         return self
 
 
@@ -114,18 +90,6 @@ class MidiSection(Section):
     """What notes, controllers and program changes do, instead of the defaults."""
     learned: Annotated[tuple[MidiMapSection, ...], Field(max_length=1000)] = ()
     """Mappings learned from controller moves; the show writes them to NAME.midi.toml next to the patch."""
-
-    @property
-    def bindings(self) -> tuple[Binding, ...]:
-        """The map in force: learned mappings, and written ones for other MIDI messages."""
-        return merge_bindings(self.written_bindings, [section.binding for section in self.learned])
-
-    @property
-    def written_bindings(self) -> tuple[Binding, ...]:
-        """The written map, or the defaults."""
-        if self.map:
-            return tuple(section.binding for section in self.map)
-        return DEFAULTS if self.defaults else ()
 
 
 class DmxSection(Section):

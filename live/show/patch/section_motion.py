@@ -5,12 +5,22 @@ import re
 from dataclasses import dataclass
 from typing import Annotated, Final, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from live.base.body_catalogue import BODIES
 from live.base.errors import PersonError
-from live.show.patch.section_base import Colour, InvalidEntry, Name, Place, Section, Share, Size, parameter_section
-from live.show.patch.section_picture import Draw, check_draw
+from live.show.patch.section_base import (
+    Colour,
+    Draw,
+    InvalidEntry,
+    Name,
+    Place,
+    Section,
+    Share,
+    Size,
+    parameter_section,
+    run_check,
+)
 
 
 class LocomotionSection(parameter_section("locomotion")):  # type: ignore[misc]
@@ -224,14 +234,14 @@ class GroupSection(Section):
         return steps
 
     @model_validator(mode="after")
-    def _keys_fit(self) -> "GroupSection":
+    def _keys_fit(self, info: ValidationInfo) -> "GroupSection":
         if self.like is None and not self.steps:
             raise ValueError(f"group {self.name!r} has nothing to dance: give it steps, or say which group it is like")
         if self.like is not None and self.steps:
             raise ValueError(f"group {self.name!r} has steps and like = {self.like!r}: leave one out")
         if self.like is None and (self.beats_later or self.mirrored):
             raise ValueError(f"group {self.name!r}: beats_later and mirrored need like = another group's name")
-        check_draw(self.draw, f"group {self.name!r}")
+        run_check(info, "group", self)
         for key in self.draw:
             if " " in key.strip():
                 raise ValueError(f"group {self.name!r}: draw {key!r}: leave out the group's name")

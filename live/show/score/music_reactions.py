@@ -10,9 +10,9 @@ from typing import Any, Final
 
 from live.base.motion_parameters import MOTION_KEYS
 from live.control.events.events import ControlEvent, MusicHeard, NotesHeard, SetParameter
+from live.control.registry.registry import REGISTRY
 from live.show.patch.patch import Patch
-from live.show.patch.score_checks import UNIT_PREFIX
-from live.show.patch.section_music import ReactSection
+from live.show.patch.section_music import UNIT_PREFIX, ReactSection
 from live.show.patch.section_score import SignalSection
 
 FULL_DENSITY: Final = 6.0
@@ -41,6 +41,11 @@ def note_level(event: NotesHeard, name: str) -> float:
         case "chord":
             return min(event.chord / FULL_CHORD, 1.0)
     return event.pitch
+
+
+def reaction_event(section: ReactSection, time: float) -> object:
+    """Return the event of a reaction's call: a ControlEvent, if the call was checked."""
+    return REGISTRY.call(section.call or "", section.values, time, "music")
 
 
 class Mood:
@@ -185,7 +190,7 @@ class Reactions:
     def cross_measure_line(self, time: float) -> list[ControlEvent]:
         """Return the calls that waited for the measure line."""
         waiting, self._line_calls = self._line_calls, []
-        return [event for section in waiting if isinstance(event := section.event(time), ControlEvent)]
+        return [event for section in waiting if isinstance(event := reaction_event(section, time), ControlEvent)]
 
     def facts(self) -> dict[str, Any]:
         """Return music features for the status."""

@@ -13,10 +13,10 @@ from tomlkit.exceptions import TOMLKitError
 from live.base.errors import PersonError
 from live.base.host_name import HOST_NAME_PATTERN
 from live.clock.ticks import TICK
-from live.show.patch.patch_reader import parse_model, read_text
 from live.show.patch.patch_search_path import PATCHES, is_file, user_settings_folder
 from live.show.patch.section_base import Name, Section
 from live.show.patch.section_io import Endpoints, Targets
+from live.show.patch.toml_model import parse_model, read_text
 from live.show.venue.venue_audience import VenueAudience
 from live.show.venue.venue_output import MAX_OUTPUTS, VenueOutput, VenueProjector, check_outputs
 

@@ -18,6 +18,7 @@ from live.control.midi.midi_mapping import MidiMap
 from live.control.registry.control import ArgumentValue
 from live.control.registry.registry import Values
 from live.show.patch.hot_reload import file_stamp
+from live.show.patch.midi_bindings import bindings_of
 from live.show.patch.patch_reader import PatchError, read_patch
 from live.show.patch.patch_search_path import learned_path
 from tests.show.made_show import PATCH, made_show
@@ -102,8 +103,8 @@ def test_moved_controller_is_learned_and_saved_beside_patch(midi_show: MidiShow)
     assert (moved.value, moved.group) == ((0.5,), "front")
     patch = read_patch(midi_show.path)
     assert [line.control for line in patch.midi.learned] == ["/dance/motion/larger"]
-    assert [one.control for one in patch.midi.bindings] == ["/dance/go", "/dance/motion/larger"]
-    assert patch.midi.bindings == midi_show.midi.learning.bindings
+    assert [one.control for one in bindings_of(patch.midi)] == ["/dance/go", "/dance/motion/larger"]
+    assert bindings_of(patch.midi) == midi_show.midi.learning.bindings
     assert file_stamp(midi_show.path) != before  # so the watched patch is read anew
     assert midi_show.path.read_text() == PATCH + WRITTEN
 

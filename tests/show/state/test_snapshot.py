@@ -8,11 +8,11 @@ import pytest
 from live.base.compression import compress_text
 from live.clock.ticks import TICK
 from live.control.events import events
-from live.show.background_work import patch_json
 from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import find_patch
 from live.show.patch.patch_update import patch_version, split_deferred
+from live.show.patch.table_batches import patch_json
 from live.show.state.snapshot import FORMAT, SnapshotError, Snapshotter, at_rest, restore, snapshot, snapshot_header
 from tests.show.desk.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH

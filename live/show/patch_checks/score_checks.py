@@ -1,53 +1,21 @@
 """Checks of a written score before it runs, with errors that name the keys (T015)."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
-from live.show.patch.call_response_check import check_call_response
+from live.show.patch.patch import Patch
 from live.show.patch.section_base import InvalidEntry
-from live.show.patch.section_cues import CueSection
-from live.show.patch.section_motion import GroupSection, PartnerSection
-from live.show.patch.section_music import ClockSection, ReactSection
-from live.show.patch.section_score import AtSection, ImproviseSection, ScoreSection, SequenceSection, SignalSection
-from live.show.score.section_span import span_of
+from live.show.patch.section_music import UNIT_PREFIX
+from live.show.patch_checks.call_response_check import check_call_response
+from live.show.score.section_span import score_length, span_of
 
-
-class ScoreTables(Protocol):
-    """The part of a patch that these checks read."""
-
-    @property
-    def loop_measures(self) -> int | None: ...
-    @property
-    def clock(self) -> ClockSection: ...
-    @property
-    def group(self) -> Sequence[GroupSection]: ...
-    @property
-    def section(self) -> Sequence[ScoreSection]: ...
-    @property
-    def sequence(self) -> Sequence[SequenceSection]: ...
-    @property
-    def improvise(self) -> Sequence[ImproviseSection]: ...
-    @property
-    def at(self) -> Sequence[AtSection]: ...
-    @property
-    def signal(self) -> Sequence[SignalSection]: ...
-    @property
-    def react(self) -> Sequence[ReactSection]: ...
-    @property
-    def cue(self) -> Sequence[CueSection]: ...
-    @property
-    def partner(self) -> Sequence[PartnerSection]: ...
-
-
-UNIT_PREFIX: Final = "unit:"
-"""Prefix in `[[react]]` for the names of partner units."""
 PLACED_TABLES: Final = ("element", "segment", "regroup", "sequence", "improvise", "at", "signal")
 """Tables whose entries have a measure, and may have a section."""
 LENIENT_TABLES: Final = ("segment", "regroup")
 """Tables for which a measure after `loop_measures` was always allowed."""
 
 
-def check_score(patch: ScoreTables) -> None:
+def check_score(patch: Patch) -> None:
     """Raise Amiss for the first error."""
     lengths = _section_lengths(patch)
     for kind in PLACED_TABLES:
@@ -61,12 +29,7 @@ def check_score(patch: ScoreTables) -> None:
     _check_calls(patch, set(lengths))
 
 
-def score_length(patch: ScoreTables) -> int | None:
-    """Return the number of measures of the whole written score; None if it has no end."""
-    return sum(section.measures for section in patch.section) if patch.section else patch.loop_measures
-
-
-def _section_lengths(patch: ScoreTables) -> dict[str, int]:
+def _section_lengths(patch: Patch) -> dict[str, int]:
     """Measures of each section by its name."""
     lengths: dict[str, int] = {}
     for index, section in enumerate(patch.section):
@@ -89,7 +52,7 @@ def _section_lengths(patch: ScoreTables) -> dict[str, int]:
     return lengths
 
 
-def _check_place(patch: ScoreTables, lengths: dict[str, int], kind: str, index: int, entry: Any) -> None:
+def _check_place(patch: Patch, lengths: dict[str, int], kind: str, index: int, entry: Any) -> None:
     if entry.measure is None:
         return
     if entry.section is None:
@@ -107,7 +70,7 @@ def _check_place(patch: ScoreTables, lengths: dict[str, int], kind: str, index: 
         raise InvalidEntry(words, kind, index, "measure")
 
 
-def _check_beats(patch: ScoreTables) -> None:
+def _check_beats(patch: Patch) -> None:
     beats = patch.clock.beats_per_measure
     placed: tuple[tuple[str, Sequence[Any]], ...] = (("at", patch.at), ("signal", patch.signal))
     for kind, entries in placed:
@@ -119,7 +82,7 @@ def _check_beats(patch: ScoreTables) -> None:
                 raise InvalidEntry(words, kind, index, "beat")
 
 
-def _check_groups(patch: ScoreTables) -> None:
+def _check_groups(patch: Patch) -> None:
     names = {group.name.casefold() for group in patch.group}
     known = ", ".join(group.name for group in patch.group)
     placed: tuple[tuple[str, Sequence[Any]], ...] = (("sequence", patch.sequence), ("improvise", patch.improvise))
@@ -137,7 +100,7 @@ def _check_groups(patch: ScoreTables) -> None:
             )
 
 
-def _check_improvised(patch: ScoreTables) -> None:
+def _check_improvised(patch: Patch) -> None:
     """Raise Amiss if two improvisations of one group overlap, or if one lasts longer than its section."""
     taken: dict[tuple[int, str], list[tuple[int, float, int]]] = {}
     for index, entry in enumerate(patch.improvise):
@@ -158,7 +121,7 @@ def _check_improvised(patch: ScoreTables) -> None:
             taken[stay.section, group].append((stay.begin, stay.end, index))
 
 
-def _check_signals(patch: ScoreTables) -> None:
+def _check_signals(patch: Patch) -> None:
     known = signals_of(patch)
     calls: dict[str, set[str]] = {}
     for index, reaction in enumerate(patch.react):
@@ -182,7 +145,7 @@ def _check_signals(patch: ScoreTables) -> None:
                 raise InvalidEntry(words, "react", index, "values")
 
 
-def signals_of(patch: ScoreTables) -> set[str]:
+def signals_of(patch: Patch) -> set[str]:
     """Return all signals that can occur, by their folded names."""
     known = {"drop", "build", *(one.name.casefold() for one in patch.signal)}
     return known | {one.signal.casefold() for one in patch.at if one.signal is not None}
@@ -198,7 +161,7 @@ def _triggered_signals(calls: dict[str, set[str]], name: str) -> set[str]:
     return found
 
 
-def _check_calls(patch: ScoreTables, sections: set[str]) -> None:
+def _check_calls(patch: Patch, sections: set[str]) -> None:
     """Raise Amiss for a call that jumps to an unknown section."""
     for call, values, place in calls_of(patch):
         if call == "/dance/section" and str(values[0]).casefold() not in sections:
@@ -210,7 +173,7 @@ CallEntry = tuple[str, tuple[Any, ...], tuple[str | int, ...]]
 """A call: address, values, and the keys that lead to the values."""
 
 
-def calls_of(patch: ScoreTables) -> Iterator[CallEntry]:
+def calls_of(patch: Patch) -> Iterator[CallEntry]:
     """Yield every call of a patch's score and cues."""
     for index, at in enumerate(patch.at):
         if at.call is not None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from live.show.patch.score_checks import ScoreTables
+from live.show.patch.patch import Patch
 from live.show.patch.section_cues import CueSection
 
 CUE: Final = "/dance/cue"
@@ -32,7 +32,7 @@ class CueLoop:
     """The keys of the call that begins the loop."""
 
 
-def cue_loops(patch: ScoreTables, within: float = math.inf) -> Iterator[CueLoop]:
+def cue_loops(patch: Patch, within: float = math.inf) -> Iterator[CueLoop]:
     """Yield the loops that take at most `within` beats; of loops that share cues, only the first one found."""
     names = cue_index_by_name(patch.cue)
     for index, cue in enumerate(patch.cue):
@@ -81,7 +81,7 @@ def _least_wait(cue: CueSection, beats: int) -> float:
     return max(cue.count_in, least)
 
 
-def _trigger_edges(patch: ScoreTables) -> Edges:
+def _trigger_edges(patch: Patch) -> Edges:
     """All edges between cues, with signals as nodes in between."""
     beats, names = patch.clock.beats_per_measure, cue_index_by_name(patch.cue)
     ways: Edges = {}

@@ -1,49 +1,21 @@
 """Checks that every name in scenes, cues, calls and trackers of a patch exists, before a show runs."""
 
 from collections.abc import Callable, Sequence
-from typing import Final, Protocol
+from typing import Final
 
 from live.base.errors import PersonError
 from live.control.events import events
 from live.control.registry.registry import REGISTRY
 from live.show.dancers.timing_offsets import parse_ripple
 from live.show.desk.parameter_table import LOOK, VIEW, split_key
-from live.show.patch.cue_cycle_check import cue_loops
-from live.show.patch.score_checks import ScoreTables, calls_of, score_length, signals_of
+from live.show.patch.patch import Patch
 from live.show.patch.section_base import InvalidEntry
-from live.show.patch.section_cues import CueSection, NamedLookSection, SceneSection, ViewSection
-from live.show.patch.section_io import MidiSection, MocapSection, PsnSection
-from live.show.patch.section_motion import GroupSection, parse_facing
-from live.show.patch.section_score import AtSection, ScoreSection
-from live.show.patch.section_stage import GateSection, ProjectorSection
-
-
-class NamedItems(ScoreTables, Protocol):
-    """The part of a patch that these checks read."""
-
-    @property
-    def reserve(self) -> int: ...
-    @property
-    def midi(self) -> MidiSection: ...
-    @property
-    def gate(self) -> Sequence[GateSection]: ...
-    @property
-    def group(self) -> Sequence[GroupSection]: ...
-    @property
-    def view(self) -> Sequence[ViewSection]: ...
-    @property
-    def projector(self) -> ProjectorSection | None: ...
-    @property
-    def looks(self) -> Sequence[NamedLookSection]: ...
-    @property
-    def scene(self) -> Sequence[SceneSection]: ...
-    @property
-    def cue(self) -> Sequence[CueSection]: ...
-    @property
-    def section(self) -> Sequence[ScoreSection]: ...
-    @property
-    def at(self) -> Sequence[AtSection]: ...
-
+from live.show.patch.section_io import MocapSection, PsnSection
+from live.show.patch.section_motion import parse_facing
+from live.show.patch.section_stage import PROJECTOR
+from live.show.patch_checks.cue_cycle_check import cue_loops
+from live.show.patch_checks.score_checks import calls_of, signals_of
+from live.show.score.section_span import score_length
 
 CUE_CALLS: Final = ("/dance/cue", "/dance/standby")
 """Controls whose first value is a cue."""
@@ -53,16 +25,14 @@ START_NAME: Final = "start"
 """Name of the view, look and scene that every patch begins with."""
 BUILT_IN_VIEWS: Final = ("front", "side", "top", "around")
 """Views that every show has, unless the patch gives these names to its own."""
-PROJECTOR: Final = "projector"
-"""The view of a patch with a `[projector]`."""
 
 
-def built_in_views(patch: NamedItems) -> list[str]:
+def built_in_views(patch: Patch) -> list[str]:
     """Return the views that exist without a `[[view]]`."""
     return [START_NAME, *BUILT_IN_VIEWS, *([PROJECTOR] if patch.projector is not None else [])]
 
 
-def check_cues(patch: NamedItems) -> None:
+def check_cues(patch: Patch) -> None:
     """Raise Amiss for an unknown name in a scene or cue, and for an unknown scene in the score."""
     _check_start(patch)
     _check_scenes(patch)
@@ -90,7 +60,7 @@ def check_cues(patch: NamedItems) -> None:
             raise InvalidEntry(words, "at", number, "scene")
 
 
-def _check_start(patch: NamedItems) -> None:
+def _check_start(patch: Patch) -> None:
     """Raise Amiss if a view, look or scene has the reserved name of the initial one."""
     named = {"view": [view.name for view in patch.view], "looks": [look.name for look in patch.looks]}
     for kind, names in (named | {"scene": [scene.name for scene in patch.scene]}).items():
@@ -101,7 +71,7 @@ def _check_start(patch: NamedItems) -> None:
                 raise InvalidEntry(words, kind, index, "name")
 
 
-def _check_loops(patch: NamedItems) -> None:
+def _check_loops(patch: Patch) -> None:
     """Raise Amiss if a cue calls itself or loops within a beat; slower loops of several cues are allowed."""
     for loop in cue_loops(patch, within=MIN_LOOP_BEATS):
         name = patch.cue[loop.cue].name
@@ -118,7 +88,7 @@ def _check_loops(patch: NamedItems) -> None:
         raise InvalidEntry(words, *loop.key_path)
 
 
-def _check_named_cues(patch: NamedItems) -> None:
+def _check_named_cues(patch: Patch) -> None:
     """Raise Amiss if two cues share a number, or if a called cue does not exist."""
     numbers: dict[float, str] = {}
     for index, cue in enumerate(patch.cue):
@@ -141,7 +111,7 @@ def _check_named_cues(patch: NamedItems) -> None:
         raise InvalidEntry(f"call {call}: no cue is called {name!r}; there are: {known}", *place)
 
 
-def _check_scenes(patch: NamedItems) -> None:
+def _check_scenes(patch: Patch) -> None:
     groups = {_folded(group.name) for group in patch.group}
     known = ", ".join(group.name for group in patch.group)
     named = {VIEW: {_folded(view.name) for view in patch.view} | set(built_in_views(patch))}
@@ -172,7 +142,7 @@ GATES: Final = ("left", "right", "back")
 WHENS: Final = ("measure", "section")
 
 
-def check_call_names(patch: NamedItems) -> None:
+def check_call_names(patch: Patch) -> None:
     """Raise Amiss for an unknown name in a call of the score or of a cue."""
     named: _NameTable | None = None
     seen: set[tuple[object, ...]] = set()
@@ -190,7 +160,7 @@ def check_call_names(patch: NamedItems) -> None:
 class _NameTable:
     """The names that a patch defines, by kind, and the check of an event's names against them."""
 
-    def __init__(self, patch: NamedItems) -> None:
+    def __init__(self, patch: Patch) -> None:
         self._patch = patch
         stored = [str(values[0]) for call, values, _ in calls_of(patch) if call == "/dance/scene/store"]
         stored += [str(one.values.get("name")) for one in patch.midi.map if one.control == "/dance/scene/store"]

@@ -4,8 +4,8 @@ import time
 
 import pytest
 
-from live.show.patch.cue_cycle_check import cue_loops
 from live.show.patch.patch_reader import parse_patch
+from live.show.patch_checks.cue_cycle_check import cue_loops
 from tests.show.made_show import PATCH
 
 

@@ -1,23 +1,13 @@
 """Checks of call and response in a score: errors if no group calls or answers, and notes on doubtful phrases (T015)."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import isfinite
-from typing import Protocol
 
+from live.show.patch.patch import Patch
 from live.show.patch.section_base import InvalidEntry
-from live.show.patch.section_motion import GroupSection
 from live.show.patch.section_score import ImproviseSection
-from live.show.score.section_span import HasSections, SectionSpan, span_of
-
-
-class ScoreGroups(HasSections, Protocol):
-    """The part of a patch that these checks read."""
-
-    @property
-    def group(self) -> Sequence[GroupSection]: ...
-    @property
-    def improvise(self) -> Sequence[ImproviseSection]: ...
+from live.show.score.section_span import SectionSpan, span_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +35,7 @@ class _GroupPart:
         return here.section == there.section and here.begin <= there.begin and here.end >= there.end
 
 
-def check_call_response(patch: ScoreGroups) -> None:
+def check_call_response(patch: Patch) -> None:
     """Raise Amiss if no group calls, or if an improvisation ends before its first answer."""
     for index, entry in enumerate(patch.improvise):
         if entry.answers is None:
@@ -71,7 +61,7 @@ def check_call_response(patch: ScoreGroups) -> None:
             raise InvalidEntry(words, "improvise", circle[-1].index, "answers")
 
 
-def call_response_warnings(patch: ScoreGroups) -> list[str]:
+def call_response_warnings(patch: Patch) -> list[str]:
     """Return notes on calls that overlap, phrases of different length, and a last call without an answer."""
     notes = []
     for circle in _answer_cycles(patch):
@@ -110,7 +100,7 @@ def _phrase_mismatches(voice: _GroupPart, callers: list[_GroupPart]) -> Iterator
         )
 
 
-def _group_parts(patch: ScoreGroups) -> list[_GroupPart]:
+def _group_parts(patch: Patch) -> list[_GroupPart]:
     voices = []
     for index, entry in enumerate(patch.improvise):
         stay = span_of(patch, entry.section, entry.measure, entry.measures)
@@ -126,7 +116,7 @@ def _by_group(voices: list[_GroupPart]) -> dict[str, list[_GroupPart]]:
     return found
 
 
-def _answer_cycles(patch: ScoreGroups) -> Iterator[list[_GroupPart]]:
+def _answer_cycles(patch: Patch) -> Iterator[list[_GroupPart]]:
     """Cycles of groups over the same measures in which each answers the next, and the last answers the first."""
     of_group = _by_group(_group_parts(patch))
     told: set[frozenset[tuple[int, str]]] = set()

@@ -12,8 +12,8 @@ from live.graph.motion_graph import MotionGraph
 from live.graph.search.sequence import parse_sequence
 from live.show.group.casting import EVERYONE, Casting
 from live.show.patch.patch import Patch
-from live.show.patch.score_checks import CallEntry, calls_of
 from live.show.patch.section_score import RegroupSection, SegmentSection
+from live.show.patch_checks.score_checks import CallEntry, calls_of
 from live.show.score.score import Score
 from live.show.score.step_names import UnknownStep, check_connected, find_step
 
