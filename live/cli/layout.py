@@ -92,10 +92,11 @@ def schema(
     """
     import json
 
+    from live.app.bridges import installed_bridges
     from live.base.errors import PersonError
     from live.show.patch.patch_schema import patch_schema
 
-    text = json.dumps(patch_schema(), indent=1, ensure_ascii=False) + "\n"
+    text = json.dumps(patch_schema(installed_bridges().patch_tables()), indent=1, ensure_ascii=False) + "\n"
     if out is None:
         print(text, end="")
         return

@@ -11,12 +11,11 @@ from live.base.errors import PersonError
 from live.base.projector_perspective import camera_from_corners
 from live.show.patch.name_checks import check_call_names, check_cues, check_trackers
 from live.show.patch.score_checks import check_score
-from live.show.patch.section_base import InvalidEntry, Name, Section
+from live.show.patch.section_base import InvalidEntry, Name, WholeFile
 from live.show.patch.section_cues import CueSection, NamedLookSection, SceneSection, ViewSection
 from live.show.patch.section_elements import ElementSection
 from live.show.patch.section_io import (
     AudienceSection,
-    DmxSection,
     LinkSection,
     MidiSection,
     MocapSection,
@@ -49,7 +48,7 @@ from live.show.patch.section_stage import (
 )
 
 
-class Patch(Section):
+class Patch(WholeFile):
     """A whole show."""
 
     name: Name
@@ -70,7 +69,6 @@ class Patch(Section):
     link: LinkSection = LinkSection()
     midi: MidiSection = MidiSection()
     osc: OscSection = OscSection()
-    dmx: Annotated[tuple[DmxSection, ...], Field(max_length=512)] = ()
     audience: AudienceSection = AudienceSection()
     stage: StageSection = StageSection()
     steering: SteeringSection = SteeringSection()

@@ -22,7 +22,7 @@ from live.library.disk_cache import read_regular_file
 from live.show.background_work import validate_model
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import MAIN_FILE, PATCHES, PatchError, is_file, learned_path
-from live.show.patch.section_base import InvalidEntry
+from live.show.patch.section_base import InvalidEntry, Section, WholeFile
 
 
 @dataclass(eq=False)
@@ -120,6 +120,8 @@ MAX_BYTES: Final = 4_000_000
 SHOWN_PROBLEMS: Final = 8
 
 Model = TypeVar("Model", bound=BaseModel)
+BridgeTables = Sequence[type[Section]]
+"""Sections whose fields are the tables that bridges add to a file."""
 
 
 def read_text(path: Path, what: str) -> str:
@@ -137,9 +139,9 @@ def read_text(path: Path, what: str) -> str:
         raise PersonError(f"{path}: not a text in UTF-8 (byte {error.start})") from None
 
 
-def parse_model(text: str, file: str, model: type[Model], what: str) -> Model:
+def parse_model(text: str, file: str, model: type[Model], what: str, tables: BridgeTables = ()) -> Model:
     """Return the model of `text`; PersonError with file, line and problem. `file` is its name in errors."""
-    return validate_sources(TomlSources([parse_text(text, file, what)]), model, what)
+    return validate_sources(TomlSources([parse_text(text, file, what)]), model, what, tables=tables)
 
 
 def validate_sources(
@@ -147,27 +149,59 @@ def validate_sources(
     model: type[Model],
     what: str,
     check: Callable[[type[Model], dict[str, Any]], Model] | None = None,
+    tables: BridgeTables = (),
 ) -> Model:
     """Return the model of all `sources` together; PersonError with file, line and problem.
 
-    `check` builds the model from the values, in place of `model_validate`.
+    `check` builds the model from the values, in place of `model_validate`. Of a `WholeFile`, the bridges' `tables` are
+    checked, too; a table that no bridge reads is kept if it looks like no other.
     """
+    data, wrong = (
+        _read_bridge_tables(sources.data, model, tables) if issubclass(model, WholeFile) else (sources.data, [])
+    )
     try:
-        return model.model_validate(sources.data) if check is None else check(model, sources.data)
+        made = model.model_validate(data) if check is None else check(model, data)
+        if not wrong:
+            return made
     except ValidationError as error:
-        raise PersonError(_validation_message(error, sources, model, what)) from None
+        wrong = [*error.errors(include_url=False), *wrong]
+    raise PersonError(_validation_message(wrong, sources, (model, *tables), what))
 
 
-def _validation_message(error: ValidationError, sources: TomlSources, model: type[BaseModel], what: str) -> str:
+def _read_bridge_tables(
+    data: dict[str, Any], model: type[WholeFile], tables: BridgeTables
+) -> tuple[dict[str, Any], list[Any]]:
+    """Return the values, with the bridges' tables as their sections give them, and the errors of pydantic's form."""
+    read, wrong = dict(data), []
+    known = [name for section in (model, *tables) for name in section.model_fields]
+    for section in tables:
+        own = {name: data[name] for name in section.model_fields if name in data}
+        try:
+            read |= section.model_validate(own).model_dump(mode="json", exclude_unset=True)
+        except ValidationError as error:
+            wrong += error.errors(include_url=False)
+    for key, value in data.items():
+        if key not in known and (not _is_table(value) or difflib.get_close_matches(key, known, n=1)):
+            wrong.append({"type": "extra_forbidden", "loc": (key,), "msg": "", "input": value})
+    return read, wrong
+
+
+def _is_table(value: Any) -> bool:
+    """Return whether a value of TOML is a table or a list of tables."""
+    return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))
+
+
+def _validation_message(
+    found: Sequence[Any], sources: TomlSources, models: Sequence[type[BaseModel]], what: str
+) -> str:
     problems = []
-    found = error.errors(include_url=False)
     for problem in found[:SHOWN_PROBLEMS]:
         where = tuple(problem["loc"])
         fault = problem.get("ctx", {}).get("error")
         if isinstance(fault, InvalidEntry):
             where += fault.key_path
         problems.append(
-            f"{sources.location_text(where)}: {key_text(where) or f'the {what}'}: {_problem_text(problem, model)}"
+            f"{sources.location_text(where)}: {key_text(where) or f'the {what}'}: {_problem_text(problem, models)}"
         )
     more = len(found) - SHOWN_PROBLEMS
     return "; ".join(problems) + (f"; and {more} more" if more > 0 else "")
@@ -178,11 +212,11 @@ def key_text(where: tuple[str | int, ...]) -> str:
     return ".".join(str(part + 1) if isinstance(part, int) else part for part in where)
 
 
-def _problem_text(problem: Any, model: type[BaseModel]) -> str:
+def _problem_text(problem: Any, models: Sequence[type[BaseModel]]) -> str:
     """One problem in words: the value read, and what is allowed."""
     kind, message, read = problem["type"], problem["msg"], problem["input"]
     if kind == "extra_forbidden":
-        return f"unknown key; {_allowed_keys(problem['loc'], model)}"
+        return f"unknown key; {_allowed_keys(problem['loc'], models)}"
     if kind == "missing":
         return "missing; it must be given"
     if kind == "value_error":
@@ -220,18 +254,19 @@ def _quote_remedy(read: str) -> str:
     return "; write the number without quotes, with a point" if number.isdecimal() else ""
 
 
-def _allowed_keys(where: tuple[str | int, ...], of: type[BaseModel]) -> str:
+def _allowed_keys(where: tuple[str | int, ...], models: Sequence[type[BaseModel]]) -> str:
     """The allowed keys in place of an unknown one, with the nearest spelling first if one is near."""
-    model: Any = of
+    fields = {name: each for model in models for name, each in model.model_fields.items()}
     for part in where[:-1]:
         if isinstance(part, int):
             continue
-        annotation = model.model_fields[part].annotation
+        annotation = fields[part].annotation
         inner = getattr(annotation, "__args__", None)
-        model = inner[0] if inner else annotation
-        if not hasattr(model, "model_fields"):
+        below: Any = inner[0] if inner else annotation
+        if not hasattr(below, "model_fields"):
             return "see the reference"
-    keys = list(model.model_fields)
+        fields = below.model_fields
+    keys = list(fields)
     near = difflib.get_close_matches(str(where[-1]), keys, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
     return f"{hint}allowed are {', '.join(keys)}"
@@ -254,17 +289,17 @@ def find_resource(name: str, patch_path: Path) -> Path | None:
     return None
 
 
-def read_patch(path: Path) -> Patch:
+def read_patch(path: Path, tables: BridgeTables = ()) -> Patch:
     """Read the patch in `path`; PatchError with file, line, field and what is allowed."""
-    return read_sources(path)[0]
+    return read_sources(path, tables)[0]
 
 
-def read_sources(path: Path) -> tuple[Patch, TomlSources]:
+def read_sources(path: Path, tables: BridgeTables = ()) -> tuple[Patch, TomlSources]:
     """Read the patch in `path`, for show.toml with its folders; return also the source of each key."""
     try:
         sources = TomlSources([parse_text(read_text(file, "patch"), str(file), "patch") for file in patch_files(path)])
         _add_custom_passes(sources.data, path)
-        return validate_sources(sources, Patch, "patch", validate_model), sources
+        return validate_sources(sources, Patch, "patch", validate_model, tables), sources
     except PersonError as error:
         raise PatchError(error.message, error.remedy, error.key_path) from None
 
@@ -317,9 +352,9 @@ def patch_files(path: Path) -> list[Path]:
     return files
 
 
-def parse_patch(text: str, file: str) -> Patch:
+def parse_patch(text: str, file: str, tables: BridgeTables = ()) -> Patch:
     """Parse the patch in `text`; `file` is its name in errors."""
     try:
-        return parse_model(text, file, Patch, "patch")
+        return parse_model(text, file, Patch, "patch", tables)
     except PersonError as error:
         raise PatchError(error.message, error.remedy, error.key_path) from None

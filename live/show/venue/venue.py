@@ -13,9 +13,9 @@ from tomlkit.exceptions import TOMLKitError
 from live.base.errors import PersonError
 from live.base.host_name import HOST_NAME_PATTERN
 from live.clock.ticks import TICK
-from live.show.patch.patch_reader import parse_model, read_text
+from live.show.patch.patch_reader import BridgeTables, parse_model, read_text
 from live.show.patch.patch_search_path import PATCHES, is_file, user_settings_folder
-from live.show.patch.section_base import Name, Section
+from live.show.patch.section_base import Name, Section, WholeFile
 from live.show.patch.section_io import Endpoints, Targets
 from live.show.venue.venue_audience import VenueAudience
 from live.show.venue.venue_output import MAX_OUTPUTS, VenueOutput, VenueProjector, check_outputs
@@ -104,7 +104,7 @@ class VenueWeb(Section):
     """Host names of this machine in addition to its addresses, such as `show.example` or `show.example:443`."""
 
 
-class Venue(Section):
+class Venue(WholeFile):
     """Settings of a hall."""
 
     name: Name = "venue"
@@ -165,15 +165,15 @@ def known_venues() -> list[str]:
     return sorted({path.stem for folder in (user_venue_folder(), VENUES) for path in folder.glob("*.toml")})
 
 
-def read_venue(name: str) -> Venue:
-    """Read a venue by name; PersonError if it does not exist or its file is invalid."""
+def read_venue(name: str, tables: BridgeTables = ()) -> Venue:
+    """Read a venue by name, with the bridges' tables; PersonError if it does not exist or its file is invalid."""
     path = venue_path(name)
     if not is_file(path):
         known = ", ".join(known_venues()) or "none yet"
         raise PersonError(
             f"there is no venue {name!r}", f"create it with live calibrate --venue {name}; there are: {known}"
         )
-    return parse_model(read_text(path, "venue"), str(path), Venue, "venue")
+    return parse_model(read_text(path, "venue"), str(path), Venue, "venue", tables)
 
 
 FILE_HEADER = "# A venue: what is true of the hall and not of the show.\n\n"

@@ -4,9 +4,10 @@ import threading
 from collections import Counter, deque
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Final, Protocol
+from typing import Final
 
 from live.app.services.audience_service import AudienceService
+from live.app.services.service import Service
 from live.base.errors import PersonError
 from live.base.fault_isolation import FAULTS, Bulkhead, callback_name, run_once
 from live.control.events.events import ControlEvent
@@ -23,26 +24,6 @@ from live.show.view.telemetry import CurrentValues
 FIRST_RETRY_DELAY: Final = 0.5
 """First pause [s] before a service that failed to start is tried again; each pause is twice the one before."""
 MAX_RETRY_DELAY: Final = 8.0
-
-
-class Service(Protocol):
-    """Service of a show with its own device or network port."""
-
-    def start(self) -> None:
-        """Open device or port; raise PersonError if that fails."""
-        ...
-
-    def stop(self) -> None:
-        """Close device or port; may be called without `start`."""
-        ...
-
-    def frame(self) -> None:
-        """Update the service after each frame."""
-        ...
-
-    def status(self) -> dict[str, Any]:
-        """Return the values for the status line."""
-        ...
 
 
 class ServiceRegistry:

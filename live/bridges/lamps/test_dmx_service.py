@@ -2,9 +2,9 @@
 
 import pytest
 
-from live.app.services.dmx_service import parse_universe
 from live.base.errors import PersonError
-from live.control.dmx_output import Universe
+from live.bridges.lamps.dmx_output import Universe
+from live.bridges.lamps.dmx_service import parse_universe
 
 
 @pytest.mark.parametrize(

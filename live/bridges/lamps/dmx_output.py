@@ -15,9 +15,9 @@ from typing import Any, Final, Literal, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from live.bridges.lamps.dmx_mapping import Channel, DmxMapping
 from live.clock.time_source import SystemClock
 from live.clock.timeline import Timeline
-from live.control.dmx_mapping import Channel, DmxMapping
 from live.control.helper_process import HelperChannel
 
 RATE: Final = 40.0

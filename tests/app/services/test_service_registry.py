@@ -2,7 +2,7 @@
 
 import pytest
 
-from live.app.service_registry import ServiceRegistry
+from live.app.services.service_registry import ServiceRegistry
 from live.base.errors import PersonError
 from live.base.fault_isolation import FAULTS
 from tests.control.waiting import wait_for
@@ -101,7 +101,7 @@ class Page(Device):
 
 
 def test_service_with_busy_port_starts_once_port_is_free(monkeypatch):
-    monkeypatch.setattr("live.app.service_registry.FIRST_RETRY_DELAY", 0.01)
+    monkeypatch.setattr("live.app.services.service_registry.FIRST_RETRY_DELAY", 0.01)
     parts, page, good = ServiceRegistry(), Page(4), Lamp()
     parts.add(page)
     parts.add(good)

@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
-TESTS = Path(__file__).resolve().parent
-SHARED = Path(__file__).resolve().parents[2] / "shared"
+ROOT = Path(__file__).resolve().parent
+SHARED = ROOT.parent / "shared"
+WHOLE = {ROOT, ROOT / "tests", ROOT / "live" / "bridges"}
+"""Folders whose tests are run by several processes."""
 
 # Laws: the same examples each time and no deadline, so that neither luck nor a busy machine decides.
 # `pytest --hypothesis-profile=search` looks further, with new examples each time.
@@ -56,7 +58,7 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     otherwise only this one: starting more takes longer than it saves.
     """
     asked = {(config.invocation_params.dir / argument).resolve() for argument in config.args}
-    if not asked <= {TESTS, TESTS.parent}:
+    if not asked <= WHOLE:
         return 0
     return 1 + min(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1, 7)
 
@@ -87,7 +89,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
     def rank(item: pytest.Item) -> int:
         group = item.get_closest_marker("xdist_group")
-        name = group.args[0] if group else item.path.relative_to(TESTS).parts[0]
+        name = group.args[0] if group else item.path.relative_to(ROOT).parts[1]
         return LONG_FIRST.index(name) if name in LONG_FIRST else len(LONG_FIRST)
 
     if not config.getoption("--budget"):  # else they come in the order asked for, the nearest first

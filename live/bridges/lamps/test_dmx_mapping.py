@@ -6,10 +6,10 @@ import struct
 import numpy as np
 import pytest
 
+from live.bridges.lamps.dmx_mapping import DEFAULT_CHANNELS, LEVEL, Channel, DmxMapping, channel_count
+from live.bridges.lamps.dmx_output import ArtnetSender, DmxOutput, SacnSender, Universe
 from live.clock.time_source import ManualClock, SystemClock
 from live.clock.timeline import Timeline
-from live.control.dmx_mapping import DEFAULT_CHANNELS, LEVEL, Channel, DmxMapping, channel_count
-from live.control.dmx_output import ArtnetSender, DmxOutput, SacnSender, Universe
 from live.control.helper_process import HelperProcess
 from live.control.registry.registry import REGISTRY
 from tests.control.waiting import wait_for
@@ -120,7 +120,7 @@ def test_process_sends_rows_until_show_ends(receiver):
         "channels": [(1, "tempo", 1, 1.0, False), (2, "feet", 1, 1e3, False)],
         "half": (6, 4),
     }
-    helper = HelperProcess("live.control.dmx_output", SystemClock(), plan, lambda: None)
+    helper = HelperProcess("live.bridges.lamps.dmx_output", SystemClock(), plan, lambda: None)
     helper.start()
     try:
         helper.send(("timeline", (90.0, 0.0, 0.0, 4, 0.0)))

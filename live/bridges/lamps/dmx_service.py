@@ -3,19 +3,17 @@
 import re
 import socket
 from dataclasses import astuple
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import Any, Final, Literal
 
 from live.base.errors import PersonError
+from live.bridges.lamps.dmx_mapping import DEFAULT_CHANNELS
+from live.bridges.lamps.dmx_output import ARTNET_PORT, RATE, SACN_PORT, Universe
+from live.bridges.lamps.dmx_section import DmxTables
 from live.clock.time_source import Clock
-from live.control.dmx_mapping import DEFAULT_CHANNELS
-from live.control.dmx_output import ARTNET_PORT, RATE, SACN_PORT, Universe
 from live.control.helper_process import HelperProcess
 from live.control.registry.registry import Changes
 from live.show.engine import Engine
 from live.show.view.telemetry import Telemetry
-
-if TYPE_CHECKING:
-    from live.app.launch_options import LaunchOptions
 
 VALUES_PER_PACKET: Final = 64
 """Maximum number of values in one packet."""
@@ -45,7 +43,8 @@ class DmxService:
         self._outgoing = Telemetry(show, positions=RATE)
         self._values: dict[str, Any] = {}
         self._unsent: dict[str, Any] = {}
-        channels = [row.dmx_channel for row in show.patch.dmx] or list(DEFAULT_CHANNELS)
+        rows = show.patch.read_tables(DmxTables).dmx
+        channels = [row.dmx_channel for row in rows] or list(DEFAULT_CHANNELS)
         self._addresses = {channel.sends for channel in channels} | {"/dance/blackout"}
         width, depth = show.patch.stage.width, show.patch.stage.depth
         plan = {
@@ -53,7 +52,7 @@ class DmxService:
             "channels": [astuple(each) for each in channels],
             "half": (0.5 * width, 0.5 * depth),
         }
-        self._helper = HelperProcess("live.control.dmx_output", clock, plan, self._on_start)
+        self._helper = HelperProcess("live.bridges.lamps.dmx_output", clock, plan, self._on_start)
 
     def start(self) -> None:
         """Start to send; raise PersonError for an unknown host."""
@@ -94,8 +93,3 @@ class DmxService:
         """Return the values for the status line."""
         to = [f"{each.protocol}:{each.number}@{each.host or 'all'}" for each in self._universes]
         return {"to": to, **self._helper.status(), "too_many": self._outgoing.dropped}
-
-
-def make_dmx(options: "LaunchOptions", clock: Clock, engine: Engine) -> DmxService | None:
-    """Return the service for `--dmx`, not started; None if there is to be none."""
-    return DmxService(engine, tuple(map(parse_universe, options.dmx)), clock) if options.dmx else None
