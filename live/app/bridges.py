@@ -11,11 +11,13 @@ import pkgutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from functools import cache
-from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Generic, TypeAlias, TypeVar
 
 from live.app.services.service import Service
 
 if TYPE_CHECKING:
+    from typer import Typer
+
     from live.base.event_queue import PriorityQueue
     from live.clock.time_source import Clock
     from live.control.events.events import ControlEvent
@@ -30,6 +32,8 @@ ATTRIBUTE: Final = "BRIDGE"
 """Name of a bridge's value in its package."""
 
 Options = TypeVar("Options")
+Command: TypeAlias = "Callable[..., None] | Typer"
+"""A command of the command line, as typer takes it, or a group of them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +79,7 @@ class Bridge:
     """The same for a venue."""
     services: Callable[[ServiceContext[Any]], Mapping[str, Service]] = no_services
     """Makes its services, not started, by their names in the status; PersonError if that is not possible."""
-    commands: Callable[[], Mapping[str, Callable[..., None]]] = dict
+    commands: "Callable[[], Mapping[str, Command]]" = dict
     """Returns the commands that it adds to the command line."""
 
 
