@@ -31,6 +31,10 @@ GROUP: Final = "live.bridges"
 ATTRIBUTE: Final = "BRIDGE"
 """Name of a bridge's value in its package."""
 
+UNREAD: Final = "no installed bridge reads this table; the show plays without it"
+GONE: Final = "its package is gone"
+"""Why a bridge is left out that the metadata still names."""
+
 Options = TypeVar("Options")
 Command: TypeAlias = "Callable[..., None] | Typer"
 """A command of the command line, as typer takes it, or a group of them."""
@@ -100,11 +104,12 @@ class InstalledBridges:
         return tuple(bridge.venue_tables() for bridge in self.bridges if bridge.venue_tables is not None)
 
     def notes(self, loaded: "LoadedShow", venue: "Venue | None") -> list[str]:
-        """Return a line for each table of the patch or the venue that no bridge reads."""
+        """Return a line for each bridge that fails, and for each table of patch or venue that no bridge reads."""
+        failed = [f"bridge {name} is left out: {why}" for name, why in self.left_out.items() if why != GONE]
         unread = [loaded.place_text((name,)) for name in loaded.patch.unread_tables(self.patch_tables())]
         if venue is not None:
             unread += [f"venue {venue.name}: {name}" for name in venue.unread_tables(self.venue_tables())]
-        return [f"{place}: no installed bridge reads this table; the show plays without it" for place in unread]
+        return failed + [f"{place}: {UNREAD}" for place in unread]
 
     def status(self) -> dict[str, Any]:
         """Return the values for the status line."""
@@ -128,8 +133,9 @@ def installed_bridges() -> InstalledBridges:
             for option in fields(bridge.options):
                 if option.name in taken:
                     raise ValueError(f"bridge {taken[option.name]} has an option {option.name}, too")
-        except Exception as error:  # of another author's package; its other faults are found when the bridge is used
-            left_out[name] = f"{type(error).__name__}: {error}"
+        except Exception as error:  # the package may be another author's
+            gone = isinstance(error, ModuleNotFoundError) and error.name is not None and module.startswith(error.name)
+            left_out[name] = GONE if gone else f"{type(error).__name__}: {error}"
         else:
             found[name] = bridge
             taken |= {option.name: name for option in fields(bridge.options)}
