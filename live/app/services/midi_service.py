@@ -240,7 +240,6 @@ class MidiFileService:
         if resume_tick:
             self._due((resume_tick + 1) * TICK)  # the engine before has sent these events
         engine.event_sources.append(self._due)
-        engine.patch_listeners.append(self.update_patch)
 
     def update_patch(self, patch: Patch) -> None:
         """Use the MIDI map of another patch."""
@@ -267,7 +266,7 @@ class MidiFileService:
 def attach_midi_file(path: Path | None, show: Show, engine: Engine) -> None:
     """Let a MIDI file, if there is one, lead a show that is rendered offline."""
     if path is not None:
-        MidiFileService(path, show, engine)
+        engine.patch_listeners.append(MidiFileService(path, show, engine).update_patch)
 
 
 def _bindings(patch: Patch) -> tuple[Binding, ...]:

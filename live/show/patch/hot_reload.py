@@ -126,7 +126,7 @@ class PatchWatch:
     def _reload(self) -> bool:
         """Read, validate and offer the current files."""
         graph = self._graph if self._library is None else self._library.graph
-        patch, sources = read_sources(self._loaded.path)
+        patch, sources = read_sources(self._loaded.path, self._loaded.tables)
         patch = adapt_edited_patch(patch, graph, self._patch, recordings=self._loaded.recordings is not None)
         patch = with_venue_projector(patch, self._loaded.projector)
         self._check_files(patch, sources)

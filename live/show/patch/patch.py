@@ -8,12 +8,11 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, ValidationInfo, model_validator
 
-from live.show.patch.section_base import Name, Section, run_check
+from live.show.patch.section_base import Name, WholeFile, run_check
 from live.show.patch.section_cues import CueSection, SceneSection
 from live.show.patch.section_elements import ElementSection
 from live.show.patch.section_io import (
     AudienceSection,
-    DmxSection,
     LinkSection,
     MidiSection,
     MocapSection,
@@ -48,7 +47,7 @@ from live.show.patch.section_stage import (
 )
 
 
-class Patch(Section):
+class Patch(WholeFile):
     """A whole show."""
 
     name: Name
@@ -69,7 +68,6 @@ class Patch(Section):
     link: LinkSection = LinkSection()
     midi: MidiSection = MidiSection()
     osc: OscSection = OscSection()
-    dmx: Annotated[tuple[DmxSection, ...], Field(max_length=512)] = ()
     audience: AudienceSection = AudienceSection()
     stage: StageSection = StageSection()
     steering: SteeringSection = SteeringSection()

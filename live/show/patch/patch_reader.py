@@ -11,7 +11,14 @@ from live.base.custom_pass import NAME, PASSES
 from live.base.errors import PersonError
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import MAIN_FILE, PatchError, is_file, learned_path
-from live.show.patch.toml_model import TomlSources, parse_model, parse_text, read_text, validate_sources
+from live.show.patch.toml_model import (
+    BridgeTables,
+    TomlSources,
+    parse_model,
+    parse_text,
+    read_text,
+    validate_sources,
+)
 from live.show.patch_checks.patch_check import PATCH_CHECKS
 
 FOLDERS: Final = ("formations", "looks", "score")
@@ -22,17 +29,17 @@ MAX_FILES: Final = 256
 MAX_PATCH_BYTES: Final = 16_000_000
 
 
-def read_patch(path: Path) -> Patch:
+def read_patch(path: Path, tables: BridgeTables = ()) -> Patch:
     """Read the patch in `path`; PatchError with file, line, field and what is allowed."""
-    return read_sources(path)[0]
+    return read_sources(path, tables)[0]
 
 
-def read_sources(path: Path) -> tuple[Patch, TomlSources]:
+def read_sources(path: Path, tables: BridgeTables = ()) -> tuple[Patch, TomlSources]:
     """Read the patch in `path`, for show.toml with its folders; return also the source of each key."""
     try:
         sources = TomlSources([parse_text(read_text(file, "patch"), str(file), "patch") for file in patch_files(path)])
         _add_custom_passes(sources.data, path)
-        return validate_sources(sources, Patch, "patch", PATCH_CHECKS), sources
+        return validate_sources(sources, Patch, "patch", PATCH_CHECKS, tables), sources
     except PersonError as error:
         raise PatchError(error.message, error.remedy, error.key_path) from None
 
@@ -85,9 +92,9 @@ def patch_files(path: Path) -> list[Path]:
     return files
 
 
-def parse_patch(text: str, file: str) -> Patch:
+def parse_patch(text: str, file: str, tables: BridgeTables = ()) -> Patch:
     """Parse the patch in `text`; `file` is its name in errors."""
     try:
-        return parse_model(text, file, Patch, "patch", PATCH_CHECKS)
+        return parse_model(text, file, Patch, "patch", PATCH_CHECKS, tables)
     except PersonError as error:
         raise PatchError(error.message, error.remedy, error.key_path) from None

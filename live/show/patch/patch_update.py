@@ -92,7 +92,8 @@ def _differing_keys(name: str, old: Any, new: Any) -> list[str]:
 
 def changed_fields(old: Patch, new: Patch) -> tuple[str, ...]:
     """Return the names of the fields of a patch that differ."""
-    return tuple(name for name in Patch.model_fields if getattr(old, name) != getattr(new, name))
+    names = dict.fromkeys((*Patch.model_fields, *old.bridge_tables, *new.bridge_tables))
+    return tuple(name for name in names if getattr(old, name, None) != getattr(new, name, None))
 
 
 def patch_version(text: str) -> str:

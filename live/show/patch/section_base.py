@@ -1,7 +1,7 @@
 """Base class of all tables of a patch, value types that several of them share, and the door for a reader's checks."""
 
-from collections.abc import Callable, Mapping
-from typing import Annotated, Any, Literal
+from collections.abc import Callable, Iterable, Mapping
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, create_model
 
@@ -85,3 +85,30 @@ def run_check(info: ValidationInfo, table: str, entry: object) -> None:
     checks: Checks = info.context or {}
     if table in checks:
         checks[table](entry)
+
+
+Tables = TypeVar("Tables", bound=Section)
+
+
+class WholeFile(Section):
+    """All tables of a file, among them those that only a bridge reads: they are kept as plain values.
+
+    The reader refuses unknown keys; see `validate_sources`.
+    """
+
+    model_config = ConfigDict(extra="allow")
+
+    @property
+    def bridge_tables(self) -> dict[str, Any]:
+        """The tables that only a bridge reads, by name."""
+        return self.model_extra or {}
+
+    def read_tables(self, model: type[Tables]) -> Tables:
+        """Return a bridge's own tables as its model."""
+        own = {name: value for name, value in self.bridge_tables.items() if name in model.model_fields}
+        return model.model_validate(own)
+
+    def unread_tables(self, models: Iterable[type[Section]]) -> list[str]:
+        """Return the names of tables that none of the bridges' models reads."""
+        known = {name for model in models for name in model.model_fields}
+        return [name for name in self.bridge_tables if name not in known]

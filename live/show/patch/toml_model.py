@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from live.base.errors import PersonError
 from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_numbers, toml_remedy
 from live.library.disk_cache import read_regular_file
-from live.show.patch.section_base import Checks, InvalidEntry
+from live.show.patch.section_base import Checks, InvalidEntry, Section, WholeFile
 from live.show.patch.table_batches import validate_model
 
 
@@ -112,6 +112,8 @@ MAX_BYTES: Final = 4_000_000
 SHOWN_PROBLEMS: Final = 8
 
 Model = TypeVar("Model", bound=BaseModel)
+BridgeTables = Sequence[type[Section]]
+"""Sections whose fields are the tables that bridges add to a file."""
 
 
 def read_text(path: Path, what: str) -> str:
@@ -129,29 +131,67 @@ def read_text(path: Path, what: str) -> str:
         raise PersonError(f"{path}: not a text in UTF-8 (byte {error.start})") from None
 
 
-def parse_model(text: str, file: str, model: type[Model], what: str, checks: Checks | None = None) -> Model:
+def parse_model(
+    text: str, file: str, model: type[Model], what: str, checks: Checks | None = None, tables: BridgeTables = ()
+) -> Model:
     """Return the model of `text`; PersonError with file, line and problem. `file` is its name in errors."""
-    return validate_sources(TomlSources([parse_text(text, file, what)]), model, what, checks)
+    return validate_sources(TomlSources([parse_text(text, file, what)]), model, what, checks, tables)
 
 
-def validate_sources(sources: TomlSources, model: type[Model], what: str, checks: Checks | None = None) -> Model:
-    """Return the model of all `sources` together, checked by `checks`; PersonError with file, line and problem."""
+def validate_sources(
+    sources: TomlSources, model: type[Model], what: str, checks: Checks | None = None, tables: BridgeTables = ()
+) -> Model:
+    """Return the model of all `sources` together, checked by `checks`; PersonError with file, line and problem.
+
+    Of a `WholeFile`, the bridges' `tables` are checked, too; a table that no bridge reads is kept if it looks like no
+    other.
+    """
+    data, wrong = (
+        _read_bridge_tables(sources.data, model, tables) if issubclass(model, WholeFile) else (sources.data, [])
+    )
     try:
-        return validate_model(model, sources.data, checks)
+        made = validate_model(model, data, checks)
+        if not wrong:
+            return made
     except ValidationError as error:
-        raise PersonError(_validation_message(error, sources, model, what)) from None
+        wrong = [*error.errors(include_url=False), *wrong]
+    raise PersonError(_validation_message(wrong, sources, (model, *tables), what))
 
 
-def _validation_message(error: ValidationError, sources: TomlSources, model: type[BaseModel], what: str) -> str:
+def _read_bridge_tables(
+    data: dict[str, Any], model: type[WholeFile], tables: BridgeTables
+) -> tuple[dict[str, Any], list[Any]]:
+    """Return the values, with the bridges' tables as their sections give them, and the errors of pydantic's form."""
+    read, wrong = dict(data), []
+    known = [name for section in (model, *tables) for name in section.model_fields]
+    for section in tables:
+        own = {name: data[name] for name in section.model_fields if name in data}
+        try:
+            read |= section.model_validate(own).model_dump(mode="json", exclude_unset=True)
+        except ValidationError as error:
+            wrong += error.errors(include_url=False)
+    for key, value in data.items():
+        if key not in known and (not _is_table(value) or difflib.get_close_matches(key, known, n=1)):
+            wrong.append({"type": "extra_forbidden", "loc": (key,), "msg": "", "input": value})
+    return read, wrong
+
+
+def _is_table(value: Any) -> bool:
+    """Return whether a value of TOML is a table or a list of tables."""
+    return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))
+
+
+def _validation_message(
+    found: Sequence[Any], sources: TomlSources, models: Sequence[type[BaseModel]], what: str
+) -> str:
     problems = []
-    found = error.errors(include_url=False)
     for problem in found[:SHOWN_PROBLEMS]:
         where = tuple(problem["loc"])
         fault = problem.get("ctx", {}).get("error")
         if isinstance(fault, InvalidEntry):
             where += fault.key_path
         problems.append(
-            f"{sources.location_text(where)}: {key_text(where) or f'the {what}'}: {_problem_text(problem, model)}"
+            f"{sources.location_text(where)}: {key_text(where) or f'the {what}'}: {_problem_text(problem, models)}"
         )
     more = len(found) - SHOWN_PROBLEMS
     return "; ".join(problems) + (f"; and {more} more" if more > 0 else "")
@@ -162,11 +202,11 @@ def key_text(where: tuple[str | int, ...]) -> str:
     return ".".join(str(part + 1) if isinstance(part, int) else part for part in where)
 
 
-def _problem_text(problem: Any, model: type[BaseModel]) -> str:
+def _problem_text(problem: Any, models: Sequence[type[BaseModel]]) -> str:
     """One problem in words: the value read, and what is allowed."""
     kind, message, read = problem["type"], problem["msg"], problem["input"]
     if kind == "extra_forbidden":
-        return f"unknown key; {_allowed_keys(problem['loc'], model)}"
+        return f"unknown key; {_allowed_keys(problem['loc'], models)}"
     if kind == "missing":
         return "missing; it must be given"
     if kind == "value_error":
@@ -204,18 +244,19 @@ def _quote_remedy(read: str) -> str:
     return "; write the number without quotes, with a point" if number.isdecimal() else ""
 
 
-def _allowed_keys(where: tuple[str | int, ...], of: type[BaseModel]) -> str:
+def _allowed_keys(where: tuple[str | int, ...], models: Sequence[type[BaseModel]]) -> str:
     """The allowed keys in place of an unknown one, with the nearest spelling first if one is near."""
-    model: Any = of
+    fields = {name: each for model in models for name, each in model.model_fields.items()}
     for part in where[:-1]:
         if isinstance(part, int):
             continue
-        annotation = model.model_fields[part].annotation
+        annotation = fields[part].annotation
         inner = getattr(annotation, "__args__", None)
-        model = inner[0] if inner else annotation
-        if not hasattr(model, "model_fields"):
+        below: Any = inner[0] if inner else annotation
+        if not hasattr(below, "model_fields"):
             return "see the reference"
-    keys = list(model.model_fields)
+        fields = below.model_fields
+    keys = list(fields)
     near = difflib.get_close_matches(str(where[-1]), keys, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
     return f"{hint}allowed are {', '.join(keys)}"

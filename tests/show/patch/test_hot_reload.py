@@ -361,7 +361,7 @@ def test_exception_while_reading_edit_is_reported_and_next_edit_works(patch, mon
     night.run(2.5)
     counted = FAULTS.total
 
-    def fails(path):
+    def fails(path, tables):
         raise IndexError("made by a test")
 
     with monkeypatch.context() as broken:
