@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from live.base.event_queue import PriorityQueue
     from live.clock.time_source import Clock
     from live.control.events.events import ControlEvent
+    from live.control.midi.midi_streams import Opener
     from live.show.engine import Engine
     from live.show.loader import LoadedShow
     from live.show.patch.section_base import Section
@@ -75,6 +76,8 @@ class Bridge:
     """The same for a venue."""
     services: Callable[[ServiceContext[Any]], Mapping[str, Service]] = no_services
     """Makes its services, not started, by their names in the status; PersonError if that is not possible."""
+    midi_schemes: "Callable[[], Mapping[str, Opener]]" = dict
+    """Returns the openers of MIDI ports that it adds, by the scheme of their names."""
     commands: Callable[[], Mapping[str, Callable[..., None]]] = dict
     """Returns the commands that it adds to the command line."""
 
@@ -94,6 +97,10 @@ class InstalledBridges:
     def venue_tables(self) -> tuple["type[Section]", ...]:
         """Return the sections whose fields are the tables that bridges add to a venue."""
         return tuple(bridge.venue_tables() for bridge in self.bridges if bridge.venue_tables is not None)
+
+    def midi_schemes(self) -> "Mapping[str, Opener]":
+        """Return the openers of MIDI ports that bridges add, by the scheme of the ports' names."""
+        return {scheme: opener for bridge in self.bridges for scheme, opener in bridge.midi_schemes().items()}
 
     def notes(self, loaded: "LoadedShow", venue: "Venue | None") -> list[str]:
         """Return a line for each table of the patch or the venue that no bridge reads."""

@@ -1,9 +1,12 @@
 """Services for MIDI: input, feedback output and clock output, and a MIDI file as tempo map and cue track."""
 
 import queue
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from live.app.bridges import installed_bridges
 from live.app.services.midi_learning import MidiLearnSession, MidiMapWriter
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
@@ -19,8 +22,8 @@ from live.control.midi.midi_feedback import MidiFeedback, MidiOutput
 from live.control.midi.midi_file import MidiSongPlayer, read_song
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_mapping import MidiMap
-from live.control.midi.midi_ports import MidiUnavailable, UnknownPort, find_port
-from live.control.midi.midi_streams import Direction
+from live.control.midi.midi_ports import MidiUnavailable, UnknownPort, find_port, open_port
+from live.control.midi.midi_streams import SCHEMES, Direction, Opener
 from live.control.registry.control import ROLE_RANKS
 from live.control.registry.registry import Changes, Values
 from live.show.engine import Engine
@@ -178,9 +181,12 @@ def make_midi(
     """
     section = show.patch.midi
     of_venue = VenueMidi() if venue is None else venue.midi
-    source = _resolve_port("input", "--midi", options.midi, of_venue.input, section.input)
-    told = _resolve_port("output", "--midi-out", options.midi_out, of_venue.output, section.output)
-    target = _resolve_port("output", "--midi-clock-out", options.midi_clock_out, of_venue.clock_out, section.clock_out)
+    schemes = {**SCHEMES, **installed_bridges().midi_schemes()}
+    open_input, open_output = (partial(open_port, way, schemes=schemes) for way in ("input", "output"))
+    find = partial(_resolve_port, schemes)
+    source = find("input", "--midi", options.midi, of_venue.input, section.input)
+    told = find("output", "--midi-out", options.midi_out, of_venue.output, section.output)
+    target = find("output", "--midi-clock-out", options.midi_clock_out, of_venue.clock_out, section.clock_out)
     metre, tempo = show.timeline.beats_per_measure, show.follower.tempo
     values = Values()
     midi_map = MidiMap(section.bindings, values)
@@ -199,6 +205,7 @@ def make_midi(
             midi_map=midi_map,
             notes=None if options.midi_file is not None else NoteEnergy(tempo=tempo),
             follow_clock=options.midi_file is None,  # else the file leads
+            open_by_name=open_input,
         )
     return MidiService(
         show,
@@ -206,14 +213,19 @@ def make_midi(
         patch,
         midi_input=listens,
         midi_map=midi_map,
-        feedback_output=None if told is None else MidiOutput(told, clock),
+        feedback_output=None if told is None else MidiOutput(told, clock, open_by_name=open_output),
         clock_output=None if target is None else MidiClockProcess(target, clock),
         values=values,
     )
 
 
 def _resolve_port(
-    direction: Direction, option: str, option_value: str | None, of_venue: str | None, of_patch: str | None
+    schemes: Mapping[str, Opener],
+    direction: Direction,
+    option: str,
+    option_value: str | None,
+    of_venue: str | None,
+    of_patch: str | None,
 ) -> str | None:
     """Return the name of the wanted port, in full if it was given on the command line; None for no port."""
     if option_value == OFF:
@@ -221,9 +233,12 @@ def _resolve_port(
     if option_value is None:
         return of_venue or of_patch
     try:
-        return find_port(direction, option_value)
+        return find_port(direction, option_value, schemes)
     except UnknownPort as error:
-        raise PersonError(f"{option} {option_value!r}: {error}", "see `live devices`") from None
+        addresses = ", ".join(f"{scheme}:" for scheme in schemes)
+        raise PersonError(
+            f"{option} {option_value!r}: {error}", f"see `live devices`; addresses begin with {addresses}"
+        ) from None
     except MidiUnavailable as error:
         raise PersonError(f"{option} {option_value!r}: {error}", "see `live doctor`") from None
 
