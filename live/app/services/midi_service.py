@@ -11,7 +11,6 @@ from live.app.services.midi_learning import MidiLearnSession, MidiMapWriter
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
 from live.clock.midi.midi_clock import MidiClock
-from live.clock.midi.time_code import TimeCodeClock
 from live.clock.note_energy import NoteEnergy
 from live.clock.ticks import TICK
 from live.clock.time_source import Clock
@@ -181,7 +180,8 @@ def make_midi(
     """
     section = show.patch.midi
     of_venue = VenueMidi() if venue is None else venue.midi
-    schemes = {**SCHEMES, **installed_bridges().midi_schemes()}
+    bridges = installed_bridges()
+    schemes = {**SCHEMES, **bridges.midi_schemes()}
     open_input, open_output = (partial(open_port, way, schemes=schemes) for way in ("input", "output"))
     find = partial(_resolve_port, schemes)
     source = find("input", "--midi", options.midi, of_venue.input, section.input)
@@ -197,11 +197,7 @@ def make_midi(
             inbox.add_queue(rank=ROLE_RANKS["musician"]),
             clock,
             decoder=MidiClock(beats_per_measure=metre, tempo=tempo),
-            time_code=TimeCodeClock(
-                tempo=section.time_code_bpm or show.patch.clock.bpm,
-                offset=section.time_code_offset_s,
-                beats_per_measure=metre,
-            ),
+            clocks=bridges.midi_clocks(show.patch, metre),
             midi_map=midi_map,
             notes=None if options.midi_file is not None else NoteEnergy(tempo=tempo),
             follow_clock=options.midi_file is None,  # else the file leads

@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from live.clock.follower.clock_source import PRIORITY
 from live.clock.timeline import TEMPO_MAX_BPM, TEMPO_MIN_BPM
 from live.control.events import events
 from live.control.registry.control import Argument, Control, Reply
@@ -66,7 +67,7 @@ CLOCK_CONTROLS: Final = (
     ),
     Control(
         "/dance/clock/source", events.ChooseSource,
-        (Argument("name", "name", '"auto", or one of link, midi, mtc, audio, tap, internal', default="auto"),),
+        (Argument("name", "name", f'"auto", or one of {", ".join(PRIORITY)}', default="auto"),),
         "Selects the clock source; it takes over at a measure line, once it is available.",
         "operator", "continuous", 1, ("auto",),
     ),

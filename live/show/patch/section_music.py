@@ -1,10 +1,11 @@
 """Patch sections for music: `[music]`, `[sound]`, `[clock]`, and reactions of the dance to it: `[[react]]`."""
 
-from typing import Annotated, Final, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
 from live.base.picture_parameters import BY_ADDRESS
+from live.clock.follower.clock_source import PRIORITY, SourceName
 from live.control.events.events import ControlEvent
 from live.control.registry.registry import REGISTRY
 from live.show.patch.section_base import Section
@@ -30,8 +31,6 @@ class SoundSection(Section):
     """The sound of a tap shoe for each foot that lands."""
 
 
-SourceName = Literal["link", "midi", "mtc", "audio", "tap", "internal"]
-PRIORITY: Final[tuple[SourceName, ...]] = ("link", "midi", "mtc", "audio", "tap", "internal")
 Bpm = Annotated[float, Field(ge=20, le=400)]
 
 
@@ -42,14 +41,7 @@ class ClockSection(Section):
     """Tempo of the internal clock."""
     beats_per_measure: Annotated[int, Field(ge=1, le=16)] = 4
     """Beats of a measure; the same for all steps."""
-    priority: Annotated[tuple[SourceName, ...], Field(max_length=6)] = (
-        "link",
-        "midi",
-        "mtc",
-        "audio",
-        "tap",
-        "internal",
-    )
+    priority: Annotated[tuple[SourceName, ...], Field(max_length=len(PRIORITY))] = PRIORITY
     """Sources in order of priority; a source left out is followed only if it is selected by hand."""
     tempo_range: tuple[Bpm, Bpm] = (40.0, 240.0)
     """Music outside this range [bpm] is danced at half or double tempo."""
