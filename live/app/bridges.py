@@ -11,11 +11,13 @@ import pkgutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from functools import cache
-from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Generic, TypeAlias, TypeVar
 
 from live.app.services.service import Service
 
 if TYPE_CHECKING:
+    from typer import Typer
+
     from live.base.event_queue import PriorityQueue
     from live.clock.midi.midi_clock import MessageClock
     from live.clock.time_source import Clock
@@ -32,7 +34,13 @@ GROUP: Final = "live.bridges"
 ATTRIBUTE: Final = "BRIDGE"
 """Name of a bridge's value in its package."""
 
+UNREAD: Final = "no installed bridge reads this table; the show plays without it"
+GONE: Final = "its package is gone"
+"""Why a bridge is left out that the metadata still names."""
+
 Options = TypeVar("Options")
+Command: TypeAlias = "Callable[..., None] | Typer"
+"""A command of the command line, as typer takes it, or a group of them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,7 +95,7 @@ class Bridge:
     """Returns the openers of MIDI ports that it adds, by the scheme of their names."""
     midi_clocks: "Callable[[Patch, int], Mapping[str, MessageClock]]" = no_clocks
     """Makes the clocks of one MIDI input for a patch and its beats per measure, by the clock source that each is."""
-    commands: Callable[[], Mapping[str, Callable[..., None]]] = dict
+    commands: "Callable[[], Mapping[str, Command]]" = dict
     """Returns the commands that it adds to the command line."""
 
 
@@ -117,11 +125,12 @@ class InstalledBridges:
         return {source: clock for clocks in made for source, clock in clocks.items()}
 
     def notes(self, loaded: "LoadedShow", venue: "Venue | None") -> list[str]:
-        """Return a line for each table of the patch or the venue that no bridge reads."""
+        """Return a line for each bridge that fails, and for each table of patch or venue that no bridge reads."""
+        failed = [f"bridge {name} is left out: {why}" for name, why in self.left_out.items() if why != GONE]
         unread = [loaded.place_text((name,)) for name in loaded.patch.unread_tables(self.patch_tables())]
         if venue is not None:
             unread += [f"venue {venue.name}: {name}" for name in venue.unread_tables(self.venue_tables())]
-        return [f"{place}: no installed bridge reads this table; the show plays without it" for place in unread]
+        return failed + [f"{place}: {UNREAD}" for place in unread]
 
     def status(self) -> dict[str, Any]:
         """Return the values for the status line."""
@@ -145,8 +154,9 @@ def installed_bridges() -> InstalledBridges:
             for option in fields(bridge.options):
                 if option.name in taken:
                     raise ValueError(f"bridge {taken[option.name]} has an option {option.name}, too")
-        except Exception as error:  # of another author's package; its other faults are found when the bridge is used
-            left_out[name] = f"{type(error).__name__}: {error}"
+        except Exception as error:  # the package may be another author's
+            gone = isinstance(error, ModuleNotFoundError) and error.name is not None and module.startswith(error.name)
+            left_out[name] = GONE if gone else f"{type(error).__name__}: {error}"
         else:
             found[name] = bridge
             taken |= {option.name: name for option in fields(bridge.options)}

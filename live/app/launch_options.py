@@ -8,13 +8,12 @@ import base64
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from live.app.bridges import Bridge, installed_bridges
 from live.app.option_values import (
     OPTION,
     Option,
-    add_default_port,
     check_choice,
     option,
     parse_audience_address,
@@ -36,7 +35,6 @@ if TYPE_CHECKING:
 
 MUSIC, PICTURE, RECORDING, RECOVERY = "Music and time", "Picture", "Recording", "Staying alive"
 """Panels of the help text; the options of the network have none."""
-VMC_PORT: Final = 39539
 
 
 def _tls(text: str, name: str) -> tuple[Path, Path] | None:
@@ -130,23 +128,6 @@ class LaunchOptions:
     web_hosts: tuple[str, ...] = option(
         (), "A name by which this machine is reached next to its addresses, for that page and OSCQuery. May come "
         "several times.", metavar="NAME[:PORT]", flags=("--web-host",), **several(),
-    )  # fmt: skip
-    psn: str | None = option(
-        None, "Listen there for trackers by PosiStageNet, usually 236.10.10.10:56565; ADDRESS: of the network card.",
-        metavar="[GROUP:]PORT[@ADDRESS]",
-    )  # fmt: skip
-    vmc_out: tuple[str, ...] = option(
-        (), "Send dancers to other programs as avatars by the VMC protocol: the first, or those that WHO names, each "
-        "to the next port. May come several times.", metavar="HOST:PORT[=WHO][@RATE]", **several(),
-    )  # fmt: skip
-    vmc: tuple[tuple[str, int], ...] = option(
-        (), "Listen there for a real dancer's body by the VMC protocol (usually 39539). May come several times.",
-        metavar="[HOST:]PORT|HOST",
-        **several(lambda text, name: parse_endpoint(add_default_port(text, VMC_PORT), name)),
-    )  # fmt: skip
-    oscquery: tuple[str, int] | None = option(
-        None, "Be found by ossia score, Chataigne, TouchOSC and others: OSCQuery over HTTP, and zeroconf.",
-        metavar="HOST:PORT", written=str, parse=parse_endpoint,
     )  # fmt: skip
     audience: tuple[str, int] | None = option(
         None, "Let the audience's phones play along, here: 127.0.0.1:8020 without a value; 0.0.0.0:8020 lets in the "

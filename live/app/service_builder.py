@@ -9,14 +9,12 @@ from rich.console import Console
 from live.app.bridges import ServiceContext, installed_bridges
 from live.app.launch_options import LaunchOptions
 from live.app.services.audience_service import make_audience
-from live.app.services.capture_services import make_psn, make_vmc
 from live.app.services.click_service import make_click, make_link
-from live.app.services.http_services import OscQueryService, WebService
+from live.app.services.http_services import WebService
 from live.app.services.midi_service import MidiFileService, MidiService, make_midi
 from live.app.services.osc_services import MusicianOscPort, make_osc_out
 from live.app.services.service import Service
 from live.app.services.service_registry import ServiceRegistry, ValuePublisher
-from live.app.services.vmc_output_service import make_vmc_out
 from live.base.event_queue import EventQueue
 from live.clock.time_source import Clock
 from live.control.events.events import ControlEvent
@@ -111,28 +109,6 @@ class ServiceBuilder:
             for name, service in bridge.services(context).items():
                 self.add(name, service)
         self.status.extra_figures["bridges"] = installed.status
-
-    def add_mocap(self) -> None:
-        """Add motion capture of real dancers, trackers, and avatars for other programs."""
-        vmc = make_vmc(self.options, self.engine.show, self.venue, self.inbox.add_queue(), self.clock)
-        if vmc is not None:
-            self.add("vmc", vmc)
-        trackers = make_psn(self.options, self.venue, self.inbox.add_queue(), self.clock)
-        if trackers is not None:
-            self.add("psn", trackers)
-        avatars = make_vmc_out(self.options, self.clock, self.engine)
-        if avatars is not None:
-            self.add("vmc_out", avatars)
-
-    def add_oscquery(self) -> None:
-        """Add OSCQuery."""
-        options, show = self.options, self.engine.show
-        if options.oscquery is not None:
-            query = OscQueryService(
-                options.oscquery, options.osc, f"Live {show.patch.name}", self.clock, hosts=self._host_names
-            )
-            query.resumes = self.resumes
-            self.add("oscquery", query)
 
     @property
     def _host_names(self) -> tuple[str, ...]:

@@ -214,8 +214,6 @@ class Session:
         self.midi = midi = beside.add_midi(loaded.path, 0 if resumed is None else resumed.tick)
         beside.add_osc()
         beside.add_bridges()
-        beside.add_oscquery()
-        beside.add_mocap()
         beside.add_web()
         self._services = beside.services
         self._watch, library = make_file_watches(loaded, show, post=self.inbox.put, now=self.clock.now)

@@ -2,6 +2,7 @@
 
 import importlib.metadata
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -47,6 +48,14 @@ def test_documents_list_the_formats_of_the_core() -> None:
     for one in installed_formats().formats:
         if one.read.__module__.startswith(("live.motion.", "live.library.")):
             assert f"| {one.name} | {' '.join(f'`{suffix}`' for suffix in one.suffixes)} | {one.text} |\n" in text
+
+
+def test_metadata_of_the_project_names_the_formats_of_bridges() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    modules = sorted(project["entry-points"][motion_formats.GROUP].values())
+    folders = sorted((ROOT / "live/bridges").glob("*/motion_format.py"))
+    assert modules == [f"{motion_formats.BRIDGES}.{path.parent.name}.{path.stem}" for path in folders]
+    assert installed_formats().left_out == {}
 
 
 def test_every_suffix_belongs_to_one_format() -> None:

@@ -8,8 +8,6 @@ from live.control.midi.midi_binding import DEFAULTS, BadBinding, Binding, Kind, 
 from live.show.patch.section_base import Name, Place, Section
 
 Target = Annotated[str, Field(pattern=r"^(\[[0-9A-Fa-f:.]+\]|[^:\s]+):\d{1,5}$", max_length=200)]
-Endpoint = Annotated[str, Field(pattern=r"^((\[[0-9A-Fa-f:.]+\]|[^:\s]+):)?\d{1,5}$", max_length=200)]
-Endpoints = Annotated[tuple[Endpoint, ...], Field(max_length=8)]
 Targets = Annotated[tuple[Target, ...], Field(max_length=8)]
 
 

@@ -16,7 +16,7 @@ from live.clock.ticks import TICK
 from live.show.patch.patch_reader import BridgeTables, parse_model, read_text
 from live.show.patch.patch_search_path import PATCHES, is_file, user_settings_folder
 from live.show.patch.section_base import Name, Section, WholeFile
-from live.show.patch.section_io import Endpoints, Targets
+from live.show.patch.section_io import Targets
 from live.show.venue.venue_audience import VenueAudience
 from live.show.venue.venue_output import MAX_OUTPUTS, VenueOutput, VenueProjector, check_outputs
 
@@ -80,20 +80,6 @@ class VenueOsc(Section):
     """Addresses like `192.168.1.20:57120`."""
 
 
-class VenueVmc(Section):
-    """`[vmc]`: default ports for motion capture over VMC, if the command line names none."""
-
-    at: Endpoints = ()
-    """Ports like `39539`, or with the local address as in `0.0.0.0:39539`."""
-
-
-class VenuePsn(Section):
-    """`[psn]`: default address for PosiStageNet trackers, if the command line names none."""
-
-    at: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    """Such as `236.10.10.10:56565`, or with the network card's address, `236.10.10.10:56565@192.168.1.5`."""
-
-
 Host = Annotated[str, Field(pattern=HOST_NAME_PATTERN)]
 
 
@@ -112,8 +98,6 @@ class Venue(WholeFile):
     audio: VenueAudio = VenueAudio()
     midi: VenueMidi = VenueMidi()
     osc: VenueOsc = VenueOsc()
-    vmc: VenueVmc = VenueVmc()
-    psn: VenuePsn = VenuePsn()
     web: VenueWeb = VenueWeb()
     audience: VenueAudience = VenueAudience()
     latency: VenueLatency = VenueLatency()

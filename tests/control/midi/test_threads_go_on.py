@@ -13,10 +13,10 @@ from live.base.event_queue import EventQueue
 from live.base.fault_isolation import FAULTS
 from live.clock.time_source import SystemClock
 from live.control.audio.devices import DeviceWatchdog
-from live.control.capture.udp_input import CaptureInput
 from live.control.midi.midi_streams import StreamPort
 from live.control.osc.osc_codec import encode
 from live.control.osc.osc_server import OscInput
+from live.control.udp_input import CaptureInput
 from live.control.web.task_guard import guarded, keep_task
 from live.show.journal.line_writer import WriterThread
 from tests.control.waiting import wait_for

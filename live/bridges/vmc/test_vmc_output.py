@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from pythonosc.osc_bundle import OscBundle
 
-from live.app.services.vmc_output_service import parse_avatars
 from live.base.errors import PersonError
+from live.bridges.vmc.test_vmc_input import poses, stream
+from live.bridges.vmc.vmc_input import Seat
+from live.bridges.vmc.vmc_output import AvatarTarget, VmcOutput, pack_dancers
+from live.bridges.vmc.vmc_output_service import parse_avatars
 from live.clock.time_source import SystemClock
-from live.control.capture.vmc_input import Seat
-from live.control.capture.vmc_output import AvatarTarget, VmcOutput, pack_dancers
 from live.control.helper_process import HelperProcess
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.packed_pose import unpack_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-from tests.control.capture.test_vmc_input import poses, stream
 
 
 @pytest.fixture
@@ -73,7 +73,7 @@ def test_python_osc_reads_every_bone_in_unity_axes(receivers):
 def test_pose_sent_by_helper_process_is_received_unchanged(receivers):
     hips, rotation, position, world = make_dancers()
     helper = HelperProcess(
-        "live.control.capture.vmc_output", SystemClock(), {"targets": [receivers[0].getsockname()]}, lambda: None
+        "live.bridges.vmc.vmc_output", SystemClock(), {"targets": [receivers[0].getsockname()]}, lambda: None
     )
     try:
         helper.start()

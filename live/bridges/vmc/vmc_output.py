@@ -15,8 +15,8 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.bridges.vmc.vmc_protocol import vmc_packets
 from live.clock.time_source import SystemClock
-from live.control.capture.vmc_protocol import vmc_packets
 from live.control.helper_process import HelperChannel
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import local_rotations

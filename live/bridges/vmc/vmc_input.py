@@ -10,19 +10,18 @@ from typing import Any, Final
 import numpy as np
 
 from live.base.event_queue import PriorityQueue
+from live.bridges.vmc.vmc_protocol import MAX_PACKET_BYTES, Bone, decode_vmc
 from live.clock.ticks import TICK
 from live.clock.time_source import Clock
-from live.control.capture.udp_input import CaptureInput
-from live.control.capture.vmc_protocol import MAX_PACKET_BYTES, Bone, decode_vmc
 from live.control.events.capture import MocapFrame
 from live.control.events.events import ControlEvent
 from live.control.osc.osc_socket import bound_socket
 from live.control.registry.rejections import Reason, Tally
+from live.control.udp_input import CaptureInput
 from live.motion.capture.captured_body import CapturedBody
 from live.motion.skeleton import JOINT_COUNT
+from live.show.capture.capture_manager import DEFAULT_PERFORMER
 
-DEFAULT_PERFORMER: Final = "live"
-"""The performer's name where the patch has none."""
 SEAT_TIMEOUT: Final = 2.0
 """A sender that is silent for this long [s] loses its seat to another one."""
 
@@ -53,7 +52,7 @@ class Seats:
     """Assignment of senders to seats. Thread: one."""
 
     def __init__(self, seats: tuple[Seat, ...]) -> None:
-        """Without seats there is a single one, `ALONE`."""
+        """Without seats there is a single one, of `DEFAULT_PERFORMER`."""
         self._seats = sorted(seats or (Seat(DEFAULT_PERFORMER),), key=lambda seat: -seat.specificity)
         self._taken: dict[str, tuple[Hashable, float]] = {}
 

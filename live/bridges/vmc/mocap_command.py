@@ -23,7 +23,7 @@ def send(
     """Send a recording in real time with the VMC protocol, to a show or any other VMC receiver."""
     from live.app.option_values import check_range, parse_endpoint
     from live.base.errors import PersonError
-    from live.control.capture.vmc_output import play_clip
+    from live.bridges.vmc.vmc_output import play_clip
     from live.library.motion_file import read_motion
     from live.motion.formats.file_error import MotionFileError
     from live.motion.retarget.retarget import retarget

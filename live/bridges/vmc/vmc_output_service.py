@@ -1,20 +1,17 @@
 """Service that sends dancers to other programs as avatars by the VMC protocol."""
 
 import re
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from live.app.option_values import parse_endpoint
 from live.base.errors import PersonError, error_context
+from live.bridges.vmc.vmc_output import MOST_AVATARS, AvatarTarget, VmcOutput, pack_dancers
 from live.clock.time_source import Clock
-from live.control.capture.vmc_output import MOST_AVATARS, AvatarTarget, VmcOutput, pack_dancers
 from live.control.helper_process import HelperProcess
 from live.show.engine import Engine
 from live.show.show import Show
-
-if TYPE_CHECKING:
-    from live.app.launch_options import LaunchOptions
 
 SELECTION_INTERVAL: Final = 1.0
 """Interval [s] at which selections of dancers are resolved again: groups change, dancers enter and leave."""
@@ -42,7 +39,7 @@ class VmcOutputService:
         self._due = [0.0] * len(avatars)
         self._next_selection = 0.0
         targets = [(each.host, each.port) for each in avatars]
-        self._helper = HelperProcess("live.control.capture.vmc_output", clock, {"targets": targets}, lambda: None)
+        self._helper = HelperProcess("live.bridges.vmc.vmc_output", clock, {"targets": targets}, lambda: None)
 
     def _select_rows(self, avatars: AvatarTarget) -> np.ndarray[Any, np.dtype[np.intp]]:
         """Return the rows of the selected dancers on stage; raise PersonError for an invalid selection."""
@@ -93,9 +90,3 @@ class VmcOutputService:
             for each, rows in zip(self._avatars, self._rows, strict=True)
         }
         return {"to": to, **self._helper.status()}
-
-
-def make_vmc_out(options: "LaunchOptions", clock: Clock, engine: Engine) -> VmcOutputService | None:
-    """Return the service for `--vmc-out`, not started; None if there is to be none."""
-    wanted = tuple(parse_avatars(each) for each in options.vmc_out)
-    return VmcOutputService(engine, wanted, clock) if wanted else None

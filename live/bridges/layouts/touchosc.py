@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 from typing import Any, Final
 
-from live.control.layouts.surface import Page, Surface, Widget
+from live.control.web.surface import Page, Surface, Widget
 
 SIZE: Final = (0, 0, 1366, 1024)
 COLUMNS: Final = 6

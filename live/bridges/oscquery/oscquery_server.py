@@ -15,9 +15,9 @@ from typing import Any, Final
 from aiohttp import WSMsgType, web
 
 from live.base.fault_isolation import FAULTS
+from live.bridges.oscquery.oscquery_tree import Namespace, host_info
 from live.control.helper_process import HelperChannel
 from live.control.osc.osc_codec import bundles, encode
-from live.control.osc.oscquery_tree import Namespace, host_info
 from live.control.registry.registry import READABLE, REGISTRY, Rows, Values
 from live.control.web.http_protection import (
     HEARTBEAT,

@@ -6,13 +6,13 @@ import numpy as np
 import py2tosc
 import pytest
 
+from live.bridges.layouts.stage_control import session_text
+from live.bridges.layouts.touchosc import write_touchosc
 from live.control.events.events import ControlEvent
-from live.control.layouts.stage_control import session_text
-from live.control.layouts.surface import MAX_PAGE_WIDGETS, make_surface
-from live.control.layouts.touchosc import write_touchosc
 from live.control.registry.control import ROLE_RANKS
 from live.control.registry.registry import READABLE, REGISTRY
 from live.control.registry.rejections import Rejection
+from live.control.web.surface import MAX_PAGE_WIDGETS, make_surface
 
 NAMES = {"/dance/step": ["kick", "turn, then hold"], "/dance/formation": ["circle"], "/dance/scene": ["night {1}"]}
 

@@ -19,11 +19,11 @@ from typing import Any, Final
 from live.base.event_queue import PriorityQueue
 from live.clock.ticks import TICK
 from live.clock.time_source import Clock
-from live.control.capture.udp_input import CaptureInput
 from live.control.events.capture import TrackerMoved
 from live.control.events.events import ControlEvent
 from live.control.osc.osc_socket import CannotListen, bound_socket
 from live.control.registry.rejections import Reason, Tally
+from live.control.udp_input import CaptureInput
 
 MAX_PACKET_BYTES: Final = 8192
 """The protocol sends at most 1500."""

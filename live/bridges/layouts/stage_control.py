@@ -6,7 +6,7 @@ import json
 import math
 from typing import Any, Final
 
-from live.control.layouts.surface import Page, Surface, Widget
+from live.control.web.surface import Page, Surface, Widget
 
 VERSION: Final = "1.26.0"
 """First program version that supports this file format."""

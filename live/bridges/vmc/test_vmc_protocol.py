@@ -9,7 +9,7 @@ import pytest
 from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
 from pythonosc.osc_message_builder import OscMessageBuilder
 
-from live.control.capture.vmc_protocol import BONES, MAX_PACKET_BYTES, UNUSED_BONE, decode_vmc, vmc_packets
+from live.bridges.vmc.vmc_protocol import BONES, MAX_PACKET_BYTES, UNUSED_BONE, decode_vmc, vmc_packets
 from live.control.registry.rejections import Reason, Tally
 from live.motion import quaternion
 from live.motion.skeleton import JOINT_COUNT, SKELETON

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from live.base.event_queue import EventQueue, PriorityQueue
+from live.bridges.vmc.test_vmc_protocol import bundle, message
+from live.bridges.vmc.vmc_input import DEFAULT_PERFORMER, SEAT_TIMEOUT, Seat, Seats, VmcInput, VmcStream
+from live.bridges.vmc.vmc_protocol import vmc_packets
 from live.clock.time_source import ManualClock
-from live.control.capture.udp_input import MAX_PER_WINDOW
-from live.control.capture.vmc_input import DEFAULT_PERFORMER, SEAT_TIMEOUT, Seat, Seats, VmcInput, VmcStream
-from live.control.capture.vmc_protocol import vmc_packets
 from live.control.registry.rejections import Reason, Tally
+from live.control.udp_input import MAX_PER_WINDOW
 from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.packed_pose import unpack_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-from tests.control.capture.test_vmc_protocol import bundle, message
 from tests.control.waiting import wait_for
 
 

@@ -1,4 +1,4 @@
-"""Tests of PosiStageNet trackers: packets of an independent encoder, whole frames and malformed packets."""
+"""Tests of PosiStageNet trackers: packets built from the specification, whole frames and malformed packets."""
 
 import math
 import random
@@ -10,16 +10,48 @@ import sys
 
 import pytest
 
-from live.app.services.capture_services import parse_psn
+from live.app.bridges import ServiceContext
 from live.base.errors import PersonError
-from live.base.event_queue import PriorityQueue
+from live.base.event_queue import EventQueue, PriorityQueue
+from live.bridges.posistagenet import PsnOptions, services
+from live.bridges.posistagenet.posistagenet import MAX_PACKET_BYTES, PsnFrames, PsnInput, decode_psn
+from live.bridges.posistagenet.psn_service import parse_psn
 from live.clock.time_source import ManualClock
-from live.control.capture.posistagenet import MAX_PACKET_BYTES, PsnFrames, PsnInput, decode_psn
 from live.control.registry.rejections import Reason, Tally
-from tests.control.capture.psn_server import DATA, chunk, data_packet, header, info_packet, tracker
+from live.show.venue.venue import Venue
 from tests.control.waiting import wait_for
 
 HERE = (1.5, 0.25, -2.0)
+DATA, INFO = 0x6755, 0x6756
+
+
+def chunk(identity, data, *, nested=False):
+    """A chunk: header and data."""
+    return struct.pack("<HH", identity, len(data) | (0x8000 if nested else 0)) + data
+
+
+def header(time=1_000_000, frame=1, packets=1, version=2):
+    """The header chunk of a packet: time [µs], version, frame, number of packets in the frame."""
+    return chunk(0, struct.pack("<QBBBB", time, version, 3, frame, packets))
+
+
+def tracker(number, place, *, validity=None, more=b""):
+    """A tracker of a data packet."""
+    fields = chunk(0, struct.pack("<3f", *place)) + chunk(1, struct.pack("<3f", 0.0, 0.0, 0.0))
+    if validity is not None:
+        fields += chunk(3, struct.pack("<f", validity))
+    return chunk(number, fields + more, nested=True)
+
+
+def data_packet(*trackers, **facts):
+    """A data packet with the positions of trackers."""
+    return chunk(DATA, header(**facts) + chunk(1, b"".join(trackers), nested=True), nested=True)
+
+
+def info_packet(names, system="hall", **facts):
+    """An info packet with the names of trackers by number."""
+    named = b"".join(chunk(number, chunk(0, name.encode()), nested=True) for number, name in names.items())
+    return chunk(INFO, header(**facts) + chunk(1, system.encode()) + chunk(2, named, nested=True), nested=True)
 
 
 def decode_with_tally(data):
@@ -154,8 +186,8 @@ MULTICAST = """
 import socket
 from live.base.event_queue import PriorityQueue
 from live.clock.time_source import SystemClock
-from live.control.capture.posistagenet import GROUP, PsnInput
-from tests.control.capture.psn_server import data_packet, tracker
+from live.bridges.posistagenet.posistagenet import GROUP, PsnInput
+from live.bridges.posistagenet.test_posistagenet import data_packet, tracker
 from tests.control.waiting import wait_for
 lane = PriorityQueue()
 one, two = (PsnInput(GROUP, 56565, "127.0.0.1", lane, SystemClock()) for _ in range(2))
@@ -200,3 +232,31 @@ def test_number_of_trackers_is_bounded():
         hearing.handle(data, ("10.0.0.1", 1), 56565, clock.now())
     assert len(lane) == 128
     assert hearing.rejected.as_dict() == {Reason.MANY_MESSAGES: 400 - 128}
+
+
+def make_service(options, venue=None):
+    """The service of these launch options."""
+    context = ServiceContext(
+        options=options, engine=None, venue=venue, clock=ManualClock(), add_queue=EventQueue().add_queue,
+        osc=("127.0.0.1", 9010), host_names=(), resumes=False,
+    )  # fmt: skip
+    return services(context).get("psn")
+
+
+def test_receiver_listens_on_address_of_command_line_or_venue():
+    assert make_service(PsnOptions()) is None
+    part = make_service(PsnOptions(), Venue.model_validate({"psn": {"at": "127.0.0.1:0"}}))
+    part.start()
+    part.frame()
+    assert part.refused().total() == 0
+    assert part.status()["received"] == 0
+    part.stop()
+    part.stop()
+
+
+def test_busy_port_is_reported_in_one_line():
+    with socket.socket(type=socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        part = make_service(PsnOptions(psn=str(taken.getsockname()[1])))
+        with pytest.raises(PersonError, match=r"PosiStageNet cannot listen.*--psn"):
+            part.start()

@@ -11,10 +11,10 @@ import sys
 import pytest
 from pythonosc.osc_packet import OscPacket
 
+from live.bridges.oscquery.oscquery_server import MAX_CLIENTS_PER_GROUP
+from live.bridges.oscquery.oscquery_tree import ATTRIBUTES, Namespace, host_info, listed_arguments
 from live.clock.time_source import SystemClock
 from live.control.osc.osc_codec import encode
-from live.control.osc.oscquery_server import MAX_CLIENTS_PER_GROUP
-from live.control.osc.oscquery_tree import ATTRIBUTES, Namespace, host_info, listed_arguments
 from live.control.registry.registry import READINGS, REGISTRY, Values
 from live.control.registry.rejections import Rejection
 from tests.control.waiting import wait_for
@@ -76,10 +76,29 @@ def test_single_attribute_and_host_info_are_returned():
     }  # fmt: skip
 
 
+def test_tree_contains_all_named_performers():
+    attract = "/dance/mocap/attract"
+    values = Values()
+    tree = Namespace(values)
+    assert not tree.has("/dance/mocap/anna/mirrored")
+    assert "VALUE" not in tree.node(MIRRORED)
+    values.update({
+        MIRRORED: (("anna", (True,)), ("ben", (False,))),
+        "/dance/mocap/place": (("anna", (1.0, -2.0, 0.0, 1.0)), ("ben", (0.0, 0.0, 90.0, 1.0))),
+        attract: (("anna", (0.5, "*")), ("ben", (0.0, "ember"))),
+    })  # fmt: skip
+    for name, value in (("anna", True), ("ben", False)):
+        node = tree.node(f"/dance/mocap/{name}/mirrored")
+        assert (node["TYPE"], node["VALUE"], node["ACCESS"]) == ("T" if value else "F", [value], 3)
+    assert tree.attribute("/dance/mocap/anna/attract", "RANGE") == {"RANGE": [{"MIN": -10, "MAX": 10}, {}]}
+    assert (tree.node(attract)["TYPE"], tree.node(attract)["VALUE"]) == ("sfs", ["anna", 0.5, "*"])
+    assert set(tree.node("/dance/mocap/ben")["CONTENTS"]) == {"mirrored", "place", "attract"}
+
+
 def test_programs_query_and_listen_but_foreign_sites_are_refused():
     aiohttp = pytest.importorskip("aiohttp")
     pytest.importorskip("zeroconf")
-    from live.app.services.http_services import OscQueryService
+    from live.bridges.oscquery.oscquery_service import OscQueryService
 
     show = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     show.bind(("127.0.0.1", 0))
@@ -185,7 +204,7 @@ exec "$0" -c "$1"
 BROWSE = """
 import pathlib, socket, struct, threading
 from zeroconf import ServiceBrowser, Zeroconf
-from live.app.services.http_services import OscQueryService
+from live.bridges.oscquery.oscquery_service import OscQueryService
 from live.clock.time_source import SystemClock
 from tests.control.waiting import wait_for
 

@@ -1,4 +1,4 @@
-"""Commands `live layout` and `live schema`: control surfaces for tablets, and the JSON schema of patches."""
+"""Command `live layout`: writes control surfaces for tablets."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -36,10 +36,10 @@ def layout(
 
     from live.app.option_values import parse_endpoint
     from live.base.errors import PersonError
-    from live.control.layouts.stage_control import session_text
-    from live.control.layouts.surface import PAD_REACH, make_surface
-    from live.control.layouts.touchosc import write_touchosc
+    from live.bridges.layouts.stage_control import session_text
+    from live.bridges.layouts.touchosc import write_touchosc
     from live.control.registry.registry import REGISTRY
+    from live.control.web.surface import PAD_REACH, make_surface
 
     if kind not in KINDS:
         raise PersonError(f"there is no layout for {kind!r}", f"give {' or '.join(KINDS)}")
@@ -79,28 +79,3 @@ def _patch_names(patch: str, steps: Path | None) -> tuple[Mapping[str, Sequence[
     loaded = LaunchOptions(patch=patch, steps=steps).load()
     stage = loaded.patch.stage
     return completion_names(loaded.patch, loaded.graph.library.steps), (0.5 * stage.width, 0.5 * stage.depth)
-
-
-def schema(
-    out: Annotated[
-        Path | None, typer.Option(help="Write it here. Default: print it.", metavar="FILE.json", dir_okay=False)
-    ] = None,
-) -> None:
-    """Write the JSON schema of patches (keys, descriptions, ranges) for TOML editors (taplo, Even Better TOML).
-
-    The first line of a patch refers to it: #:schema patch.schema.json
-    """
-    import json
-
-    from live.app.bridges import installed_bridges
-    from live.base.errors import PersonError
-    from live.show.patch.patch_schema import patch_schema
-
-    text = json.dumps(patch_schema(installed_bridges().patch_tables()), indent=1, ensure_ascii=False) + "\n"
-    if out is None:
-        print(text, end="")
-        return
-    try:
-        out.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise PersonError(f"cannot write --out {out}: {error.strerror}") from None

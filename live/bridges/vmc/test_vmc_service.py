@@ -1,40 +1,48 @@
 """Motion capture over the network in a live show: addresses, errors, and a recording sent as live data."""
 
 import socket
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from live.app.launch_options import LaunchOptions
-from live.app.services.capture_services import make_psn, make_vmc
+from live.app.bridges import ServiceContext
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
+from live.bridges.vmc import VmcOptions, services
+from live.bridges.vmc.test_vmc_input import poses, stream
+from live.bridges.vmc.vmc_output import play_clip
 from live.clock.time_source import ManualClock
-from live.control.capture.vmc_output import play_clip
 from live.motion.clip import Clip
 from live.motion.packed_pose import unpack_pose
 from live.show.patch.patch_reader import parse_patch
 from live.show.venue.venue import Venue
 from tests.cli.command import run_live
-from tests.control.capture.test_vmc_input import poses, stream
 from tests.show.made_show import PATCH, made_show
 
-VENUE = Venue.model_validate({"vmc": {"at": ["0"]}, "psn": {"at": "127.0.0.1:0"}})
+VENUE = Venue.model_validate({"vmc": {"at": ["0"]}})
 
 
-def test_receivers_listen_on_addresses_of_command_line_or_venue():
-    lane, clock = EventQueue().add_queue(), ManualClock()
+def make_services(options, show=None, venue=None):
+    """The services of these launch options."""
+    context = ServiceContext(
+        options=options, engine=SimpleNamespace(show=show or made_show()), venue=venue, clock=ManualClock(),
+        add_queue=EventQueue().add_queue, osc=("127.0.0.1", 9010), host_names=(), resumes=False,
+    )  # fmt: skip
+    return services(context)
+
+
+def test_receiver_listens_on_addresses_of_command_line_or_venue():
     show = made_show('[[mocap]]\nname = "anna"\nport = 39541\n')
-    assert make_vmc(LaunchOptions(), show, None, lane, clock) is None
-    assert make_psn(LaunchOptions(), None, lane, clock) is None
-    for part in (make_vmc(LaunchOptions(), show, VENUE, lane, clock), make_psn(LaunchOptions(), VENUE, lane, clock)):
-        part.start()
-        part.frame()
-        assert part.refused().total() == 0
-        assert part.status()["received"] == 0
-        part.stop()
-        part.stop()
-    part = make_vmc(LaunchOptions(vmc=(("127.0.0.1", 0),)), show, VENUE, lane, clock)
+    assert make_services(VmcOptions(), show) == {}
+    part = make_services(VmcOptions(), show, VENUE)["vmc"]
+    part.start()
+    part.frame()
+    assert part.refused().total() == 0
+    assert part.status()["received"] == 0
+    part.stop()
+    part.stop()
+    part = make_services(VmcOptions(vmc=(("127.0.0.1", 0),)), show, VENUE)["vmc"]
     part.update_patch(parse_patch(PATCH + '[[mocap]]\nname = "ben"\n', "test.toml"))
     assert part.status()["at"] == ["127.0.0.1:0"]
 
@@ -42,13 +50,9 @@ def test_receivers_listen_on_addresses_of_command_line_or_venue():
 def test_busy_port_is_reported_in_one_line():
     with socket.socket(type=socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.0.1", 0))
-        port = taken.getsockname()[1]
-        lane, clock = EventQueue().add_queue(), ManualClock()
-        vmc = make_vmc(LaunchOptions(vmc=(("127.0.0.1", port),)), made_show(), None, lane, clock)
-        psn = make_psn(LaunchOptions(psn=str(port)), None, lane, clock)
-        for part, words in ((vmc, "VMC cannot listen.*--vmc"), (psn, "PosiStageNet cannot listen.*--psn")):
-            with pytest.raises(PersonError, match=words):
-                part.start()
+        part = make_services(VmcOptions(vmc=(("127.0.0.1", taken.getsockname()[1]),)))["vmc"]
+        with pytest.raises(PersonError, match=r"VMC cannot listen.*--vmc"):
+            part.start()
 
 
 def test_recording_is_sent_in_time_and_received_unchanged():
