@@ -1,28 +1,27 @@
 """The table of motion formats: what its documents say, and formats that come, go and fail."""
 
+import gzip
 import importlib.metadata
+import re
 import sys
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from live.library import motion_formats
 from live.library.motion_file import read_motion
 from live.library.motion_formats import installed_formats
+from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.file_error import MotionFileError
+from tests.motion.formats.made_bvh import body_bvh, dance_values
 from tests.places import ROOT
 
-READER = """
-from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.motion_format import MotionFormat
-
-def _read(file):
-    raise MotionFileError(file.name, 1, f"{len(file.data)} bytes", "more expected")
-
-FORMAT = MotionFormat("Dots", (".dots",), _read, "for this test", begins=(b"DOTS",))
-"""
+SECTION = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").partition("## A motion format\n")[2]
+READER = re.findall(r"```python\n(.*?)```", SECTION, re.DOTALL)[0]
+"""The example of CONTRIBUTING.md."""
 
 
 @pytest.fixture(autouse=True)
@@ -43,11 +42,14 @@ def _install(monkeypatch: pytest.MonkeyPatch, folder: Path, **modules: str) -> N
     monkeypatch.setattr(importlib.metadata, "entry_points", lambda *, group: entries)
 
 
-def test_documents_list_the_formats_of_the_core() -> None:
+def test_documents_describe_formats_as_they_are() -> None:
     text = (ROOT / "docs/steps.md").read_text(encoding="utf-8")
-    for one in installed_formats().formats:
-        if one.read.__module__.startswith(("live.motion.", "live.library.")):
-            assert f"| {one.name} | {' '.join(f'`{suffix}`' for suffix in one.suffixes)} | {one.text} |\n" in text
+    rows = re.findall(r"^\| [^|]+ \| `\.[^|]+ \| [^|]+ \|$", text, re.MULTILINE)
+    assert len(rows) > 3
+    assert set(rows) <= {
+        f"| {one.name} | {' '.join(f'`{suffix}`' for suffix in one.suffixes)} | {one.text} |"
+        for one in installed_formats().formats
+    }
 
 
 def test_metadata_of_the_project_names_the_formats_of_bridges() -> None:
@@ -66,15 +68,19 @@ def test_every_suffix_belongs_to_one_format() -> None:
 
 
 def test_format_of_another_package_is_found_by_entry_point(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    _install(monkeypatch, tmp_path, dots_of_a_test=READER)
-    assert ".dots" in motion_formats.readable_suffixes()
-    for name in ("a.dots", "a.txt"):
-        (tmp_path / name).write_text("DOTS 1 2 3")
-        with pytest.raises(MotionFileError, match=f"{name}, line 1: 10 bytes; more expected"):
-            read_motion(tmp_path / name)
-    (tmp_path / "b.dots").write_text("HIERARCHY of another kind")  # the first bytes count more
-    with pytest.raises(MotionFileError, match="ROOT"):
-        read_motion(tmp_path / "b.dots")
+    """The example of CONTRIBUTING.md: packed BVH."""
+    _install(monkeypatch, tmp_path, packed_bvh=READER)
+    assert ".gz" in motion_formats.readable_suffixes()
+    text = body_bvh(dance_values(5))
+    expected = bvh_to_source_motion(parse_bvh(text, "x"))
+    for name in ("a.bvh.gz", "a.txt"):
+        (tmp_path / name).write_bytes(gzip.compress(text.encode()))
+        np.testing.assert_array_equal(read_motion(tmp_path / name).rotation, expected.rotation)
+    (tmp_path / "b.gz").write_text(text)  # the first bytes count more than the name
+    assert read_motion(tmp_path / "b.gz").frame_count == 5
+    (tmp_path / "c.gz").write_text("words")
+    with pytest.raises(MotionFileError, match=r"c\.gz: not packed by gzip: .*; a packed BVH file expected"):
+        read_motion(tmp_path / "c.gz")
 
 
 def test_format_that_is_gone_or_fails_is_left_out(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -91,8 +97,8 @@ def test_format_that_is_gone_or_fails_is_left_out(monkeypatch: pytest.MonkeyPatc
 
 def test_changed_reader_changes_the_code(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Cached clips are built anew when the code of a format outside the core has changed."""
-    _install(monkeypatch, tmp_path, dots_of_a_test=READER)
+    _install(monkeypatch, tmp_path, packed_bvh=READER)
     before = installed_formats().code
-    (tmp_path / "dots_of_a_test.py").write_text(READER + "# changed")
+    (tmp_path / "packed_bvh.py").write_text(READER + "# changed")
     installed_formats.cache_clear()
     assert installed_formats().code != before
