@@ -129,17 +129,29 @@ def test_table_of_an_installed_bridge_is_checked_and_read(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
+    ("text", "line", "words"),
     [
-        ("[[foil]]\n[[foil]]\ncolour = 'red'", r"line 3: foil.2.colour: .*integer"),
-        ("[[foil]]\ncolor = 3", r"line 2: foil.1.color: unknown key; did you mean 'colour'\? allowed are colour"),
-        ("[[foyl]]\ncolour = 3", r"line 1: foyl: unknown key; did you mean 'foil'\?"),
-        ("[[elemnt]]", r"line 1: elemnt: unknown key; did you mean 'element'\?"),
-        ("foil = 3", r"line 1: foil: input should be a valid tuple"),
-        ("tinsel = 3", r"line 1: tinsel: unknown key; allowed are name, seed, .*signal, foil"),
+        ("[[foil]]\n[[foil]]\ncolour = 'red'", 2, r"foil\.2\.colour: .*integer, found the text 'red'"),
+        ("[[foil]]\ncolor = 3", 1, r"foil\.1\.color: unknown key; did you mean 'colour'\? allowed are colour"),
+        ("[[foyl]]\ncolour = 3", 0, r"foyl: unknown key; did you mean 'foil'\?"),
+        ("[[elemnt]]", 0, r"elemnt: unknown key; did you mean 'element'\?"),
     ],
 )
-def test_wrong_table_is_refused_with_line_and_field(text, words):
+def test_wrong_table_is_refused_with_line_and_field(text, line, words):
+    line += PATCH.count("\n") + 1
+    with pytest.raises(PersonError, match=rf"test\.toml, line {line}: {words}"):
+        parse_patch(PATCH + text, "test.toml", [FoilTables])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("foil = 3", r"line 1: foil: input should be a valid tuple, found 3"),
+        ("tinsel = 3", r"line 1: tinsel: unknown key; allowed are name, seed, .*signal, foil"),
+        ("tinsel = []", r"line 1: tinsel: unknown key; allowed are name"),
+    ],
+)
+def test_value_that_is_no_table_is_refused(text, words):
     with pytest.raises(PersonError, match=words):
         parse_patch(text + PATCH, "test.toml", [FoilTables])
 

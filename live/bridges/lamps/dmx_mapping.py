@@ -63,7 +63,9 @@ class DmxMapping:
     """
 
     def __init__(self, channels: Sequence[Channel], half: tuple[float, float]) -> None:
-        self._channels, self._half = tuple(channels), half
+        self._half = half
+        self.channels = tuple(channels)
+        """The channel map, which may be replaced."""
         self._values: dict[str, tuple[float, ...]] = {}
         self._positions: Mapping[int, tuple[float, float]] = {}
         self._flash: dict[str, tuple[float, float]] = {}
@@ -87,7 +89,7 @@ class DmxMapping:
         """Return all channels (512,) at `now` [s]; every call returns the same array."""
         beat = timeline.beat_at(now)
         self._row[:] = 0
-        for channel in self._channels:
+        for channel in self.channels:
             shares = self._levels(channel, timeline, beat)
             at = channel.channel - 1
             if channel.fine or channel.sends == "dancer":

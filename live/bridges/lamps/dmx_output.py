@@ -110,12 +110,14 @@ class DmxOutput:
         self.sent = self.failed = 0
 
     def handle(self, packet: tuple[str, Any], now: float) -> None:
-        """Handle a packet from the show: the same kinds as `OscOutput`, and `values`."""
+        """Handle a packet from the show: the same kinds as `OscOutput`, `values`, and `channels`."""
         what, value = packet
         if what == "timeline":
             self._timeline = Timeline(*value)
         elif what == "values":
             self._chart.update_values(value)
+        elif what == "channels":
+            self._chart.channels = tuple(Channel(*each) for each in value)
         elif what == "positions":
             self._chart.update_positions(np.frombuffer(value, np.float32).reshape(-1, 4))
         elif what == "news" and self._timeline is not None:

@@ -13,6 +13,7 @@ from live.clock.time_source import Clock
 from live.control.helper_process import HelperProcess
 from live.control.registry.registry import Changes
 from live.show.engine import Engine
+from live.show.patch.patch import Patch
 from live.show.view.telemetry import Telemetry
 
 VALUES_PER_PACKET: Final = 64
@@ -42,17 +43,13 @@ class DmxService:
         self._engine, self._universes = engine, universes
         self._outgoing = Telemetry(show, positions=RATE)
         self._values: dict[str, Any] = {}
-        self._unsent: dict[str, Any] = {}
-        rows = show.patch.read_tables(DmxTables).dmx
-        channels = [row.dmx_channel for row in rows] or list(DEFAULT_CHANNELS)
-        self._addresses = {channel.sends for channel in channels} | {"/dance/blackout"}
         width, depth = show.patch.stage.width, show.patch.stage.depth
-        plan = {
+        self._plan: dict[str, Any] = {
             "universes": [astuple(each) for each in universes],
-            "channels": [astuple(each) for each in channels],
             "half": (0.5 * width, 0.5 * depth),
         }
-        self._helper = HelperProcess("live.bridges.lamps.dmx_output", clock, plan, self._on_start)
+        self.update_patch(show.patch)
+        self._helper = HelperProcess("live.bridges.lamps.dmx_output", clock, self._plan, self._on_start)
 
     def start(self) -> None:
         """Start to send; raise PersonError for an unknown host."""
@@ -68,21 +65,35 @@ class DmxService:
         """Stop sending."""
         self._helper.stop()
 
+    def update_patch(self, patch: Patch) -> None:
+        """Use the channels of another patch."""
+        rows = patch.read_tables(DmxTables).dmx
+        channels = [row.dmx_channel for row in rows] or list(DEFAULT_CHANNELS)
+        self._addresses = {channel.sends for channel in channels} | {"/dance/blackout"}
+        self._plan["channels"] = [astuple(each) for each in channels]
+        self._channels_sent = False
+        self._unsent = self._used_values(self._values)
+
     def publish(self, changes: Changes) -> None:
         """Queue the changed values that a channel uses."""
-        mine = {address: rows for address, rows in changes.items() if address in self._addresses}
-        self._values.update(mine)
-        self._unsent.update(mine)
+        self._values.update(changes)
+        self._unsent.update(self._used_values(changes))
+
+    def _used_values(self, values: Changes) -> dict[str, Any]:
+        return {address: rows for address, rows in values.items() if address in self._addresses}
 
     def _on_start(self) -> None:
         self._outgoing.reset()
-        self._unsent = dict(self._values)
+        self._channels_sent = True  # they are in the plan
+        self._unsent = self._used_values(self._values)
 
     def frame(self) -> None:
         """Send changed values and positions, after each frame."""
         self._helper.frame()
         for told in self._outgoing.frame(self._engine.view):
             self._helper.send(told)
+        if not self._channels_sent:
+            self._channels_sent = self._helper.send(("channels", self._plan["channels"]))
         if self._unsent:
             some = {address: self._unsent[address] for address in list(self._unsent)[:VALUES_PER_PACKET]}
             if self._helper.send(("values", some)):
