@@ -230,13 +230,11 @@ def _resolve_port(
         return of_venue or of_patch
     try:
         return find_port(direction, option_value, schemes)
-    except UnknownPort as error:
+    except (UnknownPort, MidiUnavailable) as error:
+        command = "live devices" if isinstance(error, UnknownPort) else "live doctor"
         addresses = ", ".join(f"{scheme}:" for scheme in schemes)
-        raise PersonError(
-            f"{option} {option_value!r}: {error}", f"see `live devices`; addresses begin with {addresses}"
-        ) from None
-    except MidiUnavailable as error:
-        raise PersonError(f"{option} {option_value!r}: {error}", "see `live doctor`") from None
+        remedy = f"see `{command}`; addresses begin with {addresses}"
+        raise PersonError(f"{option} {option_value!r}: {error}", remedy) from None
 
 
 class MidiFileService:
