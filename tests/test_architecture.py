@@ -152,6 +152,7 @@ _OWN_NAMES = {
     "live/cli/bench.py",
     "live/app/processes/warm_standby.py",
     "live/app/machine/kernel_warmup.py",
+    "live/library/motion_formats.py",
 }
 """Files that import by names from the program itself, or from the command line of a benchmark."""
 

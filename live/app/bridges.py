@@ -19,10 +19,13 @@ if TYPE_CHECKING:
     from typer import Typer
 
     from live.base.event_queue import PriorityQueue
+    from live.clock.midi.midi_clock import MessageClock
     from live.clock.time_source import Clock
     from live.control.events.events import ControlEvent
+    from live.control.midi.midi_streams import Opener
     from live.show.engine import Engine
     from live.show.loader import LoadedShow
+    from live.show.patch.patch import Patch
     from live.show.patch.section_base import Section
     from live.show.venue.venue import Venue
 
@@ -70,6 +73,11 @@ def no_services(context: ServiceContext[Any]) -> Mapping[str, Service]:
     return {}
 
 
+def no_clocks(patch: "Patch", beats_per_measure: int) -> "Mapping[str, MessageClock]":
+    """Clocks of a bridge that makes none."""
+    return {}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bridge:
     """An optional input or output. Its functions import what is heavy themselves."""
@@ -83,6 +91,10 @@ class Bridge:
     """The same for a venue."""
     services: Callable[[ServiceContext[Any]], Mapping[str, Service]] = no_services
     """Makes its services, not started, by their names in the status; PersonError if that is not possible."""
+    midi_schemes: "Callable[[], Mapping[str, Opener]]" = dict
+    """Returns the openers of MIDI ports that it adds, by the scheme of their names."""
+    midi_clocks: "Callable[[Patch, int], Mapping[str, MessageClock]]" = no_clocks
+    """Makes the clocks of one MIDI input for a patch and its beats per measure, by the clock source that each is."""
     commands: "Callable[[], Mapping[str, Command]]" = dict
     """Returns the commands that it adds to the command line."""
 
@@ -102,6 +114,15 @@ class InstalledBridges:
     def venue_tables(self) -> tuple["type[Section]", ...]:
         """Return the sections whose fields are the tables that bridges add to a venue."""
         return tuple(bridge.venue_tables() for bridge in self.bridges if bridge.venue_tables is not None)
+
+    def midi_schemes(self) -> "Mapping[str, Opener]":
+        """Return the openers of MIDI ports that bridges add, by the scheme of the ports' names."""
+        return {scheme: opener for bridge in self.bridges for scheme, opener in bridge.midi_schemes().items()}
+
+    def midi_clocks(self, patch: "Patch", beats_per_measure: int) -> "Mapping[str, MessageClock]":
+        """Make the clocks that bridges make of one MIDI input's messages, by the clock source that each is."""
+        made = (bridge.midi_clocks(patch, beats_per_measure) for bridge in self.bridges)
+        return {source: clock for clocks in made for source, clock in clocks.items()}
 
     def notes(self, loaded: "LoadedShow", venue: "Venue | None") -> list[str]:
         """Return a line for each bridge that fails, and for each table of patch or venue that no bridge reads."""

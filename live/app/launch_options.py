@@ -65,8 +65,8 @@ class LaunchOptions:
         MUSIC, metavar="follow|lead|off", parse=lambda text, name: check_choice(text, name, "follow", "lead", "off"),
     )  # fmt: skip
     midi: str | None = option(
-        None, "A MIDI port to listen to (see `live devices`): clock, time code, pedals and keys; tcp:HOST:PORT, "
-        "rtp:HOST:PORT, raw:PATH; or off.", MUSIC, metavar="NAME",
+        None, "A MIDI port to listen to (see `live devices`): clock, pedals and keys; tcp:HOST:PORT, raw:PATH "
+        "and others (docs/midi.md); or off.", MUSIC, metavar="NAME",
     )  # fmt: skip
     midi_file: Path | None = option(
         None, "A MIDI file: its tempo map leads the beat, its notes move the dance and trigger what the map says.",

@@ -10,8 +10,6 @@ from typing import Any, Final
 from live.base.errors import PersonError
 
 MAX_PICTURE_SIZE = 8192
-EXPORT_ENDINGS = (".bvh", ".glb", ".vrma")
-"""Motion files that can be written."""
 
 
 def parse_size(text: str) -> tuple[int, int]:

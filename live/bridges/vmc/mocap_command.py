@@ -10,7 +10,7 @@ app = typer.Typer(help="Live motion capture (docs/mocap.md).", no_args_is_help=T
 
 @app.command("send")
 def send(
-    file: Annotated[Path, typer.Argument(help="A .bvh, .amc, .glb, .gltf, .vrm, .vrma or AMASS .npz file.")],
+    file: Annotated[Path, typer.Argument(help="A motion file of any format (docs/steps.md).")],
     to: Annotated[
         str, typer.Option("--to", help="The show's VMC address (`--vmc`).", metavar="[HOST:]PORT")
     ] = "127.0.0.1:39539",

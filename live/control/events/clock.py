@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated
 
+from live.clock.follower.clock_source import PRIORITY
 from live.clock.timeline import METRE_MAX, METRE_MIN, TEMPO_MAX_BPM, TEMPO_MIN_BPM
 from live.control.events.event import ControlEvent
 from live.control.registry.command import command
@@ -73,7 +74,7 @@ class CountIn(ControlEvent):
 class ChooseSource(ControlEvent):
     """Selects the clock source; it takes over at a measure line, once it is available."""
 
-    name: Annotated[str, Argument.label('"auto", or one of link, midi, mtc, audio, tap, internal')] = "auto"
+    name: Annotated[str, Argument.label(f'"auto", or one of {", ".join(PRIORITY)}')] = "auto"
 
 
 @command("/dance/blackout", "operator", value=1, start=(False,))

@@ -5,6 +5,7 @@ from typing import Annotated, Final, Literal
 from pydantic import Field, ValidationInfo, model_validator
 
 from live.base.motion_parameters import MOTION_KEYS
+from live.clock.follower.clock_source import PRIORITY, SourceName
 from live.show.patch.section_base import Section, run_check
 
 
@@ -28,8 +29,6 @@ class SoundSection(Section):
     """The sound of a tap shoe for each foot that lands."""
 
 
-SourceName = Literal["link", "midi", "mtc", "audio", "tap", "internal"]
-PRIORITY: Final[tuple[SourceName, ...]] = ("link", "midi", "mtc", "audio", "tap", "internal")
 Bpm = Annotated[float, Field(ge=20, le=400)]
 
 
@@ -40,14 +39,7 @@ class ClockSection(Section):
     """Tempo of the internal clock."""
     beats_per_measure: Annotated[int, Field(ge=1, le=16)] = 4
     """Beats of a measure; the same for all steps."""
-    priority: Annotated[tuple[SourceName, ...], Field(max_length=6)] = (
-        "link",
-        "midi",
-        "mtc",
-        "audio",
-        "tap",
-        "internal",
-    )
+    priority: Annotated[tuple[SourceName, ...], Field(max_length=len(PRIORITY))] = PRIORITY
     """Sources in order of priority; a source left out is followed only if it is selected by hand."""
     tempo_range: tuple[Bpm, Bpm] = (40.0, 240.0)
     """Music outside this range [bpm] is danced at half or double tempo."""

@@ -3,7 +3,6 @@
 import random
 
 from live.base.event_queue import EventQueue
-from live.clock.midi.time_code import TimeCodeClock
 from live.clock.note_energy import NoteEnergy
 from live.clock.time_source import ManualClock
 from live.control.events.events import Blackout, ControlEvent, Go, SetParameter, Tap
@@ -32,9 +31,7 @@ def test_mutated_bytes_leave_every_decoder_working() -> None:
     rng = random.Random(12)
     inbox: EventQueue[ControlEvent] = EventQueue()
     midi_map = MidiMap(BINDINGS)
-    listens = MidiInput(
-        "box", inbox, ManualClock(), midi_map=midi_map, notes=NoteEnergy(), time_code=TimeCodeClock(tempo=120.0)
-    )
+    listens = MidiInput("box", inbox, ManualClock(), midi_map=midi_map, notes=NoteEnergy())
     good = bytes.fromhex(
         "fa f8 90 24 40 25 41 f8 b0 07 10 11 b0 63 00 b0 62 05 06 40 26 01 e0 00 40 f8 d0 30 c0 03 f1 05 f2 01 02"
         "fb fc fe f0 7f 7f 01 01 21 02 03 04 f7 b0 01 40 21 03 80 24 00 ff"

@@ -5,9 +5,9 @@ import re
 import numpy as np
 import pytest
 
+from live.bridges.acclaim.acclaim_motion import parse_amc
+from live.bridges.acclaim.acclaim_skeleton import AcclaimSkeleton, parse_asf
 from live.motion import quaternion
-from live.motion.formats.acclaim_motion import parse_amc
-from live.motion.formats.acclaim_skeleton import AcclaimSkeleton, parse_asf
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_axes import body_height, find_unit, leg_length, standing_pose
 from live.motion.formats.source_motion import SourceMotion
@@ -136,7 +136,7 @@ def rows_matrix(x: float, y: float, z: float) -> np.ndarray:
     about_x = np.array(((1, 0, 0), (0, a, d), (0, -d, a)))
     about_y = np.array(((b, 0, -e), (0, 1, 0), (e, 0, b)))
     about_z = np.array(((c, f, 0), (-f, c, 0), (0, 0, 1)))
-    return about_x @ about_y @ about_z
+    return np.asarray(about_x @ about_y @ about_z)
 
 
 def bone_ends_by_formula(asf: str, amc: str, frame: int) -> dict[str, np.ndarray]:
@@ -195,6 +195,7 @@ def test_body_of_subject_49_is_measured(name: str) -> None:
     world, up = standing_pose(motion, body, None)
     leg = leg_length(body, world.positions)
     assert up == "Y"
+    assert motion.unit_m is not None
     assert motion.unit_m == pytest.approx(find_unit(leg))
     assert 1.6 < body_height(leg) * motion.unit_m < 1.9
     lowest = world.positions[..., 1].min(axis=1) * motion.unit_m
@@ -220,7 +221,7 @@ def turn_axes(rotation: np.ndarray, least: float) -> np.ndarray:
     """Unit axes, on the side of +x, of the rotations (T, 4) that exceed `least` degrees."""
     axes = rotation[:, 1:] * np.sign(rotation[:, :1])
     axes = axes[np.linalg.norm(axes, axis=-1) > np.sin(np.radians(least / 2))]
-    return quaternion.unit(axes) * np.sign(axes[:, :1])
+    return np.asarray(quaternion.unit(axes) * np.sign(axes[:, :1]))
 
 
 @pytest.mark.shared

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from live.base.fault_isolation import keep_running
-from live.control.midi.midi_streams import RTP, Direction, MidiTokenizer, Receive, parse_address
+from live.control.midi.midi_streams import Direction, MidiTokenizer, Receive, parse_address
 from live.control.osc.osc_subscriptions import is_local_network
 
 SocketAddress = tuple[str, int]
@@ -242,7 +242,7 @@ class RtpPort:
         """Bind both sockets; OSError, or ValueError for an invalid address."""
         host, port = parse_address(name)
         if direction == "output":
-            raise ValueError(f"{RTP} is for input only: name a MIDI port or tcp:HOST:PORT")
+            raise ValueError("rtp: is for input only: name a MIDI port or tcp:HOST:PORT")
         if port == 65535:
             raise ValueError(f"{name!r}: the next port is needed, too; choose a lower one")
         self.name = name

@@ -6,8 +6,11 @@ import struct
 
 import pytest
 
-from live.control.midi.midi_ports import open_port
-from live.control.midi.rtp_midi import MAX_SESSIONS, SESSION_TIMEOUT, BadPacket, RtpMidi, RtpPort, midi_bytes
+from live.app.bridges import installed_bridges
+from live.base.fault_isolation import FAULTS
+from live.bridges.rtp_midi.rtp_midi import MAX_SESSIONS, SESSION_TIMEOUT, BadPacket, RtpMidi, RtpPort, midi_bytes
+from live.control.midi.midi_ports import MidiUnavailable, UnknownPort, find_port, open_port
+from tests.control.midi.test_threads_go_on import FirstCallFailure
 from tests.control.waiting import wait_for
 
 MAC = ("192.168.1.7", 50_000)
@@ -163,7 +166,7 @@ def test_session_runs_over_sockets() -> None:
             probe.bind(("127.0.0.1", 0))
             number = probe.getsockname()[1]
         try:
-            port = open_port("input", f"rtp:127.0.0.1:{number}")
+            port = open_port("input", f"rtp:127.0.0.1:{number}", installed_bridges().midi_schemes())
             break
         except OSError:
             continue
@@ -183,4 +186,29 @@ def test_session_runs_over_sockets() -> None:
     port.close()
     assert not port.exists
     with pytest.raises(ValueError, match="is for input only"):
-        open_port("output", f"rtp:127.0.0.1:{number}")
+        open_port("output", f"rtp:127.0.0.1:{number}", installed_bridges().midi_schemes())
+
+
+def test_thread_survives_exception(monkeypatch: pytest.MonkeyPatch) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        number = free.getsockname()[1] & ~1
+    before = FAULTS.total
+    port = RtpPort("input", f"rtp:127.0.0.1:{number}")
+    handle = FirstCallFailure(port.protocol.handle)
+    monkeypatch.setattr(port.protocol, "handle", handle)
+    port.listen(lambda message: None)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+        out.sendto(b"\xff\xff nonsense", ("127.0.0.1", number))
+        assert wait_for(lambda: FAULTS.total == before + 1, 5.0)
+        out.sendto(b"\xff\xff nonsense", ("127.0.0.1", number))
+        assert wait_for(lambda: handle.calls == 2, 5.0)
+    assert port.exists
+    port.close()
+
+
+def test_name_is_unknown_without_this_bridge() -> None:
+    name = "rtp:127.0.0.1:5004"
+    assert find_port("input", name, installed_bridges().midi_schemes()) == name
+    with pytest.raises((UnknownPort, MidiUnavailable)):
+        find_port("input", name)

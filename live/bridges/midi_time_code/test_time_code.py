@@ -1,12 +1,21 @@
-"""MIDI time code, against a generator that counts frames one by one."""
+"""MIDI time code, against a generator that counts frames one by one; and as a clock source of the show."""
 
 import math
+import random
 from collections.abc import Iterator
 
 import pytest
 
+from live.app.bridges import installed_bridges
+from live.base.event_queue import EventQueue
+from live.bridges.midi_time_code.time_code import FRAMES, SPEEDS, TimeCodeClock, frame_number
+from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.midi.midi_clock import ClockBeat, ClockEvent, ClockState
-from live.clock.midi.time_code import FRAMES, SPEEDS, TimeCodeClock, frame_number
+from live.clock.time_source import ManualClock
+from live.control.events.events import BeatHeard, ControlEvent, SourceChanged
+from live.control.midi.midi_input import MidiInput
+from live.control.midi.midi_streams import MidiTokenizer
+from live.show.patch.patch_reader import parse_patch
 
 Time = tuple[int, int, int, int]
 
@@ -126,3 +135,77 @@ def test_reversed_time_code_gives_no_beats() -> None:
     feed(clock, there)
     beats = [item for item in feed(clock, back)[20:] if isinstance(item, ClockBeat)]
     assert beats == []
+
+
+def show_input(extra: str, *, bridged: bool = True) -> tuple[MidiInput, EventQueue[ControlEvent]]:
+    """An input of a show whose patch has these lines, with this bridge or without any, and its events."""
+    patch = parse_patch(
+        f"""name = "test"\n{extra}\n[[group]]\nname = "all"\ndancers = 1\nsteps = ["walk"]""", "test.toml"
+    )
+    inbox: EventQueue[ControlEvent] = EventQueue()
+    clocks = installed_bridges().midi_clocks(patch, 4) if bridged else {}
+    return MidiInput("box", inbox, ManualClock(), clocks=clocks), inbox
+
+
+@pytest.mark.parametrize(("extra", "bpm"), [("[midi]\ntime_code_bpm = 90", 90.0), ("[clock]\nbpm = 150", 150.0)])
+def test_time_code_is_the_source_mtc(extra: str, bpm: float) -> None:
+    listens, inbox = show_input(extra)
+    listens.beats_per_measure = 3
+    for time, message in quarter_frames(1, (0, 0, 1, 0), 400):
+        listens.decode(message, time)
+    listens.advance(9.0)
+    events = inbox.drain()
+    assert {event.source for event in events} == {"mtc"}
+    states = [event.state for event in events if isinstance(event, SourceChanged)]
+    assert states == ["found", "lost"]
+    beats = [event for event in events if isinstance(event, BeatHeard)]
+    assert beats[-1].period == pytest.approx(60.0 / bpm, rel=1e-3)
+    assert {event.beats_per_measure for event in beats} == {3}
+
+
+def test_offset_of_the_patch_is_the_first_measure() -> None:
+    listens, inbox = show_input("[midi]\ntime_code_bpm = 120\ntime_code_offset_s = 3600")
+    for time, message in quarter_frames(3, (1, 0, 0, 0), 200):
+        listens.decode(message, time)
+    first = next(event for event in inbox.drain() if isinstance(event, BeatHeard))
+    assert (first.measure, first.jump) == (0, True)
+
+
+def test_time_code_without_this_bridge_is_ignored() -> None:
+    listens, inbox = show_input("[midi]\ntime_code_bpm = 90", bridged=False)
+    for time, message in quarter_frames(1, (0, 0, 1, 0), 400):
+        listens.decode(message, time)
+    listens.decode((0xF0, 0x7F, 0x7F, 1, 1, 0x21, 2, 3, 4, 0xF7), 9.0)
+    listens.advance(9.0)
+    assert inbox.drain() == []
+    assert listens.status()["bad"] == 0
+
+
+def test_follower_knows_the_source_of_an_old_journal() -> None:
+    """A journal in which time code led replays without this folder: the beats are events of it."""
+    follower = TimelineFollower(tempo=120.0)
+    assert follower.states["mtc"] == "absent"
+    follower.select_source("mtc")
+    for number in range(40):
+        now = number * 0.4
+        follower.observe(now + 0.4, 0.4, 1.0, now, source="mtc", beat=number % 4, beats_per_measure=4)
+        follower.advance(now)
+    assert (follower.source, follower.rejected) == ("mtc", 0)
+    assert follower.tempo == pytest.approx(150.0)
+
+
+def test_mutated_bytes_leave_the_decoder_working() -> None:
+    rng = random.Random(12)
+    listens, _ = show_input("")
+    good = bytes.fromhex("f8 f1 05 f1 10 f1 21 f0 7f 7f 01 01 21 02 03 04 f7 f1 32 f1 43 f1 50 f1 60 f1 72")
+    cutter, time = MidiTokenizer(), 0.0
+    for turn in range(400):
+        data = bytearray(good)
+        for _ in range(turn % 12):
+            data[rng.randrange(len(data))] = rng.randrange(256)
+        for message in cutter.feed(data):
+            time += rng.choice((0.0, 0.001, 0.02))
+            listens._decode_safely(message, time)
+        listens._advance_safely(time)
+    assert (listens.failed, listens.failure) == (0, "")
+    assert listens.messages > 3000

@@ -1,13 +1,15 @@
 """Reader for Acclaim skeleton files (.asf): :units, :root, :bonedata and :hierarchy, as the CMU library writes them."""
 
 import math
+import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.formats.file_error import MotionFileError, iterate_lines, quoted, read_number
+from live.motion.formats.file_error import MotionFileError, count_line_ends, quoted, read_number
 from live.motion.quaternion import euler_to_quaternion
 
 Float64 = npt.NDArray[np.float64]
@@ -44,6 +46,36 @@ class AcclaimSkeleton:
     def unit_m(self) -> float:
         """Metres per unit, with `length` as the CMU uses it: units per inch."""
         return METRES_PER_INCH / self.length
+
+
+LINE_LIMIT: Final = 100_000
+"""Maximum characters per line."""
+_BLANK_OR_COMMENT: Final = re.compile(rb"(?>\s++|#[^\r\n]*+)*+")
+"""Whitespace and comments; possessive quantifiers avoid backtracking."""
+_END: Final = re.compile(rb"[\r\n]")
+
+
+def iterate_lines(data: bytes, file: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield number (from 1) and words of each non-empty line; text after a # is ignored.
+
+    Raises MotionFileError for lines of over 100,000 characters.
+    """
+    place, number = 0, 1
+    while True:
+        nothing = _BLANK_OR_COMMENT.match(data, place)
+        start = nothing.end() if nothing else place
+        number += count_line_ends(data, place, start)
+        place = start
+        if place == len(data):
+            return
+        following = _END.search(data, place)
+        end = following.start() if following else len(data)
+        if end - place > LINE_LIMIT:
+            raise MotionFileError(file, number, f"a line of {end - place} letters", "an ASF or AMC file expected")
+        words = data[place:end].decode("utf-8", errors="replace").split("#", 1)[0].split()
+        if words:
+            yield number, words
+        place = end
 
 
 Vector = tuple[float, float, float]

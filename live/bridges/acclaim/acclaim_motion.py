@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
+from live.bridges.acclaim.acclaim_skeleton import AcclaimSkeleton, Float64, iterate_lines
 from live.motion import quaternion
-from live.motion.formats.acclaim_skeleton import AcclaimSkeleton, Float64
-from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, iterate_lines, quoted, read_number
+from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, quoted, read_number
 from live.motion.formats.file_report import VALUE_LIMIT, refuse_too_large
 from live.motion.formats.source_motion import FileWarning, SourceMotion
 from live.motion.quaternion import euler_to_quaternion
