@@ -13,7 +13,6 @@ from live.show.circuit_breakers import Stage, describe_tripped
 from live.show.dancers.step_requests import STEP_REQUEST_EVENTS
 from live.show.desk.light_desk import DESK_EVENTS
 from live.show.desk.undo_history import EDITED_PARTS
-from live.show.group.elements import ELEMENT_EVENTS
 from live.show.group.group_commands import GROUP_EVENTS
 from live.show.score.score_runner import SCORE_EVENTS
 from live.show.sound.clock_commands import CLOCK_EVENTS, apply_clock_event
@@ -127,7 +126,7 @@ class EventDispatcher(HotSwap):
             self._handle(change)
 
     def _handle_element(self, event: Any) -> None:
-        """Place the element of an event (`ELEMENT_EVENTS`) now, or at the next measure line."""
+        """Place the element of an event now, or at the next measure line."""
         try:
             self.motion.elements.handle(
                 event, beat=self.timeline.beat_at(self.time), next_line=self.span.end,
@@ -182,7 +181,7 @@ class EventDispatcher(HotSwap):
             self.refusals.add(f"{event.source}: {words}")
 
     _HANDLER_GROUPS: ClassVar = (
-        (ELEMENT_EVENTS, _handle_element), (FLOOR_AND_DESK, _handle_control), (CLOCK_EVENTS, _handle_clock),
+        ((events.PlaceElement,), _handle_element), (FLOOR_AND_DESK, _handle_control), (CLOCK_EVENTS, _handle_clock),
         (MOCAP_EVENTS, _handle_mocap),
         (STEP_REQUEST_EVENTS, _handle_direction), (SCORE_EVENTS, _handle_score), (AUDIENCE_EVENTS, _handle_audience),
     )  # fmt: skip

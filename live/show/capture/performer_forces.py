@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from live.clock.timeline import Timeline
-from live.control.events.elements import Attract, Repel
+from live.control.events.elements import PlaceElement
 from live.control.events.groups import Performer
 from live.show.capture.performer import HOLD_S, CapturedPerformer
 from live.show.group.group_motion import GroupMotion
@@ -41,10 +41,9 @@ class PerformerForces:
             elements.end_source(source, beat)
             captured.attraction_sign = sign
         if sign and self._tick % ATTRACT_INTERVAL_TICKS == 0:
-            kind = Attract if sign > 0.0 else Repel
-            event = kind(
-                time=time, source=source, x=x, z=z, strength=abs(captured.attract), measures=MAX_ATTRACT_MEASURES,
-                group=captured.attracts, drag=True,
+            event = PlaceElement(
+                time=time, source=source, kind="attract" if sign > 0.0 else "repel", points=((x, z),),
+                strength=abs(captured.attract), measures=MAX_ATTRACT_MEASURES, group=captured.attracts, drag=True,
             )  # fmt: skip
             elements.handle(
                 event, beat=beat, next_line=next_line, beats_per_measure=timeline.beats_per_measure,

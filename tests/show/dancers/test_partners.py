@@ -55,7 +55,12 @@ def script():
     """A scene that travels and turns: attractors at several places and changed headings."""
     places = [(-3.0, 1.0), (3.0, -1.5), (0.0, 2.0), (2.5, 2.0)]
     for n, (x, z) in enumerate(places):
-        yield n * 8.0, events.Attract(time=n * 8.0, source="test", x=x, z=z, strength=0.7, measures=3.0)
+        yield (
+            n * 8.0,
+            events.PlaceElement(
+                time=n * 8.0, source="test", kind="attract", points=((x, z),), strength=0.7, measures=3.0
+            ),
+        )
     for n, degrees in enumerate((60, -45, 150)):
         yield 4.0 + n * 9.0, events.SetFacing(time=0.0, source="test", facing=str(degrees), group="couples")
 
