@@ -12,7 +12,7 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Bytes = npt.NDArray[np.uint8]
 
-_VX, _VZ, _FIRM = 0, 1, 6  # columns of Wants.rows
+_VX, _FIRM = 0, 6  # columns of Wants.rows
 
 
 @inline_kernel

@@ -161,10 +161,6 @@ class Repertoire:
         """Return a copy with this drawn path added or replaced."""
         return replace(self, paths={**self.paths, name: np.asarray(polyline, np.float64)})
 
-    def with_intention(self, name: str, intention: Intention) -> "Repertoire":
-        """Return a copy with this intention added or replaced."""
-        return replace(self, intentions={**self.intentions, name: intention})
-
     def formation(self, name: str, count: int) -> FormationLike:
         """Return the formation of this name for `count` dancers, or raise a PersonError that lists the names."""
         if name not in self.formations:
@@ -238,8 +234,3 @@ def in_canon(segment: Segment, groups: Sequence[str], beats: float) -> tuple[Seg
         replace(segment, group=group, delay=segment.delay + delay)
         for group, delay in zip(groups, canon_delays(len(groups), beats), strict=True)
     )
-
-
-def in_mirror(segment: Segment, group: str, line: Line | None = None) -> tuple[Segment, Segment]:
-    """Return the motion and its mirror image by another group, about `line` (default: middle of the stage)."""
-    return segment, replace(segment, group=group, mirror=line or Line())

@@ -44,27 +44,6 @@ def resample_polyline(polyline: npt.ArrayLike, knots: int = KNOTS) -> Float64:
     return np.stack([np.interp(at, length, points[:, 0]), np.interp(at, length, points[:, 1])], axis=1)
 
 
-def svg_path(data: str, *, metres_per_unit: float = 1.0, knots: int = 257) -> Float64:
-    """Return an SVG path (the text of its attribute d) as a polyline (N, 2) [m]; down in the drawing is downstage."""
-    import svgpathtools
-
-    try:
-        path = svgpathtools.parse_path(data)
-        lengths = [segment.length() for segment in path]
-    except Exception as error:  # svgpathtools raises many exception types for malformed data
-        raise PersonError(f"SVG path {data[:40]!r} cannot be read: {error}") from error
-    if not path or not 0.0 < sum(lengths) < np.inf:
-        raise PersonError(f"SVG path {data[:40]!r} draws nothing")
-    points: list[complex] = []
-    for segment, length in zip(path, lengths, strict=True):
-        share = max(2, round(knots * length / sum(lengths)))
-        points.extend(segment.point(t) for t in np.linspace(0.0, 1.0, share))
-    flat = np.array([[point.real, point.imag] for point in points]) * metres_per_unit
-    if not np.isfinite(flat).all():
-        raise PersonError(f"SVG path {data[:40]!r} has points that are not finite")
-    return flat
-
-
 def parallel_paths(polyline: npt.ArrayLike, start: npt.ArrayLike, knots: int = KNOTS) -> Float32:
     """Return paths on which each dancer follows the drawn path from their own place, shape (D, knots, 2).
 
