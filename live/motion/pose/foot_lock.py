@@ -16,8 +16,6 @@ from live.motion.pose.foot_lock_kernels import (
     FOLLOWED_COLUMNS,
     HELD,
     LOCK_COLUMNS,
-    SHIFT_X,
-    SHIFT_Z,
     extrapolate_feet,
     farthest_shift,
     pop_slide,
@@ -49,11 +47,6 @@ class FootLock:
     def max_shift(self) -> float:
         """Largest shift of any foot along x or z [m]."""
         return farthest_shift(self.state)
-
-    def held_shift(self) -> npt.NDArray[np.float64]:
-        """Return the shift x, z [m] of each held foot from its clip's position, 0 for free feet, shape (A, 2, 2)."""
-        shift = self.state[:, :, (SHIFT_X, SHIFT_Z)].astype(np.float64)
-        return np.ascontiguousarray(shift * self.state[:, :, HELD, None])
 
     def pop_slide(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Return each dancer's foot slide [m] during clip contact, and its duration [s], since the last call, (A,)

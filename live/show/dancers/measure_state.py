@@ -7,7 +7,6 @@ from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import own_end, take_placement, turn_vectors
 from live.graph.takes import NO_TAKE
 from live.motion.pose.gather_kernels import same_measures
-from live.motion.pose.root_warp_kernels import redirect_dancers
 from live.motion.pose.turn_kernels import end_dancers, place_dancers
 
 Float32 = npt.NDArray[np.float32]
@@ -93,22 +92,6 @@ class MeasureState:
             self.graph.node_turns,
             self.graph.node_warp_curve,
             self.on_support,
-        )
-
-    def re_aim(self, correction: Float64, phase: Float64) -> None:
-        """Change the corrections to `correction` (A, 2) [m] from `phase` (A,) of the measures on.
-
-        Positions stay continuous, and velocities too if `correction` changes smoothly from call to call. Dancers in
-        the last MIN_REMAINING_WARP of their warp curve keep their correction.
-        """
-        redirect_dancers(
-            self.correction,
-            self.aim_origin,
-            correction,
-            phase,
-            self.node,
-            self.graph.node_warp_curve,
-            MIN_REMAINING_WARP,
         )
 
     def replace_node(self, rows: Int32, node: Int32, placement: Float64) -> None:

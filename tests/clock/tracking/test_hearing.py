@@ -7,9 +7,9 @@ import pytest
 
 from live.clock.tracking.beat_network import DELAY, Activation, ActivationStream, BeatNetwork, NetworkWeights
 from live.clock.tracking.features import HOP, Samples
-from live.clock.tracking.onset_strength import OnsetActivation
 from tests.clock.clicks import clicks, groove
 from tests.clock.tracking.made_weights import random_weights
+from tests.clock.tracking.plain_onsets import OnsetActivation
 
 RATE = 44_100
 

@@ -12,7 +12,6 @@ from live.graph.search.path_following import (
     Targets,
     along_headings,
     follow_line,
-    join_targets,
     read_path,
     smooth_headings,
     smoothed,
@@ -95,18 +94,6 @@ def test_standing_dancer_keeps_last_heading():
     heading = along_headings(np.array([(0, 0), (0, 0), (1, 0), (1, 0), (1, 1)], np.float64))
     np.testing.assert_allclose(np.degrees(heading), [90, 90, 90, 90, 0])
     assert along_headings(np.zeros((4, 2))).tolist() == [0, 0, 0, 0]
-
-
-def test_joined_paths_are_continuous():
-    first = follow_line([(0, 0), (2, 0)], 2, facing=(0.0, math.radians(170)))
-    second = follow_line([(2, 0), (2, 4)], 4, facing=(math.radians(-170), math.radians(-90)))
-    both = join_targets([first, second])
-    assert both.measures == 6
-    np.testing.assert_allclose(both.place[2:], second.place)
-    assert np.degrees(both.heading[-1]) == pytest.approx(270.0)
-    assert np.abs(both.turns).max() < math.pi
-    with pytest.raises(ValueError, match="no paths"):
-        join_targets([])
 
 
 def test_smoothed_targets_keep_places():

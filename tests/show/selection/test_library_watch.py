@@ -7,7 +7,7 @@ import pytest
 
 from live.control.events import events
 from live.show.journal.journal import read_journal
-from live.show.journal.replay import ReplayError, fresh_show, replay
+from live.show.journal.replay import ReplayError, first_start, load_journal, replay
 from live.show.loader import load_show
 from live.show.selection.graph_update import LibraryWatch, same_clip
 from tests.show.patch.edited_night import STEPS, JournaledShow, write_patch_folder
@@ -31,6 +31,11 @@ steps = ["groove"]
 def patch(tmp_path):
     """A show with a folder of two steps of its own; others come from the project, under other names."""
     return write_patch_folder(tmp_path, PATCH)
+
+
+def fresh_show(journal):
+    """A fresh show of the journal's patch, steps and seed."""
+    return first_start(journal, load_journal(journal)).show
 
 
 def add_step(patch, name="new bow"):
