@@ -245,8 +245,6 @@ class ProcessManager:
 
     def __init__(self) -> None:
         self.selector = selectors.DefaultSelector()
-        self.last_stall = time.monotonic()
-        """When this process itself last stalled: silence before that does not mean death."""
         self.load = MachineLoad(ROUND)
         """Load of the machine."""
         self._read_at = 0.0
@@ -262,8 +260,6 @@ class ProcessManager:
         for key, _ in ready:
             key.data()
         now = time.monotonic()
-        if now - before > MAX_ROUND:
-            self.last_stall = now
         if now >= self._read_at:
             self._read_at = now + READ_EVERY
             self.load.record_reading(now, read_machine())

@@ -115,13 +115,6 @@ def test_steps_event_without_clips_is_refused(patch):
     assert "do not exist" in night.show.refusals.last_reason
 
 
-def test_watch_thread_starts_and_stops_twice(patch):
-    night = JournaledShow(patch)
-    night.library.start()
-    night.library.stop()
-    night.library.stop()
-
-
 def test_project_steps_are_not_watched():
     from live.show.patch.patch_search_path import DEFAULT_PATCH
 
