@@ -11,7 +11,7 @@ import numpy.typing as npt
 from live.agents.evolutions.facing import Facing, Orientation
 from live.agents.evolutions.slot_assignment import Cost, Fill
 from live.agents.evolutions.start_delays import TOGETHER, Ripple
-from live.agents.groups.roster import Line, canon_delays
+from live.agents.groups.roster import Line
 from live.base.errors import PersonError
 
 EVEN_TURN: Final = Orientation()
@@ -226,11 +226,3 @@ class Segment:
     def end_beat(self, measure_beats: float) -> float:
         """Return the beat at which all dancers have arrived."""
         return (self.start + self.measures) * measure_beats + self.delay
-
-
-def in_canon(segment: Segment, groups: Sequence[str], beats: float) -> tuple[Segment, ...]:
-    """Return the same motion for several groups, each `beats` later than the one before (T147)."""
-    return tuple(
-        replace(segment, group=group, delay=segment.delay + delay)
-        for group, delay in zip(groups, canon_delays(len(groups), beats), strict=True)
-    )

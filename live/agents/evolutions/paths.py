@@ -15,7 +15,7 @@ from live.agents.evolutions.evolution_kernels import (
     separate_paths,
     smooth_paths,
 )
-from live.agents.evolutions.incremental_assignment import Pieces, run_to_end
+from live.agents.evolutions.incremental_assignment import Pieces
 from live.agents.evolutions.trajectory import Locomotion
 from live.base.errors import PersonError
 
@@ -79,12 +79,6 @@ def single_file(polyline: npt.ArrayLike, start: npt.ArrayLike, *, gap: float = 0
     return np.ascontiguousarray(ways)
 
 
-def lengths(ways: npt.NDArray[np.floating]) -> Float64:
-    """Return the length of each path (D, K, 2) [m], shape (D,)."""
-    steps = np.diff(np.asarray(ways, np.float64), axis=1)
-    return np.asarray(np.hypot(steps[..., 0], steps[..., 1]).sum(axis=1))
-
-
 LEVELS = 6
 """Levels of subdivision: the times 1/2, then 1/4 and 3/4, ... down to 1/64 are examined."""
 SMOOTHING = 6
@@ -98,28 +92,6 @@ PAIRS_PER_PIECE = 200_000
 """Pair checks in one piece of work: about a millisecond."""
 
 
-def bend_paths(
-    locomotion: Locomotion,
-    clear: float,
-    *,
-    seed: int = 0,
-    rounds: int = ROUNDS,
-    smoothing: int = SMOOTHING,
-    randomness: float = DIRECTION_RANDOMNESS,
-    half: tuple[float, float] | None = None,
-) -> Locomotion:
-    """Bend paths so that dancers keep `clear` [m] between their centres where possible; same seed, same paths.
-
-    The round with the fewest colliding pairs is kept (the earliest of equals). The knots of the result lie at even
-    *times* and include the speeds of the input. `half` keeps paths on the stage [m]. Starts and goals stay.
-    """
-    return run_to_end(
-        bend_paths_in_pieces(
-            locomotion, clear, seed=seed, rounds=rounds, smoothing=smoothing, randomness=randomness, half=half
-        )
-    )
-
-
 def bend_paths_in_pieces(
     locomotion: Locomotion,
     clear: float,
@@ -130,7 +102,11 @@ def bend_paths_in_pieces(
     randomness: float = DIRECTION_RANDOMNESS,
     half: tuple[float, float] | None = None,
 ) -> Pieces[Locomotion]:
-    """The same as `bend_paths`, in pieces."""
+    """Bend paths so that dancers keep `clear` [m] between their centres where possible; same seed, same paths.
+
+    The round with the fewest colliding pairs is kept (the earliest of equals). The knots of the result lie at even
+    *times* and include the speeds of the input. `half` keeps paths on the stage [m]. Starts and goals stay.
+    """
     begin, end = locomotion.begin, locomotion.end
     beats = np.linspace(begin, end, 2**LEVELS + 1)
     count = locomotion.count

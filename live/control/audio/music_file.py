@@ -145,11 +145,6 @@ class OfflineMusic:
         if one_at is not None:
             self._analysis.set_downbeat(one_at)
 
-    @property
-    def ended(self) -> bool:
-        """Whether the music has ended (never, if it loops)."""
-        return self._ended
-
     def events_until(self, time: float) -> list[ControlEvent]:
         """Return the events from the last call up to `time` [s], in order."""
         events: list[ControlEvent] = []

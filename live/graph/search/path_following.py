@@ -57,11 +57,6 @@ class Targets:
         """Return the straight distance of each measure [m], shape (N,)."""
         return np.asarray(np.hypot(*np.diff(self.place, axis=0).T), np.float64)
 
-    @property
-    def turns(self) -> Float64:
-        """Return the rotation wanted in each measure, O(n) - O(n - 1) [rad], shape (N,) (T128)."""
-        return np.diff(self.heading)
-
 
 def read_path(text: str) -> Float64:
     """Parse the points (K, 2) of "x,z,x,z,…" [m]; semicolons and blanks may separate pairs. Raises PersonError."""

@@ -185,10 +185,6 @@ class Window:
         """Present the picture drawn into `target`."""
         self._glfw.swap_buffers(self._handle)
 
-    def messages(self) -> list[str]:
-        """Return GLFW's error messages since the last call; none are printed."""
-        return pop_messages()
-
     def toggle_fullscreen(self) -> None:
         """Switch to full screen on the monitor that shows most of the window, or back to the previous position."""
         if self._fullscreen:

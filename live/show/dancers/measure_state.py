@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.candidates import own_end, take_placement, turn_vectors
+from live.graph.select.candidates import own_end, turn_vectors
 from live.graph.takes import NO_TAKE
 from live.motion.pose.gather_kernels import same_measures
 from live.motion.pose.turn_kernels import end_dancers, place_dancers
@@ -104,10 +104,6 @@ class MeasureState:
         self.take[rows], self.take_share[:, rows] = NO_TAKE, 0.0
         if self._ends is not None:
             self._ends.replace_node(rows, node)
-
-    def take_placement(self, placement: Float64) -> Float64:
-        """Placements of the other takes' clips, (A, 4), for own clips at `placement` (A, 4)."""
-        return take_placement(self.graph, self.node, self.take, placement)
 
     def own_end(self) -> tuple[Float64, Float64]:
         """Hips (A, 2) [m] and heading (A,) [rad] at the measure's end in the clips' own axes, other takes included."""

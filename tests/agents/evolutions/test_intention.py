@@ -22,7 +22,6 @@ from live.agents.evolutions.intention import (
     Repertoire,
     Segment,
     Trajectory,
-    in_canon,
 )
 from live.agents.evolutions.planned_segment import MAX_LATE_CALLS
 from live.agents.evolutions.running_plan import MAX_IMMEDIATE_DANCERS, Plan
@@ -124,7 +123,8 @@ def test_single_file_keeps_gaps_along_path():
 
 
 def test_canon_is_delayed_and_mirror_is_reflected():
-    first, second = in_canon(Segment(Trajectory("curve"), measures=1), ["1-6", "7-12"], 2.0)
+    first = Segment(Trajectory("curve"), "1-6", measures=1)
+    second = replace(first, group="7-12", delay=2.0)
     running = plan(first, second)
     running.begin_measure(0, START, np.zeros(A))
     early = running.state_at(2.5).position[0] - START[0]
