@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from live.base.errors import PersonError
+from live.graph.step_library import plain_name
 from live.library.disk_cache import ClipCache
 from live.library.recording_file import no_steps_error, read_step_files
 from live.library.recordings import recorded_steps
@@ -56,11 +57,6 @@ def load_folder(directory: Path) -> list[StepClip]:
         raise no_steps_error(directory)
     sketched = sketched_steps(files.sketches) if files.sketches else []
     return unify_names(sketched + read_textured(files.sketches) + recorded_steps(files))
-
-
-def plain_name(name: str) -> str:
-    """Return a step's name in the form for comparison: casefolded, with single blanks for hyphens and underscores."""
-    return " ".join(name.replace("_", " ").replace("-", " ").casefold().split())
 
 
 def unify_names(steps: Sequence[StepClip]) -> list[StepClip]:

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.clip import Clip
+from live.motion.curve import smoothstep
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.forward_kinematics import forward_kinematics, local_rotations
 from live.motion.pose.foot_lock_kernels import (
@@ -131,15 +132,10 @@ class CutFootLift:
     def apply(self, feet: Float32, age: Float32) -> None:
         """Lift the feet in the columns CLEAR and ROUND of `feet` (A, 2, 9), `age` (A,) [s] after the cut."""
         up = (
-            _ease(age / LIFT_TIME)
-            * _ease((DESCENT_TIMES[1] - age) / (DESCENT_TIMES[1] - DESCENT_TIMES[0]))
+            smoothstep(age / LIFT_TIME)
+            * smoothstep((DESCENT_TIMES[1] - age) / (DESCENT_TIMES[1] - DESCENT_TIMES[0]))
             * (age < MAX_FADE_TIME)
         )
         lifted = self.lift * up[:, None].astype(np.float32)
         feet[:, :, CLEARANCE] = np.maximum(feet[:, :, CLEARANCE], lifted)
         feet[:, :, CLEARANCE_SOFTNESS] = np.maximum(feet[:, :, CLEARANCE_SOFTNESS], 0.3 * lifted)
-
-
-def _ease(t: Floats) -> Floats:
-    t = np.clip(t, 0.0, 1.0)
-    return np.asarray(t * t * (3.0 - 2.0 * t))
