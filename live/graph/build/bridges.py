@@ -80,6 +80,10 @@ class Bridge:
         return max(self.begin_cost, self.end_cost)
 
 
+STRETCH: Final = 0.15
+"""Largest share by which a bridge is shorter or longer than a measure."""
+
+
 def find_bridges(
     graph: MotionGraph,
     recordings: Sequence[PosedRecording],
@@ -87,17 +91,15 @@ def find_bridges(
     target: int,
     *,
     measure_s: float,
-    measures: int = 1,
-    stretch: float = 0.15,
     max_count: int = 5,
 ) -> list[Bridge]:
-    """Return the `max_count` best bridges of `measures` from step `source` to `target`, best first, without overlaps.
+    """Return the `max_count` best bridges of a measure from step `source` to `target`, best first, without overlaps.
 
-    `measure_s` is the length of a measure of the show [s]; a stretch that differs from it by up to the share `stretch`
-    is danced faster or slower. ValueError for lengths that are not positive or a stretch outside [0, 0.5].
+    `measure_s` is the length of a measure of the show [s]; a stretch that differs from it by up to the share `STRETCH`
+    is danced faster or slower. ValueError for a length that is not positive.
     """
-    if measure_s <= 0.0 or measures < 1 or not 0.0 <= stretch <= 0.5:
-        raise ValueError(f"bridges of {measures} measures of {measure_s} s, stretched by {stretch}: see the limits")
+    if measure_s <= 0.0:
+        raise ValueError(f"bridges for measures of {measure_s} s: more than 0 expected")
     library = graph.library
     frames = max(2, round(graph.window * measure_s * BASE_RATE) + 1)
     ends = np.flatnonzero((library.node_step == source) & (library.node_measure == library.node_measures - 1))
@@ -105,8 +107,8 @@ def find_bridges(
     metric = _metric(graph.rule.metric, frames)
     after = _windows(library, ends, library.node_last, graph.window, metric)
     before = _windows(library, begins, library.node_first, graph.window, metric)
-    length = measures * measure_s * BASE_RATE
-    lengths = np.arange(np.ceil(length * (1.0 - stretch)), np.floor(length * (1.0 + stretch)) + 1).astype(np.int64)
+    length = measure_s * BASE_RATE
+    lengths = np.arange(np.ceil(length * (1.0 - STRETCH)), np.floor(length * (1.0 + STRETCH)) + 1).astype(np.int64)
     if not len(lengths):
         lengths = np.array([round(length)])
     found: list[Bridge] = []

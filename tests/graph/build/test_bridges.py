@@ -126,7 +126,6 @@ def test_short_recordings_have_no_bridges(graph):
     assert len(PosedRecording.of(_recording(2.0, [(0.0, 1.0), (1.0, 1.0)])).floor) == 2 * BASE_RATE + 1
 
 
-@pytest.mark.parametrize("wrong", [{"measure_s": 0.0}, {"measures": 0}, {"stretch": 0.6}])
-def test_invalid_lengths_are_refused(graph, wrong):
-    with pytest.raises(ValueError, match="see the limits"):
-        find_bridges(graph, [], 0, 1, **({"measure_s": 2.0} | wrong))
+def test_invalid_length_is_refused(graph):
+    with pytest.raises(ValueError, match=r"measures of 0\.0 s"):
+        find_bridges(graph, [], 0, 1, measure_s=0.0)
