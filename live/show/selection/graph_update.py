@@ -20,7 +20,6 @@ from live.graph.motion_graph import MotionGraph
 from live.graph.select.selector import StepSelector
 from live.graph.step_library import StepLibrary
 from live.library.clip_text import clips_from_text, clips_to_text
-from live.library.step_folder import load_folder
 from live.motion.step_clip import StepClip
 from live.show.background_work import short_switch_interval
 from live.show.dancers.dancers import Dancers
@@ -170,11 +169,11 @@ class LibraryWatch:
         offer: Callable[[str, MotionGraph], None],
         post: Callable[[ControlEvent], None],
         now: Callable[[], float],
-        read: Callable[[], list[StepClip]] | None = None,
+        read: Callable[[], list[StepClip]],
     ) -> None:
         """`offer` passes on a graph with its hash, `post` the event that activates it, at the time `now()`.
 
-        `read` returns all clips as at a start; without it only the folder is read, and no clip counts as removed.
+        `read` returns all clips as at a start.
         """
         self._folder = folder
         self._read = read
@@ -204,7 +203,7 @@ class LibraryWatch:
         self._handled_stamp = stamp
         try:
             with short_switch_interval():
-                clips = load_folder(self._folder) if self._read is None else self._read()
+                clips = self._read()
                 self.problem = ""
                 return self._update(clips)
         except (PersonError, UnknownStep, ValueError, OSError) as error:
@@ -224,7 +223,7 @@ class LibraryWatch:
             if names:
                 self.problem = f"new steps: {names} do not fit this show, whose measures have {beats} beats"
         there = clips_by_key(fitting)
-        gone = [] if self._read is None else [clip for name, clip in self._known.items() if name not in there]
+        gone = [clip for name, clip in self._known.items() if name not in there]
         old = {name: self._known[name] for name in there if name in self._known}
         gone += [clip for name, clip in old.items() if not same_clip(clip, there[name])]
         left = {clip_key(clip) for clip in gone}

@@ -9,7 +9,7 @@ from live.control.events import events
 from live.show.journal.journal import read_journal
 from live.show.journal.replay import ReplayError, first_start, load_journal, replay
 from live.show.loader import load_show
-from live.show.selection.graph_update import LibraryWatch, same_clip
+from live.show.selection.graph_update import same_clip
 from tests.show.patch.edited_night import STEPS, JournaledShow, write_patch_folder
 
 PATCH = """
@@ -134,18 +134,7 @@ def test_journal_with_changed_steps_is_refused(patch):
 
 
 class FullLibraryShow(JournaledShow):
-    """A journaled show whose watch reads the whole library."""
-
-    def __init__(self, patch):
-        super().__init__(patch)
-        self.library = LibraryWatch(
-            self.loaded.steps_folder,
-            self.show.graph,
-            offer=self.show.offer_graph,
-            post=self.inbox.put,
-            now=self.clock.now,
-            read=self.loaded.clips,
-        )
+    """A journaled show whose folder of steps is polled until it is read."""
 
     def look(self):
         self.library.poll()
