@@ -9,6 +9,7 @@ from live.control.events import events
 from live.motion.skeleton import SKELETON
 from live.show.patch.patch_reader import parse_patch
 from live.show.show import Show
+from tests.fixtures.hips import hips
 from tests.show.made_show import GRAPH, made_show
 
 
@@ -33,8 +34,8 @@ def gather_dancers(show):
     show.apply(event_now(events.PlaceElement, show, kind="attract", points=((3.0, 1.0),), measures=8.0))
 
 
-def hips(show):
-    return show.dancers.hips(show.span.fraction(show.timeline.beat_at(show.time)))
+def hips_now(show):
+    return hips(show.dancers, show.span.fraction(show.timeline.beat_at(show.time)))
 
 
 SCRIPT = (
@@ -86,15 +87,15 @@ def test_all_dancers_dance_the_sequence_in_order():
 def test_dancers_gather_at_attractor_and_spread_again():
     show = made_show()
     run(show, 4)
-    before = np.hypot(*(hips(show) - [3, 1]).T).mean()
+    before = np.hypot(*(hips_now(show) - [3, 1]).T).mean()
     gather_dancers(show)
     run(show, 16)
-    gathered = np.hypot(*(hips(show) - [3, 1]).T).mean()
+    gathered = np.hypot(*(hips_now(show) - [3, 1]).T).mean()
     assert gathered < 0.5 * before
     show.apply(event_now(events.Clear, show))
     show.apply(event_now(events.PlaceElement, show, kind="spread", measures=12.0))
     run(show, 24)
-    assert np.hypot(*(hips(show) - [3, 1]).T).mean() > 1.8 * gathered
+    assert np.hypot(*(hips_now(show) - [3, 1]).T).mean() > 1.8 * gathered
 
 
 @pytest.mark.parametrize(("lock", "left"), [("false", 0.05), ("true", 0.15)])
@@ -108,7 +109,7 @@ def test_dancers_follow_their_agents_and_catch_up(lock, left):
     errors = []
     for tick in range(1, 64 * 32 + 1):
         if show.tick(tick * TICK):
-            errors.append(np.hypot(*(hips(show) - show.state.position).T).max())
+            errors.append(np.hypot(*(hips_now(show) - show.state.position).T).max())
     assert max(errors) < 1.1
     assert max(errors[-2:]) < left
 
@@ -306,7 +307,7 @@ def test_extreme_tempo_and_many_elements_keep_state_finite():
             show.apply(event_now(events.SetTempo, show, tempo=[20.0, 400.0][tick // 20 % 2]))
         show.tick(tick * TICK)
         assert np.isfinite(show.state.position).all()
-    assert np.isfinite(hips(show)).all()
+    assert np.isfinite(hips_now(show)).all()
     assert (np.abs(show.state.position) <= np.array([6.0, 4.0]) + 1e-4).all()
 
 

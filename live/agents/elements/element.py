@@ -162,10 +162,6 @@ class Element:
             return 0.0
         return float(min(column.fade_in_level(into / FADE_BEATS), left / FADE_BEATS))
 
-    def translated(self, dx: float, dz: float) -> "Element":
-        """Return a copy moved by (dx, dz) [m]."""
-        return replace(self, points=tuple((x + dx, z + dz) for x, z in self.points))
-
     def faded_out(self, beat: float) -> "Element":
         """Return a copy that fades out from `beat` on, from its current level; unchanged if it ends sooner."""
         end = beat + self.level(beat) * FADE_BEATS
@@ -180,18 +176,10 @@ def line_length(points: Points) -> float:
     return sum(math.dist(a, b) for a, b in itertools.pairwise(points))
 
 
-def line_through(x: float, z: float, angle: float) -> Points:
-    """Return two points of the line through (x, z) [m] at `angle` [rad]; 0 runs from the back of the stage to the
-    audience.
-    """
-    dx, dz = math.sin(angle), math.cos(angle)
-    return (x - dx, z - dz), (x + dx, z + dz)
-
-
 def rectangle(x: float, z: float, width: float, depth: float) -> Points:
     """Return the corners of a rectangle around (x, z) [m], for a region (`closed`)."""
     a, b = width / 2.0, depth / 2.0
     return (x - a, z - b), (x + a, z - b), (x + a, z + b), (x - a, z + b)
 
 
-__all__ = ["FADE_BEATS", "FLOCK", "Element", "Points", "line_length", "line_through", "rectangle"]
+__all__ = ["FADE_BEATS", "FLOCK", "Element", "Points", "line_length", "rectangle"]

@@ -70,11 +70,6 @@ def smoothed(headings: npt.ArrayLike) -> Float64:
     return np.asarray(0.25 * padded[..., :-2] + 0.5 * padded[..., 1:-1] + 0.25 * padded[..., 2:])
 
 
-def rotations(headings: npt.ArrayLike) -> Float64:
-    """Return the turn in each measure: O(n) - O(n-1), shape (..., N - 1), unwrapped (T128)."""
-    return np.diff(unwrap(headings), axis=-1)
-
-
 def linear_turns(times: Float64, before: npt.ArrayLike, after: npt.ArrayLike) -> Float64:
     """Return knots (D, 2, 2) of an even turn in the shorter direction, over each dancer's `times` (D, 2) [beats]."""
     first = np.asarray(before, np.float64)

@@ -61,10 +61,8 @@ def _code_name(code: CodeType) -> str:
 class CallSiteTracer:
     """Records all call sites that ticks pass. Thread: the one that runs the show."""
 
-    def __init__(self, *, deep: bool = False) -> None:
-        """`deep`: also record the calls of the callees."""
+    def __init__(self) -> None:
         self._callers = _show_codes()
-        self._deep = deep
         self.sites: dict[CallSite, int] = {}
         """The found sites, with the number of calls."""
         self._names: dict[CodeType, str] = {}
@@ -87,12 +85,6 @@ class CallSiteTracer:
             caller = frame.f_back
             if caller is None or caller.f_code not in self._callers:
                 return None
-            if (
-                self._deep
-                and caller.f_code in _show_codes()
-                and frame.f_code.co_filename.startswith(str(PROGRAM_FOLDER))
-            ):
-                self._callers.add(frame.f_code)
             return CallSite(self._cached_name(caller.f_code), caller.f_lineno, self._cached_name(frame.f_code))
         if event == "c_call" and frame.f_code in self._callers:
             return CallSite(self._cached_name(frame.f_code), frame.f_lineno, str(getattr(arg, "__qualname__", arg)))

@@ -7,7 +7,7 @@ from live.clock.ticks import TICK
 from live.control.events import events
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
-from live.library.step_folder import load_steps
+from live.library.step_folder import load_folder
 from live.motion.pose.hand_hold import ARM_JOINTS, LEFT, NOBODY
 from live.motion.pose.hand_hold_kernels import PALM
 from live.motion.quaternion import rotate
@@ -48,7 +48,7 @@ size = [8.0, 1.0]
 @pytest.fixture(scope="module")
 def graph():
     """A graph of all walks and their mirror images."""
-    return build_graph(build_library([clip for clip in load_steps(STEPS) if clip.step == "walk"]), threshold=0.16)
+    return build_graph(build_library([clip for clip in load_folder(STEPS) if clip.step == "walk"]), threshold=0.16)
 
 
 def script():
