@@ -35,6 +35,14 @@ _PLACES: Final = {
 }
 
 
+_ON_BODIES: Final = tuple(
+    name
+    for name in (address.removeprefix(STYLE_ADDRESS_PREFIX) for address in GROUP_PARAMETERS)
+    if name not in ("solid", "particles", "ribbons", "trails", "variety", "sheen") and "/" not in name
+)
+"""Amounts that change how a lit body is drawn; the others are drawn beside it or belong to the clothes."""
+
+
 class GroupStyles:
     """The block; call `apply_row` if the parameter row has changed. Masks are by group, shape (16,)."""
 
@@ -69,7 +77,7 @@ class GroupStyles:
 
         solid, silhouette, ink, xray = (of(name) for name in ("solid", "silhouette", "ink", "xray"))
         fill = solid + silhouette + ink
-        self.plain = (solid >= 1.0) & (silhouette + ink + xray + of("pulse") + of("emission") <= 0.0)
+        self.plain = (solid >= 1.0) & (sum(map(of, _ON_BODIES)) <= 0.0)
         self.masks = {name: of(name) > 0.0 for name in ("ink", "particles", "ribbons", "trails", "xray")}
         self.masks["bodies"] = (fill > 0.0) & ~self.plain
         self.masks["casting"] = fill + xray + of("particles") > 0.0
