@@ -24,7 +24,8 @@ class Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def find_spec(self, name, path=None, target=None):
         for place in (name.replace(".", "/") + ".py", name.replace(".", "/") + "/__init__.py"):
             if place in changed:
-                return importlib.util.spec_from_loader(name, self, origin=place, is_package=place.endswith("__init__.py"))
+                whole = place.endswith("__init__.py")
+                return importlib.util.spec_from_loader(name, self, origin=place, is_package=whole)
         return None
     def exec_module(self, module):
         place = module.__spec__.origin

@@ -112,7 +112,7 @@ def test_lower_pad_edge_maps_to_audience_side(tmp_path, pad, world):
             ]
             event = call_control(address, places)
             assert isinstance(event, ControlEvent)
-            assert (event.x, event.z) == pytest.approx(world)
+            assert event.points[0] == pytest.approx(world)
             return
     pytest.fail("there is no pad to attract")
 
