@@ -19,6 +19,7 @@ from live.library.step_folder import load_folder
 from live.motion.step_clip import StepClip
 from live.motion.texture.live_bank import TextureBank
 from live.render.custom_pass import try_passes
+from live.show.assembly import assemble
 from live.show.dancers.character_casting import character_files, check_characters, drawable_characters
 from live.show.dancers.live_texture import load_texture_bank
 from live.show.partner.partner_sources import ExampleBank, load_example_bank
@@ -118,9 +119,9 @@ class LoadedShow:
         return replace(self, patch=with_venue_projector(self.patch, projector), projector=projector)
 
     def start(self, *, seed: int | None = None, tempo: float | None = None, begin: bool = True) -> Show:
-        """Return a fresh show at time 0; PersonError for a missing step. `begin`: see `Assembly`."""
+        """Return a fresh show at time 0; PersonError for a missing step. `begin`: see `assemble`."""
         try:
-            return Show(
+            return assemble(
                 self.patch, self.graph, seed=seed, tempo=tempo, reserve=self.reserve, bank=self.bank,
                 answers=self.answers, begin=begin,
             )  # fmt: skip

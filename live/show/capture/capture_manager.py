@@ -14,7 +14,6 @@ import numpy.typing as npt
 
 from live.base.errors import PersonError, error_context
 from live.clock.ticks import TICK
-from live.clock.timeline import Timeline
 from live.control.capture.vmc_input import DEFAULT_PERFORMER
 from live.control.events import capture as events
 from live.control.events.event import ControlEvent
@@ -29,6 +28,7 @@ from live.show.group.group_motion import GroupMotion
 from live.show.patch.patch import Patch
 from live.show.patch.section_io import MocapSection
 from live.show.selection.scheduler import Scheduler
+from live.show.stages.now import Now
 
 Bool = npt.NDArray[np.bool_]
 
@@ -54,6 +54,8 @@ SPEED_SMOOTHING: Final = 0.15
 
 class CaptureManager:
     """All captured performers of one show. Thread: the show's."""
+
+    EVENTS = MOCAP_EVENTS
 
     def __init__(self, patch: Patch, motion: GroupMotion, dancers: Dancers, scheduler: Scheduler) -> None:
         self._patch, self._motion, self._dancers, self._scheduler = patch, motion, dancers, scheduler
@@ -88,12 +90,12 @@ class CaptureManager:
 
     # -- events --------------------------------------------------------------------------------------------------------
 
-    def handle(self, event: ControlEvent, *, beat: float) -> None:
-        """Handle an event at the danced `beat`; raises PersonError for unknown names."""
+    def handle(self, event: ControlEvent, now: Now) -> None:
+        """Handle an event of `MOCAP_EVENTS`; raises PersonError for unknown names."""
         match event:
             case events.MocapFrame():
                 try:
-                    self._performer(event.performer).add_pose(event.pose, event.time, beat)
+                    self._performer(event.performer).add_pose(event.pose, event.time, now.danced_beats_at(event.time))
                 except ValueError as error:
                     raise PersonError(f"{event.performer}: {error}") from None
             case events.TrackerMoved():
@@ -171,12 +173,12 @@ class CaptureManager:
 
     # -- time ----------------------------------------------------------------------------------------------------------
 
-    def tick(self, time: float, danced_beats: float, timeline: Timeline, next_line: float) -> None:
-        """Advance by one tick at `time` [s], the beat `danced_beats`; call after the dancers' tick.
-        `next_line`: the danced beat of the next measure line."""
-        self._time = time
+    def tick(self, now: Now) -> None:
+        """Advance by one tick; call after the dancers' tick."""
+        self._time = time = now.time
         if not self.performers:
             return
+        danced_beats, timeline = now.danced_beats, now.timeline
         self._forces.tick()
         rate = TICK * timeline.tempo / (60.0 * timeline.beats_per_measure)
         taken: set[int] = set()
@@ -192,7 +194,7 @@ class CaptureManager:
                 led |= set(captured.rows[live].tolist())
                 captured.keep(wanted | (captured.fade > 0.0))
             self._drive_tracked(captured, taken, led, time)
-            self._forces.update(captured, time, timeline, next_line)
+            self._forces.update(captured, now)
         self._set_yielding(led)
 
     def _assign_dancers(self, captured: CapturedPerformer, taken: set[int], time: float, danced_beats: float) -> Bool:

@@ -24,8 +24,8 @@ from live.show.dancers.correction_update import NextCorrection
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.root_correction import RootCorrection
 from live.show.group.group_motion import GroupMotion
-from live.show.measure_span import MeasureSpan
 from live.show.selection.clip_cut import ClipCutter, Moment
+from live.show.stages.measure_span import MeasureSpan
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]

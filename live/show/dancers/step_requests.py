@@ -1,7 +1,7 @@
 """Handler for live requests to groups of dancers: steps, sequences, variation, partners and facing."""
 
 from collections.abc import Callable
-from typing import Final
+from typing import ClassVar
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from live.graph.search.live_sequence import HORIZON, LiveSequence
 from live.graph.search.sequence import parse_sequence
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.variation import Variation, VariationSettings
-from live.show.desk.refusals import Refusals
 from live.show.group.casting import Casting
 from live.show.partner.partner_response import PartnerResponse
 from live.show.patch.patch import Patch
@@ -20,6 +19,7 @@ from live.show.score.canon import Canon
 from live.show.score.step_names import UnknownStep, find_step
 from live.show.selection.interrupts import Interrupts
 from live.show.selection.scheduler import Scheduler
+from live.show.stages.now import Now
 
 
 class StepRequests:
@@ -33,12 +33,11 @@ class StepRequests:
         variation: Variation,
         scheduler: Scheduler,
         interrupts: Interrupts,
-        refusals: Refusals,
     ) -> None:
         self._group = casting.group
         self._groups = {section.name.casefold(): index for index, section in enumerate(patch.group)}
         self._dancers, self._variation = dancers, variation
-        self._scheduler, self._interrupts, self._refusals = scheduler, interrupts, refusals
+        self._scheduler, self._interrupts = scheduler, interrupts
         self.explained_dancer: int | None = None
         """The dancer (index) whose step choice is explained to an operator, None for none."""
 
@@ -46,12 +45,18 @@ class StepRequests:
         """Update the group names."""
         self._groups = fresh._groups
 
-    def handle(self, event: ControlEvent) -> None:
-        """Apply an event of `DIRECTIONS`."""
+    def handle(self, event: ControlEvent, now: Now) -> None:
+        """Apply an event of `EVENTS`. Raises PersonError for what is unknown or impossible."""
         try:
-            _HANDLERS[type(event)](self, event)
-        except (UnknownStep, PersonError) as error:
-            self._refusals.add(f"{event.source}: {error}")
+            self._HANDLERS[type(event)](self, event)
+        except UnknownStep as error:
+            raise PersonError(str(error)) from None
+
+    def _clear(self, event: events.Clear) -> None:
+        """Drop all requests."""
+        self._interrupts.clear()
+        for programme in self._scheduler.programmes:
+            programme.release()
 
     def _call_step(self, event: events.CallStep) -> None:
         step = find_step(self._dancers.graph, event.name)
@@ -137,18 +142,17 @@ class StepRequests:
             raise PersonError(f"no group is called {name!r}", f"one of {', '.join(self._groups)}")
         return [index]
 
-
-_HANDLERS: Final[dict[type, Callable[..., None]]] = {
-    events.CallStep: StepRequests._call_step,
-    events.StepNow: StepRequests._step_now,
-    events.SetSequence: StepRequests._set_sequence,
-    events.SetMotion: StepRequests._set_motion,
-    events.SetPartner: StepRequests._set_partner,
-    events.WalkOn: StepRequests._walk_on,
-    events.PairPartner: StepRequests._pair_partner,
-    events.SetFacing: StepRequests._set_facing,
-    events.Improvise: StepRequests._improvise,
-    events.AskWhy: StepRequests._ask_why,
-}
-STEP_REQUEST_EVENTS: Final = tuple(_HANDLERS)
-"""The events that `handle` accepts."""
+    _HANDLERS: ClassVar[dict[type[ControlEvent], Callable[..., None]]] = {
+        events.CallStep: _call_step,
+        events.StepNow: _step_now,
+        events.SetSequence: _set_sequence,
+        events.SetMotion: _set_motion,
+        events.SetPartner: _set_partner,
+        events.WalkOn: _walk_on,
+        events.PairPartner: _pair_partner,
+        events.SetFacing: _set_facing,
+        events.Improvise: _improvise,
+        events.AskWhy: _ask_why,
+        events.Clear: _clear,
+    }
+    EVENTS = tuple(_HANDLERS)

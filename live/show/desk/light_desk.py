@@ -26,6 +26,7 @@ from live.show.group.group_motion import GroupMotion
 from live.show.patch.patch import Patch
 from live.show.score.score_runner import ScoreRunner
 from live.show.selection.scheduler import Scheduler
+from live.show.stages.now import Now
 
 MASTER_EVENTS: Final = (events.FadePicture, events.FreezePicture, events.AllowFlashes, events.ShowCard)
 """Events that `Master.act` handles."""
@@ -115,6 +116,8 @@ PANIC_FADE_BEATS: Final = 2.0
 class LightDesk:
     """The desk of one show. Its effects on the show are returned as events. Thread: the show's."""
 
+    EVENTS = (*DESK_EVENTS, events.SetMotion, events.TicksSkipped)
+
     def __init__(
         self, patch: Patch, score_runner: ScoreRunner, motion: GroupMotion, scheduler: Scheduler, variation: Variation,
         mocap: CaptureManager,
@@ -144,16 +147,16 @@ class LightDesk:
 
     # -- events ------------------------------------------------------------------------------------------------
 
-    def handle(self, event: ControlEvent, *, timeline: Timeline, danced_beats: float) -> list[ControlEvent]:
-        """Handle an event of `DESK_EVENTS` at the danced beat; raises PersonError if it names unknown parts."""
+    def handle(self, event: ControlEvent, now: Now) -> list[ControlEvent]:
+        """Handle an event of `EVENTS`; raises PersonError if it names unknown parts. Returns its effects elsewhere."""
         if type(event) in SCENE_EVENTS:  # frequent events first
-            self.scenes.handle(event, beats_per_measure=float(timeline.beats_per_measure))
+            self.scenes.handle(event, beats_per_measure=float(now.timeline.beats_per_measure))
             return []
         match event:
             case events.Go():
-                return [*self._release_hold(event, danced_beats), *self.cues.go(event, danced_beats)]
+                return [*self._release_hold(event, now), *self.cues.go(event, now.danced_beats)]
             case events.GiveCue():
-                return [*self._release_hold(event, danced_beats), *self.cues.trigger(event.name, danced_beats)]
+                return [*self._release_hold(event, now), *self.cues.trigger(event.name, now.danced_beats)]
             case events.StandBy():
                 self.cues.stand_by(event.name)
             case events.StepBack():
@@ -161,17 +164,27 @@ class LightDesk:
             case events.Panic():
                 return self._panic(event)
             case events.HoldShow():
-                return self._hold(event) if event.on else self._release_hold(event, danced_beats)
+                return self._hold(event) if event.on else self._release_hold(event, now)
             case events.FollowSpot():
-                beats = max(event.measures, 0.0) * timeline.beats_per_measure
+                beats = max(event.measures, 0.0) * now.timeline.beats_per_measure
                 self.spots.follow(event.spot, event.whom, event.level, beats=beats)
             case events.Undo():
                 self.undo_history.undo()
             case events.Redo():
                 self.undo_history.redo()
-            case events.FadePicture() | events.FreezePicture() | events.AllowFlashes() | events.ShowCard():
-                self.master.handle(event)
+            case _:
+                self._handle_other(event, now)
         return []
+
+    def _handle_other(self, event: ControlEvent, now: Now) -> None:
+        """Handle an event for the master, or one that other parts handle, too."""
+        match event:
+            case events.SetMotion():
+                self._end_fade(event)
+            case events.TicksSkipped():
+                self.tick(now.timeline, event.count)
+            case _:
+                self.master.handle(event)
 
     def _panic(self, event: ControlEvent) -> list[ControlEvent]:
         self.cues.stop()
@@ -188,17 +201,17 @@ class LightDesk:
         self.held = self.parameters.held = True
         return [events.HoldScore(time=event.time, source=event.source, on=True)]
 
-    def _release_hold(self, event: ControlEvent, danced_beats: float) -> list[ControlEvent]:
+    def _release_hold(self, event: ControlEvent, now: Now) -> list[ControlEvent]:
         if not self.held:
             return []
         self.held = self.parameters.held = False
         self._score_runner.suppress(False)
-        self.cues.resume(danced_beats)
+        self.cues.resume(now.danced_beats)
         return [events.HoldScore(time=event.time, source=event.source, on=False)]
 
-    def observe(self, event: ControlEvent) -> None:
-        """Observe an event handled elsewhere: a value set directly ends its fade."""
-        if isinstance(event, events.SetMotion) and event.parameter in FIELDS:
+    def _end_fade(self, event: events.SetMotion) -> None:
+        """End the fade of a value that is set directly (by `StepRequests`)."""
+        if event.parameter in FIELDS:
             everybody = event.group in ("", "*")
             known = self.parameters.table
             groups = known.groups if everybody or not known.has_group(event.group) else [known.group_index(event.group)]

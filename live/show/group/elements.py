@@ -23,6 +23,7 @@ from live.show.group.casting import EVERYONE, Casting
 from live.show.patch.patch import Patch
 from live.show.patch.section_elements import ElementSection
 from live.show.score.score import Score
+from live.show.stages.now import Now
 
 ElementEvent = events.Attract | events.Repel | events.Spread | events.Voice | events.PlaceElement
 ELEMENT_EVENTS: Final = (events.Attract, events.Repel, events.Spread, events.Voice, events.PlaceElement)
@@ -192,6 +193,8 @@ SCORE: Final = "score"
 class Elements:
     """The elements of one show. The score's begin at their measures, those of controls now or at the next line."""
 
+    EVENTS = ELEMENT_EVENTS
+
     def __init__(self, patch: Patch, casting: Casting, *, seed: int, score: Score | None = None) -> None:
         count = len(casting.group)
         half = (patch.stage.width / 2, patch.stage.depth / 2)
@@ -263,16 +266,15 @@ class Elements:
             self._field.remove(element)
         self._measure_elements.clear()
 
-    def handle(
-        self, event: ElementEvent, *, beat: float, next_line: float, beats_per_measure: int, position: Float32
-    ) -> None:
-        """Place the element of an event at `beat`, or at the next line. Raises PersonError if it is invalid."""
+    def handle(self, event: ElementEvent, now: Now) -> None:
+        """Place the element of an event now, or at the next line. Raises PersonError if it is invalid."""
+        beats_per_measure, position = now.timeline.beats_per_measure, now.position
         placing = request_of_event(event)
         voice = isinstance(event, events.Voice)
         later = not isinstance(event, events.Voice) and event.next
         drag = isinstance(event, events.Attract | events.Repel) and event.drag
         last = self._last_of.get(event.source)
-        start = next_line if later else beat
+        start = now.span.end if later else now.beat
         if last is not None and (drag or voice) and last.table_kind == self._kind(placing):
             self._last_of[event.source] = self._field.move(
                 last, self._build(placing, event.source, start, beats_per_measure, position)
@@ -284,18 +286,17 @@ class Elements:
         self._last_of[event.source] = placed
 
     def handle_touches(
-        self, touches: Mapping[str, events.Repel | events.Voice | None], *, beat: float, beats_per_measure: int,
-        position: Float32, at_once: bool,
-    ) -> None:  # fmt: skip
+        self, touches: Mapping[str, events.Repel | events.Voice | None], now: Now, *, at_once: bool
+    ) -> None:
         """Apply what the audience touches, by source: None, or another kind than before, fades the former element out.
 
         `at_once`: former elements are removed without a fade.
         """
         for source, event in touches.items():
             repels = None if event is None else isinstance(event, events.Repel)
-            self.forget(source, beat, other=repels, at_once=at_once)
+            self.forget(source, now.beat, other=repels, at_once=at_once)
             if event is not None:
-                self.handle(event, beat=beat, next_line=beat, beats_per_measure=beats_per_measure, position=position)
+                self.handle(event, now)
 
     @staticmethod
     def _kind(request: ElementRequest) -> int:

@@ -27,12 +27,12 @@ from live.show.group.casting import Casting
 from live.show.group.elements import Elements
 from live.show.group.evolutions import Evolutions
 from live.show.group.stage_area import StageArea, gates_of, place_item, show_set, steering_of, update_set
-from live.show.measure_span import MeasureSpan
 from live.show.partner.partner_agents import PartnerAgents
 from live.show.partner.partner_response import PartnerResponse
 from live.show.patch.patch import Patch
 from live.show.score.score import Score
 from live.show.selection.lookahead import RELEASE_INFLUENCE, AgentLookAhead
+from live.show.stages.measure_span import MeasureSpan
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -90,7 +90,7 @@ STANDING_SEPARATION: Final = 0.9
 
 
 class GroupMotion:
-    """The agents of one show. `begin_measure` is called at measure lines, `tick` in every tick."""
+    """The agents of one show. `begin_measure` is called at measure lines, `command` and `advance` in every tick."""
 
     def __init__(self, patch: Patch, casting: Casting, *, seed: int, score: Score | None = None) -> None:
         """Place all dancers in their groups' formations. Raises PersonError for a formation that is impossible."""
@@ -166,20 +166,10 @@ class GroupMotion:
 
     # -- time ----------------------------------------------------------------------------------------------------
 
-    def tick(
-        self,
-        time: float,
-        timeline: Timeline,
-        span: MeasureSpan,
-        *,
-        speed: Float32,
-        reference: Float32,
-        reference_velocity: Float32,
-    ) -> None:
-        """Advance by one tick.
+    def command(self, time: float, timeline: Timeline, span: MeasureSpan, *, speed: Float32) -> None:
+        """Write the agents' `commands` for the tick at `time` [s]: evolutions, over them elements, and entrances.
 
-        `speed` (A,) [m/s] is the top speed that the dancers' steps can follow, `reference` (A, 2) [m] their reference
-        positions in the measure, and `reference_velocity` (A, 2) [m/s] the velocities of these.
+        `speed` (A,) [m/s] is the top speed that the dancers' steps can follow.
         """
         self._now, self._speed = (timeline, span), speed
         self.stage_area.tick(timeline.beat_at(time))
@@ -191,6 +181,13 @@ class GroupMotion:
         self._compute_commands(self.commands, self.state, time, ahead=False)
         if self.evolutions.running:
             self.evolutions.release(self.elements.influence >= RELEASE_INFLUENCE)
+
+    def advance(self, time: float, *, reference: Float32, reference_velocity: Float32) -> None:
+        """Advance the agents by one tick, as commanded, without collisions.
+
+        `reference` (A, 2) [m] are the dancers' reference positions in the measure, and `reference_velocity` (A, 2)
+        [m/s] the velocities of these.
+        """
         self._advance(
             self.state, self._spare, commands=self.commands, surroundings=self.surroundings, time=time, dt=TICK
         )

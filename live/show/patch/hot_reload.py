@@ -55,7 +55,7 @@ class PatchWatch:
         self._text = patch_json(self._patch)
         self._last_written = self._patch  # as last written, including keys that wait for the next start
         if library is not None:
-            library.check = lambda graph: show.make_show(self._patch, graph)
+            library.check = lambda graph: show.hot_swap.make_show(self._patch, graph)
         self._last_stamp = self._handled_stamp = file_stamp(loaded.path)
         self._failure_count, self._freed_counts = 0, (0, 0)
         self._stopped = threading.Event()
@@ -147,7 +147,7 @@ class PatchWatch:
             self._library.graph = prepared.new_show.graph
             self._library.retry()
         self.problem = ""
-        self._show.offer_patch(prepared)
+        self._show.hot_swap.offer_patch(prepared)
         self._post(PatchChanged(time=self._now(), source="patch", patch=compress_text(text), version=prepared.version))
         self._set_message(prepared.changed_fields, sources)
         return True
@@ -163,7 +163,7 @@ class PatchWatch:
 
     def _validated(self, text: str, graph: MotionGraph, sources: TomlSources) -> PreparedPatch:
         try:
-            return prepare_patch(text, self._show.make_show, self._patch, graph)
+            return prepare_patch(text, self._show.hot_swap.make_show, self._patch, graph)
         except PersonError as error:
             self._failure_count += 1
             where = f"{sources.location_text(error.key_path)}: {key_text(error.key_path)}: " if error.key_path else ""

@@ -21,7 +21,7 @@ from live.motion.pose.foot_lock_kernels import HELD
 from live.motion.pose.pose_pipeline import PoseSkeleton
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.measure_state import MeasureState
-from live.show.measure_span import MeasureSpan
+from live.show.stages.measure_span import MeasureSpan
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

@@ -18,11 +18,11 @@ from live.control.events.events import StepNow
 from live.show.dancers.collision_avoidance import CollisionAvoidance
 from live.show.dancers.dancers import Dancers
 from live.show.group.group_motion import GroupMotion
-from live.show.measure_span import MeasureSpan
 from live.show.patch.patch import Patch
 from live.show.score.step_names import find_step
 from live.show.selection.clip_cut import ClipCutter, Moment
 from live.show.selection.scheduler import Scheduler
+from live.show.stages.measure_span import MeasureSpan
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

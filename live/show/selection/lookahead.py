@@ -16,7 +16,7 @@ from live.graph.search.sequence_spec import SequenceEntry
 from live.show.group.elements import Elements
 from live.show.group.evolutions import Evolutions
 from live.show.group.stage_area import StageArea
-from live.show.measure_span import MeasureSpan
+from live.show.stages.measure_span import MeasureSpan
 
 Float64 = npt.NDArray[np.float64]
 

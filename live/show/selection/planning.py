@@ -18,12 +18,12 @@ from live.show.background_work import Task, TaskQueue
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.measure_state import MeasureState
 from live.show.group.group_motion import GroupMotion
-from live.show.measure_span import MeasureSpan
 from live.show.patch.patch import Patch
 from live.show.selection.choices import StepChoices
 from live.show.selection.measure_draft import MeasureDraft
 from live.show.selection.step_search import BATCH_SIZE, StepSearch
 from live.show.selection.step_targets import StepTargets
+from live.show.stages.measure_span import MeasureSpan
 
 Int32 = npt.NDArray[np.int32]
 

@@ -19,7 +19,6 @@ from live.graph.select.selector import StepSelector
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.root_correction_control import RootCorrectionControl
 from live.show.group.group_motion import GroupMotion
-from live.show.measure_span import MeasureSpan
 from live.show.patch.patch import Patch
 from live.show.score.canon import StepSource
 from live.show.score.group_programs import update_programs
@@ -27,6 +26,7 @@ from live.show.selection.choices import StepChoices, reachability_report
 from live.show.selection.nearest_steps import decide_nearest
 from live.show.selection.planning import MeasurePlan
 from live.show.selection.step_targets import StepTargets
+from live.show.stages.measure_span import MeasureSpan
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

@@ -7,11 +7,11 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.control.events import events
+from live.show.assembly import assemble
 from live.show.group.group_motion import LEASH
 from live.show.loader import load_from_patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PATCHES
-from live.show.show import Show
 
 PATCH = """
 name = "carrying"
@@ -42,7 +42,7 @@ def load_patch():
 
 
 def make_show(obedience=0.5, extra=""):
-    return Show(parse_patch(PATCH.format(obedience=obedience) + extra, "carrying"), load_patch().graph)
+    return assemble(parse_patch(PATCH.format(obedience=obedience) + extra, "carrying"), load_patch().graph)
 
 
 def run(show, measures, act=None, each=None):

@@ -15,6 +15,7 @@ from live.motion.pose.hand_hold import ARM_JOINTS
 from live.motion.pose.hand_hold_kernels import PALM
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
+from live.show.assembly import assemble
 from live.show.partner.partner_sources import ExampleBank, load_example_bank
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import parse_patch
@@ -69,7 +70,7 @@ def holding_bank(extra: str = HELD, apart: float = 0.75) -> ExampleBank | None:
 
 def holding_show(extra: str = HELD, *, apart: float = 0.75) -> Show:
     """A new show in which partners hold hands."""
-    return Show(holding_patch(extra), holding_graph(), seed=3, answers=holding_bank(extra, apart))
+    return assemble(holding_patch(extra), holding_graph(), seed=3, answers=holding_bank(extra, apart))
 
 
 def palm_positions(position: np.ndarray, rotation: np.ndarray) -> np.ndarray:

@@ -41,7 +41,7 @@ class JournaledShow:
         self.library = LibraryWatch(
             self.loaded.steps_folder,
             self.show.graph,
-            offer=self.show.offer_graph,
+            offer=self.show.hot_swap.offer_graph,
             post=self.inbox.put,
             now=self.clock.now,
         )

@@ -143,7 +143,7 @@ class FullLibraryShow(JournaledShow):
         self.library = LibraryWatch(
             self.loaded.steps_folder,
             self.show.graph,
-            offer=self.show.offer_graph,
+            offer=self.show.hot_swap.offer_graph,
             post=self.inbox.put,
             now=self.clock.now,
             read=self.loaded.clips,
@@ -218,7 +218,7 @@ def test_deletion_of_needed_step_is_refused(patch):
     add_step(patch)
     (patch.parent / "show.toml").write_text(PATCH.replace('["groove"]', '["new bow"]'))
     night = FullLibraryShow(patch)
-    night.library.check = lambda graph: night.show.make_show(night.show.patch, graph)
+    night.library.check = lambda graph: night.show.hot_swap.make_show(night.show.patch, graph)
     night.run(1)
     before = night.library.graph
     (patch.parent / "moves" / "another.toml").unlink()
