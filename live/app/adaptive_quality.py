@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final
 
 from rich.console import Console
 
-from live.app.session import Session
 from live.base.errors import PersonError
 from live.base.stage_snapshot import StageView
 from live.control.events.event import ControlEvent
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from live.app.session import Session
 
 
-def handle_pass_resets(session: Session, renderer: Renderer) -> None:
+def handle_pass_resets(session: "Session", renderer: Renderer) -> None:
     """Let the operator enable render passes again that were disabled after an error."""
 
     def hear(event: ControlEvent) -> None:
@@ -34,7 +33,7 @@ def handle_pass_resets(session: Session, renderer: Renderer) -> None:
 class QualityController(FrameBudget):
     """Frame times and adaptive quality of one picture of a session; called around every frame."""
 
-    def __init__(self, session: Session, renderer: Renderer) -> None:
+    def __init__(self, session: "Session", renderer: Renderer) -> None:
         super().__init__(renderer, session.clock.now)
         self.overload = lambda: session.overload
         self.controller.hold(session.options.quality)

@@ -14,7 +14,7 @@ from live.control.registry.control import ArgumentValue
 from live.control.registry.registry import Changes
 from live.show.loader import LoadedShow
 from live.show.patch.hot_reload import PatchWatch
-from live.show.selection.graph_update import LibraryWatch
+from live.show.selection.library_watch import LibraryWatch
 from live.show.show import Show
 from live.show.venue.venue import Latencies
 from live.show.view.status import Status

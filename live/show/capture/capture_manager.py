@@ -7,7 +7,7 @@ capture fades in likewise when it returns.
 """
 
 from collections.abc import Callable, Iterable
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -23,12 +23,14 @@ from live.motion.capture.capture_blend_kernels import move_agents
 from live.show.capture.performer import CapturedPerformer, Float64, Int64
 from live.show.capture.performer_forces import PerformerForces
 from live.show.capture.stage_presence import MAX_SPEED
-from live.show.dancers.dancers import Dancers
-from live.show.group.group_motion import GroupMotion
 from live.show.patch.patch import Patch
 from live.show.patch.section_io import MocapSection
-from live.show.selection.scheduler import Scheduler
 from live.show.stages.now import Now
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
+    from live.show.group.group_motion import GroupMotion
+    from live.show.selection.scheduler import Scheduler
 
 Bool = npt.NDArray[np.bool_]
 
@@ -57,7 +59,7 @@ class CaptureManager:
 
     EVENTS = MOCAP_EVENTS
 
-    def __init__(self, patch: Patch, motion: GroupMotion, dancers: Dancers, scheduler: Scheduler) -> None:
+    def __init__(self, patch: Patch, motion: "GroupMotion", dancers: "Dancers", scheduler: "Scheduler") -> None:
         self._patch, self._motion, self._dancers, self._scheduler = patch, motion, dancers, scheduler
         self.performers = {section.name: CapturedPerformer(section, motion.stage_area.half) for section in patch.mocap}
         dancers.captured = self.performers

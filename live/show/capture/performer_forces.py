@@ -1,14 +1,16 @@
 """Effect of captured and tracked performers on agents: obstacles, attractors, repulsors."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from live.control.events.elements import Attract, Repel
 from live.control.events.groups import Performer
 from live.show.capture.performer import HOLD_S, CapturedPerformer
-from live.show.group.group_motion import GroupMotion
 from live.show.stages.now import Now
+
+if TYPE_CHECKING:
+    from live.show.group.group_motion import GroupMotion
 
 ATTRACT_INTERVAL_TICKS: Final = 8
 """Ticks between updates of an attractor's position."""
@@ -20,7 +22,7 @@ SOURCE: Final = "mocap"
 class PerformerForces:
     """Effects of all performers of one show. Thread: the show's."""
 
-    def __init__(self, motion: GroupMotion) -> None:
+    def __init__(self, motion: "GroupMotion") -> None:
         self._motion = motion
         self._tick = 0
 

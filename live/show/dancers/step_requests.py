@@ -1,7 +1,7 @@
 """Handler for live requests to groups of dancers: steps, sequences, variation, partners and facing."""
 
 from collections.abc import Callable
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -10,16 +10,18 @@ from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.graph.search.live_sequence import HORIZON, LiveSequence
 from live.graph.search.sequence import parse_sequence
-from live.show.dancers.dancers import Dancers
 from live.show.dancers.variation import Variation, VariationSettings
 from live.show.group.casting import Casting
-from live.show.partner.partner_response import PartnerResponse
 from live.show.patch.patch import Patch
 from live.show.score.canon import Canon
 from live.show.score.step_names import UnknownStep, find_step
-from live.show.selection.interrupts import Interrupts
-from live.show.selection.scheduler import Scheduler
 from live.show.stages.now import Now
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
+    from live.show.partner.partner_response import PartnerResponse
+    from live.show.selection.interrupts import Interrupts
+    from live.show.selection.scheduler import Scheduler
 
 
 class StepRequests:
@@ -29,10 +31,10 @@ class StepRequests:
         self,
         patch: Patch,
         casting: Casting,
-        dancers: Dancers,
+        dancers: "Dancers",
         variation: Variation,
-        scheduler: Scheduler,
-        interrupts: Interrupts,
+        scheduler: "Scheduler",
+        interrupts: "Interrupts",
     ) -> None:
         self._group = casting.group
         self._groups = {section.name.casefold(): index for index, section in enumerate(patch.group)}
@@ -115,7 +117,7 @@ class StepRequests:
     def _walk_on(self, event: events.WalkOn) -> None:
         self._partner_response().extend_path(event.partner, (event.x, event.z), restart=event.anew)
 
-    def _partner_response(self) -> PartnerResponse:
+    def _partner_response(self) -> "PartnerResponse":
         if self._dancers.partner_response is None:
             raise PersonError("the show has no partners", "add [[partner]] to the patch")
         return self._dancers.partner_response

@@ -4,7 +4,7 @@ The master sets the light level of the whole picture, freezes it, and lifts the 
 """
 
 import math
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,6 @@ from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.show.capture.capture_manager import CaptureManager
 from live.show.dancers.variation import Variation
 from live.show.desk.camera_rig import CameraRig, Spots, check_follow
 from live.show.desk.cue_list import CueList
@@ -22,11 +21,14 @@ from live.show.desk.parameter_table import FIELDS, ParameterTable
 from live.show.desk.parameters import Parameters
 from live.show.desk.scenes import SCENE_EVENTS, Scenes, start_row
 from live.show.desk.undo_history import UndoHistory, editable_parts
-from live.show.group.group_motion import GroupMotion
 from live.show.patch.patch import Patch
 from live.show.score.score_runner import ScoreRunner
-from live.show.selection.scheduler import Scheduler
 from live.show.stages.now import Now
+
+if TYPE_CHECKING:
+    from live.show.capture.capture_manager import CaptureManager
+    from live.show.group.group_motion import GroupMotion
+    from live.show.selection.scheduler import Scheduler
 
 MASTER_EVENTS: Final = (events.FadePicture, events.FreezePicture, events.AllowFlashes, events.ShowCard)
 """Events that `Master.act` handles."""
@@ -119,9 +121,14 @@ class LightDesk:
     EVENTS = (*DESK_EVENTS, events.SetMotion, events.TicksSkipped)
 
     def __init__(
-        self, patch: Patch, score_runner: ScoreRunner, motion: GroupMotion, scheduler: Scheduler, variation: Variation,
-        mocap: CaptureManager,
-    ) -> None:  # fmt: skip
+        self,
+        patch: Patch,
+        score_runner: ScoreRunner,
+        motion: "GroupMotion",
+        scheduler: "Scheduler",
+        variation: Variation,
+        mocap: "CaptureManager",
+    ) -> None:
         """Raises PersonError for a scene that names unknown parts."""
         table = ParameterTable([section.name for section in patch.group])
         self.parameters = Parameters(table, start_row(patch), variation)

@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache
-from typing import Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -20,15 +20,18 @@ from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.event import ControlEvent
 from live.control.events.events import SetPicture
-from live.show.capture.capture_manager import CaptureManager
 from live.show.capture.stage_presence import OBSTACLE_PREFIX
 from live.show.dancers.variation import Variation
 from live.show.desk.cue_list import CueList
 from live.show.desk.parameters import Parameters
-from live.show.desk.scenes import Scenes
-from live.show.group.group_motion import GroupMotion
-from live.show.selection.scheduler import Scheduler
-from live.show.selection.step_targets import Headings
+
+if TYPE_CHECKING:
+    from live.show.capture.capture_manager import CaptureManager
+    from live.show.desk.scenes import Scenes
+    from live.show.group.group_motion import GroupMotion
+    from live.show.selection.scheduler import Scheduler
+    from live.show.selection.step_targets import Headings
+
 
 MAX_EDITS: Final = 200
 """Maximum number of edits kept; the oldest is dropped."""
@@ -216,7 +219,7 @@ class EditedParameters(EditablePart):
 class EditedScenes(EditablePart):
     """Scenes stored live, by name."""
 
-    def __init__(self, scenes: Scenes) -> None:
+    def __init__(self, scenes: "Scenes") -> None:
         self._scenes = scenes
 
     def snapshot(self) -> Values:
@@ -235,7 +238,7 @@ class EditedScenes(EditablePart):
 class EditedFormations(EditablePart):
     """Formations by name."""
 
-    def __init__(self, motion: GroupMotion) -> None:
+    def __init__(self, motion: "GroupMotion") -> None:
         self._motion = motion
 
     def snapshot(self) -> Values:
@@ -250,7 +253,7 @@ class EditedFormations(EditablePart):
 class EditedSequences(EditablePart):
     """Sequences set live, by group."""
 
-    def __init__(self, scheduler: Scheduler) -> None:
+    def __init__(self, scheduler: "Scheduler") -> None:
         self._scheduler = scheduler
 
     def snapshot(self) -> Values:
@@ -269,7 +272,7 @@ class EditedSequences(EditablePart):
 class EditedFacings(EditablePart):
     """Facings of the groups."""
 
-    def __init__(self, headings: Headings) -> None:
+    def __init__(self, headings: "Headings") -> None:
         self._headings = headings
 
     def snapshot(self) -> Values:
@@ -326,7 +329,7 @@ class EditedSet(EditablePart):
 class CaptureEdits(EditablePart):
     """Settings of captured performers, by performer and control name."""
 
-    def __init__(self, mocap: CaptureManager) -> None:
+    def __init__(self, mocap: "CaptureManager") -> None:
         self._mocap = mocap
 
     def snapshot(self) -> Values:
@@ -360,8 +363,8 @@ def _row(row: np.ndarray[Any, Any]) -> tuple[float, ...]:
 
 
 def editable_parts(
-    parameters: Parameters, scenes: Scenes, cues: CueList, motion: GroupMotion, scheduler: Scheduler,
-    variation: Variation, mocap: CaptureManager,
+    parameters: Parameters, scenes: "Scenes", cues: CueList, motion: "GroupMotion", scheduler: "Scheduler",
+    variation: Variation, mocap: "CaptureManager",
 ) -> dict[str, EditablePart]:  # fmt: skip
     """Return all editable parts of a show, by the names in `EDITED_PARTS`."""
     return {

@@ -1,18 +1,22 @@
 """Handler for live control events of group motion: segments, groups, entrances, stage and obstacles."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.show.dancers.dancers import Dancers
 from live.show.dancers.timing_offsets import parse_ripple
 from live.show.dancers.variation import Variation
-from live.show.group.group_motion import GroupMotion
 from live.show.patch.patch import Patch
 from live.show.score.score import Score
 from live.show.stages.now import Now
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
+    from live.show.group.group_motion import GroupMotion
 
 Bool = npt.NDArray[np.bool_]
 
@@ -31,7 +35,7 @@ class GroupCommands:
     EVENTS = (*GROUP_EVENTS, events.Clear)
 
     def __init__(
-        self, patch: Patch, motion: GroupMotion, dancers: Dancers, variation: Variation, score: Score | None = None
+        self, patch: Patch, motion: "GroupMotion", dancers: "Dancers", variation: Variation, score: Score | None = None
     ) -> None:
         self._patch = patch
         self._motion = motion

@@ -22,7 +22,7 @@ from live.show.loader import LoadedShow, adapt_edited_patch, locate_errors
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import TomlSources, custom_pass_files, key_text, patch_files, read_sources
 from live.show.patch.patch_update import PreparedPatch, patch_version, prepare_patch, split_deferred
-from live.show.selection.graph_update import LibraryWatch, Stamp
+from live.show.selection.library_watch import LibraryWatch, Stamp
 from live.show.show import Show
 from live.show.state.constants import walk_ahead
 from live.show.venue.venue_output import with_venue_projector

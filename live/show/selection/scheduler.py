@@ -6,7 +6,7 @@ The remaining position error of a step is spread over the measure (position targ
 """
 
 import math
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +18,6 @@ from live.graph.select.candidates import following_placement
 from live.graph.select.selector import StepSelector
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.root_correction_control import RootCorrectionControl
-from live.show.group.group_motion import GroupMotion
 from live.show.patch.patch import Patch
 from live.show.score.canon import StepSource
 from live.show.score.group_programs import update_programs
@@ -27,6 +26,9 @@ from live.show.selection.nearest_steps import decide_nearest
 from live.show.selection.planning import MeasurePlan
 from live.show.selection.step_targets import StepTargets
 from live.show.stages.measure_span import MeasureSpan
+
+if TYPE_CHECKING:
+    from live.show.group.group_motion import GroupMotion
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -47,7 +49,7 @@ class Scheduler:
         self,
         patch: Patch,
         dancers: Dancers,
-        motion: GroupMotion,
+        motion: "GroupMotion",
         programmes: list[StepSource],
         group: Int32,
         choosing: StepSelector | None = None,
@@ -166,6 +168,10 @@ class Scheduler:
             np.count_nonzero((choices.step >= 0) & (graph.library.node_step[coming.node] != choices.step))
         )
         self.root_correction.accept_decision(hips, choices.target, choices.wish)
+
+    def must_decide(self, span: MeasureSpan, beat: float) -> bool:
+        """Whether the measure after `span` must be decided at `beat`, and is not."""
+        return not self._dancers.decided and span.end - beat <= DECIDE_BEATS
 
     def decide_nearest(self, half: npt.NDArray[np.floating]) -> None:
         """Decide without a plan: the nearest measure that may follow; `half` (2,) [m]: half sizes of the stage."""

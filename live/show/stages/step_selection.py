@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING
 
 from live.show.circuit_breakers import FALLBACK, CircuitBreakers, Stage
 from live.show.selection.nearest_steps import repeat_measure
-from live.show.selection.scheduler import DECIDE_BEATS
 from live.show.stages.now import Now
 
 if TYPE_CHECKING:
@@ -26,7 +25,7 @@ class StepSelection:
         level = self._breakers.enter(Stage.SELECTION)
         if not level:
             self._scheduler.work(now.span, now.timeline, now.time)
-        elif level == FALLBACK and not self._dancers.decided and now.span.end - beat <= DECIDE_BEATS:
+        elif level == FALLBACK and self._scheduler.must_decide(now.span, beat):
             self._scheduler.decide_nearest(self._stage_area.half)
 
     def decide(self, now: Now) -> None:

@@ -5,10 +5,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from live.agents.agent_command import LEASH
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.show.assembly import assemble
-from live.show.group.group_motion import LEASH
 from live.show.loader import load_from_patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PATCHES

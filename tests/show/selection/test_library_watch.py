@@ -9,7 +9,7 @@ from live.control.events import events
 from live.show.journal.journal import read_journal
 from live.show.journal.replay import ReplayError, fresh_show, replay
 from live.show.loader import load_show
-from live.show.selection.graph_update import LibraryWatch, same_clip
+from live.show.selection.library_watch import LibraryWatch, same_clip
 from tests.show.patch.edited_night import STEPS, JournaledShow, write_patch_folder
 
 PATCH = """
