@@ -18,6 +18,7 @@ from live.show.dancers.step_requests import StepRequests
 from live.show.dancers.variation import Variation
 from live.show.desk.light_desk import LightDesk
 from live.show.desk.refusals import Refusals
+from live.show.desk.undo_history import EditablePart
 from live.show.event_router import EventRouter
 from live.show.frame import Frame
 from live.show.group.casting import Casting
@@ -93,7 +94,11 @@ def assemble(
     dancers.start(node, motion.state.position.astype(np.float64), motion.starting_heading)
     scheduler.targets.headings.reset(motion.starting_heading)
     mocap = CaptureManager(patch, motion, dancers, scheduler)
-    desk = LightDesk(patch, score_runner, motion, scheduler, variation, mocap)
+    editable: dict[str, EditablePart] = {
+        "formations": motion.evolutions, "sequences": scheduler, "facings": scheduler.targets.headings,
+        "ripples": variation, "set": commands, "mocap": mocap,
+    }  # fmt: skip
+    desk = LightDesk(patch, score_runner, motion, variation, editable)
     audience = Audience(patch.audience, motion.elements, VoteNames(patch, dancers, desk.scenes), seed=seed)
     directions = StepRequests(patch, casting, dancers, variation, scheduler, interrupts)
     light = LightStage(breakers)

@@ -6,7 +6,7 @@ falls silent, the last pose is held for a quarter of a second; then the own step
 capture fades in likewise when it returns.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -143,6 +143,16 @@ class CaptureManager:
                 values = CapturedPerformer(MocapSection(name=name), self._motion.stage_area.half).current_settings[what]
             said = dict(zip(fields, values, strict=True))
             self._apply_setting(kind(time=self._time, source="mocap", performer=name, **said), captured)
+
+    def edited_values(self, event: ControlEvent) -> dict[tuple[str, str], tuple[ArgumentValue, ...]]:
+        """Return the settings by performer and control name, see `EditablePart`."""
+        performers = self.performers.items()
+        return {(name, what): now for name, captured in performers for what, now in captured.current_settings.items()}
+
+    def restore_values(self, values: Mapping[tuple[str, str], Iterable[ArgumentValue] | None]) -> None:
+        """See `EditablePart`."""
+        for (name, what), said in values.items():
+            self.restore_setting(name, what, said)
 
     def _track(self, event: events.TrackerMoved) -> None:
         """Handle the position of a tracker: of a performer, or of a real dancer as an obstacle."""

@@ -4,6 +4,7 @@ The master sets the light level of the whole picture, freezes it, and lifts the 
 """
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -20,15 +21,13 @@ from live.show.desk.cue_list import CueList
 from live.show.desk.parameter_table import FIELDS, ParameterTable
 from live.show.desk.parameters import Parameters
 from live.show.desk.scenes import SCENE_EVENTS, Scenes, start_row
-from live.show.desk.undo_history import UndoHistory, editable_parts
+from live.show.desk.undo_history import EditablePart, UndoHistory
 from live.show.patch.patch import Patch
 from live.show.score.score_runner import ScoreRunner
 from live.show.stages.now import Now
 
 if TYPE_CHECKING:
-    from live.show.capture.capture_manager import CaptureManager
     from live.show.group.group_motion import GroupMotion
-    from live.show.selection.scheduler import Scheduler
 
 MASTER_EVENTS: Final = (events.FadePicture, events.FreezePicture, events.AllowFlashes, events.ShowCard)
 """Events that `Master.act` handles."""
@@ -125,11 +124,13 @@ class LightDesk:
         patch: Patch,
         score_runner: ScoreRunner,
         motion: "GroupMotion",
-        scheduler: "Scheduler",
         variation: Variation,
-        mocap: "CaptureManager",
+        editable: Mapping[str, EditablePart],
     ) -> None:
-        """Raises PersonError for a scene that names unknown parts."""
+        """`editable`: other parts whose edits can be undone, by the names in `EDITED_PARTS`.
+
+        Raises PersonError for a scene that names unknown parts.
+        """
         table = ParameterTable([section.name for section in patch.group])
         self.parameters = Parameters(table, start_row(patch), variation)
         beats = patch.clock.beats_per_measure
@@ -143,7 +144,7 @@ class LightDesk:
         self._score_runner = score_runner
         self.cues = CueList(patch.cue, score_runner.playhead, beats=patch.clock.beats_per_measure)
         self.undo_history = UndoHistory(
-            editable_parts(self.parameters, self.scenes, self.cues, motion, scheduler, variation, mocap)
+            {"parameters": self.parameters, "scenes": self.scenes, "standby": self.cues, **editable}
         )
         self.beats = patch.clock.beats_per_measure
         """Beats of a danced measure."""

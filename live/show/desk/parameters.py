@@ -12,6 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base import picture_parameters
+from live.control.events.event import ControlEvent
+from live.control.events.events import SetPicture
 from live.show.dancers.variation import Variation, VariationSettings
 from live.show.desk.parameter_table import FIELDS, Parameter, ParameterTable
 
@@ -129,6 +131,19 @@ class Parameters:
         return {at: float(self._goal[at] if self._fading[at] else self.value[at]) for at in places}
 
     # -- time --------------------------------------------------------------------------------------------------
+
+    def edited_values(self, event: ControlEvent) -> Float64 | dict[int, float]:
+        """Return values or fade targets by place in the row, see `EditablePart`. Picture events are frequent: only
+        their own numbers are compared."""
+        if type(event) is SetPicture:
+            places = self.table.places(event.parameter, event.group)
+            if places and max(places) < picture_parameters.ROW_SIZE:
+                return self.goals_at(places)
+        return self.goals()
+
+    def restore_values(self, values: Mapping[int, float]) -> None:
+        """See `EditablePart`."""
+        self.fade(values, beats=0.0)
 
     def tick(self, beats: float) -> None:
         """Advance by `beats`."""

@@ -1,5 +1,6 @@
 """Handler for live control events of group motion: segments, groups, entrances, stage and obstacles."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy.typing as npt
 from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.events import ControlEvent
+from live.show.capture.stage_presence import OBSTACLE_PREFIX
 from live.show.dancers.timing_offsets import parse_ripple
 from live.show.dancers.variation import Variation
 from live.show.patch.patch import Patch
@@ -92,6 +94,30 @@ class GroupCommands:
                     raise PersonError(f"nothing on the stage is called {event.name!r}")
             case events.Performer():
                 self._require_free_slot(self._motion.performers.track(event))
+
+    def edited_values(self, event: ControlEvent) -> dict[tuple[str, str], tuple[float, ...]]:
+        """Return walls and obstacles by kind and name, without real dancers, see `EditablePart`."""
+        return self._set_items()
+
+    def _set_items(self) -> dict[tuple[str, str], tuple[float, ...]]:
+        around = self._motion.surroundings
+        walls = {("wall", name): tuple(around.walls[row].tolist()) for row, name in enumerate(around.wall_names)}
+        obstacles = {
+            ("obstacle", name): tuple(around.obstacles[row].tolist()) for row, name in enumerate(around.obstacle_names)
+        }
+        return {key: row for key, row in {**walls, **obstacles}.items() if not key[1].startswith(OBSTACLE_PREFIX)}
+
+    def restore_values(self, values: Mapping[tuple[str, str], tuple[float, ...] | None]) -> None:
+        """See `EditablePart`."""
+        around = self._motion.surroundings
+        now = {**self._set_items(), **values}
+        for name in {name for _, name in values}:  # a wall and an obstacle may share a name, and `remove` removes both
+            around.remove(name)
+            wall, obstacle = now.get(("wall", name)), now.get(("obstacle", name))
+            if wall is not None:
+                around.set_wall(name, *wall)
+            if obstacle is not None:
+                around.set_obstacle(name, *obstacle)
 
     def cross_measure_line(self, measure: int) -> None:
         """Apply the score's regroupings of `measure` (from 0), and move dancers who enter to their groups."""

@@ -6,6 +6,7 @@ The remaining position error of a step is spread over the measure (position targ
 """
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy.typing as npt
 
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
+from live.control.events.event import ControlEvent
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import following_placement
 from live.graph.select.selector import StepSelector
@@ -90,6 +92,18 @@ class Scheduler:
         """Apply the groups' programmes of another patch. Called while no next measure is decided."""
         update_programs(self.programmes, fresh.programmes, fresh._patch)
         self.targets.reorder()
+
+    def edited_values(self, event: ControlEvent) -> dict[int, Any]:
+        """Return the sequences set live, by group, see `EditablePart`."""
+        return {index: programme.live_sequence or None for index, programme in enumerate(self.programmes)}
+
+    def restore_values(self, values: Mapping[int, Any]) -> None:
+        """See `EditablePart`."""
+        for index, wanted in values.items():
+            if wanted is None:
+                self.programmes[index].release()
+            else:
+                self.programmes[index].set_sequence(list(wanted))
 
     def step_reach(self) -> Float64:
         """Return the reach in one measure of the group's farthest step, for each dancer [m], shape (A,)."""

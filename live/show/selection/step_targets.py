@@ -1,11 +1,13 @@
 """Targets of step selection: the wanted step, position (T067, T068) and heading (T126, T127) of each dancer."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from live.clock.timeline import Timeline
+from live.control.events.event import ControlEvent
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import wrap_angle
 from live.graph.select.selector import StepSelector
@@ -65,6 +67,15 @@ class Headings:
     def set(self, group: int, facing: Facing) -> None:
         """Set the facing of a group, from the next decided measure on."""
         self._facing[group] = facing
+
+    def edited_values(self, event: ControlEvent) -> dict[int, Facing]:
+        """Return the facings by group, see `EditablePart`."""
+        return dict(enumerate(self._facing))
+
+    def restore_values(self, values: Mapping[int, Facing]) -> None:
+        """See `EditablePart`."""
+        for group, facing in values.items():
+            self.set(group, facing)
 
     def reset(self, heading: Float64) -> None:
         """Initialize with the dancers' `heading` (A,) [rad]."""

@@ -13,19 +13,7 @@ from live.show.desk.light_desk import LightDesk, Master
 from live.show.desk.parameters import Parameters
 from live.show.desk.refusals import Refusals
 from live.show.desk.scenes import Scene, Scenes
-from live.show.desk.undo_history import (
-    CaptureEdits,
-    EditedFacings,
-    EditedFormations,
-    EditedParameters,
-    EditedRipples,
-    EditedScenes,
-    EditedSequences,
-    EditedSet,
-    EditedStandBy,
-    UndoHistory,
-    _Edit,
-)
+from live.show.desk.undo_history import UndoHistory, _Edit
 from live.show.event_router import EventRouter
 from live.show.frame import Frame
 from live.show.group.formations import Formations, NamedFormation
@@ -175,17 +163,8 @@ KINDS: Final = [
         _leader_steps:ordered[int,tuple[int,row[wanted],int]] travel_step:int|none steps:list[int] upcoming:row[wanted]
         measures_done:int
     """),
-    Kind("edited-facings", EditedFacings, "_headings:headings"),
-    Kind("edited-formations", EditedFormations, "_motion:group-motion"),
-    Kind("edited-mocap", CaptureEdits, "_mocap:mocap"),
-    Kind("edited-parameters", EditedParameters, "_parameters:parameters"),
-    Kind("edited-ripples", EditedRipples, "_variation:variation"),
-    Kind("edited-scenes", EditedScenes, "_scenes:scenes"),
-    Kind("edited-sequences", EditedSequences, "_scheduler:scheduler"),
-    Kind("edited-set", EditedSet, "_surroundings:surroundings"),
-    Kind("edited-stand-by", EditedStandBy, "_cues:cues"),
     Kind("edits", UndoHistory, """
-        _parts:dict[str,edited-facings|edited-formations|edited-mocap|edited-parameters|edited-ripples|edited-scenes|edited-sequences|edited-set|edited-stand-by]
+        _parts:dict[str,cues|evolutions|group-controls|headings|mocap|parameters|scenes|scheduler|variation]
         _done:deque[edits.edit] _undone:list[edits.edit] _values_before:dict[any,any]|f8|none
     """),
     Kind("edits.edit", _Edit, "label:str part:str before:dict[any,any] after:dict[any,any] key:row[str] time:float"),
