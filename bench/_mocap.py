@@ -10,10 +10,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.bridges.vmc.vmc_input import Seat, VmcStream
+from live.bridges.vmc.vmc_protocol import vmc_packets
 from live.cli.bench import Row
 from live.clock.ticks import TICK
-from live.control.capture.vmc_input import Seat, VmcStream
-from live.control.capture.vmc_protocol import vmc_packets
 from live.control.events.events import MocapFrame
 from live.control.registry.rejections import Tally
 from live.motion import quaternion

@@ -13,11 +13,12 @@ import numpy as np
 
 from bench._show import crowd_patch
 from live.base.event_queue import EventQueue
+from live.base.motion_parameters import AMPLITUDE, MIX
 from live.cli.bench import Row
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events.audio import MusicHeard
-from live.control.events.events import Attract, BeatHeard, ControlEvent, SetMotion, StepNow
+from live.control.events.events import Attract, BeatHeard, ControlEvent, SetParameter, StepNow
 from live.show.engine import Engine
 from live.show.journal.journal import Journal, JournalWriter, read_journal
 from live.show.journal.journal_writer import read_snapshots
@@ -84,9 +85,9 @@ def _events(frame: int) -> list[ControlEvent]:
         second = frame // FPS
         kinds: list[ControlEvent] = [
             Attract(time=now, source="osc", x=3.0 * math.sin(second), z=1.0, measures=2.0),
-            SetMotion(time=now, source="midi", parameter="amplitude", value=1.0 + 0.1 * math.sin(second), group="*"),
+            SetParameter(time=now, source="midi", address=AMPLITUDE.address, value=(0.2 + 0.1 * math.sin(second),)),
             StepNow(time=now, source="osc", name="jump", group="*") if second % 15 == 14 else
-            SetMotion(time=now, source="osc", parameter="mix", value=0.3, group="*"),
+            SetParameter(time=now, source="osc", address=MIX.address, value=(0.3,)),
         ]  # fmt: skip
         found.append(kinds[second % len(kinds)])
     return found

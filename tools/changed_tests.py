@@ -1,9 +1,10 @@
 """The tests of what has changed since a commit, a file each line: `python tools/changed_tests.py [COMMIT]`.
 
 The nearest come first: the rules of the tree, changed test files, the tests in the folders that mirror the changed
-ones. They are the test files that changed themselves, and those that import a module that changed, directly or through
-one other module of the same room. Where files change that are no modules (patches, shaders, pages), the tests of the
-folder that mirrors theirs. COMMIT is HEAD by default: what is not committed.
+ones (a bridge's own folder holds its tests). They are the test files that changed themselves, and those that import a
+module that changed, directly or through one other module of the same room. Where files change that are no modules
+(patches, shaders, pages), the tests of the folder that mirrors theirs. COMMIT is HEAD by default: what is not
+committed.
 """
 
 import ast
@@ -44,7 +45,8 @@ def tests_of(names: list[str]) -> set[str]:
     for name in [each for each in modules if each.startswith("live.")]:
         room = ROOT / Path(*name.split(".")[:-1])
         modules |= {module_of(path.relative_to(ROOT).as_posix()) for path in room.glob("*.py") if name in imports(path)}
-    tests = {path.relative_to(ROOT).as_posix(): path for path in (ROOT / "tests").rglob("test_*.py")}
+    places = ROOT / "tests", ROOT / "live" / "bridges"
+    tests = {path.relative_to(ROOT).as_posix(): path for place in places for path in place.rglob("test_*.py")}
     found = {name for name in names if name in tests} | {
         name for name, path in tests.items() if imports(path) & modules
     }
@@ -54,7 +56,8 @@ def tests_of(names: list[str]) -> set[str]:
 
 def nearest_first(names: list[str]) -> list[str]:
     """Return the tests of changed files, the nearest first."""
-    mirrors = {Path("tests", *Path(name).parent.parts[1:]) for name in names if name.startswith("live/")}
+    rooms = {Path(name).parent for name in names if name.startswith("live/")}
+    mirrors = rooms | {Path("tests", *room.parts[1:]) for room in rooms}
 
     def distance(test: str) -> int:
         return 0 if test in ALWAYS else 1 if test in names else 2 if Path(test).parent in mirrors else 3

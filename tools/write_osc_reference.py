@@ -132,47 +132,10 @@ OSCdef(\\taps, {{ |m| Synth(\\tap, [\\amp, m[5], \\pan, m[3] / 6]) }}, '/dance/o
 |---|---|---|
 {{SENT}}
 
-## Layouts for tablets
+## Layouts and discovery
 
-These commands write a layout for TouchOSC (1.2 or later) or Open Stage Control (1.26 or later) from the same table as
-this page:
-
-```
-live layout touchosc --patch samba --out samba.tosc
-live layout open-stage-control --patch samba --role musician --osc 192.168.1.20:9012 --out samba.json
-```
-
-A layout has faders with their ranges, switches, colours, pads that show the stage with the audience below, and buttons
-for the patch's steps, cues, scenes, looks, cameras, sections and formations. Controls that cannot be operated with one
-touch are left out, and the command names them.
-
-- TouchOSC: set the show's address (Connections, OSC, UDP; the same port to send and to receive) and press "hear the
-  show". Faders then follow changes from other sources for an hour.
-- Open Stage Control asks for the values automatically.
-
-## OSCQuery
-
-With `live play --oscquery HOST:PORT`, programs such as ossia score, Chataigne and TouchOSC find the show automatically
-(zeroconf `_oscjson._tcp` and `_osc._udp`, on the network of that host). They read the values of this page as a tree:
-types, units, ranges, present values. A WebSocket at the same port streams the values that they LISTEN to. A separate
-process answers.
-
-The tree is read-only. To set a value, send OSC to the port that the tree names. For an event, the tree lists the
-required arguments. If groups have different values, the tree shows the first group's value; LISTEN sends all of them.
-
-**Access.** OSCQuery needs no key, because these programs do not support one. Every program that reaches the port can
-read the names in the patch, the current dance, every present value and the OSC address. Nothing can be set through it.
-
-| `--oscquery` address | zeroconf listens and announces |
-|---|---|
-| `127.0.0.1:9011` (only this machine can read) | on this machine only |
-| another address | in the network of that address only |
-| `0.0.0.0` | in all networks |
-
-Pages of other sites are refused. `Host` must be one of these: the address in use, localhost if that address is
-loopback, this machine's own name in the network if it is not, or a name given with `--web-host NAME` or in the venue
-(`[web] hosts`). Connections that send nothing, or read nothing, are closed within seconds. 32 programs may LISTEN, 16
-of them from one address.
+[Layouts for tablets](../live/bridges/layouts/README.md) are written from the same table as this page, and programs that
+know [OSCQuery](../live/bridges/oscquery/README.md) find the show and this table by themselves.
 """
 
 

@@ -7,6 +7,7 @@ from typing import Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
+from live.app.bridges import installed_bridges
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import Section
 
@@ -48,7 +49,8 @@ of the files.
 def reference() -> str:
     """The whole page."""
     parts = [HEAD, _table("At the top", Patch, top=True)]
-    for name, field in Patch.model_fields.items():
+    models: list[type[Section]] = [Patch, *installed_bridges().patch_tables()]
+    for name, field in [item for model in models for item in model.model_fields.items()]:
         section = _section(field.annotation)
         if section is not None:
             many = get_origin(field.annotation) is tuple

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 
+from live.app.bridges import installed_bridges
 from live.app.headless_picture import HeadlessPicture
 from live.app.launch_options import LaunchOptions
 from live.app.machine.kernel_warmup import warm_kernels
@@ -121,13 +122,13 @@ def play_show(options: LaunchOptions, *, lifeline: SupervisorLink | None = None)
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)
     loaded = options.load()
-    for note in loaded.graph.missing:
-        console.print(f"note: {note}", style="yellow", markup=False)
+    venue = options.read_venue()
+    for note in (*loaded.graph.missing, *installed_bridges().notes(loaded, venue)):
+        console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
     if options.shaders is not None:
         from live.app.adaptive_quality import use_shader_folder
 
         use_shader_folder(options.shaders, console)
-    venue = options.read_venue()
     sound = choose_audio(options, loaded, venue)
     chosen = find_screen(options.monitor)
     if options.headless:

@@ -5,22 +5,26 @@ the supervisor uses it.
 """
 
 import base64
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
+from live.app.bridges import Bridge, installed_bridges
 from live.app.option_values import (
-    add_default_port,
+    OPTION,
+    Option,
     check_choice,
-    check_range,
-    check_writable,
+    option,
     parse_audience_address,
     parse_audience_link,
     parse_endpoint,
     parse_measures,
     parse_shares,
     parse_size,
+    several,
+    within,
+    writable,
 )
 from live.base.field_types import build_dataclass
 from live.control.message_codec import decode_packet, encode_packet
@@ -31,54 +35,6 @@ if TYPE_CHECKING:
 
 MUSIC, PICTURE, RECORDING, RECOVERY = "Music and time", "Picture", "Recording", "Staying alive"
 """Panels of the help text; the options of the network have none."""
-VMC_PORT: Final = 39539
-OPTION: Final = "option"
-"""Key of a field's metadata."""
-
-
-@dataclass(frozen=True, slots=True)
-class Option:
-    """How a field is written on the command line."""
-
-    help: str
-    panel: str | None = None
-    written: Any = None
-    """Type of what a person writes; None: the field's own."""
-    default: Any = None
-    """What stands for the field's default there."""
-    parse: Callable[[Any, str], Any] | None = None
-    """Makes the field's value of what was written and the option's name; PersonError where that is wrong."""
-    flags: tuple[str, ...] = ()
-    """The option's names; none: the field's name with dashes."""
-    argument: bool = False
-    """Whether it is written without a name."""
-    details: Mapping[str, Any] = field(default_factory=dict)
-    """More for typer: metavar, limits, environment variable."""
-
-
-def option(default: Any, help: str, panel: str | None = None, *, metavar: str | None = None, **how: Any) -> Any:
-    """A field that is an option, too."""
-    own = {name: how.pop(name) for name in ("written", "default_text", "parse", "flags", "argument") if name in how}
-    shown = own.pop("default_text", None if own.get("written") is not None else default)
-    details = {**how, **({} if metavar is None else {"metavar": metavar})}
-    return field(default=default, metadata={OPTION: Option(help, panel, default=shown, details=details, **own)})
-
-
-def _within(low: float, high: float) -> Callable[[Any, str], Any]:
-    def parse(value: Any, name: str) -> Any:
-        check_range(value, name, low, high)
-        return value
-
-    return parse
-
-
-def _writable(path: Path, name: str) -> Path:
-    check_writable(path, name)
-    return path
-
-
-def _several(parse: Callable[[str, str], Any] = lambda text, name: text) -> dict[str, Any]:
-    return {"written": list[str], "parse": lambda texts, name: tuple(parse(text, name) for text in texts)}
 
 
 def _tls(text: str, name: str) -> tuple[Path, Path] | None:
@@ -102,15 +58,15 @@ class LaunchOptions:
     )
     venue: str | None = option(None, "The hall: its devices and delays (see `live calibrate`).", MUSIC, metavar="NAME")
     bpm: float | None = option(
-        None, "The tempo to begin with; without --audio the internal clock keeps it.", MUSIC, parse=_within(20, 400)
+        None, "The tempo to begin with; without --audio the internal clock keeps it.", MUSIC, parse=within(20, 400)
     )
     link: str | None = option(
         None, "Ableton Link: follow others' tempo and beat, or lead them with the show's. Default: the patch's.",
         MUSIC, metavar="follow|lead|off", parse=lambda text, name: check_choice(text, name, "follow", "lead", "off"),
     )  # fmt: skip
     midi: str | None = option(
-        None, "A MIDI port to listen to (see `live devices`): clock, time code, pedals and keys; tcp:HOST:PORT, "
-        "rtp:HOST:PORT, raw:PATH; or off.", MUSIC, metavar="NAME",
+        None, "A MIDI port to listen to (see `live devices`): clock, pedals and keys; tcp:HOST:PORT, raw:PATH "
+        "and others (docs/midi.md); or off.", MUSIC, metavar="NAME",
     )  # fmt: skip
     midi_file: Path | None = option(
         None, "A MIDI file: its tempo map leads the beat, its notes move the dance and trigger what the map says.",
@@ -127,14 +83,14 @@ class LaunchOptions:
         None, "An output on which the players hear a click (see `live devices`).", MUSIC, metavar="DEVICE"
     )
     click_channels: str | None = option(None, "Which channels of it, from 1: 3, or 5,6.", MUSIC, metavar="N")
-    seconds: float | None = option(None, "End after so many seconds.", MUSIC, parse=_within(0.1, 7 * 86400))
+    seconds: float | None = option(None, "End after so many seconds.", MUSIC, parse=within(0.1, 7 * 86400))
     measures: tuple[int, int] | None = option(
         None, "Practise these measures of the score, again and again, without the patch's music.", MUSIC,
         metavar="17-24", written=str, parse=lambda text, name: parse_measures(text),
     )  # fmt: skip
     """First and last measure, from 1; None: the whole show."""
     tempo_share: float | None = option(
-        None, "Practise at this share of the tempo: 0.8 is slower.", MUSIC, metavar="0.1-2", parse=_within(0.1, 2.0)
+        None, "Practise at this share of the tempo: 0.8 is slower.", MUSIC, metavar="0.1-2", parse=within(0.1, 2.0)
     )
     """The internal clock keeps the tempo then."""
     steps: Path | None = option(
@@ -157,11 +113,7 @@ class LaunchOptions:
     )  # fmt: skip
     osc_out: tuple[tuple[str, int], ...] = option(
         (), "Tell programs there over OSC what happens: beat, tempo, steps, feet, places. May come several times.",
-        metavar="HOST:PORT", **_several(parse_endpoint),
-    )  # fmt: skip
-    dmx: tuple[str, ...] = option(
-        (), "Let the hall's lamps follow the show: channels as [[dmx]] says. May come several times.",
-        metavar="sacn:UNIVERSE[@HOST]|artnet:UNIVERSE@HOST", **_several(),
+        metavar="HOST:PORT", **several(parse_endpoint),
     )  # fmt: skip
     web: tuple[str, int] | None = option(
         None, "Serve the operator's page for a browser: all controls and present values. Only the printed link lets "
@@ -175,24 +127,7 @@ class LaunchOptions:
     """The same in all processes of a show."""
     web_hosts: tuple[str, ...] = option(
         (), "A name by which this machine is reached next to its addresses, for that page and OSCQuery. May come "
-        "several times.", metavar="NAME[:PORT]", flags=("--web-host",), **_several(),
-    )  # fmt: skip
-    psn: str | None = option(
-        None, "Listen there for trackers by PosiStageNet, usually 236.10.10.10:56565; ADDRESS: of the network card.",
-        metavar="[GROUP:]PORT[@ADDRESS]",
-    )  # fmt: skip
-    vmc_out: tuple[str, ...] = option(
-        (), "Send dancers to other programs as avatars by the VMC protocol: the first, or those that WHO names, each "
-        "to the next port. May come several times.", metavar="HOST:PORT[=WHO][@RATE]", **_several(),
-    )  # fmt: skip
-    vmc: tuple[tuple[str, int], ...] = option(
-        (), "Listen there for a real dancer's body by the VMC protocol (usually 39539). May come several times.",
-        metavar="[HOST:]PORT|HOST",
-        **_several(lambda text, name: parse_endpoint(add_default_port(text, VMC_PORT), name)),
-    )  # fmt: skip
-    oscquery: tuple[str, int] | None = option(
-        None, "Be found by ossia score, Chataigne, TouchOSC and others: OSCQuery over HTTP, and zeroconf.",
-        metavar="HOST:PORT", written=str, parse=parse_endpoint,
+        "several times.", metavar="NAME[:PORT]", flags=("--web-host",), **several(),
     )  # fmt: skip
     audience: tuple[str, int] | None = option(
         None, "Let the audience's phones play along, here: 127.0.0.1:8020 without a value; 0.0.0.0:8020 lets in the "
@@ -226,7 +161,7 @@ class LaunchOptions:
         parse=lambda text, name: parse_size(text),
     )  # fmt: skip
     fps: float | None = option(
-        None, "Default: the monitor's; 30 without a graphics card.", PICTURE, parse=_within(1, 480)
+        None, "Default: the monitor's; 30 without a graphics card.", PICTURE, parse=within(1, 480)
     )
     shaders: Path | None = option(
         None, "For people who work on looks: draw with the shaders of this folder, and again whenever one is edited. "
@@ -235,15 +170,15 @@ class LaunchOptions:
     )  # fmt: skip
     quality: int | None = option(
         None, "Hold a step of quality, 0 is the best. Default: as the machine can afford.", PICTURE,
-        parse=_within(0, 15),
+        parse=within(0, 15),
     )  # fmt: skip
-    record: Path | None = option(None, "Record the picture as an mp4.", RECORDING, metavar="FILE.mp4", parse=_writable)
+    record: Path | None = option(None, "Record the picture as an mp4.", RECORDING, metavar="FILE.mp4", parse=writable)
     share: tuple[str, ...] = option(
         (), "Share the picture with other programs: shm:NAME, or a stream like udp://127.0.0.1:5000.", RECORDING,
         metavar="shm:NAME|URL", written=list[str], parse=lambda texts, name: parse_shares(texts),
     )  # fmt: skip
-    journal: Path | None = option(None, "Write the journal here, for `live replay`.", RECORDING, parse=_writable)
-    status_json: Path | None = option(None, "Write one JSON line of figures a second.", RECORDING, parse=_writable)
+    journal: Path | None = option(None, "Write the journal here, for `live replay`.", RECORDING, parse=writable)
+    status_json: Path | None = option(None, "Write one JSON line of figures a second.", RECORDING, parse=writable)
 
     alone: bool = option(
         False, "One process only: no supervisor, so a crash ends the show.", RECOVERY, flags=("--alone",)
@@ -260,6 +195,9 @@ class LaunchOptions:
         RECOVERY, metavar="NAME",
     )  # fmt: skip
 
+    bridges: Mapping[str, Any] = field(default_factory=dict)
+    """Options of bridges that differ from their defaults: by the bridge's name, a value of its `options`."""
+
     @property
     def is_practice(self) -> bool:
         """Whether this is practice. The patch's own music does not play then, because it cannot follow."""
@@ -270,11 +208,15 @@ class LaunchOptions:
         """Frames per second of a film, and of a show without a monitor."""
         return self.fps or 60.0
 
+    def of_bridge(self, bridge: Bridge) -> Any:
+        """The options of one bridge."""
+        return self.bridges[bridge.name] if bridge.name in self.bridges else bridge.options()
+
     def read_venue(self) -> "Venue | None":
         """The venue that was named, if one was."""
         from live.show.venue.venue import read_venue
 
-        return None if self.venue is None else read_venue(self.venue)
+        return None if self.venue is None else read_venue(self.venue, installed_bridges().venue_tables())
 
     def load(self, *, whole: bool = True) -> "LoadedShow":
         """The patch and its steps, as they are played in the venue. `whole`: see `load_show`."""
@@ -282,7 +224,8 @@ class LaunchOptions:
         from live.show.patch.patch_search_path import find_patch
 
         venue = self.read_venue()
-        loaded = load_show(find_patch(self.patch), recordings=self.steps, whole=whole)
+        tables = installed_bridges().patch_tables()
+        loaded = load_show(find_patch(self.patch), recordings=self.steps, whole=whole, tables=tables)
         return loaded if venue is None else loaded.with_projector(venue.projector)
 
     def encode(self) -> str:
@@ -293,6 +236,13 @@ class LaunchOptions:
     def decode(cls, word: str) -> "LaunchOptions":
         """What `encode` made; ValueError for anything else."""
         table = decode_packet(base64.b64decode(word, validate=True))
-        if not isinstance(table, dict):
-            raise ValueError("launch options are a table")
-        return build_dataclass(cls, table)
+        if not isinstance(table, dict) or not isinstance(table.get("bridges"), dict):
+            raise ValueError("launch options are a table, with one of the bridges")
+        kinds = {bridge.name: bridge.options for bridge in installed_bridges().bridges}
+        bridges = {}
+        for name, values in table.pop("bridges").items():
+            kind = kinds.get(name)
+            if kind is None or not isinstance(values, dict):
+                raise ValueError(f"launch options: there is no bridge {name!r:.80}")
+            bridges[name] = build_dataclass(kind, values)
+        return replace(build_dataclass(cls, table), bridges=bridges)

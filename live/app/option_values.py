@@ -1,14 +1,15 @@
-"""Parsers and checks for command-line options that several commands share."""
+"""Options of the command line: their form as fields of a dataclass, and parsers and checks that commands share."""
 
 import os
 import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any, Final
 
 from live.base.errors import PersonError
 
 MAX_PICTURE_SIZE = 8192
-EXPORT_ENDINGS = (".bvh", ".glb", ".vrma")
-"""Motion files that can be written."""
 
 
 def parse_size(text: str) -> tuple[int, int]:
@@ -150,3 +151,56 @@ def _check_address(text: str, rest: str) -> None:
                 "--share udp://127.0.0.1:5000, and let ffmpeg forward it: "
                 f"ffmpeg -i udp://127.0.0.1:5000 -c copy -f mpegts '{text}'",
             )
+
+
+OPTION: Final = "option"
+"""Key of a field's metadata."""
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """How a field is written on the command line."""
+
+    help: str
+    panel: str | None = None
+    written: Any = None
+    """Type of what a person writes; None: the field's own."""
+    default: Any = None
+    """What stands for the field's default there."""
+    parse: Callable[[Any, str], Any] | None = None
+    """Makes the field's value of what was written and the option's name; PersonError where that is wrong."""
+    flags: tuple[str, ...] = ()
+    """The option's names; none: the field's name with dashes."""
+    argument: bool = False
+    """Whether it is written without a name."""
+    details: Mapping[str, Any] = field(default_factory=dict)
+    """More for typer: metavar, limits, environment variable."""
+
+
+def option(default: Any, help: str, panel: str | None = None, *, metavar: str | None = None, **how: Any) -> Any:
+    """Return a field of a dataclass that is an option of the command line, too."""
+    own = {name: how.pop(name) for name in ("written", "default_text", "parse", "flags", "argument") if name in how}
+    shown = own.pop("default_text", None if own.get("written") is not None else default)
+    details = {**how, **({} if metavar is None else {"metavar": metavar})}
+    return field(default=default, metadata={OPTION: Option(help, panel, default=shown, details=details, **own)})
+
+
+def within(low: float, high: float) -> Callable[[Any, str], Any]:
+    """Return the `parse` of an option that is a number within [low, high]."""
+
+    def parse(value: Any, name: str) -> Any:
+        check_range(value, name, low, high)
+        return value
+
+    return parse
+
+
+def writable(path: Path, name: str) -> Path:
+    """Return the path of a file that can be written: the `parse` of an option."""
+    check_writable(path, name)
+    return path
+
+
+def several(parse: Callable[[str, str], Any] = lambda text, name: text) -> dict[str, Any]:
+    """Return what `option` is told of an option that may come several times; `parse` reads one of its values."""
+    return {"written": list[str], "parse": lambda texts, name: tuple(parse(text, name) for text in texts)}

@@ -11,8 +11,9 @@ import numpy as np
 from live.app.launch_options import LaunchOptions
 from live.base.errors import PersonError, error_context
 from live.base.fault_isolation import FAULTS
+from live.base.floor_corners import floor_corners
 from live.base.picture_parameters import camera_from_row, camera_values
-from live.base.projector_perspective import camera_from_corners, floor_corners
+from live.base.projector_perspective import camera_from_corners
 from live.base.stage_snapshot import Camera
 from live.control.events.event import ControlEvent
 from live.control.registry.registry import REGISTRY

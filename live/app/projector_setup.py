@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 from live.app.output_config import FloorCorners, VenueWriter, outputs_of
 from live.base.errors import PersonError
 from live.control.events.event import ControlEvent
-from live.control.events.events import ShowCard
+from live.control.events.events import ShowCard, ShowJoinCard
 from live.render.outputs.output import Output, Point
 from live.render.outputs.projection import Projection
 from live.render.outputs.screen import Screen
@@ -81,7 +81,7 @@ class OutputSetup:
 
     def handle(self, event: ControlEvent) -> None:
         """Handle the event that shows a test card."""
-        if not isinstance(event, ShowCard):
+        if not isinstance(event, ShowCard | ShowJoinCard):
             return
         name, card = event.output.strip().casefold(), event.card.strip().casefold()
         screens = self._named(name)

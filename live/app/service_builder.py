@@ -2,19 +2,19 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
+from live.app.bridges import ServiceContext, installed_bridges
 from live.app.launch_options import LaunchOptions
-from live.app.service_registry import ServiceRegistry, ValuePublisher
 from live.app.services.audience_service import make_audience
-from live.app.services.capture_services import make_psn, make_vmc
 from live.app.services.click_service import make_click, make_link
-from live.app.services.dmx_service import make_dmx
-from live.app.services.http_services import OscQueryService, WebService
+from live.app.services.http_services import WebService
 from live.app.services.midi_service import MidiFileService, MidiService, make_midi
 from live.app.services.osc_services import MusicianOscPort, make_osc_out
-from live.app.services.vmc_output_service import make_vmc_out
+from live.app.services.service import Service
+from live.app.services.service_registry import ServiceRegistry, ValuePublisher
 from live.base.event_queue import EventQueue
 from live.clock.time_source import Clock
 from live.control.events.events import ControlEvent
@@ -42,84 +42,73 @@ class ServiceBuilder:
     """Whether the show is resumed after an engine that has ended."""
     services: ServiceRegistry = field(default_factory=ServiceRegistry)
 
+    def add(self, name: str, service: Service) -> None:
+        """Add a service by its name in the status, and connect all that it offers."""
+        self.services.add(service)
+        self.status.extra_figures[name] = service.status
+        offers: dict[str, list[Any]] = {
+            "before_frame": self.services.before_frame_calls,
+            "publish": self.publisher.subscribers,
+            "handle": self.engine.event_listeners,
+            "update_patch": self.engine.patch_listeners,
+            "refused": self.services.refused_counts,
+            "refusal": self.services.refusals,
+        }
+        for method, listeners in offers.items():
+            if hasattr(service, method):
+                listeners.append(getattr(service, method))
+
     def add_click_and_link(self) -> None:
         """Add click and Ableton Link."""
         show = self.engine.show
         click = make_click(self.options.click, self.options.click_channels, self.venue, show, self.clock)
         if click is not None:
-            self.services.add(click)
-            self.engine.event_listeners.append(click.handle)
-            self.status.extra_figures["click"] = click.status
+            self.add("click", click)
             track = click.output.track
             self.publisher.add_value("/dance/click", lambda: track.on)
         link = make_link(self.options.link, show, self.inbox, self.clock, Console(stderr=True, highlight=False))
         if link is not None:
-            self.services.add(link)
-            self.engine.event_listeners.append(link.handle)
-            self.status.extra_figures["link"] = link.status
+            self.add("link", link)
 
     def add_midi(self, patch: Path, resume_tick: int) -> MidiService:
         """Add MIDI ports and a MIDI file. `patch`: the patch's file; `resume_tick`: last tick before a resumed show."""
         midi = make_midi(self.options, self.engine.show, self.venue, self.inbox, self.clock, patch)
-        self.services.add(midi)
-        if self.options.midi_file is not None:
-            file = MidiFileService(self.options.midi_file, self.engine.show, self.engine, resume_tick=resume_tick)
-            self.services.add(file)
-            self.status.extra_figures["midi_file"] = file.status
-        self.engine.patch_listeners.append(midi.update_patch)
-        self.engine.event_listeners.append(midi.handle)
-        self.publisher.subscribers.append(midi.publish)
-        self.status.extra_figures["midi"] = midi.status
+        self.add("midi", midi)
         self.status.notices.append(midi.prompt)
+        if self.options.midi_file is not None:
+            self.add(
+                "midi_file",
+                MidiFileService(self.options.midi_file, self.engine.show, self.engine, resume_tick=resume_tick),
+            )
         return midi
 
     def add_osc(self) -> None:
-        """Add the musicians' port, OSC output, DMX and OSCQuery."""
-        options, show, parts = self.options, self.engine.show, self.services
+        """Add the musicians' port and OSC output."""
+        options, show = self.options, self.engine.show
         if options.osc_musicians is not None:
-            port = MusicianOscPort(
-                *options.osc_musicians, self.inbox.add_queue(rank=ROLE_RANKS["musician"]), self.clock
-            )
-            parts.add(port)
-            parts.refused_counts.append(port.refused)
-            parts.refusals.append(port.refusal)
-            self.publisher.subscribers.append(port.publish)
-            self.status.extra_figures["osc_musicians"] = port.status
+            lane = self.inbox.add_queue(rank=ROLE_RANKS["musician"])
+            self.add("osc_musicians", MusicianOscPort(*options.osc_musicians, lane, self.clock))
         out = make_osc_out(options, show, self.venue, self.clock, self.engine)
         if out is not None:
-            parts.add(out)
-            self.status.extra_figures["osc_out"] = out.status
-        lamps = make_dmx(options, self.clock, self.engine)
-        if lamps is not None:
-            parts.add(lamps)
-            self.publisher.subscribers.append(lamps.publish)
-            self.status.extra_figures["dmx"] = lamps.status
-        if options.oscquery is not None:
-            query = OscQueryService(
-                options.oscquery, options.osc, f"Live {show.patch.name}", self.clock, hosts=self._host_names
-            )
-            query.resumes = self.resumes
-            parts.add(query)
-            self.publisher.subscribers.append(query.publish)
-            self.status.extra_figures["oscquery"] = query.status
+            self.add("osc_out", out)
 
-    def add_mocap(self) -> None:
-        """Add motion capture of real dancers, trackers, and avatars for other programs."""
-        vmc = make_vmc(self.options, self.engine.show, self.venue, self.inbox.add_queue(), self.clock)
-        if vmc is not None:
-            self.services.add(vmc)
-            self.services.refused_counts.append(vmc.refused)
-            self.engine.patch_listeners.append(vmc.update_patch)
-            self.status.extra_figures["vmc"] = vmc.status
-        trackers = make_psn(self.options, self.venue, self.inbox.add_queue(), self.clock)
-        if trackers is not None:
-            self.services.add(trackers)
-            self.services.refused_counts.append(trackers.refused)
-            self.status.extra_figures["psn"] = trackers.status
-        avatars = make_vmc_out(self.options, self.clock, self.engine)
-        if avatars is not None:
-            self.services.add(avatars)
-            self.status.extra_figures["vmc_out"] = avatars.status
+    def add_bridges(self) -> None:
+        """Add the services of all bridges, in the order of the bridges' names."""
+        installed = installed_bridges()
+        for bridge in installed.bridges:
+            context = ServiceContext(
+                options=self.options.of_bridge(bridge),
+                engine=self.engine,
+                venue=self.venue,
+                clock=self.clock,
+                add_queue=self.inbox.add_queue,
+                osc=self.options.osc,
+                host_names=self._host_names,
+                resumes=self.resumes,
+            )
+            for name, service in bridge.services(context).items():
+                self.add(name, service)
+        self.status.extra_figures["bridges"] = installed.status
 
     @property
     def _host_names(self) -> tuple[str, ...]:
@@ -132,14 +121,9 @@ class ServiceBuilder:
         if options.web is not None:
             page = WebService(options.web, options.web_key, options.osc, show, self.clock, hosts=self._host_names)
             page.resumes = self.resumes
-            self.services.add(page)
-            self.publisher.subscribers.append(page.publish)
-            self.status.extra_figures["web"] = page.status
+            self.add("web", page)
         audience = make_audience(options, show, self.venue, self.inbox.add_queue(), self.clock)
         if audience is not None:
             audience.resumes = self.resumes
-            self.services.add(audience)
+            self.add("audience", audience)
             self.services.audience = audience
-            self.services.before_frame_calls.append(audience.before_frame)
-            self.services.refused_counts.append(audience.refused)
-            self.status.extra_figures["audience"] = audience.status

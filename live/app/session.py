@@ -12,9 +12,9 @@ from live.app.launch_options import LaunchOptions
 from live.app.practice import practice_events
 from live.app.processes.resume_state import ResumeState
 from live.app.service_builder import ServiceBuilder
-from live.app.service_registry import ValuePublisher, make_file_watches
 from live.app.services.audience_service import AudienceService
 from live.app.services.osc_services import OperatorOscPort
+from live.app.services.service_registry import ValuePublisher, make_file_watches
 from live.app.session_audio import AudioChoice, SessionAudio, start_tempo
 from live.app.session_records import SessionRecords, resident_megabytes
 from live.base.errors import PersonError
@@ -121,7 +121,6 @@ def make_notifier(
     if input_source is not None:
         others.append(lambda: _audio_problem(input_source))
     if midi is not None:
-        refusals.append(midi.refusal)
         others += [midi.problem, midi.prompt, midi.last_change]
     refusals.append(lambda: watch.problem)
     others.append(lambda: watch.message)
@@ -214,7 +213,7 @@ class Session:
         beside.add_click_and_link()
         self.midi = midi = beside.add_midi(loaded.path, 0 if resumed is None else resumed.tick)
         beside.add_osc()
-        beside.add_mocap()
+        beside.add_bridges()
         beside.add_web()
         self._services = beside.services
         self._watch, library = make_file_watches(loaded, show, post=self.inbox.put, now=self.clock.now)

@@ -1,4 +1,4 @@
-"""Custom render passes, written by users in GLSL: name, source text and parameters.
+"""Names of the built-in render passes; custom ones, written by users in GLSL: name, source text and parameters.
 
     uniform float speed;   // 0 4 1   how fast the waves go
     vec4 pass(vec2 at) { return vec4(light(at + 0.01 * sin(beat * speed)), 1.0); }
@@ -12,6 +12,8 @@ from typing import Final
 
 from live.base.errors import PersonError
 
+PASSES: Final = ("shadow", "mirror", "trails", "bloom", "ink", "grade", "vignette")
+"""The built-in passes in drawing order."""
 MAX_PASSES: Final = 4
 """Maximum number of custom passes in a patch."""
 MAX_PARAMETERS: Final = 15

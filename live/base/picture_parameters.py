@@ -5,16 +5,15 @@ use them: a new parameter is one new line here and its use in the renderer. Colo
 amounts from 0 to 1 that add up, so that one can fade into another; every group has its own.
 """
 
-from dataclasses import dataclass, replace
-from typing import Final, Literal
+from dataclasses import replace
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.base.custom_pass import MAX_PASSES, NUMBERS_PER_PASS, custom_pass_numbers
-from live.base.stage_snapshot import SPOT_CAPACITY, Camera, Look, Scene
-
-Kind = Literal["number", "colour", "place"]
+from live.base.parameter import SPOT_COUNT, Kind, Parameter
+from live.base.stage_snapshot import Camera, Look, Scene
 
 CAMERA_LINES: Final[tuple[tuple[str, Kind, float, float, tuple[float, ...], str, str], ...]] = (
     ("/dance/camera/roll", "number", -360, 360, (0.0,), "degrees", "How far the camera is turned about its axis."),
@@ -79,10 +78,6 @@ STYLE_LINES: Final[tuple[tuple[str, Kind, float, float, tuple[float, ...], str, 
 
 
 _Line = tuple[str, Kind, float, float, tuple[float, ...], str, str]
-
-SPOT_COUNT: Final = SPOT_CAPACITY
-"""Number of follow spots."""
-
 
 MAX_BACKGROUNDS: Final = 8
 """Maximum number of background images and videos of a patch."""
@@ -154,32 +149,6 @@ GROUP_COUNT: Final = 16
 GROUP_COLOUR_ADDRESS: Final = "/dance/group/colour"
 
 
-@dataclass(frozen=True, slots=True)
-class PictureParameter:
-    """One parameter: a number, a colour (r, g, b) or a place or direction (x, y, z)."""
-
-    address: str
-    kind: Kind
-    low: float
-    high: float
-    start: tuple[float, ...]
-    """Value if neither patch nor scene sets it."""
-    unit: str
-    description: str
-    first: int
-    """Index of its first number in the row."""
-
-    @property
-    def size(self) -> int:
-        """Number of its components."""
-        return 1 if self.kind == "number" else 3
-
-    @property
-    def row_slice(self) -> slice:
-        """Slice of its numbers in the row."""
-        return slice(self.first, self.first + self.size)
-
-
 _LOOK: Final = Look()
 _CAMERA: Final = Camera()
 _LINES: Final[tuple[_Line, ...]] = (
@@ -234,10 +203,10 @@ _LINES: Final[tuple[_Line, ...]] = (
 )  # fmt: skip
 
 
-def _build_parameters() -> tuple[PictureParameter, ...]:
+def _build_parameters() -> tuple[Parameter, ...]:
     first, table = 0, []
     for address, kind, low, high, start, unit, words in _LINES:
-        table.append(PictureParameter(address, kind, low, high, start, unit, words, first))
+        table.append(Parameter(address, kind, low, high, start, unit, words, first))
         first += table[-1].size
     return tuple(table)
 
@@ -258,17 +227,18 @@ STYLE_ADDRESS_PREFIX: Final = "/dance/draw/"
 """Prefix of the addresses of all styles."""
 
 
-def group_colour(group: int) -> PictureParameter:
+def group_colour(group: int) -> Parameter:
     """Return the colour parameter of a group, by its index below `GROUP_COUNT`."""
     words = "Colour of the clothes of a group."
-    return PictureParameter(GROUP_COLOUR_ADDRESS, "colour", 0, 1, (0.8, 0.8, 0.8), "", words, COLOURS_START + 3 * group)
+    first = COLOURS_START + 3 * group
+    return Parameter(GROUP_COLOUR_ADDRESS, "colour", 0, 1, (0.8, 0.8, 0.8), "", words, first, True)
 
 
-def _build_styles() -> dict[str, PictureParameter]:
+def _build_styles() -> dict[str, Parameter]:
     first, table = STYLES_START, {}
     for name, kind, low, high, start, unit, words in STYLE_LINES:
         address = STYLE_ADDRESS_PREFIX + name
-        table[address] = PictureParameter(address, kind, low, high, start, unit, words, first)
+        table[address] = Parameter(address, kind, low, high, start, unit, words, first, True)
         first += table[address].size
     return table
 
@@ -280,7 +250,7 @@ ROW_SIZE: Final = STYLES_START + STYLE_SIZE * GROUP_COUNT
 """Length of the row."""
 
 
-def group_parameter(address: str, group: int) -> PictureParameter:
+def group_parameter(address: str, group: int) -> Parameter:
     """Return the parameter of `GROUP_PARAMETERS` at an address, for a group by its index below `GROUP_COUNT`."""
     known = GROUP_PARAMETERS[address]
     stride = 3 if address == GROUP_COLOUR_ADDRESS else STYLE_SIZE

@@ -14,22 +14,13 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError
+from live.base.floor_corners import check_corners, floor_corners
 from live.base.stage_snapshot import Camera
 
 Float64 = npt.NDArray[np.float64]
 
-CORNERS: Final = ("back left", "back right", "front right", "front left")
-"""The order of a stage's corners, as the audience sees them."""
-MIN_CORNER_AREA: Final = 1e-4
-"""Corners that span less than this share of the picture are degenerate."""
 FIELD_OF_VIEW_RANGE: Final = (5.0, 120.0)
 """Vertical angles of view that a camera can have [degrees]."""
-
-
-def floor_corners(width: float, depth: float) -> Float64:
-    """Return the corners (x, z) [m] of a stage's floor in the order of `CORNERS`, shape (4, 2)."""
-    x, z = 0.5 * width, 0.5 * depth
-    return np.array([[-x, -z], [x, -z], [x, z], [-x, z]])
 
 
 def homography(begin: Float64, end: Float64) -> Float64:
@@ -44,29 +35,14 @@ def homography(begin: Float64, end: Float64) -> Float64:
     return np.append(np.linalg.solve(np.array(rows), end.reshape(-1)), 1.0).reshape(3, 3)
 
 
-def check_corners(corners: Sequence[Sequence[float]]) -> None:
-    """PersonError unless four corners (u, v) are those of a convex quadrilateral, in the order of `CORNERS`."""
-    around = np.roll(np.asarray(corners, np.float64), -1, axis=0) - corners
-    turns = np.array([around[i - 1, 0] * around[i, 1] - around[i - 1, 1] * around[i, 0] for i in range(4)])
-    order = ", ".join(CORNERS)
-    if (turns > 0.0).any() and (turns < 0.0).any():
-        raise PersonError("the corners' lines cross, or one corner lies within the others", f"in this order: {order}")
-    if np.abs(turns).min() < MIN_CORNER_AREA:
-        raise PersonError("three of the corners lie on a line: they span no floor", f"in this order: {order}")
-    if (turns < 0.0).all():
-        raise PersonError(
-            "the corners go around the other way: left and right are exchanged", f"in this order: {order}"
-        )
-
-
 def camera_from_corners(
     at: Sequence[float], corners: Sequence[Sequence[float]], stage: tuple[float, float], aspect: float
 ) -> Camera:
     """Return the camera at `at` (x, y, z) [m] whose picture has the floor's corners at `corners`.
 
-    `corners` (4, 2): u to the right, v down, 0..1, in the order of `CORNERS`; `stage`: width, depth [m]; `aspect`: the
-    picture's width / height. PersonError for impossible input: corners that cross, an eye on the floor, or an eye from
-    which no picture looks so.
+    `corners` (4, 2): u to the right, v down, 0..1, in the order of `floor_corners.CORNERS`; `stage`: width, depth [m];
+    `aspect`: the picture's width / height. PersonError for impossible input: corners that cross, an eye on the floor,
+    or an eye from which no picture looks so.
     """
     check_corners(corners)
     eye = np.asarray(at, np.float64)

@@ -11,7 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.body_catalogue import CharacterFile
-from live.base.custom_pass import CustomShader
+from live.base.custom_pass import PASSES, CustomShader
+from live.base.parameter import SPOT_COUNT
 from live.base.set_geometry import SetItem
 
 Float32 = npt.NDArray[np.float32]
@@ -50,7 +51,6 @@ GUIDE_CAPACITY: Final = 8192
 """Maximum number of strokes of the operator's guides."""
 LIGHT_CAPACITY: Final = 32
 """Maximum number of phone lights drawn."""
-SPOT_CAPACITY: Final = 4
 """Number of follow spots."""
 FLOOR_MARGIN: Final = 2.5
 """Margin of the floor's shadow and element map around the scene's stage [m]."""
@@ -113,10 +113,6 @@ class Background:
     bottom: float = 0.0
     """Height of its lower edge above the floor [m]."""
     brightness: float = 1.0
-
-
-PASSES: Final = ("shadow", "mirror", "trails", "bloom", "ink", "grade", "vignette")
-"""The built-in passes in drawing order."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,7 +204,7 @@ class StageView:
     """Current light, colours and camera: the row of `live.base.picture_parameters`; None: as in the scene."""
     energy: float = 0.5
     """Energy of the music, 0 to 1."""
-    spot: Float64 = field(default_factory=lambda: np.zeros((SPOT_CAPACITY, 2)))
+    spot: Float64 = field(default_factory=lambda: np.zeros((SPOT_COUNT, 2)))
     """Positions of the follow spots (x, z) [m], shape (4, 2)."""
     count_in: float = 0.0
     """Beats until the cue that is counting in; 0: none."""

@@ -10,14 +10,15 @@ from typing import Annotated
 import typer
 
 from live import __version__
+from live.app.bridges import installed_bridges
 from live.app.exit_codes import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, install_signal_handlers, show_person_error
 from live.app.machine import kernel_warmup as warm
 from live.app.option_values import expand_audience_option
 from live.base.errors import PersonError
-from live.cli import bench, layout, pair, play, render, replay, service, simulate, soak
+from live.cli import bench, pair, play, render, replay, service, simulate, soak
 from live.cli.beats import beats, clock_check
-from live.cli.inspect import check, contact_sheet, formation, journal, score
-from live.cli.motion import bvh, character, export, mocap, sync
+from live.cli.inspect import check, contact_sheet, formation, journal, schema, score
+from live.cli.motion import bvh, character, export, sync
 from live.cli.steps import dance, partner, steps, texture
 from live.cli.venue import calibrate, devices, doctor
 
@@ -50,18 +51,22 @@ app.command("pair")(pair.pair)
 app.command("partner")(partner.partner)
 app.command("export")(export.export)
 app.command("formation")(formation.formation)
-app.command("layout")(layout.layout)
-app.command("schema")(layout.schema)
+app.command("schema")(schema.schema)
 app.command("sim")(simulate.sim)
 app.command("simulate")(simulate.simulate)
 app.command("soak")(soak.soak)
 app.command("texture")(texture.texture)
 app.command("warm")(warm.warm)
 app.command("sync")(sync.sync)
-app.add_typer(mocap.app, name="mocap")
 app.add_typer(journal.app, name="journal")
 app.add_typer(steps.app, name="steps")
 app.add_typer(service.app, name="service")
+for bridge in installed_bridges().bridges:
+    for name, command in bridge.commands().items():
+        if isinstance(command, typer.Typer):
+            app.add_typer(command, name=name)
+        else:
+            app.command(name)(command)
 
 
 def _print_version(wanted: bool) -> None:

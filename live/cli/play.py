@@ -1,13 +1,18 @@
-"""`live play`: the show, live; on a machine without a screen its film. Its options are those of `LaunchOptions`."""
+"""`live play`: the show, live; on a machine without a screen its film.
+
+Its options are those of `LaunchOptions` and of the bridges.
+"""
 
 import inspect
-from collections.abc import Callable
-from dataclasses import fields
+from collections.abc import Callable, Iterator
+from dataclasses import Field, fields
 from typing import Annotated, Any, get_type_hints
 
 import typer
 
-from live.app.launch_options import OPTION, LaunchOptions, Option
+from live.app.bridges import installed_bridges
+from live.app.launch_options import LaunchOptions
+from live.app.option_values import OPTION, Option
 
 NewWebKey = Annotated[
     bool,
@@ -20,19 +25,32 @@ def with_launch_options(command: Callable[..., None]) -> Callable[..., None]:
 
     `command` takes what was written as keyword arguments. Typer reads the signature that is set here.
     """
-    types = get_type_hints(LaunchOptions)
     parameters = [
         inspect.Parameter(each.name, inspect.Parameter.KEYWORD_ONLY, default=how.default, annotation=_annotation(
             each.name, types[each.name], how
         ))
-        for each in fields(LaunchOptions)
-        if (how := each.metadata.get(OPTION)) is not None
+        for kind in _option_classes()
+        for types in [get_type_hints(kind)]
+        for each, how in _options(kind)
     ]  # fmt: skip
     own = [
         each for each in inspect.signature(command).parameters.values() if each.kind is inspect.Parameter.KEYWORD_ONLY
     ]
     command.__signature__ = inspect.Signature([*parameters, *own])  # type: ignore[attr-defined]
     return command
+
+
+def _option_classes() -> list[type[Any]]:
+    """The dataclasses whose fields are options of this command."""
+    return [LaunchOptions, *(bridge.options for bridge in installed_bridges().bridges)]
+
+
+def _options(kind: type[Any]) -> Iterator[tuple[Field[Any], Option]]:
+    """The fields of a dataclass that are options."""
+    for each in fields(kind):
+        how = each.metadata.get(OPTION)
+        if how is not None:
+            yield each, how
 
 
 def _annotation(name: str, own: Any, how: Option) -> Any:
@@ -47,11 +65,18 @@ def _annotation(name: str, own: Any, how: Option) -> Any:
 
 def parsed(written: dict[str, Any]) -> dict[str, Any]:
     """The fields of `LaunchOptions` from what was written; PersonError names the option that is wrong."""
+    bridges = {}
+    for bridge in installed_bridges().bridges:
+        found = bridge.options(**_parsed_fields(bridge.options, written))
+        if found != bridge.options():
+            bridges[bridge.name] = found
+    return _parsed_fields(LaunchOptions, written) | {"bridges": bridges}
+
+
+def _parsed_fields(kind: type[Any], written: dict[str, Any]) -> dict[str, Any]:
+    """The fields of one dataclass that are options."""
     values = {}
-    for each in fields(LaunchOptions):
-        how: Option | None = each.metadata.get(OPTION)
-        if how is None:
-            continue
+    for each, how in _options(kind):
         value = written[each.name]
         if value is None:
             value = each.default

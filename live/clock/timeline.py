@@ -9,6 +9,9 @@ from dataclasses import dataclass, replace
 
 TEMPO_MIN_BPM = 20.0
 TEMPO_MAX_BPM = 400.0
+METRE_MIN = 2
+METRE_MAX = 12
+"""Range of beats per measure."""
 
 
 @dataclass(frozen=True, slots=True)

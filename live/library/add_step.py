@@ -3,7 +3,6 @@
 Everything is checked and cut before anything is written, and no file is overwritten with other contents.
 """
 
-import json
 import os
 import shutil
 import tempfile
@@ -17,7 +16,8 @@ from pydantic import ValidationError
 from live.base.errors import PersonError
 from live.library.beat_alignment import GUESS_COMMENT, guessed_fields
 from live.library.cut_step import cut_step
-from live.library.motion_file import find_skeleton
+from live.library.motion_file import read_bytes
+from live.library.motion_formats import format_by_suffix, format_of
 from live.library.recording_file import (
     Problem,
     Recording,
@@ -31,6 +31,7 @@ from live.library.recording_file import (
 from live.library.recordings import RecordingReader
 from live.library.step_writer import append_step
 from live.motion.formats.file_error import MotionFileError
+from live.motion.formats.motion_format import MotionFile
 from live.motion.step_clip import DIRECTIONS, StepClip
 
 OPTION_NAMES: Final = {
@@ -81,10 +82,11 @@ def request_entry(source: Path, fields: Mapping[str, Any]) -> RequestedEntry:
             words = "must be given" if one["type"] == "missing" else problem_text(one)
             problems.append(option_problem(source, str(one["loc"][0]), words))
         raise combine_problems(problems) from None
-    if recording.skeleton is None and source.suffix.lower() == ".amc" and source.is_file():
+    named = format_by_suffix(source)
+    if recording.skeleton is None and named is not None and named.skeleton is not None and source.is_file():
         try:  # the skeleton is copied into the library, too
             recording = Recording.model_validate(
-                {"file": str(source), **fields, "skeleton": str(find_skeleton(source))}
+                {"file": str(source), **fields, "skeleton": str(named.skeleton(source))}
             )
         except MotionFileError as error:
             raise combine_problems([option_problem(source, "file", str(error))]) from None
@@ -184,7 +186,7 @@ def add_step(
     """
     step = cut_step(entry, (reader or RecordingReader()).clip(entry))
     if not entry.path.resolve().is_relative_to(library.resolve()):
-        _refuse_external_buffers(entry)
+        _refuse_external_files(entry)
     try:
         library.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -206,12 +208,11 @@ def add_step(
     return AddedStep(step, entry, toml, file, copied=file in made)
 
 
-def _refuse_external_buffers(entry: RequestedEntry) -> None:
-    """Raise RecordingError for a .gltf file with its motion in other files, which would not be copied."""
-    if entry.path.suffix.lower() != ".gltf":
-        return
-    buffers = json.loads(entry.path.read_bytes()).get("buffers", [])  # already parsed, so well formed
-    others = [one["uri"] for one in buffers if not one.get("uri", "data:").startswith("data:")]
+def _refuse_external_files(entry: RequestedEntry) -> None:
+    """Raise RecordingError for a file with its motion in other files, which would not be copied."""
+    file = MotionFile(entry.path, read_bytes(entry.path), read_bytes)
+    external = format_of(file.path, file.data).external
+    others = () if external is None else external(file)
     if others:
         words = f"its motion lies in {others[0]}; export it as one file (.glb), or put both into the library first"
         raise entry.error("file", words)

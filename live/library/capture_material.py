@@ -7,7 +7,8 @@ from typing import Final
 
 from live.base.errors import PersonError
 from live.library.disk_cache import ClipCache
-from live.library.motion_file import MOTION_SUFFIXES, read_bytes, read_motion
+from live.library.motion_file import read_bytes, read_motion
+from live.library.motion_formats import installed_formats, is_readable_name, readable_suffixes
 from live.library.recording_file import Recording, read_step_files
 from live.motion.beats.tempo_estimation import estimate_tempo
 from live.motion.cleanup.trim_start import find_recording_start
@@ -38,7 +39,7 @@ class CaptureMaterial:
 def read_material(
     places: Sequence[Path], *, fps: float | None = None, drop_frames: int | None = None
 ) -> CaptureMaterial:
-    """Read the recordings at `places`, files or folders of them (BVH, AMC, glTF, GLB, VRM, AMASS npz).
+    """Read the recordings at `places`, files or folders of them, of all formats with a reader.
 
     TOML files in a folder state how to read its recordings, and their beats. For others `fps` overrides a wrong header
     rate, T-poses (or `drop_frames`) are removed, and beats are guessed from the feet. An unusable file in a folder is
@@ -51,7 +52,8 @@ def read_material(
             raise PersonError(f"there is no file and no folder {place}", "--with DIR_OR_FILES")
         files = _motion_files(place) if place.is_dir() else [place]
         if place.is_dir() and not files:
-            raise PersonError(f"no motion files in {place}", f"files that end in {', '.join(MOTION_SUFFIXES)} expected")
+            endings = ", ".join(readable_suffixes())
+            raise PersonError(f"no motion files in {place}", f"files that end in {endings} expected")
         known = _descriptions(place if place.is_dir() else place.parent)
         for file in files:
             try:
@@ -67,7 +69,7 @@ def read_material(
 
 def _motion_files(folder: Path) -> list[Path]:
     try:
-        return sorted(one for one in folder.iterdir() if one.suffix.lower() in MOTION_SUFFIXES and one.is_file())
+        return sorted(one for one in folder.iterdir() if is_readable_name(one) and one.is_file())
     except OSError as error:
         raise PersonError(f"{folder} cannot be read: {error.strerror}", "--with DIR_OR_FILES") from None
 
@@ -86,6 +88,7 @@ def _cached_recording(file: Path, known: Recording | None, fps: float | None, dr
     told = "" if known is None else known.model_dump_json()
     try:
         sources = [file.name.encode(), read_bytes(file), told.encode(), f"{fps} {drop}".encode()]
+        sources.append(installed_formats().code)
         return CACHE.load_or_build(sources, lambda: [_build_recording(file, known, fps, drop)])[0]
     except ValueError as error:  # MotionFileError is one; the others are arguments out of range
         raise PersonError(" ".join(str(error).split()), "leave it out, or export it again") from None

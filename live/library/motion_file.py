@@ -1,41 +1,25 @@
-"""Reader for motion files of all supported formats: BVH, ASF/AMC, glTF, GLB, VRM, AMASS npz."""
+"""Reader for motion files of all formats in the table, and safe reading of files of bounded size."""
 
 from pathlib import Path
 from typing import Final
 
-from live.motion.formats.acclaim_motion import parse_amc
-from live.motion.formats.acclaim_skeleton import parse_asf
-from live.motion.formats.amass import parse_amass
-from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
+from live.library.motion_formats import format_of, is_readable_name
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.gltf_reader import parse_gltf
+from live.motion.formats.motion_format import MotionFile
 from live.motion.formats.source_motion import SourceMotion, UpAxis
 
 MAX_BYTES: Final = 256_000_000
-MOTION_SUFFIXES: Final = (".bvh", ".amc", ".glb", ".gltf", ".vrm", ".vrma", ".npz")
-"""Suffixes of the files that `read_motion` reads."""
-_MARKER_REMEDY: Final = "solve the markers onto a skeleton in the capture program and export BVH"
-_FBX_REMEDY: Final = "open it in Blender (File, Import, FBX) and export glTF 2.0 (.glb) with its animation"
 
 
 def read_motion(path: Path, *, skeleton: Path | None = None, up: UpAxis | None = None) -> SourceMotion:
     """Read the motion in a file; the format follows from its first bytes, then from its suffix.
 
-    `skeleton` is the .asf file of an .amc file (default: the one next to it with its name or the beginning of it, such
-    as 49.asf for 49_10.amc, or the only one). `up` is the axis that points up, if it was given. MotionFileError with
-    file, line, problem and remedy if the file cannot be used, is missing, or is longer than 256 MB.
+    `skeleton` is the file with its skeleton, for formats that have one (default: one next to it with a fitting name).
+    `up` is the axis that points up, if it was given. MotionFileError with file, line, problem and remedy if the file
+    cannot be used, is missing, is longer than 256 MB, or has a format without a reader.
     """
-    data = read_bytes(path)
-    match _format_of(data, path):
-        case "glTF":
-            return parse_gltf(data, str(path), lambda name: read_bytes(path.parent / name))
-        case "npz":
-            return parse_amass(data, str(path))
-        case "AMC":
-            asf = skeleton or find_skeleton(path)
-            return parse_amc(data, str(path), parse_asf(read_bytes(asf), str(asf)))
-        case _:
-            return bvh_to_source_motion(parse_bvh(data, str(path)), up)
+    file = MotionFile(path, read_bytes(path), read_bytes, skeleton, up)
+    return format_of(path, file.data).read(file)
 
 
 def read_bytes(path: Path) -> bytes:
@@ -63,37 +47,7 @@ def read_bytes(path: Path) -> bytes:
 
 def _motion_file_names(folder: Path) -> str:
     try:
-        names = sorted(p.name for p in folder.glob("*") if p.suffix.lower() in MOTION_SUFFIXES)
+        names = sorted(p.name for p in folder.glob("*") if is_readable_name(p))
     except (OSError, ValueError):
         names = []
     return ", ".join(names[:12]) or "no motion files in that folder"
-
-
-def _format_of(data: bytes, path: Path) -> str:
-    ending = path.suffix.lower()
-    start = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
-    if data[:4] == b"glTF" or ending in (".gltf", ".glb", ".vrm", ".vrma"):
-        return "glTF"
-    if data[:18] == b"Kaydara FBX Binary" or ending == ".fbx":
-        raise MotionFileError(str(path), None, "FBX files are not read", _FBX_REMEDY)
-    if (ending == ".c3d" and start[:9].upper() != b"HIERARCHY") or (data[1:2] == b"\x50" and data[:1] in b"\2\3\4\5"):
-        raise MotionFileError(str(path), None, "C3D files hold markers and no skeleton", _MARKER_REMEDY)
-    if data[:4] == b"PK\3\4" or ending == ".npz":
-        return "npz"
-    if ending == ".asf":
-        raise MotionFileError(str(path), None, "a skeleton without motion", "its .amc file expected")
-    if start[:9].upper() != b"HIERARCHY" and (ending == ".amc" or start[:1] in (b":", b"#")):
-        return "AMC"
-    return "BVH"
-
-
-def find_skeleton(path: Path) -> Path:
-    """Return the .asf file next to an .amc file that is its skeleton; MotionFileError if there is none or several."""
-    there = sorted(p for p in path.parent.glob("*") if p.suffix.lower() == ".asf")
-    fitting = [p for p in there if path.stem == p.stem] or [p for p in there if path.stem.split("_")[0] == p.stem]
-    if len(fitting or there) != 1:
-        found = ", ".join(p.name for p in there[:12]) or "no .asf file"
-        raise MotionFileError(
-            str(path), None, f"its skeleton is not known; next to it: {found}", "give it: --skeleton FILE.asf"
-        )
-    return (fitting or there)[0]

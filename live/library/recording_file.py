@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from live.base.errors import PersonError
 from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_numbers, toml_remedy
 from live.library.disk_cache import read_regular_file
-from live.library.motion_file import MOTION_SUFFIXES
+from live.library.motion_formats import is_readable_name
 from live.motion.sketch.sketch_notation import PAIRS, PARTS
 from live.motion.step_clip import DIRECTIONS
 
@@ -31,11 +31,11 @@ class Recording(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     file: FileName
-    """The motion file (BVH, AMC, glTF, GLB, VRM, AMASS npz), relative to the TOML file's folder."""
+    """The motion file, of any format with a reader, relative to the TOML file's folder."""
     name: Word
     """The step's name; steps of one name are variations of each other (T021)."""
     skeleton: FileName | None = None
-    """The ASF file of an AMC file, relative to the same folder; found if it is the only one next to it."""
+    """The file with its skeleton, if its format needs one, relative to the same folder; found if it is clear which."""
     fps: Annotated[float, Field(ge=1, le=10_000)] | None = None
     """Frame rate, if the one in the file header is wrong."""
     unit_m: Annotated[float, Field(gt=0, le=10)] | None = None
@@ -243,7 +243,7 @@ def read_recordings(directory: Path) -> list[RecordingEntry]:
 
 def no_steps_error(directory: Path) -> RecordingError:
     """Return the error for a folder without a TOML file that describes steps."""
-    count = sum(1 for path in directory.iterdir() if path.suffix.lower() in MOTION_SUFFIXES)
+    count = sum(map(is_readable_name, directory.iterdir()))
     return RecordingError(
         f"no TOML file in {directory} describes steps in its {count} recordings",
         f"live steps add FILE --library {directory}; or write one next to them, like steps.toml with {EXAMPLE}",

@@ -15,6 +15,7 @@ from typing import Final
 from live.library.cut_step import cut_step
 from live.library.disk_cache import ClipCache
 from live.library.motion_file import MAX_BYTES, read_motion
+from live.library.motion_formats import companion_suffix, installed_formats
 from live.library.recording_file import (
     Problem,
     RecordingEntry,
@@ -174,8 +175,6 @@ __all__ = ["RecordingError", "cut_step", "load_recordings", "recorded_steps"]
 
 CACHE: Final = ClipCache("recordings", max_entries=1000)
 """One entry for each TOML file, so that a change in one leaves the others valid."""
-_COMPANION_SUFFIXES: Final = {".amc": ".asf", ".gltf": ".bin"}
-"""Suffixes of files that a file with the given suffix may read in the same folder."""
 
 
 def load_recordings(directory: Path) -> list[StepClip]:
@@ -221,9 +220,9 @@ def _sources(text: str, entries: list[RecordingEntry]) -> Iterator[bytes] | None
         paths.add(entry.path)
         if entry.skeleton is not None:
             paths.add(entry.skeleton)
-        for ending, other in _COMPANION_SUFFIXES.items():
-            if entry.path.suffix.lower() == ending:
-                paths.update(path for path in entry.path.parent.iterdir() if path.suffix.lower() == other)
+        companion = companion_suffix(entry.path)
+        if companion is not None:
+            paths.update(path for path in entry.path.parent.iterdir() if path.suffix.lower() == companion)
     try:
         if not all(path.is_file() and path.stat().st_size <= MAX_BYTES for path in paths):
             return None
@@ -234,6 +233,7 @@ def _sources(text: str, entries: list[RecordingEntry]) -> Iterator[bytes] | None
 
 def _file_contents(text: str, paths: list[Path]) -> Iterator[bytes]:
     yield text.encode()
+    yield installed_formats().code
     for path in paths:
         yield path.read_bytes()
 

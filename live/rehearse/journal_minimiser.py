@@ -22,6 +22,7 @@ from live.show.journal.replay import ReplayError, load_journal
 from live.show.loader import LoadedShow, load_from_patch
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import MAIN_FILE, PATCHES
+from live.show.patch_checks.patch_check import PATCH_CHECKS
 from live.show.selection.graph_update import library_hash
 from live.show.show import Show
 from live.show.state.snapshot import Snapshotter, restore
@@ -150,7 +151,9 @@ def load_for_journal(journal: Journal) -> LoadedShow:
             raise
     recordings = journal.header.get("recordings")
     return load_from_patch(
-        Patch.model_validate(journal.header["patch"]), path, recordings=None if recordings is None else Path(recordings)
+        Patch.model_validate(journal.header["patch"], context=PATCH_CHECKS),
+        path,
+        recordings=None if recordings is None else Path(recordings),
     )
 
 

@@ -9,9 +9,9 @@ from typing import Any, Final
 
 from live.rehearse.score_lint import cue_warnings, formation_warnings, section_warnings, sequence_warnings
 from live.show.group.dry_run import dry_run_warnings
-from live.show.patch.call_response_check import call_response_warnings
 from live.show.patch.patch import Patch
-from live.show.patch.score_checks import calls_of
+from live.show.patch_checks.call_response_check import call_response_warnings
+from live.show.patch_checks.score_checks import calls_of
 from live.show.score.section_span import SectionSpan, span_of
 from live.show.show import Show
 

@@ -12,9 +12,9 @@ from scipy.spatial import cKDTree
 from live.base.errors import PersonError
 from live.graph.search.sequence import parse_sequence
 from live.show.group.group_motion import AGENT_RADIUS
-from live.show.patch.cue_cycle_check import cue_loops
 from live.show.patch.patch import Patch
 from live.show.patch.section_cues import CueSection
+from live.show.patch_checks.cue_cycle_check import cue_loops
 from live.show.score.playhead import END
 from live.show.score.score import section_timings
 from live.show.show import Show

@@ -6,8 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from live.control.registry.control import Argument, ArgumentValue, Control
-from live.control.registry.registry import REGISTRY
-from live.control.registry.system_controls import QUERY_CONTROLS
+from live.control.registry.registry import QUERIES, REGISTRY
 from live.show.patch.patch import Patch
 from live.show.patch.section_score import formation_names
 
@@ -173,7 +172,7 @@ class SimulatedPlayers:
         self._rate = count * rate / 60.0
         self._count, self._time = count, start
         allowed = (control for control in REGISTRY if RANKS[control.role] <= RANKS[role])
-        self._controls = [control for control in allowed if control not in QUERY_CONTROLS]
+        self._controls = [control for control in allowed if control.address not in QUERIES]
         weights = np.array([_frequency(control) for control in self._controls])
         self._shares = weights / weights.sum()
 

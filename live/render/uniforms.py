@@ -6,6 +6,7 @@ from typing import Final
 import moderngl
 import numpy as np
 
+from live.base.parameter import SPOT_COUNT
 from live.base.picture_parameters import (
     BACKDROP_INDICES,
     BY_ADDRESS,
@@ -14,7 +15,6 @@ from live.base.picture_parameters import (
     LEVEL,
     MIRROR,
     SHADOW,
-    SPOT_COUNT,
     STYLES_START,
     VIGNETTE,
     Float64,

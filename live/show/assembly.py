@@ -19,7 +19,6 @@ from live.show.dancers.variation import Variation
 from live.show.desk.light_desk import LightDesk
 from live.show.desk.refusals import Refusals
 from live.show.desk.undo_history import EditablePart
-from live.show.event_router import EventRouter
 from live.show.frame import Frame
 from live.show.group.casting import Casting
 from live.show.group.group_commands import GroupCommands
@@ -40,6 +39,7 @@ from live.show.sound.clock_commands import make_follower
 from live.show.stages.calls import Calls
 from live.show.stages.crowd_stage import CrowdStage, GroupStage
 from live.show.stages.dancers_stage import DancersStage
+from live.show.stages.event_router import EventRouter
 from live.show.stages.hot_swap import HotSwap
 from live.show.stages.light_stage import LightStage
 from live.show.stages.measure_lines import MeasureBegin, MeasureLines

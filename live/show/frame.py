@@ -13,10 +13,10 @@ from live.show.circuit_breakers import CircuitBreakers, Stage
 from live.show.stages.now import Now
 
 if TYPE_CHECKING:
-    from live.show.event_router import EventRouter
     from live.show.group.group_motion import GroupMotion
     from live.show.stages.crowd_stage import CrowdStage, GroupStage
     from live.show.stages.dancers_stage import DancersStage
+    from live.show.stages.event_router import EventRouter
     from live.show.stages.light_stage import LightStage
     from live.show.stages.measure_lines import MeasureLines
     from live.show.stages.plan_stage import PlanStage

@@ -24,10 +24,11 @@ from live.show.dancers.character_casting import character_files, check_character
 from live.show.dancers.live_texture import load_texture_bank
 from live.show.partner.partner_sources import ExampleBank, load_example_bank
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import TomlSources, find_resource, key_text, read_sources
-from live.show.patch.patch_search_path import PATCHES
-from live.show.patch.score_conflicts import check_step_call, step_calls
+from live.show.patch.patch_reader import read_sources
+from live.show.patch.patch_search_path import PATCHES, find_resource
 from live.show.patch.section_motion import parse_entry
+from live.show.patch.toml_model import BridgeTables, TomlSources, key_text
+from live.show.patch_checks.score_conflicts import check_step_call, step_calls
 from live.show.score.step_names import UnknownStep
 from live.show.selection.graph_update import clip_key, clips_by_key, library_hash
 from live.show.show import Show
@@ -113,6 +114,8 @@ class LoadedShow:
     """File and line of each key of the patch; None if it was not read from files."""
     projector: VenueProjector | None = None
     """The venue's projector, if the patch is adapted to it; see `with_projector`."""
+    tables: BridgeTables = ()
+    """The tables of bridges that the patch was read with."""
 
     def with_projector(self, projector: VenueProjector | None) -> "LoadedShow":
         """Return the show adapted to a venue's projector; PersonError if its picture cannot match this stage."""
@@ -126,9 +129,11 @@ class LoadedShow:
                 answers=self.answers, begin=begin,
             )  # fmt: skip
         except UnknownStep as error:
-            raise PersonError(f"{self._where(error.place)}: {error}") from None
+            raise PersonError(f"{self.place_text(error.place)}: {error}") from None
         except PersonError as error:
-            raise PersonError(f"{self._where(error.key_path)}: {error.message}", error.remedy, error.key_path) from None
+            raise PersonError(
+                f"{self.place_text(error.key_path)}: {error.message}", error.remedy, error.key_path
+            ) from None
 
     def scene(self, *, whole: bool = True) -> Scene:
         """Return the renderer's initial scene; PersonError for a file that cannot be shown. Unless `whole`, a character
@@ -137,9 +142,11 @@ class LoadedShow:
             found = character_files(self.patch, self.path) if whole else drawable_characters(self.patch, self.path)
             return make_scene(self.patch, self.path, found, whole=whole)
         except PersonError as error:
-            raise PersonError(f"{self._where(error.key_path)}: {error.message}", error.remedy, error.key_path) from None
+            raise PersonError(
+                f"{self.place_text(error.key_path)}: {error.message}", error.remedy, error.key_path
+            ) from None
 
-    def _where(self, place: tuple[str | int, ...]) -> str:
+    def place_text(self, place: tuple[str | int, ...]) -> str:
         """Return file, line (if known) and key of an entry of the patch."""
         if self.sources is None or not place:
             return str(self.path)
@@ -199,17 +206,21 @@ def _gc_disabled() -> Iterator[None]:
             gc.enable()
 
 
-def load_show(path: Path, *, recordings: Path | None = None, whole: bool = True) -> LoadedShow:
-    """Read the patch at `path` and its steps, or a folder of recordings in their place. Unless `whole`, custom passes
-    and characters are not tested: for processes that continue a show in which they were."""
+def load_show(
+    path: Path, *, recordings: Path | None = None, whole: bool = True, tables: BridgeTables = ()
+) -> LoadedShow:
+    """Read the patch at `path` with the bridges' `tables`, and its steps or a folder of recordings in their place.
+
+    Unless `whole`, custom passes and characters are not tested: for processes that continue a show in which they were.
+    """
     with _gc_disabled():
-        patch, sources = read_sources(path)
+        patch, sources = read_sources(path, tables)
     if whole:
         try_passes(patch.picture.own_passes)
         with locate_errors(sources):
             check_characters(patch, path)
     try:
-        return replace(load_from_patch(patch, path, recordings=recordings), sources=sources)
+        return replace(load_from_patch(patch, path, recordings=recordings), sources=sources, tables=tables)
     except PersonError as error:
         if not error.key_path:
             raise

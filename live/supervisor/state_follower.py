@@ -18,6 +18,7 @@ from live.show.journal.replay import ReplayError, load_from_header
 from live.show.journal.skipped_events import SKIPPED_KEY, can_be_skipped
 from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
+from live.show.patch_checks.patch_check import PATCH_CHECKS
 from live.show.selection.graph_update import library_hash
 from live.show.show import Show, apply_safely
 from live.show.state.snapshot import SnapshotError, restore
@@ -282,7 +283,7 @@ class StateFollower:
         if self.show is not None or not self.header:
             return None
         try:
-            patches = [Patch.model_validate(self.header["patch"]), *self._patches()]
+            patches = [Patch.model_validate(self.header["patch"], context=PATCH_CHECKS), *self._patches()]
         except (KeyError, ValueError):
             return None  # reported when the show is started
         mine, *all_told = (patch.model_dump(mode="json") for patch in (self._loaded.patch, *patches))
@@ -300,7 +301,7 @@ class StateFollower:
             if isinstance(event, dict) and event.get("type") == PatchChanged.__name__:
                 changed = event_from_json(event)
                 assert isinstance(changed, PatchChanged)
-                yield Patch.model_validate_json(decompress_text(changed.patch))
+                yield Patch.model_validate_json(decompress_text(changed.patch), context=PATCH_CHECKS)
 
     def _later_step_changes(self) -> list[StepsAdded | StepsChanged]:
         """Return the later changes of the steps, which must not be loaded from the start."""

@@ -9,8 +9,13 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from live.app.launch_options import OPTION, LaunchOptions
+from live.app.launch_options import LaunchOptions
+from live.app.option_values import OPTION
 from live.base.errors import PersonError
+from live.bridges.lamps import LampOptions
+from live.bridges.oscquery import OscQueryOptions
+from live.bridges.posistagenet import PsnOptions
+from live.bridges.vmc import VmcOptions
 from live.cli.play import parsed, with_launch_options
 from live.control.message_codec import encode_packet
 
@@ -18,14 +23,18 @@ USUAL = LaunchOptions()
 ALL = LaunchOptions(
     patch="samba", audio="mic", bpm=120.0, midi_file=Path("a.mid"), steps=Path("/tmp/steps"), seed=3, measures=(2, 9),
     tempo_share=0.8, osc=("0.0.0.0", 9010), osc_process=True, osc_musicians=("::", 9011),
-    osc_out=(("127.0.0.1", 9000), ("localhost", 9001)), dmx=("sacn:1",), vmc_out=("127.0.0.1:39539",),
-    vmc=(("0.0.0.0", 39540),), oscquery=("127.0.0.1", 8000), web=("127.0.0.1", 8001), web_key="k",
+    osc_out=(("127.0.0.1", 9000), ("localhost", 9001)), web=("127.0.0.1", 8001), web_key="k",
     web_hosts=("stage.example",), audience_tls=(Path("cert.pem"), Path("key.pem")),
     audience=("0.0.0.0", 80), audience_link="http://x", audience_secret=b"\x00\xff" * 16, journal=Path("night.jsonl"),
     status_json=Path("s.json"), seconds=3.5, record=Path("film.mp4"), share=("shm:x",), operator="2", size=(640, 360),
     fps=30.0, shaders=Path("shaders"), quality=2, monitor="HDMI-1", fullscreen=True, headless=True, alone=True,
     lead="9020", standby="other", service="hall", audio_channel="3", venue="hall", link="lead", click="out",
-    click_channels="1", midi="in", midi_out="out", midi_clock_out="clock", psn="56565",
+    click_channels="1", midi="in", midi_out="out", midi_clock_out="clock", bridges={
+        "lamps": LampOptions(dmx=("sacn:1",)),
+        "oscquery": OscQueryOptions(oscquery=("127.0.0.1", 8000)),
+        "posistagenet": PsnOptions(psn="56565"),
+        "vmc": VmcOptions(vmc_out=("127.0.0.1:39539",), vmc=(("0.0.0.0", 39540),)),
+    },
 )  # fmt: skip
 
 
@@ -112,10 +121,13 @@ class ExecPayload:
         base64.b64encode(pickle.dumps(ExecPayload())).decode(),
         base64.b64encode(pickle.dumps(USUAL)).decode(),
         encode_options([]),
-        encode_options({"patch": 7}),
-        encode_options({"run": "x"}),
-        encode_options({"headless": "yes"}),
-        encode_options({"osc": ("127.0.0.1", "9010")}),
+        encode_options({"patch": 7, "bridges": {}}),
+        encode_options({"run": "x", "bridges": {}}),
+        encode_options({"headless": "yes", "bridges": {}}),
+        encode_options({"osc": ("127.0.0.1", "9010"), "bridges": {}}),
+        encode_options({"headless": True}),
+        encode_options({"bridges": {"os": {"system": "x"}}}),
+        encode_options({"bridges": {"lamps": {"dmx": "sacn:1"}}}),
     ],
 )
 def test_forged_option_text_is_refused(said):

@@ -10,7 +10,7 @@ from live.app.output_config import DEFAULT_CORNERS, FloorCorners, VenueWriter, v
 from live.base.picture_parameters import camera_from_row
 from live.base.stage_snapshot import Camera
 from live.render.camera import project_points
-from live.show.patch.patch_reader import parse_model
+from live.show.patch.toml_model import parse_model
 from live.show.venue.venue import Venue, venue_path
 from tests.show.desk.desk_show import DeskSession
 

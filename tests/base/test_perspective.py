@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.base.projector_perspective import camera_from_corners, check_corners, floor_corners
+from live.base.floor_corners import check_corners, floor_corners
+from live.base.projector_perspective import camera_from_corners
 from live.base.stage_snapshot import Camera
 from live.render.camera import project_points
 

@@ -5,13 +5,14 @@ import math
 import numpy as np
 import pytest
 
+from live.base.motion_parameters import MOTION_SIZE, OBEDIENCE, TURN_ON_SUPPORT
 from live.graph.motion_graph import build_graph
 from live.graph.render_dance import MAX_SAMPLES, edge_between, render_dance
 from live.graph.step_library import build_library
 from live.graph.takes import NO_TAKE
 from live.motion.forward_kinematics import forward_kinematics, local_rotations
 from live.show.dancers.dancers import Dancers
-from live.show.dancers.variation import Variation, VariationSettings
+from live.show.dancers.variation import Variation
 from tests.fixtures.made_steps import made_steps
 from tests.fixtures.steps_of_the_project import project_steps
 
@@ -41,10 +42,17 @@ def random_edits(graph, path, seed):
     return turns, corrections, takes, chance.choice((0.25, 0.5, 0.75), len(path))
 
 
+def group_numbers():
+    """The motion parameters of one group without variation and without foot lock, shape (1, MOTION_SIZE)."""
+    numbers = np.zeros((1, MOTION_SIZE))
+    numbers[0, TURN_ON_SUPPORT.first], numbers[0, OBEDIENCE.first] = 1.0, 0.5
+    return numbers
+
+
 def render_live(graph, path, turns, corrections, takes, shares, start, seconds, rate):
     """The same path by the code of the live show, sample by sample: world joints (T, J, 3)."""
     variation = Variation(
-        [VariationSettings(lock=0.0)], np.zeros(1, np.int32), seed=1, beats_per_measure=4, window=graph.window
+        group_numbers(), np.zeros(1, np.int32), seed=1, beats_per_measure=4, window=graph.window
     )  # fmt: skip
     dancers = Dancers(graph, variation, 1)
 

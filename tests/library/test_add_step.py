@@ -11,7 +11,6 @@ from live.library.add_step import AddedStep, add_step, known_fields, refuse_dupl
 from live.library.recording_file import RecordingError
 from live.library.recordings import RecordingReader
 from live.library.step_folder import load_folder
-from tests.fixtures.mocap import mocap_file
 from tests.motion.formats.made_bvh import body_bvh, dance_values
 
 FIELDS = {"name": "sway", "bpm": 120.0, "first_beat_s": 2.5, "measures": 2}
@@ -159,19 +158,6 @@ def test_impossible_library_folder_is_refused(tmp_path: Path, take: Path) -> Non
     (tmp_path / "file").write_text("")
     with pytest.raises(PersonError, match="cannot make the library"):
         add(tmp_path / "file" / "library", take)
-
-
-@pytest.mark.shared
-def test_asf_skeleton_is_copied_with_amc_recording(tmp_path: Path) -> None:
-    source = mocap_file("asfamc/49_10.amc")
-    library = tmp_path / "library"
-    add_step(library, request_entry(source, {"name": "fold", "bpm": 90.0, "first_beat_s": 0.5}))
-    assert sorted(path.name for path in library.iterdir()) == ["49.asf", "49_10.amc", "49_10.toml"]
-    assert load_folder(library)[0].step == "fold"
-    lonely = tmp_path / "lonely.amc"
-    lonely.write_bytes(source.read_bytes())
-    with pytest.raises(RecordingError, match=r"lonely\.amc: its skeleton is not known"):
-        request_entry(lonely, {"name": "fold", "bpm": 90.0, "first_beat_s": 0.5})
 
 
 def test_multi_file_recording_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, take: Path) -> None:

@@ -12,7 +12,6 @@ from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.file_error import MotionFileError
 from tests.fixtures.mocap import mocap_file
 from tests.motion.formats.made_bvh import body_bvh, dance_values
-from tests.motion.formats.test_asf_amc import AMC, ASF
 
 
 @pytest.mark.parametrize("name", ["a.bvh", "a.BVH", "a.txt", "a.c3d", "no ending"])
@@ -22,26 +21,6 @@ def test_bvh_is_recognized_by_content(tmp_path: Path, name: str) -> None:
     expected = bvh_to_source_motion(parse_bvh(body_bvh(dance_values(5)), "x"))
     np.testing.assert_array_equal(motion.rotation, expected.rotation)
     assert motion.file == str(tmp_path / name)
-
-
-def test_amc_uses_matching_asf_skeleton(tmp_path: Path) -> None:
-    path = tmp_path / "7_01.amc"
-    path.write_text(AMC)
-    with pytest.raises(MotionFileError, match=r"its skeleton is not known; next to it: no .asf file; .*--skeleton"):
-        read_motion(path)
-    (tmp_path / "any.ASF").write_text(ASF)
-    assert read_motion(path).joint_count == 4
-    (tmp_path / "8.asf").write_text("broken")
-    with pytest.raises(MotionFileError, match=r"next to it: 8.asf, any.ASF"):
-        read_motion(path)
-    (tmp_path / "7.asf").write_text(ASF)
-    assert read_motion(path).joint_count == 4
-    with pytest.raises(MotionFileError, match=r"8.asf, line 1: 'broken' was read"):
-        read_motion(path, skeleton=tmp_path / "8.asf")
-    with pytest.raises(MotionFileError, match=r"none.asf: there is no such file"):
-        read_motion(path, skeleton=tmp_path / "none.asf")
-    with pytest.raises(MotionFileError, match=r"7.asf: a skeleton without motion; its .amc file expected"):
-        read_motion(tmp_path / "7.asf")
 
 
 @pytest.mark.parametrize(
@@ -58,7 +37,7 @@ def test_amc_uses_matching_asf_skeleton(tmp_path: Path) -> None:
         ("a.bvh", b" ", "a BVH file begins with HIERARCHY"),
         ("a.bvh", b"", "a.bvh: the file is empty; copy it or export it again"),
         ("a.glb", b"", "the file is empty"),
-        ("a.amc", b":DEGREES\n", "its skeleton is not known"),
+        ("a.xyz", b"words", "no reader for .xyz files is installed; there are BVH (.bvh), glTF (.glb"),
     ],
 )
 def test_unsupported_file_is_refused_with_remedy(tmp_path: Path, name: str, content: bytes, words: str) -> None:

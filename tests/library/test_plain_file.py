@@ -8,7 +8,7 @@ import pytest
 from live.base.errors import PersonError
 from live.library.disk_cache import read_regular_file
 from live.library.step_folder import load_steps
-from live.show.patch.patch_reader import read_text
+from live.show.patch.toml_model import read_text
 
 
 def test_read_is_limited_to_one_byte_more_than_limit(tmp_path):

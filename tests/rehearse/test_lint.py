@@ -3,8 +3,8 @@
 import pytest
 
 from live.rehearse.lint import MAX_WARNINGS, camera_warnings, lint_show, span_warnings
-from live.show.patch.call_response_check import call_response_warnings
 from live.show.patch.patch_reader import parse_patch, read_patch
+from live.show.patch_checks.call_response_check import call_response_warnings
 from tests.show.made_show import PATCH, made_show
 
 SECTIONS = '[[section]]\nname = "a"\nmeasures = 8\n[[section]]\nname = "b"\nmeasures = 4\n[[section]]\nname = "c"\n'

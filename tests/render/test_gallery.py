@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from live.base.floor_corners import floor_corners
 from live.base.picture_parameters import (
     ALONG,
     BY_ADDRESS,
@@ -21,7 +22,7 @@ from live.base.picture_parameters import (
     camera_values,
     picture_row,
 )
-from live.base.projector_perspective import camera_from_corners, floor_corners
+from live.base.projector_perspective import camera_from_corners
 from live.base.set_geometry import SetItem
 from live.base.stage_snapshot import Background, Camera
 from live.render.adaptive_quality import SOFTWARE

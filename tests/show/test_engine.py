@@ -9,10 +9,12 @@ from live.base.fault_isolation import Bulkhead, FaultLog
 from live.base.processing_budget import FLOODED_PER_SECOND
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
-from live.control.events.events import Attract, Blackout, CallStep, SetPicture
+from live.control.events.events import Attract, Blackout, CallStep, SetParameter
 from live.show.engine import EVENTS_PER_FRAME, Engine
 from live.show.view.status import Status
 from tests.show.made_show import made_show
+
+LEVEL = "/dance/light/level"
 
 
 def made_engine(**options):
@@ -34,11 +36,11 @@ def test_flooded_values_are_limited_per_frame_and_events_are_not():
     for frame in range(300):
         clock.set(frame / 60)
         for number in range(120):
-            lane.put(SetPicture(time=clock.now(), source="osc", parameter="/dance/light/level", x=0.5), number % 60)
+            lane.put(SetParameter(time=clock.now(), source="osc", address=LEVEL, value=(0.5,)), number % 60)
         if frame == 0 or frame == 200:
             musician.put(Attract(time=clock.now(), source="osc", x=1.0, z=1.0))
         engine.frame(skip_render)
-    values = [at for name, at in acted if name == "SetPicture"]
+    values = [at for name, at in acted if name == "SetParameter"]
     assert len([at for at in values if at >= 1.0]) <= 4.0 * FLOODED_PER_SECOND + 8
     assert max(values.count(at) for at in set(values) if at >= 1.0) <= 4
     assert [at for name, at in acted if name == "Attract"] == [0.0, 200 / 60]

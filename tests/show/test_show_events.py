@@ -17,17 +17,17 @@ from live.supervisor.recovery import Recovery
 from live.supervisor.state_follower import StateFollower
 from tests.show.journal.test_replay import MADE
 
-BAD = events.SetMotion(time=2.0, source="osc", parameter="warp_beats", value=0.4, group="*")
+BAD = events.SetParameter(time=2.0, source="osc", address="/dance/motion/warp", value=(0.4,), group="*")
 
 
 @pytest.fixture
 def failing_event(monkeypatch):
-    """An injected fault: SetMotion takes effect, causes a Spread as well, and then raises an exception."""
+    """An injected fault: SetParameter takes effect, causes a Spread as well, and then raises an exception."""
     apply = Show.apply
 
     def poisoned(show: Show, event: ControlEvent) -> bool:
         done = apply(show, event)
-        if isinstance(event, events.SetMotion):
+        if isinstance(event, events.SetParameter):
             apply(show, events.Spread(time=event.time, source="osc"))
             raise ZeroDivisionError("half way")
         return done

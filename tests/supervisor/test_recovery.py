@@ -300,7 +300,7 @@ def test_silent_deaths_quarantine_event_after_two_and_stage_after_three(loaded):
     night = EngineSequence(loaded)
     night.play(301)
     night.sink.put(
-        '{"tick":301,"event":{"type":"SetMotion","time":4.7,"source":"osc","parameter":"larger","value":1.1}}'
+        '{"tick":301,"event":{"type":"SetParameter","time":4.7,"source":"osc","parameter":"larger","value":1.1}}'
     )
     for times, left_out, tripped in ((1, 0, []), (2, 1, []), (3, 1, ["steering"]), (4, 1, ["steering"] * 2)):
         following = StateFollower(loaded)

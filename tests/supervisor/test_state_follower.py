@@ -22,7 +22,7 @@ LAST = 1500
 EVENTS: dict[int, ControlEvent] = {
     100: Attract(time=1.5, source="osc", x=2.0, z=-1.0, strength=1.0),
     400: SetTempo(time=6.3, source="osc", tempo=131.0),
-    401: SetLatency(time=6.3, source="osc", what="projector", seconds=0.05),
+    401: SetLatency(time=6.3, source="osc", what="projector", milliseconds=50.0),
     700: TicksSkipped(time=11.0, source="engine", count=30),
     1400: SetTempo(time=22.0, source="osc", tempo=97.0),
 }

@@ -10,14 +10,13 @@ from rich.markup import escape
 from rich.table import Table
 
 from live.app.offline.dance_plan import DancePlan
-from live.app.option_values import EXPORT_ENDINGS, check_writable
+from live.app.option_values import check_writable
 from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
 from live.graph.dance_metrics import DanceMetrics
 from live.graph.render_dance import RenderedDance
+from live.library.motion_formats import check_written_name, encode_motion
 from live.motion.clip import Clip
-from live.motion.formats.bvh_writer import write_bvh
-from live.motion.formats.gltf_writer import write_glb
 
 MAX_ROWS: Final = 200
 """Maximum number of measures in the table; JSON has all of them."""
@@ -25,10 +24,8 @@ MAX_ROWS: Final = 200
 
 def check_targets(out: Path | None, report: Path | None, *, force: bool) -> None:
     """Raise PersonError for files that cannot or must not be written."""
-    if out is not None and out.suffix.lower() not in EXPORT_ENDINGS:
-        raise PersonError(
-            f"--out {out}: a name that ends in {', '.join(EXPORT_ENDINGS)} expected", f"--out {out.stem}.bvh"
-        )
+    if out is not None:
+        check_written_name(out, "--out", ".bvh")
     if report is not None and report.suffix.lower() != ".json":
         raise PersonError(f"--report {report}: a name that ends in .json expected", f"--report {report.stem}.json")
     for file, option in ((out, "--out"), (report, "--report")):
@@ -40,9 +37,8 @@ def check_targets(out: Path | None, report: Path | None, *, force: bool) -> None
 
 
 def write_motion(clip: Clip, out: Path) -> None:
-    """Write the dance as BVH at 60 frames/s, or as glTF."""
-    data = write_bvh(clip, rate=None).encode("ascii") if out.suffix.lower() == ".bvh" else write_glb(clip, rate=None)
-    write_atomically(data, out, "--out")
+    """Write the dance in the format that the file's suffix names."""
+    write_atomically(encode_motion(clip, out), out, "--out")
 
 
 def write_report(plan: DancePlan, dance: RenderedDance, report: Path) -> None:

@@ -10,9 +10,8 @@ from live.app.offline.step_listing import library_folders, named_steps
 from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
 from live.library.motion_file import read_motion
+from live.library.motion_formats import encode_motion
 from live.motion.clip import Clip, resample
-from live.motion.formats.bvh_writer import write_bvh
-from live.motion.formats.gltf_writer import write_glb
 from live.motion.formats.source_motion import UpAxis
 from live.motion.retarget.retarget import retarget
 from live.motion.step_clip import StepClip
@@ -86,8 +85,4 @@ def _describe_variations(clips: list[StepClip]) -> str:
 
 def write_motion(clip: Clip, to: Path) -> int:
     """Write the file atomically; return its size in bytes."""
-    if to.suffix.lower() == ".bvh":
-        data = write_bvh(clip, rate=None).encode("ascii")
-    else:
-        data = write_glb(clip, rate=None)
-    return write_atomically(data, to, "--to")
+    return write_atomically(encode_motion(clip, to), to, "--to")

@@ -12,7 +12,8 @@ from live.app.offline.step_listing import library_folders
 from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
 from live.library.capture_material import read_material
-from live.library.motion_file import MOTION_SUFFIXES, read_motion
+from live.library.motion_file import read_motion
+from live.library.motion_formats import is_readable_name
 from live.library.recording_file import read_step_files
 from live.library.step_folder import MAX_STEP_BYTES, plain_name, sketched_steps
 from live.library.textured_steps import (
@@ -103,7 +104,7 @@ def _numbered(out: Path, number: int) -> Path:
 
 def _read_sketch(asked: TextureOptions) -> _Sketch:
     path = Path(asked.sketch)
-    if path.suffix.lower() in MOTION_SUFFIXES:
+    if is_readable_name(path):
         try:
             motion = read_motion(path)
             clip = retarget(motion, name=path.stem, fps=asked.sketch_fps)

@@ -1,4 +1,4 @@
-"""Services that run next to the frame loop: OSC, MIDI, Link, HTTP, phones, motion capture and DMX.
+"""Services that run next to the frame loop: OSC, MIDI, Link, HTTP and phones.
 
 May import every layer except `cli`.
 """

@@ -1,4 +1,4 @@
-"""Services over HTTP in separate processes: OSCQuery (with zeroconf) and the operator's web page.
+"""Services over HTTP in separate processes: their base, and the operator's web page.
 
 The access key of the web page permits everything that the page can do. It is created once and kept in the user's
 settings folder, so that a browser that has it keeps its access.
@@ -118,19 +118,6 @@ class HttpService:
         return {} if self._helper is None else self._helper.status()
 
 
-class OscQueryService(HttpService):
-    """Runs the process that answers OSCQuery."""
-
-    def __init__(
-        self, where: tuple[str, int], osc: tuple[str, int], name: str, clock: Clock, *, hosts: Sequence[str] = ()
-    ) -> None:
-        """`osc`: the show's OSC address; `hosts`: see `http_protection.accepted_hosts`."""
-        super().__init__(
-            where, "--oscquery", "live.control.osc.oscquery_server",
-            lambda: {"osc": osc, "name": name, "hosts": list(hosts)}, clock, needs=("aiohttp", "zeroconf"),
-        )  # fmt: skip
-
-
 KEY_BYTES: Final = 16
 """Random bytes in a generated key."""
 MIN_KEY_LENGTH: Final = 16
@@ -152,7 +139,7 @@ class WebAccess:
     """None: no web page."""
     key: str = field(default="", repr=False)
     hosts: tuple[str, ...] = ()
-    """Host names of this machine besides its addresses; OSCQuery uses them too."""
+    """Host names of this machine besides its addresses."""
 
 
 def parse_web(

@@ -10,6 +10,7 @@ from live.control.events.midi import ForgetMidi, LearnMidi
 from live.control.midi.midi_binding import BadBinding, Binding, merge_bindings
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_learn import MidiLearn, parse_values
+from live.show.patch.midi_bindings import learned_bindings, written_bindings
 from live.show.patch.section_io import MidiSection
 
 
@@ -74,14 +75,14 @@ class MidiLearnSession:
     def bindings(self) -> tuple[Binding, ...]:
         """The map in force."""
         places = {one.trigger for one in self._added}
-        learned = [one.binding for one in self._section.learned]
+        learned = learned_bindings(self._section)
         kept = [one for one in learned if one.control not in self._forgotten and one.trigger not in places]
-        return merge_bindings(self._section.written_bindings, [*kept, *self._added])
+        return merge_bindings(written_bindings(self._section), [*kept, *self._added])
 
     def update_patch(self, section: MidiSection) -> None:
         """Use a patch that was read again, and drop changes that it contains by now."""
         self._section = section
-        learned = [one.binding for one in section.learned]
+        learned = learned_bindings(section)
         self._added = [one for one in self._added if one not in learned]
         self._forgotten &= {one.control for one in learned}
 
@@ -112,9 +113,9 @@ class MidiLearnSession:
         self._writer.save([binding])
 
     def _forget(self, address: str, on_change: Callable[[], None]) -> None:
-        known = [one for one in self.bindings if one.control == address and one not in self._section.written_bindings]
+        known = [one for one in self.bindings if one.control == address and one not in written_bindings(self._section)]
         if not known:
-            written = any(one.control == address for one in self._section.written_bindings)
+            written = any(one.control == address for one in written_bindings(self._section))
             why = "it is in the patch's own map" if written else "nothing was learned for it"
             self.refused = f"MIDI: {address!r} cannot be forgotten: {why}"
             return

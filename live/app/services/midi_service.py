@@ -1,14 +1,16 @@
 """Services for MIDI: input, feedback output and clock output, and a MIDI file as tempo map and cue track."""
 
 import queue
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from live.app.bridges import installed_bridges
 from live.app.services.midi_learning import MidiLearnSession, MidiMapWriter
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
 from live.clock.midi.midi_clock import MidiClock
-from live.clock.midi.time_code import TimeCodeClock
 from live.clock.note_energy import NoteEnergy
 from live.clock.ticks import TICK
 from live.clock.time_source import Clock
@@ -19,11 +21,12 @@ from live.control.midi.midi_feedback import MidiFeedback, MidiOutput
 from live.control.midi.midi_file import MidiSongPlayer, read_song
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_mapping import MidiMap
-from live.control.midi.midi_ports import MidiUnavailable, UnknownPort, find_port
-from live.control.midi.midi_streams import Direction
+from live.control.midi.midi_ports import MidiUnavailable, UnknownPort, find_port, open_port
+from live.control.midi.midi_streams import SCHEMES, Direction, Opener
 from live.control.registry.control import ROLE_RANKS
 from live.control.registry.registry import Changes, Values
 from live.show.engine import Engine
+from live.show.patch.midi_bindings import bindings_of
 from live.show.patch.patch import Patch
 from live.show.show import Show
 from live.show.venue.venue import Venue, VenueMidi
@@ -178,12 +181,16 @@ def make_midi(
     """
     section = show.patch.midi
     of_venue = VenueMidi() if venue is None else venue.midi
-    source = _resolve_port("input", "--midi", options.midi, of_venue.input, section.input)
-    told = _resolve_port("output", "--midi-out", options.midi_out, of_venue.output, section.output)
-    target = _resolve_port("output", "--midi-clock-out", options.midi_clock_out, of_venue.clock_out, section.clock_out)
+    bridges = installed_bridges()
+    schemes = {**SCHEMES, **bridges.midi_schemes()}
+    open_input, open_output = (partial(open_port, way, schemes=schemes) for way in ("input", "output"))
+    find = partial(_resolve_port, schemes)
+    source = find("input", "--midi", options.midi, of_venue.input, section.input)
+    told = find("output", "--midi-out", options.midi_out, of_venue.output, section.output)
+    target = find("output", "--midi-clock-out", options.midi_clock_out, of_venue.clock_out, section.clock_out)
     metre, tempo = show.timeline.beats_per_measure, show.follower.tempo
     values = Values()
-    midi_map = MidiMap(section.bindings, values)
+    midi_map = MidiMap(bindings_of(section), values)
     listens = None
     if source is not None:
         listens = MidiInput(
@@ -191,14 +198,11 @@ def make_midi(
             inbox.add_queue(rank=ROLE_RANKS["musician"]),
             clock,
             decoder=MidiClock(beats_per_measure=metre, tempo=tempo),
-            time_code=TimeCodeClock(
-                tempo=section.time_code_bpm or show.patch.clock.bpm,
-                offset=section.time_code_offset_s,
-                beats_per_measure=metre,
-            ),
+            clocks=bridges.midi_clocks(show.patch, metre),
             midi_map=midi_map,
             notes=None if options.midi_file is not None else NoteEnergy(tempo=tempo),
             follow_clock=options.midi_file is None,  # else the file leads
+            open_by_name=open_input,
         )
     return MidiService(
         show,
@@ -206,14 +210,19 @@ def make_midi(
         patch,
         midi_input=listens,
         midi_map=midi_map,
-        feedback_output=None if told is None else MidiOutput(told, clock),
+        feedback_output=None if told is None else MidiOutput(told, clock, open_by_name=open_output),
         clock_output=None if target is None else MidiClockProcess(target, clock),
         values=values,
     )
 
 
 def _resolve_port(
-    direction: Direction, option: str, option_value: str | None, of_venue: str | None, of_patch: str | None
+    schemes: Mapping[str, Opener],
+    direction: Direction,
+    option: str,
+    option_value: str | None,
+    of_venue: str | None,
+    of_patch: str | None,
 ) -> str | None:
     """Return the name of the wanted port, in full if it was given on the command line; None for no port."""
     if option_value == OFF:
@@ -221,11 +230,12 @@ def _resolve_port(
     if option_value is None:
         return of_venue or of_patch
     try:
-        return find_port(direction, option_value)
-    except UnknownPort as error:
-        raise PersonError(f"{option} {option_value!r}: {error}", "see `live devices`") from None
-    except MidiUnavailable as error:
-        raise PersonError(f"{option} {option_value!r}: {error}", "see `live doctor`") from None
+        return find_port(direction, option_value, schemes)
+    except (UnknownPort, MidiUnavailable) as error:
+        command = "live devices" if isinstance(error, UnknownPort) else "live doctor"
+        addresses = ", ".join(f"{scheme}:" for scheme in schemes)
+        remedy = f"see `{command}`; addresses begin with {addresses}"
+        raise PersonError(f"{option} {option_value!r}: {error}", remedy) from None
 
 
 class MidiFileService:
@@ -239,7 +249,6 @@ class MidiFileService:
         if resume_tick:
             self._due((resume_tick + 1) * TICK)  # the engine before has sent these events
         engine.event_sources.append(self._due)
-        engine.patch_listeners.append(self.update_patch)
 
     def update_patch(self, patch: Patch) -> None:
         """Use the MIDI map of another patch."""
@@ -266,9 +275,9 @@ class MidiFileService:
 def attach_midi_file(path: Path | None, show: Show, engine: Engine) -> None:
     """Let a MIDI file, if there is one, lead a show that is rendered offline."""
     if path is not None:
-        MidiFileService(path, show, engine)
+        engine.patch_listeners.append(MidiFileService(path, show, engine).update_patch)
 
 
 def _bindings(patch: Patch) -> tuple[Binding, ...]:
     """Return written and learned bindings; none otherwise, as the default map is for live controllers."""
-    return patch.midi.bindings if patch.midi.map or patch.midi.learned else ()
+    return bindings_of(patch.midi) if patch.midi.map or patch.midi.learned else ()

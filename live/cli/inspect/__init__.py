@@ -1,1 +1,1 @@
-"""Commands that inspect a patch or a journal: check, score, contact sheet, formation. They may import every layer."""
+"""Commands that inspect a patch or a journal: check, schema, score, sheet, formation. They may import every layer."""

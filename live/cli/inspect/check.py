@@ -32,6 +32,7 @@ def check(
 
     find_patch(patch)  # reports an unknown name before seconds of loading
     warm_kernels(Console(stderr=True))  # before modules with kernels are imported
+    from live.app.bridges import installed_bridges
     from live.app.launch_options import LaunchOptions
     from live.app.session_audio import choose_audio
     from live.rehearse.lint import lint_show
@@ -52,7 +53,8 @@ def check(
     console = Console(highlight=False)
     if graph.missing:
         raise PersonError("; ".join(graph.missing), "raise locomotion.threshold_m, or change those steps' ends")
-    for note in (words for doubts in lint_show(show) for words in doubts.warnings):
+    warnings = [words for doubts in lint_show(show) for words in doubts.warnings]
+    for note in (*installed_bridges().notes(loaded, hall), *warnings):
         console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
     console.print(
         f"ok {loaded.path}: {loaded.patch.name!r}, {loaded.patch.dancer_count} dancers in "

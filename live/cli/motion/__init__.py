@@ -1,1 +1,1 @@
-"""Commands for motion files: BVH, capture, characters, export and synchronisation. They may import every layer."""
+"""Commands for motion files: BVH, characters, export and synchronisation. They may import every layer."""

@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
 
 def bvh(
-    file: Annotated[Path, typer.Argument(help="A .bvh, .amc, .glb, .gltf, .vrm, .vrma or AMASS .npz file.")],
+    file: Annotated[Path, typer.Argument(help="A motion file of any format (docs/steps.md).")],
     fps: Annotated[float | None, typer.Option(help="The true frame rate, if the header is wrong.")] = None,
     unit: Annotated[float | None, typer.Option(help="Metres per unit.", metavar="METRES")] = None,
     up: Annotated[str | None, typer.Option(help="The axis that points up.", metavar="Y|Z")] = None,
     skeleton: Annotated[
-        Path | None, typer.Option(help="FILE.amc: its skeleton. Default: the .asf next to it.", metavar="FILE.asf")
+        Path | None, typer.Option(help="The file with its skeleton, as for .amc. Default: the one next to it.")
     ] = None,
     joints: Annotated[
         Path | None,

@@ -20,7 +20,7 @@ def export(
     unit: Annotated[float | None, typer.Option(help="FILE: metres per unit, to check its size.")] = None,
     up: Annotated[str | None, typer.Option(help="FILE: the axis that points up.", metavar="Y|Z")] = None,
     skeleton: Annotated[
-        Path | None, typer.Option(help="FILE.amc: its skeleton. Default: the .asf next to it.", metavar="FILE.asf")
+        Path | None, typer.Option(help="The file with its skeleton, as for .amc. Default: the one next to it.")
     ] = None,
     drop_frames: Annotated[int | None, typer.Option(help="FILE: leading frames to leave out.")] = None,
     library: Annotated[
@@ -79,11 +79,11 @@ def _parse_rate(text: str) -> float | None:
 
 
 def _check_target(to: Path, source: str, *, force: bool) -> None:
-    from live.app.option_values import EXPORT_ENDINGS, check_writable
+    from live.app.option_values import check_writable
     from live.base.errors import PersonError
+    from live.library.motion_formats import check_written_name
 
-    if to.suffix.lower() not in EXPORT_ENDINGS:
-        raise PersonError(f"--to {to}: a name that ends in {', '.join(EXPORT_ENDINGS)} expected", f"--to {to.stem}.glb")
+    check_written_name(to, "--to", ".glb")
     check_writable(to, "--to")
     if not to.exists():
         return
@@ -95,11 +95,11 @@ def _check_target(to: Path, source: str, *, force: bool) -> None:
 
 def _is_file(source: str) -> bool:
     """Whether the source names a file, existing or not, instead of a step."""
-    from live.library.motion_file import MOTION_SUFFIXES
+    from live.library.motion_formats import format_by_suffix
     from live.show.patch.patch_search_path import is_file
 
     path = Path(source)
-    return is_file(path) or path.suffix.lower() in (*MOTION_SUFFIXES, ".fbx", ".c3d") or "/" in source
+    return is_file(path) or format_by_suffix(path) is not None or "/" in source
 
 
 def _refuse_options(options: "Mapping[str, object]", source: str, words: str) -> None:

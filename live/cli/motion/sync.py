@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 def sync(
-    file: Annotated[Path, typer.Argument(help="A recording: BVH, AMC, glTF, GLB, VRM or AMASS npz.")],
+    file: Annotated[Path, typer.Argument(help="A recording: a motion file of any format (docs/steps.md).")],
     click: Annotated[
         float | None, typer.Option(help="Tempo of the click that the claps follow.", metavar="BPM")
     ] = None,
@@ -23,7 +23,9 @@ def sync(
     beats_per_measure: Annotated[int, typer.Option(help="Beats per measure.")] = 4,
     fps: Annotated[float | None, typer.Option(help="True frame rate, if the header is wrong.")] = None,
     up: Annotated[Literal["Y", "Z"] | None, typer.Option(help="The axis that points up.")] = None,
-    skeleton: Annotated[Path | None, typer.Option(help="The ASF file of an AMC file.", metavar="ASF")] = None,
+    skeleton: Annotated[
+        Path | None, typer.Option(help="The file with its skeleton, as for .amc. Default: the one next to it.")
+    ] = None,
     drop_frames: Annotated[
         int | None, typer.Option(help="Leading frames to leave out. Default: an added T-pose and its run-in.")
     ] = None,

@@ -7,7 +7,7 @@ import typer
 
 
 def partner(
-    leader: Annotated[Path | None, typer.Argument(help="The leader's motion: BVH, AMC, glTF, GLB, VRM, npz.")] = None,
+    leader: Annotated[Path | None, typer.Argument(help="The leader's motion: a file of any format.")] = None,
     examples: Annotated[
         Path | None, typer.Option(help="Pairs of recordings to learn from.", metavar="PAIRS.toml")
     ] = None,

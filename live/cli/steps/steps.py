@@ -27,7 +27,7 @@ JsonOut = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 @app.command("add")
 def add(
-    file: Annotated[Path, typer.Argument(help="A recording: BVH, AMC, glTF, GLB, VRM or AMASS npz.")],
+    file: Annotated[Path, typer.Argument(help="A recording: a motion file of any format (docs/steps.md).")],
     name: Annotated[str, typer.Option(help="The step's name; steps with the same name are variations.")],
     bpm: Annotated[float | None, typer.Option(help="Tempo of the recorded dance.", rich_help_panel=PANEL_MUSIC)] = None,
     anchor: Annotated[
@@ -61,7 +61,10 @@ def add(
         Literal["Y", "Z"] | None, typer.Option(help="The axis that points up.", rich_help_panel=PANEL_FILE)
     ] = None,
     skeleton: Annotated[
-        Path | None, typer.Option(help="The ASF file of an AMC file.", rich_help_panel=PANEL_FILE)
+        Path | None,
+        typer.Option(
+            help="The file with its skeleton, as for .amc. Default: the one next to it.", rich_help_panel=PANEL_FILE
+        ),
     ] = None,
     drop_frames: Annotated[
         int | None, typer.Option(help="Leading frames to leave out.", rich_help_panel=PANEL_FILE)

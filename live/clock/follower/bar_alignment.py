@@ -5,6 +5,7 @@ from typing import Final
 
 from live.clock.follower.clock_source import Lines
 from live.clock.follower.phase_correction import SlewedTimeline
+from live.clock.timeline import METRE_MAX, METRE_MIN
 
 VOTES: Final = 1.0
 """A source's measure line is adopted after this many equal measures in a row ..."""
@@ -14,9 +15,6 @@ VOTES_AGAINST_MANUAL: Final = 4.0
 
 VOTES_METRE: Final = 2.0
 """Number of measures of another metre after which it is adopted, if metres are followed."""
-
-METRE_MIN: Final = 2
-METRE_MAX: Final = 12
 
 
 class BarAlignment:

@@ -1,10 +1,14 @@
-"""Clock sources: their interface, validated beat observations, and the mapping from source beats to danced beats."""
+"""Clock sources: their names, interface, validated beat observations, and the mapping from source to danced beats."""
 
 import math
 from dataclasses import dataclass
-from typing import Final, Literal, Protocol
+from typing import Final, Literal, Protocol, get_args
 
 from live.clock.timeline import Grid
+
+SourceName = Literal["link", "midi", "mtc", "audio", "tap", "internal"]
+PRIORITY: Final[tuple[SourceName, ...]] = get_args(SourceName)
+"""All sources, the first in rank first. A source that nothing in this program makes is always absent."""
 
 PERIOD_MIN: Final = 60.0 / 400.0
 PERIOD_MAX: Final = 4.0

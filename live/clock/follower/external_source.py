@@ -1,4 +1,4 @@
-"""Clock sources without a tracker: MIDI clock, Ableton Link and time code, and grids set by hand (tempo or taps)."""
+"""Clock sources without a tracker: MIDI clock, Ableton Link and others, and grids set by hand (tempo or taps)."""
 
 import math
 from typing import Final

@@ -38,7 +38,7 @@ class FollowerStatus:
 
     @property
     def source(self) -> str:
-        """The active source: link | midi | mtc | audio | tap | internal."""
+        """The name of the active source."""
         return self._arbiter.name
 
     @property

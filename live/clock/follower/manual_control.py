@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from live.clock.follower.audio_source import AudioSource
-from live.clock.follower.bar_alignment import METRE_MAX, METRE_MIN, BarAlignment
+from live.clock.follower.bar_alignment import BarAlignment
 from live.clock.follower.clock_source import ObservedSource
 from live.clock.follower.external_source import ExternalSource, ManualSource
 from live.clock.follower.follower_status import FollowerStatus
 from live.clock.follower.phase_correction import LEAP_BEATS
 from live.clock.tap_tempo import TapTempo
-from live.clock.timeline import TEMPO_MAX_BPM, TEMPO_MIN_BPM, Grid
+from live.clock.timeline import METRE_MAX, METRE_MIN, TEMPO_MAX_BPM, TEMPO_MIN_BPM, Grid
 
 Kind = Literal["tempo", "one", "scale", "metre", "forget"]
 

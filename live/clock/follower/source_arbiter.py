@@ -6,13 +6,10 @@ from typing import Final
 
 from live.clock.follower.audio_source import AudioSource
 from live.clock.follower.bar_alignment import BarAlignment
-from live.clock.follower.clock_source import Source
+from live.clock.follower.clock_source import PRIORITY, Source
 from live.clock.follower.external_source import ExternalSource, ManualSource
 from live.clock.follower.phase_correction import SlewedTimeline, whole_beats_off
 from live.clock.timeline import Grid
-
-PRIORITY: Final = ("link", "midi", "mtc", "audio", "tap", "internal")
-"""Default priority of the sources."""
 
 GRACE: Final = 2.0
 """After the loss of a source its tempo is held this long [s] before a source of lower priority takes over."""

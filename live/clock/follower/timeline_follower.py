@@ -6,12 +6,12 @@ from typing import Final
 
 from live.clock.follower.audio_source import AudioSource
 from live.clock.follower.bar_alignment import BarAlignment
-from live.clock.follower.clock_source import BeatObservation, ObservedSource, Source
+from live.clock.follower.clock_source import PRIORITY, BeatObservation, ObservedSource, Source
 from live.clock.follower.count_in import CountIn
 from live.clock.follower.external_source import ExternalSource, ManualSource
 from live.clock.follower.manual_control import ManualControl
 from live.clock.follower.phase_correction import SLEW_LOCKED, SLEW_UNLOCKED, SlewedTimeline
-from live.clock.follower.source_arbiter import PRIORITY, SourceArbiter
+from live.clock.follower.source_arbiter import SourceArbiter
 from live.clock.tap_tempo import TapTempo
 from live.clock.timeline import Grid, Timeline
 
@@ -31,7 +31,7 @@ FAR: Final = 0.25
 class TimelineFollower(ManualControl):
     """Follows audio, clocks and taps with a Timeline; pure: all times [s] are given.
 
-    Sources: link, midi, mtc, audio, tap, internal. One is active; the timeline approaches its beats by running up to
+    One source of `PRIORITY` is active; the timeline approaches its beats by running up to
     12 % (20 % while not locked) faster or slower. Only an announced jump (`jumps`, `last_jump`) moves the beat
     otherwise: forward, by less than a beat. Input that is not finite, or implausible, is counted in `rejected` and
     changes nothing.
@@ -62,10 +62,8 @@ class TimelineFollower(ManualControl):
         grid = Grid(begin, 60.0 / timeline.tempo)
         self._audio = AudioSource(grid, known_tempo)
         self._internal, self._tap = ManualSource("internal", grid), ManualSource("tap")
-        direct = {name: ExternalSource(name) for name in ("link", "midi", "mtc")}
-        self._sources: dict[str, Source] = {
-            **direct, "audio": self._audio, "tap": self._tap, "internal": self._internal,
-        }  # fmt: skip
+        own: dict[str, Source] = {"audio": self._audio, "tap": self._tap, "internal": self._internal}
+        self._sources: dict[str, Source] = {name: own.get(name) or ExternalSource(name) for name in PRIORITY}
         self._slewed = SlewedTimeline(timeline, grid)
         self._alignment = BarAlignment(follow_metre=follow_metre)
         self._arbiter = SourceArbiter(

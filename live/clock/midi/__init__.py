@@ -1,4 +1,4 @@
-"""MIDI beat clock and MIDI time code: decoding of pulses to tempo and position, and generation of pulses.
+"""MIDI beat clock: decoding of pulses to tempo and position, and generation of pulses.
 
 It may import what `clock` may.
 """

@@ -8,7 +8,7 @@ after 330 ms without any message.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Protocol
 
 from live.clock.midi.pulse_train import PulseTrain
 
@@ -67,6 +67,24 @@ class ClockState:
 
 
 ClockEvent = ClockBeat | ClockState
+
+
+class MessageClock(Protocol):
+    """A clock made of the messages of one sender. Pure: messages come with their times [s]. Thread: one at a time."""
+
+    beats_per_measure: int
+
+    def receive(self, message: Sequence[int], time: float) -> list[ClockEvent]:
+        """Process a message that arrived at `time`; return the news. Other messages than its own change nothing."""
+        ...
+
+    def advance(self, now: float) -> list[ClockEvent]:
+        """Return the news at `now` due to missing messages."""
+        ...
+
+    def handle_disconnect(self, now: float) -> list[ClockEvent]:
+        """Return the news after the port has gone."""
+        ...
 
 
 class MidiClock:

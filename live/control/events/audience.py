@@ -1,8 +1,15 @@
-"""Events of the audience: the phones' combined input, and the operator's settings for them."""
+"""Commands for the audience's phones, and the phones' combined input."""
 
 from dataclasses import dataclass
+from typing import Annotated, Final
 
 from live.control.events.event import ControlEvent
+from live.control.registry.command import command
+from live.control.registry.control import Argument
+
+NO_CHOICE: Final = "-"
+"""Placeholder for an unused choice."""
+Region = Annotated[str, Argument.label("a region of the patch's [audience]; * means all", "region")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,69 +36,76 @@ class AudienceHeard(ControlEvent):
     """Share of active phones that are shaken, in thousandths."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/audience/open", "operator", value=1, start=(True,))
+@command("/dance/audience/close", "operator", "The same as /dance/audience/open 0, for a button.", fixed={"on": False})
 class OpenAudience(ControlEvent):
-    """Opens the show to phones, or closes it: from the same tick on they have no effect and are not shown."""
+    """Opens the show to phones, or closes it within one tick."""
 
-    on: bool
+    on: Annotated[bool, Argument.switch("1: phones may take part, 0: they have no effect and are not shown")]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/audience/gain", "operator", value=1, start=(1.0,))
 class SetAudienceGain(ControlEvent):
-    """Sets the influence of the audience, 0 to 1."""
+    """Sets how strongly the audience influences dancers."""
 
-    gain: float
+    gain: Annotated[float, Argument.number("influence of the audience", 0, 1)]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/audience/mute", "operator", value=1, start=(False,))
 class MuteAudience(ControlEvent):
-    """Mutes or restores the phones' influence on dancers; phones stay in."""
+    """Mutes the audience's influence on dancers; phones stay in, and their lights are shown."""
 
-    on: bool
+    on: Annotated[bool, Argument.switch("1: no influence, 0: influence")]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/audience/region", "operator")
 class WeighRegion(ControlEvent):
-    """Sets the weight of each voice of a region of the audience; 0: none."""
+    """Sets the weight of a region of the audience."""
 
-    name: str
-    weight: float
+    name: Region
+    weight: Annotated[float, Argument.number("weight of each of its voices; 0: none", 0, 4)]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/audience/turn", "operator")
 class GiveTurn(ControlEvent):
-    """From the next measure line on only this region takes part, for `measures`; `*`: all regions."""
+    """From the next measure line on only this region takes part; its phones count in. * ends it."""
 
-    name: str
-    measures: float = 4.0
+    name: Region
+    measures: Annotated[float, Argument.number("duration", 1, 1024, "measures")] = 4.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/audience/ban", "operator")
 class BanPhone(ControlEvent):
-    """Bans a phone by its number, or lifts the ban; 0 with `on` false lifts all bans."""
+    """Excludes a phone from effect and display, also after it joins again; the phone is not informed."""
 
-    number: int
-    on: bool = True
+    number: Annotated[int, Argument.number("its number in the status; 0 with on = 0: lifts all bans", 0, 2e9)]
+    on: Annotated[bool, Argument.switch("1: on, 0: off")] = True
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/audience/vote", "operator")
 class AskVote(ControlEvent):
-    """The audience votes for the next step, scene, look or cue until a measure line, where the winner is called."""
+    """Starts a vote until a measure line (the patch's vote_measures), where the winner is called."""
 
-    what: str
-    first: str
-    second: str
-    third: str = ""
-    fourth: str = ""
+    what: Annotated[str, Argument.label("step, scene, look or cue")]
+    first: Annotated[str, Argument.label("a choice, by its name in the patch")]
+    second: Annotated[str, Argument.label("another one")]
+    third: Annotated[str, Argument.label("another one; - is none")] = NO_CHOICE
+    fourth: Annotated[str, Argument.label("another one; - is none")] = NO_CHOICE
+
+    @property
+    def choices(self) -> list[str]:
+        """The choices that are used."""
+        said = (self.first, self.second, self.third, self.fourth)
+        return [choice for choice in said if choice.strip() not in ("", NO_CHOICE)]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/audience/vote/drop", "operator")
 class DropVote(ControlEvent):
-    """Cancels the current vote; nothing is called."""
+    """Cancels the vote; nothing is called."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/audience/shake", "operator", value=1, start=(True,))
 class AllowShaking(ControlEvent):
-    """Switches the effect of shaken phones on or off."""
+    """Whether shaken phones count."""
 
-    on: bool
+    on: Annotated[bool, Argument.switch("1: dancers spread when many phones are shaken, 0: not")]

@@ -1,8 +1,18 @@
-"""Events of live motion capture: poses, tracker positions, and settings of captured performers."""
+"""Commands for captured performers, and live motion capture: poses and tracker positions."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 from live.control.events.event import ControlEvent
+from live.control.registry.command import X, Z, command
+from live.control.registry.control import Argument
+
+PerformerName = Annotated[
+    str,
+    Argument.label(
+        "the name in the patch; `live` if it has none. Also in the address: /dance/mocap/NAME/...", "performer"
+    ),
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -16,70 +26,67 @@ class MocapFrame(ControlEvent):
     receipt, so that live and replayed shows get the same bits."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/mocap/dancer", "operator", value=1, named=True)
 class CastMocap(ControlEvent):
-    """A captured performer drives this dancer from now on."""
+    """A captured performer drives this dancer; the former one dances by themselves again."""
 
-    performer: str
-    dancer: str
-    """An expression as in `live.show.group.casting`, of which the first dancer counts; "none": no dancer."""
+    performer: PerformerName
+    dancer: Annotated[str, Argument.text("the dancer, or the first of `ember & 1` or a group; none: no dancer")]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/mocap/shown", "musician", value=1, named=True)
 class ShowMocap(ControlEvent):
-    """Shows a captured performer, or lets the dancer dance by themselves again."""
+    """Whether a captured performer is shown; the dancer changes over within a measure."""
 
-    performer: str
-    shown: bool
+    performer: PerformerName
+    shown: Annotated[bool, Argument.switch("1: the dancer moves as the performer does, 0: by themselves")] = True
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/mocap/mirrored", "musician", value=1, named=True)
 class MirrorMocap(ControlEvent):
-    """Mirrors a captured performer, or shows them as captured."""
+    """Mirrors a captured performer."""
 
-    performer: str
-    mirrored: bool
+    performer: PerformerName
+    mirrored: Annotated[bool, Argument.switch("1: left and right exchanged, 0: as captured")] = True
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/mocap/place", "operator", value=4, named=True)
 class PlaceMocap(ControlEvent):
-    """Places the centre of a performer's capture floor on the stage."""
+    """Place of the capture floor's centre on the stage."""
 
-    performer: str
-    x: float
-    z: float
-    turn: float = 0.0
-    """Degrees, towards +x."""
-    scale: float = 1.0
-    """Scale of the performer's paths."""
+    performer: PerformerName
+    x: X
+    z: Z
+    turn: Annotated[float, Argument.number("rotation of the floor on the stage, towards +x", -360, 360, "degrees")] = (
+        0.0
+    )
+    scale: Annotated[float, Argument.number("scale of the paths; feet slide unless it is 1", 0, 10)] = 1.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/mocap/canon", "musician", value=2, named=True)
 class CanonMocap(ControlEvent):
-    """Dancers repeat a captured performer in canon; "none": no dancers."""
+    """Other dancers repeat a captured performer in canon: the first by that delay, the second by twice as much."""
 
-    performer: str
-    group: str
-    beats: float = 2.0
-    """Delay from one dancer to the next."""
+    performer: PerformerName
+    group: Annotated[str, Argument.text("dancers that repeat: `ember` or `mist & 1-4`; none: nobody", "group")] = "none"
+    beats: Annotated[float, Argument.number("delay from one dancer to the next", 0, 16, "beats")] = 2.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/mocap/obstacle", "operator", value=1, named=True)
 class BlockMocap(ControlEvent):
-    """Whether dancers avoid a captured performer as an obstacle on the stage."""
+    """Whether a captured performer is an obstacle for other dancers."""
 
-    performer: str
-    obstacle: bool
+    performer: PerformerName
+    obstacle: Annotated[bool, Argument.switch("1: dancers avoid the performer as a real person, 0: not")] = True
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/mocap/attract", "musician", value=2, named=True)
 class DrawMocap(ControlEvent):
-    """A captured performer attracts dancers; repels them if strength is below 0; no effect at 0."""
+    """A captured performer attracts dancers."""
 
-    performer: str
-    strength: float
-    group: str = "*"
-    """The group; "": unchanged."""
+    performer: PerformerName
+    strength: Annotated[float, Argument.number("how strongly; below 0: repels, 0: no effect", -10, 10)] = 1.0
+    group: Annotated[str, Argument.label("a group's name; * is all; left out: unchanged", "group")] = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

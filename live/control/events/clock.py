@@ -1,74 +1,87 @@
-"""Events of the clock: manual control and observations of clock sources."""
+"""Commands of the clock and blackout, and observations of clock sources."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
+from live.clock.follower.clock_source import PRIORITY
+from live.clock.timeline import METRE_MAX, METRE_MIN, TEMPO_MAX_BPM, TEMPO_MIN_BPM
 from live.control.events.event import ControlEvent
+from live.control.registry.command import command
+from live.control.registry.control import Argument
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/clock/tap", "musician")
 class Tap(ControlEvent):
-    """A beat was tapped at `time`."""
+    """Taps a beat; several taps give the tempo."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/clock/one", "musician")
 class One(ControlEvent):
-    """ "This is the one": the beat at `time` is the first of a measure."""
+    """ "This is the one": a measure starts now."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/clock/tempo", "musician", value=1)
 class SetTempo(ControlEvent):
-    """The tempo is set by hand [bpm]; the beat position continues without a jump."""
+    """Sets the tempo; the beat continues without a jump. Tracked music takes over again after 8 s."""
 
-    tempo: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Nudge(ControlEvent):
-    """The beats move by `seconds` relative to the active source; later if positive."""
-
-    seconds: float
+    tempo: Annotated[float, Argument.number("the new tempo", TEMPO_MIN_BPM, TEMPO_MAX_BPM, "bpm")]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ShiftBeats(ControlEvent):
-    """The measure lines move by `beats`, later if positive; half a beat moves the beat to the off-beat."""
-
-    beats: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/clock/half", "musician", "Half as many beats, from the next strong beat on.", fixed={"factor": 0.5})
+@command("/dance/clock/double", "musician", "Twice as many beats, from the next beat on.", fixed={"factor": 2.0})
 class ScaleTempo(ControlEvent):
     """Half (0.5) or double (2) tempo, from the next beat common to both."""
 
     factor: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/clock/nudge", "musician")
+class Nudge(ControlEvent):
+    """Moves the beats a little relative to the active source; nudges add up."""
+
+    seconds: Annotated[float, Argument.number("later, or earlier if negative", -0.25, 0.25, "s")] = 0.01
+
+
+@command("/dance/clock/shift", "musician")
+class ShiftBeats(ControlEvent):
+    """Moves the measure line by beats; half a beat moves the beats to the off-beat."""
+
+    beats: Annotated[float, Argument.number("later, or earlier if negative", -8, 8, "beats")] = 1.0
+
+
+@command("/dance/clock/hold", "musician", value=1, start=(False,))
 class HoldTempo(ControlEvent):
-    """The tempo is frozen, so that no source corrects tempo or phase, or released."""
+    """Freezes the tempo: no source corrects tempo or beat."""
 
-    on: bool
+    on: Annotated[bool, Argument.switch("1: the tempo is frozen, 0: it follows the source again")] = True
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/clock/metre", "musician", value=1)
 class SetMetre(ControlEvent):
-    """Sets the beats per measure, 2 to 12, from the next measure line on."""
+    """Sets the beats per measure from the next measure line on; a step fills the measure."""
 
-    beats: float
+    beats: Annotated[int, Argument.number("beats of a measure, rounded", METRE_MIN, METRE_MAX, "beats")]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/clock/count_in", "musician")
 class CountIn(ControlEvent):
-    """Counts `measures` before the one, from the next beat, or after a measure of taps."""
+    """Counts in to the one, from the next beat if there is one, else after a measure of taps."""
 
-    measures: float
+    measures: Annotated[float, Argument.number("measures counted before the one, rounded", 0, 8, "measures")] = 1.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/clock/source", "operator", value=1, start=("auto",))
 class ChooseSource(ControlEvent):
-    """Selects the clock source by name; "auto": by priority."""
+    """Selects the clock source; it takes over at a measure line, once it is available."""
 
-    name: str
+    name: Annotated[str, Argument.label(f'"auto", or one of {", ".join(PRIORITY)}')] = "auto"
+
+
+@command("/dance/blackout", "operator", value=1, start=(False,))
+class Blackout(ControlEvent):
+    """Switches the light of the show off or on."""
+
+    on: Annotated[bool, Argument.switch("1: light off, 0: light on")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,53 +1,57 @@
-"""Events of the stage manager: GO, standby, panic, hold, undo."""
+"""Commands of the stage manager: GO, standby, panic, hold, undo."""
 
-from dataclasses import dataclass
+from typing import Annotated
 
 from live.control.events.event import ControlEvent
+from live.control.registry.command import command
+from live.control.registry.control import Argument
+
+Cue = Annotated[str, Argument.label("the cue's name or number in the patch", "cue")]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/go", "operator")
 class Go(ControlEvent):
-    """Starts the cue on standby; the next one is on standby."""
+    """Starts the cue on standby, at its own beat; a second GO from the same sender within 0.25 s is ignored."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/cue", "operator")
 class GiveCue(ControlEvent):
-    """Starts this cue regardless of the standby; the next one is on standby."""
+    """Starts this cue; the next one is on standby."""
 
-    name: str
-    """Its name or number."""
+    name: Cue
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/standby", "operator")
 class StandBy(ControlEvent):
-    """Puts this cue on standby."""
+    """Puts this cue on standby for the next GO."""
 
-    name: str
-    """Its name or number."""
+    name: Cue
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/back", "operator")
 class StepBack(ControlEvent):
-    """Cancels a cue that is counting in; if there is none, the cue before the standby is on standby."""
+    """Cancels a cue that is counting in; if there is none, puts the previous cue on standby."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/panic", "operator")
 class Panic(ControlEvent):
-    """Ends everything that was added, restores the patch's light and holds the score; the music's clock continues."""
+    """Ends all elements, evolutions, called steps, fades and waiting cues, restores the patch's light and steps, and
+    holds the score until GO or /dance/hold 0; the beat continues."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/hold", "operator", value=1, start=(False,))
 class HoldShow(ControlEvent):
-    """Holds or continues score, fades and cues; the dance continues."""
+    """Holds score, fades and cues; the dance continues with its current steps."""
 
-    on: bool
+    on: Annotated[bool, Argument.switch("1: hold, 0: continue")]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/undo", "operator")
 class Undo(ControlEvent):
-    """Undoes the last edit."""
+    """Undoes the last edit: parameters, stored scenes, formations, sequences, facings, ripples, set, standby; never
+    anything already played."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/redo", "operator")
 class Redo(ControlEvent):
     """Redoes the last undone edit."""

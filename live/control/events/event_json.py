@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import fields
 from functools import cache
-from typing import Any
+from typing import Any, get_type_hints
 
 from live.control.events.events import (
     EVENT_TYPES,
@@ -23,8 +23,8 @@ from live.control.message_codec import register_as
 
 def event_to_json(event: ControlEvent) -> dict[str, Any]:
     """Return the event as a JSON object; floats keep every bit (Python writes the shortest exact form)."""
-    name = type(event).__name__  # all fields are numbers and strings, so no copy by `asdict` is needed
-    return {"type": name, **{field: getattr(event, field) for field in _kinds(name)}}
+    name = type(event).__name__  # fields are numbers, strings and tuples of numbers: no copy by `asdict` is needed
+    return {"type": name, **{field: getattr(event, field) for field in field_types(name)}}
 
 
 IN_ROWS: tuple[type[ControlEvent], ...] = (
@@ -51,7 +51,7 @@ def event_to_row(event: ControlEvent) -> list[Any]:
 
 def columns_of(kind: type[ControlEvent]) -> list[str]:
     """Return the field names of a row's values, in order."""
-    return [field.name for field in fields(kind)]
+    return list(field_types(kind.__name__))
 
 
 def event_from_json(data: dict[str, Any] | list[Any], columns: dict[str, list[str]] | None = None) -> ControlEvent:
@@ -64,21 +64,26 @@ def event_from_json(data: dict[str, Any] | list[Any], columns: dict[str, list[st
     cls = EVENT_TYPES.get(name) if isinstance(name, str) else None
     if cls is None:
         raise ValueError(f"unknown event type {name!r}; known are {', '.join(sorted(EVENT_TYPES))}")
-    kinds = _kinds(cls.__name__)
+    kinds = field_types(cls.__name__)
     for key, value in values.items():
-        kind = kinds.get(key)
-        good = (
-            (kind is float and isinstance(value, int | float) and not isinstance(value, bool) and _is_small(value))
-            or (kind is bool and isinstance(value, bool))
-            or (kind is int and isinstance(value, int) and not isinstance(value, bool) and _is_small(value))
-            or (kind is str and isinstance(value, str))
-        )
-        if not good:
+        if not _fits(value, kinds.get(key)):
             raise ValueError(f"event {name}: field {key!r} cannot be {value!r:.80}")
+        if isinstance(value, list):
+            values[key] = tuple(value)
     try:
         return cls(**values)
     except TypeError as error:
         raise ValueError(f"event {name}: {error}") from None
+
+
+def _fits(value: Any, kind: Any) -> bool:
+    """Whether a value is of a field's type; a number may be written as a whole number."""
+    if kind == tuple[float, ...]:
+        return isinstance(value, list | tuple) and all(_fits(each, float) for each in value)
+    if kind is float or kind is int:
+        whole = isinstance(value, int) and not isinstance(value, bool)
+        return (whole or (kind is float and isinstance(value, float))) and _is_small(value)
+    return (kind is bool or kind is str) and isinstance(value, kind)
 
 
 def _is_small(value: float) -> bool:
@@ -89,7 +94,7 @@ def _is_small(value: float) -> bool:
 def _values_of(row: list[Any], columns: dict[str, list[str]]) -> dict[str, Any]:
     name = row[0] if row else None
     cls = EVENT_TYPES.get(name) if isinstance(name, str) else None
-    names = [] if cls is None else columns.get(cls.__name__) or list(_kinds(cls.__name__))
+    names = [] if cls is None else columns.get(cls.__name__) or columns_of(cls)
     if len(row) - 1 > len(names) and cls is not None:
         raise ValueError(f"event {name}: {len(row) - 1} values, {len(names)} expected")
     return {"type": name, **dict(zip(names, row[1:], strict=False))}
@@ -106,6 +111,7 @@ def register_events() -> None:
 
 
 @cache
-def _kinds(name: str) -> dict[str, Any]:
-    """Return the fields of an event type with their types, in order."""
-    return {field.name: field.type for field in fields(EVENT_TYPES[name])}
+def field_types(name: str) -> dict[str, Any]:
+    """Return the fields of an event type, by its name, with their types, in order."""
+    hints = get_type_hints(EVENT_TYPES[name])
+    return {field.name: hints[field.name] for field in fields(EVENT_TYPES[name])}

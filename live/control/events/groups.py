@@ -1,136 +1,170 @@
-"""Events of formations, groups, entrances and exits, and objects on the stage."""
+"""Commands of formations, groups, entrances and exits, and objects on the stage."""
 
-from dataclasses import dataclass
+from typing import Annotated
 
 from live.control.events.event import ControlEvent
+from live.control.registry.command import DANCERS, X2, Z2, Dancers, Group, Next, Points, X, Z, command
+from live.control.registry.control import Argument
+
+Duration = Annotated[float, Argument.number("duration", 0.25, 64, "measures")]
+Formation = Annotated[
+    str,
+    Argument.text(
+        "a formation of the patch, or words for one: circle, star:6, text:LIVE, `circle poisson`", "formation"
+    ),
+]
+Gate = Annotated[str, Argument.label("gate's name; left, right and back if the patch has none; * any", "gate")]
+ItemName = Annotated[str, Argument.label("its name")]
+SelectedDancers = Annotated[str, Argument.text(DANCERS.description, "group")]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/formation", "musician")
 class Evolve(ControlEvent):
-    """Dancers go to a formation within some measures (T096)."""
+    """Dancers go to a formation and arrive together, exactly on a measure line.
 
-    formation: str
+    (T096; assignment of dancers to places T097-T100.)
+    """
+
+    formation: Formation
     """A name in the patch, or a description (`live.agents.formations.formation_notation`)."""
-    measures: float = 4.0
-    group: str = "*"
-    next: bool = False
-    match: str = "squared"
-    """Assignment of dancers to places (T097-T100)."""
-    ripple: float = 0.0
-    """Beats from the first dancer's start to the last one's."""
+    measures: Duration = 4.0
+    group: Dancers = "*"
+    next: Next = False
+    match: Annotated[str, Argument.label("squared, shortest, equal, both, bottleneck, number")] = "squared"
+    ripple: Annotated[
+        float, Argument.number("beats from the first dancer's start to the last one's", 0, 64, "beats")
+    ] = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/formation/define", "operator")
 class DefineFormation(ControlEvent):
-    """A named formation is defined or changed, with every use of it (T087)."""
+    """Defines or changes a formation by name; dancers in it go to its new places.
 
-    name: str
-    formation: str
+    (T087)
+    """
+
+    name: Annotated[str, Argument.label("the formation's name")]
+    formation: Formation
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/travel", "musician")
 class Travel(ControlEvent):
-    """Dancers travel along a drawn line (T103)."""
+    """Dancers travel along a drawn line and keep their formation.
 
-    points: str
-    measures: float = 4.0
-    group: str = "*"
-    next: bool = False
-    single_file: bool = False
+    (T103)
+    """
+
+    points: Points
+    measures: Duration = 4.0
+    group: Dancers = "*"
+    next: Next = False
+    single_file: Annotated[bool, Argument.switch("1: in single file on the line, 0: as they stand")] = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/pause", "musician")
 class Pause(ControlEvent):
-    """Dancers stay where they are for some measures (T103)."""
+    """Dancers stay where they are for a while.
 
-    measures: float = 4.0
-    group: str = "*"
-    next: bool = False
+    (T103)
+    """
+
+    measures: Duration = 4.0
+    group: Dancers = "*"
+    next: Next = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/release", "musician")
 class Release(ControlEvent):
-    """Dancers leave their formation and evolution."""
+    """Dancers leave their formation and evolution; only elements move them."""
 
-    group: str = "*"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Regroup(ControlEvent):
-    """Dancers dance with another group from their next measure on (T104)."""
-
-    dancers: str
-    group: str
+    group: Dancers = "*"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/ripple", "musician")
 class SetRipple(ControlEvent):
-    """Sets a delay that runs over a group (T051)."""
+    """Dancers start their steps one after another, as a wave over the group.
 
-    beats: float
-    """Delay from the first dancer to the last; 0: none."""
-    begins: str = "left"
-    """Where it starts: a side of the stage, `centre`, or x z [m]."""
-    group: str = "*"
+    (T051)
+    """
+
+    beats: Annotated[float, Argument.number("from the first dancer's start to the last's; 0: together", 0, 16, "beats")]
+    begins: Annotated[str, Argument.text("its start: left, right, front, back, centre, or x z [m] as in `0 -2`")] = (
+        "left"
+    )
+    group: Group = "*"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/enter", "operator")
 class Enter(ControlEvent):
     """Dancers waiting in the wings enter at the next measure line."""
 
-    count: float = 1.0
-    group: str = "*"
-    gate: str = "*"
+    count: Annotated[float, Argument.number("how many", 1, 1000)] = 1.0
+    group: Annotated[str, Argument.label("the group whose steps they dance; *: their last group", "group")] = "*"
+    gate: Gate = "*"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/leave", "operator")
 class Leave(ControlEvent):
-    """Dancers leave the stage through a gate."""
+    """Dancers leave the stage."""
 
-    dancers: str
-    gate: str = "*"
+    dancers: SelectedDancers
+    gate: Gate = "*"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/obstacle", "operator")
 class PlaceObstacle(ControlEvent):
-    """Places a round obstacle at (x, z) with `radius` [m]."""
+    """Places or moves a round obstacle; dancers go around it."""
 
-    name: str
-    x: float
-    z: float
-    radius: float = 0.5
+    name: ItemName
+    x: X
+    z: Z
+    radius: Annotated[float, Argument.number("its radius", 0.05, 20, "m")] = 0.5
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/wall", "operator")
 class PlaceWall(ControlEvent):
-    """Places a wall from (x, z) to (x2, z2) [m]."""
+    """Places or moves a wall between two points."""
 
-    name: str
-    x: float
-    z: float
-    x2: float
-    z2: float
+    name: ItemName
+    x: X
+    z: Z
+    x2: X2
+    z2: Z2
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/obstacle/remove", "operator")
 class RemoveObstacle(ControlEvent):
-    """Removes the obstacle or wall of this name."""
+    """Removes an obstacle or a wall."""
 
-    name: str
+    name: ItemName
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/stage", "operator", value=2)
 class SetStage(ControlEvent):
-    """Resizes the stage to `width` by `depth` [m]; dancers outside come in."""
+    """Resizes the stage about its centre: its border moves in two measures or more, dancers outside walk in. Each size
+    may be at most 4 m more than the patch's, and at most twice as much."""
 
-    width: float
-    depth: float
+    width: Annotated[float, Argument.number("from side to side", 2, 400, "m")]
+    depth: Annotated[float, Argument.number("from back to front", 2, 400, "m")]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/performer", "musician", continuous=True)
 class Performer(ControlEvent):
-    """Position (x, z) [m] of a real dancer."""
+    """Position of a tracked real dancer, sent repeatedly: virtual dancers give way. It expires after two seconds."""
 
-    name: str
-    x: float
-    z: float
+    name: ItemName
+    x: X
+    z: Z
+
+
+@command("/dance/regroup", "musician")
+class Regroup(ControlEvent):
+    """Dancers leave their group and dance the steps of another.
+
+    (T104; from their next measure on.)
+    """
+
+    dancers: SelectedDancers
+    group: Annotated[
+        str, Argument.label("the group of the patch whose steps they dance from their next measure on", "group")
+    ]

@@ -1,25 +1,36 @@
-"""Events of MIDI: learned bindings and features of notes."""
+"""Commands of learned MIDI bindings, and features of MIDI notes."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 from live.control.events.event import ControlEvent
+from live.control.registry.command import command
+from live.control.registry.control import Argument
+
+Given = Annotated[str, Argument.text("a fixed value: a group, a scene's name …, or `name=value`")]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/midi/learn", "operator")
 class LearnMidi(ControlEvent):
-    """Binds a control to the next MIDI controller that is moved."""
+    """Binds this control to the next MIDI controller, pad or key that is moved; saved with the patch."""
 
-    address: str
-    """Address of the control; empty: cancel."""
-    given: str = ""
-    """Fixed values of the control, one per line: `name=value`, or a text for its next text argument."""
+    address: Annotated[str, Argument.text("of the control; empty: cancel")] = ""
+    first: Given = ""
+    second: Given = ""
+    third: Given = ""
+    fourth: Given = ""
+
+    @property
+    def given(self) -> list[str]:
+        """The fixed values: `name=value`, or a text for the control's next text argument."""
+        return [value for value in (self.first, self.second, self.third, self.fourth) if value]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/midi/forget", "operator")
 class ForgetMidi(ControlEvent):
-    """Removes the learned bindings of a control."""
+    """Removes the learned bindings of this control."""
 
-    address: str
+    address: Annotated[str, Argument.text("of the control")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,37 +1,60 @@
-"""Events of steps, motion variation and facing."""
+"""Commands of steps and facing, and additions to the step library."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 from live.control.events.event import ControlEvent
+from live.control.registry.command import Dancers, Group, Measures, StepName, command
+from live.control.registry.control import Argument
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/clear", "operator")
+class Clear(ControlEvent):
+    """Ends all elements and evolutions; the patch chooses the steps again."""
+
+
+@command("/dance/step", "musician")
 class CallStep(ControlEvent):
-    """Dancers dance this step from the next free measure on, for a number of measures."""
+    """Dancers dance this step from the next free measure on."""
 
-    name: str
-    measures: float = 4.0
-    group: str = "*"
+    name: StepName
+    measures: Measures = 4.0
+    group: Group = "*"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/now", "musician")
 class StepNow(ControlEvent):
-    """Dancers change to this step at the next half beat, within the measure."""
+    """Dancers change to this step at the next half beat, without losing the beat."""
 
-    name: str
-    group: str = "*"
-    measures: float = 1.0
-    """Number of whole measures of it after the current one."""
+    name: StepName
+    group: Dancers = "*"
+    measures: Annotated[
+        float, Argument.number("how long whole groups keep dancing it after the current measure", 0, 1024, "measures")
+    ] = 1.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/sequence", "musician")
 class SetSequence(ControlEvent):
-    """Dancers repeat these steps in order, instead of the patch's."""
+    """Dancers repeat these steps in order until /dance/clear; refused, with the dance unchanged, if no transitions
+    connect them."""
 
-    steps: str
-    """Names separated by commas, as in `live dance --sequence`."""
-    group: str = ""
-    """One group, or "" for all."""
+    steps: Annotated[str, Argument.text('names separated by commas, as "couru, couru left, echappe x2, *"', "step")]
+    group: Group = "*"
+
+
+@command("/dance/facing", "musician")
+class SetFacing(ControlEvent):
+    """The direction that dancers face when their measures end; a turn takes three measures."""
+
+    facing: Annotated[str, Argument.text("public, path, centre, attractor, degrees as `30`, `dancer 3`, or a group")]
+    group: Group = "*"
+
+
+@command("/dance/why", "operator")
+class AskWhy(ControlEvent):
+    """Shows in status and overlay the dancer's targets, the chosen step and the runners-up."""
+
+    dancer: Annotated[int, Argument.number("the dancer's number from 1; 0: none", 0, 100000)] = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,35 +65,3 @@ class StepsAdded(ControlEvent):
     """Their names, one per line."""
     library: str
     """Hash of the library with them."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SetMotion(ControlEvent):
-    """Sets one parameter of motion variation and correction, for one group or (group "") for all."""
-
-    parameter: str
-    """A field of `live.show.dancers.variation.VariationSettings`."""
-    value: float
-    group: str = ""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SetFacing(ControlEvent):
-    """Sets the facing from the next decided measure on, for one group or (group "*") for all."""
-
-    facing: str
-    """As in the patch: public, path, centre, attractor, degrees, `dancer 3`, a group."""
-    group: str = "*"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Clear(ControlEvent):
-    """Ends all attractors, repulsors and spreaders; the patch chooses the steps again."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AskWhy(ControlEvent):
-    """Selects the dancer whose choice of steps is explained; nothing in the show changes."""
-
-    dancer: int
-    """The dancer's number from 1; 0: none."""

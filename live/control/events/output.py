@@ -1,44 +1,66 @@
-"""Events of the whole picture and the projectors: fade, freeze, flashes, test cards, quality."""
+"""Commands of the whole picture and the projectors: fade, test cards, quality."""
 
-from dataclasses import dataclass
+from typing import Annotated, Final
 
 from live.control.events.event import ControlEvent
+from live.control.registry.command import command
+from live.control.registry.control import Argument
+
+JOIN_CARD: Final = "qr"
+"""The test card with the QR code for joining."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/output/fade", "operator", value=1, start=(1.0,))
 class FadePicture(ControlEvent):
-    """Fades the whole picture to `level`, 0 to 1, within `beats`."""
+    """Fades the whole picture out, in, or to any level; scenes, cues and panic do not change it."""
 
-    level: float
-    beats: float = 0.0
+    level: Annotated[float, Argument.number("remaining share of the light", 0, 1)]
+    beats: Annotated[
+        float, Argument.number("how long it takes; 0 is at once, without a flash", 0, 1024, "beats", default=4.0)
+    ] = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/output/freeze", "operator", value=1, start=(False,))
 class FreezePicture(ControlEvent):
-    """Freezes the picture, or continues at the dance's current state."""
+    """Freezes the picture; the dance continues unseen, blackout and fade still work."""
 
-    on: bool
+    on: Annotated[bool, Argument.switch("1: frozen, 0: moving")] = True
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/output/flashes", "operator", value=1, start=(False,))
 class AllowFlashes(ControlEvent):
-    """Lifts the limit on flashes, or restores it."""
+    """Lifts the limit on flashes, which may harm people with photosensitive epilepsy. Warn them first."""
 
-    on: bool
+    on: Annotated[bool, Argument.switch("1: no limit, 0: at most three per second")]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/output/card", "operator")
 class ShowCard(ControlEvent):
-    """Shows a test card on an output, or the picture again (`off`)."""
+    """Shows a test card on a projector."""
 
-    output: str
-    """Name of the output; `*`: all."""
-    card: str
+    output: Annotated[str, Argument.label("an [[output]] of the venue; * means all")]
+    card: Annotated[str, Argument.label("grid, bars, name, safe, focus, qr, or off: the picture")] = "grid"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/audience/qr", "operator")
+class ShowJoinCard(ControlEvent):
+    """Every projector shows the QR code for joining over the dimmed dance; 0: the picture again."""
+
+    on: Annotated[bool, Argument.switch("1: on, 0: off")] = True
+
+    @property
+    def output(self) -> str:
+        """All outputs, as for `ShowCard`."""
+        return "*"
+
+    @property
+    def card(self) -> str:
+        """The card, as for `ShowCard`."""
+        return JOIN_CARD if self.on else "off"
+
+
+@command("/dance/picture/quality", "operator")
 class HoldQuality(ControlEvent):
-    """Fixes the quality level of the picture, or (below 0) makes it adaptive."""
+    """Holds a quality level of the picture; the status lists the levels."""
 
-    step: float
-    """0 is the best; clamped to the last level."""
+    step: Annotated[float, Argument.number("0: the best; -1: automatic", -1, 15)] = -1.0

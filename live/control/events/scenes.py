@@ -1,96 +1,84 @@
-"""Events of picture parameters, passes, camera, spots, backgrounds, looks and scenes."""
+"""Commands of passes, camera, spots, backgrounds, looks and scenes."""
 
-from dataclasses import dataclass
+from typing import Annotated
 
+from live.base.parameter import SPOT_COUNT
 from live.control.events.event import ControlEvent
+from live.control.registry.command import FadeMeasures, OwnFadeMeasures, command
+from live.control.registry.control import Argument
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SetPicture(ControlEvent):
-    """Sets or fades a parameter of the picture: a number, a colour or a place (`picture_parameters`)."""
-
-    parameter: str
-    """Address of the parameter."""
-    x: float
-    y: float = 0.0
-    z: float = 0.0
-    """Second and third number of a colour or place."""
-    measures: float = 0.0
-    group: str = "*"
-    """The group, for parameters of groups."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/pass", "operator", "Switches a pass of the picture on or off, or fades it.", fixed={"parameter": ""},
+         arguments={
+             "name": Argument.label("a pass of the picture: shadow, mirror, trails, bloom, ink, grade, vignette"),
+             "amount": Argument.number("its strength; 0 is off", 0, 4),
+         })  # fmt: skip
+@command("/dance/pass/set", "operator", required=("parameter",))
 class SetPass(ControlEvent):
-    """Sets the amount of a pass (0 is off), or one of its parameters."""
+    """Sets a parameter of a pass; `/dance/pass/NAME/PARAMETER VALUE` does the same."""
 
-    name: str
-    amount: float
-    measures: float = 0.0
-    parameter: str = ""
+    name: Annotated[str, Argument.label("a pass of the picture, also one of the patch", "pass")]
+    parameter: Annotated[str, Argument.label("one of its parameters")] = ""
     """Empty: the amount of the pass itself."""
+    amount: Annotated[float, Argument.number("the new value, within the parameter's own range", -1e6, 1e6)]
+    measures: FadeMeasures = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/camera", "operator")
 class RecallView(ControlEvent):
-    """Moves the camera to a view of the patch, or cuts to it if `measures` is 0."""
+    """Cuts or moves to another camera."""
 
-    name: str
-    measures: float = 0.0
+    name: Annotated[str, Argument.label("a [[view]], `start`, `front`, `side`, `top`, `around`, `projector`", "view")]
+    measures: FadeMeasures = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/camera/follow", "operator")
 class Accompany(ControlEvent):
-    """The camera follows dancers, or stops following."""
+    """The camera follows dancers."""
 
-    whom: str
-    """A group, or an expression for dancers, or `off`."""
-    along: float = -1.0
-    """How far the camera moves with them, 0 to 1; below 0: unchanged."""
-    measures: float = 0.0
+    whom: Annotated[str, Argument.text("dancers as in `ember & left + 12`; `*` is all, `off` is none", "group")]
+    along: Annotated[float, Argument.number("how far the camera moves along: 0 only turns, -1 as before", -1, 1)] = -1.0
+    measures: FadeMeasures = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/spot/follow", "operator")
 class FollowSpot(ControlEvent):
     """A follow spot follows dancers."""
 
-    whom: str
-    """A group, or an expression for dancers."""
-    spot: float = 1.0
-    """Number of the spot, from 1."""
-    level: float = 1.0
-    measures: float = 0.0
+    whom: Annotated[str, Argument.text("dancers as in `ember & left + 12`; `*` is all", "group")]
+    spot: Annotated[float, Argument.number("which of the follow spots", 1, SPOT_COUNT)] = 1.0
+    level: Annotated[float, Argument.number("its brightness", 0, 4)] = 1.0
+    measures: FadeMeasures = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/background", "operator")
 class ShowBackground(ControlEvent):
-    """Shows one of the patch's backgrounds instead of the others."""
+    """Shows an image or a video behind the dancers instead of the others."""
 
-    name: str
-    """Name of the background, or `none`."""
-    measures: float = 0.0
+    name: Annotated[str, Argument.label("a [[background]] of the patch, or `none`", "background")]
+    measures: FadeMeasures = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/look", "operator")
 class RecallLook(ControlEvent):
-    """Changes the light to a look of the patch."""
+    """Changes the light to a look."""
 
-    name: str
-    measures: float = -1.0
-    """Below 0: the look's own duration."""
+    name: Annotated[str, Argument.label("one of the patch's [[looks]]; `start` is its [look]", "look")]
+    measures: OwnFadeMeasures = -1.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/scene", "operator")
 class RecallScene(ControlEvent):
-    """Recalls all values of a scene."""
+    """Recalls a scene with a cross-fade."""
 
-    name: str
-    measures: float = -1.0
-    """Below 0: the scene's own duration."""
+    name: Annotated[
+        str, Argument.label("a [[scene]] of the patch or one stored live; `start` is the patch itself", "scene")
+    ]
+    measures: OwnFadeMeasures = -1.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/scene/store", "operator")
 class StoreScene(ControlEvent):
-    """Stores all current values, or the targets of running fades, as a scene of this name."""
+    """Stores the current values of all parameters as a scene of this show."""
 
-    name: str
+    name: Annotated[str, Argument.label("the scene's name; an existing scene of this name is replaced", "scene")]

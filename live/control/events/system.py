@@ -1,13 +1,25 @@
-"""Events of the machines of a show, and of edits of patch and step files while it runs."""
+"""Commands of the machines of a show, queries, and edits of patch and step files while it runs."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 from live.control.events.event import ControlEvent
+from live.control.registry.command import command
+from live.control.registry.control import Argument, Query
+
+Port = Annotated[int, Argument.number("your receiving port; 0: the port that you send from", 0, 65535)]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@command("/dance/takeover", "operator")
 class TakeOver(ControlEvent):
-    """A standby machine becomes the leader; no effect on a leader."""
+    """For a standby machine (`live play --standby`): it becomes the leader, and the old leader goes dark."""
+
+
+@command("/dance/breaker/reset", "operator")
+class ResetBreaker(ControlEvent):
+    """Re-enables a stage of the show that was disabled because it failed repeatedly."""
+
+    name: Annotated[str, Argument.label("its name in the overlay and the status; left out: all")] = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -16,13 +28,6 @@ class BreakerTripped(ControlEvent):
 
     name: str
     why: str = ""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ResetBreaker(ControlEvent):
-    """A disabled stage of the tick is enabled again; empty: all."""
-
-    name: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,3 +55,38 @@ class StepsChanged(ControlEvent):
     """The new clips as text; empty if there are none."""
     library: str
     """Hash of the library with them."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TicksSkipped(ControlEvent):
+    """Number of ticks left out because the machine stalled."""
+
+    count: int
+
+
+@command("/dance/ping", "audience")
+class Ping(Query):
+    """Answers /dance/pong, to the sender only; changes nothing."""
+
+
+@command("/dance/get", "audience")
+class Get(Query):
+    """Answers with the message that would set the current value, to the sender only."""
+
+    address: Annotated[str, Argument.text("a control with a current value, a figure under /dance/status, or a pattern")]
+
+
+@command("/dance/subscribe", "musician")
+class Subscribe(Query):
+    """Sends you the current values, and then each that changes, unless you set it."""
+
+    address: Annotated[str, Argument.text("all values at and under this address")] = "/dance"
+    seconds: Annotated[float, Argument.number("duration; renew it in time", 1, 3600, "s")] = 60.0
+    port: Port = 0
+
+
+@command("/dance/unsubscribe", "musician")
+class Unsubscribe(Query):
+    """Ends the subscription."""
+
+    port: Port = 0

@@ -1,15 +1,14 @@
-"""Decoder from one sender's MIDI messages to events: clock, time code, notes and mapped controls.
+"""Decoder from one sender's MIDI messages to events: clocks, notes and mapped controls.
 
 It has no port, thread or clock: messages are passed in with their times, from a port (`MidiInput`) or a file
 (`MidiSongPlayer`).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
 from live.base.event_queue import EventQueue, PriorityQueue
-from live.clock.midi.midi_clock import ClockBeat, ClockEvent, ClockState, MidiClock
-from live.clock.midi.time_code import TimeCodeClock
+from live.clock.midi.midi_clock import ClockBeat, ClockEvent, ClockState, MessageClock, MidiClock
 from live.clock.note_energy import NoteEnergy
 from live.control.events.events import BeatHeard, ControlEvent, NotesHeard, SourceChanged
 from live.control.midi.channel_messages import MidiAction
@@ -34,20 +33,21 @@ class MidiEventDecoder:
         inbox: EventQueue[ControlEvent] | PriorityQueue[ControlEvent],
         *,
         decoder: MidiClock | None = None,
-        time_code: TimeCodeClock | None = None,
+        clocks: Mapping[str, MessageClock] | None = None,
         midi_map: MidiMap | None = None,
         notes: NoteEnergy | None = None,
         follow_clock: bool = True,
     ) -> None:
         """`inbox`: pass a separate lane if others share the inbox, so that they are not crowded out.
 
-        `follow_clock`: whether its clock and time code are followed; else only notes and controllers.
+        `clocks`: other clocks made of the messages, by their sources. `follow_clock`: whether clocks are followed; else
+        only notes and controllers are.
         """
         self.messages = 0
         self.last_rejection: Rejection | None = None
         """The last refusal of the map."""
         self.decoder = decoder if decoder is not None else MidiClock()
-        self.time_code = time_code
+        self._clocks: dict[str, MessageClock] = {"midi": self.decoder, **(clocks or {})}
         self.notes = notes
         self.learning: MidiLearn | None = None
         """The active MIDI learn, or None. May be set from any thread."""
@@ -66,9 +66,8 @@ class MidiEventDecoder:
 
     @beats_per_measure.setter
     def beats_per_measure(self, beats: int) -> None:
-        self.decoder.beats_per_measure = beats
-        if self.time_code is not None:
-            self.time_code.beats_per_measure = beats
+        for clock in self._clocks.values():
+            clock.beats_per_measure = beats
 
     def decode(self, message: Sequence[int], time: float) -> None:
         """Decode one message that arrived at `time` [s of the show]."""
@@ -77,9 +76,8 @@ class MidiEventDecoder:
             self.decoder.rejected += 1
             return
         if self._follow_clock:
-            self._put("midi", self.decoder.receive(message, time))
-            if self.time_code is not None:
-                self._put("mtc", self.time_code.receive(message, time))
+            for source, clock in self._clocks.items():
+                self._put(source, clock.receive(message, time))
         if message[0] in BACKGROUND_MESSAGES or (
             self.echoes and time - self.echoes.pop(bytes(message), -ECHO_TIME) < ECHO_TIME
         ):
@@ -129,9 +127,8 @@ class MidiEventDecoder:
 
     def advance(self, now: float) -> None:
         """Advance time to `now` without a message, to detect missing clocks."""
-        self._put("midi", self.decoder.advance(now))
-        if self.time_code is not None:
-            self._put("mtc", self.time_code.advance(now))
+        for source, clock in self._clocks.items():
+            self._put(source, clock.advance(now))
         self._put_notes(now)
 
     def _put(self, source: str, news: list[ClockEvent]) -> None:
@@ -140,9 +137,8 @@ class MidiEventDecoder:
 
     def unplugged(self, now: float) -> None:
         """Handle the loss of the sender."""
-        self._put("midi", self.decoder.handle_disconnect(now))
-        if self.time_code is not None:
-            self._put("mtc", self.time_code.handle_disconnect(now))
+        for source, clock in self._clocks.items():
+            self._put(source, clock.handle_disconnect(now))
         if self.notes is not None:
             self.notes.silence()
 

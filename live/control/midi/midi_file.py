@@ -141,7 +141,7 @@ class MidiSongPlayer:
             time, beats = song.metres[self._metres]
             self._metres += 1
             if beats != beats_per_measure and 2 <= beats <= 12:
-                found.append(SetMetre(time=time, source="midi", beats=float(beats)))
+                found.append(SetMetre(time=time, source="midi", beats=beats))
                 beats_per_measure = self._decoder.beats_per_measure = beats
         while self._next < len(song.messages) and song.messages[self._next][0] <= until:
             time, message = song.messages[self._next]

@@ -1,4 +1,4 @@
-"""MIDI input port: puts clock, time code, notes and mapped controls into the inbox.
+"""MIDI input port: puts clocks, notes and mapped controls into the inbox.
 
 rtmidi's thread time-stamps messages and queues them. A second thread decodes them, checks that the port still exists,
 and opens it again by name.
@@ -6,12 +6,11 @@ and opens it again by name.
 
 import contextlib
 import queue
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from live.base.event_queue import EventQueue, PriorityQueue
-from live.clock.midi.midi_clock import MidiClock
-from live.clock.midi.time_code import TimeCodeClock
+from live.clock.midi.midi_clock import MessageClock, MidiClock
 from live.clock.note_energy import NoteEnergy
 from live.clock.time_source import Clock
 from live.control.events.events import ControlEvent
@@ -46,7 +45,7 @@ class MidiInput(MidiEventDecoder, PortThread):
         clock: Clock,
         *,
         decoder: MidiClock | None = None,
-        time_code: TimeCodeClock | None = None,
+        clocks: Mapping[str, MessageClock] | None = None,
         midi_map: MidiMap | None = None,
         notes: NoteEnergy | None = None,
         follow_clock: bool = True,
@@ -57,7 +56,7 @@ class MidiInput(MidiEventDecoder, PortThread):
         For the other parameters see `MidiEventDecoder`.
         """
         MidiEventDecoder.__init__(
-            self, inbox, decoder=decoder, time_code=time_code, midi_map=midi_map, notes=notes, follow_clock=follow_clock
+            self, inbox, decoder=decoder, clocks=clocks, midi_map=midi_map, notes=notes, follow_clock=follow_clock
         )
         PortThread.__init__(self, name, "midi in", open_by_name)
         self.dropped = 0

@@ -5,7 +5,7 @@ when it is the first to move farther than noise. A controller that moves togethe
 a 14-bit pair. With soft takeover (`Pickup`) a fader has no effect until it reaches the current value.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -98,14 +98,14 @@ class MidiLearn:
             return Binding(one.kind, one.number, self.control, one.channel, self.values, velocity=True)
 
 
-def parse_values(address: str, given: str) -> dict[str, ArgumentValue]:
-    """Return the values of a control that `given` names, one per line; BadBinding for unknown ones."""
+def parse_values(address: str, given: Sequence[str]) -> dict[str, ArgumentValue]:
+    """Return the values of a control that `given` names; BadBinding for unknown ones."""
     control = REGISTRY.find(address)
     if control is None:
         near = [item.address for item in REGISTRY if item.address.startswith(address.rpartition("/")[0] or "/")]
         raise BadBinding(f"no control is called {address!r}; there are {', '.join(near[:12]) or 'others'}")
     values: dict[str, ArgumentValue] = {}
-    for word in given.split("\n") if given else ():
+    for word in given:
         name, said, value = word.partition("=")
         if said and any(argument.name == name.strip() for argument in control.arguments):
             values[name.strip()] = _value(control, name.strip(), value.strip())

@@ -10,13 +10,12 @@ import os
 import re
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import ModuleType
 from typing import Any, Final
 
 from live.base.fault_isolation import keep_running
-from live.control.midi.midi_streams import RTP, Direction, Port, StreamPort, is_stream
-from live.control.midi.rtp_midi import RtpPort
+from live.control.midi.midi_streams import SCHEMES, Direction, Opener, Port
 
 CLIENT_NAME: Final = "ChoreoGraphics"
 """Name of our end of a connection in the system's patch bays."""
@@ -193,9 +192,9 @@ def match_port(wanted: str, names: list[str]) -> str:
     raise UnknownPort(f"{what}; there are: {listed}")
 
 
-def find_port(direction: Direction, wanted: str) -> str:
+def find_port(direction: Direction, wanted: str, schemes: Mapping[str, Opener] = SCHEMES) -> str:
     """Return the full name of a port; MidiUnavailable, or UnknownPort with a list of the available ones."""
-    if is_stream(wanted):
+    if _opener(wanted, schemes) is not None:
         return wanted
     systems = port_names(direction)
     for names in systems.values():
@@ -208,10 +207,16 @@ def find_port(direction: Direction, wanted: str) -> str:
     raise problem
 
 
-def open_port(direction: Direction, wanted: str) -> Port:
-    """Connect to a port by its name in any MIDI system; MidiUnavailable, UnknownPort or OSError."""
-    if is_stream(wanted):
-        return (RtpPort if wanted.startswith(RTP) else StreamPort)(direction, wanted)
+def _opener(name: str, schemes: Mapping[str, Opener]) -> Opener | None:
+    scheme, colon, _ = name.partition(":")
+    return schemes.get(scheme) if colon else None
+
+
+def open_port(direction: Direction, wanted: str, schemes: Mapping[str, Opener] = SCHEMES) -> Port:
+    """Connect to a port by its scheme, or its name in any MIDI system; MidiUnavailable, UnknownPort or OSError."""
+    opener = _opener(wanted, schemes)
+    if opener is not None:
+        return opener(direction, wanted)
     for api, names in port_names(direction).items():
         try:
             match_port(wanted, names)

@@ -1,9 +1,9 @@
 """MIDI byte streams over TCP (as mido's sockets send them), raw devices and pipes, and their tokenizer.
 
 `tcp:HOST:PORT`: an input listens there, an output connects. `raw:PATH`: a kernel device (/dev/snd/midiC1D0, a
-configured serial line) or a named pipe. `rtp:HOST:PORT` is in `rtp_midi.py`. `MidiTokenizer` splits bytes into messages
-by the MIDI 1.0 specification; mido 1.3.3's parser loses running status and every message that a real-time byte
-interrupts, and buffers exclusive messages without limit.
+configured serial line) or a named pipe. Bridges add to `SCHEMES`. `MidiTokenizer` splits bytes into messages by the
+MIDI 1.0 specification; mido 1.3.3's parser loses running status and every message that a real-time byte interrupts, and
+buffers exclusive messages without limit.
 """
 
 import contextlib
@@ -12,7 +12,7 @@ import select
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Final, Literal, Protocol
 
 from live.base.fault_isolation import keep_running
@@ -127,7 +127,6 @@ Receive = Callable[[Sequence[int]], None]
 
 TCP: Final = "tcp:"
 RAW: Final = "raw:"
-RTP: Final = "rtp:"
 MAX_SENDERS: Final = 8
 """Maximum number of connections; more are refused."""
 BYTES_PER_SECOND: Final = 62_500
@@ -164,11 +163,6 @@ class Port(Protocol):
     def close(self) -> None:
         """Close the port."""
         ...
-
-
-def is_stream(name: str) -> bool:
-    """Whether a name denotes a stream, not a port of a MIDI system."""
-    return name.startswith((TCP, RAW, RTP))
 
 
 class StreamPort:
@@ -317,10 +311,16 @@ class _Sender:
             os.close(self._number)
 
 
+Opener = Callable[[Direction, str], Port]
+"""Opens the port of a name; ValueError for a wrong address, OSError if it cannot be opened."""
+SCHEMES: Final[Mapping[str, Opener]] = {"tcp": StreamPort, "raw": StreamPort}
+"""Openers of ports that belong to no MIDI system, by the scheme before the first colon of their names."""
+
+
 def parse_address(name: str) -> tuple[str, int]:
     """Return host and port of a name such as `tcp:HOST:PORT`; ValueError names the expected form."""
-    kind = name[:4]
-    host, _, port = name.removeprefix(kind).rpartition(":")
+    scheme, _, address = name.partition(":")
+    host, _, port = address.rpartition(":")
     if not host or not port.isdecimal() or int(port) > 65535:
-        raise ValueError(f"{kind}HOST:PORT expected, as in {kind}127.0.0.1:9080, found {name!r}")
+        raise ValueError(f"{scheme}:HOST:PORT expected, as in {scheme}:127.0.0.1:9080, found {name!r}")
     return host.strip("[]"), int(port)

@@ -9,11 +9,12 @@ from typing import Final
 
 from live.base.event_queue import PriorityQueue
 from live.control.events.events import ControlEvent
+from live.control.events.system import Get, Ping, Subscribe, Unsubscribe
 from live.control.osc.osc_codec import IMMEDIATELY, Message, OscRejected, Value, bundles, decode, encode
 from live.control.osc.osc_pattern import WILDCARDS, BadPattern, Matcher
 from live.control.osc.osc_scheduler import TimedQueue
 from live.control.osc.osc_subscriptions import SocketAddress, Subscribers, is_local_network
-from live.control.registry.control import ROLE_RANKS, Control, Reply, Request, Role
+from live.control.registry.control import ROLE_RANKS, Control, Query, Role
 from live.control.registry.registry import READABLE, REGISTRY, Registry, Values
 from live.control.registry.rejections import Reason, Rejection, Tally
 
@@ -28,6 +29,7 @@ LANE_TIMEOUT: Final = 10.0
 """Seconds for which a silent sender keeps its lane."""
 MAX_ANSWERS: Final = 64
 """Maximum number of values in the answer to one query."""
+PONG: Final = "/dance/pong"
 _NTP_SECONDS_AT_1970: Final = 2_208_988_800
 
 
@@ -149,10 +151,7 @@ class OscHandler:
         match result:
             case Rejection():
                 return result
-            case Reply():
-                if encode(result.address) not in answers:
-                    answers.append(encode(result.address))
-            case Request():
+            case Query():
                 return self._serve(result, sender, time, answers)
             case ControlEvent():
                 self._put(result, control, all_values, sender)
@@ -195,18 +194,23 @@ class OscHandler:
         self._for_all[control.address] = whole
         lane.put(event, (control.address, *whom), ordered=flipped)
 
-    def _serve(self, request: Request, sender: SocketAddress, time: float, answers: list[bytes]) -> Rejection | None:
-        if request.action == "get":
-            exact = WILDCARDS.isdisjoint(request.address)
-            found = (request.address,) if exact else self._find(request.address, time)
-            return found if isinstance(found, Rejection) else self._answer(found, answers)
-        where = (sender[0], request.port or sender[1], *sender[2:])
-        if request.action == "unsubscribe":
-            self.subscribers.remove(where)
-        elif not is_local_network(sender[0]):
-            return Rejection(Reason.SENDER, request.address, "a sender in a local network", sender[0])
-        elif not self.subscribers.add(where, sender, request.address, request.seconds, time):
-            return Rejection(Reason.SUBSCRIBERS, request.address)
+    def _serve(self, query: Query, sender: SocketAddress, time: float, answers: list[bytes]) -> Rejection | None:
+        match query:
+            case Ping():
+                if encode(PONG) not in answers:
+                    answers.append(encode(PONG))
+            case Get():
+                exact = WILDCARDS.isdisjoint(query.address)
+                found = (query.address,) if exact else self._find(query.address, time)
+                return found if isinstance(found, Rejection) else self._answer(found, answers)
+            case Unsubscribe():
+                self.subscribers.remove(_receiver(sender, query.port))
+            case Subscribe():
+                where = _receiver(sender, query.port)
+                if not is_local_network(sender[0]):
+                    return Rejection(Reason.SENDER, query.address, "a sender in a local network", sender[0])
+                if not self.subscribers.add(where, sender, query.address, query.seconds, time):
+                    return Rejection(Reason.SUBSCRIBERS, query.address)
         self.accepted += 1
         return None
 
@@ -227,6 +231,11 @@ class OscHandler:
         """Count a refusal and keep it as the last one."""
         self.rejected.count(rejection.reason)
         self.last_rejection = rejection
+
+
+def _receiver(sender: SocketAddress, port: int) -> SocketAddress:
+    """Return where a sender receives; port 0: the port it sends from."""
+    return (sender[0], port or sender[1], *sender[2:])
 
 
 def _seconds_ahead(timetag: int, wall: float) -> float:

@@ -1,6 +1,6 @@
 """Definition of a control, used over OSC, keys and web pages: arguments with types, units and ranges.
 
-Values are checked here, before they reach numeric code. Arguments shared by several controls are at the end.
+Values are checked here, before they reach numeric code.
 """
 
 import re
@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from live.control.events.events import ControlEvent
+from live.control.events.event import ControlEvent
 from live.control.registry.rejections import Reason, Rejection
 
 NAME_LENGTH: Final = 64
@@ -22,23 +22,12 @@ Kind = Literal["continuous", "event"]
 ArgumentValue = float | bool | str
 
 
-@dataclass(frozen=True, slots=True)
-class Reply:
-    """An answer to the sender only; the show does not change."""
-
-    address: str
-
-
-@dataclass(frozen=True, slots=True)
-class Request:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Query:
     """A request to the port that received it, on behalf of the sender; the show does not change."""
 
-    action: Literal["get", "subscribe", "unsubscribe"]
-    address: str = ""
-    """Address or pattern of the controls."""
-    seconds: float = 0.0
-    port: int = 0
-    """The port where the sender receives; 0: the port it sends from."""
+    time: float
+    source: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +47,32 @@ class Argument:
     maximum: float = 0.0
     default: ArgumentValue | None = None
     """None: the argument is required."""
+    convert: Callable[[float], float] | None = None
+    """Makes the event's value of a number that was checked: `round` for a whole number."""
+    names: str = ""
+    """What a name names, as in "step" or "cue": the names that exist are offered as completions."""
+
+    @classmethod
+    def number(
+        cls, description: str, low: float, high: float, unit: str = "", default: float | None = None
+    ) -> "Argument":
+        """Return a number from `low` to `high`; the field has the name, and the default if none is given here."""
+        return cls("", "float", description, unit, low, high, default)
+
+    @classmethod
+    def switch(cls, description: str) -> "Argument":
+        """Return a switch: 0 or 1."""
+        return cls("", "bool", description)
+
+    @classmethod
+    def label(cls, description: str, names: str = "", default: str | None = None) -> "Argument":
+        """Return a short text that names something."""
+        return cls("", "name", description, default=default, names=names)
+
+    @classmethod
+    def text(cls, description: str, names: str = "") -> "Argument":
+        """Return a text."""
+        return cls("", "text", description, names=names)
 
     @property
     def expected(self) -> str:
@@ -106,7 +121,7 @@ def _to_single(value: float) -> float:
     return float(_SINGLE.unpack(_SINGLE.pack(value))[0])
 
 
-Result = ControlEvent | Reply | Request | Released | Rejection
+Result = ControlEvent | Query | Released | Rejection
 """Result of a call."""
 
 
@@ -115,7 +130,7 @@ class Control:
     """One control. `make` gets time [s], source and every argument by its name. `role`: the lowest role allowed."""
 
     address: str
-    make: Callable[..., ControlEvent | Reply | Request]
+    make: Callable[..., ControlEvent | Query]
     arguments: tuple[Argument, ...]
     description: str
     role: Role
@@ -181,22 +196,5 @@ class Control:
                 return Rejection(Reason.MISSING, self.address, argument.expected, None)
             if isinstance(result, Reason):
                 return Rejection(result, self.address, argument.expected, value)
-            named[argument.name] = result
+            named[argument.name] = result if argument.convert is None else argument.convert(float(result))
         return self.make(time=time, source=source, **named)
-
-
-GROUP = Argument("group", "name", "the group's name in the patch; a single * is every group", default="*")
-DANCERS = Argument(
-    "group",
-    "text",
-    "the dancers: a group, or groups, attributes, numbers and places as in `ember & left + 12-14`; * is all",
-    default="*",
-)
-X = Argument("x", "float", "to the right as seen by the audience, from the centre of the stage", "m", -100, 100)
-Z = Argument("z", "float", "towards the audience, from the centre of the stage", "m", -100, 100)
-X2 = Argument("x2", "float", "x of the second point", "m", -100, 100)
-Z2 = Argument("z2", "float", "z of the second point", "m", -100, 100)
-STRENGTH = Argument("strength", "float", "how strongly it acts; 1 is the default strength", "", 0, 10, 1.0)
-MEASURES = Argument("measures", "float", "how long it acts", "measures", 0.25, 1024, 4.0)
-NEXT = Argument("next", "bool", "1: from the next measure line on, 0: now", default=False)
-POINTS = Argument("points", "text", "x z of each point in order, as in `-3 0, 0 -2, 3 0`")

@@ -7,22 +7,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from live.control.registry.audience_controls import AUDIENCE_CONTROLS
-from live.control.registry.audio_controls import AUDIO_CONTROLS
-from live.control.registry.capture_controls import MOCAP_CONTROLS
-from live.control.registry.clock_controls import CLOCK_CONTROLS
-from live.control.registry.control import ArgumentValue, Control, Result
-from live.control.registry.cues_controls import CUE_CONTROLS
-from live.control.registry.elements_controls import ELEMENT_CONTROLS
-from live.control.registry.groups_controls import GROUP_CONTROLS
-from live.control.registry.midi_controls import MIDI_CONTROLS
-from live.control.registry.motion_controls import MOTION_CONTROLS, STEP_CONTROLS
-from live.control.registry.output_controls import OUTPUT_CONTROLS
-from live.control.registry.partners_controls import PARTNER_CONTROLS
+from live.control.events.events import MODULES
+from live.control.events.parameters import SetParameter
+from live.control.registry.command import controls_of
+from live.control.registry.control import ArgumentValue, Control, Query, Result
+from live.control.registry.element_controls import ELEMENT_CONTROLS
+from live.control.registry.parameter_controls import PARAMETER_CONTROLS
 from live.control.registry.rejections import Reason, Rejection
-from live.control.registry.scenes_controls import SCENE_CONTROLS
-from live.control.registry.score_controls import SCORE_CONTROLS
-from live.control.registry.system_controls import MACHINE_CONTROLS, QUERY_CONTROLS
 
 _PASS: Final = "/dance/pass/"
 _MOCAP: Final = "/dance/mocap/"
@@ -79,27 +70,24 @@ class Registry:
         return (control.address, names[0]) if control is not None and control.named and names else (address, "")
 
 
-REGISTRY: Final = Registry(
-    (
-        *ELEMENT_CONTROLS,
-        *GROUP_CONTROLS,
-        *STEP_CONTROLS,
-        *MOTION_CONTROLS,
-        *PARTNER_CONTROLS,
-        *SCENE_CONTROLS,
-        *CUE_CONTROLS,
-        *OUTPUT_CONTROLS,
-        *AUDIENCE_CONTROLS,
-        *CLOCK_CONTROLS,
-        *AUDIO_CONTROLS,
-        *SCORE_CONTROLS,
-        *MOCAP_CONTROLS,
-        *MACHINE_CONTROLS,
-        *MIDI_CONTROLS,
-        *QUERY_CONTROLS,
-    )
+COMMANDS: Final = tuple(
+    cls
+    for module in MODULES
+    for cls in vars(module).values()
+    if isinstance(cls, type) and cls.__module__ == module.__name__
 )
+"""The classes that the modules of events declare."""
+
+
+def _controls(cls: type) -> tuple[Control, ...]:
+    """Return the controls of a class of `COMMANDS`; those of all parameters make the same event."""
+    return PARAMETER_CONTROLS if cls is SetParameter else controls_of(cls)
+
+
+REGISTRY: Final = Registry((*ELEMENT_CONTROLS, *(control for cls in COMMANDS for control in _controls(cls))))
 """All controls."""
+QUERIES: Final = frozenset(control.address for cls in COMMANDS if issubclass(cls, Query) for control in _controls(cls))
+"""Addresses of controls that only ask."""
 
 
 STATUS: Final = "/dance/status/"

@@ -19,7 +19,6 @@ from aiohttp import WSMsgType, web
 
 from live.base.fault_isolation import FAULTS
 from live.control.helper_process import HelperChannel
-from live.control.layouts.surface import make_surface
 from live.control.osc.osc_codec import encode
 from live.control.registry.control import ArgumentValue
 from live.control.registry.registry import READABLE, READINGS, REGISTRY, Values
@@ -33,6 +32,7 @@ from live.control.web.http_protection import (
     page_headers,
     serve,
 )
+from live.control.web.surface import make_surface
 from live.control.web.task_guard import keep_task
 
 PAGE: Final = Path(__file__).with_name("web_page.html")

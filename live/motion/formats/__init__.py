@@ -1,1 +1,1 @@
-"""Readers and writers of motion files: BVH, ASF/AMC, glTF, AMASS. It may import what `motion` may."""
+"""Readers and writers of motion files: BVH, glTF, AMASS. It may import what `motion` may."""

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError
+from live.motion.formats.motion_format import MotionFormat
 from live.motion.formats.npz import Archive, as_float64
 from live.motion.formats.source_motion import FileWarning, SourceMotion
 
@@ -160,3 +161,12 @@ def _frame_rate(archive: Archive, file: str) -> float:
     if not FPS_RANGE[0] <= rate <= FPS_RANGE[1]:
         raise MotionFileError(file, None, f"{key} is {rate:g}", "1 to 1000 frames per second expected")
     return rate
+
+
+AMASS: Final = MotionFormat(
+    "AMASS npz",
+    (".npz",),
+    lambda file: parse_amass(file.data, file.name),
+    "joint rotations of the SMPL family of body models",
+    begins=(b"PK\3\4",),
+)

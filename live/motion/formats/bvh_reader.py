@@ -15,8 +15,10 @@ import numpy.typing as npt
 from live.motion.formats.bvh_header import Hierarchy, parse_hierarchy
 from live.motion.formats.bvh_kernels import pose_channels
 from live.motion.formats.bvh_numbers import line_at, read_numbers
+from live.motion.formats.bvh_writer import write_bvh
 from live.motion.formats.file_error import MotionFileError, quoted, read_number
 from live.motion.formats.file_report import refuse_too_large
+from live.motion.formats.motion_format import MotionFormat
 from live.motion.formats.source_axes import find_up, leg_length
 from live.motion.formats.source_motion import FileWarning, LocalPose, OffsetUse, SourceMotion, UpAxis, world_pose
 from live.motion.retarget.joint_mapping import SourceBody, find_body
@@ -288,3 +290,14 @@ def _decide_root_offset(motion: BvhMotion, source: SourceMotion, up: UpAxis | No
     frames = np.unique(np.linspace(0, motion.frame_count - 1, DETECTION_FRAMES).astype(np.int64))
     seen = world_pose(source.parents, LocalPose(source.translation[frames], source.rotation[frames]))
     return find_root_offset(motion, body, seen.positions, up or find_up(body, seen.positions) or "Y")
+
+
+BVH: Final = MotionFormat(
+    "BVH",
+    (".bvh",),
+    lambda file: bvh_to_source_motion(parse_bvh(file.data, file.name), file.up),
+    "a skeleton and its angles as text, from most capture programs",
+    begins=(b"HIERARCHY",),
+    write=lambda clip: write_bvh(clip, rate=None).encode("ascii"),
+    written=(".bvh",),
+)

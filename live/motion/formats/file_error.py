@@ -1,8 +1,7 @@
-"""The error that all motion file readers raise, and helpers to read numbers and lines of text files."""
+"""The error that all motion file readers raise, and helpers to read numbers and to count lines of text files."""
 
 import math
 import re
-from collections.abc import Iterator
 from typing import Final
 
 MAGNITUDE_LIMIT: Final = 1e7
@@ -35,36 +34,6 @@ def read_number(text: str, file: str, line: int, what: str) -> float:
     if not math.isfinite(value) or abs(value) > MAGNITUDE_LIMIT:
         raise MotionFileError(file, line, f"{what} {quoted(text)} is out of range", "at most 1e7 expected")
     return value
-
-
-LINE_LIMIT: Final = 100_000
-"""Maximum characters per line."""
-_BLANK_OR_COMMENT: Final = re.compile(rb"(?>\s++|#[^\r\n]*+)*+")
-"""Whitespace and comments; possessive quantifiers avoid backtracking."""
-_END: Final = re.compile(rb"[\r\n]")
-
-
-def iterate_lines(data: bytes, file: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield number (from 1) and words of each non-empty line; text after a # is ignored.
-
-    Raises MotionFileError for lines of over 100,000 characters.
-    """
-    place, number = 0, 1
-    while True:
-        nothing = _BLANK_OR_COMMENT.match(data, place)
-        start = nothing.end() if nothing else place
-        number += count_line_ends(data, place, start)
-        place = start
-        if place == len(data):
-            return
-        following = _END.search(data, place)
-        end = following.start() if following else len(data)
-        if end - place > LINE_LIMIT:
-            raise MotionFileError(file, number, f"a line of {end - place} letters", "an ASF or AMC file expected")
-        words = data[place:end].decode("utf-8", errors="replace").split("#", 1)[0].split()
-        if words:
-            yield number, words
-        place = end
 
 
 def count_line_ends(data: bytes, start: int, end: int) -> int:

@@ -11,10 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from live.motion import quaternion
+from live.motion.clip import Clip
 from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, quoted
 from live.motion.formats.gltf_accessors import AccessorReader, Resolve
 from live.motion.formats.gltf_animation import Animation, Channel, CurveReader, FrameTimes, list_animations
-from live.motion.formats.gltf_document import GltfFile, JsonObject, open_gltf
+from live.motion.formats.gltf_document import MAGIC, GltfFile, JsonObject, open_gltf
 from live.motion.formats.gltf_skeleton import (
     JointSelection,
     NodeTransform,
@@ -25,6 +26,7 @@ from live.motion.formats.gltf_skeleton import (
     rest_rotations,
     uniform_scale,
 )
+from live.motion.formats.motion_format import MotionFile, MotionFormat
 from live.motion.formats.source_motion import FileWarning, SourceMotion
 
 Float = npt.NDArray[np.floating]
@@ -254,3 +256,27 @@ def _empty(frames: int, joints: int) -> tuple[Float64, Float64]:
 def _read_only(array: Array) -> Array:
     array.setflags(write=False)
     return array
+
+
+def _external_buffers(file: MotionFile) -> tuple[str, ...]:
+    buffers = open_gltf(file.data, file.name).json.get("buffers", [])  # already read, so well formed
+    return tuple(one["uri"] for one in buffers if not one.get("uri", "data:").startswith("data:"))
+
+
+def _write(clip: Clip) -> bytes:
+    from live.motion.formats.gltf_writer import write_glb  # pygltflib loads slowly, and readers do not need it
+
+    return write_glb(clip, rate=None)
+
+
+GLTF: Final = MotionFormat(
+    "glTF",
+    (".glb", ".gltf", ".vrm", ".vrma"),
+    lambda file: parse_gltf(file.data, file.name, lambda name: file.load(file.path.parent / name)),
+    "glTF 2.0 with an animation, also as VRM",
+    begins=(MAGIC,),
+    write=_write,
+    written=(".glb", ".vrma"),
+    companions={".gltf": ".bin"},
+    external=_external_buffers,
+)

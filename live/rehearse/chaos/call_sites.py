@@ -14,7 +14,7 @@ from types import CodeType, FrameType
 from typing import Any, Final
 
 from live.rehearse.failure import PROGRAM_FOLDER
-from live.show import circuit_breakers, event_router
+from live.show import circuit_breakers
 from live.show import frame as show_frame
 from live.show.show import Show
 from live.show.stages import tripped_stages
@@ -54,11 +54,10 @@ _STAGES: Final = Path(str(tripped_stages.__file__)).parent
 _TICK_FILES: Final = frozenset(
     [
         str(show_frame.__file__),
-        str(event_router.__file__),
         *(str(path) for path in _STAGES.glob("*.py") if path.name not in _VALUES),
     ]
 )
-"""Files with the code of a tick: the frame, its stages, and the router of their events."""
+"""Files with the code of a tick: the frame and its stages."""
 
 
 def _code_name(code: CodeType) -> str:

@@ -12,8 +12,8 @@ from typing import Final, Generic, TypeVar
 import numpy as np
 
 from live.base.errors import PersonError
-from live.base.projector_perspective import CORNERS
-from live.base.projector_perspective import check_corners as check_floor_corners
+from live.base.floor_corners import CORNERS
+from live.base.floor_corners import check_corners as check_floor_corners
 from live.render.outputs.output import FULL_WINDOW, MAX_MESH_POINTS, Output, Point
 from live.render.outputs.output_coordinates import picture_to_window, window_to_picture
 from live.render.outputs.warp import check_corners, check_mesh, homography, map_points, regular_mesh, warp_grid
@@ -194,7 +194,7 @@ class FloorEditor(PointEditor[list[Point]]):
     on_mesh = False
 
     def __init__(self, output: Output, corners: Sequence[Sequence[float]]) -> None:
-        """`corners` (4, 2) in shares of the frame, in the order of `projector_perspective.CORNERS`."""
+        """`corners` (4, 2) in shares of the frame, in the order of `floor_corners.CORNERS`."""
         super().__init__()
         self.output = output
         self.corners: list[Point] = [(float(x), float(y)) for x, y in corners]

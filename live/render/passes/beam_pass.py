@@ -4,7 +4,8 @@ from typing import Final
 
 import moderngl
 
-from live.base.picture_parameters import BY_ADDRESS, SPOT_COUNT
+from live.base.parameter import SPOT_COUNT
+from live.base.picture_parameters import BY_ADDRESS
 from live.render.pass_context import HDR, Moment, PassSetup, ScenePass
 from live.render.shader import compile_program, release_all, set_uniform
 

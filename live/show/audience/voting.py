@@ -83,7 +83,7 @@ def resolve_choices(event: events.AskVote, known: dict[str, tuple[str, ...]]) ->
         raise PersonError(f"there is no vote on {event.what!r}", f"one of {', '.join(VOTE_KINDS)}")
     names = {name.casefold().strip(): name for name in known[what]}
     found = []
-    for asked in filter(None, (event.first, event.second, event.third, event.fourth)):
+    for asked in event.choices:
         name = names.get(asked.casefold().strip())
         if name is None:
             raise PersonError(f"vote: no {what} is called {asked!r}", f"there are: {', '.join(names.values())[:200]}")

@@ -14,7 +14,6 @@ import numpy.typing as npt
 
 from live.base.errors import PersonError, error_context
 from live.clock.ticks import TICK
-from live.control.capture.vmc_input import DEFAULT_PERFORMER
 from live.control.events import capture as events
 from live.control.events.event import ControlEvent
 from live.control.events.groups import Performer
@@ -49,6 +48,8 @@ SETTINGS: Final[dict[str, tuple[Callable[..., ControlEvent], tuple[str, ...]]]] 
     "attract": (events.DrawMocap, ("strength", "group")),
 }
 """Settings of a performer, as in `/dance/mocap/NAME/...`: the event and its fields."""
+DEFAULT_PERFORMER: Final = "live"
+"""The performer's name where the patch has none."""
 NOBODY: Final = "none"
 SPEED_SMOOTHING: Final = 0.15
 """Smoothing of agent speed: share of a new value taken per tick, because capture is noisy."""

@@ -8,7 +8,7 @@ import numpy as np
 from live.base.body_catalogue import DEFAULT_BODY, CharacterFile, MaterialOverride
 from live.base.errors import PersonError
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import find_resource
+from live.show.patch.patch_search_path import find_resource
 from live.show.patch.section_picture import CharacterSection
 
 _BODIES_SEED = 23

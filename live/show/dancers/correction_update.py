@@ -8,6 +8,7 @@ import numpy.typing as npt
 from live.agents.agent_command import LEASH
 from live.agents.entrances.entrances import ON
 from live.agents.separation.path_separation import Paths, PathSeparation
+from live.base.motion_parameters import OBEDIENCE
 from live.clock.ticks import TICK
 from live.motion.pose.root_warp import MAX_HELD_SHIFT
 from live.motion.pose.root_warp_kernels import (
@@ -146,14 +147,14 @@ class CorrectionUpdate:
         """Recompute the corrections' goals from the decided ones, the agents' deviations and path separation."""
         carried, dancers, rows = self._correction, self._correction.dancers, self._correction.rows
         present, graph, variation = dancers.present, dancers.graph, dancers.variation
-        if variation.any_obedience:
+        if variation.any(OBEDIENCE):
             position, state = carried.motion.state.position, carried.motion.entrances.state
-            obedience, late, share = variation.obedience, variation.delays, min(fraction, 1.0)
+            obedience, late, share = variation[OBEDIENCE], variation.delays, min(fraction, 1.0)
             desire_corrections(rows, position, obedience, late, dancers.drawn_hips, share, DEAD_ZONE, LEASH)
             limit_desired(
                 rows, present.placement, present.correction, present.node, graph.node_reach_margins,
                 graph.node_lift_shares, dancers.lock.state,
-                MIN_CORRECTION_SHARE + (1.0 - MIN_CORRECTION_SHARE) * variation.obedience, self.max_correction,
+                MIN_CORRECTION_SHARE + (1.0 - MIN_CORRECTION_SHARE) * variation[OBEDIENCE], self.max_correction,
                 MAX_HELD_SHIFT, state, ON, carried.room,
             )  # fmt: skip
         else:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from live.base.motion_parameters import FOOT_LOCK, HEAD
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import starting_placement
 from live.motion.foot_contact import TOES_OVER_SOLE
@@ -106,7 +107,7 @@ class Dancers(CurrentMeasures):
         """Advance foot lock and texturing to the tick at `time` [s], `dt` [s] after the last one."""
         self.inertia.update_age(time)
         contact = self.contact(fraction)
-        contact[self.variation.lock == 0.0] = False  # these feet are never held
+        contact[self.variation[FOOT_LOCK] == 0.0] = False  # these feet are never held
         if self.partner_response is not None:
             contact &= ~self.partner_response.path.answering[:, None]
         position, rotation = self._legs.run(self.graph.library.leg_store)
@@ -125,8 +126,8 @@ class Dancers(CurrentMeasures):
         self._request_samples(fraction)
         self.inertia.update_age(time)
         pipeline, variation = self._pipeline, self.variation
-        pipeline.head[:] = variation.head
-        pipeline.lock = variation.any_lock or self.lock.max_shift > 1e-3  # released feet still have to swing back
+        pipeline.head[:] = variation[HEAD]
+        pipeline.lock = variation.any(FOOT_LOCK) or self.lock.max_shift > 1e-3  # released feet still have to swing back
         if pipeline.lock:
             self.lock.write_feet(pipeline.feet, max(time - self._locked_at, 0.0))
             set_clearance(pipeline.feet, pipeline.sample, pipeline.share, self.graph.library.clip_height)

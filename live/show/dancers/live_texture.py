@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError, error_context
+from live.base.motion_parameters import HEAD, TEXTURE
 from live.library.capture_material import NO_BEAT_TAG, read_material
 from live.motion.skeleton import SKELETON
 from live.motion.texture.live_bank import TextureBank
@@ -29,7 +30,7 @@ from live.motion.texture.live_texture_kernels import (
 )
 from live.show.dancers.variation import Variation
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import find_resource
+from live.show.patch.patch_search_path import find_resource
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -59,9 +60,10 @@ class LiveTexture:
     """Texture state of the upper bodies of A dancers."""
 
     def __init__(self, bank: TextureBank, variation: Variation, count: int, *, seed: int, beats: int) -> None:
-        """`bank` may be empty; `variation.texture` (A,) holds the faders' values; `beats` of a measure."""
+        """`bank` may be empty; `variation[TEXTURE]` (A,) holds the faders' values; `beats` of a measure."""
         self.bank = bank
         self._variation = variation
+        variation.has_recordings = bank.count > 0
         self._seed, self._beats = seed, beats
         self.level: Float32 = np.zeros(count, np.float32)
         """Present texture weight, 0 to 1, (A,)."""
@@ -87,7 +89,7 @@ class LiveTexture:
     @property
     def active(self) -> bool:
         """Whether any dancer is textured, or will be."""
-        return self.bank.count > 0 and bool(self.level.any() or self._variation.any_texture)
+        return self.bank.count > 0 and bool(self.level.any() or self._variation.any(TEXTURE))
 
     def beats_at(self, phase: Float64) -> Float64:
         """Return the beats danced so far by dancers at `phase` (A,) of the present measure, (A,)."""
@@ -108,7 +110,7 @@ class LiveTexture:
             self._since[new], self._before[new], self._danced_before[new] = danced[new], self._now[new], danced[new]
         record_moments(self._kept, self._before, self._now, self._danced_before, danced, _EIGHTHS)
         self._before[:], self._danced_before[:] = self._now, danced
-        wanted = self._variation.texture
+        wanted = self._variation[TEXTURE]
         line = np.floor(danced - PREFIX).astype(np.int64)
         due = ((wanted > 0.0) | (self.level > 0.0)) & (line > self.chosen_beat) & (danced >= self.switch_beat + BLEND)
         due &= line - 0.5 >= self._since
@@ -163,7 +165,7 @@ class LiveTexture:
         """
         if not (self.bank.count and self.level.any()):
             return
-        bank, danced, head = self.bank, self.beats_at(phase), self._variation.head.astype(np.float32)
+        bank, danced, head = self.bank, self.beats_at(phase), self._variation[HEAD].astype(np.float32)
         if rows is None:
             blend_upper_bodies(
                 position, rotation, danced, self.level, self._origin, self._limits, self.switch_beat, BLEND,

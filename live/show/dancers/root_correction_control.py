@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from live.agents.entrances.entrances import ON, WAITING
 from live.agents.separation.path_separation import PathSeparation
+from live.base.motion_parameters import OBEDIENCE
 from live.motion.capture.capture_blend_kernels import translate_plans
 from live.motion.pose.root_warp import MAX_HELD_SHIFT
 from live.motion.pose.root_warp_kernels import compute_corrections, compute_references, end_distances
@@ -107,7 +108,7 @@ class RootCorrectionControl:
         self._open = False
         coming, target = self._dancers.coming, self._next_correction.target
         end = coming.end_position()  # includes the effect of turns on the support foot
-        share = MIN_CORRECTION_SHARE + (1.0 - MIN_CORRECTION_SHARE) * self._dancers.variation.obedience
+        share = MIN_CORRECTION_SHARE + (1.0 - MIN_CORRECTION_SHARE) * self._dancers.variation[OBEDIENCE]
         graph, lock = self._dancers.graph, self._dancers.lock
         compute_corrections(
             coming.correction, target, end, coming.placement, coming.node, graph.node_reach_margins,
@@ -191,7 +192,7 @@ class RootCorrectionControl:
                 continue
             stood = float(self._stood[members].sum())
             told[name] = {
-                "obedience": round(float(self._dancers.variation.obedience[members].mean()), 3),
+                "obedience": round(float(self._dancers.variation[OBEDIENCE][members].mean()), 3),
                 "slide_m_s": round(float(self._slid[members].sum()) / stood, 4) if stood > 0.0 else 0.0,
                 "lag_m": round(float(self.lag[members].mean()), 3),
             }

@@ -10,7 +10,7 @@ from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.graph.search.live_sequence import HORIZON, LiveSequence
 from live.graph.search.sequence import parse_sequence
-from live.show.dancers.variation import Variation, VariationSettings
+from live.show.dancers.variation import Variation
 from live.show.group.casting import Casting
 from live.show.patch.patch import Patch
 from live.show.score.canon import Canon
@@ -81,18 +81,6 @@ class StepRequests:
             if len(members) == 1 or not isinstance(programme, Canon):  # for all groups, echoes stay echoes
                 programme.set_sequence(wanted)
 
-    def _set_motion(self, event: events.SetMotion) -> None:
-        members = self._members(event.group)
-        if event.parameter not in VariationSettings.names():
-            raise PersonError(
-                f"there is no motion parameter {event.parameter!r}",
-                f"one of {', '.join(sorted(VariationSettings.names()))}",
-            )
-        if event.parameter == "texture" and event.value > 0.0 and not self._dancers.texture.bank.count:
-            raise PersonError("there are no recordings for the texture", "name them under [texture] in the patch")
-        for index in members:
-            self._variation.set(event.parameter, event.value, index)
-
     def _set_partner(self, event: events.SetPartner) -> None:
         answering = self._partner_response()
         if event.parameter not in ("on", "amount", "window", "hands"):
@@ -148,7 +136,6 @@ class StepRequests:
         events.CallStep: _call_step,
         events.StepNow: _step_now,
         events.SetSequence: _set_sequence,
-        events.SetMotion: _set_motion,
         events.SetPartner: _set_partner,
         events.WalkOn: _walk_on,
         events.PairPartner: _pair_partner,

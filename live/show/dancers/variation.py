@@ -4,13 +4,26 @@ Draws depend only on the seed and the measure number, so a show is the same live
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.base.errors import error_context
+from live.base.errors import PersonError, error_context
+from live.base.motion_parameters import (
+    AMPLITUDE,
+    AMPLITUDE_SEQUENCE,
+    ARMS,
+    LARGER,
+    MIRRORED,
+    MIX,
+    MOTION_PARAMETERS,
+    TEXTURE,
+    TURN_ON_SUPPORT,
+    WARP,
+    WARP_SEQUENCE,
+)
+from live.base.parameter import Parameter
 from live.control.events.event import ControlEvent
 from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import F_MAX, draw_measure_warps
@@ -19,91 +32,41 @@ from live.show.dancers.measure_state import MeasureState
 from live.show.dancers.rng import Purpose, generator_for
 from live.show.dancers.timing_offsets import MAX_DRIFT_FREQUENCY, Drift, Ripple, parse_ripple
 from live.show.patch.patch import Patch
-from live.show.patch.section_motion import MotionSection
-
-
-@dataclass(frozen=True, slots=True)
-class VariationSettings:
-    """Variation parameters of one group. The live controls `/dance/motion/...` set the same fields."""
-
-    warp_beats: float = 0.0
-    """Largest time warp [beats] (A_max of T055)."""
-    warp_sequence: float = 0.0
-    """1: the warp runs over the whole sequence (T056), 0: it ends with each measure (T055)."""
-    larger: float = 0.0
-    """Share by which all upper bodies move more than recorded."""
-    amplitude: float = 0.0
-    """R_max: largest random change of the upper body's amplitude (T058)."""
-    amplitude_sequence: float = 0.0
-    """1: the amplitude changes slowly over the sequence (T059), 0: it is drawn for each measure (T060)."""
-    mix: float = 0.0
-    """Largest weight of another take of the same step in the whole body (T045)."""
-    arms: float = 0.0
-    """Share of the dancers whose upper body comes from another take (T044)."""
-    head: float = 0.0
-    """How far heads turn to the audience (T123-T125)."""
-    lock: float = 1.0
-    """1: support feet stay in place and no sole goes below the floor (foot lock), 0: feet as in the clips."""
-    on_support: float = 1.0
-    """1: dancers turn on the support foot (T048-T050), 0: evenly over the measure."""
-    face_average: float = 0.0
-    """1: the target heading applies to a measure's average heading (T122), 0: to the heading at its end."""
-
-    obedience: float = 0.5
-    """0: steps stay as recorded, 1: dancers are moved to the group's targets as far as their legs reach."""
-    texture: float = 0.0
-    """Weight of upper bodies from recordings, chosen live by leg motion (P024). 0: as in the steps."""
-    mirror: float = 0.0
-    """-1: steps as made, 1: their mirror images where they exist, 0: both (T042)."""
-
-    @classmethod
-    def names(cls) -> tuple[str, ...]:
-        """Names of the fields, in order."""
-        return tuple(field.name for field in fields(cls))
-
-
-def settings_of(section: MotionSection) -> VariationSettings:
-    """Return the parameters of a patch's motion section."""
-    return VariationSettings(
-        warp_beats=section.warp_beats,
-        warp_sequence=float(section.warp_over == "sequence"),
-        larger=section.larger,
-        amplitude=section.amplitude,
-        amplitude_sequence=float(section.amplitude_over == "sequence"),
-        mix=section.mix,
-        arms=section.arms,
-        head=section.head,
-        texture=section.texture,
-        lock=float(section.foot_lock),
-        on_support=float(section.turn_on == "support"),
-        face_average=float(section.face == "average"),
-        mirror={"both": 0.0, "never": -1.0, "only": 1.0}[section.mirror],
-    )
-
-
-def group_settings_of(patch: Patch) -> list[VariationSettings]:
-    """Return the parameters of each group of a patch.
-
-    A group that mirrors another dances mirror images only; the other, unless its patch says so, dances none.
-    """
-    varieties = [settings_of(patch.motion_of(section)) for section in patch.group]
-    for index, section in enumerate(patch.group):
-        obedience = patch.locomotion.obedience if section.obedience is None else section.obedience
-        varieties[index] = replace(varieties[index], obedience=obedience)
-    names = [section.name for section in patch.group]
-    for index, section in enumerate(patch.group):
-        if section.like is None or not section.mirrored:
-            continue
-        varieties[index] = replace(varieties[index], mirror=1.0)
-        leader = names.index(section.like)
-        if varieties[leader].mirror == 0.0:
-            varieties[leader] = replace(varieties[leader], mirror=-1.0)
-    return varieties
-
+from live.show.patch.section_base import parameter_number
+from live.show.patch.section_motion import GroupSection
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
+
+
+def section_values(patch: Patch, group: GroupSection) -> list[float]:
+    """Return the motion parameters of a group: a key of its own counts before the one of the whole patch."""
+    values = []
+    for row in MOTION_PARAMETERS:
+        table, _, key = row.patch.partition(".")
+        own = None if table == "motion" else getattr(group, key)
+        section = patch.motion_of(group) if table == "motion" else getattr(patch, table)
+        values.append(parameter_number(row, getattr(section, key) if own is None else own))
+    return values
+
+
+def group_values(patch: Patch) -> Float64:
+    """Return the motion parameters of each group of a patch, shape (G, MOTION_SIZE).
+
+    A group that mirrors another dances mirror images only; the other, unless its patch says so, dances none.
+    """
+    values = np.array([section_values(patch, section) for section in patch.group])
+    names = [section.name for section in patch.group]
+    for index, section in enumerate(patch.group):
+        if section.like is None or not section.mirrored:
+            continue
+        values[index, MIRRORED.first] = 1.0
+        leader = names.index(section.like)
+        if values[leader, MIRRORED.first] == 0.0:
+            values[leader, MIRRORED.first] = -1.0
+    return values
+
 
 MAX_SPEED_CHANGE: Final = 0.9
 """Largest change of a clip's speed by a time warp, as a share (T054: from 1 on it would run backwards)."""
@@ -131,7 +94,7 @@ class Variation:
 
     def __init__(
         self,
-        settings: list[VariationSettings],
+        values: Float64,
         group: Int32,
         *,
         seed: int,
@@ -140,14 +103,16 @@ class Variation:
         late: tuple[float, ...] = (),
         ripples: tuple[Ripple, ...] = (),
     ) -> None:
-        """`group` (A,) is shared with the show, which calls `update_groups` when it has changed.
+        """`values` (G, MOTION_SIZE): the parameters of each group. `group` (A,) is shared with the show, which calls
+        `update_groups` when it has changed.
 
         `late`: delay of each group [beats] (canon, T147), less than a measure; `ripples`: additional delays within
         each group.
         """
-        self._settings = settings
+        self.values = np.array(values, np.float64)
+        """Parameters of each group, shape (G, MOTION_SIZE)."""
         self._group = group
-        self._group_delays = np.array(late or [0.0] * len(settings)) / beats_per_measure
+        self._group_delays = np.array(late or [0.0] * len(self.values)) / beats_per_measure
         self._seed = seed
         self._beats = beats_per_measure
         self._window = window
@@ -155,9 +120,11 @@ class Variation:
         self.drift = Drift(count, seed)
         """Time warp of each dancer over the whole sequence (T056)."""
         self.measure = 0
-        self.ripples = list(ripples or [Ripple()] * len(settings))
+        self.has_recordings = False
+        """Whether there are recordings for the texture of upper bodies."""
+        self.ripples = list(ripples or [Ripple()] * len(self.values))
         """Ripple of each group."""
-        self._patch_settings, self._patch_ripples = tuple(settings), tuple(self.ripples)  # as in the patch
+        self._patch_values, self._patch_ripples = self.values.copy(), tuple(self.ripples)  # as in the patch
         self.delays: Float64 = self._group_delays[group]
         """Intended delay of each dancer at the end of the present measure (canon and ripple), as a share of a measure,
         shape (A,)."""
@@ -173,7 +140,7 @@ class Variation:
         """Create the variation of a patch; `group` (A,) as in the constructor."""
         beats = patch.clock.beats_per_measure
         return cls(
-            group_settings_of(patch),
+            group_values(patch),
             group,
             seed=seed,
             beats_per_measure=beats,
@@ -184,39 +151,25 @@ class Variation:
 
     def update_groups(self) -> None:
         """Update the values of each dancer from the groups' parameters and members."""
-        for name in VariationSettings.names():
-            values = np.array([getattr(variety, name) for variety in self._settings], np.float64)
-            setattr(self, name, values[self._group])
-        self._drifts = bool(self.warp_sequence.any())
+        self._of_dancers: Float64 = np.ascontiguousarray(self.values[self._group].T)
+        warp_sequence = self[WARP_SEQUENCE]
+        self._drifts = bool(warp_sequence.any())
         # largest drift of each dancer [share of a measure], (A,)
-        self._farthest: Float64 = np.minimum(self.warp_beats / self._beats, MAX_DRIFT) * (self.warp_sequence != 0.0)
-        self.any_obedience = bool(self.obedience.any())
-        """Whether any dancer has obedience above 0."""
-        self.any_texture = bool(self.texture.any())
-        """Whether any dancer's upper body is textured."""
-        self.any_lock = bool(self.lock.any())
-        """Whether any dancer has foot lock."""
+        self._farthest: Float64 = np.minimum(self[WARP] / self._beats, MAX_DRIFT) * (warp_sequence != 0.0)
 
-    # the fields of Variety for each dancer, shape (A,)
-    warp_beats: Float64
-    warp_sequence: Float64
-    larger: Float64
-    amplitude: Float64
-    amplitude_sequence: Float64
-    mix: Float64
-    arms: Float64
-    head: Float64
-    lock: Float64
-    on_support: Float64
-    face_average: Float64
-    obedience: Float64
-    texture: Float64
-    mirror: Float64
+    def __getitem__(self, parameter: Parameter) -> Float64:
+        """Return a parameter's value for each dancer, shape (A,); read only."""
+        row: Float64 = self._of_dancers[parameter.first]
+        return row
+
+    def any(self, parameter: Parameter) -> bool:
+        """Whether any dancer's value is not 0."""
+        return bool(self._of_dancers[parameter.first].any())
 
     @property
     def sides(self) -> Int32:
         """Side that each dancer wants: -1 as made, 1 mirrored, 0 either, shape (A,)."""
-        return np.sign(self.mirror).astype(np.int32)
+        return np.sign(self[MIRRORED]).astype(np.int32)
 
     def edited_values(self, event: ControlEvent) -> dict[int, Ripple]:
         """Return the ripples by group, see `EditablePart`."""
@@ -232,37 +185,32 @@ class Variation:
 
         `fresh` is the variation of a show with the new patch that has not run.
         """
-        for index, (old, new) in enumerate(zip(self._patch_settings, fresh._patch_settings, strict=True)):
-            edited = {
-                name: getattr(new, name)
-                for name in VariationSettings.names()
-                if getattr(new, name) != getattr(old, name)
-            }
-            self._settings[index] = replace(self._settings[index], **edited)
+        edited = fresh._patch_values != self._patch_values
+        self.values[edited] = fresh._patch_values[edited]
         for index, (ripple, new_ripple) in enumerate(zip(self._patch_ripples, fresh._patch_ripples, strict=True)):
             if ripple != new_ripple:
                 self.ripples[index] = new_ripple
-        self._patch_settings, self._patch_ripples, self._group_delays = (
-            fresh._patch_settings,
+        self._patch_values, self._patch_ripples, self._group_delays = (
+            fresh._patch_values,
             fresh._patch_ripples,
             fresh._group_delays,
         )
         self._window = fresh._window
         self.update_groups()
 
-    def set(self, name: str, value: float, group: int) -> None:
-        """Set one field of one group, by its index, for all later draws."""
-        self._settings[group] = replace(self._settings[group], **{name: value})
+    def check(self, parameter: Parameter, number: float) -> None:
+        """Raise PersonError if a parameter cannot have this value in this show."""
+        if parameter is TEXTURE and number > 0.0 and not self.has_recordings:
+            raise PersonError("there are no recordings for the texture", "name them under [texture] in the patch")
+
+    def set(self, parameter: Parameter, group: int, number: float) -> None:
+        """Set a parameter of one group, by its index, for all later draws."""
+        self.values[group, parameter.first] = number
         self.update_groups()
 
-    @property
-    def settings(self) -> list[VariationSettings]:
-        """Current parameters of each group."""
-        return list(self._settings)
-
-    def set_all(self, settings: list[VariationSettings]) -> None:
-        """Set all fields of all groups, for all later draws."""
-        self._settings[:] = settings
+    def set_values(self, values: Float64) -> None:
+        """Set the parameters of all groups, shape (G, MOTION_SIZE), for all later draws."""
+        self.values[:] = values
         self.update_groups()
 
     def draw(self, measure: int, measure_state: MeasureState) -> None:
@@ -272,24 +220,24 @@ class Variation:
         # everything is drawn for all dancers, so that no control changes the random numbers of another
         warps = draw_measure_warps(chance, count, window=self._window, a_max=0.0)
         amplitude, take, mix, arms = chance.uniform(0.0, 1.0, (4, count))
-        most = self.warp_beats / self._beats * (self.warp_sequence == 0.0)
+        most = self[WARP] / self._beats * (self[WARP_SEQUENCE] == 0.0)
         frequency = np.minimum(warps.frequency, F_MAX)
         steep = MAX_SPEED_CHANGE / (2.0 * np.pi * frequency)
         measure_state.warp[0] = np.minimum(most * chance.uniform(0.0, 1.0, count), steep)
         measure_state.warp[1:] = frequency, warps.start, warps.sign
         measure_state.warp[:] = measure_state.warp[:, self._timing_source]
-        measure_state.on_support[:] = self.on_support
+        measure_state.on_support[:] = self[TURN_ON_SUPPORT]
         measure_state.take[:] = measure_state.graph.takes.draw(measure_state.node, take)
         takes = measure_state.take != NO_TAKE
-        measure_state.take_share[0] = takes * self.mix * mix
+        measure_state.take_share[0] = takes * self[MIX] * mix
         measure_state.take_share[0, self._paired] = 0.0
-        measure_state.take_share[1] = np.maximum(measure_state.take_share[0], takes * (arms < self.arms))
-        measure_state.amplitude[:] = 1.0 + self.amplitude * np.floor(3.0 * amplitude - 1.0)
-        slow = self.amplitude_sequence != 0.0
+        measure_state.take_share[1] = np.maximum(measure_state.take_share[0], takes * (arms < self[ARMS]))
+        measure_state.amplitude[:] = 1.0 + self[AMPLITUDE] * np.floor(3.0 * amplitude - 1.0)
+        slow = self[AMPLITUDE_SEQUENCE] != 0.0
         if slow.any():
             measure_state.amplitude[0, slow] = self._slow_amplitude(measure)[slow]
             measure_state.amplitude[1, slow] = self._slow_amplitude(measure + 1)[slow]
-        measure_state.amplitude *= 1.0 + self.larger
+        measure_state.amplitude *= 1.0 + self[LARGER]
 
     def _slow_amplitude(self, measure: int) -> Float64:
         """Amplitude at the line before `measure`, (A,): each value is used for two lines (T059).
@@ -297,7 +245,7 @@ class Variation:
         The monotone cubic (PCHIP) is flat between equal values, so it eases between different ones.
         """
         chance = generator_for(self._seed, Purpose.AMPLITUDE, measure // 2)
-        return np.asarray(1.0 + self.amplitude * (chance.integers(0, 3, len(self._group)) - 1.0))
+        return np.asarray(1.0 + self[AMPLITUDE] * (chance.integers(0, 3, len(self._group)) - 1.0))
 
     def begin_measure(self, measure: int) -> None:
         """Begin the measure `measure` (from 0)."""

@@ -12,7 +12,8 @@ import numpy.typing as npt
 
 from live.base import picture_parameters
 from live.base.errors import PersonError, error_context
-from live.base.picture_parameters import BY_ADDRESS, SPOT_COUNT
+from live.base.parameter import SPOT_COUNT
+from live.base.picture_parameters import BY_ADDRESS
 from live.base.stage_snapshot import StageView
 from live.show.desk.parameters import Parameters, turn_eye
 from live.show.patch.patch import Patch

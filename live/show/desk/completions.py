@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Final
 
-from live.control.registry.capture_controls import MOCAP_CONTROLS
+from live.control.registry.registry import REGISTRY
 from live.show.patch.patch import Patch
 from live.show.patch.section_score import formation_names
 from live.show.show import Show
@@ -13,22 +13,21 @@ FORMATIONS: Final = ("circle", "line", "grid", "wedge", "two lines", "spiral", "
 
 
 def completion_names(patch: Patch, steps: Sequence[str]) -> dict[str, list[str]]:
-    """Return the known names by address of the control."""
-    cues, performers = [cue.name for cue in patch.cue], [performer.name for performer in patch.mocap]
-    return {
-        "/dance/step": list(steps),
-        "/dance/now": list(steps),
-        "/dance/formation": formation_names(patch.formation) or list(FORMATIONS),
-        "/dance/cue": cues,
-        "/dance/standby": cues,
-        "/dance/scene": ["start", *(scene.name for scene in patch.scene)],
-        "/dance/camera": ["start", *(view.name for view in patch.view)],
-        "/dance/look": ["start", *(look.name for look in patch.looks)],
-        "/dance/section": [section.name for section in patch.section],
-        "/dance/signal": sorted({signal.name for signal in patch.signal}),
-        "/dance/background": [background.name for background in patch.background],
-        **{control.address: performers for control in MOCAP_CONTROLS},
+    """Return the known names by address of the control whose first argument is such a name."""
+    names = {
+        "step": list(steps),
+        "formation": formation_names(patch.formation) or list(FORMATIONS),
+        "cue": [cue.name for cue in patch.cue],
+        "scene": ["start", *(scene.name for scene in patch.scene)],
+        "view": ["start", *(view.name for view in patch.view)],
+        "look": ["start", *(look.name for look in patch.looks)],
+        "section": [section.name for section in patch.section],
+        "signal": sorted({signal.name for signal in patch.signal}),
+        "background": [background.name for background in patch.background],
+        "performer": [performer.name for performer in patch.mocap],
     }
+    firsts = {control.address: control.arguments[0].names for control in REGISTRY if control.arguments}
+    return {address: names[kind] for address, kind in firsts.items() if kind in names}
 
 
 def show_completions(show: Show) -> dict[str, list[str]]:

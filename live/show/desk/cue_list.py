@@ -12,6 +12,7 @@ from typing import Any, Final
 from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.events import ControlEvent
+from live.control.registry.registry import REGISTRY
 from live.show.patch.section_cues import CueSection
 from live.show.score.playhead import END, Playhead
 
@@ -36,6 +37,16 @@ class _TriggeredCue:
     """Earliest danced beat, because of the count-in."""
     revert_event: ControlEvent | None = None
     """If its jump is already requested: the event that reverts it."""
+
+
+def _cue_events(cue: CueSection, time: float, source: str) -> list[ControlEvent]:
+    """Return the events of a cue's scene and calls, in order."""
+    made: list[object] = []
+    if cue.scene is not None:
+        fade = () if cue.measures is None else (cue.measures,)
+        made.append(REGISTRY.call("/dance/scene", (cue.scene, *fade), time, source))
+    made += [REGISTRY.call(str(call[0]), call[1:], time, source) for call in cue.calls]
+    return [event for event in made if isinstance(event, ControlEvent)]
 
 
 class CueList:
@@ -179,7 +190,7 @@ class CueList:
     def _fire_cue(self, triggered: _TriggeredCue, time: float) -> list[ControlEvent]:
         cue = self._cues[triggered.index]
         source = f"cue {cue.name}"
-        made = cue.events(time, source)
+        made = _cue_events(cue, time, source)
         if cue.section is not None and triggered.revert_event is None:
             made.append(events.JumpTo(time=time, source=source, section=cue.section))
         self.last, self.fired = triggered.index, self.fired + 1

@@ -18,7 +18,7 @@ from live.control.events.events import ControlEvent
 from live.show.dancers.variation import Variation
 from live.show.desk.camera_rig import CameraRig, Spots, check_follow
 from live.show.desk.cue_list import CueList
-from live.show.desk.parameter_table import FIELDS, ParameterTable
+from live.show.desk.parameter_table import ParameterTable
 from live.show.desk.parameters import Parameters
 from live.show.desk.scenes import SCENE_EVENTS, Scenes, start_row
 from live.show.desk.undo_history import EditablePart, UndoHistory
@@ -29,7 +29,13 @@ from live.show.stages.now import Now
 if TYPE_CHECKING:
     from live.show.group.group_motion import GroupMotion
 
-MASTER_EVENTS: Final = (events.FadePicture, events.FreezePicture, events.AllowFlashes, events.ShowCard)
+MASTER_EVENTS: Final = (
+    events.FadePicture,
+    events.FreezePicture,
+    events.AllowFlashes,
+    events.ShowCard,
+    events.ShowJoinCard,
+)
 """Events that `Master.act` handles."""
 MIN_FADE_BEATS: Final = 0.125
 """Minimum length of a fade [beats]: quick, but no flash."""
@@ -68,7 +74,7 @@ class Master:
                 self.frozen = event.on
             case events.AllowFlashes():
                 self.flashes = event.on
-            case events.ShowCard():
+            case events.ShowCard() | events.ShowJoinCard():
                 self._show_card(event.output.strip().casefold(), event.card.strip().casefold())
 
     def _show_card(self, output: str, card: str) -> None:
@@ -117,7 +123,7 @@ PANIC_FADE_BEATS: Final = 2.0
 class LightDesk:
     """The desk of one show. Its effects on the show are returned as events. Thread: the show's."""
 
-    EVENTS = (*DESK_EVENTS, events.SetMotion, events.TicksSkipped)
+    EVENTS = (*DESK_EVENTS, events.TicksSkipped)
 
     def __init__(
         self,
@@ -180,19 +186,11 @@ class LightDesk:
                 self.undo_history.undo()
             case events.Redo():
                 self.undo_history.redo()
-            case _:
-                self._handle_other(event, now)
-        return []
-
-    def _handle_other(self, event: ControlEvent, now: Now) -> None:
-        """Handle an event for the master, or one that other parts handle, too."""
-        match event:
-            case events.SetMotion():
-                self._end_fade(event)
             case events.TicksSkipped():
                 self.tick(now.timeline, event.count)
             case _:
                 self.master.handle(event)
+        return []
 
     def _panic(self, event: ControlEvent) -> list[ControlEvent]:
         self.cues.stop()
@@ -216,14 +214,6 @@ class LightDesk:
         self._score_runner.suppress(False)
         self.cues.resume(now.danced_beats)
         return [events.HoldScore(time=event.time, source=event.source, on=False)]
-
-    def _end_fade(self, event: events.SetMotion) -> None:
-        """End the fade of a value that is set directly (by `StepRequests`)."""
-        if event.parameter in FIELDS:
-            everybody = event.group in ("", "*")
-            known = self.parameters.table
-            groups = known.groups if everybody or not known.has_group(event.group) else [known.group_index(event.group)]
-            self.parameters.cancel_fades(event.parameter, groups)
 
     # -- time --------------------------------------------------------------------------------------------------
 

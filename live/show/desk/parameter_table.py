@@ -1,53 +1,43 @@
 """Table of all parameters of a show, by the address of the control that sets them.
 
-There are two families: the picture's (`live.base.picture_parameters`), and the variation of each group's dancers
-(`live.show.dancers.variation`). All values form one row of numbers: the picture's, then those of each group.
+There are two families of rows: the picture's (`live.base.picture_parameters`), and the motion of each group's dancers
+(`live.base.motion_parameters`). All values form one row of numbers: the picture's, then those of each group.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Any, Final
 
 from live.base import picture_parameters
 from live.base.errors import PersonError
-from live.control.registry.control import Argument
-from live.control.registry.motion_controls import MOTION_PARAMETERS
+from live.base.motion_parameters import MOTION_PARAMETERS, MOTION_SIZE
+from live.base.parameter import Parameter
+from live.control.registry.parameter_controls import value_arguments
 from live.control.registry.rejections import Reason
 
 VIEW: Final = "/dance/camera"
 LOOK: Final = "/dance/look"
 """In a scene these two hold the name of a view or look instead of a value."""
-_SWITCHES: Final = ("mirror",)
-"""Fields with only a few valid values: they do not fade."""
-FIELDS: Final = tuple(field for field, _ in MOTION_PARAMETERS.values())
-"""Fields of Variety, in the order of the row."""
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
-    """One parameter of the whole stage (group -1) or of a group, with its places in the row."""
+class Slot:
+    """The places of a parameter in the row, for the whole stage (group -1) or a group."""
 
-    address: str
+    parameter: Parameter
     group: int
     first: int
-    size: int
-    switch: bool = False
-    """Whether it cannot fade: it takes its new value when the fade begins."""
 
     @property
     def numbers(self) -> range:
         """Places in the row."""
-        return range(self.first, self.first + self.size)
+        return range(self.first, self.first + self.parameter.size)
 
 
-def addresses() -> list[str]:
-    """Return all addresses that have a value."""
-    return [
-        *(known.address for known in picture_parameters.PARAMETERS),
-        *picture_parameters.GROUP_PARAMETERS,
-        *MOTION_PARAMETERS,
-    ]
+ROWS: Final = {row.address: row for row in (
+    *picture_parameters.PARAMETERS, *picture_parameters.GROUP_PARAMETERS.values(), *MOTION_PARAMETERS,
+)}  # fmt: skip
+"""All parameters by address."""
 
 
 def split_key(key: str) -> tuple[str, str]:
@@ -68,28 +58,18 @@ def check_setting(key: str, value: object) -> None:
         raise PersonError(f"{key!r}: light and camera belong to no group", f"write {address!r}")
 
 
-@cache
-def _argument(unit: str, low: float, high: float) -> Argument:
-    """Return the argument that checks a number of the picture, one per range."""
-    return Argument("value", "float", "", unit, low, high)
-
-
 def parse_value(address: str, value: object) -> tuple[float, ...]:
     """Return the value of the parameter at `address` as numbers; PersonError states the allowed values."""
-    if address in MOTION_PARAMETERS:
-        argument = MOTION_PARAMETERS[address][1]
-        checked = argument.check(value)
-        if isinstance(checked, Reason):
-            raise PersonError(f"{address!r} = {value!r}: {checked}", f"expected {argument.expected}")
-        return (float(checked),)
-    known = picture_parameters.GROUP_PARAMETERS.get(address) or picture_parameters.BY_ADDRESS.get(address)
-    if known is None:
-        raise PersonError(f"{address!r} has no value that can be set", f"there are: {', '.join(addresses())}")
+    row = ROWS.get(address)
+    if row is None:
+        raise PersonError(f"{address!r} has no value that can be set", f"there are: {', '.join(ROWS)}")
     parts: list[Any] = list(value) if isinstance(value, list | tuple) else [value]
-    argument = _argument(known.unit, known.low, known.high)
-    if len(parts) != known.size or any(isinstance(argument.check(part), Reason) for part in parts):
-        many = "" if known.size == 1 else f"{known.size} numbers, each "
-        raise PersonError(f"{address!r} = {value!r}", f"expected {many}{argument.expected.removeprefix('value ')}")
+    arguments = value_arguments(row)
+    checked = [argument.check(part) for argument, part in zip(arguments, parts, strict=False)]
+    if len(parts) != row.size or any(isinstance(each, Reason) for each in checked):
+        many = "" if row.size == 1 else f"{row.size} numbers, each "
+        expected = arguments[0].expected.removeprefix(f"{row.names[0]} ")
+        raise PersonError(f"{address!r} = {value!r}", f"expected {many}{expected}")
     return tuple(float(part) for part in parts)
 
 
@@ -98,30 +78,29 @@ class ParameterTable:
 
     def __init__(self, groups: Sequence[str]) -> None:
         self._groups = tuple(name.casefold() for name in groups)
-        self._by_address: dict[str, list[Parameter]] = {}
-        for known in picture_parameters.PARAMETERS:
-            self._by_address[known.address] = [Parameter(known.address, -1, known.first, known.size)]
-        for address, known in picture_parameters.GROUP_PARAMETERS.items():
+        self._by_address: dict[str, list[Slot]] = {}
+        everywhere = range(len(groups))
+        for row in picture_parameters.PARAMETERS:
+            self._by_address[row.address] = [Slot(row, -1, row.first)]
+        for address, row in picture_parameters.GROUP_PARAMETERS.items():
             self._by_address[address] = [
-                Parameter(address, group, picture_parameters.group_parameter(address, group).first, known.size)
-                for group in range(len(groups))
+                Slot(row, group, picture_parameters.group_parameter(address, group).first) for group in everywhere
             ]
-        for address, (field, argument) in MOTION_PARAMETERS.items():
-            switch = argument.type == "bool" or field in _SWITCHES
-            place = picture_parameters.ROW_SIZE + FIELDS.index(field)
-            self._by_address[address] = [
-                Parameter(address, group, place + group * len(FIELDS), 1, switch) for group in range(len(groups))
-            ]
-        self.size = picture_parameters.ROW_SIZE + len(groups) * len(FIELDS)
+        for row in MOTION_PARAMETERS:
+            first = picture_parameters.ROW_SIZE + row.first
+            self._by_address[row.address] = [Slot(row, group, first + group * MOTION_SIZE) for group in everywhere]
+        self.size = picture_parameters.ROW_SIZE + len(groups) * MOTION_SIZE
         """Numbers in the row."""
-        self.switches = frozenset(one.first for found in self._by_address.values() for one in found if one.switch)
+        self.switches = frozenset(
+            slot.first for slots in self._by_address.values() for slot in slots if not slot.parameter.fades
+        )
         """Places of numbers that cannot fade."""
 
     def apply_patch(self, fresh: "ParameterTable") -> None:
         """Adopt the group names of an edited patch."""
         self._groups = fresh._groups
 
-    def find(self, address: str, group: str = "*") -> list[Parameter]:
+    def find(self, address: str, group: str = "*") -> list[Slot]:
         """Return the parameters at an address, of one group or (`*`) of all; raises PersonError for an unknown
         group."""
         found = self._by_address[address]

@@ -13,9 +13,9 @@ import numpy.typing as npt
 
 from live.base import picture_parameters
 from live.control.events.event import ControlEvent
-from live.control.events.events import SetPicture
-from live.show.dancers.variation import Variation, VariationSettings
-from live.show.desk.parameter_table import FIELDS, Parameter, ParameterTable
+from live.control.events.parameters import SetParameter
+from live.show.dancers.variation import Variation
+from live.show.desk.parameter_table import ParameterTable, Slot
 
 Float64 = npt.NDArray[np.float64]
 
@@ -29,9 +29,6 @@ VARIATION_UPDATE_TICKS: Final = 4
 
 class Parameters:
     """The values of one show. Thread: the show's."""
-
-    _cached_varieties: "list[VariationSettings] | None" = None  # class default: snapshots of older engines lack it
-    _cached_numbers: Float64
 
     def __init__(self, table: ParameterTable, start: Float64, variation: Variation) -> None:
         """`start`: the picture's row from the patch, shape (picture.SIZE,)."""
@@ -52,7 +49,7 @@ class Parameters:
         self.held = False
         """Whether fades stand still."""
         self.touched = False
-        """Whether any value was ever set."""
+        """Whether anything was ever set here or faded."""
 
     @property
     def picture(self) -> Float64:
@@ -66,9 +63,16 @@ class Parameters:
 
     # -- changes -----------------------------------------------------------------------------------------------
 
-    def set(self, parameter: Parameter, numbers: Iterable[float], *, beats: float) -> None:
-        """Fade a parameter to new numbers within `beats`."""
-        self.fade(dict(zip(parameter.numbers, numbers, strict=True)), beats=beats)
+    def set(self, slot: Slot, numbers: Iterable[float], *, beats: float) -> None:
+        """Fade one parameter to new numbers within `beats`; PersonError if it cannot have this value."""
+        numbers = tuple(numbers)
+        self._variation.check(slot.parameter, numbers[0])
+        if slot.first >= picture_parameters.ROW_SIZE and beats <= 0.0:  # `Variation` has the master copy
+            self._fading[slot.first] = False
+            self._running = int(np.count_nonzero(self._fading))
+            self._variation.set(slot.parameter, slot.group, numbers[0])
+            return
+        self.fade(dict(zip(slot.numbers, numbers, strict=True)), beats=beats)
 
     def fade(self, goals: Mapping[int, float], *, beats: float) -> None:
         """Fade numbers of the row, by place, to new values within `beats`."""
@@ -93,12 +97,6 @@ class Parameters:
         if told:
             self._write_variation(np.array(told, np.intp))
 
-    def cancel_fades(self, field: str, groups: Iterable[int]) -> None:
-        """End the fades of a field for these groups, because it was set elsewhere."""
-        for group in groups:
-            self._fading[picture_parameters.ROW_SIZE + group * len(FIELDS) + FIELDS.index(field)] = False
-        self._running = int(np.count_nonzero(self._fading))
-
     def reset(self, *, beats: float) -> None:
         """Fade all values to those of the patch."""
         self.fade(dict(enumerate(self.start.tolist())), beats=beats)
@@ -118,7 +116,7 @@ class Parameters:
     def snapshot(self) -> Float64:
         """Return all present values, shape (P,): a copy; the state does not change."""
         row = self.value.copy()
-        row[picture_parameters.ROW_SIZE :] = self._variation_numbers()
+        row[picture_parameters.ROW_SIZE :] = self._variation.values.ravel()
         return row
 
     def goals(self) -> Float64:
@@ -130,13 +128,11 @@ class Parameters:
         """Return the value or fade target of these numbers of the picture, by place."""
         return {at: float(self._goal[at] if self._fading[at] else self.value[at]) for at in places}
 
-    # -- time --------------------------------------------------------------------------------------------------
-
     def edited_values(self, event: ControlEvent) -> Float64 | dict[int, float]:
-        """Return values or fade targets by place in the row, see `EditablePart`. Picture events are frequent: only
-        their own numbers are compared."""
-        if type(event) is SetPicture:
-            places = self.table.places(event.parameter, event.group)
+        """Return values or fade targets by place in the row, see `EditablePart`. Values of the picture are
+        frequent: only their own numbers are compared."""
+        if type(event) is SetParameter:
+            places = self.table.places(event.address, event.group)
             if places and max(places) < picture_parameters.ROW_SIZE:
                 return self.goals_at(places)
         return self.goals()
@@ -144,6 +140,8 @@ class Parameters:
     def restore_values(self, values: Mapping[int, float]) -> None:
         """See `EditablePart`."""
         self.fade(values, beats=0.0)
+
+    # -- time --------------------------------------------------------------------------------------------------
 
     def tick(self, beats: float) -> None:
         """Advance by `beats`."""
@@ -193,24 +191,15 @@ class Parameters:
     # -- variation of dancers ----------------------------------------------------------------------------------
 
     def _read_variation(self) -> None:
-        """Copy the groups' variation into the row, because other code sets it too."""
-        self.value[picture_parameters.ROW_SIZE :] = self._variation_numbers()
-
-    def _variation_numbers(self) -> Float64:
-        """Return the groups' variation as numbers, cached until it changes: read only."""
-        varieties = self._variation.settings
-        if self._cached_varieties is None or varieties != self._cached_varieties:
-            self._cached_varieties = varieties
-            self._cached_numbers = np.concatenate([_numbers(variety) for variety in varieties])
-        return self._cached_numbers
+        """Copy the groups' variation into the row, because an edited patch sets it too."""
+        self.value[picture_parameters.ROW_SIZE :] = self._variation.values.ravel()
 
     def _write_variation(self, rows: npt.NDArray[np.intp]) -> None:
         """Write the variation to `Variation`; only numbers in `rows` change."""
         new = self.value[rows]
         self._read_variation()
         self.value[rows] = new
-        groups = self.value[picture_parameters.ROW_SIZE :].reshape(-1, len(FIELDS)).tolist()
-        self._variation.set_all([VariationSettings(**dict(zip(FIELDS, row, strict=True))) for row in groups])
+        self._variation.set_values(self.value[picture_parameters.ROW_SIZE :].reshape(self._variation.values.shape))
 
 
 def turn_eye(eye: Float64, target: Float64, angle: float) -> Float64:
@@ -218,7 +207,3 @@ def turn_eye(eye: Float64, target: Float64, angle: float) -> Float64:
     cos, sin = math.cos(angle), math.sin(angle)
     x, z = float(eye[0] - target[0]), float(eye[2] - target[2])
     return np.array([target[0] + cos * x + sin * z, eye[1], target[2] + cos * z - sin * x])
-
-
-def _numbers(variety: VariationSettings) -> list[float]:
-    return [getattr(variety, name) for name in FIELDS]

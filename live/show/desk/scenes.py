@@ -12,19 +12,18 @@ from typing import Final
 import numpy as np
 
 from live.base import picture_parameters
-from live.base.custom_pass import PASS_ADDRESS, custom_pass_numbers
+from live.base.custom_pass import PASS_ADDRESS, PASSES, custom_pass_numbers
 from live.base.errors import PersonError
-from live.base.stage_snapshot import PASSES, Camera
+from live.base.stage_snapshot import Camera
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.show.desk.camera_rig import NO_FOLLOW_WORDS, CameraRig
+from live.show.desk.look_settings import LOOK_ADDRESSES, look_settings
 from live.show.desk.parameter_table import LOOK, VIEW, ParameterTable, parse_value, split_key
 from live.show.desk.parameters import Parameters
-from live.show.patch.name_checks import PROJECTOR
 from live.show.patch.patch import Patch
-from live.show.patch.section_cues import LOOK_ADDRESSES, ViewSection
-from live.show.patch.section_picture import Setting
-from live.show.patch.section_stage import CameraSection
+from live.show.patch.section_base import Setting
+from live.show.patch.section_stage import PROJECTOR, CameraSection, ViewSection
 from live.show.view.render_scene import camera_of_section, make_scene, projector_camera
 
 _ANGLE: Final = 34.0
@@ -131,7 +130,7 @@ class Scenes:
         for name, (settings, whom) in view_settings(patch).items():
             self._views[_folded(name)] = Scene(name, self._goals(table, settings), 0.0, whom)
         for look in patch.looks:
-            self._looks[_folded(look.name)] = Scene(look.name, self._goals(table, look.settings()), look.measures)
+            self._looks[_folded(look.name)] = Scene(look.name, self._goals(table, look_settings(look)), look.measures)
         self._scenes = {START: Scene(START, dict(enumerate(start.tolist())), 2.0)}
         for scene in patch.scene:
             whom = self._follow_of(scene.set)
@@ -191,15 +190,10 @@ class Scenes:
             self._rig.follower.follow(scene.follow, cut=lasts <= 0.0)
         self._parameters.fade(scene.goals, beats=lasts * size)
 
-    def _set_picture(self, event: events.SetPicture, size: float) -> None:
-        known = picture_parameters.BY_ADDRESS.get(event.parameter) or picture_parameters.GROUP_PARAMETERS.get(
-            event.parameter
-        )
-        if known is None:
-            raise PersonError(f"the picture has no {event.parameter!r}")
-        numbers = parse_value(known.address, (event.x, event.y, event.z)[: known.size])
-        for parameter in self._parameters.table.find(known.address, event.group):
-            self._parameters.set(parameter, numbers, beats=event.measures * size)
+    def _set_parameter(self, event: events.SetParameter, size: float) -> None:
+        numbers = parse_value(event.address, event.value)
+        for slot in self._parameters.table.find(event.address, event.group):
+            self._parameters.set(slot, numbers, beats=event.measures * size)
 
     def _set_pass(self, event: events.SetPass, size: float) -> None:
         address = "/".join(filter(None, (PASS_ADDRESS, _folded(event.name), event.parameter.strip())))
@@ -219,8 +213,8 @@ class Scenes:
                 f"there are: {', '.join((*PASSES, *names))}",
             )
         amount = min(max(event.amount, known.low), known.high)
-        for parameter in self._parameters.table.find(known.address):
-            self._parameters.set(parameter, (amount,), beats=event.measures * size)
+        for slot in self._parameters.table.find(known.address):
+            self._parameters.set(slot, (amount,), beats=event.measures * size)
 
     def _view(self, event: events.RecallView, size: float) -> None:
         self._fade_to(_find_scene(self._views, event.name, "view"), max(event.measures, 0.0), size)
@@ -280,7 +274,7 @@ def _find_scene(kept: Mapping[str, Scene], name: str, what: str) -> Scene:
 
 _HANDLERS: Final[dict[type, Callable[..., None]]] = {
     events.SetPass: Scenes._set_pass,
-    events.SetPicture: Scenes._set_picture,
+    events.SetParameter: Scenes._set_parameter,
     events.RecallView: Scenes._view,
     events.Accompany: Scenes._follow,
     events.ShowBackground: Scenes._background,

@@ -25,8 +25,7 @@ MERGE_S: Final = 1.0
 
 EDITED_PARTS: Final[dict[type[ControlEvent], str]] = {
     events.SetPass: "parameters",
-    events.SetPicture: "parameters",
-    events.SetMotion: "parameters",
+    events.SetParameter: "parameters",
     events.RecallView: "parameters",
     events.Accompany: "parameters",
     events.ShowBackground: "parameters",
@@ -54,9 +53,9 @@ EDITED_PARTS: Final[dict[type[ControlEvent], str]] = {
 IGNORED_SOURCES: Final = ("music",)
 """Sources whose events are no edits: the music changes its values again by itself."""
 
-_KEY_FIELDS: Final = ("parameter", "name", "performer")
+_KEY_FIELDS: Final = ("address", "parameter", "name", "performer")
 """Event fields that identify the edited thing; the first present one counts."""
-_LABEL_FIELDS: Final = ("parameter", "name", "facing", "steps", "performer")
+_LABEL_FIELDS: Final = ("address", "parameter", "name", "facing", "steps", "performer")
 """Event fields that describe an edit in words; the first non-empty one counts."""
 
 Values = dict[Any, Any]

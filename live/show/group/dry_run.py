@@ -9,7 +9,7 @@ from live.agents.evolutions.dry_run import TooNear, simulate_plan
 from live.agents.evolutions.intention import Segment
 from live.agents.formations.stage_fit import fit_stage
 from live.show.group.group_motion import AGENT_RADIUS
-from live.show.patch.score_checks import score_length
+from live.show.score.section_span import score_length
 from live.show.show import Show
 
 MAX_MEASURES = 400

@@ -28,6 +28,7 @@ from live.agents.evolutions.running_plan import Plan
 from live.agents.evolutions.slot_assignment import Cost
 from live.agents.evolutions.start_delays import Ripple, StartOrder
 from live.agents.formations.formation import Formation, formation_of
+from live.agents.formations.formation_spec import spec_from_table
 from live.agents.groups.roster import Line
 from live.base.errors import PersonError, error_context
 from live.control.events import events
@@ -36,9 +37,9 @@ from live.show.group.casting import EVERYONE, Casting
 from live.show.group.elements import parse_points
 from live.show.group.formations import Formations, NamedFormation
 from live.show.patch.patch import Patch
-from live.show.patch.score_conflicts import DancerSelections, check_group_calls, check_regroups, check_segments
 from live.show.patch.section_motion import GroupSection
-from live.show.patch.section_score import SegmentSection, formation_spec
+from live.show.patch.section_score import SegmentSection
+from live.show.patch_checks.score_conflicts import DancerSelections, check_group_calls, check_regroups, check_segments
 from live.show.score.score import Score
 
 Float64 = npt.NDArray[np.float64]
@@ -124,7 +125,7 @@ class Evolutions:
         """Create the plan of a patch. Raises PersonError for an invalid formation, path or group."""
         self._patch, self._casting = patch, casting
         self._score = score or Score(patch)
-        self._formations = Formations([formation_spec(table) for table in patch.formation], seed=seed)
+        self._formations = Formations([spec_from_table(table) for table in patch.formation], seed=seed)
         self._formations.precompute({*(group.dancers for group in patch.group), patch.dancer_count})
         half = (patch.stage.width / 2, patch.stage.depth / 2)
         self._beats = patch.clock.beats_per_measure

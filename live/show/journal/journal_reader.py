@@ -16,11 +16,12 @@ from live.control.events.event import ControlEvent
 from live.control.events.event_json import event_from_json
 from live.control.events.events import TicksSkipped
 from live.show.journal.line_writer import GAP_KEY
+from live.show.journal.old_events import LAST_OLD_FORMAT, upgrade_event
 from live.show.journal.skipped_events import Gap, skipped_gaps
 
-FORMAT: Final = 2
-"""Current format. Format 1 had no snapshots, and wrote default values."""
-READABLE_FORMATS: Final = (1, 2)
+FORMAT: Final = 3
+"""Current format. Format 1 had no snapshots, and wrote default values; 2 had other events (`old_events`)."""
+READABLE_FORMATS: Final = (1, 2, 3)
 MAX_LINE: Final = 1 << 24
 """Maximum length of a line in characters, so that a file that is not a journal is not read into memory."""
 MAX_VALUES: Final = 1 << 20
@@ -31,7 +32,18 @@ MAX_TICK_GAP: Final = 64 * 600
 """Maximum number of ticks between two lines (ten minutes); measures are recorded more often."""
 
 
-Columns = dict[str, list[str]]
+@dataclass(frozen=True, slots=True)
+class EventForms:
+    """How the events of a journal are written: the columns of rows by type, and whether it is an older format."""
+
+    columns: dict[str, list[str]]
+    old: bool
+
+    def read(self, value: Any) -> ControlEvent:
+        """Return an event; ValueError for an unknown type or field or a wrong value."""
+        if self.old and isinstance(value, dict):
+            value = upgrade_event(value)
+        return event_from_json(value, self.columns)
 
 
 class JournalError(Exception):
@@ -69,9 +81,10 @@ class Journal:
         return patch if isinstance(patch, dict) else {}
 
     @property
-    def _columns(self) -> Columns:
+    def _forms(self) -> EventForms:
         columns = self.header.get("columns")
-        return columns if isinstance(columns, dict) else {}
+        old = self.header.get("journal", 0) <= LAST_OLD_FORMAT
+        return EventForms(columns if isinstance(columns, dict) else {}, old)
 
     @property
     def lines(self) -> Iterator[JournalLine]:
@@ -85,7 +98,7 @@ class Journal:
         """Yield its lines in order; damaged ones have `damaged` set and the tick of the line before."""
         with self.path.open(encoding="utf-8", errors="replace") as file:
             _read_row(file)
-            yield from _lines(file, self.path, self._columns, skipped_gaps(self.path))
+            yield from _lines(file, self.path, self._forms, skipped_gaps(self.path))
 
     def lines_containing(self, *words: str) -> Iterator[JournalLine]:
         """Yield its undamaged lines that contain one of these words; fast, because only these are parsed."""
@@ -97,7 +110,7 @@ class Journal:
                 if any(word in row for word in words):
                     with contextlib.suppress(JournalError, ValueError, TypeError, OverflowError):
                         value = _parse(row, self.path, number)
-                        yield _line(value, self.path, number, min(int(value.get("tick", 0)), 1 << 40), self._columns)
+                        yield _line(value, self.path, number, min(int(value.get("tick", 0)), 1 << 40), self._forms)
 
     @property
     def last_tick(self) -> int:
@@ -158,14 +171,14 @@ def _parse(row: str, path: Path, number: int) -> dict[str, Any]:
     return value
 
 
-def _lines(file: TextIO, path: Path, columns: Columns, gaps: Sequence[Gap]) -> Iterator[JournalLine]:
+def _lines(file: TextIO, path: Path, forms: EventForms, gaps: Sequence[Gap]) -> Iterator[JournalLine]:
     last, number, lost = 0, 1, 0
     while (row := _read_row(file)) is not None:
         number += 1
         try:
             value = _parse(row, path, number)
             missing = _missing(value)
-            line = _line(value, path, number, last, columns, far=missing > 0)
+            line = _line(value, path, number, last, forms, far=missing > 0)
         except JournalError as error:
             yield JournalLine(last, number=number, damaged=str(error))
             continue
@@ -179,7 +192,7 @@ def _lines(file: TextIO, path: Path, columns: Columns, gaps: Sequence[Gap]) -> I
             yield JournalLine(last, number=number, damaged=words)
         for gap in gaps:
             if gap.inserted and number == gap.first:
-                yield _inserted_event(gap, path, last, columns)
+                yield _inserted_event(gap, path, last, forms)
         last = line.tick
         over = [gap for gap in gaps if gap.first <= number <= gap.mark]
         if over:
@@ -190,11 +203,11 @@ def _lines(file: TextIO, path: Path, columns: Columns, gaps: Sequence[Gap]) -> I
             last += line.event.count
 
 
-def _inserted_event(gap: Gap, path: Path, last: int, columns: Columns) -> JournalLine:
+def _inserted_event(gap: Gap, path: Path, last: int, forms: EventForms) -> JournalLine:
     """Return the event that was inserted before a stretch that was simulated again."""
     try:
         value = _parse(gap.inserted, path, gap.mark) | {"tick": max(gap.ticks[0], last)}
-        return _line(value, path, gap.mark, last, columns)
+        return _line(value, path, gap.mark, last, forms)
     except JournalError as error:
         return JournalLine(last, number=gap.mark, damaged=str(error))
 
@@ -206,7 +219,7 @@ def _missing(value: dict[str, Any]) -> int:
 
 
 def _line(
-    value: dict[str, Any], path: Path, number: int, last: int, columns: Columns, *, far: bool = False
+    value: dict[str, Any], path: Path, number: int, last: int, forms: EventForms, *, far: bool = False
 ) -> JournalLine:
     """Return the parsed line. `far`: any distance to the line before is valid."""
     tick = value.get("tick")
@@ -216,7 +229,7 @@ def _line(
         raise JournalError(f"{path}, line {number}: damaged: its tick {tick} is far after {last}")
     if "event" in value:
         try:
-            event = event_from_json(value["event"], columns)
+            event = forms.read(value["event"])
         except (ValueError, AttributeError, TypeError) as error:
             raise JournalError(f"{path}, line {number}: {error}") from None
         if not math.isfinite(event.time):

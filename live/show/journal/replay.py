@@ -19,6 +19,7 @@ from live.show.journal.skipped_events import skipped_gaps
 from live.show.loader import LoadedShow, load_from_patch
 from live.show.patch.patch import Patch
 from live.show.patch.patch_update import rebuilt_graph
+from live.show.patch_checks.patch_check import PATCH_CHECKS
 from live.show.selection.graph_update import clip_key, library_hash, steps_hash, updated_graph
 from live.show.show import Show, apply_safely
 from live.show.state.snapshot import SnapshotError, patch_hash, restore, snapshot_header
@@ -53,7 +54,7 @@ def load_from_header(
     """Load a show from a journal's header, the clip keys of each StepsAdded and all StepsChanged events; ReplayError
     as above."""
     try:
-        patch = Patch.model_validate(header["patch"])
+        patch = Patch.model_validate(header["patch"], context=PATCH_CHECKS)
         path = Path(header["patch_path"])
         recordings = None if header["recordings"] is None else Path(header["recordings"])
         wanted = header["steps_hash"]
@@ -145,7 +146,7 @@ def _apply_change(loaded: LoadedShow, event: ControlEvent) -> LoadedShow:
             graph = updated_graph(loaded.graph, event.gone.split("\n"), clips_from_text(event.now))
             return replace(loaded, graph=graph)
         case PatchChanged():
-            patch = Patch.model_validate_json(decompress_text(event.patch))
+            patch = Patch.model_validate_json(decompress_text(event.patch), context=PATCH_CHECKS)
             return replace(loaded, patch=patch, graph=rebuilt_graph(loaded.graph, loaded.patch, patch))
         case _:
             return loaded

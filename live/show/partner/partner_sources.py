@@ -14,9 +14,9 @@ from live.motion.partner.units import Units, retime_to_beats
 from live.motion.partner_live.stage_partner import PATH_RATE, RECORDING_RATE, PartnerExamples, frames_per_beat
 from live.motion.step_clip import StepClip
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import find_resource
-from live.show.patch.score_checks import UNIT_PREFIX
+from live.show.patch.patch_search_path import find_resource
 from live.show.patch.section_motion import PartnerSection
+from live.show.patch.section_music import UNIT_PREFIX
 
 MAX_LISTED: Final = 20
 DEFAULT_WALK_STEP: Final = "walk"

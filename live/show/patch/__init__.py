@@ -1,1 +1,1 @@
-"""The show's patch: model, reader, checks, search path and hot reload. It may import what `show` may."""
+"""The show's patch: model, reader, search path and hot reload. It may import what `show` may."""

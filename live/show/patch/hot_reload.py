@@ -16,12 +16,14 @@ from live.base.fault_isolation import FAULTS, keep_running
 from live.control.events.events import ControlEvent, PatchChanged
 from live.graph.motion_graph import MotionGraph
 from live.render.custom_pass import try_passes
-from live.show.background_work import free_patches, patch_json, short_switch_interval
+from live.show.background_work import short_switch_interval
 from live.show.dancers.character_casting import check_characters
 from live.show.loader import LoadedShow, adapt_edited_patch, locate_errors
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import TomlSources, custom_pass_files, key_text, patch_files, read_sources
+from live.show.patch.patch_reader import custom_pass_files, patch_files, read_sources
 from live.show.patch.patch_update import PreparedPatch, patch_version, prepare_patch, split_deferred
+from live.show.patch.table_batches import free_patches, patch_json
+from live.show.patch.toml_model import TomlSources, key_text
 from live.show.selection.library_watch import LibraryWatch, Stamp
 from live.show.show import Show
 from live.show.state.constants import walk_ahead
@@ -124,7 +126,7 @@ class PatchWatch:
     def _reload(self) -> bool:
         """Read, validate and offer the current files."""
         graph = self._graph if self._library is None else self._library.graph
-        patch, sources = read_sources(self._loaded.path)
+        patch, sources = read_sources(self._loaded.path, self._loaded.tables)
         patch = adapt_edited_patch(patch, graph, self._patch, recordings=self._loaded.recordings is not None)
         patch = with_venue_projector(patch, self._loaded.projector)
         self._check_files(patch, sources)

@@ -12,10 +12,12 @@ from tomlkit.exceptions import TOMLKitError
 
 from live.base.errors import PersonError
 from live.control.midi.midi_binding import Binding
-from live.show.patch.patch_reader import parse_model, read_text
+from live.show.patch.midi_bindings import binding_of
 from live.show.patch.patch_search_path import is_file, learned_path
 from live.show.patch.section_base import Section
 from live.show.patch.section_io import MidiMapSection
+from live.show.patch.toml_model import parse_model, read_text
+from live.show.patch_checks.entry_checks import ENTRY_CHECKS
 
 HEAD: Final = "# MIDI mappings learned while the show ran (/dance/midi/learn); a part of {patch}.\n"
 
@@ -35,12 +37,12 @@ def updated_mapping_text(patch: Path, learned: Sequence[Binding], forgotten: Seq
     `learned`, each of which replaces a mapping of the same MIDI message. PersonError if the present file is invalid."""
     path = learned_path(patch)
     before = read_text(path, "MIDI map") if is_file(path) else ""
-    parse_model(before, str(path), _LearnedFile, "MIDI map")
+    parse_model(before, str(path), _LearnedFile, "MIDI map", ENTRY_CHECKS)
     try:
         text = merge_mappings(before or HEAD.format(patch=patch.name), learned, forgotten)
     except TOMLKitError as error:
         raise PersonError(f"{path}: {error}", "repair it, and learn the mapping again") from None
-    parse_model(text, str(path), _LearnedFile, "MIDI map")
+    parse_model(text, str(path), _LearnedFile, "MIDI map", ENTRY_CHECKS)
     return text
 
 
@@ -68,8 +70,7 @@ def merge_mappings(text: str, learned: Sequence[Binding], forgotten: Sequence[st
 
 
 def _binding_place(row: Any) -> tuple[str, int, int]:
-    binding = MidiMapSection.model_validate(row.unwrap()).binding
-    return binding.trigger
+    return binding_of(MidiMapSection.model_validate(row.unwrap())).trigger
 
 
 def _table(binding: Binding) -> Any:

@@ -4,238 +4,22 @@ Tables of several files are merged. Errors name file, line, field and the allowe
 """
 
 import contextlib
-import difflib
-import tomllib
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
-from pydantic import BaseModel, ValidationError
-
-from live.base.custom_pass import NAME
+from live.base.custom_pass import NAME, PASSES
 from live.base.errors import PersonError
-from live.base.stage_snapshot import PASSES
-from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_numbers, toml_remedy
-from live.library.disk_cache import read_regular_file
-from live.show.background_work import validate_model
 from live.show.patch.patch import Patch
-from live.show.patch.patch_search_path import MAIN_FILE, PATCHES, PatchError, is_file, learned_path
-from live.show.patch.section_base import InvalidEntry
-
-
-@dataclass(eq=False)
-class TomlText:
-    """One file that was read: its name in messages, its text and its values."""
-
-    file: str
-    text: str
-    data: dict[str, Any]
-
-    @cached_property
-    def lines(self) -> dict[KeyPath, int]:
-        """Line of every key; computed only when an error needs it."""
-        return toml_line_numbers(self.text)
-
-    def line(self, path: KeyPath) -> int:
-        """Return the line of a key of this file, or of the nearest table around it."""
-        return line_of(self.lines, path)
-
-
-def parse_text(text: str, file: str, what: str) -> TomlText:
-    """Parse a text; PersonError with file and line if it is not TOML. `what` names its kind, as in "patch"."""
-    try:
-        return TomlText(file, text, parse_toml(text))
-    except tomllib.TOMLDecodeError as error:
-        line = error_line(str(error), text)
-        raise PersonError(
-            f"{file}, line {line}: not valid TOML: {error}", toml_remedy(str(error), text, line)
-        ) from None
-    except RecursionError:
-        raise PersonError(f"{file}: not a {what}: its brackets are nested too deep") from None
-
-
-@dataclass(eq=False)
-class TomlSources:
-    """Several texts merged: arrays of tables are concatenated, keys of one table united.
-
-    The first text is the main one: a key found nowhere is reported there.
-    """
-
-    texts: Sequence[TomlText]
-    data: dict[str, Any] = field(default_factory=dict)
-    """The merged values."""
-    _rows: dict[str, list[tuple[TomlText, int]]] = field(default_factory=dict)
-    _keys: dict[KeyPath, TomlText] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        for text in self.texts:
-            for key, value in text.data.items():
-                self._merge((key,), value, self.data, text)
-
-    def _merge(self, path: KeyPath, value: Any, into: dict[str, Any], text: TomlText) -> None:
-        """Merge one key of one text; PersonError if another text has it already."""
-        key = str(path[-1])
-        if len(path) == 1 and isinstance(value, list) and isinstance(into.get(key, []), list):
-            self._keys.setdefault(path, text)
-            into.setdefault(key, []).extend(value)
-            self._rows.setdefault(key, []).extend((text, index) for index in range(len(value)))
-        elif isinstance(value, dict) and isinstance(into.get(key, {}), dict):
-            self._keys.setdefault(path, text)
-            table = into.setdefault(key, {})
-            for name, inner in value.items():
-                self._merge((*path, name), inner, table, text)
-        elif key in into:
-            there = self._keys[path]
-            raise PersonError(
-                f"{text.file}, line {text.line(path)}: {'.'.join(map(str, path))}: already given in {there.file}, "
-                f"line {there.line(path)}",
-                "leave one of them out",
-            )
-        else:
-            into[key] = value
-            self._keys[path] = text
-
-    def location(self, path: KeyPath) -> tuple[str, int]:
-        """Return file and line of a merged key, as ("element", 57, "measure"), or of the nearest table around it."""
-        if len(path) > 1 and isinstance(path[1], int):
-            rows = self._rows.get(str(path[0]), [])
-            if path[1] < len(rows):
-                text, index = rows[path[1]]
-                return text.file, text.line((path[0], index, *path[2:]))
-        for length in range(len(path), 0, -1):
-            found = self._keys.get(path[:length])
-            if found is not None:
-                return found.file, found.line(path)
-        return self.texts[0].file, self.texts[0].line(path)
-
-    def location_text(self, path: KeyPath) -> str:
-        """Return the same in words."""
-        file, line = self.location(path)
-        return f"{file}, line {line}"
-
-
-MAX_BYTES: Final = 4_000_000
-SHOWN_PROBLEMS: Final = 8
-
-Model = TypeVar("Model", bound=BaseModel)
-
-
-def read_text(path: Path, what: str) -> str:
-    """Return the text of a file; PersonError if it cannot be read. `what` names its kind, as in "patch"."""
-    try:
-        data = read_regular_file(path, MAX_BYTES)
-        if len(data) > MAX_BYTES:
-            raise PersonError(f"{path}: {path.stat().st_size} bytes; a {what} has at most {MAX_BYTES}")
-        return data.decode("utf-8-sig")  # some editors write a byte order mark
-    except OSError as error:
-        raise PersonError(f"cannot read the {what} {path}: {error.strerror}") from None
-    except ValueError as error:
-        if not isinstance(error, UnicodeDecodeError):  # a zero byte in the name
-            raise PersonError(f"cannot read the {what} {path}: no file can have this name") from None
-        raise PersonError(f"{path}: not a text in UTF-8 (byte {error.start})") from None
-
-
-def parse_model(text: str, file: str, model: type[Model], what: str) -> Model:
-    """Return the model of `text`; PersonError with file, line and problem. `file` is its name in errors."""
-    return validate_sources(TomlSources([parse_text(text, file, what)]), model, what)
-
-
-def validate_sources(
-    sources: TomlSources,
-    model: type[Model],
-    what: str,
-    check: Callable[[type[Model], dict[str, Any]], Model] | None = None,
-) -> Model:
-    """Return the model of all `sources` together; PersonError with file, line and problem.
-
-    `check` builds the model from the values, in place of `model_validate`.
-    """
-    try:
-        return model.model_validate(sources.data) if check is None else check(model, sources.data)
-    except ValidationError as error:
-        raise PersonError(_validation_message(error, sources, model, what)) from None
-
-
-def _validation_message(error: ValidationError, sources: TomlSources, model: type[BaseModel], what: str) -> str:
-    problems = []
-    found = error.errors(include_url=False)
-    for problem in found[:SHOWN_PROBLEMS]:
-        where = tuple(problem["loc"])
-        fault = problem.get("ctx", {}).get("error")
-        if isinstance(fault, InvalidEntry):
-            where += fault.key_path
-        problems.append(
-            f"{sources.location_text(where)}: {key_text(where) or f'the {what}'}: {_problem_text(problem, model)}"
-        )
-    more = len(found) - SHOWN_PROBLEMS
-    return "; ".join(problems) + (f"; and {more} more" if more > 0 else "")
-
-
-def key_text(where: tuple[str | int, ...]) -> str:
-    """Return a key as messages show it: "element.3.measure", with tables counted from 1."""
-    return ".".join(str(part + 1) if isinstance(part, int) else part for part in where)
-
-
-def _problem_text(problem: Any, model: type[BaseModel]) -> str:
-    """One problem in words: the value read, and what is allowed."""
-    kind, message, read = problem["type"], problem["msg"], problem["input"]
-    if kind == "extra_forbidden":
-        return f"unknown key; {_allowed_keys(problem['loc'], model)}"
-    if kind == "missing":
-        return "missing; it must be given"
-    if kind == "value_error":
-        return str(message).removeprefix("Value error, ")
-    context = problem.get("ctx", {})
-    if kind == "too_short":
-        return f"at least {context['min_length']} expected, found {context['actual_length']}"
-    if kind == "too_long":
-        return f"at most {context['max_length']} expected, found {context['actual_length']}"
-    name = problem["loc"][-1]
-    if kind == "model_type":
-        several = isinstance(read, list) and read and isinstance(read[0], dict)
-        return f"a table expected, found {str(read)[:40]}" + (f"; there is one: write [{name}]" if several else "")
-    if kind == "tuple_type" and isinstance(read, dict):
-        return f"a list of tables expected, found one table; write [[{name}]] each time"
-    shown = (
-        repr(read) if isinstance(read, str | int | float | bool) else _TYPE_NAMES.get(type(read), type(read).__name__)
-    )
-    if isinstance(read, str) and kind.endswith(("_parsing", "_type")):
-        message = message.partition(", unable to")[0]
-        return f"{message[:1].lower()}{message[1:]}, found the text {shown[:60]}" + _quote_remedy(read)
-    return f"{message[:1].lower()}{message[1:]}, found {shown[:60]}"
-
-
-_TYPE_NAMES: Final[dict[Any, str]] = {list: "a list", tuple: "a list", dict: "a table"}
-"""Names of TOML's compound types."""
-
-
-def _quote_remedy(read: str) -> str:
-    """Remedy for a number or boolean in quotes."""
-    value = read.strip().casefold()
-    if value in ("true", "false"):
-        return f"; write {value} without quotes"
-    number = value.replace(",", ".", 1).lstrip("+-").replace(".", "", 1)
-    return "; write the number without quotes, with a point" if number.isdecimal() else ""
-
-
-def _allowed_keys(where: tuple[str | int, ...], of: type[BaseModel]) -> str:
-    """The allowed keys in place of an unknown one, with the nearest spelling first if one is near."""
-    model: Any = of
-    for part in where[:-1]:
-        if isinstance(part, int):
-            continue
-        annotation = model.model_fields[part].annotation
-        inner = getattr(annotation, "__args__", None)
-        model = inner[0] if inner else annotation
-        if not hasattr(model, "model_fields"):
-            return "see the reference"
-    keys = list(model.model_fields)
-    near = difflib.get_close_matches(str(where[-1]), keys, n=1)
-    hint = f"did you mean {near[0]!r}? " if near else ""
-    return f"{hint}allowed are {', '.join(keys)}"
-
+from live.show.patch.patch_search_path import MAIN_FILE, PatchError, is_file, learned_path
+from live.show.patch.toml_model import (
+    BridgeTables,
+    TomlSources,
+    parse_model,
+    parse_text,
+    read_text,
+    validate_sources,
+)
+from live.show.patch_checks.patch_check import PATCH_CHECKS
 
 FOLDERS: Final = ("formations", "looks", "score")
 """Folders next to show.toml with further TOML files of the patch, in reading order."""
@@ -245,26 +29,17 @@ MAX_FILES: Final = 256
 MAX_PATCH_BYTES: Final = 16_000_000
 
 
-def find_resource(name: str, patch_path: Path) -> Path | None:
-    """Find a file or folder that a patch names: in the patch's folder first, then in the project's patches."""
-    for folder in (patch_path.parent, PATCHES):
-        with contextlib.suppress(OSError, ValueError):  # invalid file name
-            if (folder / name).exists():
-                return folder / name
-    return None
-
-
-def read_patch(path: Path) -> Patch:
+def read_patch(path: Path, tables: BridgeTables = ()) -> Patch:
     """Read the patch in `path`; PatchError with file, line, field and what is allowed."""
-    return read_sources(path)[0]
+    return read_sources(path, tables)[0]
 
 
-def read_sources(path: Path) -> tuple[Patch, TomlSources]:
+def read_sources(path: Path, tables: BridgeTables = ()) -> tuple[Patch, TomlSources]:
     """Read the patch in `path`, for show.toml with its folders; return also the source of each key."""
     try:
         sources = TomlSources([parse_text(read_text(file, "patch"), str(file), "patch") for file in patch_files(path)])
         _add_custom_passes(sources.data, path)
-        return validate_sources(sources, Patch, "patch", validate_model), sources
+        return validate_sources(sources, Patch, "patch", PATCH_CHECKS, tables), sources
     except PersonError as error:
         raise PatchError(error.message, error.remedy, error.key_path) from None
 
@@ -317,9 +92,9 @@ def patch_files(path: Path) -> list[Path]:
     return files
 
 
-def parse_patch(text: str, file: str) -> Patch:
+def parse_patch(text: str, file: str, tables: BridgeTables = ()) -> Patch:
     """Parse the patch in `text`; `file` is its name in errors."""
     try:
-        return parse_model(text, file, Patch, "patch")
+        return parse_model(text, file, Patch, "patch", PATCH_CHECKS, tables)
     except PersonError as error:
         raise PatchError(error.message, error.remedy, error.key_path) from None

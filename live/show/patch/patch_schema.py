@@ -14,14 +14,19 @@ from pydantic import TypeAdapter
 
 from live.agents.formations.formation_spec import FormationSpec
 from live.show.patch.patch import Patch
+from live.show.patch.toml_model import BridgeTables
 
 DRAFT: Final = "http://json-schema.org/draft-07/schema#"
 
 
-def patch_schema() -> dict[str, Any]:
-    """Return the schema of a whole patch or of a file of its folder; so no key is required."""
+def patch_schema(tables: BridgeTables = ()) -> dict[str, Any]:
+    """Return the schema of a whole patch or of a file of its folder (so no key is required), with bridges' tables."""
     found = _to_draft7(Patch.model_json_schema())
+    for own in (_to_draft7(section.model_json_schema()) for section in tables):
+        found["properties"] |= own["properties"]
+        found["definitions"] |= own.get("definitions", {})
     found["properties"]["formation"]["items"] = _formation()
+    found["additionalProperties"] = False  # so that the editor marks a misspelt table
     found.pop("required", None)  # only show.toml has them
     return {"$schema": DRAFT, **found, "title": "A patch of ChoreoGraphics Live"}
 

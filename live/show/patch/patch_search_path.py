@@ -1,5 +1,6 @@
-"""Search path for patches: a TOML file, a folder with show.toml, or the project's own. Cheap to import."""
+"""Search path for patches, and for the files they name: next to the patch, or the project's own. Cheap to import."""
 
+import contextlib
 import os
 from pathlib import Path
 from typing import Final
@@ -62,3 +63,12 @@ def is_file(path: Path) -> bool:
 def learned_path(path: Path) -> Path:
     """Return the file of learned MIDI mappings next to the patch in `path`."""
     return path.with_name(f"{path.stem}{LEARNED_SUFFIX}.toml")
+
+
+def find_resource(name: str, patch_path: Path) -> Path | None:
+    """Find a file or folder that a patch names: in the patch's folder first, then in the project's patches."""
+    for folder in (patch_path.parent, PATCHES):
+        with contextlib.suppress(OSError, ValueError):  # invalid file name
+            if (folder / name).exists():
+                return folder / name
+    return None

@@ -18,10 +18,11 @@ from live.control.events.events import PatchChanged
 from live.graph.build.metric import Metric
 from live.graph.library_insert import Int32, stranded, without_clips
 from live.graph.motion_graph import MotionGraph, build_graph
-from live.show.background_work import validate_model
 from live.show.desk.refusals import Refusals
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import Section
+from live.show.patch.table_batches import validate_model
+from live.show.patch_checks.patch_check import PATCH_CHECKS
 from live.show.score.step_names import UnknownStep
 
 START_ONLY_KEYS: Final = (
@@ -91,7 +92,8 @@ def _differing_keys(name: str, old: Any, new: Any) -> list[str]:
 
 def changed_fields(old: Patch, new: Patch) -> tuple[str, ...]:
     """Return the names of the fields of a patch that differ."""
-    return tuple(name for name in Patch.model_fields if getattr(old, name) != getattr(new, name))
+    names = dict.fromkeys((*Patch.model_fields, *old.bridge_tables, *new.bridge_tables))
+    return tuple(name for name in names if getattr(old, name, None) != getattr(new, name, None))
 
 
 def patch_version(text: str) -> str:
@@ -140,7 +142,7 @@ def prepare_patch(text: str, make_show: ShowFactory, running: Patch, graph: Moti
     PersonError if it would not start, or cannot replace the running one. Slow: do not call it in a live frame.
     """
     try:
-        patch = validate_model(Patch, _parse_json(text))
+        patch = validate_model(Patch, _parse_json(text), PATCH_CHECKS)
         if split_deferred(patch, running)[1]:
             raise PersonError("the patch needs a new start")
         fresh = make_show(patch, rebuilt_graph(graph, running, patch))

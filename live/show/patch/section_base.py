@@ -1,8 +1,12 @@
-"""Base class of all tables of a patch, and value types that several of them share."""
+"""Base class of all tables of a patch, value types that several of them share, and the door for a reader's checks."""
 
-from typing import Annotated
+from collections.abc import Callable, Iterable, Mapping
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, create_model
+
+from live.base.motion_parameters import MOTION_PARAMETERS
+from live.base.parameter import Parameter
 
 WorldCoordinate = Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)]
 Place = tuple[
@@ -16,6 +20,10 @@ Size = tuple[
     Annotated[float, Field(ge=1, le=100, allow_inf_nan=False)],
     Annotated[float, Field(ge=1, le=100, allow_inf_nan=False)],
 ]
+Measures = Annotated[float, Field(ge=0, le=1024, allow_inf_nan=False)]
+Setting = float | bool | str | tuple[float, float, float]
+Draw = Annotated[dict[str, Setting], Field(max_length=400)]
+"""Values by the control's address without `/dance/draw/`, with `_` or `/` between words: `ink_width`."""
 
 
 class InvalidEntry(ValueError):
@@ -31,3 +39,76 @@ class Section(BaseModel):
     """A table of a patch: frozen, unknown keys refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+
+
+def parameter_section(table: str) -> Any:
+    """Return a base class with the keys of the parameters that belong to this table, made from their rows."""
+    rows = {row.patch.partition(".")[2]: row for row in MOTION_PARAMETERS if row.patch.startswith(f"{table}.")}
+    keys: dict[str, Any] = {key: (_key_type(row), _key_field(row)) for key, row in rows.items()}
+    return create_model(f"{table.capitalize()}Parameters", __base__=Section, **keys)
+
+
+def _key_type(row: Parameter) -> Any:
+    if row.choices:
+        return Literal[tuple(row.choices)]
+    if row.kind == "switch":
+        return bool
+    return Annotated[float, Field(ge=row.low, le=row.high, allow_inf_nan=False)]
+
+
+def _key_field(row: Parameter) -> Any:
+    return Field(default=parameter_key_value(row, row.start[0]), description=row.patch_text or row.description)
+
+
+def parameter_key_value(row: Parameter, number: float) -> float | bool | str:
+    """Return a parameter's number as its key in the patch has it: a word, a switch or a number."""
+    if row.choices:
+        return next(word for word, value in row.choices.items() if value == number)
+    return bool(number) if row.kind == "switch" else number
+
+
+def parameter_number(row: Parameter, value: float | bool | str) -> float:
+    """Return the number of a parameter for the value of its key in the patch."""
+    return row.choices[str(value)] if row.choices else float(value)
+
+
+Checks = Mapping[str, Callable[[Any], object]]
+"""Checks of tables by name, as "cue"; each raises ValueError. They are the context of a validation."""
+
+
+def run_check(info: ValidationInfo, table: str, entry: object) -> None:
+    """Run the reader's check of `entry`, a table called `table`.
+
+    Tables know no controls and no other tables: who reads a patch brings `live.show.patch_checks`. A patch that the
+    program makes itself needs no check.
+    """
+    checks: Checks = info.context or {}
+    if table in checks:
+        checks[table](entry)
+
+
+Tables = TypeVar("Tables", bound=Section)
+
+
+class WholeFile(Section):
+    """All tables of a file, among them those that only a bridge reads: they are kept as plain values.
+
+    The reader refuses unknown keys; see `validate_sources`.
+    """
+
+    model_config = ConfigDict(extra="allow")
+
+    @property
+    def bridge_tables(self) -> dict[str, Any]:
+        """The tables that only a bridge reads, by name."""
+        return self.model_extra or {}
+
+    def read_tables(self, model: type[Tables]) -> Tables:
+        """Return a bridge's own tables as its model."""
+        own = {name: value for name, value in self.bridge_tables.items() if name in model.model_fields}
+        return model.model_validate(own)
+
+    def unread_tables(self, models: Iterable[type[Section]]) -> list[str]:
+        """Return the names of tables that none of the bridges' models reads."""
+        known = {name for model in models for name in model.model_fields}
+        return [name for name in self.bridge_tables if name not in known]

@@ -1,16 +1,12 @@
-"""Patch sections for input and output: OSC, MIDI, DMX (sACN, Art-Net), Ableton Link, trackers, audience, mocap."""
+"""Patch sections for input and output: OSC, MIDI, Ableton Link, trackers, audience, mocap."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
-from live.control.dmx_mapping import SENDS, Channel, channel_count
-from live.control.midi.midi_binding import DEFAULTS, BadBinding, Binding, Kind, Mode, merge_bindings
-from live.show.patch.section_base import Name, Place, Section
+from live.show.patch.section_base import Name, Place, Section, run_check
 
 Target = Annotated[str, Field(pattern=r"^(\[[0-9A-Fa-f:.]+\]|[^:\s]+):\d{1,5}$", max_length=200)]
-Endpoint = Annotated[str, Field(pattern=r"^((\[[0-9A-Fa-f:.]+\]|[^:\s]+):)?\d{1,5}$", max_length=200)]
-Endpoints = Annotated[tuple[Endpoint, ...], Field(max_length=8)]
 Targets = Annotated[tuple[Target, ...], Field(max_length=8)]
 
 
@@ -59,39 +55,16 @@ class MidiMapSection(Section):
     """Whether the controller, below 32, forms a 14-bit pair with the one 32 higher."""
     velocity: bool = False
     """Whether the note's velocity sets the value."""
-    mode: Mode | None = None
+    mode: Literal["toggle", "momentary"] | None = None
     """Behaviour of a switch; left out: toggle for notes and program changes, momentary for controllers."""
     pickup: bool | None = None
     """Whether nothing changes until the controller crosses the present value; left out: only for controllers."""
     lit: tuple[Number, Number] = (0, 127)
     """Velocities sent to a pad (`[midi] output`) when its switch is off and on; often colours."""
 
-    @property
-    def binding(self) -> Binding:
-        """The mapping as a `Binding`; BadBinding, a ValueError, if it cannot work."""
-        kinds: tuple[Kind, ...] = ("note", "cc", "program", "bend", "pressure", "nrpn")
-        given = [(kind, number) for kind in kinds if (number := getattr(self, kind)) is not None]
-        if len(given) != 1:
-            raise BadBinding("one of note, cc and program, bend, pressure, nrpn expected: what is played")
-        kind, number = given[0]
-        return Binding(
-            kind,
-            0 if number is True else number,
-            self.control,
-            self.channel or 0,
-            self.values,
-            self.scale,
-            self.curve,
-            self.fine,
-            self.velocity,
-            self.mode,
-            self.pickup,
-            self.lit,
-        )
-
     @model_validator(mode="after")
-    def _binding_is_valid(self) -> "MidiMapSection":
-        _ = self.binding
+    def _binding_is_valid(self, info: ValidationInfo) -> "MidiMapSection":
+        run_check(info, "midi.map", self)
         return self
 
 
@@ -114,48 +87,6 @@ class MidiSection(Section):
     """What notes, controllers and program changes do, instead of the defaults."""
     learned: Annotated[tuple[MidiMapSection, ...], Field(max_length=1000)] = ()
     """Mappings learned from controller moves; the show writes them to NAME.midi.toml next to the patch."""
-
-    @property
-    def bindings(self) -> tuple[Binding, ...]:
-        """The map in force: learned mappings, and written ones for other MIDI messages."""
-        return merge_bindings(self.written_bindings, [section.binding for section in self.learned])
-
-    @property
-    def written_bindings(self) -> tuple[Binding, ...]:
-        """The written map, or the defaults."""
-        if self.map:
-            return tuple(section.binding for section in self.map)
-        return DEFAULTS if self.defaults else ()
-
-
-class DmxSection(Section):
-    """`[[dmx]]`: the source of one DMX channel of the hall's lamps, or of several in a row."""
-
-    channel: Annotated[int, Field(ge=1, le=512)]
-    """Its first channel, from 1."""
-    sends: Annotated[str, Field(min_length=1, max_length=200)]
-    """beat, measure, steps, feet (flashes), tempo [bpm], dancer (x, then z, each coarse and fine), or the address of a
-    value, such as /dance/light/key/colour: a channel for each of its numbers, over its whole range."""
-    dancer: Annotated[int, Field(ge=1, le=4000)] = 1
-    """For `dancer`: the dancer's number, from 1."""
-    beats: Annotated[float, Field(gt=0, le=64)] = 1.0
-    """Length of a flash in beats."""
-    fine: bool = False
-    """Whether each number takes two channels, coarse and fine."""
-
-    @model_validator(mode="after")
-    def _known(self) -> Self:
-        width = channel_count(self.sends) * (2 if self.fine and self.sends != "dancer" else 1)
-        if not width:
-            raise ValueError(f"nothing is called {self.sends!r}: {', '.join(SENDS)}, or the address of a number")
-        if self.channel + width > 513:
-            raise ValueError(f"it takes {width} channels from {self.channel} on, and there are 512")
-        return self
-
-    @property
-    def dmx_channel(self) -> Channel:
-        """The channel in the form of the DMX process."""
-        return Channel(self.channel, self.sends, self.dancer, self.beats, self.fine)
 
 
 class LinkSection(Section):

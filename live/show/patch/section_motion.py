@@ -5,15 +5,25 @@ import re
 from dataclasses import dataclass
 from typing import Annotated, Final, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from live.base.body_catalogue import BODIES
 from live.base.errors import PersonError
-from live.show.patch.section_base import Colour, InvalidEntry, Name, Place, Section, Share, Size
-from live.show.patch.section_picture import Draw, check_draw
+from live.show.patch.section_base import (
+    Colour,
+    Draw,
+    InvalidEntry,
+    Name,
+    Place,
+    Section,
+    Share,
+    Size,
+    parameter_section,
+    run_check,
+)
 
 
-class LocomotionSection(Section):
+class LocomotionSection(parameter_section("locomotion")):  # type: ignore[misc]
     """`[locomotion]`: transitions between steps, and corrections that keep dancers at their target positions."""
 
     transition_beats: Annotated[float, Field(gt=0.05, le=1)] = 0.75
@@ -24,45 +34,14 @@ class LocomotionSection(Section):
     """Largest correction of a dancer's position per measure, beyond the step's own travel."""
     turn_deg: Annotated[float, Field(ge=0, le=180)] = 50.0
     """Largest correction of a dancer's heading per measure."""
-    obedience: Share = 0.5
-    """0: steps are danced as recorded, with little correction; 1: dancers are moved to their target positions as far
-    as legs reach, within the measure, too."""
     weights: dict[str, Annotated[float, Field(ge=0, le=100)]] = Field(default={})
     """Weights of joints when poses are compared, by name; most have 1, hips and feet 2, hands 0.4 (T032)."""
     emphasis: Annotated[float, Field(ge=0, le=1)] = 0.5
     """How much more the pose at the measure line counts than those before it."""
 
 
-class MotionSection(Section):
+class MotionSection(parameter_section("motion")):  # type: ignore[misc]
     """`[motion]`, or `motion` of a group for that group alone: variation between dancers, and motion clean-up."""
-
-    warp_beats: Annotated[float, Field(ge=0, le=1)] = 0.1
-    """Each dancer is ahead of the beat or behind it by at most this many beats, individually (T055)."""
-    warp_over: Literal["measure", "sequence"] = "measure"
-    """Back on the beat at every measure line, or drifting slowly over several measures (T056)."""
-    larger: Annotated[float, Field(ge=-0.7, le=0.5)] = 0.0
-    """The upper body moves more than recorded by this share (below 0: less), the same for all dancers."""
-    amplitude: Annotated[float, Field(ge=0, le=0.5)] = 0.15
-    """Largest random change of the upper body's amplitude, as a share (T058)."""
-    amplitude_over: Literal["measure", "sequence"] = "measure"
-    """Drawn again for every measure (T060), or changing slowly over several (T059)."""
-    mix: Share = 0.0
-    """Largest share of another take of the same step mixed into the whole body, drawn for every measure (T045)."""
-    arms: Share = 0.0
-    """Share of the dancers whose upper body dances another take of the same step (T044)."""
-    texture: Share = 0.0
-    """Share of upper-body motion taken from the recordings in `[texture]`, matched to the legs beat by beat; 0: that of
-    the steps."""
-    head: Share = 0.0
-    """How far heads turn to the audience, within the range of the neck (T123-T125)."""
-    foot_lock: bool = True
-    """Planted feet stay in place, and no sole goes below the floor."""
-    turn_on: Literal["support", "measure"] = "support"
-    """Dancers turn on the supporting foot (T048-T050), or evenly over the measure."""
-    face: Literal["end", "average"] = "end"
-    """What is aligned with the target heading: the end of each measure, or its average (T122)."""
-    mirror: Literal["both", "never", "only"] = "both"
-    """Steps and their mirror images, only the originals, or only the mirror images where they exist (T042)."""
 
 
 DEFAULT_HOLD_TIME: Final = 0.4
@@ -255,14 +234,14 @@ class GroupSection(Section):
         return steps
 
     @model_validator(mode="after")
-    def _keys_fit(self) -> "GroupSection":
+    def _keys_fit(self, info: ValidationInfo) -> "GroupSection":
         if self.like is None and not self.steps:
             raise ValueError(f"group {self.name!r} has nothing to dance: give it steps, or say which group it is like")
         if self.like is not None and self.steps:
             raise ValueError(f"group {self.name!r} has steps and like = {self.like!r}: leave one out")
         if self.like is None and (self.beats_later or self.mirrored):
             raise ValueError(f"group {self.name!r}: beats_later and mirrored need like = another group's name")
-        check_draw(self.draw, f"group {self.name!r}")
+        run_check(info, "group", self)
         for key in self.draw:
             if " " in key.strip():
                 raise ValueError(f"group {self.name!r}: draw {key!r}: leave out the group's name")

@@ -2,12 +2,11 @@
 
 from typing import Annotated, Final, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
-from live.base.picture_parameters import BY_ADDRESS
-from live.control.events.events import ControlEvent
-from live.control.registry.registry import REGISTRY
-from live.show.patch.section_base import Section
+from live.base.motion_parameters import MOTION_KEYS
+from live.clock.follower.clock_source import PRIORITY, SourceName
+from live.show.patch.section_base import Section, run_check
 
 
 class MusicSection(Section):
@@ -30,8 +29,6 @@ class SoundSection(Section):
     """The sound of a tap shoe for each foot that lands."""
 
 
-SourceName = Literal["link", "midi", "mtc", "audio", "tap", "internal"]
-PRIORITY: Final[tuple[SourceName, ...]] = ("link", "midi", "mtc", "audio", "tap", "internal")
 Bpm = Annotated[float, Field(ge=20, le=400)]
 
 
@@ -42,14 +39,7 @@ class ClockSection(Section):
     """Tempo of the internal clock."""
     beats_per_measure: Annotated[int, Field(ge=1, le=16)] = 4
     """Beats of a measure; the same for all steps."""
-    priority: Annotated[tuple[SourceName, ...], Field(max_length=6)] = (
-        "link",
-        "midi",
-        "mtc",
-        "audio",
-        "tap",
-        "internal",
-    )
+    priority: Annotated[tuple[SourceName, ...], Field(max_length=len(PRIORITY))] = PRIORITY
     """Sources in order of priority; a source left out is followed only if it is selected by hand."""
     tempo_range: tuple[Bpm, Bpm] = (40.0, 240.0)
     """Music outside this range [bpm] is danced at half or double tempo."""
@@ -75,6 +65,9 @@ class ClockSection(Section):
 Value = Annotated[float, Field(ge=-10, le=10, allow_inf_nan=False)]
 
 
+ReactTarget = Literal[(*MOTION_KEYS, "strength")]  # type: ignore[valid-type]
+UNIT_PREFIX: Final = "unit:"
+"""Prefix in `[[react]] on` for the names of partner units."""
 PictureAddress = Annotated[str, Field(min_length=1, max_length=64, pattern="^/dance/")]
 
 
@@ -88,11 +81,7 @@ class ReactSection(Section):
     ) = None
     """The feature, 0 to 1 in the range heard so far: loudness, onset density, brightness, bass, progress of a build-up;
     of MIDI notes their velocity, density, number sounding, and pitch."""
-    sets: (
-        Literal["larger", "amplitude", "mix", "arms", "texture", "head", "warp_beats", "strength"]
-        | PictureAddress
-        | None
-    ) = None
+    sets: ReactTarget | PictureAddress | None = None
     """What it sets: a parameter of `[motion]`, the strength of elements that begin from then on, or a number of the
     picture by its address, as in `/dance/light/rim`."""
     low: Value = 0.0
@@ -115,28 +104,10 @@ class ReactSection(Section):
     """Its values, as by OSC."""
 
     @model_validator(mode="after")
-    def _one_or_the_other(self) -> "ReactSection":
+    def _one_or_the_other(self, info: ValidationInfo) -> "ReactSection":
         if (self.to is None) != (self.sets is None) or (self.on is None) != (self.call is None):
             raise ValueError("`to` goes with `sets`, and `on` with `call`")
         if (self.to is None) == (self.on is None):
             raise ValueError("either `to` and `sets`, or `on` and `call` expected")
-        if self.sets is not None and self.sets.startswith("/"):
-            self._check_address(self.sets)
-        if self.call is not None and not isinstance(self.event(0.0), ControlEvent):
-            raise ValueError(f"call {self.call!r} with {list(self.values)!r}: {self.event(0.0)}; see docs/osc.md")
+        run_check(info, "react", self)
         return self
-
-    def _check_address(self, address: str) -> None:
-        known = BY_ADDRESS.get(address)
-        if known is None or known.kind != "number":
-            numbers = ", ".join(one.address for one in BY_ADDRESS.values() if one.kind == "number")
-            raise ValueError(f"sets {address!r}: no number of the picture is called so; there are: {numbers}")
-        if self.group != "*":
-            raise ValueError(f"sets {address!r}: light and camera belong to no group")
-        for value in (self.low, self.high):
-            if not known.low <= value <= known.high:
-                raise ValueError(f"sets {address!r} to {value:g}: {known.low:g} to {known.high:g} expected")
-
-    def event(self, time: float) -> object:
-        """Return the event of the call: a ControlEvent, if the call was validated."""
-        return REGISTRY.call(self.call or "", self.values, time, "music")

@@ -1,19 +1,21 @@
-"""Patch sections for the picture: `[picture]`, drawing styles (`draw`), `[[character]]` and `[texture]`."""
+"""Patch sections for the picture: `[picture]`, `[[character]]` and `[texture]`."""
 
-from collections.abc import Mapping
 from functools import cached_property
-from typing import Annotated, Final
+from typing import Annotated
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from live.base.body_catalogue import BODIES, MAX_CHARACTERS
-from live.base.custom_pass import MAX_PASSES, MAX_SOURCE_LENGTH, CustomShader, custom_pass_numbers, parse_custom_pass
+from live.base.custom_pass import (
+    MAX_PASSES,
+    MAX_SOURCE_LENGTH,
+    PASSES,
+    CustomShader,
+    parse_custom_pass,
+)
 from live.base.errors import PersonError
-from live.base.picture_parameters import BY_ADDRESS, GROUP_PARAMETERS, STYLE_ADDRESS_PREFIX
-from live.base.stage_snapshot import PASSES
 from live.motion.skeleton import SKELETON
-from live.show.desk.parameter_table import check_setting, parse_value, split_key
-from live.show.patch.section_base import Colour, InvalidEntry, Name, Section, Share
+from live.show.patch.section_base import Colour, InvalidEntry, Name, Section, Share, run_check
 
 Number = float | tuple[float, float, float]
 
@@ -60,24 +62,8 @@ class PictureSection(Section):
         return self
 
     @model_validator(mode="after")
-    def _settings_are_valid(self) -> "PictureSection":
-        own = custom_pass_numbers(self.own_passes)
-        for address, value in self.set.items():
-            if address in own:
-                known = own[address]
-                if not isinstance(value, float) or not known.low <= value <= known.high:
-                    raise InvalidEntry(
-                        f"{address!r} = {value!r}: {known.low:g} to {known.high:g} expected", "set", address
-                    )
-                continue
-            if address not in BY_ADDRESS:
-                raise InvalidEntry(
-                    f"{address!r} is no parameter of the picture; docs/osc.md lists them", "set", address
-                )
-            try:
-                parse_value(address, value)
-            except PersonError as error:
-                raise InvalidEntry(str(error), "set", address) from None
+    def _settings_are_valid(self, info: ValidationInfo) -> "PictureSection":
+        run_check(info, "picture", self)
         return self
 
     def initial_values(self) -> tuple[tuple[str, tuple[float, ...]], ...]:
@@ -85,38 +71,6 @@ class PictureSection(Section):
         return tuple(
             (address, value if isinstance(value, tuple) else (float(value),)) for address, value in self.set.items()
         )
-
-
-def _draw_key(address: str) -> str:
-    return address.removeprefix(STYLE_ADDRESS_PREFIX).replace("/", "_")
-
-
-DRAW_KEYS: Final = tuple(_draw_key(address) for address in GROUP_PARAMETERS if address.startswith(STYLE_ADDRESS_PREFIX))
-"""All keys of a drawing style."""
-Setting = float | bool | str | tuple[float, float, float]
-Draw = Annotated[dict[str, Setting], Field(max_length=400)]
-"""Values by the control's address without `/dance/draw/`, with `_` or `/` between words: `ink_width`."""
-
-
-def draw_settings(values: Mapping[str, Setting]) -> dict[str, Setting]:
-    """Return the same values by the addresses of their controls, followed by the group's name if there is one."""
-    settings = {}
-    for key, value in values.items():
-        name, space, group = key.strip().partition(" ")
-        settings[STYLE_ADDRESS_PREFIX + name.replace("_", "/") + space + group] = value
-    return settings
-
-
-def check_draw(values: Mapping[str, Setting], where: str) -> None:
-    """Raise ValueError, with `where` in front, for an unknown key or an invalid value."""
-    for key, value in draw_settings(values).items():
-        address = split_key(key)[0]
-        if address not in GROUP_PARAMETERS or not address.startswith(STYLE_ADDRESS_PREFIX):
-            raise ValueError(f"{where}: nothing is drawn by {_draw_key(address)!r}; there are: {', '.join(DRAW_KEYS)}")
-        try:
-            check_setting(key, value)
-        except PersonError as error:
-            raise ValueError(f"{where}: {error}") from None
 
 
 class CharacterMaterialSection(Section):

@@ -7,13 +7,9 @@
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
-from live.agents.formations.formation_spec import FormationSpec, spec_from_table
-from live.base.errors import PersonError
-from live.control.events.events import ControlEvent, Signal
-from live.control.registry.registry import REGISTRY
-from live.show.patch.section_base import Name, Place, Section, Share
+from live.show.patch.section_base import Name, Place, Section, Share, run_check
 from live.show.patch.section_elements import Polyline, Selection
 
 Measure = Annotated[int, Field(ge=1, le=100000)]
@@ -63,25 +59,18 @@ class AtSection(Section):
     """Or the signal that is given."""
 
     @model_validator(mode="after")
-    def _does_something(self) -> "AtSection":
+    def _does_something(self, info: ValidationInfo) -> "AtSection":
         if (self.call is not None) + (self.scene is not None) + (self.signal is not None) != 1:
             raise ValueError("one of call, scene and signal expected: what happens")
         if self.values and self.call is None:
             raise ValueError("values go with call")
-        made = self.event(0.0)
-        if not isinstance(made, ControlEvent):
-            raise ValueError(
-                f"call {self.call or '/dance/scene'!r} with {list(self.values)!r}: {made}; see docs/osc.md"
-            )
+        run_check(info, "at", self)
         return self
 
-    def event(self, time: float) -> object:
-        """Return its event: a ControlEvent, if the call was validated."""
-        if self.signal is not None:
-            return Signal(time=time, source="score", name=self.signal)
-        if self.scene is not None:
-            return REGISTRY.call("/dance/scene", (self.scene,), time, "score")
-        return REGISTRY.call(self.call or "", self.values, time, "score")
+    @property
+    def called(self) -> tuple[str, tuple[Value, ...]]:
+        """Address and values of the control that it calls, also for a scene; an empty address if it gives a signal."""
+        return (self.call or "", self.values) if self.scene is None else ("/dance/scene", (self.scene,))
 
 
 class SignalSection(Section):
@@ -167,14 +156,9 @@ class ImproviseMotion(Section):
     """Its values, as by OSC."""
 
     @model_validator(mode="after")
-    def _call_is_valid(self) -> "ImproviseMotion":
-        if self.call is not None and not isinstance(self.event(0.0), ControlEvent):
-            raise ValueError(f"call {self.call!r} with {list(self.values)!r}: {self.event(0.0)}; see docs/osc.md")
+    def _call_is_valid(self, info: ValidationInfo) -> "ImproviseMotion":
+        run_check(info, "improvise.motion", self)
         return self
-
-    def event(self, time: float) -> object:
-        """Return the event of the call: a ControlEvent, if the call was validated."""
-        return REGISTRY.call(self.call or "", self.values, time, "score")
 
 
 class ImproviseSection(Section):
@@ -223,13 +207,8 @@ class ImproviseSection(Section):
         return self
 
 
-def _check_formation(table: dict[str, Any]) -> dict[str, Any]:
-    try:
-        spec = spec_from_table(table)
-    except PersonError as error:
-        raise ValueError(str(error)) from None
-    if not spec.name:
-        raise ValueError("a formation needs a name")
+def _check_formation(table: dict[str, Any], info: ValidationInfo) -> dict[str, Any]:
+    run_check(info, "formation", table)
     return table
 
 
@@ -240,11 +219,6 @@ FormationTable = Annotated[dict[str, Any], AfterValidator(_check_formation)]
 def formation_names(tables: tuple[dict[str, Any], ...]) -> list[str]:
     """Return the names of the formations of a patch, in their order."""
     return [str(table["name"]) for table in tables]
-
-
-def formation_spec(table: dict[str, Any]) -> FormationSpec:
-    """Return the formation of a validated table."""
-    return spec_from_table(table)
 
 
 class RegroupSection(Section):

@@ -1,12 +1,23 @@
-"""Patch sections for stage, set, backgrounds, steering, camera, projector and light."""
+"""Patch sections for stage, set, backgrounds, steering, projector, cameras and light (also `[[view]]`, `[[looks]]`)."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
 from live.base.errors import PersonError
-from live.base.projector_perspective import check_corners
-from live.show.patch.section_base import Colour, InvalidEntry, Name, Place, Section, Share, WorldCoordinate
+from live.base.floor_corners import check_corners
+from live.show.patch.section_base import (
+    Colour,
+    Draw,
+    InvalidEntry,
+    Measures,
+    Name,
+    Place,
+    Section,
+    Share,
+    WorldCoordinate,
+    run_check,
+)
 
 Extent = Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)]
 Shift = Annotated[float, Field(ge=-5, le=5, allow_inf_nan=False)]
@@ -141,6 +152,15 @@ class CameraSection(Section):
         return self
 
 
+class ViewSection(CameraSection):
+    """`[[view]]`: a further camera, for `/dance/camera` and scenes."""
+
+    name: Name
+    """Its name."""
+
+
+PROJECTOR: Final = "projector"
+"""The view of a patch with a `[projector]`."""
 FloorCorners = Annotated[tuple[tuple[Shift, Shift], ...], Field(min_length=4, max_length=4)]
 
 
@@ -233,4 +253,21 @@ class LookSection(Section):
     def _light_goes_somewhere(self) -> "LookSection":
         if self.key_direction is not None and max(map(abs, self.key_direction)) < 1e-3:
             raise ValueError("key_direction is [0, 0, 0]: the light goes nowhere")
+        return self
+
+
+class NamedLookSection(LookSection):
+    """`[[looks]]`: a further light setting, for `/dance/look` and scenes; keys left out keep their values."""
+
+    name: Name
+    """Its name."""
+    measures: Measures = 1.0
+    """Length of the cross-fade in measures, unless the call gives one."""
+    draw: Draw = Field(default={})
+    """How dancers are drawn, as in `[group.draw]`, for all groups or with a group's name behind the key:
+    `{ ink = 1, "solid ember" = 0 }`."""
+
+    @model_validator(mode="after")
+    def _draw_is_valid(self, info: ValidationInfo) -> "NamedLookSection":
+        run_check(info, "looks", self)
         return self

@@ -2,7 +2,7 @@
 
 from live.graph.motion_graph import MotionGraph
 from live.show.patch.patch import Patch
-from live.show.patch.score_conflicts import check_step_calls
+from live.show.patch_checks.score_conflicts import check_step_calls
 from live.show.score.canon import Canon, StepSource
 from live.show.score.music_reactions import Mood
 from live.show.score.part import build_part

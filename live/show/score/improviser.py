@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from live.base.errors import PersonError, error_context
 from live.control.events.events import ControlEvent
+from live.control.registry.registry import REGISTRY
 from live.graph.motion_graph import UNREACHABLE, MotionGraph
 from live.graph.search.sequence_spec import SequenceEntry
 from live.show.patch.section_score import ImproviseSection
@@ -293,7 +294,7 @@ class ImprovisedMotion:
             weights = np.cumsum([item.weight for item in asked.motion])
             row = int(np.searchsorted(weights, float(chance.random()) * weights[-1], side="right"))
             item = asked.motion[min(row, len(asked.motion) - 1)]
-            event = None if item.call is None else item.event(time)
+            event = None if item.call is None else REGISTRY.call(item.call, item.values, time, "score")
             if isinstance(event, ControlEvent):
                 called.append(event)
         return called

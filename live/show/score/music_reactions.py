@@ -8,10 +8,11 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from live.control.events.events import ControlEvent, MusicHeard, NotesHeard, SetMotion, SetPicture
+from live.base.motion_parameters import MOTION_KEYS
+from live.control.events.events import ControlEvent, MusicHeard, NotesHeard, SetParameter
+from live.control.registry.registry import REGISTRY
 from live.show.patch.patch import Patch
-from live.show.patch.score_checks import UNIT_PREFIX
-from live.show.patch.section_music import ReactSection
+from live.show.patch.section_music import UNIT_PREFIX, ReactSection
 from live.show.patch.section_score import SignalSection
 
 FULL_DENSITY: Final = 6.0
@@ -40,6 +41,11 @@ def note_level(event: NotesHeard, name: str) -> float:
         case "chord":
             return min(event.chord / FULL_CHORD, 1.0)
     return event.pitch
+
+
+def reaction_event(section: ReactSection, time: float) -> object:
+    """Return the event of a reaction's call: a ControlEvent, if the call was checked."""
+    return REGISTRY.call(section.call or "", section.values, time, "music")
 
 
 class Mood:
@@ -150,13 +156,14 @@ class Reactions:
             value = self._smoothed(index, section, heard, beats)
             if section.sets == STRENGTH:
                 self.strength = max(value, 0.0)
-            elif section.sets is not None and section.sets.startswith("/"):
-                changes.append(
-                    SetPicture(time=time, source="music", parameter=section.sets, x=value, measures=FADE_MEASURES)
-                )
             elif section.sets is not None:
-                group = "" if section.group == "*" else section.group
-                changes.append(SetMotion(time=time, source="music", parameter=section.sets, value=value, group=group))
+                row = MOTION_KEYS.get(section.sets)
+                number = value if row is None else min(max(value, row.low), row.high)
+                changes.append(SetParameter(
+                    time=time, source="music", value=(number,), group=section.group,
+                    address=section.sets if row is None else row.address,
+                    measures=FADE_MEASURES if row is None else 0.0,
+                ))  # fmt: skip
         return changes
 
     def handle_signal(self, name: str) -> None:
@@ -183,7 +190,7 @@ class Reactions:
     def cross_measure_line(self, time: float) -> list[ControlEvent]:
         """Return the calls that waited for the measure line."""
         waiting, self._line_calls = self._line_calls, []
-        return [event for section in waiting if isinstance(event := section.event(time), ControlEvent)]
+        return [event for section in waiting if isinstance(event := reaction_event(section, time), ControlEvent)]
 
     def facts(self) -> dict[str, Any]:
         """Return music features for the status."""

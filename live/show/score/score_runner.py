@@ -9,11 +9,12 @@ from typing import Any, Final
 from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.events import ControlEvent
+from live.control.registry.registry import REGISTRY
 from live.show.patch.patch import Patch
 from live.show.patch.section_score import AtSection
 from live.show.score.beat_scheduler import BeatScheduler
 from live.show.score.improviser import ImprovisedMotion
-from live.show.score.music_reactions import Mood, MusicSignals, Reactions
+from live.show.score.music_reactions import Mood, MusicSignals, Reactions, reaction_event
 from live.show.score.playhead import END, Playhead, When
 from live.show.score.score import Score, section_timings
 
@@ -25,6 +26,13 @@ AHEAD_SOURCE: Final = "score ahead"
 """Source of these calls."""
 SCORE_EVENTS: Final = (events.JumpTo, events.Advance, events.HoldScore, events.Practice, events.Signal)
 """Events that `handle` handles."""
+
+
+def _call_event(at: AtSection, time: float) -> object:
+    """Return the event of an `[[at]]`: a ControlEvent, if its call was checked."""
+    if at.signal is not None:
+        return events.Signal(time=time, source="score", name=at.signal)
+    return REGISTRY.call(*at.called, time, "score")
 
 
 class ScoreRunner:
@@ -67,7 +75,7 @@ class ScoreRunner:
         line = measure * self._beats
         given, self._sent_ahead = self._sent_ahead, []
         for call in self.score.calls(measure):
-            event = call.event(time)
+            event = _call_event(call, time)
             if isinstance(event, ControlEvent) and call not in given:
                 self.beat_scheduler.schedule(line + call.beat - 1.0, event)
         self._look_ahead(measure + 1, time)
@@ -81,7 +89,7 @@ class ScoreRunner:
     def _look_ahead(self, measure: int, time: float) -> None:
         """Schedule the step calls at the line of the next `measure` before that measure is planned."""
         for call in self.score.calls(measure):
-            event = call.event(time)
+            event = _call_event(call, time)
             if call.beat == 1.0 and isinstance(event, AHEAD_EVENTS):
                 self._sent_ahead.append(call)
                 self.beat_scheduler.schedule(measure * self._beats - AHEAD_BEATS, replace(event, source=AHEAD_SOURCE))
@@ -138,7 +146,7 @@ class ScoreRunner:
     def schedule_reactions(self, danced_beats: float, time: float) -> None:
         """Schedule the calls due before the next line, at once or at their beat; the danced beat is `danced_beats`."""
         for section in self._reactions.pending_calls:
-            event = section.event(time)
+            event = reaction_event(section, time)
             if isinstance(event, ControlEvent):
                 self.beat_scheduler.schedule(
                     danced_beats if section.when == "now" else math.ceil(danced_beats - 1e-9), event

@@ -6,9 +6,9 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from live.show.patch.score_checks import score_length
 from live.show.patch.section_score import SegmentSection
 from live.show.score.playhead import END
+from live.show.score.section_span import score_length
 from live.show.show import Show
 
 DEFAULT_MEASURES: Final = 16

@@ -1,20 +1,10 @@
-"""Span of a score entry: its section and measures, whether counted in the section or in the whole score."""
+"""Span of a score entry: its section and measures, whether counted in the section or in the whole score; and the length
+of the score."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Protocol
 
-from live.show.patch.section_score import ScoreSection
-
-
-class HasSections(Protocol):
-    """The fields of a patch that are used here."""
-
-    @property
-    def loop_measures(self) -> int | None: ...
-    @property
-    def section(self) -> Sequence[ScoreSection]: ...
+from live.show.patch.patch import Patch
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +23,7 @@ class SectionSpan:
     """First measure of the section in the written score, from 0."""
 
 
-def span_of(patch: HasSections, section: str | None, measure: float, measures: float | None) -> SectionSpan:
+def span_of(patch: Patch, section: str | None, measure: float, measures: float | None) -> SectionSpan:
     """Return the span of an entry that begins in `measure` (from 1) of `section`, or of the written score if None."""
     if not patch.section:
         return _make_span(-1, int(measure) - 1, measures, patch.loop_measures, 0)
@@ -53,3 +43,8 @@ def span_of(patch: HasSections, section: str | None, measure: float, measures: f
 def _make_span(section: int, begin: int, measures: float | None, size: int | None, first: int) -> SectionSpan:
     end = min(inf if measures is None else begin + measures, inf if size is None else float(size))
     return SectionSpan(section, begin, end, size, first)
+
+
+def score_length(patch: Patch) -> int | None:
+    """Return the number of measures of the whole written score; None if it has no end."""
+    return sum(section.measures for section in patch.section) if patch.section else patch.loop_measures

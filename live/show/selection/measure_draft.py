@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.motion_parameters import FACE_AVERAGE
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import own_end, turn_vectors, wrap_angle
 from live.graph.select.selector import StepSelector
@@ -92,5 +93,5 @@ class MeasureDraft:
     def _local_heading(self, danced: MeasureState) -> Float64:
         """Heading at the end of each measure, or its average (T122), in the clip's own axes, (A,) [rad]."""
         own = danced.own_end()[1]
-        average = self._dancers.variation.face_average
+        average = self._dancers.variation[FACE_AVERAGE]
         return np.asarray(own + average * wrap_angle(self._dancers.graph.node_facing_mean[danced.node] - own))

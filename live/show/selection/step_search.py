@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.motion_parameters import FACE_AVERAGE, OBEDIENCE, TURN_ON_SUPPORT
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.selector import StepSelector, with_direction
 from live.show.dancers.partners import Partners
@@ -77,7 +78,7 @@ class StepSearch:
     def prepare(self) -> None:
         """Limit the targets to the dancers' reach, and set the arguments of the search."""
         variation, limits = self._dancers.variation, self._patch.locomotion
-        share = MIN_CORRECTION_SHARE + (1.0 - MIN_CORRECTION_SHARE) * variation.obedience
+        share = MIN_CORRECTION_SHARE + (1.0 - MIN_CORRECTION_SHARE) * variation[OBEDIENCE]
         self._choosing.set_limits(seconds=self.seconds, turn=math.radians(limits.turn_deg), reach_margin=self._give)
         self._targets.limit_targets(self._choices, share * self._usual_give)
         self._search_nodes[:] = self._dancers.node
@@ -90,7 +91,7 @@ class StepSearch:
             self._motion.partners.wanted_sides(
                 variation.sides, self._dancers.graph.library.node_side[self._search_nodes]
             ),
-            np.column_stack([variation.on_support, variation.face_average, share]),
+            np.column_stack([variation[TURN_ON_SUPPORT], variation[FACE_AVERAGE], share]),
             self._choices.outputs,
         )
 

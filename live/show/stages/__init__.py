@@ -1,1 +1,1 @@
-"""The stages of a tick, in the order of `live/show/frame.py`. They may import what `show` may."""
+"""The stages of a frame, in the order of `live/show/frame.py`. They may import what `show` may."""

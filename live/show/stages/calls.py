@@ -9,8 +9,8 @@ from live.show.stages.now import Now
 
 if TYPE_CHECKING:
     from live.show.desk.light_desk import LightDesk
-    from live.show.event_router import EventRouter
     from live.show.score.beat_scheduler import BeatScheduler
+    from live.show.stages.event_router import EventRouter
 
 MAX_CALL_DEPTH: Final = 4
 """Maximum depth of signals that trigger signals in one tick; the rest waits for the next tick."""

@@ -5,10 +5,10 @@ reports missing entries.
 """
 
 from collections.abc import Callable
-from dataclasses import fields
 from typing import Any, Final
 
 from live.base.custom_pass import CustomPassNumber
+from live.control.events.event_json import field_types
 from live.control.events.events import EVENT_TYPES
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.selector import StepSelector
@@ -38,8 +38,14 @@ from live.show.state.kinds_desk import KINDS as DESK
 EVENT: Final = "event-"
 """Prefix of the kinds of events, before the event type as in journals."""
 
+
+def _type_word(kind: Any) -> str:
+    """Return the word of a kind's schema for the type of an event's field."""
+    return "row[float]" if kind == tuple[float, ...] else str(kind.__name__)
+
+
 _EVENTS: Final = [
-    Kind(f"{EVENT}{name}", cls, " ".join(f"{field.name}:{field.type.__name__}" for field in fields(cls)))  # type: ignore[union-attr]
+    Kind(f"{EVENT}{name}", cls, " ".join(f"{field}:{_type_word(kind)}" for field, kind in field_types(name).items()))
     for name, cls in EVENT_TYPES.items()
 ]
 

@@ -17,7 +17,7 @@ from live.show.dancers.partners import PairSteering, Partners
 from live.show.dancers.root_correction import RootCorrection
 from live.show.dancers.root_correction_control import RootCorrectionControl
 from live.show.dancers.timing_offsets import Drift, Ripple
-from live.show.dancers.variation import Variation, VariationSettings
+from live.show.dancers.variation import Variation
 from live.show.group.casting import Casting
 from live.show.group.elements import Elements, GroupMasks
 from live.show.group.evolutions import Evolutions
@@ -193,16 +193,9 @@ KINDS: Final = [
         _since:f8~ _danced_before:f8 _offsets:f4 _parents:i4(joint)
     """),
     Kind("variation", Variation, """
-        _settings:list[variety] _group:i4(group) _group_delays:f8 _seed:int _beats:int _window:float drift:drift
-        measure:int ripples:list[ripple] _patch_settings:row[variety] _patch_ripples:row[ripple] delays:f8
+        values:f8 _group:i4(group) _group_delays:f8 _seed:int _beats:int _window:float drift:drift
+        measure:int has_recordings:bool ripples:list[ripple] _patch_values:f8 _patch_ripples:row[ripple] delays:f8
         _late_before:f8 _timing_source:i4(dancer) _previous_timing_source:i4(dancer) _paired:i8(dancer)* _even:f8
-        _everybody:i8(dancer) warp_beats:f8 warp_sequence:f8 larger:f8 amplitude:f8 amplitude_sequence:f8 mix:f8 arms:f8
-        head:f8 lock:f8 on_support:f8 face_average:f8 obedience:f8 texture:f8 mirror:f8 _drifts:bool _farthest:f8
-        any_obedience:bool any_texture:bool any_lock:bool
-    """),
-    Kind("variety", VariationSettings, """
-        warp_beats:float warp_sequence:float larger:float amplitude:float amplitude_sequence:float mix:float
-        arms:float head:float lock:float on_support:float face_average:float obedience:float texture:float
-        mirror:float
+        _everybody:i8(dancer) _of_dancers:f8 _drifts:bool _farthest:f8
     """),
 ]  # fmt: skip

@@ -14,7 +14,6 @@ from live.show.desk.parameters import Parameters
 from live.show.desk.refusals import Refusals
 from live.show.desk.scenes import Scene, Scenes
 from live.show.desk.undo_history import UndoHistory, _Edit
-from live.show.event_router import EventRouter
 from live.show.frame import Frame
 from live.show.group.formations import Formations, NamedFormation
 from live.show.group.group_commands import GroupCommands
@@ -42,6 +41,7 @@ from live.show.show import Show
 from live.show.stages.calls import Calls
 from live.show.stages.crowd_stage import CrowdStage, GroupStage
 from live.show.stages.dancers_stage import DancersStage
+from live.show.stages.event_router import EventRouter
 from live.show.stages.hot_swap import HotSwap
 from live.show.stages.light_stage import LightStage
 from live.show.stages.measure_lines import MeasureBegin, MeasureLines
@@ -198,8 +198,8 @@ KINDS: Final = [
     """, factories={"_offered": dict, "_reserve": dict, "_next": no_value}),
     Kind("occasions", MusicSignals, "_signals:list[constant-signal-section] _active:list[bool]"),
     Kind("parameters", Parameters, """
-        table:constant-parameter-table _variation:variation value:f8 _cached_varieties:list[variety]|none
-        _cached_numbers:f8 start:f8 _from:f8 _goal:f8 _start_beat:f8 _length:f8 _fading:b1 _running:int _ticks:int
+        table:constant-parameter-table _variation:variation value:f8 start:f8 _from:f8 _goal:f8
+        _start_beat:f8 _length:f8 _fading:b1 _running:int _ticks:int
         beat:float held:bool touched:bool
     """),
     Kind("part", ScorePart, "_score:score _sequences:constant-sequences _improviser:improviser"),

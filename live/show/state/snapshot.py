@@ -33,8 +33,8 @@ from live.show.state.type_check import check_state
 
 Array = npt.NDArray[Any]
 
-FORMAT: Final = 3
-"""Format 1 was a pickle; the fields of format 2 had other names. Both are refused."""
+FORMAT: Final = 4
+"""Format 1 was a pickle; formats 2 and 3 had other fields. These are refused."""
 CONSTANT_PATHS: Final = {
     "graph": "graph",
     "patch": "patch",

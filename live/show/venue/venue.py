@@ -13,10 +13,10 @@ from tomlkit.exceptions import TOMLKitError
 from live.base.errors import PersonError
 from live.base.host_name import HOST_NAME_PATTERN
 from live.clock.ticks import TICK
-from live.show.patch.patch_reader import parse_model, read_text
 from live.show.patch.patch_search_path import PATCHES, is_file, user_settings_folder
-from live.show.patch.section_base import Name, Section
-from live.show.patch.section_io import Endpoints, Targets
+from live.show.patch.section_base import Name, Section, WholeFile
+from live.show.patch.section_io import Targets
+from live.show.patch.toml_model import BridgeTables, parse_model, read_text
 from live.show.venue.venue_audience import VenueAudience
 from live.show.venue.venue_output import MAX_OUTPUTS, VenueOutput, VenueProjector, check_outputs
 
@@ -80,20 +80,6 @@ class VenueOsc(Section):
     """Addresses like `192.168.1.20:57120`."""
 
 
-class VenueVmc(Section):
-    """`[vmc]`: default ports for motion capture over VMC, if the command line names none."""
-
-    at: Endpoints = ()
-    """Ports like `39539`, or with the local address as in `0.0.0.0:39539`."""
-
-
-class VenuePsn(Section):
-    """`[psn]`: default address for PosiStageNet trackers, if the command line names none."""
-
-    at: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    """Such as `236.10.10.10:56565`, or with the network card's address, `236.10.10.10:56565@192.168.1.5`."""
-
-
 Host = Annotated[str, Field(pattern=HOST_NAME_PATTERN)]
 
 
@@ -104,7 +90,7 @@ class VenueWeb(Section):
     """Host names of this machine in addition to its addresses, such as `show.example` or `show.example:443`."""
 
 
-class Venue(Section):
+class Venue(WholeFile):
     """Settings of a hall."""
 
     name: Name = "venue"
@@ -112,8 +98,6 @@ class Venue(Section):
     audio: VenueAudio = VenueAudio()
     midi: VenueMidi = VenueMidi()
     osc: VenueOsc = VenueOsc()
-    vmc: VenueVmc = VenueVmc()
-    psn: VenuePsn = VenuePsn()
     web: VenueWeb = VenueWeb()
     audience: VenueAudience = VenueAudience()
     latency: VenueLatency = VenueLatency()
@@ -165,15 +149,15 @@ def known_venues() -> list[str]:
     return sorted({path.stem for folder in (user_venue_folder(), VENUES) for path in folder.glob("*.toml")})
 
 
-def read_venue(name: str) -> Venue:
-    """Read a venue by name; PersonError if it does not exist or its file is invalid."""
+def read_venue(name: str, tables: BridgeTables = ()) -> Venue:
+    """Read a venue by name, with the bridges' tables; PersonError if it does not exist or its file is invalid."""
     path = venue_path(name)
     if not is_file(path):
         known = ", ".join(known_venues()) or "none yet"
         raise PersonError(
             f"there is no venue {name!r}", f"create it with live calibrate --venue {name}; there are: {known}"
         )
-    return parse_model(read_text(path, "venue"), str(path), Venue, "venue")
+    return parse_model(read_text(path, "venue"), str(path), Venue, "venue", tables=tables)
 
 
 FILE_HEADER = "# A venue: what is true of the hall and not of the show.\n\n"

@@ -10,8 +10,8 @@ from tomlkit.exceptions import TOMLKitError
 from live.base.errors import PersonError
 from live.render.outputs.output import FULL_WINDOW, Output, Point
 from live.render.outputs.warp import regular_mesh
-from live.show.patch.patch_reader import parse_model, read_text
 from live.show.patch.patch_search_path import is_file
+from live.show.patch.toml_model import parse_model, read_text
 from live.show.venue.venue import FILE_HEADER, Venue
 
 DIGITS = 5

@@ -13,10 +13,10 @@ from live.base.stage_snapshot import Background, Camera, Look, Scene
 from live.motion.skeleton import JOINT_COUNT
 from live.render.media_background import check_background
 from live.show.dancers.character_casting import bodies_of
+from live.show.desk.look_settings import draw_settings
 from live.show.desk.parameter_table import parse_value
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import find_resource
-from live.show.patch.section_picture import draw_settings
+from live.show.patch.patch_search_path import find_resource
 from live.show.patch.section_stage import CameraSection
 
 _LOOK: Final = {field.name for field in fields(Look)}

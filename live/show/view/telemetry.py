@@ -11,11 +11,10 @@ from live.base.stage_snapshot import StageView
 from live.clock.timeline import Timeline
 from live.control.events.events import NotesHeard
 from live.control.registry.control import ArgumentValue
-from live.control.registry.motion_controls import MOTION_PARAMETERS
 from live.control.registry.registry import STATUS, Rows
 from live.show.capture.capture_manager import SETTINGS
 from live.show.dancers.footfalls import FootfallDetector
-from live.show.desk.parameter_table import Parameter, addresses
+from live.show.desk.parameter_table import ROWS, Slot
 from live.show.partner.partner_pairs import PartnerSettings
 from live.show.show import Show
 from live.show.view.status import Status
@@ -125,7 +124,6 @@ def position_rows(view: StageView) -> bytes:
 
 SIGNIFICANT_DIGITS: Final = 6
 """Significant digits of a value. More are of no use to a person, and would make every value a change."""
-_SWITCHES: Final = frozenset(address for address, (_, known) in MOTION_PARAMETERS.items() if known.type == "bool")
 PERCENTILE_INTERVAL: Final = 16
 """The frame percentile is recomputed once in this many calls."""
 
@@ -138,7 +136,7 @@ class CurrentValues:
         self.extra_values: dict[str, Callable[[], ArgumentValue | None]] = {}
         """Values of other parts, by address; None: no value now."""
         table = show.desk.parameters.table
-        self._found: list[tuple[str, list[Parameter]]] = [(address, table.find(address)) for address in addresses()]
+        self._found: list[tuple[str, list[Slot]]] = [(address, table.find(address)) for address in ROWS]
         self._row: npt.NDArray[np.float64] = np.zeros(0)
         self._names: tuple[str, ...] = ()
         self._rows: dict[str, Rows] = {}
@@ -172,9 +170,9 @@ class CurrentValues:
                 found[address] = self._parameter_rows(those)
         return found
 
-    def _parameter_rows(self, those: list[Parameter]) -> Rows:
+    def _parameter_rows(self, those: list[Slot]) -> Rows:
         """Return one value if all groups have the same, else one per group."""
-        as_said: Callable[[float], ArgumentValue] = bool if those[0].address in _SWITCHES else _round
+        as_said: Callable[[float], ArgumentValue] = bool if those[0].parameter.kind == "switch" else _round
         values = [tuple(as_said(self._row[place]) for place in one.numbers) for one in those]
         if all(value == values[0] for value in values):
             return (("", values[0]),)

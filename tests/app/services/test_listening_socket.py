@@ -8,15 +8,23 @@ import urllib.request
 
 import pytest
 
-from live.app.services.http_services import OscQueryService
+from live.app.services.http_services import HttpService
 from live.app.services.listening_socket import listening_socket
 from live.base.errors import PersonError
 from live.clock.time_source import SystemClock
 from tests.control.waiting import wait_for
 
 
-def make_service(port: int) -> OscQueryService:
-    return OscQueryService(("127.0.0.1", port), ("127.0.0.1", 9010), "Live test", SystemClock())
+def make_service(port: int) -> HttpService:
+    plan = {
+        "key": "k" * 16,
+        "osc": ("127.0.0.1", 9010),
+        "name": "Live test",
+        "names": {},
+        "half": (6.0, 4.0),
+        "hosts": [],
+    }
+    return HttpService(("127.0.0.1", port), "--web", "live.control.web.web_server", lambda: plan, SystemClock())
 
 
 def answers(port: int) -> bool:

@@ -18,6 +18,7 @@ from live.control.midi.midi_mapping import MidiMap
 from live.control.registry.control import ArgumentValue
 from live.control.registry.registry import Values
 from live.show.patch.hot_reload import file_stamp
+from live.show.patch.midi_bindings import bindings_of
 from live.show.patch.patch_reader import PatchError, read_patch
 from live.show.patch.patch_search_path import learned_path
 from tests.show.made_show import PATCH, made_show
@@ -60,7 +61,14 @@ class MidiShow:
         )  # fmt: skip
 
     def learn(self, address: str, given: str = "") -> None:
-        self.midi.handle(LearnMidi(time=0.0, source="osc", address=address, given=given))
+        self.midi.handle(
+            LearnMidi(
+                time=0.0,
+                source="osc",
+                address=address,
+                **dict(zip(("first", "second", "third", "fourth"), given.splitlines(), strict=False)),
+            )
+        )
 
     def forget(self, address: str) -> None:
         self.midi.handle(ForgetMidi(time=0.0, source="osc", address=address))
@@ -88,15 +96,15 @@ def test_moved_controller_is_learned_and_saved_beside_patch(midi_show: MidiShow)
     midi_show.learn("/dance/motion/larger", "front")
     assert "/dance/motion/larger" in midi_show.midi.prompt()
     (moved,) = midi_show.play((0xB0, 7, 1), (0xB0, 7, 9), (0xB0, 7, 0))  # it goes on moving before the next frame
-    assert isinstance(moved, events.SetMotion)
+    assert isinstance(moved, events.SetParameter)
     assert midi_show.midi.prompt() == ""
     (moved,) = midi_show.play((0xB0, 7, 127))
-    assert isinstance(moved, events.SetMotion)
-    assert (moved.value, moved.group) == (0.5, "front")
+    assert isinstance(moved, events.SetParameter)
+    assert (moved.value, moved.group) == ((0.5,), "front")
     patch = read_patch(midi_show.path)
     assert [line.control for line in patch.midi.learned] == ["/dance/motion/larger"]
-    assert [one.control for one in patch.midi.bindings] == ["/dance/go", "/dance/motion/larger"]
-    assert patch.midi.bindings == midi_show.midi.learning.bindings
+    assert [one.control for one in bindings_of(patch.midi)] == ["/dance/go", "/dance/motion/larger"]
+    assert bindings_of(patch.midi) == midi_show.midi.learning.bindings
     assert file_stamp(midi_show.path) != before  # so the watched patch is read anew
     assert midi_show.path.read_text() == PATCH + WRITTEN
 

@@ -3,10 +3,9 @@
 import random
 
 from live.base.event_queue import EventQueue
-from live.clock.midi.time_code import TimeCodeClock
 from live.clock.note_energy import NoteEnergy
 from live.clock.time_source import ManualClock
-from live.control.events.events import Blackout, ControlEvent, Go, SetPicture, Tap
+from live.control.events.events import Blackout, ControlEvent, Go, SetParameter, Tap
 from live.control.midi.midi_binding import Binding
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_learn import MidiLearn
@@ -32,9 +31,7 @@ def test_mutated_bytes_leave_every_decoder_working() -> None:
     rng = random.Random(12)
     inbox: EventQueue[ControlEvent] = EventQueue()
     midi_map = MidiMap(BINDINGS)
-    listens = MidiInput(
-        "box", inbox, ManualClock(), midi_map=midi_map, notes=NoteEnergy(), time_code=TimeCodeClock(tempo=120.0)
-    )
+    listens = MidiInput("box", inbox, ManualClock(), midi_map=midi_map, notes=NoteEnergy())
     good = bytes.fromhex(
         "fa f8 90 24 40 25 41 f8 b0 07 10 11 b0 63 00 b0 62 05 06 40 26 01 e0 00 40 f8 d0 30 c0 03 f1 05 f2 01 02"
         "fb fc fe f0 7f 7f 01 01 21 02 03 04 f7 b0 01 40 21 03 80 24 00 ff"
@@ -55,7 +52,7 @@ def test_mutated_bytes_leave_every_decoder_working() -> None:
     assert heard > 2500
     assert cutter.rejected > 50
     events = inbox.drain()
-    assert {type(event) for event in events} >= {SetPicture, Blackout}
+    assert {type(event) for event in events} >= {SetParameter, Blackout}
     for kept in (midi_map.last_positions, midi_map._pickups, midi_map._switches, midi_map._pressed):
         assert len(kept) <= 16 * len(BINDINGS)
 
@@ -83,10 +80,10 @@ def test_last_fader_value_is_kept_and_pads_keep_order() -> None:
     listens.decode((0x90, 38, 1), 0.0)
     listens.decode((0xB0, 7, 127), 0.0)
     first, go, last = inbox.drain()
-    assert isinstance(first, SetPicture)
+    assert isinstance(first, SetParameter)
     assert isinstance(go, Go)
-    assert isinstance(last, SetPicture)
-    assert first.x < last.x == 4.0
+    assert isinstance(last, SetParameter)
+    assert first.value[0] < last.value[0] == 4.0
 
 
 def test_operator_outranks_musician_on_same_value() -> None:
@@ -94,7 +91,7 @@ def test_operator_outranks_musician_on_same_value() -> None:
     listens = MidiInput("box", inbox.add_queue(rank=ROLE_RANKS["musician"]), ManualClock(), midi_map=MidiMap(BINDINGS))
     operator = inbox.add_queue(rank=ROLE_RANKS["operator"])
     listens.decode((0xB0, 7, 1), 0.0)
-    operator.put(SetPicture(time=0.0, source="osc", parameter=RIM, x=0.5), (RIM,))
+    operator.put(SetParameter(time=0.0, source="osc", address=RIM, value=(0.5,)), (RIM,))
     inbox.drain(now=1.0)
     listens.decode((0xB0, 7, 2), 1.01)
     assert inbox.drain(now=1.02) == []

@@ -11,8 +11,9 @@ import pytest
 from live.app.services.midi_service import MidiFileService
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
+from live.base.motion_parameters import LARGER
 from live.clock.time_source import ManualClock
-from live.control.events.events import BeatHeard, ControlEvent, NotesHeard, SetMotion
+from live.control.events.events import BeatHeard, ControlEvent, NotesHeard, SetParameter
 from live.control.midi.midi_file import read_song
 from live.show.engine import Engine
 from live.show.view.status import Status
@@ -82,10 +83,12 @@ def test_song_gives_same_events_at_any_frame_rate(tmp_path: Path) -> None:
     assert np.abs(late).max() < 0.12  # where it turns to another tempo
     assert np.percentile(np.abs(late), 90) < 0.01
     kinds = {type(event) for event in one.events}
-    assert {BeatHeard, NotesHeard, SetMotion} <= kinds
-    larger = [event for event in one.events if isinstance(event, SetMotion)]
-    assert [(event.parameter, event.value, event.time) for event in larger] == [("larger", 0.5, pytest.approx(16.0))]
-    assert one.show.variation.settings[0].larger == 0.5
+    assert {BeatHeard, NotesHeard, SetParameter} <= kinds
+    larger = [event for event in one.events if isinstance(event, SetParameter)]
+    assert [(event.address, event.value, event.time) for event in larger] == [
+        ("/dance/motion/larger", (0.5,), pytest.approx(16.0))
+    ]
+    assert one.show.variation.values[0, LARGER.first] == 0.5
     loud = [event.energy for event in one.events if isinstance(event, NotesHeard)]
     told_late = 0.5 ** (2.5 / 16.0)  # it is told within a sixteenth of a second, at 2.5 beats a second
     assert told_late * 71 / 127 <= max(loud) <= 71 / 127

@@ -156,8 +156,8 @@ def test_group_binding_uses_group_value_for_pickup() -> None:
     midi_map = MidiMap([Binding("cc", 7, larger, values={"group": "Tide"})], values)
     values.update({larger: (("ember", (0.5,)), ("tide", (-0.7,)))})
     (found,) = midi_map.events((0xB0, 7, 0), 0.0)
-    assert isinstance(found, events.SetMotion)
-    assert (found.value, found.group) == (-0.7, "Tide")
+    assert isinstance(found, events.SetParameter)
+    assert (found.value, found.group) == ((-0.7,), "Tide")
 
 
 @pytest.mark.parametrize(

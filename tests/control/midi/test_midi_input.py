@@ -6,7 +6,6 @@ from typing import cast
 import pytest
 
 from live.base.event_queue import EventQueue
-from live.clock.midi.time_code import TimeCodeClock
 from live.clock.time_source import ManualClock
 from live.control.events.events import BeatHeard, ControlEvent, SourceChanged, Tap
 from live.control.midi import midi_input, midi_ports
@@ -34,7 +33,7 @@ class FakePort:
 
 def test_messages_become_events() -> None:
     inbox: EventQueue[ControlEvent] = EventQueue()
-    listens = MidiInput("box", inbox, ManualClock(), time_code=TimeCodeClock(tempo=120.0), midi_map=MidiMap())
+    listens = MidiInput("box", inbox, ManualClock(), midi_map=MidiMap())
     listens.decode((0xFA,), 1.0)
     for i in range(30):
         listens.decode((0xF8,), 1.01 + i * 0.02)

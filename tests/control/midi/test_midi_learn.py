@@ -12,7 +12,7 @@ TEMPO, LARGER, SCENE, DARK = "/dance/clock/tempo", "/dance/motion/larger", "/dan
 
 
 def learn(address: str, given: str, *messages: tuple[int, ...]) -> Binding | None:
-    hands, learning = ChannelMessageDecoder(), MidiLearn(address, parse_values(address, given))
+    hands, learning = ChannelMessageDecoder(), MidiLearn(address, parse_values(address, given.splitlines()))
     found = [learning.process(hands.decode(message)) for message in messages]
     assert not any(found[:-1])  # with the last message, and not before
     return found[-1]
@@ -56,11 +56,11 @@ def test_releases_and_data_entry_are_not_learned() -> None:
 
 
 def test_values_are_parsed_by_position_or_name() -> None:
-    assert parse_values(LARGER, "ember") == {"group": "ember"}
-    assert parse_values(LARGER, "group=ember") == {"group": "ember"}
-    assert parse_values("/dance/clock/nudge", "seconds=-0.02") == {"seconds": -0.02}
-    assert parse_values(DARK, "on=yes") == {"on": True}
-    assert parse_values(SCENE, "a=b\nmeasures=2") == {"name": "a=b", "measures": 2.0}
+    assert parse_values(LARGER, ["ember"]) == {"group": "ember"}
+    assert parse_values(LARGER, ["group=ember"]) == {"group": "ember"}
+    assert parse_values("/dance/clock/nudge", ["seconds=-0.02"]) == {"seconds": -0.02}
+    assert parse_values(DARK, ["on=yes"]) == {"on": True}
+    assert parse_values(SCENE, ["a=b", "measures=2"]) == {"name": "a=b", "measures": 2.0}
 
 
 @pytest.mark.parametrize(
@@ -76,4 +76,4 @@ def test_values_are_parsed_by_position_or_name() -> None:
 )
 def test_impossible_learn_request_is_refused(address: str, given: str, told: str) -> None:
     with pytest.raises(BadBinding, match=told):
-        MidiLearn(address, parse_values(address, given))
+        MidiLearn(address, parse_values(address, given.splitlines()))

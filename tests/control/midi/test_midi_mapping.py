@@ -4,6 +4,7 @@ import pytest
 
 from live.control.events import events
 from live.control.midi.midi_mapping import DEFAULTS, BadBinding, Binding, MidiMap
+from live.show.patch.midi_bindings import bindings_of
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
 
@@ -87,9 +88,9 @@ def test_errors_name_file_line_and_remedy(line: str, told: str) -> None:
 
 def test_patch_map_replaces_the_defaults() -> None:
     own = parse_patch(f'{PATCH}[[midi.map]]\nnote = 60\ncontrol = "/dance/clock/tap"\n', "p")
-    assert own.midi.bindings == (Binding("note", 60, "/dance/clock/tap"),)
-    assert parse_patch(PATCH, "p").midi.bindings == DEFAULTS
-    assert parse_patch(f"{PATCH}[midi]\ndefaults = false\n", "p").midi.bindings == ()
+    assert bindings_of(own.midi) == (Binding("note", 60, "/dance/clock/tap"),)
+    assert bindings_of(parse_patch(PATCH, "p").midi) == DEFAULTS
+    assert bindings_of(parse_patch(f"{PATCH}[midi]\ndefaults = false\n", "p").midi) == ()
 
 
 def test_binding_to_unknown_control_is_refused() -> None:

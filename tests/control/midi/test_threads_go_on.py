@@ -13,11 +13,10 @@ from live.base.event_queue import EventQueue
 from live.base.fault_isolation import FAULTS
 from live.clock.time_source import SystemClock
 from live.control.audio.devices import DeviceWatchdog
-from live.control.capture.udp_input import CaptureInput
 from live.control.midi.midi_streams import StreamPort
-from live.control.midi.rtp_midi import RtpPort
 from live.control.osc.osc_codec import encode
 from live.control.osc.osc_server import OscInput
+from live.control.udp_input import CaptureInput
 from live.control.web.task_guard import guarded, keep_task
 from live.show.journal.line_writer import WriterThread
 from tests.control.waiting import wait_for
@@ -96,21 +95,6 @@ def test_midi_stream_thread_survives_exception(fault_count):
     assert port.exists
     port.close()
     assert not port.exists
-
-
-def test_rtp_midi_thread_survives_exception(monkeypatch, fault_count):
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        number = free.getsockname()[1] & ~1
-    port = RtpPort("input", f"rtp:127.0.0.1:{number}")
-    monkeypatch.setattr(port.protocol, "handle", FirstCallFailure(port.protocol.handle))
-    port.listen(lambda message: None)
-    _send(("127.0.0.1", number), b"\xff\xff nonsense")
-    assert wait_for(lambda: fault_count() == 1, 5.0)
-    _send(("127.0.0.1", number), b"\xff\xff nonsense")
-    assert wait_for(lambda: port.protocol.handle.calls == 2, 5.0)
-    assert port.exists
-    port.close()
 
 
 def test_device_watchdog_survives_exception(fault_count):

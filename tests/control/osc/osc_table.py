@@ -3,7 +3,10 @@
 An address, the arguments of liblo's oscsend (type tags, then a value for each that has one), the event.
 """
 
-from live.base.picture_parameters import GROUP_PARAMETERS
+import struct
+
+from live.base.motion_parameters import MOTION_PARAMETERS
+from live.base.picture_parameters import GROUP_PARAMETERS, PARAMETERS
 from live.control.events import events
 from tests.control.osc.osc_stage import STAMP
 
@@ -28,31 +31,7 @@ def every_control():
             ["ss", "sway, glide x2, *", "front"],
             events.SetSequence(steps="sway, glide x2, *", group="front", **STAMP),
         ),
-        **{
-            f"/dance/motion/{name}": (
-                [kind, value],
-                events.SetMotion(parameter=field, value=number, group="*", **STAMP),
-            )
-            for name, kind, value, field, number in (
-                ("warp", "f", "0.25", "warp_beats", 0.25),
-                ("warp_sequence", "i", "1", "warp_sequence", 1.0),
-                ("amplitude", "f", "0.5", "amplitude", 0.5),
-                ("amplitude_sequence", "F", None, "amplitude_sequence", 0.0),
-                ("larger", "f", "0.25", "larger", 0.25),
-                ("mix", "f", "0.5", "mix", 0.5),
-                ("texture", "f", "0.75", "texture", 0.75),
-                ("arms", "f", "1", "arms", 1.0),
-                ("obedience", "f", "0.75", "obedience", 0.75),
-                ("foot_lock", "i", "0", "lock", 0.0),
-                ("turn_on_support", "T", None, "on_support", 1.0),
-                ("face_average", "i", "1", "face_average", 1.0),
-                ("mirror", "i", "-1", "mirror", -1.0),
-            )
-        },
-        "/dance/motion/head": (
-            ["fs", "0.75", "left"],
-            events.SetMotion(parameter="head", value=0.75, group="left", **STAMP),
-        ),
+        **parameter_controls(),
         "/dance/partner/on": (["i", "0"], events.SetPartner(parameter="on", value=0.0, **STAMP)),
         "/dance/partner/amount": (
             ["fs", "0.5", "duet"],
@@ -104,7 +83,7 @@ def every_control():
         "/dance/breaker/reset": (["s", "steering"], events.ResetBreaker(name="steering", **STAMP)),
         "/dance/midi/learn": (
             ["sss", "/dance/motion/larger", "ember", "scale=1"],
-            events.LearnMidi(address="/dance/motion/larger", given="ember\nscale=1", **STAMP),
+            events.LearnMidi(address="/dance/motion/larger", first="ember", second="scale=1", **STAMP),
         ),
         "/dance/midi/forget": (["s", "/dance/clock/tempo"], events.ForgetMidi(address="/dance/clock/tempo", **STAMP)),
         "/dance/ping": ([], None),
@@ -112,7 +91,6 @@ def every_control():
         "/dance/subscribe": (["sfi", "/dance/light", "30", "0"], None),
         "/dance/unsubscribe": (["i", "9"], None),
         **group_controls(),
-        **picture_controls(),
         **scene_controls(),
         **score_controls(),
         **audience_controls(),
@@ -135,7 +113,7 @@ def audience_controls():
         ),
         "/dance/audience/vote/drop": ([], events.DropVote(**STAMP)),
         "/dance/audience/shake": (["F"], events.AllowShaking(on=False, **STAMP)),
-        "/dance/audience/qr": (["i", "1"], events.ShowCard(output="*", card="qr", **STAMP)),
+        "/dance/audience/qr": (["i", "1"], events.ShowJoinCard(on=True, **STAMP)),
     }
 
 
@@ -147,7 +125,7 @@ def clock_and_sound_controls():
         "/dance/clock/nudge": (["d", "-0.015"], events.Nudge(seconds=-0.015, **STAMP)),
         "/dance/clock/shift": (["f", "0.5"], events.ShiftBeats(beats=0.5, **STAMP)),
         "/dance/clock/hold": (["F"], events.HoldTempo(on=False, **STAMP)),
-        "/dance/clock/metre": (["i", "3"], events.SetMetre(beats=3.0, **STAMP)),
+        "/dance/clock/metre": (["i", "3"], events.SetMetre(beats=3, **STAMP)),
         "/dance/clock/count_in": (["i", "2"], events.CountIn(measures=2.0, **STAMP)),
         "/dance/clock/source": (["s", "midi"], events.ChooseSource(name="midi", **STAMP)),
         "/dance/audio/restart": ([], events.RestartAudio(**STAMP)),
@@ -158,62 +136,36 @@ def clock_and_sound_controls():
         "/dance/audio/channels": (["s", "3"], events.ChooseAudio(channels="3", **STAMP)),
         "/dance/click": (["i", "0"], events.SetClick(on=False, **STAMP)),
         **{
-            f"/dance/latency/{what}": (["f", "12.5"], events.SetLatency(what=what, seconds=0.0125, **STAMP))
+            f"/dance/latency/{what}": (["f", "12.5"], events.SetLatency(what=what, milliseconds=12.5, **STAMP))
             for what in ("input", "output", "display", "projector")
         },
     }
 
 
-NUMBERS = {
-    "light": {"rim": 2.0, "ambient": 0.5, "haze": 0.25, "saturation": 0.0, "side": 0.25, "back": 0.25, "beams": 0.25,
-              "pulse": 0.25, "energy": 0.25, "stage": 0.25, "beams/width": 0.25, "beams/fan": 0.25, "beams/sway": 0.25},
-    "pass": {"shadow": 0.0, "mirror": 0.5, "bloom": 2.0, "vignette": 0.25, "trails": 1.0, "ink": 1.0, "grade": 0.5,
-             "trails/beats": 2.0, "trails/zoom": -0.5, "ink/width": 3.0, "ink/paper": 0.5, "grade/contrast": 1.5,
-             "grade/temperature": -0.5},
-    "camera": dict.fromkeys(
-        ("roll", "shift_x", "shift_y", "stretch", "skew", "orbit", "following", "along", "plan"), 0.5
-    ),
-    "background": {"gradient": 0.25} | {str(number): 1.0 for number in range(1, 9)},
-    "spot": {str(number): 0.25 for number in range(1, 5)} | {f"{number}/radius": 2.0 for number in range(1, 5)},
-}  # fmt: skip
-"""What is sent to parameters of the picture that are numbers."""
-PLACES = {
-    "light": ("key/colour", "rim/colour", "ambient/colour", "background", "floor", "side/left", "side/right",
-              "back/colour", "beams/colour"),
-    "pass": ("trails/colour", "ink/colour", "ink/paper/colour", "grade/lift", "grade/gamma", "grade/gain"),
-    "background": ("top", "bottom"),
-    "spot": tuple(f"{number}/colour" for number in range(1, 5)),
-    "camera": ("eye", "target"),
-}  # fmt: skip
-"""Those that are colours or places."""
+def sent_value(row, component):
+    """A value within the range of a parameter, exact in single precision."""
+    if row.kind in ("switch", "choice"):
+        return row.high
+    low, high = max(row.low, -4.0), min(row.high, 4.0)
+    return low + (high - low) * (0.5, 0.25, 0.75)[component] if low < high else float(row.low)
 
 
-def picture(parameter, *numbers, **others):
-    return events.SetPicture(parameter=parameter, **dict(zip("xyz", numbers, strict=False)), **others, **STAMP)
-
-
-def picture_controls():
-    """Controls of the picture, as a light desk sends them."""
-    sent = {
-        "/dance/light/level": (["f", "0.5"], picture("/dance/light/level", 0.5)),
-        "/dance/light/key": (["ff", "2", "4"], picture("/dance/light/key", 2.0, measures=4.0)),
-        "/dance/light/key/direction": (["fff", "0", "-1", "0"], picture("/dance/light/key/direction", 0.0, -1.0, 0.0)),
-        "/dance/camera/field_of_view": (["i", "60"], picture("/dance/camera/field_of_view", 60.0)),
-    }
-    for address, known in GROUP_PARAMETERS.items():
-        if known.kind == "colour":
-            wanted = picture(address, 1.0, 0.5, 0.0, group="tide", measures=2.0)
-            sent[address] = (["fffsf", "1", "0.5", "0", "tide", "2"], wanted)
+def parameter_controls():
+    """A message to every parameter: its numbers, and where it has them a group and the length of a fade."""
+    sent = {}
+    for row in (*PARAMETERS, *GROUP_PARAMETERS.values(), *MOTION_PARAMETERS):
+        numbers = [struct.unpack("<f", struct.pack("<f", sent_value(row, each)))[0] for each in range(row.size)]
+        if row.kind == "switch":
+            types, words = "i", [str(int(numbers[0]))]
         else:
-            sent[address] = (["fs", "1", "tide"], picture(address, 1.0, group="tide"))
-    for folder, numbers in NUMBERS.items():
-        for name, value in numbers.items():
-            address = f"/dance/{folder}/{name}"
-            sent[address] = (["di", str(value), "2"], picture(address, value, measures=2.0))
-    for folder, names in PLACES.items():
-        for name in names:
-            address = f"/dance/{folder}/{name}"
-            sent[address] = (["fff", "1", "0.5", "0.25"], picture(address, 1.0, 0.5, 0.25))
+            types, words = "d" * row.size, [repr(number) for number in numbers]
+        others = {}
+        if row.per_group:
+            types, words, others["group"] = types + "s", [*words, "tide"], "tide"
+        if row.fades:
+            types, words, others["measures"] = types + "i", [*words, "2"], 2.0
+        event = events.SetParameter(address=row.address, value=tuple(numbers), **others, **STAMP)
+        sent[row.address] = ([types, *words], event)
     return sent
 
 

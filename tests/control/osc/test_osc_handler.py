@@ -109,7 +109,10 @@ def test_pattern_sets_values_but_triggers_no_commands():
     handler_stage = HandlerStage()
     handler_stage.ask("/dance/light/{key,rim}", 0.5)
     found = handler_stage.events()
-    assert [(event.parameter, event.x) for event in found] == [("/dance/light/key", 0.5), ("/dance/light/rim", 0.5)]
+    assert [(event.address, event.value) for event in found] == [
+        ("/dance/light/key", (0.5,)),
+        ("/dance/light/rim", (0.5,)),
+    ]
     assert handler_stage.ask("/dance/*") == [("/dance/hold", False)]
     handler_stage.ask("/dance/p*c")
     assert handler_stage.events() == []
@@ -273,7 +276,7 @@ def test_last_of_several_queued_values_is_kept():
     for value in (0.1, 0.2, 0.3):
         handler_stage.ask(LIGHT, value)
         handler_stage.ask(LARGER, value, "ember")
-    assert [round(getattr(e, "x", 0.0) or e.value, 3) for e in handler_stage.events()] == [0.3, 0.3]
+    assert [round(e.value[0], 3) for e in handler_stage.events()] == [0.3, 0.3]
     for whom in ("*", "ember", "*"):
         handler_stage.ask(LARGER, 0.25, whom)
     assert [event.group for event in handler_stage.events()] == ["*", "ember", "*"]

@@ -96,7 +96,7 @@ def test_batch_read_matches_recvfrom(family, host):
 def test_value_flood_ends_with_last_value(stage):
     stage.send(*[light(number / 1000) for number in range(1000)])
     found = []
-    wait_until(lambda: found.extend(stage.events()) or found[-1].x > 0.998)
-    assert found[-1] == events.SetPicture(parameter="/dance/light/key", x=pytest.approx(0.999), **STAMP)
+    wait_until(lambda: found.extend(stage.events()) or found[-1].value[0] > 0.998)
+    assert found[-1] == events.SetParameter(address="/dance/light/key", value=(pytest.approx(0.999),), **STAMP)
     facts = stage.osc.status()
     assert stage.osc.accepted + facts["replaced"] >= 1000

@@ -3,11 +3,10 @@
 import pytest
 
 from live.control.events import events
-from live.control.layouts.surface import make_surface
 from live.control.midi.midi_binding import Binding
 from live.control.midi.midi_mapping import current_value
-from live.control.osc.oscquery_tree import Namespace
 from live.control.registry.registry import READABLE, REGISTRY, Values
+from live.control.web.surface import make_surface
 from live.show.desk.completions import completion_names
 from live.show.patch.patch_reader import parse_patch
 from tests.control.osc.test_osc_handler import ME, YOU, HandlerStage
@@ -97,20 +96,6 @@ def test_subscribers_get_performer_addresses_without_echo(handler_stage):
     assert (performer_address("attract", "ben"), 1.0, "ember") in handler_stage.turn(6.5)[
         ME
     ]  # and what another said is told
-
-
-def test_oscquery_tree_contains_all_named_performers():
-    values = Values()
-    tree = Namespace(values)
-    assert not tree.has(performer_address("mirrored"))
-    assert "VALUE" not in tree.node(MIRRORED)
-    values.update(ROWS)
-    for name, (value,) in ROWS[MIRRORED]:
-        node = tree.node(performer_address("mirrored", name))
-        assert (node["TYPE"], node["VALUE"], node["ACCESS"]) == ("T" if value else "F", [value], 3)
-    assert tree.attribute(performer_address("attract"), "RANGE") == {"RANGE": [{"MIN": -10, "MAX": 10}, {}]}
-    assert (tree.node(ATTRACT)["TYPE"], tree.node(ATTRACT)["VALUE"]) == ("sfs", ["anna", 0.5, "*"])
-    assert set(tree.node("/dance/mocap/ben")["CONTENTS"]) == {"mirrored", "place", "attract"}
 
 
 def test_performer_fader_picks_up_the_performer_value():

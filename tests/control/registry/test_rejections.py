@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from live.control.events import events
 from live.control.events.event_json import event_from_json, event_to_json
 from live.control.events.events import ControlEvent
-from live.control.registry.control import NAME_LENGTH, Argument, Control, Released, Reply
+from live.control.events.system import Ping
+from live.control.registry.control import NAME_LENGTH, Argument, Control, Released
 from live.control.registry.registry import REGISTRY, Registry
 from live.control.registry.rejections import Reason, Rejection, Tally, merge_counts
 from tests.places import ROOT
@@ -55,7 +56,7 @@ STAMP = {"time": 12.5, "source": "test"}
         ("/dance/blackout", (0.0,), events.Blackout(on=False, **STAMP)),
         ("/dance/blackout", (True,), events.Blackout(on=True, **STAMP)),
         ("/dance/blackout", (False,), events.Blackout(on=False, **STAMP)),
-        ("/dance/ping", (), Reply("/dance/pong")),
+        ("/dance/ping", (), Ping(**STAMP)),
     ],
 )
 def test_every_control_makes_its_event(address, values, event):

@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from live.base.custom_pass import custom_pass_numbers, parse_custom_pass
+from live.base.custom_pass import PASSES, custom_pass_numbers, parse_custom_pass
 from live.base.errors import PersonError
 from live.base.picture_parameters import CUSTOM_PASS_SLICE, picture_row
-from live.base.stage_snapshot import PASSES
 from live.render.adaptive_quality import HARDWARE, SOFTWARE
 from live.render.custom_pass import first_error, try_passes
 from live.render.renderer import Renderer

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from live.base.custom_pass import PASSES
 from live.base.picture_parameters import BY_ADDRESS, picture_row
-from live.base.stage_snapshot import PASSES, Camera
+from live.base.stage_snapshot import Camera
 from live.render.adaptive_quality import HARDWARE, SOFTWARE
 from live.render.camera import project_points
 from live.render.renderer import Renderer

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
+from live.base.motion_parameters import TEXTURE
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.motion.texture.live_bank import TextureBank, leg_positions, prefix_features, stack_features
@@ -95,7 +96,9 @@ def test_fader_jumps_cause_no_pop() -> None:
     quiet = max_angular_speed(run(show, 1, 64 * 2))
     moved = []
     for part, value in enumerate((1.0, 0.5, 0.0, 0.7, 1.0), start=2):
-        show.apply(events.SetMotion(time=show.time, source="osc", parameter="texture", value=value, group="*"))
+        show.apply(
+            events.SetParameter(time=show.time, source="osc", address=TEXTURE.address, value=(value,), group="*")
+        )
         moved.append(run(show, 64 * part + 1, 64 * part + 64))
     data = 2.0 * np.arccos(np.minimum(np.abs(np.sum(BANK.upper[1:] * BANK.upper[:-1], axis=-1)), 1.0))
     inside = np.ones(len(data), np.bool_)
@@ -138,11 +141,11 @@ def test_untextured_dancers_are_unchanged() -> None:
 
 def test_show_without_recordings_refuses_texture() -> None:
     show = assemble(parse_patch(PATCH, "test.toml"), GRAPH)
-    asked = events.SetMotion(time=0.0, source="osc", parameter="texture", value=0.5, group="*")
+    asked = events.SetParameter(time=0.0, source="osc", address=TEXTURE.address, value=(0.5,), group="*")
     assert not show.apply(asked)
-    assert not show.variation.any_texture
+    assert not show.variation.any(TEXTURE)
     assert show.refusals.count == 1
-    assert show.apply(events.SetMotion(time=0.0, source="osc", parameter="texture", value=0.0, group="*"))
+    assert show.apply(events.SetParameter(time=0.0, source="osc", address=TEXTURE.address, value=(0.0,), group="*"))
 
 
 def test_choices_are_spread_over_ticks() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from live.agents.agent_command import LEASH
+from live.base.motion_parameters import OBEDIENCE
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.show.assembly import assemble
@@ -165,5 +166,5 @@ def test_repeated_show_has_same_corrections():
 @pytest.mark.parametrize("value", [0.0, 1.0])
 def test_obedience_can_be_set_live(value):
     show = make_show()
-    show.apply(events.SetMotion(time=0.0, source="test", parameter="obedience", value=value, group="all"))
-    assert (show.variation.obedience == value).all()
+    show.apply(events.SetParameter(time=0.0, source="test", address=OBEDIENCE.address, value=(value,), group="all"))
+    assert (show.variation[OBEDIENCE] == value).all()

@@ -7,13 +7,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from live.base.motion_parameters import (
+    FOOT_LOCK,
+    HEAD,
+    MOTION_BY_ADDRESS,
+    MOTION_PREFIX,
+    MOTION_SIZE,
+    OBEDIENCE,
+    TURN_ON_SUPPORT,
+    WARP_SEQUENCE,
+)
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import measure_warp
 from live.motion.skeleton import SKELETON
 from live.show.dancers.measure_state import MeasureState
-from live.show.dancers.variation import Variation, VariationSettings, settings_of
+from live.show.dancers.variation import Variation, section_values
 from live.show.loader import load_from_patch, load_show
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import DEFAULT_PATCH
@@ -26,10 +36,20 @@ APART = 10.0
 UPPER = [SKELETON.index(name) for name in ("leftHand", "rightHand")]
 
 
+def group_numbers(fields):
+    """The motion parameters of two groups: those of the first by their last name, everything else without effect."""
+    numbers = np.zeros((2, MOTION_SIZE))
+    numbers[:, [FOOT_LOCK.first, TURN_ON_SUPPORT.first]] = 1.0
+    numbers[:, OBEDIENCE.first] = 0.5
+    for name, value in fields.items():
+        numbers[0, MOTION_BY_ADDRESS[MOTION_PREFIX + name].first] = value
+    return numbers
+
+
 def make_variation(seed=1, beats=4, **fields):
     group = np.repeat([0, 1], COUNT // 2).astype(np.int32)
     return Variation(
-        [VariationSettings(**fields), VariationSettings()],
+        group_numbers(fields),
         group,
         seed=seed,
         beats_per_measure=beats,
@@ -45,7 +65,7 @@ def draw_measure(variation, measure):
 
 
 def test_draws_depend_only_on_seed_and_measure():
-    fields = {"warp_beats": 0.3, "amplitude": 0.2, "mix": 0.5, "arms": 0.5}
+    fields = {"warp": 0.3, "amplitude": 0.2, "mix": 0.5, "arms": 0.5}
     one, again = draw_measure(make_variation(**fields), 7), draw_measure(make_variation(**fields), 7)
     other, seed = draw_measure(make_variation(**fields), 8), draw_measure(make_variation(seed=2, **fields), 7)
     for name in ("warp", "take", "take_share", "amplitude"):
@@ -56,8 +76,8 @@ def test_draws_depend_only_on_seed_and_measure():
 
 def test_other_controls_do_not_change_warp_draws():
     few, many = (
-        draw_measure(make_variation(warp_beats=0.2), 3),
-        draw_measure(make_variation(warp_beats=0.2, amplitude=0.3, mix=0.4, arms=1.0), 3),
+        draw_measure(make_variation(warp=0.2), 3),
+        draw_measure(make_variation(warp=0.2, amplitude=0.3, mix=0.4, arms=1.0), 3),
     )
     assert np.array_equal(few.warp, many.warp)
 
@@ -70,7 +90,7 @@ def test_default_settings_give_no_variation():
 
 
 def test_only_group_with_settings_varies():
-    danced = draw_measure(make_variation(warp_beats=0.3, amplitude=0.2, mix=0.5, arms=1.0), 5)
+    danced = draw_measure(make_variation(warp=0.3, amplitude=0.2, mix=0.5, arms=1.0), 5)
     assert danced.warp[0, : COUNT // 2].any()
     assert not danced.warp[0, COUNT // 2 :].any()
     assert not danced.take_share[:, COUNT // 2 :].any()
@@ -79,7 +99,7 @@ def test_only_group_with_settings_varies():
 @settings(max_examples=30)
 @given(st.integers(-4, 10_000), st.floats(0, 1), st.integers(1, 16))
 def test_measure_warps_end_on_beat_and_are_monotonic(measure, beats_ahead, beats):
-    variation = make_variation(beats=beats, warp_beats=beats_ahead)
+    variation = make_variation(beats=beats, warp=beats_ahead)
     danced = draw_measure(variation, measure)
     x = np.linspace(0, 1, 401)[:, None]
     phase = measure_warp(x, *danced.warp, GRAPH.window)
@@ -122,7 +142,7 @@ def test_arms_and_mixtures_use_another_take():
 @given(st.integers(0, 2**31 - 1), st.integers(1, 8))
 def test_sequence_warp_is_smooth_and_monotonic(seed, beats):
     """T056: position in measures, m + x + w, increases; it is continuous at measure lines and within the limit."""
-    variation = make_variation(seed=seed, beats=beats, warp_beats=0.5, warp_sequence=1.0)
+    variation = make_variation(seed=seed, beats=beats, warp=0.5, warp_sequence=1.0)
     places, x = [], np.linspace(0, 1, 65)[:-1]
     for measure in range(12):
         variation.begin_measure(measure)
@@ -139,9 +159,10 @@ def test_group_settings_override_patch_settings():
     text = PATCH.split("[clock]")[0] + "[motion]\nhead = 0.5\nfoot_lock = false\n[clock]" + PATCH.split("[clock]")[1]
     text = text.replace('name = "front"', 'name = "front"\nmotion = {head = 1.0, warp_over = "sequence"}')
     patch = parse_patch(text, "test.toml")
-    front, back = (settings_of(patch.motion_of(group)) for group in patch.group)
-    assert (front.head, front.lock, front.warp_sequence) == (1.0, 0.0, 1.0)
-    assert (back.head, back.lock, back.warp_sequence) == (0.5, 0.0, 0.0)
+    front, back = (np.array(section_values(patch, group)) for group in patch.group)
+    rows = [HEAD.first, FOOT_LOCK.first, WARP_SEQUENCE.first]
+    assert front[rows].tolist() == [1.0, 0.0, 1.0]
+    assert back[rows].tolist() == [0.5, 0.0, 0.0]
 
 
 def hand_positions(show, seconds):
@@ -170,10 +191,10 @@ def show_with_separate_groups():
 def rotations(field, value):
     """Poses of the first show (F, A, J, 4), eight a second, with only one control of its first group set."""
     show = show_with_separate_groups()
-    for name in VariationSettings.names():
-        show.apply(events.SetMotion(parameter=name, value=0.0, **STAMP))
+    for address in MOTION_BY_ADDRESS:
+        show.apply(events.SetParameter(address=address, value=(0.0,), **STAMP))
     group = show.patch.group[0].name.upper()
-    show.apply(events.SetMotion(parameter=field, value=value, group=group, **STAMP))
+    show.apply(events.SetParameter(address=MOTION_PREFIX + field, value=(value,), group=group, **STAMP))
     for section, z in zip(show.patch.group, (APART, 0.0, -APART), strict=True):
         show.apply(events.Attract(x=3.0, z=z - 0.75, group=section.name.upper(), **STAMP))
     view, frames = show.view(), []
@@ -191,14 +212,14 @@ def neutral_rotations():
 
 
 @pytest.mark.parametrize(
-    "field", ["warp_beats", "amplitude", "mix", "arms", "head", "on_support", "face_average", "mirror"]
+    "field", ["warp", "amplitude", "mix", "arms", "head", "turn_on_support", "face_average", "mirror"]
 )
 def test_each_control_changes_poses_of_its_group_only(field, neutral_rotations):
     """In the show: the events differ in one control, and only the poses of that group differ.
 
     The groups are far apart, because dancers that meet change each other's paths.
     """
-    poses, own = rotations(field, 0.9)
+    poses, own = rotations(field, MOTION_BY_ADDRESS[MOTION_PREFIX + field].high)
     changed = np.abs(poses - neutral_rotations).max(axis=(0, 2, 3))
     assert (changed[own] > 1e-3).mean() > 0.5
     assert changed[~own].max() < 1e-5  # the arithmetic of a block rounds
@@ -206,17 +227,17 @@ def test_each_control_changes_poses_of_its_group_only(field, neutral_rotations):
 
 def test_unknown_groups_and_controls_are_refused_and_counted():
     show = made_show()
-    assert not show.apply(events.SetMotion(parameter="head", value=1.0, group="nobody", **STAMP))
-    assert not show.apply(events.SetMotion(parameter="seed", value=1.0, **STAMP))
+    assert not show.apply(events.SetParameter(address="/dance/motion/head", value=(1.0,), group="nobody", **STAMP))
+    assert not show.apply(events.SetParameter(address="/dance/motion/seed", value=(1.0,), **STAMP))
     assert show.refusals.count == 2
-    assert show.apply(events.SetMotion(parameter="head", value=1.0, group="*", **STAMP))
+    assert show.apply(events.SetParameter(address="/dance/motion/head", value=(1.0,), group="*", **STAMP))
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_mirror_extremes_select_one_side_only(side):
     """T042: all steps of the first show have mirror images; from the second decided measure on one side is used."""
     show = load_show(DEFAULT_PATCH).start()
-    show.apply(events.SetMotion(parameter="mirror", value=side, **STAMP))
+    show.apply(events.SetParameter(address="/dance/motion/mirror", value=(side,), **STAMP))
     library, danced = show.graph.library, []
     for tick in range(1, 64 * 18):
         if show.tick(tick * TICK) and show.span.number > 1:
@@ -233,7 +254,7 @@ def test_mirror_extremes_select_one_side_only(side):
 def test_dancers_drifting_over_measure_lines_stay_continuous():
     """With a sequence warp dancers are in different measures at one time: no joint jumps."""
     show = made_show()
-    for name, value in (("warp_beats", 0.45), ("warp_sequence", 1.0), ("lock", 0.0)):
-        show.apply(events.SetMotion(parameter=name, value=value, **STAMP))
+    for name, value in (("warp", 0.45), ("warp_sequence", 1.0), ("foot_lock", 0.0)):
+        show.apply(events.SetParameter(address=MOTION_PREFIX + name, value=(value,), **STAMP))
     moved = np.linalg.norm(np.diff(hand_positions(show, 20), axis=0), axis=3) * 64
     assert moved.max() < 5.0

@@ -7,7 +7,7 @@ import pytest
 
 from live.base import picture_parameters
 from live.base.errors import PersonError
-from live.base.projector_perspective import floor_corners
+from live.base.floor_corners import floor_corners
 from live.clock.ticks import TICK
 from live.render.camera import project_points
 from live.show.desk.scenes import view_settings

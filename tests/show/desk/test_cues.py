@@ -2,6 +2,7 @@
 
 import pytest
 
+from live.base.motion_parameters import LARGER
 from live.control.events.event_json import event_from_json, event_to_json
 from live.control.registry.registry import REGISTRY
 from live.show.patch.patch_search_path import PatchError
@@ -146,7 +147,7 @@ def test_panic_resets_show_and_go_resumes(session):
     session.say("/dance/panic")
     session.run(4)
     assert session.value("/dance/light/level") == 1.0
-    assert session.show.variation.settings[0].larger == 0.0
+    assert session.show.variation.values[0, LARGER.first] == 0.0
     assert session.cues["held"]
     assert session.cues["standby"] == "dim"
     assert session.cues["counting_in"] == []

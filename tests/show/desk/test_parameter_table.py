@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
+from live.base.motion_parameters import ARMS, FOOT_LOCK, LARGER, MIRRORED
 from live.base.picture_parameters import EYE, TARGET
-from live.show.desk.parameter_table import addresses, check_setting, parse_value
+from live.show.desk.parameter_table import ROWS, check_setting, parse_value
 from live.show.patch.patch_search_path import PatchError
 from tests.show.desk.desk_show import DESK, DeskSession
 
@@ -60,8 +61,8 @@ def test_scene_fades_only_named_parameters(session):
     session.run(2)
     assert session.value(LEVEL) == 0.25
     assert session.value("/dance/motion/larger", "front") == 0.4
-    assert session.show.variation.settings[0].larger == 0.4
-    assert session.show.variation.settings[1].larger == 0.0
+    assert session.show.variation.values[0, LARGER.first] == 0.4
+    assert session.show.variation.values[1, LARGER.first] == 0.0
     changed = np.flatnonzero(session.desk.parameters.value != before)
     table = session.desk.parameters.table
     named = [LEVEL, "/dance/motion/larger", "/dance/camera/eye", "/dance/light/key/colour"]
@@ -76,11 +77,11 @@ def test_stored_scene_restores_values_and_fade_targets(session):
     session.say("/dance/scene", "start", 0)
     session.run(1)
     assert session.value("/dance/light/haze") == 0.035
-    assert session.show.variation.settings[1].arms == 0.0
+    assert session.show.variation.values[1, ARMS.first] == 0.0
     assert session.say("/dance/scene", " MINE ", 0)
     session.run(1)
     assert session.value("/dance/light/haze") == 0.5
-    assert session.show.variation.settings[1].arms == 0.7
+    assert session.show.variation.values[1, ARMS.first] == 0.7
 
 
 def test_manual_change_removes_value_from_fade(session):
@@ -88,7 +89,7 @@ def test_manual_change_removes_value_from_fade(session):
     session.run(2)
     session.say("/dance/motion/larger", -0.3, "front")
     session.run(8)
-    assert session.show.variation.settings[0].larger == -0.3
+    assert session.show.variation.values[0, LARGER.first] == -0.3
     assert session.value(LEVEL) == 0.25
 
 
@@ -98,7 +99,7 @@ def test_switches_change_at_fade_start():
     )
     session = DeskSession(scene).run(1)
     session.say("/dance/scene", "x")
-    assert [(variety.lock, variety.mirror) for variety in session.show.variation.settings] == [(0.0, 1.0)] * 2
+    assert session.show.variation.values[:, [FOOT_LOCK.first, MIRRORED.first]].tolist() == [[0.0, 1.0]] * 2
 
 
 def test_each_refusal_is_counted_and_named(session):
@@ -121,7 +122,7 @@ def test_unused_desk_adds_nothing_to_state_hash(session):
 
 
 def test_each_address_reports_expected_values():
-    for address in addresses():
+    for address in ROWS:
         with pytest.raises(PersonError, match="expected"):
             parse_value(address, 1e9)
         with pytest.raises(PersonError):
@@ -137,7 +138,7 @@ def test_each_address_reports_expected_values():
         ('set = {"/dance/light/floor" = 1}', "3 numbers, each 0 to 1"),
         ('set = {"/dance/light/level front" = 1}', "belong to no group"),
         ('set = {"/dance/motion/larger nobody" = 0.1}', "no group is called 'nobody'; there are: "),
-        ('set = {"/dance/motion/larger" = 2}', "out of range"),
+        ('set = {"/dance/motion/larger" = 2}', "expected -0.7 to 0.5"),
         ('set = {"/dance/camera" = "nowhere"}', "nothing is called 'nowhere'; there are: around, front"),
         ('set = {"/dance/look" = 1}', "the name of a look expected"),
         ("measures = -1", "greater than or equal to 0"),

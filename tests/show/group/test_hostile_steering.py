@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from live.base.motion_parameters import OBEDIENCE
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.motion.quality.metrics import contact_slide_speeds
@@ -182,7 +183,7 @@ def test_dancers_are_not_corrected_through_walls_or_into_obstacles(loaded):
         show = assemble(loaded.patch, loaded.graph, seed=7)
         if blind:
             show.scheduler.root_correction.path_separation._surroundings = None
-        show.variation.set("obedience", 1.0, 0)
+        show.variation.set(OBEDIENCE, 0, 1.0)
         recorder = MotionRecorder(show)
         recorder.run(1.0)
         show.apply(events.PlaceObstacle(time=show.time, source="test", name="box", x=0.0, z=0.0, radius=0.7))

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from live.base.motion_parameters import MIRRORED
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.graph.motion_graph import build_graph
@@ -81,8 +82,8 @@ def test_mirrored_group_dances_mirror_clips_and_leader_originals():
     images = [replace(clip, mirrored=True) for clip in steps]
     graph = build_graph(build_library([*steps, *images]), threshold=0.2)
     show = assemble(parse_patch(PATCH + follower_group(mirrored=True), "test.toml"), graph)
-    assert show.variation.mirror[0] == -1.0
-    assert show.variation.mirror[9] == 1.0
+    assert show.variation[MIRRORED][0] == -1.0
+    assert show.variation[MIRRORED][9] == 1.0
     side = show.graph.library.node_side
     rows, steps = joint_heights(show, 12.0)
     assert all(one == other for one, other in steps)

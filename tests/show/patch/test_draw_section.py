@@ -4,8 +4,9 @@ import pytest
 from pydantic import ValidationError
 
 from live.base import picture_parameters
+from live.show.desk.look_settings import DRAW_KEYS, look_settings
 from live.show.patch.patch import Patch
-from live.show.patch.section_picture import DRAW_KEYS
+from live.show.patch_checks.patch_check import PATCH_CHECKS
 from live.show.view.render_scene import make_scene
 
 
@@ -14,10 +15,12 @@ def patch_values(**group):
     return {"name": "p", "group": [first | group, {"name": "tide", "dancers": 3, "steps": ["groove"]}]}
 
 
+def validate(values):
+    return Patch.model_validate(values, context=PATCH_CHECKS)
+
+
 def test_group_starts_with_draw_styles_of_its_patch():
-    made = Patch.model_validate(
-        patch_values(draw={"solid": 0.0, "ink": 1, "ink_width": 3.5, "silhouette_colour": [0.1, 0.2, 0.3]})
-    )
+    made = validate(patch_values(draw={"solid": 0.0, "ink": 1, "ink_width": 3.5, "silhouette_colour": [0.1, 0.2, 0.3]}))
     row = picture_parameters.picture_row(make_scene(made))
     said = {"solid": (0.0,), "ink": (1.0,), "ink/width": (3.5,), "silhouette/colour": (0.1, 0.2, 0.3)}
     for name, numbers in said.items():
@@ -43,15 +46,19 @@ def test_group_starts_with_draw_styles_of_its_patch():
 )
 def test_invalid_draw_key_is_refused_with_reason(draw, words):
     with pytest.raises(ValidationError, match=words):
-        Patch.model_validate(patch_values(draw=draw))
+        validate(patch_values(draw=draw))
 
 
 def test_look_sets_styles_of_all_groups_or_one():
     look = {"name": "lines", "draw": {"solid": 0, "ink": 1, "xray tide": 1}}
-    made = Patch.model_validate(patch_values() | {"looks": [look]})
-    assert made.looks[0].settings() == {"/dance/draw/solid": 0.0, "/dance/draw/ink": 1.0, "/dance/draw/xray tide": 1.0}
+    made = validate(patch_values() | {"looks": [look]})
+    assert look_settings(made.looks[0]) == {
+        "/dance/draw/solid": 0.0,
+        "/dance/draw/ink": 1.0,
+        "/dance/draw/xray tide": 1.0,
+    }
     with pytest.raises(ValidationError, match="look 'lines': nothing is drawn by 'lnk'"):
-        Patch.model_validate(patch_values() | {"looks": [look | {"draw": {"lnk": 1}}]})
+        validate(patch_values() | {"looks": [look | {"draw": {"lnk": 1}}]})
 
 
 def test_every_style_parameter_has_a_draw_key():

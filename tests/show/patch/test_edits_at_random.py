@@ -8,9 +8,9 @@ from live.base.compression import compress_text
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events.events import PatchChanged
-from live.show.background_work import patch_json
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_update import patch_version, prepare_patch, split_deferred
+from live.show.patch.table_batches import patch_json
 from tests.show.made_show import PATCH, made_show
 
 FRONT = (

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from live.base.fault_isolation import FAULTS
+from live.base.motion_parameters import HEAD, LARGER
 from live.base.picture_parameters import LEVEL
 from live.control.events import events
 from live.control.events.events import GiveCue, PatchChanged
@@ -99,7 +100,7 @@ sets = "amplitude"
     assert night.edit(file="score/a.toml", more=score + '[[element]]\nkind = "wander"\nmeasure = 5\nmeasures = 1\n')
     night.run(3.0)
     show = night.show
-    assert show.variation.head.tolist() == [0.5] * 4
+    assert show.variation[HEAD].tolist() == [0.5] * 4
     assert show.motion.surroundings.obstacle_names == ("chair",)
     assert show.casting.select("pair", show.state.position).tolist() == [True, True, False, False]
     night.run(2.9)  # in the fifth measure
@@ -197,12 +198,14 @@ def test_edits_that_need_restart_are_deferred_and_others_act(patch):
 def test_live_values_stay_unless_the_edit_changes_them(patch):
     night = WatchedShow(patch)
     for parameter, value in (("head", 0.3), ("larger", 0.2)):
-        night.inbox.put(events.SetMotion(time=0.0, source="test", parameter=parameter, value=value))
+        night.inbox.put(
+            events.SetParameter(time=0.0, source="test", address=f"/dance/motion/{parameter}", value=(value,))
+        )
     night.run(1.0)
     assert night.edit(more="[motion]\nlarger = 0.4\n")
     night.run(2.0)
-    assert night.show.variation.head[0] == 0.3
-    assert night.show.variation.larger[0] == 0.4
+    assert night.show.variation[HEAD][0] == 0.3
+    assert night.show.variation[LARGER][0] == 0.4
 
 
 def test_edited_transition_settings_rebuild_the_motion_graph(patch):
@@ -293,7 +296,7 @@ def test_unset_group_keys_stay_unset_in_the_journal(patch):
     night.run(2.5)
     assert night.edit("head = 0.4", "head = 0.6")
     night.run(3.0)
-    assert (night.show.variation.head[0], night.show.variation.larger[0]) == (0.6, 0.1)
+    assert (night.show.variation[HEAD][0], night.show.variation[LARGER][0]) == (0.6, 0.1)
     assert night.replayed().differences == ()
 
 
@@ -342,7 +345,7 @@ values = [0.7, "*"]
     assert show.score_runner.facts()["section"] == "a"
     assert danced[3] == {"groove"}
     assert danced[4] == danced[5] == {"side step"}
-    assert show.variation.head[0] == 0.7
+    assert show.variation[HEAD][0] == 0.7
     row = show.desk.parameters.picture
     assert row[LEVEL] == pytest.approx(0.2, abs=0.02)
     assert night.edit('"/dance/light/level" = 0.2', '"/dance/light/level" = 0.9')
@@ -358,7 +361,7 @@ def test_exception_while_reading_edit_is_reported_and_next_edit_works(patch, mon
     night.run(2.5)
     counted = FAULTS.total
 
-    def fails(path):
+    def fails(path, tables):
         raise IndexError("made by a test")
 
     with monkeypatch.context() as broken:

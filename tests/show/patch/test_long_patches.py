@@ -7,9 +7,9 @@ import weakref
 import pytest
 from pydantic import ValidationError
 
-from live.show.background_work import BATCH_SIZE, free_patches, patch_json, validate_model
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import TomlSources, parse_text
+from live.show.patch.table_batches import BATCH_SIZE, free_patches, patch_json, validate_model
+from live.show.patch.toml_model import TomlSources, parse_text
 from tests.show.made_show import PATCH
 
 ENTRY = '[[element]]\nkind = "wander"\nmeasure = {}\nmeasures = 1\n'

@@ -2,9 +2,9 @@
 
 import pytest
 
-from live.show.patch import patch_reader
-from live.show.patch.patch_reader import find_resource, parse_patch, read_patch
-from live.show.patch.patch_search_path import DEFAULT_PATCH, PatchError, find_patch
+from live.show.patch import toml_model
+from live.show.patch.patch_reader import parse_patch, read_patch
+from live.show.patch.patch_search_path import DEFAULT_PATCH, PatchError, find_patch, find_resource
 from tests.show.made_show import PATCH
 
 
@@ -126,7 +126,7 @@ def test_binary_large_and_missing_files_are_refused(tmp_path):
 
 def test_remedies_are_searched_only_for_reported_problems(monkeypatch):
     asked = []
-    monkeypatch.setattr(patch_reader.difflib, "get_close_matches", lambda *words, n: asked.append(words) or [])
+    monkeypatch.setattr(toml_model.difflib, "get_close_matches", lambda *words, n: asked.append(words) or [])
     with pytest.raises(PatchError, match="and 4994 more"):  # 5,000, name and group; of eight the words are here
         parse_patch("\n".join(f"k{number} = 1" for number in range(5000)), "test.toml")
     assert len(asked) <= 8

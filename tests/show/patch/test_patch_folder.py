@@ -4,8 +4,9 @@ import pytest
 
 from live.base.errors import PersonError
 from live.show.loader import load_show
-from live.show.patch.patch_reader import MAX_FILES, MAX_PATCH_BYTES, TomlSources, parse_text, read_patch
+from live.show.patch.patch_reader import MAX_FILES, MAX_PATCH_BYTES, read_patch
 from live.show.patch.patch_search_path import PatchError
+from live.show.patch.toml_model import TomlSources, parse_text
 
 MAIN = """name = "folder"
 [look]

@@ -7,13 +7,14 @@ import tomllib
 import pytest
 from typer.testing import CliRunner
 
+from live.app.bridges import installed_bridges
 from live.cli.main import app
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import read_sources
 from live.show.patch.patch_schema import patch_schema
 from live.show.patch.patch_search_path import PATCHES
 
-SCHEMA = patch_schema()
+SCHEMA = patch_schema(installed_bridges().patch_tables())
 KINDS = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float)}
 LENGTHS = {str: ("minLength", "maxLength"), list: ("minItems", "maxItems"), dict: ("minProperties", "maxProperties")}
 KNOWN = {

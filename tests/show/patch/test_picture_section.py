@@ -2,8 +2,8 @@
 
 import pytest
 
+from live.base.custom_pass import PASSES
 from live.base.picture_parameters import BY_ADDRESS, picture_row
-from live.base.stage_snapshot import PASSES
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
 from live.show.view.render_scene import make_scene

@@ -5,7 +5,7 @@ from itertools import pairwise
 import pytest
 
 from live.base.errors import PersonError
-from live.control.events.events import CallStep, MusicHeard, NotesHeard, SetMotion, SetPicture
+from live.control.events.events import CallStep, MusicHeard, NotesHeard, SetParameter
 from live.show.patch.patch_reader import parse_patch
 from live.show.score.music_reactions import Reactions
 from tests.show.made_show import made_show
@@ -31,9 +31,9 @@ def test_a_parameter_follows_the_loudness_smoothly() -> None:
     values = []
     for n in range(24):
         (change,) = heard.handle_music(beat(n * 0.5, loudness=0.0 if n < 4 else 1.0))
-        assert isinstance(change, SetMotion)
-        assert (change.parameter, change.group) == ("larger", "ember")
-        values.append(change.value)
+        assert isinstance(change, SetParameter)
+        assert (change.address, change.group) == ("/dance/motion/larger", "ember")
+        values.append(change.value[0])
     assert values[:4] == [-0.3] * 4
     assert all(one < other for one, other in pairwise(values[3:]))
     assert values[7] == pytest.approx(-0.3 + 0.6 * (1.0 - 2.718281828**-1.0))  # four beats: all but 1/e of the way
@@ -52,15 +52,16 @@ def test_notes_and_music_drive_their_own_parameters_only() -> None:
         '[[react]]\nto = "loudness"\nsets = "head"\nbeats = 0\n'
     )
     larger, rim = heard.handle_notes(notes(1.0, chord=4, energy=0.7))
-    assert isinstance(larger, SetMotion) and isinstance(rim, SetPicture)  # noqa: PT018
-    assert (larger.parameter, larger.value, rim.parameter, rim.x) == ("larger", 0.2, "/dance/light/rim", 0.7)
+    assert isinstance(larger, SetParameter) and isinstance(rim, SetParameter)  # noqa: PT018
+    assert (larger.address, larger.value) == ("/dance/motion/larger", (0.2,))
+    assert (rim.address, rim.value) == ("/dance/light/rim", (0.7,))
     larger, rim = heard.handle_notes(notes(3.0, beats=4.0, chord=8))
-    assert isinstance(larger, SetMotion) and isinstance(rim, SetPicture)  # noqa: PT018
-    assert larger.value == pytest.approx(0.4 - 0.2 / 2.718281828)  # four beats: all but 1/e of the way
-    assert rim.x == 0.0
+    assert isinstance(larger, SetParameter) and isinstance(rim, SetParameter)  # noqa: PT018
+    assert larger.value[0] == pytest.approx(0.4 - 0.2 / 2.718281828)  # four beats: all but 1/e of the way
+    assert rim.value == (0.0,)
     (head,) = heard.handle_music(beat(3.5, loudness=0.25))
-    assert isinstance(head, SetMotion)
-    assert (head.parameter, head.value) == ("head", 0.25)
+    assert isinstance(head, SetParameter)
+    assert (head.address, head.value) == ("/dance/motion/head", (0.25,))
 
 
 def test_notes_set_the_mood_of_improvisation_and_light() -> None:

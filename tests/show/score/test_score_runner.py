@@ -41,7 +41,7 @@ def test_calls_act_at_the_tick_of_their_beat(monkeypatch):
     show = made_show(calls)
     acted = record_events(show, monkeypatch)
     run(show, 6)
-    assert [tick for tick, event in acted if isinstance(event, events.SetMotion)] == [128, 176, 256, 256]
+    assert [tick for tick, event in acted if isinstance(event, events.SetParameter)] == [128, 176, 256, 256]
     figures = show.score_runner.beat_scheduler.counters()
     assert (figures["fired"], figures["late_ticks_max"], figures["waiting"]) == (4, 0, 0)
 

@@ -64,7 +64,7 @@ def test_other_meter_stretches_steps_without_fast_joints():
     show = made_show('[[segment]]\nmeasure = 2\nmeasures = 6\nformation = "circle"\ngroup = "front"\n')
     script = {
         tick: [events.SetMetre(time=tick * TICK, source="test", beats=beats)]
-        for tick, beats in ((300, 3.0), (700, 5.0), (1000, 4.0))
+        for tick, beats in ((300, 3), (700, 5), (1000, 4))
     }
     assert run(show, 64 * 20, script=script) < 0.16
     assert show.timeline.beats_per_measure == 4
@@ -78,7 +78,7 @@ def test_manual_clock_events_are_journaled_and_replayed_exactly(tmp_path):
     script = [
         hand(events.Nudge, 100, seconds=0.02), hand(events.ShiftBeats, 200, beats=1.0),
         hand(events.ScaleTempo, 300, factor=0.5), hand(events.HoldTempo, 400, on=True),
-        hand(events.SetMetre, 450, beats=3.0), hand(events.HoldTempo, 500, on=False),
+        hand(events.SetMetre, 450, beats=3), hand(events.HoldTempo, 500, on=False),
         hand(events.CountIn, 520, measures=1.0), *[hand(events.Tap, 530 + 30 * k) for k in range(6)],
         hand(events.ChooseSource, 800, name="internal"),
     ]  # fmt: skip
@@ -191,7 +191,7 @@ def test_refused_clock_events_report_their_reason():
     show = made_show()
     assert not show.apply(events.ChooseSource(time=0.0, source="osc", name="the drummer"))
     assert "the drummer" in show.refusals.last_reason
-    assert not show.apply(events.SetMetre(time=0.0, source="osc", beats=1.0))
+    assert not show.apply(events.SetMetre(time=0.0, source="osc", beats=1))
     for k in range(12):
         run(show, 32)
         send_beat(show, 0.5 * (k + 1), beat=k % 4, beats_per_measure=4, measure=k // 4)

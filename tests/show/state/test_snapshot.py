@@ -8,11 +8,11 @@ import pytest
 from live.base.compression import compress_text
 from live.clock.ticks import TICK
 from live.control.events import events
-from live.show.background_work import patch_json
 from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import find_patch
 from live.show.patch.patch_update import patch_version, split_deferred
+from live.show.patch.table_batches import patch_json
 from live.show.state.snapshot import FORMAT, SnapshotError, Snapshotter, at_rest, restore, snapshot, snapshot_header
 from tests.show.desk.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH
@@ -23,7 +23,7 @@ SCRIPT = {
     150: events.Tap(time=2.34, source="key"),
     182: events.Tap(time=2.85, source="key"),
     215: events.Tap(time=3.36, source="key"),
-    230: events.SetMotion(time=3.5, source="osc", parameter="warp_beats", value=0.4, group="*"),
+    230: events.SetParameter(time=3.5, source="osc", address="/dance/motion/warp", value=(0.4,), group="*"),
     260: events.Evolve(time=4.0, source="osc", formation="circle", group="front", measures=2.0),
     300: events.StepNow(time=4.7, source="osc", name="spin", group="back"),
     330: events.PlaceElement(time=5.1, source="osc", kind="flow", points="-2 0, 0 1, 2 0", measures=4.0),
@@ -150,7 +150,7 @@ def test_fades_count_ins_jumps_and_undo_continue_after_restore(tick):
         68: events.AllowFlashes(time=1.1, source="key", on=True),
         90: events.Go(time=1.4, source="key"),
         120: events.GiveCue(time=1.9, source="key", name="solo"),
-        180: events.SetPicture(time=2.8, source="osc", parameter="/dance/light/level", x=0.9, measures=3.0),
+        180: events.SetParameter(time=2.8, source="osc", address="/dance/light/level", value=(0.9,), measures=3.0),
         200: events.RecallView(time=3.1, source="osc", name="side", measures=2.0),
         300: events.Undo(time=4.7, source="key"),
         330: events.RecallScene(time=5.1, source="key", name="mine", measures=1.0),

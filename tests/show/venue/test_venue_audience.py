@@ -3,7 +3,7 @@
 import pytest
 
 from live.base.errors import PersonError
-from live.show.patch.patch_reader import parse_model
+from live.show.patch.toml_model import parse_model
 from live.show.venue.venue import Venue
 
 

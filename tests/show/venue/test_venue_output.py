@@ -6,7 +6,7 @@ import pytest
 
 from live.base.errors import PersonError
 from live.render.outputs.output import Output, SoftEdge
-from live.show.patch.patch_reader import parse_model
+from live.show.patch.toml_model import parse_model
 from live.show.venue.venue import Venue, read_venue
 
 

@@ -9,7 +9,7 @@ import pytest
 from live.base.errors import PersonError
 from live.render.outputs.output import Output
 from live.render.outputs.warp import regular_mesh
-from live.show.patch.patch_reader import parse_model
+from live.show.patch.toml_model import parse_model
 from live.show.venue.venue import Venue
 from live.show.venue.venue_output_writer import update_output_toml, updated_output_text
 

@@ -6,13 +6,14 @@ import pytest
 from live.app.launch_options import LaunchOptions
 from live.base.compression import decompress_text
 from live.base.errors import PersonError
-from live.base.projector_perspective import floor_corners
+from live.base.floor_corners import floor_corners
 from live.render.camera import project_points
 from live.show.desk.scenes import start_row, view_settings
 from live.show.loader import LoadedShow
 from live.show.patch.hot_reload import PatchWatch
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import parse_model, parse_patch, read_patch
+from live.show.patch.patch_reader import parse_patch, read_patch
+from live.show.patch.toml_model import parse_model
 from live.show.venue.venue import Venue
 from live.show.venue.venue_output import with_venue_projector
 from live.show.view.render_scene import initial_camera

@@ -1,0 +1,70 @@
+"""Parameter: a value of the show that has its place in an array and needs no class of its own.
+
+One row describes it: address, kind, range, start value, unit and words. The control (OSC, OSCQuery, MIDI, web page,
+tablet), the patch key with its line in docs/patch.md and the editor's schema, the event, fades, scenes, undo, reading
+back and the tests are made from the row. Rows: `picture_parameters` for the picture, `motion_parameters` for the motion
+of each group.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final, Literal
+
+Kind = Literal["number", "switch", "choice", "colour", "place"]
+SPOT_COUNT: Final = 4
+"""Number of follow spots."""
+_COMPONENTS: Final[Mapping[Kind, tuple[str, ...]]] = {
+    "number": ("how much",),
+    "switch": ("1: on, 0: off",),
+    "choice": ("which",),
+    "colour": ("red, linear", "green, linear", "blue, linear"),
+    "place": ("to the right as seen by the audience", "up", "towards the audience"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter: a number, a switch (0 or 1), a choice, a colour (r, g, b) or a place or direction (x, y, z)."""
+
+    address: str
+    kind: Kind
+    low: float
+    high: float
+    start: tuple[float, ...]
+    """Value if neither patch nor scene sets it."""
+    unit: str
+    description: str
+    first: int = 0
+    """Index of its first number in its row."""
+    per_group: bool = False
+    """Whether each group has a value of its own."""
+    words: str = ""
+    """Description of its number; empty: that of its kind."""
+    patch: str = ""
+    """Its key in the patch, as in "motion.head"; empty: it has none of its own."""
+    patch_text: str = ""
+    """Description in the patch; empty: as for the control."""
+    choices: Mapping[str, float] = field(default_factory=dict)
+    """Words of the patch for its numbers."""
+    names: tuple[str, ...] = ("x", "y", "z")
+    """Names of its numbers, as arguments."""
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Description of each of its numbers."""
+        return (self.words,) if self.words else _COMPONENTS[self.kind]
+
+    @property
+    def size(self) -> int:
+        """Number of its components."""
+        return len(_COMPONENTS[self.kind])
+
+    @property
+    def row_slice(self) -> slice:
+        """Slice of its numbers in the row."""
+        return slice(self.first, self.first + self.size)
+
+    @property
+    def fades(self) -> bool:
+        """Whether it can fade; switches and choices change at once."""
+        return self.kind not in ("switch", "choice")

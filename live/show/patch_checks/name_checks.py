@@ -1,0 +1,255 @@
+"""Checks that every name in scenes, cues, calls and trackers of a patch exists, before a show runs."""
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from live.base.errors import PersonError
+from live.control.events import events
+from live.control.registry.registry import REGISTRY
+from live.show.dancers.timing_offsets import parse_ripple
+from live.show.desk.parameter_table import LOOK, VIEW, split_key
+from live.show.patch.patch import Patch
+from live.show.patch.section_base import InvalidEntry
+from live.show.patch.section_io import MocapSection, PsnSection
+from live.show.patch.section_motion import parse_facing
+from live.show.patch.section_stage import PROJECTOR
+from live.show.patch_checks.cue_cycle_check import cue_loops
+from live.show.patch_checks.score_checks import calls_of, signals_of
+from live.show.score.section_span import score_length
+
+CUE_CALLS: Final = ("/dance/cue", "/dance/standby")
+"""Controls whose first value is a cue."""
+MIN_LOOP_BEATS: Final = 0.999
+"""Cue loops within so many beats are an error; slower ones may be intended."""
+START_NAME: Final = "start"
+"""Name of the view, look and scene that every patch begins with."""
+BUILT_IN_VIEWS: Final = ("front", "side", "top", "around")
+"""Views that every show has, unless the patch gives these names to its own."""
+
+
+def built_in_views(patch: Patch) -> list[str]:
+    """Return the views that exist without a `[[view]]`."""
+    return [START_NAME, *BUILT_IN_VIEWS, *([PROJECTOR] if patch.projector is not None else [])]
+
+
+def check_cues(patch: Patch) -> None:
+    """Raise Amiss for an unknown name in a scene or cue, and for an unknown scene in the score."""
+    _check_start(patch)
+    _check_scenes(patch)
+    scenes = {_folded(scene.name) for scene in patch.scene} | {START_NAME}
+    sections = {_folded(section.name) for section in patch.section}
+    for number, cue in enumerate(patch.cue):
+        if cue.scene is not None and _folded(cue.scene) not in scenes:
+            words = f"cue {cue.name!r}: no scene is called {cue.scene!r}; there are: {', '.join(sorted(scenes))}"
+            raise InvalidEntry(words, "cue", number, "scene")
+        if cue.section is not None and _folded(cue.section) not in sections:
+            known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
+            words = f"cue {cue.name!r}: no section is called {cue.section!r}; there are: {known}"
+            raise InvalidEntry(words, "cue", number, "section")
+        if cue.when == "section" and not sections:
+            words = f'cue {cue.name!r}: when = "section", but the patch has no [[section]]'
+            raise InvalidEntry(words, "cue", number, "when")
+    _check_named_cues(patch)
+    _check_loops(patch)
+    for number, at in enumerate(patch.at):
+        if at.scene is not None and _folded(at.scene) not in scenes:
+            words = (
+                f"at measure {at.measure}, beat {at.beat:g}: no scene is called {at.scene!r}; there are: "
+                f"{', '.join(sorted(scenes))}"
+            )
+            raise InvalidEntry(words, "at", number, "scene")
+
+
+def _check_start(patch: Patch) -> None:
+    """Raise Amiss if a view, look or scene has the reserved name of the initial one."""
+    named = {"view": [view.name for view in patch.view], "looks": [look.name for look in patch.looks]}
+    for kind, names in (named | {"scene": [scene.name for scene in patch.scene]}).items():
+        for index, name in enumerate(names):
+            if _folded(name) == START_NAME:
+                what = {"view": "[camera]", "looks": "[look]"}.get(kind, "[camera], [look] and [motion]")
+                words = f"{name!r} names the start of the patch, from {what}: give this one another name"
+                raise InvalidEntry(words, kind, index, "name")
+
+
+def _check_loops(patch: Patch) -> None:
+    """Raise Amiss if a cue calls itself or loops within a beat; slower loops of several cues are allowed."""
+    for loop in cue_loops(patch, within=MIN_LOOP_BEATS):
+        name = patch.cue[loop.cue].name
+        if loop.direct:
+            words = (
+                f"cue {name!r} calls itself: it would come again for ever, and stand by nothing but the cue after it; "
+                "what comes again is an [[at]] in a [[section]] that repeats"
+            )
+        else:
+            words = (
+                f"cue {name!r} calls its way back to itself within {loop.min_beats:g} beats, for ever: "
+                'when = "measure" or a count_in for one of them'
+            )
+        raise InvalidEntry(words, *loop.key_path)
+
+
+def _check_named_cues(patch: Patch) -> None:
+    """Raise Amiss if two cues share a number, or if a called cue does not exist."""
+    numbers: dict[float, str] = {}
+    for index, cue in enumerate(patch.cue):
+        if cue.number is not None and cue.number in numbers:
+            words = f"cues {numbers[cue.number]!r} and {cue.name!r} both have number {cue.number:g}: change one of them"
+            raise InvalidEntry(words, "cue", index, "number")
+        if cue.number is not None:
+            numbers[cue.number] = cue.name
+    told = {f"{number:g}": name for number, name in numbers.items()}
+    for index, cue in enumerate(patch.cue):
+        other = told.get(_folded(cue.name), cue.name)
+        if other != cue.name:
+            words = f"cue {cue.name!r} is called as cue {other!r} is numbered: change one of them"
+            raise InvalidEntry(words, "cue", index, "name")
+    names = {_folded(cue.name) for cue in patch.cue} | {f"{number:g}" for number in numbers}
+    for call, values, place in calls_of(patch):
+        if call not in CUE_CALLS or (name := _folded(str(values[0]))) in names:
+            continue
+        known = ", ".join(cue.name for cue in patch.cue) or "none"
+        raise InvalidEntry(f"call {call}: no cue is called {name!r}; there are: {known}", *place)
+
+
+def _check_scenes(patch: Patch) -> None:
+    groups = {_folded(group.name) for group in patch.group}
+    known = ", ".join(group.name for group in patch.group)
+    named = {VIEW: {_folded(view.name) for view in patch.view} | set(built_in_views(patch))}
+    named |= {LOOK: {_folded(look.name) for look in patch.looks} | {START_NAME}}
+    for number, scene in enumerate(patch.scene):
+        for key, value in scene.set.items():
+            address, group = split_key(key)
+            if group != "*" and _folded(group) not in groups:
+                words = f"scene {scene.name!r}: {key!r}: no group is called {group!r}; there are: {known}"
+                raise InvalidEntry(words, "scene", number, "set", key)
+            if address in named and _folded(str(value)) not in named[address]:
+                there = ", ".join(sorted(named[address]))
+                words = f"scene {scene.name!r}: {key!r}: nothing is called {value!r}; there are: {there}"
+                raise InvalidEntry(words, "scene", number, "set", key)
+
+
+def _folded(name: str) -> str:
+    return name.casefold().strip()
+
+
+NAMED_CONTROLS: Final = (
+    "/dance/scene", "/dance/camera", "/dance/look", "/dance/signal", "/dance/section", "/dance/advance",
+    "/dance/practice", "/dance/enter", "/dance/leave", "/dance/facing", "/dance/ripple",
+)  # fmt: skip
+"""Controls with names that only the patch defines."""
+GATES: Final = ("left", "right", "back")
+"""Gates of a stage without a `[[gate]]`."""
+WHENS: Final = ("measure", "section")
+
+
+def check_call_names(patch: Patch) -> None:
+    """Raise Amiss for an unknown name in a call of the score or of a cue."""
+    named: _NameTable | None = None
+    seen: set[tuple[object, ...]] = set()
+    for call, values, place in calls_of(patch):
+        if call not in NAMED_CONTROLS or (call, *values) in seen:
+            continue
+        seen.add((call, *values))
+        named = named or _NameTable(patch)
+        try:
+            named.check(REGISTRY.call(call, values, 0.0, "patch"))
+        except PersonError as error:
+            raise InvalidEntry(f"call {call}: {error}", *place) from None
+
+
+class _NameTable:
+    """The names that a patch defines, by kind, and the check of an event's names against them."""
+
+    def __init__(self, patch: Patch) -> None:
+        self._patch = patch
+        stored = [str(values[0]) for call, values, _ in calls_of(patch) if call == "/dance/scene/store"]
+        stored += [str(one.values.get("name")) for one in patch.midi.map if one.control == "/dance/scene/store"]
+        self._scenes = [START_NAME, *(scene.name for scene in patch.scene), *stored]
+        self._views = [*built_in_views(patch), *(view.name for view in patch.view)]
+        self._looks = [START_NAME, *(look.name for look in patch.looks)]
+        self._gates = [gate.name for gate in patch.gate] or list(GATES)
+
+    def check(self, event: object) -> None:
+        """Raise PersonError if the event uses an unknown name."""
+        act = _NAME_CHECKS.get(type(event))
+        if act is not None:
+            act(self, event)
+
+    def _scene(self, event: events.RecallScene) -> None:
+        _require_name("scene", event.name, self._scenes)
+
+    def _view(self, event: events.RecallView) -> None:
+        _require_name("view", event.name, self._views)
+
+    def _look(self, event: events.RecallLook) -> None:
+        _require_name("look", event.name, self._looks)
+
+    def _signal(self, event: events.Signal) -> None:
+        _require_name("signal", event.name, sorted(signals_of(self._patch)))
+
+    def _jump(self, event: events.JumpTo) -> None:
+        _require_name("section", event.section, [section.name for section in self._patch.section])
+        _require_name("when", event.when, WHENS)
+        size = next(one.measures for one in self._patch.section if _folded(one.name) == _folded(event.section))
+        if event.measure > size:
+            raise PersonError(f"section {event.section!r} has no measure {event.measure}", f"it has {size}")
+
+    def _advance(self, event: events.Advance) -> None:
+        _require_name("when", event.when, WHENS)
+
+    def _practice(self, event: events.Practice) -> None:
+        length = score_length(self._patch)
+        if event.first > event.last:
+            raise PersonError(f"measures {event.first} to {event.last}: the first one comes last")
+        if length is not None and event.last > length:
+            raise PersonError(f"the score has no measure {event.last}", f"it has {length}")
+
+    def _gate(self, event: events.Enter | events.Leave) -> None:
+        if event.gate.strip() not in ("", "*"):
+            _require_name("gate", event.gate, self._gates)
+
+    def _facing(self, event: events.SetFacing) -> None:
+        names = tuple(_folded(group.name) for group in self._patch.group)
+        dancers = sum(group.dancers for group in self._patch.group) + self._patch.reserve
+        parse_facing(event.facing, dancers=dancers, groups=names)
+
+    def _ripple(self, event: events.SetRipple) -> None:
+        parse_ripple(event.begins, event.beats)
+
+
+def _require_name(what: str, name: str, known: Sequence[str]) -> None:
+    """Raise PersonError if nothing of the kind `what` has this name."""
+    if _folded(name) not in map(_folded, known):
+        raise PersonError(f"no {what} is called {name!r}", f"there are: {', '.join(known) or 'none'}")
+
+
+_NAME_CHECKS: Final[dict[type, Callable[..., None]]] = {
+    events.RecallScene: _NameTable._scene,
+    events.RecallView: _NameTable._view,
+    events.RecallLook: _NameTable._look,
+    events.Signal: _NameTable._signal,
+    events.JumpTo: _NameTable._jump,
+    events.Advance: _NameTable._advance,
+    events.Practice: _NameTable._practice,
+    events.Enter: _NameTable._gate,
+    events.Leave: _NameTable._gate,
+    events.SetFacing: _NameTable._facing,
+    events.SetRipple: _NameTable._ripple,
+}
+
+
+def check_trackers(psn: PsnSection, performers: Sequence[MocapSection]) -> None:
+    """Raise Amiss for a tracker that is missing in `[psn] trackers`, if given, or that two performers share."""
+    whose = {each.name: each.name for each in performers if each.tracker is None}
+    for index, each in enumerate(performers):
+        if each.tracker is None:
+            continue
+        place = "mocap", index, "tracker"
+        if psn.trackers and each.tracker not in psn.trackers:
+            known = ", ".join(psn.trackers)
+            words = f"mocap {each.name!r}: no tracker is called {each.tracker!r}; [psn] trackers has: {known}"
+            raise InvalidEntry(words, *place)
+        other = whose.setdefault(each.tracker, each.name)
+        if other != each.name:
+            words = f"mocap {each.name!r}: tracker {each.tracker!r} is already {other!r}; give each their own"
+            raise InvalidEntry(words, *place)

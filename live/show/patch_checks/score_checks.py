@@ -1,0 +1,190 @@
+"""Checks of a written score before it runs, with errors that name the keys (T015)."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
+
+from live.show.patch.patch import Patch
+from live.show.patch.section_base import InvalidEntry
+from live.show.patch.section_music import UNIT_PREFIX
+from live.show.patch_checks.call_response_check import check_call_response
+from live.show.score.section_span import score_length, span_of
+
+PLACED_TABLES: Final = ("element", "segment", "regroup", "sequence", "improvise", "at", "signal")
+"""Tables whose entries have a measure, and may have a section."""
+LENIENT_TABLES: Final = ("segment", "regroup")
+"""Tables for which a measure after `loop_measures` was always allowed."""
+
+
+def check_score(patch: Patch) -> None:
+    """Raise Amiss for the first error."""
+    lengths = _section_lengths(patch)
+    for kind in PLACED_TABLES:
+        for index, entry in enumerate(getattr(patch, kind)):
+            _check_place(patch, lengths, kind, index, entry)
+    _check_beats(patch)
+    _check_groups(patch)
+    _check_improvised(patch)
+    check_call_response(patch)
+    _check_signals(patch)
+    _check_calls(patch, set(lengths))
+
+
+def _section_lengths(patch: Patch) -> dict[str, int]:
+    """Measures of each section by its name."""
+    lengths: dict[str, int] = {}
+    for index, section in enumerate(patch.section):
+        name = section.name.casefold()
+        if name in lengths:
+            raise InvalidEntry(
+                f"two sections are called {section.name!r}: give each its own name", "section", index, "name"
+            )
+        lengths[name] = section.measures
+    if patch.section and patch.loop_measures is not None:
+        raise InvalidEntry(
+            "loop_measures and [[section]]: leave loop_measures out; after its last section a score begins again",
+            "loop_measures",
+        )
+    for index, section in enumerate(patch.section):
+        if section.then is not None and section.then.casefold() not in (*lengths, "end"):
+            known = ", ".join(["end", *(one.name for one in patch.section)])
+            words = f"no section is called {section.then!r}; there are: {known}"
+            raise InvalidEntry(words, "section", index, "then")
+    return lengths
+
+
+def _check_place(patch: Patch, lengths: dict[str, int], kind: str, index: int, entry: Any) -> None:
+    if entry.measure is None:
+        return
+    if entry.section is None:
+        length = score_length(patch)
+        if length is None or int(entry.measure) <= length or (kind in LENIENT_TABLES and not patch.section):
+            return
+        words = f"measure {entry.measure:g}: the score has {length} measures, it would never begin"
+        raise InvalidEntry(words, kind, index, "measure")
+    length = lengths.get(entry.section.casefold())
+    if length is None:
+        known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
+        raise InvalidEntry(f"no section is called {entry.section!r}; there are: {known}", kind, index, "section")
+    if int(entry.measure) > length:
+        words = f"measure {entry.measure:g}: section {entry.section!r} has {length} measures, it would never begin"
+        raise InvalidEntry(words, kind, index, "measure")
+
+
+def _check_beats(patch: Patch) -> None:
+    beats = patch.clock.beats_per_measure
+    placed: tuple[tuple[str, Sequence[Any]], ...] = (("at", patch.at), ("signal", patch.signal))
+    for kind, entries in placed:
+        for index, entry in enumerate(entries):
+            if entry.beat >= beats + 1:
+                words = (
+                    f"beat {entry.beat:g}: a measure of this show has {beats} beats, so less than {beats + 1} expected"
+                )
+                raise InvalidEntry(words, kind, index, "beat")
+
+
+def _check_groups(patch: Patch) -> None:
+    names = {group.name.casefold() for group in patch.group}
+    known = ", ".join(group.name for group in patch.group)
+    placed: tuple[tuple[str, Sequence[Any]], ...] = (("sequence", patch.sequence), ("improvise", patch.improvise))
+    for kind, entries in placed:
+        for index, entry in enumerate(entries):
+            if entry.group != "*" and entry.group.casefold() not in names:
+                raise InvalidEntry(f"no group is called {entry.group!r}; there are: {known}", kind, index, "group")
+    for index, reaction in enumerate(patch.react):
+        if reaction.sets is not None and reaction.group != "*" and reaction.group.casefold() not in names:
+            raise InvalidEntry(f"no group is called {reaction.group!r}; there are: {known}", "react", index, "group")
+    for index, entry in enumerate(patch.improvise):
+        if entry.answers is not None and entry.answers.casefold() not in names:
+            raise InvalidEntry(
+                f"no group is called {entry.answers!r}; there are: {known}", "improvise", index, "answers"
+            )
+
+
+def _check_improvised(patch: Patch) -> None:
+    """Raise Amiss if two improvisations of one group overlap, or if one lasts longer than its section."""
+    taken: dict[tuple[int, str], list[tuple[int, float, int]]] = {}
+    for index, entry in enumerate(patch.improvise):
+        stay = span_of(patch, entry.section, entry.measure, entry.measures)
+        if stay.size is not None and entry.measures is not None and stay.begin + entry.measures > stay.size:
+            last = stay.first + stay.size if entry.section is None else stay.size
+            words = f"measures {entry.measures} from measure {entry.measure} on: its section ends with {last}"
+            raise InvalidEntry(words, "improvise", index, "measures")
+        groups = [group.name.casefold() for group in patch.group] if entry.group == "*" else [entry.group.casefold()]
+        for group in groups:
+            for other_begin, other_end, other in taken.setdefault((stay.section, group), []):
+                if stay.begin < other_end and other_begin < stay.end:
+                    raise InvalidEntry(
+                        f"group {group!r} improvises already there, as improvise {other + 1} says: end one of them "
+                        "with measures, or leave one out",
+                        *("improvise", index, "measure"),
+                    )
+            taken[stay.section, group].append((stay.begin, stay.end, index))
+
+
+def _check_signals(patch: Patch) -> None:
+    known = signals_of(patch)
+    calls: dict[str, set[str]] = {}
+    for index, reaction in enumerate(patch.react):
+        if reaction.on is None:
+            continue
+        name = reaction.on.casefold()
+        if name.startswith(UNIT_PREFIX) and name != UNIT_PREFIX:
+            if not patch.partner:
+                raise InvalidEntry(f"{reaction.on!r}: there is no partner: write [[partner]]", "react", index, "on")
+            continue
+        if name not in known:
+            words = (
+                f"no signal is called {reaction.on!r}: name it in a [[signal]]; there are: {', '.join(sorted(known))}"
+            )
+            raise InvalidEntry(words, "react", index, "on")
+        if reaction.call == "/dance/signal" and reaction.when != "measure":
+            given = str(reaction.values[0]).casefold()
+            calls.setdefault(name, set()).add(given)
+            if name in _triggered_signals(calls, given):
+                words = f'signal {name!r} would give itself again and again: when = "measure" for one of them'
+                raise InvalidEntry(words, "react", index, "values")
+
+
+def signals_of(patch: Patch) -> set[str]:
+    """Return all signals that can occur, by their folded names."""
+    known = {"drop", "build", *(one.name.casefold() for one in patch.signal)}
+    return known | {one.signal.casefold() for one in patch.at if one.signal is not None}
+
+
+def _triggered_signals(calls: dict[str, set[str]], name: str) -> set[str]:
+    """The signals that one triggers, directly or through others, itself included."""
+    found, more = {name}, [name]
+    while more:
+        new = calls.get(more.pop(), set()) - found
+        found |= new
+        more += new
+    return found
+
+
+def _check_calls(patch: Patch, sections: set[str]) -> None:
+    """Raise Amiss for a call that jumps to an unknown section."""
+    for call, values, place in calls_of(patch):
+        if call == "/dance/section" and str(values[0]).casefold() not in sections:
+            known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
+            raise InvalidEntry(f"no section is called {values[0]!r}; there are: {known}", *place)
+
+
+CallEntry = tuple[str, tuple[Any, ...], tuple[str | int, ...]]
+"""A call: address, values, and the keys that lead to the values."""
+
+
+def calls_of(patch: Patch) -> Iterator[CallEntry]:
+    """Yield every call of a patch's score and cues."""
+    for index, at in enumerate(patch.at):
+        if at.call is not None:
+            yield at.call, at.values, ("at", index, "values")
+    for index, reaction in enumerate(patch.react):
+        if reaction.call is not None:
+            yield reaction.call, reaction.values, ("react", index, "values")
+    for index, improvised in enumerate(patch.improvise):
+        for row, item in enumerate(improvised.motion):
+            if item.call is not None:
+                yield item.call, item.values, ("improvise", index, "motion", row, "values")
+    for index, cue in enumerate(patch.cue):
+        for row, call in enumerate(cue.calls):
+            yield str(call[0]), tuple(call[1:]), ("cue", index, "calls", row)
