@@ -23,9 +23,9 @@ from live.show.frame import Frame
 from live.show.group.casting import Casting
 from live.show.group.group_commands import GroupCommands
 from live.show.group.group_motion import GroupMotion
+from live.show.partner.example_bank import ExampleBank
 from live.show.partner.partner_pairs import check_partners
 from live.show.partner.partner_response import PartnerResponse
-from live.show.partner.partner_sources import ExampleBank
 from live.show.patch.patch import Patch
 from live.show.score.group_programs import build_programs
 from live.show.score.music_reactions import Reactions

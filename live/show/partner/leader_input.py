@@ -11,7 +11,7 @@ from live.motion.partner_live.stage_partner import LeaderReader
 from live.show.partner.partner_pairs import Pair, PartnerSettings
 
 if TYPE_CHECKING:
-    from live.show.partner.partner_sources import ExampleBank
+    from live.show.partner.example_bank import ExampleBank
 
 
 Float32 = npt.NDArray[np.float32]

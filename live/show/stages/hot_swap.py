@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from live.graph.select.selector import StepSelector
     from live.show.dancers.dancers import Dancers
     from live.show.group.group_motion import GroupMotion
-    from live.show.partner.partner_sources import ExampleBank
+    from live.show.partner.example_bank import ExampleBank
     from live.show.selection.scheduler import Scheduler
 
 _PARTS: Final = "live.show."

@@ -12,8 +12,8 @@ from live.control.events import events
 from live.motion.texture.live_bank import TextureBank, leg_positions, prefix_features, stack_features
 from live.motion.texture.live_texture_kernels import DIMENSIONS, FEATURES, PER_BEAT, SLOTS, UPPER_COUNT, write_prefix
 from live.show.assembly import assemble
-from live.show.dancers.live_texture import BLEND, CHOICE_TICKS, PREFIX, load_texture_bank
-from live.show.loader import LoadedShow
+from live.show.dancers.live_texture import BLEND, CHOICE_TICKS, PREFIX
+from live.show.loader import LoadedShow, load_texture_bank
 from live.show.patch.patch_reader import parse_patch
 from live.show.show import Show
 from live.show.state.snapshot import Snapshotter, restore

@@ -16,7 +16,8 @@ from live.motion.pose.hand_hold_kernels import PALM
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
 from live.show.assembly import assemble
-from live.show.partner.partner_sources import ExampleBank, load_example_bank
+from live.show.partner.example_bank import ExampleBank
+from live.show.partner.partner_sources import load_example_bank
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.show import Show
