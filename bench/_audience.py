@@ -22,6 +22,7 @@ from live.base.event_queue import EventQueue
 from live.cli.bench import Row
 from live.clock.ticks import TICK
 from live.clock.time_source import SystemClock
+from live.control.events.audience import VoicePlace
 from live.control.events.events import AudienceHeard, ControlEvent
 from live.render.frame_stats import Pacer
 from live.show.engine import Engine
@@ -68,7 +69,7 @@ class Stage:
         venue = Venue(audience=VenueAudience(network=network))
         self.part = AudienceService(options, self.show, inbox.add_queue(), self.clock, venue)
         self.found = Found()
-        self.places: list[str] = []
+        self.places: list[tuple[VoicePlace, ...]] = []
         """Where voices gathered, each time that it was told."""
         self.most: dict[str, float] = {}
         """What the status said when there were most voices."""
@@ -179,10 +180,9 @@ def _fairness() -> list[Row]:
     ]  # fmt: skip
     wifi = Stage("own wifi")
     people, laptop = wifi.meet((40, 1.0, 8.0, RATE, 1, 0, 0.2), (640, 1.0, 8.0, RATE, 16, 1000, 0.9))
-    said = [told for told in wifi.places[-200:-20] if told != "-"]
-    there = [[tuple(map(int, place.split())) for place in told.split(",")] for told in said]
-    weight = sum(place[2] for places in there for place in places)
-    own = sum(place[2] for places in there for place in places if place[0] > 0)
+    said = [told for told in wifi.places[-200:-20] if told]
+    weight = sum(place[2] for places in said for place in places)
+    own = sum(place[2] for places in said for place in places if place[0] > 0)
     voices = wifi.most.get("voices", 0.0)
     return [
         *rows,
@@ -190,7 +190,7 @@ def _fairness() -> list[Row]:
             100.0 * own / weight if weight else None, "%", 5.0,
             peers={"phones in": people["joined"], "its sockets in": laptop["joined"],
                    "moments at which it has a place": sum(any(place[0] > 0 and place[2] for place in places)
-                                                          for places in there),
+                                                          for places in said),
                    "voices in all": voices, "groups that are a crowd": wifi.most.get("crowded", 0.0)}),
     ]  # fmt: skip
 

@@ -55,7 +55,11 @@ def _tempo(frame: int, now: float, show: Show) -> list[ControlEvent]:
         90: events.SourceChanged(time=now, source="midi", state="stopped"),
         100: events.One(time=now, source="bench"),
     }
-    thrown = [events.Attract(time=now, source="bench", x=3.0 * (-1) ** (frame // 180), z=0.5, measures=2.0)]
+    thrown = [
+        events.PlaceElement(
+            time=now, source="bench", kind="attract", points=((3.0 * (-1) ** (frame // 180), 0.5),), measures=2.0
+        )
+    ]
     return [*([told[frame % 120]] if frame % 120 in told else []), *thrown * (frame % 180 == 0)]
 
 
@@ -63,7 +67,9 @@ def _flood(frame: int, now: float, show: Show) -> list[ControlEvent]:
     """500 attractors are dragged elsewhere in every frame."""
     places = np.random.default_rng(frame).uniform(-20.0, 20.0, (500, 2)).tolist()
     return [
-        events.Attract(time=now, source=f"phone {phone}", x=x, z=z, measures=1.0, drag=True, strength=5.0)
+        events.PlaceElement(
+            time=now, source=f"phone {phone}", kind="attract", points=((x, z),), measures=1.0, drag=True, strength=5.0
+        )
         for phone, (x, z) in enumerate(places)
     ]
 
@@ -71,7 +77,12 @@ def _flood(frame: int, now: float, show: Show) -> list[ControlEvent]:
 def _voices(frame: int, now: float, show: Show) -> list[ControlEvent]:
     """The same by 500 of an audience."""
     places = np.random.default_rng(frame).uniform(-20.0, 20.0, (500, 2)).tolist()
-    return [events.Voice(time=now, source=f"phone {phone}", x=x, z=z) for phone, (x, z) in enumerate(places)]
+    return [
+        events.PlaceElement(
+            time=now, source=f"phone {phone}", kind="attract", points=((x, z),), measures=2.0, fair=True, drag=True
+        )
+        for phone, (x, z) in enumerate(places)
+    ]
 
 
 def _leave(frame: int, now: float, show: Show) -> list[ControlEvent]:

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.control.events.events import Attract, ControlEvent, Evolve, PlaceElement, Spread
+from live.control.events.events import ControlEvent, Evolve, PlaceElement
 from live.show.loader import LoadedShow, load_from_patch
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import parse_patch
@@ -83,7 +83,9 @@ def _thrown(take: Take) -> Iterator[ControlEvent]:
     time = 0.5
     while time < take.seconds:
         x, z = chance.uniform(-0.4, 0.4, 2) * (WIDTH, DEPTH)
-        yield Attract(time=time, source="bench", x=float(x), z=float(z), measures=float(THROW_MEASURES))
+        yield PlaceElement(
+            time=time, source="bench", kind="attract", points=((float(x), float(z)),), measures=float(THROW_MEASURES)
+        )
         time += THROW_MEASURES * MEASURE_S
 
 
@@ -92,12 +94,12 @@ def _crossing(take: Take) -> Iterator[ControlEvent]:
     begin = 0.5
     while begin < take.seconds:
         lean = float(chance.uniform(-1.5, 1.5))
-        yield Spread(time=begin, source="bench", measures=4.0)
+        yield PlaceElement(time=begin, source="bench", kind="spread", measures=4.0)
         yield PlaceElement(
             time=begin + 4 * MEASURE_S,
             source="bench",
             kind="cross",
-            points=f"{lean:.3f} -4, {-lean:.3f} 4",
+            points=((round(lean, 3), -4.0), (round(-lean, 3), 4.0)),
             measures=5.0,
         )
         yield Evolve(time=begin + 9 * MEASURE_S, source="bench", formation="circle", measures=4.0)
@@ -110,7 +112,9 @@ def _dragged(take: Take) -> Iterator[ControlEvent]:
     for number in range(int((take.seconds - 0.5) * DRAG_HERTZ)):
         time = 0.5 + number / DRAG_HERTZ
         x, z = way[int(offset + DRAG_SPEED * time * 1000.0) % len(way)]
-        yield Attract(time=time, source="bench", x=float(x), z=float(z), measures=4.0, drag=True)
+        yield PlaceElement(
+            time=time, source="bench", kind="attract", points=((float(x), float(z)),), measures=4.0, drag=True
+        )
 
 
 @cache

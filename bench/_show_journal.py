@@ -18,7 +18,7 @@ from live.cli.bench import Row
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events.audio import MusicHeard
-from live.control.events.events import Attract, BeatHeard, ControlEvent, SetParameter, StepNow
+from live.control.events.events import BeatHeard, ControlEvent, PlaceElement, SetParameter, StepNow
 from live.show.engine import Engine
 from live.show.journal.journal import Journal, JournalWriter, read_journal
 from live.show.journal.journal_writer import read_snapshots
@@ -84,7 +84,7 @@ def _events(frame: int) -> list[ControlEvent]:
     if frame % FPS == 0:
         second = frame // FPS
         kinds: list[ControlEvent] = [
-            Attract(time=now, source="osc", x=3.0 * math.sin(second), z=1.0, measures=2.0),
+            PlaceElement(time=now, source="osc", kind="attract", points=((3.0 * math.sin(second), 1.0),), measures=2.0),
             SetParameter(time=now, source="midi", address=AMPLITUDE.address, value=(0.2 + 0.1 * math.sin(second),)),
             StepNow(time=now, source="osc", name="jump", group="*") if second % 15 == 14 else
             SetParameter(time=now, source="osc", address=MIX.address, value=(0.3,)),

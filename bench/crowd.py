@@ -1,5 +1,6 @@
 """Crowds: does everybody arrive, without overlaps, and how smoothly, beside RVO2 on the same scenarios."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from bench._crowd_rows import GAP_SECONDS, Peer, quality_rows, thesis_rows
@@ -49,4 +50,4 @@ def _rvo2(name: str, horizon: float, seed: int) -> Metrics:
 
 def _scenario(name: str, seed: int) -> Scenario:
     scenario = SCENARIOS[name](seed)
-    return scenario.with_duration(GAP_SECONDS) if name.startswith("bottleneck") else scenario
+    return replace(scenario, duration=GAP_SECONDS) if name.startswith("bottleneck") else scenario

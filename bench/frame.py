@@ -18,7 +18,7 @@ from bench._show import crowd
 from live.base.event_queue import EventQueue
 from live.cli.bench import Row
 from live.clock.time_source import ManualClock
-from live.control.events.events import Attract, ControlEvent, Spread
+from live.control.events.events import ControlEvent, PlaceElement
 from live.show.engine import Engine
 from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
@@ -116,6 +116,6 @@ def _throw(inbox: EventQueue[ControlEvent], frame: int) -> None:
     now = frame / FPS
     if frame % (6 * FPS) == 0:
         x = 3.0 if frame % (12 * FPS) else -3.0
-        inbox.put(Attract(time=now, source="bench", x=x, z=0.5, measures=2.0))
+        inbox.put(PlaceElement(time=now, source="bench", kind="attract", points=((x, 0.5),), measures=2.0))
     elif frame % (6 * FPS) == 3 * FPS:
-        inbox.put(Spread(time=now, source="bench", measures=2.0))
+        inbox.put(PlaceElement(time=now, source="bench", kind="spread", measures=2.0))

@@ -15,7 +15,7 @@ from live.graph.render_dance import RenderedDance, render_dance
 from live.graph.search.path_following import follow_line, follow_path, smoothed
 from live.graph.select.candidates import find_candidates
 from live.graph.step_library import build_library
-from live.library.step_folder import load_steps
+from live.library.step_folder import load_folder
 from live.motion.quality.metrics import beat_alignment, beat_offsets, mean_speed, motion_beats
 from live.motion.step_clip import StepClip
 
@@ -205,7 +205,7 @@ def _shown_beats(graph: MotionGraph, dance: RenderedDance) -> Float64:
 
 def _path_rows(full: bool) -> list[Row]:
     """With the project's own steps in nine directions, at every measure line of the motion itself."""
-    clips = [clip for clip in load_steps(SKETCHES) if clip.beats_per_measure == 4]
+    clips = [clip for clip in load_folder(SKETCHES) if clip.beats_per_measure == 4]
     graph = build_graph(build_library(clips))
     candidates = find_candidates(graph)
     rows = []

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bench._motion_clips import SALSA, SOLO, WALKS, Material, recordings, sketches
+from bench._step_metrics import StepMetrics, pelvis_displacement
 from live.cli.bench import Row
 from live.motion.clip import read_clip
 from live.motion.editing.facing import face_head, heading_of
@@ -20,7 +21,6 @@ from live.motion.editing.turn_insertion import find_supports, insert_rotation
 from live.motion.editing.variation import combine, draw_factors, draw_sequence_factors, scale_sequence, scale_step
 from live.motion.mirror import mirror_step
 from live.motion.pose.foot_lock import lock_feet
-from live.motion.quality.metrics import StepMetrics, pelvis_displacement
 from live.motion.skeleton import MIRROR
 from live.motion.step_clip import StepClip, corresponding_samples
 

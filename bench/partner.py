@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from bench import texture_quality
 from bench._fixed_lag import agreement_by_lag
@@ -17,10 +18,11 @@ from live.library.partner_pairs import PartnerExamples, read_pairs
 from live.motion.beats.dance_rhythm import find_rhythm
 from live.motion.beats.tempo_estimation import find_two_beat_lines
 from live.motion.clip import Clip
+from live.motion.partner.decoder import Reading
 from live.motion.partner.evaluation import FollowerErrors, follower_errors, joint_positions, slide_metrics
-from live.motion.partner.partner_synthesis import SearchSettings, find_partner, period_offsets, shown_beats
+from live.motion.partner.partner_synthesis import SearchSettings, find_partner, shown_beats
 from live.motion.partner.units import cut_units
-from live.motion.partner_live.live_partner import agreement_of, evaluate_live, similar_units
+from live.motion.partner_live.live_partner import LIVE_RATE, agreement, evaluate_live, similar_units
 from live.motion.quality.metrics import beat_offsets
 
 DROPPED = 6
@@ -239,3 +241,16 @@ def _rows(tally: Tally) -> list[Row]:
     spent = max(one["frame_ms"]["p99"] for one in tally.live)
     rows.append(Row("salsa, live: a frame at 30 Hz, p99", spent, "ms", 12.0))
     return rows
+
+
+def period_offsets(shown: npt.NDArray[np.float64], period: float, first: float) -> npt.NDArray[np.float64]:
+    """Return the signed offsets of shown beats from the nearest beats, `period` [s] apart, one at `first` [s]."""
+    phase = (shown - first) / period
+    return np.asarray((phase - np.round(phase)) * period)
+
+
+def agreement_of(reading: Reading, offline: Reading) -> float:
+    """Return the `agreement` of another reading of the same input instead of the danced units."""
+    times = np.arange(int((reading.start[-1] + reading.duration[-1]) / reading.rate * LIVE_RATE) + 1) / LIVE_RATE
+    which = np.maximum(np.searchsorted(reading.start, times * reading.rate + 1e-9, side="right") - 1, 0)
+    return agreement([(int(reading.unit[n]), int(reading.start[n])) for n in which], offline)

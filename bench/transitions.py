@@ -13,10 +13,10 @@ from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
 from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
 from live.agents.evolutions import facing, paths
-from live.agents.evolutions.collision_check import Clearance, repair_collisions
-from live.agents.evolutions.incremental_assignment import IncrementalAssignment
+from live.agents.evolutions.collision_check import Clearance, repair_in_pieces
+from live.agents.evolutions.incremental_assignment import IncrementalAssignment, run_to_end
 from live.agents.evolutions.intention import Evolve, Places, Repertoire, Segment
-from live.agents.evolutions.paths import bend_paths
+from live.agents.evolutions.paths import bend_paths_in_pieces
 from live.agents.evolutions.running_plan import Plan
 from live.agents.evolutions.slot_assignment import Cost, assign, distances
 from live.agents.evolutions.start_delays import Ripple, StartOrder, delays, start_and_arrival
@@ -90,8 +90,9 @@ def _cost_rows(cost: Cost, pairs: list[tuple[Float64, Float64]]) -> list[Row]:
         least.append(distance)
         meeting["straight"] += overlaps > 0
         if overlaps:
-            once = bend_paths(straight, 2 * RADIUS, seed=number, rounds=1, randomness=1.0)
-            often = bend_paths(straight, 2 * RADIUS + 0.04, seed=number, half=(WIDTH / 2, DEPTH / 2))
+            once = run_to_end(bend_paths_in_pieces(straight, 2 * RADIUS, seed=number, rounds=1, randomness=1.0))
+            half = WIDTH / 2, DEPTH / 2
+            often = run_to_end(bend_paths_in_pieces(straight, 2 * RADIUS + 0.04, seed=number, half=half))
             meeting["thesis"] += nearest(once)[0] > 0
             meeting["divided"] += nearest(often)[0] > 0
     share = {name: 100.0 * count / len(pairs) for name, count in meeting.items()}
@@ -114,9 +115,9 @@ def _ripple_rows(pairs: list[tuple[Float64, Float64]]) -> list[Row]:
         waits = delays(Ripple(3.0, StartOrder.RANDOM), start, np.arange(len(start)))
         rippled = journey(start, goal[slot], waits)
         before += nearest(rippled)[0] > 0
-        result = repair_collisions(
-            rippled, RADIUS, waits, begin=0.0, end=BEATS, seed=number, half=(WIDTH / 2, DEPTH / 2)
-        )
+        half = WIDTH / 2, DEPTH / 2
+        pieces = repair_in_pieces(rippled, RADIUS, waits, begin=0.0, end=BEATS, seed=number, half=half)
+        result = run_to_end(pieces)
         after += nearest(result.locomotion)[0] > 0
         changed += result.retimed
     count = len(pairs)

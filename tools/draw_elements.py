@@ -18,7 +18,7 @@ from matplotlib.patches import Circle, Rectangle
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from bench.spreading import Crowd, places
-from live.agents.elements.element import Element, line_through, rectangle
+from live.agents.elements.element import Element, rectangle
 from live.agents.elements.element_kinds import (
     ATTRACTOR,
     CROSSING,
@@ -109,9 +109,9 @@ def groups(axes: Any) -> None:
         for x, z in kept[second * 4]:
             axes[place].add_patch(Circle((x, z), 0.25, color="tab:blue"))
     for place, line in (
-        (3, line_through(0.0, 0.0, 0.0)),
-        (4, line_through(0.5, 0.0, 0.6)),
-        (5, line_through(0.0, 1.0, np.pi / 2)),
+        (3, ((0.0, -1.0), (0.0, 1.0))),
+        (4, ((0.5 - np.sin(0.6), -np.cos(0.6)), (0.5 + np.sin(0.6), np.cos(0.6)))),
+        (5, ((-1.0, 1.0), (1.0, 1.0))),
     ):
         start = scattered(24, 4)
         kept = danced(start, [Element(CROSSING, line, **ON)], 14.0)

@@ -1,6 +1,5 @@
 """Adaptive picture quality of a live show, and hot reload of shaders from a user's folder."""
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -15,6 +14,7 @@ from live.render.frame_budget import FrameBudget
 from live.render.renderer import Renderer
 from live.render.shader import builtin_text, set_override_folder, shader_names
 from live.show.patch.patch import Patch
+from live.show.selection.library_watch import folder_stamp
 
 if TYPE_CHECKING:
     from live.app.session import Session
@@ -75,8 +75,6 @@ class QualityController(FrameBudget):
 CHECK_INTERVAL: Final = 0.25
 """Interval [s] between two checks of the folder; it must be unchanged twice, so that no half-written file is read."""
 
-Stamp = tuple[tuple[str, int, int], ...]
-
 
 def use_shader_folder(folder: Path, console: Console) -> None:
     """Use the shaders of `folder` from now on; if it does not exist, create it with copies of all shaders."""
@@ -85,7 +83,7 @@ def use_shader_folder(folder: Path, console: Console) -> None:
         _copy_all(folder)
         console.print(f"all shaders were copied here for editing: {folder.resolve()}", soft_wrap=True, markup=False)
     known = set(shader_names())
-    there = {name for name, _, _ in stamp_of(folder)}
+    there = {name for name, _, _ in folder_stamp(folder, ".glsl")}
     for name in sorted(there - known):
         console.print(f"note: --shaders: {name} is none of the program's shaders", style="yellow", markup=False)
     if not there & known:
@@ -104,22 +102,13 @@ def _copy_all(folder: Path) -> None:
         raise PersonError(f"--shaders {folder}: it cannot be created: {error.strerror}") from None
 
 
-def stamp_of(folder: Path) -> Stamp:
-    """Return names, times and sizes of the shaders in a folder; empty if the folder is missing."""
-    try:
-        files = [each for each in os.scandir(folder) if each.name.endswith(".glsl") and each.is_file()]
-        return tuple(sorted((each.name, each.stat().st_mtime_ns, each.stat().st_size) for each in files))
-    except OSError:
-        return ()
-
-
 class ShaderWatch:
     """Checks the folder between frames. Thread: the main thread, which owns the OpenGL context."""
 
     def __init__(self, folder: Path, reload: Callable[[], None]) -> None:
         """`reload` rebuilds everything that draws; it raises PersonError if a shader does not compile."""
         self._folder, self._reload = folder, reload
-        self._seen = self._loaded = stamp_of(folder)
+        self._seen = self._loaded = folder_stamp(folder, ".glsl")
         self._next = 0.0
         self.problem = ""
         """Why the last edit failed; empty if it did not."""
@@ -131,7 +120,7 @@ class ShaderWatch:
         if now < self._next:
             return
         self._next = now + CHECK_INTERVAL
-        stamp = stamp_of(self._folder)
+        stamp = folder_stamp(self._folder, ".glsl")
         settled, self._seen = stamp == self._seen, stamp
         if not settled or stamp == self._loaded or not stamp:
             return
@@ -145,7 +134,7 @@ class ShaderWatch:
             self.problem, self.reloads = "", self.reloads + 1
 
 
-def watch_shaders(session: "Session", reload: Callable[[], None]) -> "ShaderWatch | None":
+def watch_shaders(session: "Session", reload: Callable[[], None]) -> ShaderWatch | None:
     """Return a watch on the folder of `--shaders`, shown in overlay and status; None without the option."""
     if session.options.shaders is None:
         return None

@@ -181,7 +181,6 @@ def make_audio(
                 sound.music,
                 inbox,
                 clock,
-                loop=True,
                 output=output,
                 latency=latencies.output,
                 one_at=one_at,

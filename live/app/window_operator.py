@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from live.base.picture_parameters import camera_from_row
 from live.base.stage_snapshot import Scene
-from live.control.events.events import Attract, ControlEvent, LearnMidi, Repel, WalkOn
+from live.control.events.events import ControlEvent, LearnMidi, PlaceElement, WalkOn
 from live.control.keyboard import FORMATION_KEYS, KEYS, event_for_formation, event_for_key
 from live.control.pointer import TOOLS, WALK_TOOL, event_for_place, event_for_stroke
 from live.render.camera import floor_point
@@ -117,7 +117,7 @@ class OperatorInput:
         if len(self._stroke) < MAX_STROKE_POINTS:
             self._stroke.append((float(place[0]), float(place[1])))
         event = event_for_place(self._tool, place[0], place[1], value.shift, now)
-        if isinstance(event, Attract | Repel):
+        if isinstance(event, PlaceElement):
             self._session.inbox.put(replace(event, drag=drag))
         elif isinstance(event, WalkOn):
             self._session.inbox.put(replace(event, anew=event.anew and not drag))

@@ -1,4 +1,4 @@
-"""Mean poses of all nodes at once: `live.motion.pose.pose_pipeline.mean_pose` for a whole library (T058)."""
+"""Mean poses of all nodes of a library at once: for each joint the mean in log space about itself (T058)."""
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,11 @@ Int64 = npt.NDArray[np.int64]
 
 
 def mean_poses(rotation: Float32, first: Int64, last: Int64) -> Float32:
-    """Return the mean rotation of each joint over samples first to last (inclusive, (N,)) of (S, J, 4), (N, J, 4)."""
+    """Return the mean rotation of each joint over samples first to last (inclusive, (N,)) of (S, J, 4), (N, J, 4).
+
+    The initial value maximises the summed squared cosine (an eigenvector); one step in log space gives the mean of
+    q_mean^-1 q. Its sign is that of the first sample.
+    """
     joints = rotation.shape[1]
     moments = np.zeros((len(first), joints, 4, 4))
     rotation_moments(rotation, first, last, moments)

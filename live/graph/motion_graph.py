@@ -6,11 +6,11 @@ import numpy as np
 import numpy.typing as npt
 
 from live.graph.build.metric import Metric
-from live.graph.build.transitions import Boundaries, Joins, JoinSettings, Transitions, find_joins, retime_library
+from live.graph.build.transitions import Boundaries, Joins, JoinSettings, find_joins, retime_library
 from live.graph.distance_kernels import count_hops, reverse_edges
 from live.graph.node_features import Moments, NodeFacts, node_facts
 from live.graph.step_library import StepLibrary
-from live.graph.structure_rules import may_follow, unmatched_poses
+from live.graph.structure_rules import unmatched_poses
 from live.graph.takes import Takes, find_takes
 
 Float64 = npt.NDArray[np.float64]
@@ -184,16 +184,6 @@ def _missing(library: StepLibrary, alive: Bool, threshold: float) -> tuple[str, 
         for name, lively in zip(library.steps, lives, strict=True)
         if not lively
     )
-
-
-def allowed_edges(library: StepLibrary, transitions: Transitions, threshold: float) -> Bool:
-    """Return which ordered pairs of nodes may follow each other, before dead ends are pruned, shape (N, N)."""
-    leaves = library.node_measure == library.node_measures - 1
-    enters = library.node_measure == 0
-    allowed = (transitions.distance <= threshold) & leaves[:, None] & enters[None] & may_follow(library)
-    inside = np.flatnonzero(~leaves)
-    allowed[inside, inside + 1] = True  # the measures of one clip are neighbours in the library
-    return np.asarray(allowed, np.bool_)
 
 
 def strong_components(count: int, source: Int32, target: Int32) -> Int32:

@@ -65,9 +65,9 @@ class StepLibrary:
 
     def step_index(self, name: str) -> int | None:
         """Return the index of the step called `name` (case and underscores do not matter), None if there is none."""
-        wanted = _normalized(name)
+        wanted = plain_name(name)
         for index, step in enumerate(self.steps):
-            if _normalized(step) == wanted:
+            if plain_name(step) == wanted:
                 return index
         return None
 
@@ -89,7 +89,8 @@ class StepLibrary:
         return " ".join(parts)
 
 
-def _normalized(name: str) -> str:
+def plain_name(name: str) -> str:
+    """Return a step's name in the form for comparison: casefolded, with single blanks for hyphens and underscores."""
     return " ".join(name.replace("_", " ").replace("-", " ").casefold().split())
 
 

@@ -43,12 +43,6 @@ def structure_codes(library: "StepLibrary") -> StructureCodes:
     return StructureCodes(*(np.ascontiguousarray(codes[:, columns]) for columns in ((0, 2), (1, 2))))
 
 
-def may_follow(library: "StepLibrary") -> Bool:
-    """Whether the structure allows the clip of node v to follow that of node u, shape (N, N)."""
-    everything = np.arange(library.node_count)
-    return may_follow_between(library, everything, everything)
-
-
 def may_follow_between(library: "StepLibrary", first: Int64, second: Int64) -> Bool:
     """The same for the nodes `first` (R,) and `second` (M,), shape (R, M)."""
     codes = structure_codes(library)

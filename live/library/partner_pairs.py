@@ -135,14 +135,12 @@ class PartnerExamples:
     """For each pair whether its beats are a guess."""
 
 
-def read_pairs(toml: Path, progress: Callable[[str], None] | None = None) -> PartnerExamples:
+def read_pairs(toml: Path) -> PartnerExamples:
     """Read all pairs of a file; PersonError with file, line and field for anything invalid."""
     wanted, fail = _parse_pairs(toml)
     examples, leaders, followers, guessed = [], [], [], []
     for n, pair in enumerate(wanted.pair):
         where: KeyPath = ("pair", n)
-        if progress is not None:
-            progress(pair.follower.file)
         follower = _load_side(pair.follower, toml, partial(fail, (*where, "follower")))
         leader = None
         if pair.leader is not None:

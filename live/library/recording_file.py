@@ -227,20 +227,6 @@ class StepFiles:
     problems: list[Problem] = field(default_factory=list)
 
 
-def read_recordings(directory: Path) -> list[RecordingEntry]:
-    """Read the recordings that a folder's TOML files describe; RecordingError with all problems, or if there is none.
-
-    A file has one recording at its top level, or an array `[[step]]`, for which keys at the top level are defaults.
-    Files of pairs (`[[pair]]`), for partner dance, and sketches are skipped.
-    """
-    files = read_step_files(directory)
-    if files.problems:
-        raise combine_problems(files.problems)
-    if not files.recordings:
-        raise no_steps_error(directory)
-    return [entry for entries in files.recordings.values() for entry in entries]
-
-
 def no_steps_error(directory: Path) -> RecordingError:
     """Return the error for a folder without a TOML file that describes steps."""
     count = sum(map(is_readable_name, directory.iterdir()))

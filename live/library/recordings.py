@@ -22,8 +22,6 @@ from live.library.recording_file import (
     RecordingError,
     StepFiles,
     combine_problems,
-    no_steps_error,
-    read_step_files,
 )
 from live.motion.cleanup.glitch_detection import Glitch, find_glitches
 from live.motion.cleanup.glitch_repair import repair
@@ -171,21 +169,10 @@ def _with_measures(entry: RecordingEntry, start: int, measures: int) -> Recordin
     return replace(entry, recording=entry.recording.model_copy(update={"start_measure": start, "measures": measures}))
 
 
-__all__ = ["RecordingError", "cut_step", "load_recordings", "recorded_steps"]
+__all__ = ["RecordingError", "cut_step", "recorded_steps"]
 
 CACHE: Final = ClipCache("recordings", max_entries=1000)
 """One entry for each TOML file, so that a change in one leaves the others valid."""
-
-
-def load_recordings(directory: Path) -> list[StepClip]:
-    """Return all steps that the TOML files of `directory` describe, in order, each followed by its mirror image if set.
-
-    RecordingError with all problems: file, line, field, the value and what is allowed.
-    """
-    files = read_step_files(directory)
-    if not files.recordings and not files.problems:
-        raise no_steps_error(directory)
-    return recorded_steps(files)
 
 
 def recorded_steps(files: StepFiles) -> list[StepClip]:

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Final
 
 from live.base.errors import PersonError
-from live.library.disk_cache import ClipCache, read_regular_file
+from live.graph.step_library import plain_name
+from live.library.disk_cache import ClipCache
 from live.library.recording_file import no_steps_error, read_step_files
 from live.library.recordings import recorded_steps
 from live.library.textured_steps import read_textured
@@ -19,24 +20,6 @@ CACHE: Final = ClipCache("steps", max_entries=8)
 
 class StepsError(PersonError):
     """Steps that cannot be read; the message names the file, and line and field if known."""
-
-
-def load_steps(folder: Path) -> list[StepClip]:
-    """Read all sketched steps of `folder` (*.toml), by file name; StepsError if one is invalid or there is none."""
-    texts: dict[str, str] = {}
-    for path in sorted(folder.glob("*.toml")):
-        try:
-            data = read_regular_file(path, MAX_STEP_BYTES)
-            if len(data) > MAX_STEP_BYTES:
-                raise StepsError(f"{path}: a step has at most {MAX_STEP_BYTES} bytes")
-            texts[str(path)] = data.decode("utf-8")
-        except OSError as error:
-            raise StepsError(f"cannot read the step {path}: {error.strerror}") from None
-        except UnicodeDecodeError as error:
-            raise StepsError(f"{path}: not a text in UTF-8 (byte {error.start})") from None
-    if not texts:
-        raise StepsError(f"no steps in {folder}", "put step files (*.toml) there, like those in patches/steps")
-    return sketched_steps(texts)
 
 
 def sketched_steps(texts: dict[str, str]) -> list[StepClip]:
@@ -74,11 +57,6 @@ def load_folder(directory: Path) -> list[StepClip]:
         raise no_steps_error(directory)
     sketched = sketched_steps(files.sketches) if files.sketches else []
     return unify_names(sketched + read_textured(files.sketches) + recorded_steps(files))
-
-
-def plain_name(name: str) -> str:
-    """Return a step's name in the form for comparison: casefolded, with single blanks for hyphens and underscores."""
-    return " ".join(name.replace("_", " ").replace("-", " ").casefold().split())
 
 
 def unify_names(steps: Sequence[StepClip]) -> list[StepClip]:

@@ -10,6 +10,12 @@ import numpy.typing as npt
 Float = npt.NDArray[np.floating]
 
 
+def smoothstep(share: Float) -> Float:
+    """Return an eased share, with level ends; `share` is limited to 0 to 1 first."""
+    share = np.clip(share, 0.0, 1.0)
+    return np.asarray(share * share * (3.0 - 2.0 * share))
+
+
 def monotone_slopes(times: Float, values: Float) -> Float:
     """Return slopes (K, ...) of the shape-preserving cubic through `values` (K, ...) at `times` (K,); 0 at both
     ends."""

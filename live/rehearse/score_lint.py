@@ -20,7 +20,6 @@ from live.show.score.score import section_timings
 from live.show.show import Show
 
 SECTION_ADDRESS: Final = "/dance/section"
-SCENE_ADDRESS: Final = "/dance/scene"
 
 
 def section_warnings(patch: Patch) -> list[str]:

@@ -54,18 +54,12 @@ HARDWARE: Final = Quality(4, FINE, 120, LIGHT, 768, 2)
 """For a graphics card, or for offline films."""
 
 
-def choose_quality(ctx: moderngl.Context, dancer_count: int, samples: int | None) -> Quality:
-    """Return the tier for this driver; `samples` overrides its multisampling, limited to the driver's maximum.
-
-    Raises ValueError if `samples` is negative.
-    """
-    if samples is not None and samples < 0:
-        raise ValueError(f"samples {samples}: 0 or more")
+def choose_quality(ctx: moderngl.Context, dancer_count: int) -> Quality:
+    """Return the tier for this driver, its multisampling limited to the driver's maximum."""
     quality = SOFTWARE if is_software(ctx) else HARDWARE
     if quality is HARDWARE and dancer_count > _MEDIUM_ABOVE:
         quality = replace(quality, near_level=LIGHT, near_count=400, far_level=DISTANT)
-    wanted = quality.samples if samples is None else samples
-    return replace(quality, samples=min(wanted, int(ctx.max_samples)))
+    return replace(quality, samples=min(quality.samples, int(ctx.max_samples)))
 
 
 HALF_LIFE_S: Final = 1.0

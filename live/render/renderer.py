@@ -31,9 +31,8 @@ JUMP_BEATS: Final = 64.0
 class Renderer:
     """Draws moments of one scene at one size; GL objects are created here and in `resize`, none while drawing.
 
-    `samples` is the multisampling; None chooses 4 on a graphics card and 0 in software. `quality` overrides the whole
-    choice. `target`: the framebuffer that will be drawn to; its size must be `size`. `blocking_video`: wait for
-    pictures of videos, as in an offline film. Targets need no depth and no samples.
+    `quality` overrides the choice by the driver. `blocking_video`: wait for pictures of videos, as in an offline film.
+    Targets need no depth and no samples.
     """
 
     def __init__(
@@ -42,8 +41,6 @@ class Renderer:
         scene: Scene,
         *,
         size: tuple[int, int],
-        samples: int | None = None,
-        target: moderngl.Framebuffer | None = None,
         quality: Quality | None = None,
         steps: bool = False,
         blocking_video: bool = False,
@@ -52,10 +49,8 @@ class Renderer:
         """`steps`: also create what the lower quality steps need; see `set_step`.
         `transparent`: without a stage, in pictures with alpha (needs samples)."""
         self._ctx, self._scene, self._size = ctx, scene, _clamped_size(size)
-        if target is not None and tuple(target.size) != size:
-            raise ValueError(f"renderer: the target is {target.size}, the size asked for {size}")
         self.quality = quality or (
-            _transparent_quality(ctx) if transparent else choose_quality(ctx, scene.dancer_count, samples)
+            _transparent_quality(ctx) if transparent else choose_quality(ctx, scene.dancer_count)
         )
         self._clear_alpha = 0.0 if transparent else 1.0
         self.steps = quality_steps(self.quality) if steps else (QualityStep("all", self.quality),)

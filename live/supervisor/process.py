@@ -85,7 +85,6 @@ class Child:
             raise
         finally:
             theirs.close()
-        self.started = time.monotonic()
         self.killed = False
         """Whether it was killed, even if it has not ended yet."""
 
@@ -94,7 +93,7 @@ class Child:
         """Make one for a process that already runs and that another supervisor started."""
         child = cls.__new__(cls)
         child.role, child.channel, child.heartbeat, child.process = role, channel, heartbeat, process
-        child.watchdog, child.started, child.killed = Watchdog(), time.monotonic(), False
+        child.watchdog, child.killed = Watchdog(), False
         return child
 
     @property
@@ -231,8 +230,6 @@ class AuxiliaryProcess:
 
 ROUND: Final = 0.02
 """Seconds of a round: between two checks of the heartbeats."""
-MAX_ROUND: Final = 0.5
-"""In a round longer than this [s] this process itself did not run."""
 
 READ_EVERY: Final = 0.25
 """Seconds between two readings of the machine's load."""
@@ -245,8 +242,6 @@ class ProcessManager:
 
     def __init__(self) -> None:
         self.selector = selectors.DefaultSelector()
-        self.last_stall = time.monotonic()
-        """When this process itself last stalled: silence before that does not mean death."""
         self.load = MachineLoad(ROUND)
         """Load of the machine."""
         self._read_at = 0.0
@@ -262,8 +257,6 @@ class ProcessManager:
         for key, _ in ready:
             key.data()
         now = time.monotonic()
-        if now - before > MAX_ROUND:
-            self.last_stall = now
         if now >= self._read_at:
             self._read_at = now + READ_EVERY
             self.load.record_reading(now, read_machine())

@@ -8,10 +8,20 @@ from live.control.registry.registry import REGISTRY
 
 @pytest.mark.parametrize(
     ("name", "kind"),
-    [("Space", events.Tap), ("1", events.One), ("S", events.Spread), ("s", events.Spread), ("M", events.RestartAudio)],
+    [
+        ("Space", events.Tap),
+        ("1", events.One),
+        ("M", events.RestartAudio),
+    ],
 )
 def test_keys_create_their_events(name, kind):
     assert event_for_key(name, time=3.5, blackout_now=False) == kind(time=3.5, source="key")
+
+
+@pytest.mark.parametrize("name", ["S", "s"])
+def test_s_key_spreads(name):
+    event = event_for_key(name, time=3.5, blackout_now=False)
+    assert event == events.PlaceElement(time=3.5, source="key", kind="spread")
 
 
 def test_b_key_toggles_blackout():

@@ -25,7 +25,7 @@ RULES = Rules(
         {"udp": 7, "nice": 0, "origin": 12.5, "targets": (("127.0.0.1", 9000),), "secret": b"s" * 32},
         ("positions", b"\x00\x01" * 40),
         (
-            (("/dance/attract", 1), events.Attract(time=1.5, source="osc", x=1.0, z=0.0)),
+            (("/dance/attract", 1), events.PlaceElement(time=1.5, source="osc", kind="attract", points=((1.0, 0.0),))),
             (None, events.Tap(time=1.0, source="key")),
         ),
         RULES,
@@ -76,7 +76,7 @@ class PickledCall:
         b"\xdd\xff\xff\xff\xff",
         b"\x91" * 2000,
         _pack_named("os.system", "true"),
-        _pack_named("Attract", 1.0, 2.0),
+        _pack_named("PlaceElement", 1.0, 2.0),
         _pack_named("Tap", "now", "key"),
         _pack_named("Tap", float("nan"), "key"),
         _pack_named("Tap", 1.0, "key", 1, 2, 3, 4, 5),
@@ -95,7 +95,13 @@ def test_forged_bytes_are_refused_without_calls(data):
 
 def test_damaged_packets_cause_no_calls():
     chance = np.random.default_rng(4)
-    whole = encode_packet((("a", events.Attract(time=1.5, source="osc", x=1.0, z=0.0)), RULES, {"a": (1.0, "b")}))
+    whole = encode_packet(
+        (
+            ("a", events.PlaceElement(time=1.5, source="osc", kind="attract", points=((1.0, 0.0),))),
+            RULES,
+            {"a": (1.0, "b")},
+        )
+    )
     for _ in range(5000):
         data = bytearray(whole)
         for place in chance.integers(len(data), size=int(chance.integers(1, 5))):
@@ -109,7 +115,10 @@ def test_damaged_packets_cause_no_calls():
 
 def test_event_packet_takes_under_six_times_pickle():
     """Both are timed in one run; a packet has 32 events, with at most two packets per tick."""
-    many = [((f"/dance/{n}", n), events.Attract(time=1.5 + n, source="osc", x=0.1 * n, z=1.0)) for n in range(32)]
+    many = [
+        ((f"/dance/{n}", n), events.PlaceElement(time=1.5 + n, source="osc", kind="attract", points=((0.1 * n, 1.0),)))
+        for n in range(32)
+    ]
 
     def fastest(write, read):
         spent = []

@@ -9,7 +9,7 @@ from live.graph.build.transitions import all_pairs, transition_windows
 from live.graph.clusters import connectivity, join_summaries, nearest_steps, structural_components
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
-from live.graph.structure_rules import may_follow
+from live.graph.structure_rules import may_follow_between
 from tests.fixtures.made_steps import made_clip, made_steps
 
 
@@ -53,7 +53,8 @@ def test_join_summaries_count_every_join_between_steps(graph):
 def test_nearest_steps_are_minima_of_dense_table(graph):
     library = graph.library
     table = all_pairs(*transition_windows(library, graph.window)).distance
-    table[~may_follow(library)] = np.inf
+    nodes = np.arange(library.node_count)
+    table[~may_follow_between(library, nodes, nodes)] = np.inf
     table[library.node_measure < library.node_measures - 1] = np.inf
     table[:, library.node_measure > 0] = np.inf
     expected = [

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 from live.graph.build.metric import Metric
 from live.graph.build.transitions import all_pairs, transition_windows
-from live.graph.motion_graph import UNREACHABLE, allowed_edges, build_graph, largest_component
+from live.graph.motion_graph import UNREACHABLE, build_graph, largest_component
 from live.graph.step_library import build_library
+from live.graph.structure_rules import may_follow_between
 from tests.fixtures.made_steps import made_clip, made_steps
 
 
@@ -28,6 +29,16 @@ def test_two_measure_step_is_danced_whole(graph):
     assert targets.tolist() == [second]
     assert graph.edge_transform[graph.edge_start[first]].tolist() == [0, 0, 0]
     assert not np.isin(second, np.delete(graph.edge_target, graph.edge_start[first]))
+
+
+def allowed_edges(library, transitions, threshold):
+    """Which ordered pairs of nodes may follow each other, before dead ends are pruned, shape (N, N)."""
+    nodes = np.arange(library.node_count)
+    leaves, enters = library.node_measure == library.node_measures - 1, library.node_measure == 0
+    allowed = (transitions.distance <= threshold) & leaves[:, None] & enters & may_follow_between(library, nodes, nodes)
+    inside = np.flatnonzero(~leaves)
+    allowed[inside, inside + 1] = True  # the measures of one clip are neighbours in the library
+    return allowed
 
 
 @pytest.mark.parametrize("threshold", [0.02, 0.1, 0.3])

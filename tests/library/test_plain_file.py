@@ -7,7 +7,7 @@ import pytest
 
 from live.base.errors import PersonError
 from live.library.disk_cache import read_regular_file
-from live.library.step_folder import load_steps
+from live.library.step_folder import load_folder
 from live.show.patch.toml_model import read_text
 
 
@@ -22,8 +22,8 @@ def test_pipe_is_refused_without_waiting(tmp_path):
     os.mkfifo(tmp_path / "groove.toml")
     with pytest.raises(PersonError, match=r"cannot read the patch .*groove\.toml: a file expected"):
         read_text(tmp_path / "groove.toml", "patch")
-    with pytest.raises(PersonError, match=r"cannot read the step .*groove\.toml: a file expected"):
-        load_steps(tmp_path)
+    with pytest.raises(PersonError, match=r"groove\.toml: not a file of at most"):
+        load_folder(tmp_path)
 
 
 @pytest.mark.parametrize("name", ["/dev/zero", "."])

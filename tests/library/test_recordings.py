@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from live.library import recordings
-from live.library.recording_file import RecordingError, read_recordings
-from live.library.recordings import load_recordings
+from live.library.recording_file import RecordingError, read_step_files
+from live.library.step_folder import load_folder
 from live.motion import quaternion
 from live.motion.mirror import mirror_step, swap_sides
 from live.motion.step_clip import StepClip, measured_direction, measured_distance
@@ -51,13 +51,13 @@ def pose_at(step: StepClip, sample: float) -> tuple[np.ndarray, float]:
 
 def problems_of(directory: Path) -> str:
     with pytest.raises(RecordingError) as caught:
-        load_recordings(directory)
+        load_folder(directory)
     assert "\n" not in str(caught.value)
     return str(caught.value)
 
 
 def test_top_level_recording_is_one_step(tmp_path: Path) -> None:
-    (step,) = load_recordings(folder(tmp_path, ONE))
+    (step,) = load_folder(folder(tmp_path, ONE))
     assert (step.step, step.measures, step.beats_per_measure, step.bpm) == ("sway", 2, 4, 120.0)
     assert step.samples_per_measure == pytest.approx(120.0)
     assert step.clip.sample_rate == 60.0
@@ -70,7 +70,7 @@ def test_top_level_recording_is_one_step(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("first_beat", [2.5, 3.3217, 0.0])
 def test_hips_are_centred_facing_audience_at_first_downbeat(tmp_path: Path, first_beat: float) -> None:
-    (step,) = load_recordings(folder(tmp_path, ONE.replace("2.5", str(first_beat))))
+    (step,) = load_folder(folder(tmp_path, ONE.replace("2.5", str(first_beat))))
     place, heading = pose_at(step, step.first)
     assert np.hypot(place[0], place[2]) < 1e-4
     assert abs(heading) < 1e-3
@@ -82,7 +82,7 @@ def test_beats_between_samples_are_exact(tmp_path: Path) -> None:
     values = still(601)
     values[:, column("Hips", "Y")] = np.linspace(0.0, 200.0, 601)
     toml = ONE.replace("2.5", "2.51").replace("120", "97.3") + "start_measure = 2\n"
-    (step,) = load_recordings(folder(tmp_path, toml, values))
+    (step,) = load_folder(folder(tmp_path, toml, values))
     measure = 4 * 60 / 97.3
     assert step.samples_per_measure == pytest.approx(measure * 60)
     for measures in (0.0, 0.5, 1.0, 2.0, -0.9):
@@ -91,12 +91,12 @@ def test_beats_between_samples_are_exact(tmp_path: Path) -> None:
 
 
 def test_first_sample_is_held_when_recording_begins_late(tmp_path: Path) -> None:
-    (step,) = load_recordings(folder(tmp_path, ONE.replace("2.5", "0.5")))
+    (step,) = load_folder(folder(tmp_path, ONE.replace("2.5", "0.5")))
     held = int(step.first - 0.5 * 60)
     assert held >= 89
     np.testing.assert_array_equal(step.clip.root_position[:held], step.clip.root_position[[0] * held])
     assert not np.allclose(step.clip.root_position[held + 5], step.clip.root_position[0])
-    (early,) = load_recordings(folder(tmp_path, ONE))
+    (early,) = load_folder(folder(tmp_path, ONE))
     assert not np.allclose(early.clip.root_position[10], early.clip.root_position[0])
 
 
@@ -104,8 +104,8 @@ def test_dropped_frames_do_not_count_as_time(tmp_path: Path) -> None:
     values = still(601)
     values[:, column("Hips", "Y")] = np.linspace(0.0, 200.0, 601)
     values[:30, column("Spine", "X")] = 80.0
-    (whole,) = load_recordings(folder(tmp_path, ONE.replace("2.5", "3.0"), values))
-    (kept,) = load_recordings(folder(tmp_path, ONE + "drop_frames = 30\n", values))
+    (whole,) = load_folder(folder(tmp_path, ONE.replace("2.5", "3.0"), values))
+    (kept,) = load_folder(folder(tmp_path, ONE + "drop_frames = 30\n", values))
     first = int(whole.first)
     np.testing.assert_allclose(
         kept.clip.rotation[first : first + 200], whole.clip.rotation[first : first + 200], atol=1e-5
@@ -113,7 +113,7 @@ def test_dropped_frames_do_not_count_as_time(tmp_path: Path) -> None:
 
 
 def test_given_frame_rate_scales_time(tmp_path: Path) -> None:
-    (step,) = load_recordings(folder(tmp_path, ONE + "fps = 30\nstart_measure = 7\n"))
+    (step,) = load_folder(folder(tmp_path, ONE + "fps = 30\nstart_measure = 7\n"))
     assert step.first == pytest.approx(120.0)
     assert "measures: the step ends with measure 4, but dance.bvh has 3 whole measures" in problems_of(
         folder(tmp_path, ONE + "start_measure = 3\n")
@@ -143,7 +143,7 @@ name = "two"
 bpm = 60
 mirror = true
 """
-    steps = load_recordings(folder(tmp_path, toml))
+    steps = load_folder(folder(tmp_path, toml))
     assert [(s.step, s.bpm, s.mirrored) for s in steps] == [
         ("one", 120.0, False),
         ("two", 120.0, False),
@@ -162,7 +162,7 @@ def test_files_are_read_in_name_order_without_pairs(tmp_path: Path) -> None:
     directory = folder(tmp_path, ONE)
     (directory / "a.toml").write_text(ONE.replace("sway", "first"))
     (directory / "pairs.toml").write_text('[[pair]]\nleader = { file = "x.bvh" }\n')
-    assert [step.step for step in load_recordings(directory)] == ["first", "sway"]
+    assert [step.step for step in load_folder(directory)] == ["first", "sway"]
 
 
 @pytest.mark.parametrize(
@@ -214,7 +214,7 @@ def test_truncated_recording_is_reported_unless_one_frame_is_missing(tmp_path: P
     directory = folder(tmp_path, ONE)
     lines = (directory / "dance.bvh").read_text().splitlines(keepends=True)
     (directory / "dance.bvh").write_text("".join(lines[:-1]))
-    assert len(load_recordings(directory)) == 1
+    assert len(load_folder(directory)) == 1
     (directory / "dance.bvh").write_text("".join(lines[:-40]))
     assert "is cut off: it declares 601 frames and has 561" in problems_of(directory)
 
@@ -256,7 +256,7 @@ def test_recording_is_read_once_for_all_its_steps(tmp_path: Path, monkeypatch: p
         recordings, "read_motion", lambda path, **options: read.append(path) or read_motion(path, **options)
     )
     toml = 'file = "dance.bvh"\nbpm = 120\nfirst_beat_s = 0\n' + '[[step]]\nname = "a"\n' * 5
-    assert len(load_recordings(folder(tmp_path, toml))) == 5
+    assert len(load_folder(folder(tmp_path, toml))) == 5
     assert len(read) == 1
 
 
@@ -268,10 +268,10 @@ def test_cached_steps_are_reused_until_their_files_change(tmp_path: Path, monkey
     directory = folder(tmp_path, ONE + "mirror = true\n")
     (directory / "other.bvh").write_text(body_bvh(dance_values(601, seed=7)))
     (directory / "other.toml").write_text(ONE.replace("dance.bvh", "other.bvh").replace("sway", "other"))
-    first = load_recordings(directory)
+    first = load_folder(directory)
     with monkeypatch.context() as patched:
         patched.setattr(recordings, "_build_steps", fail_on_rebuild)
-        again = load_recordings(directory)
+        again = load_folder(directory)
     assert [step.step for step in again] == ["other", "sway", "sway"]
     for a, b in zip(first, again, strict=True):
         np.testing.assert_array_equal(a.clip.rotation, b.clip.rotation)
@@ -284,17 +284,17 @@ def test_cached_steps_are_reused_until_their_files_change(tmp_path: Path, monkey
         recordings, "_build_steps", lambda entries: built.append(entries[0].recording.name) or build(entries)
     )
     (directory / "dance.bvh").write_text(body_bvh(dance_values(601, seed=9)))
-    changed = load_recordings(directory)
+    changed = load_folder(directory)
     assert built == ["sway"]
     assert not np.array_equal(changed[1].clip.rotation, first[1].clip.rotation)
     (directory / "other.toml").write_text((directory / "other.toml").read_text() + 'style = "soft"\n')
-    assert load_recordings(directory)[0].style == "soft"
+    assert load_folder(directory)[0].style == "soft"
     assert built == ["sway", "other"]
 
 
 def test_missing_recording_is_reported_despite_cache(tmp_path: Path) -> None:
     directory = folder(tmp_path, ONE)
-    load_recordings(directory)
+    load_folder(directory)
     (directory / "dance.bvh").unlink()
     assert "line 2: file: " in problems_of(directory)
 
@@ -337,8 +337,8 @@ def salsa_toml() -> str:
 @pytest.mark.shared
 def test_real_salsa_recordings_load_as_steps(tmp_path: Path) -> None:
     (tmp_path / "salsa.toml").write_text(salsa_toml())
-    assert len(read_recordings(tmp_path)) == 22
-    steps = load_recordings(tmp_path)
+    assert sum(map(len, read_step_files(tmp_path).recordings.values())) == 22
+    steps = load_folder(tmp_path)
     assert len(steps) == 22
     for step in steps:
         place, heading = pose_at(step, step.first)

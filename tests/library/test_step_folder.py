@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from live.library.recording_file import RecordingError, read_step_files
-from live.library.recordings import load_recordings
 from live.library.step_folder import StepsError, load_folder
 from tests.motion.formats.made_bvh import body_bvh, dance_values
 
@@ -26,7 +25,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_recordings_and_sketches_are_loaded(folder: Path) -> None:
     assert [step.step for step in load_folder(folder)] == ["bob", "sway"]
-    assert [step.step for step in load_recordings(folder)] == ["sway"]
 
 
 @pytest.mark.parametrize(

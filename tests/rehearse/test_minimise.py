@@ -5,7 +5,7 @@ import json
 import pytest
 
 from live.clock.ticks import TICK
-from live.control.events.events import Attract, Blackout, ControlEvent
+from live.control.events.events import Blackout, ControlEvent, PlaceElement
 from live.rehearse.failure import DIFFERENT_STATE, Failure
 from live.rehearse.journal_minimiser import Minimiser, Trial, entries_of, minimise, run_entries
 from live.show.journal.journal import event_line
@@ -25,7 +25,9 @@ class _Trial(Trial):
     def run(self, entries, end):
         self.count += 1
         self.measure_ticks = list(range(MEASURE, end, MEASURE))
-        drawn = {tick // MEASURE for tick, event in entries if isinstance(event, Attract) and event.x == 2.0}
+        drawn = {
+            tick // MEASURE for tick, event in entries if isinstance(event, PlaceElement) and event.points[0][0] == 2.0
+        }
         for tick, event in entries:
             if isinstance(event, Blackout) and tick // MEASURE in drawn and tick + 10 <= end:
                 return Failure("IndexError", "", "show/made.py, tick", 7, tick + 10)
@@ -35,7 +37,7 @@ class _Trial(Trial):
 def _entry(tick: int, x: float | None) -> tuple[int, ControlEvent]:
     if x is None:
         return tick, Blackout(time=tick * TICK, source="osc", on=True)
-    return tick, Attract(time=tick * TICK, source="osc", x=x, z=0.0)
+    return tick, PlaceElement(time=tick * TICK, source="osc", kind="attract", points=((x, 0.0),))
 
 
 def test_only_failing_events_remain_and_move_to_beginning():
@@ -44,7 +46,7 @@ def test_only_failing_events_remain_and_move_to_beginning():
     entries.sort(key=lambda entry: entry[0])
     trial = _Trial()
     found = Minimiser(trial, {}, beats=4).run(entries, 5000)
-    assert [type(event) for _, event in found.entries] == [Attract, Blackout]
+    assert [type(event) for _, event in found.entries] == [PlaceElement, Blackout]
     assert found.end < 3 * MEASURE
     assert found.failure.key == ("IndexError", "show/made.py, tick")
     assert found.original_size == (503, 5000)

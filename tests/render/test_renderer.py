@@ -236,22 +236,16 @@ def test_near_dancers_get_finer_body(draw: Draw) -> None:
     assert not changed[: SIZE[1] // 2 + 20, x - 3 : x + 4].any()
 
 
-def test_other_skeleton_or_target_size_is_refused(gl_context: moderngl.Context) -> None:
+def test_other_skeleton_is_refused(gl_context: moderngl.Context) -> None:
     with pytest.raises(ValueError, match="joint_count 18"):
         Renderer(gl_context, replace(scene(1), joint_count=18), size=SIZE)
-    target = gl_context.simple_framebuffer((64, 64))
-    with pytest.raises(ValueError, match="target"):
-        Renderer(gl_context, scene(1), size=SIZE, target=target)
-    target.release()
 
 
-def test_quality_follows_driver_and_requested_samples(gl_context: moderngl.Context) -> None:
-    with pytest.raises(ValueError, match="samples -1"):
-        choose_quality(gl_context, 50, -1)
-    assert choose_quality(gl_context, 50, 2).samples == 2
+def test_quality_follows_driver(gl_context: moderngl.Context) -> None:
+    found = choose_quality(gl_context, 50)
     if is_software(gl_context):
-        assert choose_quality(gl_context, 50, None) == SOFTWARE
-    assert choose_quality(gl_context, 50, 64).samples <= gl_context.max_samples
+        assert found == SOFTWARE
+    assert found.samples <= gl_context.max_samples
 
 
 @pytest.mark.parametrize(("quality", "name"), [(SOFTWARE, "stage_plain"), (HARDWARE, "stage_film")])

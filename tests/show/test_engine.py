@@ -9,7 +9,7 @@ from live.base.fault_isolation import Bulkhead, FaultLog
 from live.base.processing_budget import FLOODED_PER_SECOND
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
-from live.control.events.events import Attract, Blackout, CallStep, SetParameter
+from live.control.events.events import Blackout, CallStep, PlaceElement, SetParameter
 from live.show.engine import EVENTS_PER_FRAME, Engine
 from live.show.view.status import Status
 from tests.show.made_show import made_show
@@ -38,12 +38,12 @@ def test_flooded_values_are_limited_per_frame_and_events_are_not():
         for number in range(120):
             lane.put(SetParameter(time=clock.now(), source="osc", address=LEVEL, value=(0.5,)), number % 60)
         if frame == 0 or frame == 200:
-            musician.put(Attract(time=clock.now(), source="osc", x=1.0, z=1.0))
+            musician.put(PlaceElement(time=clock.now(), source="osc", kind="attract", points=((1.0, 1.0),)))
         engine.frame(skip_render)
     values = [at for name, at in acted if name == "SetParameter"]
     assert len([at for at in values if at >= 1.0]) <= 4.0 * FLOODED_PER_SECOND + 8
     assert max(values.count(at) for at in set(values) if at >= 1.0) <= 4
-    assert [at for name, at in acted if name == "Attract"] == [0.0, 200 / 60]
+    assert [at for name, at in acted if name == "PlaceElement"] == [0.0, 200 / 60]
 
 
 def test_same_events_give_same_states_at_any_frame_rate():
@@ -51,7 +51,7 @@ def test_same_events_give_same_states_at_any_frame_rate():
     results = []
     for fps in (25, 60, 144):
         engine, clock, _, _ = made_engine(lead=0.0)
-        gather = Attract(time=3.0, source="test", x=2.0, z=1.0)
+        gather = PlaceElement(time=3.0, source="test", kind="attract", points=((2.0, 1.0),))
         pending = [(200, gather), (420, Blackout(time=6.5, source="test", on=True))]
         hashes = {}
         for frame in range(1, 10 * fps + 1):

@@ -9,6 +9,7 @@ from live.control.events import events
 from live.motion.skeleton import SKELETON
 from live.show.assembly import assemble
 from live.show.patch.patch_reader import parse_patch
+from tests.fixtures.hips import hips
 from tests.show.made_show import GRAPH, made_show
 
 
@@ -30,16 +31,16 @@ def run(show, seconds, script=()):
 
 
 def gather_dancers(show):
-    show.apply(event_now(events.Attract, show, x=3.0, z=1.0, measures=8.0))
+    show.apply(event_now(events.PlaceElement, show, kind="attract", points=((3.0, 1.0),), measures=8.0))
 
 
-def hips(show):
-    return show.dancers.hips(show.span.fraction(show.timeline.beat_at(show.time)))
+def hips_now(show):
+    return hips(show.dancers, show.span.fraction(show.timeline.beat_at(show.time)))
 
 
 SCRIPT = (
     (200, gather_dancers),
-    (700, lambda s: s.apply(event_now(events.Spread, s))),
+    (700, lambda s: s.apply(event_now(events.PlaceElement, s, kind="spread"))),
     (900, lambda s: s.apply(event_now(events.One, s))),
 )
 
@@ -86,15 +87,15 @@ def test_all_dancers_dance_the_sequence_in_order():
 def test_dancers_gather_at_attractor_and_spread_again():
     show = made_show()
     run(show, 4)
-    before = np.hypot(*(hips(show) - [3, 1]).T).mean()
+    before = np.hypot(*(hips_now(show) - [3, 1]).T).mean()
     gather_dancers(show)
     run(show, 16)
-    gathered = np.hypot(*(hips(show) - [3, 1]).T).mean()
+    gathered = np.hypot(*(hips_now(show) - [3, 1]).T).mean()
     assert gathered < 0.5 * before
     show.apply(event_now(events.Clear, show))
-    show.apply(event_now(events.Spread, show, measures=12.0))
+    show.apply(event_now(events.PlaceElement, show, kind="spread", measures=12.0))
     run(show, 24)
-    assert np.hypot(*(hips(show) - [3, 1]).T).mean() > 1.8 * gathered
+    assert np.hypot(*(hips_now(show) - [3, 1]).T).mean() > 1.8 * gathered
 
 
 @pytest.mark.parametrize(("lock", "left"), [("false", 0.05), ("true", 0.15)])
@@ -108,7 +109,7 @@ def test_dancers_follow_their_agents_and_catch_up(lock, left):
     errors = []
     for tick in range(1, 64 * 32 + 1):
         if show.tick(tick * TICK):
-            errors.append(np.hypot(*(hips(show) - show.state.position).T).max())
+            errors.append(np.hypot(*(hips_now(show) - show.state.position).T).max())
     assert max(errors) < 1.1
     assert max(errors[-2:]) < left
 
@@ -220,16 +221,22 @@ def test_score_places_elements_in_their_measures():
 
 def test_dragged_attractor_moves_alone():
     show = made_show('[[element]]\nkind = "spread"\nmeasure = 2\nmeasures = 4\n')
-    show.apply(events.Attract(time=0.0, source="pointer", x=0.0, z=0.0))
+    show.apply(events.PlaceElement(time=0.0, source="pointer", kind="attract", points=((0.0, 0.0),)))
     for tick in range(1, 64 * 4):  # over a measure line, at which the score adds a spreader
         show.tick(tick * TICK)
         if tick % 60 == 0:
-            show.apply(events.Attract(time=tick * TICK, source="pointer", x=0.01 * tick, z=0.0, drag=True))
+            show.apply(
+                events.PlaceElement(
+                    time=tick * TICK, source="pointer", kind="attract", points=((0.01 * tick, 0.0),), drag=True
+                )
+            )
     kinds = [element.kind for element in show.motion.elements.in_force]
     assert kinds == [ATTRACTOR, SPREADER]
     assert show.motion.elements.in_force[0].x == pytest.approx(2.4)
-    show.apply(event_now(events.Attract, show, x=0.0, z=0.0, drag=True))  # another source: nothing to move yet
-    show.apply(events.Attract(time=9.0, source="pointer", x=0.0, z=0.0))
+    show.apply(
+        event_now(events.PlaceElement, show, kind="attract", points=((0.0, 0.0),), drag=True)
+    )  # another source: nothing to move yet
+    show.apply(events.PlaceElement(time=9.0, source="pointer", kind="attract", points=((0.0, 0.0),)))
     assert len(show.motion.elements.in_force) == 4
 
 
@@ -264,7 +271,9 @@ def test_step_called_for_one_measure_is_danced_at_any_beat(beat):
 
 def test_dancers_stay_on_stage_with_attractor_outside():
     show = made_show()
-    show.apply(event_now(events.Attract, show, x=100.0, z=100.0, strength=10.0, measures=40.0))
+    show.apply(
+        event_now(events.PlaceElement, show, kind="attract", points=((100.0, 100.0),), strength=10.0, measures=40.0)
+    )
     for tick in range(1, 64 * 16):
         show.tick(tick * TICK)
     ends = show.dancers.present.end_position()
@@ -287,14 +296,18 @@ def test_music_with_late_downbeat_starts_with_first_step():
 def test_extreme_tempo_and_many_elements_keep_state_finite():
     show = made_show()
     for k in range(400):
-        show.apply(events.Attract(time=0.0, source="osc", x=100.0 * (-1) ** k, z=-100.0, strength=10.0))
-        show.apply(events.Repel(time=0.0, source="osc", x=0.0, z=0.0, strength=10.0))
+        show.apply(
+            events.PlaceElement(
+                time=0.0, source="osc", kind="attract", points=((100.0 * (-1) ** k, -100.0),), strength=10.0
+            )
+        )
+        show.apply(events.PlaceElement(time=0.0, source="osc", kind="repel", points=((0.0, 0.0),), strength=10.0))
     for tick in range(1, 64 * 8):
         if tick % 20 == 0:
             show.apply(event_now(events.SetTempo, show, tempo=[20.0, 400.0][tick // 20 % 2]))
         show.tick(tick * TICK)
         assert np.isfinite(show.state.position).all()
-    assert np.isfinite(hips(show)).all()
+    assert np.isfinite(hips_now(show)).all()
     assert (np.abs(show.state.position) <= np.array([6.0, 4.0]) + 1e-4).all()
 
 

@@ -28,7 +28,7 @@ def failing_event(monkeypatch):
     def poisoned(show: Show, event: ControlEvent) -> bool:
         done = apply(show, event)
         if isinstance(event, events.SetParameter):
-            apply(show, events.Spread(time=event.time, source="osc"))
+            apply(show, events.PlaceElement(time=event.time, source="osc", kind="spread"))
             raise ZeroDivisionError("half way")
         return done
 

@@ -14,7 +14,7 @@ from live.base.event_queue import EventQueue
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
-from live.control.events.events import Attract, BreakerTripped, ControlEvent, ResetBreaker, SetTempo
+from live.control.events.events import BreakerTripped, ControlEvent, PlaceElement, ResetBreaker, SetTempo
 from live.show.audience.audience import Audience
 from live.show.capture.capture_manager import CaptureManager
 from live.show.circuit_breakers import NAMES, Stage
@@ -46,7 +46,7 @@ from live.supervisor.state_follower import StateFollower
 from tests.show.made_show import GRAPH, PATCH
 
 EVENTS: dict[int, ControlEvent] = {
-    100: Attract(time=1.5, source="osc", x=2.0, z=-1.0, strength=1.0),
+    100: PlaceElement(time=1.5, source="osc", kind="attract", points=((2.0, -1.0),), strength=1.0),
     301: SetTempo(time=4.7, source="osc", tempo=126.0),
 }
 LAST = 900

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from live.clock.ticks import TICK
-from live.control.events.events import Attract, ControlEvent, SetLatency, SetTempo, TicksSkipped
+from live.control.events.events import ControlEvent, PlaceElement, SetLatency, SetTempo, TicksSkipped
 from live.show.journal.journal import event_line
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
@@ -20,7 +20,7 @@ from tests.show.made_show import GRAPH, PATCH
 
 LAST = 1500
 EVENTS: dict[int, ControlEvent] = {
-    100: Attract(time=1.5, source="osc", x=2.0, z=-1.0, strength=1.0),
+    100: PlaceElement(time=1.5, source="osc", kind="attract", points=((2.0, -1.0),), strength=1.0),
     400: SetTempo(time=6.3, source="osc", tempo=131.0),
     401: SetLatency(time=6.3, source="osc", what="projector", milliseconds=50.0),
     700: TicksSkipped(time=11.0, source="engine", count=30),
@@ -116,7 +116,9 @@ def test_differing_state_is_counted_and_repaired_by_next_snapshot(loaded, leadin
         following.add_line(line)
         following.run_pending()
         if following.tick == 300 and following.show is not None:  # something this machine does differently
-            following.show.apply(Attract(time=4.7, source="osc", x=-4.0, z=2.0, strength=1.0))
+            following.show.apply(
+                PlaceElement(time=4.7, source="osc", kind="attract", points=((-4.0, 2.0),), strength=1.0)
+            )
     assert following.differences >= 1
     assert following.repaired >= 1
     assert following.show is not None

@@ -10,20 +10,15 @@ from live.agents.elements.element_kinds import (
     ATTRACTOR,
     CROSSING,
     DRAWN,
-    EVADE,
     EVERYBODY,
     FLOCK,
     FLOW,
-    FOLLOW,
     GRID,
-    KIND_NAMES,
     MAX_POINTS,
     PARTICIPANT,
-    PATH,
-    PURSUE,
-    REPULSOR,
     UNIFORM,
 )
+from live.base.element_kinds import DECAYS, KIND_NAMES, LINE_KINDS, TARGETED_KINDS
 from live.base.errors import PersonError
 
 FADE_BEATS: Final = 1.0
@@ -33,7 +28,6 @@ CROSSING_SEPARATION: Final = 0.7
 MAX_DISTANCE: Final = 1000.0
 """Largest distance of an element from the middle of the stage [m]."""
 Points = tuple[tuple[float, float], ...]
-_DECAY: Final = {ATTRACTOR: 1.2, REPULSOR: 1.6, EVADE: 2.5, FLOW: 1.2}
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,12 +94,12 @@ class Element:
         self._check_place(name)
 
     def _check_place(self, name: str) -> None:
-        needs_line = self.kind in (CROSSING, PATH) or (self.kind == FLOW and self.flow_kind in (UNIFORM, DRAWN))
+        needs_line = self.kind in LINE_KINDS or (self.kind == FLOW and self.flow_kind in (UNIFORM, DRAWN))
         if needs_line and line_length(self.points) < 1e-3:
             raise PersonError(f"{name}: its line has no length", "give two points that lie apart")
         if self.kind == CROSSING and math.dist(self.points[0], self.points[1]) < 1e-3:
             raise PersonError(f"{name}: the first two points of its line coincide", "give two points that lie apart")
-        if self.kind in (FOLLOW, PURSUE, EVADE) and (self.target < 0) == (self.target_group < 0):
+        if self.kind in TARGETED_KINDS and (self.target < 0) == (self.target_group < 0):
             raise PersonError(f"{name}: target missing or ambiguous", "give either a dancer or a group")
         if not -1 <= self.target_group <= 63 or self.target < -1:
             raise PersonError(f"{name}: no such dancer or group", "dancers count from 0, groups have bits 0 to 63")
@@ -132,7 +126,7 @@ class Element:
     @property
     def decay_length(self) -> float:
         """Decay length [m] of the fall-off."""
-        return self.decay if self.decay is not None else _DECAY.get(self.kind, 1.2)
+        return self.decay if self.decay is not None else DECAYS[self.kind]
 
     def table_row(self, separation: float, corners: int) -> dict[int, float]:
         """Return the numbers of the element by column of the element table.
@@ -168,10 +162,6 @@ class Element:
             return 0.0
         return float(min(column.fade_in_level(into / FADE_BEATS), left / FADE_BEATS))
 
-    def translated(self, dx: float, dz: float) -> "Element":
-        """Return a copy moved by (dx, dz) [m]."""
-        return replace(self, points=tuple((x + dx, z + dz) for x, z in self.points))
-
     def faded_out(self, beat: float) -> "Element":
         """Return a copy that fades out from `beat` on, from its current level; unchanged if it ends sooner."""
         end = beat + self.level(beat) * FADE_BEATS
@@ -186,18 +176,10 @@ def line_length(points: Points) -> float:
     return sum(math.dist(a, b) for a, b in itertools.pairwise(points))
 
 
-def line_through(x: float, z: float, angle: float) -> Points:
-    """Return two points of the line through (x, z) [m] at `angle` [rad]; 0 runs from the back of the stage to the
-    audience.
-    """
-    dx, dz = math.sin(angle), math.cos(angle)
-    return (x - dx, z - dz), (x + dx, z + dz)
-
-
 def rectangle(x: float, z: float, width: float, depth: float) -> Points:
     """Return the corners of a rectangle around (x, z) [m], for a region (`closed`)."""
     a, b = width / 2.0, depth / 2.0
     return (x - a, z - b), (x + a, z - b), (x + a, z + b), (x - a, z + b)
 
 
-__all__ = ["FADE_BEATS", "FLOCK", "Element", "Points", "line_length", "line_through", "rectangle"]
+__all__ = ["FADE_BEATS", "FLOCK", "Element", "Points", "line_length", "rectangle"]

@@ -14,7 +14,6 @@ from live.agents.elements.element_table import ElementTable, Float32, Float64, U
 from live.agents.elements.element_table_kernels import (
     HALF_DEPTH,
     HALF_WIDTH,
-    LEVEL,
     PARAMETER_COUNT,
     PLACE_COUNT,
     SEED,
@@ -221,7 +220,3 @@ class ElementField:
             view.element_kind, view.element_position, view.element_level, view.element_radius, view.element_strength,
             view.element_flow, view.element_first, view.element_corners, view.element_corner,
         )  # fmt: skip
-
-    def active_levels(self) -> list[tuple[Element, float]]:
-        """Return the acting elements with their levels, for pictures that draw lines and regions."""
-        return [(self._table.elements[row], float(self._table.rows[row, LEVEL])) for row in self._table.active_rows]

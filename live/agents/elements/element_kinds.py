@@ -25,23 +25,6 @@ from live.base.stage_snapshot import (
 
 KIND_COUNT: Final = 12
 
-KIND_NAMES: Final = {
-    "attract": ATTRACTOR,
-    "repel": REPULSOR,
-    "spread": SPREADER,
-    "cross": CROSSING,
-    "flow": FLOW,
-    "wander": WANDER,
-    "flock": FLOCK,
-    "follow": FOLLOW,
-    "pursue": PURSUE,
-    "evade": EVADE,
-    "path": PATH,
-}
-"""Names used in patches, scores and OSC addresses."""
-
-FLOW_NAMES: Final = {"uniform": UNIFORM, "radial": RADIAL, "vortex": VORTEX, "drawn": DRAWN, "grid": GRID}
-
 EVERYBODY: Final = (1 << 64) - 1
 """Group mask that addresses all dancers, including those of no group."""
 MAX_VERTICES: Final = 64
@@ -58,11 +41,9 @@ __all__ = [
     "EVERYBODY",
     "FLOCK",
     "FLOW",
-    "FLOW_NAMES",
     "FOLLOW",
     "GRID",
     "KIND_COUNT",
-    "KIND_NAMES",
     "MAX_POINTS",
     "MAX_VERTICES",
     "PARTICIPANT",

@@ -54,10 +54,6 @@ class Gate:
             [self.x + self.out_x * out - self.out_z * aside, self.z + self.out_z * out + self.out_x * aside], 1
         )
 
-    def inner_point(self, metres: float) -> tuple[float, float]:
-        """Return the place `metres` [m] inside the stage, straight in from the gate's middle."""
-        return self.x - self.out_x * metres, self.z - self.out_z * metres
-
 
 def default_gates(half_width: float, half_depth: float) -> tuple[Gate, ...]:
     """Return the default gates: left, right (as the audience sees it) and back, each half an edge wide."""

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.evolutions.evolution_kernels import nearest_approach, sample_paths
-from live.agents.evolutions.incremental_assignment import Pieces, run_to_end
+from live.agents.evolutions.incremental_assignment import Pieces
 from live.agents.evolutions.paths import bend_paths_in_pieces
 from live.agents.evolutions.start_delays import Arrival, start_and_arrival
 from live.agents.evolutions.trajectory import Float32, Float64, Locomotion
@@ -86,13 +86,6 @@ class Clearance:
             Approach(int(i), int(j), float(self.beats[0] + step * self._when[i, j]), float(self.distance[i, j]))
             for i, j in zip(first[order], second[order], strict=True)
         ]
-
-
-def approaches(locomotion: Locomotion, radius: npt.ArrayLike, samples: int = SAMPLES) -> list[Approach]:
-    """Return all pairs of dancers whose bodies would touch on these paths, the nearest first."""
-    clearance = Clearance(locomotion, radius, samples)
-    clearance.compute_rows(0, locomotion.count)
-    return clearance.approaches()
 
 
 MARGIN = 0.045
@@ -178,26 +171,6 @@ class WaitRepair:
         return int(self._clearance.too_near().sum())
 
 
-def repair_collisions(
-    locomotion: Locomotion,
-    radius: npt.ArrayLike,
-    waits: Float64,
-    *,
-    begin: float,
-    end: float,
-    arrive: Arrival = Arrival.TOGETHER,
-    bend: bool = True,
-    seed: int = 0,
-    half: tuple[float, float] | None = None,
-) -> RepairResult:
-    """Check, change waits, bend paths (if `bend`), check again. `radius` (D,) or one [m]."""
-    return run_to_end(
-        repair_in_pieces(
-            locomotion, radius, waits, begin=begin, end=end, arrive=arrive, bend=bend, seed=seed, half=half
-        )
-    )
-
-
 def repair_in_pieces(
     locomotion: Locomotion,
     radius: npt.ArrayLike,
@@ -211,7 +184,7 @@ def repair_in_pieces(
     seed: int = 0,
     half: tuple[float, float] | None = None,
 ) -> Pieces[RepairResult]:
-    """The same as `repair_collisions`, in pieces. Without `retime` waits stay, without `bend` paths stay."""
+    """Check, change waits (if `retime`), bend paths (if `bend`), check again. `radius` (D,) or one [m]."""
     clearance = Clearance(locomotion, radius)
     yield from clearance.compute_all()
     wait_mending = WaitRepair(clearance, begin, end, waits, arrive)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from live.agents.steering_kernels import hash_unit
 from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]
@@ -12,17 +13,7 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Bytes = npt.NDArray[np.uint8]
 
-_VX, _VZ, _FIRM = 0, 1, 6  # columns of Wants.rows
-
-
-@inline_kernel
-def _chance(seed: int, first: int, second: int) -> float:
-    """Return a seeded random number in [0, 1) that depends only on its three arguments (mixing steps of murmur3)."""
-    h = (int(seed) * 0x9E3779B1 ^ int(first) * 0x85EBCA77 ^ int(second) * 0xC2B2AE3D) & 0xFFFFFFFF
-    h = ((h ^ (h >> 16)) * 0x85EBCA6B) & 0xFFFFFFFF
-    h = ((h ^ (h >> 13)) * 0xC2B2AE35) & 0xFFFFFFFF
-    h = h ^ (h >> 16)
-    return h / 4294967296.0
+_VX, _FIRM = 0, 6  # columns of Wants.rows
 
 
 @inline_kernel
@@ -277,7 +268,7 @@ def separate_paths(sample: Float32, offset: Float32, clear: float, excess: float
                     parted += 1
                     dx = float(sample[j, k + 1, 0]) - sample[i, k + 1, 0] - sample[j, k - 1, 0] + sample[i, k - 1, 0]
                     dz = float(sample[j, k + 1, 1]) - sample[i, k + 1, 1] - sample[j, k - 1, 1] + sample[i, k - 1, 1]
-                    square_to = 2.0 * _chance(seed, i * 65537 + j, k) - 1.0  # its sign is the side
+                    square_to = 2.0 * hash_unit(seed, i * 65537 + j, k) - 1.0  # its sign is the side
                     angle = math.atan2(dx, dz) + 0.5 * math.pi * (math.copysign(1.0 - randomness, square_to))
                     angle += math.pi * randomness * square_to
                     ux, uz = math.sin(angle), math.cos(angle)

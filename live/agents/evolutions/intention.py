@@ -11,7 +11,7 @@ import numpy.typing as npt
 from live.agents.evolutions.facing import Facing, Orientation
 from live.agents.evolutions.slot_assignment import Cost, Fill
 from live.agents.evolutions.start_delays import TOGETHER, Ripple
-from live.agents.groups.roster import Line, canon_delays
+from live.agents.groups.roster import Line
 from live.base.errors import PersonError
 
 EVEN_TURN: Final = Orientation()
@@ -161,10 +161,6 @@ class Repertoire:
         """Return a copy with this drawn path added or replaced."""
         return replace(self, paths={**self.paths, name: np.asarray(polyline, np.float64)})
 
-    def with_intention(self, name: str, intention: Intention) -> "Repertoire":
-        """Return a copy with this intention added or replaced."""
-        return replace(self, intentions={**self.intentions, name: intention})
-
     def formation(self, name: str, count: int) -> FormationLike:
         """Return the formation of this name for `count` dancers, or raise a PersonError that lists the names."""
         if name not in self.formations:
@@ -230,16 +226,3 @@ class Segment:
     def end_beat(self, measure_beats: float) -> float:
         """Return the beat at which all dancers have arrived."""
         return (self.start + self.measures) * measure_beats + self.delay
-
-
-def in_canon(segment: Segment, groups: Sequence[str], beats: float) -> tuple[Segment, ...]:
-    """Return the same motion for several groups, each `beats` later than the one before (T147)."""
-    return tuple(
-        replace(segment, group=group, delay=segment.delay + delay)
-        for group, delay in zip(groups, canon_delays(len(groups), beats), strict=True)
-    )
-
-
-def in_mirror(segment: Segment, group: str, line: Line | None = None) -> tuple[Segment, Segment]:
-    """Return the motion and its mirror image by another group, about `line` (default: middle of the stage)."""
-    return segment, replace(segment, group=group, mirror=line or Line())

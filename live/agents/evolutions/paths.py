@@ -15,7 +15,7 @@ from live.agents.evolutions.evolution_kernels import (
     separate_paths,
     smooth_paths,
 )
-from live.agents.evolutions.incremental_assignment import Pieces, run_to_end
+from live.agents.evolutions.incremental_assignment import Pieces
 from live.agents.evolutions.trajectory import Locomotion
 from live.base.errors import PersonError
 
@@ -42,27 +42,6 @@ def resample_polyline(polyline: npt.ArrayLike, knots: int = KNOTS) -> Float64:
         return np.repeat(points[:1], knots, axis=0)
     at = np.linspace(0.0, length[-1], knots)
     return np.stack([np.interp(at, length, points[:, 0]), np.interp(at, length, points[:, 1])], axis=1)
-
-
-def svg_path(data: str, *, metres_per_unit: float = 1.0, knots: int = 257) -> Float64:
-    """Return an SVG path (the text of its attribute d) as a polyline (N, 2) [m]; down in the drawing is downstage."""
-    import svgpathtools
-
-    try:
-        path = svgpathtools.parse_path(data)
-        lengths = [segment.length() for segment in path]
-    except Exception as error:  # svgpathtools raises many exception types for malformed data
-        raise PersonError(f"SVG path {data[:40]!r} cannot be read: {error}") from error
-    if not path or not 0.0 < sum(lengths) < np.inf:
-        raise PersonError(f"SVG path {data[:40]!r} draws nothing")
-    points: list[complex] = []
-    for segment, length in zip(path, lengths, strict=True):
-        share = max(2, round(knots * length / sum(lengths)))
-        points.extend(segment.point(t) for t in np.linspace(0.0, 1.0, share))
-    flat = np.array([[point.real, point.imag] for point in points]) * metres_per_unit
-    if not np.isfinite(flat).all():
-        raise PersonError(f"SVG path {data[:40]!r} has points that are not finite")
-    return flat
 
 
 def parallel_paths(polyline: npt.ArrayLike, start: npt.ArrayLike, knots: int = KNOTS) -> Float32:
@@ -100,12 +79,6 @@ def single_file(polyline: npt.ArrayLike, start: npt.ArrayLike, *, gap: float = 0
     return np.ascontiguousarray(ways)
 
 
-def lengths(ways: npt.NDArray[np.floating]) -> Float64:
-    """Return the length of each path (D, K, 2) [m], shape (D,)."""
-    steps = np.diff(np.asarray(ways, np.float64), axis=1)
-    return np.asarray(np.hypot(steps[..., 0], steps[..., 1]).sum(axis=1))
-
-
 LEVELS = 6
 """Levels of subdivision: the times 1/2, then 1/4 and 3/4, ... down to 1/64 are examined."""
 SMOOTHING = 6
@@ -119,28 +92,6 @@ PAIRS_PER_PIECE = 200_000
 """Pair checks in one piece of work: about a millisecond."""
 
 
-def bend_paths(
-    locomotion: Locomotion,
-    clear: float,
-    *,
-    seed: int = 0,
-    rounds: int = ROUNDS,
-    smoothing: int = SMOOTHING,
-    randomness: float = DIRECTION_RANDOMNESS,
-    half: tuple[float, float] | None = None,
-) -> Locomotion:
-    """Bend paths so that dancers keep `clear` [m] between their centres where possible; same seed, same paths.
-
-    The round with the fewest colliding pairs is kept (the earliest of equals). The knots of the result lie at even
-    *times* and include the speeds of the input. `half` keeps paths on the stage [m]. Starts and goals stay.
-    """
-    return run_to_end(
-        bend_paths_in_pieces(
-            locomotion, clear, seed=seed, rounds=rounds, smoothing=smoothing, randomness=randomness, half=half
-        )
-    )
-
-
 def bend_paths_in_pieces(
     locomotion: Locomotion,
     clear: float,
@@ -151,7 +102,11 @@ def bend_paths_in_pieces(
     randomness: float = DIRECTION_RANDOMNESS,
     half: tuple[float, float] | None = None,
 ) -> Pieces[Locomotion]:
-    """The same as `bend_paths`, in pieces."""
+    """Bend paths so that dancers keep `clear` [m] between their centres where possible; same seed, same paths.
+
+    The round with the fewest colliding pairs is kept (the earliest of equals). The knots of the result lie at even
+    *times* and include the speeds of the input. `half` keeps paths on the stage [m]. Starts and goals stay.
+    """
     begin, end = locomotion.begin, locomotion.end
     beats = np.linspace(begin, end, 2**LEVELS + 1)
     count = locomotion.count

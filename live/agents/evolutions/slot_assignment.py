@@ -146,14 +146,3 @@ def sections(attributes: Sequence[Set[str]], marks: Sequence[str]) -> tuple[Int3
     number = {name: index + 1 for index, name in enumerate(names)}
     dancer = [next((number[name] for name in names if name in own), UNRESERVED) for own in attributes]
     return np.array(dancer, np.int32), np.array([number.get(mark, UNRESERVED) for mark in marks], np.int32)
-
-
-def allowed(dancer: Int32, slot: Int32) -> Mask:
-    """Return which slots each dancer may take, shape (D, S): of their section, and unmarked ones if those are full."""
-    own = dancer[:, None] == slot[None, :]
-    overflow = np.zeros_like(own)
-    for section in np.unique(dancer):
-        members = dancer == section
-        if section != UNRESERVED and members.sum() > (slot == section).sum():
-            overflow |= members[:, None] & (slot == UNRESERVED)[None, :]
-    return np.asarray(own | overflow)

@@ -330,19 +330,9 @@ def spec_from_table(table: Mapping[str, Any], where: str = "formation") -> Forma
         raise PersonError(f"{where}: a value has an unexpected nesting", "compare docs/formations.md") from None
 
 
-def spec_to_table(spec: FormationSpec) -> dict[str, Any]:
-    """Return the non-default fields as a table for TOML and JSON; `spec_from_table` restores the same spec."""
-    table = {name: getattr(spec, name) for name, default in _FIELDS.items() if getattr(spec, name) != default}
-    return {"shape": spec.shape, **{name: _to_lists(value) for name, value in table.items()}}
-
-
 def _to_tuples(value: Any) -> Any:
     """Convert lists to tuples, recursively."""
     return tuple(_to_tuples(each) for each in value) if isinstance(value, list | tuple) else value
-
-
-def _to_lists(value: Any) -> Any:
-    return [_to_lists(each) for each in value] if isinstance(value, tuple) else value
 
 
 def _is_point(value: object) -> bool:

@@ -87,11 +87,6 @@ class WayPoints:
         return self._points[self.at]
 
     @property
-    def last(self) -> Float64:
-        """Last way point of each agent [m], shape (A, 2)."""
-        return self._points[self._start[1:] - 1]
-
-    @property
     def heading_to_last(self) -> npt.NDArray[np.bool_]:
         """Whether each agent is on the way to its last point, shape (A,)."""
         there: npt.NDArray[np.bool_] = self.at == self._start[1:] - 1

@@ -89,29 +89,3 @@ def mirror_places(places: npt.ArrayLike, line: Line) -> Float64:
 def mirror_headings(headings: npt.ArrayLike, line: Line) -> Float64:
     """Return headings (...) [rad] reflected in `line`."""
     return np.asarray(2.0 * line.heading - np.asarray(headings, np.float64))
-
-
-def canon_delays(groups: int, beats: float) -> tuple[float, ...]:
-    """Return the delay in beats of each group relative to the first: a canon at `beats`."""
-    return tuple(index * beats for index in range(groups))
-
-
-def mirror_partners(places: npt.ArrayLike, line: Line, *, within: float = 0.5) -> Sequence[tuple[int, int]]:
-    """Return pairs of dancers (indices) where each stands at the other's mirror image, at most `within` [m] off.
-
-    Nearest pairs first, each dancer once; ties go to the smaller numbers. A dancer on the line has no partner.
-    """
-    points = np.asarray(places, np.float64)
-    distance = np.hypot(*np.moveaxis(points[:, None] - mirror_places(points, line)[None, :], -1, 0))
-    distance = np.maximum(distance, distance.T)
-    first, second = np.triu_indices(len(points), 1)
-    order = np.lexsort((second, first, distance[first, second]))
-    free = np.ones(len(points), np.bool_)
-    pairs = []
-    for i, j in zip(first[order], second[order], strict=True):
-        if distance[i, j] > within:
-            break
-        if free[i] and free[j]:
-            free[i] = free[j] = False
-            pairs.append((int(i), int(j)))
-    return pairs

@@ -1,7 +1,7 @@
 """Scenario: starts and goals of agents, walls, duration, and rules that change goals during a run."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -38,10 +38,6 @@ class Scenario:
     """Makes, for each run, the rule that changes targets; None: the goals are fixed."""
     endless: bool = False
     """Whether goals are redrawn without end, so that no agent arrives."""
-
-    def with_duration(self, duration: float) -> "Scenario":
-        """Return the same scenario with `duration` [s]."""
-        return replace(self, duration=duration)
 
     @property
     def agent_count(self) -> int:

@@ -8,7 +8,6 @@ import numpy.typing as npt
 from live.agents.crowd.obstacles import Surroundings
 from live.agents.separation.obstacle_clearance_kernels import clear_moves, clear_paths
 from live.agents.separation.path_separation_kernels import (
-    evaluate_paths,
     push_apart,
     separate_paths,
     slow_down_near,
@@ -63,10 +62,6 @@ class Paths:
         """Hips [m], shape (A, MOMENTS, 2)."""
         self.share: Float32 = np.zeros((count, MOMENTS), np.float32)
         """Share of a correction applied at each moment, shape (A, MOMENTS)."""
-
-    def places_at(self, place: float, goal: Float64, aim_origin: Float64, out: Float32) -> None:
-        """Write all places (A, 2) [m] after the share `place` (0 to 1) of the measure; see `evaluate_paths`."""
-        evaluate_paths(self.path, self.share, goal, aim_origin, place * (MOMENTS - 1), out)
 
 
 class PathSeparation:

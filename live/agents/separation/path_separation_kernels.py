@@ -29,30 +29,15 @@ def change_weight(share: float, begun: float) -> float:
     return max(share - begun, 0.0) / max(1.0 - begun, 1e-9)
 
 
-@kernel("void(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], f8, f4[:,::1])")
-def evaluate_paths(
-    path: Float32, share: Float32, goal: Float64, aim_origin: Float64, place: float, out: Float32
-) -> None:
-    """Write where A dancers are at `place` of their paths' M moments (a fractional index) into `out` (A, 2) [m].
-
-    `path` (A, M, 2) is without corrections, of which `share` (A, M) is applied; `goal` (A, 2) is their target, and
-    `aim_origin` (A, 3) is as in `Danced`.
-    """
-    last = path.shape[1] - 1
-    k = min(max(math.floor(place), 0), last - 1)
-    t = min(max(place - k, 0.0), 1.0)
-    for n in range(path.shape[0]):
-        w = change_weight((1.0 - t) * share[n, k] + t * share[n, k + 1], aim_origin[n, 2])
-        for c in range(2):
-            base = (1.0 - t) * path[n, k, c] + t * path[n, k + 1, c]
-            out[n, c] = base + aim_origin[n, c] + w * (goal[n, c] - aim_origin[n, c])
-
-
 @kernel("UniTuple(f8,2)(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], i8, f8)")
 def place_on_path(
     path: Float32, share: Float32, goal: Float64, aim_origin: Float64, n: int, place: float
 ) -> tuple[float, float]:
-    """Return where dancer `n` is [m] at `place` of their path, arrays as in `evaluate_paths`; straight before it."""
+    """Return where dancer `n` is [m] at `place` of their path's M moments (a fractional index); straight before it.
+
+    `path` (A, M, 2) is without corrections, of which `share` (A, M) is applied; `goal` (A, 2) is their target, and
+    `aim_origin` (A, 3) is as in `Danced`.
+    """
     k = min(max(math.floor(place), 0), path.shape[1] - 2)
     t = min(place - k, 1.0)
     w = change_weight((1.0 - t) * share[n, k] + t * share[n, k + 1], aim_origin[n, 2])
@@ -72,7 +57,7 @@ def extrapolate_paths(
 ) -> None:  # fmt: skip
     """Write where A dancers at `now` (A, 2) [m] are led by their paths into `out` (K, A, 2) [m].
 
-    The paths, arrays as in `evaluate_paths`, are those of this measure and, if `has_next`, of the next one, into which
+    The paths, arrays as in `place_on_path`, are those of this measure and, if `has_next`, of the next one, into which
     the last `window` of this one is blended. `fractions` (K + 1,) are positions in this measure, the first one now;
     above 1 the dancer is in the next measure, or at the end of this one.
     """
@@ -197,7 +182,7 @@ def separate_paths(
 ) -> None:
     """Do one round: change the corrections' `goal` (A, 2) [m] so that paths stay apart from moment `first` on.
 
-    `path`, `share`, `aim_origin` as in `evaluate_paths`; `radius` (A,) [m] of the bodies, which keep `margin` [m] and
+    `path`, `share`, `aim_origin` as in `place_on_path`; `radius` (A,) [m] of the bodies, which keep `margin` [m] and
     at the end `margin_at_end`; `yields` (A,): 1 gives way, 0 has the right of way, below 0 is absent; `max_correction`
     (A,) [m]: maximum length of a correction. `shortfall` (A,) receives the largest missing distance [m] of each dancer
     before this round; `middle`, `extent`, `cell_start` and `order` are scratch.

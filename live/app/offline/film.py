@@ -72,7 +72,7 @@ def film_show(
     one_at = loaded.patch.music.one_at_s if sound.from_patch else None
     music = None
     if sound.music is not None:
-        music = OfflineMusic(sound.music, loop=True, one_at=one_at, analysis=make_show_analysis(loaded, show))
+        music = OfflineMusic(sound.music, one_at=one_at, analysis=make_show_analysis(loaded, show))
     engine.guides = guides
     attach_midi_file(options.midi_file, show, engine)
     frames = max(1, math.ceil(seconds * options.film_fps))

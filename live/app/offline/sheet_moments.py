@@ -127,7 +127,7 @@ def moments_of_patch(
     music = None
     if sound.music is not None:
         one_at = loaded.patch.music.one_at_s if sound.from_patch else None
-        music = OfflineMusic(sound.music, loop=True, one_at=one_at, analysis=make_show_analysis(loaded, show))
+        music = OfflineMusic(sound.music, one_at=one_at, analysis=make_show_analysis(loaded, show))
     taking = MomentSelector(show, every, 0)
     for tick in range(1, math.ceil(seconds / TICK) + 1):
         for event in [] if music is None else music.events_until(tick * TICK):

@@ -7,8 +7,8 @@ from pathlib import Path
 import platformdirs
 
 from live.base.errors import PersonError
+from live.graph.step_library import plain_name as plain
 from live.library.step_folder import load_folder
-from live.library.step_folder import plain_name as plain
 from live.motion.step_clip import StepClip
 from live.show.patch.patch_search_path import PATCHES
 

@@ -11,11 +11,12 @@ from live.app.offline.dance_report import check_targets, write_motion
 from live.app.offline.step_listing import library_folders
 from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
+from live.graph.step_library import plain_name
 from live.library.capture_material import read_material
 from live.library.motion_file import read_motion
 from live.library.motion_formats import is_readable_name
 from live.library.recording_file import read_step_files
-from live.library.step_folder import MAX_STEP_BYTES, plain_name, sketched_steps
+from live.library.step_folder import MAX_STEP_BYTES, sketched_steps
 from live.library.textured_steps import (
     EnrichedStep,
     UpperBodyMode,

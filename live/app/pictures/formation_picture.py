@@ -3,13 +3,13 @@
 import math
 from collections.abc import Sequence
 from typing import Final
-from xml.sax.saxutils import escape
 
 import numpy as np
 import numpy.typing as npt
 
 from live.agents.formations.formation import Formation
 from live.agents.formations.symmetry import SymmetryLine
+from live.app.pictures import svg
 
 Float64 = npt.NDArray[np.float64]
 
@@ -35,8 +35,8 @@ class _FloorScale:
         self.width = 2 * SIDE + stage[0] * self.scale
         self.height = TOP + BOTTOM + stage[1] * self.scale
 
-    def to_pixels(self, x: float, z: float) -> str:
-        return f"{self.middle[0] + x * self.scale:.1f},{self.middle[1] + z * self.scale:.1f}"
+    def to_pixels(self, x: float, z: float) -> svg.Point:
+        return self.x(x), self.y(z)
 
     def x(self, x: float) -> float:
         return self.middle[0] + x * self.scale
@@ -60,55 +60,54 @@ def draw_formation(
     get a red ring. `title` is above, `under` below the picture.
     """
     floor = _FloorScale(stage)
-    size = f'width="{floor.width:.0f}" height="{floor.height:.0f}"'
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="Helvetica, Arial, sans-serif">']
-    parts.append(f'<rect {size} fill="white"/>')
-    parts += _stage(floor, stage)
+    parts = _stage(floor, stage)
     for points in formation.lines:
-        drawn = " ".join(floor.to_pixels(x, z) for x, z in points)
-        parts.append(f'<polyline points="{drawn}" fill="none" stroke="{DRAWN}" stroke-width="1.5"/>')
+        parts.append(_polyline([floor.to_pixels(x, z) for x, z in points], DRAWN))
     if formation.symmetry is not None:
-        parts.append(_axis(floor, formation.symmetry, stage))
-    parts += [_path(floor, way) for way in paths]
+        parts += _axis(floor, formation.symmetry, stage)
+    for way in paths:
+        parts += _path(floor, way)
     for n, (x, z) in enumerate(formation.slots):
         parts += _dancer(floor, formation, n, float(x), float(z), n in outside)
     parts.append(_text(SIDE, 30, title[:80], 18, INK))
     for row, line in enumerate(under.splitlines()[:2]):
         parts.append(_text(SIDE, floor.height - 22 + 15 * row, line[:130], 12, "#666666"))
-    return "\n".join([*parts, "</svg>", ""])
+    return svg.drawing(floor.width, floor.height, parts)
 
 
-def _axis(floor: _FloorScale, line: SymmetryLine, stage: tuple[float, float]) -> str:
+def _axis(floor: _FloorScale, line: SymmetryLine, stage: tuple[float, float]) -> list[str]:
     """Draw the part of the symmetry line that is on the stage."""
     along = np.linspace(-1.0, 1.0, 2001)[:, None] * (math.hypot(*stage) + float(np.hypot(*line.point))) * line.direction
     points = line.point + along
     points = points[(np.abs(points) <= np.array(stage) / 2 + 1e-9).all(axis=1)]
     if len(points) < 2:
-        return ""
-    ends = f'points="{floor.to_pixels(*points[0])} {floor.to_pixels(*points[-1])}"'
-    return f'<polyline {ends} fill="none" stroke="{AXIS}" stroke-width="1.2" stroke-dasharray="7 5"/>'
+        return []
+    ends = [floor.to_pixels(*points[0]), floor.to_pixels(*points[-1])]
+    return [_polyline(ends, AXIS, stroke_width=1.2, stroke_dasharray="7 5")]
 
 
 def _stage(floor: _FloorScale, stage: tuple[float, float]) -> list[str]:
     width, depth = stage
-    parts = [
-        f'<rect x="{floor.x(-width / 2):.1f}" y="{floor.y(-depth / 2):.1f}" width="{width * floor.scale:.1f}" '
-        f'height="{depth * floor.scale:.1f}" fill="{FLOOR}" stroke="{INK}" stroke-width="1.5"/>'
-    ]
+    left, right, back, front = floor.x(-width / 2), floor.x(width / 2), floor.y(-depth / 2), floor.y(depth / 2)
+    box = {"x": left, "y": back, "width": width * floor.scale, "height": depth * floor.scale}
+    parts = [svg.element("rect", **box, fill=FLOOR, stroke=INK, stroke_width=1.5)]
     step = 1 if max(stage) <= 16 else 2 if max(stage) <= 32 else 10
-    left, back = math.ceil(-width / 2 / step), math.ceil(-depth / 2 / step)
-    for n in range(left, -left + 1):
+    first, last = math.ceil(-width / 2 / step), math.ceil(-depth / 2 / step)
+    for n in range(first, -first + 1):
         x = floor.x(n * step)
-        ends = f'y1="{floor.y(-depth / 2):.1f}" y2="{floor.y(depth / 2):.1f}"'
-        parts.append(f'<line x1="{x:.1f}" x2="{x:.1f}" {ends} stroke="{FAINT}" stroke-width="{1 if n else 1.6}"/>')
-        parts.append(_text(x, floor.y(depth / 2) + 13, f"{n * step}", 10, "#888888", "middle"))
-    for n in range(back, -back + 1):
+        parts.append(_grid_line((x, back), (x, front), n))
+        parts.append(_text(x, front + 13, f"{n * step}", 10, "#888888", "middle"))
+    for n in range(last, -last + 1):
         y = floor.y(n * step)
-        ends = f'x1="{floor.x(-width / 2):.1f}" x2="{floor.x(width / 2):.1f}"'
-        parts.append(f'<line y1="{y:.1f}" y2="{y:.1f}" {ends} stroke="{FAINT}" stroke-width="{1 if n else 1.6}"/>')
-        parts.append(_text(floor.x(-width / 2) - 6, y + 4, f"{n * step}", 10, "#888888", "end"))
-    parts.append(_text(floor.x(width / 2), floor.y(depth / 2) + 27, "public below, metres", 11, "#888888", "end"))
+        parts.append(_grid_line((left, y), (right, y), n))
+        parts.append(_text(left - 6, y + 4, f"{n * step}", 10, "#888888", "end"))
+    parts.append(_text(right, front + 27, "public below, metres", 11, "#888888", "end"))
     return parts
+
+
+def _grid_line(a: svg.Point, b: svg.Point, number: int) -> str:
+    ends = {"x1": a[0], "y1": a[1], "x2": b[0], "y2": b[1]}
+    return svg.element("line", **ends, stroke=FAINT, stroke_width=1 if number else 1.6)
 
 
 def _dancer(floor: _FloorScale, formation: Formation, n: int, x: float, z: float, outside: bool) -> list[str]:
@@ -117,30 +116,30 @@ def _dancer(floor: _FloorScale, formation: Formation, n: int, x: float, z: float
     colour = SOLOIST if soloist else SECTIONS[max(int(formation.section[n]), 0) % len(SECTIONS)]
     heading = float(formation.heading[n])
     radius = BODY * floor.scale * 0.8
-    tip = floor.to_pixels(x + 0.42 * math.sin(heading), z + 0.42 * math.cos(heading))
-    wings = [
-        floor.to_pixels(x + 0.2 * math.sin(heading + side), z + 0.2 * math.cos(heading + side)) for side in (1.1, -1.1)
+    corners = [
+        floor.to_pixels(x + far * math.sin(heading + side), z + far * math.cos(heading + side))
+        for far, side in ((0.42, 0.0), (0.2, 1.1), (0.2, -1.1))
     ]
-    centre = f'cx="{floor.x(x):.1f}" cy="{floor.y(z):.1f}"'
     parts = [
-        f'<polygon points="{tip} {wings[0]} {wings[1]}" fill="{colour}"/>',
-        f'<circle {centre} r="{radius:.1f}" fill="{colour}" class="{"soloist" if soloist else "dancer"}"/>',
+        svg.element("polygon", points=svg.point_list(corners), fill=colour),
+        svg.circle(floor.to_pixels(x, z), radius, fill=colour, **{"class": "soloist" if soloist else "dancer"}),
     ]
     if soloist or outside:
         ring = SOLOIST if outside else INK
-        parts.append(f'<circle {centre} r="{radius + 3:.1f}" fill="none" stroke="{ring}" stroke-width="1.5"/>')
+        parts.append(svg.circle(floor.to_pixels(x, z), radius + 3, fill="none", stroke=ring, stroke_width=1.5))
     return parts
 
 
-def _path(floor: _FloorScale, way: Float64) -> str:
-    points = " ".join(floor.to_pixels(float(x), float(z)) for x, z in way)
-    start = f'cx="{floor.x(float(way[0, 0])):.1f}" cy="{floor.y(float(way[0, 1])):.1f}"'
-    return (
-        f'<polyline points="{points}" fill="none" stroke="{WAY}" stroke-width="1.5" class="way"/>'
-        f'<circle {start} r="{0.5 * BODY * floor.scale:.1f}" fill="white" stroke="{WAY}" stroke-width="1.5"/>'
-    )
+def _path(floor: _FloorScale, way: Float64) -> list[str]:
+    points = [floor.to_pixels(float(x), float(z)) for x, z in way]
+    ring = svg.circle(points[0], 0.5 * BODY * floor.scale, fill="white", stroke=WAY, stroke_width=1.5)
+    return [_polyline(points, WAY, **{"class": "way"}), ring]
+
+
+def _polyline(points: Sequence[svg.Point], colour: str, **attributes: svg.Attribute) -> str:
+    style: dict[str, svg.Attribute] = {"fill": "none", "stroke": colour, "stroke_width": 1.5}
+    return svg.element("polyline", points=svg.point_list(points), **(style | attributes))
 
 
 def _text(x: float, y: float, words: str, size: int, colour: str, anchor: str = "start") -> str:
-    plain = escape("".join(sign if sign.isprintable() else "?" for sign in words))
-    return f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size}" fill="{colour}" text-anchor="{anchor}">{plain}</text>'
+    return svg.text(x, y, words, font_size=size, fill=colour, text_anchor=anchor)

@@ -10,7 +10,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
-from xml.sax.saxutils import escape
+
+from live.app.pictures import svg
 
 LONGEST_NAME: Final = 24
 _HEAD: Final = 11.0
@@ -42,23 +43,16 @@ def state_machine(states: Sequence[State], arrows: Sequence[Arrow], title: str) 
     """Return the drawing as SVG text."""
     layout = _Layout(states)
     numbered = len(arrows) <= _NUMBERED
-    size = 2 * layout.half
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {size:.0f} {size + 30:.0f}" '
-        f'width="{size:.0f}" height="{size + 30:.0f}" font-family="Helvetica, Arial, sans-serif">',
-        f'<rect width="{size:.0f}" height="{size + 30:.0f}" fill="white"/>',
-        f'<text x="20" y="30" font-size="17" fill="#222">{_plain(title)}</text>',
-    ]
-    parts += [layout.arrow(one, 0.75 if numbered else 0.4) for one in arrows]
-    parts += [layout.circle(number) for number in range(len(states))]
+    parts = [svg.text(20, 30, title, font_size=17, fill="#222")]
+    for one in arrows:
+        parts += layout.arrow(one, 0.75 if numbered else 0.4)
+    for number in range(len(states)):
+        parts += layout.circle(number)
     if numbered:
-        parts += [layout.number(one) for one in arrows]
-    return "\n".join([*parts, "</svg>", ""])
-
-
-def _plain(text: str) -> str:
-    """Escape for XML; control characters become blanks."""
-    return escape("".join(letter if letter.isprintable() else " " for letter in text))
+        for one in arrows:
+            parts += layout.number(one)
+    size = 2 * layout.half, 2 * layout.half + 30
+    return svg.drawing(*size, parts, box=(0.0, 0.0, *size))
 
 
 class _Layout:
@@ -82,24 +76,21 @@ class _Layout:
         rgb = colorsys.hls_to_rgb(number / len(self._states), 0.38, 0.62)
         return "#" + "".join(f"{round(255 * part):02x}" for part in rgb)
 
-    def circle(self, number: int) -> str:
+    def circle(self, number: int) -> list[str]:
         """Draw a state with its name outside the ring."""
         state, at, radius, out = self._states[number], self._at[number], self._radius[number], self._out[number]
         colour = self.colour(number)
         text = at + out * (radius + 56.0) + (complex(0.0, -18.0) if out.imag < -0.3 else complex(0.0, 6.0))
         anchor = "middle" if abs(out.real) < 0.3 else "start" if out.real > 0 else "end"
         name = state.name if len(state.name) <= LONGEST_NAME else state.name[: LONGEST_NAME - 1] + "…"
-        dash = "" if state.alive else ' stroke-dasharray="5 4"'
-        return (
-            f'<circle cx="{at.real:.1f}" cy="{at.imag:.1f}" r="{radius:.1f}" fill="white" '
-            f'stroke="{colour}" stroke-width="3"{dash}/>'
-            f'<text x="{at.real:.1f}" y="{at.imag + 5:.1f}" font-size="15" text-anchor="middle" fill="{colour}">'
-            f"{state.clips}</text>"
-            f'<text x="{text.real:.1f}" y="{text.imag:.1f}" font-size="15" font-weight="bold" text-anchor="{anchor}" '
-            f'fill="#222">{_plain(name)}</text>'
-            f'<text x="{text.real:.1f}" y="{text.imag + 16:.1f}" font-size="12" text-anchor="{anchor}" fill="#666">'
-            f"{_plain(state.words)}</text>"
-        )
+        dash = None if state.alive else "5 4"
+        beside = {"text_anchor": anchor}
+        return [
+            svg.circle((at.real, at.imag), radius, fill="white", stroke=colour, stroke_width=3, stroke_dasharray=dash),
+            svg.text(at.real, at.imag + 5, str(state.clips), font_size=15, text_anchor="middle", fill=colour),
+            svg.text(text.real, text.imag, name, font_size=15, font_weight="bold", **beside, fill="#222"),
+            svg.text(text.real, text.imag + 16, state.words, font_size=12, **beside, fill="#666"),
+        ]
 
     def _curve(self, arrow: Arrow) -> tuple[complex, complex, complex, complex]:
         """Start, two control points and tip of an arrow."""
@@ -120,7 +111,7 @@ class _Layout:
         tip = b + (bow - b) / abs(bow - b) * (self._radius[arrow.target] + 3.0)
         return start, start + (bow - start) * 2 / 3, tip + (bow - tip) * 2 / 3, tip
 
-    def arrow(self, arrow: Arrow, opacity: float) -> str:
+    def arrow(self, arrow: Arrow, opacity: float) -> list[str]:
         """Draw an arrow's line and head."""
         start, one, two, tip = self._curve(arrow)
         alive = self._states[arrow.source].alive and self._states[arrow.target].alive
@@ -129,14 +120,15 @@ class _Layout:
         along = (tip - two) / abs(tip - two)
         foot = tip - along * _HEAD
         wing = along * 1j * _HEAD * 0.42
-        corners = " ".join(f"{p.real:.1f},{p.imag:.1f}" for p in (tip, foot + wing, foot - wing))
-        points = [f"{p.real:.1f} {p.imag:.1f}" for p in (start, one, two, foot)]
-        return (
-            f'<path d="M {points[0]} C {points[1]} {points[2]} {points[3]}" fill="none" stroke="{colour}" '
-            f'stroke-width="{width:.2f}" stroke-opacity="{opacity}"/><polygon points="{corners}" fill="{colour}"/>'
-        )
+        corners = svg.point_list((p.real, p.imag) for p in (tip, foot + wing, foot - wing))
+        points = svg.point_list((p.real, p.imag) for p in (start, one, two, foot)).split()
+        curve = f"M {points[0]} C {' '.join(points[1:])}"
+        return [
+            svg.element("path", d=curve, fill="none", stroke=colour, stroke_width=width, stroke_opacity=opacity),
+            svg.element("polygon", points=corners, fill=colour),
+        ]
 
-    def number(self, arrow: Arrow) -> str:
+    def number(self, arrow: Arrow) -> list[str]:
         """Draw the number of joins on the line near its source, as the opposite arrow has its own number."""
         start, one, two, tip = self._curve(arrow)
         t = 0.5 if arrow.source == arrow.target else 0.3
@@ -144,8 +136,9 @@ class _Layout:
         at = s**3 * start + 3 * s * s * t * one + 3 * s * t * t * two + t**3 * tip
         words = str(arrow.joins)
         half = 3.6 * len(words) + 2.0
-        return (
-            f'<rect x="{at.real - half:.1f}" y="{at.imag - 7:.1f}" width="{2 * half:.1f}" height="14" fill="white" '
-            f'fill-opacity="0.85"/><text x="{at.real:.1f}" y="{at.imag + 4:.1f}" font-size="11" text-anchor="middle" '
-            f'fill="{self.colour(arrow.source)}">{words}</text>'
-        )
+        box = {"x": at.real - half, "y": at.imag - 7, "width": 2 * half, "height": 14}
+        colour = self.colour(arrow.source)
+        return [
+            svg.element("rect", **box, fill="white", fill_opacity=0.85),
+            svg.text(at.real, at.imag + 4, words, font_size=11, text_anchor="middle", fill=colour),
+        ]

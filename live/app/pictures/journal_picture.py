@@ -10,7 +10,7 @@ from live.show.journal.journal_reader import Survey
 LEFT, RIGHT, ROW, HEAD, CURVE = 220, 24, 18, 56, 70
 """Pixels: width of names, right margin, row height, space above the first row, height of the tempo curve."""
 WIDTH: Final = 1600
-INK, FAINT, RED = "#222222", "#dddddd", "#c03030"
+INK, FAINT = "#222222", "#dddddd"
 COLOURS: Final = ("#1f4e8c", "#b8562b", "#3f7f4f", "#7a4a93", "#8a7a20", "#2b8a94", "#a03060", "#555555")
 STEPS: Final = (1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048)
 

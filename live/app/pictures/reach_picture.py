@@ -4,15 +4,15 @@ import io
 import math
 from dataclasses import dataclass
 from typing import Final, Protocol
-from xml.sax.saxutils import escape
 
 import numpy as np
 import numpy.typing as npt
 
+from live.app.pictures import svg
+from live.app.pictures.svg import Point
 from live.graph.select.reachability import ARC, DIRECTION_NAMES, Reach
 
 Float64 = npt.NDArray[np.float64]
-Point = tuple[float, float]
 
 SIZE: Final = 720
 """Width and height of the picture in pixels."""
@@ -106,34 +106,22 @@ class SvgCanvas:
         self._parts: list[str] = []
 
     def polygon(self, points: list[Point], fill: str) -> None:
-        listed = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
-        self._parts.append(f'<polygon points="{listed}" fill="{fill}"/>')
+        self._parts.append(svg.element("polygon", points=svg.point_list(points), fill=fill))
 
     def line(self, a: Point, b: Point, colour: str, width: float, dashed: bool = False) -> None:
-        dash = ' stroke-dasharray="6 5"' if dashed else ""
-        self._parts.append(
-            f'<line x1="{a[0]:.1f}" y1="{a[1]:.1f}" x2="{b[0]:.1f}" y2="{b[1]:.1f}" '
-            f'stroke="{colour}" stroke-width="{width:g}"{dash}/>'
-        )
+        ends = {"x1": a[0], "y1": a[1], "x2": b[0], "y2": b[1]}
+        dash = "6 5" if dashed else None
+        self._parts.append(svg.element("line", **ends, stroke=colour, stroke_width=width, stroke_dasharray=dash))
 
     def circle(self, centre: Point, radius: float, fill: str | None, colour: str | None = None) -> None:
-        self._parts.append(
-            f'<circle cx="{centre[0]:.1f}" cy="{centre[1]:.1f}" r="{radius:.1f}" '
-            f'fill="{fill or "none"}" stroke="{colour or "none"}"/>'
-        )
+        self._parts.append(svg.circle(centre, radius, fill=fill or "none", stroke=colour or "none"))
 
     def text(self, at: Point, words: str, size: int, colour: str, anchor: str = "start") -> None:
-        plain = escape("".join(sign if sign.isprintable() else "?" for sign in words))
-        self._parts.append(
-            f'<text x="{at[0]:.1f}" y="{at[1]:.1f}" font-size="{size}" fill="{colour}" '
-            f'text-anchor="{anchor}">{plain}</text>'
-        )
+        self._parts.append(svg.text(*at, words, font_size=size, fill=colour, text_anchor=anchor))
 
     def data(self) -> bytes:
         """The file."""
-        size = 'width="{}" height="{}"'.format(*self._size)
-        head = f'<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="Helvetica, Arial, sans-serif">'
-        return "\n".join([head, f'<rect {size} fill="white"/>', *self._parts, "</svg>", ""]).encode()
+        return svg.drawing(*self._size, self._parts).encode()
 
 
 class PngCanvas:

@@ -4,6 +4,8 @@ import colorsys
 import math
 from typing import TYPE_CHECKING, Final
 
+from live.app.pictures import svg
+
 if TYPE_CHECKING:
     from live.agents.scenarios.scenario import Float64, Scenario
 
@@ -18,37 +20,29 @@ def paths_svg(scenario: "Scenario", time: "Float64", position: "Float64") -> str
     left, top, width, height = _frame(scenario, position)
     line = 0.02 * max(1.0, max(width, height) / 20.0)
     scale = LONG_SIDE / max(width, height)
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width * scale:.0f}" height="{height * scale:.0f}" '
-        f'viewBox="{left:.3f} {top:.3f} {width:.3f} {height:.3f}" fill="none" stroke-width="{line:.3f}">',
-        f'<rect x="{left:.3f}" y="{top:.3f}" width="{width:.3f}" height="{height:.3f}" fill="white"/>',
-    ]
+    parts = []
     if scenario.stage is not None:
         x0, z0, x1, z1 = scenario.stage
-        parts.append(f'<rect x="{x0}" y="{z0}" width="{x1 - x0}" height="{z1 - z0}" stroke="#888"/>')
+        parts.append(svg.element("rect", x=x0, y=z0, width=x1 - x0, height=z1 - z0, stroke="#888"))
     parts += [
-        f'<line x1="{x1}" y1="{z1}" x2="{x2}" y2="{z2}" stroke="black" stroke-width="{3 * line:.3f}"/>'
+        svg.element("line", x1=x1, y1=z1, x2=x2, y2=z2, stroke="black", stroke_width=3 * line)
         for x1, z1, x2, z2 in scenario.walls.tolist()
     ]
     for agent, (goal_x, goal_z) in enumerate(scenario.last_goal.tolist()):
         x, z = scenario.start[agent]
         colour = _colour(math.atan2(goal_x - x, goal_z - z))
-        way = position[::TICKS_PER_POINT, agent]
-        points = " ".join(f"{x:.2f},{z:.2f}" for x, z in way.tolist())
-        end_x, end_z = position[-1, agent].tolist()
+        way = svg.point_list(position[::TICKS_PER_POINT, agent].tolist())
         parts += [
-            f'<polyline points="{points}" stroke="{colour}" stroke-opacity="0.6"/>',
-            f'<circle cx="{x:.3f}" cy="{z:.3f}" r="{scenario.radius}" stroke="{colour}"/>',
-            f'<path d="M{goal_x - 0.1:.3f} {goal_z:.3f}h0.2m-0.1 -0.1v0.2" stroke="#222"/>',
-            f'<circle cx="{end_x:.3f}" cy="{end_z:.3f}" r="{scenario.radius}" fill="{colour}" fill-opacity="0.5"/>',
+            svg.element("polyline", points=way, stroke=colour, stroke_opacity=0.6),
+            svg.circle((x, z), scenario.radius, stroke=colour),
+            svg.element("path", d=f"M{goal_x - 0.1:.3f} {goal_z:.3f}h0.2m-0.1 -0.1v0.2", stroke="#222"),
+            svg.circle(position[-1, agent].tolist(), scenario.radius, fill=colour, fill_opacity=0.5),
         ]
-    seconds = f"{scenario.agent_count} agents, {time[-1]:g} s"
+    words = f"{scenario.agent_count} agents, {time[-1]:g} s"
     text = 0.025 * width
-    parts.append(
-        f'<text x="{left + text:.3f}" y="{top + 1.5 * text:.3f}" font-size="{text:.3f}" '
-        f'font-family="Helvetica, Arial, sans-serif" fill="#222">{seconds}</text>'
-    )
-    return "\n".join([*parts, "</svg>", ""])
+    parts.append(svg.text(left + text, top + 1.5 * text, words, font_size=text, fill="#222"))
+    size, box = (width * scale, height * scale), (left, top, width, height)
+    return svg.drawing(*size, parts, box=box, fill="none", stroke_width=line)
 
 
 def _frame(scenario: "Scenario", position: "Float64") -> tuple[float, float, float, float]:

@@ -99,7 +99,7 @@ class AudioWorker:
                 source.start()
             else:
                 source = MusicPlayer(
-                    read_music(Path(plan["music"])), self._sender, clock, loop=True, output=plan["output"] or True,
+                    read_music(Path(plan["music"])), self._sender, clock, output=plan["output"] or True,
                     latency=out, one_at=plan["one_at"] if begun is None else None, analysis=analysis,
                 )  # fmt: skip
                 begun = clock.now() if begun is None else begun

@@ -152,7 +152,7 @@ def _milliseconds(latencies: Latencies, what: str) -> float | None:
 def make_file_watches(
     loaded: LoadedShow, show: Show, *, post: Callable[[ControlEvent], None], now: Callable[[], float]
 ) -> tuple[PatchWatch, LibraryWatch | None]:
-    """Return watches on the patch and, if its steps are in a folder, on the steps; start only the first.
+    """Return watches on the patch and, if its steps are in a folder, on the steps.
 
     The patch watch runs the other one. Steps recorded during the show are added to it.
     """

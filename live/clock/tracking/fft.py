@@ -1,9 +1,9 @@
-"""Windowed magnitude spectrum for one window length, with its tables and work arrays."""
+"""Windowed magnitude spectrum for one window length, with its work arrays, by numpy's FFT."""
+
+import math
 
 import numpy as np
 import numpy.typing as npt
-
-from live.clock.tracking.fft_kernels import magnitudes
 
 Floats = npt.NDArray[np.float32]
 
@@ -11,26 +11,16 @@ PRIMES = (2, 3, 5, 7, 11)
 """Prime factors of the length of a fast transform."""
 
 
-def factors(number: int) -> list[int]:
-    """Return `number` as a product of 4s and `PRIMES`, the 4s first; empty if it has other prime factors."""
-    found = []
-    for prime in (4, *PRIMES):
-        while number % prime == 0:
-            found.append(prime)
-            number //= prime
-    return found if number == 1 else []
-
-
 def fast_length(least: int) -> int:
-    """Return the smallest even number from `least` on for which the transform is fast."""
-    length = least + least % 2
-    while not factors(length // 2):
-        length += 2
-    return length
+    """Return the smallest even number from `least` on whose half has no prime factors but `PRIMES`."""
+    half = (least + 1) // 2
+    while math.prod(PRIMES) ** half.bit_length() % half:
+        half += 1
+    return 2 * half
 
 
 class MagnitudeTransform:
-    """Windowed magnitudes of the newest samples; allocates nothing after its creation."""
+    """Windowed magnitudes of the newest samples; keeps no memory, but numpy computes in temporary double precision."""
 
     def __init__(self, window: Floats, bins: int) -> None:
         """window (W,); `bins`: number of bins, from 0 Hz on, to compute.
@@ -43,15 +33,13 @@ class MagnitudeTransform:
             raise ValueError(f"{bins} bins of {self.length // 2}")
         self.magnitude = np.zeros(bins, np.float32)
         """Magnitudes of the newest spectrum, shape (bins,)."""
-        half = self.length // 2
-        turns = np.exp(-2.0j * np.pi * np.arange(half) / half)
-        halves = np.exp(-1.0j * np.pi * np.arange(half) / half)
         self._window = window
-        self._radices = np.array(factors(half), np.int32)
-        self._turn = turns.real.astype(np.float32), turns.imag.astype(np.float32)
-        self._half = halves.real.astype(np.float32), halves.imag.astype(np.float32)
-        self._work = np.zeros((4, half), np.float32)
+        self._padded = np.zeros(self.length, np.float32)
+        self._spectrum = np.zeros(self.length // 2 + 1, np.complex64)
 
     def compute(self, history: Floats) -> None:
         """Transform the newest W samples of history (n,), n >= W, into `magnitude`."""
-        magnitudes(history, self._window, self._radices, *self._turn, *self._half, self._work, self.magnitude)
+        count = self._window.shape[0]
+        np.multiply(history[-count:], self._window, out=self._padded[:count])
+        np.fft.rfft(self._padded, out=self._spectrum)  # type: ignore[arg-type] # its stub knows no complex64
+        np.abs(self._spectrum[: self.magnitude.shape[0]], out=self.magnitude)

@@ -5,13 +5,16 @@ It also rotates highlights: a few voices at a time are visible on the projector,
 
 from collections import deque
 from collections.abc import Callable, Iterator
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from live.control.audience.participant_state import PLACES, Force, Voices
 from live.control.audience.phone_registry import Phone, hue_of
+from live.control.events.audience import VoiceLight, VoicePlace
+
+Rows = TypeVar("Rows", bound=tuple[Any, ...])
 
 HIGHLIGHT_SECONDS: Final = 8.0
 """A highlight lasts this long [s] while others wait."""
@@ -59,7 +62,6 @@ CHOICE_EVERY: Final = 0.25
 VOTES_EVERY: Final = 0.2
 MIN_MOVE_CM: Final = 2
 """Minimum movement of a place [cm]."""
-NONE: Final = "-"
 MAX_WAIT_TIMES: Final = 16384
 """Number of messages whose waiting time is recorded."""
 
@@ -72,7 +74,7 @@ class Aggregator:
         self.highlights = HighlightRotation(visible)
         self.order = 0
         self._sent: tuple[Any, ...] = ()
-        self._known: dict[str, str] = {}
+        self._known: dict[str, tuple[Any, ...]] = {}
         self._places: dict[int, tuple[int, int, int, int]] = {}
         self._next_lights = self._next_choice = self._next_votes = self._repeat_at = 0.0
         self._shown: dict[int, None] = {}
@@ -80,14 +82,16 @@ class Aggregator:
         self._wait_count = 0
         self._updated_at = -np.inf
 
-    def update(self, now: float, phones: int, is_open: bool, votes: Callable[[], str]) -> tuple[Any, ...] | None:
+    def update(
+        self, now: float, phones: int, is_open: bool, votes: Callable[[], tuple[int, ...]]
+    ) -> tuple[Any, ...] | None:
         """Return the fields of the event for the show at `now` [s]; None if nothing is new."""
         voices = self._voices
         weight = voices.weights(now) if is_open else np.zeros(len(voices.number))
         rows = np.flatnonzero(weight)
         force = voices.force(now, weight) if len(rows) else Force(0.0, (), voices.shaken_share(now) if is_open else 0.0)
         places = self._slots(force)
-        lights = ""
+        lights: tuple[VoiceLight, ...] | None = None
         if now >= self._next_lights:
             self._next_lights = now + LIGHTS_EVERY
             if now >= self._next_choice:
@@ -95,36 +99,36 @@ class Aggregator:
                 self.highlights.update(rows.tolist(), now)
             else:
                 self.highlights.prune(lambda row: bool(weight[row]))
-            lights = self._highlight_text()
-        tally = ""
+            lights = self._highlight_rows()
+        tally: tuple[int, ...] | None = None
         if now >= self._next_votes:
             self._next_votes = now + VOTES_EVERY
-            tally = votes()
+            tally = votes() or None
         if self._sent[1:2] != (self.order,):  # the show may have ignored data of an older order
             self._known = {}
         lights, tally = self._if_changed("lights", lights), self._if_changed("votes", tally)
         said = (phones, self.order, round(50 * force.share) * 20, places, round(20 * force.shaken) * 50)
-        still = places == NONE and not force.shaken  # no element is active that would end by itself
-        if said == self._sent and (still or now < self._repeat_at) and not lights and not tally:
+        still = not places and not force.shaken  # no element is active that would end by itself
+        if said == self._sent and (still or now < self._repeat_at) and lights is None and tally is None:
             self._updated_at = now  # the messages received confirm the known state
             return None
         self._record_waits(now, rows)
         self._sent, self._repeat_at = said, now + REPEAT_INTERVAL
         return ("heard", now, *said[:4], lights, tally, said[4])
 
-    def _if_changed(self, what: str, words: str) -> str:
-        """Return `words`, or an empty string if the show has them already."""
-        if not words or self._known.get(what) == words:
-            return ""
-        self._known[what] = words
-        return words
+    def _if_changed(self, what: str, rows: Rows | None) -> Rows | None:
+        """Return `rows`, or None if the show has them already."""
+        if rows is None or self._known.get(what) == rows:
+            return None
+        self._known[what] = rows
+        return rows
 
     def resend(self) -> None:
         """Send everything again next time, because the show did not receive the last event."""
         self._sent, self._known = (), {}
 
-    def _slots(self, force: Force) -> str:
-        """Return the places as text; each keeps its slot between calls, so that its element moves with it."""
+    def _slots(self, force: Force) -> tuple[VoicePlace, ...]:
+        """Return the places; each keeps its slot between calls, so that its element moves with it."""
         left, taken = dict(self._places), {}
         rows = [(round(p.x * 100), round(p.z * 100), round(p.weight * 50) * 20, p.mode) for p in force.places]
         waiting = []
@@ -143,16 +147,16 @@ class Aggregator:
             taken[next(slot for slot in range(PLACES) if slot not in taken)] = row
         self._places = taken
         count = max(taken, default=-1) + 1
-        return ",".join(" ".join(map(str, taken.get(slot, (0, 0, 0, 1)))) for slot in range(count)) or NONE
+        return tuple(taken.get(slot, (0, 0, 0, 1)) for slot in range(count))
 
-    def _highlight_text(self) -> str:
-        """Return the highlights as text, positions in steps of 5 cm."""
-        voices, words = self._voices, []
+    def _highlight_rows(self) -> tuple[VoiceLight, ...]:
+        """Return the highlights, positions in steps of 5 cm."""
+        voices, rows = self._voices, []
         for row in self.highlights.rows:
             number = int(voices.number[row])
             x, z = (round(float(value) * 20) * 5 for value in (voices.x[row], voices.z[row]))
-            words.append(f"{number} {x} {z} {hue_of(number)} {int(voices.mode[row])}")
-        return ",".join(words) or NONE
+            rows.append((number, x, z, hue_of(number), int(voices.mode[row])))
+        return tuple(rows)
 
     def changed_highlights(self, phones: dict[int, Phone]) -> Iterator[tuple[Phone, bool]]:
         """Return the phones whose highlight has appeared or ended since the last call."""

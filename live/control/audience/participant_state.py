@@ -124,14 +124,6 @@ class Voices:
         self.x[rows] = (2.0 * said["x"] / FULL_SCALE - 1.0) * self._half[0]
         self.z[rows] = (2.0 * said["z"] / FULL_SCALE - 1.0) * self._half[1]
 
-    def touch(self, row: int, mode: int, x: float, z: float, now: float) -> None:
-        """Set a touch at (x, z), as shares of the stage from the left and the back, 0 to 1; mode 0 lifts the finger."""
-        if mode:
-            self.mode[row] = mode
-            self.x[row], self.z[row] = (2.0 * x - 1.0) * self._half[0], (2.0 * z - 1.0) * self._half[1]
-        self.touching[row] = mode != 0
-        self.message_time[row] = now
-
     def weights(self, now: float) -> Float64:
         """Return the present weight of each row, (N,)."""
         region = np.minimum(self.region, len(self._weights) - 1)

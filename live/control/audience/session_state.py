@@ -233,18 +233,18 @@ class SessionState:
         self.voices.apply_touches()
         return self.aggregator.update(now, len(self.phones.by_number), self.rules.open, self._votes)
 
-    def _votes(self) -> str:
+    def _votes(self) -> tuple[int, ...]:
         """Return the open vote's number and the voices for each choice in hundredths; empty if there is no vote."""
         vote = self.rules.vote
         if vote is None:
-            return ""
+            return ()
         counts = [0.0] * len(vote[2])
         weights = self.rules.weights or (1.0,)
         for phone in self.phones.by_number.values():
             if phone.vote[0] == vote[0] and phone.row >= 0 and self.voices.allowed[phone.row]:
                 region = min(int(self.voices.region[phone.row]), len(weights) - 1)
                 counts[phone.vote[1]] += weights[region] * float(self.voices.share[phone.row])
-        return " ".join(map(str, (vote[0], *(round(100 * count) for count in counts))))
+        return (vote[0], *(round(100 * count) for count in counts))
 
     def facts(self) -> dict[str, Any]:
         """Return facts for the status, without personal data."""

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from live.clock.tracking.aubio_tracker import RATE_MAX_HZ, RATE_MIN_HZ
 from live.control.audio.analysis import AudioAnalysis, MakeAnalysis
-from live.control.events.events import ControlEvent, One, SourceChanged
+from live.control.events.events import ControlEvent, One
 
 MAX_DURATION: Final = 3.0 * 3600.0
 """Maximum duration [s]; music is kept in memory, 21 MB per minute in stereo."""
@@ -39,11 +39,9 @@ class Music:
         """Duration [s]."""
         return float(self.samples.shape[0] / self.sample_rate)
 
-    def block(self, start: int, count: int, loop: bool) -> npt.NDArray[np.float32]:
-        """Return `count` frames from `start` on, shape (≤ count, channels); they wrap around if the music loops."""
+    def block(self, start: int, count: int) -> npt.NDArray[np.float32]:
+        """Return `count` frames from `start` on, shape (count, channels); music begins again at its end."""
         length = self.samples.shape[0]
-        if not loop:
-            return self.samples[start : start + count]
         start %= length
         if start + count <= length:
             return self.samples[start : start + count]
@@ -127,7 +125,6 @@ class OfflineMusic:
         self,
         music: Music,
         *,
-        loop: bool = True,
         begin: float = 0.0,
         one_at: float | None = None,
         analysis: MakeAnalysis = AudioAnalysis,
@@ -135,20 +132,13 @@ class OfflineMusic:
         """`one_at` [s of the music]: the first downbeat, if known; it is announced as One, DOWNBEAT_LEAD
         seconds before."""
         self._music = music
-        self._loop = loop
         self._begin = begin
         self._one = None if one_at is None else One(time=begin + one_at, source="audio")
         self._downbeat_frame = 0 if one_at is None else max(int((one_at - DOWNBEAT_LEAD) * music.sample_rate), 0)
         self._fed = 0
-        self._ended = False
         self._analysis = analysis(music.sample_rate)
         if one_at is not None:
             self._analysis.set_downbeat(one_at)
-
-    @property
-    def ended(self) -> bool:
-        """Whether the music has ended (never, if it loops)."""
-        return self._ended
 
     def events_until(self, time: float) -> list[ControlEvent]:
         """Return the events from the last call up to `time` [s], in order."""
@@ -156,16 +146,12 @@ class OfflineMusic:
         wanted = int((time - self._begin) * self._music.sample_rate)
         if wanted >= 0:
             self._announce_downbeat(events)
-        while self._fed < wanted and not self._ended:
+        while self._fed < wanted:
             before = wanted if self._one is None else self._downbeat_frame
-            block = self._music.block(self._fed, min(wanted - self._fed, before - self._fed, 65536), self._loop)
+            block = self._music.block(self._fed, min(wanted - self._fed, before - self._fed, 65536))
             self._fed += block.shape[0]
             events += self._analysis.feed(block, self._time_of)
             self._announce_downbeat(events)
-            if not self._loop and self._fed >= self._music.samples.shape[0]:
-                self._ended = True
-                end = self._time_of(self._music.duration)
-                events.append(SourceChanged(time=end, source="audio", state="silent", detail="the music is over"))
         return events
 
     def _announce_downbeat(self, events: list[ControlEvent]) -> None:

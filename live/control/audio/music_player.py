@@ -47,7 +47,6 @@ class MusicPlayer:
         inbox: EventQueue[ControlEvent],
         clock: Clock,
         *,
-        loop: bool = True,
         output: bool | str | int = True,
         latency: float | None = None,
         one_at: float | None = None,
@@ -64,7 +63,6 @@ class MusicPlayer:
         self._music = music
         self._inbox = inbox
         self._clock = clock
-        self._loop = loop
         self.latency = latency
         """Delay from handing over a sample until it is heard [s]; None: the device's. It may be changed at any time."""
         self._one_at = one_at
@@ -75,8 +73,6 @@ class MusicPlayer:
         """Number of times the analysis failed and was restarted …"""
         self.failure = ""
         """… and the latest failure."""
-        self.ended = False
-        """Whether the music has ended (never, if it loops)."""
         self._device = self._find(output)
         self._stream: Any = None
         self._thread: threading.Thread | None = None
@@ -167,7 +163,7 @@ class MusicPlayer:
             slot = self._stamps % STAMPS
             self._stamp_frame[slot], self._stamp_time[slot] = self._played, self._clock.now()
             self._stamps += 1
-            block = self._music.block(self._played, frames, self._loop)
+            block = self._music.block(self._played, frames)
             out[: block.shape[0]] = block[:, :played]
             out[block.shape[0] :] = 0.0
             self._played += frames
@@ -233,8 +229,6 @@ class MusicPlayer:
             self._restart_at = now + RESTART_AFTER
 
     def _analyse(self, now: float) -> None:
-        if self.ended:
-            return
         rate = self._music.sample_rate
         wanted = int(self.position(now) * rate)
         if wanted - self._fed > CATCH_UP * rate or self._restart_at is not None:
@@ -243,16 +237,13 @@ class MusicPlayer:
             self._analysis = self._make_analysis(rate)
         if wanted <= self._fed:
             return
-        block = self._music.block(self._fed, wanted - self._fed, self._loop)
+        block = self._music.block(self._fed, wanted - self._fed)
         self._fed = wanted
         self._announce_downbeat(now, heard=False)
         for event in self._analysis.feed(block, self._time_of, now):
             if isinstance(event, BeatHeard):
                 self._announce_downbeat(now, heard=True)
             self._inbox.put(event)
-        if not self._loop and self._fed >= self._music.samples.shape[0]:
-            self.ended = True
-            self._inbox.put(SourceChanged(time=now, source="audio", state="silent", detail="the music is over"))
 
     def _announce_downbeat(self, now: float, *, heard: bool) -> None:
         """Announce the time of the known downbeat before it is heard; `heard`: a beat was heard."""

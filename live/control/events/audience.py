@@ -9,6 +9,10 @@ from live.control.registry.control import Argument
 
 NO_CHOICE: Final = "-"
 """Placeholder for an unused choice."""
+VoicePlace = tuple[int, int, int, int]
+"""A gathering place: x, z [cm], weight in thousandths of the heaviest place, mode 1 attract or 2 repel."""
+VoiceLight = tuple[int, int, int, int, int]
+"""A voice that is shown: number of the phone, x, z [cm], hue in thousandths, mode."""
 Region = Annotated[str, Argument.label("a region of the patch's [audience]; * means all", "region")]
 
 
@@ -16,8 +20,7 @@ Region = Annotated[str, Argument.label("a region of the patch's [audience]; * me
 class AudienceHeard(ControlEvent):
     """The combined input of all phones, aggregated by the gateway, at most once per tick.
 
-    Numbers are separated by spaces, entries by commas; whole numbers keep the journal small. Empty: unchanged; `-`:
-    none.
+    Whole numbers keep the journal small. None: unchanged.
     """
 
     phones: int
@@ -26,11 +29,11 @@ class AudienceHeard(ControlEvent):
     """Number of operator commands applied by the gateway, see `Audience.order`; older input is ignored."""
     share: int = 0
     """Influence in thousandths; it reaches 1000 when there are enough phones."""
-    places: str = ""
-    """Gathering places: x z [cm], weight in thousandths of the heaviest place, mode 1 attract or 2 repel."""
-    lights: str = ""
-    """Voices shown: number of the phone, x z [cm], hue in thousandths, mode."""
-    votes: str = ""
+    places: tuple[VoicePlace, ...] | None = None
+    """Gathering places."""
+    lights: tuple[VoiceLight, ...] | None = None
+    """Voices shown."""
+    votes: tuple[int, ...] | None = None
     """Number of the vote, then the votes for each choice in hundredths."""
     shaken: int = 0
     """Share of active phones that are shaken, in thousandths."""

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import fields
 from functools import cache
-from typing import Any, get_type_hints
+from typing import Any, get_args, get_type_hints
 
 from live.control.events.events import (
     EVENT_TYPES,
@@ -23,7 +23,7 @@ from live.control.message_codec import register_as
 
 def event_to_json(event: ControlEvent) -> dict[str, Any]:
     """Return the event as a JSON object; floats keep every bit (Python writes the shortest exact form)."""
-    name = type(event).__name__  # fields are numbers, strings and tuples of numbers: no copy by `asdict` is needed
+    name = type(event).__name__  # fields are values that nothing changes: no copy by `asdict` is needed
     return {"type": name, **{field: getattr(event, field) for field in field_types(name)}}
 
 
@@ -69,17 +69,28 @@ def event_from_json(data: dict[str, Any] | list[Any], columns: dict[str, list[st
         if not _fits(value, kinds.get(key)):
             raise ValueError(f"event {name}: field {key!r} cannot be {value!r:.80}")
         if isinstance(value, list):
-            values[key] = tuple(value)
+            values[key] = _tuples(value)
     try:
         return cls(**values)
     except TypeError as error:
         raise ValueError(f"event {name}: {error}") from None
 
 
+def _tuples(value: Any) -> Any:
+    """Return a list as a tuple, with the lists in it."""
+    return tuple([_tuples(each) for each in value]) if isinstance(value, list) else value
+
+
 def _fits(value: Any, kind: Any) -> bool:
     """Whether a value is of a field's type; a number may be written as a whole number."""
-    if kind == tuple[float, ...]:
-        return isinstance(value, list | tuple) and all(_fits(each, float) for each in value)
+    inside = get_args(kind)
+    if type(None) in inside:
+        return value is None or _fits(value, inside[0])
+    if inside:
+        one, more = inside[0], inside[1:]
+        if not isinstance(value, list | tuple) or (more != (...,) and len(value) != len(inside)):
+            return False
+        return all(_fits(each, one) for each in value)
     if kind is float or kind is int:
         whole = isinstance(value, int) and not isinstance(value, bool)
         return (whole or (kind is float and isinstance(value, float))) and _is_small(value)

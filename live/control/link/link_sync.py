@@ -164,11 +164,6 @@ class LinkReporter:
         self._transport: tuple[bool, float] | None = None
         self._pending_transport: tuple[str, float] | None = None
 
-    @property
-    def is_source(self) -> bool:
-        """Whether the session is a source."""
-        return self._last is not None
-
     def update(self, reading: LinkReading) -> list[ControlEvent]:
         """Return the events that follow from this reading, oldest first."""
         if not reading.peers:

@@ -125,11 +125,6 @@ class OscInput:
         return self._wanted_port if self._socket is None else int(self._socket.getsockname()[1])
 
     @property
-    def buffer_bytes(self) -> int:
-        """The size of the receive buffer that the system granted (Linux reports twice the requested size)."""
-        return 0 if self._socket is None else self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
-
-    @property
     def lost(self) -> int:
         """Number of datagrams dropped by the system because the receive buffer was full (0 if unknown)."""
         return self._lost if self._socket is None else dropped_datagrams(self._socket)

@@ -19,7 +19,7 @@ from dataclasses import MISSING, Field, dataclass, fields, replace
 from functools import partial
 from typing import Annotated, Any, Final, TypeVar, dataclass_transform, get_args, get_type_hints
 
-from live.control.registry.control import Argument, ArgumentValue, Control, Role
+from live.control.registry.control import Argument, ArgumentValue, Control, Role, parse_points
 
 Class = TypeVar("Class", bound=type)
 _CONTROLS: Final = "controls"
@@ -86,7 +86,7 @@ def arguments_of(cls: Any, others: Mapping[str, Argument] | None = None) -> tupl
         for mark in marks:
             if isinstance(mark, Argument):
                 mark = (others or {}).get(each.name, mark)
-                convert = round if kind is int else float if kind is float and mark.type == "bool" else None
+                convert = round if kind is int else float if kind is float and mark.type == "bool" else mark.convert
                 default = _default(each) if mark.default is None else mark.default
                 found.append(replace(mark, name=each.name, default=default, convert=convert))
     return tuple(found)
@@ -122,4 +122,10 @@ OwnFadeMeasures = Annotated[
     float, Argument.number("how long it takes; 0 is at once, -1: its own duration", -1, 1024, "measures")
 ]
 Next = Annotated[bool, Argument.switch("1: from the next measure line on, 0: now")]
-Points = Annotated[str, Argument.text("x z of each point in order, as in `-3 0, 0 -2, 3 0`")]
+Points = Annotated[
+    tuple[tuple[float, float], ...],
+    replace(
+        Argument.text("x z of each point in order, as in `-3 0, 0 -2, 3 0`"),
+        convert=parse_points, form="x z of each in metres, as in -3 0, 0 -2.5, 3 0",
+    ),
+]  # fmt: skip

@@ -3,11 +3,12 @@
 Values are checked here, before they reach numeric code.
 """
 
+import math
 import re
 import struct
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 from live.control.events.event import ControlEvent
 from live.control.registry.rejections import Reason, Rejection
@@ -47,8 +48,10 @@ class Argument:
     maximum: float = 0.0
     default: ArgumentValue | None = None
     """None: the argument is required."""
-    convert: Callable[[float], float] | None = None
-    """Makes the event's value of a number that was checked: `round` for a whole number."""
+    convert: Callable[[Any], Any] | None = None
+    """Makes the event's value of one that was checked: `round` for a whole number; ValueError if it cannot."""
+    form: str = ""
+    """How a text is written, if not any text is valid."""
     names: str = ""
     """What a name names, as in "step" or "cue": the names that exist are offered as completions."""
 
@@ -81,6 +84,8 @@ class Argument:
             return f"{self.name} {self.minimum:g} to {self.maximum:g}" + (f" {self.unit}" if self.unit else "")
         if self.type == "bool":
             return f"{self.name} 0 or 1"
+        if self.form:
+            return f"{self.name} {self.form}"
         return f"{self.name} of 1 to {self.length} printable characters"
 
     @property
@@ -110,6 +115,14 @@ class Argument:
             return float(value)
         edge = self.minimum if value < self.minimum else self.maximum
         return edge if value == _to_single(edge) else Reason.OUT_OF_RANGE
+
+
+def parse_points(text: str) -> tuple[tuple[float, float], ...]:
+    """Parse points written as "x z, x z" [m]; ValueError for anything else."""
+    numbers = [[float(word) for word in pair.split()] for pair in text.replace(";", ",").split(",")]
+    if any(len(pair) != 2 or not all(map(math.isfinite, pair)) for pair in numbers):
+        raise ValueError(f"{text!r} are no points")
+    return tuple((pair[0], pair[1]) for pair in numbers)
 
 
 _IN_ADDRESS: Final = re.compile(r"[^\s#*,/?\[\]{}\x00-\x20\x7f-\U0010ffff]+")
@@ -188,7 +201,7 @@ class Control:
         if count > len(self.arguments):
             expected = f"at most {len(self.arguments)} values" if self.arguments else "no value"
             return Rejection(Reason.EXTRA, self.address, expected, values[len(self.arguments)])
-        named: dict[str, ArgumentValue] = {}
+        named: dict[str, Any] = {}
         for index, argument in enumerate(self.arguments):
             value = values[index] if index < count else None
             result = argument.default if value is None else argument.check(value)
@@ -196,5 +209,8 @@ class Control:
                 return Rejection(Reason.MISSING, self.address, argument.expected, None)
             if isinstance(result, Reason):
                 return Rejection(result, self.address, argument.expected, value)
-            named[argument.name] = result if argument.convert is None else argument.convert(float(result))
+            try:
+                named[argument.name] = result if argument.convert is None else argument.convert(result)
+            except ValueError:
+                return Rejection(Reason.FORM, self.address, argument.expected, value)
         return self.make(time=time, source=source, **named)

@@ -36,6 +36,7 @@ class Reason(StrEnum):
     WRONG_TYPE = "wrong type"
     OUT_OF_RANGE = "out of range"
     NAME = "unusable name"
+    FORM = "unusable text"
     NO_VALUE = "no present value"
     ROLE = "not for this port's role"
     FLOOD = "flood of one sender, not read"

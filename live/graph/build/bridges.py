@@ -6,9 +6,8 @@ windows at every frame of a recording (K003), some thousand windows at a time. B
 those of the recording need not be, so its windows are contiguous memory. A bridge is cut as a step clip for insertion.
 """
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -22,7 +21,6 @@ from live.graph.step_library import StepLibrary, window_samples
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
-from live.motion.step_clip import StepClip, measured_direction, measured_distance
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -82,6 +80,10 @@ class Bridge:
         return max(self.begin_cost, self.end_cost)
 
 
+STRETCH: Final = 0.15
+"""Largest share by which a bridge is shorter or longer than a measure."""
+
+
 def find_bridges(
     graph: MotionGraph,
     recordings: Sequence[PosedRecording],
@@ -89,17 +91,15 @@ def find_bridges(
     target: int,
     *,
     measure_s: float,
-    measures: int = 1,
-    stretch: float = 0.15,
     max_count: int = 5,
 ) -> list[Bridge]:
-    """Return the `max_count` best bridges of `measures` from step `source` to `target`, best first, without overlaps.
+    """Return the `max_count` best bridges of a measure from step `source` to `target`, best first, without overlaps.
 
-    `measure_s` is the length of a measure of the show [s]; a stretch that differs from it by up to the share `stretch`
-    is danced faster or slower. ValueError for lengths that are not positive or a stretch outside [0, 0.5].
+    `measure_s` is the length of a measure of the show [s]; a stretch that differs from it by up to the share `STRETCH`
+    is danced faster or slower. ValueError for a length that is not positive.
     """
-    if measure_s <= 0.0 or measures < 1 or not 0.0 <= stretch <= 0.5:
-        raise ValueError(f"bridges of {measures} measures of {measure_s} s, stretched by {stretch}: see the limits")
+    if measure_s <= 0.0:
+        raise ValueError(f"bridges for measures of {measure_s} s: more than 0 expected")
     library = graph.library
     frames = max(2, round(graph.window * measure_s * BASE_RATE) + 1)
     ends = np.flatnonzero((library.node_step == source) & (library.node_measure == library.node_measures - 1))
@@ -107,8 +107,8 @@ def find_bridges(
     metric = _metric(graph.rule.metric, frames)
     after = _windows(library, ends, library.node_last, graph.window, metric)
     before = _windows(library, begins, library.node_first, graph.window, metric)
-    length = measures * measure_s * BASE_RATE
-    lengths = np.arange(np.ceil(length * (1.0 - stretch)), np.floor(length * (1.0 + stretch)) + 1).astype(np.int64)
+    length = measure_s * BASE_RATE
+    lengths = np.arange(np.ceil(length * (1.0 - STRETCH)), np.floor(length * (1.0 + STRETCH)) + 1).astype(np.int64)
     if not len(lengths):
         lengths = np.array([round(length)])
     found: list[Bridge] = []
@@ -194,47 +194,3 @@ def _best(begin_cost: Float64, end_cost: Float64, lengths: Int64, max_count: int
         found.append((frame, int(size[frame])))
         cost[max(0, frame - apart) : frame + apart + 1] = np.inf
     return found
-
-
-def bridge_clip(library: StepLibrary, recording: Clip, bridge: Bridge, *, measures: int = 1) -> StepClip:
-    """Return the stretch of `recording` of a `bridge` as a step called "A to B", with up to a measure of lead-in.
-
-    It begins in the end pose of the first step and ends in the begin pose of the second, if those are named (T136). At
-    its beginning the hips stand at x = z = 0 and face +z.
-    """
-    before, after = (library.clips[library.node_clip[node]] for node in (bridge.source, bridge.target))
-    rate = recording.sample_rate
-    size = (bridge.stop - bridge.start) * rate / measures
-    start = bridge.start * rate
-    begin = max(0, math.floor(start - size))
-    end = min(recording.sample_count, math.ceil(bridge.stop * rate) + 9)
-    name = f"{before.step} to {after.step}"
-    step = StepClip(
-        step=name,
-        clip=_cut_and_place(recording, begin, end, round(start), f"{name}, {recording.name} from {bridge.start:.2f} s"),
-        first=start - begin,
-        samples_per_measure=size,
-        measures=measures,
-        beats_per_measure=library.beats_per_measure,
-        bpm=60.0 * library.beats_per_measure * rate / size,
-        begin_pose=before.end_pose,
-        end_pose=after.begin_pose,
-        tags=("bridge",),
-    )
-    return replace(step, direction=measured_direction(step), distance_m=measured_distance(step))
-
-
-def _cut_and_place(clip: Clip, begin: int, end: int, at: int, name: str) -> Clip:
-    """Return samples `begin` to `end` (exclusive), moved so that at sample `at` the hips are at 0, facing +z."""
-    x, _, z = quaternion.rotate(clip.rotation[at, 0].astype(np.float64), np.array((0.0, 0.0, 1.0)))
-    turn = quaternion.from_axis_angle(np.array((0.0, 1.0, 0.0)), np.asarray(-math.atan2(x, z)))
-    rotation = clip.rotation[begin:end].astype(np.float64)
-    rotation[:, 0] = quaternion.mul(turn, rotation[:, 0])
-    root = quaternion.rotate(turn, clip.root_position[begin:end] - clip.root_position[at] * (1.0, 0.0, 1.0))
-    return Clip(
-        name,
-        np.ascontiguousarray(root, np.float32),
-        np.ascontiguousarray(rotation, np.float32),
-        clip.sample_rate,
-        clip.contact[begin:end],
-    )

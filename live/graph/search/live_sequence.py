@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.search.sequence import edges_of, find_sequence
+from live.graph.search.sequence import edges_of
 from live.graph.search.sequence_spec import SequenceEntry, SequenceSpec, specify
 from live.graph.search.viterbi import CostToGo, Edges
 
@@ -23,20 +23,6 @@ Int32 = npt.NDArray[np.int32]
 
 HORIZON: Final = 8
 """Measures that a live search looks ahead."""
-
-
-def plan_from(graph: "MotionGraph", node: int, wanted: Sequence[SequenceEntry], *, horizon: int = HORIZON) -> Int32:
-    """Return the next `horizon` nodes of a dancer in `node`: the rest of the step, then `wanted`, then any steps.
-
-    O(horizon · E). The last step may extend beyond the horizon. NoPath if nothing can follow.
-    """
-    left = int(graph.library.node_measures[node] - 1 - graph.library.node_measure[node])
-    rest = np.arange(node + 1, node + 1 + min(left, horizon), dtype=np.int32)
-    if len(rest) == horizon:
-        return rest
-    specification = _with_horizon(graph, wanted, horizon - left)
-    path = find_sequence(graph, specification, start=node + left)
-    return np.concatenate([rest, path.node])
 
 
 def _with_horizon(graph: "MotionGraph", wanted: Sequence[SequenceEntry], horizon: int) -> SequenceSpec:
@@ -86,11 +72,6 @@ class LiveSequence:
     def remaining(self) -> tuple[SequenceEntry, ...]:
         """Return the remaining entries, including the current one."""
         return tuple(self._wanted)
-
-    @property
-    def next_step(self) -> int | None:
-        """The step of the next measure; None: any, or the sequence has ended."""
-        return self._wanted[0].step if self._wanted else None
 
     def extend(self, wanted: Sequence[SequenceEntry]) -> None:
         """Append entries to the sequence."""

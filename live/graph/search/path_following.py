@@ -9,7 +9,6 @@ never lost, because the number of wrong steps from every node to the end is comp
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -57,11 +56,6 @@ class Targets:
     def distances(self) -> Float64:
         """Return the straight distance of each measure [m], shape (N,)."""
         return np.asarray(np.hypot(*np.diff(self.place, axis=0).T), np.float64)
-
-    @property
-    def turns(self) -> Float64:
-        """Return the rotation wanted in each measure, O(n) - O(n - 1) [rad], shape (N,) (T128)."""
-        return np.diff(self.heading)
 
 
 def read_path(text: str) -> Float64:
@@ -127,21 +121,6 @@ def along_headings(place: Float64) -> Float64:
     last = np.maximum.accumulate(np.where(moves, np.arange(len(way)), -1))  # a standing dancer keeps the last direction
     direction = direction[np.where(last >= 0, last, int(np.argmax(moves)))]
     return np.unwrap(np.concatenate((direction[:1], direction)))
-
-
-def join_targets(pieces: Sequence[Targets]) -> Targets:
-    """Join several paths (T067): each begins at its own points, after the final line of the one before.
-
-    The headings of a later path continue in the shorter direction from the one before. ValueError if there is none.
-    """
-    if not pieces:
-        raise ValueError("no paths to join")
-    place, heading = [pieces[0].place], [pieces[0].heading]
-    for piece in pieces[1:]:
-        off = 2.0 * math.pi * round((heading[-1][-1] - piece.heading[0]) / (2.0 * math.pi))
-        place.append(piece.place[1:])
-        heading.append(piece.heading[1:] + off)
-    return Targets(np.concatenate(place), np.concatenate(heading))
 
 
 def smooth_headings(heading: npt.ArrayLike) -> Float64:

@@ -46,11 +46,6 @@ class FoundPath:
         """Number of measures that differ from the request (T063)."""
         return int(self.wrong.sum())
 
-    @property
-    def roughness(self) -> float:
-        """Sum of the edge costs [m]; among dances of equal cost the search finds the least."""
-        return float(self.edge_cost.sum())
-
 
 def find_sequence(
     graph: "MotionGraph",

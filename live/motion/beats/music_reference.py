@@ -25,11 +25,6 @@ class MusicReference:
     note: str
     """One line for display: the result and its uncertainties."""
 
-    @property
-    def period_s(self) -> float:
-        """Seconds per beat."""
-        return 60.0 / self.bpm
-
 
 def apply_manual(
     reference: MusicReference | None, *, anchor_s: float | None = None, bpm: float | None = None

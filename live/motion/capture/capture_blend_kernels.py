@@ -21,11 +21,11 @@ from live.motion.capture.capture_kernels import (
     interpolate_from_rest,
     interpolate_rotation,
     inverse,
-    multiply,
     rotate_vector,
     rotation_row,
     yaw_rotation,
 )
+from live.motion.pose.hand_hold_kernels import multiply
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import inline_kernel, kernel
+from live.motion.pose.hand_hold_kernels import multiply
 
 Float32 = npt.NDArray[np.float32]
 UInt8 = npt.NDArray[np.uint8]
@@ -45,17 +46,6 @@ def read_rotations(rotation: Float32, data: UInt8) -> None:
 
 Vector = tuple[float, float, float]
 Rotation = tuple[float, float, float, float]
-
-
-@inline_kernel
-def multiply(a: Rotation, b: Rotation) -> Rotation:
-    """Quaternion product: b first, then a."""
-    return (
-        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
-    )
 
 
 @inline_kernel

@@ -92,11 +92,6 @@ class FloorCorrection:
     clip: Clip
     lift: Float64
 
-    @property
-    def deepest(self) -> float:
-        """Largest lift of a sole [m]."""
-        return float(self.lift.max(initial=0.0))
-
 
 def correct_floor(clip: Clip, *, soft: float = LIFT_SMOOTHING) -> FloorCorrection:
     """Lift each foot by at least the depth of its sole below y = 0, bending the leg; the rest of the body stays.

@@ -14,7 +14,7 @@ from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.partner.answer import palms
 from live.motion.partner.units import Hold
-from live.motion.quality.metrics import beat_offsets, contact_slide_speeds, mean_speed, motion_beats, skating_frames
+from live.motion.quality.metrics import contact_slide_speeds, skating_frames
 
 Float64 = npt.NDArray[np.float64]
 
@@ -72,11 +72,6 @@ def slide_metrics(positions: Float64, contact: npt.NDArray[np.bool_], rate: floa
         "foot_slide_p99": float(np.percentile(speeds, 99)) if speeds.size else None,
         "skating_ratio": float(found.mean()) if found.size else None,
     }
-
-
-def kinematic_offsets(positions: Float64, beats: Float64, rate: float) -> Float64:
-    """Return the offsets from the `beats` (n,) [s] to the nearest beats of the motion (T, J, 3) [s], (n,)."""
-    return beat_offsets(beats, motion_beats(mean_speed(positions, rate), rate))
 
 
 RELEASE_FACTOR: Final = 1.5

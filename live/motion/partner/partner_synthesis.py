@@ -157,9 +157,3 @@ def shown_beats(made: Answer, reading: Reading, units: Units) -> Float64:
         inside = of.beats[(of.beats >= start - 1e-6) & (of.beats < start + length - 1e-6)]
         times.append((reading.start[n] + (inside - start) * reading.duration[n] / length) / reading.rate)
     return np.sort(np.concatenate(times)) if times else np.zeros(0)
-
-
-def period_offsets(shown: Float64, period: float, first: float) -> Float64:
-    """Return the signed offsets of shown beats from the nearest beats, `period` [s] apart, one at `first` [s]."""
-    phase = (shown - first) / period
-    return np.asarray((phase - np.round(phase)) * period)

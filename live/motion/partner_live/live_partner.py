@@ -137,13 +137,6 @@ def agreement(danced: list[tuple[int, int]], offline: Reading, part: float = 0.5
     return same / max(offline.count, 1)
 
 
-def agreement_of(reading: Reading, offline: Reading) -> float:
-    """Return the `agreement` of another reading of the same input instead of the danced units."""
-    times = np.arange(int((reading.start[-1] + reading.duration[-1]) / reading.rate * LIVE_RATE) + 1) / LIVE_RATE
-    which = np.maximum(np.searchsorted(reading.start, times * reading.rate + 1e-9, side="right") - 1, 0)
-    return agreement([(int(reading.unit[n]), int(reading.start[n])) for n in which], offline)
-
-
 def _reading(danced: list[tuple[int, int]], offline: Reading) -> Reading:
     """Return the units danced live as a reading at the offline rate."""
     rows = [danced[n] for n in range(len(danced)) if danced[n][0] >= 0 and (n == 0 or danced[n] != danced[n - 1])]

@@ -157,11 +157,6 @@ class OnlineDecoder:
             BEAM,
         )  # fmt: skip
 
-    def latest_points(self, frames: int) -> Complex128:
-        """Return the leader's points in the latest frames, newest first, at most `frames` of them."""
-        count = min(frames, self._ring, self._at + 1)
-        return np.asarray(self._x[(self._at - np.arange(count)) % self._ring])
-
     def expected_root(self) -> tuple[complex, complex] | None:
         """Return the follower's expected hip position on the floor and facing (unit complex number), or None.
 

@@ -12,17 +12,11 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import inline_kernel, kernel
+from live.motion.partner.decoder_kernels import unit_complex
 
 Float64 = npt.NDArray[np.float64]
 Complex128 = npt.NDArray[np.complex128]
 Int64 = npt.NDArray[np.int64]
-
-
-@inline_kernel
-def normalize(z: complex) -> Any:
-    """Return z normalized, 1 for zero."""
-    norm = np.sqrt(z.real * z.real + z.imag * z.imag)
-    return complex(z.real / norm, z.imag / norm) if norm > 1e-12 else complex(1.0, 0.0)
 
 
 @inline_kernel
@@ -87,7 +81,7 @@ def _cell_end(
             sums += z
             product += complex(real[row], imaginary[row]) * z
             row += count
-    turn, middle = normalize(product), sums / (points * (frames + 1)) + origin
+    turn, middle = unit_complex(product), sums / (points * (frames + 1)) + origin
     for b in range(4):
         place = turn * tail[p, b] + middle
         out[3 * b], out[3 * b + 1], out[3 * b + 2] = place.real, place.imag, tail_height[p, b]
@@ -159,7 +153,7 @@ def finish_units(
         for c in range(count):
             p = low + c
             z = complex(re[c], im[c])
-            turn = normalize(z)
+            turn = unit_complex(z)
             best, way = best_path(score[begin % ring], end[begin % ring], k, turn, middle, head[p], head_height[p])
             value = best + squares + size[p] - 2.0 * (np.abs(z) + up[c])
             scored += 1
@@ -241,7 +235,7 @@ def expect_root(
             if not worse < MAX_LOG_WEIGHT * spread or seen * step[row, unit] > length[unit] * (1.0 + LATE_SHARE):
                 continue
             own = sums[row, unit, 1] / n
-            turn = normalize(sums[row, unit, 0] - n * own.conjugate() * middle)
+            turn = unit_complex(sums[row, unit, 0] - n * own.conjugate() * middle)
             here, front_here = _root_at(
                 root, facing, record_first[unit], record_stop[unit], start[unit] + seen * step[row, unit]
             )
@@ -335,7 +329,7 @@ def score_running(
             product = sums[row, unit, 0] - n * own.conjugate() * middle
             left = input_square[row, 0] - n * (middle.real * middle.real + middle.imag * middle.imag)
             left += squares[row, unit, 0] - n * (own.real * own.real + own.imag * own.imag)
-            turn = normalize(product)
+            turn = unit_complex(product)
             shift = middle + origin - turn * own
             best, way = best_path(score[row], end[row], k, turn, shift, head[unit], head_height[unit])
             value[row, unit] = best + left - 2.0 * np.abs(product) + squares[row, unit, 1]

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.clip import Clip
+from live.motion.curve import smoothstep
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.forward_kinematics import forward_kinematics, local_rotations
 from live.motion.pose.foot_lock_kernels import (
@@ -16,8 +17,6 @@ from live.motion.pose.foot_lock_kernels import (
     FOLLOWED_COLUMNS,
     HELD,
     LOCK_COLUMNS,
-    SHIFT_X,
-    SHIFT_Z,
     extrapolate_feet,
     farthest_shift,
     pop_slide,
@@ -49,11 +48,6 @@ class FootLock:
     def max_shift(self) -> float:
         """Largest shift of any foot along x or z [m]."""
         return farthest_shift(self.state)
-
-    def held_shift(self) -> npt.NDArray[np.float64]:
-        """Return the shift x, z [m] of each held foot from its clip's position, 0 for free feet, shape (A, 2, 2)."""
-        shift = self.state[:, :, (SHIFT_X, SHIFT_Z)].astype(np.float64)
-        return np.ascontiguousarray(shift * self.state[:, :, HELD, None])
 
     def pop_slide(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Return each dancer's foot slide [m] during clip contact, and its duration [s], since the last call, (A,)
@@ -138,15 +132,10 @@ class CutFootLift:
     def apply(self, feet: Float32, age: Float32) -> None:
         """Lift the feet in the columns CLEAR and ROUND of `feet` (A, 2, 9), `age` (A,) [s] after the cut."""
         up = (
-            _ease(age / LIFT_TIME)
-            * _ease((DESCENT_TIMES[1] - age) / (DESCENT_TIMES[1] - DESCENT_TIMES[0]))
+            smoothstep(age / LIFT_TIME)
+            * smoothstep((DESCENT_TIMES[1] - age) / (DESCENT_TIMES[1] - DESCENT_TIMES[0]))
             * (age < MAX_FADE_TIME)
         )
         lifted = self.lift * up[:, None].astype(np.float32)
         feet[:, :, CLEARANCE] = np.maximum(feet[:, :, CLEARANCE], lifted)
         feet[:, :, CLEARANCE_SOFTNESS] = np.maximum(feet[:, :, CLEARANCE_SOFTNESS], 0.3 * lifted)
-
-
-def _ease(t: Floats) -> Floats:
-    t = np.clip(t, 0.0, 1.0)
-    return np.asarray(t * t * (3.0 - 2.0 * t))

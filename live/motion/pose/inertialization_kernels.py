@@ -33,7 +33,6 @@ MIN_FADE_TIME = 0.2
 OFFSET_X, OFFSET_Y, OFFSET_Z, SPEED_X, SPEED_Y, SPEED_Z, DURATION = range(7)
 """Columns of a joint: difference at the cut, its speed [1/s], and its fade time [s]."""
 COLUMNS = 7
-_PI = math.pi
 _ZERO: Any = np.float32(0.0)
 _QUARTER: Any = np.float32(0.25)
 _HALF: Any = np.float32(0.5)

@@ -10,7 +10,6 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion import quaternion
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.pose.foot_lock_kernels import FEET_COLUMNS, TOES
 from live.motion.pose.inertialization import zero_differences
@@ -91,28 +90,6 @@ class ClipStore:
             mean[..., 0] = 1.0
         arrays = (np.require(array, np.float32, ["C", "W"]) for array in (root, rotation, mean))
         return cls(*arrays)
-
-
-def mean_pose(rotation: Float32) -> Float32:
-    """Return the mean rotation of each joint over the samples, (J, 4) from (T, J, 4): the mean in log space about
-    itself.
-
-    The initial value maximises the summed squared cosine (an eigenvector); one step in log space gives the mean of
-    q_mean^-1 q as in T058. Its sign is that of the first sample.
-    """
-    q = rotation.astype(np.float64)
-    moments = np.einsum("tja,tjb->jab", q, q)
-    centre = np.linalg.eigh(moments)[1][..., -1]
-    away = quaternion.mul(quaternion.inverse(centre), q)
-    away = np.where(away[..., :1] < 0.0, -away, away)
-    size = np.linalg.norm(away[..., 1:], axis=-1, keepdims=True)
-    turns = away[..., 1:] * np.where(size > 1e-9, 2.0 * np.arctan2(size, away[..., :1]) / np.maximum(size, 1e-9), 2.0)
-    turn = turns.mean(axis=0)
-    angle = np.linalg.norm(turn, axis=-1)
-    axis = turn / np.maximum(angle, 1e-12)[..., None]
-    centre = quaternion.mul(centre, quaternion.from_axis_angle(axis, angle))
-    sign = np.where(np.sum(centre * q[0], axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
-    return np.asarray(sign * centre, np.float32)
 
 
 class PosePipeline:

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from live.motion import quaternion
 from live.motion.clip import Clip
+from live.motion.curve import smoothstep
 from live.motion.editing.foot_correction import ANKLES, correct_floor, find_feet, smooth_upper_bound, solve_legs
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
@@ -119,8 +120,8 @@ def blend_to_sketch(
     begin = _texture_share(step.clip, textured, first - WINDOW_BEATS * beat, first, max_distance)
     end = _texture_share(step.clip, textured, last - WINDOW_BEATS * beat, last, max_distance)
     at = np.arange(textured.sample_count)
-    rise = _smoothstep((at - first) / (FADE_BEATS * beat))
-    fall = _smoothstep((last - WINDOW_BEATS * beat - at) / (FADE_BEATS * beat))
+    rise = smoothstep((at - first) / (FADE_BEATS * beat))
+    fall = smoothstep((last - WINDOW_BEATS * beat - at) / (FADE_BEATS * beat))
     share = np.minimum(begin + (1.0 - begin) * rise, end + (1.0 - end) * fall)
     rotation = textured.rotation.astype(np.float64)
     joints = list(UPPER)
@@ -141,11 +142,6 @@ def _texture_share(sketch: Clip, textured: Clip, first: float, last: float, max_
         np.sqrt((np.linalg.norm(places[0] - places[1], axis=-1)[:, list(UPPER)] ** 2).sum(axis=1).max() / _ALL)
     )
     return min(1.0, max_distance / max(apart, 1e-9))
-
-
-def _smoothstep(u: Float) -> Float64:
-    u = np.clip(u, 0.0, 1.0)
-    return np.asarray(u * u * (3.0 - 2.0 * u))
 
 
 MAX_ARM_SLOPE: Final = 0.35

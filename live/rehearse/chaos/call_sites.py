@@ -69,10 +69,7 @@ def _code_name(code: CodeType) -> str:
 class CallSiteTracer:
     """Records all call sites that ticks pass. Thread: the one that runs the show."""
 
-    def __init__(self, *, deep: bool = False) -> None:
-        """`deep`: also record the calls of the callees."""
-        self._callers: set[CodeType] = set()
-        self._deep = deep
+    def __init__(self) -> None:
         self.sites: dict[CallSite, int] = {}
         """The found sites, with the number of calls."""
         self._names: dict[CodeType, str] = {}
@@ -93,18 +90,12 @@ class CallSiteTracer:
     def _site(self, frame: FrameType, event: str, arg: Any) -> CallSite | None:
         if event == "call":
             caller = frame.f_back
-            if caller is None or not self._is_traced(caller.f_code):
+            if caller is None or caller.f_code.co_filename not in _TICK_FILES:
                 return None
-            of_tick = caller.f_code.co_filename in _TICK_FILES
-            if self._deep and of_tick and frame.f_code.co_filename.startswith(str(PROGRAM_FOLDER)):
-                self._callers.add(frame.f_code)
             return CallSite(self._cached_name(caller.f_code), caller.f_lineno, self._cached_name(frame.f_code))
-        if event == "c_call" and self._is_traced(frame.f_code):
+        if event == "c_call" and frame.f_code.co_filename in _TICK_FILES:
             return CallSite(self._cached_name(frame.f_code), frame.f_lineno, str(getattr(arg, "__qualname__", arg)))
         return None
-
-    def _is_traced(self, code: CodeType) -> bool:
-        return code.co_filename in _TICK_FILES or code in self._callers
 
     def _cached_name(self, code: CodeType) -> str:
         name = self._names.get(code)

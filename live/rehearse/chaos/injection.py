@@ -36,7 +36,6 @@ class PageInjector(ExceptionInjector):
     def __init__(self, page: FaultPage, sites: list[CallSite]) -> None:
         super().__init__()
         self._page, self._sites = page, sites
-        self._armed = 0
 
     def read_page(self) -> None:
         """Read the requested fault from the page."""

@@ -179,10 +179,10 @@ class SiteSequence:
         self.current, self._next_start, soak.breaker_expected = None, now + PAUSE, False
 
 
-def find_sites(plan: SoakOptions, folder: Path, *, deep: bool = False) -> list[CallSite]:
+def find_sites(plan: SoakOptions, folder: Path) -> list[CallSite]:
     """Return the call sites that this patch passes, sorted by name."""
     folder.mkdir(parents=True, exist_ok=True)
-    looker = CallSiteTracer(deep=deep)
+    looker = CallSiteTracer()
     soak = SoakTest(plan, folder)
     with replaced_tick(looker.run):
         while soak.clock.now() < min(TRACE_SECONDS, plan.hours * 3600.0):
@@ -196,13 +196,12 @@ def virtual_chaos(
     folder: Path,
     *,
     sites: int = 0,
-    deep: bool = False,
     on_progress: Callable[[str], None] = lambda words: None,
 ) -> dict[str, Any]:
     """Let `sites` call sites, drawn by the plan's seed (0: all), fail once, three times and always; return the report.
     The show lasts as long as that takes, at most the plan's length."""
     chance = np.random.default_rng([plan.seed, SALT])
-    found = find_sites(plan, folder / "looking", deep=deep)
+    found = find_sites(plan, folder / "looking")
     drawn = found if not sites else [found[int(i)] for i in sorted(chance.permutation(len(found))[:sites])]
     row = [(site, times) for site in drawn for times in REPETITIONS if not (site.is_breaker and times == "always")]
     on_progress(f"{len(found)} call sites, {len(row)} failures of {len(drawn)}")

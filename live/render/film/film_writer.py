@@ -37,8 +37,8 @@ class _Job(NamedTuple):
 class PictureWriter(Protocol):
     """A sink for the frames of a film, in order."""
 
-    def write(self, picture: Picture, count: int = 1) -> None:
-        """Add one picture that is shown for `count` frames."""
+    def write(self, picture: Picture) -> None:
+        """Add one picture."""
 
     def close(self) -> None:
         """Complete the film."""
@@ -74,8 +74,6 @@ class FilmWriter:
         fps: float | Fraction,
         sound: FilmSound | None = None,
         live: bool = False,
-        preset: str | None = None,
-        crf: int = 20,
         depth: int = 8,
         alpha: bool = False,
     ) -> None:
@@ -98,7 +96,7 @@ class FilmWriter:
         self._input_shape = (height, width, 4 if alpha else 3)
         self._live = live
         self._sound = sound
-        chosen = {"preset": preset or ("ultrafast" if live else "veryfast"), "crf": str(crf)}
+        chosen = {"preset": "ultrafast" if live else "veryfast", "crf": "20"}
         self._options = chosen if self._kind.video == "libx264" else {}
         self._sources = [av.VideoFrame(*self.size, "rgba" if alpha else "rgb24") for _ in range(depth)]
         self._pixels = [frame_pixels(source, 4 if alpha else 3) for source in self._sources]

@@ -5,7 +5,6 @@ from collections import deque
 from concurrent.futures import Future, ThreadPoolExecutor
 from fractions import Fraction
 from pathlib import Path
-from shutil import copyfile
 from types import TracebackType
 from typing import Final
 
@@ -63,23 +62,20 @@ class ImageSequenceWriter:
         self._pool = ThreadPoolExecutor(_THREADS, "pictures")
         self._jobs: deque[Future[None]] = deque()
 
-    def write(self, picture: Picture, count: int = 1) -> None:
-        """Add one picture, uint8 of shape (height, width, 3 or 4), top row first, for `count` frames; it is copied."""
+    def write(self, picture: Picture) -> None:
+        """Add one picture, uint8 of shape (height, width, 3 or 4), top row first; it is copied."""
         if picture.shape != self._shape or picture.dtype != np.uint8:
             raise ValueError(f"a picture of shape {picture.shape}, {picture.dtype}: {self._shape}, uint8 is needed")
         if self._closed:
             return
-        first = self.frames + 1
-        self.frames += count
-        self._jobs.append(self._pool.submit(self._save, np.ascontiguousarray(picture).copy(), first, count))
+        self.frames += 1
+        self._jobs.append(self._pool.submit(self._save, np.ascontiguousarray(picture).copy(), self.frames))
         self._wait_for_jobs(_MAX_PENDING)
         self._write_sound()
 
-    def _save(self, picture: Picture, first: int, count: int) -> None:
-        names = [Path(str(self.path) % number) for number in range(first, first + count)]
-        Image.fromarray(picture).save(names[0], format="png", compress_level=_COMPRESSION, pnginfo=self._info)
-        for name in names[1:]:
-            copyfile(names[0], name)
+    def _save(self, picture: Picture, number: int) -> None:
+        file = Path(str(self.path) % number)
+        Image.fromarray(picture).save(file, format="png", compress_level=_COMPRESSION, pnginfo=self._info)
 
     def _wait_for_jobs(self, max_pending: int) -> None:
         """Wait until at most `max_pending` jobs remain."""

@@ -49,8 +49,6 @@ class FlashLimit:
         self._last_was_rise: bool | None = None  # whether the last change was a rise
         self._last_change_time = -np.inf  # when that was
         self._max_changed_cells = max(int(np.ceil(AREA * cells)) - 1, 0)
-        self.dimmed_count = 0
-        """Number of dimmed frames."""
 
     def rises(self, time: float) -> int:
         """Return the number of rises in the second before `time` [s]."""
@@ -63,22 +61,12 @@ class FlashLimit:
         """Whether there were so many rises lately that each frame must be measured before it is shown."""
         return len(self._rises) >= WATCH_RISES
 
-    def limit(self, time: float, luminance: Float64, *, bypass: bool = False) -> float:
-        """Return the share of light, 0 to 1, at which a frame may be shown at `time` [s], and record the frame.
-
-        `luminance`: of its cells, 0 to 1, shape (cells,). `bypass`: do not dim the frame, only count.
-        """
-        left = 1.0 if bypass else self.max_light(time, luminance)
-        self.record(time, luminance * left, dimmed=left < 1.0)
-        return left
-
     def max_light(self, time: float, luminance: Float64) -> float:
         """Return the maximum share of light, 0 to 1, at which a frame may be shown at `time` [s]."""
         return self._max_light(time, luminance) if self.rises(time) >= MAX_RISES else 1.0
 
-    def record(self, time: float, shown: Float64, *, dimmed: bool = False) -> None:
-        """Record a frame shown at `time` [s] with this luminance; `dimmed`: whether it was dimmed."""
-        self.dimmed_count += dimmed
+    def record(self, time: float, shown: Float64) -> None:
+        """Record a frame shown at `time` [s] with the luminance of its cells, 0 to 1, shape (cells,)."""
         self._update_cells(time, shown)
 
     def _max_light(self, time: float, luminance: Float64) -> float:

@@ -48,8 +48,8 @@ class Window:
     """A window with its context. Thread: main thread only.
 
     `monitor`: where the window opens (default: the primary monitor). `size`: of the window when it is not full
-    screen, in screen coordinates. `samples`: of the screen itself (0 if the renderer has its own). `share_with`:
-    another window, whose textures and buffers this one shares; then `swap` does not wait for the display.
+    screen, in screen coordinates. `share_with`: another window, whose textures and buffers this one shares; then
+    `swap` does not wait for the display.
     Raises `NoWindow` without a screen or OpenGL 4.1, `UnknownMonitor` if the monitor is disconnected.
     """
 
@@ -60,7 +60,6 @@ class Window:
         monitor: Monitor | None = None,
         fullscreen: bool = False,
         size: tuple[int, int] = (1280, 720),
-        samples: int = 0,
         hidden: bool = False,
         share_with: "Window | None" = None,
     ) -> None:
@@ -81,7 +80,7 @@ class Window:
         covering = hidden and fullscreen
         self._window_size = self._monitor.size if covering else size  # so that renderers are created with this size
         other = None if share_with is None else share_with._handle
-        self._handle: Any = self._open(title, handle if self._fullscreen else None, samples, hidden, other)
+        self._handle: Any = self._open(title, handle if self._fullscreen else None, hidden, other)
         self._window_size = size
         glfw.make_context_current(self._handle)
         glfw.swap_interval(1 if share_with is None else 0)  # one display paces the show; waiting for two would add up
@@ -105,7 +104,7 @@ class Window:
             raise UnknownMonitor(f"{what}; there is: {', '.join(map(str, listed))}")
         return next((each, handle) for each, handle in there if each is found)
 
-    def _open(self, title: str, handle: Any, samples: int, hidden: bool, other: Any) -> Any:
+    def _open(self, title: str, handle: Any, hidden: bool, other: Any) -> Any:
         """Create the GLFW window: full screen on the monitor `handle`, or centred on the chosen one."""
         glfw = self._glfw
         x, y, width, height = self._centred(self._monitor)
@@ -115,7 +114,7 @@ class Window:
             (glfw.CONTEXT_VERSION_MINOR, 1),
             (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE),
             (glfw.OPENGL_FORWARD_COMPAT, True),
-            (glfw.SAMPLES, samples),
+            (glfw.SAMPLES, 0),  # the renderer has its own
             (glfw.VISIBLE, not hidden),
             (glfw.AUTO_ICONIFY, False),  # keep the projector's picture while another window has focus
             (glfw.POSITION_X, x),
@@ -184,10 +183,6 @@ class Window:
     def swap(self) -> None:
         """Present the picture drawn into `target`."""
         self._glfw.swap_buffers(self._handle)
-
-    def messages(self) -> list[str]:
-        """Return GLFW's error messages since the last call; none are printed."""
-        return pop_messages()
 
     def toggle_fullscreen(self) -> None:
         """Switch to full screen on the monitor that shows most of the window, or back to the previous position."""

@@ -14,7 +14,10 @@ from live.base.errors import PersonError
 from live.base.stage_snapshot import LIGHT_CAPACITY, StageView
 from live.clock.ticks import TICK
 from live.control.events import events
+from live.control.events.audience import VoiceLight
+from live.control.events.elements import PlaceElement
 from live.control.events.events import ControlEvent
+from live.control.registry.element_controls import VOICE_MEASURES
 from live.show.audience.voting import Turn, Vote, VoteNames, resolve_choices, winner_events
 from live.show.group.elements import SCORE, Elements
 from live.show.patch.section_io import AudienceSection
@@ -168,18 +171,20 @@ class Audience:
         self.phones = max(event.phones, 0)
         if event.order != self.command_count or not self.open:
             return
-        if event.places:
+        if event.places is not None:
             self._share = min(max(event.share, 0), 1000) / 1000.0
-            rows = _rows(event.places, 4)[:MAX_PLACES]
-            self._places = tuple(TouchCluster(x / 100, z / 100, w / 1000, mode == REPEL_MODE) for x, z, w, mode in rows)
-        if event.lights:
-            self._update_lights(_rows(event.lights, 5)[:LIGHT_CAPACITY])
+            self._places = tuple(
+                TouchCluster(x / 100, z / 100, w / 1000, mode == REPEL_MODE)
+                for x, z, w, mode in event.places[:MAX_PLACES]
+            )
+        if event.lights is not None:
+            self._update_lights(event.lights[:LIGHT_CAPACITY])
         if event.votes and self.vote is not None:
-            self.vote = self.vote.with_counts(_rows(event.votes, 0)[0])
+            self.vote = self.vote.with_counts(event.votes)
         share = event.shaken / 1000.0
         self._shaken = share > (SHAKE_END if self._shaken else SHAKE_BEGIN)
 
-    def _update_lights(self, rows: list[tuple[int, ...]]) -> None:
+    def _update_lights(self, rows: tuple[VoiceLight, ...]) -> None:
         """Update the lights; those not listed fade out."""
         self._light_on[:] = False
         for number, x, z, hue, mode in rows:
@@ -194,7 +199,7 @@ class Audience:
             self._light[row, 2], self._light[row, 4] = (hue % 1000) / 1000, float(mode == REPEL_MODE)
 
     def _apply_places(self, time: float, now: Now) -> None:
-        """Apply the places as elements: attracting ones as Voice, repelling ones as Repel."""
+        """Apply the places as elements: attracting ones are fair to all voices."""
         elements = self._elements
         heard = self.open and not self.muted
         pull = self.gain * self._share if heard else 0.0
@@ -202,23 +207,21 @@ class Audience:
             pull *= LED_GAIN
         attracting = [place for place in self._places if not place.repels and pull > 0.0]
         total = sum(place.weight for place in attracting) or 1.0
-        touches: dict[str, events.Repel | events.Voice | None] = {}
+        touches: dict[str, PlaceElement | None] = {}
         for index in range(MAX_PLACES):
             source = f"{SOURCE} {index + 1}"
             place = self._places[index] if index < len(self._places) and pull > 0.0 else None
             if place is None or place.weight <= 0.0:
                 touches[source] = None
-            elif place.repels:
-                strength = pull * place.weight**SHARPNESS
-                touches[source] = events.Repel(
-                    time=time, source=source, x=place.x, z=place.z, strength=strength, measures=2.0, drag=True
-                )
-            else:
-                strength = pull * (FULL_VOICES * place.weight / total)
-                touches[source] = events.Voice(time=time, source=source, x=place.x, z=place.z, strength=strength)
+                continue
+            share = place.weight**SHARPNESS if place.repels else FULL_VOICES * place.weight / total
+            touches[source] = PlaceElement(
+                time=time, source=source, kind="repel" if place.repels else "attract", points=((place.x, place.z),),
+                strength=pull * share, measures=VOICE_MEASURES, fair=not place.repels, drag=True,
+            )  # fmt: skip
         elements.handle_touches(touches, now, at_once=not heard)
         if self._shaken and self.shaking and heard and not elements.has_source(f"{SOURCE} shakes"):
-            spread = events.Spread(time=time, source=f"{SOURCE} shakes", measures=2.0)
+            spread = PlaceElement(time=time, source=f"{SOURCE} shakes", kind="spread", measures=VOICE_MEASURES)
             elements.handle(spread, now)
 
     # -- time ----------------------------------------------------------------------------------------------------
@@ -284,16 +287,3 @@ def _operator_active(elements: Elements, beat: float) -> bool:
         and element.level(beat) > 0.0
         for element in elements.in_force
     )  # fmt: skip
-
-
-def _rows(text: str, size: int) -> list[tuple[int, ...]]:
-    """Parse rows of `size` integers (0: any length); invalid rows are skipped."""
-    rows = []
-    for entry in "" if text == "-" else text.split(","):
-        try:
-            row = tuple(int(word) for word in entry.split())
-        except ValueError:
-            continue
-        if (not size or len(row) == size) and all(abs(number) < 1 << 40 for number in row):
-            rows.append(row)
-    return rows or ([()] if not size else [])

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from live.control.events.elements import Attract, Repel
+from live.control.events.elements import PlaceElement
 from live.control.events.groups import Performer
 from live.show.capture.performer import HOLD_S, CapturedPerformer
 from live.show.stages.now import Now
@@ -44,9 +44,8 @@ class PerformerForces:
             elements.end_source(source, now.beat)
             captured.attraction_sign = sign
         if sign and self._tick % ATTRACT_INTERVAL_TICKS == 0:
-            kind = Attract if sign > 0.0 else Repel
-            event = kind(
-                time=time, source=source, x=x, z=z, strength=abs(captured.attract), measures=MAX_ATTRACT_MEASURES,
-                group=captured.attracts, drag=True,
+            event = PlaceElement(
+                time=time, source=source, kind="attract" if sign > 0.0 else "repel", points=((x, z),),
+                strength=abs(captured.attract), measures=MAX_ATTRACT_MEASURES, group=captured.attracts, drag=True,
             )  # fmt: skip
             elements.handle(event, now)

@@ -6,7 +6,7 @@ import numpy.typing as npt
 from live.graph.motion_graph import MotionGraph
 from live.motion.pose.gather_kernels import clip_hips, gather_dancers, standing_feet
 from live.motion.pose.pose_pipeline import PosePipeline
-from live.show.dancers.measure_state import MeasureState, turn_vectors
+from live.show.dancers.measure_state import MeasureState
 from live.show.dancers.variation import Variation
 
 Float32 = npt.NDArray[np.float32]
@@ -57,16 +57,6 @@ class CurrentMeasures:
         phase = self.phases(fraction)
         which = 1 - ((phase < 0.0) & (self.past.node >= 0)) + ((phase > 1.0) & self.decided)
         return which.astype(np.int32), np.clip(phase - (which - 1.0), 0.0, 1.0)
-
-    def hips(self, fraction: float) -> Float32:
-        """Hips of each dancer at `fraction` of the measure [m], float32, shape (A, 2)."""
-        library, danced = self.graph.library, self.present
-        first = library.node_first[danced.node]
-        sample = np.floor(first + fraction * (library.node_last[danced.node] - first)).astype(np.int64)
-        root = library.clip_root[sample][:, (0, 2)].astype(np.float64)
-        place = np.empty((len(root), 4))
-        danced.placements_at(np.full(len(root), fraction), place)
-        return np.ascontiguousarray(place[:, :2] + turn_vectors(root, place[:, 2]), np.float32)
 
     def predicted_hips(self, fraction: float, rows: Rows | None = None) -> Float64:
         """Hips at `fraction` of the measure as the clips have them [m], time warps and transitions included: of all

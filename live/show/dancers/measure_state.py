@@ -5,10 +5,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.select.candidates import own_end, take_placement, turn_vectors
+from live.graph.select.candidates import own_end, turn_vectors
 from live.graph.takes import NO_TAKE
 from live.motion.pose.gather_kernels import same_measures
-from live.motion.pose.root_warp_kernels import redirect_dancers
 from live.motion.pose.turn_kernels import end_dancers, place_dancers
 
 if TYPE_CHECKING:
@@ -99,22 +98,6 @@ class MeasureState:
             self.on_support,
         )
 
-    def re_aim(self, correction: Float64, phase: Float64) -> None:
-        """Change the corrections to `correction` (A, 2) [m] from `phase` (A,) of the measures on.
-
-        Positions stay continuous, and velocities too if `correction` changes smoothly from call to call. Dancers in
-        the last MIN_REMAINING_WARP of their warp curve keep their correction.
-        """
-        redirect_dancers(
-            self.correction,
-            self.aim_origin,
-            correction,
-            phase,
-            self.node,
-            self.graph.node_warp_curve,
-            MIN_REMAINING_WARP,
-        )
-
     def replace_node(self, rows: Int32, node: Int32, placement: Float64) -> None:
         """Switch the dancers `rows` (n,) to `node` (n,), with the clip's axes at `placement` (n, 3).
 
@@ -125,10 +108,6 @@ class MeasureState:
         self.take[rows], self.take_share[:, rows] = NO_TAKE, 0.0
         if self._ends is not None:
             self._ends.replace_node(rows, node)
-
-    def take_placement(self, placement: Float64) -> Float64:
-        """Placements of the other takes' clips, (A, 4), for own clips at `placement` (A, 4)."""
-        return take_placement(self.graph, self.node, self.take, placement)
 
     def own_end(self) -> tuple[Float64, Float64]:
         """Hips (A, 2) [m] and heading (A,) [rad] at the measure's end in the clips' own axes, other takes included."""

@@ -3,9 +3,7 @@
 The group of an element is a bit in a mask per dancer (T104, T105: per subgroup).
 """
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -13,125 +11,64 @@ import numpy.typing as npt
 
 from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentState
-from live.agents.elements.element import Element, Points
+from live.agents.elements.element import Element
 from live.agents.elements.element_field import ElementField
-from live.agents.elements.element_kinds import ATTRACTOR, EVERYBODY, FLOW_NAMES, KIND_NAMES, PARTICIPANT, REPULSOR
+from live.agents.elements.element_kinds import ATTRACTOR, EVERYBODY, PARTICIPANT, REPULSOR
+from live.base.element_kinds import FLOW_NAMES, KIND_NAMES
 from live.base.errors import PersonError, error_context
 from live.base.stage_snapshot import StageView
-from live.control.events import events
+from live.control.events.elements import PlaceElement
 from live.show.group.casting import EVERYONE, Casting
 from live.show.patch.patch import Patch
 from live.show.patch.section_elements import ElementSection
 from live.show.score.score import Score
 from live.show.stages.now import Now
 
-ElementEvent = events.Attract | events.Repel | events.Spread | events.Voice | events.PlaceElement
-ELEMENT_EVENTS: Final = (events.Attract, events.Repel, events.Spread, events.Voice, events.PlaceElement)
-"""The events that `Elements.handle` accepts."""
-VOICE_MEASURES: Final = 2.0
-"""Duration of an audience voice's element if it is not repeated [measures]."""
+SCORE: Final = "score"
+"""Source name of the score's elements."""
 
 
-@dataclass(frozen=True, slots=True)
-class ElementRequest:
-    """A request for an element: kind, group (as an expression) and duration, but no start time."""
-
-    kind: str
-    points: Points = ((0.0, 0.0),)
-    strength: float = 1.0
-    measures: float = 4.0
-    group: str = "*"
-    radius: float = 0.0
-    closed: bool = False
-    flow: str = ""
-    whom: str = ""
-    fair: bool = False
-
-    def element(self, *, groups: int, target_group: int, source: str, start: float, beats_per_measure: int) -> Element:
-        """Return the element from the beat `start` on. Raises PersonError if it is invalid.
-
-        `groups`: mask of the addressed groups; `target_group`: bit of the group `whom`, -1 if that is a number.
-        """
-        return Element(
-            kind=KIND_NAMES[self.kind],
-            points=self.points,
-            strength=self.strength,
-            start_beat=start,
-            end_beat=start + self.measures * beats_per_measure,
-            groups=groups,
-            source=source,
-            closed=self.closed,
-            radius=self.radius,
-            fair=self.fair,
-            flow_kind=FLOW_NAMES[self.flow or "uniform"],
-            target=self.dancer,
-            target_group=target_group,
-        )
-
-    @property
-    def dancer(self) -> int:
-        """Index of the dancer whose number is `whom`, -1 if it is no number."""
-        return int(self.whom) - 1 if self.whom.isdecimal() and len(self.whom) < 7 else -1
-
-
-def request_of_section(section: ElementSection) -> ElementRequest:
-    """Return the request of an element section of the score."""
+def element_of_section(section: ElementSection) -> PlaceElement:
+    """Return the element of a section of the score, as a control would place it."""
     points = section.points or ((section.at,) if section.to is None else (section.at, section.to))
-    return ElementRequest(
-        section.kind,
-        points,
-        section.strength,
-        section.measures,
-        section.group,
-        section.radius,
-        section.closed,
-        section.flow,
-        section.whom,
-    )
+    return PlaceElement(
+        time=0.0, source=SCORE, kind=section.kind, points=points, strength=section.strength, measures=section.measures,
+        group=section.group, radius=section.radius, closed=section.closed, flow=section.flow, whom=section.whom,
+    )  # fmt: skip
 
 
-def request_of_event(event: ElementEvent) -> ElementRequest:
-    """Return the request of a control event. Raises PersonError for an unknown kind or invalid points."""
-    match event:
-        case events.Attract() | events.Repel():
-            kind = "attract" if isinstance(event, events.Attract) else "repel"
-            return ElementRequest(kind, ((event.x, event.z),), event.strength, event.measures, event.group)
-        case events.Spread():
-            return ElementRequest("spread", measures=event.measures, group=event.group)
-        case events.Voice():
-            return ElementRequest("attract", ((event.x, event.z),), event.strength, VOICE_MEASURES, fair=True)
-        case events.PlaceElement():
-            if event.kind not in KIND_NAMES or (event.flow and event.flow not in FLOW_NAMES):
-                raise PersonError(f"no element is called {event.kind or event.flow!r}")
-            points = parse_points(event.points) if event.points else ((0.0, 0.0),)
-            return ElementRequest(
-                event.kind,
-                points,
-                event.strength,
-                event.measures,
-                event.group,
-                event.radius,
-                event.closed,
-                event.flow,
-                event.whom,
-            )
-
-
-def parse_points(text: str) -> Points:
-    """Parse points written as "x z, x z" [m]. Raises PersonError for anything else."""
-    try:
-        numbers = [[float(word) for word in pair.split()] for pair in text.replace(";", ",").split(",")]
-    except ValueError:
-        numbers = [[]]
-    if any(len(pair) != 2 or not all(map(math.isfinite, pair)) for pair in numbers):
-        raise PersonError(f"points {text[:60]!r} are none", "write x z of each in metres, as in -3 0, 0 -2.5, 3 0")
-    return tuple((pair[0], pair[1]) for pair in numbers)
+def target_of(whom: str) -> int:
+    """Return the index of the dancer whose number is `whom`, -1 if it is no number."""
+    return int(whom) - 1 if whom.isdecimal() and len(whom) < 7 else -1
 
 
 UInt64 = npt.NDArray[np.uint64]
 Places = npt.NDArray[np.floating]
 
 BITS: Final = 64
+
+
+def make_element(
+    event: PlaceElement, *, groups: int, target_group: int, start: float, beats_per_measure: int, gain: float = 1.0
+) -> Element:
+    """Return the element of an event from the beat `start` on, with `gain` times its strength.
+
+    `groups`: mask of the addressed groups; `target_group`: bit of the group `whom`, -1 if that is a number. Raises
+    PersonError for an unknown kind and an impossible place.
+    """
+    if event.kind not in KIND_NAMES or (event.flow and event.flow not in FLOW_NAMES):
+        raise PersonError(f"no element is called {event.kind or event.flow!r}")
+    return Element(
+        kind=KIND_NAMES[event.kind], points=event.points, strength=event.strength * gain, start_beat=start,
+        end_beat=start + event.measures * beats_per_measure, groups=groups, source=event.source, closed=event.closed,
+        radius=event.radius, fair=event.fair, flow_kind=FLOW_NAMES[event.flow or "uniform"],
+        target=target_of(event.whom), target_group=target_group,
+    )  # fmt: skip
+
+
+def _table_kind(event: PlaceElement) -> int:
+    """Return the kind of its row in the table, -1 for an unknown one."""
+    return PARTICIPANT if event.fair else KIND_NAMES.get(event.kind, -1)
 
 
 class GroupMasks:
@@ -186,14 +123,11 @@ class GroupMasks:
 
 Float32 = npt.NDArray[np.float32]
 
-SCORE: Final = "score"
-"""Source name of the score's elements."""
-
 
 class Elements:
     """The elements of one show. The score's begin at their measures, those of controls now or at the next line."""
 
-    EVENTS = ELEMENT_EVENTS
+    EVENTS = (PlaceElement,)
 
     def __init__(self, patch: Patch, casting: Casting, *, seed: int, score: Score | None = None) -> None:
         count = len(casting.group)
@@ -216,7 +150,7 @@ class Elements:
         """Strength factor of elements that begin from now on."""
         for index, section in enumerate(patch.element):  # errors are reported at the start, not in measure 200
             with error_context(f"element in measure {section.measure:g}", ("element", index)):
-                self._build(request_of_section(section), "", 0.0, 4, np.zeros((count, 2), np.float32))
+                self._build(element_of_section(section), 0.0, 4, np.zeros((count, 2), np.float32))
 
     def apply_patch(self, fresh: "Elements") -> None:
         """Evaluate group expressions again, as names or members may have changed."""
@@ -254,7 +188,7 @@ class Elements:
         self._measure_elements.clear()
         for section in self._score.elements(measure):
             start = beat + (section.measure - int(section.measure)) * beats_per_measure
-            placed = self._place(request_of_section(section), SCORE, start, beats_per_measure, position)
+            placed = self._place(element_of_section(section), start, beats_per_measure, position)
             self._measure_elements.append(placed)
 
     def withdraw(self, measure: int) -> None:
@@ -266,61 +200,47 @@ class Elements:
             self._field.remove(element)
         self._measure_elements.clear()
 
-    def handle(self, event: ElementEvent, now: Now) -> None:
+    def handle(self, event: PlaceElement, now: Now) -> None:
         """Place the element of an event now, or at the next line. Raises PersonError if it is invalid."""
         beats_per_measure, position = now.timeline.beats_per_measure, now.position
-        placing = request_of_event(event)
-        voice = isinstance(event, events.Voice)
-        later = not isinstance(event, events.Voice) and event.next
-        drag = isinstance(event, events.Attract | events.Repel) and event.drag
         last = self._last_of.get(event.source)
-        start = now.span.end if later else now.beat
-        if last is not None and (drag or voice) and last.table_kind == self._kind(placing):
-            self._last_of[event.source] = self._field.move(
-                last, self._build(placing, event.source, start, beats_per_measure, position)
-            )
+        start = now.span.end if event.next else now.beat
+        if last is not None and event.drag and last.table_kind == _table_kind(event):
+            moved = self._build(event, start, beats_per_measure, position)
+            self._last_of[event.source] = self._field.move(last, moved)
             return
-        placed = self._place(placing, event.source, start, beats_per_measure, position)
+        placed = self._place(event, start, beats_per_measure, position)
         if len(self._last_of) > 4096:  # bounds memory for many senders
             self._last_of.clear()
         self._last_of[event.source] = placed
 
-    def handle_touches(
-        self, touches: Mapping[str, events.Repel | events.Voice | None], now: Now, *, at_once: bool
-    ) -> None:
+    def handle_touches(self, touches: Mapping[str, PlaceElement | None], now: Now, *, at_once: bool) -> None:
         """Apply what the audience touches, by source: None, or another kind than before, fades the former element out.
 
         `at_once`: former elements are removed without a fade.
         """
         for source, event in touches.items():
-            repels = None if event is None else isinstance(event, events.Repel)
+            repels = None if event is None else not event.fair
             self.forget(source, now.beat, other=repels, at_once=at_once)
             if event is not None:
                 self.handle(event, now)
 
-    @staticmethod
-    def _kind(request: ElementRequest) -> int:
-        return PARTICIPANT if request.fair else KIND_NAMES[request.kind]
-
-    def _build(
-        self, request: ElementRequest, source: str, start: float, beats_per_measure: int, position: Float32
-    ) -> Element:
-        if request.dancer >= len(self._group_masks.bits):
-            raise PersonError(f"no dancer has the number {request.whom}", f"there are {len(self._group_masks.bits)}")
-        used = 0 if request.group.strip() in EVERYONE and not request.whom else self._used()
-        groups = self._group_masks.mask(request.group, position, used)
+    def _build(self, event: PlaceElement, start: float, beats_per_measure: int, position: Float32) -> Element:
+        """Return the element of an event from the beat `start` on. Raises PersonError if it is invalid."""
+        dancer = target_of(event.whom)
+        if dancer >= len(self._group_masks.bits):
+            raise PersonError(f"no dancer has the number {event.whom}", f"there are {len(self._group_masks.bits)}")
+        used = 0 if event.group.strip() in EVERYONE and not event.whom else self._used()
+        groups = self._group_masks.mask(event.group, position, used)
         target = -1
-        if request.whom and request.dancer < 0:
-            target = self._group_masks.bit(request.whom, position, used | (groups if groups != EVERYBODY else 0))
-        element = request.element(
-            groups=groups, target_group=target, source=source, start=start, beats_per_measure=beats_per_measure
+        if event.whom and dancer < 0:
+            target = self._group_masks.bit(event.whom, position, used | (groups if groups != EVERYBODY else 0))
+        return make_element(
+            event, groups=groups, target_group=target, start=start, beats_per_measure=beats_per_measure, gain=self.gain
         )
-        return element if self.gain == 1.0 else replace(element, strength=element.strength * self.gain)
 
-    def _place(
-        self, request: ElementRequest, source: str, start: float, beats_per_measure: int, position: Float32
-    ) -> Element:
-        element = self._build(request, source, start, beats_per_measure, position)
+    def _place(self, event: PlaceElement, start: float, beats_per_measure: int, position: Float32) -> Element:
+        element = self._build(event, start, beats_per_measure, position)
         self._field.add(element)
         return element
 

@@ -34,7 +34,6 @@ from live.base.errors import PersonError, error_context
 from live.control.events import events
 from live.control.events.event import ControlEvent
 from live.show.group.casting import EVERYONE, Casting
-from live.show.group.elements import parse_points
 from live.show.group.formations import Formations, NamedFormation
 from live.show.patch.patch import Patch
 from live.show.patch.section_motion import GroupSection
@@ -95,7 +94,7 @@ def segment_of_section(section: SegmentSection, *, start: int, formation: str, p
 def segment_of_event(event: SegmentEvent, *, start: int, formation: str, path: str) -> tuple[Segment, Float64 | None]:
     """Return the segment of a control and the path it draws, to be stored as `path`, if any.
 
-    `formation` is the formation's name in the plan. Raises PersonError for invalid points of a path.
+    `formation` is the formation's name in the plan. Raises PersonError for a path without points.
     """
     group, measures = selection_expression(event.group), max(1, math.ceil(event.measures - 1e-9))
     match event:
@@ -103,8 +102,10 @@ def segment_of_event(event: SegmentEvent, *, start: int, formation: str, path: s
             evolve = Evolve(formation, matching_of(event.match))
             return Segment(evolve, group, start, measures, Ripple(event.ripple)), None
         case events.Travel():
+            if not event.points:
+                raise PersonError("a path needs points", "write x z of each in metres, as in -3 0, 0 -2.5, 3 0")
             follow = FollowMode.FILE if event.single_file else FollowMode.SHIFTED
-            return Segment(Trajectory(path, follow), group, start, measures), np.array(parse_points(event.points))
+            return Segment(Trajectory(path, follow), group, start, measures), np.array(event.points)
         case events.Pause():
             return Segment(Pause(), group, start, measures), None
 

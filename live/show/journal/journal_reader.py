@@ -41,8 +41,11 @@ class EventForms:
 
     def read(self, value: Any) -> ControlEvent:
         """Return an event; ValueError for an unknown type or field or a wrong value."""
-        if self.old and isinstance(value, dict):
-            value = upgrade_event(value)
+        if self.old:
+            if isinstance(value, list) and value and value[0] in self.columns:
+                value = {"type": value[0], **dict(zip(self.columns[value[0]], value[1:], strict=False))}
+            if isinstance(value, dict):
+                value = upgrade_event(value)
         return event_from_json(value, self.columns)
 
 

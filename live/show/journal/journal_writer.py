@@ -23,7 +23,6 @@ MAX_WAITING_SNAPSHOTS: Final = 2
 """Maximum number of snapshots that wait for the disk; more are dropped and counted."""
 SNAPSHOT_MARK: Final = b'{"snapshot":'
 """Start of each snapshot's first line."""
-LONGEST_HEADER: Final = 4096
 SNAPSHOT_SUFFIX: Final = ".snap"
 """Suffix of the snapshot file, appended to the journal's name."""
 

@@ -3,11 +3,13 @@
 Until format 2 each kind of parameter had an event of its own, and some events had other fields.
 """
 
+import contextlib
 from collections.abc import Callable
 from typing import Any, Final
 
 from live.base import motion_parameters as motion
 from live.base.picture_parameters import BY_ADDRESS, GROUP_PARAMETERS
+from live.control.registry.control import parse_points
 
 LAST_OLD_FORMAT: Final = 2
 """Journals up to this format have such events."""
@@ -46,7 +48,61 @@ def _learn_midi(old: Values) -> Values:
     return old | dict(zip(("first", "second", "third", "fourth"), given, strict=False))
 
 
+def _points(text: str) -> list[tuple[float, float]]:
+    """Return the points of a text; none if they are invalid, which the show refuses."""
+    try:
+        return list(parse_points(text))
+    except ValueError:
+        return []
+
+
+def _place_element(old: Values) -> Values:
+    return old | {"points": _points(old["points"])} if old.get("points") else {**old, "points": [(0.0, 0.0)]}
+
+
+def _drawn(old: Values) -> Values:
+    return old | {"points": _points(str(old.get("points", "")))}
+
+
+def _element(kind: str, **fixed: Any) -> Callable[[Values], Values]:
+    """Return the upgrade of an event that placed an element of one kind at a point."""
+
+    def upgrade(old: Values) -> Values:
+        if kind != "spread":
+            if "x" not in old or "z" not in old:
+                raise ValueError(f"event {old['type']}: its place is missing")
+            old["points"] = [(old.pop("x"), old.pop("z"))]
+        return {"kind": kind, **old, **fixed, "type": "PlaceElement"}
+
+    return upgrade
+
+
+def _integer_rows(text: str) -> list[list[int]]:
+    """Return the rows of whole numbers in a text; invalid ones are left out."""
+    rows = []
+    for entry in "" if text == "-" else text.split(","):
+        with contextlib.suppress(ValueError):
+            rows.append([int(word) for word in entry.split()])
+    return rows
+
+
+def _audience(old: Values) -> Values:
+    for name, width in (("places", 4), ("lights", 5)):
+        text = old.pop(name, "")
+        if text:
+            old[name] = [row for row in _integer_rows(text) if len(row) == width]
+    votes = old.pop("votes", "")
+    return old | ({"votes": _integer_rows(votes)[0]} if votes else {})
+
+
 _UPGRADES: Final[dict[str, Callable[[Values], Values]]] = {
+    "Attract": _element("attract"),
+    "Repel": _element("repel"),
+    "Spread": _element("spread"),
+    "Voice": _element("attract", measures=2.0, fair=True, drag=True),
+    "PlaceElement": _place_element,
+    "Travel": _drawn,
+    "AudienceHeard": _audience,
     "SetMotion": _set_motion,
     "SetPicture": _set_picture,
     "SetLatency": _set_latency,

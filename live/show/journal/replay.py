@@ -37,11 +37,6 @@ class ReplayStart:
     tick: int
 
 
-def fresh_show(journal: Journal) -> Show:
-    """Return a fresh show of the journal's patch, steps and seed; ReplayError if the steps have changed."""
-    return first_start(journal, load_journal(journal)).show
-
-
 def load_journal(journal: Journal) -> LoadedShow:
     """Load the initial patch and steps of a journal, with later steps in reserve; ReplayError as above."""
     changed = (row.event for row in journal.lines_containing('"StepsChanged"') if isinstance(row.event, StepsChanged))
@@ -178,7 +173,7 @@ def _added(journal: Journal) -> Iterator[list[str]]:
             yield row.event.clips.split("\n")
 
 
-__all__ = ["ReplayError", "ReplayResult", "Replayer", "fresh_show", "replay"]
+__all__ = ["ReplayError", "ReplayResult", "Replayer", "replay"]
 
 MAX_DIFFERENCES: Final = 1000
 """Maximum number of differences kept; after the first one usually all measures differ."""

@@ -1,21 +1,23 @@
 """Patch section for the elements of the score: `[[element]]` (T132)."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from pydantic import Field, model_validator
 
+from live.base.element_kinds import ELEMENT_KINDS, KIND_NAMES, TARGETED_KINDS
 from live.show.patch.section_base import Name, Place, Section
 
 Selection = Annotated[str, Field(min_length=1, max_length=400)]
 Polyline = Annotated[tuple[Place, ...], Field(min_length=2, max_length=1000)]
 
 
+_KINDS_TEXT: Final = f"In this order: {', '.join(kind.text for kind in ELEMENT_KINDS)}."
+
+
 class ElementSection(Section):
     """`[[element]]`: a force that moves dancers without fixed target positions; measures from 1 (T105-T110, T132)."""
 
-    kind: Literal["attract", "repel", "spread", "cross", "flow", "wander", "flock", "follow", "pursue", "evade", "path"]
-    """In this order: gather, leave, spread over the stage, change sides over a bar, flow with a field, wander, flock,
-    follow a leader, pursue a dancer, evade a dancer, follow a drawn path."""
+    kind: Annotated[Literal[tuple(KIND_NAMES)], Field(description=_KINDS_TEXT)]  # type: ignore[valid-type]
     measure: Annotated[float, Field(ge=1, le=100000)]
     """The measure at which it begins."""
     section: Name | None = None
@@ -49,7 +51,7 @@ class ElementSection(Section):
 
     @model_validator(mode="after")
     def _has_required_keys(self) -> "ElementSection":
-        if self.kind in ("follow", "pursue", "evade") and not self.whom:
+        if KIND_NAMES[self.kind] in TARGETED_KINDS and not self.whom:
             raise ValueError(f"{self.kind} needs whom: a dancer's number or a group")
         drawn = self.kind == "path" or (self.kind == "flow" and self.flow == "drawn")
         if drawn and self.points is None:

@@ -147,16 +147,13 @@ class ClipCutter:
                 planned = self._dancers.graph.library.node_step[then.node[rows]]
                 self.choose_next(rows, own, then, step=planned if step is None else np.full_like(planned, step))
 
-    def choose_next(
-        self, rows: Int32, own: MeasureState, then: MeasureState, *, step: Int32, target: Float64 | None = None
-    ) -> None:
+    def choose_next(self, rows: Int32, own: MeasureState, then: MeasureState, *, step: Int32) -> None:
         """Choose the measure of the dancers `rows` (n,) after `own`, along the graph's edges, and write it to `then`.
 
-        It is the nearest to `step` (n,), to `target` (n, 2) [m] and to the previous content of `then`.
+        It is the nearest to `step` (n,) and to the previous content of `then`.
         """
         graph = self._dancers.graph
         old_end, old_heading = then.end_position()[rows], then.end_heading()[rows]
-        wanted = old_end if target is None else target
         axes, node = own.end_placement()[rows], own.node[rows]
         start, stop = graph.edge_start[node], graph.edge_start[node + 1]
         most = int((stop - start).max(initial=0))
@@ -166,7 +163,7 @@ class ClipCutter:
         placement = following_placement(np.repeat(axes, most, axis=0), graph.edge_transform[edge.reshape(-1)])
         after = graph.edge_target[edge]
         end = placement[:, :2] + turn_vectors(graph.node_end[after.reshape(-1)], placement[:, 2])
-        off = np.hypot(*(end.reshape(len(rows), most, 2) - wanted[:, None]).T).T
+        off = np.hypot(*(end.reshape(len(rows), most, 2) - old_end[:, None]).T).T
         facing = placement[:, 2] + graph.node_facing[after.reshape(-1)]
         turned = wrap_angle(facing.reshape(len(rows), most) - old_heading[:, None])
         cost = (

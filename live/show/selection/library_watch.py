@@ -1,6 +1,5 @@
 """Watch of the step folder while a show runs: new, changed and removed clips become a new motion graph."""
 
-import threading
 from collections.abc import Callable, Iterable
 from dataclasses import fields
 from pathlib import Path
@@ -9,28 +8,24 @@ from typing import Final
 import numpy as np
 
 from live.base.errors import PersonError
-from live.base.fault_isolation import FAULTS, keep_running
+from live.base.fault_isolation import FAULTS
 from live.control.events.events import ControlEvent, StepsAdded, StepsChanged
 from live.graph.library_insert import insert_clips
 from live.graph.motion_graph import MotionGraph
 from live.library.clip_text import clips_to_text
-from live.library.step_folder import load_folder
 from live.motion.step_clip import StepClip
 from live.show.background_work import short_switch_interval
 from live.show.score.step_names import UnknownStep
 from live.show.selection.graph_update import clip_key, clips_by_key, library_hash, steps_hash, updated_graph
 
-POLL_S: Final = 1.0
-"""Polling interval of the folder [s]. It is read only when unchanged for one interval, so that no file is read half
-written."""
 MAX_EVENT_CHARACTERS: Final = 4_000_000
 """Most characters of changed clips in one event: larger changes wait for the next start."""
 Stamp = tuple[tuple[str, int, int], ...]
 
 
 class LibraryWatch:
-    """Watches one folder of steps. New clips are read and inserted into the graph in this thread; the show switches to
-    the new graph at a measure line. The old versions of changed or removed clips are not begun any more from then on.
+    """Watches one folder of steps. `poll` reads new clips and inserts them into the graph; the show switches to the new
+    graph at a measure line. The old versions of changed or removed clips are not begun any more from then on.
     """
 
     def __init__(
@@ -41,11 +36,11 @@ class LibraryWatch:
         offer: Callable[[str, MotionGraph], None],
         post: Callable[[ControlEvent], None],
         now: Callable[[], float],
-        read: Callable[[], list[StepClip]] | None = None,
+        read: Callable[[], list[StepClip]],
     ) -> None:
         """`offer` passes on a graph with its hash, `post` the event that activates it, at the time `now()`.
 
-        `read` returns all clips as at a start; without it only the folder is read, and no clip counts as removed.
+        `read` returns all clips as at a start.
         """
         self._folder = folder
         self._read = read
@@ -54,31 +49,12 @@ class LibraryWatch:
         self._offer, self._post, self._now = offer, post, now
         self._known = clips_by_key(graph.library.clips)
         self._last_stamp = self._handled_stamp = folder_stamp(folder)
-        self._stopped = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="library watch", daemon=True)
         self.check: Callable[[MotionGraph], object] = lambda graph: None
         """Check that raises a PersonError or UnknownStep if the show cannot use a graph."""
         self.problem = ""
         """Why the last change of the folder was refused, empty if it was not."""
         self.last_change = ""
         """Description of the last change, empty before the first."""
-
-    def start(self) -> None:
-        """Start the thread."""
-        self._thread.start()
-
-    def stop(self) -> None:
-        """Stop the thread, and wait for a read in progress."""
-        self._stopped.set()
-        if self._thread.is_alive():
-            self._thread.join(timeout=10.0)
-
-    def _run(self) -> None:
-        keep_running("the watch of the steps", self._watch, self._stopped.wait)
-
-    def _watch(self) -> None:
-        while not self._stopped.wait(POLL_S):
-            self.poll()
 
     def retry(self) -> None:
         """Try a refused change again, after a change of the patch."""
@@ -94,7 +70,7 @@ class LibraryWatch:
         self._handled_stamp = stamp
         try:
             with short_switch_interval():
-                clips = load_folder(self._folder) if self._read is None else self._read()
+                clips = self._read()
                 self.problem = ""
                 return self._update(clips)
         except (PersonError, UnknownStep, ValueError, OSError) as error:
@@ -114,7 +90,7 @@ class LibraryWatch:
             if names:
                 self.problem = f"new steps: {names} do not fit this show, whose measures have {beats} beats"
         there = clips_by_key(fitting)
-        gone = [] if self._read is None else [clip for name, clip in self._known.items() if name not in there]
+        gone = [clip for name, clip in self._known.items() if name not in there]
         old = {name: self._known[name] for name in there if name in self._known}
         gone += [clip for name, clip in old.items() if not same_clip(clip, there[name])]
         left = {clip_key(clip) for clip in gone}
@@ -177,12 +153,12 @@ def same_clip(one: StepClip, other: StepClip) -> bool:
     )
 
 
-def folder_stamp(folder: Path) -> Stamp:
-    """Return names, times and sizes of the files of a folder, to detect changes."""
+def folder_stamp(folder: Path, suffix: str = "") -> Stamp:
+    """Return names, times and sizes of the files of a folder that end with `suffix`, to detect changes."""
     rows = []
     try:
         for path in folder.iterdir():
-            if path.is_file():
+            if path.name.endswith(suffix) and path.is_file():
                 facts = path.stat()
                 rows.append((path.name, facts.st_mtime_ns, facts.st_size))
     except OSError:  # the folder is being moved, or a file was just deleted: poll again later

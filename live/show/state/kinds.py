@@ -5,7 +5,7 @@ reports missing entries.
 """
 
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 from live.base.custom_pass import CustomPassNumber
 from live.control.events.event_json import field_types
@@ -41,7 +41,12 @@ EVENT: Final = "event-"
 
 def _type_word(kind: Any) -> str:
     """Return the word of a kind's schema for the type of an event's field."""
-    return "row[float]" if kind == tuple[float, ...] else str(kind.__name__)
+    inside = get_args(kind)
+    if type(None) in inside:
+        return f"{_type_word(inside[0])}|none"
+    if inside[1:] == (...,):
+        return f"row[{_type_word(inside[0])}]"
+    return f"tuple[{','.join(map(_type_word, inside))}]" if inside else str(kind.__name__)
 
 
 _EVENTS: Final = [

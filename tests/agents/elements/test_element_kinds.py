@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from live.agents.elements.element import Element, line_length, line_through, rectangle
+from live.agents.elements.element import Element, line_length, rectangle
 from live.agents.elements.element_kinds import ATTRACTOR, CROSSING, EVADE, FLOW, FOLLOW, PARTICIPANT, PATH, REPULSOR
 from live.base.errors import PersonError
 
@@ -64,8 +64,5 @@ def test_invalid_element_is_refused(asked):
 
 
 def test_shape_helpers_give_expected_points():
-    (ax, az), (bx, bz) = line_through(1.0, 2.0, math.pi / 2)
-    assert (bx - ax, bz - az) == pytest.approx((2.0, 0.0))
     assert line_length(rectangle(0.0, 0.0, 4.0, 2.0)) == pytest.approx(4 + 2 + 4)
-    assert Element(ATTRACTOR, ((1.0, 2.0),)).translated(1.0, -1.0).points == ((2.0, 1.0),)
     assert Element(ATTRACTOR, fair=True).table_kind == PARTICIPANT

@@ -161,7 +161,7 @@ def test_elements_end_by_source_and_kind_and_group():
         "phone 2",
     ]  # elements not yet started are removed at once
     field.refresh(10.5, *_idle_inputs())
-    assert sorted(level for _, level in field.active_levels()) == [0.5, 0.5, 1.0]
+    assert sorted(e.level(10.5) for e in field.elements) == [0.5, 0.5, 1.0]
     field.refresh(11.5, *_idle_inputs())
     assert [(e.source, e.kind) for e in field.elements] == [("phone 1", ATTRACTOR)]
     field.clear(11.5)

@@ -24,9 +24,6 @@ def test_gate_lies_on_edge_with_waiting_places_outside(
     places = gate.waiting_places(7)
     out = (places - (gate.x, gate.z)) @ (gate.out_x, gate.out_z)
     assert out.min() >= WAITING_DISTANCE - 1e-9
-    inside = gate.inner_point(0.5)
-    assert abs(inside[0]) <= half[0]
-    assert abs(inside[1]) <= half[1]
 
 
 def test_waiting_places_are_separated_within_gate_width() -> None:

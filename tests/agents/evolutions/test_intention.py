@@ -22,8 +22,6 @@ from live.agents.evolutions.intention import (
     Repertoire,
     Segment,
     Trajectory,
-    in_canon,
-    in_mirror,
 )
 from live.agents.evolutions.planned_segment import MAX_LATE_CALLS
 from live.agents.evolutions.running_plan import MAX_IMMEDIATE_DANCERS, Plan
@@ -39,13 +37,7 @@ ANGLE = np.arange(A) * 2 * np.pi / A
 RING = Places("ring", np.stack([np.sin(ANGLE), np.cos(ANGLE)], 1) * 3, ANGLE)
 ROWS = Places("rows", np.stack([np.tile(np.arange(6) - 2.5, 2), np.repeat([1.0, -1.0], 6)], 1), np.zeros(A))
 CURVE = np.stack([np.linspace(0, 2, 30), np.sin(np.linspace(0, 3, 30))], 1)
-REPERTOIRE = (
-    Repertoire()
-    .with_formation(RING)
-    .with_formation(ROWS)
-    .with_path("curve", CURVE)
-    .with_intention("to the ring", Evolve("ring"))
-)
+REPERTOIRE = Repertoire({"ring": RING, "rows": ROWS}, {"curve": CURVE}, {"to the ring": Evolve("ring")})
 
 
 def plan(*segments, roster=None, **options):
@@ -131,14 +123,16 @@ def test_single_file_keeps_gaps_along_path():
 
 
 def test_canon_is_delayed_and_mirror_is_reflected():
-    first, second = in_canon(Segment(Trajectory("curve"), measures=1), ["1-6", "7-12"], 2.0)
+    first = Segment(Trajectory("curve"), "1-6", measures=1)
+    second = replace(first, group="7-12", delay=2.0)
     running = plan(first, second)
     running.begin_measure(0, START, np.zeros(A))
     early = running.state_at(2.5).position[0] - START[0]
     late = running.predicted_state(4.5).position[7] - START[7]
     assert late == pytest.approx(early, abs=1e-5)
     assert running.predicted_state(1.9).controlled.tolist() == [1] * 6 + [0] * 6
-    motion, image = in_mirror(Segment(Trajectory("curve"), "1-6"), "7-12", Line())
+    motion = Segment(Trajectory("curve"), "1-6")
+    image = replace(motion, group="7-12", mirror=Line())
     running = plan(motion, image)
     ends = dance(running, 1)[-1] - START
     assert ends[7:8] == pytest.approx(mirror_places(ends[:1], Line()), abs=0.02)

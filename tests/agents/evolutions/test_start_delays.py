@@ -8,11 +8,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.agents.evolutions import paths
-from live.agents.evolutions.collision_check import Clearance, approaches, repair_collisions
-from live.agents.evolutions.paths import bend_paths
+from live.agents.evolutions.collision_check import Clearance, repair_in_pieces
+from live.agents.evolutions.incremental_assignment import run_to_end
+from live.agents.evolutions.paths import bend_paths_in_pieces
 from live.agents.evolutions.slot_assignment import assign
 from live.agents.evolutions.start_delays import Arrival, Ripple, StartOrder, delays, limit_delays, start_and_arrival
 from live.agents.evolutions.trajectory import Locomotion
+
+
+def approaches(locomotion, radius):
+    """All pairs of dancers whose bodies would touch on these paths, the nearest first."""
+    clearance = Clearance(locomotion, radius)
+    clearance.compute_rows(0, locomotion.count)
+    return clearance.approaches()
 
 
 def scatter_points(count, spacing, chance, half=(7.0, 5.0)):
@@ -59,13 +67,14 @@ def test_divide_and_conquer_separates_dancers_that_swap_places(seed):
     angle = np.arange(10) * 2 * np.pi / 10
     ring = np.stack([np.sin(angle), np.cos(angle)], 1) * 3
     moved = straight_locomotion(ring, -ring)
-    bent = bend_paths(moved, 0.54, seed=seed)
+    bent = run_to_end(bend_paths_in_pieces(moved, 0.54, seed=seed))
     assert len(approaches(moved, 0.25)) == 45  # all meet all in the middle: the hardest there is
     assert approaches(bent, 0.25) == []
     assert bent.path_knots[:, 0] == pytest.approx(ring, abs=1e-6)
     assert bent.path_knots[:, -1] == pytest.approx(-ring, abs=1e-6)
-    assert (bent.path_knots == bend_paths(moved, 0.54, seed=seed).path_knots).all()
-    assert np.abs(bend_paths(moved, 0.54, seed=seed, half=(3.1, 3.1)).path_knots).max() <= 3.1 + 1e-6
+    assert (bent.path_knots == run_to_end(bend_paths_in_pieces(moved, 0.54, seed=seed)).path_knots).all()
+    inside = run_to_end(bend_paths_in_pieces(moved, 0.54, seed=seed, half=(3.1, 3.1)))
+    assert np.abs(inside.path_knots).max() <= 3.1 + 1e-6
 
 
 @pytest.mark.parametrize("arrive", [Arrival.APART, Arrival.TOGETHER])
@@ -78,7 +87,7 @@ def test_ripple_is_repaired_with_few_retimed_dancers(arrive):
         waits = delays(Ripple(6.0, StartOrder.RANDOM), start, np.arange(40), seed=seed)
         rippled = straight_locomotion(start, moved_to, waits, arrive=arrive)
         met += len(approaches(rippled, 0.25))
-        result = repair_collisions(rippled, 0.25, waits, begin=0.0, end=8.0, arrive=arrive)
+        result = run_to_end(repair_in_pieces(rippled, 0.25, waits, begin=0.0, end=8.0, arrive=arrive))
         assert result.remaining == ()
         assert approaches(result.locomotion, 0.25) == []
         assert result.locomotion.times[:, 1].max() <= 8.0 + 1e-9
@@ -90,7 +99,7 @@ def test_ripple_is_repaired_with_few_retimed_dancers(arrive):
 
 def test_unresolved_collisions_are_reported():
     moved = straight_locomotion(np.array([[0, 0], [0.1, 0]]), np.array([[3, 0], [3.1, 0]]))
-    result = repair_collisions(moved, 0.25, np.zeros(2), begin=0.0, end=8.0)
+    result = run_to_end(repair_in_pieces(moved, 0.25, np.zeros(2), begin=0.0, end=8.0))
     assert [(a.first, a.second) for a in result.remaining] == [(0, 1)]
 
 

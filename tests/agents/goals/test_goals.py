@@ -98,7 +98,6 @@ def test_agent_pushed_past_waypoint_continues_to_next():
     way(goals, place, 0.3, 0.9)
     assert list(way.heading_to_last) == [True, False, False, True]
     np.testing.assert_array_equal(goals.target[:, 0], [4, 0, 0, 4])
-    np.testing.assert_array_equal(way.last, [[4, 0]] * 4)
 
 
 def test_waypoint_behind_wall_is_not_skipped():

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.groups.roster import Line, canon_delays, mirror_headings, mirror_partners, mirror_places
+from live.agents.groups.roster import Line, mirror_headings, mirror_places
 
 FINITE = st.floats(-20, 20)
 LINES = st.builds(Line, FINITE, FINITE, st.floats(-7, 7))
@@ -36,12 +36,3 @@ def test_mirror_is_an_isometric_involution_for_places_and_headings(line, places,
     assert mirror_places(ahead, line) - image == pytest.approx(
         np.broadcast_to([math.sin(turned), math.cos(turned)], image.shape), abs=1e-8
     )
-
-
-def test_canon_delays_are_evenly_spaced():
-    assert canon_delays(3, 2.0) == (0.0, 2.0, 4.0)
-
-
-def test_mirror_partners_are_pairs_near_their_reflections():
-    places = [[-2, 1], [0, 0], [2.1, 1], [3, 3], [-3, 3.2], [5, 5]]
-    assert sorted(mirror_partners(places, Line())) == [(0, 2), (3, 4)]

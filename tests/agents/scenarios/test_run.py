@@ -1,5 +1,7 @@
 """The crowd on scenarios: arrival, separation, stage bounds and independence of tick batches."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -59,7 +61,7 @@ def test_off_center_stage_gives_the_same_run():
 @pytest.mark.parametrize("name", ["circle-20", "bottleneck-60", "random-100"])
 def test_ticks_are_identical_at_any_frame_rate(name, avoidance):
     """At 25, 60 and 144 frames per second ticks run in different batches: the paths are bit-identical."""
-    made = SCENARIOS[name](0).with_duration(3.0)
+    made = replace(SCENARIOS[name](0), duration=3.0)
     _, whole, arrived = simulate(made, avoidance=avoidance)
     for frames_per_second in (25, 60, 144):
         run, ticks = Simulation(made, avoidance=avoidance), [made.start]
@@ -72,7 +74,7 @@ def test_ticks_are_identical_at_any_frame_rate(name, avoidance):
 
 
 def test_two_simulations_are_independent():
-    made = SCENARIOS["random-100"](1).with_duration(2.0)
+    made = replace(SCENARIOS["random-100"](1), duration=2.0)
     one, other = Simulation(made), Simulation(made)
     for _ in range(100):
         one.tick()
@@ -83,7 +85,7 @@ def test_two_simulations_are_independent():
 
 def test_run_is_independent_of_agent_order():
     """For the first 1.5 s; later the rounding of sums, which depends on order, grows as in every crowd."""
-    made = SCENARIOS["circle-20"](0).with_duration(1.5)
+    made = replace(SCENARIOS["circle-20"](0), duration=1.5)
     order = np.random.default_rng(3).permutation(20)
     shuffled = scenario(made.start[order], [made.goals[i] for i in order], duration=1.5)
     _, position, _ = simulate(made)

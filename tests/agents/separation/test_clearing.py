@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from live.agents.crowd.obstacles import Surroundings
 from live.agents.separation.path_separation import MOMENTS, Paths, PathSeparation
+from tests.agents.separation.made_paths import places_at
 
 RADIUS = 0.25
 
@@ -40,9 +41,7 @@ def sample_paths(paths, goal):
     """Positions along the paths, (T, A, 2)."""
     aimed, found = np.zeros((len(goal), 3)), []
     for place in np.linspace(0.0, 1.0, 200):
-        out = np.zeros((len(goal), 2), np.float32)
-        paths.places_at(place, goal, aimed, out)
-        found.append(out)
+        found.append(places_at(paths, place, goal, aimed))
     return np.array(found)
 
 

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from live.agents.separation.path_separation import MARGIN, MOMENTS, Paths, PathSeparation
 from live.agents.separation.path_separation_kernels import extrapolate_paths
 from live.agents.separation.separation_kernels import tether_agents
+from tests.agents.separation.made_paths import places_at
 
 RADIUS = 0.25
 
@@ -31,10 +32,9 @@ def build_separation(count, **values):
 
 def pair_distances(paths, goal, first=0.0):
     """Distances of all pairs at many moments, (T, A, A), by brute force."""
-    aimed, out = np.zeros((len(goal), 3)), np.zeros((len(goal), 2), np.float32)
-    found = []
+    aimed, found = np.zeros((len(goal), 3)), []
     for place in np.linspace(first, 1, 200):
-        paths.places_at(place, goal, aimed, out)
+        out = places_at(paths, place, goal, aimed)
         apart = np.hypot(*(out[:, None] - out[None]).transpose(2, 0, 1))
         np.fill_diagonal(apart, np.inf)
         found.append(apart)
@@ -147,8 +147,8 @@ def extrapolate_random_paths(fractions, *, goes_on, count=6):
     )  # fmt: skip
     own, later = np.zeros((2, len(fractions), count, 2), np.float32)
     for k, fraction in enumerate(fractions):
-        paths[0].places_at(min(fraction, 1.0), goals[0], aimed, own[k])
-        paths[1].places_at(max(fraction - 1.0, 0.0), goals[1], aimed, later[k])
+        own[k] = places_at(paths[0], min(fraction, 1.0), goals[0], aimed)
+        later[k] = places_at(paths[1], max(fraction - 1.0, 0.0), goals[1], aimed)
     return out, now, own, later
 
 

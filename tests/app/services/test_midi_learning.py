@@ -116,10 +116,16 @@ def test_reloaded_patch_keeps_controls_learned_meanwhile(midi_show: MidiShow) ->
     midi_show.learn("/dance/spread")
     midi_show.play((0x90, 37, 1))
     midi_show.midi.update_patch(old)  # it was on its way
-    assert [type(event) for event in midi_show.play((0x90, 36, 1), (0x90, 37, 1))] == [events.Blackout, events.Spread]
+    assert [type(event) for event in midi_show.play((0x90, 36, 1), (0x90, 37, 1))] == [
+        events.Blackout,
+        events.PlaceElement,
+    ]
     midi_show.reload()
     assert midi_show.midi.learning._added == []
-    assert [type(event) for event in midi_show.play((0x90, 36, 1), (0x90, 37, 1))] == [events.Blackout, events.Spread]
+    assert [type(event) for event in midi_show.play((0x90, 36, 1), (0x90, 37, 1))] == [
+        events.Blackout,
+        events.PlaceElement,
+    ]
     midi_show.forget("/dance/spread")
     midi_show.midi.update_patch(old)
     assert [type(event) for event in midi_show.play((0x90, 36, 1), (0x90, 37, 1))] == [events.Blackout]

@@ -23,7 +23,7 @@ from tests.show.journal.disk import wait_until_written
 
 TEMPO = 120.0
 SCRIPT = {
-    60: events.Attract(time=2.0, source="osc", x=1.0, z=0.5, measures=2.0),
+    60: events.PlaceElement(time=2.0, source="osc", kind="attract", points=((1.0, 0.5),), measures=2.0),
     95: events.BeatHeard(time=3.2, source="tap", beat_time=3.0, period=0.5, confidence=1.0),
     200: events.Blackout(time=6.7, source="key", on=True),
     230: events.Blackout(time=7.7, source="key", on=False),
@@ -62,7 +62,7 @@ def test_show_counts_events_by_source_and_kind(show_journal, tmp_path):
     assert told.returncode == 0, told.stderr
     facts = json.loads(told.stdout)
     counts = {(row["source"], row["type"]): row["count"] for row in facts["events"]}
-    assert counts == {("osc", "Attract"): 1, ("tap", "BeatHeard"): 1, ("key", "Blackout"): 2}
+    assert counts == {("osc", "PlaceElement"): 1, ("tap", "BeatHeard"): 1, ("key", "Blackout"): 2}
     assert facts["complete"]
     assert facts["snapshots"]["measures"] == [2, 3, 4]
     assert facts["measures"] == 4  # the last had no time for one
@@ -107,7 +107,7 @@ def test_midi_export_contains_beats_markers_and_steps(show_journal, tmp_path):
         now += message.time
         if message.type == "marker":
             markers.setdefault(message.text.split()[0], []).append(now / file.ticks_per_beat * 60.0 / TEMPO)
-    assert markers["Attract"] == pytest.approx([2.0], abs=0.05)
+    assert markers["PlaceElement"] == pytest.approx([2.0], abs=0.05)
     assert markers["Blackout"] == pytest.approx([6.7, 7.7], abs=0.05)
     assert "BeatHeard" not in markers
     for track in file.tracks[2:]:
@@ -120,7 +120,7 @@ def test_csv_export_has_row_for_each_event_and_measure(show_journal, tmp_path):
     with (tmp_path / "a.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["kind"] for row in rows if row["kind"] != "measure"] == [
-        "Attract", "BeatHeard", "Blackout", "Blackout",
+        "PlaceElement", "BeatHeard", "Blackout", "Blackout",
     ]  # fmt: skip
     assert run_live("journal", "export", str(show_journal), str(tmp_path / "a.xls")).returncode == 2
 
@@ -151,7 +151,7 @@ def test_damaged_journal_is_reported_and_fails_verification(show_journal, tmp_pa
     for file in (show_journal, show_journal.with_name("a.jsonl.snap")):
         shutil.copy(file, tmp_path / file.name)
     path = tmp_path / "a.jsonl"
-    path.write_text(path.read_text().replace('"Attract"', '"Attrakt"'))
+    path.write_text(path.read_text().replace('"PlaceElement"', '"Attrakt"'))
     told = run_live("replay", str(path), "--verify", "--json")
     assert told.returncode == 1
     facts = json.loads(told.stdout)

@@ -26,7 +26,7 @@ def test_svg_has_dot_for_each_clip_to_scale(tmp_path):
     assert run("walk", "--reach", file).exit_code == 0
     root = ElementTree.parse(file).getroot()
     circles = [circle.attrib for circle in root.iter(f"{SVG}circle")]
-    clips = [circle for circle in circles if circle["r"] == "5.0"]
+    clips = [circle for circle in circles if float(circle["r"]) == 5.0]
     assert len(clips) == 18  # nine directions, both sides
     rings = sorted(float(circle["r"]) for circle in circles if circle["fill"] == "none")
     metre = rings[1]  # rings at 0.5 and 1 m

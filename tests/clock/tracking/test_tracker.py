@@ -6,8 +6,8 @@ import pytest
 from live.clock.beat_estimate import BeatEstimate, Samples
 from live.clock.silence import SILENT_AFTER
 from live.clock.tracking.beat_tracker import BeatTracker
-from live.clock.tracking.onset_strength import OnsetActivation
 from tests.clock.clicks import clicks
+from tests.clock.tracking.plain_onsets import OnsetActivation
 
 RATE = 44_100
 

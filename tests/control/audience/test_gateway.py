@@ -59,15 +59,15 @@ def test_touch_of_joined_phone_becomes_place_and_light():
         phone = await FakePhone(session, address).join(current_key(show))
         assert phone.number == 1
         await phone.touch(1, 0.75, 0.5)
-        row = await until(lambda: last_event(show, lambda row: row["places"] not in ("", "-")))
-        assert row["places"].split() == ["300", "0", "1000", "1"]
+        row = await until(lambda: last_event(show, lambda row: row["places"]))
+        assert row["places"] == ((300, 0, 1000, 1),)
         assert (row["phones"], row["share"]) == (1, 1000)
-        row = await until(lambda: last_event(show, lambda row: row["lights"] not in ("", "-")))
-        assert row["lights"].split() == ["1", "300", "0", "618", "1"]
+        row = await until(lambda: last_event(show, lambda row: row["lights"]))
+        assert row["lights"] == ((1, 300, 0, 618, 1),)
         while not phone.said.get("l"):
             await phone.hear()
         await phone.touch(2, 0.25, 1.0)
-        await until(lambda: last_event(show, lambda row: row["places"].split() == ["-300", "400", "1000", "2"]))
+        await until(lambda: last_event(show, lambda row: row["places"] == ((-300, 400, 1000, 2),)))
         await phone.ws.close()
         await until(lambda: gateway.session.phones.by_number == {})
         await until(lambda: last_event(show, lambda row: row["phones"] == 0))
@@ -80,16 +80,16 @@ def test_operator_rules_apply_to_next_show_event():
         one, other = [await FakePhone(session, address).join(current_key(show), region=region) for region in (0, 1)]
         await one.touch(1, 0.0, 0.5)
         await other.touch(1, 1.0, 0.5)
-        await until(lambda: last_event(show, lambda row: row["places"].count(",") == 1))
+        await until(lambda: last_event(show, lambda row: len(row["places"]) == 2))
         show.tell(Rules(order=3, regions=RULES.regions, weights=(0.0, 1.0)))
         row = await until(lambda: last_event(show, lambda row: row["order"] == 3))
-        assert row["places"].split(",")[-1].split()[0] == "600"
+        assert row["places"][-1][0] == 600
         show.tell(Rules(order=4, regions=RULES.regions, weights=(1.0, 1.0), banned=(other.number,)))
         row = await until(lambda: last_event(show, lambda row: row["order"] == 4))
-        assert [place.split()[0] for place in row["places"].split(",") if place.split()[2] != "0"] == ["-600"]
+        assert [place[0] for place in row["places"] if place[2]] == [-600]
         await other.touch(1, 1.0, 0.5)  # she is told nothing, and heard no more
         show.tell(Rules(order=5, open=False))
-        assert (await until(lambda: last_event(show, lambda row: row["order"] == 5)))["places"] == "-"
+        assert (await until(lambda: last_event(show, lambda row: row["order"] == 5)))["places"] == ()
 
     run(test)
 
@@ -99,14 +99,14 @@ def test_each_phone_votes_once_with_its_region_weight():
         phones = [await FakePhone(session, address).join(current_key(show), region=k % 2) for k in range(4)]
         vote = (259, "step", ("sway", "spin"), 64.0)
         show.tell(Rules(order=1, regions=RULES.regions, weights=(1.0, 0.5), vote=vote))
-        await until(lambda: last_event(show, lambda row: row["votes"] == "259 0 0"))
+        await until(lambda: last_event(show, lambda row: row["votes"] == (259, 0, 0)))
         for phone, choice in zip(phones, (0, 1, 1, 9), strict=True):
             await phone.ws.send_bytes(bytes((3, 259 % 256, choice)))
         await phones[0].ws.send_bytes(bytes((3, 7, 1)))  # a vote of long ago
-        await until(lambda: last_event(show, lambda row: row["votes"] == "259 100 150"))
+        await until(lambda: last_event(show, lambda row: row["votes"] == (259, 100, 150)))
         for _ in range(3):
             await phones[0].ws.send_bytes(bytes((3, 259 % 256, 1)))  # she thinks again
-        await until(lambda: last_event(show, lambda row: row["votes"] == "259 0 250"))
+        await until(lambda: last_event(show, lambda row: row["votes"] == (259, 0, 250)))
         while not phones[0].said.get("s", {}).get("vote"):
             await phones[0].hear()
         assert phones[0].said["s"]["vote"] == [259, "step", ["sway", "spin"], 64.0]
@@ -123,7 +123,7 @@ def test_phone_resumes_by_token_on_newest_socket():
         while (await first.ws.receive(timeout=20.0)).type is aiohttp.WSMsgType.TEXT:
             pass  # the old socket is closed
         await again.touch(1, 0.5, 0.5)
-        await until(lambda: last_event(show, lambda row: row["places"] not in ("", "-")))
+        await until(lambda: last_event(show, lambda row: row["places"]))
         stranger = await FakePhone(session, address).join(token="7.3.9.abcdefghijkl")
         assert stranger.no == "token"
         late = await FakePhone(session, address).join(ticket_key(SECRET, 0))

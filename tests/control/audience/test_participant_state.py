@@ -18,7 +18,8 @@ def make_voices(points, *, mode=ATTRACT, joined=None, now=10.0):
     voices.update_rules((), (), HALF)
     for number, (x, z) in enumerate(points, start=1):
         row = voices.add(number, 0, allowed=True)
-        voices.touch(row, mode, x / (2 * HALF[0]) + 0.5, z / (2 * HALF[1]) + 0.5, now)
+        voices.mode[row], voices.x[row], voices.z[row] = mode, x, z
+        voices.touching[row], voices.message_time[row] = True, now
     for number in range(len(points), joined or 0):
         voices.add(number + 1, 0, allowed=True)
     return voices
@@ -67,7 +68,7 @@ def test_two_crowds_form_places_by_size_and_mode():
 def test_voice_fades_to_zero_after_touch_ends():
     voices = make_voices([(1.0, 0.0)])
     assert voices.weights(10.0 + FRESH_SECONDS)[0] == 1.0
-    voices.touch(0, 0, 0.0, 0.0, 11.0)
+    voices.touching[0], voices.message_time[0] = False, 11.0
     assert voices.weights(11.0 + FADE_HALF_LIFE)[0] == pytest.approx(0.5)
     assert voices.weights(11.0 + 10 * FADE_HALF_LIFE)[0] == 0.0
     assert voices.force(30.0).places == ()

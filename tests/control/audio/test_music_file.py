@@ -120,10 +120,8 @@ def test_too_long_stream_without_duration_is_refused(tmp_path: Path, monkeypatch
 
 def test_looped_blocks_wrap_to_the_beginning() -> None:
     music = Music(np.arange(10, dtype=np.float32)[:, None], RATE)
-    assert music.block(8, 5, loop=True)[:, 0].tolist() == [8, 9, 0, 1, 2]
-    assert music.block(28, 25, loop=True)[:, 0].tolist() == [8, 9, *range(10), *range(10), 0, 1, 2]
-    assert music.block(8, 5, loop=False)[:, 0].tolist() == [8, 9]
-    assert music.block(30, 5, loop=False).shape == (0, 1)
+    assert music.block(8, 5)[:, 0].tolist() == [8, 9, 0, 1, 2]
+    assert music.block(28, 25)[:, 0].tolist() == [8, 9, *range(10), *range(10), 0, 1, 2]
 
 
 def make_click_music(bpm: float, seconds: float, first: float = 0.0) -> Music:
@@ -152,14 +150,6 @@ def test_beat_continues_over_loop_seam() -> None:
     assert follower.tempo == pytest.approx(120.0, rel=0.005)
     off = follower.timeline.beat_at(40.0) % 1.0
     assert min(off, 1.0 - off) < 0.05
-
-
-def test_unlooped_music_ends_in_freewheel() -> None:
-    follower, offline = TimelineFollower(), OfflineMusic(make_click_music(120.0, 10.0), loop=False)
-    states = follow_states(offline, follower, 20.0)
-    assert offline.ended
-    assert states[-1] == "freewheel"
-    assert follower.tempo == pytest.approx(120.0, rel=0.005)
 
 
 def test_known_downbeat_is_relative_to_music_start() -> None:

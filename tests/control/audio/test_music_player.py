@@ -13,7 +13,7 @@ from live.control.audio.audio_input import AudioInput
 from live.control.audio.devices import SoundUnavailable, UnknownDevice
 from live.control.audio.music_file import Music, OfflineMusic
 from live.control.audio.music_player import MusicPlayer
-from live.control.events.events import BeatHeard, ControlEvent, One, SourceChanged
+from live.control.events.events import BeatHeard, ControlEvent, One
 from tests.clock.clicks import clicks, groove
 from tests.control.conftest import PulseSink
 from tests.control.waiting import wait_for
@@ -55,19 +55,6 @@ def test_inaudible_music_is_followed_by_clock() -> None:
     offline = [e.beat_time for e in OfflineMusic(music, one_at=0.5).events_until(60.0) if isinstance(e, BeatHeard)]
     assert [event.time - begin for event in events if isinstance(event, One)] == [pytest.approx(0.5)]
     assert beats == pytest.approx(offline[: len(beats)], abs=1e-6)
-
-
-def test_end_of_music_is_reported() -> None:
-    inbox: EventQueue[ControlEvent] = EventQueue()
-    player = MusicPlayer(make_click_music(120.0, 3.0), inbox, SteppingClock(), loop=False, output=False)
-    player.start()
-    try:
-        assert wait_for(lambda: player.ended, 10.0)
-    finally:
-        player.stop()
-    last = inbox.drain()[-1]
-    assert isinstance(last, SourceChanged)
-    assert (last.state, last.detail) == ("silent", "the music is over")
 
 
 def test_failed_analysis_is_restarted_during_playback() -> None:

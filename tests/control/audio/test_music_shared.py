@@ -20,7 +20,7 @@ def test_beats_of_steady_music_are_matched_after_ten_seconds(name: str) -> None:
         pytest.skip(f"{BEATS} is not there")
     music = read_music(BEATS / f"{name}.ogg")
     true = np.loadtxt(BEATS / f"{name}.beats")[:, 0]
-    follower, offline, danced, last = TimelineFollower(), OfflineMusic(music, loop=False), [], 0
+    follower, offline, danced, last = TimelineFollower(), OfflineMusic(music), [], 0
     for tick in range(1, int(music.duration / TICK)):
         now = tick * TICK
         for event in offline.events_until(now):

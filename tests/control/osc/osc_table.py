@@ -14,12 +14,12 @@ from tests.control.osc.osc_stage import STAMP
 def every_control():
     """All rows of all tables."""
     return {
-        "/dance/attract": (["ff", "1.5", "-2"], events.Attract(x=1.5, z=-2.0, **STAMP)),
+        "/dance/attract": (["ff", "1.5", "-2"], events.PlaceElement(kind="attract", points=((1.5, -2.0),), **STAMP)),
         "/dance/repel": (
             ["fidh", "1", "2", "0.5", "8"],
-            events.Repel(x=1.0, z=2.0, strength=0.5, measures=8.0, **STAMP),
+            events.PlaceElement(kind="repel", points=((1.0, 2.0),), strength=0.5, measures=8.0, **STAMP),
         ),
-        "/dance/spread": (["f", "2"], events.Spread(measures=2.0, **STAMP)),
+        "/dance/spread": (["f", "2"], events.PlaceElement(kind="spread", measures=2.0, **STAMP)),
         "/dance/clear": ([], events.Clear(**STAMP)),
         "/dance/now": (["ssf", "jump", "tide", "2"], events.StepNow(name="jump", group="tide", measures=2.0, **STAMP)),
         "/dance/step": (["s", "side step"], events.CallStep(name="side step", **STAMP)),
@@ -224,27 +224,28 @@ def score_controls():
 def group_controls():
     """Controls of elements and group motion, and their events."""
 
-    def element(kind, points="", **others):
-        return events.PlaceElement(kind=kind, points=points, **others, **STAMP)
+    def element(kind, *points, **others):
+        return events.PlaceElement(kind=kind, points=points or ((0.0, 0.0),), **others, **STAMP)
 
     at, line = ["ff", "1.5", "-2"], ["ffii", "0", "-4", "0", "4"]
-    drawn = "-3 0, 0 -2.5, 3 0"
+    point, ends = (1.5, -2.0), ((0.0, -4.0), (0.0, 4.0))
+    drawn, corners = "-3 0, 0 -2.5, 3 0", ((-3.0, 0.0), (0.0, -2.5), (3.0, 0.0))
     return {
-        "/dance/attract/line": (line, element("attract", "0.0 -4.0, 0.0 4.0")),
-        "/dance/attract/drawn": (["s", drawn], element("attract", drawn)),
-        "/dance/attract/region": (["fff", "1.5", "-2", "2"], element("attract", "1.5 -2.0", radius=2.0)),
-        "/dance/voice": (at, events.Voice(x=1.5, z=-2.0, **STAMP)),
-        "/dance/repel/line": (line, element("repel", "0.0 -4.0, 0.0 4.0")),
-        "/dance/repel/region": (["fff", "1.5", "-2", "2"], element("repel", "1.5 -2.0", radius=2.0)),
+        "/dance/attract/line": (line, element("attract", *ends)),
+        "/dance/attract/drawn": (["s", drawn], element("attract", *corners)),
+        "/dance/attract/region": (["fff", "1.5", "-2", "2"], element("attract", point, radius=2.0)),
+        "/dance/voice": (at, element("attract", point, measures=2.0, fair=True, drag=True)),
+        "/dance/repel/line": (line, element("repel", *ends)),
+        "/dance/repel/region": (["fff", "1.5", "-2", "2"], element("repel", point, radius=2.0)),
         "/dance/cross": (
             [line[0] + "ffsT", *line[1:], "1", "8", "tide & left"],
-            element("cross", "0.0 -4.0, 0.0 4.0", measures=8.0, group="tide & left", next=True),
+            element("cross", *ends, measures=8.0, group="tide & left", next=True),
         ),
-        "/dance/flow": (line, element("flow", "0.0 -4.0, 0.0 4.0", flow="uniform")),
-        "/dance/flow/radial": (["fff", "1.5", "-2", "-1"], element("flow", "1.5 -2.0", flow="radial", strength=-1.0)),
-        "/dance/flow/vortex": (at, element("flow", "1.5 -2.0", flow="vortex")),
-        "/dance/flow/drawn": (["s", drawn], element("flow", drawn, flow="drawn")),
-        "/dance/path": (["s", drawn], element("path", drawn)),
+        "/dance/flow": (line, element("flow", *ends, flow="uniform")),
+        "/dance/flow/radial": (["fff", "1.5", "-2", "-1"], element("flow", point, flow="radial", strength=-1.0)),
+        "/dance/flow/vortex": (at, element("flow", point, flow="vortex")),
+        "/dance/flow/drawn": (["s", drawn], element("flow", *corners, flow="drawn")),
+        "/dance/path": (["s", drawn], element("path", *corners)),
         "/dance/wander": ([], element("wander")),
         "/dance/flock": (["ff", "2", "8"], element("flock", strength=2.0, measures=8.0)),
         "/dance/follow": (["s", "7"], element("follow", whom="7")),
@@ -258,7 +259,7 @@ def group_controls():
             ["ss", "flower", "circle poisson"],
             events.DefineFormation(name="flower", formation="circle poisson", **STAMP),
         ),
-        "/dance/travel": (["s", drawn], events.Travel(points=drawn, **STAMP)),
+        "/dance/travel": (["s", drawn], events.Travel(points=corners, **STAMP)),
         "/dance/pause": (["f", "2"], events.Pause(measures=2.0, **STAMP)),
         "/dance/release": ([], events.Release(**STAMP)),
         "/dance/regroup": (["ss", "1-4", "tide"], events.Regroup(dancers="1-4", group="tide", **STAMP)),

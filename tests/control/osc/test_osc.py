@@ -19,7 +19,7 @@ from tests.control.osc.osc_stage import DEADLINE_S, PING, STAMP, TAP, Stage, mes
 def test_controls_become_timed_events_in_order(stage):
     stage.send(message("/dance/attract", 1.5, -2.0).dgram, message("/dance/step", "samba", 8).dgram, TAP)
     assert stage.events() == [
-        events.Attract(x=1.5, z=-2.0, **STAMP),
+        events.PlaceElement(kind="attract", points=((1.5, -2.0),), **STAMP),
         events.CallStep(name="samba", measures=8.0, **STAMP),
         events.Tap(**STAMP),
     ]
@@ -78,7 +78,7 @@ def test_dropped_datagram_count_remains_after_stop():
 def test_full_queue_drops_and_counts_oldest_events():
     with Stage(capacity=10) as stage:
         stage.send(*[message("/dance/attract", float(x), 0.0).dgram for x in range(25)])
-        assert [event.x for event in stage.events()] == list(range(15, 25))
+        assert [event.points[0][0] for event in stage.events()] == list(range(15, 25))
         assert stage.inbox.dropped == 15
         assert stage.osc.accepted == 25
 

@@ -246,7 +246,7 @@ def test_future_bundle_waits_without_delaying_others(stage):
     assert cleared.time == pytest.approx(7.75, abs=0.2)
     stage.clock.set(9.0)
     wait_until(lambda: stage.osc.status()["waiting"] == 0)
-    assert [type(event) for event in stage.events()] == [events.One, events.Spread]
+    assert [type(event) for event in stage.events()] == [events.One, events.PlaceElement]
     assert stage.osc.status()["waited"] == 3
     assert stage.osc.future_timetags == 0
 
@@ -271,7 +271,7 @@ def test_last_of_several_queued_values_is_kept():
         handler_stage.ask(LARGER, value, "ember")
         handler_stage.ask("/dance/attract", value, 0.0)
     found = handler_stage.events()
-    assert [round(e.x, 3) for e in found if isinstance(e, events.Attract)] == [0.1, 0.2, 0.3]
+    assert [round(e.points[0][0], 3) for e in found if isinstance(e, events.PlaceElement)] == [0.1, 0.2, 0.3]
     assert len(found) == 9  # what happens between two values keeps them apart
     for value in (0.1, 0.2, 0.3):
         handler_stage.ask(LIGHT, value)

@@ -73,7 +73,7 @@ def test_bad_value_in_bundle_rejects_only_its_message(stage):
     for content in (message("/dance/spread"), message("/dance/attract", 1e30, 0.0), message("/dance/clear")):
         bundle.add_content(content)
     stage.send(bundle.build().dgram)
-    assert stage.events() == [events.Spread(**STAMP), events.Clear(**STAMP)]
+    assert stage.events() == [events.PlaceElement(kind="spread", **STAMP), events.Clear(**STAMP)]
     assert (stage.osc.accepted, stage.osc.rejected.as_dict()) == (2, {"out of range": 1})
 
 

@@ -34,12 +34,24 @@ STAMP = {"time": 12.5, "source": "test"}
 @pytest.mark.parametrize(
     ("address", "values", "event"),
     [
-        ("/dance/attract", (1.5, -2.0), events.Attract(x=1.5, z=-2.0, **STAMP)),
-        ("/dance/attract", (1, -2, 3, 8), events.Attract(x=1.0, z=-2.0, strength=3.0, measures=8.0, **STAMP)),
-        ("/dance/attract", (0.0, 0.0, None, 2.0), events.Attract(x=0.0, z=0.0, measures=2.0, **STAMP)),
-        ("/dance/repel", (-100, 100.0, 0), events.Repel(x=-100.0, z=100.0, strength=0.0, **STAMP)),
-        ("/dance/spread", (), events.Spread(**STAMP)),
-        ("/dance/spread", (0.25,), events.Spread(measures=0.25, **STAMP)),
+        ("/dance/attract", (1.5, -2.0), events.PlaceElement(kind="attract", points=((1.5, -2.0),), **STAMP)),
+        (
+            "/dance/attract",
+            (1, -2, 3, 8),
+            events.PlaceElement(kind="attract", points=((1.0, -2.0),), strength=3.0, measures=8.0, **STAMP),
+        ),
+        (
+            "/dance/attract",
+            (0.0, 0.0, None, 2.0),
+            events.PlaceElement(kind="attract", points=((0.0, 0.0),), measures=2.0, **STAMP),
+        ),
+        (
+            "/dance/repel",
+            (-100, 100.0, 0),
+            events.PlaceElement(kind="repel", points=((-100.0, 100.0),), strength=0.0, **STAMP),
+        ),
+        ("/dance/spread", (), events.PlaceElement(kind="spread", **STAMP)),
+        ("/dance/spread", (0.25,), events.PlaceElement(kind="spread", measures=0.25, **STAMP)),
         ("/dance/clear", (), events.Clear(**STAMP)),
         ("/dance/clear", (1.0,), events.Clear(**STAMP)),
         ("/dance/clock/tap", (True,), events.Tap(**STAMP)),
@@ -63,8 +75,9 @@ def test_every_control_makes_its_event(address, values, event):
     result = call(address, *values)
     assert result == event
     for field in fields(result):  # an int is a float here, not an int that the journal would write another way
-        value = getattr(result, field.name)
-        assert type(value) is typing.get_type_hints(type(result))[field.name]
+        value, kind = getattr(result, field.name), typing.get_type_hints(type(result))[field.name]
+        assert type(value) is (typing.get_origin(kind) or kind)
+        assert all(type(number) is float for point in value for number in point) if field.name == "points" else True
 
 
 @pytest.mark.parametrize(

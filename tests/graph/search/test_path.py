@@ -12,7 +12,6 @@ from live.graph.search.path_following import (
     Targets,
     along_headings,
     follow_line,
-    join_targets,
     read_path,
     smooth_headings,
     smoothed,
@@ -51,13 +50,13 @@ def test_square_is_divided_into_sixteen_measures():
     np.testing.assert_allclose(targets.place[[0, 4, 8, 12, 16]], SQUARE, atol=1e-12)
     # right, toward the audience, left, away: along +x is 90 degrees, +z 0
     np.testing.assert_allclose(np.degrees(targets.heading[[1, 4, 5, 9, 13]]), [90, 90, 0, -90, -180], atol=1e-9)
-    assert targets.turns[[4, 8, 12]] == pytest.approx([-math.pi / 2] * 3)
+    assert np.diff(targets.heading)[[4, 8, 12]] == pytest.approx([-math.pi / 2] * 3)
 
 
 def test_given_headings_change_evenly_the_shorter_way():
     targets = follow_line([(0, 0), (0, 3)], 4, facing=(math.radians(170), math.radians(-150)))
     np.testing.assert_allclose(np.degrees(targets.heading), [170, 180, 190, 200, 210], atol=1e-9)
-    np.testing.assert_allclose(np.degrees(targets.turns), 10.0, atol=1e-9)
+    np.testing.assert_allclose(np.degrees(np.diff(targets.heading)), 10.0, atol=1e-9)
 
 
 @given(st.lists(places, min_size=1, max_size=12), st.integers(1, 40))
@@ -95,18 +94,6 @@ def test_standing_dancer_keeps_last_heading():
     heading = along_headings(np.array([(0, 0), (0, 0), (1, 0), (1, 0), (1, 1)], np.float64))
     np.testing.assert_allclose(np.degrees(heading), [90, 90, 90, 90, 0])
     assert along_headings(np.zeros((4, 2))).tolist() == [0, 0, 0, 0]
-
-
-def test_joined_paths_are_continuous():
-    first = follow_line([(0, 0), (2, 0)], 2, facing=(0.0, math.radians(170)))
-    second = follow_line([(2, 0), (2, 4)], 4, facing=(math.radians(-170), math.radians(-90)))
-    both = join_targets([first, second])
-    assert both.measures == 6
-    np.testing.assert_allclose(both.place[2:], second.place)
-    assert np.degrees(both.heading[-1]) == pytest.approx(270.0)
-    assert np.abs(both.turns).max() < math.pi
-    with pytest.raises(ValueError, match="no paths"):
-        join_targets([])
 
 
 def test_smoothed_targets_keep_places():

@@ -123,7 +123,7 @@ def test_manual_values_override_found_reference() -> None:
     assert (anchor.first_beat_s, anchor.bpm, anchor.confidence) == (3.21, 118.0, 0.7)
     tempo = apply_manual(found, bpm=60.0)
     assert tempo is not None
-    assert (tempo.first_beat_s, tempo.bpm, tempo.period_s) == (1.2, 60.0, 1.0)
+    assert (tempo.first_beat_s, tempo.bpm) == (1.2, 60.0)
     assert apply_manual(None, bpm=60.0) is None
     assert apply_manual(None, anchor_s=0.0, bpm=60.0) is not None
 

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from live.library.step_folder import load_steps
+from live.library.step_folder import load_folder
 from live.motion import quaternion
 from live.motion.beats.dance_rhythm import find_rhythm
 from live.motion.beats.tempo_estimation import MAX_CONFIDENCE, estimate_tempo
@@ -21,7 +21,7 @@ STEPPED = ("walk", "mambo", "side step", "grapevine", "kick", "turn", "jump")
 
 
 def load_step(name: str) -> StepClip:
-    return next(clip for clip in load_steps(STEPS) if clip.step == name and not clip.mirrored)
+    return next(clip for clip in load_folder(STEPS) if clip.step == name and not clip.mirrored)
 
 
 def loop_step_at_tempo(
@@ -50,7 +50,7 @@ def tempo_error_modulo_octaves(bpm: float, truth: float) -> float:
     return float(abs(2.0 ** (octave - round(octave)) - 1.0))
 
 
-@pytest.mark.parametrize("name", sorted({clip.step for clip in load_steps(STEPS)}))
+@pytest.mark.parametrize("name", sorted({clip.step for clip in load_folder(STEPS)}))
 @pytest.mark.parametrize("bpm", [96.0, 124.0])
 def test_tempo_of_every_step_is_estimated(name: str, bpm: float) -> None:
     found = estimate_tempo(loop_step_at_tempo(load_step(name), bpm, scatter=0.015))

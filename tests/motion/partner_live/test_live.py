@@ -5,7 +5,7 @@ import numpy as np
 from live.motion.partner.decoder import Reading
 from live.motion.partner.evaluation import joint_positions
 from live.motion.partner.point_clouds import ends_cloud
-from live.motion.partner_live.live_partner import agreement, agreement_of
+from live.motion.partner_live.live_partner import agreement
 from live.motion.partner_live.online_decoder import OnlineDecoder
 from live.motion.partner_live.online_player import LivePartner
 from tests.motion.partner.test_answer import pair_of
@@ -84,4 +84,3 @@ def test_agreement_compares_units_at_their_middle() -> None:
     assert agreement(danced, offline, similar=near) == 0.5
     near[2, 1] = True
     assert agreement(danced, offline, similar=near) == 1.0
-    assert agreement_of(offline, offline) == 1.0

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.library.step_folder import load_steps
+from live.library.step_folder import load_folder
 from live.motion.clip import Clip
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.forward_kinematics import forward_kinematics
@@ -22,7 +22,7 @@ ANKLES, TOES = ([SKELETON.index(side + joint) for side in ("left", "right")] for
 @pytest.fixture(scope="module")
 def walk():
     """A sketched walk with a sideways drift of 0.3 m/s: its feet slide."""
-    clip = next(step.clip for step in load_steps(STEPS) if step.step == "walk" and step.direction == "long forward")
+    clip = next(step.clip for step in load_folder(STEPS) if step.step == "walk" and step.direction == "long forward")
     root = clip.root_position.copy()
     root[:, 0] += 0.3 * np.arange(clip.sample_count, dtype=np.float32) / clip.sample_rate
     return Clip(clip.name, root, clip.rotation.copy(), clip.sample_rate, clip.contact.copy())
@@ -72,7 +72,7 @@ def test_joint_accelerations_stay_bounded(walk):
 
 
 def test_clip_without_sliding_stays_unchanged():
-    clip = next(step.clip for step in load_steps(STEPS) if step.step == "walk" and step.direction == "long forward")
+    clip = next(step.clip for step in load_folder(STEPS) if step.step == "walk" and step.direction == "long forward")
     before, after = (forward_kinematics(c.root_position, c.rotation)[0] for c in (clip, lock_feet(clip)))
     assert np.abs(before - after).max() < 0.01
 

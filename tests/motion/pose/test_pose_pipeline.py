@@ -8,10 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from live.graph.mean_poses import mean_poses
 from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.pose.pipeline_kernels import INTO_NEXT, LOWER, NEXT, PRESENT, PRESENT_TAKE, UPPER, head_turn
-from live.motion.pose.pose_pipeline import ClipStore, PosePipeline, PoseSkeleton, mean_pose
+from live.motion.pose.pose_pipeline import ClipStore, PosePipeline, PoseSkeleton
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 SAMPLES = 24
@@ -56,6 +57,11 @@ def assert_pose(pipeline, row, pose, tolerance=1e-3):
     positions, rotations = forward_kinematics(pose[0][None], pose[1][None])
     assert pipeline.position[row] == pytest.approx(positions[0], abs=tolerance)
     assert np.abs((pipeline.rotation[row] * rotations[0]).sum(-1)) == pytest.approx(1.0, abs=1e-4)
+
+
+def mean_pose(rotation):
+    """The mean pose of a clip, as a motion graph knows it."""
+    return mean_poses(rotation, np.array([0]), np.array([len(rotation) - 1]))[0]
 
 
 @settings(max_examples=25, deadline=None)

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bench._step_metrics import StepMetrics
 from live.cli.bench import load_bench
-from live.motion.quality.metrics import StepMetrics
 from live.motion.step_clip import StepClip
 from tests.motion.editing.made_steps import sketched_step
 

@@ -76,6 +76,6 @@ def test_outline_is_kept_at_level_change_distance(outline, turns):
 
 def test_crowd_uses_only_tested_levels(gl_context):
     for count in (50, 1000):
-        quality = choose_quality(gl_context, count, None)
+        quality = choose_quality(gl_context, count)
         assert quality.far_from >= 12.0
         assert (quality.near_level, quality.far_level) in ((LIGHT, DISTANT), (HARDWARE.near_level, HARDWARE.far_level))

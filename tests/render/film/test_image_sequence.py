@@ -36,14 +36,6 @@ def test_every_picture_is_written_losslessly(tmp_path: Path, channels: int) -> N
             assert image.info["srgb"] == 0
 
 
-def test_repeated_picture_is_written_for_every_frame(tmp_path: Path) -> None:
-    with ImageSequenceWriter(tmp_path / "%d.png", size=SIZE, fps=25, alpha=True) as film:
-        film.write(noise(1), 3)
-        film.write(noise(2))
-    same = [(tmp_path / f"{number}.png").read_bytes() for number in (1, 2, 3, 4)]
-    assert same[0] == same[1] == same[2] != same[3]
-
-
 def test_sound_file_has_same_length_as_pictures(tmp_path: Path) -> None:
     music = np.linspace(-0.9, 0.9, 2000, dtype=np.float32)
     with ImageSequenceWriter(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from live.render.headless import FrameReader, OffscreenTarget
-from live.render.window.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors
+from live.render.window.monitors import Monitor, UnknownMonitor, find_monitor, list_monitors, pop_messages
 from live.render.window.window import CHECK_PERIOD, NoWindow, Window
 from live.render.window.window_input import (
     CloseRequested,
@@ -91,7 +91,7 @@ def test_fullscreen_window_covers_second_monitor(open_window: Open, stage_x: Two
     assert red_shares(stage_x) == (0.0, 1.0)
     assert glfw.get_input_mode(window._handle, glfw.CURSOR) == glfw.CURSOR_HIDDEN
     assert window.ctx.version_code >= 410
-    assert window.messages() == []
+    assert pop_messages() == []
 
 
 @pytest.mark.x11
@@ -163,7 +163,7 @@ def test_fullscreen_toggles_on_and_off(open_window: Open, stage_x: TwoMonitorX) 
     window.toggle_fullscreen()
     pump(window, window_is_at(window, 700, 50, 320, 200))
     assert glfw.get_input_mode(window._handle, glfw.CURSOR) == glfw.CURSOR_NORMAL
-    assert window.messages() == []
+    assert pop_messages() == []
 
 
 @pytest.mark.x11
@@ -292,8 +292,8 @@ def test_glfw_errors_are_collected_and_not_printed(open_window: Open, capfd: pyt
     window = open_window()
     for _ in range(3):
         glfw.set_window_attrib(window._handle, 0x7777, True)
-    (complaint,) = window.messages()
-    assert window.messages() == []
+    (complaint,) = pop_messages()
+    assert pop_messages() == []
     printed = capfd.readouterr()  # some graphics drivers print words of their own
     assert complaint.partition(" (GLFW")[0] not in printed.out + printed.err
     assert "GLFW" not in printed.out + printed.err

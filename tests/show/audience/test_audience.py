@@ -18,7 +18,7 @@ from live.show.state.snapshot import Snapshotter, restore
 from tests.show.made_show import GRAPH, PATCH, made_show
 
 REGIONS = '[audience]\nregions = ["stalls", "balcony"]\nvote_measures = 1\n'
-EAST = "500 0 1000 1"
+EAST = ((500, 0, 1000, 1),)
 
 
 class AudienceSession:
@@ -27,8 +27,8 @@ class AudienceSession:
     def __init__(self, extra=REGIONS):
         self.show, self.index, self.said = made_show(extra), 0, None
 
-    def send(self, kind, **values):
-        assert self.show.apply(kind(time=self.show.time, source="osc", **values)), self.show.refusals.last_reason
+    def send(self, event_type, **values):
+        assert self.show.apply(event_type(time=self.show.time, source="osc", **values)), self.show.refusals.last_reason
 
     def report(self, places=EAST, *, share=1000, **values):
         values = {"phones": 100, "order": self.show.audience.command_count, "share": share, "places": places} | values
@@ -54,7 +54,7 @@ class AudienceSession:
 def test_dancers_approach_gathering_points_and_leave_repulsors():
     coming, going, alone = AudienceSession(), AudienceSession(), AudienceSession()
     coming.run(4, places=EAST)
-    going.run(4, places="0 0 1000 2")
+    going.run(4, places=((0, 0, 1000, 2),))
     alone.run(4)
     assert coming.mean_distance() < alone.mean_distance() - 1.0
     assert going.mean_distance(0.0, 0.0) > alone.mean_distance(0.0, 0.0) + 0.2
@@ -66,7 +66,7 @@ def test_dancers_approach_gathering_points_and_leave_repulsors():
 
 def test_close_and_mute_act_within_one_tick_and_stale_reports_are_ignored():
     session = AudienceSession()
-    session.run(1, places=EAST, lights="7 500 0 300 1")
+    session.run(1, places=EAST, lights=((7, 500, 0, 300, 1),))
     stale = session.show.audience.command_count
     session.send(events.MuteAudience, on=True)
     session.run(1 / 128)
@@ -97,34 +97,34 @@ def test_operator_gain_and_attractor_override_audience_strength():
     }  # as many voices as are needed for all of the force
     session.send(events.SetAudienceGain, gain=0.5)
     assert session.active_elements() == {PARTICIPANT: pytest.approx(2.0)}
-    session.send(events.Attract, x=-5.0, z=0.0)
+    session.send(events.PlaceElement, kind="attract", points=((-5.0, 0.0),))
     session.run(0.5, places=EAST)
     assert session.active_elements()[PARTICIPANT] == pytest.approx(2.0 * LED_GAIN)
 
 
 def test_moved_places_keep_elements_and_may_change_kind():
     session = AudienceSession()
-    session.run(0.5, places="500 0 1000 1,-300 0 500 1")
-    session.report("520 0 1000 1,0 0 0 1,100 100 400 2")
+    session.run(0.5, places=((500, 0, 1000, 1), (-300, 0, 500, 1)))
+    session.report(((520, 0, 1000, 1), (0, 0, 0, 1), (100, 100, 400, 2)))
     beat = session.show.timeline.beat_at(session.show.time)
     there = {e.source: (e.x, e.table_kind, e.level(beat) > 0.5) for e in session.show.motion.elements.in_force}
     assert there["audience 1"] == (pytest.approx(5.2), PARTICIPANT, True)  # the element continues without a new fade-in
     assert there["audience 3"][:2] == (1.0, REPULSOR)
-    session.report("520 0 1000 2")
+    session.report(((520, 0, 1000, 2),))
     session.run(1)
     assert set(session.active_elements()) == {REPULSOR}
 
 
 def test_lights_follow_phones_and_fade_while_banned_lights_vanish():
     session = AudienceSession()
-    session.run(0.5, lights="7 500 0 300 1,8 -500 100 600 2")
+    session.run(0.5, lights=((7, 500, 0, 300, 1), (8, -500, 100, 600, 2)))
     view = session.show.view()
     session.show.fill(view, session.show.time)
     assert view.light_count == 2
     by_hue = {round(float(row[2]), 1): row for row in view.light[:2]}
     np.testing.assert_allclose(by_hue[0.3], (5.0, 0.0, 0.3, 1.0, 0.0), atol=0.01)
     np.testing.assert_allclose(by_hue[0.6], (-5.0, 1.0, 0.6, 1.0, 1.0), atol=0.01)
-    session.report(lights="7 400 0 300 1")
+    session.report(lights=((7, 400, 0, 300, 1),))
     session.run(1 / 128)
     rows = {row[0]: row[1] for row in session.show.audience.facts()["lights"]}
     assert 4.0 < rows[7] < 5.0
@@ -134,10 +134,10 @@ def test_lights_follow_phones_and_fade_while_banned_lights_vanish():
     session.send(events.BanPhone, number=7)
     session.run(1 / 128)
     assert session.show.audience.facts()["lights"] == []
-    session.report(lights="7 400 0 300 1")
+    session.report(lights=((7, 400, 0, 300, 1),))
     assert session.show.audience.facts()["lights"] == []
     session.send(events.BanPhone, number=0, on=False)
-    session.report(lights="7 400 0 300 1")
+    session.report(lights=((7, 400, 0, 300, 1),))
     assert session.show.audience.facts()["lights"] != []
 
 
@@ -164,8 +164,8 @@ def test_vote_winner_is_called_at_measure_line_and_seed_breaks_ties():
     session = AudienceSession()
     session.send(events.AskVote, what="step", first="SPIN", second="sway")
     order = session.show.audience.command_count
-    session.report(votes="1 100 250", order=order)
-    session.report(votes="9 900 0", order=order)  # of another vote
+    session.report(votes=(1, 100, 250), order=order)
+    session.report(votes=(9, 900, 0), order=order)  # of another vote
     session.run(1)
     assert session.show.audience.vote is not None
     session.run(1)
@@ -190,22 +190,22 @@ def test_vote_winner_is_called_at_measure_line_and_seed_breaks_ties():
 
 def test_many_shaken_phones_spread_dancers():
     session = AudienceSession()
-    session.run(0.25, places="-", share=0, shaken=200)
+    session.run(0.25, places=(), share=0, shaken=200)
     assert not session.show.motion.elements.has_source("audience shakes")
-    session.run(0.25, places="-", share=0, shaken=700)
+    session.run(0.25, places=(), share=0, shaken=700)
     assert session.show.motion.elements.has_source("audience shakes")
 
 
 def test_journal_and_snapshots_contain_audience_and_invalid_reports_are_ignored():
     event = events.AudienceHeard(
-        time=1.5, source="audience", phones=3, order=2, share=500, places=EAST, lights="-", votes="1 0 100"
+        time=1.5, source="audience", phones=3, order=2, share=500, places=EAST, lights=(), votes=(1, 0, 100)
     )
     assert event_from_json(event_to_row(event)) == event
     session = AudienceSession()
-    session.run(1.1, places=EAST, lights="7 500 0 300 1")
+    session.run(1.1, places=EAST, lights=((7, 500, 0, 300, 1),))
     session.send(events.AskVote, what="step", first="spin", second="sway")
-    for rubbish in ("x", "1 2", "1,2,3", "9" * 400, "1 2 3 4 5 6", ",,,", "nan 0 1 1", "1e9 0 0 0", "-1 -1 -1 -1 -1"):
-        session.report(rubbish, lights=rubbish, votes=rubbish)
+    for row in ((0, 0, 0, 0), (-1, -1, -1, -1), (1 << 40, -(1 << 40), 1 << 40, 9)):
+        session.report((row,) * 99, lights=((0, *row),) * 99, votes=(-1, *row))
     session.report()
     source = Snapshotter(session.show)
     while (taken := source.capture(session.index)) is None:

@@ -7,7 +7,7 @@ from live.clock.ticks import TICK
 from live.control.events import events
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
-from live.library.step_folder import load_steps
+from live.library.step_folder import load_folder
 from live.motion.pose.hand_hold import ARM_JOINTS, LEFT, NOBODY
 from live.motion.pose.hand_hold_kernels import PALM
 from live.motion.quaternion import rotate
@@ -48,14 +48,19 @@ size = [8.0, 1.0]
 @pytest.fixture(scope="module")
 def graph():
     """A graph of all walks and their mirror images."""
-    return build_graph(build_library([clip for clip in load_steps(STEPS) if clip.step == "walk"]), threshold=0.16)
+    return build_graph(build_library([clip for clip in load_folder(STEPS) if clip.step == "walk"]), threshold=0.16)
 
 
 def script():
     """A scene that travels and turns: attractors at several places and changed headings."""
     places = [(-3.0, 1.0), (3.0, -1.5), (0.0, 2.0), (2.5, 2.0)]
     for n, (x, z) in enumerate(places):
-        yield n * 8.0, events.Attract(time=n * 8.0, source="test", x=x, z=z, strength=0.7, measures=3.0)
+        yield (
+            n * 8.0,
+            events.PlaceElement(
+                time=n * 8.0, source="test", kind="attract", points=((x, z),), strength=0.7, measures=3.0
+            ),
+        )
     for n, degrees in enumerate((60, -45, 150)):
         yield 4.0 + n * 9.0, events.SetFacing(time=0.0, source="test", facing=str(degrees), group="couples")
 

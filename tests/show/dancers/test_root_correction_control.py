@@ -59,7 +59,7 @@ def run(show, measures, act=None, each=None):
 
 
 def attract(tick, x, z):
-    return {tick: events.Attract(time=tick * TICK, source="test", x=x, z=z, measures=8.0)}
+    return {tick: events.PlaceElement(time=tick * TICK, source="test", kind="attract", points=((x, z),), measures=8.0)}
 
 
 def test_gathering_and_crossing_dancers_do_not_touch():
@@ -71,7 +71,7 @@ def test_gathering_and_crossing_dancers_do_not_touch():
         np.fill_diagonal(apart, np.inf)
         nearest.append(apart.min())
 
-    cross = events.PlaceElement(time=8.0, source="test", kind="cross", points="0 -3, 0 3", measures=4.0)
+    cross = events.PlaceElement(time=8.0, source="test", kind="cross", points=((0.0, -3.0), (0.0, 3.0)), measures=4.0)
     run(show, 9, {**attract(64, -2.0, 1.0), 8 * 64: cross}, look)
     assert min(nearest) > 2 * 0.25
     stood = show.scheduler.root_correction.statistics()["groups"]["all"]
@@ -121,7 +121,9 @@ def changed_within(obedience, extra=""):
     start = round(show.time / TICK)
     for tick in range(start + 1, start + SIZE // 2 + 8):
         if tick == start + 2:
-            show.apply(events.Attract(time=show.time, source="test", x=3.5, z=2.5, measures=4.0))
+            show.apply(
+                events.PlaceElement(time=show.time, source="test", kind="attract", points=((3.5, 2.5),), measures=4.0)
+            )
         show.tick(tick * TICK)
     assert not show.dancers.decided
     return np.hypot(*(show.dancers.present.correction[:, :2] - before).T), show.variation.delays

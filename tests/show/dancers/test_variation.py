@@ -196,7 +196,7 @@ def rotations(field, value):
     group = show.patch.group[0].name.upper()
     show.apply(events.SetParameter(address=MOTION_PREFIX + field, value=(value,), group=group, **STAMP))
     for section, z in zip(show.patch.group, (APART, 0.0, -APART), strict=True):
-        show.apply(events.Attract(x=3.0, z=z - 0.75, group=section.name.upper(), **STAMP))
+        show.apply(events.PlaceElement(kind="attract", points=((3.0, z - 0.75),), group=section.name.upper(), **STAMP))
     view, frames = show.view(), []
     for tick in range(1, 64 * 8):
         show.tick(tick * TICK)

@@ -9,6 +9,7 @@ from live.show.journal.motion_report import MotionReport
 from live.show.loader import load_from_patch, load_show
 from live.show.patch.patch_reader import read_patch
 from live.show.patch.patch_search_path import find_patch
+from tests.fixtures.hips import hips as hips_at
 
 EXPERIMENTS = ("samba", "tap", "contemporary", "ballet")
 MEASURES = {"samba": 20, "tap": 52, "contemporary": 22, "ballet": 20}
@@ -57,7 +58,7 @@ def _at_line(show):
     on = show.motion.present
     _, wanted, _ = show.motion.evolutions.target(show.span.number * show.timeline.beats_per_measure)
     heading = show.dancers.present.begin_heading()[on]
-    return show.dancers.hips(0.0)[on], wanted[on], heading, show.state.position[on], show.state_hash()
+    return hips_at(show.dancers, 0.0)[on], wanted[on], heading, show.state.position[on], show.state_hash()
 
 
 def _degrees(angle):

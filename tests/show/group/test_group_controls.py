@@ -121,7 +121,7 @@ def test_attractor_releases_its_group_from_formation():
     show.apply(make_event(events.Evolve, show, formation="circle", measures=1.0))
     run(show, 4.0)
     circle = show.state.position.copy()
-    show.apply(make_event(events.Attract, show, x=4.0, z=-3.0, measures=4.0, group="back"))
+    show.apply(make_event(events.PlaceElement, show, kind="attract", points=((4.0, -3.0),), measures=4.0, group="back"))
     run(show, 8.0)
     assert np.hypot(*(show.state.position[:5] - circle[:5]).T).max() < 0.3
     near, before = (np.hypot(*(places[5:] - (4.0, -3.0)).T) for places in (show.state.position, circle))
@@ -132,7 +132,7 @@ def test_crossing_moves_all_dancers_to_other_side():
     show = made_show()
     run(show, 1.0)
     side = np.sign(show.state.position[:, 1])
-    show.apply(make_event(events.PlaceElement, show, kind="cross", points="-1 0, 1 0", measures=12.0))
+    show.apply(make_event(events.PlaceElement, show, kind="cross", points=((-1.0, 0.0), (1.0, 0.0)), measures=12.0))
     run(show, 24.0)
     assert (np.sign(show.state.position[:, 1]) == -side).all()
 
@@ -164,7 +164,7 @@ def test_dancers_enter_and_leave_through_gates_at_measure_lines():
 def test_agents_avoid_obstacles_and_lost_performers_are_removed():
     show = made_show()
     show.apply(make_event(events.PlaceObstacle, show, name="box", x=0.0, z=0.0, radius=1.0))
-    show.apply(make_event(events.Attract, show, x=0.0, z=0.0, measures=12.0))
+    show.apply(make_event(events.PlaceElement, show, kind="attract", points=((0.0, 0.0),), measures=12.0))
     nearest = []
     run(show, 12.0, lambda s: nearest.append(np.hypot(*s.state.position.T).min()))
     assert min(nearest[64:]) >= 1.25 - 0.01
@@ -180,12 +180,19 @@ def test_agents_avoid_obstacles_and_lost_performers_are_removed():
     ("event", "words"),
     [
         (
-            lambda s: make_event(events.Attract, s, x=0.0, z=0.0, group="nobody"),
+            lambda s: make_event(events.PlaceElement, s, kind="attract", points=((0.0, 0.0),), group="nobody"),
             "no group and no dancer is called 'nobody'",
         ),
-        (lambda s: make_event(events.Attract, s, x=0.0, z=0.0, group="front &"), "group 'front &'"),
-        (lambda s: make_event(events.PlaceElement, s, kind="cross", points="0 0"), "cross: its line has no length"),
-        (lambda s: make_event(events.PlaceElement, s, kind="path", points="a b"), "points 'a b' are none"),
+        (
+            lambda s: make_event(events.PlaceElement, s, kind="attract", points=((0.0, 0.0),), group="front &"),
+            "group 'front &'",
+        ),
+        (
+            lambda s: make_event(events.PlaceElement, s, kind="cross", points=((0.0, 0.0),)),
+            "cross: its line has no length",
+        ),
+        (lambda s: make_event(events.PlaceElement, s, kind="path", points=()), "path: 0 points"),
+        (lambda s: make_event(events.Travel, s, points=()), "a path needs points"),
         (lambda s: make_event(events.PlaceElement, s, kind="storm"), "no element is called 'storm'"),
         (lambda s: make_event(events.PlaceElement, s, kind="follow", whom="99"), "no dancer has the number 99"),
         (lambda s: make_event(events.Evolve, s, formation="blob"), "unknown formation"),
@@ -249,11 +256,13 @@ def run_script(show):
     script = {
         100: make_event(events.Evolve, show, formation="star", measures=2.0, ripple=2.0),
         260: make_event(events.Enter, show, count=2.0),
-        300: make_event(events.PlaceElement, show, kind="cross", points="0 -1, 0 1", group="front"),
+        300: make_event(events.PlaceElement, show, kind="cross", points=((0.0, -1.0), (0.0, 1.0)), group="front"),
         420: make_event(events.PlaceObstacle, show, name="box", x=1.0, z=0.0),
-        500: make_event(events.Voice, show, x=2.0, z=1.0),
+        500: make_event(
+            events.PlaceElement, show, kind="attract", points=((2.0, 1.0),), measures=2.0, fair=True, drag=True
+        ),
         640: make_event(events.Regroup, show, dancers="left", group="back"),
-        700: make_event(events.Travel, show, points="0 0, 1 1, 2 0", measures=2.0, single_file=True),
+        700: make_event(events.Travel, show, points=((0.0, 0.0), (1.0, 1.0)), measures=2.0, single_file=True),
         800: make_event(events.PlaceElement, show, kind="follow", whom="2", group="back"),
         900: make_event(events.Leave, show, dancers="3-4"),
         1000: make_event(events.Clear, show),

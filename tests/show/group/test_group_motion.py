@@ -35,7 +35,11 @@ to = [0, 1]
 def test_stage_view_contains_elements_obstacles_and_walls():
     show = made_show(SET)
     show.apply(events.Performer(time=0.0, source="camera", name="Ana", x=4.0, z=3.0))
-    show.apply(events.Voice(time=0.0, source="phone", x=1.5, z=-0.5))
+    show.apply(
+        events.PlaceElement(
+            time=0.0, source="phone", kind="attract", points=((1.5, -0.5),), measures=2.0, fair=True, drag=True
+        )
+    )
     for tick in range(1, 65):
         show.tick(tick * TICK)
     view = StageView.allocate(9, JOINT_COUNT)
@@ -59,7 +63,11 @@ def test_agents_respond_smoothly_to_attractor_within_two_ticks():
     velocities = []
     for tick in range(1, 400):
         if tick == 300:
-            shows[1].apply(events.Attract(time=shows[1].time, source="test", x=5.0, z=-2.0, measures=2.0))
+            shows[1].apply(
+                events.PlaceElement(
+                    time=shows[1].time, source="test", kind="attract", points=((5.0, -2.0),), measures=2.0
+                )
+            )
         for show in shows:
             show.tick(tick * TICK)
         velocities.append([show.state.velocity.astype(np.float64) for show in shows])

@@ -110,7 +110,7 @@ def test_motion_holds_when_tempo_jumps_stops_and_doubles(show):
         470: lambda at: events.SetTempo(time=at, source="test", tempo=60.0),
         500: lambda at: events.SetTempo(time=at, source="test", tempo=180.0),
         540: lambda at: events.SourceChanged(time=at, source="midi", state="stopped"),
-        600: lambda at: events.Attract(time=at, source="test", x=3.0, z=1.0),
+        600: lambda at: events.PlaceElement(time=at, source="test", kind="attract", points=((3.0, 1.0),)),
     }
     recorder = MotionRecorder(show)
     tempi = []
@@ -135,7 +135,15 @@ def test_motion_holds_when_500_attractors_change_each_tick(show):
     def act(tick):
         for phone, (x, z) in enumerate(chance.uniform(-20.0, 20.0, (500, 2)).tolist()):
             show.apply(
-                events.Attract(time=show.time, source=f"phone {phone}", x=x, z=z, measures=1.0, drag=True, strength=5.0)
+                events.PlaceElement(
+                    time=show.time,
+                    source=f"phone {phone}",
+                    kind="attract",
+                    points=((x, z),),
+                    measures=1.0,
+                    drag=True,
+                    strength=5.0,
+                )
             )
 
     recorder.run(2.5, act)
@@ -147,7 +155,7 @@ def test_motion_holds_when_dancers_leave_mid_step_and_enter(show):
     """Leaving dancers walk to a gate and disappear; other dancers are not disturbed."""
     recorder = MotionRecorder(show)
     recorder.run(1.3)
-    show.apply(events.Attract(time=show.time, source="test", x=-2.0, z=0.0))
+    show.apply(events.PlaceElement(time=show.time, source="test", kind="attract", points=((-2.0, 0.0),)))
     show.apply(events.Leave(time=show.time, source="test", dancers="3 + 7"))
     recorder.run(0.7)
     show.apply(events.Enter(time=show.time, source="test", count=2))
@@ -191,7 +199,9 @@ def test_dancers_are_not_corrected_through_walls_or_into_obstacles(loaded):
         recorder.run(4.0)
         begun = len(recorder.positions)
         for x, z in ((3.0, 1.0), (-3.5, -1.0), (3.0, 0.3), (-3.5, 1.0)):
-            show.apply(events.Attract(time=show.time, source="test", x=x, z=z, measures=2.0))
+            show.apply(
+                events.PlaceElement(time=show.time, source="test", kind="attract", points=((x, z),), measures=2.0)
+            )
             recorder.run(4.4)
         hips = np.array(recorder.positions)[begun:, :12, 0][..., (0, 2)]
         into_box = 0.7 + 0.25 - np.hypot(*np.moveaxis(hips, -1, 0))
@@ -214,7 +224,7 @@ def resize_stage(show, width, depth):
 def test_dancers_walk_inside_when_stage_shrinks(show, formation):
     """Dancers outside walk in with planted feet, and dancers that are inside stay inside."""
     recorder = MotionRecorder(show)
-    show.apply(events.Spread(time=0.0, source="test"))
+    show.apply(events.PlaceElement(time=0.0, source="test", kind="spread"))
     if formation:
         show.apply(events.Evolve(time=0.0, source="test", formation="circle", measures=2.0))
     recorder.run(6.0)
@@ -240,7 +250,7 @@ def test_dancers_walk_inside_when_stage_shrinks(show, formation):
 def test_motion_holds_when_stage_size_changes_repeatedly(show):
     """Sizes change faster than walking speed: all dancers stay within the largest of them."""
     chance, recorder = np.random.default_rng(4), MotionRecorder(show)
-    show.apply(events.Spread(time=0.0, source="test", measures=16.0))
+    show.apply(events.PlaceElement(time=0.0, source="test", kind="spread", measures=16.0))
 
     def act(tick):
         if tick % 16 == 0:
@@ -280,7 +290,7 @@ def test_motion_holds_at_slowest_and_fastest_tempo(loaded):
     for tempo in (40.0, 240.0):
         show = assemble(loaded.patch, loaded.graph, tempo=tempo)
         recorder = MotionRecorder(show)
-        show.apply(events.Attract(time=0.0, source="test", x=3.0, z=-2.0, measures=2.0))
+        show.apply(events.PlaceElement(time=0.0, source="test", kind="attract", points=((3.0, -2.0),), measures=2.0))
         recorder.run(5.0)
         assert math.isclose(show.timeline.tempo, tempo, rel_tol=1e-6)
         recorder.check_all()

@@ -47,7 +47,13 @@ class JournaledShow:
         until = self.show.span.number + measures
         while self.show.span.number < until:
             if self.tick % self.every == 0:
-                event = events.Attract(time=self.tick * TICK, source="osc", x=self.tick % 7 - 3.0, z=0.5, measures=1.0)
+                event = events.PlaceElement(
+                    time=self.tick * TICK,
+                    source="osc",
+                    kind="attract",
+                    points=((self.tick % 7 - 3.0, 0.5),),
+                    measures=1.0,
+                )
                 self.writer.record_event(self.tick, event)
                 self.show.apply(event)
             self.tick += 1

@@ -7,6 +7,8 @@ import pytest
 from live.base.event_queue import EventQueue
 from live.clock.time_source import ManualClock
 from live.control.events import events
+from live.control.events.audience import VoiceLight, VoicePlace
+from live.control.events.elements import Points
 from live.control.events.event_json import event_from_json, event_to_json, field_types
 from live.show.engine import Engine
 from live.show.journal.journal import JournalError, JournalWriter, read_journal
@@ -22,14 +24,14 @@ def record_show(path, seconds=17.0, fps=50):
     status = Status(show, rejected=dict, memory=lambda: 0.0)
     engine = Engine(show, clock=clock, inbox=inbox, status=status, journal=writer)
     script = {
-        100: events.Attract(time=2.0, source="osc", x=0.1 + 0.2, z=1 / 3, strength=0.7),
+        100: events.PlaceElement(time=2.0, source="osc", kind="attract", points=((0.1 + 0.2, 1 / 3),), strength=0.7),
         150: events.Tap(time=3.01, source="key"),
         180: events.Tap(time=3.53, source="key"),
         205: events.Tap(time=4.04, source="key"),
         300: events.One(time=6.0, source="key"),
         400: events.CallStep(time=8.0, source="osc", name="spin"),
         500: events.BeatHeard(time=10.0, source="audio", beat_time=9.9, period=0.51, confidence=0.8),
-        600: events.Spread(time=12.0, source="osc"),
+        600: events.PlaceElement(time=12.0, source="osc", kind="spread"),
         620: events.SetParameter(time=12.4, source="osc", address="/dance/motion/warp", value=(0.4,), group="*"),
         640: events.SetParameter(
             time=12.8, source="osc", address="/dance/motion/warp_sequence", value=(1.0,), group="front"
@@ -72,9 +74,9 @@ def test_replay_detects_changed_event(tmp_path):
     record_show(path, seconds=6.0)
     rows = path.read_text().splitlines()
     for number, row in enumerate(rows):
-        if '"Attract"' in row:
+        if '"PlaceElement"' in row:
             value = json.loads(row)
-            value["event"]["x"] += 1e-3
+            value["event"]["points"][0][0] += 1e-3
             rows[number] = json.dumps(value)
     path.write_text("\n".join(rows) + "\n")
     result = replay(made_show(), read_journal(path))
@@ -139,10 +141,14 @@ def test_each_event_survives_json_round_trip_exactly():
             "x": 0.1 + 0.2, "z": -1e-17, "name": "pas de bourrée", "tempo": 100 / 3, "on": True, "beat_time": 1 / 7,
             "period": 0.3, "confidence": 1.0, "state": "lost", "count": 3,
             "parameter": "amount", "value": 2 / 7, "group": "front", "steps": "a, é x2, *",
-            "clips": "a\nb", "library": "0f", "kind": "flow", "formation": "star:6", "points": "0 1, 2 3",
+            "clips": "a\nb", "library": "0f", "kind": "flow", "formation": "star:6",
             "gate": "left", "dancers": "ember & left", "x2": 1e300, "z2": 5e-324, "strength": -1 / 3,
         }  # fmt: skip
-        kinds = {float: 0.1 + 0.7, str: "é", bool: True, int: 7, tuple[float, ...]: (2 / 7, -1e-17)}
+        kinds = {
+            float: 0.1 + 0.7, str: "é", bool: True, int: 7, tuple[float, ...]: (2 / 7, -1e-17),
+            Points: ((2 / 7, -1e-17), (0.0, 1.0)), tuple[VoicePlace, ...] | None: ((1, -2, 3, 2),),
+            tuple[VoiceLight, ...] | None: (), tuple[int, ...] | None: (7, 0, 100),
+        }  # fmt: skip
         fields = {
             key: kinds[kind] if kind not in (float, str) else values.get(key, kinds[kind])
             for key, kind in field_types(name).items()
@@ -202,6 +208,17 @@ def test_rows_are_read_by_columns_in_journal_header(tmp_path):
         list(read_journal(path).lines)
 
 
+def old_form(event):
+    """An event as journals of format 1 and 2 had it."""
+    if event["type"] == "PlaceElement" and event["kind"] in ("attract", "spread"):
+        kept = {key: event[key] for key in ("time", "source", "measures", "group", "next")}
+        x, z = event["points"][0]
+        return {**kept, "type": "Spread"} if event["kind"] == "spread" else {
+            **kept, "type": "Attract", "x": x, "z": z, "strength": event["strength"], "drag": event["drag"],
+        }  # fmt: skip
+    return event
+
+
 def test_journal_of_format_1_is_read(tmp_path):
     path = tmp_path / "a.jsonl"
     record_show(path, seconds=6.0)
@@ -209,7 +226,7 @@ def test_journal_of_format_1_is_read(tmp_path):
     rows[0] = {"journal": 1, "seed": 3}
     for row in rows[1:]:
         if "event" in row:
-            row["event"] = event_to_json(event_from_json(row["event"]))
+            row["event"] = old_form(event_to_json(event_from_json(row["event"])))
     path.write_text("".join(json.dumps(row) + "\n" for row in rows))
     result = replay(made_show(), read_journal(path))
     assert result.measures >= 2

@@ -27,12 +27,12 @@ from tests.show.made_show import GRAPH, PATCH
 
 MADE = LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH)
 SCRIPT = {
-    40: events.Attract(time=0.8, source="osc", x=1.0, z=0.5, measures=3.0),
+    40: events.PlaceElement(time=0.8, source="osc", kind="attract", points=((1.0, 0.5),), measures=3.0),
     150: events.SetParameter(time=3.0, source="osc", address="/dance/motion/warp", value=(0.4,), group="*"),
     260: events.Evolve(time=5.2, source="osc", formation="circle", group="front", measures=2.0),
     330: events.StepNow(time=6.6, source="osc", name="spin", group="back"),
     470: events.One(time=9.4, source="key"),
-    560: events.Spread(time=11.2, source="osc"),
+    560: events.PlaceElement(time=11.2, source="osc", kind="spread"),
     650: events.SetTempo(time=13.0, source="osc", tempo=128.0),
 }
 

@@ -44,6 +44,7 @@ class JournaledShow:
             offer=self.show.hot_swap.offer_graph,
             post=self.inbox.put,
             now=self.clock.now,
+            read=self.loaded.clips,
         )
         self._frame = 0
 

@@ -5,6 +5,7 @@ import pytest
 
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import find_patch
+from tests.fixtures.hips import hips
 
 STANDING = {4: "letters", 12: "star", 20: "spiral", 25: "scattered", 31: "halves"}
 MEASURES = 38
@@ -22,7 +23,7 @@ def measure_lines():
             assert under[on].all()
             apart = np.hypot(*(show.state.position[on][:, None] - show.state.position[on][None]).transpose(2, 0, 1))
             np.fill_diagonal(apart, np.inf)
-            measure_lines[show.span.number] = show.dancers.hips(0.0)[on], wanted[on], apart.min()
+            measure_lines[show.span.number] = hips(show.dancers, 0.0)[on], wanted[on], apart.min()
     return measure_lines
 
 

@@ -10,7 +10,7 @@ from live.base.picture_parameters import LEVEL
 from live.control.events import events
 from live.control.events.events import GiveCue, PatchChanged
 from live.show.journal.journal import read_journal
-from live.show.journal.replay import fresh_show, load_journal, replay, run_from, start_before
+from live.show.journal.replay import first_start, load_journal, replay, run_from, start_before
 from live.show.patch.hot_reload import PatchWatch
 from tests.show.patch import edited_night
 from tests.show.patch.edited_night import STEPS, write_patch_folder
@@ -54,7 +54,7 @@ class WatchedShow(edited_night.JournaledShow):
         """The result of a replay from the journal alone."""
         self.writer.close(self.engine.ticks.index)
         journal = read_journal(self.journal)
-        return replay(fresh_show(journal), journal)
+        return replay(first_start(journal, load_journal(journal)).show, journal)
 
 
 def test_edited_steps_are_danced_in_the_next_measure(patch):

@@ -54,7 +54,7 @@ def test_score_signal_triggers_reactions_now_at_beat_or_measure(monkeypatch):
     show = made_show('[[signal]]\nname = "hit"\nmeasure = 1\nbeat = 2.5\n' + reacts)
     acted = record_events(show, monkeypatch)
     run(show, 3)
-    assert [(tick, event.x) for tick, event in acted if isinstance(event, events.Attract)] == [
+    assert [(tick, event.points[0][0]) for tick, event in acted if isinstance(event, events.PlaceElement)] == [
         (48, 0.0), (64, 1.0), (128, 2.0),
     ]  # fmt: skip
     assert show.score_runner.signals == {"hit": 1}
@@ -105,7 +105,9 @@ def test_jump_ends_score_elements_and_keeps_live_elements():
         '[[element]]\nkind = "spread"\nsection = "a"\nmeasure = 2\nmeasures = 6\n'
     )
     at = {
-        200: lambda time: events.Attract(time=time, source="osc", x=1.0, z=1.0, measures=20.0),
+        200: lambda time: events.PlaceElement(
+            time=time, source="osc", kind="attract", points=((1.0, 1.0),), measures=20.0
+        ),
         300: lambda time: events.JumpTo(time=time, source="osc", section="b"),
     }
     run(show, 5.9, at=at)

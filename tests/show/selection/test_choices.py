@@ -119,7 +119,7 @@ def test_targets_stay_within_reach_and_report_suggests_recording():
 def planned_end_errors(seconds=16.0):
     """Distance of uncorrected measure ends from the dancers' targets, decision by decision [m]."""
     show, found, seen = made_show(), [], set()
-    show.apply(events.Attract(x=2.7, z=1.3, measures=30.0, **STAMP))
+    show.apply(events.PlaceElement(kind="attract", points=((2.7, 1.3),), measures=30.0, **STAMP))
 
     def look():
         if show.dancers.decided and show.span.number not in seen:

@@ -7,9 +7,9 @@ import pytest
 
 from live.control.events import events
 from live.show.journal.journal import read_journal
-from live.show.journal.replay import ReplayError, fresh_show, replay
+from live.show.journal.replay import ReplayError, first_start, load_journal, replay
 from live.show.loader import load_show
-from live.show.selection.library_watch import LibraryWatch, same_clip
+from live.show.selection.library_watch import same_clip
 from tests.show.patch.edited_night import STEPS, JournaledShow, write_patch_folder
 
 PATCH = """
@@ -31,6 +31,11 @@ steps = ["groove"]
 def patch(tmp_path):
     """A show with a folder of two steps of its own; others come from the project, under other names."""
     return write_patch_folder(tmp_path, PATCH)
+
+
+def fresh_show(journal):
+    """A fresh show of the journal's patch, steps and seed."""
+    return first_start(journal, load_journal(journal)).show
 
 
 def add_step(patch, name="new bow"):
@@ -110,13 +115,6 @@ def test_steps_event_without_clips_is_refused(patch):
     assert "do not exist" in night.show.refusals.last_reason
 
 
-def test_watch_thread_starts_and_stops_twice(patch):
-    night = JournaledShow(patch)
-    night.library.start()
-    night.library.stop()
-    night.library.stop()
-
-
 def test_project_steps_are_not_watched():
     from live.show.patch.patch_search_path import DEFAULT_PATCH
 
@@ -136,18 +134,7 @@ def test_journal_with_changed_steps_is_refused(patch):
 
 
 class FullLibraryShow(JournaledShow):
-    """A journaled show whose watch reads the whole library."""
-
-    def __init__(self, patch):
-        super().__init__(patch)
-        self.library = LibraryWatch(
-            self.loaded.steps_folder,
-            self.show.graph,
-            offer=self.show.hot_swap.offer_graph,
-            post=self.inbox.put,
-            now=self.clock.now,
-            read=self.loaded.clips,
-        )
+    """A journaled show whose folder of steps is polled until it is read."""
 
     def look(self):
         self.library.poll()

@@ -71,7 +71,7 @@ def test_standing_dancer_keeps_her_last_path_heading():
 @pytest.mark.parametrize("words", ["centre", "attractor", "dancer 7", "group back", " BACK "])
 def test_dancer_faces_the_named_target(words):
     show = made_show()
-    show.apply(events.Attract(x=-2.0, z=-3.0, measures=8.0, **STAMP))
+    show.apply(events.PlaceElement(kind="attract", points=((-2.0, -3.0),), measures=8.0, **STAMP))
     show.tick(TICK)
     set_facing(show, words, group="front")
     wish = show.state.position.astype(np.float64)

@@ -177,7 +177,7 @@ def test_late_downbeat_is_announced_at_same_position_for_any_step():
     music = synthesize_song(64.0, 32.0, 33.0, rate=16000)
     told = []
     for step in (0.1, 33.0):
-        offline, found = OfflineMusic(music, one_at=32.0, loop=False), []
+        offline, found = OfflineMusic(music, one_at=32.0), []
         for turn in range(1, int(33.0 / step) + 1):
             found += [(turn * step, event) for event in offline.events_until(turn * step)]
         place = next(place for place, (_, event) in enumerate(found) if isinstance(event, events.One))

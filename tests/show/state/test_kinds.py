@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from live.control.events import events
+from live.control.events.elements import Points
 from live.control.events.event_json import field_types
 from live.rehearse.soak_test import SoakOptions, SoakTest
 from live.show.loader import LoadedShow
@@ -199,6 +200,6 @@ def test_events_are_kinds_by_their_journal_names():
 def _values(cls):
     from dataclasses import MISSING, fields
 
-    usual = {float: 0.0, int: 0, str: "", bool: False, tuple[float, ...]: ()}
+    usual = {float: 0.0, int: 0, str: "", bool: False, tuple[float, ...]: (), Points: ()}
     kinds = field_types(cls.__name__)
     return {each.name: usual[kinds[each.name]] for each in fields(cls) if each.default is MISSING}

@@ -19,19 +19,21 @@ from tests.show.made_show import GRAPH, PATCH
 
 MADE = LoadedShow(Path("test.toml"), parse_patch(PATCH.replace("reserve = 0", "reserve = 2"), "test.toml"), GRAPH)
 SCRIPT = {
-    20: events.Attract(time=0.3, source="osc", x=1.0, z=0.5, measures=3.0),
+    20: events.PlaceElement(time=0.3, source="osc", kind="attract", points=((1.0, 0.5),), measures=3.0),
     150: events.Tap(time=2.34, source="key"),
     182: events.Tap(time=2.85, source="key"),
     215: events.Tap(time=3.36, source="key"),
     230: events.SetParameter(time=3.5, source="osc", address="/dance/motion/warp", value=(0.4,), group="*"),
     260: events.Evolve(time=4.0, source="osc", formation="circle", group="front", measures=2.0),
     300: events.StepNow(time=4.7, source="osc", name="spin", group="back"),
-    330: events.PlaceElement(time=5.1, source="osc", kind="flow", points="-2 0, 0 1, 2 0", measures=4.0),
+    330: events.PlaceElement(
+        time=5.1, source="osc", kind="flow", points=((-2.0, 0.0), (0.0, 1.0), (2.0, 0.0)), measures=4.0
+    ),
     400: events.One(time=6.2, source="key"),
     440: events.Enter(time=6.9, source="osc"),
     460: events.Blackout(time=7.2, source="key", on=True),
     520: events.SetStage(time=8.0, source="osc", width=9.0, depth=7.0),
-    560: events.Spread(time=8.8, source="osc"),
+    560: events.PlaceElement(time=8.8, source="osc", kind="spread"),
     640: events.BeatHeard(time=10.0, source="audio", beat_time=9.9, period=0.51, confidence=0.8),
     700: events.CountIn(time=11.0, source="key", measures=1),
     760: events.Clear(time=11.9, source="osc"),
