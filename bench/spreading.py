@@ -17,7 +17,7 @@ from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
 from live.agents.elements.element import Element
 from live.agents.elements.element_field import ElementField
-from live.agents.elements.element_kinds import CROSSING, SPREADER, WANDER
+from live.base.element_kinds import CROSSING, SPREADER, WANDER
 from live.cli.bench import Row
 
 Float64 = npt.NDArray[np.float64]

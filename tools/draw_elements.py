@@ -19,18 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from bench.spreading import Crowd, places
 from live.agents.elements.element import Element, rectangle
-from live.agents.elements.element_kinds import (
-    ATTRACTOR,
-    CROSSING,
-    DRAWN,
-    FLOW,
-    FOLLOW,
-    PATH,
-    RADIAL,
-    REPULSOR,
-    SPREADER,
-    VORTEX,
-)
+from live.base.element_kinds import ATTRACTOR, CROSSING, DRAWN, FLOW, FOLLOW, PATH, RADIAL, REPULSOR, SPREADER, VORTEX
 
 SIZE = (12.0, 8.0)
 ON: Any = {"start_beat": -9.0}

@@ -7,24 +7,26 @@ kernels' table.
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from live.base.stage_snapshot import (
-    ATTRACTOR,
-    CROSSING,
-    DRAWN,
-    EVADE,
-    FLOCK,
-    FLOW,
-    FOLLOW,
-    GRID,
-    PATH,
-    PURSUE,
-    RADIAL,
-    REPULSOR,
-    SPREADER,
-    UNIFORM,
-    VORTEX,
-    WANDER,
-)
+ATTRACTOR: Final = 0
+REPULSOR: Final = 1
+SPREADER: Final = 2
+CROSSING: Final = 3
+FLOW: Final = 4
+WANDER: Final = 5
+FLOCK: Final = 6
+FOLLOW: Final = 7
+PURSUE: Final = 8
+EVADE: Final = 9
+PATH: Final = 10
+PARTICIPANT: Final = 11
+"""The attractor of one audience member."""
+PHONE_LIGHT: Final = 12
+"""The light of an audience member's phone, in its colour; drawn only."""
+UNIFORM: Final = 0
+RADIAL: Final = 1
+VORTEX: Final = 2
+DRAWN: Final = 3
+GRID: Final = 4
 
 Place = Literal["none", "point", "line", "drawn", "region", "target"]
 """What an address is told about the element's place: nothing, a point, two points, a drawn line, a disc, or whom it
@@ -118,3 +120,11 @@ LINE_KINDS: Final = frozenset(kind.number for kind in ELEMENT_KINDS if kind.need
 """Numbers of the kinds that need two points or more."""
 DECAYS: Final = {kind.number: kind.decay for kind in ELEMENT_KINDS}
 """Usual length of the fall-off of each kind [m]."""
+KIND_COUNT: Final = 1 + max(PARTICIPANT, *KIND_NAMES.values())
+"""Length of an array that has a place for each number."""
+EVERYBODY: Final = (1 << 64) - 1
+"""Group mask that addresses all dancers, including those of no group."""
+MAX_VERTICES: Final = 64
+"""Largest number of vertices kept for a drawn line; longer lines are simplified."""
+MAX_POINTS: Final = 4096
+"""Largest number of points of a drawn line."""

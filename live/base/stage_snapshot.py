@@ -21,26 +21,6 @@ Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
 Colour = tuple[float, float, float]
 
-ATTRACTOR: Final = 0
-REPULSOR: Final = 1
-SPREADER: Final = 2
-CROSSING: Final = 3
-FLOW: Final = 4
-WANDER: Final = 5
-FLOCK: Final = 6
-FOLLOW: Final = 7
-PURSUE: Final = 8
-EVADE: Final = 9
-PATH: Final = 10
-PARTICIPANT: Final = 11
-"""The attractor of one audience member."""
-PHONE_LIGHT: Final = 12
-"""The light of an audience member's phone, in its colour; drawn only."""
-UNIFORM: Final = 0
-RADIAL: Final = 1
-VORTEX: Final = 2
-DRAWN: Final = 3
-GRID: Final = 4
 ELEMENT_CAPACITY: Final = 256
 """Maximum number of elements drawn; the others still act."""
 ELEMENT_CORNERS: Final = 1024

@@ -7,6 +7,7 @@ from typing import Final
 import moderngl
 
 from live.base.custom_pass import CustomShader
+from live.base.element_kinds import PATH
 from live.base.picture_parameters import (
     BY_ADDRESS,
     STYLE_ADDRESS_PREFIX,
@@ -15,7 +16,7 @@ from live.base.picture_parameters import (
     group_parameter,
     picture_row,
 )
-from live.base.stage_snapshot import PATH, Camera, Scene, StageView
+from live.base.stage_snapshot import Camera, Scene, StageView
 from live.render.adaptive_quality import HARDWARE, Quality, QualityStep, choose_quality, quality_steps
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.pass_context import Moment, PassSetup

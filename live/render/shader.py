@@ -13,6 +13,13 @@ from typing import Final, Protocol
 import moderngl
 
 from live.base.errors import PersonError
+from live.base.picture_parameters import (
+    GROUP_COUNT,
+    GROUP_PARAMETERS,
+    STYLE_ADDRESS_PREFIX,
+    STYLE_SIZE,
+    STYLES_START,
+)
 
 VERSION: Final = "#version 410 core"
 """The newest GLSL version of macOS."""
@@ -30,6 +37,33 @@ _LINE: Final = re.compile(r"\b0(?::(\d+)|\((\d+)\))")
 _override_folders: list[Path] = []  # a developer's folder, if there is one
 
 
+GENERATED: Final = "style_values.glsl"
+"""An include that is made from the rows of the drawing styles."""
+STYLE_VECTORS: Final = -(-STYLE_SIZE // 4)
+"""Vectors of each group in the block `Styles`."""
+
+
+@cache
+def style_values() -> str:
+    """Return the block with the groups' styles, and a function for each: `style_ink_width(group)`."""
+    lines = [
+        "// The styles of all groups: made from the rows of live/base/picture_parameters.py.",
+        f"layout(std140) uniform Styles {{ vec4 styles[{GROUP_COUNT * STYLE_VECTORS}]; }};",
+    ]
+    for address, row in GROUP_PARAMETERS.items():
+        if not address.startswith(STYLE_ADDRESS_PREFIX):
+            continue
+        name = "style_" + address.removeprefix(STYLE_ADDRESS_PREFIX).replace("/", "_")
+        first = row.first - STYLES_START
+        numbers = [
+            f"styles[group * {STYLE_VECTORS} + {place // 4}].{'xyzw'[place % 4]}"
+            for place in range(first, first + row.size)
+        ]
+        kind, value = ("float", numbers[0]) if row.size == 1 else ("vec3", f"vec3({', '.join(numbers)})")
+        lines.append(f"{kind} {name}(int group) {{ return {value}; }}")
+    return "\n".join(lines) + "\n"
+
+
 @cache
 def _files() -> dict[str, Traversable]:
     """Return the built-in files by name; folders have no meaning."""
@@ -39,11 +73,13 @@ def _files() -> dict[str, Traversable]:
 
 def shader_names() -> list[str]:
     """Return the names of all shaders."""
-    return sorted(_files())
+    return sorted([*_files(), GENERATED])
 
 
 def builtin_text(name: str) -> str:
     """Return the text of a built-in file. Raises FileNotFoundError for an unknown name."""
+    if name == GENERATED:
+        return style_values()
     file = _files().get(name)
     if file is None:
         raise FileNotFoundError(name)

@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from live.base.stage_snapshot import ATTRACTOR, REPULSOR, SPREADER, Camera, Look, Scene, StageView
+from live.base.element_kinds import ATTRACTOR, REPULSOR, SPREADER
+from live.base.stage_snapshot import Camera, Look, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.adaptive_quality import HARDWARE, SOFTWARE, Quality, choose_quality
 from live.render.camera import project_points

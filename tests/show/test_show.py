@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.base.stage_snapshot import ATTRACTOR, SPREADER
+from live.base.element_kinds import ATTRACTOR, SPREADER
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.motion.skeleton import SKELETON

@@ -10,7 +10,6 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.elements.element_kinds import PARTICIPANT
 from live.agents.elements.element_table_kernels import (
     ACTIVE_START,
     ADDRESSED_LEVEL,
@@ -23,6 +22,7 @@ from live.agents.elements.element_table_kernels import (
     add_velocity,
     addresses,
 )
+from live.base.element_kinds import PARTICIPANT
 from live.base.jit import kernel
 
 Float32 = npt.NDArray[np.float32]

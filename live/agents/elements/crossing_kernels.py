@@ -6,7 +6,6 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.agent_command import PRESENCE
-from live.agents.elements.element_kinds import CROSSING
 from live.agents.elements.element_table_kernels import (
     ACTIVE_START,
     ADDRESSED_LEVEL,
@@ -19,6 +18,7 @@ from live.agents.elements.element_table_kernels import (
     newest,
 )
 from live.agents.steering_kernels import arrive, hash_unit
+from live.base.element_kinds import CROSSING
 from live.base.jit import kernel
 
 Float32 = npt.NDArray[np.float32]

@@ -6,19 +6,22 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from live.agents.elements import element_table_kernels as column
-from live.agents.elements.element_kinds import (
+from live.base.element_kinds import (
     ATTRACTOR,
     CROSSING,
+    DECAYS,
     DRAWN,
     EVERYBODY,
     FLOCK,
     FLOW,
     GRID,
+    KIND_NAMES,
+    LINE_KINDS,
     MAX_POINTS,
     PARTICIPANT,
+    TARGETED_KINDS,
     UNIFORM,
 )
-from live.base.element_kinds import DECAYS, KIND_NAMES, LINE_KINDS, TARGETED_KINDS
 from live.base.errors import PersonError
 
 FADE_BEATS: Final = 1.0

@@ -7,8 +7,8 @@ import numpy.typing as npt
 
 from live.agents.elements import element_table_kernels
 from live.agents.elements.element import FADE_BEATS, Element
-from live.agents.elements.element_kinds import DRAWN, FLOW, GRID, KIND_COUNT, MAX_VERTICES
 from live.agents.elements.polyline_flow import GRID_COLUMNS, GRID_ROWS, flow_grid_along, simplified_vertices
+from live.base.element_kinds import DRAWN, FLOW, GRID, KIND_COUNT, MAX_VERTICES
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

@@ -9,7 +9,7 @@ from live.agents.agent_command import ALIGNMENT as WANTS_ALIGNMENT
 from live.agents.agent_command import COHESION as WANTS_COHESION
 from live.agents.agent_command import PRESENCE
 from live.agents.agent_command import SEPARATION as WANTS_SEPARATION
-from live.agents.elements.element_kinds import KIND_COUNT
+from live.base.element_kinds import KIND_COUNT
 from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]

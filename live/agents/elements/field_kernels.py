@@ -14,23 +14,6 @@ import numpy.typing as npt
 from live.agents.agent_command import FIRM, SPEED, VX, VZ
 from live.agents.elements.audience_attractor_kernels import fair_attraction
 from live.agents.elements.crossing_kernels import cross_over
-from live.agents.elements.element_kinds import (
-    ATTRACTOR,
-    CROSSING,
-    EVADE,
-    FLOCK,
-    FLOW,
-    FOLLOW,
-    PARTICIPANT,
-    PATH,
-    PURSUE,
-    RADIAL,
-    REPULSOR,
-    SPREADER,
-    UNIFORM,
-    VORTEX,
-    WANDER,
-)
 from live.agents.elements.element_table_kernels import (
     ACTIVE_START,
     ADDRESSED_LEVEL,
@@ -56,6 +39,23 @@ from live.agents.elements.leader_kernels import follow_leaders, pursue_or_evade
 from live.agents.elements.shape_kernels import nearest_sources, signed_distance
 from live.agents.elements.wander_kernels import follow_paths, spread_agents, wander_agents
 from live.agents.steering_kernels import LOOK_AHEAD, flow_grid, flow_radial, flow_vortex, unit
+from live.base.element_kinds import (
+    ATTRACTOR,
+    CROSSING,
+    EVADE,
+    FLOCK,
+    FLOW,
+    FOLLOW,
+    PARTICIPANT,
+    PATH,
+    PURSUE,
+    RADIAL,
+    REPULSOR,
+    SPREADER,
+    UNIFORM,
+    VORTEX,
+    WANDER,
+)
 from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]

@@ -6,7 +6,6 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.agent_command import PRESENCE, SPEED
-from live.agents.elements.element_kinds import EVADE, FOLLOW, PURSUE
 from live.agents.elements.element_table_kernels import (
     ACTIVE_START,
     ADDRESSED_LEVEL,
@@ -23,6 +22,7 @@ from live.agents.elements.element_table_kernels import (
     newest,
 )
 from live.agents.steering_kernels import clear_path, evade, follow_behind, follow_in_wedge, pursue, unit
+from live.base.element_kinds import EVADE, FOLLOW, PURSUE
 from live.base.jit import kernel
 
 Float32 = npt.NDArray[np.float32]

@@ -7,7 +7,7 @@ import numpy.typing as npt
 from shapely import LineString, simplify
 
 from live.agents.elements.element import Points
-from live.agents.elements.element_kinds import MAX_VERTICES
+from live.base.element_kinds import MAX_VERTICES
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

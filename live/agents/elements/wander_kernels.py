@@ -6,7 +6,6 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.agent_command import PRESENCE, SPEED
-from live.agents.elements.element_kinds import FLOCK, PATH, SPREADER, WANDER
 from live.agents.elements.element_table_kernels import (
     ACTIVE_START,
     ADDRESSED_LEVEL,
@@ -25,6 +24,7 @@ from live.agents.elements.element_table_kernels import (
 )
 from live.agents.elements.spread_kernels import spread
 from live.agents.steering_kernels import follow_path, wander
+from live.base.element_kinds import FLOCK, PATH, SPREADER, WANDER
 from live.base.jit import kernel
 
 Float32 = npt.NDArray[np.float32]

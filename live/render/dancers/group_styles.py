@@ -10,22 +10,19 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.picture_parameters import (
-    COLOURS_START,
     GROUP_COUNT,
     GROUP_PARAMETERS,
     STYLE_ADDRESS_PREFIX,
     STYLE_SIZE,
     STYLES_START,
 )
-from live.render.shader import STYLES_BINDING
+from live.render.shader import STYLE_VECTORS, STYLES_BINDING
 
 Bool = npt.NDArray[np.bool_]
 Int32 = npt.NDArray[np.int32]
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 
-STYLE_TEXELS: Final = 8
-"""Vectors of each group in the block."""
 LISTS: Final = (
     "all", "mirrored", "near", "far", "bodies near", "bodies far", "ink near", "ink far", "particles", "ribbons",
     "trails", "xray",
@@ -36,38 +33,21 @@ _PLAIN: Final = ("all", "mirrored", "near", "far")
 _PLACES: Final = {
     name.removeprefix(STYLE_ADDRESS_PREFIX): known.first - STYLES_START for name, known in GROUP_PARAMETERS.items()
 }
-_LAYOUT: Final = (
-    ("solid", "silhouette", "ink", "xray"),
-    ("silhouette/colour", "particles"),
-    ("ink/colour", "ink/width"),
-    ("particles/share", "particles/drift", "ribbons", "ribbons/beats"),
-    ("trails", "trails/ghosts", "trails/spacing", "pulse"),
-    ("emission", "sheen", "variety"),
+
+
+_ON_BODIES: Final = tuple(
+    name
+    for name in (address.removeprefix(STYLE_ADDRESS_PREFIX) for address in GROUP_PARAMETERS)
+    if name not in ("solid", "particles", "ribbons", "trails", "variety", "sheen") and "/" not in name
 )
-"""Contents of each vector, in the order of `styles.glsl`; the seventh is the group's colour."""
-
-
-def _columns() -> npt.NDArray[np.intp]:
-    """Return the style index of each component of a group's vectors, -1 for none, shape (STYLE_TEXELS * 4,)."""
-    columns = np.full((STYLE_TEXELS, 4), -1)
-    for row, names in enumerate(_LAYOUT):
-        places: list[int] = []
-        for name in names:
-            size = GROUP_PARAMETERS[STYLE_ADDRESS_PREFIX + name].size
-            places += range(_PLACES[name], _PLACES[name] + size)
-        columns[row, : len(places)] = places
-    return columns.reshape(-1)
-
-
-_COLUMNS: Final = _columns()
-_USED: Final = np.flatnonzero(_COLUMNS >= 0)
+"""Amounts that change how a lit body is drawn; the others are drawn beside it or belong to the clothes."""
 
 
 class GroupStyles:
     """The block; call `apply_row` if the parameter row has changed. Masks are by group, shape (16,)."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        self._data = np.zeros((GROUP_COUNT, STYLE_TEXELS * 4), np.float32)
+        self._data = np.zeros((GROUP_COUNT, STYLE_VECTORS * 4), np.float32)
         self._buffer = ctx.buffer(reserve=self._data.nbytes, dynamic=True)
         self.has_effects = False
         """Whether any group is not drawn as plain lit bodies."""
@@ -89,16 +69,15 @@ class GroupStyles:
     def apply_row(self, row: Float64) -> None:
         """Apply a parameter row, shape (live.base.picture_parameters.ROW_SIZE,)."""
         own = row[STYLES_START:].reshape(GROUP_COUNT, STYLE_SIZE)
-        self._data[:, _USED] = own[:, _COLUMNS[_USED]]
-        self._data[:, 24:27] = row[COLOURS_START:STYLES_START].reshape(GROUP_COUNT, 3)
+        self._data[:, :STYLE_SIZE] = own
         self._buffer.write(self._data)
 
         def of(name: str) -> Float64:
             return own[:, _PLACES[name]]
 
-        solid, silhouette, ink, xray = (of(name) for name in _LAYOUT[0])
+        solid, silhouette, ink, xray = (of(name) for name in ("solid", "silhouette", "ink", "xray"))
         fill = solid + silhouette + ink
-        self.plain = (solid >= 1.0) & (silhouette + ink + xray + of("pulse") + of("emission") <= 0.0)
+        self.plain = (solid >= 1.0) & (sum(map(of, _ON_BODIES)) <= 0.0)
         self.masks = {name: of(name) > 0.0 for name in ("ink", "particles", "ribbons", "trails", "xray")}
         self.masks["bodies"] = (fill > 0.0) & ~self.plain
         self.masks["casting"] = fill + xray + of("particles") > 0.0

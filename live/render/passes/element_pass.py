@@ -10,14 +10,11 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.base.stage_snapshot import (
+from live.base.element_kinds import (
     ATTRACTOR,
     CROSSING,
     DRAWN,
-    ELEMENT_CAPACITY,
-    ELEMENT_CORNERS,
     FLOW,
-    LIGHT_CAPACITY,
     PARTICIPANT,
     PATH,
     PHONE_LIGHT,
@@ -26,8 +23,8 @@ from live.base.stage_snapshot import (
     SPREADER,
     UNIFORM,
     VORTEX,
-    StageView,
 )
+from live.base.stage_snapshot import ELEMENT_CAPACITY, ELEMENT_CORNERS, LIGHT_CAPACITY, StageView
 from live.render.shader import compile_program, release_all, set_uniform
 
 _KINDS: Final = (

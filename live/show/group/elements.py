@@ -13,8 +13,7 @@ from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentState
 from live.agents.elements.element import Element
 from live.agents.elements.element_field import ElementField
-from live.agents.elements.element_kinds import ATTRACTOR, EVERYBODY, PARTICIPANT, REPULSOR
-from live.base.element_kinds import FLOW_NAMES, KIND_NAMES
+from live.base.element_kinds import ATTRACTOR, EVERYBODY, FLOW_NAMES, KIND_NAMES, PARTICIPANT, REPULSOR
 from live.base.errors import PersonError, error_context
 from live.base.stage_snapshot import StageView
 from live.control.events.elements import PlaceElement

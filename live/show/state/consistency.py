@@ -13,13 +13,12 @@ from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
 from live.agents.elements import element_table_kernels
 from live.agents.elements.element import Element
-from live.agents.elements.element_kinds import KIND_COUNT, MAX_POINTS, MAX_VERTICES
 from live.agents.elements.element_table import GRID_SLOTS, ElementTable
 from live.agents.evolutions.intention import Places
 from live.agents.evolutions.planned_segment import PlannedSegment
 from live.agents.evolutions.segment_start import PlannedMotion, SegmentStart
 from live.agents.evolutions.trajectory import Locomotion
-from live.base.element_kinds import FLOW_NAMES
+from live.base.element_kinds import FLOW_NAMES, KIND_COUNT, MAX_POINTS, MAX_VERTICES
 from live.motion.partner_live.hand_holds import LiveHandHolds
 from live.motion.partner_live.stage_partner import LeaderReader
 from live.motion.skeleton import JOINT_COUNT

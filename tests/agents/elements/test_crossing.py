@@ -5,7 +5,7 @@ import pytest
 
 from live.agents.elements import crossing_kernels as kernels
 from live.agents.elements.element import Element
-from live.agents.elements.element_kinds import CROSSING
+from live.base.element_kinds import CROSSING
 from tests.agents.elements.made_stage import StageHarness
 
 

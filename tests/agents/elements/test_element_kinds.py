@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from live.agents.elements.element import Element, line_length, rectangle
-from live.agents.elements.element_kinds import ATTRACTOR, CROSSING, EVADE, FLOW, FOLLOW, PARTICIPANT, PATH, REPULSOR
+from live.base.element_kinds import ATTRACTOR, CROSSING, EVADE, FLOW, FOLLOW, PARTICIPANT, PATH, REPULSOR
 from live.base.errors import PersonError
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 
 from live.agents.elements.element import Element
-from live.agents.elements.element_kinds import ATTRACTOR, PATH
 from live.agents.elements.element_table import ElementTable
 from live.agents.elements.element_table_kernels import CORNERS, END, SERIAL, X
+from live.base.element_kinds import ATTRACTOR, PATH
 
 CAPACITY = 12
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live.agents.elements.element import Element
-from live.agents.elements.element_kinds import ATTRACTOR
+from live.base.element_kinds import ATTRACTOR
 from tests.agents.elements.made_stage import StageHarness
 
 

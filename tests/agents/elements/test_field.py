@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from live.agents.agent_command import ABSENT
 from live.agents.elements.element import Element
 from live.agents.elements.element_field import ElementField
-from live.agents.elements.element_kinds import (
+from live.base.element_kinds import (
     ATTRACTOR,
     CROSSING,
     DRAWN,

@@ -7,7 +7,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from live.agents.elements.element import Element, rectangle
-from live.agents.elements.element_kinds import ATTRACTOR, REPULSOR
+from live.base.element_kinds import ATTRACTOR, REPULSOR
 from tests.agents.elements.made_stage import StageHarness
 
 PLACE = st.tuples(st.floats(-6.0, 6.0, width=32), st.floats(-4.0, 4.0, width=32))

@@ -6,7 +6,7 @@ from scipy.fft import dctn, idctn
 
 from live.agents.elements import spread_kernels as kernels
 from live.agents.elements.element import Element
-from live.agents.elements.element_kinds import SPREADER
+from live.base.element_kinds import SPREADER
 from tests.agents.elements.made_stage import StageHarness
 
 

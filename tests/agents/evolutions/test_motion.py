@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from live.agents.elements.element import Element
-from live.agents.elements.element_kinds import (
+from live.agents.elements.polyline_flow import flow_grid_along, simplified_vertices
+from live.base.element_kinds import (
     DRAWN,
     EVADE,
     FLOCK,
@@ -18,7 +19,6 @@ from live.agents.elements.element_kinds import (
     VORTEX,
     WANDER,
 )
-from live.agents.elements.polyline_flow import flow_grid_along, simplified_vertices
 from tests.agents.elements.made_stage import StageHarness
 
 

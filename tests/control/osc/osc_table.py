@@ -8,12 +8,13 @@ import struct
 from live.base.motion_parameters import MOTION_PARAMETERS
 from live.base.picture_parameters import GROUP_PARAMETERS, PARAMETERS
 from live.control.events import events
+from live.control.registry.registry import REGISTRY
 from tests.control.osc.osc_stage import STAMP
 
 
 def every_control():
-    """All rows of all tables."""
-    return {
+    """All rows of all tables, and a usual message to each control that has none."""
+    return {control.address: usual_message(control) for control in REGISTRY} | {
         "/dance/attract": (["ff", "1.5", "-2"], events.PlaceElement(kind="attract", points=((1.5, -2.0),), **STAMP)),
         "/dance/repel": (
             ["fidh", "1", "2", "0.5", "8"],
@@ -140,6 +141,23 @@ def clock_and_sound_controls():
             for what in ("input", "output", "display", "projector")
         },
     }
+
+
+def usual_message(control):
+    """A message to a control with its required arguments, and the event that these make."""
+    types, words, values = "", [], []
+    for argument in control.arguments:
+        if argument.default is not None:
+            break
+        if argument.type == "bool":
+            types, values = types + "T", [*values, True]
+        elif argument.type == "float":
+            value = struct.unpack("<f", struct.pack("<f", max(argument.minimum, min(argument.maximum, 1.5))))[0]
+            types, words, values = types + "d", [*words, repr(value)], [*values, value]
+        else:
+            word = "1 2, 3 4" if argument.form else "wave"
+            types, words, values = types + "s", [*words, word], [*values, word]
+    return [types, *words], control.call(values, **STAMP)
 
 
 def sent_value(row, component):

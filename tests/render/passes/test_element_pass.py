@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from live.base.stage_snapshot import (
+from live.base.element_kinds import (
     ATTRACTOR,
     CROSSING,
     DRAWN,
@@ -25,8 +25,8 @@ from live.base.stage_snapshot import (
     UNIFORM,
     VORTEX,
     WANDER,
-    StageView,
 )
+from live.base.stage_snapshot import StageView
 from live.motion.skeleton import JOINT_COUNT
 from live.render.passes.element_pass import ElementPass
 from tests.render.passes.conftest import STAGE, TEXEL, Draw, Floats, FloorLight

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from live.base.element_kinds import PARTICIPANT, REPULSOR
 from live.base.errors import PersonError
-from live.base.stage_snapshot import PARTICIPANT, REPULSOR
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.control.events.event_json import event_from_json, event_to_row

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.elements.element_kinds import EVERYBODY
+from live.base.element_kinds import EVERYBODY
 from live.base.errors import PersonError
 from live.show.group.casting import Casting
 from live.show.group.elements import BITS, GroupMasks

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.agents.elements.element_kinds import EVERYBODY, PARTICIPANT
-from live.base.element_kinds import FLOW_NAMES, KIND_NAMES
+from live.base.element_kinds import EVERYBODY, FLOW_NAMES, KIND_NAMES, PARTICIPANT
 from live.control.events import events
 from live.control.registry.control import parse_points
 from live.show.group.elements import element_of_section, make_element

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from live.agents.elements.element_kinds import ATTRACTOR, CROSSING, PARTICIPANT, PATH
+from live.base.element_kinds import ATTRACTOR, CROSSING, PARTICIPANT, PATH
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.control.events import events

@@ -13,13 +13,13 @@ flat out vec4 light;
 void main() {
     Skinned skin = skinned(in_position, in_normal);
     int dancer = int(in_dancer), group = group_of(who(dancer));
-    vec4 more = style(group, 4);
+    float spacing = style_trails_spacing(group);
     float ago = ages[group / 4][group % 4];
-    float left = 1.0 - ago / (more.y * more.z);
+    float left = 1.0 - ago / (style_trails_ghosts(group) * spacing);
     place = skin.place;
     normal = skin.normal;
     vec3 glow = glow_of(dancer);
-    float strong = more.x * smoothstep(0.0, 0.25, ago / more.z) * max(left, 0.0) * (0.5 + 0.5 * left);
+    float strong = style_trails(group) * smoothstep(0.0, 0.25, ago / spacing) * max(left, 0.0) * (0.5 + 0.5 * left);
     // the older, the nearer to the light from behind
     vec3 cold = rim_light.rgb / max(max(rim_light.r, max(rim_light.g, rim_light.b)), 1e-3);
     vec3 tint = mix(glow, mix(cold, glow.brg, 0.25), 0.75 * (1.0 - left));

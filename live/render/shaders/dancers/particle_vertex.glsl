@@ -18,10 +18,9 @@ void main() {
     int dancer = int(in_dancer);
     vec4 mine = who(dancer);
     int group = group_of(mine);
-    vec4 more = style(group, 3);
-    float amount = style(group, 1).w;
+    float amount = style_particles(group);
     Skinned skin = skinned(in_position, in_normal);
-    float drift = more.y;
+    float drift = style_particles_drift(group);
     // half of the points cling, half live for two, three or four beats
     float cling = step(in_chance.y, 0.92 - 0.6 * drift);
     float lasts = 2.0 + floor(in_chance.z * 2.999);
@@ -40,7 +39,7 @@ void main() {
     float size = scale * mix(0.0085, 0.019, in_chance.z * in_chance.z * in_chance.y) * (1.0 + 0.5 * key_direction.w);
     float bright = min(size / 1.6, 1.0);
     size = max(size, 1.6) * 2.0;
-    float seen = step(in_chance.x, more.x) * amount;
+    float seen = step(in_chance.x, style_particles_share(group)) * amount;
     vec3 to_eye = normalize(eye.xyz - place);
     float facing = dot(skin.normal, to_eye);
     float shell = 0.30 + 0.70 * square(1.0 - abs(facing));

@@ -28,8 +28,7 @@ float when(int back) { return back < 0 ? 0.0 : ring.z + float(back) / ring.w; } 
 void main() {
     int dancer = int(in_dancer), limb = int(in_strip.z);
     int group = group_of(who(dancer));
-    vec4 more = style(group, 3);
-    float ago = in_strip.x * more.w;
+    float ago = in_strip.x * style_ribbons_beats(group);
     int first = ago < ring.z ? -1 : min(int(floor((ago - ring.z) * ring.w)), int(ring.y) - 4);
     vec4 a = sampled(limb, max(first - 1, -1)), b = sampled(limb, first), c = sampled(limb, first + 1), d = sampled(limb, first + 2);
     float ta = when(max(first - 1, -1)), tb = when(first), tc = when(first + 1), td = when(first + 2);
@@ -53,7 +52,7 @@ void main() {
 
     vec3 glow = glow_of(dancer);
     vec3 tint = mix(mix(glow, vec3(1.0), 0.55 * left * left), glow.brg, 0.16 * (1.0 - left));
-    float strong = more.z * pow(left, 1.6) * faint * smoothstep(0.05, 0.7, fast) * hand;
+    float strong = style_ribbons(group) * pow(left, 1.6) * faint * smoothstep(0.05, 0.7, fast) * hand;
     float lamp = 0.35 + 0.65 * abs(normalize(side).y);
     light = vec4(tint * (strong * (0.5 + 0.5 * lamp) * 0.85 * answer(group)), strong * 0.55);
     across = vec2(in_strip.y, there ? 1.0 : 0.0);

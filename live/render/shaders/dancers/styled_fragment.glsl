@@ -44,17 +44,17 @@ void main() {
     bool clad = dot(abs(albedo - square3(material(0, dancer).rgb)), vec3(1.0)) < 0.01
              || dot(abs(albedo - square3(material(1, dancer).rgb)), vec3(1.0)) < 0.01;
     float edge = square(1.0 - max(dot(n, normalize(eye.xyz - place)), 0.0));
-    colour += glow * (style(group, 5).x * (clad ? 0.55 + 0.5 * edge : 0.08) * beat);
-    colour = colour * beat + glow * (style(group, 4).w * key_direction.w * (0.10 + 0.9 * edge * edge));
+    colour += glow * (style_emission(group) * (clad ? 0.55 + 0.5 * edge : 0.08) * beat);
+    colour = colour * beat + glow * (style_pulse(group) * key_direction.w * (0.10 + 0.9 * edge * edge));
 
     float flat_ = clamp(amount.y / max(fill, 1e-3), 0.0, 1.0);
     float solid = clamp(amount.x / max(fill - amount.y, 1e-3), 0.0, 1.0);
     vec3 paper = background.rgb * 0.35;
-    colour = mix(mix(paper, colour, solid), style(group, 1).rgb * (1.8 * beat), flat_);
+    colour = mix(mix(paper, colour, solid), style_silhouette_colour(group) * (1.8 * beat), flat_);
     // ink along the borders of her clothes, too
     float fine = length(fwidth(body.xyz)), seam = seams(body.xyz) / max(fine, 1e-6);
-    float pen = style(group, 2).w * picture.y / 1080.0 * 0.75;
-    colour = mix(colour, style(group, 2).rgb * (2.0 * beat), amount.z * (1.0 - smoothstep(0.5 * pen, 0.5 * pen + 1.0, seam)) * 0.8 * smoothstep(0.016, 0.006, fine));
+    float pen = style_ink_width(group) * picture.y / 1080.0 * 0.75;
+    colour = mix(colour, style_ink_colour(group) * (2.0 * beat), amount.z * (1.0 - smoothstep(0.5 * pen, 0.5 * pen + 1.0, seam)) * 0.8 * smoothstep(0.016, 0.006, fine));
     colour += glow * (burn * 1.3);
     shown = shown_as(colour);
 #endif

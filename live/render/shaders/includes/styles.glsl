@@ -1,14 +1,13 @@
 // The styles of all groups, and what a dancer's own chance makes of them. After surface.glsl.
-layout(std140) uniform Styles {
-    vec4 styles[128];   // 16 groups, 8 vectors each
-};
+#include "style_values.glsl"
 
 vec4 who(int dancer) { return material(4, dancer); }   // group, three numbers by chance
 int group_of(vec4 who_) { return int(who_.x * 255.0 + 0.5); }
-vec4 style(int group, int which) { return styles[group * 8 + which]; }
 
 // solid, silhouette, ink, xray
-vec4 amounts(int group) { return style(group, 0); }
+vec4 amounts(int group) {
+    return vec4(style_solid(group), style_silhouette(group), style_ink(group), style_xray(group));
+}
 
 // How much of her body hides what is behind it.
 float fill_of(vec4 amount) { return min(amount.x + amount.y + amount.z, 1.0); }
@@ -16,7 +15,7 @@ float fill_of(vec4 amount) { return min(amount.x + amount.y + amount.z, 1.0); }
 // How much of a shadow she casts.
 float presence(int group) {
     vec4 amount = amounts(group);
-    return max(fill_of(amount), 0.4 * max(amount.w, style(group, 1).w));
+    return max(fill_of(amount), 0.4 * max(amount.w, style_particles(group)));
 }
 
 // The colour of a dancer's light: of her clothes, as bright as can be.
@@ -27,7 +26,7 @@ vec3 glow_of(int dancer) {
 }
 
 // How much brighter all colours of a group are now than without the beat.
-float answer(int group) { return 1.0 + style(group, 4).w * (1.5 * key_direction.w - 0.35); }
+float answer(int group) { return 1.0 + style_pulse(group) * (1.5 * key_direction.w - 0.35); }
 
 float hash3(vec3 p) {
     p = fract(p * vec3(0.1031, 0.1030, 0.0973));

@@ -23,9 +23,9 @@ void main() {
     vec4 amount = amounts(group);
     float fill = fill_of(amount);
     vec3 glow = glow_of(dancer) * answer(group);
-    light = (light * answer(group) + glow * style(group, 5).x * 0.6) * min(amount.x, max(fill - amount.y, 0.0));
-    light += style(group, 1).rgb * amount.y + style(group, 2).rgb * (0.10 * amount.z);
-    light += glow * (0.30 * max(amount.w, style(group, 1).w) * (1.0 - fill));
+    light = (light * answer(group) + glow * style_emission(group) * 0.6) * min(amount.x, max(fill - amount.y, 0.0));
+    light += style_silhouette_colour(group) * amount.y + style_ink_colour(group) * (0.10 * amount.z);
+    light += glow * (0.30 * max(amount.w, style_particles(group)) * (1.0 - fill));
 #endif
     gl_Position = world_to_clip * vec4(skin.place.x, -skin.place.y, skin.place.z, 1.0);
 }
