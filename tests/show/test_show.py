@@ -13,7 +13,7 @@ from tests.fixtures.hips import hips
 from tests.show.made_show import GRAPH, made_show
 
 
-def event_now(kind, show, **values):
+def event_now(kind, show, /, **values):
     return kind(time=show.time, source="test", **values)
 
 
