@@ -14,6 +14,7 @@ from live.base.stage_snapshot import StageView
 from live.clock.time_source import ManualClock
 from live.control.events.events import BeatHeard, ControlEvent
 from live.graph.motion_graph import MotionGraph
+from live.show.assembly import assemble
 from live.show.engine import Engine
 from live.show.patch.patch import Patch
 from live.show.show import Show
@@ -42,7 +43,7 @@ def patch_for(way: str, patch: Patch) -> Patch:
 
 def show_for(way: str, take: Take, patch: Patch, graph: MotionGraph) -> Show:
     """A fresh show for a take."""
-    show = Show(patch_for(way, patch), graph, seed=take.seed)
+    show = assemble(patch_for(way, patch), graph, seed=take.seed)
     if way == SLIDING:
         _free_agents(show)
     return show
@@ -110,13 +111,12 @@ def drifting_beats(seconds: float, bpm: float) -> list[ControlEvent]:
 
 def _free_agents(show: Show) -> None:
     """Steering goes its own way, whatever dancers do."""
-    tick = show.motion.tick
+    advance = show.motion.advance
 
-    def free(*arguments: object, **named: object) -> None:
-        named |= {"dancer": show.state.position, "pace": show.state.velocity}
-        tick(*arguments, **named)  # type: ignore[arg-type]
+    def free(time: float, **_: object) -> None:
+        advance(time, reference=show.state.position, reference_velocity=show.state.velocity)
 
-    show.motion.tick = free  # type: ignore[method-assign]
+    show.motion.advance = free  # type: ignore[method-assign]
 
 
 def _slide(show: Show, view: StageView, ticked: float) -> None:

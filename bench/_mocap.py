@@ -18,6 +18,7 @@ from live.control.events.events import MocapFrame
 from live.control.registry.rejections import Tally
 from live.motion import quaternion
 from live.motion.skeleton import JOINT_COUNT
+from live.show.assembly import assemble
 from live.show.journal.journal import event_line
 from live.show.loader import LoadedShow
 from live.show.patch.section_io import MocapSection
@@ -92,4 +93,4 @@ def _frames(loaded: LoadedShow, frames: list[MocapFrame]) -> list[npt.NDArray[np
 def _show(loaded: LoadedShow, count: int, canon: str) -> Show:
     """A show with so many performers, a few metres apart."""
     mocap = tuple(MocapSection(name=f"p{n}", at=(3.0 * n - 4.5, 0.0), canon=canon) for n in range(count))
-    return Show(loaded.patch.model_copy(update={"mocap": mocap}), loaded.graph)
+    return assemble(loaded.patch.model_copy(update={"mocap": mocap}), loaded.graph)

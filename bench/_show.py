@@ -3,6 +3,7 @@
 import math
 
 from live.graph.motion_graph import MotionGraph
+from live.show.assembly import assemble
 from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import DEFAULT_PATCH
@@ -35,4 +36,4 @@ def crowd(dancers: int, loaded: LoadedShow | None = None) -> Show:
     """A fresh show of the default patch with `dancers` dancers."""
     loaded = loaded or load_show(DEFAULT_PATCH)
     graph: MotionGraph = loaded.graph
-    return Show(crowd_patch(loaded.patch, dancers), graph)
+    return assemble(crowd_patch(loaded.patch, dancers), graph)

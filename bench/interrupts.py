@@ -18,7 +18,7 @@ from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
 from live.motion.quality.metrics import contact_slide_speeds, largest_at_samples
 from live.motion.skeleton import SOLE_BELOW_ANKLE
-from live.show.show import Show
+from live.show.assembly import assemble
 
 Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
@@ -75,7 +75,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
 
 def danced(seed: int, seconds: float, *, hard: bool = False) -> Danced:
     """A dance with cues at random; `hard`: nothing of the old motion is kept."""
-    show, chance = Show(stage().patch, stage().graph, seed=seed), np.random.default_rng(seed)
+    show, chance = assemble(stage().patch, stage().graph, seed=seed), np.random.default_rng(seed)
     view = show.view()
     position, contact, held, cuts, waits, spent = [], [], [], [], [], []
     next_cue, waiting = 3.0, 0.0
@@ -104,7 +104,7 @@ def danced(seed: int, seconds: float, *, hard: bool = False) -> Danced:
 
 def run_through(*, careful: bool) -> tuple[float, float]:
     """How long dancers are within 0.5 m of somebody who runs to and fro among them [s], and how near [m]."""
-    show = Show(stage().patch, stage().graph, seed=1)
+    show = assemble(stage().patch, stage().graph, seed=1)
     if not careful:
         show.interrupts._collision_avoidance.tick = lambda *arguments: None  # type: ignore[method-assign]
     within, nearest = 0.0, np.inf

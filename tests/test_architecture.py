@@ -177,3 +177,81 @@ def test_no_module_unpickles_evaluates_or_imports_bytes() -> None:
         if _makes_code(node, _identify(path))
     ]
     assert found == []
+
+
+def _module_name(path: Path) -> str:
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+@cache
+def _known_modules() -> frozenset[str]:
+    return frozenset(_module_name(path) for path in MODULES)
+
+
+@cache
+def _modules_imported(path: Path, *, lazy: bool) -> frozenset[str]:
+    """Modules of live/ that a file imports at module level; with `lazy` inside functions, too.
+
+    Imports in `if TYPE_CHECKING:` do not count, because they are never executed.
+    """
+    known, found = _known_modules(), set[str]()
+    waiting: list[ast.AST] = [_tree(path)]
+    while waiting:
+        for node in ast.iter_child_nodes(waiting.pop()):
+            if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+                continue
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) and not lazy:
+                continue
+            if isinstance(node, ast.ImportFrom) and node.module is not None:
+                names = [f"{node.module}.{alias.name}" for alias in node.names]
+                found |= {name if name in known else node.module for name in names}
+            elif isinstance(node, ast.Import):
+                found |= {alias.name for alias in node.names}
+            waiting.append(node)
+    return frozenset(found & known - {_module_name(path)})
+
+
+@cache
+def _import_graph(*, lazy: bool) -> dict[str, frozenset[str]]:
+    return {_module_name(path): _modules_imported(path, lazy=lazy) for path in MODULES}
+
+
+def _longest_chain(imports: dict[str, frozenset[str]], start: str) -> list[str]:
+    """Return the longest chain of modules from `start` on, each of which imports the next one."""
+
+    @cache
+    def chain(module: str) -> tuple[str, ...]:
+        return (module, *max((chain(each) for each in sorted(imports[module])), key=len, default=()))
+
+    return list(chain(start))
+
+
+@pytest.mark.parametrize(
+    ("start", "lazy", "limit"),
+    [
+        ("live.app.window_loop", False, 25),  # the process that runs a live show
+        ("live.cli.play", True, 35),  # `live play`, with what it imports only when it needs it
+        ("live.show.assembly", False, 16),
+        ("live.show.show", True, 7),
+    ],
+)
+def test_chains_of_imports_are_short(start: str, lazy: bool, limit: int) -> None:
+    chain = _longest_chain(_import_graph(lazy=lazy), start)
+    assert len(chain) <= limit, " > ".join(chain)
+
+
+@pytest.mark.parametrize("start", ["live.show.show", "live.show.frame"])
+def test_show_and_frame_know_only_values_and_interfaces(start: str) -> None:
+    """All that the show itself imports, directly or through others; `assembly.py` is the place that knows all parts."""
+    imports, reached, waiting = _import_graph(lazy=True), {start}, [start]
+    while waiting:
+        new = imports[waiting.pop()] - reached
+        reached |= new
+        waiting += new
+    assert len(reached) <= 40, sorted(reached)
+    assert not {module for module in reached if module.startswith(("live.agents", "live.graph", "live.motion"))}
+
+
+def test_frame_is_read_in_one_file() -> None:
+    assert len((ROOT / "live/show/frame.py").read_text(encoding="utf-8").splitlines()) < 150

@@ -22,6 +22,11 @@ FIRM: Final = 6
 PRESENCE: Final = 7
 COMMAND_COLUMNS: Final = 8
 
+LEASH: Final = 0.6
+"""Largest distance of an agent from its dancer on the stage, outside evolutions [m]."""
+LONG_LEASH: Final = 0.9
+"""Largest distance of an agent from its dancer while entering or leaving [m]."""
+
 ABSENT: Final = 0.0
 """Not on the stage: the agent does not move and is not drawn."""
 ON_STAGE: Final = 1.0

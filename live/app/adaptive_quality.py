@@ -2,11 +2,10 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from rich.console import Console
 
-from live.app.session import Session
 from live.base.errors import PersonError
 from live.base.stage_snapshot import StageView
 from live.control.events.event import ControlEvent
@@ -15,10 +14,13 @@ from live.render.frame_budget import FrameBudget
 from live.render.renderer import Renderer
 from live.render.shader import builtin_text, set_override_folder, shader_names
 from live.show.patch.patch import Patch
-from live.show.selection.graph_update import folder_stamp
+from live.show.selection.library_watch import folder_stamp
+
+if TYPE_CHECKING:
+    from live.app.session import Session
 
 
-def handle_pass_resets(session: Session, renderer: Renderer) -> None:
+def handle_pass_resets(session: "Session", renderer: Renderer) -> None:
     """Let the operator enable render passes again that were disabled after an error."""
 
     def hear(event: ControlEvent) -> None:
@@ -31,7 +33,7 @@ def handle_pass_resets(session: Session, renderer: Renderer) -> None:
 class QualityController(FrameBudget):
     """Frame times and adaptive quality of one picture of a session; called around every frame."""
 
-    def __init__(self, session: Session, renderer: Renderer) -> None:
+    def __init__(self, session: "Session", renderer: Renderer) -> None:
         super().__init__(renderer, session.clock.now)
         self.overload = lambda: session.overload
         self.controller.hold(session.options.quality)
@@ -132,7 +134,7 @@ class ShaderWatch:
             self.problem, self.reloads = "", self.reloads + 1
 
 
-def watch_shaders(session: Session, reload: Callable[[], None]) -> ShaderWatch | None:
+def watch_shaders(session: "Session", reload: Callable[[], None]) -> ShaderWatch | None:
     """Return a watch on the folder of `--shaders`, shown in overlay and status; None without the option."""
     if session.options.shaders is None:
         return None

@@ -4,11 +4,11 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from live.app.launch_options import LaunchOptions
-from live.app.session import Session
 from live.base.errors import PersonError, error_context
 from live.base.fault_isolation import FAULTS
 from live.base.floor_corners import floor_corners
@@ -23,6 +23,9 @@ from live.render.outputs.output_pass import read_mask
 from live.render.outputs.projection import WindowLayout
 from live.render.window.monitors import Monitor, UnknownMonitor, resolve_monitor
 from live.show.venue.venue import Venue, venue_path
+
+if TYPE_CHECKING:
+    from live.app.session import Session
 
 
 def outputs_of(venue: Venue | None, name: str | None) -> tuple[Output, ...]:
@@ -142,7 +145,7 @@ CORNER_DIGITS = 5
 class FloorCorners:
     """The floor's corners in the picture: reading and saving. Call `corners` and `save_output` in the main thread."""
 
-    def __init__(self, session: Session, writer: VenueWriter, size: Callable[[], tuple[int, int]]) -> None:
+    def __init__(self, session: "Session", writer: VenueWriter, size: Callable[[], tuple[int, int]]) -> None:
         """`size` returns the picture's size [pixels]."""
         self._session, self._writer, self._size = session, writer, size
         self._saved: tuple[Point, ...] | None = None

@@ -3,10 +3,9 @@
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from live.app.output_config import FloorCorners, VenueWriter, outputs_of
-from live.app.session import Session
 from live.base.errors import PersonError
 from live.control.events.event import ControlEvent
 from live.control.events.events import ShowCard, ShowJoinCard
@@ -16,6 +15,9 @@ from live.render.outputs.screen import Screen
 from live.render.outputs.test_card import CARDS, JOIN_CARD, next_card
 from live.render.outputs.warp_editor import FloorEditor
 from live.render.window.window_input import KeyPressed, PointerMoved, PointerPressed, PointerReleased, WindowInput
+
+if TYPE_CHECKING:
+    from live.app.session import Session
 
 CARD_KEY: Final = "f8"
 EDIT_KEY: Final = "f9"
@@ -246,7 +248,7 @@ class OutputSetup:
         screen.lines = (where, *_HELP, *(words for words in (editing.problem, self.save_result) if words))
 
 
-def make_output_setup(session: Session, picture: Projection, reread: bool) -> OutputSetup:
+def make_output_setup(session: "Session", picture: Projection, reread: bool) -> OutputSetup:
     """Make the projector setup of a session; `reread`: read warps again, as they may have changed since opening."""
     if reread:
         with contextlib.suppress(PersonError):

@@ -26,7 +26,7 @@ from live.control.events.events import ControlEvent, SetLatency
 from live.show.engine import Engine
 from live.show.loader import LoadedShow
 from live.show.patch.hot_reload import PatchWatch
-from live.show.selection.graph_update import LibraryWatch
+from live.show.selection.library_watch import LibraryWatch
 from live.show.show import Show
 from live.show.venue.venue import Latencies, Venue
 from live.show.view.status import Pressure, Status

@@ -2,8 +2,8 @@
 
 import math
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from live.app.session import Session
 from live.base.picture_parameters import camera_from_row
 from live.base.stage_snapshot import Scene
 from live.control.events.events import ControlEvent, LearnMidi, PlaceElement, WalkOn
@@ -23,6 +23,9 @@ from live.render.window.window_input import (
 )
 from live.show.patch.section_score import formation_names
 
+if TYPE_CHECKING:
+    from live.app.session import Session
+
 MAX_STROKE_POINTS = 4096
 """Maximum number of points that a stroke keeps."""
 
@@ -30,7 +33,7 @@ MAX_STROKE_POINTS = 4096
 class OperatorInput:
     """Converts window input of the operator to events, or changes the window itself."""
 
-    def __init__(self, session: Session, window: Projection, scene: Scene) -> None:
+    def __init__(self, session: "Session", window: Projection, scene: Scene) -> None:
         self._session = session
         self._window = window
         self._scene = scene

@@ -5,12 +5,15 @@ that transfers the weight ends on the other foot, so its repeat is an instance o
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.step_library import StepLibrary
 from live.motion.step_clip import StepClip
+
+if TYPE_CHECKING:
+    from live.graph.step_library import StepLibrary
 
 Bool = npt.NDArray[np.bool_]
 Int32 = npt.NDArray[np.int32]
@@ -27,7 +30,7 @@ class StructureCodes:
     """For each node as the second: its begin pose (-1: any) and what it may not follow (-1: nothing), (N, 2)."""
 
 
-def structure_codes(library: StepLibrary) -> StructureCodes:
+def structure_codes(library: "StepLibrary") -> StructureCodes:
     """Return codes: u may be followed by v if the poses agree or one is -1, and the other numbers differ or are -1."""
     plain = {name: plain_pose(name) for clip in library.clips for name in (clip.end_pose, clip.begin_pose)}
     poses = {"": -1} | {name: number for number, name in enumerate(sorted({*plain.values()} - {""}))}
@@ -40,7 +43,7 @@ def structure_codes(library: StepLibrary) -> StructureCodes:
     return StructureCodes(*(np.ascontiguousarray(codes[:, columns]) for columns in ((0, 2), (1, 2))))
 
 
-def may_follow_between(library: StepLibrary, first: Int64, second: Int64) -> Bool:
+def may_follow_between(library: "StepLibrary", first: Int64, second: Int64) -> Bool:
     """The same for the nodes `first` (R,) and `second` (M,), shape (R, M)."""
     codes = structure_codes(library)
     leaving, entering = codes.leaving[first, None], codes.entering[None, second]
@@ -58,7 +61,7 @@ def initial_side(clip: StepClip) -> str:
     return clip.leading_foot or ("mirrored" if clip.mirrored else "as danced")
 
 
-def unmatched_poses(library: StepLibrary) -> dict[str, str]:
+def unmatched_poses(library: "StepLibrary") -> dict[str, str]:
     """Return steps whose variations all end, or all begin, in poses that no clip matches: step → reason (T043)."""
     begins = {plain_pose(clip.begin_pose) for clip in library.clips}
     ends = {plain_pose(clip.end_pose) for clip in library.clips}

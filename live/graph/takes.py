@@ -1,12 +1,15 @@
 """Takes: other clips of the same step that may be mixed into a measure, live (T044-T047)."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.step_library import StepLibrary
 from live.motion.step_clip import StepClip
+
+if TYPE_CHECKING:
+    from live.graph.step_library import StepLibrary
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -37,7 +40,7 @@ class Takes:
         return np.where(count > 0, found, NO_TAKE).astype(np.int32)
 
 
-def find_takes(library: StepLibrary, leaving: npt.NDArray[np.bool_] | None = None) -> Takes:
+def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = None) -> Takes:
     """Return all takes of a library. Only clips of one structural variation are mixed (T046): same foot, same poses.
 
     The rule is that of `check_same_structure`. Measures of a stream (T037) and those that are `leaving` (N,) are not

@@ -2,7 +2,7 @@
 
 A tick is a sequence of stages. If a stage fails repeatedly even without the last events, its breaker is tripped and
 the show continues without the stage until a person resets it. A tripped stage first uses a simpler fallback (see
-`Show.tick`), and is skipped if that fails, too.
+`live/show/stages`), and is skipped if that fails, too.
 """
 
 from enum import IntEnum

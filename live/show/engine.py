@@ -1,7 +1,7 @@
 """Engine: the body of the frame loop. Live and offline runs differ only in the clock and in the caller of `frame`."""
 
 from collections.abc import Callable, Iterable
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from live.base.event_queue import EventQueue
 from live.base.fault_isolation import Bulkhead, callback_name
@@ -22,11 +22,14 @@ from live.control.events.events import (
     TrackerMoved,
 )
 from live.show.circuit_breakers import Stage
-from live.show.journal.journal import JournalWriter
 from live.show.patch.patch import Patch
 from live.show.show import Show, apply_safely
 from live.show.view.debug_overlay import draw_guides
-from live.show.view.status import Status
+
+if TYPE_CHECKING:
+    from live.show.journal.journal import JournalWriter
+    from live.show.view.status import Status
+
 
 EVENTS_PER_FRAME = 512
 """Maximum number of events taken from the inbox in one frame."""
@@ -80,8 +83,8 @@ class Engine:
         *,
         clock: Clock,
         inbox: EventQueue[ControlEvent],
-        status: Status,
-        journal: JournalWriter | None = None,
+        status: "Status",
+        journal: "JournalWriter | None" = None,
         lead: float = TICK,
         stall: float = STALL,
     ) -> None:

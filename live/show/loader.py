@@ -10,18 +10,20 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
-from live.base.errors import PersonError
+from live.base.errors import PersonError, error_context
 from live.base.stage_snapshot import Scene
 from live.graph.build.metric import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.step_library import StepLibrary, build_library
+from live.library.capture_material import NO_BEAT_TAG, read_material
 from live.library.step_folder import load_folder
 from live.motion.step_clip import StepClip
 from live.motion.texture.live_bank import TextureBank
 from live.render.custom_pass import try_passes
+from live.show.assembly import assemble
 from live.show.dancers.character_casting import character_files, check_characters, drawable_characters
-from live.show.dancers.live_texture import load_texture_bank
-from live.show.partner.partner_sources import ExampleBank, load_example_bank
+from live.show.partner.example_bank import ExampleBank
+from live.show.partner.partner_sources import load_example_bank
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import read_sources
 from live.show.patch.patch_search_path import PATCHES, find_resource
@@ -121,9 +123,9 @@ class LoadedShow:
         return replace(self, patch=with_venue_projector(self.patch, projector), projector=projector)
 
     def start(self, *, seed: int | None = None, tempo: float | None = None, begin: bool = True) -> Show:
-        """Return a fresh show at time 0; PersonError for a missing step. `begin`: see `Assembly`."""
+        """Return a fresh show at time 0; PersonError for a missing step. `begin`: see `assemble`."""
         try:
-            return Show(
+            return assemble(
                 self.patch, self.graph, seed=seed, tempo=tempo, reserve=self.reserve, bank=self.bank,
                 answers=self.answers, begin=begin,
             )  # fmt: skip
@@ -337,3 +339,37 @@ def _read_own_steps(patch: Patch, path: Path) -> list[StepClip]:
         own = {clip.step.casefold() for clip in clips}
         clips += [clip for clip in load_folder(common) if clip.step.casefold() not in own]
     return clips
+
+
+def load_texture_bank(patch: Patch, path: Path) -> TextureBank | None:
+    """Return the patch's texture recordings, cut at their beats; None if it names none.
+
+    Raises PersonError for recordings that are missing, unreadable or without beats, and for a patch that uses texture
+    without naming recordings.
+    """
+    section = patch.texture
+    if not section.recordings:
+        groups = [index for index, group in enumerate(patch.group) if patch.motion_of(group).texture > 0.0]
+        if groups:
+            raise PersonError(
+                f"{path}: motion.texture is {patch.motion_of(patch.group[groups[0]]).texture:g}, but the patch names "
+                "no recordings",
+                'add [texture] with recordings = ["mocap"], a folder of motion files',
+            )
+        return None
+    places = []
+    with error_context(f"{path}: texture.recordings"):
+        for name in section.recordings:
+            found = find_resource(name, path)
+            if found is None:
+                raise PersonError(
+                    f"there is no file and no folder {name[:200]!r}", "give its path relative to the patch"
+                )
+            places.append(found)
+        clips = [clip for clip in read_material(places, fps=section.fps).clips if NO_BEAT_TAG not in clip.tags]
+        try:
+            return TextureBank.of(clips)
+        except ValueError as error:
+            raise PersonError(
+                str(error), "use longer recordings, or set their bpm and first_beat_s in a TOML file next to them"
+            ) from None

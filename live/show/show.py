@@ -5,263 +5,168 @@ is refused the same way by engine, warm standby, second machine and replay: its 
 reach the same state and the show continues.
 """
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from live.base.errors import PersonError
-from live.base.scalar_kernels import damper
 from live.base.stage_snapshot import StageView
-from live.clock.ticks import TICK
-from live.clock.timeline import Moment
+from live.clock.timeline import Moment, Timeline
 from live.control.events.event import ControlEvent
-from live.show.circuit_breakers import FALLBACK, Stage
-from live.show.dancers.current_measure import CurrentMeasures
-from live.show.dispatch import EventDispatcher
-from live.show.measure_span import MeasureSpan
-from live.show.selection.nearest_steps import repeat_measure
-from live.show.selection.scheduler import DECIDE_BEATS
+from live.show.circuit_breakers import CircuitBreakers
+from live.show.desk.refusals import Refusals
+from live.show.stages.measure_span import MeasureSpan
 
-FADE_HALFLIFE = 0.06
-"""Half-life of a blackout's fade [s]: dark within 0.2 s, without a flash."""
-SHORTEST_RETIME = 0.5
-"""Minimum remaining length of a re-timed measure [beats]."""
-JUMP_TOLERANCE = 1e-6
-"""The clock has jumped if its beat differs by more than this from the last tick's Timeline [beats]."""
-MAX_CALL_DEPTH = 4
-"""Maximum depth of signals that trigger signals in one tick; the rest waits for the next tick."""
-MAX_LINES_PER_TICK = 4
-"""Maximum number of measure lines crossed in one tick, in case the tempo runs away."""
+if TYPE_CHECKING:
+    from live.agents.crowd.agent_state import AgentState
+    from live.clock.follower.manual_control import TrackerHint
+    from live.clock.follower.timeline_follower import TimelineFollower
+    from live.graph.motion_graph import MotionGraph
+    from live.show.audience.audience import Audience
+    from live.show.capture.capture_manager import CaptureManager
+    from live.show.dancers.dancers import Dancers
+    from live.show.dancers.step_requests import StepRequests
+    from live.show.dancers.variation import Variation
+    from live.show.desk.light_desk import LightDesk
+    from live.show.frame import Frame
+    from live.show.group.casting import Casting
+    from live.show.group.group_motion import GroupMotion
+    from live.show.patch.patch import Patch
+    from live.show.patch.patch_update import PatchUpdates
+    from live.show.score.music_reactions import Reactions
+    from live.show.score.playhead import Playhead
+    from live.show.score.score_runner import ScoreRunner
+    from live.show.selection.interrupts import Interrupts
+    from live.show.selection.scheduler import Scheduler
+    from live.show.stages.hot_swap import HotSwap
+    from live.show.stages.light_stage import LightStage
+    from live.show.stages.show_clock import ShowClock
+    from live.show.view.view_builder import ViewBuilder
 
 
-class Show(EventDispatcher):
-    """One show. Call `apply` for events, then `tick` for each due tick, and `fill` for each frame.
+@dataclass(eq=False)
+class Show:
+    """One show: its parts, as `live/show/assembly.py` has built them. Thread: the show's, unless a method says other.
 
-    A tick is a sequence of stages. Each stage first checks its circuit breaker. If it is tripped, a fallback computes
-    what later stages need, so the show continues whichever stage fails.
+    Call `apply` for events, then `tick` for each due tick, and `fill` for each frame.
     """
+
+    seed: int
+    breakers: CircuitBreakers
+    """Circuit breakers of the stages of a tick."""
+    refusals: Refusals
+    clock: "ShowClock"
+    casting: "Casting"
+    reactions: "Reactions"
+    score_runner: "ScoreRunner"
+    motion: "GroupMotion"
+    variation: "Variation"
+    dancers: "Dancers"
+    scheduler: "Scheduler"
+    interrupts: "Interrupts"
+    directions: "StepRequests"
+    mocap: "CaptureManager"
+    desk: "LightDesk"
+    audience: "Audience"
+    light: "LightStage"
+    hot_swap: "HotSwap"
+    view_builder: "ViewBuilder"
+    frame: "Frame"
+    """The stages, in their order."""
+
+    # -- running -----------------------------------------------------------------------------------------------------
+
+    def apply(self, event: ControlEvent) -> bool:
+        """Apply an event, effective from the next tick. False, and counted, if it was refused."""
+        return self.frame.input(event)
 
     def tick(self, time: float) -> bool:
         """Advance to the tick at `time` [s]; True if a measure line was crossed.
 
         After an exception the state is unusable; `breakers.running` is the stage that failed.
         """
-        self.time = time
-        crossed = self._tick(time) if self.breakers.closed(Stage.TICK) else self._tick_still(time)
-        self.breakers.leave()
-        return crossed
+        return self.frame.tick(time)
 
-    def _tick(self, time: float) -> bool:
-        closed = self.breakers.closed
-        beat = self._advance_clock(time)
-        crossed = self._cross_lines(beat, time)
-        if closed(Stage.DESK):
-            self.desk.tick(self.timeline)
-        if closed(Stage.AUDIENCE):
-            self.audience.tick()
-        self._fire()
-        self._apply_edit(time)
-        self._select(beat, time)
-        if closed(Stage.INTERRUPTS):
-            self.interrupts.tick(self.span, self.timeline, time)
-        self._move(self._fraction(beat), time)
-        level = self.breakers.enter(Stage.LIGHT)
-        goal = 0.0 if self.blackout else 1.0
-        self.brightness = goal if level else damper(self.brightness, goal, FADE_HALFLIFE, TICK)
-        return crossed
+    def view(self) -> StageView:
+        """Return an empty drawing snapshot of the right size, to be filled each frame."""
+        return self.view_builder.view()
 
-    def _move(self, fraction: float, time: float) -> None:
-        """Advance agents and dancers to `fraction` of the measure."""
-        closed, carrying = self.breakers.closed, self.scheduler.root_correction
-        if closed(Stage.STEERING):
-            speed, dancer = self.scheduler.speed, carrying.reference
-            self.motion.tick(
-                time,
-                self.timeline,
-                self.span,
-                speed=speed,
-                reference=dancer,
-                reference_velocity=carrying.reference_velocity,
-            )
-        if closed(Stage.PARTNERS):
-            self.motion.follow_partner_response(self.dancers.partner_response, self.dancers.drawn_hips)
-        if closed(Stage.CORRECTION):
-            carrying.tick(fraction, self.timeline.tempo / (60.0 * self.timeline.beats_per_measure))
-        if closed(Stage.DANCERS):
-            self.dancers.tick(fraction, time, TICK)
-        if closed(Stage.CAPTURE):
-            self.mocap.tick(time, self.danced_beats, self.timeline, self.span.end)
-        if closed(Stage.PARTNERS):
-            self._advance_responses(fraction, time)
-            partners = self.motion.partners
-            if len(partners.leader) or self.dancers.hands.active:
-                self.dancers.hands.tick(partners.other, partners.hand, TICK, self.timeline.tempo)
+    def fill(self, view: StageView, time: float) -> None:
+        """Fill the snapshot for `time` [s], at most a tick after the last one; poses are at the exact beat."""
+        self.frame.view(view, time)
 
-    # -- clock and measure lines -----------------------------------------------------------------------------------
+    def state_hash(self) -> str:
+        """Return a short hash over every bit of the agents' and dancers' states and the poses of this tick."""
+        return self.view_builder.state_hash(self.clock.now(self.state.position))
 
-    def _advance_clock(self, time: float) -> float:
-        """Advance the clock to `time` [s], re-time the current measure if needed, and return the beat."""
-        level, leapt = self.breakers.enter(Stage.CLOCK), False
-        if not level:
-            expected = self.timeline.beat_at(time)
-            self.timeline = self.follower.advance(time)
-            beat = self.timeline.beat_at(time)
-            leapt = abs(beat - expected) > JUMP_TOLERANCE
-        else:
-            beat = self.timeline.beat_at(time) if level == FALLBACK else self._beat + self._beats_per_tick
-        if self.breakers.closed(Stage.MEASURE):
-            if leapt:
-                self.span.jump(self.timeline, expected, beat, shortest=SHORTEST_RETIME)
-            self.span.follow(self.timeline, beat, shortest=SHORTEST_RETIME)
-        self._beat, self._beats_per_tick = beat, self.timeline.tempo * TICK / 60.0
-        return beat
+    # -- present -----------------------------------------------------------------------------------------------------
 
-    def _fraction(self, beat: float) -> float:
-        """Return the fraction of the measure at `beat`."""
-        if self.breakers.closed(Stage.MEASURE):
-            return self.span.fraction(beat)
-        return min(max(1.0 - (self.span.end - beat) / self.patch.clock.beats_per_measure, 0.0), 1.0)
+    @property
+    def patch(self) -> "Patch":
+        """The patch in force."""
+        return self.hot_swap.patch
 
-    def _cross_lines(self, beat: float, time: float) -> bool:
-        crossed = False
-        for _ in range(MAX_LINES_PER_TICK):
-            if beat < self.span.end:
-                break
-            self._fire((self.span.number + 1) * self.patch.clock.beats_per_measure)
-            self._cross_measure_line(time)
-            crossed = True
-        return crossed
+    @property
+    def graph(self) -> "MotionGraph":
+        """The motion graph in use."""
+        return self.hot_swap.graph
 
-    def _tick_still(self, time: float) -> bool:
-        """Run a tick without motion; measures are still counted."""
-        self._beat += self._beats_per_tick
-        crossed = self._beat >= self.span.end
-        if crossed:
-            self.span = self._next_regular()
-            self._drop_unfinished()
-        return crossed
+    @property
+    def patch_updates(self) -> "PatchUpdates":
+        """The state of a patch reload."""
+        return self.hot_swap.patch_updates
 
-    def _next_regular(self) -> MeasureSpan:
-        """Return the next measure, of the patch's length."""
-        end, beats = self.span.end, self.patch.clock.beats_per_measure
-        return MeasureSpan(self.span.number + 1, end, end + beats, beats)
+    @property
+    def time(self) -> float:
+        """Time of the last tick [s]."""
+        return self.clock.time
 
-    def _cross_measure_line(self, time: float) -> None:
-        closed = self.breakers.closed
-        if not self.dancers.decided:
-            self._decide(time)
-        line = self.span.end
-        if closed(Stage.CORRECTION):
-            self.scheduler.root_correction.cross_measure_line()
-        if closed(Stage.DANCERS):
-            self.dancers.cross_measure_line()
-        elif self.dancers.decided:
-            CurrentMeasures.cross_measure_line(self.dancers)
-        if closed(Stage.EDITS):
-            self._apply_graph()
-            self._apply_patch()
-        self._drop_unfinished()
-        self.span = self.span.next(self.timeline) if closed(Stage.MEASURE) else self._next_regular()
-        self._begin_measure(line)
-        if closed(Stage.REACTIONS):
-            self._issue(self.reactions.cross_measure_line(time))
-        if closed(Stage.DESK):
-            self._issue(self.desk.begin_measure(self.danced_beats))
-        if closed(Stage.AUDIENCE):
-            self._issue(self.audience.begin_measure(self.span.number, time))
+    @property
+    def follower(self) -> "TimelineFollower":
+        """The follower of the music."""
+        return self.clock.follower
 
-    def _begin_measure(self, beat: float) -> None:
-        closed, number = self.breakers.closed, self.span.number
-        if closed(Stage.SCORE):
-            self.score_runner.begin_measure(number, self.time)
-        if closed(Stage.PARTNERS) and self.dancers.partner_response is not None:
-            self.dancers.partner_response.begin_measure()
-        if closed(Stage.DESK):
-            self._controls.cross_measure_line(number)
-        if closed(Stage.VARIATION):
-            self.variation.begin_measure(number)
-            timing = self.motion.partners.timing_source()
-            self.variation.update_delays(timing, self.state.position, self.motion.present, self.dancers.present)
-        if closed(Stage.SELECTION):
-            self.scheduler.set_speed(number, self.timeline)
-        entered = self._enter(beat) if closed(Stage.STEERING) else np.zeros(0, np.intp)
-        if closed(Stage.CORRECTION):
-            self.scheduler.root_correction.begin_measure(displaced=bool(len(entered)))
+    @property
+    def timeline(self) -> Timeline:
+        """Beats and measures over time."""
+        return self.clock.timeline
 
-    def _enter(self, beat: float) -> npt.NDArray[np.intp]:
-        """Begin the motion of the measure at `beat`; return the dancers that enter the stage."""
-        heading = self.dancers.present.begin_heading()
-        try:
-            entered = self.motion.begin_measure(self.span, beat, self.timeline, heading)
-        except PersonError as error:  # an impossible entry late in a score must not stop the show
-            self.refusals.add(f"score: {error}")
-            return np.zeros(0, np.intp)
-        if len(entered):
-            place = self.state.position[entered].astype(np.float64)
-            way = self.motion.entrances.goal[entered] - place
-            self.dancers.place(entered, place, np.arctan2(way[:, 0], way[:, 1]))
-        return entered
+    @property
+    def span(self) -> MeasureSpan:
+        """The current measure."""
+        return self.clock.span
 
-    # -- events issued by the show itself --------------------------------------------------------------------------
+    @property
+    def danced_beats(self) -> float:
+        """Beats danced so far, see `ShowClock.danced_beats`."""
+        return self.clock.danced_beats
 
-    def _fire(self, line: float | None = None) -> None:
-        """Apply everything scheduled up to the danced beat `line` (None: now), and what that triggers at once."""
-        for _ in range(MAX_CALL_DEPTH):
-            due: list[ControlEvent] = []
-            if self.breakers.closed(Stage.SCORE):
-                due += self.score_runner.beat_scheduler.fire(self.danced_beats if line is None else line)
-            if self.breakers.closed(Stage.DESK):
-                due += self.desk.fire(self.danced_beats if line is None else line, self.time)
-            if not due:
-                return
-            self._issue(due)
+    @property
+    def playhead(self) -> "Playhead":
+        """The position in the score."""
+        return self.score_runner.playhead
 
-    def _issue(self, calls: Iterable[ControlEvent]) -> None:
-        """Apply events that the show issues itself."""
-        for event in calls:
-            if self.breakers.may_issue(type(event).__name__):
-                self._handle(event)
+    @property
+    def group(self) -> npt.NDArray[np.int32]:
+        """The group of each dancer, (A,)."""
+        return self.casting.group
 
-    def _apply_edit(self, time: float) -> None:
-        if not self.breakers.closed(Stage.EDITS):
-            return
-        if self.patch_updates.is_due(self.span.number) and self.scheduler.replan(self.span, self.timeline, time):
-            self._apply_patch()
+    @property
+    def state(self) -> "AgentState":
+        """The current agent state."""
+        return self.motion.state
 
-    def _select(self, beat: float, time: float) -> None:
-        """Do this tick's share of the step selection."""
-        level = self.breakers.enter(Stage.SELECTION)
-        if not level:
-            self.scheduler.work(self.span, self.timeline, time)
-        elif level == FALLBACK and not self.dancers.decided and self.span.end - beat <= DECIDE_BEATS:
-            self.scheduler.decide_nearest(self.motion.stage_area.half)
+    @property
+    def blackout(self) -> bool:
+        """Whether the picture is or becomes black."""
+        return self.light.blackout
 
-    def _decide(self, time: float) -> None:
-        """Choose all next measures at once, because the measure line is reached."""
-        level = self.breakers.enter(Stage.SELECTION)
-        if not level:
-            self.scheduler.decide(self.span, self.timeline, time)
-        elif level == FALLBACK:
-            self.scheduler.decide_nearest(self.motion.stage_area.half)
-        else:
-            repeat_measure(self.dancers)
-
-    def _advance_responses(self, fraction: float, time: float) -> None:
-        """Advance the partner response, move the agents of followers, and pass new units to the reactions."""
-        answering, state = self.dancers.partner_response, self.state
-        if answering is None:
-            return
-        moved = self.dancers.tick_partner_response(
-            self.motion.on_stage, (state.position, state.velocity), fraction, time, TICK
-        )
-        rows = np.flatnonzero(moved.any(axis=1))
-        if len(rows):
-            self.scheduler.root_correction.displace(rows, moved[rows])
-        for label in answering.leaders.pop_new_labels():
-            self.reactions.handle_unit(label)
-            self.score_runner.schedule_reactions(self.danced_beats, time)
+    @property
+    def brightness(self) -> float:
+        """Brightness of the picture without the desk's master, 0 to 1."""
+        return self.light.brightness
 
     def moment(self, time: float) -> Moment:
         """Return the musical time at `time` [s]."""
@@ -272,23 +177,9 @@ class Show(EventDispatcher):
         asked = self.directions.explained_dancer
         return None if asked is None else self.scheduler.choices.explain(asked, self.scheduler.choosing)
 
-    # -- drawing snapshot --------------------------------------------------------------------------------------
-
-    def view(self) -> StageView:
-        """Return an empty drawing snapshot of the right size, to be filled each frame."""
-        return self._view_builder.view()
-
-    def fill(self, view: StageView, time: float) -> None:
-        """Fill the snapshot for `time` [s], at most a tick after the last one; poses are at the exact beat."""
-        tempo, brightness = self.follower.tempo, self.brightness * self.desk.master.level
-        self._view_builder.fill(
-            view, time, self.timeline, self.span, tempo=tempo, brightness=brightness, last_tick=self.time
-        )
-
-    def state_hash(self) -> str:
-        """Return a short hash over every bit of the agents' and dancers' states and the poses of this tick."""
-        brightness = self.brightness * self.desk.master.level
-        return self._view_builder.state_hash(self.time, self.timeline, self.span, brightness=brightness)
+    def seed_tracker(self, listener: Callable[["TrackerHint"], None]) -> None:
+        """Send beat tracker seeds to `listener`, now and in future."""
+        self.clock.seed_tracker(listener)
 
 
 def apply_safely(show: Show, event: ControlEvent) -> bool | None:

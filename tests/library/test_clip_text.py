@@ -3,7 +3,7 @@
 import pytest
 
 from live.library.clip_text import clips_from_text, clips_to_text
-from live.show.selection.graph_update import same_clip
+from live.show.selection.library_watch import same_clip
 from tests.fixtures.made_steps import made_steps
 
 

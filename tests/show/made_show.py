@@ -2,8 +2,8 @@
 
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
+from live.show.assembly import assemble
 from live.show.patch.patch_reader import parse_patch
-from live.show.show import Show
 from tests.fixtures.made_steps import made_steps
 
 PATCH = """
@@ -41,4 +41,4 @@ GRAPH = made_graph()
 def made_show(extra="", *, top=False, reserve=0, **options):
     """A new show of PATCH with `extra` TOML at its end (`top`: at its beginning) and `reserve` dancers in reserve."""
     patch = PATCH.replace("reserve = 0", f"reserve = {reserve}")
-    return Show(parse_patch(extra + patch if top else patch + extra, "test.toml"), GRAPH, **options)
+    return assemble(parse_patch(extra + patch if top else patch + extra, "test.toml"), GRAPH, **options)

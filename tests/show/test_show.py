@@ -7,13 +7,13 @@ from live.base.element_kinds import ATTRACTOR, SPREADER
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.motion.skeleton import SKELETON
+from live.show.assembly import assemble
 from live.show.patch.patch_reader import parse_patch
-from live.show.show import Show
 from tests.fixtures.hips import hips
 from tests.show.made_show import GRAPH, made_show
 
 
-def event_now(kind, show, **values):
+def event_now(kind, show, /, **values):
     return kind(time=show.time, source="test", **values)
 
 
@@ -327,6 +327,6 @@ def test_dancers_are_not_extrapolated_beyond_step_after_stall():
 
 def test_groups_with_the_same_start_position_are_separated():
     patch = "".join(f'[[group]]\nname = "g{k}"\ndancers = 5\nsteps = ["sway"]\n' for k in range(2))
-    show = Show(parse_patch('name = "x"\n' + patch, "x"), GRAPH)
+    show = assemble(parse_patch('name = "x"\n' + patch, "x"), GRAPH)
     apart = np.hypot(*(show.state.position[:, None] - show.state.position[None]).transpose(2, 0, 1))
     assert apart[np.triu_indices(10, 1)].min() > 0.6

@@ -23,11 +23,11 @@ from live.show.dancers.root_correction_control import RootCorrectionControl
 from live.show.dancers.variation import Variation
 from live.show.desk.light_desk import LightDesk
 from live.show.engine import Engine
+from live.show.frame import Frame
 from live.show.group.group_motion import GroupMotion
 from live.show.journal.journal import JournalWriter, read_journal
 from live.show.journal.replay import replay
 from live.show.loader import LoadedShow
-from live.show.measure_span import MeasureSpan
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_update import PatchUpdates
 from live.show.score.beat_scheduler import BeatScheduler
@@ -36,6 +36,7 @@ from live.show.score.score_runner import ScoreRunner
 from live.show.selection.interrupts import Interrupts
 from live.show.selection.scheduler import Scheduler
 from live.show.show import Show
+from live.show.stages.measure_span import MeasureSpan
 from live.show.state.snapshot import CapturedSnapshot
 from live.show.view.status import Status
 from live.supervisor.heartbeat import Heartbeat
@@ -165,7 +166,7 @@ def inject_fault(
 
 def test_single_error_costs_one_engine_and_no_state(loaded, reference_show, monkeypatch, tmp_path):
     night = EngineSequence(loaded)
-    raised = inject_fault(monkeypatch, GroupMotion, "tick", lambda *_: night.heart.running[0] > 320, times=1)
+    raised = inject_fault(monkeypatch, GroupMotion, "command", lambda *_: night.heart.running[0] > 320, times=1)
     night.play(LAST)
     assert (raised, len(night.deaths), night.notes) == ([1], 1, [])
     assert night.show.state_hash() == reference_show.state_hash()
@@ -197,7 +198,7 @@ def test_event_that_ends_its_tick_twice_is_quarantined(loaded, monkeypatch, tmp_
 
 def test_error_without_event_disables_its_stage_until_operator_reset(loaded, monkeypatch, tmp_path):
     night = EngineSequence(loaded)
-    raised = inject_fault(monkeypatch, GroupMotion, "tick", lambda *_: 320 < night.heart.running[0] < 450)
+    raised = inject_fault(monkeypatch, GroupMotion, "command", lambda *_: 320 < night.heart.running[0] < 450)
     night.play(500)
     assert (len(night.deaths), raised) == (1, [2])  # tried once more by who goes on, and not a third time
     assert [(event["name"], "injected" in event["why"]) for event in night.journalled(BreakerTripped)] == [
@@ -234,7 +235,7 @@ STAGES: dict[str, list[tuple[type, str]]] = {
     "edits": [(PatchUpdates, "is_due"), (PatchUpdates, "pop_ready")],
     "selection": [(Scheduler, "work"), (Scheduler, "decide"), (Scheduler, "set_speed")],
     "interrupts": [(Interrupts, "tick")],
-    "steering": [(GroupMotion, "tick"), (GroupMotion, "begin_measure"), (Plan, "work")],
+    "steering": [(GroupMotion, "command"), (GroupMotion, "advance"), (GroupMotion, "begin_measure"), (Plan, "work")],
     "correction": [
         (RootCorrectionControl, "tick"),
         (RootCorrectionControl, "cross_measure_line"),
@@ -284,7 +285,7 @@ def test_failing_fallback_disables_stage_and_finally_stops_dance(loaded, monkeyp
         inject_fault(monkeypatch, Scheduler, name, lambda *_: night.tick > 330)
     night.play(500)
     assert [event["name"] for event in night.journalled(BreakerTripped)] == ["selection", "selection"]
-    inject_fault(monkeypatch, Show, "_tick", lambda *_: night.tick > 520)
+    inject_fault(monkeypatch, Frame, "_tick", lambda *_: night.tick > 520)
     night.play(720)
     assert night.journalled(BreakerTripped)[-1]["name"] == "tick"
     assert len(night.deaths) == 3
@@ -383,7 +384,7 @@ def test_recent_breaker_reset_does_not_undo_next_trip(loaded, monkeypatch, tmp_p
     """A stage disabled from the last snapshot on was restored forever by the reset since then."""
     night = EngineSequence(loaded)
     night.events[325] = ResetBreaker(time=5.0, source="osc")
-    inject_fault(monkeypatch, GroupMotion, "tick", lambda *_: night.tick > 330)
+    inject_fault(monkeypatch, GroupMotion, "command", lambda *_: night.tick > 330)
     night.play(720)
     assert len(night.deaths) == 1
     assert {event["name"] for event in night.journalled(BreakerTripped)} == {"steering"}
@@ -395,7 +396,7 @@ def test_recent_breaker_reset_does_not_undo_next_trip(loaded, monkeypatch, tmp_p
 
 def test_fault_before_first_line_disables_stage_from_start(loaded, monkeypatch):
     """A journal without a snapshot, whose first line comes after ticks that ran well: here none of them can run."""
-    raised = inject_fault(monkeypatch, GroupMotion, "tick", lambda *_: True)
+    raised = inject_fault(monkeypatch, GroupMotion, "command", lambda *_: True)
     following = StateFollower(loaded)
     for line in (*EngineSequence(loaded).sink.lines, json.dumps({"tick": 60})):
         following.add_line(line)

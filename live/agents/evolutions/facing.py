@@ -2,13 +2,16 @@
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from live.agents.evolutions.evolution_kernels import profile
-from live.agents.evolutions.segment_start import PlannedMotion, SegmentStart
 from live.agents.evolutions.trajectory import Locomotion
+
+if TYPE_CHECKING:
+    from live.agents.evolutions.segment_start import PlannedMotion, SegmentStart
 
 Float64 = npt.NDArray[np.float64]
 
@@ -144,7 +147,7 @@ def _directions(knots: Float64) -> tuple[npt.NDArray[np.bool_], Float64]:
     return moving, np.take_along_axis(direction, piece, axis=1)
 
 
-def turn_beats(facing: Orientation, departure: SegmentStart) -> float:
+def turn_beats(facing: Orientation, departure: "SegmentStart") -> float:
     """Return the beats of each turn on the spot, which the path has to leave free."""
     if facing.facing is not Facing.TANGENT:
         return 0.0
@@ -152,8 +155,8 @@ def turn_beats(facing: Orientation, departure: SegmentStart) -> float:
 
 
 def with_turns(
-    journey: PlannedMotion, facing: Orientation, departure: SegmentStart, after: npt.ArrayLike, *, exact_end: bool
-) -> PlannedMotion:
+    journey: "PlannedMotion", facing: Orientation, departure: "SegmentStart", after: npt.ArrayLike, *, exact_end: bool
+) -> "PlannedMotion":
     """Return the journey with the headings of `facing`; `exact_end`: the last heading must be met exactly."""
     moved, before, last = journey.locomotion, departure.heading, np.asarray(after, np.float64)
     if facing.facing is Facing.LINEAR:
@@ -174,7 +177,7 @@ def _knot_shares(moved: Locomotion) -> Float64:
 
 
 def _measure_turns(
-    moved: Locomotion, facing: Orientation, departure: SegmentStart, last: Float64, exact_end: bool
+    moved: Locomotion, facing: Orientation, departure: "SegmentStart", last: Float64, exact_end: bool
 ) -> Float64:
     measures = max(1, round((departure.end - departure.begin) / departure.measure_beats))
     lines = departure.begin + departure.measure_beats * np.arange(measures + 1)

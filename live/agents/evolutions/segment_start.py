@@ -2,12 +2,15 @@
 
 from collections.abc import Set
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.evolutions.collision_check import Approach
 from live.agents.evolutions.trajectory import Float64, Locomotion
+
+if TYPE_CHECKING:
+    from live.agents.evolutions.collision_check import Approach
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,7 +49,7 @@ class PlannedMotion:
     """Number of dancers whose start time was changed to avoid collisions."""
     bent: bool = False
     """Whether paths were bent to avoid collisions."""
-    remaining: tuple[Approach, ...] = ()
+    remaining: "tuple[Approach, ...]" = ()
     """Pairs (rows of the locomotion) whose bodies would touch on these paths: left to steering."""
     checked: bool = True
     """Whether clearance was checked; the largest groups are not checked."""

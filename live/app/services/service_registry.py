@@ -15,7 +15,7 @@ from live.control.registry.control import ArgumentValue
 from live.control.registry.registry import Changes
 from live.show.loader import LoadedShow
 from live.show.patch.hot_reload import PatchWatch
-from live.show.selection.graph_update import LibraryWatch
+from live.show.selection.library_watch import LibraryWatch
 from live.show.show import Show
 from live.show.venue.venue import Latencies
 from live.show.view.status import Status
@@ -158,5 +158,7 @@ def make_file_watches(
     """
     folder, library = loaded.steps_folder, None
     if folder is not None:
-        library = LibraryWatch(folder, show.graph, offer=show.offer_graph, post=post, now=now, read=loaded.clips)
+        library = LibraryWatch(
+            folder, show.graph, offer=show.hot_swap.offer_graph, post=post, now=now, read=loaded.clips
+        )
     return PatchWatch(loaded, show, post=post, now=now, library=library), library

@@ -1,12 +1,15 @@
 """Blend feasibility of joins: point clouds do not show limb twist or the direction in which a body turns."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.graph.build.blend_kernels import find_blendable
-from live.graph.step_library import StepLibrary
+
+if TYPE_CHECKING:
+    from live.graph.step_library import StepLibrary
+
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -23,7 +26,7 @@ MIN_CHORD: Final = 0.5
 and 0 if they are opposite quaternions mixed half and half."""
 
 
-def can_blend(library: StepLibrary, window: float, source: Int32, target: Int32, yaw: Float64) -> Bool:
+def can_blend(library: "StepLibrary", window: float, source: Int32, target: Int32, yaw: Float64) -> Bool:
     """Whether measure `target` can follow `source` (E,) without a joint that spins in the blend, (E,).
 
     `window`: length of the blend as a share of the measure; `yaw` (E,) [rad]: rotation of the target's clip (K001).
@@ -47,7 +50,7 @@ def can_blend(library: StepLibrary, window: float, source: Int32, target: Int32,
     return out
 
 
-def _rotations(library: StepLibrary, line: Float64, before: Float64) -> Float32:
+def _rotations(library: "StepLibrary", line: Float64, before: Float64) -> Float32:
     """Return local rotations at the samples nearest to `before` (K,) measures from the `line` (N,), (N, K, J, 4)."""
     length = (library.node_last - library.node_first)[:, None]
     sample = np.maximum(line[:, None] + before * length, library.node_lead[:, None])

@@ -1,12 +1,15 @@
 """The thesis' sequence search, kept as a reference: modified depth-first search (T064)."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.graph.search.sequence_spec import SequenceSpec
-from live.graph.search.viterbi import Edges
+
+if TYPE_CHECKING:
+    from live.graph.search.viterbi import Edges
+
 
 Int32 = npt.NDArray[np.int32]
 
@@ -19,7 +22,7 @@ class SearchTooLong(ValueError):
 
 
 def depth_first(
-    edges: Edges,
+    edges: "Edges",
     specification: SequenceSpec,
     *,
     start: int | None = None,
@@ -62,5 +65,5 @@ def depth_first(
     return None
 
 
-def _successors(edges: Edges, node: int) -> Int32:
+def _successors(edges: "Edges", node: int) -> Int32:
     return np.asarray(edges.target[edges.start[node] : edges.start[node + 1]])

@@ -6,15 +6,17 @@ measures (`HORIZON`). It runs after a measure line, beats before the next measur
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.motion_graph import MotionGraph
 from live.graph.search.sequence import edges_of
 from live.graph.search.sequence_spec import SequenceEntry, SequenceSpec, specify
 from live.graph.search.viterbi import CostToGo, Edges
+
+if TYPE_CHECKING:
+    from live.graph.motion_graph import MotionGraph
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -23,7 +25,7 @@ HORIZON: Final = 8
 """Measures that a live search looks ahead."""
 
 
-def _with_horizon(graph: MotionGraph, wanted: Sequence[SequenceEntry], horizon: int) -> SequenceSpec:
+def _with_horizon(graph: "MotionGraph", wanted: Sequence[SequenceEntry], horizon: int) -> SequenceSpec:
     """Return the specification of exactly `horizon` measures: longer ones are cut, shorter ones end with any steps."""
     entries: list[SequenceEntry] = []
     measures = 0
@@ -52,7 +54,12 @@ class LiveSequence:
     """
 
     def __init__(
-        self, graph: MotionGraph, wanted: Sequence[SequenceEntry], *, horizon: int = HORIZON, edges: Edges | None = None
+        self,
+        graph: "MotionGraph",
+        wanted: Sequence[SequenceEntry],
+        *,
+        horizon: int = HORIZON,
+        edges: Edges | None = None,
     ) -> None:
         """`edges`: those of the graph, if several searches share them."""
         self._graph = graph

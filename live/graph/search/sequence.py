@@ -4,18 +4,20 @@ import difflib
 import re
 import unicodedata
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError
-from live.graph.motion_graph import MotionGraph
 from live.graph.search.depth_first_reference import NODE_BUDGET, depth_first
 from live.graph.search.sequence_spec import MAX_MEASURES, SequenceEntry, SequenceSpec, travels
 from live.graph.search.viterbi import CostToGo, Edges, cheapest_path
 from live.graph.step_library import StepLibrary
 from live.motion.step_clip import DIRECTIONS
+
+if TYPE_CHECKING:
+    from live.graph.motion_graph import MotionGraph
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -46,7 +48,7 @@ class FoundPath:
 
 
 def find_sequence(
-    graph: MotionGraph,
+    graph: "MotionGraph",
     specification: SequenceSpec,
     *,
     start: int | None = None,
@@ -71,7 +73,7 @@ def find_sequence(
     return _found_path(edges, specification, node, start)
 
 
-def best_start(graph: MotionGraph, specification: SequenceSpec, nodes: npt.ArrayLike) -> int:
+def best_start(graph: "MotionGraph", specification: SequenceSpec, nodes: npt.ArrayLike) -> int:
     """Return the node after which the dance has the fewest wrong measures, of those the smoothest.
 
     One search covers all `nodes`; the first node is returned if no dance follows any.
@@ -84,7 +86,7 @@ def best_start(graph: MotionGraph, specification: SequenceSpec, nodes: npt.Array
     return int(choice[np.argmin(after[choice])])
 
 
-def edges_of(graph: MotionGraph) -> Edges:
+def edges_of(graph: "MotionGraph") -> Edges:
     """Return the graph's edges in the format of the searches."""
     return Edges(graph.edge_start, graph.edge_target, graph.edge_cost)
 

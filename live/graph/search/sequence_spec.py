@@ -2,14 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError
-from live.graph.step_library import StepLibrary
 from live.motion.step_clip import StepClip
+
+if TYPE_CHECKING:
+    from live.graph.step_library import StepLibrary
 
 Int32 = npt.NDArray[np.int32]
 Bool = npt.NDArray[np.bool_]
@@ -60,7 +62,7 @@ class SequenceSpec:
         return np.asarray(self.fits[self.set_index[measure]], np.bool_)
 
 
-def specify(library: StepLibrary, wanted: Sequence[SequenceEntry], *, foot_rule: bool = False) -> SequenceSpec:
+def specify(library: "StepLibrary", wanted: Sequence[SequenceEntry], *, foot_rule: bool = False) -> SequenceSpec:
     """Return the sets of nodes of a sequence, measure by measure.
 
     A step is danced from its first measure to its last: measures are requested by step and number, so no step is
@@ -99,7 +101,7 @@ def specify(library: StepLibrary, wanted: Sequence[SequenceEntry], *, foot_rule:
     )
 
 
-def nodes_of(library: StepLibrary, entry: SequenceEntry, measure: int) -> Bool:
+def nodes_of(library: "StepLibrary", entry: SequenceEntry, measure: int) -> Bool:
     """Return the nodes that hold a measure (from 0) of the entry, shape (N,)."""
     if entry.step is None:
         return np.ones(library.node_count, np.bool_)

@@ -6,13 +6,16 @@ O(M · E) time. Memory is bounded: of long dances every Bth layer is kept, and t
 """
 
 from dataclasses import dataclass, field
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.graph.distance_kernels import cheapest_successors
-from live.graph.search.sequence_spec import SequenceSpec
+
+if TYPE_CHECKING:
+    from live.graph.search.sequence_spec import SequenceSpec
+
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
@@ -50,7 +53,7 @@ class CostToGo:
     dance. Without `wrong`, only measures as specified are allowed, and every other node costs infinitely much.
     """
 
-    def __init__(self, edges: Edges, specification: SequenceSpec, *, wrong: bool, block: int | None = None) -> None:
+    def __init__(self, edges: Edges, specification: "SequenceSpec", *, wrong: bool, block: int | None = None) -> None:
         self.edges = edges
         self.specification = specification
         self.wrong = wrong

@@ -5,14 +5,16 @@ of samples or measures of one dance.
 """
 
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.motion_graph import MotionGraph
 from live.graph.takes import NO_TAKE
 from live.motion.editing.turn_insertion import SupportTurns
+
+if TYPE_CHECKING:
+    from live.graph.motion_graph import MotionGraph
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -30,7 +32,7 @@ def wrap_angle(angle: Float64) -> Float64:
     return np.asarray(np.arctan2(np.sin(angle), np.cos(angle)))
 
 
-def take_offset(graph: MotionGraph, node: Int32, take: Int32) -> tuple[Float64, Float64]:
+def take_offset(graph: "MotionGraph", node: Int32, take: Int32) -> tuple[Float64, Float64]:
     """Return the transform from a take's clip to the node's own axes: shift (A, 2) [m] after turn (A,) [rad].
 
     Both have the same hip position and heading at the beginning of the measure (T045).
@@ -40,7 +42,7 @@ def take_offset(graph: MotionGraph, node: Int32, take: Int32) -> tuple[Float64, 
     return graph.node_start[own] - turn_vectors(graph.node_start[other], turn), turn
 
 
-def take_placement(graph: MotionGraph, node: Int32, take: Int32, placement: Float64) -> Float64:
+def take_placement(graph: "MotionGraph", node: Int32, take: Int32, placement: Float64) -> Float64:
     """Return placements (A, 4) of the takes' clips for the nodes' `placement` (A, 4): x, z, yaw of path and body."""
     shift, turn = take_offset(graph, node, take)
     out = placement.copy()
@@ -49,7 +51,7 @@ def take_placement(graph: MotionGraph, node: Int32, take: Int32, placement: Floa
     return out
 
 
-def own_end(graph: MotionGraph, node: Int32, take: Int32, share: Float64) -> tuple[Float64, Float64]:
+def own_end(graph: "MotionGraph", node: Int32, take: Int32, share: Float64) -> tuple[Float64, Float64]:
     """Return hips (A, 2) [m] and heading (A,) [rad] at the measure's end in clip axes, with `share` (A,) of a take."""
     own = np.maximum(node, 0)
     end, facing = graph.node_end[own], graph.node_facing[own]
@@ -63,7 +65,7 @@ def own_end(graph: MotionGraph, node: Int32, take: Int32, share: Float64) -> tup
     return end + share[:, None] * (other_end - end), facing + share * off
 
 
-def next_axes(graph: MotionGraph, node: Int32, hips: Float64, heading: Float64) -> Float64:
+def next_axes(graph: "MotionGraph", node: Int32, hips: Float64, heading: Float64) -> Float64:
     """Return the axes (A, 3), x, z, yaw, in which the next clip joins after `node` ended at `hips` and `heading`.
 
     The graph's transforms lead from the node's own end to the next node's start, so in these axes the node's own end
@@ -81,7 +83,7 @@ def following_placement(axes: Float64, transform: Float64) -> Float64:
     return np.column_stack([place, axes[:, 2] + transform[:, 2]])
 
 
-def starting_placement(graph: MotionGraph, node: Int32, hips: Float64, heading: Float64) -> Float64:
+def starting_placement(graph: "MotionGraph", node: Int32, hips: Float64, heading: Float64) -> Float64:
     """Return placements (A, 3) of `node` (A,) begun with hips at `hips` (A, 2) [m] and `heading` (A,) [rad]."""
     yaw = heading - graph.node_facing_start[node]
     return np.column_stack([hips - turn_vectors(graph.node_start[node], yaw), yaw])
@@ -145,7 +147,7 @@ class Candidates:
         return hips, yaw + angle + self.facing[rows]
 
 
-def find_candidates(graph: MotionGraph, weights: tuple[float, ...] = WEIGHTS) -> Candidates:
+def find_candidates(graph: "MotionGraph", weights: tuple[float, ...] = WEIGHTS) -> Candidates:
     """Return all candidates of a graph: clips, and mixtures by `weights` with takes that do not go the opposite way."""
     node, take, share, first = [], [], [], [0]
     way = measure_displacements(graph)
@@ -173,7 +175,7 @@ def find_candidates(graph: MotionGraph, weights: tuple[float, ...] = WEIGHTS) ->
     )
 
 
-def widening_candidates(graph: MotionGraph, candidates: Candidates, least: float = MIN_WIDENING) -> Candidates:
+def widening_candidates(graph: "MotionGraph", candidates: Candidates, least: float = MIN_WIDENING) -> Candidates:
     """Keep candidates that widen the reach: clips, and mixtures that end at least `least` from all ends of their node.
 
     Recordings of one direction are many takes whose mixtures all lead to one place; evaluating them gains nothing.
@@ -203,7 +205,7 @@ def _apart(ends: Float64, end: Float64) -> Float64:
     return np.asarray(np.sqrt(off[:, 0] ** 2 + off[:, 1] ** 2 + wrap_angle(off[:, 2]) ** 2))
 
 
-def turns_of(graph: MotionGraph) -> SupportTurns:
+def turns_of(graph: "MotionGraph") -> SupportTurns:
     """Return the graph's rows of turns (N, 8, 8) as SupportTurns of N measures."""
     start, stop, weight, x, z, stop_x, stop_z, softness = np.moveaxis(graph.node_turns, -1, 0)
     return SupportTurns(
@@ -211,7 +213,7 @@ def turns_of(graph: MotionGraph) -> SupportTurns:
     )  # fmt: skip
 
 
-def measure_displacements(graph: MotionGraph) -> Float64:
+def measure_displacements(graph: "MotionGraph") -> Float64:
     """Return the displacement of each measure relative to the dancer at its beginning: x left, z ahead [m], (N, 2)."""
     return turn_vectors(graph.node_end - graph.node_start, -graph.node_facing_start)
 

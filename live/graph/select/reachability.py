@@ -1,14 +1,16 @@
 """Reachability: how far a measure of each step can go in each direction, and missing directions (T068, T075)."""
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import Candidates, turn_vectors, wrap_angle
 from live.graph.takes import NO_TAKE
+
+if TYPE_CHECKING:
+    from live.graph.motion_graph import MotionGraph
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -29,7 +31,7 @@ class ReachTable:
     """[m], shape (C + 1, TURNS, DIRECTIONS); the last row is for any step."""
 
     @staticmethod
-    def of(graph: MotionGraph, candidates: Candidates) -> "ReachTable":
+    def of(graph: "MotionGraph", candidates: Candidates) -> "ReachTable":
         """Measure all candidates of all steps, each turned so that the heading changes by each of TURNS."""
         step = graph.library.node_step[candidates.node]
         count = len(graph.library.steps)
@@ -145,7 +147,7 @@ class Reach:
         return tuple(name for name, way in zip(DIRECTION_NAMES, self.straight, strict=True) if way < bar)
 
 
-def reach_of(graph: MotionGraph, candidates: Candidates, step: int, seconds: float) -> Reach:
+def reach_of(graph: "MotionGraph", candidates: Candidates, step: int, seconds: float) -> Reach:
     """Return the reach of a measure of `seconds` of `step` (an index). ValueError if the graph has none of it."""
     rows = np.flatnonzero(graph.library.node_step[candidates.node] == step).astype(np.int32)
     if not len(rows):
@@ -168,7 +170,7 @@ def reach_of(graph: MotionGraph, candidates: Candidates, step: int, seconds: flo
     )
 
 
-def turned_displacements(graph: MotionGraph, candidates: Candidates, rows: Int32, angle: Float64) -> Float64:
+def turned_displacements(graph: "MotionGraph", candidates: Candidates, rows: Int32, angle: Float64) -> Float64:
     """Return displacements (n, 2) of candidates `rows` (n,) turned by `angle` (n,) [rad], relative to the dancer."""
     node = candidates.node[rows]
     moved = candidates.turns.select(node).displacement(1.0, angle)

@@ -1,15 +1,17 @@
 """Step selector: tables of a graph from which the next measures of all dancers are chosen in one call (T068-T070)."""
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import MAX_TURN_RATE, Candidates, find_candidates, widening_candidates, wrap_angle
 from live.graph.select.reachability import ReachTable
 from live.graph.select.selector_kernels import choose_measures
+
+if TYPE_CHECKING:
+    from live.graph.motion_graph import MotionGraph
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -43,7 +45,7 @@ SWAY_SAMPLES: Final = 17
 class StepSelector:
     """Tables over N nodes, E edges and K candidates, and values that may change between measures."""
 
-    graph: MotionGraph
+    graph: "MotionGraph"
     candidates: Candidates
     reach_table: ReachTable
     """Reach of each step in each direction."""
@@ -64,7 +66,7 @@ class StepSelector:
     """Scratch of the kernel."""
 
     @staticmethod
-    def of(graph: MotionGraph) -> "StepSelector":
+    def of(graph: "MotionGraph") -> "StepSelector":
         """Build the tables of a graph. Too slow to be called within a frame."""
         candidates = widening_candidates(graph, find_candidates(graph))
         node, transform = candidates.node, graph.edge_transform
@@ -148,7 +150,7 @@ def _mixture_spread(candidates: Candidates, moved: Float64, angles: Float64) -> 
     return apart
 
 
-def _detours(graph: MotionGraph) -> Float64:
+def _detours(graph: "MotionGraph") -> Float64:
     """Return the largest deviation of the hips of each node from the line between its start and end, (N,) [m]."""
     library = graph.library
     t = np.linspace(0.0, 1.0, SWAY_SAMPLES)

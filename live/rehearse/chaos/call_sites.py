@@ -1,6 +1,6 @@
 """Tracer for the call sites of a show's tick, and injector of exceptions at them.
 
-A site is a place from which the tick, or one of the show's methods below it, calls a function. The exception is raised
+A site is a place from which the frame of a show, or one of its stages, calls a function. The exception is raised
 at the beginning of the callee, before it has any effect, like an error of the program at that place. Both use a profile
 function (`sys.setprofile`) while a tick runs; the program has no hook for them.
 """
@@ -10,12 +10,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from types import CodeType, FrameType, FunctionType
+from types import CodeType, FrameType
 from typing import Any, Final
 
 from live.rehearse.failure import PROGRAM_FOLDER
 from live.show import circuit_breakers
+from live.show import frame as show_frame
 from live.show.show import Show
+from live.show.stages import tripped_stages
 
 BREAKERS_FILE: Final = Path(circuit_breakers.__file__).relative_to(PROGRAM_FOLDER).as_posix()
 """Callees in this file are the circuit breakers."""
@@ -46,10 +48,16 @@ class CallSite:
         return self.callee.startswith(BREAKERS_FILE)
 
 
-def _show_codes() -> set[CodeType]:
-    """Return the code of all methods of `Show` and its base classes."""
-    found = (value for kind in Show.__mro__ if kind is not object for value in vars(kind).values())
-    return {value.__code__ for value in found if isinstance(value, FunctionType)}
+_VALUES: Final = ("now.py", "measure_span.py")
+"""Files of the stages that only hold values."""
+_STAGES: Final = Path(str(tripped_stages.__file__)).parent
+_TICK_FILES: Final = frozenset(
+    [
+        str(show_frame.__file__),
+        *(str(path) for path in _STAGES.glob("*.py") if path.name not in _VALUES),
+    ]
+)
+"""Files with the code of a tick: the frame and its stages."""
 
 
 def _code_name(code: CodeType) -> str:
@@ -62,7 +70,6 @@ class CallSiteTracer:
     """Records all call sites that ticks pass. Thread: the one that runs the show."""
 
     def __init__(self) -> None:
-        self._callers = _show_codes()
         self.sites: dict[CallSite, int] = {}
         """The found sites, with the number of calls."""
         self._names: dict[CodeType, str] = {}
@@ -83,10 +90,10 @@ class CallSiteTracer:
     def _site(self, frame: FrameType, event: str, arg: Any) -> CallSite | None:
         if event == "call":
             caller = frame.f_back
-            if caller is None or caller.f_code not in self._callers:
+            if caller is None or caller.f_code.co_filename not in _TICK_FILES:
                 return None
             return CallSite(self._cached_name(caller.f_code), caller.f_lineno, self._cached_name(frame.f_code))
-        if event == "c_call" and frame.f_code in self._callers:
+        if event == "c_call" and frame.f_code.co_filename in _TICK_FILES:
             return CallSite(self._cached_name(frame.f_code), frame.f_lineno, str(getattr(arg, "__qualname__", arg)))
         return None
 

@@ -18,9 +18,10 @@ from live.control.events.audience import VoiceLight
 from live.control.events.elements import PlaceElement
 from live.control.events.events import ControlEvent
 from live.control.registry.element_controls import VOICE_MEASURES
-from live.show.audience.voting import Turn, Vote, resolve_choices, winner_events
+from live.show.audience.voting import Turn, Vote, VoteNames, resolve_choices, winner_events
 from live.show.group.elements import SCORE, Elements
 from live.show.patch.section_io import AudienceSection
+from live.show.stages.now import Now
 
 Float32 = npt.NDArray[np.float32]
 Int64 = npt.NDArray[np.int64]
@@ -63,7 +64,11 @@ class TouchCluster:
 class Audience:
     """The audience of one show. Thread: the show's."""
 
-    def __init__(self, section: AudienceSection, *, seed: int) -> None:
+    EVENTS = AUDIENCE_EVENTS
+
+    def __init__(self, section: AudienceSection, elements: Elements, names: VoteNames, *, seed: int) -> None:
+        """The audience moves the `elements` and votes on the `names`."""
+        self._elements, self._names = elements, names
         self._seed = seed
         self.regions: tuple[str, ...] = section.regions
         self._vote_measures = section.vote_measures
@@ -100,22 +105,16 @@ class Audience:
 
     # -- events ------------------------------------------------------------------------------------------------
 
-    def handle(
-        self, event: ControlEvent, elements: Elements, *, beat: float, beats_per_measure: int, measure: int,
-        position: Float32, known: dict[str, tuple[str, ...]],
-    ) -> None:  # fmt: skip
-        """Handle an event of `AUDIENCE_EVENTS` at `beat` of `measure`; raises PersonError if it names unknown parts.
-
-        `known`: names that can be voted for, by kind.
-        """
+    def handle(self, event: ControlEvent, now: Now) -> None:
+        """Handle an event of `AUDIENCE_EVENTS`; raises PersonError if it names unknown parts."""
         if isinstance(event, events.AudienceHeard):
             self._handle_input(event)
         else:
-            self._handle_command(event, measure, known)
-        self._apply_places(elements, event.time, beat, beats_per_measure, position)
+            self._handle_command(event, now.span.number)
+        self._apply_places(event.time, now)
 
-    def _handle_command(self, event: ControlEvent, measure: int, known: dict[str, tuple[str, ...]]) -> None:
-        """Handle an operator command."""
+    def _handle_command(self, event: ControlEvent, measure: int) -> None:
+        """Handle an operator command within `measure`."""
         match event:
             case events.OpenAudience():
                 self.open = event.on
@@ -142,7 +141,7 @@ class Audience:
             case events.AskVote():
                 self._votes += 1
                 closes = measure + 1 + self._vote_measures
-                self.vote = Vote(self._votes, event.what, resolve_choices(event, known), closes)
+                self.vote = Vote(self._votes, event.what, resolve_choices(event, self._names.known()), closes)
             case events.DropVote():
                 self.vote = None
         self.command_count += 1
@@ -199,11 +198,12 @@ class Audience:
             self._number[row], self._light_on[row] = number, True
             self._light[row, 2], self._light[row, 4] = (hue % 1000) / 1000, float(mode == REPEL_MODE)
 
-    def _apply_places(self, elements: Elements, time: float, beat: float, size: int, position: Float32) -> None:
+    def _apply_places(self, time: float, now: Now) -> None:
         """Apply the places as elements: attracting ones are fair to all voices."""
+        elements = self._elements
         heard = self.open and not self.muted
         pull = self.gain * self._share if heard else 0.0
-        if pull > 0.0 and _operator_active(elements, beat):
+        if pull > 0.0 and _operator_active(elements, now.beat):
             pull *= LED_GAIN
         attracting = [place for place in self._places if not place.repels and pull > 0.0]
         total = sum(place.weight for place in attracting) or 1.0
@@ -219,10 +219,10 @@ class Audience:
                 time=time, source=source, kind="repel" if place.repels else "attract", points=((place.x, place.z),),
                 strength=pull * share, measures=VOICE_MEASURES, fair=not place.repels, drag=True,
             )  # fmt: skip
-        elements.handle_touches(touches, beat=beat, beats_per_measure=size, position=position, at_once=not heard)
+        elements.handle_touches(touches, now, at_once=not heard)
         if self._shaken and self.shaking and heard and not elements.has_source(f"{SOURCE} shakes"):
             spread = PlaceElement(time=time, source=f"{SOURCE} shakes", kind="spread", measures=VOICE_MEASURES)
-            elements.handle(spread, beat=beat, next_line=beat, beats_per_measure=size, position=position)
+            elements.handle(spread, now)
 
     # -- time ----------------------------------------------------------------------------------------------------
 

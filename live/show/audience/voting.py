@@ -1,13 +1,18 @@
 """Turns and votes of an audience, as immutable values."""
 
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.events import ControlEvent
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
+    from live.show.desk.scenes import Scenes
+    from live.show.patch.patch import Patch
 
 VOTE_KINDS: Final = ("step", "scene", "look", "cue")
 """Kinds of votes."""
@@ -53,6 +58,22 @@ class Vote:
         """Counts for the status."""
         counts = self.counts or (0,) * len(self.choices)
         return {"choices": {name: count / 100 for name, count in zip(self.choices, counts, strict=True)}}
+
+
+class VoteNames:
+    """Names that can be voted for."""
+
+    def __init__(self, patch: "Patch", dancers: "Dancers", scenes: "Scenes") -> None:
+        self._patch, self._dancers, self._scenes = patch, dancers, scenes
+
+    def known(self) -> dict[str, tuple[str, ...]]:
+        """Return the present names by kind of vote."""
+        return {
+            "step": tuple(self._dancers.graph.library.steps),
+            "scene": tuple(self._scenes.names),
+            "look": tuple(look.name for look in self._patch.looks),
+            "cue": tuple(cue.name for cue in self._patch.cue),
+        }
 
 
 def resolve_choices(event: events.AskVote, known: dict[str, tuple[str, ...]]) -> tuple[str, ...]:

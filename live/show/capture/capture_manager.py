@@ -6,15 +6,14 @@ falls silent, the last pose is held for a quarter of a second; then the own step
 capture fades in likewise when it returns.
 """
 
-from collections.abc import Callable, Iterable
-from typing import Any, Final
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError, error_context
 from live.clock.ticks import TICK
-from live.clock.timeline import Timeline
 from live.control.events import capture as events
 from live.control.events.event import ControlEvent
 from live.control.events.groups import Performer
@@ -23,11 +22,14 @@ from live.motion.capture.capture_blend_kernels import move_agents
 from live.show.capture.performer import CapturedPerformer, Float64, Int64
 from live.show.capture.performer_forces import PerformerForces
 from live.show.capture.stage_presence import MAX_SPEED
-from live.show.dancers.dancers import Dancers
-from live.show.group.group_motion import GroupMotion
 from live.show.patch.patch import Patch
 from live.show.patch.section_io import MocapSection
-from live.show.selection.scheduler import Scheduler
+from live.show.stages.now import Now
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
+    from live.show.group.group_motion import GroupMotion
+    from live.show.selection.scheduler import Scheduler
 
 Bool = npt.NDArray[np.bool_]
 
@@ -56,7 +58,9 @@ SPEED_SMOOTHING: Final = 0.15
 class CaptureManager:
     """All captured performers of one show. Thread: the show's."""
 
-    def __init__(self, patch: Patch, motion: GroupMotion, dancers: Dancers, scheduler: Scheduler) -> None:
+    EVENTS = MOCAP_EVENTS
+
+    def __init__(self, patch: Patch, motion: "GroupMotion", dancers: "Dancers", scheduler: "Scheduler") -> None:
         self._patch, self._motion, self._dancers, self._scheduler = patch, motion, dancers, scheduler
         self.performers = {section.name: CapturedPerformer(section, motion.stage_area.half) for section in patch.mocap}
         dancers.captured = self.performers
@@ -89,12 +93,12 @@ class CaptureManager:
 
     # -- events --------------------------------------------------------------------------------------------------------
 
-    def handle(self, event: ControlEvent, *, beat: float) -> None:
-        """Handle an event at the danced `beat`; raises PersonError for unknown names."""
+    def handle(self, event: ControlEvent, now: Now) -> None:
+        """Handle an event of `MOCAP_EVENTS`; raises PersonError for unknown names."""
         match event:
             case events.MocapFrame():
                 try:
-                    self._performer(event.performer).add_pose(event.pose, event.time, beat)
+                    self._performer(event.performer).add_pose(event.pose, event.time, now.danced_beats_at(event.time))
                 except ValueError as error:
                     raise PersonError(f"{event.performer}: {error}") from None
             case events.TrackerMoved():
@@ -141,6 +145,16 @@ class CaptureManager:
             said = dict(zip(fields, values, strict=True))
             self._apply_setting(kind(time=self._time, source="mocap", performer=name, **said), captured)
 
+    def edited_values(self, event: ControlEvent) -> dict[tuple[str, str], tuple[ArgumentValue, ...]]:
+        """Return the settings by performer and control name, see `EditablePart`."""
+        performers = self.performers.items()
+        return {(name, what): now for name, captured in performers for what, now in captured.current_settings.items()}
+
+    def restore_values(self, values: Mapping[tuple[str, str], Iterable[ArgumentValue] | None]) -> None:
+        """See `EditablePart`."""
+        for (name, what), said in values.items():
+            self.restore_setting(name, what, said)
+
     def _track(self, event: events.TrackerMoved) -> None:
         """Handle the position of a tracker: of a performer, or of a real dancer as an obstacle."""
         place = self._patch.psn.to_floor((event.x, event.y, event.z))
@@ -172,12 +186,12 @@ class CaptureManager:
 
     # -- time ----------------------------------------------------------------------------------------------------------
 
-    def tick(self, time: float, danced_beats: float, timeline: Timeline, next_line: float) -> None:
-        """Advance by one tick at `time` [s], the beat `danced_beats`; call after the dancers' tick.
-        `next_line`: the danced beat of the next measure line."""
-        self._time = time
+    def tick(self, now: Now) -> None:
+        """Advance by one tick; call after the dancers' tick."""
+        self._time = time = now.time
         if not self.performers:
             return
+        danced_beats, timeline = now.danced_beats, now.timeline
         self._forces.tick()
         rate = TICK * timeline.tempo / (60.0 * timeline.beats_per_measure)
         taken: set[int] = set()
@@ -193,7 +207,7 @@ class CaptureManager:
                 led |= set(captured.rows[live].tolist())
                 captured.keep(wanted | (captured.fade > 0.0))
             self._drive_tracked(captured, taken, led, time)
-            self._forces.update(captured, time, timeline, next_line)
+            self._forces.update(captured, now)
         self._set_yielding(led)
 
     def _assign_dancers(self, captured: CapturedPerformer, taken: set[int], time: float, danced_beats: float) -> Bool:

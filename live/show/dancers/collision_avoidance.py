@@ -6,7 +6,7 @@ feet slide.
 """
 
 from collections.abc import Callable
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -20,12 +20,14 @@ from live.clock.timeline import Timeline
 from live.graph.node_features import MOMENTS_PER_BEAT
 from live.graph.select.candidates import turn_vectors
 from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
-from live.show.dancers.correction_update import NextCorrection
-from live.show.dancers.dancers import Dancers
-from live.show.dancers.root_correction import RootCorrection
-from live.show.group.group_motion import GroupMotion
-from live.show.measure_span import MeasureSpan
 from live.show.selection.clip_cut import ClipCutter, Moment
+from live.show.stages.measure_span import MeasureSpan
+
+if TYPE_CHECKING:
+    from live.show.dancers.correction_update import NextCorrection
+    from live.show.dancers.dancers import Dancers
+    from live.show.dancers.root_correction import RootCorrection
+    from live.show.group.group_motion import GroupMotion
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -62,7 +64,7 @@ class CollisionAvoidance:
     """Predicts collisions and makes dancers leave their steps. `tick` is called once a tick."""
 
     def __init__(
-        self, dancers: Dancers, motion: GroupMotion, targets: Callable[[], Float64], cutting: ClipCutter, cut: Cut
+        self, dancers: "Dancers", motion: "GroupMotion", targets: Callable[[], Float64], cutting: ClipCutter, cut: Cut
     ) -> None:
         """`targets` returns the targets of all dancers for the measure's end, (A, 2) [m]; `cutting` finds candidates,
         and `cut` applies them."""
@@ -200,7 +202,7 @@ class ContactResolver:
     """Pushes apart dancers who are about to touch, and displaces their measures and paths."""
 
     def __init__(
-        self, correction: RootCorrection, next_correction: NextCorrection, path_separation: PathSeparation
+        self, correction: "RootCorrection", next_correction: "NextCorrection", path_separation: PathSeparation
     ) -> None:
         self._correction, self._next_correction, self._path_separation = correction, next_correction, path_separation
         count = len(correction.node)

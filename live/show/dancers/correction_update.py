@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.agents.agent_command import LEASH
 from live.agents.entrances.entrances import ON
 from live.agents.separation.path_separation import Paths, PathSeparation
 from live.base.motion_parameters import OBEDIENCE
@@ -22,8 +23,7 @@ from live.motion.pose.root_warp_kernels import (
 )
 from live.show.dancers.hip_path_prediction import trace_paths
 from live.show.dancers.measure_state import MIN_REMAINING_WARP
-from live.show.dancers.root_correction import RootCorrection, consecutive_slices
-from live.show.group.group_motion import LEASH
+from live.show.dancers.root_correction import MIN_CORRECTION_SHARE, RootCorrection, consecutive_slices
 
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
@@ -112,8 +112,6 @@ class NextCorrection:
             carried.end[:] = self.end
 
 
-MIN_CORRECTION_SHARE: Final = 0.4
-"""Largest correction at obedience 0, as a share of the legs' reach margin."""
 DEAD_ZONE: Final = 0.08
 """Dead zone [m]: a smaller deviation of an agent from the dancer's plan causes no re-aiming."""
 DETOUR_DECAY: Final = 0.03

@@ -1,5 +1,7 @@
 """The poses of the dancers at any moment of the measure, with all layers from clip blending to partner response."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import numpy.typing as npt
 
@@ -21,7 +23,10 @@ from live.show.dancers.live_texture import LiveTexture
 from live.show.dancers.measure_state import UNDECIDED, turn_vectors
 from live.show.dancers.variation import Variation
 from live.show.partner.leader_input import Tracks
-from live.show.partner.partner_response import PartnerResponse
+
+if TYPE_CHECKING:
+    from live.show.partner.partner_response import PartnerResponse
+
 
 __all__ = ["UNDECIDED", "Dancers", "turn_vectors"]
 

@@ -1,6 +1,6 @@
 """Prediction of hip paths through a measure that is decided."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -9,15 +9,18 @@ from live.agents.separation.path_separation import MOMENTS, Paths
 from live.graph.select.candidates import take_offset
 from live.motion.editing.time_warp import measure_warp
 from live.motion.pose.turn_kernels import trace_hips
-from live.show.dancers.dancers import Dancers
-from live.show.dancers.measure_state import MeasureState
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
+    from live.show.dancers.measure_state import MeasureState
+
 
 Float64 = npt.NDArray[np.float64]
 
 FRACTIONS: Final = np.linspace(0.0, 1.0, MOMENTS)[:, None]
 
 
-def trace_paths(paths: Paths, dancers: Dancers, measure: MeasureState, rows: slice) -> None:
+def trace_paths(paths: Paths, dancers: "Dancers", measure: "MeasureState", rows: slice) -> None:
     """Fill the `paths` of dancers `rows` through `measure`.
 
     Delayed dancers begin in the measure before. Time warps within measures and mixed takes are included. Drift over the
@@ -34,7 +37,7 @@ def trace_paths(paths: Paths, dancers: Dancers, measure: MeasureState, rows: sli
         _trace_measure(paths, before, rows, earlier, settled=True)
 
 
-def _trace_measure(paths: Paths, measure: MeasureState, rows: slice, phase: Float64, *, settled: bool) -> None:
+def _trace_measure(paths: Paths, measure: "MeasureState", rows: slice, phase: Float64, *, settled: bool) -> None:
     """Fill the moments at which dancers are in `measure`, at `phase` (n, MOMENTS), below 0 where not."""
     graph = measure.graph
     library = graph.library

@@ -6,15 +6,12 @@ best match continues the present recording, nothing changes. Choices are made in
 """
 
 import math
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.base.errors import PersonError, error_context
 from live.base.motion_parameters import HEAD, TEXTURE
-from live.library.capture_material import NO_BEAT_TAG, read_material
 from live.motion.skeleton import SKELETON
 from live.motion.texture.live_bank import TextureBank
 from live.motion.texture.live_texture_kernels import (
@@ -29,8 +26,6 @@ from live.motion.texture.live_texture_kernels import (
     write_prefix,
 )
 from live.show.dancers.variation import Variation
-from live.show.patch.patch import Patch
-from live.show.patch.patch_search_path import find_resource
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -178,37 +173,3 @@ class LiveTexture:
             position, rotation, danced[rows], self.level[rows], origin, limits, self.switch_beat[rows], BLEND,
             signs, bank.upper, self._offsets, self._parents, head[rows],
         )  # fmt: skip
-
-
-def load_texture_bank(patch: Patch, path: Path) -> TextureBank | None:
-    """Return the patch's texture recordings, cut at their beats; None if it names none.
-
-    Raises PersonError for recordings that are missing, unreadable or without beats, and for a patch that uses texture
-    without naming recordings.
-    """
-    section = patch.texture
-    if not section.recordings:
-        groups = [index for index, group in enumerate(patch.group) if patch.motion_of(group).texture > 0.0]
-        if groups:
-            raise PersonError(
-                f"{path}: motion.texture is {patch.motion_of(patch.group[groups[0]]).texture:g}, but the patch names "
-                "no recordings",
-                'add [texture] with recordings = ["mocap"], a folder of motion files',
-            )
-        return None
-    places = []
-    with error_context(f"{path}: texture.recordings"):
-        for name in section.recordings:
-            found = find_resource(name, path)
-            if found is None:
-                raise PersonError(
-                    f"there is no file and no folder {name[:200]!r}", "give its path relative to the patch"
-                )
-            places.append(found)
-        clips = [clip for clip in read_material(places, fps=section.fps).clips if NO_BEAT_TAG not in clip.tags]
-        try:
-            return TextureBank.of(clips)
-        except ValueError as error:
-            raise PersonError(
-                str(error), "use longer recordings, or set their bpm and first_beat_s in a TOML file next to them"
-            ) from None

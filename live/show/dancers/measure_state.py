@@ -1,13 +1,17 @@
 """State of one measure of every dancer: its clip, its placement on the stage and its variation."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import own_end, turn_vectors
 from live.graph.takes import NO_TAKE
 from live.motion.pose.gather_kernels import same_measures
 from live.motion.pose.turn_kernels import end_dancers, place_dancers
+
+if TYPE_CHECKING:
+    from live.graph.motion_graph import MotionGraph
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -45,7 +49,7 @@ class MeasureState:
 
     ARRAYS = ("node", "placement", "correction", "aim_origin", "on_support", "take", "take_share", "amplitude", "warp")
 
-    def __init__(self, graph: MotionGraph, count: int) -> None:
+    def __init__(self, graph: "MotionGraph", count: int) -> None:
         self.graph = graph
         self._ends: _CachedEnds | None = None
         self.decided = False

@@ -1,6 +1,6 @@
 """Root-correction state of the present measure: paths without corrections, their ends, and the corrections' goals."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -8,16 +8,21 @@ import numpy.typing as npt
 from live.agents.entrances.entrances import ON
 from live.agents.separation.path_separation import Paths
 from live.motion.pose import root_warp_kernels
-from live.show.dancers.dancers import Dancers
 from live.show.dancers.hip_path_prediction import trace_paths
 from live.show.dancers.measure_state import MeasureState
-from live.show.group.group_motion import GroupMotion
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
+    from live.show.group.group_motion import GroupMotion
+
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
 
+MIN_CORRECTION_SHARE: Final = 0.4
+"""Largest correction at obedience 0, as a share of the legs' reach margin."""
 MIN_SEPARATION_CORRECTION: Final = 0.1
 """Least correction allowed for path separation [m], whatever the legs' reach margin."""
 SEPARATION_SPEED_FACTOR: Final = 1.5
@@ -33,7 +38,7 @@ def consecutive_slices(who: Int64) -> list[slice]:
 class RootCorrection:
     """Correction state of A dancers. The arrays of shape (A, 2) [m] are views of `rows`, which the kernels use."""
 
-    def __init__(self, dancers: Dancers, motion: GroupMotion) -> None:
+    def __init__(self, dancers: "Dancers", motion: "GroupMotion") -> None:
         count = len(motion.casting.group)
         self.dancers, self.motion = dancers, motion
         self.paths = Paths(count)

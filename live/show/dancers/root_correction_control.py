@@ -6,7 +6,7 @@ rest of the correction is recomputed from the difference between predicted and a
 still touch are pushed apart.
 """
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -18,16 +18,16 @@ from live.motion.capture.capture_blend_kernels import translate_plans
 from live.motion.pose.root_warp import MAX_HELD_SHIFT
 from live.motion.pose.root_warp_kernels import compute_corrections, compute_references, end_distances
 from live.show.dancers.collision_avoidance import ContactResolver
-from live.show.dancers.correction_update import MIN_CORRECTION_SHARE, CorrectionUpdate, NextCorrection
-from live.show.dancers.dancers import Dancers
-from live.show.dancers.root_correction import RootCorrection
-from live.show.group.group_motion import GroupMotion
+from live.show.dancers.correction_update import CorrectionUpdate, NextCorrection
+from live.show.dancers.root_correction import MIN_CORRECTION_SHARE, RootCorrection
 from live.show.patch.patch import Patch
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
+    from live.show.group.group_motion import GroupMotion
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
-
-__all__ = ["MIN_CORRECTION_SHARE", "RootCorrectionControl"]
 
 MIN_END_DISTANCE: Final = 0.66
 """Least distance of dancers at the end of a measure [m]. It is a bit less than steering's MIN_DANCER_DISTANCE, which
@@ -39,7 +39,7 @@ LARGE_GROUP: Final = 256
 class RootCorrectionControl:
     """Decides the root correction of each dancer, and changes it within the measure."""
 
-    def __init__(self, patch: Patch, dancers: Dancers, motion: GroupMotion) -> None:
+    def __init__(self, patch: Patch, dancers: "Dancers", motion: "GroupMotion") -> None:
         count = len(motion.casting.group)
         self._patch, self._dancers, self._motion = patch, dancers, motion
         half = patch.stage.width / 2, patch.stage.depth / 2

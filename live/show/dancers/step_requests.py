@@ -1,7 +1,7 @@
 """Handler for live requests to groups of dancers: steps, sequences, variation, partners and facing."""
 
 from collections.abc import Callable
-from typing import Final
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -10,16 +10,18 @@ from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.graph.search.live_sequence import HORIZON, LiveSequence
 from live.graph.search.sequence import parse_sequence
-from live.show.dancers.dancers import Dancers
 from live.show.dancers.variation import Variation
-from live.show.desk.refusals import Refusals
 from live.show.group.casting import Casting
-from live.show.partner.partner_response import PartnerResponse
 from live.show.patch.patch import Patch
 from live.show.score.canon import Canon
 from live.show.score.step_names import UnknownStep, find_step
-from live.show.selection.interrupts import Interrupts
-from live.show.selection.scheduler import Scheduler
+from live.show.stages.now import Now
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
+    from live.show.partner.partner_response import PartnerResponse
+    from live.show.selection.interrupts import Interrupts
+    from live.show.selection.scheduler import Scheduler
 
 
 class StepRequests:
@@ -29,16 +31,15 @@ class StepRequests:
         self,
         patch: Patch,
         casting: Casting,
-        dancers: Dancers,
+        dancers: "Dancers",
         variation: Variation,
-        scheduler: Scheduler,
-        interrupts: Interrupts,
-        refusals: Refusals,
+        scheduler: "Scheduler",
+        interrupts: "Interrupts",
     ) -> None:
         self._group = casting.group
         self._groups = {section.name.casefold(): index for index, section in enumerate(patch.group)}
         self._dancers, self._variation = dancers, variation
-        self._scheduler, self._interrupts, self._refusals = scheduler, interrupts, refusals
+        self._scheduler, self._interrupts = scheduler, interrupts
         self.explained_dancer: int | None = None
         """The dancer (index) whose step choice is explained to an operator, None for none."""
 
@@ -46,12 +47,18 @@ class StepRequests:
         """Update the group names."""
         self._groups = fresh._groups
 
-    def handle(self, event: ControlEvent) -> None:
-        """Apply an event of `DIRECTIONS`."""
+    def handle(self, event: ControlEvent, now: Now) -> None:
+        """Apply an event of `EVENTS`. Raises PersonError for what is unknown or impossible."""
         try:
-            _HANDLERS[type(event)](self, event)
-        except (UnknownStep, PersonError) as error:
-            self._refusals.add(f"{event.source}: {error}")
+            self._HANDLERS[type(event)](self, event)
+        except UnknownStep as error:
+            raise PersonError(str(error)) from None
+
+    def _clear(self, event: events.Clear) -> None:
+        """Drop all requests."""
+        self._interrupts.clear()
+        for programme in self._scheduler.programmes:
+            programme.release()
 
     def _call_step(self, event: events.CallStep) -> None:
         step = find_step(self._dancers.graph, event.name)
@@ -98,7 +105,7 @@ class StepRequests:
     def _walk_on(self, event: events.WalkOn) -> None:
         self._partner_response().extend_path(event.partner, (event.x, event.z), restart=event.anew)
 
-    def _partner_response(self) -> PartnerResponse:
+    def _partner_response(self) -> "PartnerResponse":
         if self._dancers.partner_response is None:
             raise PersonError("the show has no partners", "add [[partner]] to the patch")
         return self._dancers.partner_response
@@ -125,17 +132,16 @@ class StepRequests:
             raise PersonError(f"no group is called {name!r}", f"one of {', '.join(self._groups)}")
         return [index]
 
-
-_HANDLERS: Final[dict[type, Callable[..., None]]] = {
-    events.CallStep: StepRequests._call_step,
-    events.StepNow: StepRequests._step_now,
-    events.SetSequence: StepRequests._set_sequence,
-    events.SetPartner: StepRequests._set_partner,
-    events.WalkOn: StepRequests._walk_on,
-    events.PairPartner: StepRequests._pair_partner,
-    events.SetFacing: StepRequests._set_facing,
-    events.Improvise: StepRequests._improvise,
-    events.AskWhy: StepRequests._ask_why,
-}
-STEP_REQUEST_EVENTS: Final = tuple(_HANDLERS)
-"""The events that `handle` accepts."""
+    _HANDLERS: ClassVar[dict[type[ControlEvent], Callable[..., None]]] = {
+        events.CallStep: _call_step,
+        events.StepNow: _step_now,
+        events.SetSequence: _set_sequence,
+        events.SetPartner: _set_partner,
+        events.WalkOn: _walk_on,
+        events.PairPartner: _pair_partner,
+        events.SetFacing: _set_facing,
+        events.Improvise: _improvise,
+        events.AskWhy: _ask_why,
+        events.Clear: _clear,
+    }
+    EVENTS = tuple(_HANDLERS)

@@ -3,6 +3,7 @@
 Draws depend only on the seed and the measure number, so a show is the same live, offline and replayed.
 """
 
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
@@ -23,6 +24,7 @@ from live.base.motion_parameters import (
     WARP_SEQUENCE,
 )
 from live.base.parameter import Parameter
+from live.control.events.event import ControlEvent
 from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import F_MAX, draw_measure_warps
 from live.motion.pose.gather_kernels import delay_phases
@@ -168,6 +170,15 @@ class Variation:
     def sides(self) -> Int32:
         """Side that each dancer wants: -1 as made, 1 mirrored, 0 either, shape (A,)."""
         return np.sign(self[MIRRORED]).astype(np.int32)
+
+    def edited_values(self, event: ControlEvent) -> dict[int, Ripple]:
+        """Return the ripples by group, see `EditablePart`."""
+        return dict(enumerate(self.ripples))
+
+    def restore_values(self, values: Mapping[int, Ripple]) -> None:
+        """See `EditablePart`."""
+        for group, ripple in values.items():
+            self.ripples[group] = ripple
 
     def apply_patch(self, fresh: "Variation") -> None:
         """Apply the fields that differ between the old and the new patch. Values set live stay otherwise.

@@ -5,7 +5,7 @@ damped, so that a dancer's steps do not shake camera or lamp. Brightness, width 
 """
 
 import math
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -16,8 +16,10 @@ from live.base.parameter import SPOT_COUNT
 from live.base.picture_parameters import BY_ADDRESS
 from live.base.stage_snapshot import StageView
 from live.show.desk.parameters import Parameters, turn_eye
-from live.show.group.group_motion import GroupMotion
 from live.show.patch.patch import Patch
+
+if TYPE_CHECKING:
+    from live.show.group.group_motion import GroupMotion
 
 Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
@@ -29,7 +31,7 @@ FOLLOW_STIFFNESS: Final = 4.0
 class DampedFollower:
     """A point on the floor that follows selected dancers with damping. Thread: the show's."""
 
-    def __init__(self, motion: GroupMotion, selection: str = "*") -> None:
+    def __init__(self, motion: "GroupMotion", selection: str = "*") -> None:
         self._motion = motion
         self.selection = selection
         """The followed dancers, in words for `Casting.select`."""
@@ -96,7 +98,7 @@ class DampedFollower:
 NO_FOLLOW_WORDS: Final = ("", "off", "nobody")
 
 
-def check_follow(patch: Patch, motion: GroupMotion) -> None:
+def check_follow(patch: Patch, motion: "GroupMotion") -> None:
     """Raise PersonError, with the patch key, for a camera that follows unknown dancers."""
     cameras = [(patch.camera, ("camera",)), *((view, ("view", n)) for n, view in enumerate(patch.view))]
     for section, place in cameras:
@@ -108,7 +110,7 @@ def check_follow(patch: Patch, motion: GroupMotion) -> None:
 class CameraRig:
     """The moving camera of one show. Call `tick` for every tick, `place` for every picture. Thread: the show's."""
 
-    def __init__(self, parameters: Parameters, motion: GroupMotion, selection: str | None, *, beats: int) -> None:
+    def __init__(self, parameters: Parameters, motion: "GroupMotion", selection: str | None, *, beats: int) -> None:
         """`selection` is followed from the start where the picture says so; `beats` per measure."""
         self._parameters, self._beats = parameters, beats
         self.start_selection = selection or "*"
@@ -155,7 +157,7 @@ class CameraRig:
 class Spots:
     """All follow spots. Call `tick` for every tick, `place` for every picture. Thread: the show's."""
 
-    def __init__(self, parameters: Parameters, motion: GroupMotion) -> None:
+    def __init__(self, parameters: Parameters, motion: "GroupMotion") -> None:
         self._parameters = parameters
         self._followers = tuple(DampedFollower(motion) for _ in range(SPOT_COUNT))
         self._levels = [BY_ADDRESS[f"/dance/spot/{number}"].first for number in range(1, SPOT_COUNT + 1)]

@@ -5,7 +5,7 @@ measure line. A GO triggers a cue once; the show applies its events in the tick 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -67,6 +67,14 @@ class CueList:
         self._last_beat, self._tick_beats = -math.inf, 1.0
         self._last_go: dict[str, float] = {}
         self._score_state: tuple[object, ...] = ()
+
+    def edited_values(self, event: ControlEvent) -> dict[str, int]:
+        """Return the standby cue, see `EditablePart`."""
+        return {"standby": self.standby}
+
+    def restore_values(self, values: Mapping[str, int]) -> None:
+        """See `EditablePart`."""
+        self.standby = values["standby"]
 
     def apply_patch(self, fresh: "CueList") -> None:
         """Adopt the cues of an edited patch. The standby cue and counting cues are kept by name if they still exist."""

@@ -4,7 +4,8 @@ The master sets the light level of the whole picture, freezes it, and lifts the 
 """
 
 import math
-from typing import Any, Final
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -14,18 +15,19 @@ from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.show.capture.capture_manager import CaptureManager
 from live.show.dancers.variation import Variation
 from live.show.desk.camera_rig import CameraRig, Spots, check_follow
 from live.show.desk.cue_list import CueList
 from live.show.desk.parameter_table import ParameterTable
 from live.show.desk.parameters import Parameters
 from live.show.desk.scenes import SCENE_EVENTS, Scenes, start_row
-from live.show.desk.undo_history import UndoHistory, editable_parts
-from live.show.group.group_motion import GroupMotion
+from live.show.desk.undo_history import EditablePart, UndoHistory
 from live.show.patch.patch import Patch
 from live.show.score.score_runner import ScoreRunner
-from live.show.selection.scheduler import Scheduler
+from live.show.stages.now import Now
+
+if TYPE_CHECKING:
+    from live.show.group.group_motion import GroupMotion
 
 MASTER_EVENTS: Final = (
     events.FadePicture,
@@ -121,11 +123,20 @@ PANIC_FADE_BEATS: Final = 2.0
 class LightDesk:
     """The desk of one show. Its effects on the show are returned as events. Thread: the show's."""
 
+    EVENTS = (*DESK_EVENTS, events.TicksSkipped)
+
     def __init__(
-        self, patch: Patch, score_runner: ScoreRunner, motion: GroupMotion, scheduler: Scheduler, variation: Variation,
-        mocap: CaptureManager,
-    ) -> None:  # fmt: skip
-        """Raises PersonError for a scene that names unknown parts."""
+        self,
+        patch: Patch,
+        score_runner: ScoreRunner,
+        motion: "GroupMotion",
+        variation: Variation,
+        editable: Mapping[str, EditablePart],
+    ) -> None:
+        """`editable`: other parts whose edits can be undone, by the names in `EDITED_PARTS`.
+
+        Raises PersonError for a scene that names unknown parts.
+        """
         table = ParameterTable([section.name for section in patch.group])
         self.parameters = Parameters(table, start_row(patch), variation)
         beats = patch.clock.beats_per_measure
@@ -139,7 +150,7 @@ class LightDesk:
         self._score_runner = score_runner
         self.cues = CueList(patch.cue, score_runner.playhead, beats=patch.clock.beats_per_measure)
         self.undo_history = UndoHistory(
-            editable_parts(self.parameters, self.scenes, self.cues, motion, scheduler, variation, mocap)
+            {"parameters": self.parameters, "scenes": self.scenes, "standby": self.cues, **editable}
         )
         self.beats = patch.clock.beats_per_measure
         """Beats of a danced measure."""
@@ -150,16 +161,16 @@ class LightDesk:
 
     # -- events ------------------------------------------------------------------------------------------------
 
-    def handle(self, event: ControlEvent, *, timeline: Timeline, danced_beats: float) -> list[ControlEvent]:
-        """Handle an event of `DESK_EVENTS` at the danced beat; raises PersonError if it names unknown parts."""
+    def handle(self, event: ControlEvent, now: Now) -> list[ControlEvent]:
+        """Handle an event of `EVENTS`; raises PersonError if it names unknown parts. Returns its effects elsewhere."""
         if type(event) in SCENE_EVENTS:  # frequent events first
-            self.scenes.handle(event, beats_per_measure=float(timeline.beats_per_measure))
+            self.scenes.handle(event, beats_per_measure=float(now.timeline.beats_per_measure))
             return []
         match event:
             case events.Go():
-                return [*self._release_hold(event, danced_beats), *self.cues.go(event, danced_beats)]
+                return [*self._release_hold(event, now), *self.cues.go(event, now.danced_beats)]
             case events.GiveCue():
-                return [*self._release_hold(event, danced_beats), *self.cues.trigger(event.name, danced_beats)]
+                return [*self._release_hold(event, now), *self.cues.trigger(event.name, now.danced_beats)]
             case events.StandBy():
                 self.cues.stand_by(event.name)
             case events.StepBack():
@@ -167,14 +178,16 @@ class LightDesk:
             case events.Panic():
                 return self._panic(event)
             case events.HoldShow():
-                return self._hold(event) if event.on else self._release_hold(event, danced_beats)
+                return self._hold(event) if event.on else self._release_hold(event, now)
             case events.FollowSpot():
-                beats = max(event.measures, 0.0) * timeline.beats_per_measure
+                beats = max(event.measures, 0.0) * now.timeline.beats_per_measure
                 self.spots.follow(event.spot, event.whom, event.level, beats=beats)
             case events.Undo():
                 self.undo_history.undo()
             case events.Redo():
                 self.undo_history.redo()
+            case events.TicksSkipped():
+                self.tick(now.timeline, event.count)
             case _:
                 self.master.handle(event)
         return []
@@ -194,12 +207,12 @@ class LightDesk:
         self.held = self.parameters.held = True
         return [events.HoldScore(time=event.time, source=event.source, on=True)]
 
-    def _release_hold(self, event: ControlEvent, danced_beats: float) -> list[ControlEvent]:
+    def _release_hold(self, event: ControlEvent, now: Now) -> list[ControlEvent]:
         if not self.held:
             return []
         self.held = self.parameters.held = False
         self._score_runner.suppress(False)
-        self.cues.resume(danced_beats)
+        self.cues.resume(now.danced_beats)
         return [events.HoldScore(time=event.time, source=event.source, on=False)]
 
     # -- time --------------------------------------------------------------------------------------------------

@@ -12,6 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base import picture_parameters
+from live.control.events.event import ControlEvent
+from live.control.events.parameters import SetParameter
 from live.show.dancers.variation import Variation
 from live.show.desk.parameter_table import ParameterTable, Slot
 
@@ -125,6 +127,19 @@ class Parameters:
     def goals_at(self, places: Iterable[int]) -> dict[int, float]:
         """Return the value or fade target of these numbers of the picture, by place."""
         return {at: float(self._goal[at] if self._fading[at] else self.value[at]) for at in places}
+
+    def edited_values(self, event: ControlEvent) -> Float64 | dict[int, float]:
+        """Return values or fade targets by place in the row, see `EditablePart`. Values of the picture are
+        frequent: only their own numbers are compared."""
+        if type(event) is SetParameter:
+            places = self.table.places(event.address, event.group)
+            if places and max(places) < picture_parameters.ROW_SIZE:
+                return self.goals_at(places)
+        return self.goals()
+
+    def restore_values(self, values: Mapping[int, float]) -> None:
+        """See `EditablePart`."""
+        self.fade(values, beats=0.0)
 
     # -- time --------------------------------------------------------------------------------------------------
 

@@ -163,6 +163,18 @@ class Scenes:
         """Names of all scenes."""
         return [scene.name for scene in (self._scenes | self.stored).values()]
 
+    def edited_values(self, event: ControlEvent) -> dict[str, Scene]:
+        """Return the scenes stored live, by name, see `EditablePart`."""
+        return dict(self.stored)
+
+    def restore_values(self, values: Mapping[str, Scene | None]) -> None:
+        """See `EditablePart`."""
+        for name, scene in values.items():
+            if scene is None:
+                self.stored.pop(name, None)
+            else:
+                self.stored[name] = scene
+
     def handle(self, event: ControlEvent, *, beats_per_measure: float) -> None:
         """Handle an event of `SCENE_EVENTS`; raises PersonError if it names unknown parts."""
         _HANDLERS[type(event)](self, event, beats_per_measure)

@@ -14,21 +14,9 @@ from typing import Any, Final, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.obstacles import Surroundings
-from live.base import picture_parameters
 from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.event import ControlEvent
-from live.control.events.parameters import SetParameter
-from live.show.capture.capture_manager import CaptureManager
-from live.show.capture.stage_presence import OBSTACLE_PREFIX
-from live.show.dancers.variation import Variation
-from live.show.desk.cue_list import CueList
-from live.show.desk.parameters import Parameters
-from live.show.desk.scenes import Scenes
-from live.show.group.group_motion import GroupMotion
-from live.show.selection.scheduler import Scheduler
-from live.show.selection.step_targets import Headings
 
 MAX_EDITS: Final = 200
 """Maximum number of edits kept; the oldest is dropped."""
@@ -76,17 +64,13 @@ PartValues = Values | npt.NDArray[np.float64]
 
 
 class EditablePart(Protocol):
-    """An editable part of the show, as values by key."""
+    """A part of the show whose values, by key, can be edited. Each part offers them itself."""
 
-    def snapshot(self) -> PartValues:
-        """Return all present values; they are never modified afterwards."""
+    def edited_values(self, event: ControlEvent) -> PartValues:
+        """Return at least the values that this event can change; they are never modified afterwards."""
         ...
 
-    def affected(self, event: ControlEvent) -> PartValues:
-        """Return the values that this event can change: by default all."""
-        return self.snapshot()
-
-    def restore(self, values: Mapping[Any, Any]) -> None:
+    def restore_values(self, values: Mapping[Any, Any]) -> None:
         """Restore these values; None removes the key."""
         ...
 
@@ -142,7 +126,7 @@ class UndoHistory:
     def begin_edit(self, event: ControlEvent) -> None:
         """Record the state before an event from outside is applied."""
         edited = EDITED_PARTS.get(type(event)) if event.source not in IGNORED_SOURCES else None
-        self._values_before = self._parts[edited].affected(event) if edited else None
+        self._values_before = self._parts[edited].edited_values(event) if edited else None
 
     def end_edit(self, event: ControlEvent) -> None:
         """Record the edit after the event was applied."""
@@ -150,7 +134,7 @@ class UndoHistory:
         if before is None:
             return
         part = EDITED_PARTS[type(event)]
-        after = self._parts[part].affected(event)
+        after = self._parts[part].edited_values(event)
         old, new = _differences(before, after)
         if not old:
             return
@@ -170,7 +154,7 @@ class UndoHistory:
             raise PersonError("nothing to take back")
         edit = self._done.pop()
         self._undone.append(edit)
-        self._parts[edit.part].restore(edit.before)
+        self._parts[edit.part].restore_values(edit.before)
 
     def redo(self) -> None:
         """Repeat the last reverted edit; raises PersonError if there is none."""
@@ -178,7 +162,7 @@ class UndoHistory:
             raise PersonError("nothing was taken back")
         edit = self._undone.pop()
         self._done.append(edit)
-        self._parts[edit.part].restore(edit.after)
+        self._parts[edit.part].restore_values(edit.after)
 
     def facts(self) -> dict[str, Any]:
         """Return descriptions of the next undo and redo, and the number of edits, for the status."""
@@ -187,190 +171,3 @@ class UndoHistory:
             "redo": self._undone[-1].label if self._undone else None,
             "edits": len(self._done),
         }
-
-
-class EditedParameters(EditablePart):
-    """Value or fade target of each parameter, by place in the row."""
-
-    def __init__(self, parameters: Parameters) -> None:
-        self._parameters = parameters
-
-    def snapshot(self) -> PartValues:
-        """See `Part`."""
-        return self._parameters.goals()
-
-    def affected(self, event: ControlEvent) -> PartValues:
-        """See `Part`. Values of the picture are frequent: only their own numbers are compared."""
-        if type(event) is SetParameter:
-            places = self._parameters.table.places(event.address, event.group)
-            if places and max(places) < picture_parameters.ROW_SIZE:
-                return self._parameters.goals_at(places)
-        return self._parameters.goals()
-
-    def restore(self, values: Mapping[Any, Any]) -> None:
-        """See `Part`."""
-        self._parameters.fade(values, beats=0.0)
-
-
-class EditedScenes(EditablePart):
-    """Scenes stored live, by name."""
-
-    def __init__(self, scenes: Scenes) -> None:
-        self._scenes = scenes
-
-    def snapshot(self) -> Values:
-        """See `Part`."""
-        return dict(self._scenes.stored)
-
-    def restore(self, values: Mapping[Any, Any]) -> None:
-        """See `Part`."""
-        for name, scene in values.items():
-            if scene is None:
-                self._scenes.stored.pop(name, None)
-            else:
-                self._scenes.stored[name] = scene
-
-
-class EditedFormations(EditablePart):
-    """Formations by name."""
-
-    def __init__(self, motion: GroupMotion) -> None:
-        self._motion = motion
-
-    def snapshot(self) -> Values:
-        """See `Part`."""
-        return self._motion.evolutions.formations
-
-    def restore(self, values: Mapping[Any, Any]) -> None:
-        """See `Part`."""
-        self._motion.evolutions.restore(values)
-
-
-class EditedSequences(EditablePart):
-    """Sequences set live, by group."""
-
-    def __init__(self, scheduler: Scheduler) -> None:
-        self._scheduler = scheduler
-
-    def snapshot(self) -> Values:
-        """See `Part`."""
-        return {index: programme.live_sequence or None for index, programme in enumerate(self._scheduler.programmes)}
-
-    def restore(self, values: Mapping[Any, Any]) -> None:
-        """See `Part`."""
-        for index, wanted in values.items():
-            if wanted is None:
-                self._scheduler.programmes[index].release()
-            else:
-                self._scheduler.programmes[index].set_sequence(list(wanted))
-
-
-class EditedFacings(EditablePart):
-    """Facings of the groups."""
-
-    def __init__(self, headings: Headings) -> None:
-        self._headings = headings
-
-    def snapshot(self) -> Values:
-        """See `Part`."""
-        return dict(enumerate(self._headings.facings))
-
-    def restore(self, values: Mapping[Any, Any]) -> None:
-        """See `Part`."""
-        for group, facing in values.items():
-            self._headings.set(group, facing)
-
-
-class EditedRipples(EditablePart):
-    """Ripples of the groups."""
-
-    def __init__(self, variation: Variation) -> None:
-        self._variation = variation
-
-    def snapshot(self) -> Values:
-        """See `Part`."""
-        return dict(enumerate(self._variation.ripples))
-
-    def restore(self, values: Mapping[Any, Any]) -> None:
-        """See `Part`."""
-        for group, ripple in values.items():
-            self._variation.ripples[group] = ripple
-
-
-class EditedSet(EditablePart):
-    """Walls and obstacles by kind and name, without real dancers."""
-
-    def __init__(self, surroundings: Surroundings) -> None:
-        self._surroundings = surroundings
-
-    def snapshot(self) -> Values:
-        """See `Part`."""
-        around = self._surroundings
-        walls = {("wall", name): _row(around.walls[row]) for row, name in enumerate(around.wall_names)}
-        obstacles = {("obstacle", name): _row(around.obstacles[row]) for row, name in enumerate(around.obstacle_names)}
-        return {key: row for key, row in {**walls, **obstacles}.items() if not key[1].startswith(OBSTACLE_PREFIX)}
-
-    def restore(self, values: Mapping[Any, Any]) -> None:
-        """See `Part`."""
-        now = {**self.snapshot(), **values}
-        for name in {name for _, name in values}:  # a wall and an obstacle may share a name, and `remove` removes both
-            self._surroundings.remove(name)
-            wall, obstacle = now.get(("wall", name)), now.get(("obstacle", name))
-            if wall is not None:
-                self._surroundings.set_wall(name, *wall)
-            if obstacle is not None:
-                self._surroundings.set_obstacle(name, *obstacle)
-
-
-class CaptureEdits(EditablePart):
-    """Settings of captured performers, by performer and control name."""
-
-    def __init__(self, mocap: CaptureManager) -> None:
-        self._mocap = mocap
-
-    def snapshot(self) -> Values:
-        """See `Part`."""
-        performers = self._mocap.performers.items()
-        return {(name, what): now for name, captured in performers for what, now in captured.current_settings.items()}
-
-    def restore(self, values: Mapping[Any, Any]) -> None:
-        """See `Part`."""
-        for (name, what), said in values.items():
-            self._mocap.restore_setting(name, what, said)
-
-
-class EditedStandBy(EditablePart):
-    """The standby cue."""
-
-    def __init__(self, cues: CueList) -> None:
-        self._cues = cues
-
-    def snapshot(self) -> Values:
-        """See `Part`."""
-        return {"standby": self._cues.standby}
-
-    def restore(self, values: Mapping[Any, Any]) -> None:
-        """See `Part`."""
-        self._cues.standby = values["standby"]
-
-
-def _row(row: np.ndarray[Any, Any]) -> tuple[float, ...]:
-    return tuple(row.tolist())
-
-
-def editable_parts(
-    parameters: Parameters, scenes: Scenes, cues: CueList, motion: GroupMotion, scheduler: Scheduler,
-    variation: Variation, mocap: CaptureManager,
-) -> dict[str, EditablePart]:  # fmt: skip
-    """Return all editable parts of a show, by the names in `EDITED_PARTS`."""
-    return {
-        "parameters": EditedParameters(parameters),
-        "scenes": EditedScenes(scenes),
-        "formations": EditedFormations(motion),
-        "sequences": EditedSequences(scheduler),
-        "facings": EditedFacings(scheduler.targets.headings),
-        "ripples": EditedRipples(variation),
-        "set": EditedSet(motion.surroundings),
-        "mocap": CaptureEdits(mocap),
-        "standby": EditedStandBy(cues),
-    }

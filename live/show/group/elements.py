@@ -21,6 +21,7 @@ from live.show.group.casting import EVERYONE, Casting
 from live.show.patch.patch import Patch
 from live.show.patch.section_elements import ElementSection
 from live.show.score.score import Score
+from live.show.stages.now import Now
 
 SCORE: Final = "score"
 """Source name of the score's elements."""
@@ -125,6 +126,8 @@ Float32 = npt.NDArray[np.float32]
 class Elements:
     """The elements of one show. The score's begin at their measures, those of controls now or at the next line."""
 
+    EVENTS = (PlaceElement,)
+
     def __init__(self, patch: Patch, casting: Casting, *, seed: int, score: Score | None = None) -> None:
         count = len(casting.group)
         half = (patch.stage.width / 2, patch.stage.depth / 2)
@@ -196,12 +199,11 @@ class Elements:
             self._field.remove(element)
         self._measure_elements.clear()
 
-    def handle(
-        self, event: PlaceElement, *, beat: float, next_line: float, beats_per_measure: int, position: Float32
-    ) -> None:
-        """Place the element of an event at `beat`, or at the next line. Raises PersonError if it is invalid."""
+    def handle(self, event: PlaceElement, now: Now) -> None:
+        """Place the element of an event now, or at the next line. Raises PersonError if it is invalid."""
+        beats_per_measure, position = now.timeline.beats_per_measure, now.position
         last = self._last_of.get(event.source)
-        start = next_line if event.next else beat
+        start = now.span.end if event.next else now.beat
         if last is not None and event.drag and last.table_kind == _table_kind(event):
             moved = self._build(event, start, beats_per_measure, position)
             self._last_of[event.source] = self._field.move(last, moved)
@@ -211,19 +213,16 @@ class Elements:
             self._last_of.clear()
         self._last_of[event.source] = placed
 
-    def handle_touches(
-        self, touches: Mapping[str, PlaceElement | None], *, beat: float, beats_per_measure: int, position: Float32,
-        at_once: bool,
-    ) -> None:  # fmt: skip
+    def handle_touches(self, touches: Mapping[str, PlaceElement | None], now: Now, *, at_once: bool) -> None:
         """Apply what the audience touches, by source: None, or another kind than before, fades the former element out.
 
         `at_once`: former elements are removed without a fade.
         """
         for source, event in touches.items():
             repels = None if event is None else not event.fair
-            self.forget(source, beat, other=repels, at_once=at_once)
+            self.forget(source, now.beat, other=repels, at_once=at_once)
             if event is not None:
-                self.handle(event, beat=beat, next_line=beat, beats_per_measure=beats_per_measure, position=position)
+                self.handle(event, now)
 
     def _build(self, event: PlaceElement, start: float, beats_per_measure: int, position: Float32) -> Element:
         """Return the element of an event from the beat `start` on. Raises PersonError if it is invalid."""

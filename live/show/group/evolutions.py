@@ -32,6 +32,7 @@ from live.agents.formations.formation_spec import spec_from_table
 from live.agents.groups.roster import Line
 from live.base.errors import PersonError, error_context
 from live.control.events import events
+from live.control.events.event import ControlEvent
 from live.show.group.casting import EVERYONE, Casting
 from live.show.group.formations import Formations, NamedFormation
 from live.show.patch.patch import Patch
@@ -264,9 +265,13 @@ class Evolutions:
         """All named formations, by case-folded name."""
         return self._formations.named
 
-    def restore(self, formations: Mapping[str, NamedFormation | None]) -> None:
+    def edited_values(self, event: ControlEvent) -> dict[str, NamedFormation]:
+        """See `EditablePart`."""
+        return self.formations
+
+    def restore_values(self, values: Mapping[str, NamedFormation | None]) -> None:
         """Set formations, by case-folded name, to earlier ones; None removes a name."""
-        for name, formation in formations.items():
+        for name, formation in values.items():
             self._formations.restore(name, formation)
             if formation is not None:
                 self._replace_formation(formation, self._measure)

@@ -1,19 +1,24 @@
 """Handler for live control events of group motion: segments, groups, entrances, stage and obstacles."""
 
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
 import numpy as np
 import numpy.typing as npt
 
 from live.base.errors import PersonError
-from live.clock.timeline import Timeline
 from live.control.events import events
 from live.control.events.events import ControlEvent
-from live.show.dancers.dancers import Dancers
+from live.show.capture.stage_presence import OBSTACLE_PREFIX
 from live.show.dancers.timing_offsets import parse_ripple
 from live.show.dancers.variation import Variation
-from live.show.group.group_motion import GroupMotion
-from live.show.measure_span import MeasureSpan
 from live.show.patch.patch import Patch
 from live.show.score.score import Score
+from live.show.stages.now import Now
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
+    from live.show.group.group_motion import GroupMotion
 
 Bool = npt.NDArray[np.bool_]
 
@@ -23,14 +28,16 @@ GROUP_EVENTS = (
     events.Enter, events.Leave, events.SetStage, events.PlaceObstacle, events.PlaceWall, events.RemoveObstacle,
     events.Performer,
 )  # fmt: skip
-"""The events that `handle` accepts."""
+"""Events for the groups' motion."""
 
 
 class GroupCommands:
     """Applies events to the group motion of a show."""
 
+    EVENTS = (*GROUP_EVENTS, events.Clear)
+
     def __init__(
-        self, patch: Patch, motion: GroupMotion, dancers: Dancers, variation: Variation, score: Score | None = None
+        self, patch: Patch, motion: "GroupMotion", dancers: "Dancers", variation: Variation, score: Score | None = None
     ) -> None:
         self._patch = patch
         self._motion = motion
@@ -39,17 +46,17 @@ class GroupCommands:
         self._score = score or Score(patch)
         self._joining: dict[int, int] = {}
 
-    def handle(self, event: ControlEvent, *, time: float, timeline: Timeline, span: MeasureSpan) -> None:
-        """Apply an event at `time` [s]. Raises PersonError if it names something unknown or impossible."""
-        motion, position = self._motion, self._motion.state.position
-        beat, size = timeline.beat_at(time), timeline.beats_per_measure
+    def handle(self, event: ControlEvent, now: Now) -> None:
+        """Apply an event of `EVENTS`. Raises PersonError if it names something unknown or impossible."""
+        motion, measure = self._motion, now.span.number
         match event:
             case events.Evolve() | events.Travel() | events.Pause():
-                danced = span.danced_beats(beat, self._patch.clock.beats_per_measure)
                 heading = self._dancers.present.end_heading()
-                motion.evolutions.handle(event, measure=span.number, beat=danced, position=position, heading=heading)
+                motion.evolutions.handle(
+                    event, measure=measure, beat=now.danced_beats, position=now.position, heading=heading
+                )
             case events.DefineFormation():
-                motion.evolutions.define(event, measure=span.number)
+                motion.evolutions.define(event, measure=measure)
             case events.Release():
                 motion.evolutions.release(self._select(event.group))
             case events.Regroup():
@@ -64,7 +71,13 @@ class GroupCommands:
             case events.Leave():
                 self._leave(event)
             case events.SetStage():
-                motion.resize(event.width, event.depth, measure=span.number, beat=beat, beats_per_measure=size)
+                beats_per_measure = now.timeline.beats_per_measure
+                motion.resize(
+                    event.width, event.depth, measure=measure, beat=now.beat, beats_per_measure=beats_per_measure
+                )
+            case events.Clear():
+                motion.elements.clear(now.beat)
+                motion.evolutions.clear(np.ones(len(motion.casting.group), np.bool_))
             case _:
                 self._handle_set_event(event)
 
@@ -82,10 +95,29 @@ class GroupCommands:
             case events.Performer():
                 self._require_free_slot(self._motion.performers.track(event))
 
-    def clear(self, time: float, timeline: Timeline) -> None:
-        """End all elements and all evolutions."""
-        self._motion.elements.clear(timeline.beat_at(time))
-        self._motion.evolutions.clear(np.ones(len(self._motion.casting.group), np.bool_))
+    def edited_values(self, event: ControlEvent) -> dict[tuple[str, str], tuple[float, ...]]:
+        """Return walls and obstacles by kind and name, without real dancers, see `EditablePart`."""
+        return self._set_items()
+
+    def _set_items(self) -> dict[tuple[str, str], tuple[float, ...]]:
+        around = self._motion.surroundings
+        walls = {("wall", name): tuple(around.walls[row].tolist()) for row, name in enumerate(around.wall_names)}
+        obstacles = {
+            ("obstacle", name): tuple(around.obstacles[row].tolist()) for row, name in enumerate(around.obstacle_names)
+        }
+        return {key: row for key, row in {**walls, **obstacles}.items() if not key[1].startswith(OBSTACLE_PREFIX)}
+
+    def restore_values(self, values: Mapping[tuple[str, str], tuple[float, ...] | None]) -> None:
+        """See `EditablePart`."""
+        around = self._motion.surroundings
+        now = {**self._set_items(), **values}
+        for name in {name for _, name in values}:  # a wall and an obstacle may share a name, and `remove` removes both
+            around.remove(name)
+            wall, obstacle = now.get(("wall", name)), now.get(("obstacle", name))
+            if wall is not None:
+                around.set_wall(name, *wall)
+            if obstacle is not None:
+                around.set_obstacle(name, *obstacle)
 
     def cross_measure_line(self, measure: int) -> None:
         """Apply the score's regroupings of `measure` (from 0), and move dancers who enter to their groups."""

@@ -4,12 +4,12 @@ In each tick, an agent's command comes from the running evolution (`agents/evolu
 (`agents/elements`), and is made collision-free by the crowd step (`agents/crowd`). Steps and poses play no part here.
 """
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.agent_command import AgentCommand
+from live.agents.agent_command import LEASH, LONG_LEASH, AgentCommand
 from live.agents.agent_command_kernels import hold_on_leash
 from live.agents.crowd.agent_state import AgentModel, AgentState
 from live.agents.crowd.crowd_step import CrowdStepper
@@ -27,12 +27,14 @@ from live.show.group.casting import Casting
 from live.show.group.elements import Elements
 from live.show.group.evolutions import Evolutions
 from live.show.group.stage_area import StageArea, gates_of, place_item, show_set, steering_of, update_set
-from live.show.measure_span import MeasureSpan
 from live.show.partner.partner_agents import PartnerAgents
-from live.show.partner.partner_response import PartnerResponse
 from live.show.patch.patch import Patch
 from live.show.score.score import Score
 from live.show.selection.lookahead import RELEASE_INFLUENCE, AgentLookAhead
+from live.show.stages.measure_span import MeasureSpan
+
+if TYPE_CHECKING:
+    from live.show.partner.partner_response import PartnerResponse
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -79,10 +81,6 @@ Rows = npt.NDArray[np.intp]
 AGENT_RADIUS: Final = 0.25
 MIN_DANCER_DISTANCE: Final = 0.7
 """Least distance of two dancers at the end of a measure [m]: a bit more than shoulder width."""
-LEASH: Final = 0.6
-"""Largest distance of an agent from its dancer on the stage, outside evolutions [m]."""
-LONG_LEASH: Final = 0.9
-"""Largest distance of an agent from its dancer while entering or leaving [m]."""
 MAX_SPEED_FACTOR: Final = 1.6
 """Factor by which agents in an evolution may exceed the steps' mean speed, as they accelerate and brake."""
 STANDING_SEPARATION: Final = 0.9
@@ -90,7 +88,7 @@ STANDING_SEPARATION: Final = 0.9
 
 
 class GroupMotion:
-    """The agents of one show. `begin_measure` is called at measure lines, `tick` in every tick."""
+    """The agents of one show. `begin_measure` is called at measure lines, `command` and `advance` in every tick."""
 
     def __init__(self, patch: Patch, casting: Casting, *, seed: int, score: Score | None = None) -> None:
         """Place all dancers in their groups' formations. Raises PersonError for a formation that is impossible."""
@@ -149,7 +147,7 @@ class GroupMotion:
         self.evolutions.begin_measure(span.number, self.state.position, heading, self.entrances.staying)
         return entered
 
-    def follow_partner_response(self, partner_response: PartnerResponse | None, shown: Float32) -> None:
+    def follow_partner_response(self, partner_response: "PartnerResponse | None", shown: Float32) -> None:
         """Move the agents of dancers in a partner response to where they are `shown` (A, 2) [m], so that others avoid
         them, but not so near to their leaders that these avoid them too."""
         self._partner_agents.follow_partner_response(partner_response, shown, self.state)
@@ -166,20 +164,10 @@ class GroupMotion:
 
     # -- time ----------------------------------------------------------------------------------------------------
 
-    def tick(
-        self,
-        time: float,
-        timeline: Timeline,
-        span: MeasureSpan,
-        *,
-        speed: Float32,
-        reference: Float32,
-        reference_velocity: Float32,
-    ) -> None:
-        """Advance by one tick.
+    def command(self, time: float, timeline: Timeline, span: MeasureSpan, *, speed: Float32) -> None:
+        """Write the agents' `commands` for the tick at `time` [s]: evolutions, over them elements, and entrances.
 
-        `speed` (A,) [m/s] is the top speed that the dancers' steps can follow, `reference` (A, 2) [m] their reference
-        positions in the measure, and `reference_velocity` (A, 2) [m/s] the velocities of these.
+        `speed` (A,) [m/s] is the top speed that the dancers' steps can follow.
         """
         self._now, self._speed = (timeline, span), speed
         self.stage_area.tick(timeline.beat_at(time))
@@ -191,6 +179,13 @@ class GroupMotion:
         self._compute_commands(self.commands, self.state, time, ahead=False)
         if self.evolutions.running:
             self.evolutions.release(self.elements.influence >= RELEASE_INFLUENCE)
+
+    def advance(self, time: float, *, reference: Float32, reference_velocity: Float32) -> None:
+        """Advance the agents by one tick, as commanded, without collisions.
+
+        `reference` (A, 2) [m] are the dancers' reference positions in the measure, and `reference_velocity` (A, 2)
+        [m/s] the velocities of these.
+        """
         self._advance(
             self.state, self._spare, commands=self.commands, surroundings=self.surroundings, time=time, dt=TICK
         )

@@ -1,7 +1,7 @@
 """Input from the leaders of partners: their poses are sampled frame by frame in their own beats and matched."""
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -9,7 +9,10 @@ import numpy.typing as npt
 from live.motion.partner.point_clouds import END_JOINTS
 from live.motion.partner_live.stage_partner import LeaderReader
 from live.show.partner.partner_pairs import Pair, PartnerSettings
-from live.show.partner.partner_sources import ExampleBank
+
+if TYPE_CHECKING:
+    from live.show.partner.example_bank import ExampleBank
+
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -34,7 +37,7 @@ MAX_NEWS: Final = 64
 class LeaderReaders:
     """The leaders of a show's partners. Thread: the show's."""
 
-    def __init__(self, bank: ExampleBank) -> None:
+    def __init__(self, bank: "ExampleBank") -> None:
         self._bank = bank
         self.readers: dict[Key, LeaderReader] = {}
         """Reader state by partner index and leader row."""

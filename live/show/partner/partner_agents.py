@@ -1,13 +1,16 @@
 """Agents of answering dancers: they go to and stay at the answer's position, so that others avoid them (H024)."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentState
-from live.show.partner.partner_response import PartnerResponse
+
+if TYPE_CHECKING:
+    from live.show.partner.partner_response import PartnerResponse
+
 
 Float32 = npt.NDArray[np.float32]
 
@@ -26,7 +29,7 @@ class PartnerAgents:
         self._partner_response: PartnerResponse | None = None
 
     def follow_partner_response(
-        self, partner_response: PartnerResponse | None, shown: Float32, state: AgentState
+        self, partner_response: "PartnerResponse | None", shown: Float32, state: AgentState
     ) -> None:
         """Place the agent of each answering dancer where the dancer is `shown` (A, 2) [m], but far enough from the
         leader's agent that the leader does not avoid it."""

@@ -17,6 +17,7 @@ from live.motion.partner_live.hand_holds import LiveHandHolds
 from live.motion.partner_live.stage_partner import LeaderReader
 from live.show.dancers.variation import Variation
 from live.show.group.casting import Casting
+from live.show.partner.example_bank import ExampleBank
 from live.show.partner.leader_input import LeaderReaders, PoseSource, Tracks
 from live.show.partner.partner_pairs import (
     Pair,
@@ -26,7 +27,6 @@ from live.show.partner.partner_pairs import (
     leaders_first,
     partner_settings,
 )
-from live.show.partner.partner_sources import ExampleBank
 from live.show.partner.response_path import ResponsePath
 from live.show.partner.response_pose import ResponsePoses, active_holds
 from live.show.patch.patch import Patch

@@ -1,6 +1,5 @@
 """Example motion for the `[[partner]]` tables of a patch: files of recorded pairs, or the show's own steps."""
 
-import hashlib
 from pathlib import Path
 from typing import Final
 
@@ -13,6 +12,7 @@ from live.motion.partner.sketched_examples import sketched_pairs, sketched_walks
 from live.motion.partner.units import Units, retime_to_beats
 from live.motion.partner_live.stage_partner import PATH_RATE, RECORDING_RATE, PartnerExamples, frames_per_beat
 from live.motion.step_clip import StepClip
+from live.show.partner.example_bank import ExampleBank
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import find_resource
 from live.show.patch.section_motion import PartnerSection
@@ -23,31 +23,6 @@ DEFAULT_WALK_STEP: Final = "walk"
 """Step used for a dancer led by a path, where it exists and no other is named."""
 MIN_UNITS: Final = 2
 """Minimum number of units, so that there is a choice."""
-
-
-class ExampleBank:
-    """Example motion for each `[[partner]]` of a patch; immutable."""
-
-    def __init__(self, example_sets: tuple[PartnerExamples, ...]) -> None:
-        self.example_sets = example_sets
-
-    @property
-    def labels(self) -> frozenset[str]:
-        """Case-folded names of the recordings or steps whose units may be danced."""
-        return frozenset(one.name.casefold() for lore in self.example_sets for one in lore.units.examples)
-
-    def digest(self) -> str:
-        """Return a short hash of all motion in it."""
-        found = hashlib.blake2b(digest_size=8)
-        for lore in self.example_sets:
-            found.update(f"{lore.per_beat} {lore.unit_beats} {lore.stretch:g} {lore.units.count}".encode())
-            for one in lore.units.examples:
-                found.update(one.name.encode())
-                if one.holds:
-                    found.update(repr(one.holds).encode())
-                for array in (one.cuts, one.control.floor, one.follower.rotation, one.follower.root_position):
-                    found.update(array.tobytes())
-        return found.hexdigest()
 
 
 def load_example_bank(patch: Patch, path: Path, library: StepLibrary) -> ExampleBank | None:

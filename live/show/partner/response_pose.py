@@ -1,7 +1,7 @@
 """Poses of answering dancers: the answer replaces the dancer's pose, with foot lock and hand holds."""
 
 from collections.abc import Iterable, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +12,10 @@ from live.motion.partner_live.stage_partner_kernels import blend_answers
 from live.motion.skeleton import SKELETON
 from live.show.partner.leader_input import LeaderReaders, PoseSource, frames_since
 from live.show.partner.partner_pairs import Pair, PartnerSettings
-from live.show.partner.response_path import ResponsePath
+
+if TYPE_CHECKING:
+    from live.show.partner.response_path import ResponsePath
+
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -25,7 +28,7 @@ LOCK_WEIGHT: Final = 0.98
 class ResponsePoses:
     """Poses of the answers to `leaders`, placed by the root motion `path`. Thread: the show's."""
 
-    def __init__(self, leaders: LeaderReaders, path: ResponsePath) -> None:
+    def __init__(self, leaders: LeaderReaders, path: "ResponsePath") -> None:
         self._leaders, self._path = leaders, path
         self.foot_lock = FollowerFootLock(len(path.level))
         """Foot lock of the answering dancers."""

@@ -24,7 +24,7 @@ from live.show.patch.patch_reader import custom_pass_files, patch_files, read_so
 from live.show.patch.patch_update import PreparedPatch, patch_version, prepare_patch, split_deferred
 from live.show.patch.table_batches import free_patches, patch_json
 from live.show.patch.toml_model import TomlSources, key_text
-from live.show.selection.graph_update import LibraryWatch, Stamp
+from live.show.selection.library_watch import LibraryWatch, Stamp
 from live.show.show import Show
 from live.show.state.constants import walk_ahead
 from live.show.venue.venue_output import with_venue_projector
@@ -57,7 +57,7 @@ class PatchWatch:
         self._text = patch_json(self._patch)
         self._last_written = self._patch  # as last written, including keys that wait for the next start
         if library is not None:
-            library.check = lambda graph: show.make_show(self._patch, graph)
+            library.check = lambda graph: show.hot_swap.make_show(self._patch, graph)
         self._last_stamp = self._handled_stamp = file_stamp(loaded.path)
         self._failure_count, self._freed_counts = 0, (0, 0)
         self._stopped = threading.Event()
@@ -149,7 +149,7 @@ class PatchWatch:
             self._library.graph = prepared.new_show.graph
             self._library.retry()
         self.problem = ""
-        self._show.offer_patch(prepared)
+        self._show.hot_swap.offer_patch(prepared)
         self._post(PatchChanged(time=self._now(), source="patch", patch=compress_text(text), version=prepared.version))
         self._set_message(prepared.changed_fields, sources)
         return True
@@ -165,7 +165,7 @@ class PatchWatch:
 
     def _validated(self, text: str, graph: MotionGraph, sources: TomlSources) -> PreparedPatch:
         try:
-            return prepare_patch(text, self._show.make_show, self._patch, graph)
+            return prepare_patch(text, self._show.hot_swap.make_show, self._patch, graph)
         except PersonError as error:
             self._failure_count += 1
             where = f"{sources.location_text(error.key_path)}: {key_text(error.key_path)}: " if error.key_path else ""

@@ -1,11 +1,14 @@
 """Canon between groups: a group that repeats another group's steps some measures later (T147)."""
 
 from collections import OrderedDict
-from typing import Final, Literal, Protocol
+from typing import TYPE_CHECKING, Final, Literal, Protocol
 
 from live.graph.motion_graph import MotionGraph
 from live.graph.search.sequence_spec import SequenceEntry
-from live.show.score.step_program import Nodes, StepProgram
+
+if TYPE_CHECKING:
+    from live.show.score.step_program import Nodes, StepProgram
+
 
 HISTORY_MEASURES: Final = 80
 """Measures of the leader's steps that are kept: more than the longest canon."""
@@ -19,7 +22,7 @@ class StepSource(Protocol):
     upcoming: tuple[SequenceEntry, ...]
     measures_done: int
 
-    def step_for(self, measure: int, nodes: Nodes) -> int: ...
+    def step_for(self, measure: int, nodes: "Nodes") -> int: ...
     def call(self, step: int, *, measures: float) -> None: ...
     def set_sequence(self, steps: list[SequenceEntry]) -> None: ...
     def release(self) -> None: ...
@@ -38,7 +41,7 @@ class Canon:
     with the canon's delay. Ask the leader for a measure before the echo.
     """
 
-    def __init__(self, leader: StepProgram, own: StepProgram, *, measures: int) -> None:
+    def __init__(self, leader: "StepProgram", own: "StepProgram", *, measures: int) -> None:
         """`own`: the program for sequences set live; `measures`: the delay, 0 to `HISTORY_MEASURES` - 1."""
         self._leader = leader
         self._own = own
@@ -56,11 +59,11 @@ class Canon:
         self._own.apply_patch(fresh._own)
         self.steps = self._own.steps
 
-    def set_leader(self, leader: StepProgram) -> None:
+    def set_leader(self, leader: "StepProgram") -> None:
         """Repeat this leader from now on."""
         self._leader = leader
 
-    def step_for(self, measure: int, nodes: Nodes) -> int:
+    def step_for(self, measure: int, nodes: "Nodes") -> int:
         """Return the step to dance in `measure`; before the leader's first measure, the leader's first step."""
         # the leader's steps are recorded during an own sequence too: the canon resumes after it
         self._leader_steps[measure] = (

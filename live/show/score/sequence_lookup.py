@@ -3,14 +3,17 @@
 from bisect import bisect_right
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
+from typing import TYPE_CHECKING
 
 from live.base.errors import PersonError, error_context
-from live.graph.motion_graph import MotionGraph
 from live.graph.search.sequence import parse_sequence
 from live.graph.search.sequence_spec import SequenceEntry
 from live.show.patch.section_score import SequenceSection
 from live.show.score.score import Score
 from live.show.score.step_names import check_connected
+
+if TYPE_CHECKING:
+    from live.graph.motion_graph import MotionGraph
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +45,7 @@ class SequenceLookup:
         self,
         sections: list[tuple[int, SequenceSection]],
         score: Score,
-        graph: MotionGraph,
+        graph: "MotionGraph",
         built: dict[int, tuple[int, ScoreSequence]] | None = None,
     ) -> None:
         """`sections` with their patch indices; `built`: sequences already built for other groups, by these indices,
@@ -102,7 +105,7 @@ def describe_place(section: str | None, measure: float, what: str) -> str:
 
 
 def _sequence(
-    entries: tuple[SequenceEntry, ...], section: SequenceSection, begin: int, graph: MotionGraph, number: int
+    entries: tuple[SequenceEntry, ...], section: SequenceSection, begin: int, graph: "MotionGraph", number: int
 ) -> ScoreSequence:
     ends = tuple(accumulate(entry.measures for entry in entries))
     measures = ends[-1] if section.measures is None else section.measures

@@ -2,13 +2,15 @@
 
 import difflib
 from collections.abc import Iterable
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from live.base.errors import PersonError
-from live.graph.motion_graph import MotionGraph
 from live.graph.search.sequence_spec import SequenceEntry
+
+if TYPE_CHECKING:
+    from live.graph.motion_graph import MotionGraph
 
 IN_PLACE: Final = 0.15
 """A measure that travels less than this [m] counts as in place."""
@@ -21,7 +23,7 @@ class UnknownStep(ValueError):
     """Patch key that contains the name."""
 
 
-def find_step(graph: MotionGraph, name: str) -> int:
+def find_step(graph: "MotionGraph", name: str) -> int:
     """Return the index of a danceable step; otherwise raise UnknownStep with the known names."""
     library = graph.library
     index = library.step_index(name)
@@ -36,13 +38,13 @@ def find_step(graph: MotionGraph, name: str) -> int:
     return index
 
 
-def step_measures(graph: MotionGraph, step: int) -> int:
+def step_measures(graph: "MotionGraph", step: int) -> int:
     """Return the measures of a step: the longest of its variations."""
     library = graph.library
     return int(library.node_measures[library.node_step == step].max())
 
 
-def check_connected(graph: MotionGraph, entries: Iterable[SequenceEntry]) -> None:
+def check_connected(graph: "MotionGraph", entries: Iterable[SequenceEntry]) -> None:
     """Raise PersonError for a step among `entries` that connects to no other."""
     for step in {entry.step for entry in entries if entry.step is not None}:
         if not len(graph.entries(step)):
@@ -52,7 +54,7 @@ def check_connected(graph: MotionGraph, entries: Iterable[SequenceEntry]) -> Non
             )
 
 
-def is_in_place(graph: MotionGraph, step: int) -> bool:
+def is_in_place(graph: "MotionGraph", step: int) -> bool:
     """Whether a variation of the step has a measure in place, so that a standing group does not drift away."""
     library = graph.library
     return bool(np.hypot(*library.node_travel[(library.node_step == step) & graph.alive].T).min() < IN_PLACE)

@@ -5,7 +5,7 @@ dancer's body and with the support feet; the remaining difference is faded out b
 as the phase is. The next measure follows along the edges of the graph as usual.
 """
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -19,9 +19,11 @@ from live.graph.select.candidates import following_placement, turn_vectors, wrap
 from live.motion.editing.foot_correction import ANKLES, BALLS
 from live.motion.pose.foot_lock_kernels import HELD
 from live.motion.pose.pose_pipeline import PoseSkeleton
-from live.show.dancers.dancers import Dancers
 from live.show.dancers.measure_state import MeasureState
-from live.show.measure_span import MeasureSpan
+from live.show.stages.measure_span import MeasureSpan
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -44,7 +46,7 @@ step."""
 class Moment:
     """Poses and velocities of the dancers `rows` (n,) at one moment, before a cut."""
 
-    def __init__(self, dancers: Dancers, rows: Int32, span: MeasureSpan, timeline: Timeline, time: float) -> None:
+    def __init__(self, dancers: "Dancers", rows: Int32, span: MeasureSpan, timeline: Timeline, time: float) -> None:
         self.rows, self.time, self.dt = rows, time, TICK
         self.fraction = span.fraction(timeline.beat_at(time))
         self.other_fraction, later = (span.fraction(timeline.beat_at(time + dt)) for dt in (-TICK, TICK))
@@ -59,7 +61,7 @@ class Moment:
         now = self.body[0][0].astype(np.float64)
         self.feature, self.hips, self.facing = body_features(now, (now - self.body[0][1]) * per_measure, self.held)
 
-    def sample_poses(self, dancers: Dancers) -> tuple[Float32, Float32]:
+    def sample_poses(self, dancers: "Dancers") -> tuple[Float32, Float32]:
         """Return the bodies now and `dt` before, from the dancers' present state."""
         now = dancers.raw_poses(self.rows, self.fraction, self.time)
         then = dancers.raw_poses(self.rows, self.other_fraction, self.time - self.dt)
@@ -69,7 +71,7 @@ class Moment:
 class ClipCutter:
     """Cuts A dancers to other clips. Deterministic."""
 
-    def __init__(self, dancers: Dancers) -> None:
+    def __init__(self, dancers: "Dancers") -> None:
         self._dancers = dancers
         self._joints = joint_weights()
         self._parents = PoseSkeleton.whole().parents

@@ -1,30 +1,25 @@
-"""Updates of the motion graph while a show runs: a watcher of the step folder, and the swap at a measure line.
+"""Updates of the motion graph while a show runs: new and changed clips, and the swap at a measure line.
 
 Hashes of the library identify its steps: a replay and a snapshot need the same ones.
 """
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import fields
-from pathlib import Path
-from typing import Final
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from live.base.errors import PersonError
-from live.base.fault_isolation import FAULTS
 from live.control.events import events
-from live.control.events.events import ControlEvent, StepsAdded, StepsChanged
 from live.graph.library_insert import insert_clips, stranded, without_clips
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.selector import StepSelector
 from live.graph.step_library import StepLibrary
-from live.library.clip_text import clips_from_text, clips_to_text
+from live.library.clip_text import clips_from_text
 from live.motion.step_clip import StepClip
-from live.show.background_work import short_switch_interval
-from live.show.dancers.dancers import Dancers
 from live.show.desk.refusals import Refusals
-from live.show.score.step_names import UnknownStep
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
 
 GrownGraph = tuple[MotionGraph, StepSelector]
 
@@ -119,7 +114,7 @@ class GraphUpdates:
         """The graph that waits for the next measure line, None if there is none."""
         return None if self._next is None else self._next[0]
 
-    def pop(self, dancers: Dancers) -> GrownGraph | None:
+    def pop(self, dancers: "Dancers") -> GrownGraph | None:
         """Return and clear the waiting graph; None if there is none, or if it would leave a dancer without a next step,
         in which case it keeps waiting."""
         offered = self._next
@@ -149,151 +144,3 @@ def steps_hash(graph: MotionGraph) -> str:
     if not graph.leaving.any():
         return found
     return hashlib.blake2b(found.encode() + graph.leaving.tobytes(), digest_size=8).hexdigest()
-
-
-MAX_EVENT_CHARACTERS: Final = 4_000_000
-"""Most characters of changed clips in one event: larger changes wait for the next start."""
-Stamp = tuple[tuple[str, int, int], ...]
-
-
-class LibraryWatch:
-    """Watches one folder of steps. `poll` reads new clips and inserts them into the graph; the show switches to the new
-    graph at a measure line. The old versions of changed or removed clips are not begun any more from then on.
-    """
-
-    def __init__(
-        self,
-        folder: Path,
-        graph: MotionGraph,
-        *,
-        offer: Callable[[str, MotionGraph], None],
-        post: Callable[[ControlEvent], None],
-        now: Callable[[], float],
-        read: Callable[[], list[StepClip]],
-    ) -> None:
-        """`offer` passes on a graph with its hash, `post` the event that activates it, at the time `now()`.
-
-        `read` returns all clips as at a start.
-        """
-        self._folder = folder
-        self._read = read
-        self.graph = graph
-        """The graph offered last."""
-        self._offer, self._post, self._now = offer, post, now
-        self._known = clips_by_key(graph.library.clips)
-        self._last_stamp = self._handled_stamp = folder_stamp(folder)
-        self.check: Callable[[MotionGraph], object] = lambda graph: None
-        """Check that raises a PersonError or UnknownStep if the show cannot use a graph."""
-        self.problem = ""
-        """Why the last change of the folder was refused, empty if it was not."""
-        self.last_change = ""
-        """Description of the last change, empty before the first."""
-
-    def retry(self) -> None:
-        """Try a refused change again, after a change of the patch."""
-        if self.problem:
-            self._handled_stamp = ()
-
-    def poll(self) -> bool:
-        """Poll once. Returns whether clips were added, changed or removed."""
-        stamp = folder_stamp(self._folder)
-        settled, self._last_stamp = stamp == self._last_stamp, stamp
-        if not settled or stamp == self._handled_stamp:
-            return False
-        self._handled_stamp = stamp
-        try:
-            with short_switch_interval():
-                clips = self._read()
-                self.problem = ""
-                return self._update(clips)
-        except (PersonError, UnknownStep, ValueError, OSError) as error:
-            self.problem = f"new steps: {error}"
-            return False
-        except Exception as error:  # a bug: keep watching, and report it
-            FAULTS.record("the reader of new steps", error)
-            self.problem = f"new steps: they cannot be read ({type(error).__name__}: {error})"
-            return False
-
-    def _update(self, clips: list[StepClip]) -> bool:
-        """Update the graph to these clips. Returns whether it changed."""
-        fitting = [clip for clip in clips if clip.beats_per_measure == self.graph.library.beats_per_measure]
-        if len(fitting) < len(clips):
-            names = step_list(clip for clip in clips if clip not in fitting and clip_key(clip) not in self._known)
-            beats = self.graph.library.beats_per_measure
-            if names:
-                self.problem = f"new steps: {names} do not fit this show, whose measures have {beats} beats"
-        there = clips_by_key(fitting)
-        gone = [clip for name, clip in self._known.items() if name not in there]
-        old = {name: self._known[name] for name in there if name in self._known}
-        gone += [clip for name, clip in old.items() if not same_clip(clip, there[name])]
-        left = {clip_key(clip) for clip in gone}
-        came = [clip for name, clip in there.items() if name not in self._known or name in left]
-        if gone:
-            self._change(gone, came)
-        elif came:
-            self._join(came)
-        else:
-            return False
-        for name in left:
-            del self._known[name]
-        self._known.update(clips_by_key(came))
-        return True
-
-    def _join(self, came: list[StepClip]) -> None:
-        graph = insert_clips(self.graph, came)
-        found = library_hash(graph.library)
-        self.graph = graph
-        self.last_change = f"new steps: {step_list(came)} can be danced"
-        self._offer(found, graph)
-        keys = "\n".join(clip_key(clip) for clip in came)
-        self._post(StepsAdded(time=self._now(), source="library", clips=keys, library=found))
-
-    def _change(self, gone: list[StepClip], came: list[StepClip]) -> None:
-        names = [clip_key(clip) for clip in gone]
-        graph = updated_graph(self.graph, names, came)
-        self.check(graph)
-        was, now = clips_to_text(gone), clips_to_text(came)
-        if len(was) + len(now) > MAX_EVENT_CHARACTERS:
-            raise ValueError(f"{step_list(gone)}: the change is too large for a running show; restart to use it")
-        found = steps_hash(graph)
-        self.graph = graph
-        lost = [clip for clip in gone if clip.step not in {other.step for other in came}]
-        told = [f"{step_list(came)} danced as they are now"] if came else []
-        told += [f"{step_list(lost)} not begun any more"] if lost else []
-        self.last_change = f"new steps: {', '.join(told)}"
-        self._offer(found, graph)
-        event = StepsChanged(
-            time=self._now(), source="library", gone="\n".join(names), was=was, now=now, library=found
-        )  # fmt: skip
-        self._post(event)
-
-
-def step_list(clips: Iterable[StepClip]) -> str:
-    """Return the steps of clips as a sorted list in words, at most 200 characters."""
-    return ", ".join(sorted({clip.step for clip in clips}))[:200]
-
-
-def same_clip(one: StepClip, other: StepClip) -> bool:
-    """Whether two clips are the same, bit by bit."""
-    if one is other:
-        return True
-    arrays = ("root_position", "rotation", "contact")
-    facts = [field.name for field in fields(StepClip) if field.name != "clip"]
-    return (
-        all(getattr(one, name) == getattr(other, name) for name in facts)
-        and (one.clip.name, one.clip.sample_rate) == (other.clip.name, other.clip.sample_rate)
-        and all(np.array_equal(getattr(one.clip, name), getattr(other.clip, name)) for name in arrays)
-    )
-
-
-def folder_stamp(folder: Path, suffix: str = "") -> Stamp:
-    """Return names, times and sizes of the files of a folder that end with `suffix`, to detect changes."""
-    rows = []
-    try:
-        for path in folder.iterdir():
-            if path.name.endswith(suffix) and path.is_file():
-                facts = path.stat()
-                rows.append((path.name, facts.st_mtime_ns, facts.st_size))
-    except OSError:  # the folder is being moved, or a file was just deleted: poll again later
-        return ()
-    return tuple(sorted(rows))

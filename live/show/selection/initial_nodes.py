@@ -1,10 +1,15 @@
 """Choice of the nodes for the first measure."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
-from live.show.selection.scheduler import Scheduler
+
+if TYPE_CHECKING:
+    from live.show.selection.scheduler import Scheduler
+
 
 Int32 = npt.NDArray[np.int32]
 Bools = npt.NDArray[np.bool_]
@@ -13,7 +18,7 @@ TRAVEL_COST = 0.1
 """Cost of a metre of travel in the first measure, relative to a measure of the sequence that goes wrong."""
 
 
-def initial_nodes(graph: MotionGraph, scheduler: Scheduler, group: Int32, mirrored: Bools, measure: int) -> Int32:
+def initial_nodes(graph: MotionGraph, scheduler: "Scheduler", group: Int32, mirrored: Bools, measure: int) -> Int32:
     """Return a node of the group's first step for each dancer, without travel if the sequence allows it, (A,).
 
     `group` (A,): group of each dancer; `mirrored` (A,): whether a dancer dances the other side of the partner's step.

@@ -7,7 +7,7 @@ performer cuts at once to a step that leads away or stands. Collision avoidance 
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -17,12 +17,14 @@ from live.clock.timeline import Timeline
 from live.control.events.events import StepNow
 from live.show.dancers.collision_avoidance import CollisionAvoidance
 from live.show.dancers.dancers import Dancers
-from live.show.group.group_motion import GroupMotion
-from live.show.measure_span import MeasureSpan
 from live.show.patch.patch import Patch
 from live.show.score.step_names import find_step
 from live.show.selection.clip_cut import ClipCutter, Moment
-from live.show.selection.scheduler import Scheduler
+from live.show.stages.measure_span import MeasureSpan
+
+if TYPE_CHECKING:
+    from live.show.group.group_motion import GroupMotion
+    from live.show.selection.scheduler import Scheduler
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -48,7 +50,7 @@ class _Cue:
 class Interrupts:
     """The interrupts of one show. `cue` is called for events, `tick` once a tick, after the planning."""
 
-    def __init__(self, patch: Patch, dancers: Dancers, motion: GroupMotion, scheduler: Scheduler) -> None:
+    def __init__(self, patch: Patch, dancers: Dancers, motion: "GroupMotion", scheduler: "Scheduler") -> None:
         count = len(motion.casting.group)
         self._dancers, self._motion, self._scheduler = dancers, motion, scheduler
         self.clip_cutter = ClipCutter(dancers)

@@ -1,7 +1,7 @@
 """Look-ahead of step selection: costs of nodes for coming steps, and predicted agents at the end of a measure."""
 
 from collections import OrderedDict
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -14,9 +14,11 @@ from live.graph.search.live_sequence import LiveSequence
 from live.graph.search.sequence import edges_of
 from live.graph.search.sequence_spec import SequenceEntry
 from live.show.group.elements import Elements
-from live.show.group.evolutions import Evolutions
 from live.show.group.stage_area import StageArea
-from live.show.measure_span import MeasureSpan
+from live.show.stages.measure_span import MeasureSpan
+
+if TYPE_CHECKING:
+    from live.show.group.evolutions import Evolutions
 
 Float64 = npt.NDArray[np.float64]
 
@@ -79,7 +81,7 @@ class AgentLookAhead:
     """
 
     def __init__(
-        self, look_ahead: CrowdPrediction, evolutions: Evolutions, elements: Elements, entrances: Entrances,
+        self, look_ahead: CrowdPrediction, evolutions: "Evolutions", elements: Elements, entrances: Entrances,
         stage_area: StageArea, count: int, beats: int,
     ) -> None:  # fmt: skip
         """`look_ahead` simulates a copy of the `count` agents; `beats` of a danced measure."""

@@ -1,6 +1,6 @@
 """Draft of each dancer's next measure: variations, mixture of two takes, and turns of the chosen steps."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -10,10 +10,13 @@ from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import own_end, turn_vectors, wrap_angle
 from live.graph.select.selector import StepSelector
 from live.graph.takes import NO_TAKE
-from live.show.dancers.dancers import Dancers
 from live.show.dancers.measure_state import MeasureState
 from live.show.selection.choices import StepChoices
-from live.show.selection.step_targets import StepTargets
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
+    from live.show.selection.step_targets import StepTargets
+
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -29,7 +32,7 @@ MAX_END_SHIFT: Final = 0.1
 class MeasureDraft:
     """Works out the next measure of every dancer: call `vary`, `mix` and `turn`, in this order."""
 
-    def __init__(self, dancers: Dancers, choices: StepChoices, aims: StepTargets) -> None:
+    def __init__(self, dancers: "Dancers", choices: StepChoices, aims: "StepTargets") -> None:
         """`set_graph` must be called first."""
         self._dancers, self._choices, self._aims = dancers, choices, aims
         self.draft = MeasureState(dancers.graph, len(dancers.node))

@@ -3,14 +3,18 @@
 It depends only on the graph and on the ends of the present measures, not on planning or steering.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import numpy.typing as npt
 
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import following_placement, turn_vectors
 from live.graph.takes import NO_TAKE
-from live.show.dancers.dancers import Dancers
 from live.show.dancers.measure_state import MeasureState
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -19,7 +23,7 @@ OUTSIDE = 100.0
 """Weight of a metre outside of the stage, relative to a metre on it."""
 
 
-def decide_nearest(dancers: Dancers, half: npt.NDArray[np.floating]) -> Float64:
+def decide_nearest(dancers: "Dancers", half: npt.NDArray[np.floating]) -> Float64:
     """Decide the next measure of each dancer: of those that may follow, the one that ends nearest to its beginning.
 
     `half` (2,) [m]: half of the stage's width and depth. Returns the dancers' positions at its beginning [m], (A, 2).
@@ -36,7 +40,7 @@ def decide_nearest(dancers: Dancers, half: npt.NDArray[np.floating]) -> Float64:
     return hips
 
 
-def repeat_measure(dancers: Dancers) -> None:
+def repeat_measure(dancers: "Dancers") -> None:
     """Decide that all dancers repeat their present measure at the same placement."""
     dancers.coming.node[:] = dancers.present.node
     dancers.coming.placement[:] = dancers.present.placement

@@ -6,6 +6,7 @@ graph for some dancers at a time, and draft the chosen measures.
 
 import math
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -15,15 +16,17 @@ from live.clock.timeline import Timeline
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.selector import StepSelector
 from live.show.background_work import Task, TaskQueue
-from live.show.dancers.dancers import Dancers
 from live.show.dancers.measure_state import MeasureState
-from live.show.group.group_motion import GroupMotion
-from live.show.measure_span import MeasureSpan
 from live.show.patch.patch import Patch
 from live.show.selection.choices import StepChoices
 from live.show.selection.measure_draft import MeasureDraft
 from live.show.selection.step_search import BATCH_SIZE, StepSearch
-from live.show.selection.step_targets import StepTargets
+from live.show.stages.measure_span import MeasureSpan
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
+    from live.show.group.group_motion import GroupMotion
+    from live.show.selection.step_targets import StepTargets
 
 Int32 = npt.NDArray[np.int32]
 
@@ -34,9 +37,9 @@ class MeasurePlan:
     def __init__(
         self,
         patch: Patch,
-        dancers: Dancers,
-        motion: GroupMotion,
-        targets: StepTargets,
+        dancers: "Dancers",
+        motion: "GroupMotion",
+        targets: "StepTargets",
         choices: StepChoices,
         group: Int32,
     ) -> None:

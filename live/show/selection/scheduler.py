@@ -6,20 +6,20 @@ The remaining position error of a step is spread over the measure (position targ
 """
 
 import math
-from typing import Any, Final
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
+from live.control.events.event import ControlEvent
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import following_placement
 from live.graph.select.selector import StepSelector
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.root_correction_control import RootCorrectionControl
-from live.show.group.group_motion import GroupMotion
-from live.show.measure_span import MeasureSpan
 from live.show.patch.patch import Patch
 from live.show.score.canon import StepSource
 from live.show.score.group_programs import update_programs
@@ -27,6 +27,10 @@ from live.show.selection.choices import StepChoices, reachability_report
 from live.show.selection.nearest_steps import decide_nearest
 from live.show.selection.planning import MeasurePlan
 from live.show.selection.step_targets import StepTargets
+from live.show.stages.measure_span import MeasureSpan
+
+if TYPE_CHECKING:
+    from live.show.group.group_motion import GroupMotion
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -47,7 +51,7 @@ class Scheduler:
         self,
         patch: Patch,
         dancers: Dancers,
-        motion: GroupMotion,
+        motion: "GroupMotion",
         programmes: list[StepSource],
         group: Int32,
         choosing: StepSelector | None = None,
@@ -88,6 +92,18 @@ class Scheduler:
         """Apply the groups' programmes of another patch. Called while no next measure is decided."""
         update_programs(self.programmes, fresh.programmes, fresh._patch)
         self.targets.reorder()
+
+    def edited_values(self, event: ControlEvent) -> dict[int, Any]:
+        """Return the sequences set live, by group, see `EditablePart`."""
+        return {index: programme.live_sequence or None for index, programme in enumerate(self.programmes)}
+
+    def restore_values(self, values: Mapping[int, Any]) -> None:
+        """See `EditablePart`."""
+        for index, wanted in values.items():
+            if wanted is None:
+                self.programmes[index].release()
+            else:
+                self.programmes[index].set_sequence(list(wanted))
 
     def step_reach(self) -> Float64:
         """Return the reach in one measure of the group's farthest step, for each dancer [m], shape (A,)."""
@@ -166,6 +182,10 @@ class Scheduler:
             np.count_nonzero((choices.step >= 0) & (graph.library.node_step[coming.node] != choices.step))
         )
         self.root_correction.accept_decision(hips, choices.target, choices.wish)
+
+    def must_decide(self, span: MeasureSpan, beat: float) -> bool:
+        """Whether the measure after `span` must be decided at `beat`, and is not."""
+        return not self._dancers.decided and span.end - beat <= DECIDE_BEATS
 
     def decide_nearest(self, half: npt.NDArray[np.floating]) -> None:
         """Decide without a plan: the nearest measure that may follow; `half` (2,) [m]: half sizes of the stage."""

@@ -1,7 +1,7 @@
 """Search of the motion graph for each dancer's next measure, some dancers at a time (T068-T070)."""
 
 import math
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -9,13 +9,16 @@ import numpy.typing as npt
 from live.base.motion_parameters import FACE_AVERAGE, OBEDIENCE, TURN_ON_SUPPORT
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.selector import StepSelector, with_direction
-from live.show.dancers.dancers import Dancers
-from live.show.dancers.partners import choose_followers, set_follower_targets
-from live.show.dancers.root_correction_control import MIN_CORRECTION_SHARE
-from live.show.group.group_motion import GroupMotion
+from live.show.dancers.partners import Partners
+from live.show.dancers.root_correction import MIN_CORRECTION_SHARE
 from live.show.patch.patch import Patch
 from live.show.selection.choices import StepChoices
-from live.show.selection.step_targets import StepTargets
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
+    from live.show.group.group_motion import GroupMotion
+    from live.show.selection.step_targets import StepTargets
+
 
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
@@ -32,7 +35,7 @@ class StepSearch:
     """
 
     def __init__(
-        self, patch: Patch, dancers: Dancers, motion: GroupMotion, targets: StepTargets, choices: StepChoices
+        self, patch: Patch, dancers: "Dancers", motion: "GroupMotion", targets: "StepTargets", choices: StepChoices
     ) -> None:
         """`set_graph` must be called before anything else."""
         self._patch, self._dancers, self._motion = patch, dancers, motion
@@ -123,3 +126,59 @@ class StepSearch:
         for row in changed.tolist():
             self.choose(slice(row, row + 1))
         return True
+
+
+TOO_FAR: Final = 0.4
+"""A follower whose measure would end farther than this [m] from the target may dance either side of the step."""
+
+
+def set_follower_targets(
+    partners: Partners,
+    choosing: StepSelector,
+    choices: StepChoices,
+    heading: Float64,
+    search_arguments: tuple[Any, ...],
+) -> tuple[Int32, Int32]:
+    """Set the targets of followers after all dancers chose; `search_arguments` are those of `StepSelector.choose`.
+
+    A leader ends where clip and correction lead, with the heading that the turn reaches. Both are written to the
+    targets and to `heading` (A,) [rad], together with the followers' targets. Returns the followers (P,) and the sides
+    they want: the mirror image of the leader's side for facing pairs, else the same side.
+    """
+    node, _, wish, _, _, _, manner, _ = search_arguments
+    lead, follow = partners.leader, partners.follower
+    end, edge = choices.end[lead], choices.edge[lead, 0]
+    chosen = np.where(edge < 0, node[lead], choosing.graph.edge_target[np.maximum(edge, 0)])
+    way = choices.target[lead] - end[:, :2]
+    most = manner[lead, 2] * choosing.facts[chosen, 0]
+    reached = end[:, :2] + way * np.minimum(1.0, most / np.maximum(np.hypot(*way.T), 1e-9))[:, None]
+    facing = heading[lead] - end[:, 3]
+    lost = edge < 0  # cannot happen in a pruned graph
+    reached[lost], facing[lost] = choices.target[lead][lost], heading[lead][lost]
+    partners.set_follower_targets(reached, facing, choices.target, heading)
+    wish[follow] = with_direction(np.column_stack([choices.target[follow], heading[follow]]))
+    return follow, partners.follower_sides(choosing.graph.library.node_side[chosen])
+
+
+def choose_followers(
+    rows: Int32, sides: Int32, choosing: StepSelector, choices: StepChoices, search_arguments: tuple[Any, ...]
+) -> None:
+    """Choose again for the followers `rows` (n,) who want these `sides` (n,).
+
+    Staying together counts more than dancing on the same feet: followers who end too far away choose from both sides.
+    """
+    _choose(rows, sides, choosing, search_arguments)
+    off = np.hypot(*(choices.end[rows, :2] - choices.target[rows]).T)
+    far = rows[off > TOO_FAR]
+    if len(far):
+        _choose(far, np.zeros(len(far), np.int32), choosing, search_arguments)
+
+
+def _choose(rows: Int32, sides: Int32, choosing: StepSelector, search_arguments: tuple[Any, ...]) -> None:
+    node, placement, wish, row, ahead, _, manner, out = search_arguments
+    results: Any = tuple(np.ascontiguousarray(array[rows]) for array in out)
+    choosing.choose(
+        slice(0, len(rows)), node[rows], placement[rows], wish[rows], row[rows], ahead, sides, manner[rows], results
+    )
+    for array, result in zip(out, results, strict=True):
+        array[rows] = result

@@ -1,20 +1,26 @@
 """Targets of step selection: the wanted step, position (T067, T068) and heading (T126, T127) of each dancer."""
 
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
 import numpy as np
 import numpy.typing as npt
 
 from live.clock.timeline import Timeline
+from live.control.events.event import ControlEvent
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import wrap_angle
 from live.graph.select.selector import StepSelector
-from live.show.dancers.dancers import Dancers
-from live.show.group.group_motion import GroupMotion
 from live.show.patch.patch import Patch
 from live.show.patch.section_motion import ATTRACTOR, CENTRE, DANCER, DEGREES, GROUP, PATH, PUBLIC, Facing, parse_facing
 from live.show.score.canon import Canon, StepSource
 from live.show.score.step_program import StepProgram
 from live.show.selection.choices import StepChoices
 from live.show.selection.lookahead import StepCosts
+
+if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
+    from live.show.group.group_motion import GroupMotion
 
 Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
@@ -32,7 +38,7 @@ class Headings:
     third. Later wishes are unknown in a live show, so the turn begins with the measure in which it is wanted.
     """
 
-    def __init__(self, patch: Patch, motion: GroupMotion) -> None:
+    def __init__(self, patch: Patch, motion: "GroupMotion") -> None:
         """Create the headings of a patch. Raises PersonError for an unknown facing."""
         self._patch = patch
         self._motion = motion
@@ -61,6 +67,15 @@ class Headings:
     def set(self, group: int, facing: Facing) -> None:
         """Set the facing of a group, from the next decided measure on."""
         self._facing[group] = facing
+
+    def edited_values(self, event: ControlEvent) -> dict[int, Facing]:
+        """Return the facings by group, see `EditablePart`."""
+        return dict(enumerate(self._facing))
+
+    def restore_values(self, values: Mapping[int, Facing]) -> None:
+        """See `EditablePart`."""
+        for group, facing in values.items():
+            self.set(group, facing)
 
     def reset(self, heading: Float64) -> None:
         """Initialize with the dancers' `heading` (A,) [rad]."""
@@ -144,7 +159,7 @@ class StepTargets:
     """Targets of A dancers for one measure, computed piece by piece."""
 
     def __init__(
-        self, patch: Patch, dancers: Dancers, motion: GroupMotion, programmes: list[StepSource], group: Int32
+        self, patch: Patch, dancers: "Dancers", motion: "GroupMotion", programmes: list[StepSource], group: Int32
     ) -> None:
         """`group` (A,) is shared with the show, which may change it between measures."""
         self._patch, self._dancers, self._motion = patch, dancers, motion

@@ -30,16 +30,16 @@ def make_follower(patch: Patch, tempo: float | None) -> TimelineFollower:
     )
 
 
-def initial_seeds(patch: Patch, follower: TimelineFollower, known: bool) -> list[TrackerHint]:
-    """Return the seeds of a beat tracker at the start; `known`: the patch's own music is played.
+def initial_seeds(follower: TimelineFollower, *, follow_metre: bool, known_tempo: float | None) -> list[TrackerHint]:
+    """Return the seeds of a beat tracker at the start; `known_tempo` [bpm] is that of the patch's own music.
 
     The position of that music's first downbeat is not among them: its player reports it later, in audio time.
     """
     seeds = []
-    if not patch.clock.follow_metre:
+    if not follow_metre:
         seeds.append(TrackerHint("metre", 0.0, float(follower.timeline.beats_per_measure)))
-    if known and patch.music.bpm is not None:
-        seeds.append(TrackerHint("tempo", math.nan, patch.music.bpm))
+    if known_tempo is not None:
+        seeds.append(TrackerHint("tempo", math.nan, known_tempo))
     return seeds
 
 

@@ -19,7 +19,7 @@ from live.motion.pose.pose_pipeline import PoseSkeleton
 from live.motion.texture.live_bank import TextureBank
 from live.show.desk.parameter_table import ParameterTable
 from live.show.group.group_motion import GroupMotion
-from live.show.partner.partner_sources import ExampleBank
+from live.show.partner.example_bank import ExampleBank
 from live.show.patch.patch import Patch
 from live.show.patch.section_cues import CueSection
 from live.show.patch.section_io import MocapSection

@@ -4,7 +4,7 @@ from typing import Final
 
 from live.show.audience.audience import Audience
 from live.show.audience.audience import TouchCluster as AudiencePlace
-from live.show.audience.voting import Turn, Vote
+from live.show.audience.voting import Turn, Vote, VoteNames
 from live.show.circuit_breakers import CircuitBreakers, Stage
 from live.show.dancers.step_requests import StepRequests
 from live.show.desk.camera_rig import CameraRig, DampedFollower, Spots
@@ -13,23 +13,11 @@ from live.show.desk.light_desk import LightDesk, Master
 from live.show.desk.parameters import Parameters
 from live.show.desk.refusals import Refusals
 from live.show.desk.scenes import Scene, Scenes
-from live.show.desk.undo_history import (
-    CaptureEdits,
-    EditedFacings,
-    EditedFormations,
-    EditedParameters,
-    EditedRipples,
-    EditedScenes,
-    EditedSequences,
-    EditedSet,
-    EditedStandBy,
-    UndoHistory,
-    _Edit,
-)
+from live.show.desk.undo_history import UndoHistory, _Edit
+from live.show.frame import Frame
 from live.show.group.formations import Formations, NamedFormation
 from live.show.group.group_commands import GroupCommands
 from live.show.group.stage_area import StageArea
-from live.show.measure_span import MeasureSpan
 from live.show.partner.partner_pairs import Pair
 from live.show.partner.partner_pairs import PartnerSettings as AnswerPairsAsked
 from live.show.patch.patch_update import PatchUpdates
@@ -43,12 +31,25 @@ from live.show.score.playhead import Place as PlacesPlace
 from live.show.score.playhead import Playhead, PlayheadState, SectionTiming
 from live.show.score.playhead import PlayheadRequest as PlacesAsked
 from live.show.score.score import Score
+from live.show.score.score_requests import ScoreRequests
 from live.show.score.score_runner import ScoreRunner
 from live.show.score.step_history import StepHistory
 from live.show.score.step_program import StepProgram, _Call, _Position, _UndoState
 from live.show.selection.drawn_paths import DrawnPath
 from live.show.selection.graph_update import GraphUpdates
 from live.show.show import Show
+from live.show.stages.calls import Calls
+from live.show.stages.crowd_stage import CrowdStage, GroupStage
+from live.show.stages.dancers_stage import DancersStage
+from live.show.stages.event_router import EventRouter
+from live.show.stages.hot_swap import HotSwap
+from live.show.stages.light_stage import LightStage
+from live.show.stages.measure_lines import MeasureBegin, MeasureLines
+from live.show.stages.measure_span import MeasureSpan
+from live.show.stages.plan_stage import PlanStage
+from live.show.stages.show_clock import ShowClock
+from live.show.stages.step_selection import StepSelection
+from live.show.stages.tripped_stages import TrippedStages
 from live.show.state.kind import Kind, no_value
 from live.show.view.view_builder import ViewBuilder
 
@@ -68,6 +69,7 @@ KINDS: Final = [
     """),
     Kind("answer-pairs.pair", Pair, "partner:int leader:int follower:int own_place:bool"),
     Kind("audience", Audience, """
+        _elements:elements _names:vote-names
         _seed:int regions:row[str] _vote_measures:int open:bool gain:float muted:bool shaking:bool weights:list[float]
         turn:turn|none vote:vote|none result:tuple[int,str] banned:dict[int,none] command_count:int phones:int
         _votes:int _share:float _places:row[audience.place] _shaken:bool _number:i8 _light_on:b1 _goal:f4 _light:f4
@@ -78,13 +80,63 @@ KINDS: Final = [
         _motion:group-motion selection:str _selected:b1|none _centre:f8 _speed:f8 running:bool
     """),
     Kind("show", Show, """
-        patch:constant-patch graph:constant-motion-graph seed:int follower:timeline-follower _known:bool
-        timeline:timeline casting:casting group:i4(group) reactions:reactions score_runner:prompter motion:group-motion
-        variation:variation dancers:dancers answers:constant-answer-bank scheduler:scheduler interrupts:interrupts
-        _controls:group-controls span:measure-span mocap:mocap desk:desk audience:audience blackout:bool
-        brightness:float time:float refusals:refusals directions:directions _view_builder:seen _new_steps:new-steps
-        patch_updates:reloading breakers:breakers _beat:float _beats_per_tick:float
+        seed:int breakers:breakers refusals:refusals clock:show-clock casting:casting reactions:reactions
+        score_runner:prompter motion:group-motion variation:variation dancers:dancers scheduler:scheduler
+        interrupts:interrupts directions:directions mocap:mocap desk:desk audience:audience light:light
+        hot_swap:hot-swap view_builder:seen frame:frame
     """),
+    Kind("frame", Frame, """
+        breakers:breakers router:event-router clock:show-clock measure_lines:measure-lines plan:plan-stage
+        group:group-stage crowd:crowd-stage dancers:dancers-stage light:light view_builder:seen motion:group-motion
+        tripped:tripped-stages
+    """),
+    Kind("event-router", EventRouter, """
+        _parts:row[audience|desk|directions|elements|group-controls|hot-swap|light|mocap|score-requests|seen|show-clock|tripped-stages]
+        _clock:show-clock _motion:group-motion _undo_history:edits _refusals:refusals
+    """, factories={"_handlers": dict}, after_read=EventRouter.build_table),
+    Kind("show-clock", ShowClock, """
+        follower:timeline-follower timeline:timeline span:measure-span time:float measure_beats:int beat:float
+        _beats_per_tick:float _breakers:breakers _follow_metre:bool _known_tempo:float|none
+    """),
+    Kind("hot-swap", HotSwap, """
+        patch:constant-patch graph:constant-motion-graph answers:constant-answer-bank
+        parts:row[audience|casting|dancers|desk|directions|group-controls|group-motion|interrupts|mocap|prompter|reactions|scheduler|seen|variation]
+        graph_updates:new-steps patch_updates:reloading _dancers:dancers _scheduler:scheduler _motion:group-motion
+        _seed:int
+    """, factories={"_assemble": no_value}),
+    Kind("light", LightStage, "blackout:bool brightness:float _breakers:breakers"),
+    Kind("calls", Calls, "_breakers:breakers _router:event-router _beat_scheduler:agenda _desk:desk"),
+    Kind("tripped-stages", TrippedStages, """
+        _breakers:breakers _refusals:refusals _scheduler:scheduler _evolutions:evolutions _hot_swap:hot-swap
+    """),
+    Kind("measure-begin", MeasureBegin, """
+        _breakers:breakers _clock:show-clock _refusals:refusals _score_runner:prompter _dancers:dancers
+        _commands:group-controls _variation:variation _scheduler:scheduler _motion:group-motion
+    """),
+    Kind("measure-lines", MeasureLines, """
+        _breakers:breakers _clock:show-clock _calls:calls _tripped:tripped-stages _measure_begin:measure-begin
+        _selection:step-selection _scheduler:scheduler _dancers:dancers _motion:group-motion _hot_swap:hot-swap
+        _reactions:reactions _desk:desk _audience:audience
+    """),
+    Kind("plan-stage", PlanStage, """
+        _breakers:breakers _calls:calls _desk:desk _audience:audience _hot_swap:hot-swap _selection:step-selection
+        _interrupts:interrupts
+    """),
+    Kind("step-selection", StepSelection, """
+        _breakers:breakers _scheduler:scheduler _dancers:dancers _stage_area:floor
+    """),
+    Kind("group-stage", GroupStage, "_breakers:breakers _motion:group-motion _scheduler:scheduler"),
+    Kind("crowd-stage", CrowdStage, """
+        _breakers:breakers _motion:group-motion _dancers:dancers _correction:carrying
+    """),
+    Kind("dancers-stage", DancersStage, """
+        _breakers:breakers _dancers:dancers _mocap:mocap _motion:group-motion _correction:carrying
+        _reactions:reactions _score_runner:prompter
+    """),
+    Kind("score-requests", ScoreRequests, """
+        _score_runner:prompter _reactions:reactions _motion:group-motion _scheduler:scheduler
+    """),
+    Kind("vote-names", VoteNames, "_patch:constant-patch _dancers:dancers _scenes:scenes"),
     Kind("breakers", CircuitBreakers, """
         reasons:dict[str,str] _level:dict[int,int]
     """, factories={"running": _no_stage, "_page": no_value}),
@@ -100,7 +152,7 @@ KINDS: Final = [
     """),
     Kind("directions", StepRequests, """
         _group:i4(group) _groups:dict[str,int] _dancers:dancers _variation:variation _scheduler:scheduler
-        _interrupts:interrupts _refusals:refusals explained_dancer:int|none
+        _interrupts:interrupts explained_dancer:int|none
     """),
     Kind("drawn-way", DrawnPath, """
         rows:list[int] _points:list[tuple[float,float]] _gone:int _next:dict[int,int] _offsets:dict[int,f8*]
@@ -111,17 +163,8 @@ KINDS: Final = [
         _leader_steps:ordered[int,tuple[int,row[wanted],int]] travel_step:int|none steps:list[int] upcoming:row[wanted]
         measures_done:int
     """),
-    Kind("edited-facings", EditedFacings, "_headings:headings"),
-    Kind("edited-formations", EditedFormations, "_motion:group-motion"),
-    Kind("edited-mocap", CaptureEdits, "_mocap:mocap"),
-    Kind("edited-parameters", EditedParameters, "_parameters:parameters"),
-    Kind("edited-ripples", EditedRipples, "_variation:variation"),
-    Kind("edited-scenes", EditedScenes, "_scenes:scenes"),
-    Kind("edited-sequences", EditedSequences, "_scheduler:scheduler"),
-    Kind("edited-set", EditedSet, "_surroundings:surroundings"),
-    Kind("edited-stand-by", EditedStandBy, "_cues:cues"),
     Kind("edits", UndoHistory, """
-        _parts:dict[str,edited-facings|edited-formations|edited-mocap|edited-parameters|edited-ripples|edited-scenes|edited-sequences|edited-set|edited-stand-by]
+        _parts:dict[str,cues|evolutions|group-controls|headings|mocap|parameters|scenes|scheduler|variation]
         _done:deque[edits.edit] _undone:list[edits.edit] _values_before:dict[any,any]|f8|none
     """),
     Kind("edits.edit", _Edit, "label:str part:str before:dict[any,any] after:dict[any,any] key:row[str] time:float"),
@@ -202,8 +245,8 @@ KINDS: Final = [
     Kind("score", Score, "playhead:playhead _sections:dict[str,int] written:constant-written"),
     Kind("facing", Facing, "kind:str degrees:float dancer:int name:str"),
     Kind("seen", ViewBuilder, """
-        _dancers:dancers _motion:group-motion _group:i4(group) _desk:desk _audience:audience
-        _frozen_view:stage-view|none
+        _dancers:dancers _motion:group-motion _group:i4(group) _desk:desk _audience:audience _light:light
+        _follower:timeline-follower _frozen_view:stage-view|none
     """),
     Kind("spots", Spots, "_parameters:parameters _followers:row[chase] _levels:list[int]"),
     Kind("turn", Turn, "region:int begins:int ends:int"),

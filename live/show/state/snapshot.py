@@ -45,7 +45,7 @@ CONSTANT_PATHS: Final = {
     "texture": "dancers.texture.bank",
     "skeleton": "dancers._pipeline.skeleton",
     "legs": "dancers._legs.skeleton",
-    "answers": "answers",
+    "answers": "hot_swap.answers",
     "parameters": "desk.parameters.table",
     "views": "desk.scenes._views",
     "looks": "desk.scenes._looks",
@@ -150,10 +150,7 @@ class Snapshotter:
 
 def at_rest(show: Show) -> bool:
     """Whether no planning is in progress, so that the state is plain values."""
-    steps = attribute_at(show, "_new_steps").at_rest
-    return bool(
-        show.scheduler.at_rest and show.motion.evolutions.at_rest and steps and show.patch_updates.waiting is None
-    )
+    return show.scheduler.at_rest and show.motion.evolutions.at_rest and show.hot_swap.at_rest
 
 
 def snapshot(show: Show, tick: int | None = None) -> bytes:
@@ -202,7 +199,7 @@ def restore(loaded: LoadedShow, data: bytes, *, fresh: Show | None = None) -> Sh
         raise SnapshotError(f"the snapshot cannot be read: {error}") from None
     for path, values in zip(VARIABLE_PATHS, variable, strict=True):
         attribute_at(root, path)[...] = values
-    attribute_at(show, "_new_steps").set_reserve(loaded.reserve)
+    show.hot_swap.resume(root.hot_swap, loaded.reserve)
     return show
 
 

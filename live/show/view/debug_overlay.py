@@ -5,7 +5,7 @@ agent), with a line from the dancer; its colour goes from green to red with the 
 actually end. A square under a foot means that it is locked.
 """
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,10 @@ import numpy.typing as npt
 from live.base.stage_snapshot import GUIDE_CAPACITY, StageView
 from live.motion.pose.foot_lock_kernels import HELD
 from live.motion.skeleton import SKELETON
-from live.show.show import Show
+
+if TYPE_CHECKING:
+    from live.show.show import Show
+
 
 Float32 = npt.NDArray[np.float32]
 
@@ -30,7 +33,7 @@ LOCKED_COLOUR: Final = (1.0, 0.95, 0.3, 0.9)
 FEET: Final = (SKELETON.index("leftFoot"), SKELETON.index("rightFoot"))
 
 
-def draw_guides(show: Show, view: StageView) -> None:
+def draw_guides(show: "Show", view: StageView) -> None:
     """Write the strokes of all dancers on the stage into the view, up to its capacity."""
     there = np.flatnonzero(view.present)
     hips = view.joint_position[there, 0][:, (0, 2)].astype(np.float64)

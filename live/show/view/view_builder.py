@@ -1,21 +1,25 @@
 """View builder: fills the drawing snapshot of a show, and hashes its visible state."""
 
 from dataclasses import fields
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
-from live.clock.timeline import Timeline
+from live.control.events.events import FreezePicture
 from live.motion.skeleton import JOINT_COUNT
-from live.show.audience.audience import Audience
-from live.show.dancers.dancers import Dancers
-from live.show.desk.light_desk import LightDesk
-from live.show.group.group_motion import GroupMotion
 from live.show.journal.state_hash import hash_of
-from live.show.measure_span import MeasureSpan
+from live.show.stages.now import Now
+
+if TYPE_CHECKING:
+    from live.clock.follower.timeline_follower import TimelineFollower
+    from live.show.audience.audience import Audience
+    from live.show.dancers.dancers import Dancers
+    from live.show.desk.light_desk import LightDesk
+    from live.show.group.group_motion import GroupMotion
+    from live.show.stages.light_stage import LightStage
 
 Int32 = npt.NDArray[np.int32]
 
@@ -28,12 +32,21 @@ LIVE_FIELDS: Final = ("brightness", "flash_limit_lifted", "overlay", "guide", "g
 class ViewBuilder:
     """Builder of drawing snapshots from the dancers and agents of one show; read-only."""
 
+    EVENTS = (FreezePicture,)
+
     def __init__(
-        self, dancers: Dancers, motion: GroupMotion, group: Int32, desk: LightDesk, audience: Audience
+        self,
+        dancers: "Dancers",
+        motion: "GroupMotion",
+        group: Int32,
+        desk: "LightDesk",
+        audience: "Audience",
+        light: "LightStage",
+        follower: "TimelineFollower",
     ) -> None:
         """`group` (A,) is shared with the show."""
         self._dancers, self._motion, self._group, self._desk = dancers, motion, group, desk
-        self._audience = audience
+        self._audience, self._light, self._follower = audience, light, follower
         self._frozen_view: StageView | None = None
 
     def view(self) -> StageView:
@@ -42,26 +55,25 @@ class ViewBuilder:
         view.picture = self._desk.parameters.picture.copy()
         return view
 
-    def fill(
-        self, view: StageView, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float, brightness: float,
-        last_tick: float,
-    ) -> None:  # fmt: skip
-        """Fill the snapshot for `time` [s], at most a tick after `last_tick`; poses are at the exact beat.
+    @property
+    def _brightness(self) -> float:
+        return self._light.brightness * self._desk.master.level
 
-        While the picture is frozen only its light changes; a new view gets the stored picture (`update_frozen_view`).
+    def fill(self, view: StageView, time: float, now: Now) -> None:
+        """Fill the snapshot for `time` [s], at most a tick after `now`; poses are at the exact beat.
+
+        While the picture is frozen only its light changes; a new view gets the stored picture (`handle`).
         """
-        view.brightness, view.flash_limit_lifted = brightness, self._desk.master.flashes
+        view.brightness, view.flash_limit_lifted = self._brightness, self._desk.master.flashes
         if self._desk.master.frozen and view.filled:
             return
         if self._desk.master.frozen and self._frozen_view is not None:
             _copy_view(self._frozen_view, view)
             return
-        self._fill(view, time, timeline, span, tempo=tempo, ticked=last_tick)
+        self._fill(view, time, now)
 
-    def _fill(
-        self, view: StageView, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float, ticked: float
-    ) -> None:
-        view.filled = True
+    def _fill(self, view: StageView, time: float, now: Now) -> None:
+        view.filled, timeline, span = True, now.timeline, now.span
         beat = timeline.beat_at(time)
         fraction = span.fraction(beat)
         # a frame beyond the measure line extrapolates, because only the next tick crosses the line; the limit matters
@@ -71,7 +83,7 @@ class ViewBuilder:
         self._motion.show(view)
         self._audience.show(view)
         view.group[:] = self._group
-        view.time, view.beat, view.tempo = time, beat, tempo
+        view.time, view.beat, view.tempo = time, beat, self._follower.tempo
         view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
         view.phase = fraction * timeline.beats_per_measure
         view.energy = self._desk.energy
@@ -79,30 +91,33 @@ class ViewBuilder:
         view.count_in = 0.0 if counted is None else max(counted[0], 0.0)
         if view.picture is not None:
             view.picture[:] = self._desk.parameters.picture
-            after = min(max(time - ticked, 0.0), 2.0 * TICK)
+            after = min(max(time - now.time, 0.0), 2.0 * TICK)
             self._desk.spots.place(view, after)
             self._desk.camera_rig.place(view.picture, after, after * timeline.tempo / 60.0)
 
-    def update_frozen_view(self, time: float, timeline: Timeline, span: MeasureSpan, *, tempo: float) -> None:
-        """Store the picture when it is frozen, for views of a restored show; drop it when it is released."""
+    def handle(self, event: FreezePicture, now: Now) -> None:
+        """Store the picture when it is frozen, for views of a restored show; drop it when it is released.
+
+        The desk has handled the event before.
+        """
         if not self._desk.master.frozen:
             self._frozen_view = None
         elif self._frozen_view is None:
             still = self.view()
             still.guide = np.zeros((0, 10), np.float32)  # the largest array, and never frozen
-            self._fill(still, time, timeline, span, tempo=tempo, ticked=time)
+            self._fill(still, now.time, now)
             self._frozen_view = still
 
-    def state_hash(self, time: float, timeline: Timeline, span: MeasureSpan, *, brightness: float) -> str:
-        """Return a short hash over every bit of the agents' and dancers' states and poses at the tick `time` [s]."""
+    def state_hash(self, now: Now) -> str:
+        """Return a short hash over every bit of the agents' and dancers' states and poses at the last tick."""
         dancers, danced, motion = self._dancers, self._dancers.present, self._motion
-        beat = timeline.beat_at(time)
+        beat = now.beat
         return hash_of(
             motion.state.flat, motion.entrances.state, self._group, danced.node, danced.placement, danced.correction,
             danced.aim_origin, danced.take, danced.warp, dancers.lock.state, dancers.variation.drift.phase,
-            *dancers.pose(span.fraction(beat), time),
+            *dancers.pose(now.span.fraction(beat), now.time),
             motion.stage_area.half, motion.stage_area.border,
-            np.array([beat, timeline.tempo, brightness]),
+            np.array([beat, now.timeline.tempo, self._brightness]),
             *self._desk.hashed(),
             *(part for captured in dancers.captured.values() for part in captured.hashed()),
         )  # fmt: skip

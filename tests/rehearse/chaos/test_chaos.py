@@ -36,7 +36,7 @@ def sites():
 
 def test_call_sites_include_tick_and_measure_line_code(sites):
     callers = {site.caller.split(", ")[1] for site in sites}
-    assert {"Show._tick", "Show._move", "Show._cross_measure_line"} <= callers
+    assert {"Frame._tick", "CrowdStage.tick", "MeasureLines._cross"} <= callers
     assert len(sites) > 50
     assert any(site.callee == "show/dancing.py, Dancing.begin_heading" or "begin" in site.callee for site in sites)
     assert any(", " not in site.callee for site in sites)  # what is not ours, too
@@ -49,7 +49,9 @@ def test_call_sites_in_circuit_breakers_are_marked(sites):
 
 
 def test_exception_is_injected_given_number_of_times(sites):
-    site = next(site for site in sites if site.caller.endswith("Show._move") and "GroupMotion.tick" in site.callee)
+    site = next(
+        site for site in sites if site.caller.endswith("CrowdStage.tick") and "GroupMotion.advance" in site.callee
+    )
     injector, show, raised = ExceptionInjector(), made_show(), []
     injector.arm(site, 3, since=1.0)
     with replaced_tick(injector.run):

@@ -271,7 +271,7 @@ def test_edited_patch_keeps_captured_performer():
     patches = [parse_patch(PATCH + performer(f"mirrored = {each}"), "test.toml") for each in ("false", "true")]
     show = made_show(performer("mirrored = false"))
     run(show, 1, MEASURE + 10, name="anna")
-    fresh = show.make_show(patches[1], GRAPH)
+    fresh = show.hot_swap.make_show(patches[1], GRAPH)
     show.mocap.apply_patch(fresh.mocap)
     (captured,) = show.mocap.performers.values()
     assert captured.mirrored

@@ -146,7 +146,7 @@ def test_capture_floor_and_tracker_axes_follow_patch():
 def test_performer_without_tracker_returns_to_suit_position():
     show = made_show(ANNA)
     run(show, 1, 4 * 64, constant_place(0.0, 0.0), constant_place(1.0, -1.0))
-    fresh = show.make_show(parse_patch(PATCH + '[[mocap]]\nname = "anna"\n', "test.toml"), GRAPH)
+    fresh = show.hot_swap.make_show(parse_patch(PATCH + '[[mocap]]\nname = "anna"\n', "test.toml"), GRAPH)
     show.mocap.apply_patch(fresh.mocap)
     seen = run(show, 4 * 64 + 1, 10 * 64, constant_place(0.0, 0.0), lambda tick: None)
     assert np.hypot(*np.diff(seen, axis=0).T).max() / TICK < MAX_SPEED + 0.02

@@ -11,8 +11,9 @@ from live.clock.ticks import TICK
 from live.control.events import events
 from live.motion.texture.live_bank import TextureBank, leg_positions, prefix_features, stack_features
 from live.motion.texture.live_texture_kernels import DIMENSIONS, FEATURES, PER_BEAT, SLOTS, UPPER_COUNT, write_prefix
-from live.show.dancers.live_texture import BLEND, CHOICE_TICKS, PREFIX, load_texture_bank
-from live.show.loader import LoadedShow
+from live.show.assembly import assemble
+from live.show.dancers.live_texture import BLEND, CHOICE_TICKS, PREFIX
+from live.show.loader import LoadedShow, load_texture_bank
 from live.show.patch.patch_reader import parse_patch
 from live.show.show import Show
 from live.show.state.snapshot import Snapshotter, restore
@@ -25,7 +26,7 @@ MOTION = "[motion]\ntexture = 1.0\nhead = 0.0\n"
 
 def make_textured_show(texture: float = 1.0, seed: int = 3) -> Show:
     patch = parse_patch(PATCH + MOTION.replace("1.0", str(texture)), "test.toml")
-    return Show(patch, GRAPH, seed=seed, bank=BANK)
+    return assemble(patch, GRAPH, seed=seed, bank=BANK)
 
 
 def run(show: Show, first: int, last: int, *, drawn: bool = False) -> np.ndarray:
@@ -133,13 +134,13 @@ def test_snapshot_continues_bit_identically_without_recordings() -> None:
 
 def test_untextured_dancers_are_unchanged() -> None:
     patch = parse_patch(PATCH + MOTION.replace("1.0", "0.0"), "test.toml")
-    with_bank, without = Show(patch, GRAPH, bank=BANK), Show(patch, GRAPH)
+    with_bank, without = assemble(patch, GRAPH, bank=BANK), assemble(patch, GRAPH)
     assert np.array_equal(run(with_bank, 1, 40), run(without, 1, 40))
     assert not with_bank.dancers.texture.active
 
 
 def test_show_without_recordings_refuses_texture() -> None:
-    show = Show(parse_patch(PATCH, "test.toml"), GRAPH)
+    show = assemble(parse_patch(PATCH, "test.toml"), GRAPH)
     asked = events.SetParameter(time=0.0, source="osc", address=TEXTURE.address, value=(0.5,), group="*")
     assert not show.apply(asked)
     assert not show.variation.any(TEXTURE)

@@ -11,11 +11,11 @@ from live.library.step_folder import load_folder
 from live.motion.pose.hand_hold import ARM_JOINTS, LEFT, NOBODY
 from live.motion.pose.hand_hold_kernels import PALM
 from live.motion.quaternion import rotate
+from live.show.assembly import assemble
 from live.show.dancers.partners import Partners
 from live.show.group.casting import Casting
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
-from live.show.show import Show
 from tests.places import ROOT
 
 STEPS = ROOT / "patches" / "steps"
@@ -108,7 +108,7 @@ def palm_gaps(show, view):
 def pair_run(request, graph):
     """The scene with pairs of each kind."""
     patch = parse_patch(PATCH.replace('"facing"', f'"{request.param}"'), "test.toml")
-    return ShowRecorder(Show(patch, graph), 32.0, script())
+    return ShowRecorder(assemble(patch, graph), 32.0, script())
 
 
 @pytest.mark.long
@@ -152,14 +152,14 @@ def test_odd_dancer_has_no_partner_and_pairs_keep_facing(pair_run):
 def test_same_show_has_same_hash(graph):
     hashes = []
     for _ in range(2):
-        show = Show(parse_patch(PATCH, "test.toml"), graph)
+        show = assemble(parse_patch(PATCH, "test.toml"), graph)
         ShowRecorder(show, 6.0, script())
         hashes.append(show.state_hash())
     assert hashes[0] == hashes[1]
 
 
 def test_leaving_partner_releases_hands_and_remaining_dancers_form_pair(graph):
-    show = Show(parse_patch(PATCH, "test.toml"), graph)
+    show = assemble(parse_patch(PATCH, "test.toml"), graph)
     ShowRecorder(show, 4.5)
     hands, partners = show.dancers.hands, show.motion.partners
     assert (hands.state[0, :8:2] > 0.97).all()

@@ -5,14 +5,14 @@ from functools import cache
 import numpy as np
 import pytest
 
+from live.agents.agent_command import LEASH
 from live.base.motion_parameters import OBEDIENCE
 from live.clock.ticks import TICK
 from live.control.events import events
-from live.show.group.group_motion import LEASH
+from live.show.assembly import assemble
 from live.show.loader import load_from_patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PATCHES
-from live.show.show import Show
 
 PATCH = """
 name = "carrying"
@@ -43,7 +43,7 @@ def load_patch():
 
 
 def make_show(obedience=0.5, extra=""):
-    return Show(parse_patch(PATCH.format(obedience=obedience) + extra, "carrying"), load_patch().graph)
+    return assemble(parse_patch(PATCH.format(obedience=obedience) + extra, "carrying"), load_patch().graph)
 
 
 def run(show, measures, act=None, each=None):

@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from live.clock.ticks import TICK
-from live.show.assembly import swap_patch
 from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import parse_patch
@@ -72,7 +71,7 @@ def test_running_show_applies_cues_and_scenes_of_edited_patch():
     session.say("/dance/motion/head", 0.5)
     edited = parse_patch(TEXT.replace("0.25", "0.35").replace('text = "lights down"', 'text = "x"'), "test.toml")
     show = session.show
-    swap_patch(show, show.make_show(edited, show.graph), show.patch, edited)
+    show.hot_swap.adopt(show.hot_swap.make_show(edited, show.graph))
     assert show.patch is edited
     assert session.cues["standby"] == "up"
     session.say("/dance/undo")

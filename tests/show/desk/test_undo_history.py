@@ -2,6 +2,7 @@
 
 import pytest
 
+from live.control.events.event import ControlEvent
 from live.control.registry.registry import REGISTRY
 from live.show.desk.undo_history import EDITED_PARTS, MAX_EDITS
 from tests.show.desk.desk_show import DESK, DeskSession
@@ -14,7 +15,8 @@ def session():
 
 def editable_state(session):
     """All editable state, by part."""
-    taken = {name: part.snapshot() for name, part in session.desk.undo_history._parts.items()}
+    event = ControlEvent(time=0.0, source="test")
+    taken = {name: part.edited_values(event) for name, part in session.desk.undo_history._parts.items()}
     return {name: now if isinstance(now, dict) else now.tolist() for name, now in taken.items()}
 
 
@@ -155,10 +157,12 @@ def test_attraction_strength_change_keeps_attracted_group(session):
 def test_affected_values_match_full_snapshot_difference(session, call):
     part = session.desk.undo_history._parts["parameters"]
     event = REGISTRY.call(call[0], call[1:], 0.0, "key")
-    few, whole = part.affected(event), part.snapshot()
+    few, whole = part.edited_values(event), part.goals()
     assert 0 < len(few) <= 3
     assert session.say(*call), session.words
-    now = part.snapshot()
+    now = part.goals()
     changed = {place: (was, new) for place, (was, new) in enumerate(zip(whole, now, strict=True)) if was != new}
     assert changed
-    assert changed == {place: (few[place], new) for place, new in part.affected(event).items() if few[place] != new}
+    assert changed == {
+        place: (few[place], new) for place, new in part.edited_values(event).items() if few[place] != new
+    }

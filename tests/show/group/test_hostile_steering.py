@@ -9,10 +9,10 @@ from live.base.motion_parameters import OBEDIENCE
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.motion.quality.metrics import contact_slide_speeds
+from live.show.assembly import assemble
 from live.show.loader import load_from_patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PATCHES
-from live.show.show import Show
 
 PATCH = """
 name = "hostile"
@@ -41,7 +41,7 @@ def loaded():
 
 @pytest.fixture
 def show(loaded):
-    return Show(loaded.patch, loaded.graph)
+    return assemble(loaded.patch, loaded.graph)
 
 
 class MotionRecorder:
@@ -188,7 +188,7 @@ def test_dancers_are_not_corrected_through_walls_or_into_obstacles(loaded):
     """Obedient dancers move to and fro past both; the control run makes corrections blind to them."""
     depths = []
     for blind in (False, True):
-        show = Show(loaded.patch, loaded.graph, seed=7)
+        show = assemble(loaded.patch, loaded.graph, seed=7)
         if blind:
             show.scheduler.root_correction.path_separation._surroundings = None
         show.variation.set(OBEDIENCE, 0, 1.0)
@@ -263,7 +263,7 @@ def test_motion_holds_when_stage_size_changes_repeatedly(show):
 
 def test_resize_is_deterministic_and_refused_sizes_change_nothing(loaded):
     """Too large, too narrow, no room for all: refused and counted, without effect on the state."""
-    shows = [Show(loaded.patch, loaded.graph) for _ in range(3)]
+    shows = [assemble(loaded.patch, loaded.graph) for _ in range(3)]
     for tick in range(1, 400):
         for number, show in enumerate(shows):
             if tick == 100 and number < 2:
@@ -288,7 +288,7 @@ def test_stage_can_return_to_patch_size(show):
 def test_motion_holds_at_slowest_and_fastest_tempo(loaded):
     """Planted feet hold at the tempo limits, 40 and 240 bpm."""
     for tempo in (40.0, 240.0):
-        show = Show(loaded.patch, loaded.graph, tempo=tempo)
+        show = assemble(loaded.patch, loaded.graph, tempo=tempo)
         recorder = MotionRecorder(show)
         show.apply(events.PlaceElement(time=0.0, source="test", kind="attract", points=((3.0, -2.0),), measures=2.0))
         recorder.run(5.0)

@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from live.clock.ticks import TICK
-from live.show.partner.partner_sources import ExampleBank, load_example_bank
+from live.show.assembly import assemble
+from live.show.partner.example_bank import ExampleBank
+from live.show.partner.partner_sources import load_example_bank
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.show import Show
@@ -38,7 +40,7 @@ def bank_of(extra: str) -> ExampleBank | None:
 
 def answering_show(extra: str = DUET, seed: int = 3) -> Show:
     """A new show with the partners of `extra`."""
-    return Show(patch_of(extra), GRAPH, seed=seed, answers=bank_of(extra))
+    return assemble(patch_of(extra), GRAPH, seed=seed, answers=bank_of(extra))
 
 
 def run(show: Show, seconds: float, *, drawn: bool = False) -> np.ndarray:

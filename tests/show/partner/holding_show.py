@@ -15,7 +15,9 @@ from live.motion.pose.hand_hold import ARM_JOINTS
 from live.motion.pose.hand_hold_kernels import PALM
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
-from live.show.partner.partner_sources import ExampleBank, load_example_bank
+from live.show.assembly import assemble
+from live.show.partner.example_bank import ExampleBank
+from live.show.partner.partner_sources import load_example_bank
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.show import Show
@@ -69,7 +71,7 @@ def holding_bank(extra: str = HELD, apart: float = 0.75) -> ExampleBank | None:
 
 def holding_show(extra: str = HELD, *, apart: float = 0.75) -> Show:
     """A new show in which partners hold hands."""
-    return Show(holding_patch(extra), holding_graph(), seed=3, answers=holding_bank(extra, apart))
+    return assemble(holding_patch(extra), holding_graph(), seed=3, answers=holding_bank(extra, apart))
 
 
 def palm_positions(position: np.ndarray, rotation: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ from live.clock.ticks import TICK
 from live.control.events import events
 from live.motion.packed_pose import pack_pose
 from live.motion.skeleton import SKELETON
+from live.show.assembly import assemble
 from live.show.loader import LoadedShow
 from live.show.partner.response_path import MAX_PULL_SPEED
 from live.show.patch.patch_reader import PatchError, parse_patch
@@ -156,8 +157,9 @@ def test_danced_units_are_reported_and_trigger_reactions() -> None:
     show = answering_show(extra)
     outgoing, view, told = Telemetry(show, positions=0.0, feet=False), show.view(), []
     heard: list[object] = []
-    act = show.directions.handle
-    show.directions.handle = lambda event: (heard.append(event), act(event))[1]  # type: ignore[method-assign,assignment]
+    router = show.frame.router
+    act = router.handle
+    router.handle = lambda event: (heard.append(event), act(event))[1]  # type: ignore[method-assign,func-returns-value]
     for tick in range(1, 64 * 5):
         show.tick(tick * TICK)
         show.fill(view, tick * TICK)
@@ -185,7 +187,7 @@ def test_danced_units_are_reported_and_trigger_reactions() -> None:
 def test_invalid_partners_are_refused_with_key(table: str, place: str, words: str) -> None:
     patch = parse_patch(f'{PATCH}[[partner]]\nname = "duet"\n{table}\n', "test.toml")
     with pytest.raises(PersonError, match=words) as told:
-        Show(patch, GRAPH, answers=bank_of(DUET))
+        assemble(patch, GRAPH, answers=bank_of(DUET))
     assert told.value.key_path[:3] == ("partner", 0, place)
     assert told.value.remedy
 
@@ -197,9 +199,9 @@ def test_partner_cycles_and_double_followers_are_refused() -> None:
     again = '[[partner]]\nname = "again"\nleader = "back & 6"\nfollower = "front & 2"\n'
     answering_show(one + two)
     with pytest.raises(PersonError, match="circle"):
-        Show(parse_patch(PATCH + one + two + back, "t.toml"), GRAPH)
+        assemble(parse_patch(PATCH + one + two + back, "t.toml"), GRAPH)
     with pytest.raises(PersonError, match="answers in 'one' and in 'again'"):
-        Show(parse_patch(PATCH + one + again, "t.toml"), GRAPH)
+        assemble(parse_patch(PATCH + one + again, "t.toml"), GRAPH)
     with pytest.raises(PatchError, match="two partners are called"):
         parse_patch(PATCH + one + one, "t.toml")
 
@@ -223,7 +225,7 @@ def test_invalid_partner_events_are_counted_and_change_nothing() -> None:
     assert (answering.settings, answering.pairs) == before
     assert show.apply(events.SetPartner(parameter="window", value=0.4, **STAMP))
     assert answering.settings[0].window == 0.15  # as far as the patch lets units stretch
-    without = Show(parse_patch(PATCH, "t.toml"), GRAPH)
+    without = assemble(parse_patch(PATCH, "t.toml"), GRAPH)
     assert not without.apply(events.SetPartner(parameter="on", value=1.0, **STAMP))
     with pytest.raises(PatchError, match="there is no partner"):
         parse_patch(PATCH + '[[react]]\non = "unit:x"\ncall = "/dance/clear"\n', "t.toml")
@@ -269,7 +271,7 @@ def test_edited_patch_applies_except_example_bank_changes() -> None:
     edited = parse_patch(PATCH + ON_PLACE.replace("front & 1", "front & 2") + "amount = 0.5\n", "test.toml")
     kept, waits = split_deferred(edited, show.patch)
     assert (kept, waits) == (edited, ())
-    show.offer_patch(prepare_patch(edited.model_dump_json(), show.make_show, show.patch, show.graph))
+    show.hot_swap.offer_patch(prepare_patch(edited.model_dump_json(), show.hot_swap.make_show, show.patch, show.graph))
     asked = events.PatchChanged(patch="", version=patch_version(edited.model_dump_json()), **STAMP)
     assert show.apply(asked)
     position = run(show, 6.5)

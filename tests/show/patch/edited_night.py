@@ -10,7 +10,7 @@ from live.show.engine import Engine
 from live.show.journal.journal import JournalWriter
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import PATCHES
-from live.show.selection.graph_update import LibraryWatch
+from live.show.selection.library_watch import LibraryWatch
 from live.show.view.status import Status
 from tests.show.journal.disk import wait_until_written
 
@@ -41,7 +41,7 @@ class JournaledShow:
         self.library = LibraryWatch(
             self.loaded.steps_folder,
             self.show.graph,
-            offer=self.show.offer_graph,
+            offer=self.show.hot_swap.offer_graph,
             post=self.inbox.put,
             now=self.clock.now,
             read=self.loaded.clips,

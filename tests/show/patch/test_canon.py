@@ -10,9 +10,9 @@ from live.clock.ticks import TICK
 from live.control.events import events
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
+from live.show.assembly import assemble
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
-from live.show.show import Show
 from tests.fixtures.made_steps import made_steps
 from tests.show.made_show import PATCH, made_show
 
@@ -81,7 +81,7 @@ def test_mirrored_group_dances_mirror_clips_and_leader_originals():
     steps = made_steps()
     images = [replace(clip, mirrored=True) for clip in steps]
     graph = build_graph(build_library([*steps, *images]), threshold=0.2)
-    show = Show(parse_patch(PATCH + follower_group(mirrored=True), "test.toml"), graph)
+    show = assemble(parse_patch(PATCH + follower_group(mirrored=True), "test.toml"), graph)
     assert show.variation[MIRRORED][0] == -1.0
     assert show.variation[MIRRORED][9] == 1.0
     side = show.graph.library.node_side

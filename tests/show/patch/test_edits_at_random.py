@@ -61,10 +61,10 @@ def test_random_edits_at_any_tick_keep_shows_identical(seed):
                 assert waits == ()
                 text = patch_json(patch)
                 version = patch_version(text)
-                prepared = prepare_patch(text, shows[0].make_show, running, shows[0].latest_graph)
+                prepared = prepare_patch(text, shows[0].hot_swap.make_show, running, shows[0].hot_swap.latest_graph)
             except PersonError:
                 continue
-            shows[0].offer_patch(prepared)
+            shows[0].hot_swap.offer_patch(prepared)
             event = PatchChanged(time=tick * TICK, source="patch", patch=compress_text(text), version=version)
             for show in shows:
                 assert show.apply(event), show.refusals.last_reason

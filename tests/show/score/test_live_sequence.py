@@ -6,8 +6,8 @@ from live.clock.ticks import TICK
 from live.control.events import events
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
+from live.show.assembly import assemble
 from live.show.patch.patch_reader import parse_patch
-from live.show.show import Show
 from tests.fixtures.made_steps import made_clip
 from tests.show.made_show import made_show
 
@@ -74,7 +74,7 @@ def test_sequence_without_transition_is_refused_and_dance_continues():
         replace(made_clip("bow"), begin_pose="high", end_pose="low"),
     ]
     patch = 'name = "p"\n[clock]\nbpm = 120\n[[group]]\nname = "all"\ndancers = 4\nsteps = ["sway"]\n'
-    show = Show(parse_patch(patch, "test.toml"), build_graph(build_library(steps), threshold=0.2))
+    show = assemble(parse_patch(patch, "test.toml"), build_graph(build_library(steps), threshold=0.2))
     show.tick(TICK)
     assert not show.apply(events.SetSequence(steps="spin, sway", **STAMP))
     assert "cannot be joined" in show.refusals.last_reason

@@ -26,8 +26,9 @@ def run(show, seconds, *, at=None, seen=None):
 def record_events(show, monkeypatch):
     """Records the applied events as (tick, event), including those of the score and of reactions."""
     acted = []
-    act = show._handle
-    monkeypatch.setattr(show, "_handle", lambda event: (acted.append((round(show.time / TICK), event)), act(event))[1])
+    router = show.frame.router
+    act = router.handle
+    monkeypatch.setattr(router, "handle", lambda event: (acted.append((round(show.time / TICK), event)), act(event))[1])
     return acted
 
 

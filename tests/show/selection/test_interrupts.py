@@ -8,10 +8,10 @@ import pytest
 from live.clock.ticks import TICK
 from live.control.events.event_json import event_from_json, event_to_json
 from live.control.events.events import Performer, StepNow
+from live.show.assembly import assemble
 from live.show.loader import load_show
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import find_patch
-from live.show.show import Show
 from tests.show.made_show import GRAPH, PATCH, made_show
 
 BEAT = 0.5  # s at 120 bpm
@@ -98,7 +98,7 @@ def test_joints_stay_continuous_and_dance_follows_graph_after_cue(time):
 
 def test_cued_group_keeps_step_for_given_measures():
     swaying = re.sub(r"\nsteps = .*", '\nsteps = ["sway"]', re.sub(r"travel_step = .*\n", "", PATCH))
-    show = Show(parse_patch(swaying, "test.toml"), GRAPH)
+    show = assemble(parse_patch(swaying, "test.toml"), GRAPH)
     run(show, 1, tick_before(4.6))
     show.apply(step_cue(4.6, measures=2.0))
     found = {}

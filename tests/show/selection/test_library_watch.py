@@ -9,7 +9,7 @@ from live.control.events import events
 from live.show.journal.journal import read_journal
 from live.show.journal.replay import ReplayError, first_start, load_journal, replay
 from live.show.loader import load_show
-from live.show.selection.graph_update import same_clip
+from live.show.selection.library_watch import same_clip
 from tests.show.patch.edited_night import STEPS, JournaledShow, write_patch_folder
 
 PATCH = """
@@ -205,7 +205,7 @@ def test_deletion_of_needed_step_is_refused(patch):
     add_step(patch)
     (patch.parent / "show.toml").write_text(PATCH.replace('["groove"]', '["new bow"]'))
     night = FullLibraryShow(patch)
-    night.library.check = lambda graph: night.show.make_show(night.show.patch, graph)
+    night.library.check = lambda graph: night.show.hot_swap.make_show(night.show.patch, graph)
     night.run(1)
     before = night.library.graph
     (patch.parent / "moves" / "another.toml").unlink()

@@ -9,9 +9,9 @@ from live.clock.ticks import TICK
 from live.graph.motion_graph import build_graph
 from live.graph.search.sequence_spec import SequenceEntry
 from live.graph.step_library import build_library
+from live.show.assembly import assemble
 from live.show.patch.patch_reader import parse_patch
 from live.show.selection.lookahead import IMPOSSIBLE, StepCosts
-from live.show.show import Show
 from tests.fixtures.made_steps import made_clip
 
 PATCH = """
@@ -68,7 +68,7 @@ def test_step_distance_counts_measures_to_the_step(graph):
 
 def test_dancers_choose_sway_that_leads_to_spin(graph):
     """Both sways fit in place; only one lets the sequence continue. No dancer ever dances a wrong step."""
-    show = Show(parse_patch(PATCH, "test.toml"), graph)
+    show = assemble(parse_patch(PATCH, "test.toml"), graph)
     danced = []
     for tick in range(1, 64 * 40):
         if show.tick(tick * TICK):

@@ -76,7 +76,7 @@ def test_pickle_in_snapshot_calls_no_code(tick_and_snapshot, fresh):
 def test_attribute_path_as_constant_is_refused(tick_and_snapshot, fresh, path):
     """An earlier reader ran foreign code: the bytes named an attribute path, and the object found there was called."""
     tree, content = split_payload(unpack_snapshot(tick_and_snapshot[1])[0])
-    row = next(row for row in rows_of(tree, "show"))
+    row = next(row for row in rows_of(tree, "hot-swap"))
     row[2 + tree[0][row[0]][2].index("graph")] = [path]
     words = refusal_text(pack_snapshot(join_payload(tree, content), unpack_snapshot(tick_and_snapshot[1])[1]), fresh)
     assert "names no known object" in words

@@ -183,7 +183,7 @@ def _record_checks(soak):
         looked.append(now)
         listens, show.follower.on_hint = show.follower.on_hint, None
         try:
-            check_state(show, "show", show.make_show(show.patch, show.graph), index_limits(show))
+            check_state(show, "show", show.hot_swap.make_show(show.patch, show.graph), index_limits(show))
         finally:
             show.follower.on_hint = listens
 

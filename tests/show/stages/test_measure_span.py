@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.clock.timeline import Timeline
-from live.show.measure_span import MeasureSpan
+from live.show.stages.measure_span import MeasureSpan
 
 
 def test_fractions_and_next_measure_are_computed():

@@ -1,0 +1,1 @@
+"""The stages of a frame, in the order of `live/show/frame.py`. They may import what `show` may."""
