@@ -4,7 +4,8 @@ import importlib.util
 
 import numpy as np
 
-from live.agents.scenarios.scenario import Float64, Scenario
+from live.agents.scenarios.scenario import Scenario
+from live.base.arrays import Float64
 
 TICK = 1.0 / 120.0
 HORIZONS = (0.5, 2.0, 5.0)

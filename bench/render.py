@@ -17,14 +17,8 @@ import numpy as np
 
 from bench._show import crowd
 from live.app.live_recording import SOFTWARE_FPS
-from live.base.picture_parameters import (
-    BY_ADDRESS,
-    STYLE_ADDRESS_PREFIX,
-    STYLE_NAMES,
-    Float64,
-    group_parameter,
-    picture_row,
-)
+from live.base.arrays import Float64
+from live.base.picture_parameters import BY_ADDRESS, STYLE_ADDRESS_PREFIX, STYLE_NAMES, group_parameter, picture_row
 from live.base.stage_snapshot import Scene, StageView
 from live.cli.bench import Row
 from live.clock.ticks import TICK

@@ -9,7 +9,8 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from live.base.picture_parameters import BY_ADDRESS, STYLE_ADDRESS_PREFIX, Float64, group_parameter, picture_row
+from live.base.arrays import Float64
+from live.base.picture_parameters import BY_ADDRESS, STYLE_ADDRESS_PREFIX, group_parameter, picture_row
 from live.base.stage_snapshot import Camera, Scene, StageView
 from live.clock.ticks import TICK
 from live.render.adaptive_quality import SOFTWARE

@@ -7,9 +7,8 @@ into collision-free motion.
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
-Float32 = npt.NDArray[np.float32]
+from live.base.arrays import Float32
 
 # columns of Wants.rows, used by the kernels
 VX: Final = 0

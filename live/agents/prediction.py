@@ -3,14 +3,10 @@
 from collections.abc import Callable, Sequence
 from typing import Final, Protocol
 
-import numpy as np
-import numpy.typing as npt
-
 from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentState
 from live.agents.crowd.obstacles import Surroundings
-
-Float32 = npt.NDArray[np.float32]
+from live.base.arrays import Float32
 
 CommandSource = Callable[[AgentCommand, AgentState, float], None]
 """Fills the commands of agents in a state at a time [s]; must have no other effect."""

@@ -4,11 +4,9 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.base.errors import PersonError
-
-Float64 = npt.NDArray[np.float64]
 
 CORNERS: Final = ("back left", "back right", "front right", "front left")
 """The order of a stage's corners, as the audience sees them."""

@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.base.custom_pass import MAX_PASSES, NUMBERS_PER_PASS, custom_pass_numbers
 from live.base.parameter import SPOT_COUNT, Kind, Parameter
 from live.base.stage_snapshot import Camera, Look, Scene
@@ -141,8 +142,6 @@ LIGHT_LINES: Final[tuple[_Line, ...]] = (
 BACKDROP_PARAMETERS: Final = ("/dance/background/gradient", "/dance/background/top", "/dance/background/bottom")
 """Parameters that the cached backdrop depends on."""
 
-
-Float64 = npt.NDArray[np.float64]
 
 GROUP_COUNT: Final = 16
 """Number of groups with their own colour."""

@@ -11,13 +11,11 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.base.errors import PersonError
 from live.base.floor_corners import check_corners, floor_corners
 from live.base.stage_snapshot import Camera
-
-Float64 = npt.NDArray[np.float64]
 
 FIELD_OF_VIEW_RANGE: Final = (5.0, 120.0)
 """Vertical angles of view that a camera can have [degrees]."""

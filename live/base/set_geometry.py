@@ -8,7 +8,8 @@ from typing import Final, Literal
 import numpy as np
 import numpy.typing as npt
 
-Float32 = npt.NDArray[np.float32]
+from live.base.arrays import Float32
+
 Form = Literal["box", "cylinder", "steps"]
 
 SIDES: Final = 32

@@ -8,17 +8,13 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.body_catalogue import CharacterFile
 from live.base.custom_pass import PASSES, CustomShader
 from live.base.parameter import SPOT_COUNT
 from live.base.set_geometry import SetItem
 
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 Colour = tuple[float, float, float]
 
 ELEMENT_CAPACITY: Final = 256

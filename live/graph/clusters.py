@@ -7,18 +7,13 @@ begin on one foot and in one pose, and end in one pose (T062, Fig 3.11). Step su
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64, Int32
 from live.graph.build.metric import FlatClouds
 from live.graph.build.transitions import Boundaries, JoinSettings, find_joins
 from live.graph.motion_graph import MotionGraph, largest_component, strong_components
 from live.graph.step_library import StepLibrary
 from live.graph.structure_rules import initial_side, may_follow_between, plain_pose
-
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Int64 = npt.NDArray[np.int64]
-Bool = npt.NDArray[np.bool_]
 
 _BLOCK = 256
 

@@ -6,8 +6,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64
 from live.graph.motion_graph import MotionGraph
 from live.graph.render_dance import RenderedDance
 from live.graph.search.path_following import Targets
@@ -28,9 +28,6 @@ from live.motion.quality.metrics import (
     skating_frames,
 )
 from live.motion.step_clip import StepClip
-
-Float64 = npt.NDArray[np.float64]
-Bool = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,12 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Int32
 from live.graph.build.transitions import Boundaries, extend_joins
 from live.graph.motion_graph import MotionGraph, graph_of
 from live.graph.node_features import NodeFacts, node_facts
 from live.graph.step_library import build_library, joined_library
 from live.motion.step_clip import StepClip
-
-Int32 = npt.NDArray[np.int32]
 
 
 def insert_clips(graph: MotionGraph, clips: Sequence[StepClip]) -> MotionGraph:

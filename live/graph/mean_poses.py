@@ -1,13 +1,10 @@
 """Mean poses of all nodes of a library at once: for each joint the mean in log space about itself (T058)."""
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float32, Int64
 from live.graph.storage_kernels import mean_turns, rotation_moments
 from live.motion import quaternion
-
-Float32 = npt.NDArray[np.float32]
-Int64 = npt.NDArray[np.int64]
 
 
 def mean_poses(rotation: Float32, first: Int64, last: Int64) -> Float32:

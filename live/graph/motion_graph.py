@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64, Int32
 from live.graph.build.metric import Metric
 from live.graph.build.transitions import Boundaries, Joins, JoinSettings, find_joins, retime_library
 from live.graph.distance_kernels import count_hops, reverse_edges
@@ -12,10 +12,6 @@ from live.graph.node_features import Moments, NodeFacts, node_facts
 from live.graph.step_library import StepLibrary
 from live.graph.structure_rules import unmatched_poses
 from live.graph.takes import Takes, find_takes
-
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 
 UNREACHABLE = 1 << 20
 """Hops to a step that cannot be reached."""

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float, Float32, Float64, Int32
 from live.graph.build.metric import WINDOW_SAMPLES
 from live.graph.build.transitions import clouds, transition_windows
 from live.graph.step_library import StepLibrary, window_samples
@@ -20,12 +20,6 @@ from live.motion.pose.pose_pipeline import PosePipeline, PoseSkeleton
 from live.motion.pose.root_warp import measure_warps
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
-Float = npt.NDArray[np.floating]
 
 MOMENTS_PER_BEAT: Final = 4
 """Moments per beat."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64, Int32
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import (
     following_placement,
@@ -37,10 +38,6 @@ from live.motion.pose.pipeline_kernels import (
 )
 from live.motion.pose.pose_pipeline import PosePipeline
 from live.motion.pose.turn_kernels import place_dancers
-
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 
 SAMPLE_RATE = 60.0
 MAX_SAMPLES = 400_000

@@ -5,18 +5,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float32, Float64, Int32
 from live.graph.mean_poses import mean_poses
 from live.graph.storage_kernels import align_signs
 from live.motion.pose.foot_lock import LEG_JOINTS, foot_heights
 from live.motion.pose.pose_pipeline import ClipStore
 from live.motion.step_clip import StepClip
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,16 +8,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Int32, Int64
 from live.motion.step_clip import StepClip
 
 if TYPE_CHECKING:
     from live.graph.step_library import StepLibrary
-
-Bool = npt.NDArray[np.bool_]
-Int32 = npt.NDArray[np.int32]
-Int64 = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64, Int32
 from live.motion.step_clip import StepClip
 
 if TYPE_CHECKING:
     from live.graph.step_library import StepLibrary
 
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 NO_TAKE = -1
 

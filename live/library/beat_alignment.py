@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from live.base.arrays import Float64
 from live.base.errors import PersonError
 from live.clock.tracking.aubio_tracker import AubioTracker
 from live.control.audio.music_file import Music, MusicFileError, read_music
@@ -28,7 +29,7 @@ from live.motion.beats.music_reference import MusicReference, apply_manual
 from live.motion.beats.tempo_estimation import estimate_tempo
 from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.formats.file_error import MotionFileError
-from live.motion.formats.source_motion import Float64, SourceMotion, UpAxis
+from live.motion.formats.source_motion import SourceMotion, UpAxis
 from live.motion.retarget.body_tracks import BodyTracks, body_tracks
 from live.motion.retarget.retarget import retarget
 

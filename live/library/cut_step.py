@@ -7,13 +7,11 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float, Float32
 from live.library.recording_file import RecordingEntry, RecordingError
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.step_clip import StepClip, measured_direction, measured_distance
-
-Float = npt.NDArray[np.floating]
-Float32 = npt.NDArray[np.float32]
 
 TAIL_SAMPLES: Final = 8
 """Samples after the last measure, so that sampling at its very end needs no special case."""

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
 import numpy as np
-import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from live.base.arrays import Float64
 from live.base.errors import PersonError
 from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_numbers
 from live.library.disk_cache import read_regular_file
@@ -107,8 +107,6 @@ MAX_BYTES: Final = 1_000_000
 SHOWN_PROBLEMS: Final = 8
 MIN_UNIT_SECONDS: Final = 0.15
 """Least length of a unit [s]."""
-
-Float64 = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

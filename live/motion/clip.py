@@ -3,12 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float, Float32
 from live.motion import quaternion
-
-Float32 = npt.NDArray[np.float32]
-Bool = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,9 +45,6 @@ class Clip:
     def seconds(self) -> float:
         """Duration [s] at the clip's original tempo, from the first to the last sample."""
         return (self.sample_count - 1) / self.sample_rate
-
-
-Float = npt.NDArray[np.floating]
 
 
 def read_clip(clip: Clip, samples: Float) -> tuple[Float, Float, Bool]:

@@ -5,9 +5,8 @@ is an extreme, and stays constant between two equal keys.
 """
 
 import numpy as np
-import numpy.typing as npt
 
-Float = npt.NDArray[np.floating]
+from live.base.arrays import Float
 
 
 def smoothstep(share: Float) -> Float:

@@ -3,12 +3,9 @@
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
-
-Float = npt.NDArray[np.floating]
-Bool = npt.NDArray[np.bool_]
 
 TOES_OVER_SOLE: Final = SOLE_BELOW_ANKLE + float(SKELETON.offsets[SKELETON.index("leftToes"), 1])
 """Height [m] of the toe joint over the floor when the foot is flat."""

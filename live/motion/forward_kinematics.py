@@ -1,12 +1,10 @@
 """Forward kinematics in numpy over the samples of a clip, for offline work (metrics, tools, tests)."""
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float
 from live.motion import quaternion
 from live.motion.skeleton import SKELETON, Skeleton
-
-Float = npt.NDArray[np.floating]
 
 
 def forward_kinematics(root_position: Float, rotation: Float, skeleton: Skeleton = SKELETON) -> tuple[Float, Float]:

@@ -12,10 +12,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float32
 from live.motion.capture.capture_kernels import QUANTIZATION_STEPS, read_rotations
 from live.motion.skeleton import JOINT_COUNT
-
-Float32 = npt.NDArray[np.float32]
 
 PACKED_LENGTH: Final = 192
 """Number of characters of a packed pose."""

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-Float = npt.NDArray[np.floating]
+from live.base.arrays import Float
 
 IDENTITY: Final = (1.0, 0.0, 0.0, 0.0)
 _TINY: Final = 1e-12

@@ -9,10 +9,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
-Float32 = npt.NDArray[np.float32]
-Int32 = npt.NDArray[np.int32]
+from live.base.arrays import Float32, Int32
 
 BODY_HEIGHT: Final = 1.7
 """Height of the crown over the floor in the rest pose [m]."""

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float, Float64
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
@@ -85,8 +85,6 @@ class StepClip:
         return self.measures * self.beats_per_measure
 
 
-Float64 = npt.NDArray[np.float64]
-
 IN_PLACE_DISTANCE: Final = 0.15
 """A step that travels less than this per measure [m] counts as in place."""
 LONG_DISTANCE: Final = 0.55
@@ -148,9 +146,6 @@ def foot_slide(step: StepClip) -> float | None:
     stands = step.clip.contact[part][1:] & step.clip.contact[part][:-1]
     speed = moved.min(axis=-1)[stands]
     return float(speed.mean()) if len(speed) else None
-
-
-Float = npt.NDArray[np.floating]
 
 
 def check_same_step(a: StepClip, b: StepClip) -> None:

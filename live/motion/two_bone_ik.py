@@ -1,11 +1,9 @@
 """Two-bone inverse kinematics for arms and legs, vectorized over samples."""
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float
 from live.motion import quaternion
-
-Float = npt.NDArray[np.floating]
 
 SOFTNESS = 0.012
 """Last share of a limb's length that is approached asymptotically, so that an overextended limb does not snap

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float32
 from live.control.events.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged
 
 MIN_BPM: Final = 60.0
@@ -176,7 +176,6 @@ class SimulatedBand:
         )
 
 
-Float32 = npt.NDArray[np.float32]
 RATE: Final = 44100
 
 

@@ -9,9 +9,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.base.stage_snapshot import Camera
-
-Float64 = npt.NDArray[np.float64]
 
 NEAR: Final = 0.1
 """Nearest distance drawn [m]."""

@@ -12,6 +12,8 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
+from live.base.arrays import Float32
+
 _REPLACEMENTS: Final = {
     "ß": "ss", "ø": "o", "Ø": "O", "æ": "ae", "Æ": "AE", "œ": "oe", "Œ": "OE", "ł": "l", "Ł": "L",
 }  # fmt: skip
@@ -39,8 +41,6 @@ def _glyph_mask(font: "ImageFont.FreeTypeFont | ImageFont.ImageFont", letter: st
     mask = font.getmask(letter)
     return mask.size, bytes(mask)
 
-
-Float32 = npt.NDArray[np.float32]
 
 _CODES: Final = tuple(range(32, 127)) + tuple(range(160, 256))
 _COLUMNS: Final = 16

@@ -6,16 +6,10 @@ from typing import Final
 
 import moderngl
 
+from live.base.arrays import Float64
 from live.base.custom_pass import CustomShader
 from live.base.element_kinds import PATH
-from live.base.picture_parameters import (
-    BY_ADDRESS,
-    STYLE_ADDRESS_PREFIX,
-    STYLE_NAMES,
-    Float64,
-    group_parameter,
-    picture_row,
-)
+from live.base.picture_parameters import BY_ADDRESS, STYLE_ADDRESS_PREFIX, STYLE_NAMES, group_parameter, picture_row
 from live.base.stage_snapshot import Camera, Scene, StageView
 from live.render.adaptive_quality import HARDWARE, Quality, QualityStep, choose_quality, quality_steps
 from live.render.dancers.dancer_batch import DancerBatch

@@ -6,6 +6,7 @@ from typing import Final
 import moderngl
 import numpy as np
 
+from live.base.arrays import Float64
 from live.base.parameter import SPOT_COUNT
 from live.base.picture_parameters import (
     BACKDROP_INDICES,
@@ -17,7 +18,6 @@ from live.base.picture_parameters import (
     SHADOW,
     STYLES_START,
     VIGNETTE,
-    Float64,
     camera_from_row,
     picture_row,
 )

@@ -7,7 +7,7 @@ from typing import Final, Literal
 import numpy as np
 import numpy.typing as npt
 
-Float32 = npt.NDArray[np.float32]
+from live.base.arrays import Float32
 
 Avoidance = Literal["predictive", "thesis"]
 AVOIDANCES: Final[tuple[Avoidance, ...]] = ("predictive", "thesis")

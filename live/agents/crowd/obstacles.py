@@ -3,11 +3,9 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from live.agents.crowd.contact_kernels import CAPACITY
-
-Float32 = npt.NDArray[np.float32]
+from live.base.arrays import Float32
 
 
 class _Rows:

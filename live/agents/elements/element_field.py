@@ -9,7 +9,7 @@ from live.agents.agent_command import AgentCommand
 from live.agents.elements.audience_attractor_kernels import MAX_AUDIENCES, MAX_PLACES, PLACE_COLUMNS, find_places
 from live.agents.elements.crossing_kernels import MEMORY_COLUMNS, assign_goals
 from live.agents.elements.element import Element
-from live.agents.elements.element_table import ElementTable, Float32, Float64, UInt64
+from live.agents.elements.element_table import ElementTable
 from live.agents.elements.element_table_kernels import (
     HALF_DEPTH,
     HALF_WIDTH,
@@ -25,6 +25,7 @@ from live.agents.elements.field_kernels import apply_elements
 from live.agents.elements.polyline_flow import GRID_COLUMNS, GRID_ROWS
 from live.agents.elements.shape_kernels import NEAR_COLUMNS
 from live.agents.elements.spread_kernels import MAX_CELLS, MAX_MESH_NODES, fill_cosines
+from live.base.arrays import Float32, Float64, UInt64
 from live.base.element_kinds import CROSSING, FLOW, GRID, PARTICIPANT
 from live.base.errors import PersonError
 from live.base.stage_snapshot import ELEMENT_CAPACITY, StageView

@@ -3,17 +3,12 @@
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.agents.elements import element_table_kernels
 from live.agents.elements.element import FADE_BEATS, Element
 from live.agents.elements.polyline_flow import GRID_COLUMNS, GRID_ROWS, flow_grid_along, simplified_vertices
+from live.base.arrays import Float32, Float64, Int32, UInt64
 from live.base.element_kinds import DRAWN, FLOW, GRID, KIND_COUNT, MAX_VERTICES
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-UInt64 = npt.NDArray[np.uint64]
 
 GRID_SLOTS: Final = 8
 """Largest number of drawn flows; the oldest is replaced."""

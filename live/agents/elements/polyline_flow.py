@@ -3,14 +3,11 @@
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 from shapely import LineString, simplify
 
 from live.agents.elements.element import Points
+from live.base.arrays import Float32, Float64
 from live.base.element_kinds import MAX_VERTICES
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
 
 GRID_ROWS: Final = 24
 GRID_COLUMNS: Final = 32

@@ -9,11 +9,8 @@ import numpy.typing as npt
 from live.agents.agent_command import ABSENT, ON_STAGE, PASSING, AgentCommand
 from live.agents.agent_command_kernels import write_presence
 from live.agents.entrances.gate import Gate
+from live.base.arrays import Bool, Float32, Float64, Int8
 
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Bool = npt.NDArray[np.bool_]
-Int8 = npt.NDArray[np.int8]
 Rows = npt.NDArray[np.intp]
 
 WAITING, CALLED, ENTERING, ON, LEAVING = range(5)

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
-Float64 = npt.NDArray[np.float64]
+from live.base.arrays import Float64
 
 WAITING_DISTANCE: Final = 0.7
 """Distance [m] outside the edge at which the first dancer waits, out of sight."""

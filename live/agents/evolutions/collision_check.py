@@ -15,7 +15,8 @@ from live.agents.evolutions.evolution_kernels import nearest_approach, sample_pa
 from live.agents.evolutions.incremental_assignment import Pieces
 from live.agents.evolutions.paths import bend_paths_in_pieces
 from live.agents.evolutions.start_delays import Arrival, start_and_arrival
-from live.agents.evolutions.trajectory import Float32, Float64, Locomotion
+from live.agents.evolutions.trajectory import Locomotion
+from live.base.arrays import Float32, Float64
 
 PAIRS_PER_PIECE = 200_000
 """Pair checks in one piece of work: about a millisecond."""

@@ -11,8 +11,8 @@ from live.agents.evolutions.evolution_kernels import nearest_approach
 from live.agents.evolutions.intention import Repertoire, Segment
 from live.agents.evolutions.running_plan import Plan
 from live.agents.evolutions.timeline import Link, Span, link_timeline
-from live.agents.evolutions.trajectory import Float32, Float64
 from live.agents.groups.roster import Roster
+from live.base.arrays import Float32, Float64
 
 SAMPLES_PER_MEASURE = 32
 """Samples per measure."""

@@ -9,11 +9,11 @@ import numpy.typing as npt
 
 from live.agents.evolutions.evolution_kernels import profile
 from live.agents.evolutions.trajectory import Locomotion
+from live.base.arrays import Float64
 
 if TYPE_CHECKING:
     from live.agents.evolutions.segment_start import PlannedMotion, SegmentStart
 
-Float64 = npt.NDArray[np.float64]
 
 TURN_KNOTS = 5
 """Knots of a turn on the spot."""

@@ -16,9 +16,8 @@ import numpy.typing as npt
 
 from live.agents.evolutions.evolution_kernels import swap_pairs
 from live.agents.evolutions.slot_assignment import UNRESERVED, Cost, Fill, assign
+from live.base.arrays import Float64, Int32
 
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 Index = npt.NDArray[np.intp]
 
 LEAF = 64

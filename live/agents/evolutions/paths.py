@@ -17,10 +17,8 @@ from live.agents.evolutions.evolution_kernels import (
 )
 from live.agents.evolutions.incremental_assignment import Pieces
 from live.agents.evolutions.trajectory import Locomotion
+from live.base.arrays import Float32, Float64
 from live.base.errors import PersonError
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
 
 KNOTS = 65
 """Knots of a drawn path."""

@@ -9,8 +9,9 @@ import numpy.typing as npt
 from live.agents.evolutions.incremental_assignment import Pieces
 from live.agents.evolutions.intention import Intention, Procedural, Repertoire, Segment
 from live.agents.evolutions.segment_start import MotionDraft, PlannedMotion, SegmentStart
-from live.agents.evolutions.trajectory import Float32, GroupState
+from live.agents.evolutions.trajectory import GroupState
 from live.agents.evolutions.trajectory_builder import plan_segment
+from live.base.arrays import Float32
 
 MAX_LATE_CALLS: Final = 96
 """Maximum calls of late planning work after a segment has begun: about a second and a half at one per tick."""

@@ -16,9 +16,10 @@ from live.agents.evolutions.evolution_kernels import track
 from live.agents.evolutions.intention import Repertoire, Segment
 from live.agents.evolutions.planned_segment import PlannedSegment
 from live.agents.evolutions.segment_start import SegmentStart
-from live.agents.evolutions.trajectory import Float32, GroupState
+from live.agents.evolutions.trajectory import GroupState
 from live.agents.groups.group_expression import select_dancers
 from live.agents.groups.roster import Mask, Roster
+from live.base.arrays import Float32
 
 
 class HasPosition(Protocol):

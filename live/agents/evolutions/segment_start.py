@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.evolutions.trajectory import Float64, Locomotion
+from live.agents.evolutions.trajectory import Locomotion
+from live.base.arrays import Float64
 
 if TYPE_CHECKING:
     from live.agents.evolutions.collision_check import Approach

@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
+from live.base.arrays import Float64, Int32
+
 Mask = npt.NDArray[np.bool_]
 
 

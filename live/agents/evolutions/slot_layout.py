@@ -7,8 +7,7 @@ from live.agents.evolutions.incremental_assignment import IncrementalAssignment,
 from live.agents.evolutions.intention import AssignmentMethod, Matching
 from live.agents.evolutions.segment_start import SegmentStart
 from live.agents.evolutions.slot_assignment import by_id, sections
-
-Float64 = npt.NDArray[np.float64]
+from live.base.arrays import Float64
 
 
 def edge_places(

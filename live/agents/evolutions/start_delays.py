@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-Float64 = npt.NDArray[np.float64]
+from live.base.arrays import Float64
 
 
 class StartOrder(StrEnum):

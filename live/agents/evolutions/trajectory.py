@@ -6,9 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.evolutions.evolution_kernels import evaluate_paths
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
+from live.base.arrays import Float32, Float64
 
 
 class GroupState:

@@ -23,8 +23,9 @@ from live.agents.evolutions.intention import (
 from live.agents.evolutions.segment_start import MotionDraft, PlannedMotion, SegmentStart
 from live.agents.evolutions.slot_layout import assign_places
 from live.agents.evolutions.start_delays import Arrival, delays, limit_delays, start_and_arrival
-from live.agents.evolutions.trajectory import Float32, Float64, Locomotion
+from live.agents.evolutions.trajectory import Locomotion
 from live.agents.groups.roster import mirror_headings, mirror_places
+from live.base.arrays import Float32, Float64
 
 MAX_CHECKED_DANCERS = 300
 """Larger groups are not checked for clearance; steering keeps them apart."""

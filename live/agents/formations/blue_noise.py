@@ -5,13 +5,12 @@ from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
-import numpy.typing as npt
 import shapely
 
 from live.agents.formations.blue_noise_kernels import eliminate, lloyd_relax
 from live.agents.formations.symmetry import SymmetryLine
+from live.base.arrays import Float64
 
-Float64 = npt.NDArray[np.float64]
 Density = Callable[[Float64], Float64]
 
 CANDIDATES_PER_DANCER: Final = 5

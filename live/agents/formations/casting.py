@@ -9,15 +9,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import shapely
 
 from live.agents.formations.drawing import Curve, Drawing, curve_of, with_end_gaps
 from live.agents.formations.formation_spec import FormationSpec
 from live.agents.formations.line_placement import apportion
 from live.agents.formations.symmetry import SymmetryLine
-
-Float64 = npt.NDArray[np.float64]
+from live.base.arrays import Float64, Int64
 
 
 def soloist_places(spec: FormationSpec, drawing: Drawing, others: Float64) -> Float64:
@@ -68,9 +66,6 @@ def clear_soloist_area(spec: FormationSpec, drawing: Drawing, line: SymmetryLine
     if region is not None:
         shapely.prepare(region)
     return Drawing(with_end_gaps(curves), region, drawing.middle)
-
-
-Int64 = npt.NDArray[np.int64]
 
 
 def section_sizes(wanted: tuple[int, ...], count: int) -> list[int]:

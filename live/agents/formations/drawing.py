@@ -11,8 +11,7 @@ import shapely
 
 from live.agents.formations.formation_spec import MAX_DISTANCE, FormationSpec
 from live.agents.formations.shapes import Line, shape_lines
-
-Float64 = npt.NDArray[np.float64]
+from live.base.arrays import Float64
 
 CORNER_ANGLE: Final = math.radians(28.0)
 """A turn above this angle at a point is a corner."""

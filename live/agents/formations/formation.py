@@ -23,9 +23,7 @@ from live.agents.formations.line_placement import place_on_lines
 from live.agents.formations.region_placement import PlacementRegion, count_by_spacing, place_inside, placement_region
 from live.agents.formations.shapes import staggered_rows
 from live.agents.formations.symmetry import SymmetryLine, clip_drawing, symmetry_line
-
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
+from live.base.arrays import Float64, Int64
 
 TOUCH_DISTANCE: Final = 0.5
 """Bodies of radius 0.25 m touch at this distance of centres [m]."""

@@ -9,12 +9,10 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-import numpy.typing as npt
 import shapely
 
 from live.agents.formations.blue_noise_kernels import lattice_points_in_polygon
-
-Float64 = npt.NDArray[np.float64]
+from live.base.arrays import Float64
 
 _DEPTH_OFFSETS: Final = (0.0, 0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875)
 _ASYMMETRIC_OFFSETS: Final = ((0.31, 0.0), (0.17, 0.5), (0.31, 0.22), (0.17, 0.61), (0.42, 0.37), (0.08, 0.83))

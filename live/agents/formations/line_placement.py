@@ -6,15 +6,12 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from live.agents.formations.drawing import SHARED_END, Curve, Drawing
 from live.agents.formations.formation_spec import FormationSpec
 from live.agents.formations.symmetry import SymmetryLine, clip_drawing, places_on_line, with_shared_ends
-
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
+from live.base.arrays import Float64, Int64
 
 
 def apportion(count: int, lengths: Float64, fixed: Float64, lower_bounds: Int64) -> Int64:

@@ -9,7 +9,6 @@ from functools import lru_cache
 from typing import Any, Final
 
 import numpy as np
-import numpy.typing as npt
 import shapely
 
 from live.agents.formations.blue_noise import Density, hexagonal_spacing, midpoint_on_line, scatter, scatter_mirrored
@@ -18,8 +17,7 @@ from live.agents.formations.formation_spec import FormationSpec
 from live.agents.formations.lattice import place_on_lattice
 from live.agents.formations.line_placement import density_at, place_mirrored, place_on_curves
 from live.agents.formations.symmetry import SymmetryLine, clip_drawing
-
-Float64 = npt.NDArray[np.float64]
+from live.base.arrays import Float64
 
 MITRE_LIMIT: Final = 3.0
 TABLE_SIZE: Final = 24

@@ -5,13 +5,12 @@ from collections.abc import Callable
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.agents.formations.formation_spec import FormationSpec
 from live.agents.formations.stroke_font import STROKES, text_strokes
 from live.agents.formations.svg_import import path_lines
+from live.base.arrays import Float64
 
-Float64 = npt.NDArray[np.float64]
 Line = tuple[Float64, bool]
 """Points (P, 2), +z to the public, and whether the line is closed."""
 

@@ -10,9 +10,8 @@ from functools import cache
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
-Float64 = npt.NDArray[np.float64]
+from live.base.arrays import Float64
 
 LETTER_GAP: Final = 2.0
 """Distance between two letters [units]."""

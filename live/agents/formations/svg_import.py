@@ -5,11 +5,9 @@ import warnings
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.base.errors import PersonError
-
-Float64 = npt.NDArray[np.float64]
 
 MAX_FILE_CHARACTERS: Final = 2_000_000
 """Largest accepted length of an SVG file in characters."""

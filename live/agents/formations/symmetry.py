@@ -5,13 +5,11 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
-import numpy.typing as npt
 import shapely
 
 from live.agents.formations.drawing import FREE_END, JOINT, SYMMETRY_END, Curve, Drawing, curve_of, with_end_gaps
 from live.agents.formations.formation_spec import MAX_DISTANCE, FormationSpec
-
-Float64 = npt.NDArray[np.float64]
+from live.base.arrays import Float64
 
 LINE_TOLERANCE: Final = 1e-6
 """Largest distance of a point on the symmetry line [m]."""

@@ -14,10 +14,7 @@ from scipy.spatial import cKDTree
 
 from live.agents.agent_command import AgentCommand
 from live.agents.goals.goal_kernels import ARRIVE, advance_way_points, seek_goals
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
+from live.base.arrays import Float32, Float64, Int32
 
 ARRIVAL_RATE: Final = 1.0
 """Speed per metre of remaining distance [1/s] near a goal, under ARRIVE."""

@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64
+
 Mask = npt.NDArray[np.bool_]
 
 PLACE_WORDS = ("left", "right", "front", "back", "centre", "center")
@@ -53,9 +55,6 @@ class Roster:
     def with_attribute(self, word: str) -> Mask:
         """Whether each dancer has this attribute, shape (A,)."""
         return np.array([word in words for words in self.attributes], np.bool_)
-
-
-Float64 = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,8 @@ from typing import Final
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from live.agents.scenarios.scenario import Float64, Scenario, endless_goals, through_gap
+from live.agents.scenarios.scenario import Scenario, endless_goals, through_gap
+from live.base.arrays import Float64
 
 RADIUS: Final = 0.25
 PREFERRED: Final = 1.3

@@ -6,7 +6,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from live.agents.scenarios.scenario import Float64, Scenario
+from live.agents.scenarios.scenario import Scenario
+from live.base.arrays import Float64
 
 RATE = 60.0
 """Trajectories are resampled at this rate [1/s]; accelerations and turns use half of it."""

@@ -6,7 +6,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from live.agents.scenarios.scenario import Float64, Scenario
+from live.agents.scenarios.scenario import Scenario
+from live.base.arrays import Float64
 from live.base.errors import PersonError
 
 MAX_METRES: Final = 1000.0

@@ -7,7 +7,8 @@ from live.agents.crowd.agent_state import AgentModel, AgentState, Avoidance, Ste
 from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
 from live.agents.goals.goals import NO_SLOWING_RATE, Goals, WayPoints, yielding_agents
-from live.agents.scenarios.scenario import Float64, Scenario
+from live.agents.scenarios.scenario import Scenario
+from live.base.arrays import Float64
 
 TICK = 1.0 / 64.0
 APPROACH_GAIN = 1.0

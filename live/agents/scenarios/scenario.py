@@ -4,9 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
-Float64 = npt.NDArray[np.float64]
+from live.base.arrays import Float64
 
 Rule = Callable[[Float64, Float64], None]
 """Called before each tick with positions (A, 2) [m] and targets (A, 2) [m]; it may change the targets in place."""

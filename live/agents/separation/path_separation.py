@@ -13,8 +13,7 @@ from live.agents.separation.path_separation_kernels import (
     slow_down_near,
 )
 from live.agents.separation.separation_kernels import NEIGHBOUR_RANGE, cell_count, separate_positions
-
-Float32 = npt.NDArray[np.float32]
+from live.base.arrays import Float32, Float64
 
 
 class PlaceSeparation:
@@ -45,8 +44,6 @@ class PlaceSeparation:
             self._order,
         )
 
-
-Float64 = npt.NDArray[np.float64]
 
 MOMENTS: Final = 17
 """Moments of a measure at which paths are sampled, the first at its beginning, the last at its end."""

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from live.app.offline.dance_request import SKETCHES, check_attributes, read_clips, read_text, read_wanted
 from live.app.offline.step_listing import RECORDING_THRESHOLD_M, SKETCH_THRESHOLD_M
+from live.base.arrays import Float64, Int32
 from live.base.errors import PersonError
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.render_dance import RenderedDance, render_dance
@@ -20,9 +21,6 @@ from live.graph.search.sequence import NoPath, best_start, find_name, find_seque
 from live.graph.search.sequence_spec import SequenceEntry, SequenceSpec, specify
 from live.graph.select.candidates import find_candidates
 from live.graph.step_library import StepLibrary
-
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 WINDOW_BEATS: Final = 0.75
 MAX_PATH_MEASURES: Final = 3000

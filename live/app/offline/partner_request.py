@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.base.errors import PersonError
 from live.library.motion_file import read_motion
 from live.library.partner_pairs import RecordedSide, Side, retarget_side
@@ -22,8 +23,6 @@ from live.motion.partner.units import Units
 from live.motion.quality.metrics import beat_offsets, half_width, largest_around, largest_at_samples, raw_p99
 from live.motion.retarget.retarget import SAMPLE_RATE
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-
-Float64 = npt.NDArray[np.float64]
 
 MAX_BYTES: Final = 50_000_000
 MAX_SECONDS: Final = 3600.0

@@ -5,13 +5,11 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.agents.formations.formation import Formation
 from live.agents.formations.symmetry import SymmetryLine
 from live.app.pictures import svg
-
-Float64 = npt.NDArray[np.float64]
+from live.base.arrays import Float64
 
 PIXELS: Final = 60.0
 """Pixels per metre, for stages not wider than `WIDEST`."""

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from live.app.pictures import svg
 from live.app.pictures.svg import Point
+from live.base.arrays import Float64
 from live.graph.select.reachability import ARC, DIRECTION_NAMES, Reach
-
-Float64 = npt.NDArray[np.float64]
 
 SIZE: Final = 720
 """Width and height of the picture in pixels."""

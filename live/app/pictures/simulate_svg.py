@@ -5,9 +5,10 @@ import math
 from typing import TYPE_CHECKING, Final
 
 from live.app.pictures import svg
+from live.base.arrays import Float64
 
 if TYPE_CHECKING:
-    from live.agents.scenarios.scenario import Float64, Scenario
+    from live.agents.scenarios.scenario import Scenario
 
 LONG_SIDE: Final = 1000.0
 """Longer side of the picture [pixels]."""

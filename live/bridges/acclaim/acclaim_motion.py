@@ -6,7 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from live.bridges.acclaim.acclaim_skeleton import AcclaimSkeleton, Float64, iterate_lines
+from live.base.arrays import Float64
+from live.bridges.acclaim.acclaim_skeleton import AcclaimSkeleton, iterate_lines
 from live.motion import quaternion
 from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, quoted, read_number
 from live.motion.formats.file_report import VALUE_LIMIT, refuse_too_large

@@ -7,13 +7,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64, Int32
 from live.motion.formats.file_error import MotionFileError, count_line_ends, quoted, read_number
 from live.motion.quaternion import euler_to_quaternion
-
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 METRES_PER_INCH: Final = 0.0254
 

@@ -18,8 +18,8 @@ from collections.abc import Iterator
 from typing import Final, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float
 from live.control.osc.osc_codec import MAX_BUNDLE_DEPTH, OscRejected, Value, bundles, decode, encode
 from live.control.registry.rejections import Reason, Tally
 from live.motion.skeleton import JOINT_COUNT, SKELETON
@@ -206,8 +206,6 @@ def _pass_state(values: tuple[Value, ...], listener: Listener, tally: Tally) -> 
         loses = len(values) > 3 and values[3] == 0
         listener.tracked(values[0] == 1 and not calibrates and not loses)
 
-
-Float = npt.NDArray[np.floating]
 
 _UNITY: Final = np.array((-1.0, 1.0, 1.0, 1.0, -1.0, -1.0, 1.0))
 """Signs of position x, y, z and rotation x, y, z, w."""

@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.bar_pointer.state_space import FIRST_SLOT, METRES, SLOTS, Float32, slot_metre
+from live.base.arrays import Float32
+from live.clock.bar_pointer.state_space import FIRST_SLOT, METRES, SLOTS, slot_metre
 
 Floats = npt.NDArray[np.float64]
 

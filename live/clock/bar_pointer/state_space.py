@@ -9,10 +9,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
-Float32 = npt.NDArray[np.float32]
-Int32 = npt.NDArray[np.int32]
+from live.base.arrays import Float32, Int32
 
 METRES: Final = (2, 3, 4, 6)
 """Supported metres: beats in a measure."""

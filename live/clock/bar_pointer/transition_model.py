@@ -9,15 +9,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.clock.bar_pointer.state_space import (
-    FIRST_SLOT,
-    METRES,
-    SLOTS,
-    BarPointerModel,
-    Float32,
-    StateSpace,
-    slot_metre,
-)
+from live.base.arrays import Float32
+from live.clock.bar_pointer.state_space import FIRST_SLOT, METRES, SLOTS, BarPointerModel, StateSpace, slot_metre
 
 Floats = npt.NDArray[np.float64]
 

@@ -3,11 +3,9 @@
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.clock.energy.energy_frames import EnergyFeatures
-
-Float64 = npt.NDArray[np.float64]
 
 SPANS: Final = (4, 8, 16)
 """Lengths over which a build-up is searched [beats]."""

@@ -10,11 +10,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.control.audience.phone_protocol import ATTRACT, FULL_SCALE, REPEL, TOUCH_DTYPE
-
-Float64 = npt.NDArray[np.float64]
 
 FRESH_SECONDS: Final = 0.75
 """A voice keeps its full weight this long [s] after its last message; resting fingers send three messages a second."""

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float32
 from live.base.errors import PersonError
-
-Float32 = npt.NDArray[np.float32]
 
 MAX_CHANNELS: Final = 128
 """Maximum channel number; no card has more."""

@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float32
 from live.base.errors import PersonError
 from live.base.fault_isolation import keep_running
 from live.clock.sample_clock import SampleClock
@@ -15,8 +16,6 @@ from live.clock.time_source import Clock
 from live.clock.timeline import Timeline, phase
 from live.control.audio.channel_mixer import Channels
 from live.control.audio.devices import SoundDevice, close_stream, find_again, find_device, open_stream, refresh
-
-Float32 = npt.NDArray[np.float32]
 
 MAX_LATE: Final = 0.040
 """A beat up to this late [s] for a block is clicked at the block's start; an older one is skipped."""

@@ -4,12 +4,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float32, Float64
 from live.base.errors import PersonError
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
 
 STEP: Final = 0.001
 """Time step of the envelope [s]."""

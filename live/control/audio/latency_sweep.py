@@ -8,15 +8,13 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float32, Float64
 from live.base.errors import PersonError
 from live.clock.sample_clock import SampleClock
 from live.clock.time_source import Clock
 from live.control.audio.channel_mixer import ChannelMixer, Channels
 from live.control.audio.device_stream import BLOCK
 from live.control.audio.devices import SoundDevice, close_stream, open_stream
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
 
 SWEEP_SECONDS: Final = 0.08
 SWEEP_HZ: Final = (600.0, 6_000.0)

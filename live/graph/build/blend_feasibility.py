@@ -3,18 +3,13 @@
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float32, Float64, Int32
 from live.graph.build.blend_kernels import find_blendable
 
 if TYPE_CHECKING:
     from live.graph.step_library import StepLibrary
 
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 
 MOMENTS: Final = np.linspace(0.2, 0.8, 7)
 """Positions in the blend, from its beginning to the measure line, at which the rotations are compared; before and after

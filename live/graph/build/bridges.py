@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
 
+from live.base.arrays import Complex64, Float32, Float64, Int64
 from live.graph.build.metric import FlatClouds, Metric
 from live.graph.build.transitions import clouds
 from live.graph.motion_graph import MotionGraph
@@ -21,11 +22,6 @@ from live.graph.step_library import StepLibrary, window_samples
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
-Complex64 = npt.NDArray[np.complex64]
 
 BASE_RATE: Final = 30.0
 """Frames per second at which recordings are searched [Hz]."""

@@ -7,9 +7,8 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Complex64, Float32, Float64
 from live.motion.skeleton import SKELETON
-
-Float64 = npt.NDArray[np.float64]
 
 WINDOW_SAMPLES: Final = 12
 """Poses in a window; the cloud has 12 · J points."""
@@ -71,9 +70,7 @@ def window_weights(count: int = WINDOW_SAMPLES, emphasis: float = EMPHASIS) -> F
     return np.asarray(weights / weights.sum(), np.float64)
 
 
-Float32 = npt.NDArray[np.float32]
 Complex = npt.NDArray[np.complex128]
-Complex64 = npt.NDArray[np.complex64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,15 +4,11 @@ import math
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64, Int64
 from live.graph.build.transitions import all_pairs, transition_windows
 from live.graph.motion_graph import MotionGraph
 from live.graph.structure_rules import initial_side, plain_pose
-
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
-Bool = npt.NDArray[np.bool_]
 
 _ROWS: Final = 512
 """Nodes compared with all others at once."""

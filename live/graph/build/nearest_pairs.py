@@ -12,12 +12,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64, Int32
 from live.graph.build.metric import FlatClouds
 from live.graph.build.metric_kernels import filter_block, pair_products
 
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 Complex = npt.NDArray[np.complex128]
 
 MAX_PAIRS: Final = 16_000_000

@@ -18,6 +18,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64, Int32, Int64
 from live.graph.build.blend_feasibility import can_blend
 from live.graph.build.metric import WINDOW_SAMPLES, FlatClouds, Metric, joint_weights, window_weights
 from live.graph.build.nearest_pairs import aligned, near_pairs
@@ -25,8 +26,6 @@ from live.graph.step_library import StepLibrary, travel_of, window_samples
 from live.graph.structure_rules import StructureCodes, may_follow_between, structure_codes
 from live.motion.pose.pose_pipeline import PosePipeline
 from live.motion.skeleton import SKELETON
-
-Float64 = npt.NDArray[np.float64]
 
 __all__ = [
     "WINDOW_SAMPLES",
@@ -81,10 +80,6 @@ def all_pairs(first: Float64, second: Float64, metric: Metric | None = None) -> 
     motion = aligned(product, a.centre[:, None], b.centre[None])
     return Transitions(np.sqrt(np.maximum(squared, 0.0)), motion[..., 2], motion[..., :2])
 
-
-Int32 = npt.NDArray[np.int32]
-Int64 = npt.NDArray[np.int64]
-Bool = npt.NDArray[np.bool_]
 
 _NODES: Final = 1024
 """Nodes whose clouds are posed at a time."""

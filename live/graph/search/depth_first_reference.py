@@ -3,15 +3,13 @@
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Int32
 from live.graph.search.sequence_spec import SequenceSpec
 
 if TYPE_CHECKING:
     from live.graph.search.viterbi import Edges
 
-
-Int32 = npt.NDArray[np.int32]
 
 NODE_BUDGET: Final = 1_000_000
 """Nodes visited before the search gives up: about a second."""

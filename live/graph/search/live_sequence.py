@@ -9,8 +9,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64, Int32
 from live.graph.search.sequence import edges_of
 from live.graph.search.sequence_spec import SequenceEntry, SequenceSpec, specify
 from live.graph.search.viterbi import CostToGo, Edges
@@ -18,8 +18,6 @@ from live.graph.search.viterbi import CostToGo, Edges
 if TYPE_CHECKING:
     from live.graph.motion_graph import MotionGraph
 
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 HORIZON: Final = 8
 """Measures that a live search looks ahead."""

@@ -21,8 +21,6 @@ from live.graph.select.reachability import DIRECTION_NAMES, direction_of, reach_
 from live.graph.structure_rules import initial_side
 from live.motion.step_clip import StepClip
 
-Float64 = npt.NDArray[np.float64]
-
 THRESHOLD: Final = 0.15
 """A dancer farther than this [m] from their place at a measure line is off the path."""
 CATCH_UP: Final = 1.25

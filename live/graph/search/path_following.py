@@ -15,6 +15,7 @@ from typing import Final, Literal
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64, Int32
 from live.base.errors import PersonError
 from live.graph.motion_graph import MotionGraph
 from live.graph.search.sequence_diagnostics import cost_to_go, wrong_steps
@@ -27,8 +28,6 @@ from live.graph.select.candidates import (
     turn_vectors,
     wrap_angle,
 )
-
-Float64 = npt.NDArray[np.float64]
 
 MAX_POINTS: Final = 100_000
 MAX_COORDINATE: Final = 1000.0
@@ -141,10 +140,6 @@ def smoothed(targets: Targets) -> Targets:
 
 def _shortened(text: str) -> str:
     return text if len(text) <= 40 else text[:37] + "…"
-
-
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

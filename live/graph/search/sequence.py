@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64, Int32
 from live.base.errors import PersonError
 from live.graph.search.depth_first_reference import NODE_BUDGET, depth_first
 from live.graph.search.sequence_spec import MAX_MEASURES, SequenceEntry, SequenceSpec, travels
@@ -19,9 +20,6 @@ from live.motion.step_clip import DIRECTIONS
 if TYPE_CHECKING:
     from live.graph.motion_graph import MotionGraph
 
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 
 Method = Literal["layered", "depth first"]
 

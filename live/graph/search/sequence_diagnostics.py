@@ -7,12 +7,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64
 from live.graph.motion_graph import MotionGraph
 from live.graph.search.sequence_spec import SequenceSpec
 from live.graph.search.viterbi import CostToGo, Edges
-
-Bool = npt.NDArray[np.bool_]
-Float64 = npt.NDArray[np.float64]
 
 ChoosePair = Callable[[Bool, Bool], tuple[int, int]]
 """Chooses which of some last nodes and which of some first nodes are best joined; both (N,)."""

@@ -5,16 +5,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Int32
 from live.base.errors import PersonError
 from live.motion.step_clip import StepClip
 
 if TYPE_CHECKING:
     from live.graph.step_library import StepLibrary
 
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 
 MAX_MEASURES: Final = 100_000
 """Longest dance that is searched: fourteen hours at 120 bpm."""

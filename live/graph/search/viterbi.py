@@ -9,18 +9,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64, Int32, Int64
 from live.graph.distance_kernels import cheapest_successors
 
 if TYPE_CHECKING:
     from live.graph.search.sequence_spec import SequenceSpec
 
-
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 
 MAX_KEPT_VALUES: Final = 1 << 22
 """Costs kept in a block of layers: 32 MB."""

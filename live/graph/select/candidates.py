@@ -10,14 +10,12 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64, Int32
 from live.graph.takes import NO_TAKE
 from live.motion.editing.turn_insertion import SupportTurns
 
 if TYPE_CHECKING:
     from live.graph.motion_graph import MotionGraph
-
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 
 def turn_vectors(vectors: Float64, yaw: Float64) -> Float64:
@@ -94,8 +92,6 @@ def transition_weight(into: npt.ArrayLike) -> Float64:
     into = np.clip(np.asarray(into, np.float64), 0.0, 1.0)
     return np.asarray(into * into * (3.0 - 2.0 * into))
 
-
-Bool = npt.NDArray[np.bool_]
 
 WEIGHTS: Final = (0.25, 0.5, 0.75)
 """Shares of the other clip; finer steps are barely noticeable (T069)."""

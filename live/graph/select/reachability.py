@@ -4,16 +4,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64, Int32
 from live.graph.select.candidates import Candidates, turn_vectors, wrap_angle
 from live.graph.takes import NO_TAKE
 
 if TYPE_CHECKING:
     from live.graph.motion_graph import MotionGraph
 
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 TABLED_DIRECTIONS: Final = 32
 """Directions in the table, evenly over the circle."""
@@ -94,8 +92,6 @@ def _hull_extent(way: Float64, towards: Float64) -> Float64:
     facing = towards.T @ normal
     return np.asarray(np.where(facing > 1e-9, support / np.maximum(facing, 1e-9), np.inf).min(axis=1))
 
-
-Bool = npt.NDArray[np.bool_]
 
 DIRECTION_NAMES: Final = (
     "forward",

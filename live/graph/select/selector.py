@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64, Int32
 from live.graph.select.candidates import MAX_TURN_RATE, Candidates, find_candidates, widening_candidates, wrap_angle
 from live.graph.select.reachability import ReachTable
 from live.graph.select.selector_kernels import choose_measures
@@ -13,8 +14,6 @@ from live.graph.select.selector_kernels import choose_measures
 if TYPE_CHECKING:
     from live.graph.motion_graph import MotionGraph
 
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 ANGLES: Final = 65
 """Angles at which a turn's displacement is tabulated, from -π to π; interpolation errs by 1.5 mm a metre at most."""

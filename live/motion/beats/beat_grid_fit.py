@@ -6,10 +6,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.motion.formats.source_motion import Float64
+from live.base.arrays import Bool, Float64
 
 Int = npt.NDArray[np.int64]
-Bool = npt.NDArray[np.bool_]
 
 EVENT_DEVIATION: Final = 0.03
 """Standard deviation [s] of an event about its beat: at this distance it counts 60 %."""

@@ -10,9 +10,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.motion.beats.beat_grid_fit import MAX_DISTANCE, BeatFit, fit_free_period, fit_known_period
 from live.motion.beats.music_reference import BPM_RANGE, MusicReference
-from live.motion.formats.source_motion import Float64
 from live.motion.retarget.body_tracks import BodyTracks
 
 Int = npt.NDArray[np.int64]

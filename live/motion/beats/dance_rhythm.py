@@ -6,12 +6,11 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float, Float64
 from live.motion.clip import Clip
-from live.motion.formats.source_motion import Float64
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 
-Float = npt.NDArray[np.floating]
 Int = npt.NDArray[np.int64]
 
 SPEED_SMOOTHING: Final = 0.033

@@ -13,10 +13,10 @@ from typing import Final
 
 import numpy as np
 
+from live.base.arrays import Float64
 from live.motion.beats.dance_rhythm import Rhythm, find_rhythm, gaussian_smooth
 from live.motion.beats.music_reference import MusicReference
 from live.motion.clip import Clip
-from live.motion.formats.source_motion import Float64
 
 PERIODS: Final = (0.3, 1.0)
 """Seconds per beat: 200 to 60 bpm."""

@@ -3,15 +3,12 @@
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64
 from live.motion.capture.capture_kernels import retarget_pose
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.packed_pose import pack_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON, SOLE_BELOW_ANKLE
-
-Float64 = npt.NDArray[np.float64]
-Bool = npt.NDArray[np.bool_]
 
 FLOOR_WINDOW: Final = 2.0
 """Window [s] in which a foot certainly touches the floor (a jump lasts less than 1 s)."""

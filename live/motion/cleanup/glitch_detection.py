@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float, Float64, Int32
 from live.motion import quaternion
-from live.motion.formats.source_motion import Float64, Int32
 from live.motion.retarget.body_tracks import BodyTracks
 
 PAIRS: Final = (("LowerArm", "Hand"), ("LowerLeg", "Foot"))
@@ -47,8 +46,6 @@ def _travelled_distance(left: Float64, right: Float64, left_after: Float64, righ
     steps = np.linalg.norm(left_after[1:] - left[:-1], axis=-1) + np.linalg.norm(right_after[1:] - right[:-1], axis=-1)
     return np.asarray(steps.sum(axis=-1))
 
-
-Float = npt.NDArray[np.floating]
 
 MAX_ACCELERATION: Final = 350.0
 """[m/s²]: in 50,000 faultless frames of salsa at 60 Hz the maximum is 280; faults have 440 to 2,300."""
@@ -99,8 +96,6 @@ def rotation_angle(rotation: Float) -> Float64:
     """Return the angle of unit quaternions [rad], 0 to pi, shape (...)."""
     return np.asarray(2.0 * np.arctan2(np.linalg.norm(rotation[..., 1:], axis=-1), np.abs(rotation[..., 0])))
 
-
-Bool = npt.NDArray[np.bool_]
 
 STILL_THRESHOLD: Final = 1e-6
 """Changes below this per frame [rad, m] count as none: even a standing body moves more."""

@@ -4,14 +4,12 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float, Float64
 from live.motion import quaternion
 from live.motion.cleanup.glitch_detection import Glitch, measure_shocks
-from live.motion.formats.source_motion import Float64, SourceMotion
+from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.body_tracks import body_tracks
-
-Float = npt.NDArray[np.floating]
 
 MAX_GAP: Final = 0.35
 """Longer gaps [s] are not bridged: cut the recording there or solve it again."""

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from live.motion.formats.source_motion import Float64
+from live.base.arrays import Float64
 from live.motion.retarget.body_tracks import BODY_SIDES, BodyTracks
 
 MAX_ARM_SLOPE: Final = 0.35

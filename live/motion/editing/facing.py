@@ -9,13 +9,12 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.curve import gaussian_filter
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
-
-Float64 = npt.NDArray[np.float64]
 
 _MIN_HORIZONTAL = 0.2
 """A forward axis with a shorter horizontal part points up or down and defines no heading."""

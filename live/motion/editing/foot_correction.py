@@ -7,16 +7,14 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float, Float64
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
 from live.motion.two_bone_ik import two_bone
-
-Float = npt.NDArray[np.floating]
 
 ANKLES: Final = (SKELETON.index("leftFoot"), SKELETON.index("rightFoot"))
 BALLS: Final = (SKELETON.index("leftToes"), SKELETON.index("rightToes"))
@@ -78,8 +76,6 @@ def solve_legs(root: Float, rotation: Float, ankles: Float, feet: Float) -> Floa
 def _length(joint: int) -> float:
     return float(np.linalg.norm(SKELETON.offsets[joint].astype(np.float64)))
 
-
-Float64 = npt.NDArray[np.float64]
 
 LIFT_SMOOTHING: Final = 0.1
 """Seconds over which a lift fades in and out."""

@@ -4,8 +4,8 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float
 from live.motion import quaternion
 from live.motion.clip import read_clip
 from live.motion.editing.foot_correction import ANKLES, BALLS, solve_legs
@@ -18,8 +18,6 @@ from live.motion.step_clip import (
     measured_direction,
     measured_distance,
 )
-
-Float = npt.NDArray[np.floating]
 
 _FULL_TURN_COSINE: Final = -0.98
 """Below this cosine (on S³) the arc is nearly a full turn and ill-defined: the shorter arc is used."""

@@ -12,11 +12,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline
 
+from live.base.arrays import Float64
 from live.motion.clip import Clip, read_clip
 from live.motion.editing.turn_insertion import BLEND_WINDOW
 from live.motion.step_clip import StepClip
-
-Float64 = npt.NDArray[np.float64]
 
 A_MAX: Final = 0.07
 F_MAX: Final = 2.0

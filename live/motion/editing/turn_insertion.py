@@ -14,13 +14,11 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float, Float64
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.editing.foot_correction import Feet, find_feet
 from live.motion.step_clip import StepClip, measured_direction, measured_distance
-
-Float = npt.NDArray[np.floating]
-Bool = npt.NDArray[np.bool_]
 
 LIFT_THRESHOLD: Final = 0.20
 """Single support is where the feet's heights differ by more than this share of the largest difference (T048)."""
@@ -87,7 +85,6 @@ def find_supports(
     return supports
 
 
-Float64 = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
 MAX_SEGMENTS: Final = 8

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import PchipInterpolator
 
+from live.base.arrays import Float64
 from live.base.scalar_kernels import ease
 from live.motion.clip import Clip, read_clip
 from live.motion.editing.turn_insertion import BLEND_WINDOW
@@ -44,8 +45,6 @@ def combine(lower: StepClip, upper: StepClip) -> StepClip:
     name = f"{lower.clip.name}, upper body of {upper.clip.name}"
     return replace(lower, clip=replace(lower.clip, name=name, rotation=rotation))
 
-
-Float64 = npt.NDArray[np.float64]
 
 R_MAX: Final = 0.2
 """Half of the range of the factor; more looks unnatural (T058)."""

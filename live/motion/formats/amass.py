@@ -8,15 +8,13 @@ and Motor Control of Human Movement). `betas`, the body shape, are ignored.
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.motion import quaternion
 from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError
 from live.motion.formats.motion_format import MotionFormat
 from live.motion.formats.npz import Archive, as_float64
 from live.motion.formats.source_motion import FileWarning, SourceMotion
-
-Float64 = npt.NDArray[np.float64]
 
 STATURE: Final = 1.70
 RATES: Final = ("mocap_framerate", "mocap_frame_rate", "fps")

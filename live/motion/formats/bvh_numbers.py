@@ -5,8 +5,8 @@ from itertools import islice
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64, Int64
 from live.motion.formats.bvh_kernels import (
     COUNT,
     INEXACT,
@@ -20,9 +20,6 @@ from live.motion.formats.bvh_kernels import (
 )
 from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, count_line_ends, quoted
 from live.motion.formats.file_report import VALUE_LIMIT
-
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
 
 INEXACT_LIMIT: Final = 1 << 14
 """Up to this many numbers beyond the kernel's precision are read one by one; if there are more, numpy reads all."""

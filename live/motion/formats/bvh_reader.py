@@ -12,6 +12,7 @@ from typing import Final, Literal
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64, Int32
 from live.motion.formats.bvh_header import Hierarchy, parse_hierarchy
 from live.motion.formats.bvh_kernels import pose_channels
 from live.motion.formats.bvh_numbers import line_at, read_numbers
@@ -22,9 +23,6 @@ from live.motion.formats.motion_format import MotionFormat
 from live.motion.formats.source_axes import find_up, leg_length
 from live.motion.formats.source_motion import FileWarning, LocalPose, OffsetUse, SourceMotion, UpAxis, world_pose
 from live.motion.retarget.joint_mapping import SourceBody, find_body
-
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 FRAME_TIME_RANGE: Final = (1e-4, 10.0)
 """Accepted seconds per frame."""

@@ -3,14 +3,11 @@
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float, Float64
 from live.motion import quaternion
 from live.motion.clip import Clip, resample
 from live.motion.skeleton import BONE_TIPS, SKELETON
-
-Float = npt.NDArray[np.floating]
-Float64 = npt.NDArray[np.float64]
 
 _GIMBAL_LOCK_COSINE = 1e-9
 """Cosine of x below which the angles are in gimbal lock: only the sum or difference of z and y is defined."""

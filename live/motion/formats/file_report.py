@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.motion import quaternion
 from live.motion.cleanup.glitch_detection import Glitch, find_glitches
 from live.motion.cleanup.trim_start import find_recording_start
@@ -16,7 +17,6 @@ from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_axes import BODY_HEIGHT_RANGE, body_height, find_unit, find_up, leg_length
 from live.motion.formats.source_motion import (
     FileWarning,
-    Float64,
     LocalPose,
     OffsetUse,
     SourceMotion,

@@ -10,10 +10,10 @@ from urllib.parse import unquote
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, quoted
 from live.motion.formats.gltf_document import GltfFile, JsonObject
 
-Float64 = npt.NDArray[np.float64]
 Resolve = Callable[[str], bytes]
 """Returns the content of a file next to the glTF file, by its bare name; may raise OSError."""
 

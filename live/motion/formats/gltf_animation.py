@@ -6,14 +6,13 @@ from typing import Final, Literal
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float, Float64
 from live.motion import quaternion
 from live.motion.formats.file_error import quoted
 from live.motion.formats.gltf_accessors import AccessorReader
 from live.motion.formats.gltf_document import JsonObject
 from live.motion.formats.gltf_skeleton import NodeTree
 
-Float = npt.NDArray[np.floating]
-Float64 = npt.NDArray[np.float64]
 Interpolation = Literal["LINEAR", "STEP", "CUBICSPLINE"]
 
 KEY_TOLERANCE: Final = 0.01

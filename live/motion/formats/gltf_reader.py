@@ -10,6 +10,7 @@ from typing import Final, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float, Float64
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.formats.file_error import MAGNITUDE_LIMIT, MotionFileError, quoted
@@ -28,9 +29,6 @@ from live.motion.formats.gltf_skeleton import (
 )
 from live.motion.formats.motion_format import MotionFile, MotionFormat
 from live.motion.formats.source_motion import FileWarning, SourceMotion
-
-Float = npt.NDArray[np.floating]
-Float64 = npt.NDArray[np.float64]
 
 _IDENTITY: Final = np.array((1.0, 0.0, 0.0, 0.0))
 

@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float, Float64
 from live.motion import quaternion
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.gltf_accessors import AccessorReader
 from live.motion.formats.gltf_document import JsonObject
-
-Float = npt.NDArray[np.floating]
 
 NODE_LIMIT: Final = 20_000
 UNIFORM_SCALE_TOLERANCE: Final = 0.01
@@ -258,8 +256,6 @@ def _unique_names(names: list[str], keep: set[str]) -> list[str]:
         result.append(name)
     return result
 
-
-Float64 = npt.NDArray[np.float64]
 
 MAX_SHEAR: Final = 0.05
 """A bind matrix that deviates more than this from a uniformly scaled rotation is ignored."""

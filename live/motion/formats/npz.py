@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.motion.formats.file_error import MotionFileError, quoted
 
-Float64 = npt.NDArray[np.float64]
 Real = npt.NDArray[np.floating] | npt.NDArray[np.integer]
 
 MEMBER_LIMIT: Final = 1000

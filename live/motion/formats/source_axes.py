@@ -7,13 +7,11 @@ import math
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float
 from live.motion.formats.source_motion import LocalPose, SourceMotion, UpAxis, WorldPose, world_pose
 from live.motion.retarget.joint_mapping import SourceBody
 from live.motion.skeleton import BODY_HEIGHT, SKELETON
-
-Float = npt.NDArray[np.floating]
 
 ENGINE_LEG: Final = float(
     np.linalg.norm(SKELETON.offsets[SKELETON.index("leftLowerLeg")])

@@ -4,12 +4,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float, Float64, Int32
 from live.motion import quaternion
 
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 UpAxis = Literal["Y", "Z"]
 OffsetUse = Literal["zero", "add", "replace"]
 
@@ -73,9 +71,6 @@ class SourceMotion:
     def header_fps(self) -> float:
         """Frames per second as the file states them."""
         return 1.0 / self.frame_time
-
-
-Float = npt.NDArray[np.floating]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

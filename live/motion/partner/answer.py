@@ -12,6 +12,7 @@ from typing import Final, Literal
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64
 from live.motion import quaternion
 from live.motion.clip import Clip, read_clip
 from live.motion.forward_kinematics import forward_kinematics
@@ -21,8 +22,6 @@ from live.motion.pose.foot_lock import lock_feet
 from live.motion.skeleton import SKELETON
 from live.motion.two_bone_ik import two_bone
 
-Float64 = npt.NDArray[np.float64]
-Bool = npt.NDArray[np.bool_]
 Smoothing = Literal["none", "linear", "eased"]
 
 SETTLE_S: Final = 0.2

@@ -8,16 +8,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Complex128, Float64, Int64
 from live.base.errors import PersonError
 from live.motion.partner.decoder_kernels import SAMPLE_SIZE, multiply, propagate
 from live.motion.partner.point_clouds import Cloud
 from live.motion.partner.time_scaled_units import Stretches
-
-Float64 = npt.NDArray[np.float64]
-Complex128 = npt.NDArray[np.complex128]
-Int64 = npt.NDArray[np.int64]
 
 BLOCK: Final = 128
 """Boundaries whose products are computed at once."""

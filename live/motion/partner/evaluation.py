@@ -10,13 +10,12 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.partner.answer import palms
 from live.motion.partner.units import Hold
 from live.motion.quality.metrics import contact_slide_speeds, skating_frames
-
-Float64 = npt.NDArray[np.float64]
 
 
 def joint_positions(clip: Clip) -> Float64:

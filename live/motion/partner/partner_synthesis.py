@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.base.errors import PersonError
 from live.motion.clip import Clip
 from live.motion.partner.answer import Answer, Smoothing, answer, enforce_feet, enforce_holds
@@ -17,8 +17,6 @@ from live.motion.partner.point_clouds import Cloud
 from live.motion.partner.refinement import refine
 from live.motion.partner.time_scaled_units import make_stretches
 from live.motion.partner.units import Units
-
-Float64 = npt.NDArray[np.float64]
 
 RATE: Final = 7.5
 """Frames per second of the search (H012)."""

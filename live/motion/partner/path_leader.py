@@ -8,13 +8,11 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
+from live.base.arrays import Float64
 from live.motion.clip import Clip
 from live.motion.partner.point_clouds import Cloud, hip_projections
-
-Float64 = npt.NDArray[np.float64]
 
 MIN_SPEED: Final = 0.1
 """Below this speed [m/s] a path does not define the facing, and the heading is held."""

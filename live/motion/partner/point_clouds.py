@@ -11,12 +11,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Complex128, Float64
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
-
-Float64 = npt.NDArray[np.float64]
-Complex128 = npt.NDArray[np.complex128]
 
 END_JOINTS: Final = tuple(SKELETON.index(name) for name in ("leftHand", "rightHand", "leftFoot", "rightFoot"))
 """Hands and feet: sufficient for interpretation and continuity (H016)."""

@@ -7,17 +7,13 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64, Int64
 from live.motion.partner.decoder import Reading
 from live.motion.partner.initial_search_kernels import fit_places, join_places
 from live.motion.partner.point_clouds import Cloud, fit, gap, time_scaled
 from live.motion.partner.time_scaled_units import legal_durations
 from live.motion.partner.units import Units
-
-Float64 = npt.NDArray[np.float64]
-Complex128 = npt.NDArray[np.complex128]
-Int64 = npt.NDArray[np.int64]
 
 SEARCH_RANGE: Final = 1.0
 """Search range of a boundary to both sides of its coarse position [frames of the coarse reading]."""

@@ -15,8 +15,8 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float, Float64
 from live.motion import quaternion
 from live.motion.clip import Clip, read_clip
 from live.motion.forward_kinematics import forward_kinematics
@@ -25,9 +25,6 @@ from live.motion.partner.evaluation import HoldCriterion, detect_holds
 from live.motion.partner.point_clouds import END_JOINTS, Cloud, cloud_of, ends_cloud, path_cloud
 from live.motion.partner.units import Example, Units, cut_units
 from live.motion.step_clip import StepClip
-
-Float = npt.NDArray[np.floating]
-Float64 = npt.NDArray[np.float64]
 
 PARTNER_DISTANCE: Final = 1.0
 """Distance of the two dancers [m]."""

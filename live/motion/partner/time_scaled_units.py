@@ -3,14 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Complex128, Float64, Int64
 from live.motion.partner.point_clouds import Cloud, time_scaled
 from live.motion.partner.units import Units
-
-Float64 = npt.NDArray[np.float64]
-Complex128 = npt.NDArray[np.complex128]
-Int64 = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

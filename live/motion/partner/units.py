@@ -13,11 +13,9 @@ import numpy.typing as npt
 from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.spatial.distance import squareform
 
+from live.base.arrays import Float64, Int64
 from live.motion.clip import Clip, read_clip
 from live.motion.partner.point_clouds import Cloud, time_scaled
-
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
 
 BEATS_OF_UNIT: Final = 2
 """A unit of dance is two beats long (H001)."""

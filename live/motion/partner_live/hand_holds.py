@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float32, Float64, Int32
 from live.motion.partner_live.online_player import LivePartner
 from live.motion.pose.hand_hold import ARM_JOINTS
 from live.motion.pose.hand_hold_kernels import measure_reach, reach_palms
@@ -51,10 +51,6 @@ def held_hands(partner: LivePartner) -> tuple[int, int]:
     return found[0], found[1]
 
 
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 PoseReader = Callable[[Int32], tuple[Float32, Float32]]
 
 HALFLIFE: Final = 0.06

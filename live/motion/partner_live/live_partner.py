@@ -4,8 +4,8 @@ from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64
 from live.base.errors import PersonError
 from live.motion import quaternion
 from live.motion.clip import Clip
@@ -23,10 +23,6 @@ from live.motion.partner.point_clouds import Cloud
 from live.motion.partner.units import Units, unit_distances
 from live.motion.partner_live.online_decoder import OnlineDecoder
 from live.motion.partner_live.online_player import LivePartner
-
-Float64 = npt.NDArray[np.float64]
-
-Bool = npt.NDArray[np.bool_]
 
 LIVE_RATE: Final = 30.0
 """Frame rate of the causal decoder [Hz]."""

@@ -8,18 +8,14 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Complex128, Float64
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.partner.decoder_kernels import SAMPLE_SIZE
 from live.motion.partner.time_scaled_units import Stretches, make_stretches
 from live.motion.partner.units import Units
 from live.motion.partner_live.online_kernels import expect_root, finish_units, score_running
-
-Float64 = npt.NDArray[np.float64]
-Complex128 = npt.NDArray[np.complex128]
-Int64 = npt.NDArray[np.int64]
 
 PATH_COUNT: Final = 32
 """Paths kept at each boundary."""

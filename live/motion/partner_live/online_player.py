@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64
 from live.motion import quaternion
 from live.motion.partner_live.online_decoder import OnlineDecoder, UnitHypothesis
 
@@ -95,9 +96,6 @@ class FloorTransform:
         turn = self._last_turn * np.exp(1j * part * float(np.angle(self.turn / self._last_turn)))
         return complex(turn), self._last_shift + part * (self.shift - self._last_shift)
 
-
-Float64 = npt.NDArray[np.float64]
-Bool = npt.NDArray[np.bool_]
 
 DECISION_SHARE: Final = 0.5
 """A unit is decided before more than this share of it has passed."""

@@ -7,8 +7,8 @@ import copy
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Complex128, Float32, Float64, Int32
 from live.motion import quaternion
 from live.motion.partner.path_leader import MIN_SPEED
 from live.motion.partner.point_clouds import hip_projections
@@ -19,11 +19,6 @@ from live.motion.partner_live.stage_partner_kernels import local_to_world, world
 from live.motion.pose.foot_lock import LEG_JOINTS, FootLock
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Bool = npt.NDArray[np.bool_]
-Complex128 = npt.NDArray[np.complex128]
 
 RATE: Final = 30.0
 """Approximate frame rate at which a leader is read [Hz]; a whole number of frames per beat."""
@@ -187,9 +182,6 @@ class LeaderReader:
         if seen >= REPORT_SHARE:
             self._reported = partner.unit, partner.begin
             self.decided_label = units.label(partner.unit)
-
-
-Int32 = npt.NDArray[np.int32]
 
 
 class FollowerFootLock:

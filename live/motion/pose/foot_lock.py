@@ -6,6 +6,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float32, Int32
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.curve import smoothstep
@@ -25,9 +26,6 @@ from live.motion.pose.foot_lock_kernels import (
 from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline, PoseSkeleton
 from live.motion.skeleton import SOLE_BELOW_ANKLE
-
-Float32 = npt.NDArray[np.float32]
-Bool = npt.NDArray[np.bool_]
 
 LEG_JOINTS = PoseSkeleton.legs_only()[1]
 """The engine's joints that a FootLock uses: hips and both legs, shape (9,)."""
@@ -100,7 +98,6 @@ def lock_feet(clip: Clip) -> Clip:
     )
 
 
-Int32 = npt.NDArray[np.int32]
 Floats = npt.NDArray[np.floating]
 
 STAY_DISTANCE: Final = 0.12

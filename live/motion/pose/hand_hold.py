@@ -6,11 +6,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float32, Int32
 from live.motion.pose.hand_hold_kernels import join_hands
 from live.motion.skeleton import SKELETON
-
-Float32 = npt.NDArray[np.float32]
-Int32 = npt.NDArray[np.int32]
 
 LEFT: Final = 0
 RIGHT: Final = 1

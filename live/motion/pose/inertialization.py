@@ -3,12 +3,8 @@
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float32, Float64, Int32
 from live.motion.pose.inertialization_kernels import COLUMNS, DURATION, MAX_FADE_TIME, record_difference, update_ages
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 
 
 def zero_differences(count: int, joints: int) -> Float32:

@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float32, Float64, Int32
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.pose.foot_lock_kernels import FEET_COLUMNS, TOES
 from live.motion.pose.inertialization import zero_differences
@@ -17,10 +18,6 @@ from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
 from live.motion.pose.pipeline_kernels import pose_dancers
 from live.motion.pose.sample_kernels import BLOCK
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 LEG_NAMES: Final = tuple(
     side + joint for side in ("left", "right") for joint in ("UpperLeg", "LowerLeg", "Foot", "Toes")

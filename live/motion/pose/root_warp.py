@@ -7,14 +7,10 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64
 from live.motion.pose.root_warp_kernels import DIRECTIONS, KNOTS, WARP_RATE, WARP_SHARE, minimax_weights
 from live.motion.skeleton import SKELETON
-
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
-Bool = npt.NDArray[np.bool_]
 
 SUBSTEPS: Final = 16
 """Evaluation points between two knots."""

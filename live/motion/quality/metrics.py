@@ -9,14 +9,11 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 from scipy.ndimage import gaussian_filter1d
 
+from live.base.arrays import Bool, Float, Float64
 from live.motion.editing.foot_correction import ANKLES, BALLS
 from live.motion.foot_contact import TOES_OVER_SOLE
-
-Float = npt.NDArray[np.floating]
-Float64 = npt.NDArray[np.float64]
 
 BEAT_SMOOTHING: Final = 5.0 / 60.0
 """Width [s] of the Gaussian that smooths the mean speed: five frames at 60 per second."""
@@ -63,8 +60,6 @@ def beat_alignment(beats: Float64, others: Float64) -> float | None:
         return 0.0
     return float(np.exp(-(beat_offsets(beats, others) ** 2) / (2.0 * ALIGNMENT_DEVIATION**2)).mean())
 
-
-Bool = npt.NDArray[np.bool_]
 
 SKATING_RATE: Final = 20.0
 SKATING_HEIGHT: Final = 0.05

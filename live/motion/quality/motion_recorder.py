@@ -1,14 +1,10 @@
 """Recorder for motion metrics of many dancers during playback, frame by frame, in little memory."""
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float32, Float64
 from live.motion.editing.foot_correction import BALLS
 from live.motion.quality.metrics import SKATING_RATE, largest_at_samples, mean_speed, skating_balls
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Bool = npt.NDArray[np.bool_]
 
 BLOCK = 64
 """Frames processed together."""

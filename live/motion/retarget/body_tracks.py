@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float, Float64
 from live.motion import quaternion
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_axes import (
@@ -17,11 +18,10 @@ from live.motion.formats.source_axes import (
     leg_length,
     standing_pose,
 )
-from live.motion.formats.source_motion import Float64, SourceMotion, UpAxis, WorldPose, end_positions, rest_pose
+from live.motion.formats.source_motion import SourceMotion, UpAxis, WorldPose, end_positions, rest_pose
 from live.motion.retarget.joint_mapping import SourceBody, find_body
 from live.motion.retarget.rest_pose_alignment import SIDES, SourcePoints
 
-Float = npt.NDArray[np.floating]
 Int = npt.NDArray[np.int64]
 
 BODY_SIDES: Final = ("left", "right")

@@ -3,14 +3,12 @@
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float
 from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.rest_pose_alignment import SIDES, SourcePoints
 from live.motion.skeleton import SKELETON
-
-Float = npt.NDArray[np.floating]
 
 SUPPORT_HEIGHT: Final = 0.05
 """The weight of a foot in placing the hips falls by a factor e per this height [m] over its floor."""

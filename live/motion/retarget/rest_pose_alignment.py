@@ -11,11 +11,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float
 from live.motion import quaternion
 from live.motion.retarget.joint_mapping import SourceBody
 from live.motion.skeleton import SKELETON
-
-Float = npt.NDArray[np.floating]
 
 _X: Final = np.array((1.0, 0.0, 0.0))
 _Y: Final = np.array((0.0, 1.0, 0.0))

@@ -6,8 +6,8 @@ Trunk and neck chains of any length are distributed over the engine's three spin
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.foot_contact import TOES_OVER_SOLE, find_contacts
@@ -29,8 +29,6 @@ from live.motion.retarget.rest_pose_alignment import (
     standing_frame,
 )
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
-
-Float = npt.NDArray[np.floating]
 
 SPINE: Final = ("spine", "chest", "upperChest")
 

@@ -6,12 +6,10 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float
 from live.motion.curve import interpolate
 from live.motion.sketch.sketch_file import Key, Sketch
-
-Float = npt.NDArray[np.floating]
 
 FAR_BEAT: Final = 1000.0
 """A beat later than all others; its negative is earlier than all others."""

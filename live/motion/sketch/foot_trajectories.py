@@ -7,15 +7,12 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float
 from live.motion.curve import interpolate
 from live.motion.skeleton import SKELETON
 from live.motion.sketch.foot_plan import FAR_BEAT, Stance, place_of
 from live.motion.sketch.sketch_file import Key
-
-Float = npt.NDArray[np.floating]
-Bool = npt.NDArray[np.bool_]
 
 HOME_OUT: Final = 0.11
 """Lateral distance of the ankle from the middle in the neutral stance [m]."""

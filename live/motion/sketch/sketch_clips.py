@@ -4,8 +4,8 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float
 from live.motion.clip import Clip
 from live.motion.mirror import mirror_step
 from live.motion.sketch.foot_plan import delay_departures, find_flights, find_stances, weight_balance
@@ -15,8 +15,6 @@ from live.motion.sketch.sketch_file import Sketch
 from live.motion.sketch.sketch_pose import pose_body
 from live.motion.sketch.upper_body import SAMPLES_PER_BEAT, FootSupport, facing
 from live.motion.step_clip import DIRECTIONS, StepClip, measured_distance
-
-Float = npt.NDArray[np.floating]
 
 TAIL_SAMPLES: Final = 8
 """Samples after the last measure, so that reading at its end needs no special case."""

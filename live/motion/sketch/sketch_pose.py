@@ -4,8 +4,8 @@ import math
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float
 from live.motion import quaternion
 from live.motion.curve import gaussian_filter, hermite, monotone_slopes, soft_min, spring_response
 from live.motion.skeleton import JOINT_COUNT, SKELETON
@@ -29,8 +29,6 @@ from live.motion.sketch.upper_body import (
     stride_of,
 )
 from live.motion.two_bone_ik import SOFTNESS, bone_rotation, hinge_axis, two_bone
-
-Float = npt.NDArray[np.floating]
 
 STANDING_HEIGHT: Final = float(SKELETON.offsets[0, 1]) - 0.03
 """Height of the hips in the neutral stance, knees soft [m]."""

@@ -8,16 +8,14 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float
 from live.motion import quaternion
 from live.motion.curve import gaussian_filter, hermite, interpolate, monotone_slopes, repeat_keys, spring_response
 from live.motion.skeleton import SKELETON
 from live.motion.sketch.foot_trajectories import FootTrack
 from live.motion.sketch.sketch_file import Key, Sketch
 from live.motion.two_bone_ik import bone_rotation, hinge_axis, two_bone
-
-Float = npt.NDArray[np.floating]
 
 SAMPLES_PER_BEAT: Final = 32
 _KEY_SMOOTHING: Final = 0.05 * SAMPLES_PER_BEAT

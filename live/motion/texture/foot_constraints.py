@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float, Float64
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.curve import smoothstep
@@ -23,10 +24,6 @@ from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
 from live.motion.texture.frequency_bands import Chart
 from live.motion.texture.texture_settings import LEGS, UPPER
-
-Float64 = npt.NDArray[np.float64]
-Float = npt.NDArray[np.floating]
-Bool = npt.NDArray[np.bool_]
 
 FADE_S: Final = 0.12
 """Time over which a leg's texture fades in and out next to a stance [s]."""

@@ -12,12 +12,9 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64, Int64
 from live.motion.texture.fragments import Fragments
-
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
 
 MAX_LENGTH_RATIO: Final = 4.0
 """A fragment of the data longer than this many times the sketch's is rejected: poses held for calibration."""

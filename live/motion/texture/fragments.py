@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
+from live.base.arrays import Bool, Float64, Int64
 
 MIN_LENGTH: Final = 3
 """Fewest samples between cuts: a shorter fragment is no movement and leaves no room for a join."""
@@ -65,8 +63,6 @@ def make_fragments(cuts: list[Int64], starts: list[int]) -> Fragments:
     clip = [np.full(len(c) - 1, n, np.int64) for n, c in enumerate(cuts)]
     return Fragments(np.concatenate(begin), np.concatenate(end), np.concatenate(clip))
 
-
-Bool = npt.NDArray[np.bool_]
 
 BLEND_REACH: Final = 10
 """N of P016 [samples at 24 Hz]; 5 to 20 are useful."""

@@ -14,15 +14,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float, Float64, Int64
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.quaternion import euler_to_quaternion, mean_rotation
 from live.motion.skeleton import JOINT_COUNT
-
-Float = npt.NDArray[np.floating]
-Float64 = npt.NDArray[np.float64]
 
 RATE: Final = 24.0
 """Sample rate of the bands, as in the paper [Hz]: band 1 is 6 to 12 Hz, band 2 is 3 to 6 Hz."""
@@ -177,8 +174,6 @@ def _center_turns(angles: Float64) -> Float64:
     turns[1] = 0.0
     return np.asarray(angles - 2.0 * np.pi * turns)
 
-
-Int64 = npt.NDArray[np.int64]
 
 SWAY: Final = JOINT_COUNT
 """Index of the pseudo-joint after the last one: offset of the hips to their left, up and forward [m]."""

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float, Float32, Float64, Int32
 from live.motion import quaternion
 from live.motion.clip import read_clip
 from live.motion.quaternion import mean_rotation
@@ -20,11 +20,6 @@ from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.motion.step_clip import StepClip
 from live.motion.texture.live_texture_kernels import DERIVATIVE, DIMENSIONS, PER_BEAT, SLOTS, UPPER_COUNT
 from live.motion.texture.texture_settings import UPPER
-
-Float = npt.NDArray[np.floating]
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 BEATS_AFTER: Final = 3
 """A fragment is chosen within its first beat and left within three beats, so its clip must last this long after it."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64, Int64
 from live.base.errors import PersonError
 from live.motion.clip import Clip
 from live.motion.texture.fragments import Fragments, find_cuts, make_fragments
@@ -20,9 +20,6 @@ from live.motion.texture.frequency_bands import (
     tracks_of,
 )
 from live.motion.texture.texture_settings import TextureSettings
-
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
 
 MIN_CLIP_S: Final = 1.0
 """Clips shorter than this [s] are too short to match."""

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
@@ -14,8 +13,6 @@ from live.motion.texture.frequency_bands import MAX_BANDS, RATE, columns_of, sam
 from live.motion.texture.texture_corpus import TextureCorpus
 from live.motion.texture.texture_settings import TextureSettings
 from live.motion.texture.texture_synthesis import TexturedSketch
-
-Float64 = npt.NDArray[np.float64]
 
 SHOWN_BANDS = 7
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import CubicSpline
 
+from live.base.arrays import Float64, Int64
 from live.base.errors import PersonError
 from live.motion.clip import Clip
 from live.motion.texture.foot_constraints import apply_foot_constraints
@@ -33,9 +33,6 @@ from live.motion.texture.frequency_bands import (
 )
 from live.motion.texture.texture_corpus import DrivingFeatures, TextureCorpus, cut_column
 from live.motion.texture.texture_settings import LEGS, TextureSettings
-
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,18 +9,13 @@ from functools import cache
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float32, Float64, Int32, Int64
 from live.base.body_catalogue import DEFAULT_BODY
 from live.render.body.body_variants import bun_of, parts_of
 from live.render.body.cage import Cage, build_bun_cage, build_cage
 from live.render.body.implicit_surface import Shape
 from live.render.body.mesh_simplify import simplify, subdivide
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Int64 = npt.NDArray[np.int64]
 
 COARSE: Final = 0
 """Level for shadows and reflections."""

@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64, Int64
 from live.motion.skeleton import JOINT_COUNT, MIRROR, SKELETON
 
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
 Point = tuple[float, float, float]
 JointWeights = dict[str, float]
 

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import PchipInterpolator
 
-Float64 = npt.NDArray[np.float64]
+from live.base.arrays import Float64
 
 _SAMPLES: Final = 65
 _TINY: Final = 1e-9

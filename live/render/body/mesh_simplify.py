@@ -10,10 +10,8 @@ import math
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
+from live.base.arrays import Float64, Int64
 
 _DATA_COST: Final = 3e-5
 """Cost of a full change of weights along a metre [m^4]."""

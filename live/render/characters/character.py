@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float32, Float64, Int64
 from live.base.body_catalogue import DEFAULT_BODY, MAX_CHARACTERS, CharacterFile, MaterialOverride
 from live.base.errors import PersonError
 from live.motion.formats.file_error import MotionFileError
@@ -21,10 +22,6 @@ from live.render.characters.materials import EXTRAS, Layers, extras_of, layers_o
 from live.render.characters.model import Material, Model
 from live.render.characters.model_reader import read_model
 from live.render.characters.skeleton_fit import FittedCharacter, find_joints, fit
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
 
 TRIANGLES: Final = {COARSE: 1200, LIGHT: 3600, FINE: 60_000}
 """Maximum number of triangles of each level."""

@@ -8,14 +8,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from live.base.arrays import Float64, Int64
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
 
 _DETAIL_FACTORS: Final = {"head": 2.0, "Hand": 1.7, "Toes": 1.5, "Foot": 1.3, "neck": 1.3}
 _ITERATIONS: Final = 14

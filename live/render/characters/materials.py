@@ -9,9 +9,9 @@ import io
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 from PIL import Image, UnidentifiedImageError
 
+from live.base.arrays import Float32, UInt8
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.gltf_document import JsonObject
 from live.render.characters.model import Material, Model
@@ -106,8 +106,6 @@ def _texture_transform(texture: JsonObject) -> tuple[int, tuple[float, float], t
     return moved.integer("texCoord", uv, below=8), (u, v), (su, sv)
 
 
-UInt8 = npt.NDArray[np.uint8]
-
 SIDE_LIMIT: Final = 8192
 """Maximum width or height of an image [pixels]."""
 PIXEL_LIMIT: Final = 150_000_000
@@ -170,7 +168,6 @@ def _pixels(image: Image.Image, side: int, number: int, file: str) -> UInt8:
         raise MotionFileError(file, None, words, "export it again") from None
 
 
-Float32 = npt.NDArray[np.float32]
 Layers = dict[tuple[int, bool], int]
 """Layer of an image, by its number and whether it holds normals."""
 

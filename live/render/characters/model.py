@@ -3,11 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Final
 
-import numpy as np
-import numpy.typing as npt
-
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
+from live.base.arrays import Float64, Int64
 
 TRIANGLE_LIMIT: Final = 300_000
 """Maximum number of triangles of a character."""

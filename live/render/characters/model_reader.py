@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64, Int64
 from live.motion import quaternion
 from live.motion.formats.file_error import MotionFileError, quoted
 from live.motion.formats.gltf_accessors import AccessorReader, Resolve
@@ -15,9 +15,6 @@ from live.motion.formats.gltf_skeleton import NodeTree
 from live.render.characters.materials import PLAIN, material_transform, read_materials
 from live.render.characters.model import TRIANGLE_LIMIT, Model, Part
 from live.render.characters.vrm_licence import bones_of, first_person, kind_of, licence_of
-
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
 
 BYTE_LIMIT: Final = 100_000_000
 """Maximum size of a character's file, or of one that it refers to [bytes]."""

@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.motion import quaternion
 from live.motion.formats.file_error import MotionFileError, quoted
 from live.motion.retarget.joint_mapping import find_body_among, split_name
@@ -110,8 +111,6 @@ def joint_of_node(model: Model, joints: Mapping[str, int | None]) -> list[int]:
             result[node] = result[parent]
     return result
 
-
-Float64 = npt.NDArray[np.float64]
 
 _REST: Final = SKELETON.rest_positions().astype(np.float64)
 _SMOOTHING_RADIUS: Final = 0.05

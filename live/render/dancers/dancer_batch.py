@@ -6,6 +6,7 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float32
 from live.base.stage_snapshot import Camera, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.adaptive_quality import Quality
@@ -16,8 +17,6 @@ from live.render.dancers.group_styles import WARDROBE_TEXELS, GroupStyles, dance
 from live.render.dancers.instance_lists import InstanceLists, ViewVolume
 from live.render.render_kernels import pose_texels
 from live.render.shader import release_all, set_uniform
-
-Float32 = npt.NDArray[np.float32]
 
 POSE_UNIT: Final = 0
 """Texture unit of the pose texture."""

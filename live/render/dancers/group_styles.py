@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.picture_parameters import (
     GROUP_COUNT,
     GROUP_PARAMETERS,
@@ -17,11 +18,6 @@ from live.base.picture_parameters import (
     STYLES_START,
 )
 from live.render.shader import STYLE_VECTORS, STYLES_BINDING
-
-Bool = npt.NDArray[np.bool_]
-Int32 = npt.NDArray[np.int32]
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
 
 LISTS: Final = (
     "all", "mirrored", "near", "far", "bodies near", "bodies far", "ink near", "ink far", "particles", "ribbons",

@@ -8,8 +8,8 @@ from typing import Final
 
 import moderngl
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float32, Int32
 from live.base.stage_snapshot import Camera, StageView
 from live.render.adaptive_quality import Quality
 from live.render.camera import view_matrix, world_to_clip
@@ -26,10 +26,6 @@ from live.render.render_kernels import (
     cull_dancers,
     fill_lists,
 )
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 BODY_REACH: Final = 0.35
 """The generated body, in any style, reaches at most this far beyond its joints [m]."""

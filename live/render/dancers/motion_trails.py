@@ -5,16 +5,14 @@ from typing import Final
 
 import moderngl
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float32
 from live.base.picture_parameters import GROUP_COUNT, LONGEST_RIBBON, MAX_GHOSTS
 from live.base.stage_snapshot import StageView
 from live.motion.skeleton import SKELETON
 from live.render.dancers.dancer_batch import DancerBatch, pose_texture
 from live.render.render_kernels import limb_tips
 from live.render.shader import release_all
-
-Float32 = npt.NDArray[np.float32]
 
 SAMPLES_PER_BEAT: Final = 12
 """Samples per beat; the ribbon is a smooth curve between them."""

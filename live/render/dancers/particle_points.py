@@ -7,12 +7,10 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float32, Int32
 from live.base.body_catalogue import DEFAULT_BODY
 from live.motion.skeleton import JOINT_COUNT
 from live.render.body.body_mesh import LIGHT, BodyMesh, build_body, strongest_weights
-
-Float32 = npt.NDArray[np.float32]
-Int32 = npt.NDArray[np.int32]
 
 _SEED: Final = 11
 

@@ -5,11 +5,10 @@ from functools import cache
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float32
 from live.motion.skeleton import SKELETON
 
-Float32 = npt.NDArray[np.float32]
 Point = tuple[float, float, float]
 _Line = tuple[list[Point], list[str], float, float]
 """Points [m], the joint of each, radius [m], brightness."""

@@ -4,13 +4,11 @@ All coordinates are shares, 0 to 1, x to the right and y down.
 """
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.render.outputs.output import Output, Point
 from live.render.outputs.output_pass import rotation_matrix
 from live.render.outputs.warp import homography, map_points, unwarp_point, warp_grid
-
-Float64 = npt.NDArray[np.float64]
 
 
 def window_to_picture(output: Output, place: Point) -> Point:

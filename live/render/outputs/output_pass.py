@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
+from live.base.arrays import Float32
 from live.base.errors import PersonError
 from live.render.lettering import bake_atlas
 from live.render.outputs.output import Output, Point
@@ -145,8 +146,6 @@ _LINES_PER_HEIGHT: Final = 38
 """Number of text lines that fill the window's height."""
 _RADIUS: Final = 0.022
 """Radius of a point's mark, as a share of the window's height."""
-
-Float32 = npt.NDArray[np.float32]
 
 
 class HandlePass:

@@ -10,12 +10,9 @@ from typing import Final
 
 import moderngl
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64
 from live.render.shader import compile_program, release_all, set_uniform
-
-Float64 = npt.NDArray[np.float64]
-Bool = npt.NDArray[np.bool_]
 
 CHANGE: Final = 0.1
 """Smallest change of luminance that counts."""

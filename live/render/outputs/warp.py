@@ -7,10 +7,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float32, Float64
 from live.base.errors import PersonError
 from live.render.outputs.output import MAX_MESH_POINTS, MIN_MESH_POINTS, Output, Point
-
-Float64 = npt.NDArray[np.float64]
 
 MIN_AREA: Final = 1e-4
 """Corners that enclose less than this share of the window show nothing."""
@@ -78,8 +77,6 @@ def _segments_cross(a: Float64, b: Float64, c: Float64, d: Float64) -> bool:
 
     return side(a, b, c) * side(a, b, d) < 0.0 and side(c, d, a) * side(c, d, b) < 0.0
 
-
-Float32 = npt.NDArray[np.float32]
 
 SUBDIVISIONS: Final = 12
 """Subdivisions of a mesh cell in each direction."""

@@ -9,7 +9,8 @@ from typing import Final
 import moderngl
 import numpy as np
 
-from live.base.picture_parameters import PLAN, Float64
+from live.base.arrays import Float64
+from live.base.picture_parameters import PLAN
 from live.base.stage_snapshot import StageView
 from live.render.pass_context import Moment, PassSetup, ScenePass
 from live.render.shader import compile_program, release_all, set_uniform

@@ -4,8 +4,8 @@ from typing import Any, Final
 
 import moderngl
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float32
 from live.base.picture_parameters import BY_ADDRESS
 from live.base.stage_snapshot import StageView
 from live.render.dancers.dancer_batch import DancerBatch
@@ -81,8 +81,6 @@ class TrailsPass:
         """Free everything."""
         release_all(*self._targets, *self._textures, self._full, self._feedback)
 
-
-Float32 = npt.NDArray[np.float32]
 
 _LIMBS_UNIT: Final = 2
 

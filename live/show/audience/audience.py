@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float32, Int64
 from live.base.errors import PersonError
 from live.base.stage_snapshot import LIGHT_CAPACITY, StageView
 from live.clock.ticks import TICK
@@ -22,9 +23,6 @@ from live.show.audience.voting import Turn, Vote, VoteNames, resolve_choices, wi
 from live.show.group.elements import SCORE, Elements
 from live.show.patch.section_io import AudienceSection
 from live.show.stages.now import Now
-
-Float32 = npt.NDArray[np.float32]
-Int64 = npt.NDArray[np.int64]
 
 AUDIENCE_EVENTS: Final = (
     events.AudienceHeard, events.OpenAudience, events.SetAudienceGain, events.MuteAudience, events.WeighRegion,

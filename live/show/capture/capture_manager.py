@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64, Int64
 from live.base.errors import PersonError, error_context
 from live.clock.ticks import TICK
 from live.control.events import capture as events
@@ -19,7 +19,7 @@ from live.control.events.event import ControlEvent
 from live.control.events.groups import Performer
 from live.control.registry.control import ArgumentValue
 from live.motion.capture.capture_blend_kernels import move_agents
-from live.show.capture.performer import CapturedPerformer, Float64, Int64
+from live.show.capture.performer import CapturedPerformer
 from live.show.capture.performer_forces import PerformerForces
 from live.show.capture.stage_presence import MAX_SPEED
 from live.show.patch.patch import Patch
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from live.show.group.group_motion import GroupMotion
     from live.show.selection.scheduler import Scheduler
 
-Bool = npt.NDArray[np.bool_]
 
 MOCAP_EVENTS: Final = (
     events.MocapFrame, events.TrackerMoved, events.CastMocap, events.ShowMocap, events.MirrorMocap, events.PlaceMocap,

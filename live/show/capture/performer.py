@@ -6,6 +6,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float32, Float64, Int64
 from live.control.registry.control import ArgumentValue
 from live.motion.capture.capture_blend_kernels import blend_captured, find_positions
 from live.motion.capture.capture_kernels import (
@@ -62,10 +63,6 @@ class PerformerSettings:
             "attract": (float(self.attract), self.attracts),
         }
 
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
 
 HOLD_S: Final = 0.25
 """Time [s] for which the last pose is held; then the dancer's own steps fade in."""

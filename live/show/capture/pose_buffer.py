@@ -9,15 +9,11 @@ import math
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float32, Float64, Int32
 from live.clock.ticks import TICK
 from live.motion.capture.capture_kernels import BEAT, TIME
 from live.motion.skeleton import JOINT_COUNT, MIRROR
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 POSE_CAPACITY: Final = 32
 """Poses kept without a canon."""

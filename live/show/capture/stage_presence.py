@@ -10,10 +10,10 @@ import math
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.agents.crowd.contact_kernels import EDGE_TIME
 from live.agents.crowd.obstacles import Surroundings
+from live.base.arrays import Bool, Float64
 from live.base.stage_snapshot import StageView
 from live.control.events.events import Performer
 
@@ -66,9 +66,6 @@ def _name(performer: str) -> str:
     """Return the obstacle name of a real dancer; no item of the set has such a name."""
     return OBSTACLE_PREFIX + performer
 
-
-Float64 = npt.NDArray[np.float64]
-Bool = npt.NDArray[np.bool_]
 
 MAX_RETURN_SPEED: Final = 1.2
 """Maximum speed [m/s] of the return from beyond an edge, after the stage has become smaller: a walk."""

@@ -9,12 +9,12 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.agents.entrances.entrances import ON
 from live.agents.separation.collision_prediction_kernels import escape_margins, predict_collisions
 from live.agents.separation.path_separation import PathSeparation
 from live.agents.separation.path_separation_kernels import extrapolate_paths
+from live.base.arrays import Float64, Int32, Int64
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.graph.node_features import MOMENTS_PER_BEAT
@@ -29,9 +29,6 @@ if TYPE_CHECKING:
     from live.show.dancers.root_correction import RootCorrection
     from live.show.group.group_motion import GroupMotion
 
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Int64 = npt.NDArray[np.int64]
 Cut = Callable[[Moment, Int32, MeasureSpan, Timeline], None]
 """Switches the dancers of a moment to other nodes, (n,), from now on."""
 

@@ -3,11 +3,11 @@
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.agents.agent_command import LEASH
 from live.agents.entrances.entrances import ON
 from live.agents.separation.path_separation import Paths, PathSeparation
+from live.base.arrays import Float64, Int64
 from live.base.motion_parameters import OBEDIENCE
 from live.clock.ticks import TICK
 from live.motion.pose.root_warp import MAX_HELD_SHIFT
@@ -24,9 +24,6 @@ from live.motion.pose.root_warp_kernels import (
 from live.show.dancers.hip_path_prediction import trace_paths
 from live.show.dancers.measure_state import MIN_REMAINING_WARP
 from live.show.dancers.root_correction import MIN_CORRECTION_SHARE, RootCorrection, consecutive_slices
-
-Float64 = npt.NDArray[np.float64]
-Int64 = npt.NDArray[np.int64]
 
 TRACE_TICKS: Final = 8
 """Ticks after the decision over which the coming paths are traced."""

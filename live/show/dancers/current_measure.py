@@ -3,16 +3,13 @@
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64, Int32
 from live.graph.motion_graph import MotionGraph
 from live.motion.pose.gather_kernels import clip_hips, gather_dancers, standing_feet
 from live.motion.pose.pose_pipeline import PosePipeline
 from live.show.dancers.measure_state import MeasureState
 from live.show.dancers.variation import Variation
 
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 Rows = npt.NDArray[np.int64]
 
 

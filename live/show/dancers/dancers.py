@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.motion_parameters import FOOT_LOCK, HEAD
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import starting_placement
@@ -30,10 +31,6 @@ if TYPE_CHECKING:
 
 __all__ = ["UNDECIDED", "Dancers", "turn_vectors"]
 
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 Rows = npt.NDArray[np.int64]
 
 LANDED = 0.03

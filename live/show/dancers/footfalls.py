@@ -5,15 +5,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64
 from live.base.stage_snapshot import StageView
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
 from live.show.show import Show
-
-Float64 = npt.NDArray[np.float64]
-Bool = npt.NDArray[np.bool_]
 
 BALL: Final = 0
 HEEL: Final = 1

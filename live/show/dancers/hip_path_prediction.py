@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.agents.separation.path_separation import MOMENTS, Paths
+from live.base.arrays import Float64
 from live.graph.select.candidates import take_offset
 from live.motion.editing.time_warp import measure_warp
 from live.motion.pose.turn_kernels import trace_hips
@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from live.show.dancers.dancers import Dancers
     from live.show.dancers.measure_state import MeasureState
 
-
-Float64 = npt.NDArray[np.float64]
 
 FRACTIONS: Final = np.linspace(0.0, 1.0, MOMENTS)[:, None]
 

@@ -9,8 +9,8 @@ import math
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float32, Float64, Int32, Int64
 from live.base.motion_parameters import HEAD, TEXTURE
 from live.motion.skeleton import SKELETON
 from live.motion.texture.live_bank import TextureBank
@@ -26,11 +26,6 @@ from live.motion.texture.live_texture_kernels import (
     write_prefix,
 )
 from live.show.dancers.variation import Variation
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Int64 = npt.NDArray[np.int64]
 
 PREFIX: Final = 0.25
 """Part of a beat whose leg motion is used before the beat is matched [beats]."""

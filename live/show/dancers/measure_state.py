@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float32, Float64, Int32
 from live.graph.select.candidates import own_end, turn_vectors
 from live.graph.takes import NO_TAKE
 from live.motion.pose.gather_kernels import same_measures
@@ -13,9 +13,6 @@ from live.motion.pose.turn_kernels import end_dancers, place_dancers
 if TYPE_CHECKING:
     from live.graph.motion_graph import MotionGraph
 
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 __all__ = ["UNDECIDED", "MeasureState", "turn_vectors"]
 

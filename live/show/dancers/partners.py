@@ -16,15 +16,11 @@ from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentState, Steering
 from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
+from live.base.arrays import Bool, Float32, Float64, Int32
 from live.graph.select.candidates import turn_vectors, wrap_angle
 from live.motion.pose.hand_hold import LEFT, NOBODY, RIGHT
 from live.show.group.casting import Casting
 from live.show.patch.patch import Patch
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 
 ALONE: Final = 0
 FACING: Final = 1

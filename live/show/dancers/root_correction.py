@@ -3,10 +3,10 @@
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.agents.entrances.entrances import ON
 from live.agents.separation.path_separation import Paths
+from live.base.arrays import Float32, Float64, Int32, Int64
 from live.motion.pose import root_warp_kernels
 from live.show.dancers.hip_path_prediction import trace_paths
 from live.show.dancers.measure_state import MeasureState
@@ -15,11 +15,6 @@ if TYPE_CHECKING:
     from live.show.dancers.dancers import Dancers
     from live.show.group.group_motion import GroupMotion
 
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Int64 = npt.NDArray[np.int64]
 
 MIN_CORRECTION_SHARE: Final = 0.4
 """Largest correction at obedience 0, as a share of the legs' reach margin."""

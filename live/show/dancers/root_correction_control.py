@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from live.agents.entrances.entrances import ON, WAITING
 from live.agents.separation.path_separation import PathSeparation
+from live.base.arrays import Float32, Float64
 from live.base.motion_parameters import OBEDIENCE
 from live.motion.capture.capture_blend_kernels import translate_plans
 from live.motion.pose.root_warp import MAX_HELD_SHIFT
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
     from live.show.dancers.dancers import Dancers
     from live.show.group.group_motion import GroupMotion
 
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
 
 MIN_END_DISTANCE: Final = 0.66
 """Least distance of dancers at the end of a measure [m]. It is a bit less than steering's MIN_DANCER_DISTANCE, which

@@ -9,15 +9,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64, Int32, Int64
 from live.base.errors import PersonError
 from live.motion.pose.pipeline_kernels import drift_leads
 from live.show.dancers.rng import Purpose, generator_for
-
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Int64 = npt.NDArray[np.int64]
 
 MIN_DRIFT_FREQUENCY: Final = 0.125
 MAX_DRIFT_FREQUENCY: Final = 0.5

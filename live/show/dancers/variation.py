@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64, Int32, Int64
 from live.base.errors import PersonError, error_context
 from live.base.motion_parameters import (
     AMPLITUDE,
@@ -34,10 +35,6 @@ from live.show.dancers.timing_offsets import MAX_DRIFT_FREQUENCY, Drift, Ripple,
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import parameter_number
 from live.show.patch.section_motion import GroupSection
-
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Int64 = npt.NDArray[np.int64]
 
 
 def section_values(patch: Patch, group: GroupSection) -> list[float]:

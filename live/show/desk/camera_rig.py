@@ -8,9 +8,9 @@ import math
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.base import picture_parameters
+from live.base.arrays import Bool, Float64
 from live.base.errors import PersonError, error_context
 from live.base.parameter import SPOT_COUNT
 from live.base.picture_parameters import BY_ADDRESS
@@ -21,8 +21,6 @@ from live.show.patch.patch import Patch
 if TYPE_CHECKING:
     from live.show.group.group_motion import GroupMotion
 
-Float64 = npt.NDArray[np.float64]
-Bool = npt.NDArray[np.bool_]
 
 FOLLOW_STIFFNESS: Final = 4.0
 """Stiffness of the following [1/s]: critically damped; the lag behind a walk of 1 m/s is half a metre."""

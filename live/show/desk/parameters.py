@@ -12,12 +12,11 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base import picture_parameters
+from live.base.arrays import Float64
 from live.control.events.event import ControlEvent
 from live.control.events.parameters import SetParameter
 from live.show.dancers.variation import Variation
 from live.show.desk.parameter_table import ParameterTable, Slot
-
-Float64 = npt.NDArray[np.float64]
 
 MIN_LIGHT_FADE_BEATS: Final = 0.125
 """Fade time of light that is set at once [beats]: quick, but no flash; cameras cut."""

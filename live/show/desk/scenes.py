@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 
 from live.base import picture_parameters
+from live.base.arrays import Float64
 from live.base.custom_pass import PASS_ADDRESS, PASSES, custom_pass_numbers
 from live.base.errors import PersonError
 from live.base.stage_snapshot import Camera
@@ -46,7 +47,7 @@ def camera_settings(camera: Camera, moves: CameraSection | None = None) -> dict[
     }
 
 
-def start_row(patch: Patch) -> picture_parameters.Float64:
+def start_row(patch: Patch) -> Float64:
     """Return the picture's row at the start of a patch, shape (picture.SIZE,)."""
     row = picture_parameters.picture_row(make_scene(patch))
     moves = camera_settings(picture_parameters.camera_from_row(row), patch.camera)

@@ -5,11 +5,9 @@ import numpy.typing as npt
 
 from live.agents.groups.group_expression import depends_on_positions, select_dancers
 from live.agents.groups.roster import Roster
+from live.base.arrays import Bool, Int32
 from live.base.errors import error_context
 from live.show.patch.patch import Patch
-
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 
 SOLOIST = "soloist"
 """The attribute of dancers who have the right of way."""

@@ -13,6 +13,7 @@ from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentState
 from live.agents.elements.element import Element
 from live.agents.elements.element_field import ElementField
+from live.base.arrays import Float32, UInt64
 from live.base.element_kinds import ATTRACTOR, EVERYBODY, FLOW_NAMES, KIND_NAMES, PARTICIPANT, REPULSOR
 from live.base.errors import PersonError, error_context
 from live.base.stage_snapshot import StageView
@@ -41,7 +42,6 @@ def target_of(whom: str) -> int:
     return int(whom) - 1 if whom.isdecimal() and len(whom) < 7 else -1
 
 
-UInt64 = npt.NDArray[np.uint64]
 Places = npt.NDArray[np.floating]
 
 BITS: Final = 64
@@ -118,9 +118,6 @@ class GroupMasks:
         bit = np.uint64(1 << number)
         self.bits[who] |= bit
         self.bits[~who] &= ~bit
-
-
-Float32 = npt.NDArray[np.float32]
 
 
 class Elements:

@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentState
@@ -30,6 +29,7 @@ from live.agents.evolutions.start_delays import Ripple, StartOrder
 from live.agents.formations.formation import Formation, formation_of
 from live.agents.formations.formation_spec import spec_from_table
 from live.agents.groups.roster import Line
+from live.base.arrays import Bool, Float32, Float64
 from live.base.errors import PersonError, error_context
 from live.control.events import events
 from live.control.events.event import ControlEvent
@@ -41,7 +41,6 @@ from live.show.patch.section_score import SegmentSection
 from live.show.patch_checks.score_conflicts import DancerSelections, check_group_calls, check_regroups, check_segments
 from live.show.score.score import Score
 
-Float64 = npt.NDArray[np.float64]
 SegmentEvent = events.Evolve | events.Travel | events.Pause
 
 
@@ -109,9 +108,6 @@ def segment_of_event(event: SegmentEvent, *, start: int, formation: str, path: s
         case events.Pause():
             return Segment(Pause(), group, start, measures), None
 
-
-Float32 = npt.NDArray[np.float32]
-Bool = npt.NDArray[np.bool_]
 
 MAX_LIVE_PATHS: Final = 16
 """Most paths drawn live that are kept; a new one replaces the oldest."""

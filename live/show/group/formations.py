@@ -13,10 +13,9 @@ from live.agents.evolutions.intention import Places
 from live.agents.formations.formation import check_formation, formation_of
 from live.agents.formations.formation_notation import parse_formation
 from live.agents.formations.formation_spec import FormationSpec
+from live.base.arrays import Float64
 from live.base.errors import PersonError, error_context
 from live.show.patch.section_motion import GroupSection
-
-Float64 = npt.NDArray[np.float64]
 
 SLOT_MARGIN: Final = 0.3
 """Margin around each place of a formation that is fitted to a smaller stage [m]."""

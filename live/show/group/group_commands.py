@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool
 from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.events import ControlEvent
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from live.show.dancers.dancers import Dancers
     from live.show.group.group_motion import GroupMotion
 
-Bool = npt.NDArray[np.bool_]
 
 SEGMENT_EVENTS = (events.Evolve, events.Travel, events.Pause)
 GROUP_EVENTS = (

@@ -18,6 +18,7 @@ from live.agents.entrances.entrances import ENTERING, ON, WAITING, Entrances
 from live.agents.entrances.gate import Gate
 from live.agents.prediction import CrowdPrediction
 from live.agents.separation.path_separation import PlaceSeparation
+from live.base.arrays import Bool, Float32, Float64
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
@@ -36,9 +37,6 @@ from live.show.stages.measure_span import MeasureSpan
 if TYPE_CHECKING:
     from live.show.partner.partner_response import PartnerResponse
 
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Bool = npt.NDArray[np.bool_]
 
 EDGE_MARGIN = 0.3
 """Least distance of starting places from the edge of the stage [m]."""

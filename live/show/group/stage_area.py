@@ -9,17 +9,15 @@ from collections.abc import Iterable
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.agents.crowd.agent_state import Steering
 from live.agents.crowd.obstacles import Surroundings
 from live.agents.entrances.gate import Gate, default_gates
+from live.base.arrays import Float64
 from live.base.errors import PersonError
 from live.base.stage_snapshot import FLOOR_MARGIN, StageView
 from live.show.patch.patch import Patch
 from live.show.patch.section_stage import ObstacleSection, StageSection
-
-Float64 = npt.NDArray[np.float64]
 
 MIN_SIZE: Final = 2.0
 """Least width and depth of a stage [m], as in the patch."""

@@ -3,8 +3,8 @@
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.stage_snapshot import StageView
 from live.graph.dance_metrics import RawClips, list_and_p95, median_and_p95, ratio
 from live.motion.quality.metrics import (
@@ -17,11 +17,6 @@ from live.motion.quality.metrics import (
 )
 from live.motion.quality.motion_recorder import MotionRecorder
 from live.show.show import Show
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 
 
 class MotionReport:

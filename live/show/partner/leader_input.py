@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float32, Float64, Int32
 from live.motion.partner.point_clouds import END_JOINTS
 from live.motion.partner_live.stage_partner import LeaderReader
 from live.show.partner.partner_pairs import Pair, PartnerSettings
@@ -14,10 +14,6 @@ if TYPE_CHECKING:
     from live.show.partner.example_bank import ExampleBank
 
 
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 Tracks = tuple[Float32, Float32]
 PoseSource = Callable[[Int32], tuple[Float32, Float32]]
 Key = tuple[int, int]

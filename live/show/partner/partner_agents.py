@@ -3,16 +3,14 @@
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentState
+from live.base.arrays import Float32
 
 if TYPE_CHECKING:
     from live.show.partner.partner_response import PartnerResponse
 
-
-Float32 = npt.NDArray[np.float32]
 
 FOLLOWER_GAP: Final = 0.02
 """Extra distance [m] beyond both radii between the agents of follower and leader."""

@@ -10,8 +10,8 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.errors import PersonError
 from live.motion.partner_live.hand_holds import LiveHandHolds
 from live.motion.partner_live.stage_partner import LeaderReader
@@ -31,11 +31,6 @@ from live.show.partner.response_path import ResponsePath
 from live.show.partner.response_pose import ResponsePoses, active_holds
 from live.show.patch.patch import Patch
 from live.show.selection.drawn_paths import DrawnPath
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 
 LIVE_STOP_S: Final = 0.25
 """Time [s] without motion after which a captured leader counts as stopped; until then followers hold their pose."""

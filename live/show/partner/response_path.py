@@ -8,16 +8,12 @@ import math
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Bool, Float32, Float64
 from live.motion.partner_live.stage_partner import LeaderReader
 from live.motion.partner_live.stage_partner_kernels import heading_difference
 from live.show.partner.leader_input import answer_position
 from live.show.partner.partner_pairs import Pair, PartnerSettings
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Bool = npt.NDArray[np.bool_]
 
 MIN_SEEK_DISTANCE: Final = 0.9
 """Distance [m] to the answer below which the dancer does not go there first."""

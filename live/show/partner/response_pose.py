@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float32, Float64, Int32
 from live.motion.partner_live.hand_holds import HoldRequest, held_hands
 from live.motion.partner_live.stage_partner import FollowerFootLock
 from live.motion.partner_live.stage_partner_kernels import blend_answers
@@ -16,10 +17,6 @@ from live.show.partner.partner_pairs import Pair, PartnerSettings
 if TYPE_CHECKING:
     from live.show.partner.response_path import ResponsePath
 
-
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 LOCK_WEIGHT: Final = 0.98
 """Weight of the answer above which its standing feet are locked."""

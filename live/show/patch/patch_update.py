@@ -12,11 +12,12 @@ from typing import Any, Final
 
 import numpy as np
 
+from live.base.arrays import Int32
 from live.base.compression import decompress_text
 from live.base.errors import PersonError
 from live.control.events.events import PatchChanged
 from live.graph.build.metric import Metric
-from live.graph.library_insert import Int32, stranded, without_clips
+from live.graph.library_insert import stranded, without_clips
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.show.desk.refusals import Refusals
 from live.show.patch.patch import Patch

@@ -9,13 +9,11 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float64, Int32
 from live.graph.select.candidates import turn_vectors
 from live.graph.select.reachability import direction_of
 from live.graph.select.selector import TERMS, StepSelector
 from live.graph.takes import NO_TAKE
-
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 BEHIND_M: Final = 0.4
 """A dancer who ends farther than this from the wished place [m] ..."""
@@ -125,9 +123,6 @@ def explanation_lines(explanation: dict[str, Any]) -> tuple[str, ...]:
 
 def _rounded(values: Float64) -> list[float]:
     return [round(float(v), 3) for v in values]
-
-
-Bool = npt.NDArray[np.bool_]
 
 
 def reachability_report(

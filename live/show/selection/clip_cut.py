@@ -8,8 +8,8 @@ as the phase is. The next measure follows along the edges of the graph as usual.
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float32, Float64, Int32
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.graph.build.metric import joint_weights
@@ -25,10 +25,6 @@ from live.show.stages.measure_span import MeasureSpan
 if TYPE_CHECKING:
     from live.show.dancers.dancers import Dancers
 
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 
 PLANTED_WEIGHT: Final = 2.0
 """Weight of a foot on the floor before and after a cut in the alignment of the new clip; all joints together: 1."""

@@ -3,11 +3,9 @@
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Bool = npt.NDArray[np.bool_]
+from live.base.arrays import Bool, Float32, Float64
+
 Place = tuple[float, float]
 
 MOST_POINTS: Final = 512

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Int32
 from live.graph.motion_graph import MotionGraph
 
 if TYPE_CHECKING:
     from live.show.selection.scheduler import Scheduler
 
 
-Int32 = npt.NDArray[np.int32]
 Bools = npt.NDArray[np.bool_]
 
 TRAVEL_COST = 0.1

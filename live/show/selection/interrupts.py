@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.agents.entrances.entrances import ON
+from live.base.arrays import Bool, Float64, Int32
 from live.clock.timeline import Timeline
 from live.control.events.events import StepNow
 from live.show.dancers.collision_avoidance import CollisionAvoidance
@@ -26,10 +26,6 @@ if TYPE_CHECKING:
     from live.show.group.group_motion import GroupMotion
     from live.show.selection.scheduler import Scheduler
 
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
-Bool = npt.NDArray[np.bool_]
 
 PLANNING_BEATS: Final = 2.0
 """From this many beats before the line on, the next measure may be planned already."""

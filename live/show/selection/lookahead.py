@@ -4,11 +4,11 @@ from collections import OrderedDict
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.agents.crowd.agent_state import AgentState
 from live.agents.entrances.entrances import ON, Entrances
 from live.agents.prediction import CrowdPrediction
+from live.base.arrays import Bool, Float64
 from live.graph.motion_graph import MotionGraph
 from live.graph.search.live_sequence import LiveSequence
 from live.graph.search.sequence import edges_of
@@ -20,7 +20,6 @@ from live.show.stages.measure_span import MeasureSpan
 if TYPE_CHECKING:
     from live.show.group.evolutions import Evolutions
 
-Float64 = npt.NDArray[np.float64]
 
 CACHE_SIZE: Final = 64
 """Size of the cache: repeated sequences need the same results."""
@@ -67,8 +66,6 @@ class StepCosts:
             self._steps[step] = np.where(away, 1.0 + np.minimum(self._graph.hops[step], IMPOSSIBLE), 0.0)
         return self._steps[step]
 
-
-Bool = npt.NDArray[np.bool_]
 
 RELEASE_INFLUENCE: Final = 0.5
 """From this influence on, an element ends a dancer's evolution."""

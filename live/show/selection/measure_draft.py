@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64, Int32
 from live.base.motion_parameters import FACE_AVERAGE
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import own_end, turn_vectors, wrap_angle
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from live.show.dancers.dancers import Dancers
     from live.show.selection.step_targets import StepTargets
 
-
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 SHARE_REFINEMENT: Final = 0.125
 """Half the spacing of the shares of T069: a chosen share is refined within this range."""

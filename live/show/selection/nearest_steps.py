@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64, Int32
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import following_placement, turn_vectors
 from live.graph.takes import NO_TAKE
@@ -16,8 +17,6 @@ from live.show.dancers.measure_state import MeasureState
 if TYPE_CHECKING:
     from live.show.dancers.dancers import Dancers
 
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 OUTSIDE = 100.0
 """Weight of a metre outside of the stage, relative to a metre on it."""

@@ -9,9 +9,9 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from live.agents.prediction import CrowdPrediction
+from live.base.arrays import Int32
 from live.clock.timeline import Timeline
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.selector import StepSelector
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from live.show.dancers.dancers import Dancers
     from live.show.group.group_motion import GroupMotion
     from live.show.selection.step_targets import StepTargets
-
-Int32 = npt.NDArray[np.int32]
 
 
 class MeasurePlan:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float32, Float64, Int32
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.control.events.event import ControlEvent
@@ -32,9 +33,6 @@ from live.show.stages.measure_span import MeasureSpan
 if TYPE_CHECKING:
     from live.show.group.group_motion import GroupMotion
 
-Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 LOOK_BEATS: Final = 1.75
 """Beats before the measure line at which the look-ahead begins."""

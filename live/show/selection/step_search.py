@@ -4,8 +4,8 @@ import math
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float64, Int32
 from live.base.motion_parameters import FACE_AVERAGE, OBEDIENCE, TURN_ON_SUPPORT
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.selector import StepSelector, with_direction
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from live.show.group.group_motion import GroupMotion
     from live.show.selection.step_targets import StepTargets
 
-
-Float64 = npt.NDArray[np.float64]
-Int32 = npt.NDArray[np.int32]
 
 BATCH_SIZE: Final = 48
 """Most dancers whose measures are chosen in one piece."""

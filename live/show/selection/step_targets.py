@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Bool, Float32, Float64, Int32
 from live.clock.timeline import Timeline
 from live.control.events.event import ControlEvent
 from live.graph.motion_graph import MotionGraph
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from live.show.dancers.dancers import Dancers
     from live.show.group.group_motion import GroupMotion
 
-Float64 = npt.NDArray[np.float64]
-Bool = npt.NDArray[np.bool_]
 
 MIN_DIRECTION_LENGTH = 0.25
 """A displacement shorter than this [m] in a measure has no direction: a standing dancer keeps the heading (T126)."""
@@ -144,9 +143,6 @@ def _towards(way: Float64, least: float, last: Float64) -> Float64:
     """Return headings (n,) along `way` (n, 2) [m], or `last` (n,) where it is shorter than `least` [m]."""
     return np.where(np.hypot(*way.T) > least, np.arctan2(way[:, 0], way[:, 1]), last)
 
-
-Float32 = npt.NDArray[np.float32]
-Int32 = npt.NDArray[np.int32]
 
 STANDING_DISTANCE: float = 0.15
 """A group stands if the median of its dancers' ways in the next measure is shorter than this [m]."""

@@ -6,15 +6,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Float32, Float64
 from live.base.stage_snapshot import StageView
 from live.render.film.streams import FilmSound
 from live.show.dancers.footfalls import Footfall, FootfallDetector
 from live.show.show import Show
-
-Float64 = npt.NDArray[np.float64]
-Float32 = npt.NDArray[np.float32]
 
 TAP_SECONDS: Final = 0.12
 CLICK_SECONDS: Final = 0.035

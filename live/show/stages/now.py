@@ -2,13 +2,9 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
+from live.base.arrays import Float32
 from live.clock.timeline import Timeline
 from live.show.stages.measure_span import MeasureSpan
-
-Float32 = npt.NDArray[np.float32]
 
 
 @dataclass(slots=True, eq=False)

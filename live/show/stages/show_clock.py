@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Final
 
+from live.base.arrays import Float32
 from live.base.errors import PersonError
 from live.clock.follower.manual_control import TrackerHint
 from live.clock.follower.timeline_follower import TimelineFollower
@@ -12,7 +13,7 @@ from live.control.events.event import ControlEvent
 from live.show.circuit_breakers import FALLBACK, CircuitBreakers, Stage
 from live.show.sound.clock_commands import CLOCK_EVENTS, apply_clock_event, initial_seeds
 from live.show.stages.measure_span import MeasureSpan
-from live.show.stages.now import Float32, Now
+from live.show.stages.now import Now
 
 SHORTEST_RETIME: Final = 0.5
 """Minimum remaining length of a re-timed measure [beats]."""

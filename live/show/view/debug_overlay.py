@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from live.show.show import Show
 
 
-Float32 = npt.NDArray[np.float32]
-
 RING: Final = 10
 """Number of strokes of a ring."""
 RING_M: Final = 0.16

@@ -4,8 +4,8 @@ from dataclasses import fields
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
+from live.base.arrays import Int32
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.control.events.events import FreezePicture
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from live.show.group.group_motion import GroupMotion
     from live.show.stages.light_stage import LightStage
 
-Int32 = npt.NDArray[np.int32]
 
 MAX_EXTRAPOLATION: Final = 2.0 * TICK
 """Maximum extrapolation beyond a measure line [s]; a frame is at most one tick after the last tick."""
