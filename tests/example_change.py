@@ -1,7 +1,7 @@
 """Worked examples of CONTRIBUTING.md as changes that are made in memory: a process in which the files are changed.
 
 A block of an example names its file in its first line, or `new` and the file. Its other lines begin with a space (they
-are there already) or with + (they are added).
+are there already), with + (they are added) or with - (they go).
 """
 
 import re
@@ -54,7 +54,7 @@ def read_example(text: str, title: str) -> dict[str, str]:
     files: dict[str, str] = {}
     for new, place, lines in _BLOCK.findall(section):
         rows = lines.splitlines()
-        added = "".join(row[1:] + "\n" for row in rows)
+        added = "".join(row[1:] + "\n" for row in rows if not row.startswith("-"))
         if new:
             files[place] = added
             continue

@@ -34,6 +34,16 @@ motion = { accent = 0.25 }
 assert patch.motion_of(patch.group[0]).accent == 0.25
 assert "accent" in str(patch_schema()) and address in osc_reference() and "`accent`" in patch_reference()
 """
+COMMAND = """
+from live.control.events.event_json import event_from_json, event_to_json
+from live.control.registry.registry import REGISTRY
+from tests.control.osc.osc_table import every_control
+from tools.write_osc_reference import reference
+
+event = REGISTRY.call("/dance/obstacle/clear", ("tree",), 0.0, "osc")
+assert event_from_json(event_to_json(event)) == event
+assert "/dance/obstacle/clear" in every_control() and "/dance/obstacle/clear [begins]" in reference()
+"""
 ELEMENT = """
 from live.control.registry.registry import REGISTRY
 from live.show.group.elements import make_element
@@ -62,6 +72,7 @@ assert "pedal" in [bridge.name for bridge in installed_bridges().bridges]
     ("title", "limit", "options"),
     [
         ("A parameter", 3, {"checks": PARAMETER}),
+        ("A command", 4, {"checks": COMMAND}),
         ("An element", 4, {"checks": ELEMENT, "jit": False}),
         pytest.param("A look", 3, {"checks": LOOK, "plugins": ("tests.render.conftest",)}, marks=pytest.mark.gl),
         ("An input", 5, {"checks": INPUT}),

@@ -13,6 +13,8 @@ DOCUMENTS = sorted(
     for path in ROOT.glob(part)
 )
 ENDINGS = "\n".join(path.as_posix() for part in ("live", "tests") for path in (ROOT / part).rglob("*.py")) + "\n"
+EXAMPLE = re.compile(r"```diff\nnew .*?```", re.DOTALL)
+"""A file that a worked example adds."""
 NAMED = re.compile(
     r"(?<![\w/~.-])((?:live|tests|docs|bench|patches|tools)/[\w./-]+\.[a-z]{2,6}|[a-z_]+/[a-z_/]+\.py)(?![\w/-])"
 )
@@ -22,7 +24,7 @@ LINKED = re.compile(r"\]\((?!https?:|mailto:|#)([^)#\s]+)")
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_files_named_by_documents_exist(document: Path) -> None:
-    text = document.read_text(encoding="utf-8")
+    text = EXAMPLE.sub("", document.read_text(encoding="utf-8"))
     missing = [
         name
         for pattern in (NAMED, LINKED)

@@ -26,7 +26,7 @@ class MocapFrame(ControlEvent):
     receipt, so that live and replayed shows get the same bits."""
 
 
-@command("/dance/mocap/dancer", "operator", value=1, named=True)
+@command("/dance/mocap/dancer", "operator", value=1, named=True, edits="mocap")
 class CastMocap(ControlEvent):
     """A captured performer drives this dancer; the former one dances by themselves again."""
 
@@ -34,7 +34,7 @@ class CastMocap(ControlEvent):
     dancer: Annotated[str, Argument.text("the dancer, or the first of `ember & 1` or a group; none: no dancer")]
 
 
-@command("/dance/mocap/shown", "musician", value=1, named=True)
+@command("/dance/mocap/shown", "musician", value=1, named=True, edits="mocap")
 class ShowMocap(ControlEvent):
     """Whether a captured performer is shown; the dancer changes over within a measure."""
 
@@ -42,7 +42,7 @@ class ShowMocap(ControlEvent):
     shown: Annotated[bool, Argument.switch("1: the dancer moves as the performer does, 0: by themselves")] = True
 
 
-@command("/dance/mocap/mirrored", "musician", value=1, named=True)
+@command("/dance/mocap/mirrored", "musician", value=1, named=True, edits="mocap")
 class MirrorMocap(ControlEvent):
     """Mirrors a captured performer."""
 
@@ -50,7 +50,7 @@ class MirrorMocap(ControlEvent):
     mirrored: Annotated[bool, Argument.switch("1: left and right exchanged, 0: as captured")] = True
 
 
-@command("/dance/mocap/place", "operator", value=4, named=True)
+@command("/dance/mocap/place", "operator", value=4, named=True, edits="mocap")
 class PlaceMocap(ControlEvent):
     """Place of the capture floor's centre on the stage."""
 
@@ -63,7 +63,7 @@ class PlaceMocap(ControlEvent):
     scale: Annotated[float, Argument.number("scale of the paths; feet slide unless it is 1", 0, 10)] = 1.0
 
 
-@command("/dance/mocap/canon", "musician", value=2, named=True)
+@command("/dance/mocap/canon", "musician", value=2, named=True, edits="mocap")
 class CanonMocap(ControlEvent):
     """Other dancers repeat a captured performer in canon: the first by that delay, the second by twice as much."""
 
@@ -72,7 +72,7 @@ class CanonMocap(ControlEvent):
     beats: Annotated[float, Argument.number("delay from one dancer to the next", 0, 16, "beats")] = 2.0
 
 
-@command("/dance/mocap/obstacle", "operator", value=1, named=True)
+@command("/dance/mocap/obstacle", "operator", value=1, named=True, edits="mocap")
 class BlockMocap(ControlEvent):
     """Whether a captured performer is an obstacle for other dancers."""
 
@@ -80,7 +80,7 @@ class BlockMocap(ControlEvent):
     obstacle: Annotated[bool, Argument.switch("1: dancers avoid the performer as a real person, 0: not")] = True
 
 
-@command("/dance/mocap/attract", "musician", value=2, named=True)
+@command("/dance/mocap/attract", "musician", value=2, named=True, edits="mocap")
 class DrawMocap(ControlEvent):
     """A captured performer attracts dancers."""
 

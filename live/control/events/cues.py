@@ -21,14 +21,14 @@ class GiveCue(ControlEvent):
     name: Cue
 
 
-@command("/dance/standby", "operator")
+@command("/dance/standby", "operator", edits="standby")
 class StandBy(ControlEvent):
     """Puts this cue on standby for the next GO."""
 
     name: Cue
 
 
-@command("/dance/back", "operator")
+@command("/dance/back", "operator", edits="standby")
 class StepBack(ControlEvent):
     """Cancels a cue that is counting in; if there is none, puts the previous cue on standby."""
 

@@ -36,7 +36,7 @@ class Evolve(ControlEvent):
     ] = 0.0
 
 
-@command("/dance/formation/define", "operator")
+@command("/dance/formation/define", "operator", edits="formations")
 class DefineFormation(ControlEvent):
     """Defines or changes a formation by name; dancers in it go to its new places.
 
@@ -80,7 +80,7 @@ class Release(ControlEvent):
     group: Dancers = "*"
 
 
-@command("/dance/ripple", "musician")
+@command("/dance/ripple", "musician", edits="ripples")
 class SetRipple(ControlEvent):
     """Dancers start their steps one after another, as a wave over the group.
 
@@ -111,7 +111,7 @@ class Leave(ControlEvent):
     gate: Gate = "*"
 
 
-@command("/dance/obstacle", "operator")
+@command("/dance/obstacle", "operator", edits="set")
 class PlaceObstacle(ControlEvent):
     """Places or moves a round obstacle; dancers go around it."""
 
@@ -121,7 +121,7 @@ class PlaceObstacle(ControlEvent):
     radius: Annotated[float, Argument.number("its radius", 0.05, 20, "m")] = 0.5
 
 
-@command("/dance/wall", "operator")
+@command("/dance/wall", "operator", edits="set")
 class PlaceWall(ControlEvent):
     """Places or moves a wall between two points."""
 
@@ -132,7 +132,7 @@ class PlaceWall(ControlEvent):
     z2: Z2
 
 
-@command("/dance/obstacle/remove", "operator")
+@command("/dance/obstacle/remove", "operator", edits="set")
 class RemoveObstacle(ControlEvent):
     """Removes an obstacle or a wall."""
 

@@ -33,7 +33,7 @@ class StepNow(ControlEvent):
     ] = 1.0
 
 
-@command("/dance/sequence", "musician")
+@command("/dance/sequence", "musician", edits="sequences")
 class SetSequence(ControlEvent):
     """Dancers repeat these steps in order until /dance/clear; refused, with the dance unchanged, if no transitions
     connect them."""
@@ -42,7 +42,7 @@ class SetSequence(ControlEvent):
     group: Group = "*"
 
 
-@command("/dance/facing", "musician")
+@command("/dance/facing", "musician", edits="facings")
 class SetFacing(ControlEvent):
     """The direction that dancers face when their measures end; a turn takes three measures."""
 

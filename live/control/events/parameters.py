@@ -1,6 +1,7 @@
 """The event of all parameters."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from live.control.events.event import ControlEvent
 
@@ -9,6 +10,7 @@ from live.control.events.event import ControlEvent
 class SetParameter(ControlEvent):
     """Sets a parameter, or fades it to a value; its row (`live.base.parameter`) says what is allowed."""
 
+    edits: ClassVar[str] = "parameters"
     address: str
     value: tuple[float, ...]
     """Its numbers: one, or three of a colour or place."""

@@ -13,7 +13,7 @@ from live.control.registry.control import Argument
              "name": Argument.label("a pass of the picture: shadow, mirror, trails, bloom, ink, grade, vignette"),
              "amount": Argument.number("its strength; 0 is off", 0, 4),
          })  # fmt: skip
-@command("/dance/pass/set", "operator", required=("parameter",))
+@command("/dance/pass/set", "operator", required=("parameter",), edits="parameters")
 class SetPass(ControlEvent):
     """Sets a parameter of a pass; `/dance/pass/NAME/PARAMETER VALUE` does the same."""
 
@@ -24,7 +24,7 @@ class SetPass(ControlEvent):
     measures: FadeMeasures = 0.0
 
 
-@command("/dance/camera", "operator")
+@command("/dance/camera", "operator", edits="parameters")
 class RecallView(ControlEvent):
     """Cuts or moves to another camera."""
 
@@ -32,7 +32,7 @@ class RecallView(ControlEvent):
     measures: FadeMeasures = 0.0
 
 
-@command("/dance/camera/follow", "operator")
+@command("/dance/camera/follow", "operator", edits="parameters")
 class Accompany(ControlEvent):
     """The camera follows dancers."""
 
@@ -51,7 +51,7 @@ class FollowSpot(ControlEvent):
     measures: FadeMeasures = 0.0
 
 
-@command("/dance/background", "operator")
+@command("/dance/background", "operator", edits="parameters")
 class ShowBackground(ControlEvent):
     """Shows an image or a video behind the dancers instead of the others."""
 
@@ -59,7 +59,7 @@ class ShowBackground(ControlEvent):
     measures: FadeMeasures = 0.0
 
 
-@command("/dance/look", "operator")
+@command("/dance/look", "operator", edits="parameters")
 class RecallLook(ControlEvent):
     """Changes the light to a look."""
 
@@ -67,7 +67,7 @@ class RecallLook(ControlEvent):
     measures: OwnFadeMeasures = -1.0
 
 
-@command("/dance/scene", "operator")
+@command("/dance/scene", "operator", edits="parameters")
 class RecallScene(ControlEvent):
     """Recalls a scene with a cross-fade."""
 
@@ -77,7 +77,7 @@ class RecallScene(ControlEvent):
     measures: OwnFadeMeasures = -1.0
 
 
-@command("/dance/scene/store", "operator")
+@command("/dance/scene/store", "operator", edits="scenes")
 class StoreScene(ControlEvent):
     """Stores the current values of all parameters as a scene of this show."""
 

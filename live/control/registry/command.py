@@ -39,6 +39,7 @@ def command(
     fixed: Mapping[str, ArgumentValue] | None = None,
     required: tuple[str, ...] = (),
     arguments: Mapping[str, Argument] | None = None,
+    edits: str = "",
 ) -> Callable[[Class], Class]:
     """Declare the class as a command at `address`, for `role` and higher. Several addresses may stand above a class.
 
@@ -46,7 +47,7 @@ def command(
     current value, with the default `start`; `continuous`: of several messages at once only the last counts, as for
     every value; `named`: see `Control`; `fixed`: fields that this address sets, and which are no arguments of it;
     `required`: arguments that are required at this address, though the field has a default; `arguments`: those that
-    differ from the class's at this address, by field.
+    differ from the class's at this address, by field; `edits`: see `ControlEvent`.
     """
 
     def declare(cls: Any) -> Any:
@@ -66,6 +67,8 @@ def command(
             start,
             named,
         )
+        if edits:
+            made.edits = edits
         setattr(made, _CONTROLS, (control, *controls_of(made)))
         return made
 

@@ -133,7 +133,7 @@ class LightDesk:
         variation: Variation,
         editable: Mapping[str, EditablePart],
     ) -> None:
-        """`editable`: other parts whose edits can be undone, by the names in `EDITED_PARTS`.
+        """`editable`: other parts whose edits can be undone, by the names in `ControlEvent.edits`.
 
         Raises PersonError for a scene that names unknown parts.
         """

@@ -1,8 +1,8 @@
 """Undo history for edits made by hand. Motion already danced is never undone.
 
-An edit is an event from outside that changes lasting state (`EDITED_PARTS`): parameters, scenes, formations, sequences,
-facings, ripples, the set, settings of captured performers, the standby cue. Each edit stores only the differing values
-by key, so undo does not touch values that others changed since, except the same keys.
+An edit is an event from outside that changes lasting state (`ControlEvent.edits`): parameters, scenes, formations,
+sequences, facings, ripples, the set, settings of captured performers, the standby cue. Each edit stores only the
+differing values by key, so undo does not touch values that others changed since, except the same keys.
 """
 
 from collections import deque
@@ -23,33 +23,6 @@ MAX_EDITS: Final = 200
 MERGE_S: Final = 1.0
 """Events of one kind and source within this time [s] are one edit, such as a moving fader."""
 
-EDITED_PARTS: Final[dict[type[ControlEvent], str]] = {
-    events.SetPass: "parameters",
-    events.SetParameter: "parameters",
-    events.RecallView: "parameters",
-    events.Accompany: "parameters",
-    events.ShowBackground: "parameters",
-    events.RecallLook: "parameters",
-    events.RecallScene: "parameters",
-    events.StoreScene: "scenes",
-    events.DefineFormation: "formations",
-    events.SetSequence: "sequences",
-    events.SetFacing: "facings",
-    events.SetRipple: "ripples",
-    events.PlaceObstacle: "set",
-    events.PlaceWall: "set",
-    events.RemoveObstacle: "set",
-    events.CastMocap: "mocap",
-    events.ShowMocap: "mocap",
-    events.MirrorMocap: "mocap",
-    events.PlaceMocap: "mocap",
-    events.CanonMocap: "mocap",
-    events.BlockMocap: "mocap",
-    events.DrawMocap: "mocap",
-    events.StandBy: "standby",
-    events.StepBack: "standby",
-}
-"""The part of the show that each kind of edit changes."""
 IGNORED_SOURCES: Final = ("music",)
 """Sources whose events are no edits: the music changes its values again by itself."""
 
@@ -125,7 +98,7 @@ class UndoHistory:
 
     def begin_edit(self, event: ControlEvent) -> None:
         """Record the state before an event from outside is applied."""
-        edited = EDITED_PARTS.get(type(event)) if event.source not in IGNORED_SOURCES else None
+        edited = event.edits if event.source not in IGNORED_SOURCES else ""
         self._values_before = self._parts[edited].edited_values(event) if edited else None
 
     def end_edit(self, event: ControlEvent) -> None:
@@ -133,7 +106,7 @@ class UndoHistory:
         before, self._values_before = self._values_before, None
         if before is None:
             return
-        part = EDITED_PARTS[type(event)]
+        part = event.edits
         after = self._parts[part].edited_values(event)
         old, new = _differences(before, after)
         if not old:
