@@ -19,7 +19,7 @@ from live.motion.formats.file_error import MotionFileError
 from tests.motion.formats.made_bvh import body_bvh, dance_values
 from tests.places import ROOT
 
-SECTION = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").partition("## A motion format\n")[2]
+SECTION = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").partition("### A motion format: 3 files\n")[2]
 READER = re.findall(r"```python\n(.*?)```", SECTION, re.DOTALL)[0]
 """The example of CONTRIBUTING.md."""
 

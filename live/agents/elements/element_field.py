@@ -201,9 +201,11 @@ class ElementField:
             return out
         self._numbers[TIME] = time
         apply_elements(
-            state.position, state.velocity, commands.rows, groups, table.rows, table.masks, table.vertices,
-            table.active, table.grids, self._places, self._audience, self._memory, self._area, self._mesh,
-            self._cosines, self._start, self._order, self._spreading, self._numbers, self._sums, self._nearest, out,
+            (state.position, state.velocity, commands.rows, groups, self._memory),
+            (table.rows, table.masks, table.vertices, table.active, table.grids, self._places, self._audience,
+             self._numbers),
+            (self._area, self._mesh, self._cosines, self._start, self._order, self._spreading),
+            self._sums, self._nearest, out,
         )  # fmt: skip
         return out
 

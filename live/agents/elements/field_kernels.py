@@ -119,6 +119,15 @@ def flow_fields(
         add_velocity(sums, i, wish_x, wish_z, influence, switched)
 
 
+AgentArrays = tuple[Float32, Float32, Float32, UInt64, Float64]
+"""Position, velocity (A, 2), commands (A, 8), groups (A,) of the agents, targets of crossings (A, 3)."""
+ElementArrays = tuple[Float64, UInt64, Float32, Int32, Float32, Float64, UInt64, Float64]
+"""Table, masks, vertices, acting rows, grids of flows, the audience's places and masks, numbers of the call: as in
+`ElementField`."""
+MeshArrays = tuple[Float64, Float32, Float32, Int32, Int32, Float64]
+"""Scratch of spreaders: area, mesh, cosines, starts, order, wanted velocity (A, 2)."""
+
+
 @inline_kernel
 def is_active(active: Int32, kind: int) -> bool:
     """Whether an element of a kind acts."""
@@ -141,40 +150,25 @@ def blend_sums(commands: Float32, sums: Float64, influence: Float32) -> None:
 
 
 @kernel(
-    "void(f4[:,::1],f4[:,::1],f4[:,::1],u8[::1],f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],f4[:,:,:,::1],"
-    "f8[:,::1],u8[::1],f8[:,::1],f8[::1],f4[:,:,::1],f4[:,:,:,::1],i4[::1],i4[:,::1],f8[:,::1],f8[::1],"
-    "f8[:,::1],f8[:,::1],f4[::1])"
+    "void(Tuple((f4[:,::1],f4[:,::1],f4[:,::1],u8[::1],f8[:,::1])),"
+    "Tuple((f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],f4[:,:,:,::1],f8[:,::1],u8[::1],f8[::1])),"
+    "Tuple((f8[::1],f4[:,:,::1],f4[:,:,:,::1],i4[::1],i4[:,::1],f8[:,::1])),f8[:,::1],f8[:,::1],f4[::1])"
 )
 def apply_elements(
-    position: Float32,
-    velocity: Float32,
-    commands: Float32,
-    groups: UInt64,
-    table: Float64,
-    masks: UInt64,
-    vertices: Float32,
-    active: Int32,
-    grids: Float32,
-    places: Float64,
-    audience: UInt64,
-    memory: Float64,
-    area: Float64,
-    mesh: Float32,
-    cosines: Float32,
-    start: Int32,
-    order: Int32,
-    spreading: Float64,
-    numbers: Float64,
+    agents: AgentArrays,
+    elements: ElementArrays,
+    mesh_arrays: MeshArrays,
     sums: Float64,
     near: Float64,
     influence: Float32,
 ) -> None:
-    """Blend all acting elements into `commands` (A, 8), and write each agent's influence.
+    """Blend all acting elements into the agents' commands, and write each agent's influence.
 
-    position, velocity (A, 2); groups (A,); table, masks, vertices, active, grids, places, audience: the elements, as in
-    ElementField; memory (A, 3): targets of crossings; area, mesh, cosines, start, order, spreading (A, 2), sums (A, 5),
-    near (A, 4): scratch; numbers (6,); influence (A,), 0 to 1: 0 keeps the plan, 1 replaces it by the elements.
+    sums (A, 5), near (A, 4): scratch; influence (A,), 0 to 1: 0 keeps the plan, 1 replaces it by the elements.
     """
+    position, velocity, commands, groups, memory = agents
+    table, masks, vertices, active, grids, places, audience, numbers = elements
+    area, mesh, cosines, start, order, spreading = mesh_arrays
     reset_sums(table, masks, active, commands, groups, sums)
     if is_active(active, REPULSOR):
         nearest_sources(table, masks, vertices, active, REPULSOR, True, position, groups, numbers, sums, near)

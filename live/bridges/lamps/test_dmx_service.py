@@ -12,9 +12,10 @@ from live.bridges.lamps.dmx_section import DmxTables
 from live.bridges.lamps.dmx_service import DmxService, parse_universe
 from live.clock.time_source import SystemClock
 from live.control.registry.registry import REGISTRY
+from live.show.assembly import assemble
 from live.show.patch.patch_reader import parse_patch
 from tests.control.waiting import wait_for
-from tests.show.made_show import PATCH, made_show
+from tests.show.made_show import GRAPH, PATCH
 
 
 @pytest.mark.parametrize(
@@ -48,8 +49,7 @@ def test_channels_are_those_of_the_patch_also_after_an_edit():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
         receiver.bind(("127.0.0.1", 0))
         receiver.settimeout(20.0)
-        show = made_show()
-        show.patch = read('[[dmx]]\nchannel = 5\nsends = "/dance/light/level"\n')
+        show = assemble(read('[[dmx]]\nchannel = 5\nsends = "/dance/light/level"\n'), GRAPH)
         engine = SimpleNamespace(show=show, view=show.view())
         service = DmxService(engine, (Universe("artnet", 0, "127.0.0.1", receiver.getsockname()[1]),), SystemClock())
         service.start()
