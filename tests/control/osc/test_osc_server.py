@@ -41,4 +41,4 @@ def test_start_and_stop_leave_no_thread_and_no_open_file():
             assert stage.osc.port > 0
     stage.osc.stop()
     assert (threading.active_count(), open_files()) == (threads, files)
-    assert stage.osc.accepted == 1
+    assert stage.osc.handler.accepted == 1
