@@ -18,14 +18,12 @@ from live.control.events.events import ControlEvent
 from live.control.osc.osc_codec import MAX_PACKET_BYTES
 from live.control.osc.osc_handler import OscHandler
 from live.control.osc.osc_prefilter import OscPrefilter
-from live.control.osc.osc_socket import CannotListen, PortBusy, bound_socket, dropped_datagrams
+from live.control.osc.osc_socket import bound_socket, dropped_datagrams
 from live.control.osc.udp_batch import BATCH_SIZE, DatagramReader
 from live.control.registry.control import Role
 from live.control.registry.registry import REGISTRY, Changes, Registry
 from live.control.registry.rejections import Reason, Rejection, Tally
 from live.control.worker_thread import WorkerThread
-
-__all__ = ["CannotListen", "OscInput", "PortBusy", "bound_socket"]
 
 _PAUSE_S: Final = 0.05
 MAX_BATCHES: Final = 4

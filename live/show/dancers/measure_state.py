@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from live.base.arrays import Float32, Float64, Int32
-from live.graph.select.candidates import own_end, turn_vectors
+from live.graph.select.candidates import own_end
 from live.graph.takes import NO_TAKE
 from live.motion.pose.gather_kernels import same_measures
 from live.motion.pose.turn_kernels import end_dancers
@@ -13,8 +13,6 @@ from live.motion.pose.turn_kernels import end_dancers
 if TYPE_CHECKING:
     from live.graph.motion_graph import MotionGraph
 
-
-__all__ = ["UNDECIDED", "MeasureState", "turn_vectors"]
 
 UNDECIDED = -1
 MIN_REMAINING_WARP = 0.15

@@ -7,7 +7,8 @@ import pytest
 
 from live.base.event_queue import PriorityQueue
 from live.clock.time_source import ManualClock
-from live.control.osc.osc_server import CannotListen, OscInput, PortBusy
+from live.control.osc.osc_server import OscInput
+from live.control.osc.osc_socket import CannotListen, PortBusy
 from tests.control.osc.osc_stage import TAP, Stage
 
 
