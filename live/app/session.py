@@ -2,7 +2,6 @@
 
 import contextlib
 import gc
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
@@ -19,10 +18,11 @@ from live.app.session_audio import AudioChoice, SessionAudio, start_tempo
 from live.app.session_records import SessionRecords, resident_megabytes
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
-from live.base.fault_isolation import FAULTS, Bulkhead, callback_name, keep_running, run_once
+from live.base.fault_isolation import FAULTS, Bulkhead, callback_name, run_once
 from live.clock.ticks import STALL
 from live.clock.time_source import Clock, ProcessorClock, SystemClock
 from live.control.events.events import ControlEvent, SetLatency
+from live.control.worker_thread import WorkerThread
 from live.show.engine import Engine
 from live.show.loader import LoadedShow
 from live.show.patch.hot_reload import PatchWatch
@@ -58,19 +58,15 @@ class Notifier:
         self.refused = ""
         """The last refusal of all services: the one that changed last."""
         self._calls = Bulkhead()
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="news", daemon=True)
+        self._worker = WorkerThread("news", self.check, part="notices on the terminal", every=CHECK_INTERVAL)
 
     def start(self) -> None:
         """Start the thread."""
-        self._thread.start()
+        self._worker.start()
 
     def stop(self) -> None:
         """Stop the thread, and print the latest changes."""
-        self._ended.set()
-        if self._thread.is_alive():
-            self._thread.join(timeout=2.0)
-        if not self._thread.is_alive():
+        if self._worker.stop():
             self.check()
 
     def check(self) -> None:
@@ -85,13 +81,6 @@ class Notifier:
                 self.refused = now
             if now:
                 self._print(f"refused: {now}" if refusal else now)
-
-    def _run(self) -> None:
-        keep_running("notices on the terminal", self._check_loop, self._ended.wait)
-
-    def _check_loop(self) -> None:
-        while not self._ended.wait(CHECK_INTERVAL):
-            self.check()
 
 
 def make_notifier(

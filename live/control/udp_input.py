@@ -2,14 +2,13 @@
 
 import selectors
 import socket
-import threading
 from typing import Any, Final
 
-from live.base.fault_isolation import keep_running
 from live.clock.time_source import Clock
 from live.control.osc.osc_socket import dropped_datagrams
 from live.control.osc.udp_batch import DatagramReader
 from live.control.registry.rejections import Reason, Tally
+from live.control.worker_thread import WorkerThread
 
 MAX_PER_WINDOW: Final = 2000
 """Maximum datagrams read …"""
@@ -26,15 +25,15 @@ class CaptureInput:
 
     def __init__(self, name: str, clock: Clock, largest: int) -> None:
         """Configure the input; nothing is opened yet. `name`: the thread's; `largest`: maximum bytes of a datagram."""
-        self.clock, self._name, self._largest = clock, name, largest
+        self.clock, self._largest = clock, largest
         self.rejected = Tally()
         """Refused datagrams by reason."""
         self.received = 0
         """Datagrams read."""
         self._sockets: list[socket.socket] = []
         self._wake: tuple[socket.socket, socket.socket] | None = None
-        self._thread: threading.Thread | None = None
-        self._stopping = threading.Event()
+        self._worker = WorkerThread(name, self._receive_all, part=f"the thread that hears {name}")
+        self._stopping = self._worker.stopping
         self._window, self._read = 0.0, 0
         self._lost = 0
 
@@ -50,19 +49,16 @@ class CaptureInput:
         """Bind all ports and start receiving; CannotListen, with the remedy, if that fails."""
         self._sockets = self.open()
         self._wake = socket.socketpair()
-        self._stopping.clear()
-        self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
-        self._thread.start()
+        self._worker.start()
 
     def stop(self) -> None:
         """Stop the thread and free the ports; harmless if it never started."""
-        if self._thread is not None and self._wake is not None:
-            self._stopping.set()
+        if self._wake is not None:
             self._wake[1].send(b"\0")
-            self._thread.join()
+            self._worker.stop(timeout=None)
             for one in self._wake:
                 one.close()
-        self._thread = self._wake = None
+        self._wake = None
         self._lost = self.lost
         for one in self._sockets:
             one.close()
@@ -77,9 +73,6 @@ class CaptureInput:
     def lost(self) -> int:
         """Datagrams that the system dropped because they were not read in time."""
         return self._lost if not self._sockets else sum(dropped_datagrams(each) for each in self._sockets)
-
-    def _run(self) -> None:
-        keep_running(f"the thread that hears {self._name}", self._receive_all, self._stopping.wait)
 
     def _receive_all(self) -> None:
         assert self._wake is not None

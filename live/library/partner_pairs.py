@@ -129,14 +129,12 @@ class PartnerExamples:
     units: Units
     leaders: tuple[RecordedSide | None, ...]
     followers: tuple[RecordedSide, ...]
-    guessed_beats: tuple[bool, ...]
-    """For each pair whether its beats are a guess."""
 
 
 def read_pairs(toml: Path) -> PartnerExamples:
     """Read all pairs of a file; PersonError with file, line and field for anything invalid."""
     wanted, fail = _parse_pairs(toml)
-    examples, leaders, followers, guessed = [], [], [], []
+    examples, leaders, followers = [], [], []
     for n, pair in enumerate(wanted.pair):
         where: KeyPath = ("pair", n)
         follower = _load_side(pair.follower, toml, partial(fail, (*where, "follower")))
@@ -144,17 +142,16 @@ def read_pairs(toml: Path) -> PartnerExamples:
         if pair.leader is not None:
             leader = _load_side(pair.leader, toml, partial(fail, (*where, "leader")))
             _check_synchronous(leader, follower, partial(fail, where))
-        example, guess = _build_example(wanted, pair, leader, follower, partial(fail, where))
+        example = _build_example(wanted, pair, leader, follower, partial(fail, where))
         examples.append(example)
         leaders.append(leader)
         followers.append(follower)
-        guessed.append(guess)
     if any(one is None for one in leaders) and any(one is not None for one in leaders):
         raise fail(("pair",), "some pairs have a leader and some have none; a database is of one kind")
     units = cut_units(examples)
     if units.count < 2:
         raise fail(("pair",), f"{units.count} unit in all of it; at least two are needed to choose from")
-    return PartnerExamples(toml, wanted, units, tuple(leaders), tuple(followers), tuple(guessed))
+    return PartnerExamples(toml, wanted, units, tuple(leaders), tuple(followers))
 
 
 def _parse_pairs(toml: Path) -> tuple[PairsFile, Callable[[KeyPath, str], PersonError]]:
@@ -239,10 +236,10 @@ def _build_example(
     leader: RecordedSide | None,
     follower: RecordedSide,
     fail: Callable[[str], PersonError],
-) -> tuple[Example, bool]:
+) -> Example:
     clip = follower.clip
     last, rate = clip.sample_count - 1.0, clip.sample_rate
-    cuts, beats, guessed = _unit_cuts(wanted, pair, leader, follower, fail)
+    cuts, beats = _unit_cuts(wanted, pair, leader, follower, fail)
     if len(cuts) < 2:
         raise fail(f"{last / rate:.2f} s are too short for one unit")
     if (np.diff(cuts) < MIN_UNIT_SECONDS * rate).any():
@@ -256,7 +253,7 @@ def _build_example(
     )
     control = path_cloud(clip) if leader is None else ends_cloud(leader.clip)
     name = pair.name or pair.follower.name or Path(pair.follower.file).stem
-    return Example(name, control, ends_cloud(clip), clip, cuts, beats, holds), guessed
+    return Example(name, control, ends_cloud(clip), clip, cuts, beats, holds)
 
 
 def _unit_cuts(
@@ -265,36 +262,35 @@ def _unit_cuts(
     leader: RecordedSide | None,
     follower: RecordedSide,
     fail: Callable[[str], PersonError],
-) -> tuple[Float64, Float64, bool]:
-    """Limits of units and positions of beats [samples], and whether these are a guess."""
+) -> tuple[Float64, Float64]:
+    """Limits of units and positions of beats [samples]."""
     clip = follower.clip
     rate, last = clip.sample_rate, clip.sample_count - 1.0
     sides = [one for one in (pair, pair.leader, pair.follower) if one is not None]
     period = next((one.period for one in sides if one.period is not None), None)
     first = next((one.first_beat_s for one in sides if one.first_beat_s is not None), None)
-    guessed = False
     if pair.cuts_s is None and (wanted.cut or ("steps" if leader is None else "beats")) == "steps":
         landed = np.flatnonzero((np.diff(clip.contact.astype(np.int8), axis=0) > 0).any(axis=1)) + 1.0
         keep = np.concatenate(([True], np.diff(landed) >= 2.0 * MIN_UNIT_SECONDS * rate))
-        return np.asarray(landed[keep], np.float64), np.zeros(0), False
+        return np.asarray(landed[keep], np.float64), np.zeros(0)
     if first is None and pair.cuts_s is None and leader is not None and wanted.unit_beats == BEATS_OF_UNIT:
         followed = find_two_beat_lines([leader.clip, clip], None if period is None else 2.0 * period)
         if followed is not None and followed.strength >= RELIABLE_STRENGTH:
-            return followed.lines * rate, followed.beats(last / rate) * rate, True
+            return followed.lines * rate, followed.beats(last / rate) * rate
     if (period is None or first is None) and pair.cuts_s is None:
         guess = estimate_tempo(clip, bpm=None if period is None else 60.0 / period)
         if guess is None:
             raise fail("too short or too still to guess its beats: give bpm and first_beat_s")
-        period, guessed = 60.0 / guess.reference.bpm, True
+        period = 60.0 / guess.reference.bpm
         first = guess.reference.first_beat_s if first is None else first
     beats = np.zeros(0) if period is None or first is None else beat_samples(period, first, rate, last)
     if pair.cuts_s is not None:
         cuts = np.unique(np.array(pair.cuts_s, np.float64)) * rate
-        return np.asarray(cuts[cuts <= last], np.float64), beats, guessed
+        return np.asarray(cuts[cuts <= last], np.float64), beats
     assert period is not None  # given or guessed
     assert first is not None
     before = int(np.floor(first / period + 1e-9)) % wanted.unit_beats
-    return beat_cuts(beats[before:], last, wanted.unit_beats), beats, guessed
+    return beat_cuts(beats[before:], last, wanted.unit_beats), beats
 
 
 def add_found_holds(known: PartnerExamples, near: HoldCriterion) -> Units:

@@ -169,8 +169,6 @@ def _with_measures(entry: RecordingEntry, start: int, measures: int) -> Recordin
     return replace(entry, recording=entry.recording.model_copy(update={"start_measure": start, "measures": measures}))
 
 
-__all__ = ["RecordingError", "cut_step", "recorded_steps"]
-
 CACHE: Final = ClipCache("recordings", max_entries=1000)
 """One entry for each TOML file, so that a change in one leaves the others valid."""
 

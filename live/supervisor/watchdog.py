@@ -156,11 +156,6 @@ class Watchdog:
         self._compared: tuple[float, Usage] | None = None
 
     @property
-    def silent(self) -> float:
-        """Counted seconds without a heartbeat."""
-        return self._silence
-
-    @property
     def own_silence(self) -> float:
         """Seconds of that silence that were its own."""
         return self._own_silence

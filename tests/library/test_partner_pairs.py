@@ -23,7 +23,7 @@ def partner_examples(known: tuple[Hold, ...], **said: Any) -> PartnerExamples:
     side = {"file": "a.bvh"}
     wanted = PairsFile.model_validate({"pair": [{"leader": side, "follower": side, **said}]})
     one = RecordedSide(clip, 120, 60.0, 60.0)
-    return PartnerExamples(Path("a.toml"), wanted, units, (one,), (one,), (False,))
+    return PartnerExamples(Path("a.toml"), wanted, units, (one,), (one,))
 
 
 def test_holds_are_detected_when_not_given() -> None:

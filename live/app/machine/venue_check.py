@@ -136,7 +136,8 @@ def check_osc(host: str, port: int) -> Check:
     """Check that the show can receive OSC at this address: listen, and send a test packet."""
     from live.base.event_queue import PriorityQueue
     from live.clock.time_source import SystemClock
-    from live.control.osc.osc_server import CannotListen, OscInput
+    from live.control.osc.osc_server import OscInput
+    from live.control.osc.osc_socket import CannotListen
 
     listener = OscInput(host, port, PriorityQueue(), SystemClock())
     try:

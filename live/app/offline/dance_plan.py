@@ -48,7 +48,6 @@ class DanceOptions:
 class DancePlan:
     """Planned dance of M measures."""
 
-    options: DanceOptions
     graph: MotionGraph
     specification: SequenceSpec
     bpm: float
@@ -91,7 +90,7 @@ def make_plan(options: DanceOptions) -> DancePlan:
     except (NoPath, SearchTooLong) as error:
         needs = "; ".join(one.needs for one in missing[:1])
         raise PersonError(f"--sequence: {error}", needs or "leave --depth-first out") from None
-    return DancePlan(options, graph, specification, bpm, found.node, found.edge_cost, tuple(missing), headings[0])
+    return DancePlan(graph, specification, bpm, found.node, found.edge_cost, tuple(missing), headings[0])
 
 
 def assemble_plan(plan: DancePlan) -> RenderedDance:
@@ -207,6 +206,5 @@ def _along_path(
         row = slice(graph.edge_start[followed.node[n - 1]], graph.edge_start[followed.node[n - 1] + 1])
         cost[n] = graph.edge_cost[row][graph.edge_target[row] == followed.node[n]].min()
     return DancePlan(
-        asked, graph, specification, bpm, followed.node, cost, tuple(missing), float(targets.heading[0]), targets,
-        followed,
-    )  # fmt: skip
+        graph, specification, bpm, followed.node, cost, tuple(missing), float(targets.heading[0]), targets, followed
+    )

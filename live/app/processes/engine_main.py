@@ -138,7 +138,7 @@ def is_supervised(options: LaunchOptions) -> bool:
 
 def supervise(options: LaunchOptions) -> None:
     """Run the show under a supervisor; exit with the engine's exit code."""
-    from live.control.osc.osc_server import CannotListen
+    from live.control.osc.osc_socket import CannotListen
 
     console = Console(stderr=True, highlight=False)
 
@@ -213,7 +213,7 @@ def _find_running_engine(label: str, say: Callable[[str], None]) -> Adoption | N
 
 def _bind_osc(host: str, port: int, hung: bool) -> socket.socket:
     """Return the socket for OSC. After an engine that `hung`, its processes may hold the port for a moment: retry."""
-    from live.control.osc.osc_server import CannotListen, bound_socket
+    from live.control.osc.osc_socket import CannotListen, bound_socket
 
     deadline = time.monotonic() + (PORT_FREE_TIMEOUT if hung else 0.0)
     while True:

@@ -1,6 +1,6 @@
 """State of a show that another process ran until now."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from live.show.show import Show
 
@@ -14,11 +14,9 @@ class ResumeState:
     """The last tick that was run."""
     origin: float
     """Origin of the show's clock [s of perf_counter]."""
-    latencies: dict[str, float] = field(default_factory=dict)
+    latencies: dict[str, float]
     """Manually changed delays by name [s]."""
-    safe_mode: bool = False
-    """Safe mode: without audio and external clocks, after too many failures."""
-    from_other_machine: bool = False
+    from_other_machine: bool
     """Whether another machine ran the show: audio and other devices have to be started here."""
-    audio_start: float | None = None
+    audio_start: float | None
     """When the music began [s of the show]; None without music."""

@@ -92,7 +92,7 @@ def promote(
     lead = Latencies.of(venue).lead
     origin = follower.local_origin(lead) if from_other_machine else follower.origin
     resumed = ResumeState(
-        show, follower.tick, origin, follower.latencies, calm, from_other_machine=from_other_machine,
+        show, follower.tick, origin, follower.latencies, from_other_machine=from_other_machine,
         audio_start=follower.music_start
     )  # fmt: skip
     session = Session(options, loaded, AudioChoice() if calm else sound, venue, lifeline=lifeline, resumed=resumed)

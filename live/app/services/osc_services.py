@@ -13,7 +13,8 @@ from live.control.events.events import ControlEvent
 from live.control.helper_process import HelperProcess
 from live.control.osc.osc_output import Targets
 from live.control.osc.osc_process import OscRemote
-from live.control.osc.osc_server import CannotListen, OscInput
+from live.control.osc.osc_server import OscInput
+from live.control.osc.osc_socket import CannotListen
 from live.control.registry.control import ROLE_RANKS
 from live.control.registry.registry import Changes
 from live.show.engine import Engine

@@ -61,10 +61,6 @@ class Namespace:
         self._add_named_nodes()
         return _clean(path) in self._nodes
 
-    def readable(self, path: str) -> bool:
-        """Whether a node has a value."""
-        return bool(self._nodes.get(_clean(path), {}).get("ACCESS", NONE) & READ)
-
     def node(self, path: str) -> dict[str, Any]:
         """Return a node with all below it and their current values; KeyError if there is none."""
         self._add_named_nodes()

@@ -9,15 +9,14 @@ import os
 import select
 import socket
 import struct
-import threading
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Final
 
-from live.base.fault_isolation import keep_running
 from live.control.midi.midi_streams import Direction, MidiTokenizer, Receive, parse_address
 from live.control.osc.osc_subscriptions import is_local_network
+from live.control.worker_thread import WorkerThread
 
 SocketAddress = tuple[str, int]
 
@@ -250,8 +249,8 @@ class RtpPort:
         self.protocol = RtpMidi(int.from_bytes(os.urandom(4)))
         family = socket.AF_INET6 if ":" in host else socket.AF_INET
         self._sockets: list[socket.socket] = []
-        self._stop = threading.Event()
-        self._thread: threading.Thread | None = None
+        self._receive: Receive = lambda message: None
+        self._worker = WorkerThread(name, self._read_loop, part=f"MIDI at {name}", end=self._end)
         try:
             for number in (port, port + 1):
                 sock = socket.socket(family, socket.SOCK_DGRAM)
@@ -264,8 +263,8 @@ class RtpPort:
 
     def listen(self, receive: Receive) -> None:
         """Pass messages to `receive` from its own thread."""
-        self._thread = threading.Thread(target=self._run, args=(receive,), name=self.name, daemon=True)
-        self._thread.start()
+        self._receive = receive
+        self._worker.start()
 
     def send(self, message: bytes) -> None:
         """Not supported; raises OSError."""
@@ -273,30 +272,27 @@ class RtpPort:
 
     def close(self) -> None:
         """Close both sockets."""
-        self._stop.set()
-        if self._thread is not None:
-            self._thread.join(timeout=2.0)
+        self._worker.stop()
         for sock in self._sockets:
             sock.close()
         self.exists = False
 
-    def _run(self, receive: Receive) -> None:
-        keep_running(f"MIDI at {self.name}", lambda: self._read_loop(receive), self._stop.wait)
+    def _end(self) -> None:
         self.exists = False
 
-    def _read_loop(self, receive: Receive) -> None:
+    def _read_loop(self) -> None:
         control, data = self._sockets
-        while not self._stop.is_set():
+        while not self._worker.stopping.is_set():
             try:
                 ready, _, _ = select.select([control, data], [], [], CHECK_INTERVAL)
             except (OSError, ValueError):
                 break
             for sock in ready:
                 for _ in range(MAX_DATAGRAMS):
-                    if not self._read(sock, receive, control=sock is control):
+                    if not self._read(sock, control=sock is control):
                         break
 
-    def _read(self, sock: socket.socket, receive: Receive, *, control: bool) -> bool:
+    def _read(self, sock: socket.socket, *, control: bool) -> bool:
         """Read one datagram; return False if there is none."""
         try:
             datagram, sender = sock.recvfrom(MAX_DATAGRAM_BYTES)
@@ -312,5 +308,5 @@ class RtpPort:
             with contextlib.suppress(OSError):
                 sock.sendto(answer, sender)
         for message in messages:
-            receive(message)
+            self._receive(message)
         return True

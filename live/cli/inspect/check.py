@@ -1,12 +1,9 @@
 """Command `live check`: checks a patch, and with --venue the hall; errors name file, line, field and remedy."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
-
-if TYPE_CHECKING:
-    from live.app.machine.machine_check import Check
 
 
 def check(
@@ -44,9 +41,10 @@ def check(
     if venue is not None or as_json:
         from live.app.machine.venue_check import all_venue_checks
         from live.app.option_values import parse_endpoint
+        from live.cli.venue.doctor import print_checks
 
-        _print_checks(all_venue_checks(loaded, show, hall, parse_endpoint(osc), venue), as_json=as_json)
-        return
+        checks = all_venue_checks(loaded, show, hall, parse_endpoint(osc), venue)
+        print_checks(checks, "ready", ("Ready", "Not ready"), as_json=as_json)
     choose_audio(options, loaded)
     loaded.scene()
     library, graph = loaded.graph.library, loaded.graph
@@ -64,26 +62,3 @@ def check(
         soft_wrap=True,
         markup=False,
     )
-
-
-def _print_checks(checks: "list[Check]", *, as_json: bool) -> None:
-    """Print a table or JSON; exit 1 if something required is missing."""
-    import json
-    from dataclasses import asdict
-
-    ready = not any(check.needed and check.state != "ok" for check in checks)
-    if as_json:
-        print(json.dumps({"ready": ready, "checks": [asdict(check) for check in checks]}))
-        raise typer.Exit(0 if ready else 1)
-    from rich.console import Console
-
-    from live.cli.venue.doctor import checks_table
-
-    console = Console(highlight=False)
-    console.print(checks_table(checks))
-    limited = sum(check.state == "limited" for check in checks)
-    if not ready:
-        console.print("[red]Not ready:[/] follow the last column.")
-    else:
-        console.print("[green]Ready[/]" + (f", with {limited} limitations." if limited else "."))
-    raise typer.Exit(0 if ready else 1)

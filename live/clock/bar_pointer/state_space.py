@@ -21,8 +21,6 @@ FIRST_SLOT: Final = (0, 2, 5, 9)
 SLOTS: Final = 16
 """Slots of each (interval, position); the last is unused: sixteen fill the processor's registers."""
 
-WINDOW: Final = 7
-"""Frames in which a beat's activation may lie; the beat is in the middle."""
 
 REACH: Final = 8
 """Number of intervals to each side that the tempo can change to at one beat."""

@@ -15,8 +15,6 @@ from live.clock.follower.source_arbiter import SourceArbiter
 from live.clock.tap_tempo import TapTempo
 from live.clock.timeline import Grid, Timeline
 
-__all__ = ["SLEW_LOCKED", "SLEW_UNLOCKED", "TimelineFollower"]
-
 ONE_WITHIN: Final = 30.0
 """Maximum distance of the first lock from the known first downbeat [s] for measures to be counted from it."""
 

@@ -39,11 +39,6 @@ class BeatTracker:
         """The present grid."""
 
     @property
-    def sample_rate(self) -> float:
-        """Samples per second [Hz]."""
-        return self._activations.sample_rate
-
-    @property
     def wanted(self) -> int:
         """Samples missing until the next frame is full: feed this many for minimum latency."""
         return self._activations.wanted

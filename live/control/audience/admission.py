@@ -24,7 +24,6 @@ from live.control.audience.rate_limit import ALL_JOINS, RefusalReason, TokenBuck
 OWN_WIFI: Final = "own wifi"
 BEHIND_NAT: Final = "behind nat"
 PROXY: Final = "proxy"
-NETWORKS: Final = (OWN_WIFI, BEHIND_NAT, PROXY)
 JOIN_RATE: Final = 20.0
 JOIN_BURST: Final = 40.0
 """Behind nat: joins per second of one address, and joins at once; later phones get a reserved time slot."""

@@ -23,7 +23,6 @@ class RefusalReason(StrEnum):
     BUSY = "phone: too many messages in all"
     SLOW = "phone: does not listen"
     IDLE = "phone: said nothing for long"
-    CLOSED = "phone: audience closed"
 
 
 class TokenBucket:

@@ -1,7 +1,6 @@
 """Click output: plays a click on every beat of the Timeline, on a separate audio output for the performers."""
 
 import math
-import threading
 from collections.abc import Callable
 from typing import Any, Final
 
@@ -10,12 +9,13 @@ import numpy.typing as npt
 
 from live.base.arrays import Float32
 from live.base.errors import PersonError
-from live.base.fault_isolation import keep_running
 from live.clock.sample_clock import SampleClock
 from live.clock.time_source import Clock
 from live.clock.timeline import Timeline, phase
+from live.control.audio.block_stamps import BlockStamps
 from live.control.audio.channel_mixer import Channels
 from live.control.audio.devices import SoundDevice, close_stream, find_again, find_device, open_stream, refresh
+from live.control.worker_thread import WorkerThread
 
 MAX_LATE: Final = 0.040
 """A beat up to this late [s] for a block is clicked at the block's start; an older one is skipped."""
@@ -112,8 +112,6 @@ BUFFER_SECONDS: Final = 0.080
 MAX_BLOCK: Final = 16384
 """Maximum frames of a block; any further requested frames stay silent."""
 
-STAMPS: Final = 512
-
 
 class ClickOutput:
     """Plays a ClickTrack. A lost output is reopened by name; the show never waits for it.
@@ -153,11 +151,8 @@ class ClickOutput:
         self._wanted = channels
         self._channels = channels.select(self.device.channels)
         self._block = np.zeros(MAX_BLOCK, np.float32)
-        self._stamp_frame = np.zeros(STAMPS, np.int64)
-        self._stamp_time = np.zeros(STAMPS)
         self._stream: Any = None
-        self._stop = threading.Event()
-        self._thread: threading.Thread | None = None
+        self._worker = WorkerThread("click", self.poll, part="the click", every=POLL, end=self._close)
         self._reported = 0.0
         self._opened_at = self._alive_at = -math.inf
         self._reset()
@@ -187,16 +182,11 @@ class ClickOutput:
     def start(self) -> None:
         """Open the output and start; raises sounddevice.PortAudioError if it refuses now."""
         self.open()
-        self._stop.clear()
-        self._thread = threading.Thread(target=self._run, name="click", daemon=True)
-        self._thread.start()
+        self._worker.start()
 
     def stop(self) -> None:
         """Stop the click and close the output."""
-        self._stop.set()
-        if self._thread is not None:
-            self._thread.join(timeout=2.0)
-            self._thread = None
+        self._worker.stop()
 
     def _reset(self) -> None:
         """Reset all state that depends on the present device."""
@@ -205,7 +195,8 @@ class ClickOutput:
             self.track.voices = self._make_voices(round(self._rate))
         self._channels = self._wanted.select(self.device.channels)
         self._line = SampleClock(self._rate)
-        self._frames_requested = self._stamps = self._stamps_read = 0
+        self._stamps = BlockStamps()
+        self._frames_requested = 0
         self._place: tuple[float, float] | None = None  # time at which frame 0 is handed over, and seconds per frame
         self._steady: tuple[float, float, float] | None = None  # the line's offset, valid since which sample and time
 
@@ -226,9 +217,7 @@ class ClickOutput:
         self._opened_at = self._alive_at = self._clock.now()
 
     def _callback(self, out: npt.NDArray[np.float32], frames: int, _times: Any, _status: Any) -> None:
-        slot = self._stamps % STAMPS
-        self._stamp_frame[slot], self._stamp_time[slot] = self._frames_requested, self._clock.now()
-        self._stamps += 1
+        self._stamps.add(self._frames_requested, self._clock.now())
         out[:] = 0.0
         place = self._place
         if place is not None:
@@ -238,16 +227,6 @@ class ClickOutput:
             for channel in self._channels:
                 out[: block.shape[0], channel] = block
         self._frames_requested += frames
-
-    def _run(self) -> None:
-        try:
-            keep_running("the click", self._poll_until_stopped, self._stop.wait)
-        finally:
-            self._close()
-
-    def _poll_until_stopped(self) -> None:
-        while not self._stop.wait(POLL):
-            self.poll()
 
     def poll(self) -> None:
         """Update the sample line and check the output once; never raises. Thread: the click's."""
@@ -261,13 +240,10 @@ class ClickOutput:
             self._reopen(now)
 
     def _watch(self, now: float) -> None:
-        until = self._stamps
-        for index in range(max(self._stamps_read, until - STAMPS // 2), until):
-            time = float(self._stamp_time[index % STAMPS])
-            self._line.observe(float(self._stamp_frame[index % STAMPS]), time)
-            self._alive_at = max(self._alive_at, time)
-        self._stamps_read = until
-        if until:
+        while (stamp := self._stamps.pop()) is not None:
+            self._line.observe(*stamp)
+            self._alive_at = max(self._alive_at, stamp[1])
+        if self._stamps.popped:
             self._place_samples()
         patience = LOST_AFTER if now - self._opened_at > START_TIMEOUT else START_TIMEOUT
         if now - self._alive_at > patience:

@@ -9,12 +9,10 @@ import numpy.typing as npt
 from live.clock.sample_clock import RateEstimator, SampleClock
 from live.clock.time_source import Clock
 from live.control.audio.analysis import AudioAnalysis, MakeAnalysis
+from live.control.audio.block_stamps import BlockStamps
 from live.control.audio.channel_mixer import ChannelMixer, Channels
 from live.control.audio.devices import SoundDevice, close_stream, open_stream
 from live.control.events.events import ControlEvent
-
-STAMPS: Final = 512
-"""Number of stored block times; half of them can be read."""
 
 
 class RingBuffer:
@@ -26,8 +24,8 @@ class RingBuffer:
     def __init__(self, frames: int, channels: int) -> None:
         self._sound = np.zeros((frames, channels), np.float32)
         self._out = np.zeros((frames // 2, channels), np.float32)
-        self._stamp_frame = np.zeros(STAMPS, np.int64)
-        self._stamp_time = np.zeros(STAMPS)
+        self.stamps = BlockStamps()
+        """Frames written and the time of each block."""
         self.longest = frames // 2
         """Maximum frames of one `read`."""
         self.written = 0
@@ -36,8 +34,6 @@ class RingBuffer:
         """Frames read or skipped since the start."""
         self.overrun = 0
         """Frames overwritten before they were read."""
-        self._stamps = 0
-        self._stamps_read = 0
 
     def write(self, block: npt.NDArray[np.float32], time: float) -> None:
         """Copy a block, shape (n, channels), completed at `time` [s]; of a block that is too long the end is kept."""
@@ -50,19 +46,7 @@ class RingBuffer:
         self._sound[start : start + first] = block[:first]
         self._sound[: block.shape[0] - first] = block[first:]
         self.written += block.shape[0]
-        slot = self._stamps % STAMPS
-        self._stamp_frame[slot], self._stamp_time[slot] = self.written, time
-        self._stamps += 1
-
-    def pop_stamp(self) -> tuple[int, float] | None:
-        """Return (frames written, time [s]) of the next unread block; None if there is none."""
-        until = self._stamps
-        if self._stamps_read >= until:
-            return None
-        self._stamps_read = max(self._stamps_read, until - STAMPS // 2)
-        slot = self._stamps_read % STAMPS
-        self._stamps_read += 1
-        return int(self._stamp_frame[slot]), float(self._stamp_time[slot])
+        self.stamps.add(self.written, time)
 
     def read(self) -> npt.NDArray[np.float32]:
         """Return all unread frames, shape (n, channels), valid until the next call.
@@ -183,7 +167,7 @@ class DeviceStream:
     def update_clock(self) -> float | None:
         """Update the sample line from new block times; return the last one's time [s], None if there is none."""
         last = None
-        while (stamp := self.ring.pop_stamp()) is not None:
+        while (stamp := self.ring.stamps.pop()) is not None:
             frame, time = stamp
             self.sample_clock.observe(frame, time)
             last = time if last is None else max(last, time)

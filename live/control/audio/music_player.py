@@ -1,19 +1,19 @@
 """Music player with analysis in sync with the audible position."""
 
-import threading
 from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.base.event_queue import EventQueue
-from live.base.fault_isolation import keep_running
 from live.clock.sample_clock import SampleClock
 from live.clock.time_source import Clock
 from live.control.audio.analysis import AudioAnalysis, MakeAnalysis
+from live.control.audio.block_stamps import BlockStamps
 from live.control.audio.devices import SoundUnavailable, close_stream, find_device, open_stream
 from live.control.audio.music_file import DOWNBEAT_LEAD, Music
 from live.control.events.events import BeatHeard, ControlEvent, One, SourceChanged
+from live.control.worker_thread import WorkerThread
 
 POLL: Final = 0.010
 LOST_AFTER: Final = 0.5
@@ -27,7 +27,6 @@ SETTLE_SECONDS: Final = 1.0
 DOWNBEAT_TOLERANCE: Final = 0.02
 """The prediction is repeated if it was wrong by this much [s]."""
 
-STAMPS: Final = 512
 CATCH_UP: Final = 1.0
 """Sound missed in a stall longer than this [s] is not analysed."""
 
@@ -75,12 +74,12 @@ class MusicPlayer:
         """… and the latest failure."""
         self._device = self._find(output)
         self._stream: Any = None
-        self._thread: threading.Thread | None = None
-        self._stop = threading.Event()
+        self._worker = WorkerThread(
+            "music analysis", self._poll, part="the music's player", every=POLL, end=self._close
+        )
         self._line = SampleClock(music.sample_rate)
-        self._stamp_frame = np.zeros(STAMPS, np.int64)
-        self._stamp_time = np.zeros(STAMPS)
-        self._stamps = self._stamps_read = self._played = self._fed = 0
+        self._stamps = BlockStamps()
+        self._played = self._fed = 0
         self._begin = self._alive_at = self._reported = 0.0
         self._make_analysis = analysis
         self._analysis = analysis(music.sample_rate)
@@ -122,20 +121,15 @@ class MusicPlayer:
         self._played = max(int((now - self._begin) * self._music.sample_rate), 0)
         if self._device is not None:
             self._open()
-        self._stop.clear()
-        self._thread = threading.Thread(target=self._run, name="music analysis", daemon=True)
-        self._thread.start()
+        self._worker.start()
 
     def stop(self) -> None:
         """Stop playing."""
-        self._stop.set()
-        if self._thread is not None:
-            self._thread.join(timeout=2.0)
-            self._thread = None
+        self._worker.stop()
 
     def position(self, time: float) -> float:
         """Return the seconds of music heard until `time` [s], at least 0; in loops it keeps counting. Thread: any."""
-        if self._stream is None or self._stamps_read < 1:
+        if self._stream is None or not self._stamps.popped:
             return max(time - self._begin, 0.0)
         # Limited to samples handed to the device: the line is unreliable while a server fills its buffers.
         return min(max(self._line.frame_at(time - self._delay), 0.0), float(self._played)) / self._music.sample_rate
@@ -160,9 +154,7 @@ class MusicPlayer:
 
         def callback(out: npt.NDArray[np.float32], frames: int, _times: Any, _status: Any) -> None:
             # Stamped first: the callback requests `frames` more once the previous ones are handed over.
-            slot = self._stamps % STAMPS
-            self._stamp_frame[slot], self._stamp_time[slot] = self._played, self._clock.now()
-            self._stamps += 1
+            self._stamps.add(self._played, self._clock.now())
             block = self._music.block(self._played, frames)
             out[: block.shape[0]] = block[:, :played]
             out[block.shape[0] :] = 0.0
@@ -184,17 +176,10 @@ class MusicPlayer:
         reported = float(self._stream.latency)
         self._reported = reported if 0.0 <= reported <= 1.0 else 0.0  # some hosts report nonsense
 
-    def _run(self) -> None:
-        try:
-            keep_running("the music's player", self._poll_until_stopped, self._stop.wait)
-        finally:
-            self._close()
-
-    def _poll_until_stopped(self) -> None:
-        while not self._stop.wait(POLL):
-            now = self._clock.now()
-            self._follow_output(now)
-            self._analyse_safely(now)
+    def _poll(self) -> None:
+        now = self._clock.now()
+        self._follow_output(now)
+        self._analyse_safely(now)
 
     def _close(self) -> None:
         if self._stream is not None:
@@ -204,12 +189,9 @@ class MusicPlayer:
     def _follow_output(self, now: float) -> None:
         if self._stream is None:
             return
-        until = self._stamps
-        for index in range(max(self._stamps_read, until - STAMPS // 2), until):
-            time = float(self._stamp_time[index % STAMPS])
-            self._line.observe(float(self._stamp_frame[index % STAMPS]), time)
-            self._alive_at = max(self._alive_at, time)
-        self._stamps_read = until
+        while (stamp := self._stamps.pop()) is not None:
+            self._line.observe(*stamp)
+            self._alive_at = max(self._alive_at, stamp[1])
         if now - self._alive_at > (LOST_AFTER if now - self._begin > START_TIMEOUT else START_TIMEOUT):
             self._begin = now - self.position(now)
             self._close()

@@ -2,17 +2,16 @@
 
 import math
 import queue
-import threading
 from collections import deque
 from collections.abc import Callable
 from typing import Any, Final, Literal
 
 from live.base.event_queue import EventQueue
-from live.base.fault_isolation import keep_running
 from live.clock.time_source import Clock
 from live.clock.timeline import Timeline, next_phase_match
 from live.control.events.events import ControlEvent
 from live.control.link.link_sync import LinkChange, LinkLeader, LinkReading, LinkReporter, fold_factor, peers_text
+from live.control.worker_thread import WorkerThread
 
 WINDOW: Final = 16
 """Number of readings kept for the rate; at four readings per second, they span four seconds."""
@@ -172,8 +171,7 @@ class LinkSession:
         self._timeline: tuple[Timeline, float] | None = None
         self._beats_per_measure = beats_per_measure
         self._last_reading: LinkReading | None = None
-        self._stop = threading.Event()
-        self._thread: threading.Thread | None = None
+        self._worker = WorkerThread("Ableton Link", self._poll_loop)
 
     # -- state, readable from any thread -----------------------------------------------------------------------
 
@@ -192,7 +190,7 @@ class LinkSession:
     def summary(self) -> str:
         """Text for the display: "off", "alone", "2 peers", "leads 2 peers"."""
         last = self._last_reading
-        if last is None or self._thread is None:
+        if last is None or not self._worker.started:
             return "off"
         if not last.peers:
             return "alone"
@@ -202,17 +200,12 @@ class LinkSession:
 
     def start(self) -> None:
         """Join the session."""
-        if self._thread is None:
-            self._stop.clear()
-            self._thread = threading.Thread(target=self._run, name="Ableton Link", daemon=True)
-            self._thread.start()
+        if not self._worker.started:
+            self._worker.start()
 
     def stop(self) -> None:
         """Leave the session; reports the source as "lost" if it was found."""
-        self._stop.set()
-        if self._thread is not None:
-            self._thread.join(timeout=2.0)
-            self._thread = None
+        self._worker.stop()
 
     def set_timeline(self, timeline: Timeline, tempo: float) -> None:
         """Set the show's current timeline and the music's `tempo` [bpm]; call each frame, never blocks.
@@ -235,13 +228,10 @@ class LinkSession:
 
     # -- the thread --------------------------------------------------------------------------------------------
 
-    def _run(self) -> None:
-        keep_running("Ableton Link", self._poll_loop, self._stop.wait)
-
     def _poll_loop(self) -> None:
         self._link.enabled = True
         try:
-            while not self._stop.wait(POLL_INTERVAL):
+            while not self._worker.stopping.wait(POLL_INTERVAL):
                 try:
                     self.poll()
                 except Exception as error:  # a failure of the library must not end the thread

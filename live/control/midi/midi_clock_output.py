@@ -71,7 +71,7 @@ class MidiClockOutput(PortThread):
 
     def stop(self) -> None:
         """Send a stop message and end the thread."""
-        began = self._thread is not None
+        began = self._worker.started
         super().stop()
         if began:
             sys.setswitchinterval(self._switch_interval)

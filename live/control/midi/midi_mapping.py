@@ -10,13 +10,11 @@ from typing import Final
 
 from live.control.events.events import ControlEvent
 from live.control.midi.channel_messages import ChannelMessageDecoder, MidiAction
-from live.control.midi.midi_binding import CONTINUOUS_KINDS, DEFAULTS, BadBinding, Binding, Kind
+from live.control.midi.midi_binding import CONTINUOUS_KINDS, DEFAULTS, Binding, Kind
 from live.control.midi.midi_learn import Pickup
 from live.control.registry.control import ArgumentValue, Control
 from live.control.registry.registry import REGISTRY, Values
 from live.control.registry.rejections import Rejection
-
-__all__ = ["DEFAULTS", "BadBinding", "Binding", "Kind", "MidiMap", "binding_key", "current_value"]
 
 SOURCE: Final = "midi"
 _Trigger = tuple[Kind, int, bool]

@@ -9,13 +9,12 @@ import glob
 import os
 import re
 import sys
-import threading
 from collections.abc import Callable, Mapping
 from types import ModuleType
 from typing import Any, Final
 
-from live.base.fault_isolation import keep_running
 from live.control.midi.midi_streams import SCHEMES, Direction, Opener, Port
+from live.control.worker_thread import WorkerThread
 
 CLIENT_NAME: Final = "ChoreoGraphics"
 """Name of our end of a connection in the system's patch bays."""
@@ -254,31 +253,22 @@ class PortThread:
         """Why no port is open."""
         self.opened = 0
         """How often the port was opened; a device that was connected again has received nothing sent before."""
-        self._role = role
         self._open_by_name = open_by_name
-        self._stop = threading.Event()
-        self._thread: threading.Thread | None = None
+        self._worker = WorkerThread(f"{role} {name}", self._run)
+        self._stop = self._worker.stopping
         self._port: Port | None = None
 
     def start(self) -> None:
         """Start the thread; a missing port is opened as soon as it appears."""
-        self._stop.clear()
-        self._thread = threading.Thread(target=self._keep_running, name=f"{self._role} {self.name}", daemon=True)
-        self._thread.start()
+        self._worker.start()
 
     def stop(self) -> None:
         """Stop the thread; after two seconds a port that hangs is left to it."""
-        self._stop.set()
-        if self._thread is not None:
-            self._thread.join(timeout=2.0)
-            self._thread = None
+        self._worker.stop()
 
     def status(self) -> dict[str, Any]:
         """Return figures for the status line."""
         return {"port": self.connected or self.name, "problem": self.problem}
-
-    def _keep_running(self) -> None:
-        keep_running(f"{self._role} {self.name}", self._run, self._stop.wait)
 
     def _run(self) -> None:
         """Work until `_stop` is set, and `_close` in any case."""

@@ -10,12 +10,11 @@ import contextlib
 import os
 import select
 import socket
-import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Final, Literal, Protocol
 
-from live.base.fault_isolation import keep_running
+from live.control.worker_thread import WorkerThread
 
 SYSEX, SYSEX_END = 0xF0, 0xF7
 REAL_TIME: Final = 0xF8
@@ -178,8 +177,8 @@ class StreamPort:
         self._listener: socket.socket | None = None
         self._senders: dict[int, _Sender] = {}
         self._out = -1
-        self._stop = threading.Event()
-        self._thread: threading.Thread | None = None
+        self._receive: Receive = lambda message: None
+        self._worker = WorkerThread(name, self._read_loop, part=f"MIDI at {name}", end=self._end)
         if name.startswith(RAW):
             path = name.removeprefix(RAW)
             if direction == "output":
@@ -208,8 +207,8 @@ class StreamPort:
 
     def listen(self, receive: Receive) -> None:
         """Start to pass messages to `receive`."""
-        self._thread = threading.Thread(target=self._run, args=(receive,), name=self.name, daemon=True)
-        self._thread.start()
+        self._receive = receive
+        self._worker.start()
 
     def send(self, message: bytes) -> None:
         """Send one complete message; OSError if the other side is gone or does not read."""
@@ -224,9 +223,7 @@ class StreamPort:
 
     def close(self) -> None:
         """Close the stream and all connections."""
-        self._stop.set()
-        if self._thread is not None:
-            self._thread.join(timeout=TIMEOUT)
+        self._worker.stop(TIMEOUT)
         for sender in self._senders.values():
             sender.close()
         if self._listener is not None:
@@ -242,12 +239,11 @@ class StreamPort:
     def _add(self, number: int, connection: socket.socket | None) -> None:
         self._senders[number] = _Sender(number, connection)
 
-    def _run(self, receive: Receive) -> None:
-        keep_running(f"MIDI at {self.name}", lambda: self._read_loop(receive), self._stop.wait)
+    def _end(self) -> None:
         self.exists = False
 
-    def _read_loop(self, receive: Receive) -> None:
-        while not self._stop.is_set():
+    def _read_loop(self) -> None:
+        while not self._worker.stopping.is_set():
             now = time.monotonic()
             ready = [number for number, sender in self._senders.items() if sender.may_read(now)]
             listener = [] if self._listener is None else [self._listener.fileno()]
@@ -259,7 +255,7 @@ class StreamPort:
             for number in found:
                 if listener and number == listener[0]:
                     self._accept()
-                elif not self._senders[number].read(receive):
+                elif not self._senders[number].read(self._receive):
                     sender = self._senders.pop(number)
                     sender.close()
                     self.rejected += sender.tokens.rejected

@@ -8,25 +8,22 @@ import ipaddress
 import os
 import selectors
 import socket
-import threading
 from collections import deque
 from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from live.base.event_queue import PriorityQueue
-from live.base.fault_isolation import keep_running
 from live.clock.time_source import Clock
 from live.control.events.events import ControlEvent
 from live.control.osc.osc_codec import MAX_PACKET_BYTES
 from live.control.osc.osc_handler import OscHandler
 from live.control.osc.osc_prefilter import OscPrefilter
-from live.control.osc.osc_socket import CannotListen, PortBusy, bound_socket, dropped_datagrams
+from live.control.osc.osc_socket import bound_socket, dropped_datagrams
 from live.control.osc.udp_batch import BATCH_SIZE, DatagramReader
 from live.control.registry.control import Role
 from live.control.registry.registry import REGISTRY, Changes, Registry
 from live.control.registry.rejections import Reason, Rejection, Tally
-
-__all__ = ["CannotListen", "OscInput", "PortBusy", "bound_socket"]
+from live.control.worker_thread import WorkerThread
 
 _PAUSE_S: Final = 0.05
 MAX_BATCHES: Final = 4
@@ -77,8 +74,8 @@ class OscInput:
             self._allow = tuple(ipaddress.ip_network(entry, strict=False) for entry in allow)
         self._socket: socket.socket | None = None
         self._wake: tuple[socket.socket, socket.socket] | None = None
-        self._thread: threading.Thread | None = None
-        self._stopping = threading.Event()
+        self._worker = WorkerThread("osc", self._receive, part="the thread that hears OSC")
+        self._stopping = self._worker.stopping
         self._prefilter = OscPrefilter(registry, self._handle_datagram, self.handler.rejected)
         self._lost = 0
         self.unsent = 0
@@ -88,7 +85,7 @@ class OscInput:
 
     def start(self) -> None:
         """Bind and start to receive; PortBusy or CannotListen, with the remedy, if that fails."""
-        if self._thread is not None:
+        if self._worker.started:
             raise RuntimeError("this OSC input was already started")
         self._socket = (
             bound_socket(self._host, self._wanted_port, self._option)
@@ -96,21 +93,18 @@ class OscInput:
             else socket.socket(fileno=os.dup(self._inherited))
         )
         self._wake = socket.socketpair()
-        self._stopping.clear()
-        self._thread = threading.Thread(target=self._run, name="osc", daemon=True)
-        self._thread.start()
+        self._worker.start()
 
     def stop(self) -> None:
         """Stop the thread and free the port; does nothing if it was not started."""
-        if self._thread is None or self._wake is None or self._socket is None:
+        if self._wake is None or self._socket is None:
             return
-        self._stopping.set()
         self._wake[1].send(b"\0")
-        self._thread.join()
+        self._worker.stop(timeout=None)
         self._lost = self.lost
         for one in (self._socket, *self._wake):
             one.close()
-        self._socket = self._wake = self._thread = None
+        self._socket = self._wake = None
 
     def __enter__(self) -> "OscInput":
         self.start()
@@ -130,19 +124,9 @@ class OscInput:
         return self._lost if self._socket is None else dropped_datagrams(self._socket)
 
     @property
-    def accepted(self) -> int:
-        """Number of messages that became an event, an answer or a request."""
-        return self.handler.accepted
-
-    @property
     def rejected(self) -> Tally:
         """Refused packets and messages by reason."""
         return self.handler.rejected
-
-    @property
-    def future_timetags(self) -> int:
-        """Number of messages with a time tag too far ahead, which acted at once."""
-        return self.handler.future_timetags
 
     @property
     def last_rejection(self) -> Rejection | None:
@@ -175,9 +159,6 @@ class OscInput:
         self.handler.values.update(changes)
         if self.handler.subscribers.active:
             self._changed.extend(changes)
-
-    def _run(self) -> None:
-        keep_running("the thread that hears OSC", self._receive, self._stopping.wait)
 
     def _receive(self) -> None:
         assert self._socket is not None

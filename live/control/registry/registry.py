@@ -179,8 +179,3 @@ class Values:
     def all(self) -> Changes:
         """Return a copy of all current values."""
         return dict(self._rows)
-
-
-def changed_values(before: Changes, now: Changes) -> dict[str, Rows]:
-    """Return the entries of `now` that differ from `before`."""
-    return {address: rows for address, rows in now.items() if before.get(address) != rows}

@@ -4,7 +4,6 @@ The reasons are a fixed list, so that no sender can make the table grow; their t
 """
 
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
@@ -37,7 +36,6 @@ class Reason(StrEnum):
     OUT_OF_RANGE = "out of range"
     NAME = "unusable name"
     FORM = "unusable text"
-    NO_VALUE = "no present value"
     ROLE = "not for this port's role"
     FLOOD = "flood of one sender, not read"
     SUBSCRIBERS = "too many subscribers"
@@ -106,12 +104,3 @@ class Tally:
     def as_dict(self) -> dict[str, int]:
         """Return the nonzero counts by reason, in the order of `Reason`."""
         return {str(reason): count for reason, count in self._counts.items() if count}
-
-
-def merge_counts(tallies: Iterable[Tally]) -> dict[str, int]:
-    """Return the counts of several inputs (OSC, keys, web) in one table."""
-    totals: dict[str, int] = {}
-    for tally in tallies:
-        for reason, count in tally.as_dict().items():
-            totals[reason] = totals.get(reason, 0) + count
-    return totals

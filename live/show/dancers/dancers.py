@@ -21,15 +21,13 @@ from live.motion.texture.live_bank import TextureBank
 from live.show.capture.performer import CapturedPerformer
 from live.show.dancers.current_measure import CurrentMeasures
 from live.show.dancers.live_texture import LiveTexture
-from live.show.dancers.measure_state import UNDECIDED, turn_vectors
+from live.show.dancers.measure_state import UNDECIDED
 from live.show.dancers.variation import Variation
 from live.show.partner.leader_input import Tracks
 
 if TYPE_CHECKING:
     from live.show.partner.partner_response import PartnerResponse
 
-
-__all__ = ["UNDECIDED", "Dancers", "turn_vectors"]
 
 Rows = npt.NDArray[np.int64]
 

@@ -5,16 +5,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from live.base.arrays import Float32, Float64, Int32
-from live.graph.select.candidates import own_end, turn_vectors
+from live.graph.select.candidates import own_end
 from live.graph.takes import NO_TAKE
 from live.motion.pose.gather_kernels import same_measures
-from live.motion.pose.turn_kernels import end_dancers, place_dancers
+from live.motion.pose.turn_kernels import end_dancers
 
 if TYPE_CHECKING:
     from live.graph.motion_graph import MotionGraph
 
-
-__all__ = ["UNDECIDED", "MeasureState", "turn_vectors"]
 
 UNDECIDED = -1
 MIN_REMAINING_WARP = 0.15
@@ -80,20 +78,6 @@ class MeasureState:
         """Mark the measures of all dancers as not chosen."""
         self.node[:] = UNDECIDED
         self.decided = False
-
-    def placements_at(self, fraction: Float64, out: Float64) -> None:
-        """Fill `out` (A, 4) with the placements, corrections included, at `fraction` (A,) of the measure."""
-        place_dancers(
-            out,
-            self.placement,
-            self.correction,
-            self.aim_origin,
-            fraction,
-            np.maximum(self.node, 0),
-            self.graph.node_turns,
-            self.graph.node_warp_curve,
-            self.on_support,
-        )
 
     def replace_node(self, rows: Int32, node: Int32, placement: Float64) -> None:
         """Switch the dancers `rows` (n,) to `node` (n,), with the clip's axes at `placement` (n, 3).

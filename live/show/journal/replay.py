@@ -173,8 +173,6 @@ def _added(journal: Journal) -> Iterator[list[str]]:
             yield row.event.clips.split("\n")
 
 
-__all__ = ["ReplayError", "ReplayResult", "Replayer", "replay"]
-
 MAX_DIFFERENCES: Final = 1000
 """Maximum number of differences kept; after the first one usually all measures differ."""
 

@@ -5,15 +5,15 @@ never reaches the stage; the last good patch stays in force. Only a patch that s
 """
 
 import gc
-import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
 from live.base.compression import compress_text
 from live.base.errors import PersonError
-from live.base.fault_isolation import FAULTS, keep_running
+from live.base.fault_isolation import FAULTS
 from live.control.events.events import ControlEvent, PatchChanged
+from live.control.worker_thread import WorkerThread
 from live.graph.motion_graph import MotionGraph
 from live.render.custom_pass import try_passes
 from live.show.background_work import short_switch_interval
@@ -60,8 +60,8 @@ class PatchWatch:
             library.check = lambda graph: show.hot_swap.make_show(self._patch, graph)
         self._last_stamp = self._handled_stamp = file_stamp(loaded.path)
         self._failure_count, self._freed_counts = 0, (0, 0)
-        self._stopped = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="patch watch", daemon=True)
+        self._turn = 0
+        self._worker = WorkerThread("patch watch", self._watch, part="the watch of the patch", every=POLL_S)
         self.version = patch_version(self._text)
         """Version of the patch that was offered last; at first that of the patch the show began with."""
         self.problem = ""
@@ -73,27 +73,20 @@ class PatchWatch:
 
     def start(self) -> None:
         """Start the watching thread."""
-        self._thread.start()
+        self._worker.start()
 
     def stop(self) -> None:
         """Stop the thread and wait until its current read has ended."""
-        self._stopped.set()
-        if self._thread.is_alive():
-            self._thread.join(timeout=10.0)
+        self._worker.stop(timeout=10.0)
 
     def status(self) -> dict[str, Any]:
         """Return status values: the patch in force, the last edit's problem, and keys that wait for a new start."""
         return {"version": self.version, "problem": self.problem, "waits": list(self.deferred_keys)}
 
-    def _run(self) -> None:
-        keep_running("the watch of the patch", self._watch, self._stopped.wait)
-
     def _watch(self) -> None:
-        turn = 0
-        while not self._stopped.wait(POLL_S):
-            turn += 1
-            self.poll(with_library=turn % LIBRARY_POLL_INTERVAL == 0)
-            self.free_replaced()
+        self._turn += 1
+        self.poll(with_library=self._turn % LIBRARY_POLL_INTERVAL == 0)
+        self.free_replaced()
 
     def free_replaced(self) -> None:
         """Free the shows of patches that were tried or replaced (they hold reference cycles). Call after `poll`."""

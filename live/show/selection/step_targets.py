@@ -58,11 +58,6 @@ class Headings:
             if old.facing != new.facing:
                 self._facing[index] = fresh._facing[index]
 
-    @property
-    def facings(self) -> tuple[Facing, ...]:
-        """Facing of each group."""
-        return tuple(self._facing)
-
     def set(self, group: int, facing: Facing) -> None:
         """Set the facing of a group, from the next decided measure on."""
         self._facing[group] = facing

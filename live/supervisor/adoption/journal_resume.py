@@ -9,11 +9,12 @@ import json
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from live.clock.ticks import TICK
 from live.show.journal.journal_writer import SNAPSHOT_SUFFIX, read_snapshots
 from live.show.journal.line_writer import UnfinishedFile, WriteProgress
+from live.supervisor.network.peer_messages import read_line
 from live.supervisor.recovery_log import PATCH_EVENTS, RecoveryLog
 
 MAX_INTERRUPTION: Final = 300.0
@@ -50,7 +51,7 @@ def read_interrupted(path: Path) -> InterruptedShow | None:
     rows = whole.splitlines()
     if len(rows) < 2 or END_MARK in rows[-1]:
         return None
-    header, last = _json(rows[0]), _json(rows[-1])
+    header, last = read_line(rows[0]), read_line(rows[-1])
     origin, tick = header.get("origin"), last.get("tick")
     if not isinstance(origin, float) or not isinstance(tick, int) or header.get("journal") is None:
         return None
@@ -69,23 +70,15 @@ def _is_recent(written: float) -> bool:
     return max(now - time.clock_gettime(time.CLOCK_BOOTTIME), now - MAX_INTERRUPTION) < written
 
 
-def _json(row: bytes) -> dict[str, Any]:
-    try:
-        value = json.loads(row)
-    except (ValueError, RecursionError):
-        return {}
-    return value if isinstance(value, dict) else {}
-
-
 def _last_snapshot(path: Path, rows: list[bytes], last: int) -> tuple[tuple[int, bytes] | None, int]:
     """Return the last snapshot readable with the header's patch and steps, with its tick, and the end of the intact
     snapshots."""
     changed = next((row for row in rows if any(name.encode() in row for name in PATCH_EVENTS)), b"")
-    until = min(last, int(_json(changed).get("tick", last)) - bool(changed))
+    until = min(last, int(read_line(changed).get("tick", last)) - bool(changed))
     problems: list[str] = []
     found, end = None, 0
     for data in read_snapshots(path.with_name(path.name + SNAPSHOT_SUFFIX), problems):
-        tick = int(_json(data.partition(b"\n")[0])["tick"])
+        tick = int(read_line(data.partition(b"\n")[0])["tick"])
         end += len(data) if not problems else 0
         if tick <= until:
             found = tick, data
@@ -95,7 +88,7 @@ def _last_snapshot(path: Path, rows: list[bytes], last: int) -> tuple[tuple[int,
 def _replay_lines(rows: list[bytes], snapshot: tuple[int, bytes] | None) -> list[str]:
     log = RecoveryLog()
     for row in rows:
-        if snapshot is not None and _json(row[:40].partition(b",")[0] + b"}").get("tick", 0) > snapshot[0]:
+        if snapshot is not None and read_line(row[:40].partition(b",")[0] + b"}").get("tick", 0) > snapshot[0]:
             text = base64.b64encode(snapshot[1]).decode()
             log.add_line(json.dumps({"tick": snapshot[0], "snapshot": text}, separators=(",", ":")))
             snapshot = None

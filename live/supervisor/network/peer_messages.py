@@ -131,7 +131,7 @@ def leadership_message(message: PeerMessage) -> Message | None:
     return message if isinstance(message, Pulse | HandOver) else None
 
 
-def read_line(line: str) -> dict[str, Any]:
+def read_line(line: str | bytes) -> dict[str, Any]:
     """Return a line's JSON object; empty if it is none."""
     try:
         told = json.loads(line)

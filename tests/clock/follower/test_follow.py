@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 import pytest
 
-from live.clock.follower.timeline_follower import SLEW_UNLOCKED, TimelineFollower
+from live.clock.follower.phase_correction import SLEW_UNLOCKED
+from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 
 

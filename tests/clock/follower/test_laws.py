@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.clock.follower.clock_source import PRIORITY
-from live.clock.follower.timeline_follower import SLEW_UNLOCKED, TimelineFollower
+from live.clock.follower.phase_correction import SLEW_UNLOCKED
+from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from live.clock.timeline import TEMPO_MAX_BPM, TEMPO_MIN_BPM
 

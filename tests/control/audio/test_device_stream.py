@@ -4,7 +4,8 @@ import tracemalloc
 
 import numpy as np
 
-from live.control.audio.device_stream import STAMPS, RingBuffer
+from live.control.audio.block_stamps import STAMPS
+from live.control.audio.device_stream import RingBuffer
 
 
 def test_written_samples_are_read_once_in_order() -> None:
@@ -35,7 +36,7 @@ def test_stamps_hold_frame_counts_and_times() -> None:
     ring = RingBuffer(1000, 1)
     ring.write(np.zeros((64, 1), np.float32), 1.0)
     ring.write(np.zeros((64, 1), np.float32), 2.0)
-    assert [ring.pop_stamp(), ring.pop_stamp(), ring.pop_stamp()] == [(64, 1.0), (128, 2.0), None]
+    assert [ring.stamps.pop(), ring.stamps.pop(), ring.stamps.pop()] == [(64, 1.0), (128, 2.0), None]
 
 
 def test_block_longer_than_ring_keeps_its_end() -> None:
@@ -49,7 +50,7 @@ def test_late_reader_receives_newest_stamps() -> None:
     for n in range(2 * STAMPS):
         ring.write(np.zeros((8, 1), np.float32), float(n))
     times = []
-    while (stamp := ring.pop_stamp()) is not None:
+    while (stamp := ring.stamps.pop()) is not None:
         times.append(stamp)
     assert times == [(8 * (n + 1), float(n)) for n in range(STAMPS + STAMPS // 2, 2 * STAMPS)]
 
@@ -66,7 +67,7 @@ def test_ring_allocates_no_memory_per_block() -> None:
         for _ in range(200):
             ring.write(block, 0.0)
             ring.read()
-            ring.pop_stamp()
+            ring.stamps.pop()
         now, peak = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()

@@ -3,7 +3,8 @@
 import pytest
 
 from live.control.events import events
-from live.control.midi.midi_mapping import DEFAULTS, BadBinding, Binding, MidiMap
+from live.control.midi.midi_binding import DEFAULTS, BadBinding, Binding
+from live.control.midi.midi_mapping import MidiMap
 from live.show.patch.midi_bindings import bindings_of
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError

@@ -56,7 +56,7 @@ def test_osc_thread_survives_exception(monkeypatch, fault_count):
     with osc:
         assert wait_for(lambda: fault_count() == 1, 5.0)
         _send(("127.0.0.1", osc.port), encode("/dance/blackout", (1,)))
-        assert wait_for(lambda: osc.accepted == 1, 5.0)
+        assert wait_for(lambda: osc.handler.accepted == 1, 5.0)
     assert "OSC" in FAULTS.last_notice()
 
 

@@ -248,7 +248,7 @@ def test_future_bundle_waits_without_delaying_others(stage):
     wait_until(lambda: stage.osc.status()["waiting"] == 0)
     assert [type(event) for event in stage.events()] == [events.One, events.PlaceElement]
     assert stage.osc.status()["waited"] == 3
-    assert stage.osc.future_timetags == 0
+    assert stage.osc.handler.future_timetags == 0
 
 
 def test_bundle_beyond_horizon_or_queue_acts_immediately():

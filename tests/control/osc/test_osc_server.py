@@ -7,7 +7,8 @@ import pytest
 
 from live.base.event_queue import PriorityQueue
 from live.clock.time_source import ManualClock
-from live.control.osc.osc_server import CannotListen, OscInput, PortBusy
+from live.control.osc.osc_server import OscInput
+from live.control.osc.osc_socket import CannotListen, PortBusy
 from tests.control.osc.osc_stage import TAP, Stage
 
 
@@ -41,4 +42,4 @@ def test_start_and_stop_leave_no_thread_and_no_open_file():
             assert stage.osc.port > 0
     stage.osc.stop()
     assert (threading.active_count(), open_files()) == (threads, files)
-    assert stage.osc.accepted == 1
+    assert stage.osc.handler.accepted == 1

@@ -23,7 +23,7 @@ def test_packets_that_crash_other_receivers_are_handled(stage):
     stage.send(future, negative, *[TAP] * 20)
     assert stage.events() == [events.One(**STAMP)] + [events.Tap(**STAMP)] * 20
     assert stage.osc.rejected.as_dict() == {"bundle element size": 1}
-    assert stage.osc.future_timetags == 1
+    assert stage.osc.handler.future_timetags == 1
 
 
 HOSTILE = [
@@ -74,7 +74,7 @@ def test_bad_value_in_bundle_rejects_only_its_message(stage):
         bundle.add_content(content)
     stage.send(bundle.build().dgram)
     assert stage.events() == [events.PlaceElement(kind="spread", **STAMP), events.Clear(**STAMP)]
-    assert (stage.osc.accepted, stage.osc.rejected.as_dict()) == (2, {"out of range": 1})
+    assert (stage.osc.handler.accepted, stage.osc.rejected.as_dict()) == (2, {"out of range": 1})
 
 
 def test_every_datagram_of_a_flood_is_counted(stage):
@@ -84,10 +84,10 @@ def test_every_datagram_of_a_flood_is_counted(stage):
     wait_until(lambda: stage.osc.received + stage.osc.lost >= 20_000)
     osc = stage.osc
     assert osc.received + osc.lost == 20_000
-    assert osc.accepted + osc.rejected.total == osc.received
-    assert len(stage.events()) + stage.inbox.dropped == osc.accepted
+    assert osc.handler.accepted + osc.rejected.total == osc.received
+    assert len(stage.events()) + stage.inbox.dropped == osc.handler.accepted
     assert osc.rejected.total <= 5_000
-    assert osc.accepted <= 15_000
+    assert osc.handler.accepted <= 15_000
     stage.sent = 20_000
     stage.send(TAP)
     assert stage.events() == [events.Tap(**STAMP)]
@@ -129,6 +129,6 @@ def test_prefilter_error_loses_only_its_batch(stage, monkeypatch):
     stage.sender.sendto(TAP, ("127.0.0.1", stage.osc.port))
     wait_until(lambda: failed)
     stage.send(PING)
-    wait_until(lambda: stage.osc.accepted == 1)
+    wait_until(lambda: stage.osc.handler.accepted == 1)
     assert stage.osc.rejected.as_dict() == {"internal error": 1}
     assert stage.sender.recv(100).startswith(b"/dance/pong")

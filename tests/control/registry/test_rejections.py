@@ -13,7 +13,7 @@ from live.control.events.events import ControlEvent
 from live.control.events.system import Ping
 from live.control.registry.control import NAME_LENGTH, Argument, Control, Released
 from live.control.registry.registry import REGISTRY, Registry
-from live.control.registry.rejections import Reason, Rejection, Tally, merge_counts
+from live.control.registry.rejections import Reason, Rejection, Tally
 from tests.places import ROOT
 
 
@@ -172,14 +172,12 @@ def test_defaults_are_within_their_ranges():
                 assert argument.check(argument.default) == argument.default
 
 
-def test_tallies_count_by_reason_and_merge():
-    first, second = Tally(), Tally()
+def test_tallies_count_by_reason():
+    first = Tally()
     for kind in (Reason.EXTRA, Reason.EXTRA, Reason.NAME):
         first.count(kind)
-    second.count(Reason.NAME)
     assert first.as_dict() == {"extra argument": 2, "unusable name": 1}
     assert first.total == 3
-    assert merge_counts([first, second]) == {"extra argument": 2, "unusable name": 2}
 
 
 def test_the_reference_is_up_to_date():

@@ -3,12 +3,13 @@
 import numpy as np
 
 from live.graph.select.candidates import next_axes, own_end, turn_vectors
+from tests.fixtures.hips import placements_at
 from tests.motion.pose.test_gather_kernels import COUNT, GRAPH, random_measures
 
 
 def test_ends_and_axes_match_separate_placement_and_joining():
-    one, placed = random_measures(5), np.empty((COUNT, 4))
-    one.placements_at(np.ones(COUNT), placed)
+    one = random_measures(5)
+    placed = placements_at(one, np.ones(COUNT))
     end, facing = own_end(GRAPH, one.node, one.take, one.take_share[0].astype(np.float64))
     hips, heading, axes = one.ends_and_axes()
     np.testing.assert_allclose(hips, placed[:, :2] + turn_vectors(end, placed[:, 2]), atol=1e-12)

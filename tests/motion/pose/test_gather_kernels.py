@@ -24,6 +24,7 @@ from live.motion.pose.gather_kernels import (
 )
 from live.motion.pose.pose_pipeline import PosePipeline
 from live.show.dancers.measure_state import MeasureState
+from tests.fixtures.hips import placements_at
 from tests.show.made_show import GRAPH
 
 COUNT = 40
@@ -67,8 +68,7 @@ def test_gathered_inputs_match_measures(fraction, goes_on):
     gather_inputs(pipeline, own, then, phase, fraction, goes_on=goes_on)
     into = transition_weight((phase - (1.0 - window)) / window) * goes_on
     np.testing.assert_allclose(pipeline.share[INTO_NEXT], into, atol=1e-6)
-    placement = np.empty((COUNT, 4))
-    own.placements_at(phase, placement)
+    placement = placements_at(own, phase)
     _assert_inputs(pipeline, own, phase, placement, PRESENT, PRESENT_TAKE, LOWER, np.ones(COUNT, np.bool_))
     np.testing.assert_array_equal(pipeline.mean[0], np.where(own.take_share[1] > 0.5, own.take, own.node))
     eased = fraction * fraction * (3.0 - 2.0 * fraction)
