@@ -208,7 +208,7 @@ def _many(ctx: moderngl.Context, scene: Scene, dancing: StageView, frames: int, 
     """1,000 and 10,000 dancers: those that dance, again and again, side by side."""
     rows = []
     for dancers, bar in ((1000, 4.0), (10_000, 12.0)):
-        wide = Scene((60.0, 40.0), scene.camera, scene.look, dancers, scene.joint_count)
+        wide = Scene((60.0, 40.0), scene.camera, dancers, scene.joint_count)
         view = repeated(dancing, dancers)
         if not software:
             with drawn(ctx, wide, LARGE) as (renderer, target):

@@ -1,10 +1,11 @@
 """The picture's parameters: light, colours, camera, passes and drawing styles as one row of numbers.
 
-Tables give address, kind, range, start value and unit of each. Controls, scenes, fades, the reference and the renderer
-use them: a new parameter is one new line here and its use in the renderer. Colours are linear RGB. Styles are
-amounts from 0 to 1 that add up, so that one can fade into another; every group has its own.
+Each row gives address, kind, range, start value, unit and the key in the patch. Controls, the patch, scenes, fades, the
+reference and the renderer use them: a new parameter is one row here and its use in the renderer. Colours are linear
+RGB. Styles are amounts from 0 to 1 that add up, so that one can fade into another; every group has its own.
 """
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Final
 
@@ -13,204 +14,234 @@ import numpy.typing as npt
 
 from live.base.arrays import Float64
 from live.base.custom_pass import MAX_PASSES, NUMBERS_PER_PASS, custom_pass_numbers
-from live.base.parameter import SPOT_COUNT, Kind, Parameter
-from live.base.stage_snapshot import Camera, Look, Scene
-
-CAMERA_LINES: Final[tuple[tuple[str, Kind, float, float, tuple[float, ...], str, str], ...]] = (
-    ("/dance/camera/roll", "number", -360, 360, (0.0,), "degrees", "How far the camera is turned about its axis."),
-    (
-        "/dance/camera/shift_x", "number", -5, 5, (0.0,), "widths",
-        "Lens shift to the right: how far the middle of the picture lies beside the camera's axis.",
-    ),
-    (
-        "/dance/camera/shift_y", "number", -5, 5, (0.0,), "heights",
-        "Lens shift upwards: how far the middle of the picture lies above the camera's axis.",
-    ),
-    ("/dance/camera/stretch", "number", 0.1, 10, (1.0,), "", "How much wider than high a square is drawn."),
-    ("/dance/camera/skew", "number", -5, 5, (0.0,), "", "How far a square's upper edge is pushed to the right."),
-    (
-        "/dance/camera/orbit", "number", -4, 4, (0.0,), "turns/measure",
-        "How fast the camera circles its target, to its right; 0.125 is once in eight measures.",
-    ),
-    (
-        "/dance/camera/following", "number", 0, 1, (0.0,), "",
-        "How far the camera turns towards the dancers it follows; 0: it looks at its target.",
-    ),
-    (
-        "/dance/camera/along", "number", 0, 1, (0.0,), "",
-        "How far the camera moves along with the dancers it follows; 0: it only turns.",
-    ),
-    (
-        "/dance/camera/plan", "number", 0, 1, (0.0,), "",
-        "Opacity of the plan over the picture: circles with triangles, and where the dancers came from.",
-    ),
-)  # fmt: skip
-"""Camera: address, kind, minimum, maximum, start, unit, description."""
-
+from live.base.parameter import SPOT_COUNT, Parameter
+from live.base.stage_snapshot import Camera, Scene
 
 STYLE_NAMES: Final = ("solid", "silhouette", "ink", "particles", "ribbons", "trails", "xray")
 """The styles; each group's amount of a style is at `/dance/draw/NAME`."""
 MAX_GHOSTS: Final = 8
 LONGEST_RIBBON: Final = 8.0
 """[beats]"""
-
-STYLE_LINES: Final[tuple[tuple[str, Kind, float, float, tuple[float, ...], str, str], ...]] = (
-    ("solid", "number", 0, 1, (1.0,), "", "Amount of the group's dancers drawn as lit bodies."),
-    ("silhouette", "number", 0, 1, (0.0,), "", "Amount of flat silhouettes, for projection on gauze."),
-    ("silhouette/colour", "colour", 0, 1, (1.0, 1.0, 1.0), "", "Colour of the silhouettes."),
-    ("ink", "number", 0, 1, (0.0,), "", "Amount of ink lines along the contours."),
-    ("ink/colour", "colour", 0, 1, (1.0, 1.0, 1.0), "", "Colour of the ink."),
-    ("ink/width", "number", 0.5, 8, (2.4,), "pixels", "Width of the ink in a picture 1080 pixels high."),
-    ("particles", "number", 0, 1, (0.0,), "", "Amount of points of light on the skin."),
-    ("particles/share", "number", 0, 1, (0.7,), "", "Share of the points that is drawn."),
-    ("particles/drift", "number", 0, 1, (0.35,), "", "How far points drift from the skin and rise while they fade."),
-    ("ribbons", "number", 0, 1, (0.0,), "", "Amount of ribbons behind hands and feet."),
-    ("ribbons/beats", "number", 0.25, LONGEST_RIBBON, (2.0,), "beats", "How long the ribbons stay."),
-    ("trails", "number", 0, 1, (0.0,), "", "Amount of ghosts that dancers leave behind on the beat."),
-    ("trails/ghosts", "number", 1, MAX_GHOSTS, (4.0,), "", "How many ghosts each dancer leaves."),
-    ("trails/spacing", "number", 0.25, 16, (1.0,), "beats", "How many beats lie between two ghosts."),
-    ("xray", "number", 0, 1, (0.0,), "", "Amount of a glowing skeleton in a body of glass."),
-    ("variety", "number", 0, 1, (0.2,), "", "How much the colours of a group's dancers differ."),
-    ("pulse", "number", 0, 1, (0.0,), "", "How much the dancers' colours pulse with the beat."),
-    ("sheen", "number", 0, 3, (1.0,), "", "How much the clothes shine in the light."),
-    ("emission", "number", 0, 2, (0.0,), "", "How much light the clothes emit."),
-)
-"""Name under `/dance/draw/`, kind, minimum, maximum, start, unit, description."""
-
-
-_Line = tuple[str, Kind, float, float, tuple[float, ...], str, str]
-
 MAX_BACKGROUNDS: Final = 8
 """Maximum number of background images and videos of a patch."""
-
-
-def _spot(number: int) -> tuple[_Line, ...]:
-    at = f"/dance/spot/{number}"
-    return (
-        (
-            at,
-            "number",
-            0,
-            4,
-            (0.0,),
-            "",
-            f"Strength of follow spot {number}; 1 is usual.",
-        ),
-        (f"{at}/colour", "colour", 0, 1, (1.0, 0.95, 0.86), "", f"Colour of follow spot {number}."),
-        (
-            f"{at}/radius",
-            "number",
-            0.2,
-            8,
-            (0.9,),
-            "m",
-            f"Radius of follow spot {number}.",
-        ),
-    )
-
-
-LIGHT_LINES: Final[tuple[_Line, ...]] = (
-    ("/dance/light/side", "number", 0, 4, (0.0,), "", "Strength of the light from both sides, low, as for dance."),
-    ("/dance/light/side/left", "colour", 0, 1, (1.0, 0.42, 0.16), "", "Colour of the light from the left."),
-    ("/dance/light/side/right", "colour", 0, 1, (0.16, 0.36, 1.0), "", "Colour of the light from the right."),
-    ("/dance/light/back", "number", 0, 4, (0.0,), "", "Strength of the light from straight behind and above."),
-    ("/dance/light/back/colour", "colour", 0, 1, (1.0, 0.86, 0.70), "", "Colour of the light from straight behind."),
-    ("/dance/light/beams", "number", 0, 4, (0.0,), "", "Strength of the beams that are seen in the haze."),
-    ("/dance/light/beams/colour", "colour", 0, 1, (0.5, 0.7, 1.0), "", "Colour of the beams; every other is warmer."),
-    ("/dance/light/beams/width", "number", 0.01, 0.5, (0.07,), "", "How fast a beam grows wider on its way."),
-    (
-        "/dance/light/beams/fan", "number", -2, 2, (0.5,), "",
-        "Where the beams meet the floor: 1 below their lamps, 0 all in the middle, -1 crossed.",
-    ),
-    ("/dance/light/beams/sway", "number", 0, 1, (0.35,), "", "How far the beams swing, there and back in eight beats."),
-    ("/dance/light/pulse", "number", 0, 1, (0.06,), "", "How much all light pulses with the beat."),
-    ("/dance/light/energy", "number", 0, 1, (0.0,), "", "How much all light follows the energy of the music."),
-    (
-        "/dance/light/stage", "number", 0, 1, (1.0,), "",
-        "How much of floor and wall is visible; 0: only the dancers on true black, as for a gauze.",
-    ),
-    ("/dance/background/gradient", "number", 0, 1, (0.0,), "", "How much the wall is a gradient of two colours."),
-    ("/dance/background/top", "colour", 0, 1, (0.02, 0.03, 0.12), "", "Colour of that gradient above."),
-    ("/dance/background/bottom", "colour", 0, 1, (0.30, 0.07, 0.05), "", "Colour of that gradient below."),
-    *(
-        (f"/dance/background/{number}", "number", 0, 1, (0.0,), "", f"How much of [[background]] {number} is seen.")
-        for number in range(1, MAX_BACKGROUNDS + 1)
-    ),
-    *(line for number in range(1, SPOT_COUNT + 1) for line in _spot(number)),
-)  # fmt: skip
-"""Light and backgrounds: address, kind, minimum, maximum, start, unit, description."""
-BACKDROP_PARAMETERS: Final = ("/dance/background/gradient", "/dance/background/top", "/dance/background/bottom")
-"""Parameters that the cached backdrop depends on."""
-
-
 GROUP_COUNT: Final = 16
 """Number of groups with their own colour."""
 GROUP_COLOUR_ADDRESS: Final = "/dance/group/colour"
-
-
-_LOOK: Final = Look()
+STYLE_ADDRESS_PREFIX: Final = "/dance/draw/"
+"""Prefix of the addresses of all styles."""
 _CAMERA: Final = Camera()
-_LINES: Final[tuple[_Line, ...]] = (
-    ("/dance/light/level", "number", 0, 2, (1.0,), "", "Level of all light; 1 is the default, 0 is dark."),
-    ("/dance/light/key", "number", 0, 4, (1.0,), "", "Strength of the light from the front, which casts the shadows."),
-    ("/dance/light/key/colour", "colour", 0, 1, _LOOK.key_light, "", "Colour of the light from the front."),
-    (
-        "/dance/light/key/direction", "place", -100, 100, _LOOK.key_direction, "",
-        "Direction of the light from the front: x, y (up), z; its length is ignored.",
+_Triple = tuple[float, float, float]
+
+
+def _number(
+    address: str, low: float, high: float, start: float, text: str, *, unit: str = "", patch: str = ""
+) -> Parameter:
+    return Parameter(address, "number", low, high, (start,), unit, text, patch=patch)
+
+
+def _colour(address: str, start: _Triple, text: str, *, low: float = 0, high: float = 1, patch: str = "") -> Parameter:
+    return Parameter(address, "colour", low, high, start, "", text, patch=patch)
+
+
+def _place(
+    address: str, low: float, high: float, start: _Triple, text: str, *, unit: str = "", patch: str = ""
+) -> Parameter:
+    return Parameter(address, "place", low, high, start, unit, text, patch=patch)
+
+
+def _spot(number: int) -> tuple[Parameter, ...]:
+    at = f"/dance/spot/{number}"
+    return (
+        _number(at, 0, 4, 0.0, f"Strength of follow spot {number}; 1 is usual."),
+        _colour(f"{at}/colour", (1.0, 0.95, 0.86), f"Colour of follow spot {number}."),
+        _number(f"{at}/radius", 0.2, 8, 0.9, f"Radius of follow spot {number}.", unit="m"),
+    )
+
+
+_ROWS: Final = (
+    _number("/dance/light/level", 0, 2, 1.0, "Level of all light; 1 is usual, 0 is dark.", patch="look.level"),
+    _number(
+        "/dance/light/key", 0, 4, 1.0,
+        "Strength of the light from the front, which casts the shadows; 1 is usual.", patch="look.key",
     ),
-    ("/dance/light/rim", "number", 0, 4, (1.0,), "", "Strength of the light from behind, and of its beams."),
-    ("/dance/light/rim/colour", "colour", 0, 1, _LOOK.rim_light, "", "Colour of the light from behind."),
-    ("/dance/light/ambient", "number", 0, 1, (_LOOK.ambient,), "", "Strength of the ambient light."),
-    ("/dance/light/ambient/colour", "colour", 0, 1, (1.0, 1.0, 1.0), "", "Tint of the ambient light."),
-    ("/dance/light/haze", "number", 0, 1, (_LOOK.haze,), "1/m", "How fast the depth of the stage fades."),
-    ("/dance/light/background", "colour", 0, 1, _LOOK.background, "", "Colour of the dark behind the stage."),
-    ("/dance/light/floor", "colour", 0, 1, _LOOK.floor, "", "Colour of the floor."),
-    ("/dance/light/saturation", "number", 0, 2, (1.0,), "", "Colour saturation; 0 is black and white."),
-    ("/dance/camera/eye", "place", -1000, 1000, _CAMERA.eye, "m", "Where the camera stands: x, y (up), z."),
-    ("/dance/camera/target", "place", -1000, 1000, _CAMERA.target, "m", "What the camera looks at: x, y (up), z."),
-    (
-        "/dance/camera/field_of_view", "number", 5, 120, (_CAMERA.field_of_view_deg,), "degrees",
-        "The camera's vertical angle of view.",
+    _colour(
+        "/dance/light/key/colour", (1.0, 0.93, 0.82),
+        "Colour of the key light from the front, which casts the shadows.", patch="look.key_light",
     ),
-    *CAMERA_LINES,
-    *LIGHT_LINES,
-    ("/dance/pass/shadow", "number", 0, 1, (1.0,), "", "How dark the dancers' shadows are; 0: none."),
-    ("/dance/pass/mirror", "number", 0, 1, (1.0,), "", "Brightness of the dancers' reflections in the floor; 0: none."),
-    (
-        "/dance/pass/trails", "number", 0, 1, (0.0,), "",
-        "Trails behind bright moving parts; less is shorter, 0: none.",
+    _place(
+        "/dance/light/key/direction", -100, 100, (-0.45, -1.0, -0.55),
+        "Direction of the key light, from the front: x, y (up), z; its length is ignored.", patch="look.key_direction",
     ),
-    (
-        "/dance/pass/trails/beats", "number", 0.05, 64, (1.0,), "beats",
-        "After how many beats a trail is half as bright.",
+    _number(
+        "/dance/light/rim", 0, 4, 1.0,
+        "Strength of the light from behind, and of its beams; 1 is usual.", patch="look.rim",
     ),
-    ("/dance/pass/trails/zoom", "number", -2, 2, (0.0,), "1/beat", "How fast trails grow out of the middle."),
-    ("/dance/pass/trails/colour", "colour", 0, 1, (1.0, 1.0, 1.0), "", "Colour that white trails take as they fade."),
-    ("/dance/pass/bloom", "number", 0, 4, (1.0,), "", "Glow around what is bright, where quality allows; 0: none."),
-    ("/dance/pass/ink", "number", 0, 1, (0.0,), "", "Lines of ink around dancers and where they bend; 0: none."),
-    ("/dance/pass/ink/width", "number", 0.5, 8, (1.5,), "px", "Width of the lines, in a picture of 720 lines."),
-    ("/dance/pass/ink/colour", "colour", 0, 1, (0.004, 0.004, 0.008), "", "Colour of the ink."),
-    ("/dance/pass/ink/paper", "number", 0, 1, (0.0,), "", "How far paper replaces the picture under the ink."),
-    ("/dance/pass/ink/paper/colour", "colour", 0, 1, (0.90, 0.80, 0.64), "", "Colour of the paper."),
-    ("/dance/pass/grade", "number", 0, 1, (1.0,), "", "Amount of the colour grade."),
-    ("/dance/pass/grade/lift", "colour", -1, 1, (0.0, 0.0, 0.0), "", "Offset of the grade for dark tones."),
-    ("/dance/pass/grade/gamma", "colour", 0.2, 5, (1.0, 1.0, 1.0), "", "Brightness of mid tones in the grade."),
-    ("/dance/pass/grade/gain", "colour", 0, 4, (1.0, 1.0, 1.0), "", "Factor of the grade for bright tones."),
-    ("/dance/pass/grade/contrast", "number", 0, 2, (1.0,), "", "Contrast about mid grey."),
-    ("/dance/pass/grade/temperature", "number", -1, 1, (0.0,), "", "Colder below 0, warmer above."),
-    ("/dance/pass/vignette", "number", 0, 1.5, (1.0,), "", "How much darker the picture's corners are; 0: not at all."),
+    _colour("/dance/light/rim/colour", (0.45, 0.62, 1.0), "Colour of the light from behind.", patch="look.rim_light"),
+    _number("/dance/light/ambient", 0, 1, 0.1, "Strength of the ambient light.", patch="look.ambient"),
+    _colour("/dance/light/ambient/colour", (1.0, 1.0, 1.0), "Tint of the ambient light.", patch="look.ambient_colour"),
+    _number(
+        "/dance/light/haze", 0, 1, 0.035,
+        "Density of the haze: how fast the depth of the stage fades.", unit="1/m", patch="look.haze",
+    ),
+    _colour(
+        "/dance/light/background", (0.01, 0.011, 0.018),
+        "Colour of the dark behind the stage.", patch="look.background",
+    ),
+    _colour("/dance/light/floor", (0.06, 0.058, 0.07), "Colour of the floor.", patch="look.floor"),
+    _number("/dance/light/saturation", 0, 2, 1.0, "Colour saturation; 0 is black and white.", patch="look.saturation"),
+    _place(
+        "/dance/camera/eye", -1000, 1000, _CAMERA.eye,
+        "Position of the camera: x, y (up), z.", unit="m", patch="camera.eye",
+    ),
+    _place(
+        "/dance/camera/target", -1000, 1000, _CAMERA.target,
+        "The point that the camera looks at: x, y (up), z.", unit="m", patch="camera.target",
+    ),
+    _number(
+        "/dance/camera/field_of_view", 5, 120, _CAMERA.field_of_view_deg,
+        "The camera's vertical field of view.", unit="degrees", patch="camera.field_of_view_deg",
+    ),
+    _number(
+        "/dance/camera/roll", -360, 360, 0.0,
+        "Rotation of the camera about its axis, clockwise as seen from behind.", unit="degrees",
+        patch="camera.roll_deg",
+    ),
+    _number(
+        "/dance/camera/shift_x", -5, 5, 0.0,
+        "Lens shift to the right: how far the middle of the picture lies beside the camera's axis.", unit="widths",
+    ),
+    _number(
+        "/dance/camera/shift_y", -5, 5, 0.0,
+        "Lens shift upwards: how far the middle of the picture lies above the camera's axis.", unit="heights",
+    ),
+    _number("/dance/camera/stretch", 0.1, 10, 1.0, "How much wider than high a square is drawn."),
+    _number("/dance/camera/skew", -5, 5, 0.0, "How far a square's upper edge is pushed to the right."),
+    _number(
+        "/dance/camera/orbit", -4, 4, 0.0,
+        "How fast the camera circles its target, to its right; 0.125 is once in eight measures.", unit="turns/measure",
+    ),
+    _number(
+        "/dance/camera/following", 0, 1, 0.0,
+        "How far the camera turns towards the dancers it follows; 0: it looks at its target.",
+    ),
+    _number(
+        "/dance/camera/along", 0, 1, 0.0,
+        "How far the camera moves along with the dancers it follows; 0: it only turns, 1: it keeps its distance.",
+        patch="camera.along",
+    ),
+    _number(
+        "/dance/camera/plan", 0, 1, 0.0,
+        "Opacity of the plan over the picture: circles with triangles for dancers, and their trails.",
+        patch="camera.plan",
+    ),
+    _number(
+        "/dance/light/side", 0, 4, 0.0,
+        "Strength of the light from both sides, low, as for dance; by default none.", patch="look.side",
+    ),
+    _colour("/dance/light/side/left", (1.0, 0.42, 0.16), "Colour of the light from the left.", patch="look.side_left"),
+    _colour(
+        "/dance/light/side/right", (0.16, 0.36, 1.0),
+        "Colour of the light from the right.", patch="look.side_right",
+    ),
+    _number("/dance/light/back", 0, 4, 0.0, "Strength of the light from straight behind and above.", patch="look.back"),
+    _colour(
+        "/dance/light/back/colour", (1.0, 0.86, 0.7),
+        "Colour of the light from straight behind.", patch="look.back_light",
+    ),
+    _number("/dance/light/beams", 0, 4, 0.0, "Strength of the visible beams in the haze.", patch="look.beams"),
+    _colour(
+        "/dance/light/beams/colour", (0.5, 0.7, 1.0),
+        "Colour of every other beam; those between are warmer.", patch="look.beams_colour",
+    ),
+    _number(
+        "/dance/light/beams/width", 0.01, 0.5, 0.07,
+        "How fast a beam widens along its length.", patch="look.beams_width",
+    ),
+    _number(
+        "/dance/light/beams/fan", -2, 2, 0.5,
+        "Where the beams meet the floor: 1 below their lamps, 0 all in the middle, -1 crossed.", patch="look.beams_fan",
+    ),
+    _number(
+        "/dance/light/beams/sway", 0, 1, 0.35,
+        "How far the beams swing, there and back in eight beats.", patch="look.beams_sway",
+    ),
+    _number("/dance/light/pulse", 0, 1, 0.06, "How much all light pulses with the beat.", patch="look.pulse"),
+    _number(
+        "/dance/light/energy", 0, 1, 0.0,
+        "How much all light follows the energy of the music.", patch="look.energy",
+    ),
+    _number(
+        "/dance/light/stage", 0, 1, 1.0,
+        "How much of floor and wall is visible; 0: only the dancers on true black, as for a gauze.", patch="look.stage",
+    ),
+    _number(
+        "/dance/background/gradient", 0, 1, 0.0,
+        "How much the back wall is a gradient of two colours.", patch="look.gradient",
+    ),
+    _colour("/dance/background/top", (0.02, 0.03, 0.12), "Colour of that gradient above.", patch="look.gradient_top"),
+    _colour(
+        "/dance/background/bottom", (0.3, 0.07, 0.05),
+        "Colour of that gradient below, at the floor.", patch="look.gradient_bottom",
+    ),
+    *(
+        _number(f"/dance/background/{number}", 0, 1, 0.0, f"How much of [[background]] {number} is seen.")
+        for number in range(1, MAX_BACKGROUNDS + 1)
+    ),
+    *(row for number in range(1, SPOT_COUNT + 1) for row in _spot(number)),
+    _number("/dance/pass/shadow", 0, 1, 1.0, "How dark the dancers' shadows are; 0: none."),
+    _number("/dance/pass/mirror", 0, 1, 1.0, "Brightness of the dancers' reflections in the floor; 0: none."),
+    _number("/dance/pass/trails", 0, 1, 0.0, "Trails behind bright moving parts; less is shorter, 0: none."),
+    _number("/dance/pass/trails/beats", 0.05, 64, 1.0, "After how many beats a trail is half as bright.", unit="beats"),
+    _number("/dance/pass/trails/zoom", -2, 2, 0.0, "How fast trails grow out of the middle.", unit="1/beat"),
+    _colour("/dance/pass/trails/colour", (1.0, 1.0, 1.0), "Colour that white trails take as they fade."),
+    _number("/dance/pass/bloom", 0, 4, 1.0, "Glow around what is bright, where quality allows; 0: none."),
+    _number("/dance/pass/ink", 0, 1, 0.0, "Lines of ink around dancers and where they bend; 0: none."),
+    _number("/dance/pass/ink/width", 0.5, 8, 1.5, "Width of the lines, in a picture of 720 lines.", unit="px"),
+    _colour("/dance/pass/ink/colour", (0.004, 0.004, 0.008), "Colour of the ink."),
+    _number("/dance/pass/ink/paper", 0, 1, 0.0, "How far paper replaces the picture under the ink."),
+    _colour("/dance/pass/ink/paper/colour", (0.9, 0.8, 0.64), "Colour of the paper."),
+    _number("/dance/pass/grade", 0, 1, 1.0, "Amount of the colour grade."),
+    _colour("/dance/pass/grade/lift", (0.0, 0.0, 0.0), "Offset of the grade for dark tones.", low=-1, high=1),
+    _colour("/dance/pass/grade/gamma", (1.0, 1.0, 1.0), "Brightness of mid tones in the grade.", low=0.2, high=5),
+    _colour("/dance/pass/grade/gain", (1.0, 1.0, 1.0), "Factor of the grade for bright tones.", low=0, high=4),
+    _number("/dance/pass/grade/contrast", 0, 2, 1.0, "Contrast about mid grey."),
+    _number("/dance/pass/grade/temperature", -1, 1, 0.0, "Colder below 0, warmer above."),
+    _number("/dance/pass/vignette", 0, 1.5, 1.0, "How much darker the picture's corners are; 0: not at all."),
 )  # fmt: skip
+_STYLE_ROWS: Final = (
+    _number("solid", 0, 1, 1.0, "Amount of the group's dancers drawn as lit bodies."),
+    _number("silhouette", 0, 1, 0.0, "Amount of flat silhouettes, for projection on gauze."),
+    _colour("silhouette/colour", (1.0, 1.0, 1.0), "Colour of the silhouettes."),
+    _number("ink", 0, 1, 0.0, "Amount of ink lines along the contours."),
+    _colour("ink/colour", (1.0, 1.0, 1.0), "Colour of the ink."),
+    _number("ink/width", 0.5, 8, 2.4, "Width of the ink in a picture 1080 pixels high.", unit="pixels"),
+    _number("particles", 0, 1, 0.0, "Amount of points of light on the skin."),
+    _number("particles/share", 0, 1, 0.7, "Share of the points that is drawn."),
+    _number("particles/drift", 0, 1, 0.35, "How far points drift from the skin and rise while they fade."),
+    _number("ribbons", 0, 1, 0.0, "Amount of ribbons behind hands and feet."),
+    _number("ribbons/beats", 0.25, LONGEST_RIBBON, 2.0, "How long the ribbons stay.", unit="beats"),
+    _number("trails", 0, 1, 0.0, "Amount of ghosts that dancers leave behind on the beat."),
+    _number("trails/ghosts", 1, MAX_GHOSTS, 4.0, "How many ghosts each dancer leaves."),
+    _number("trails/spacing", 0.25, 16, 1.0, "How many beats lie between two ghosts.", unit="beats"),
+    _number("xray", 0, 1, 0.0, "Amount of a glowing skeleton in a body of glass."),
+    _number("variety", 0, 1, 0.2, "How much the colours of a group's dancers differ."),
+    _number("pulse", 0, 1, 0.0, "How much the dancers' colours pulse with the beat."),
+    _number("sheen", 0, 3, 1.0, "How much the clothes shine in the light."),
+    _number("emission", 0, 2, 0.0, "How much light the clothes emit."),
+)
+"""Their addresses are names under `/dance/draw/`."""
 
 
-def _build_parameters() -> tuple[Parameter, ...]:
-    first, table = 0, []
-    for address, kind, low, high, start, unit, words in _LINES:
-        table.append(Parameter(address, kind, low, high, start, unit, words, first))
-        first += table[-1].size
+def _in_row(rows: Iterable[Parameter], first: int) -> tuple[Parameter, ...]:
+    """Return the parameters with their positions, one after the other from `first` on."""
+    table = []
+    for row in rows:
+        table.append(replace(row, first=first))
+        first += row.size
     return tuple(table)
 
 
-PARAMETERS: Final = _build_parameters()
+PARAMETERS: Final = _in_row(_ROWS, 0)
 """All parameters except those of groups, in the order of the row."""
 BY_ADDRESS: Final = {parameter.address: parameter for parameter in PARAMETERS}
 CUSTOM_PASS_SLICE: Final = slice(
@@ -222,27 +253,13 @@ COLOURS_START: Final = CUSTOM_PASS_SLICE.stop
 """Index of the groups' colours, three numbers for each."""
 STYLES_START: Final = COLOURS_START + 3 * GROUP_COUNT
 """Index of the groups' styles, `STYLE_SIZE` numbers for each."""
-STYLE_ADDRESS_PREFIX: Final = "/dance/draw/"
-"""Prefix of the addresses of all styles."""
-
-
-def group_colour(group: int) -> Parameter:
-    """Return the colour parameter of a group, by its index below `GROUP_COUNT`."""
-    words = "Colour of the clothes of a group."
-    first = COLOURS_START + 3 * group
-    return Parameter(GROUP_COLOUR_ADDRESS, "colour", 0, 1, (0.8, 0.8, 0.8), "", words, first, True)
-
-
-def _build_styles() -> dict[str, Parameter]:
-    first, table = STYLES_START, {}
-    for name, kind, low, high, start, unit, words in STYLE_LINES:
-        address = STYLE_ADDRESS_PREFIX + name
-        table[address] = Parameter(address, kind, low, high, start, unit, words, first, True)
-        first += table[address].size
-    return table
-
-
-GROUP_PARAMETERS: Final = {GROUP_COLOUR_ADDRESS: group_colour(0)} | _build_styles()
+GROUP_PARAMETERS: Final = {
+    row.address: replace(row, per_group=True)
+    for row in (
+        *_in_row((_colour(GROUP_COLOUR_ADDRESS, (0.8, 0.8, 0.8), "Colour of the clothes of a group."),), COLOURS_START),
+        *_in_row((replace(row, address=STYLE_ADDRESS_PREFIX + row.address) for row in _STYLE_ROWS), STYLES_START),
+    )
+}
 """The parameters that every group has, by address, with the positions of the first group."""
 STYLE_SIZE: Final = sum(known.size for known in GROUP_PARAMETERS.values()) - 3
 ROW_SIZE: Final = STYLES_START + STYLE_SIZE * GROUP_COUNT
@@ -280,7 +297,7 @@ LENS: Final = slice(EYE.start, ORBIT)
 BACKDROP_INDICES: Final = _row_indices(
     "/dance/light/key", "/dance/light/key/colour", "/dance/light/rim", "/dance/light/rim/colour",
     "/dance/light/haze", "/dance/light/background", "/dance/light/floor",
-    *BACKDROP_PARAMETERS,
+    "/dance/background/gradient", "/dance/background/top", "/dance/background/bottom",
     *(known.address for known in PARAMETERS if EYE.start <= known.first < ORBIT),
 )  # fmt: skip
 """The numbers on which floor, back wall and haze depend: the renderer keeps these until one changes."""
@@ -301,43 +318,29 @@ def camera_values(camera: Camera) -> dict[str, float | tuple[float, float, float
 
 
 def picture_row(scene: Scene) -> Float64:
-    """Return the row of a scene's camera and look, shape (SIZE,): float64, so that the scene's values are exact."""
+    """Return the row of a scene's initial values, shape (SIZE,): float64, so that the scene's values are exact."""
     row = np.zeros(ROW_SIZE)
-    look, camera = scene.look, scene.camera
-    said: dict[str, float | tuple[float, ...]] = {
-        "/dance/light/level": look.level,
-        "/dance/light/key": look.key,
-        "/dance/light/key/colour": look.key_light,
-        "/dance/light/key/direction": look.key_direction,
-        "/dance/light/rim": look.rim,
-        "/dance/light/rim/colour": look.rim_light,
-        "/dance/light/ambient": look.ambient,
-        "/dance/light/ambient/colour": look.ambient_colour,
-        "/dance/light/saturation": look.saturation,
-        "/dance/light/haze": look.haze,
-        "/dance/light/background": look.background,
-        "/dance/light/floor": look.floor,
-        **camera_values(camera),
-    }
     for parameter in PARAMETERS:
-        row[parameter.row_slice] = said.get(parameter.address, parameter.start)
+        row[parameter.row_slice] = parameter.start
+    for address, value in camera_values(scene.camera).items():
+        row[BY_ADDRESS[address].row_slice] = value
     own = custom_pass_numbers(scene.custom_passes)
     for number in own.values():
         row[CUSTOM_PASS_SLICE.start + number.index] = number.start
-    for address, numbers in scene.start_values:
+    for address, start in scene.start_values:
         if address in own:
-            row[CUSTOM_PASS_SLICE.start + own[address].index] = numbers[0]
+            row[CUSTOM_PASS_SLICE.start + own[address].index] = start
         else:
-            row[BY_ADDRESS[address].row_slice] = numbers
-    colours = look.group_colours or ((0.8, 0.8, 0.8),)
+            row[BY_ADDRESS[address].row_slice] = start
+    colours = scene.group_colours or ((0.8, 0.8, 0.8),)
     row[COLOURS_START:STYLES_START] = [value for group in range(GROUP_COUNT) for value in colours[group % len(colours)]]
-    row[STYLES_START:] = [value for group in range(GROUP_COUNT) for value in _style_values(look, group)]
+    row[STYLES_START:] = [value for group in range(GROUP_COUNT) for value in _style_values(scene, group)]
     return row
 
 
-def _style_values(look: Look, group: int) -> Float64:
-    """Return the numbers of a group's styles, shape (STYLE_SIZE,): the table's start values, overridden by the look."""
-    said = dict(look.group_styles[group]) if group < len(look.group_styles) else {}
+def _style_values(scene: Scene, group: int) -> Float64:
+    """Return the numbers of a group's styles, shape (STYLE_SIZE,): start values unless the scene sets others."""
+    said = dict(scene.group_styles[group]) if group < len(scene.group_styles) else {}
     numbers = [
         said.get(address, known.start) for address, known in GROUP_PARAMETERS.items() if address != GROUP_COLOUR_ADDRESS
     ]

@@ -17,6 +17,9 @@ from live.base.set_geometry import SetItem
 
 Colour = tuple[float, float, float]
 
+GROUP_COLOURS: Final[tuple[Colour, ...]] = ((0.90, 0.42, 0.20), (0.16, 0.55, 0.75), (0.86, 0.74, 0.42))
+"""Colours of groups for which the patch gives none."""
+
 ELEMENT_CAPACITY: Final = 256
 """Maximum number of elements drawn; the others still act."""
 ELEMENT_CORNERS: Final = 1024
@@ -50,31 +53,6 @@ class Camera:
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
-    """Colours (linear RGB, 0 to 1) and strengths of the light; `haze` is the depth fade [1/m]."""
-
-    background: Colour = (0.010, 0.011, 0.018)
-    floor: Colour = (0.060, 0.058, 0.070)
-    key_light: Colour = (1.0, 0.93, 0.82)
-    key_direction: tuple[float, float, float] = (-0.45, -1.0, -0.55)
-    rim_light: Colour = (0.45, 0.62, 1.0)
-    ambient: float = 0.10
-    haze: float = 0.035
-    level: float = 1.0
-    """Factor on all light."""
-    key: float = 1.0
-    rim: float = 1.0
-    """Strength of key and rim light."""
-    ambient_colour: Colour = (1.0, 1.0, 1.0)
-    """Tint of the ambient light."""
-    saturation: float = 1.0
-    group_colours: tuple[Colour, ...] = ((0.90, 0.42, 0.20), (0.16, 0.55, 0.75), (0.86, 0.74, 0.42))
-    group_styles: tuple[tuple[tuple[str, tuple[float, ...]], ...], ...] = ()
-    """Style of each group: addresses of `picture_parameters.GROUP_PARAMETERS` with their numbers; the rest has its
-    defaults."""
-
-
-@dataclass(frozen=True, slots=True)
 class Background:
     """An image or a video behind the dancers."""
 
@@ -93,16 +71,20 @@ class Background:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Initial scene of a patch: stage size (width, depth) [m], camera, look, number of dancers.
+    """Initial scene of a patch: stage size (width, depth) [m], camera, number of dancers.
 
-    Camera and look may change while a show runs: `StageView.picture`.
+    Camera and light may change while a show runs: `StageView.picture`.
     """
 
     stage_size: tuple[float, float]
     camera: Camera
-    look: Look
     dancer_count: int
     joint_count: int
+    group_colours: tuple[Colour, ...] = GROUP_COLOURS
+    """Colour of each group's clothes; further groups have them again from the first on."""
+    group_styles: tuple[tuple[tuple[str, tuple[float, ...]], ...], ...] = ()
+    """Style of each group: addresses of `picture_parameters.GROUP_PARAMETERS` with their numbers; the rest has its
+    defaults."""
     backgrounds: tuple[Background, ...] = ()
     """Images and videos behind the dancers; `/dance/background/1` is the amount of the first one."""
     items: tuple[SetItem, ...] = ()
@@ -111,8 +93,8 @@ class Scene:
     """The passes in drawing order; passes left out are never drawn."""
     custom_passes: tuple[CustomShader, ...] = ()
     """The patch's custom passes; their names are listed in `passes`."""
-    start_values: tuple[tuple[str, tuple[float, ...]], ...] = ()
-    """Picture parameters with a non-default start value: addresses and numbers."""
+    start_values: tuple[tuple[str, float | tuple[float, ...]], ...] = ()
+    """Picture parameters with a non-default start value: addresses and values."""
     bodies: tuple[str, ...] = ()
     """Name of each dancer's body (in `live.base.body_catalogue`, or a character's), from the first dancer on; the rest
     have the default body.

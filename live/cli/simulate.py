@@ -3,7 +3,7 @@
 import io
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
 import typer
 
@@ -11,6 +11,7 @@ from live.base.errors import PersonError
 
 if TYPE_CHECKING:
     from live.agents.scenarios.metrics import Metrics
+    from live.control.registry.control import Role
 
 
 MAX_COORDINATES = 1 << 25
@@ -127,7 +128,7 @@ def sim(
     except OSError as error:
         raise PersonError(f"--osc {osc}: {error}") from None
     words = ArgumentGenerator(loaded.patch, loaded.graph.library.steps)
-    players = SimulatedPlayers(seed, words, count=phones, rate=rate, invalid_share=nonsense, role=role)
+    players = SimulatedPlayers(seed, words, count=phones, rate=rate, invalid_share=nonsense, role=cast("Role", role))
     streams: list[Any] = [(osc_packets(players.calls()), outlet.send)]
     if port is not None:
         streams.append((clock_pulses(band), port.send))

@@ -6,7 +6,7 @@ is not in the table: it must never end a show in full screen.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
 from live.control.events.events import ControlEvent
 from live.control.pointer import TOOLS
@@ -17,41 +17,11 @@ SOURCE: Final = "key"
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """Command of a key: `command` is a control's address, or a command of the window."""
+    """Command of a key."""
 
     description: str
-    command: Literal[
-        "/dance/clock/tap",
-        "/dance/clock/one",
-        "/dance/clock/nudge",
-        "/dance/clock/shift",
-        "/dance/clock/half",
-        "/dance/clock/double",
-        "/dance/clock/hold",
-        "/dance/clock/count_in",
-        "/dance/audio/restart",
-        "/dance/blackout",
-        "/dance/spread",
-        "/dance/wander",
-        "/dance/flock",
-        "/dance/pause",
-        "/dance/clear",
-        "/dance/go",
-        "/dance/back",
-        "/dance/panic",
-        "/dance/hold",
-        "/dance/output/fade",
-        "/dance/output/freeze",
-        "/dance/audience/qr",
-        "/dance/undo",
-        "/dance/redo",
-        "window/fullscreen",
-        "window/overlay",
-        "window/guides",
-        "window/card",
-        "window/edit",
-    ]
-
+    command: str
+    """A control's address, or a command of the window."""
     values: tuple[float, ...] = ()
     """Arguments for the control."""
 

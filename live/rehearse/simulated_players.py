@@ -5,7 +5,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from live.control.registry.control import Argument, ArgumentValue, Control
+from live.control.registry.control import ROLE_RANKS, Argument, ArgumentValue, Control, Role
 from live.control.registry.registry import QUERIES, REGISTRY
 from live.show.patch.patch import Patch
 from live.show.patch.section_score import formation_names
@@ -61,17 +61,17 @@ class ArgumentGenerator:
         for argument in control.arguments:
             if argument.default is not None and chance.random() < 0.3:
                 break
-            values.append(self._value(control.address, argument, chance))
+            values.append(self._value(argument, chance))
         return values
 
-    def _value(self, address: str, argument: Argument, chance: np.random.Generator) -> ArgumentValue:
+    def _value(self, argument: Argument, chance: np.random.Generator) -> ArgumentValue:
         if argument.type == "bool":
             return bool(chance.random() < 0.5)
         if argument.type == "float":
             return _number(argument, chance)
-        return self._text(address, argument, chance)
+        return self._text(argument, chance)
 
-    def _text(self, address: str, argument: Argument, chance: np.random.Generator) -> str:
+    def _text(self, argument: Argument, chance: np.random.Generator) -> str:
         name = argument.name
         if name in ("points", "begins"):
             return points(chance, 1 if name == "begins" else int(chance.integers(2, 7)))
@@ -85,22 +85,14 @@ class ArgumentGenerator:
             return _pick(("measure", "section"), chance)
         if name == "whom":
             return _pick((str(int(chance.integers(1, 12))), self._pools["group"][-1]), chance)
-        return _pick(self._pools[self._kind(address, argument)], chance)
+        return _pick(self._pools[self._kind(argument)], chance)
 
-    def _kind(self, address: str, argument: Argument) -> str:
-        """Return the kind of words for an argument: by its name, or if that is generic by its control's address."""
-        name = argument.name
-        if name == "dancers" or (name == "group" and argument.type == "text"):
+    def _kind(self, argument: Argument) -> str:
+        """Return the kind of words for an argument."""
+        kind = argument.names or argument.name
+        if kind == "group" and argument.type == "text":
             return "who"
-        if name in self._pools:
-            return name
-        for word, kind in (
-            ("step", "step"), ("now", "step"), ("camera", "view"), ("look", "look"), ("scene", "scene"),
-            ("cue", "cue"), ("standby", "cue"), ("signal", "signal"),
-        ):  # fmt: skip
-            if f"/dance/{word}" == address or address.startswith(f"/dance/{word}/"):
-                return kind
-        return "thing"
+        return kind if kind in self._pools else "thing"
 
 
 def invalid_values(chance: np.random.Generator) -> list[object]:
@@ -137,7 +129,6 @@ def _number(argument: Argument, chance: np.random.Generator) -> float:
 
 
 SALT: Final = 0xF0E5
-RANKS: Final = {"audience": 0, "musician": 1, "operator": 2}
 DRAG_CONTROLS: Final = ("/dance/attract", "/dance/voice", "/dance/performer")
 """Controls that a phone sends repeatedly while a finger moves."""
 FREQUENCIES: Final = {"/dance/go": 4.0, "/dance/section": 3.0, "/dance/signal": 3.0, "/dance/undo": 3.0}
@@ -164,14 +155,14 @@ class SimulatedPlayers:
 
     def __init__(
         self, seed: int, arguments: ArgumentGenerator, *, count: int = 8, rate: float = 6.0,
-        invalid_share: float = 0.05, role: str = "operator", start: float = 0.0,
+        invalid_share: float = 0.05, role: Role = "operator", start: float = 0.0,
     ) -> None:  # fmt: skip
         """`rate` [1/min] of each; `invalid_share`: share of invalid messages; `role`: highest role of controls used."""
         self._rng = np.random.default_rng([seed, SALT])
         self._arguments, self._invalid_share = arguments, invalid_share
         self._rate = count * rate / 60.0
         self._count, self._time = count, start
-        allowed = (control for control in REGISTRY if RANKS[control.role] <= RANKS[role])
+        allowed = (control for control in REGISTRY if ROLE_RANKS[control.role] <= ROLE_RANKS[role])
         self._controls = [control for control in allowed if control.address not in QUERIES]
         weights = np.array([_frequency(control) for control in self._controls])
         self._shares = weights / weights.sum()

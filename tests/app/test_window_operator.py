@@ -6,7 +6,7 @@ import pytest
 
 from live.app.window_operator import OperatorInput
 from live.base.event_queue import EventQueue
-from live.base.stage_snapshot import Camera, Look, Scene
+from live.base.stage_snapshot import Camera, Scene
 from live.control.events import events
 from live.render.camera import project_points
 from live.render.window.window_input import (
@@ -19,7 +19,7 @@ from live.render.window.window_input import (
 )
 
 SIZE = (1280, 720)
-SCENE = Scene((12.0, 8.0), Camera(), Look(), 1, 22)
+SCENE = Scene((12.0, 8.0), Camera(), 1, 22)
 
 
 class FakeWindow:

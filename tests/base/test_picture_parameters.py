@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from live.base import picture_parameters
-from live.base.stage_snapshot import Camera, Look, Scene
+from live.base.stage_snapshot import Camera, Scene
 
-SCENE = Scene((10.0, 8.0), Camera((0.1, 3.4, 11.7), (0.3, 0.9, -0.2), 37.3), Look(ambient=0.3), 3, 22)
+SCENE = Scene(
+    (10.0, 8.0), Camera((0.1, 3.4, 11.7), (0.3, 0.9, -0.2), 37.3), 3, 22, start_values=(("/dance/light/ambient", 0.3),)
+)
 
 
 def test_parameter_slices_fill_the_row_without_gaps():
@@ -19,7 +21,9 @@ def test_parameter_slices_fill_the_row_without_gaps():
     groups = [
         place
         for n in range(picture_parameters.GROUP_COUNT)
-        for place in range(picture_parameters.ROW_SIZE)[picture_parameters.group_colour(n).row_slice]
+        for place in range(picture_parameters.ROW_SIZE)[
+            picture_parameters.group_parameter(picture_parameters.GROUP_COLOUR_ADDRESS, n).row_slice
+        ]
     ]
     own = [
         address for address in picture_parameters.GROUP_PARAMETERS if address != picture_parameters.GROUP_COLOUR_ADDRESS
@@ -46,30 +50,30 @@ def test_scene_is_recovered_exactly_from_its_row():
     row = picture_parameters.picture_row(SCENE)
     assert picture_parameters.camera_from_row(row) == SCENE.camera
     assert row[picture_parameters.BY_ADDRESS["/dance/light/ambient"].first] == 0.3
-    for address, value in (("/dance/light/floor", SCENE.look.floor), ("/dance/light/rim/colour", SCENE.look.rim_light)):
-        assert tuple(row[picture_parameters.BY_ADDRESS[address].row_slice]) == value
+    for address in ("/dance/light/floor", "/dance/light/rim/colour"):
+        known = picture_parameters.BY_ADDRESS[address]
+        assert tuple(row[known.row_slice]) == known.start
 
 
 def test_row_of_default_scene_has_the_table_defaults():
-    row = picture_parameters.picture_row(Scene((10.0, 8.0), Camera(), Look(), 3, 22))
+    row = picture_parameters.picture_row(Scene((10.0, 8.0), Camera(), 3, 22))
     for known in picture_parameters.PARAMETERS:
         assert tuple(row[known.row_slice]) == known.start
 
 
 def test_group_colors_repeat_beyond_the_list():
     colours = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
-    row = picture_parameters.picture_row(replace(SCENE, look=replace(SCENE.look, group_colours=colours)))
+    row = picture_parameters.picture_row(replace(SCENE, group_colours=colours))
     rows = row[picture_parameters.COLOURS_START : picture_parameters.STYLES_START].reshape(-1, 3)
     assert len(rows) == picture_parameters.GROUP_COUNT
     assert np.array_equal(rows[0], rows[2])
     assert np.array_equal(rows[1], rows[5])
 
 
-def test_look_styles_change_only_their_groups():
-    look = replace(
-        SCENE.look, group_styles=((), (("/dance/draw/ink", (1.0,)), ("/dance/draw/ink/colour", (0.1, 0.2, 0.3))))
-    )
-    row, usual = picture_parameters.picture_row(replace(SCENE, look=look)), picture_parameters.picture_row(SCENE)
+def test_styles_change_only_their_groups():
+    styles = (), (("/dance/draw/ink", (1.0,)), ("/dance/draw/ink/colour", (0.1, 0.2, 0.3)))
+    row = picture_parameters.picture_row(replace(SCENE, group_styles=styles))
+    usual = picture_parameters.picture_row(SCENE)
     assert row[picture_parameters.group_parameter("/dance/draw/ink", 1).first] == 1.0
     assert tuple(row[picture_parameters.group_parameter("/dance/draw/ink/colour", 1).row_slice]) == (0.1, 0.2, 0.3)
     assert sorted(np.flatnonzero(row != usual)) == sorted(

@@ -43,6 +43,8 @@ def test_every_show_key_uses_a_control():
     for name, key in KEYS.items():
         assert key.is_control == (key.command in addresses)
         assert (event_for_key(name, time=0.0, blackout_now=True) is not None) == key.is_control
+    others = {key.command for key in KEYS.values() if not key.is_control}
+    assert others == {f"window/{what}" for what in ("fullscreen", "overlay", "guides", "card", "edit")}
 
 
 def test_digit_key_starts_formation_at_next_measure():

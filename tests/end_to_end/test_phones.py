@@ -12,7 +12,7 @@ import pytest
 from live.app.launch_options import LaunchOptions
 from live.app.services.audience_service import AudienceService
 from live.base.event_queue import EventQueue
-from live.base.stage_snapshot import Camera, Look, Scene
+from live.base.stage_snapshot import Camera, Scene
 from live.clock.time_source import SystemClock
 from live.control.events import events
 from live.show.engine import Engine
@@ -132,7 +132,7 @@ def draw_pictures(stage):
         stage.show.fill(view, stage.show.time)
     view.joint_position[:] = 100.0  # nobody stands in the light
     ctx, size, seen = create_headless_context(), (320, 180), []
-    renderer = Renderer(ctx, Scene((12.0, 8.0), Camera(), Look(), len(view.group), 22), size=size)
+    renderer = Renderer(ctx, Scene((12.0, 8.0), Camera(), len(view.group), 22), size=size)
     texture = ctx.texture(size, 4)
     target = ctx.framebuffer([texture])
     for count in (view.light_count, 0):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from live.base.picture_parameters import BY_ADDRESS, CAMERA, COLOURS_START, picture_row
-from live.base.stage_snapshot import Camera, Look, Scene
+from live.base.stage_snapshot import Camera, Scene
 from live.render.adaptive_quality import HARDWARE, SOFTWARE
 from live.render.renderer import Renderer
 from tests.render.test_renderer import SIZE, crowd, read, scene
@@ -16,9 +16,11 @@ pytestmark = pytest.mark.gl
 OTHER = Scene(
     (10.0, 8.0),
     Camera((7.0, 2.5, 4.0), (0.5, 1.0, 0.0), 50.0),
-    Look(key_light=(1.0, 0.3, 0.1), background=(0.1, 0.0, 0.02), haze=0.08, ambient=0.4, key_direction=(0.6, -1.0, 0.1),
-         group_colours=((0.1, 0.8, 0.2), (0.9, 0.1, 0.8), (0.2, 0.2, 0.9))),
-    12, 22,
+    12, 22, ((0.1, 0.8, 0.2), (0.9, 0.1, 0.8), (0.2, 0.2, 0.9)),
+    start_values=(
+        ("/dance/light/key/colour", (1.0, 0.3, 0.1)), ("/dance/light/background", (0.1, 0.0, 0.02)),
+        ("/dance/light/haze", 0.08), ("/dance/light/ambient", 0.4), ("/dance/light/key/direction", (0.6, -1.0, 0.1)),
+    ),
 )  # fmt: skip
 
 
@@ -99,7 +101,7 @@ def test_invalid_camera_keeps_last_camera(make_renderer):
 def test_group_colours_are_kept_after_resize(gl_context):
     renderer = Renderer(gl_context, scene(12), size=SIZE, quality=SOFTWARE)
     view = crowd()
-    row = picture_row(replace(OTHER, camera=Camera(), look=replace(Look(), group_colours=OTHER.look.group_colours)))
+    row = picture_row(replace(OTHER, camera=Camera(), start_values=()))
     view.picture = row
     small, large = gl_context.simple_framebuffer((160, 90)), gl_context.simple_framebuffer(SIZE)
     renderer.draw(view, large)

@@ -9,7 +9,8 @@ import numpy.typing as npt
 import pytest
 
 from live.base.element_kinds import ATTRACTOR, REPULSOR, SPREADER
-from live.base.stage_snapshot import Camera, Look, Scene, StageView
+from live.base.picture_parameters import BY_ADDRESS
+from live.base.stage_snapshot import Camera, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.adaptive_quality import HARDWARE, SOFTWARE, Quality, choose_quality
 from live.render.camera import project_points
@@ -24,8 +25,8 @@ Picture = npt.NDArray[np.uint8]
 Draw = Callable[..., Picture]
 
 
-def scene(count: int, camera: Camera | None = None, look: Look | None = None) -> Scene:
-    return Scene((10.0, 8.0), camera or Camera(), look or Look(), count, JOINT_COUNT)
+def scene(count: int, camera: Camera | None = None) -> Scene:
+    return Scene((10.0, 8.0), camera or Camera(), count, JOINT_COUNT)
 
 
 def read(framebuffer: moderngl.Framebuffer) -> Picture:
@@ -115,7 +116,7 @@ def test_blackout_is_black_and_half_light_is_darker(draw: Draw) -> None:
 def test_shadows_darken_the_floor_on_the_side_away_from_the_light(draw: Draw) -> None:
     top = Camera(eye=(0.0, 7.0, 0.01), target=(0.0, 0.0, 0.0), field_of_view_deg=50.0)
     lit, shaded = draw(empty(), camera=top).astype(int), draw(standing(), camera=top).astype(int)
-    toward = np.array(Look().key_direction)
+    toward = np.array(BY_ADDRESS["/dance/light/key/direction"].start)
     spot = np.array([0.0, 0.0]) + 0.9 * toward[[0, 2]] / -toward[1]  # shadow of the chest
     x, y = project_points(top, SIZE, [[spot[0], 0.0, spot[1]]])[0].astype(int)
     here = np.s_[y - 2 : y + 3, x - 2 : x + 3]

@@ -8,7 +8,7 @@ from live.app.offline.step_listing import named_steps
 from live.app.whole_file import write_atomically
 from live.base.body_catalogue import CharacterFile
 from live.base.errors import PersonError
-from live.base.stage_snapshot import Camera, Look, Scene, StageView
+from live.base.stage_snapshot import Camera, Scene, StageView
 from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import JOINT_COUNT
@@ -32,7 +32,7 @@ def draw_character(character: CharacterFile, out: Path, step: str | None, size: 
     view = _view_of_step(_step(step))
     camera = Camera(eye=(0.0, 1.5, 7.4), target=(0.0, 0.92, 0.0), field_of_view_deg=22.0)
     scene = Scene(
-        (10.0, 7.0), camera, Look(), MOMENTS, JOINT_COUNT, bodies=(character.name,) * MOMENTS, characters=(character,)
+        (10.0, 7.0), camera, MOMENTS, JOINT_COUNT, bodies=(character.name,) * MOMENTS, characters=(character,)
     )
     try:
         ctx = create_headless_context()

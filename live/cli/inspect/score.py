@@ -84,7 +84,5 @@ def _draw(sheet: "Sheet", to: Path, per_row: int, patch: object) -> None:
     if to.suffix.lower() != ".svg":
         raise PersonError(f"--svg {to}: a name that ends in .svg expected", f"--svg {to.stem or 'score'}.svg")
     check_writable(to, "--svg")
-    colours = [
-        "#" + "".join(f"{round(255 * part):02x}" for part in each) for each in make_scene(patch).look.group_colours
-    ]
+    colours = ["#" + "".join(f"{round(255 * part):02x}" for part in each) for each in make_scene(patch).group_colours]
     write_atomically(score_picture(sheet, colours, per_row=per_row).encode(), to, "--svg")

@@ -88,6 +88,8 @@ REGISTRY: Final = Registry((*ELEMENT_CONTROLS, *(control for cls in COMMANDS for
 """All controls."""
 QUERIES: Final = frozenset(control.address for cls in COMMANDS if issubclass(cls, Query) for control in _controls(cls))
 """Addresses of controls that only ask."""
+FIRST_NAMES: Final = {control.address: control.arguments[0].names for control in REGISTRY if control.arguments}
+"""What the first value of each control names, see `Argument`; empty: nothing."""
 
 
 STATUS: Final = "/dance/status/"

@@ -9,14 +9,13 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from live.control.registry.control import ROLE_RANKS, Control, Role
+from live.control.registry.registry import QUERIES
 
 WidgetKind = Literal["fader", "toggle", "button", "pad", "colour"]
 MAX_PAGE_WIDGETS: Final = 24
 """Maximum widgets on a page that is still easy to use."""
 MOST_BUTTONS: Final = 48
 """Maximum names of one kind that get a button each."""
-QUERIES: Final = frozenset(f"/dance/{what}" for what in ("ping", "get", "subscribe", "unsubscribe"))
-"""Queries, which set nothing."""
 PAD_REACH: Final = (6.0, 4.5)
 """Half the width and depth of the stage on a pad [m], where no patch gives its size."""
 

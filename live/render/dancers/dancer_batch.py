@@ -102,7 +102,7 @@ class DancerBatch:
 
     def set_scene(self, scene: Scene) -> None:
         """Set the colours of a scene, and allocate for its dancers."""
-        self._colours = np.array(scene.look.group_colours or ((0.8, 0.8, 0.8),), np.float32)
+        self._colours = np.array(scene.group_colours or ((0.8, 0.8, 0.8),), np.float32)
         if scene.dancer_count > self._capacity or self._capacity == 0:
             self._allocate(max(scene.dancer_count, 1))
 

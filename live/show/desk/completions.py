@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Final
 
-from live.control.registry.registry import REGISTRY
+from live.control.registry.registry import FIRST_NAMES
 from live.show.patch.patch import Patch
 from live.show.patch.section_score import formation_names
 from live.show.show import Show
@@ -26,8 +26,7 @@ def completion_names(patch: Patch, steps: Sequence[str]) -> dict[str, list[str]]
         "background": [background.name for background in patch.background],
         "performer": [performer.name for performer in patch.mocap],
     }
-    firsts = {control.address: control.arguments[0].names for control in REGISTRY if control.arguments}
-    return {address: names[kind] for address, kind in firsts.items() if kind in names}
+    return {address: names[kind] for address, kind in FIRST_NAMES.items() if kind in names}
 
 
 def show_completions(show: Show) -> dict[str, list[str]]:

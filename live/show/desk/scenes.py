@@ -19,11 +19,11 @@ from live.base.stage_snapshot import Camera
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.show.desk.camera_rig import NO_FOLLOW_WORDS, CameraRig
-from live.show.desk.look_settings import LOOK_ADDRESSES, look_settings
+from live.show.desk.look_settings import look_settings
 from live.show.desk.parameter_table import LOOK, VIEW, ParameterTable, parse_value, split_key
 from live.show.desk.parameters import Parameters
 from live.show.patch.patch import Patch
-from live.show.patch.section_base import Setting
+from live.show.patch.section_base import Setting, parameter_rows, parameter_values
 from live.show.patch.section_stage import PROJECTOR, CameraSection, ViewSection
 from live.show.view.render_scene import camera_of_section, make_scene, projector_camera
 
@@ -39,26 +39,20 @@ def camera_settings(camera: Camera, moves: CameraSection | None = None) -> dict[
     """Return a camera and its motion as values by address: all that `/dance/camera/...` can set."""
     moves = moves or CameraSection()
     return {
+        **parameter_values("camera", moves),
         **picture_parameters.camera_values(camera),
         "/dance/camera/orbit": 0.0 if moves.orbit_measures == 0.0 else 1.0 / moves.orbit_measures,
         "/dance/camera/following": float(moves.follow is not None),
-        "/dance/camera/along": moves.along,
-        "/dance/camera/plan": moves.plan,
     }
 
 
 def start_row(patch: Patch) -> Float64:
     """Return the picture's row at the start of a patch, shape (picture.SIZE,)."""
     row = picture_parameters.picture_row(make_scene(patch))
-    moves = camera_settings(picture_parameters.camera_from_row(row), patch.camera)
-    for address in ("/dance/camera/orbit", "/dance/camera/following", "/dance/camera/along", "/dance/camera/plan"):
-        row[picture_parameters.BY_ADDRESS[address].row_slice] = moves[address]
-    for number, background in enumerate(patch.background, start=1):
-        row[picture_parameters.BY_ADDRESS[f"/dance/background/{number}"].first] = background.seen
-    for key, address in LOOK_ADDRESSES.items():
-        value = getattr(patch.look, key)
-        if value is not None:
-            row[picture_parameters.BY_ADDRESS[address].row_slice] = value
+    said = camera_settings(picture_parameters.camera_from_row(row), patch.camera)
+    said |= {f"/dance/background/{number}": one.seen for number, one in enumerate(patch.background, start=1)}
+    for address, value in said.items():
+        row[picture_parameters.BY_ADDRESS[address].row_slice] = value
     return row
 
 
@@ -122,7 +116,7 @@ class Scenes:
         self.stored: dict[str, Scene] = {}
         """Scenes stored live, by case-folded name."""
         table, start = parameters.table, parameters.start
-        light = [place for address in LOOK_ADDRESSES.values() for one in table.find(address) for place in one.numbers]
+        light = [place for row in parameter_rows("look").values() for place in table.places(row.address)]
         camera = range(picture_parameters.CAMERA.start, picture_parameters.CAMERA.stop)
         self._views = {START: Scene(START, {place: float(start[place]) for place in camera}, 0.0)}
         self._looks = {START: Scene(START, {place: float(start[place]) for place in light}, 1.0)}

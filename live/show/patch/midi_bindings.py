@@ -1,13 +1,12 @@
 """MIDI bindings of a patch: `[[midi.map]]`, `[[midi.learned]]` and the defaults as `Binding`s."""
 
-from live.control.midi.midi_binding import DEFAULTS, BadBinding, Binding, Kind, merge_bindings
+from live.control.midi.midi_binding import DEFAULTS, MAX_NUMBER, BadBinding, Binding, merge_bindings
 from live.show.patch.section_io import MidiMapSection, MidiSection
 
 
 def binding_of(section: MidiMapSection) -> Binding:
     """Return a mapping as a `Binding`; BadBinding, a ValueError, if it cannot work."""
-    kinds: tuple[Kind, ...] = ("note", "cc", "program", "bend", "pressure", "nrpn")
-    given = [(kind, number) for kind in kinds if (number := getattr(section, kind)) is not None]
+    given = [(kind, number) for kind in MAX_NUMBER if (number := getattr(section, kind)) is not None]
     if len(given) != 1:
         raise BadBinding("one of note, cc and program, bend, pressure, nrpn expected: what is played")
     kind, number = given[0]

@@ -7,6 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, create_model
 
 from live.base.motion_parameters import MOTION_PARAMETERS
 from live.base.parameter import Parameter
+from live.base.picture_parameters import PARAMETERS
 
 WorldCoordinate = Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)]
 Place = tuple[
@@ -41,10 +42,22 @@ class Section(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
 
 
-def parameter_section(table: str) -> Any:
-    """Return a base class with the keys of the parameters that belong to this table, made from their rows."""
-    rows = {row.patch.partition(".")[2]: row for row in MOTION_PARAMETERS if row.patch.startswith(f"{table}.")}
-    keys: dict[str, Any] = {key: (_key_type(row), _key_field(row)) for key, row in rows.items()}
+def parameter_rows(table: str) -> dict[str, Parameter]:
+    """Return the rows of the parameters that are keys of this table of a patch, by key."""
+    rows = (*MOTION_PARAMETERS, *PARAMETERS)
+    return {row.patch.partition(".")[2]: row for row in rows if row.patch.startswith(f"{table}.")}
+
+
+def parameter_section(table: str, *, optional: bool = False) -> Any:
+    """Return a base class with the keys of the parameters that belong to this table, made from their rows.
+
+    Keys have the start values of their rows or, if they are `optional`, none.
+    """
+    keys: dict[str, Any] = {}
+    for key, row in parameter_rows(table).items():
+        text = row.patch_text or (f"{row.description[:-1]} [{row.unit}]." if row.unit else row.description)
+        default = None if optional else _key_default(row)
+        keys[key] = (_key_type(row) | None if optional else _key_type(row), Field(default=default, description=text))
     return create_model(f"{table.capitalize()}Parameters", __base__=Section, **keys)
 
 
@@ -53,15 +66,15 @@ def _key_type(row: Parameter) -> Any:
         return Literal[tuple(row.choices)]
     if row.kind == "switch":
         return bool
-    return Annotated[float, Field(ge=row.low, le=row.high, allow_inf_nan=False)]
+    number = Annotated[float, Field(ge=row.low, le=row.high, allow_inf_nan=False)]
+    return number if row.size == 1 else tuple[(number,) * row.size]  # type: ignore[misc]
 
 
-def _key_field(row: Parameter) -> Any:
-    return Field(default=parameter_key_value(row, row.start[0]), description=row.patch_text or row.description)
-
-
-def parameter_key_value(row: Parameter, number: float) -> float | bool | str:
-    """Return a parameter's number as its key in the patch has it: a word, a switch or a number."""
+def _key_default(row: Parameter) -> Any:
+    """Return the start value of a parameter as its key has it: a word, a switch, a number or several."""
+    if row.size > 1:
+        return row.start
+    (number,) = row.start
     if row.choices:
         return next(word for word, value in row.choices.items() if value == number)
     return bool(number) if row.kind == "switch" else number
@@ -70,6 +83,12 @@ def parameter_key_value(row: Parameter, number: float) -> float | bool | str:
 def parameter_number(row: Parameter, value: float | bool | str) -> float:
     """Return the number of a parameter for the value of its key in the patch."""
     return row.choices[str(value)] if row.choices else float(value)
+
+
+def parameter_values(table: str, section: Section) -> dict[str, Any]:
+    """Return the values of a section's parameters by address; those that it leaves out are missing."""
+    said = {row.address: getattr(section, key) for key, row in parameter_rows(table).items()}
+    return {address: value for address, value in said.items() if value is not None}
 
 
 Checks = Mapping[str, Callable[[Any], object]]

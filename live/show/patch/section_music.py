@@ -68,6 +68,7 @@ Value = Annotated[float, Field(ge=-10, le=10, allow_inf_nan=False)]
 ReactTarget = Literal[(*MOTION_KEYS, "strength")]  # type: ignore[valid-type]
 UNIT_PREFIX: Final = "unit:"
 """Prefix in `[[react]] on` for the names of partner units."""
+Feature = Literal["loudness", "density", "brightness", "low", "build", "note_energy", "note_density", "chord", "pitch"]
 PictureAddress = Annotated[str, Field(min_length=1, max_length=64, pattern="^/dance/")]
 
 
@@ -75,10 +76,7 @@ class ReactSection(Section):
     """`[[react]]`: a value that follows a feature of the music (`to`, `sets`), or a control that is called on an event
     (`on`, `call`)."""
 
-    to: (
-        Literal["loudness", "density", "brightness", "low", "build", "note_energy", "note_density", "chord", "pitch"]
-        | None
-    ) = None
+    to: Feature | None = None
     """The feature, 0 to 1 in the range heard so far: loudness, onset density, brightness, bass, progress of a build-up;
     of MIDI notes their velocity, density, number sounding, and pitch."""
     sets: ReactTarget | PictureAddress | None = None

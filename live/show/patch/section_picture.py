@@ -66,12 +66,6 @@ class PictureSection(Section):
         run_check(info, "picture", self)
         return self
 
-    def initial_values(self) -> tuple[tuple[str, tuple[float, ...]], ...]:
-        """Return the addresses and initial values of the parameters."""
-        return tuple(
-            (address, value if isinstance(value, tuple) else (float(value),)) for address, value in self.set.items()
-        )
-
 
 class CharacterMaterialSection(Section):
     """`[character.materials.NAME]`: changes to a material of the file."""

@@ -11,6 +11,7 @@ from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from live.show.patch.section_base import Name, Place, Section, Share, run_check
 from live.show.patch.section_elements import Polyline, Selection
+from live.show.patch.section_music import Feature
 
 Measure = Annotated[int, Field(ge=1, le=100000)]
 Beat = Annotated[float, Field(ge=1, lt=33, allow_inf_nan=False)]
@@ -120,15 +121,12 @@ class SequenceSection(Section):
 
 
 Weight = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]
-Feature = Literal[
-    "energy", "loudness", "density", "brightness", "low", "build", "note_energy", "note_density", "chord", "pitch"
-]
 
 
 class ImproviseRule(Section):
     """`[[improvise.rule]]`: changes the weights of steps while a feature of the music is within a range."""
 
-    of: Feature
+    of: Literal["energy", Feature]
     """The feature, 0 to 1 in the range heard so far; energy is the mean of loudness and density, of the music or of
     MIDI notes; the last four are of MIDI notes, as in `[[react]]`."""
     above: Share | None = None

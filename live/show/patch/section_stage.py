@@ -16,6 +16,7 @@ from live.show.patch.section_base import (
     Section,
     Share,
     WorldCoordinate,
+    parameter_section,
     run_check,
 )
 
@@ -121,27 +122,15 @@ class SteeringSection(Section):
         return self
 
 
-class CameraSection(Section):
+class CameraSection(parameter_section("camera")):  # type: ignore[misc]
     """`[camera]`: position [m], direction, lens and motion of the camera."""
 
-    eye: tuple[WorldCoordinate, WorldCoordinate, WorldCoordinate] = (0.0, 3.4, 11.5)
-    """Position of the camera: x, y (up), z [m]."""
-    target: tuple[WorldCoordinate, WorldCoordinate, WorldCoordinate] = (0.0, 0.9, 0.0)
-    """The point that it looks at [m]."""
-    field_of_view_deg: Annotated[float, Field(ge=5, le=120)] = 40.0
-    """Vertical field of view [degrees]."""
-    roll_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
-    """Rotation about its axis, clockwise as seen from behind."""
     shift: tuple[Shift, Shift] = (0.0, 0.0)
     """Lens shift of the picture to the right, in widths, and upwards, in heights."""
     orbit_measures: Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)] = 0.0
     """Measures of one orbit around the target, to the right; below 0 to the left, 0: no orbit."""
     follow: Annotated[str, Field(min_length=1, max_length=200)] | None = None
     """Dancers that it follows: groups, attributes, numbers and places as in `ember & left + 12`; * is all."""
-    along: Share = 0.0
-    """How far it moves along with the dancers; 0: it only turns, 1: it keeps its distance."""
-    plan: Share = 0.0
-    """Opacity of the plan view: circles with triangles for dancers, and their trails."""
 
     @model_validator(mode="after")
     def _look_somewhere(self) -> "CameraSection":
@@ -189,65 +178,11 @@ def check_floor_corners(corners: FloorCorners) -> None:
         raise InvalidEntry(str(error), "corners") from None
 
 
-class LookSection(Section):
+class LookSection(parameter_section("look", optional=True)):  # type: ignore[misc]
     """`[look]`: light and colour (linear RGB from 0 to 1); keys left out keep their defaults."""
 
-    background: Colour | None = None
-    """Colour of the dark behind the stage."""
-    floor: Colour | None = None
-    """Colour of the floor."""
-    key_light: Colour | None = None
-    """Colour of the key light from the front, which casts the shadows."""
-    key: Annotated[float, Field(ge=0, le=4)] | None = None
-    """Strength of the light from the front; 1 is usual."""
     key_direction: tuple[WorldCoordinate, WorldCoordinate, WorldCoordinate] | None = None
-    """Direction of the key light: x, y (up), z."""
-    rim_light: Colour | None = None
-    """Colour of the light from behind."""
-    rim: Annotated[float, Field(ge=0, le=4)] | None = None
-    """Strength of the light from behind; 1 is usual."""
-    ambient: Share | None = None
-    """Strength of the ambient light."""
-    ambient_colour: Colour | None = None
-    """Tint of the ambient light."""
-    level: Annotated[float, Field(ge=0, le=2)] | None = None
-    """Level of all light; 1 is usual."""
-    saturation: Annotated[float, Field(ge=0, le=2)] | None = None
-    """Colour saturation; 0 is black and white."""
-    haze: Annotated[float, Field(ge=0, le=1)] | None = None
-    """Density of the haze over depth [1/m]."""
-    side: Annotated[float, Field(ge=0, le=4)] | None = None
-    """Strength of the light from both sides; left out: none."""
-    side_left: Colour | None = None
-    """Colour of the light from the left."""
-    side_right: Colour | None = None
-    """Colour of the light from the right."""
-    back: Annotated[float, Field(ge=0, le=4)] | None = None
-    """Strength of the light from straight behind and above."""
-    back_light: Colour | None = None
-    """Its colour."""
-    beams: Annotated[float, Field(ge=0, le=4)] | None = None
-    """Strength of the visible beams in the haze."""
-    beams_colour: Colour | None = None
-    """Colour of every other beam; those between are warmer."""
-    beams_width: Annotated[float, Field(ge=0.01, le=0.5)] | None = None
-    """How fast a beam widens along its length."""
-    beams_fan: Annotated[float, Field(ge=-2, le=2)] | None = None
-    """Where the beams hit the floor: 1 below their lamps, 0 all in the middle, -1 crossed."""
-    beams_sway: Share | None = None
-    """How far the beams swing, with a period of eight beats."""
-    pulse: Share | None = None
-    """How much all light pulses with the beat."""
-    energy: Share | None = None
-    """How much all light follows the energy of the music."""
-    stage: Share | None = None
-    """Visibility of floor and wall; 0: dancers alone on true black, as for a gauze."""
-    gradient: Share | None = None
-    """Strength of the two-colour gradient on the back wall."""
-    gradient_top: Colour | None = None
-    """Its colour above."""
-    gradient_bottom: Colour | None = None
-    """Its colour at the floor."""
+    """Direction of the key light, from the front: x, y (up), z; its length is ignored."""
 
     @model_validator(mode="after")
     def _light_goes_somewhere(self) -> "LookSection":

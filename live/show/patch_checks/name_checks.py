@@ -1,11 +1,12 @@
 """Checks that every name in scenes, cues, calls and trackers of a patch exists, before a show runs."""
 
 from collections.abc import Callable, Sequence
-from typing import Final
+from typing import Final, get_args
 
 from live.base.errors import PersonError
 from live.control.events import events
-from live.control.registry.registry import REGISTRY
+from live.control.registry.command import controls_of
+from live.control.registry.registry import FIRST_NAMES, REGISTRY
 from live.show.dancers.timing_offsets import parse_ripple
 from live.show.desk.parameter_table import LOOK, VIEW, split_key
 from live.show.patch.patch import Patch
@@ -15,10 +16,9 @@ from live.show.patch.section_motion import parse_facing
 from live.show.patch.section_stage import PROJECTOR
 from live.show.patch_checks.cue_cycle_check import cue_loops
 from live.show.patch_checks.score_checks import calls_of, signals_of
+from live.show.score.playhead import When
 from live.show.score.section_span import score_length
 
-CUE_CALLS: Final = ("/dance/cue", "/dance/standby")
-"""Controls whose first value is a cue."""
 MIN_LOOP_BEATS: Final = 0.999
 """Cue loops within so many beats are an error; slower ones may be intended."""
 START_NAME: Final = "start"
@@ -105,7 +105,7 @@ def _check_named_cues(patch: Patch) -> None:
             raise InvalidEntry(words, "cue", index, "name")
     names = {_folded(cue.name) for cue in patch.cue} | {f"{number:g}" for number in numbers}
     for call, values, place in calls_of(patch):
-        if call not in CUE_CALLS or (name := _folded(str(values[0]))) in names:
+        if FIRST_NAMES.get(call) != "cue" or (name := _folded(str(values[0]))) in names:
             continue
         known = ", ".join(cue.name for cue in patch.cue) or "none"
         raise InvalidEntry(f"call {call}: no cue is called {name!r}; there are: {known}", *place)
@@ -132,14 +132,8 @@ def _folded(name: str) -> str:
     return name.casefold().strip()
 
 
-NAMED_CONTROLS: Final = (
-    "/dance/scene", "/dance/camera", "/dance/look", "/dance/signal", "/dance/section", "/dance/advance",
-    "/dance/practice", "/dance/enter", "/dance/leave", "/dance/facing", "/dance/ripple",
-)  # fmt: skip
-"""Controls with names that only the patch defines."""
 GATES: Final = ("left", "right", "back")
 """Gates of a stage without a `[[gate]]`."""
-WHENS: Final = ("measure", "section")
 
 
 def check_call_names(patch: Patch) -> None:
@@ -189,13 +183,13 @@ class _NameTable:
 
     def _jump(self, event: events.JumpTo) -> None:
         _require_name("section", event.section, [section.name for section in self._patch.section])
-        _require_name("when", event.when, WHENS)
+        _require_name("when", event.when, get_args(When))
         size = next(one.measures for one in self._patch.section if _folded(one.name) == _folded(event.section))
         if event.measure > size:
             raise PersonError(f"section {event.section!r} has no measure {event.measure}", f"it has {size}")
 
     def _advance(self, event: events.Advance) -> None:
-        _require_name("when", event.when, WHENS)
+        _require_name("when", event.when, get_args(When))
 
     def _practice(self, event: events.Practice) -> None:
         length = score_length(self._patch)
@@ -236,6 +230,8 @@ _NAME_CHECKS: Final[dict[type, Callable[..., None]]] = {
     events.SetFacing: _NameTable._facing,
     events.SetRipple: _NameTable._ripple,
 }
+NAMED_CONTROLS: Final = frozenset(control.address for cls in _NAME_CHECKS for control in controls_of(cls))
+"""Controls with names that only the patch defines."""
 
 
 def check_trackers(psn: PsnSection, performers: Sequence[MocapSection]) -> None:

@@ -1,13 +1,12 @@
 """Detection of score entries that claim a dancer twice at a time, and of calls with unknown names, before it runs."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Final
 
 import numpy as np
 
 from live.base.errors import PersonError, error_context
 from live.control.events.groups import DefineFormation
-from live.control.registry.registry import REGISTRY
+from live.control.registry.registry import FIRST_NAMES, REGISTRY
 from live.graph.motion_graph import MotionGraph
 from live.graph.search.sequence import parse_sequence
 from live.show.group.casting import EVERYONE, Casting
@@ -16,11 +15,6 @@ from live.show.patch.section_score import RegroupSection, SegmentSection
 from live.show.patch_checks.score_checks import CallEntry, calls_of
 from live.show.score.score import Score
 from live.show.score.step_names import UnknownStep, check_connected, find_step
-
-STEP_CONTROLS: Final = ("/dance/step", "/dance/now")
-"""Controls whose first value is a step ..."""
-SEQUENCE_CONTROLS: Final = ("/dance/sequence",)
-"""... and those whose first value are steps with commas between them."""
 
 
 class DancerSelections:
@@ -116,7 +110,7 @@ def check_step_call(graph: MotionGraph, called: CallEntry) -> None:
     """Raise PersonError if a call of `step_calls` names a step that is unknown, or connects to no other."""
     call, values, place = called
     with error_context(f"call {call}", place):
-        if call in SEQUENCE_CONTROLS:
+        if REGISTRY[call].arguments[0].name == "steps":
             check_connected(graph, parse_sequence(str(values[0]), graph.library))
             return
         try:
@@ -128,12 +122,13 @@ def check_step_call(graph: MotionGraph, called: CallEntry) -> None:
 def step_calls(patch: Patch) -> Iterator[CallEntry]:
     """Yield the calls of a patch that name steps; see `calls_of`."""
     for called in calls_of(patch):
-        if called[0] in (*STEP_CONTROLS, *SEQUENCE_CONTROLS):
+        if FIRST_NAMES.get(called[0]) == "step":
             yield called
     for index, line in enumerate(patch.midi.map):
-        name = line.values.get("name" if line.control in STEP_CONTROLS else "steps")
-        if line.control in (*STEP_CONTROLS, *SEQUENCE_CONTROLS) and name is not None:
-            yield line.control, (name,), ("midi", "map", index, "values")
+        if FIRST_NAMES.get(line.control) == "step":
+            name = line.values.get(REGISTRY[line.control].arguments[0].name)
+            if name is not None:
+                yield line.control, (name,), ("midi", "map", index, "values")
 
 
 def check_group_calls(patch: Patch, claims: DancerSelections, find: Callable[[str], object]) -> None:

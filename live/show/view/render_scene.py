@@ -1,15 +1,13 @@
 """Initial scene of the renderer, built from a patch."""
 
 import contextlib
-from dataclasses import fields
 from pathlib import Path
-from typing import Final
 
 from live.base.body_catalogue import BODIES, DEFAULT_BODY, CharacterFile
 from live.base.errors import PersonError, error_context
 from live.base.projector_perspective import camera_from_corners
 from live.base.set_geometry import SetItem
-from live.base.stage_snapshot import Background, Camera, Look, Scene
+from live.base.stage_snapshot import GROUP_COLOURS, Background, Camera, Scene
 from live.motion.skeleton import JOINT_COUNT
 from live.render.media_background import check_background
 from live.show.dancers.character_casting import bodies_of
@@ -17,9 +15,8 @@ from live.show.desk.look_settings import draw_settings
 from live.show.desk.parameter_table import parse_value
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import find_resource
+from live.show.patch.section_base import parameter_values
 from live.show.patch.section_stage import CameraSection
-
-_LOOK: Final = {field.name for field in fields(Look)}
 
 
 def projector_camera(patch: Patch) -> Camera | None:
@@ -70,10 +67,8 @@ def make_scene(
     patch: Patch, path: Path | None = None, characters: tuple[CharacterFile, ...] = (), *, whole: bool = True
 ) -> Scene:
     """Return the scene of a patch; `characters`: the files of its own characters. `whole`: see `make_backgrounds`."""
-    look = {key: value for key, value in patch.look.model_dump().items() if value is not None and key in _LOOK}
-    defaults = Look()
     colours = tuple(
-        group.colour if group.colour is not None else defaults.group_colours[i % len(defaults.group_colours)]
+        group.colour if group.colour is not None else GROUP_COLOURS[i % len(GROUP_COLOURS)]
         for i, group in enumerate(patch.group)
     )
     styles = tuple(
@@ -83,15 +78,16 @@ def make_scene(
     known = {*BODIES, *(each.name for each in characters)}
     return Scene(
         stage_size=(patch.stage.width, patch.stage.depth),
-        look=Look(**look, group_colours=colours, group_styles=styles),
         camera=initial_camera(patch),
         dancer_count=patch.dancer_count,
         joint_count=JOINT_COUNT,
+        group_colours=colours,
+        group_styles=styles,
         backgrounds=() if path is None else make_backgrounds(patch, path, whole=whole),
         items=tuple(SetItem(**section.model_dump()) for section in patch.item),
         passes=patch.picture.passes,
         custom_passes=patch.picture.own_passes,
-        start_values=patch.picture.initial_values(),
+        start_values=(*patch.picture.set.items(), *parameter_values("look", patch.look).items()),
         bodies=tuple(name if name in known else DEFAULT_BODY for name in bodies_of(patch)),
         characters=characters,
     )

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from live.base.stage_snapshot import Look
+from live.base.stage_snapshot import GROUP_COLOURS
 from live.render.dancers.group_styles import CLOTH, SKIN, TIGHTS, dancer_colours
 
-COLOURS = np.array(Look().group_colours, np.float32)
+COLOURS = np.array(GROUP_COLOURS, np.float32)
 
 
 def test_cloth_is_nearest_to_group_colour() -> None:

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.base.stage_snapshot import Camera, Look, Scene, StageView
+from live.base.stage_snapshot import Camera, Scene, StageView
 from live.render.outputs.output import Output, SoftEdge
 from live.render.outputs.projection import Projection, WindowLayout
 from live.render.window.monitors import UnknownMonitor, find_monitor
 from live.render.window.window_input import KeyPressed, PointerPressed
 from tests.fixtures.two_monitor_x import FIRST, SECOND, TwoMonitorX
 
-SCENE = Scene((12.0, 8.0), Camera(), Look(background=(0.2, 0.4, 0.9)), 1, 22)
+SCENE = Scene((12.0, 8.0), Camera(), 1, 22, start_values=(("/dance/light/background", (0.2, 0.4, 0.9)),))
 LEFT, RIGHT = Output("left", "1", crop=(0.0, 0.0, 0.5, 1.0)), Output("right", "2", crop=(0.5, 0.0, 0.5, 1.0))
 
 Open = Callable[..., Projection]

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from live.base.stage_snapshot import Camera, Look, Scene, StageView
+from live.base.stage_snapshot import Camera, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT
 from live.render.uniforms import FLOOR_MARGIN, FrameUniforms
 
@@ -46,7 +46,7 @@ Draw = Callable[..., FloorLight]
 @pytest.fixture
 def floor(gl_context: moderngl.Context) -> Iterator[Draw]:
     """Draws a pass with a view onto an empty floor map (or onto the colour `under`)."""
-    frame = FrameUniforms(gl_context, Scene(STAGE, Camera(), Look(), 0, JOINT_COUNT), (64, 64))
+    frame = FrameUniforms(gl_context, Scene(STAGE, Camera(), 0, JOINT_COUNT), (64, 64))
     texture = gl_context.texture(SIZE, 4, dtype="f4")
     target = gl_context.framebuffer([texture])
     x = (np.arange(SIZE[0]) + 0.5) * TEXEL - 0.5 * STAGE[0] - FLOOR_MARGIN

@@ -4,7 +4,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from live.base.stage_snapshot import GUIDE_CAPACITY, Camera, Look, Scene, StageView
+from live.base.stage_snapshot import GUIDE_CAPACITY, Camera, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT
 from live.render.camera import project_points
 from live.render.passes.overlay_pass import GuidePass
@@ -18,7 +18,7 @@ GREEN = (0.0, 1.0, 0.0, 1.0)
 def draw_guides(ctx, *strokes, camera=None, count=None):
     """RGB picture with these strokes, (H, W, 3), row 0 on top."""
     camera = camera or Camera()
-    frame = FrameUniforms(ctx, Scene((10.0, 8.0), camera, Look(), 0, JOINT_COUNT), SIZE)
+    frame = FrameUniforms(ctx, Scene((10.0, 8.0), camera, 0, JOINT_COUNT), SIZE)
     target, guide, view = ctx.simple_framebuffer(SIZE), GuidePass(ctx), StageView.allocate(0, JOINT_COUNT)
     for row, stroke in enumerate(strokes):
         view.guide[row] = stroke

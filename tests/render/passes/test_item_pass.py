@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from live.base.picture_parameters import BY_ADDRESS
 from live.base.set_geometry import SetItem
 from live.render.adaptive_quality import HARDWARE, SOFTWARE
 from live.render.camera import project_points
@@ -51,7 +52,8 @@ def test_item_and_dancer_occlude_each_other_by_depth(draw_items, quality):
 
 def test_item_casts_shadow_away_from_key_light(draw_items):
     bare, seen = draw_items(), draw_items(SetItem("box", (2.0, 0.0), (0.8, 1.0, 0.8)))
-    x, z = np.array(scene(1).look.key_direction)[[0, 2]] / abs(scene(1).look.key_direction[1])
+    towards = np.array(BY_ADDRESS["/dance/light/key/direction"].start)
+    x, z = towards[[0, 2]] / abs(towards[1])
     at = pixel(2.0 + 0.85 * x - 0.15, 0.0, 0.85 * z)
     other = pixel(2.0 - 0.9 * x + 0.3, 0.0, 0.3 - 0.9 * z)
     assert seen[at[1], at[0]].sum() < 0.85 * bare[at[1], at[0]].sum()

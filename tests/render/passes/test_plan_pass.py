@@ -19,7 +19,7 @@ RED = 0
 
 def scene_from_above(count):
     of = scene(count)
-    return Scene(of.stage_size, ABOVE, of.look, count, of.joint_count)
+    return Scene(of.stage_size, ABOVE, count, of.joint_count)
 
 
 @pytest.fixture
