@@ -17,7 +17,7 @@ import moderngl
 from live.base.custom_pass import CustomShader, parse_custom_pass
 from live.base.errors import PersonError
 from live.render.camera import FAR, NEAR
-from live.render.shader import FRAME_BINDING, source
+from live.render.shader import bind_blocks, source
 
 _LINE: Final = re.compile(r"\b0(?::(\d+)|\((\d+)\))")
 """A line number in a driver's log: 0:12(3) or 0(12)."""
@@ -32,10 +32,7 @@ def compile_pass(ctx: moderngl.Context, own: CustomShader) -> moderngl.Program:
         linked = ctx.program(vertex_shader=source("full_vertex.glsl"), fragment_shader=text)
     except moderngl.Error as error:
         raise PersonError(first_error(own.name, str(error))) from None
-    if "Frame" in linked:
-        block = linked["Frame"]
-        assert isinstance(block, moderngl.UniformBlock)
-        block.binding = FRAME_BINDING
+    bind_blocks(linked)
     return linked
 
 

@@ -29,6 +29,9 @@ FRAME_BINDING: Final = 0
 """Binding of the uniform block that all programs share."""
 STYLES_BINDING: Final = 1
 """Binding of the uniform block with the groups' styles."""
+CORNERS_BINDING: Final = 2
+"""Binding of the uniform block with the corners of elements."""
+_BLOCKS: Final = {"Frame": FRAME_BINDING, "Styles": STYLES_BINDING, "Corners": CORNERS_BINDING}
 MAX_FILE_BYTES: Final = 1_000_000
 """Maximum size of a shader file [bytes]."""
 _LINE: Final = re.compile(r"\b0(?::(\d+)|\((\d+)\))")
@@ -147,7 +150,7 @@ def _include_name(line: str, file: str, place: int) -> str:
 def compile_program(
     ctx: moderngl.Context, vertex: str, fragment: str, constants: tuple[tuple[str, int | float], ...] = ()
 ) -> moderngl.Program:
-    """Compile and link two shader files; binds the shared blocks `Frame` and `Styles` where the program uses them.
+    """Compile and link two shader files; binds the uniform blocks that the program uses.
 
     Raises PersonError, with file and line if the driver reports them.
     """
@@ -157,12 +160,17 @@ def compile_program(
     except moderngl.Error as error:
         log = str(error)
         raise PersonError(_first_error(log, above_places if "vertex_shader" in log else below_places)) from None
-    for name, binding in (("Frame", FRAME_BINDING), ("Styles", STYLES_BINDING)):
+    bind_blocks(linked)
+    return linked
+
+
+def bind_blocks(linked: moderngl.Program) -> None:
+    """Bind the uniform blocks that a program uses; each kind of block has a binding of its own."""
+    for name, binding in _BLOCKS.items():
         if name in linked:
             block = linked[name]
             assert isinstance(block, moderngl.UniformBlock)
             block.binding = binding
-    return linked
 
 
 def _first_error(log: str, places: list[str]) -> str:

@@ -25,7 +25,7 @@ from live.base.element_kinds import (
     VORTEX,
 )
 from live.base.stage_snapshot import ELEMENT_CAPACITY, ELEMENT_CORNERS, LIGHT_CAPACITY, StageView
-from live.render.shader import compile_program, release_all, set_uniform
+from live.render.shader import CORNERS_BINDING, compile_program, release_all, set_uniform
 
 _KINDS: Final = (
     ("ATTRACTOR", ATTRACTOR),
@@ -42,8 +42,6 @@ _KINDS: Final = (
     ("DRAWN", DRAWN),
     ("CORNERS", ELEMENT_CORNERS),
 )
-_CORNER_BINDING: Final = 1
-"""Uniform block binding of the corners; 0 is the frame's."""
 _BEAT_PERIOD: Final = 64.0
 """Period [beats] of all motion along floor lines: small numbers keep float32 exact."""
 _COLUMNS: Final = 8
@@ -59,11 +57,6 @@ class ElementPass:
         self._regions = compile_program(ctx, "element_region_vertex.glsl", "element_region_fragment.glsl", _KINDS)
         self._lines = compile_program(ctx, "element_line_vertex.glsl", "element_line_fragment.glsl", _KINDS)
         self.set_texel(texel)
-        for linked in (self._pools, self._regions, self._lines):
-            if "Corners" in linked:
-                block = linked["Corners"]
-                assert isinstance(block, moderngl.UniformBlock)
-                block.binding = _CORNER_BINDING
         self._staging = np.zeros((ELEMENT_CAPACITY + LIGHT_CAPACITY, _COLUMNS), np.float32)
         self._pieces = np.zeros((ELEMENT_CORNERS, _PIECE_COLUMNS), np.float32)
         self._corners = np.zeros((ELEMENT_CORNERS, 4), np.float32)
@@ -105,7 +98,7 @@ class ElementPass:
         ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_COLOR
         self._pool_array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=count + lights)
         if self._has_regions(view, count):
-            self._corner_buffer.bind_to_uniform_block(_CORNER_BINDING)
+            self._corner_buffer.bind_to_uniform_block(CORNERS_BINDING)
             self._region_array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=count)
         ctx.disable(moderngl.BLEND)
 

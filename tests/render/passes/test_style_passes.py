@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+from live.base.element_kinds import ATTRACTOR
 from live.base.picture_parameters import STYLE_ADDRESS_PREFIX, group_parameter, picture_row
 from live.base.stage_snapshot import Camera
 from live.render.adaptive_quality import SOFTWARE
 from live.render.camera import project_points
 from live.render.renderer import Renderer
+from tests.render.passes.test_element_pass import add_element
 from tests.render.poses import ARMS_DOWN, LUNGE, REACH, STEP, stage_view
 from tests.render.test_renderer import read, scene
 
@@ -209,3 +211,12 @@ def test_jump_back_in_time_clears_history(draw_last):
     moments = dance_moments(row)
     fresh = draw_last((three_dancers(0.01, 1.0), row))
     assert np.array_equal(draw_last(*moments, (three_dancers(0.01, 1.0), row)), fresh)
+
+
+def test_regions_on_the_floor_leave_the_styles_alone(draw_last):
+    """Regions have a uniform block of their own; with the styles' binding it took the bodies away."""
+    view = three_dancers()
+    add_element(view, ATTRACTOR, ((-2.0, -3.0), (2.0, -3.0), (0.0, -2.5)), closed=True)
+    picture = draw_last((view, row_with(silhouette=1.0, silhouette__colour=(1.0, 1.0, 1.0))))
+    for dancer in range(3):
+        assert is_flat_white(dancer_columns(picture, dancer))
