@@ -120,6 +120,8 @@ LINE_KINDS: Final = frozenset(kind.number for kind in ELEMENT_KINDS if kind.need
 """Numbers of the kinds that need two points or more."""
 DECAYS: Final = {kind.number: kind.decay for kind in ELEMENT_KINDS}
 """Usual length of the fall-off of each kind [m]."""
+if len({*KIND_NAMES.values(), PARTICIPANT, PHONE_LIGHT}) < len(KIND_NAMES) + 2:
+    raise ValueError("two kinds of element have the same number")
 KIND_COUNT: Final = 1 + max(PARTICIPANT, *KIND_NAMES.values())
 """Length of an array that has a place for each number."""
 EVERYBODY: Final = (1 << 64) - 1

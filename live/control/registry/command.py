@@ -47,7 +47,8 @@ def command(
     current value, with the default `start`; `continuous`: of several messages at once only the last counts, as for
     every value; `named`: see `Control`; `fixed`: fields that this address sets, and which are no arguments of it;
     `required`: arguments that are required at this address, though the field has a default; `arguments`: those that
-    differ from the class's at this address, by field; `edits`: see `ControlEvent`.
+    differ from the class's at this address, by field; `edits`: what undo takes back, a part of
+    `UndoHistory` by its name ("set", "scenes", "parameters" …).
     """
 
     def declare(cls: Any) -> Any:
