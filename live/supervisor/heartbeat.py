@@ -47,6 +47,11 @@ class Heartbeat:
         self._words[0] = time.monotonic_ns()
 
     @property
+    def tick(self) -> int:
+        """The tick of the last beat."""
+        return self._words[1]
+
+    @property
     def phase(self) -> Phase:
         """The phase of the last beat."""
         return Phase(self._words[2])

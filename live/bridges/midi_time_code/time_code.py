@@ -119,6 +119,13 @@ class TimeCodeClock:
         self._jump = False
         self._reported_position: int | None = None
 
+    @property
+    def seconds(self) -> float:
+        """The time code at the newest quarter frame [s]; NaN while unknown."""
+        if self._origin is None or not self._train.length:
+            return math.nan
+        return (self._train.last - self._origin) / (4.0 * SPEEDS[self.code.rate])
+
     def receive(self, message: Sequence[int], time: float) -> list[ClockEvent]:
         """Process a message that arrived at `time` [s]; return the news. Messages other than time code change
         nothing."""

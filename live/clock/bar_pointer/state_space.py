@@ -20,8 +20,6 @@ FIRST_SLOT: Final = (0, 2, 5, 9)
 
 SLOTS: Final = 16
 """Slots of each (interval, position); the last is unused: sixteen fill the processor's registers."""
-
-
 REACH: Final = 8
 """Number of intervals to each side that the tempo can change to at one beat."""
 

@@ -265,6 +265,11 @@ class BoundedServer(web.Server):
         """Stop limiting a connection that became a WebSocket: its pings now show whether the client is there."""
         self._forget(request.protocol)
 
+    @property
+    def waiting(self) -> int:
+        """Number of connections other than open WebSockets."""
+        return len(self._waiting)
+
     def _forget(self, handler: RequestHandler) -> None:
         connection = self._waiting.pop(handler, None)
         if connection is None:

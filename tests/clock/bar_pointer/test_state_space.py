@@ -8,8 +8,10 @@ import pytest
 
 from live.clock.bar_pointer.bar_pointer import BarPointer
 from live.clock.bar_pointer.observation_model import likelihoods
-from live.clock.bar_pointer.state_space import METRES, REACH, SLOTS, WINDOW, BarPointerModel, slot_metre
+from live.clock.bar_pointer.state_space import METRES, REACH, SLOTS, BarPointerModel, slot_metre
 from live.clock.bar_pointer.transition_model import FREE_RANGE
+
+WINDOW = 7  # frames in which a beat's activation may lie, the beat in the middle
 
 State = tuple[int, int, int, int]  # interval, position, metre, beat
 
